@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/clock.h"
+
+#include <ctime>
+
+#include <cerrno>
+
+namespace dts::core {
+namespace {
+
+constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+
+std::int64_t read_ns(clockid_t id) noexcept {
+  timespec now{};
+  clock_gettime(id, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * kNanosecondsPerSecond + now.tv_nsec;
+}
+
+}  // namespace
+
+std::int64_t SystemClock::now_ns() const noexcept { return read_ns(CLOCK_MONOTONIC); }
+
+void SystemClock::sleep_until_ns(std::int64_t deadline_ns) noexcept {
+  const timespec until{deadline_ns / kNanosecondsPerSecond, deadline_ns % kNanosecondsPerSecond};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
+  }
+}
+
+std::int64_t utc_minus_monotonic_ns() noexcept { return read_ns(CLOCK_REALTIME) - read_ns(CLOCK_MONOTONIC); }
+
+}  // namespace dts::core

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/block.h"
+
+namespace dts::core {
+
+/// Why a segment ended. Values are part of the wire format.
+enum class GapReason : std::uint8_t {
+  None = 0,
+  Overrun = 1,    ///< The device's buffer was full.
+  Unplugged = 2,  ///< The device went away.
+  Silence = 3,    ///< The device stopped delivering while present.
+  RingFull = 4,   ///< The pipeline was too slow; the count is exact.
+  Integrity = 5,  ///< The device's data failed a check (marker, checksum, counter).
+};
+
+/// A hole in a rig's data, standing before the first scan of a new segment.
+struct Gap {
+  GapReason reason = GapReason::None;
+  std::uint64_t missing_scans = 0;
+  bool is_exact = false;  ///< false: estimated from the duration.
+};
+
+/// What the device hands to the pipeline in one go.
+struct Acquired {
+  Block block;
+  Gap gap_before;  ///< reason None: continues the segment.
+  std::uint64_t lost_scans_total = 0;
+};
+
+/// What the pipeline makes of it: one block per stream, in the order of the pipeline's formats. A block with count 0
+/// says nothing (a window that is not full yet).
+struct Frame {
+  std::vector<Block> streams;
+  Gap gap_before;
+  std::uint32_t segment = 0;
+  std::int64_t host_time_ns = 0;
+  std::uint64_t lost_scans_total = 0;
+};
+
+}  // namespace dts::core

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/rate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace dts::core {
+namespace {
+
+__extension__ using Wide = __int128;  // index * 1e9 * denominator passes 64 bit after three hours at 1500 Hz
+constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
+
+}  // namespace
+
+Result<Rate> Rate::create(std::int64_t scans, std::int64_t seconds) {
+  if (scans < 1 || seconds < 1 || scans > kMaxTerm || seconds > kMaxTerm) {
+    return fail(ErrorCode::InvalidArgument, "rate " + std::to_string(scans) + "/" + std::to_string(seconds) + " Hz is not a positive fraction");
+  }
+  const std::int64_t divisor = std::gcd(scans, seconds);
+  return Rate{scans / divisor, seconds / divisor};
+}
+
+Result<Rate> Rate::from_hz(double hz) {
+  constexpr double kMicro = 1e6;
+  if (!std::isfinite(hz) || hz * kMicro < 0.5 || hz > kMicro) {
+    return fail(ErrorCode::InvalidArgument, "rate " + std::to_string(hz) + " Hz is outside (0, 1000000] Hz");
+  }
+  return create(std::llround(hz * kMicro), static_cast<std::int64_t>(kMicro));
+}
+
+std::int64_t Rate::time_ns(ScanIndex index) const noexcept {
+  const Wide ns = (Wide{index.value} * seconds_ * kNanosecondsPerSecond + scans_ / 2) / scans_;
+  return static_cast<std::int64_t>(ns);
+}
+
+std::uint64_t Rate::scans_in_ms(double ms) const noexcept {
+  return static_cast<std::uint64_t>(std::max(1.0, std::round(ms * 1e-3 * hz())));
+}
+
+Rate Rate::divided_by(std::int64_t factor) const noexcept {
+  const std::int64_t divisor = std::gcd(scans_, factor);
+  return Rate{scans_ / divisor, seconds_ * (factor / divisor)};
+}
+
+}  // namespace dts::core

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <numeric>
+
+#include "core/result.h"
+#include "core/units.h"
+
+namespace dts::core {
+
+/// Scans per second as an exact fraction. A DAQ divides its clock, so its true rate is rational and rarely the requested
+/// one; time computed from index and rate must not drift by rounding (design: "never the requested rate").
+class Rate {
+ public:
+  static constexpr std::int64_t kMaxTerm = 1'000'000'000'000;
+
+  constexpr Rate() = default;  ///< 1 Hz.
+
+  /// Fails with InvalidArgument unless both terms are in [1, kMaxTerm].
+  [[nodiscard]] static Result<Rate> create(std::int64_t scans, std::int64_t seconds);
+  /// The fraction nearest to `hz` with 1e-6 Hz resolution. Fails unless `hz` is finite and in (0, 1e6].
+  [[nodiscard]] static Result<Rate> from_hz(double hz);
+
+  [[nodiscard]] constexpr std::int64_t numerator() const noexcept { return scans_; }
+  [[nodiscard]] constexpr std::int64_t denominator() const noexcept { return seconds_; }
+  [[nodiscard]] constexpr double hz() const noexcept { return static_cast<double>(scans_) / static_cast<double>(seconds_); }
+
+  /// Time from scan 0 to `index`, rounded to the nearest ns; exact arithmetic, no accumulated error.
+  [[nodiscard]] std::int64_t time_ns(ScanIndex index) const noexcept;
+  /// Number of whole scans in `ms` milliseconds (nearest), at least 1.
+  [[nodiscard]] std::uint64_t scans_in_ms(double ms) const noexcept;
+  /// This rate divided by an integer factor (a stage that outputs every n-th scan). `factor` must be at least 1.
+  [[nodiscard]] Rate divided_by(std::int64_t factor) const noexcept;
+
+  friend constexpr bool operator==(const Rate&, const Rate&) = default;
+
+ private:
+  constexpr Rate(std::int64_t scans, std::int64_t seconds) noexcept : scans_(scans), seconds_(seconds) {}
+
+  std::int64_t scans_ = 1;
+  std::int64_t seconds_ = 1;
+};
+
+}  // namespace dts::core

@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace dts::core {
+
+/// Lock-free ring for one producer thread and one consumer thread. Slots are built once and reused: nothing is allocated
+/// after construction. The producer never pops; when the ring is full the *new* element is dropped and counted.
+///
+/// Indices run freely and are masked on access, so full (head - tail == capacity) and empty (head == tail) differ:
+///
+///     slot      0   1   2   3   4   5   6   7         capacity 8
+///                       [tail = 10 ... head = 14)     4 readable, 4 writable
+///
+/// Each side keeps a private copy of the other side's index and reads the shared one only when the copy says full or
+/// empty: in steady state a batch costs one cache-line transfer. `Atomic` is replaced by the model checker.
+template <class T, template <class> class Atomic = std::atomic>
+class SpscRing {
+ public:
+  /// At least `minimum_capacity` slots (rounded up to a power of two), each a copy of `prototype`.
+  explicit SpscRing(std::size_t minimum_capacity, const T& prototype = T{})
+      : slots_(std::bit_ceil(std::max<std::size_t>(minimum_capacity, 1)), prototype), mask_(slots_.size() - 1) {}
+  SpscRing(const SpscRing&) = delete;
+  SpscRing& operator=(const SpscRing&) = delete;
+
+  [[nodiscard]] std::size_t capacity() const noexcept { return slots_.size(); }
+
+  /// The slot to fill next, in place, or nullptr when full. `commit()` hands it to the consumer.
+  /// Thread: producer. Realtime-safe: yes.
+  [[nodiscard]] T* claim() noexcept;
+  void commit() noexcept;
+  /// Counts `elements` that found no room. Thread: producer. Realtime-safe: yes.
+  void drop(std::uint64_t elements = 1) noexcept;
+  /// Copies as many of `elements` as fit, drops and counts the rest; returns how many were taken.
+  /// Thread: producer. Realtime-safe: yes when copying T is.
+  std::size_t push(std::span<const T> elements) noexcept;
+
+  /// The oldest element, in place, or nullptr when empty. `release()` gives its slot back.
+  /// Thread: consumer. Realtime-safe: yes.
+  [[nodiscard]] T* front() noexcept;
+  void release() noexcept;
+  /// Copies up to `out.size()` elements; returns how many. Thread: consumer. Realtime-safe: yes when copying T is.
+  std::size_t pop(std::span<T> out) noexcept;
+
+  /// Elements dropped since construction. Thread: any. Realtime-safe: yes.
+  [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+
+ private:
+  static constexpr std::size_t kCacheLine = 64;
+
+  std::vector<T> slots_;
+  std::size_t mask_;
+
+  alignas(kCacheLine) Atomic<std::uint64_t> head_{0};  ///< Elements ever pushed; written by the producer.
+  std::uint64_t cached_tail_ = 0;                      ///< Producer's copy of `tail_`.
+  Atomic<std::uint64_t> dropped_{0};
+
+  alignas(kCacheLine) Atomic<std::uint64_t> tail_{0};  ///< Elements ever popped; written by the consumer.
+  std::uint64_t cached_head_ = 0;                      ///< Consumer's copy of `head_`.
+};
+
+template <class T, template <class> class Atomic>
+T* SpscRing<T, Atomic>::claim() noexcept {
+  const std::uint64_t head = head_.load(std::memory_order_relaxed);  // own index
+  if (head - cached_tail_ == slots_.size()) {
+    cached_tail_ = tail_.load(std::memory_order_acquire);  // pairs with release(): the consumer is done with the slot
+    if (head - cached_tail_ == slots_.size()) return nullptr;
+  }
+  return &slots_[head & mask_];
+}
+
+template <class T, template <class> class Atomic>
+void SpscRing<T, Atomic>::commit() noexcept {
+  head_.store(head_.load(std::memory_order_relaxed) + 1, std::memory_order_release);  // pairs with front()
+}
+
+template <class T, template <class> class Atomic>
+void SpscRing<T, Atomic>::drop(std::uint64_t elements) noexcept {
+  dropped_.store(dropped_.load(std::memory_order_relaxed) + elements, std::memory_order_relaxed);  // one writer
+}
+
+template <class T, template <class> class Atomic>
+std::size_t SpscRing<T, Atomic>::push(std::span<const T> elements) noexcept {
+  const std::uint64_t head = head_.load(std::memory_order_relaxed);
+  if (head + elements.size() - cached_tail_ > slots_.size()) cached_tail_ = tail_.load(std::memory_order_acquire);
+  const std::size_t taken = std::min<std::size_t>(elements.size(), slots_.size() - (head - cached_tail_));
+  const std::size_t start = head & mask_;
+  const std::size_t until_wrap = std::min(taken, slots_.size() - start);
+  std::copy_n(elements.begin(), until_wrap, slots_.begin() + static_cast<std::ptrdiff_t>(start));
+  std::copy_n(elements.begin() + static_cast<std::ptrdiff_t>(until_wrap), taken - until_wrap, slots_.begin());
+  if (taken > 0) head_.store(head + taken, std::memory_order_release);  // pairs with pop() and front()
+  if (taken < elements.size()) drop(elements.size() - taken);
+  return taken;
+}
+
+template <class T, template <class> class Atomic>
+T* SpscRing<T, Atomic>::front() noexcept {
+  const std::uint64_t tail = tail_.load(std::memory_order_relaxed);  // own index
+  if (tail == cached_head_) {
+    cached_head_ = head_.load(std::memory_order_acquire);  // pairs with commit() and push(): the slot is written
+    if (tail == cached_head_) return nullptr;
+  }
+  return &slots_[tail & mask_];
+}
+
+template <class T, template <class> class Atomic>
+void SpscRing<T, Atomic>::release() noexcept {
+  tail_.store(tail_.load(std::memory_order_relaxed) + 1, std::memory_order_release);  // pairs with claim() and push()
+}
+
+template <class T, template <class> class Atomic>
+std::size_t SpscRing<T, Atomic>::pop(std::span<T> out) noexcept {
+  const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
+  if (cached_head_ - tail < out.size()) cached_head_ = head_.load(std::memory_order_acquire);
+  const std::size_t taken = std::min<std::size_t>(out.size(), cached_head_ - tail);
+  const std::size_t start = tail & mask_;
+  const std::size_t until_wrap = std::min(taken, slots_.size() - start);
+  std::copy_n(slots_.begin() + static_cast<std::ptrdiff_t>(start), until_wrap, out.begin());
+  std::copy_n(slots_.begin(), taken - until_wrap, out.begin() + static_cast<std::ptrdiff_t>(until_wrap));
+  if (taken > 0) tail_.store(tail + taken, std::memory_order_release);  // pairs with claim() and push()
+  return taken;
+}
+
+}  // namespace dts::core

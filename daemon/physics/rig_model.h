@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/units.h"
+#include "physics/plate.h"
+#include "physics/sensor_curve.h"
+
+namespace dts::physics {
+
+/// One displacement sensor under the plate.
+struct SensorModel {
+  std::string label;          ///< "w1"
+  Point position;             ///< Plate coordinates, corner origin.
+  SensorCurve curve;          ///< Output voltage over the gap between sensor and plate.
+  core::Millimetres unloaded_gap{12.0};
+};
+
+/// Everything the physics knows about one rig: what the simulator bends and what the estimators are calibrated on.
+/// Floor platform: sensors in the order w1 (-,-), w2 (+,-), w3 (-,+), w4 (+,+) of plate-model section 3.
+struct RigModel {
+  Plate plate;
+  Support support;
+  std::vector<SensorModel> sensors;
+};
+
+}  // namespace dts::physics

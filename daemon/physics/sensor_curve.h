@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "core/units.h"
+
+namespace dts::physics {
+
+struct CurvePoint {
+  core::Millimetres gap;
+  core::Volts volts;
+};
+
+/// Output voltage of a reflective sensor over its gap: strictly monotone, interpolated through calibration points by
+/// monotone cubic Hermite (Fritsch-Carlson), so that it cannot overshoot between them.
+///
+/// Both directions are evaluated from dense tables built at creation. Thread: any. Realtime-safe: yes.
+class SensorCurve {
+ public:
+  /// At least two points with strictly rising gap and strictly monotone volts; else InvalidArgument, naming the point.
+  [[nodiscard]] static core::Result<SensorCurve> create(std::string name, std::vector<CurvePoint> points);
+  /// The curve assumed in plate-model section 5 for the HOA1405-2 (thesis Fig. 3.9 is missing): V = 0.9 + 0.35 z + 0.058 z^2,
+  /// z = 12 mm - gap, as points every 0.25 mm over 4..13 mm.
+  [[nodiscard]] static SensorCurve hoa1405_assumed();
+
+  [[nodiscard]] const std::string& name() const noexcept { return name_; }
+  [[nodiscard]] core::Millimetres minimum_gap() const noexcept;
+  [[nodiscard]] core::Millimetres maximum_gap() const noexcept;
+
+  /// Gaps outside the calibrated range count as its end.
+  [[nodiscard]] core::Volts volts(core::Millimetres gap) const noexcept;
+  /// Voltages outside the calibrated range count as its end; `contains` tells.
+  [[nodiscard]] core::Millimetres gap(core::Volts volts) const noexcept;
+  [[nodiscard]] bool contains(core::Volts volts) const noexcept;
+
+ private:
+  std::string name_;
+  std::vector<CurvePoint> points_;
+  std::vector<double> volts_table_;  ///< Even steps of gap.
+  std::vector<double> gap_table_;    ///< Even steps of volts.
+};
+
+}  // namespace dts::physics

@@ -47,7 +47,10 @@ class Block {
  public:
   Block() = default;
   Block(std::size_t channel_count, std::size_t capacity_scans)
-      : channels_(channel_count), capacity_(capacity_scans), values_(channel_count * capacity_scans), quality_(channel_count * capacity_scans) {}
+      : channels_(channel_count),
+        capacity_(capacity_scans),
+        values_(channel_count * capacity_scans),
+        quality_(channel_count * capacity_scans) {}
 
   std::uint32_t segment = 0;      ///< Counts up at every gap; scan indices restart.
   ScanIndex first_scan;           ///< Of this segment.
@@ -61,10 +64,14 @@ class Block {
   void set_count(std::size_t scans) noexcept { count_ = scans; }
 
   [[nodiscard]] std::span<double> column(std::size_t channel) noexcept { return {values_.data() + channel * capacity_, count_}; }
-  [[nodiscard]] std::span<const double> column(std::size_t channel) const noexcept { return {values_.data() + channel * capacity_, count_}; }
+  [[nodiscard]] std::span<const double> column(std::size_t channel) const noexcept {
+    return {values_.data() + channel * capacity_, count_};
+  }
   /// Quality bits of each value of a channel.
   [[nodiscard]] std::span<std::uint8_t> quality(std::size_t channel) noexcept { return {quality_.data() + channel * capacity_, count_}; }
-  [[nodiscard]] std::span<const std::uint8_t> quality(std::size_t channel) const noexcept { return {quality_.data() + channel * capacity_, count_}; }
+  [[nodiscard]] std::span<const std::uint8_t> quality(std::size_t channel) const noexcept {
+    return {quality_.data() + channel * capacity_, count_};
+  }
 
   /// Takes segment, first scan, host time and count from `other`. Realtime-safe: yes.
   void copy_position(const Block& other) noexcept {

@@ -15,7 +15,8 @@ constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 Result<Rate> Rate::create(std::int64_t scans, std::int64_t seconds) {
   if (scans < 1 || seconds < 1 || scans > kMaxTerm || seconds > kMaxTerm) {
-    return fail(ErrorCode::InvalidArgument, "rate " + std::to_string(scans) + "/" + std::to_string(seconds) + " Hz is not a positive fraction");
+    return fail(ErrorCode::InvalidArgument,
+                "rate " + std::to_string(scans) + "/" + std::to_string(seconds) + " Hz is not a positive fraction");
   }
   const std::int64_t divisor = std::gcd(scans, seconds);
   return Rate{scans / divisor, seconds / divisor};

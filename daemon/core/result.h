@@ -11,18 +11,18 @@ namespace dts::core {
 
 /// What went wrong, as a stable code. The same values travel in `dts.v1.ErrorCode` and decide the exit status of dtsctl.
 enum class ErrorCode : std::uint8_t {
-  Failed = 1,            ///< The operation failed for a reason of the world: I/O, memory, a peer.
-  InvalidArgument = 2,   ///< A value or a file given by the user is wrong.
-  Unreachable = 3,       ///< Nobody answers at the endpoint.
-  NotAllowed = 4,        ///< The caller's role or the operating system forbids it.
-  NotFound = 5,          ///< No such rig, device, session or file.
-  WrongState = 6,        ///< The operation is legal, but not now.
-  DataDamaged = 7,       ///< Stored or received data contradict themselves.
-  Timeout = 8,           ///< The deadline passed.
-  DeviceGone = 9,        ///< The device was unplugged or stopped answering.
-  Unsupported = 10,      ///< This device, build or version cannot do it.
-  LimitExceeded = 11,    ///< A size, rate or count is above its documented limit.
-  Internal = 12,         ///< A broken invariant: our bug.
+  Failed = 1,           ///< The operation failed for a reason of the world: I/O, memory, a peer.
+  InvalidArgument = 2,  ///< A value or a file given by the user is wrong.
+  Unreachable = 3,      ///< Nobody answers at the endpoint.
+  NotAllowed = 4,       ///< The caller's role or the operating system forbids it.
+  NotFound = 5,         ///< No such rig, device, session or file.
+  WrongState = 6,       ///< The operation is legal, but not now.
+  DataDamaged = 7,      ///< Stored or received data contradict themselves.
+  Timeout = 8,          ///< The deadline passed.
+  DeviceGone = 9,       ///< The device was unplugged or stopped answering.
+  Unsupported = 10,     ///< This device, build or version cannot do it.
+  LimitExceeded = 11,   ///< A size, rate or count is above its documented limit.
+  Internal = 12,        ///< A broken invariant: our bug.
 };
 
 /// One word per code, for logs and JSON: "wrong_state".

@@ -20,10 +20,10 @@ namespace dts::device {
 
 /// "scheme:name?key=value&key=value": the one string that chooses a device.
 struct DeviceUri {
-  std::string scheme;                         ///< "sim"
-  std::string name;                           ///< "floor"
+  std::string scheme;                          ///< "sim"
+  std::string name;                            ///< "floor"
   std::map<std::string, std::string> options;  ///< {"seed": "7"}
-  std::string text;                           ///< As given.
+  std::string text;                            ///< As given.
 
   /// Fails with InvalidArgument, naming the part, when the text is not of that form or a key stands twice.
   [[nodiscard]] static core::Result<DeviceUri> parse(std::string_view text);

@@ -12,9 +12,9 @@ namespace dts::physics {
 
 /// One displacement sensor under the plate.
 struct SensorModel {
-  std::string label;          ///< "w1"
-  Point position;             ///< Plate coordinates, corner origin.
-  SensorCurve curve;          ///< Output voltage over the gap between sensor and plate.
+  std::string label;  ///< "w1"
+  Point position;     ///< Plate coordinates, corner origin.
+  SensorCurve curve;  ///< Output voltage over the gap between sensor and plate.
   core::Millimetres unloaded_gap{12.0};
 };
 

@@ -27,7 +27,7 @@ struct OptionDescription {
 };
 
 struct StageDescription {
-  std::string_view id;      ///< [a-z0-9_]
+  std::string_view id;  ///< [a-z0-9_]
   std::string_view sentence;
   std::string_view output_stream;  ///< Name of the stream it makes: "filtered".
   std::vector<OptionDescription> options;
@@ -70,9 +70,9 @@ class Stage {
   /// Sees the format of its input and says the format of its output (the pipeline sets its name). All memory for blocks
   /// of up to `max_scans` is taken here. Thread: control.
   [[nodiscard]] virtual core::Result<core::StreamFormat> prepare(const core::StreamFormat& input, std::size_t max_scans) = 0;
-  /// Fills `out` from `in`. `out` arrives with the position and count of `in` and capacity for as many scans; a stage that gives fewer scans
-  /// sets count, first scan and host time itself. Values may be NaN only where a quality bit says why.
-  /// Thread: pipeline. Realtime-safe: yes.
+  /// Fills `out` from `in`. `out` arrives with the position and count of `in` and capacity for as many scans; a stage that gives fewer
+  /// scans sets count, first scan and host time itself. Values may be NaN only where a quality bit says why. Thread: pipeline.
+  /// Realtime-safe: yes.
   virtual void process(const core::Block& in, core::Block& out) noexcept = 0;
   /// Forgets the signal's history: called between segments. What a command has set (a tare) stays.
   /// Thread: pipeline. Realtime-safe: yes.

@@ -28,7 +28,7 @@ struct Gap {
 /// What the device hands to the pipeline in one go.
 struct Acquired {
   Block block;
-  Gap gap_before;  ///< reason None: continues the segment.
+  Gap gap_before{};  ///< reason None: continues the segment.
   std::uint64_t lost_scans_total = 0;
 };
 

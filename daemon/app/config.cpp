@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/config.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <thread>
+
+#include "app/paths.h"
+#include "app/rig_file.h"
+#include "ipc/endpoint.h"
+
+namespace dts::app {
+namespace {
+
+constexpr std::size_t kLongestRigName = 32;
+constexpr int kStepsBelow = 3;  // the lowest of our threads is that far below fifo_priority
+
+bool is_rig_name(const std::string& name) {
+  return !name.empty() && name.size() <= kLongestRigName && name != "dtsd" &&
+         name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;
+}
+
+core::LogLevel read_log_level(TomlReader reader) {
+  const std::string level = reader.choice("level", {"info", "debug", "warning", "error"});
+  reader.finish();
+  if (level == "debug") return core::LogLevel::Debug;
+  if (level == "warning") return core::LogLevel::Warning;
+  return level == "error" ? core::LogLevel::Error : core::LogLevel::Info;
+}
+
+std::string read_endpoint(TomlReader& reader, std::string_view key, const std::string& fallback) {
+  const std::string endpoint = reader.text(key, fallback);
+  if (auto valid = ipc::check_endpoint(endpoint); !valid) reader.report(key, core::to_string(valid.error()));
+  return endpoint;
+}
+
+void read_endpoints(TomlReader reader, DaemonConfig& config) {
+  config.control_endpoint = read_endpoint(reader, "control", "ipc://" + config.runtime_directory + "/control.sock");
+  config.data_endpoint = read_endpoint(reader, "data", "ipc://" + config.runtime_directory + "/data.sock");
+  if (config.control_endpoint == config.data_endpoint) reader.report("data", "control and data need different endpoints");
+  reader.finish();
+}
+
+RealtimeConfig read_realtime(TomlReader reader) {
+  RealtimeConfig realtime;
+  realtime.fifo_priority = static_cast<int>(reader.integer("fifo_priority", realtime.fifo_priority, 0, 95));
+  if (realtime.fifo_priority > 0 && realtime.fifo_priority <= kStepsBelow) {
+    reader.report("fifo_priority",
+                  "fifo_priority must be 0 (off) or above " + std::to_string(kStepsBelow) + ": four threads share the steps below it");
+  }
+  realtime.locks_memory = reader.boolean("lock_memory", realtime.locks_memory);
+  const auto cores = static_cast<std::int64_t>(std::max(1U, std::thread::hardware_concurrency()));
+  for (const std::int64_t cpu : reader.integers("cpus", 0, cores - 1)) realtime.cpus.push_back(static_cast<int>(cpu));
+  reader.finish();
+  return realtime;
+}
+
+void read_rig(TomlReader& reader, DaemonConfig& config, Problems& problems) {
+  for (const char* key : {"name", "file", "device"}) reader.require(key);
+  const std::string name = reader.text("name", "");
+  const std::string file = reader.text("file", "");
+  const std::string device = reader.text("device", "");
+  reader.finish();
+  if (reader.has("name") && !is_rig_name(name)) {
+    reader.report("name", "a rig's name has 1..32 lower-case letters, digits, '_' or '-', and is not \"dtsd\"");
+  }
+  if (std::ranges::find(config.rigs, name, &session::RigConfig::name) != config.rigs.end()) {
+    reader.report("name", "another rig is named '" + name + "' too");
+    return;
+  }
+  if (file.empty()) return;
+  const auto rig_file = (std::filesystem::path(reader.file()).parent_path() / file).lexically_normal().string();
+  session::RigConfig rig = read_rig_file(rig_file, problems);
+  rig.name = name;
+  rig.device_uri = device;
+  rig.acquire_policy = config.realtime.policy(0);
+  rig.pipeline_policy = config.realtime.policy(1);
+  config.rigs.push_back(std::move(rig));
+}
+
+}  // namespace
+
+core::ThreadPolicy RealtimeConfig::policy(int steps_below) const {
+  return {.fifo_priority = fifo_priority == 0 ? 0 : fifo_priority - steps_below, .cpus = cpus};
+}
+
+LoadedConfig load_config(const std::string& file) {
+  LoadedConfig loaded;
+  DaemonConfig& config = loaded.config;
+  config.runtime_directory = runtime_directory();
+  const auto table = parse_toml(file, loaded.problems);
+  if (!table) return loaded;
+  TomlReader top(&*table, "", file, loaded.problems);
+  config.log_level = read_log_level(top.table("log"));
+  read_endpoints(top.table("endpoints"), config);
+  config.realtime = read_realtime(top.table("realtime"));
+  auto rigs = top.tables("rig");
+  if (rigs.empty()) top.report("rig", "no [[rig]]: a daemon without a rig has nothing to do");
+  for (TomlReader& rig : rigs) read_rig(rig, config, loaded.problems);
+  top.finish();
+  return loaded;
+}
+
+}  // namespace dts::app

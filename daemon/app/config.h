@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "app/toml_reader.h"
+#include "core/log.h"
+#include "session/rig_config.h"
+
+namespace dts::app {
+
+/// How the sample and publish threads are scheduled. Acquire threads run at `fifo_priority`, pipelines one below, the
+/// publish thread two and libzmq's own thread three below: whoever is nearer to the device goes first.
+struct RealtimeConfig {
+  int fifo_priority = 50;  ///< 0: SCHED_FIFO is not asked for.
+  bool locks_memory = true;
+  std::vector<int> cpus;  ///< Cores for the sample and publish threads; empty: all.
+
+  [[nodiscard]] core::ThreadPolicy policy(int steps_below) const;
+};
+
+/// The daemon's configuration: checked values only.
+struct DaemonConfig {
+  std::string runtime_directory;
+  std::string control_endpoint;
+  std::string data_endpoint;
+  core::LogLevel log_level = core::LogLevel::Info;
+  RealtimeConfig realtime;
+  std::vector<session::RigConfig> rigs;
+};
+
+struct LoadedConfig {
+  DaemonConfig config;
+  Problems problems;  ///< All of them; the configuration may be used only when there is none.
+};
+
+/// Reads the daemon's configuration and every rig and sensor file it names (see config/dtsd.toml).
+[[nodiscard]] LoadedConfig load_config(const std::string& file);
+
+}  // namespace dts::app

@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/daemon.h"
+
+#include <sched.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <fstream>
+#include <random>
+#include <thread>
+#include <utility>
+#include <zmq.hpp>
+
+#include "app/paths.h"
+#include "app/service_manager.h"
+#include "core/thread.h"
+#include "ipc/control_server.h"
+#include "ipc/publish_thread.h"
+#include "ipc/xpub_socket.h"
+#include "session/supervisor.h"
+
+namespace dts::app {
+namespace {
+
+constexpr int kServeMs = 100;  // how soon a signal is seen
+constexpr double kSubscriberQueueMs = 2000.0;
+constexpr int kShortestSubscriberQueue = 1000;
+
+std::uint64_t random_id() {
+  std::random_device source;
+  return (std::uint64_t{source()} << 32U) | source();
+}
+
+std::string boot_id() {
+  std::ifstream file("/proc/sys/kernel/random/boot_id");
+  std::string id;
+  std::getline(file, id);
+  return id;
+}
+
+/// Messages that all rigs together publish in `kSubscriberQueueMs`: what a slow subscriber may lag behind.
+int subscriber_queue(const std::vector<session::Rig*>& rigs) {
+  double messages = 0.0;
+  for (const session::Rig* rig : rigs) {
+    const double blocks =
+        static_cast<double>(rig->config().rate.scans_in_ms(kSubscriberQueueMs)) / static_cast<double>(rig->config().block_scans);
+    messages += blocks * static_cast<double>(rig->config().published.size());
+  }
+  return std::max(kShortestSubscriberQueue, static_cast<int>(messages));
+}
+
+/// libzmq's own thread inherits no policy of ours, and aborts the process when the one it is given is refused: try first.
+void schedule_zmq(zmq::context_t& context, const core::ThreadPolicy& policy) {
+  if (policy.fifo_priority == 0) return;
+  bool is_allowed = false;
+  std::thread([&] { is_allowed = core::configure_this_thread("probe", policy).empty(); }).join();
+  if (!is_allowed) return;
+  zmq_ctx_set(context.handle(), ZMQ_THREAD_SCHED_POLICY, SCHED_FIFO);
+  zmq_ctx_set(context.handle(), ZMQ_THREAD_PRIORITY, policy.fifo_priority);
+}
+
+/// The signal that arrived, or 0.
+int pending_signal() {
+  sigset_t wanted;
+  sigemptyset(&wanted);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&wanted, signal);
+  const timespec at_once{};
+  return std::max(0, sigtimedwait(&wanted, nullptr, &at_once));
+}
+
+void serve_until_signal(ipc::ControlServer& server, ServiceManager& manager, const core::Clock& clock, const core::Log& log) {
+  while (true) {
+    server.serve(kServeMs);
+    manager.keep_alive(clock.now_ns());
+    switch (pending_signal()) {
+      case SIGTERM:
+      case SIGINT: return;
+      case SIGHUP:
+        manager.reloading(clock.now_ns());
+        log.info("SIGHUP: no client keys are configured, nothing to reload");
+        manager.ready("serving");
+        break;
+      default: break;
+    }
+  }
+}
+
+}  // namespace
+
+std::string_view version() noexcept { return DTS_VERSION; }
+
+std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, const std::string& file, core::Clock& clock,
+                                                       core::Doorbell& bell, Problems& problems) {
+  std::vector<std::unique_ptr<session::Rig>> rigs;
+  for (const session::RigConfig& rig_config : config.rigs) {
+    auto rig = session::Rig::create(rig_config, clock, bell);
+    if (rig) {
+      rigs.push_back(std::move(*rig));
+    } else {
+      problems.push_back({.file = file, .text = "[[rig]] '" + rig_config.name + "': " + core::to_string(rig.error())});
+    }
+  }
+  return rigs;
+}
+
+core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, core::Clock& clock,
+                        core::Doorbell& bell, core::Log log) {
+  if (auto made = prepare_directory(config.runtime_directory); !made) return made;
+  const auto lock = RuntimeLock::take(config.runtime_directory);
+  if (!lock) return tl::make_unexpected(lock.error());
+
+  std::vector<std::string> notices;
+  if (config.realtime.locks_memory) {
+    if (auto locked = core::lock_memory(); !locked) notices.push_back(core::to_string(locked.error()));
+  }
+  session::Supervisor supervisor(clock, log);
+  for (auto& rig : rigs) {
+    if (auto added = supervisor.add(std::move(rig)); !added) return added;
+  }
+  const ipc::Identity identity{
+      .instance_id = random_id(), .version = std::string(version()), .boot_id = boot_id(), .started_ns = clock.now_ns()};
+
+  zmq::context_t context(1);
+  schedule_zmq(context, config.realtime.policy(3));
+  auto data = ipc::XpubSocket::bind(context, config.data_endpoint, subscriber_queue(supervisor.rigs()));
+  if (!data) return tl::make_unexpected(data.error());
+  ipc::PublishThread publisher(std::move(*data), bell, supervisor.rigs(), identity.instance_id);
+  for (std::string& refused : publisher.start(config.realtime.policy(2))) notices.push_back(std::move(refused));
+  for (const std::string& notice : notices) log.warning(notice);
+  ipc::CommandHandler handler(supervisor, clock, identity, notices);
+  auto server = ipc::ControlServer::bind(context, config.control_endpoint, supervisor, handler, publisher, clock, identity.instance_id);
+  if (!server) return tl::make_unexpected(server.error());
+
+  supervisor.start();
+  ServiceManager manager;
+  manager.ready("serving " + std::to_string(supervisor.rigs().size()) + " rig(s)");
+  log.info("dtsd " + identity.version + " serves control on " + config.control_endpoint + " and data on " + config.data_endpoint);
+  serve_until_signal(**server, manager, clock, log);
+  manager.stopping();
+  log.info("stopping");
+  supervisor.stop();
+  (*server)->publish_notices();
+  publisher.stop();
+  return {};
+}
+
+}  // namespace dts::app

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "app/config.h"
+#include "core/clock.h"
+#include "core/doorbell.h"
+#include "core/log.h"
+#include "core/result.h"
+#include "session/rig.h"
+
+namespace dts::app {
+
+[[nodiscard]] std::string_view version() noexcept;
+
+/// Creates every rig of the configuration without starting anything, so that a bad device or stage shows before a
+/// socket is bound. What fails is added to `problems`.
+[[nodiscard]] std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, const std::string& file,
+                                                                     core::Clock& clock, core::Doorbell& bell, Problems& problems);
+
+/// Runs the daemon on the calling thread, which becomes the control thread, until SIGTERM or SIGINT (which the caller
+/// must have blocked, with SIGHUP). Fails when the directories or sockets cannot be had.
+[[nodiscard]] core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, core::Clock& clock,
+                                      core::Doorbell& bell, core::Log log);
+
+}  // namespace dts::app

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// dtsd: the daemon. Four switches; everything else is configuration (config/dtsd.toml) or a command (dtsctl).
+#include <signal.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "app/daemon.h"
+
+namespace {
+
+constexpr int kBadInput = 2;
+
+int report(const dts::app::Problems& problems) {
+  for (const auto& problem : problems) std::cerr << dts::app::to_string(problem) << '\n';
+  std::cerr << problems.size() << (problems.size() == 1 ? " problem" : " problems") << " found; nothing was started\n";
+  return kBadInput;
+}
+
+/// Blocked before the first thread starts, so that every thread inherits it; the control thread asks for them.
+void block_signals() {
+  sigset_t ours;
+  sigemptyset(&ours);
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) sigaddset(&ours, signal);
+  pthread_sigmask(SIG_BLOCK, &ours, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "dtsd - the distributive tactile sensing daemon: samples rigs, computes, publishes.\n\n"
+      "Examples:\n"
+      "  dtsd --config config/dtsd.toml --check-config    say everything that is wrong with it\n"
+      "  dtsd --config config/dtsd.toml                   run; talk to it with dtsctl"};
+  std::string file;
+  bool is_check = false;
+  bool is_foreground = false;
+  app.add_option("--config", file, "Configuration file")->required()->option_text("FILE");
+  app.add_flag("--check-config", is_check, "Read the configuration and all files it names, report every problem, and exit");
+  app.add_flag("--foreground", is_foreground, "Log to the terminal even when started by systemd");
+  app.set_version_flag("--version", std::string(dts::app::version()));
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kBadInput;
+  }
+
+  dts::app::LoadedConfig loaded = dts::app::load_config(file);
+  dts::core::SystemClock clock;
+  dts::core::Doorbell bell;
+  auto rigs = loaded.problems.empty() ? dts::app::create_rigs(loaded.config, file, clock, bell, loaded.problems)
+                                      : std::vector<std::unique_ptr<dts::session::Rig>>{};
+  if (!loaded.problems.empty()) return report(loaded.problems);
+  if (is_check) {
+    std::cout << file << ": fine, " << rigs.size() << " rig(s)\n";
+    return 0;
+  }
+  block_signals();
+  if (is_foreground) ::unsetenv("JOURNAL_STREAM");
+  const auto log = dts::core::Log::to_stderr(loaded.config.log_level);
+  const auto ended = dts::app::run_daemon(loaded.config, std::move(rigs), clock, bell, log);
+  if (ended) return 0;
+  log.error(dts::core::to_string(ended.error()));
+  return 1;
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace dts::app {
+
+/// What systemd wants to hear (sd_notify(3)). Without systemd every call does nothing.
+class ServiceManager {
+ public:
+  ServiceManager();
+
+  void ready(const std::string& status);
+  void stopping();
+  void status(const std::string& text);
+  void reloading(std::int64_t monotonic_ns);
+  /// Sends the keep-alive when half of the watchdog's time has passed since the last one. Call it often.
+  void keep_alive(std::int64_t now_ns);
+
+ private:
+  std::int64_t watchdog_ns_ = 0;  ///< 0: no watchdog wanted.
+  std::int64_t last_alive_ns_ = 0;
+};
+
+}  // namespace dts::app

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/toml_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+
+#include "core/suggest.h"
+
+namespace dts::app {
+namespace {
+
+std::string shown(double value) {
+  std::ostringstream text;
+  text << value;
+  return text.str();
+}
+
+std::string range_text(const std::string& minimum, const std::string& maximum) { return "; allowed: " + minimum + " .. " + maximum; }
+
+}  // namespace
+
+std::string to_string(const Problem& problem) {
+  if (problem.line == 0) return problem.file + ": " + problem.text;
+  return problem.file + ":" + std::to_string(problem.line) + ":" + std::to_string(problem.column) + ": " + problem.text;
+}
+
+std::optional<toml::table> parse_toml(const std::string& file, Problems& problems) {
+  try {
+    return toml::parse_file(file);
+  } catch (const toml::parse_error& error) {
+    const auto& at = error.source().begin;
+    problems.push_back(
+        {file, static_cast<std::uint32_t>(at.line), static_cast<std::uint32_t>(at.column), std::string(error.description())});
+    return std::nullopt;
+  }
+}
+
+TomlReader::TomlReader(const toml::table* table, std::string where, std::string file, Problems& problems)
+    : table_(table), where_(std::move(where)), file_(std::move(file)), problems_(&problems) {}
+
+const toml::node* TomlReader::node(std::string_view key) {
+  asked_.emplace(key);
+  return table_ == nullptr ? nullptr : table_->get(key);
+}
+
+bool TomlReader::has(std::string_view key) const { return table_ != nullptr && table_->contains(key); }
+
+void TomlReader::require(std::string_view key) {
+  if (!has(key)) report("", named(key) + " is missing");
+}
+
+double TomlReader::number(std::string_view key, double fallback, double minimum, double maximum) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return fallback;
+  const auto value = found->value<double>();  // an integer converts
+  if (!value || !found->is_number()) {
+    report(key, named(key) + " must be a number");
+    return fallback;
+  }
+  if (!std::isfinite(*value) || *value < minimum || *value > maximum) {
+    report(key, named(key) + " = " + shown(*value) + " is out of range" + range_text(shown(minimum), shown(maximum)));
+    return fallback;
+  }
+  return *value;
+}
+
+std::int64_t TomlReader::integer(std::string_view key, std::int64_t fallback, std::int64_t minimum, std::int64_t maximum) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return fallback;
+  if (!found->is_integer()) {
+    report(key, named(key) + " must be a whole number");
+    return fallback;
+  }
+  const std::int64_t value = *found->value<std::int64_t>();
+  if (value < minimum || value > maximum) {
+    report(key,
+           named(key) + " = " + std::to_string(value) + " is out of range" + range_text(std::to_string(minimum), std::to_string(maximum)));
+    return fallback;
+  }
+  return value;
+}
+
+bool TomlReader::boolean(std::string_view key, bool fallback) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return fallback;
+  if (found->is_boolean()) return *found->value<bool>();
+  report(key, named(key) + " must be true or false");
+  return fallback;
+}
+
+std::string TomlReader::text(std::string_view key, std::string_view fallback) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return std::string(fallback);
+  if (found->is_string()) return *found->value<std::string>();
+  report(key, named(key) + " must be a text in quotes");
+  return std::string(fallback);
+}
+
+std::string TomlReader::choice(std::string_view key, const std::vector<std::string_view>& choices) {
+  const std::string given = text(key, choices.front());
+  if (std::ranges::find(choices, given) != choices.end()) return given;
+  std::string known;
+  for (const std::string_view one : choices) known += (known.empty() ? "\"" : ", \"") + std::string(one) + "\"";
+  const std::string near = core::suggest(given, choices);
+  report(key,
+         named(key) + " = \"" + given + "\" is not known" + (near.empty() ? "" : "; did you mean \"" + near + "\"?") + "; known: " + known);
+  return std::string(choices.front());
+}
+
+std::vector<std::int64_t> TomlReader::integers(std::string_view key, std::int64_t minimum, std::int64_t maximum) {
+  const toml::node* found = node(key);
+  std::vector<std::int64_t> values;
+  if (found == nullptr) return values;
+  if (!found->is_array()) {
+    report(key, named(key) + " must be a list of whole numbers");
+    return values;
+  }
+  for (const toml::node& element : *found->as_array()) {
+    const auto value = element.value<std::int64_t>();
+    if (!element.is_integer() || *value < minimum || *value > maximum) {
+      report_at(&element, named(key) + " must hold whole numbers" + range_text(std::to_string(minimum), std::to_string(maximum)));
+    } else {
+      values.push_back(*value);
+    }
+  }
+  return values;
+}
+
+std::vector<std::string> TomlReader::texts(std::string_view key, std::vector<std::string> fallback) {
+  const toml::node* found = node(key);
+  if (found == nullptr) return fallback;
+  if (!found->is_array()) {
+    report(key, named(key) + " must be a list of texts");
+    return fallback;
+  }
+  std::vector<std::string> values;
+  for (const toml::node& element : *found->as_array()) {
+    if (element.is_string()) {
+      values.push_back(*element.value<std::string>());
+    } else {
+      report_at(&element, named(key) + " must hold texts in quotes");
+    }
+  }
+  return values;
+}
+
+TomlReader TomlReader::table(std::string_view key) {
+  const toml::node* found = node(key);
+  if (found != nullptr && !found->is_table()) report(key, named(key) + " must be a table: [" + std::string(key) + "]");
+  return {found != nullptr ? found->as_table() : nullptr, "[" + std::string(key) + "]", file_, *problems_};
+}
+
+std::vector<TomlReader> TomlReader::tables(std::string_view key) {
+  std::vector<TomlReader> readers;
+  const toml::node* found = node(key);
+  if (found == nullptr) return readers;
+  const toml::array* array = found->as_array();
+  if (array == nullptr || !array->is_homogeneous(toml::node_type::table)) {
+    report(key, named(key) + " must be written as [[" + std::string(key) + "]]");
+    return readers;
+  }
+  for (const toml::node& element : *array) readers.emplace_back(element.as_table(), "[[" + std::string(key) + "]]", file_, *problems_);
+  return readers;
+}
+
+std::vector<std::string> TomlReader::remaining_keys() {
+  std::vector<std::string> keys;
+  if (table_ == nullptr) return keys;
+  for (const auto& [key, value] : *table_) {
+    if (!asked_.contains(key.str())) keys.emplace_back(key.str());
+  }
+  for (const std::string& key : keys) asked_.insert(key);
+  return keys;
+}
+
+void TomlReader::report(std::string_view key, const std::string& text) {
+  const toml::node* at = table_ != nullptr && !key.empty() ? table_->get(key) : nullptr;
+  report_at(at != nullptr ? at : table_, text);
+}
+
+void TomlReader::finish() {
+  if (table_ == nullptr) return;
+  std::vector<std::string_view> known(asked_.begin(), asked_.end());
+  for (const auto& [key, value] : *table_) {
+    if (asked_.contains(key.str())) continue;
+    const std::string near = core::suggest(key.str(), known);
+    const auto& at = key.source().begin;
+    problems_->push_back({file_, static_cast<std::uint32_t>(at.line), static_cast<std::uint32_t>(at.column),
+                          "unknown key '" + std::string(key.str()) + "'" + (where_.empty() ? "" : " in " + where_) +
+                              (near.empty() ? "" : "; did you mean '" + near + "'?")});
+  }
+}
+
+void TomlReader::report_at(const toml::node* node, const std::string& text) {
+  Problem problem{.file = file_, .text = text};
+  if (node != nullptr && node->source().begin) {
+    problem.line = static_cast<std::uint32_t>(node->source().begin.line);
+    problem.column = static_cast<std::uint32_t>(node->source().begin.column);
+  }
+  problems_->push_back(std::move(problem));
+}
+
+std::string TomlReader::named(std::string_view key) const { return (where_.empty() ? "" : where_ + " ") + std::string(key); }
+
+}  // namespace dts::app

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/command_handler.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace dts::ipc {
+
+using core::ErrorCode;
+
+dts::v1::Response error_response(const core::Error& error) {
+  dts::v1::Response response;
+  *response.mutable_error() = error_message(error);
+  return response;
+}
+
+CommandHandler::CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices)
+    : supervisor_(supervisor), clock_(clock), identity_(std::move(identity)), notices_(std::move(notices)) {}
+
+CommandHandler::Answer CommandHandler::execute(const dts::v1::Request& request) {
+  Answer answer;
+  switch (request.command_case()) {
+    case dts::v1::Request::kStatus: *answer.response.mutable_status() = status(); break;
+    case dts::v1::Request::kListRigs: answer.response = list_rigs(); break;
+    case dts::v1::Request::kStartSession: answer.response = start_session(request.start_session()); break;
+    case dts::v1::Request::kStopSession: answer.response = stop_session(request.stop_session()); break;
+    case dts::v1::Request::kMark: answer.response = mark(request.mark()); break;
+    case dts::v1::Request::kTare: {
+      const auto number = supervisor_.tare(request.tare().rig());
+      if (number) {
+        answer.pending = PendingTare{.rig = request.tare().rig(), .request = *number};
+      } else {
+        answer.response = error_response(number.error());
+      }
+      break;
+    }
+    case dts::v1::Request::kGetDevices: answer.response = devices(); break;
+    case dts::v1::Request::kTestDevice: answer.response = test_device(request.test_device()); break;
+    case dts::v1::Request::COMMAND_NOT_SET:
+      answer.response = error_response({ErrorCode::InvalidArgument, "the request holds no command this daemon knows",
+                                        "client and daemon may differ in version: dtsctl doctor"});
+      break;
+  }
+  answer.response.set_request_id(request.request_id());
+  return answer;
+}
+
+std::optional<dts::v1::Response> CommandHandler::finish(const PendingTare& pending) {
+  const auto report = supervisor_.tare_report(pending.rig);
+  if (!report) return error_response(report.error());
+  if (report->request < pending.request || report->outcome == pipeline::TareOutcome::Running) return std::nullopt;
+  dts::v1::Response response;
+  switch (report->outcome) {
+    case pipeline::TareOutcome::None:
+    case pipeline::TareOutcome::Running: return std::nullopt;
+    case pipeline::TareOutcome::Done:
+      for (std::size_t sensor = 0; sensor < std::min(report->channel_count, core::kMaxChannels); ++sensor) {
+        response.mutable_tare()->add_baseline_mm(report->baseline_mm[sensor]);
+      }
+      return response;
+    case pipeline::TareOutcome::Loaded:
+      return error_response({ErrorCode::WrongState, "tare refused: the plate of rig '" + pending.rig + "' is loaded",
+                             "let everybody step off, then try again"});
+    case pipeline::TareOutcome::Unsteady:
+      return error_response({ErrorCode::WrongState, "tare refused: the plate of rig '" + pending.rig + "' moved while averaging",
+                             "keep still around the plate, then try again"});
+    case pipeline::TareOutcome::BadSensor:
+      return error_response({ErrorCode::WrongState, "tare refused: a sensor of rig '" + pending.rig + "' is faulty",
+                             "look at it: dtsctl device test " + pending.rig});
+  }
+  return error_response({ErrorCode::Internal, "tare ended in an unknown state", ""});
+}
+
+dts::v1::StatusSnapshot CommandHandler::status() {
+  dts::v1::StatusSnapshot out = status_snapshot(identity_, clock_.now_ns(), supervisor_.states(), notices_);
+  for (const session::Rig* rig : supervisor_.rigs()) {
+    for (const std::string& notice : rig->notices()) out.add_notices(notice);
+  }
+  out.set_rejected_requests_total(rejected_total_);
+  return out;
+}
+
+dts::v1::Response CommandHandler::start_session(const dts::v1::StartSessionRequest& request) {
+  const session::SessionRequest asked{.protocol = request.protocol().empty() ? "free" : request.protocol(),
+                                      .subject = request.subject(),
+                                      .label = request.label(),
+                                      .duration_s = request.duration_s(),
+                                      .settle_s = request.settle_s()};
+  const auto started = supervisor_.start_session(request.rig(), asked);
+  if (!started) return error_response(started.error());
+  dts::v1::Response response;
+  *response.mutable_session() = session_info(request.rig(), *started);
+  return response;
+}
+
+dts::v1::Response CommandHandler::stop_session(const dts::v1::StopSessionRequest& request) {
+  const auto stopped = supervisor_.stop_session(request.rig());
+  if (!stopped) return error_response(stopped.error());
+  dts::v1::Response response;
+  *response.mutable_session() = session_info(stopped->first, stopped->second);
+  return response;
+}
+
+dts::v1::Response CommandHandler::mark(const dts::v1::MarkRequest& request) {
+  const auto marks = supervisor_.mark(request.rig(), request.text());
+  if (!marks) return error_response(marks.error());
+  dts::v1::Response response;
+  for (const auto& [rig, at] : *marks) {
+    auto& out = *response.mutable_mark()->add_marks();
+    out.set_rig(rig);
+    out.set_segment(at.segment);
+    out.set_scan(at.scan.value);
+  }
+  return response;
+}
+
+dts::v1::Response CommandHandler::list_rigs() {
+  dts::v1::Response response;
+  response.mutable_rigs();  // present even without rigs
+  for (const session::Rig* rig : supervisor_.rigs()) *response.mutable_rigs()->add_rigs() = rig_info(*rig);
+  return response;
+}
+
+dts::v1::Response CommandHandler::devices() {
+  dts::v1::Response response;
+  auto& out = *response.mutable_devices();
+  for (const session::RigState& state : supervisor_.states()) {
+    const device::DeviceDescription& described = state.rig.device();
+    auto& device = *out.add_devices();
+    device.set_rig(state.rig.config().name);
+    device.set_uri(described.uri);
+    device.set_model(described.model);
+    device.set_serial(described.serial);
+    device.set_state(device_state(state.acquisition.device));
+    for (const auto& channel : described.channels) device.add_channels(channel.name);
+    device.set_minimum_rate_hz(described.minimum_rate_hz);
+    device.set_maximum_rate_hz(described.maximum_rate_hz);
+  }
+  for (const std::string& kind : session::Supervisor::device_kinds()) out.add_kinds(kind);
+  return response;
+}
+
+dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& request) {
+  const auto tested = supervisor_.test_device(request.rig());
+  if (!tested) return error_response(tested.error());
+  const auto& [rig, statistics] = *tested;
+  const session::RigConfig& config = rig->config();
+  dts::v1::Response response;
+  auto& out = *response.mutable_device_test();
+  out.set_scans(statistics.scans);
+  for (const session::RigState& state : supervisor_.states()) {
+    if (&state.rig == rig) out.set_measured_rate_hz(state.measured_rate_hz);
+  }
+  const auto& channels = rig->device().channels;
+  for (std::size_t index = 0; index < std::min(statistics.channel_count, channels.size()); ++index) {
+    const session::ChannelStatistics& measured = statistics.channels[index];
+    auto& channel = *out.add_channels();
+    channel.set_name(channels[index].name);
+    channel.set_unit(channels[index].unit);
+    channel.set_mean(measured.mean);
+    channel.set_noise_rms(measured.noise_rms);
+    channel.set_minimum(measured.minimum);
+    channel.set_maximum(measured.maximum);
+    const auto sensor = std::ranges::find(config.sensor_channels, index);
+    if (sensor == config.sensor_channels.end()) continue;
+    const auto& model = config.model.sensors[static_cast<std::size_t>(sensor - config.sensor_channels.begin())];
+    channel.set_is_sensor(true);
+    channel.set_gap_mm(model.curve.gap({measured.mean}).value);
+    if (!model.curve.contains({measured.mean})) channel.set_quality(core::quality::kOutOfRange);
+  }
+  return response;
+}
+
+}  // namespace dts::ipc

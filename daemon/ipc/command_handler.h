@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dts/v1/control.pb.h"
+#include "ipc/encode.h"
+#include "session/supervisor.h"
+
+namespace dts::ipc {
+
+/// A tare that was asked for and is not answered yet.
+struct PendingTare {
+  std::string rig;
+  std::uint64_t request = 0;  ///< Number given by the supervisor.
+};
+
+/// Executes commands: wire messages in, calls on the supervisor, wire messages out. Knows no sockets.
+/// Thread: control.
+class CommandHandler {
+ public:
+  CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices);
+
+  struct Answer {
+    dts::v1::Response response;
+    std::optional<PendingTare> pending;  ///< Set: `response` is not complete; ask `finish` until it is.
+  };
+  /// Total: every request, however senseless, gets an answer.
+  [[nodiscard]] Answer execute(const dts::v1::Request& request);
+  /// The answer to a pending tare, or nothing yet.
+  [[nodiscard]] std::optional<dts::v1::Response> finish(const PendingTare& pending);
+
+  [[nodiscard]] dts::v1::StatusSnapshot status();
+  /// Counts a message that was no request at all; shown in the status.
+  void count_rejected() noexcept { ++rejected_total_; }
+
+ private:
+  dts::v1::Response start_session(const dts::v1::StartSessionRequest& request);
+  dts::v1::Response stop_session(const dts::v1::StopSessionRequest& request);
+  dts::v1::Response mark(const dts::v1::MarkRequest& request);
+  dts::v1::Response list_rigs();
+  dts::v1::Response devices();
+  dts::v1::Response test_device(const dts::v1::TestDeviceRequest& request);
+
+  session::Supervisor& supervisor_;
+  core::Clock& clock_;
+  Identity identity_;
+  std::vector<std::string> notices_;
+  std::uint64_t rejected_total_ = 0;
+};
+
+/// A response that carries `error`.
+[[nodiscard]] dts::v1::Response error_response(const core::Error& error);
+
+}  // namespace dts::ipc

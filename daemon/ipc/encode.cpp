@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/encode.h"
+
+#include <algorithm>
+#include <sstream>
+#include <type_traits>
+
+namespace dts::ipc {
+namespace {
+
+void set_rate(dts::v1::Rate& out, const core::Rate& rate) {
+  out.set_numerator(rate.numerator());
+  out.set_denominator(rate.denominator());
+}
+
+std::string describe_stage(const pipeline::StageConfig& stage) {
+  std::ostringstream text;
+  text << stage.id;
+  for (const auto& [option, value] : stage.options) {
+    text << ' ' << option << '=';
+    std::visit([&](const auto& given) { text << given; }, value);
+  }
+  return text.str();
+}
+
+dts::v1::TareState tare_state(pipeline::TareOutcome outcome) {
+  switch (outcome) {
+    case pipeline::TareOutcome::None: return dts::v1::TARE_STATE_UNSPECIFIED;
+    case pipeline::TareOutcome::Running: return dts::v1::TARE_STATE_RUNNING;
+    case pipeline::TareOutcome::Done: return dts::v1::TARE_STATE_DONE;
+    case pipeline::TareOutcome::Loaded: return dts::v1::TARE_STATE_LOADED;
+    case pipeline::TareOutcome::Unsteady: return dts::v1::TARE_STATE_UNSTEADY;
+    case pipeline::TareOutcome::BadSensor: return dts::v1::TARE_STATE_BAD_SENSOR;
+  }
+  return dts::v1::TARE_STATE_UNSPECIFIED;
+}
+
+dts::v1::SessionState session_state(session::SessionState state) {
+  return static_cast<dts::v1::SessionState>(state);  // same numbers, asserted below
+}
+static_assert(static_cast<int>(session::SessionState::Idle) == dts::v1::SESSION_STATE_IDLE);
+static_assert(static_cast<int>(session::SessionState::Starting) == dts::v1::SESSION_STATE_STARTING);
+static_assert(static_cast<int>(session::SessionState::Settling) == dts::v1::SESSION_STATE_SETTLING);
+static_assert(static_cast<int>(session::SessionState::Running) == dts::v1::SESSION_STATE_RUNNING);
+static_assert(static_cast<int>(session::SessionState::Stopping) == dts::v1::SESSION_STATE_STOPPING);
+static_assert(static_cast<int>(session::SessionState::Failed) == dts::v1::SESSION_STATE_FAILED);
+static_assert(static_cast<int>(core::GapReason::Integrity) == dts::v1::GAP_REASON_INTEGRITY);
+static_assert(static_cast<int>(core::ErrorCode::Internal) == dts::v1::ERROR_CODE_INTERNAL);
+static_assert(core::quality::kUntared == dts::v1::QUALITY_UNTARED && core::quality::kNoContact == dts::v1::QUALITY_NO_CONTACT);
+
+dts::v1::RigStatus rig_status(const session::RigState& state) {
+  dts::v1::RigStatus out;
+  *out.mutable_rig() = rig_info(state.rig);
+  out.set_device(device_state(state.acquisition.device));
+  out.set_device_message(std::string(state.acquisition.text()));
+  out.set_segment(state.acquisition.segment);
+  out.set_scans_total(state.acquisition.scans_total);
+  out.set_lost_scans_total(state.acquisition.lost_scans_total);
+  out.set_gaps_total(state.acquisition.gaps_total);
+  out.set_reconnects_total(state.acquisition.reconnects_total);
+  out.set_dropped_blocks_total(state.pipeline.dropped_blocks_total);
+  out.set_nominal_rate_hz(state.acquisition.rate.hz());
+  out.set_measured_rate_hz(state.measured_rate_hz);
+  out.set_pipeline_us_per_scan(state.pipeline.us_per_scan);
+  out.set_tare(tare_state(state.tare.outcome));
+  *out.mutable_session() = session_info(state.rig.config().name, state.session);
+  return out;
+}
+
+}  // namespace
+
+StreamEncoder::StreamEncoder(std::uint64_t instance_id, const std::string& rig, const core::StreamFormat& format)
+    : topic_(rig + "/" + format.name) {
+  message_.set_instance_id(instance_id);
+  message_.set_channel_count(static_cast<std::uint32_t>(format.channels.size()));
+  set_rate(*message_.mutable_rate(), format.rate);
+}
+
+const dts::v1::StreamBlock& StreamEncoder::encode(const core::Block& block, std::uint64_t lost_scans_total,
+                                                  std::uint64_t dropped_blocks_total) {
+  const std::size_t scans = block.count();
+  const std::size_t channels = block.channel_count();
+  message_.set_segment(block.segment);
+  message_.set_first_scan(block.first_scan.value);
+  message_.set_scan_count(static_cast<std::uint32_t>(scans));
+  message_.set_host_time_ns(block.host_time_ns);
+  message_.set_sequence(block.sequence);
+  message_.set_lost_scans_total(lost_scans_total);
+  message_.set_dropped_blocks_total(dropped_blocks_total);
+  message_.mutable_values()->Resize(static_cast<int>(scans * channels), 0.0F);
+  float* values = message_.mutable_values()->mutable_data();
+  std::string& quality = *message_.mutable_quality();
+  quality.assign(channels, '\0');
+  for (std::size_t channel = 0; channel < channels; ++channel) {
+    // float32 has 24 bits, more than any DAQ here: 0.03 um at 430 mm.
+    values = std::ranges::transform(block.column(channel), values, [](double value) { return static_cast<float>(value); }).out;
+    std::uint8_t bits = 0;
+    for (const std::uint8_t of_scan : block.quality(channel)) bits |= of_scan;
+    quality[channel] = static_cast<char>(bits);
+  }
+  return message_;
+}
+
+dts::v1::Event gap_event(std::uint64_t instance_id, const core::Frame& frame) {
+  dts::v1::Event event;
+  event.set_instance_id(instance_id);
+  event.set_segment(frame.segment);
+  event.set_host_time_ns(frame.host_time_ns);
+  event.mutable_gap()->set_reason(static_cast<dts::v1::GapReason>(frame.gap_before.reason));
+  event.mutable_gap()->set_missing_scans(frame.gap_before.missing_scans);
+  event.mutable_gap()->set_is_exact(frame.gap_before.is_exact);
+  return event;
+}
+
+dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice, std::string& topic_name) {
+  dts::v1::Event event;
+  event.set_instance_id(instance_id);
+  event.set_segment(notice.at.segment);
+  event.set_scan(notice.at.scan.value);
+  event.set_host_time_ns(notice.at.host_time_ns);
+  if (const auto* marker = std::get_if<session::MarkerNotice>(&notice.body)) {
+    topic_name = "marker";
+    event.mutable_marker()->set_text(marker->text);
+  } else if (const auto* device = std::get_if<session::DeviceNotice>(&notice.body)) {
+    topic_name = "device";
+    event.mutable_device()->set_state(device_state(device->state));
+    event.mutable_device()->set_uri(device->uri);
+    event.mutable_device()->set_message(device->message);
+  } else if (const auto* change = std::get_if<session::SessionView>(&notice.body)) {
+    topic_name = "session";
+    auto& out = *event.mutable_session();
+    out.set_session_id(change->id);
+    out.set_state(session_state(change->state));
+    out.set_protocol(change->request.protocol);
+    out.set_subject(change->request.subject);
+    out.set_label(change->request.label);
+    out.set_message(change->message);
+  }
+  return event;
+}
+
+dts::v1::StatusSnapshot status_snapshot(const Identity& identity, std::int64_t now_ns, const std::vector<session::RigState>& states,
+                                        const std::vector<std::string>& notices) {
+  dts::v1::StatusSnapshot out;
+  out.set_instance_id(identity.instance_id);
+  out.set_version(identity.version);
+  out.set_uptime_s(static_cast<double>(now_ns - identity.started_ns) * 1e-9);
+  out.set_host_time_ns(now_ns);
+  out.set_utc_minus_monotonic_ns(core::utc_minus_monotonic_ns());
+  out.set_boot_id(identity.boot_id);
+  for (const std::string& notice : notices) out.add_notices(notice);
+  for (const session::RigState& state : states) *out.add_rigs() = rig_status(state);
+  return out;
+}
+
+dts::v1::RigInfo rig_info(const session::Rig& rig) {
+  dts::v1::RigInfo out;
+  const session::RigConfig& config = rig.config();
+  out.set_name(config.name);
+  out.set_kind(config.kind);
+  out.set_device_uri(config.device_uri);
+  out.set_plate_a_mm(config.model.plate.a.value);
+  out.set_plate_b_mm(config.model.plate.b.value);
+  out.set_plate_h_mm(config.model.plate.h.value);
+  for (std::size_t index = 0; index < config.model.sensors.size(); ++index) {
+    const physics::SensorModel& sensor = config.model.sensors[index];
+    auto& info = *out.add_sensors();
+    info.set_label(sensor.label);
+    info.set_x_mm(sensor.position.x.value);
+    info.set_y_mm(sensor.position.y.value);
+    info.set_channel(rig.device().channels[config.sensor_channels[index]].name);
+    info.set_curve(sensor.curve.name());
+    info.set_unloaded_gap_mm(sensor.unloaded_gap.value);
+  }
+  for (const core::StreamFormat& format : rig.formats()) {
+    auto& stream = *out.add_streams();
+    stream.set_name(format.name);
+    set_rate(*stream.mutable_rate(), format.rate);
+    stream.set_delay_ns(format.delay_ns);
+    for (const core::ChannelFormat& channel : format.channels) {
+      auto& described = *stream.add_channels();
+      described.set_name(channel.name);
+      described.set_unit(channel.unit);
+    }
+  }
+  for (const pipeline::StageConfig& stage : config.stages) out.add_stages(describe_stage(stage));
+  for (const std::string& stream : config.published) out.add_published(stream);
+  return out;
+}
+
+dts::v1::SessionInfo session_info(const std::string& rig, const session::SessionView& view) {
+  dts::v1::SessionInfo out;
+  out.set_session_id(view.id);
+  out.set_rig(rig);
+  out.set_state(session_state(view.state));
+  out.set_protocol(view.id.empty() ? "" : view.request.protocol);
+  out.set_subject(view.request.subject);
+  out.set_label(view.request.label);
+  out.set_duration_s(view.request.duration_s);
+  out.set_settle_s(view.request.settle_s);
+  out.set_elapsed_s(view.elapsed_s);
+  out.set_message(view.message);
+  return out;
+}
+
+dts::v1::DeviceState device_state(device::DeviceState state) {
+  switch (state) {
+    case device::DeviceState::Closed: return dts::v1::DEVICE_STATE_CLOSED;
+    case device::DeviceState::Open: return dts::v1::DEVICE_STATE_OPEN;
+    case device::DeviceState::Streaming: return dts::v1::DEVICE_STATE_STREAMING;
+    case device::DeviceState::Gone: return dts::v1::DEVICE_STATE_GONE;
+  }
+  return dts::v1::DEVICE_STATE_UNSPECIFIED;
+}
+
+dts::v1::Error error_message(const core::Error& error) {
+  dts::v1::Error out;
+  out.set_code(static_cast<dts::v1::ErrorCode>(error.code));  // same numbers, asserted above
+  out.set_what(error.what);
+  out.set_hint(error.hint);
+  return out;
+}
+
+}  // namespace dts::ipc

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/frame.h"
+#include "dts/v1/control.pb.h"
+#include "dts/v1/stream.pb.h"
+#include "session/supervisor.h"
+
+namespace dts::ipc {
+
+/// Turns blocks of one stream into wire messages, reusing one message and its memory.
+class StreamEncoder {
+ public:
+  StreamEncoder(std::uint64_t instance_id, const std::string& rig, const core::StreamFormat& format);
+
+  /// The message is valid until the next call.
+  [[nodiscard]] const dts::v1::StreamBlock& encode(const core::Block& block, std::uint64_t lost_scans_total,
+                                                   std::uint64_t dropped_blocks_total);
+  [[nodiscard]] const std::string& topic() const noexcept { return topic_; }
+
+ private:
+  std::string topic_;
+  dts::v1::StreamBlock message_;
+};
+
+/// Constant facts of the running daemon, stamped on everything that leaves it.
+struct Identity {
+  std::uint64_t instance_id = 0;  ///< Random per start.
+  std::string version;
+  std::string boot_id;
+  std::int64_t started_ns = 0;  ///< Monotonic.
+};
+
+/// Gap event standing before scan 0 of the frame's segment.
+[[nodiscard]] dts::v1::Event gap_event(std::uint64_t instance_id, const core::Frame& frame);
+/// Event of a notice; `topic_name` gets the second half of its topic ("marker").
+[[nodiscard]] dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice, std::string& topic_name);
+
+[[nodiscard]] dts::v1::StatusSnapshot status_snapshot(const Identity& identity, std::int64_t now_ns,
+                                                      const std::vector<session::RigState>& states,
+                                                      const std::vector<std::string>& notices);
+[[nodiscard]] dts::v1::RigInfo rig_info(const session::Rig& rig);
+[[nodiscard]] dts::v1::SessionInfo session_info(const std::string& rig, const session::SessionView& view);
+[[nodiscard]] dts::v1::DeviceState device_state(device::DeviceState state);
+[[nodiscard]] dts::v1::Error error_message(const core::Error& error);
+
+}  // namespace dts::ipc

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/endpoint.h"
+
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstring>
+#include <string_view>
+
+namespace dts::ipc {
+namespace {
+
+constexpr std::string_view kIpc = "ipc://";
+constexpr std::string_view kTcp = "tcp://";
+constexpr std::size_t kLongestPath = sizeof(sockaddr_un::sun_path) - 1;
+
+core::Status check_tcp(const std::string& endpoint) {
+  const std::string_view address = std::string_view(endpoint).substr(kTcp.size());
+  const std::size_t colon = address.rfind(':');
+  if (colon == std::string_view::npos) {
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' has no port", "write tcp://127.0.0.1:5555");
+  }
+  const std::string_view host = address.substr(0, colon);
+  const std::string_view digits = address.substr(colon + 1);
+  unsigned port = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  if (error != std::errc{} || end != digits.data() + digits.size() || port == 0 || port > 65535) {
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "': the port must be 1..65535");
+  }
+  if (host != "127.0.0.1" && host != "[::1]" && host != "localhost") {
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is reachable from other machines, which needs client keys",
+                      "this version binds to 127.0.0.1, [::1] and ipc:// only");
+  }
+  return {};
+}
+
+}  // namespace
+
+core::Status check_endpoint(const std::string& endpoint) {
+  if (endpoint.starts_with(kTcp)) return check_tcp(endpoint);
+  if (!endpoint.starts_with(kIpc)) {
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is neither ipc:// nor tcp://");
+  }
+  const std::string path = endpoint.substr(kIpc.size());
+  if (path.empty() || path.front() != '/') {
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "': the socket path must be absolute");
+  }
+  if (path.size() > kLongestPath) {
+    return core::fail(core::ErrorCode::InvalidArgument,
+                      "'" + endpoint + "': a socket path has at most " + std::to_string(kLongestPath) + " bytes",
+                      "choose a shorter runtime directory");
+  }
+  return {};
+}
+
+core::Status check_not_in_use(const std::string& endpoint) {
+  if (!endpoint.starts_with(kIpc)) return {};
+  const std::string path = endpoint.substr(kIpc.size());
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::copy_n(path.begin(), std::min(path.size(), kLongestPath), std::begin(address.sun_path));
+  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (probe < 0) return {};  // no descriptor left: binding will say so
+  const bool is_taken = ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  ::close(probe);
+  if (is_taken) {
+    return core::fail(core::ErrorCode::WrongState, "another program already listens on " + endpoint,
+                      "stop the other dtsd, or give this one another runtime directory");
+  }
+  return {};
+}
+
+}  // namespace dts::ipc

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/publish_thread.h"
+
+#include <algorithm>
+#include <future>
+#include <utility>
+
+namespace dts::ipc {
+namespace {
+
+constexpr std::size_t kLongestOutbox = 1000;
+constexpr int kWaitMs = 200;
+/// Frames of one rig sent before the others, subscriptions and stop requests get their turn.
+constexpr int kFramesPerTurn = 64;
+
+}  // namespace
+
+PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs,
+                             std::uint64_t instance_id)
+    : socket_(std::move(socket)), bell_(bell), instance_id_(instance_id) {
+  for (session::Rig* rig : rigs) {
+    const session::RigConfig& config = rig->config();
+    Source source{.rig = rig, .gap_topic = config.name + "/gap", .streams = {}};
+    for (std::size_t index = 0; index < rig->formats().size(); ++index) {
+      const core::StreamFormat& format = rig->formats()[index];
+      if (std::ranges::find(config.published, format.name) == config.published.end()) continue;
+      source.streams.emplace_back(index, StreamEncoder(instance_id, config.name, format));
+    }
+    sources_.push_back(std::move(source));
+  }
+}
+
+std::vector<std::string> PublishThread::start(const core::ThreadPolicy& policy) {
+  std::promise<std::vector<std::string>> ready;
+  auto refused = ready.get_future();
+  thread_ = std::jthread([this, &ready, policy](const std::stop_token& stop) {
+    ready.set_value(core::configure_this_thread("publish", policy));
+    run(stop);
+  });
+  return refused.get();
+}
+
+void PublishThread::stop() noexcept {
+  thread_.request_stop();
+  bell_.ring();
+  if (thread_.joinable()) thread_.join();
+}
+
+void PublishThread::post(std::string topic, std::unique_ptr<google::protobuf::MessageLite> message, bool is_retained) {
+  {
+    const std::lock_guard lock(outbox_mutex_);
+    if (outbox_.size() == kLongestOutbox) outbox_.erase(outbox_.begin());
+    outbox_.push_back({std::move(topic), std::move(message), is_retained});
+  }
+  bell_.ring();
+}
+
+void PublishThread::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    socket_->wait(bell_.fd(), kWaitMs);
+    bell_.clear();
+    for (Source& source : sources_) publish(source);
+    send_outbox();
+    if (socket_->take_subscriptions()) send_retained();
+  }
+  send_outbox();
+}
+
+void PublishThread::publish(Source& source) {
+  core::SpscRing<core::Frame>& frames = source.rig->frames();
+  for (int turn = 0; turn < kFramesPerTurn; ++turn) {
+    core::Frame* frame = frames.front();
+    if (frame == nullptr) return;
+    if (frame->gap_before.reason != core::GapReason::None) socket_->send(source.gap_topic, gap_event(instance_id_, *frame));
+    for (auto& [index, encoder] : source.streams) {
+      const core::Block& block = frame->streams[index];
+      if (block.count() == 0) continue;
+      socket_->send(encoder.topic(), encoder.encode(block, frame->lost_scans_total, source.rig->dropped_blocks()));
+    }
+    frames.release();
+  }
+  bell_.ring();  // more is waiting: come back after the others had their turn
+}
+
+void PublishThread::send_outbox() {
+  std::vector<Outgoing> messages;
+  {
+    const std::lock_guard lock(outbox_mutex_);
+    messages = std::exchange(outbox_, {});
+  }
+  for (Outgoing& outgoing : messages) {
+    socket_->send(outgoing.topic, *outgoing.message);
+    if (!outgoing.is_retained) continue;
+    const auto same_topic = std::ranges::find(retained_, outgoing.topic, &Outgoing::topic);
+    if (same_topic != retained_.end()) {
+      *same_topic = std::move(outgoing);
+    } else {
+      retained_.push_back(std::move(outgoing));
+    }
+  }
+}
+
+void PublishThread::send_retained() {
+  for (const Outgoing& outgoing : retained_) socket_->send(outgoing.topic, *outgoing.message);
+}
+
+}  // namespace dts::ipc

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/doorbell.h"
+#include "core/log.h"
+#include "core/thread.h"
+#include "ipc/data_socket.h"
+#include "ipc/encode.h"
+#include "session/rig.h"
+
+namespace dts::ipc {
+
+/// The publish thread: frames of all rigs, events and status onto the data socket.
+///
+///     rig frames rings --bell--> encode --> DataSocket
+///     control thread --post()--> outbox ---^
+///
+/// A new subscriber triggers a repeat of the retained messages (status, last session and device event of each rig), so
+/// that it knows at once where things stand; live streams start at now.
+class PublishThread {
+ public:
+  /// `bell` is the one given to the rigs; it and the rigs outlive this object.
+  PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs,
+                std::uint64_t instance_id);
+  ~PublishThread() { stop(); }
+  PublishThread(const PublishThread&) = delete;
+  PublishThread& operator=(const PublishThread&) = delete;
+
+  /// Refused scheduling wishes are returned.
+  [[nodiscard]] std::vector<std::string> start(const core::ThreadPolicy& policy);
+  void stop() noexcept;
+
+  /// Queues a message; a retained one is repeated for new subscribers until another replaces it. Bounded: beyond 1000
+  /// queued messages the oldest is dropped. Thread: any but the sample threads.
+  void post(std::string topic, std::unique_ptr<google::protobuf::MessageLite> message, bool is_retained);
+
+ private:
+  struct Outgoing {
+    std::string topic;
+    std::shared_ptr<const google::protobuf::MessageLite> message;
+    bool is_retained = false;
+  };
+  struct Source {
+    session::Rig* rig;
+    std::string gap_topic;
+    std::vector<std::pair<std::size_t, StreamEncoder>> streams;  ///< Index in the frame, encoder; published streams only.
+  };
+  void run(const std::stop_token& stop);
+  void publish(Source& source);
+  void send_outbox();
+  void send_retained();
+
+  std::unique_ptr<DataSocket> socket_;
+  core::Doorbell& bell_;
+  std::vector<Source> sources_;
+  std::uint64_t instance_id_;
+  std::mutex outbox_mutex_;  ///< Held for moving pointers only, never across a send.
+  std::vector<Outgoing> outbox_;
+  std::vector<Outgoing> retained_;
+  std::jthread thread_;
+};
+
+}  // namespace dts::ipc

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <zmq.hpp>
+
+#include "core/result.h"
+#include "ipc/data_socket.h"
+
+namespace dts::ipc {
+
+/// DataSocket over a libzmq XPUB socket.
+class XpubSocket final : public DataSocket {
+ public:
+  /// Binds. `queue_messages` bounds what is kept for each slow subscriber. Fails with the endpoint and the reason.
+  [[nodiscard]] static core::Result<std::unique_ptr<XpubSocket>> bind(zmq::context_t& context, const std::string& endpoint,
+                                                                      int queue_messages);
+
+  void send(std::string_view topic, const google::protobuf::MessageLite& message) override;
+  void wait(int bell_fd, int timeout_ms) override;
+  [[nodiscard]] bool take_subscriptions() override;
+
+ private:
+  explicit XpubSocket(zmq::socket_t socket) : socket_(std::move(socket)) {}
+
+  zmq::socket_t socket_;
+};
+
+}  // namespace dts::ipc

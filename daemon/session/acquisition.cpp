@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/acquisition.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace dts::session {
+namespace {
+
+using core::kNanosecondsPerMillisecond;
+
+constexpr std::int64_t kShortestRetryNs = 250 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kLongestRetryNs = 4000 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kStopLatencyNs = 50 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kReadPatienceNs = 100 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
+
+}  // namespace
+
+void AcquisitionReport::set_message(std::string_view text) noexcept {
+  message.fill('\0');
+  std::copy_n(text.begin(), std::min(text.size(), message.size() - 1), message.begin());
+}
+
+Acquisition::Acquisition(device::Device& device, core::Clock& clock, core::SpscRing<core::Acquired>& ring, core::Doorbell& bell,
+                         core::Rate rate, std::size_t block_scans)
+    : device_(device), clock_(clock), ring_(ring), bell_(bell), wanted_rate_(rate), block_scans_(block_scans) {
+  spare_.block = core::Block(device.describe().channels.size(), block_scans);
+  report_.rate = rate;
+  latest_.store(report_);
+}
+
+void Acquisition::request_stop() noexcept {
+  stop_requested_.store(true, std::memory_order_release);  // pairs with the loads in run() and stream()
+  device_.interrupt();
+}
+
+void Acquisition::run() noexcept {
+  while (!stop_requested_.load(std::memory_order_acquire)) {
+    if (bring_up()) {
+      retry_pause_ns_ = 0;
+      stream();
+    } else {
+      wait_before_retry();
+    }
+  }
+  device_.close();
+  report_.device = device::DeviceState::Closed;
+  publish_report();
+}
+
+bool Acquisition::bring_up() {
+  if (device_.state() == device::DeviceState::Gone) device_.close();
+  auto started = device_.open().and_then([&] { return device_.start({.rate = wanted_rate_, .max_block_scans = block_scans_}); });
+  if (!started) {
+    report_.device = device_.state();
+    report_.set_message(core::to_string(started.error()));
+    publish_report();
+    device_.close();
+    return false;
+  }
+  if (has_streamed_) {
+    ++report_.reconnects_total;
+    if (pending_gap_.reason == core::GapReason::None) note_gap({.reason = core::GapReason::Unplugged});
+  }
+  needs_segment_ = true;
+  report_.rate = *started;
+  report_.device = device::DeviceState::Streaming;
+  report_.set_message("");
+  publish_report();
+  return true;
+}
+
+void Acquisition::wait_before_retry() noexcept {
+  retry_pause_ns_ = std::clamp(2 * retry_pause_ns_, kShortestRetryNs, kLongestRetryNs);
+  const std::int64_t until_ns = clock_.now_ns() + retry_pause_ns_;
+  while (clock_.now_ns() < until_ns && !stop_requested_.load(std::memory_order_acquire)) {
+    clock_.sleep_until_ns(std::min(until_ns, clock_.now_ns() + kStopLatencyNs));
+  }
+}
+
+void Acquisition::stream() noexcept {
+  const std::int64_t block_ns = report_.rate.time_ns({block_scans_});
+  while (!stop_requested_.load(std::memory_order_acquire)) {
+    core::Acquired* slot = ring_.claim();
+    core::Acquired& target = slot != nullptr ? *slot : spare_;
+    const device::ReadResult result = device_.read(target.block, clock_.now_ns() + 2 * block_ns + kReadPatienceNs);
+    switch (result.outcome) {
+      case device::ReadOutcome::Scans:
+        if (slot != nullptr) {
+          take(target);
+        } else {
+          lose_to_full_ring(target.block);
+        }
+        break;
+      case device::ReadOutcome::Timeout: note_timeout(clock_.now_ns()); break;
+      case device::ReadOutcome::Gap: note_gap(result.gap); break;
+      case device::ReadOutcome::Gone:
+        note_gap(result.gap.reason == core::GapReason::None ? core::Gap{.reason = core::GapReason::Unplugged} : result.gap);
+        report_.device = device::DeviceState::Gone;
+        report_.set_message("device lost; plug it in again, it is opened by itself");
+        publish_report();
+        return;
+      case device::ReadOutcome::NotStreaming: return;
+    }
+  }
+}
+
+void Acquisition::note_gap(const core::Gap& gap) noexcept {
+  if (pending_gap_.reason == core::GapReason::None) {
+    pending_gap_ = gap;
+  } else {  // a second hole before any scan came through: one longer hole, told with its first cause
+    pending_gap_.missing_scans += gap.missing_scans;
+    pending_gap_.is_exact = pending_gap_.is_exact && gap.is_exact;
+  }
+  needs_segment_ = true;
+}
+
+void Acquisition::lose_to_full_ring(const core::Block& block) noexcept {
+  ring_.drop();
+  note_gap({.reason = core::GapReason::RingFull, .missing_scans = block.count(), .is_exact = true});
+}
+
+void Acquisition::note_timeout(std::int64_t now_ns) noexcept {
+  const bool is_silent = report_.last_scan_host_ns != 0 && now_ns - report_.last_scan_host_ns > kSilenceNs;
+  if (is_silent == report_.is_silent) return;
+  report_.is_silent = is_silent;
+  report_.set_message("device is present but delivers nothing; check its cable and power");
+  publish_report();
+}
+
+void Acquisition::take(core::Acquired& acquired) noexcept {
+  core::Block& block = acquired.block;
+  const std::uint64_t device_index = block.first_scan.value;
+  const std::uint64_t expected = segment_base_ + report_.next_scan;
+  if (!needs_segment_ && device_index != expected) {  // a driver that miscounts must not shift the time axis silently
+    const std::uint64_t missing = device_index > expected ? device_index - expected : 0;
+    note_gap({.reason = core::GapReason::Integrity, .missing_scans = missing});
+  }
+  acquired.gap_before = {};
+  if (needs_segment_) {
+    if (pending_gap_.reason != core::GapReason::None) {
+      if (!pending_gap_.is_exact && pending_gap_.missing_scans == 0 && report_.last_scan_host_ns != 0) {
+        const auto hole_ns = static_cast<double>(block.host_time_ns - report_.last_scan_host_ns);
+        pending_gap_.missing_scans = static_cast<std::uint64_t>(std::max(0.0, std::round(hole_ns * 1e-9 * report_.rate.hz()) - 1.0));
+      }
+      report_.lost_scans_total += pending_gap_.missing_scans;
+      ++report_.gaps_total;
+      ++report_.segment;
+    }
+    acquired.gap_before = pending_gap_;
+    pending_gap_ = {};
+    segment_base_ = device_index;
+    report_.next_scan = 0;
+    needs_segment_ = false;
+  }
+  block.segment = report_.segment;
+  block.first_scan = {device_index - segment_base_};
+  acquired.lost_scans_total = report_.lost_scans_total;
+  report_.next_scan = block.first_scan.value + block.count();
+  report_.scans_total += block.count();
+  report_.last_scan_host_ns = block.host_time_ns + report_.rate.time_ns({block.count() - 1});
+  if (report_.is_silent) report_.set_message("");
+  report_.is_silent = false;
+  has_streamed_ = true;
+  ring_.commit();
+  bell_.ring();
+  publish_report();
+}
+
+}  // namespace dts::session

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <string_view>
+
+#include "core/clock.h"
+#include "core/doorbell.h"
+#include "core/frame.h"
+#include "core/latest_value.h"
+#include "core/spsc_ring.h"
+#include "device/device.h"
+
+namespace dts::session {
+
+/// What the acquire thread tells the rest of the daemon about itself. Trivially copyable: it travels in a LatestValue.
+struct AcquisitionReport {
+  device::DeviceState device = device::DeviceState::Closed;
+  std::uint32_t segment = 0;
+  std::uint64_t next_scan = 0;         ///< Index that the next scan of this segment will have.
+  std::int64_t last_scan_host_ns = 0;  ///< Instant of the newest scan; 0 before the first.
+  std::uint64_t scans_total = 0;
+  std::uint64_t lost_scans_total = 0;
+  std::uint64_t gaps_total = 0;
+  std::uint64_t reconnects_total = 0;
+  bool is_silent = false;           ///< Streaming, but nothing came for over a second.
+  core::Rate rate;                  ///< Exact, as the device runs.
+  std::array<char, 256> message{};  ///< Why the device is not streaming, and what to do; empty when it is.
+
+  void set_message(std::string_view text) noexcept;
+  [[nodiscard]] std::string_view text() const noexcept { return message.data(); }
+};
+
+/// The acquire thread's work: keeps one device open and streaming and moves its scans into the ring.
+///
+///     device --read--> [claimed slot] --SpscRing--> pipeline
+///
+/// Owns the segments: any hole (device gap, unplug, silence, full ring) closes the segment, is counted, and stands as
+/// `gap_before` on the first block of the next one. A lost device is opened again with a growing pause (0.25 to 4 s).
+class Acquisition {
+ public:
+  /// All of it outlives this object. `rate` and `block_scans` as configured.
+  Acquisition(device::Device& device, core::Clock& clock, core::SpscRing<core::Acquired>& ring, core::Doorbell& bell, core::Rate rate,
+              std::size_t block_scans);
+
+  /// Runs until `request_stop`. Between (re)starts of the device it may allocate and wait; while streaming it does not.
+  void run() noexcept;
+  /// Thread: any.
+  void request_stop() noexcept;
+  /// Thread: control (the one reader).
+  [[nodiscard]] const AcquisitionReport& report() noexcept { return latest_.load(); }
+
+ private:
+  [[nodiscard]] bool bring_up();
+  void stream() noexcept;
+  void wait_before_retry() noexcept;
+  void take(core::Acquired& acquired) noexcept;
+  void lose_to_full_ring(const core::Block& block) noexcept;
+  void note_gap(const core::Gap& gap) noexcept;
+  void note_timeout(std::int64_t now_ns) noexcept;
+  void publish_report() noexcept { latest_.store(report_); }
+
+  device::Device& device_;
+  core::Clock& clock_;
+  core::SpscRing<core::Acquired>& ring_;
+  core::Doorbell& bell_;
+  core::Rate wanted_rate_;
+  std::size_t block_scans_;
+  std::atomic<bool> stop_requested_{false};
+
+  AcquisitionReport report_;
+  core::LatestValue<AcquisitionReport> latest_;
+  core::Acquired spare_;            ///< Filled when the ring has no slot: the scans must leave the device all the same.
+  core::Gap pending_gap_;           ///< To stand before the next block that finds room.
+  std::uint64_t segment_base_ = 0;  ///< Device index of the segment's scan 0.
+  bool needs_segment_ = true;       ///< The next block starts a segment.
+  bool has_streamed_ = false;
+  std::int64_t retry_pause_ns_ = 0;
+};
+
+}  // namespace dts::session

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/rig.h"
+
+#include <algorithm>
+#include <future>
+
+#include "device/registry.h"
+
+namespace dts::session {
+namespace {
+
+constexpr double kScansRingMs = 2000.0;   // how long the pipeline may stall before scans are lost
+constexpr double kFramesRingMs = 1000.0;  // how long the publisher may
+constexpr int kBellPatienceMs = 100;      // how soon a stop is seen on a silent rig
+
+std::size_t blocks_in(const RigConfig& config, double ms) {
+  return std::max<std::size_t>(8, static_cast<std::size_t>(config.rate.scans_in_ms(ms)) / config.block_scans);
+}
+
+core::Result<pipeline::PipelineInput> describe_input(const RigConfig& config, const device::DeviceDescription& device) {
+  pipeline::PipelineInput input{.rate = config.rate,
+                                .sensor_channels = config.sensor_channels,
+                                .aux_channels = {},
+                                .aux_formats = {},
+                                .max_block_scans = config.block_scans};
+  for (const std::size_t channel : config.sensor_channels) {
+    if (channel >= device.channels.size()) {
+      return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "': a sensor is on channel " + std::to_string(channel) +
+                                                              ", but " + device.uri + " has " + std::to_string(device.channels.size()) +
+                                                              " channels");
+    }
+  }
+  for (std::size_t channel = 0; channel < device.channels.size(); ++channel) {
+    if (std::ranges::find(config.sensor_channels, channel) != config.sensor_channels.end()) continue;
+    input.aux_channels.push_back(channel);
+    input.aux_formats.push_back({.name = device.channels[channel].name, .unit = device.channels[channel].unit});
+  }
+  return input;
+}
+
+std::vector<pipeline::StageContext::InputRange> input_ranges(const RigConfig& config, const device::DeviceDescription& device) {
+  std::vector<pipeline::StageContext::InputRange> ranges;
+  for (const std::size_t channel : config.sensor_channels) {
+    const auto& described = device.channels[channel];
+    ranges.push_back({.minimum_v = described.minimum, .maximum_v = described.maximum, .resolution_v = described.resolution});
+  }
+  return ranges;
+}
+
+core::Status check_published(const RigConfig& config, const pipeline::Pipeline& pipeline) {
+  for (const std::string& stream : config.published) {
+    if (std::ranges::find(pipeline.formats(), stream, &core::StreamFormat::name) != pipeline.formats().end()) continue;
+    if (stream == "aux") continue;  // a device without further channels simply has nothing to say there
+    std::string known;
+    for (const core::StreamFormat& format : pipeline.formats()) known += (known.empty() ? "" : ", ") + format.name;
+    return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "' has no stream '" + stream + "' to publish",
+                      "it has: " + known);
+  }
+  return {};
+}
+
+core::Status check_device(const RigConfig& config, const device::DeviceDescription& device) {
+  const auto where = "rig '" + config.name + "': ";
+  if (device.channels.size() > core::kMaxChannels) {
+    return core::fail(core::ErrorCode::LimitExceeded, where + device.uri + " has " + std::to_string(device.channels.size()) +
+                                                          " channels; at most " + std::to_string(core::kMaxChannels) + " are supported");
+  }
+  if (config.rate.hz() < device.minimum_rate_hz || config.rate.hz() > device.maximum_rate_hz) {
+    return core::fail(
+        core::ErrorCode::InvalidArgument, where + device.uri + " cannot run at " + std::to_string(config.rate.hz()) + " Hz",
+        "choose rate_hz between " + std::to_string(device.minimum_rate_hz) + " and " + std::to_string(device.maximum_rate_hz));
+  }
+  return {};
+}
+
+}  // namespace
+
+core::Result<std::unique_ptr<Rig>> Rig::create(RigConfig given, core::Clock& clock, core::Doorbell& publish_bell) {
+  auto config = std::make_unique<const RigConfig>(std::move(given));
+  auto device = device::create_device(config->device_uri, {.clock = clock, .rig = config->model});
+  if (!device) return tl::make_unexpected(device.error());
+  const device::DeviceDescription& described = (*device)->describe();
+  if (auto checked = check_device(*config, described); !checked) return tl::make_unexpected(checked.error());
+  auto input = describe_input(*config, described);
+  if (!input) return tl::make_unexpected(input.error());
+  auto tare = std::make_unique<pipeline::Tare>();
+  auto pipeline = pipeline::Pipeline::create(config->stages, *input,
+                                             {.rig = config->model, .input_ranges = input_ranges(*config, described), .tare = *tare});
+  if (!pipeline) return tl::make_unexpected(pipeline.error());
+  if (auto checked = check_published(*config, **pipeline); !checked) return tl::make_unexpected(checked.error());
+  return std::unique_ptr<Rig>(new Rig(std::move(config), clock, publish_bell, std::move(*device), std::move(tare), std::move(*pipeline)));
+}
+
+Rig::Rig(std::unique_ptr<const RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell, std::unique_ptr<device::Device> device,
+         std::unique_ptr<pipeline::Tare> tare, std::unique_ptr<pipeline::Pipeline> pipeline)
+    : config_(std::move(config)),
+      clock_(clock),
+      publish_bell_(publish_bell),
+      device_(std::move(device)),
+      tare_(std::move(tare)),
+      pipeline_(std::move(pipeline)),
+      scans_(blocks_in(*config_, kScansRingMs),
+             core::Acquired{.block = core::Block(device_->describe().channels.size(), config_->block_scans)}),
+      frames_(blocks_in(*config_, kFramesRingMs), pipeline_->make_frame()),
+      spare_frame_(pipeline_->make_frame()),
+      acquisition_(*device_, clock, scans_, scans_bell_, config_->rate, config_->block_scans),
+      statistics_(device_->describe().channels.size(), config_->rate.scans_in_ms(1000.0)) {}
+
+Rig::~Rig() { stop(); }
+
+void Rig::start(core::Log log) {
+  std::promise<std::vector<std::string>> acquire_ready;
+  std::promise<std::vector<std::string>> pipeline_ready;
+  pipeline_thread_ = std::jthread([this, &pipeline_ready](const std::stop_token& stop) {
+    pipeline_ready.set_value(core::configure_this_thread("pipe-" + config_->name, config_->pipeline_policy));
+    run_pipeline(stop);
+  });
+  acquire_thread_ = std::jthread([this, &acquire_ready] {
+    acquire_ready.set_value(core::configure_this_thread("acq-" + config_->name, config_->acquire_policy));
+    acquisition_.run();
+  });
+  for (auto* ready : {&acquire_ready, &pipeline_ready}) {
+    for (std::string& refused : ready->get_future().get()) {
+      log.warning("rig '" + config_->name + "': " + refused);
+      notices_.push_back(std::move(refused));
+    }
+  }
+}
+
+void Rig::stop() noexcept {
+  acquisition_.request_stop();
+  pipeline_thread_.request_stop();
+  scans_bell_.ring();
+  if (acquire_thread_.joinable()) acquire_thread_.join();
+  if (pipeline_thread_.joinable()) pipeline_thread_.join();
+}
+
+void Rig::run_pipeline(const std::stop_token& stop) noexcept {
+  while (!stop.stop_requested()) {
+    while (core::Acquired* acquired = scans_.front()) {
+      process(*acquired);
+      scans_.release();
+    }
+    scans_bell_.wait(kBellPatienceMs);
+  }
+}
+
+void Rig::process(const core::Acquired& acquired) noexcept {
+  const std::int64_t started_ns = clock_.now_ns();
+  core::Frame* slot = frames_.claim();
+  core::Frame& frame = slot != nullptr ? *slot : spare_frame_;
+  pipeline_->process(acquired, frame);
+  if (unpublished_gap_.reason != core::GapReason::None) {  // the frame that carried it was dropped: it must not be lost
+    if (frame.gap_before.reason == core::GapReason::None) {
+      frame.gap_before = unpublished_gap_;
+    } else {
+      frame.gap_before.missing_scans += unpublished_gap_.missing_scans;
+      frame.gap_before.is_exact = frame.gap_before.is_exact && unpublished_gap_.is_exact;
+    }
+  }
+  if (slot != nullptr) {
+    unpublished_gap_ = {};
+    frames_.commit();
+    publish_bell_.ring();
+  } else {
+    unpublished_gap_ = frame.gap_before;
+    frames_.drop();
+  }
+  statistics_.add(acquired.block);
+  note_time(clock_.now_ns() - started_ns, acquired.block.count());
+}
+
+void Rig::note_time(std::int64_t spent_ns, std::size_t scans) noexcept {
+  if (scans == 0) return;
+  constexpr double kWeight = 0.02;  // about the last 50 blocks
+  const double us_per_scan = static_cast<double>(spent_ns) * 1e-3 / static_cast<double>(scans);
+  pipeline_state_.us_per_scan += kWeight * (us_per_scan - pipeline_state_.us_per_scan);
+  pipeline_state_.dropped_blocks_total = frames_.dropped();
+  pipeline_report_.store(pipeline_state_);
+}
+
+}  // namespace dts::session

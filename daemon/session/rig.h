@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/clock.h"
+#include "core/doorbell.h"
+#include "core/frame.h"
+#include "core/log.h"
+#include "core/spsc_ring.h"
+#include "pipeline/pipeline.h"
+#include "pipeline/tare.h"
+#include "session/acquisition.h"
+#include "session/channel_statistics.h"
+#include "session/rig_config.h"
+
+namespace dts::session {
+
+/// What the pipeline thread tells about itself.
+struct PipelineReport {
+  std::uint64_t dropped_blocks_total = 0;  ///< Frames that found the publisher's ring full.
+  double us_per_scan = 0.0;                ///< Time spent in the stages, moving mean.
+};
+
+/// One rig at work: a device, its two sample threads and the rings between them.
+///
+///     acquire thread: device --> [scans ring] --> pipeline thread: stages --> [frames ring] --> publish thread
+///
+/// Threads start with `start` and end with `stop` or the destructor; each has a name and, if permitted, SCHED_FIFO.
+class Rig {
+ public:
+  /// Creates device and pipeline; fails with what is wrong in `config`. `publish_bell` is rung for every frame; `clock`
+  /// and the bell outlive the rig.
+  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(RigConfig config, core::Clock& clock, core::Doorbell& publish_bell);
+  ~Rig();
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+
+  /// Thread: control. Refused scheduling wishes go to `log` and to `notices`.
+  void start(core::Log log);
+  void stop() noexcept;
+
+  [[nodiscard]] const RigConfig& config() const noexcept { return *config_; }
+  [[nodiscard]] const device::DeviceDescription& device() const noexcept { return device_->describe(); }
+  [[nodiscard]] std::span<const core::StreamFormat> formats() const noexcept { return pipeline_->formats(); }
+  [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }
+
+  /// Thread: control (the one reader of each).
+  [[nodiscard]] const AcquisitionReport& acquisition() noexcept { return acquisition_.report(); }
+  [[nodiscard]] const PipelineReport& pipeline_report() noexcept { return pipeline_report_.load(); }
+  [[nodiscard]] const StatisticsReport& statistics() noexcept { return statistics_.latest(); }
+  [[nodiscard]] pipeline::Tare& tare() noexcept { return *tare_; }
+
+  /// Finished frames, oldest first. Thread: publish (the consumer).
+  [[nodiscard]] core::SpscRing<core::Frame>& frames() noexcept { return frames_; }
+  /// Frames dropped because the publisher was too slow. Thread: any.
+  [[nodiscard]] std::uint64_t dropped_blocks() const noexcept { return frames_.dropped(); }
+
+ private:
+  Rig(std::unique_ptr<const RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell, std::unique_ptr<device::Device> device,
+      std::unique_ptr<pipeline::Tare> tare, std::unique_ptr<pipeline::Pipeline> pipeline);
+  void run_pipeline(const std::stop_token& stop) noexcept;
+  void process(const core::Acquired& acquired) noexcept;
+  void note_time(std::int64_t spent_ns, std::size_t scans) noexcept;
+
+  std::unique_ptr<const RigConfig> config_;  ///< On the heap: device and stages keep references into its model.
+  core::Clock& clock_;
+  core::Doorbell& publish_bell_;
+  std::unique_ptr<device::Device> device_;
+  std::unique_ptr<pipeline::Tare> tare_;
+  std::unique_ptr<pipeline::Pipeline> pipeline_;
+  core::SpscRing<core::Acquired> scans_;
+  core::SpscRing<core::Frame> frames_;
+  core::Frame spare_frame_;  ///< Processed into when the publisher's ring is full: the stages must see every scan.
+  core::Gap unpublished_gap_;
+  core::Doorbell scans_bell_;
+  Acquisition acquisition_;
+  StatisticsCollector statistics_;
+  PipelineReport pipeline_state_;
+  core::LatestValue<PipelineReport> pipeline_report_;
+  std::vector<std::string> notices_;
+  std::jthread acquire_thread_;
+  std::jthread pipeline_thread_;
+};
+
+}  // namespace dts::session

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/rate.h"
+#include "core/thread.h"
+#include "physics/rig_model.h"
+#include "pipeline/stage_registry.h"
+
+namespace dts::session {
+
+/// One rig as configured: checked values only.
+struct RigConfig {
+  std::string name;        ///< [a-z0-9_-], unique; first part of every topic.
+  std::string kind;        ///< "floor"
+  std::string device_uri;  ///< "sim:floor?seed=7"
+  physics::RigModel model;
+  std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the model.
+  core::Rate rate;
+  std::size_t block_scans = 1;  ///< Scans per block from device to socket: the publishing granularity.
+  std::vector<pipeline::StageConfig> stages;
+  std::vector<std::string> published;  ///< Names of the streams that go to the socket.
+  core::ThreadPolicy acquire_policy;
+  core::ThreadPolicy pipeline_policy;
+};
+
+}  // namespace dts::session

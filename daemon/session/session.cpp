@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/session.h"
+
+#include <cmath>
+#include <utility>
+
+namespace dts::session {
+namespace {
+
+constexpr double kStartTimeoutS = 10.0;
+constexpr double kLongestDurationS = 7.0 * 86400.0;
+constexpr double kLongestSettleS = 3600.0;
+constexpr std::size_t kLongestSubject = 64;
+constexpr std::size_t kLongestText = 200;
+
+double seconds_between(std::int64_t from_ns, std::int64_t to_ns) { return static_cast<double>(to_ns - from_ns) * 1e-9; }
+
+bool is_word(const std::string& text) {
+  return text.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == std::string::npos;
+}
+
+}  // namespace
+
+std::string_view name(SessionState state) noexcept {
+  switch (state) {
+    case SessionState::Idle: return "idle";
+    case SessionState::Starting: return "starting";
+    case SessionState::Settling: return "settling";
+    case SessionState::Running: return "running";
+    case SessionState::Stopping: return "stopping";
+    case SessionState::Failed: return "failed";
+  }
+  return "unknown";
+}
+
+core::Status check(const SessionRequest& request) {
+  using core::ErrorCode;
+  if (request.subject.size() > kLongestSubject || !is_word(request.subject)) {
+    return core::fail(ErrorCode::InvalidArgument, "subject is not a pseudonym of up to 64 letters, digits, '_', '.' or '-'",
+                      "use the clinic's pseudonym, never a name");
+  }
+  if (request.protocol != "free") {
+    return core::fail(ErrorCode::InvalidArgument, "unknown protocol '" + request.protocol.substr(0, kLongestSubject) + "'", "known: free");
+  }
+  if (request.label.size() > kLongestText) return core::fail(ErrorCode::InvalidArgument, "label is longer than 200 bytes");
+  if (!std::isfinite(request.duration_s) || request.duration_s < 0 || request.duration_s > kLongestDurationS) {
+    return core::fail(ErrorCode::InvalidArgument, "duration_s must be 0 (until stopped) or up to 604800 s");
+  }
+  if (!std::isfinite(request.settle_s) || request.settle_s < 0 || request.settle_s > kLongestSettleS) {
+    return core::fail(ErrorCode::InvalidArgument, "settle_s must be 0..3600 s");
+  }
+  return {};
+}
+
+core::Status Session::start(std::string id, const SessionRequest& request, std::int64_t now_ns) {
+  if (is_under_way()) {
+    return core::fail(core::ErrorCode::WrongState, "rig '" + rig_ + "' already has session " + id_ + " (" + std::string(name(state_)) + ")",
+                      "stop it first: dtsctl session stop --rig " + rig_);
+  }
+  id_ = std::move(id);
+  request_ = request;
+  has_scan_count_ = false;
+  running_since_ns_ = 0;
+  stopped_ns_ = 0;
+  enter(SessionState::Starting, now_ns);
+  return {};
+}
+
+core::Status Session::stop(std::int64_t now_ns) {
+  if (!is_under_way()) {
+    return core::fail(core::ErrorCode::WrongState, "rig '" + rig_ + "' has no session to stop",
+                      "start one: dtsctl session start --rig " + rig_);
+  }
+  stopped_ns_ = now_ns;
+  enter(SessionState::Stopping, now_ns);
+  // What Stopping waits for is the recorder's last write; nothing records yet, so it is over at once.
+  enter(SessionState::Idle, now_ns);
+  return {};
+}
+
+void Session::tick(std::int64_t now_ns, std::uint64_t scans_total) {
+  if (state_ == SessionState::Starting) {
+    if (!std::exchange(has_scan_count_, true)) scans_at_start_ = scans_total;
+    if (scans_total > scans_at_start_) {
+      enter(SessionState::Settling, now_ns);
+    } else if (seconds_between(entered_ns_, now_ns) > kStartTimeoutS) {
+      stopped_ns_ = now_ns;
+      enter(SessionState::Failed, now_ns, "the device delivered no scan for 10 s; see dtsctl status");
+    }
+  }
+  if (state_ == SessionState::Settling && seconds_between(entered_ns_, now_ns) >= request_.settle_s) {
+    running_since_ns_ = now_ns;
+    enter(SessionState::Running, now_ns);
+  }
+  if (state_ == SessionState::Running && request_.duration_s > 0 && seconds_between(running_since_ns_, now_ns) >= request_.duration_s) {
+    static_cast<void>(stop(now_ns));  // cannot fail: the session is running
+  }
+}
+
+SessionView Session::view(std::int64_t now_ns) const {
+  SessionView view{.id = id_, .state = state_, .request = request_, .message = message_};
+  if (running_since_ns_ != 0) view.elapsed_s = seconds_between(running_since_ns_, is_under_way() ? now_ns : stopped_ns_);
+  return view;
+}
+
+std::vector<SessionView> Session::take_changes() { return std::exchange(changes_, {}); }
+
+void Session::enter(SessionState state, std::int64_t now_ns, std::string message) {
+  state_ = state;
+  entered_ns_ = now_ns;
+  message_ = std::move(message);
+  changes_.push_back(view(now_ns));
+}
+
+}  // namespace dts::session

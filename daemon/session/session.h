@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+
+namespace dts::session {
+
+/// Idle --start--> Starting --first scan--> Settling --settle_s--> Running --stop, duration--> Stopping --closed--> Idle
+/// Starting --no scans for 10 s--> Failed --start--> Starting. A lost device does not end a running session: it goes on
+/// in the next segment.
+enum class SessionState : std::uint8_t { Idle = 1, Starting, Settling, Running, Stopping, Failed };
+
+[[nodiscard]] std::string_view name(SessionState state) noexcept;
+
+/// What a person asks for. Checked by `check`.
+struct SessionRequest {
+  std::string protocol = "free";
+  std::string subject;      ///< Pseudonym given by the clinic: [A-Za-z0-9_.-], at most 64 characters; may be empty.
+  std::string label;        ///< At most 200 bytes.
+  double duration_s = 0.0;  ///< 0: until stopped; else up to 7 days, counted after settling.
+  double settle_s = 0.0;    ///< 0..3600.
+};
+
+/// Fails with InvalidArgument, naming the field and its range.
+[[nodiscard]] core::Status check(const SessionRequest& request);
+
+struct SessionView {
+  std::string id;  ///< Empty: there has been none.
+  SessionState state = SessionState::Idle;
+  SessionRequest request;
+  double elapsed_s = 0.0;
+  std::string message;
+};
+
+/// The state machine of one rig's session. Knows time only as what it is told, so that tests run it without waiting.
+/// Thread: control.
+class Session {
+ public:
+  explicit Session(std::string rig) : rig_(std::move(rig)) {}
+
+  /// Starts a session named `id`. WrongState when one is under way. The request must have passed `check`.
+  [[nodiscard]] core::Status start(std::string id, const SessionRequest& request, std::int64_t now_ns);
+  /// WrongState when none is under way.
+  [[nodiscard]] core::Status stop(std::int64_t now_ns);
+  /// Lets time pass; `scans_total` is the rig's counter (a rising one means that it streams).
+  void tick(std::int64_t now_ns, std::uint64_t scans_total);
+
+  [[nodiscard]] bool is_under_way() const noexcept { return state_ != SessionState::Idle && state_ != SessionState::Failed; }
+  [[nodiscard]] SessionView view(std::int64_t now_ns) const;
+  /// The states entered since the last call, oldest first: each becomes an event.
+  [[nodiscard]] std::vector<SessionView> take_changes();
+
+ private:
+  void enter(SessionState state, std::int64_t now_ns, std::string message = {});
+
+  std::string rig_;
+  std::string id_;
+  SessionState state_ = SessionState::Idle;
+  SessionRequest request_;
+  std::string message_;
+  std::int64_t entered_ns_ = 0;
+  std::int64_t running_since_ns_ = 0;
+  std::int64_t stopped_ns_ = 0;
+  std::uint64_t scans_at_start_ = 0;
+  bool has_scan_count_ = false;
+  std::vector<SessionView> changes_;
+};
+
+}  // namespace dts::session

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/supervisor.h"
+
+#include <ctime>
+
+#include <array>
+#include <utility>
+
+#include "device/registry.h"
+
+namespace dts::session {
+namespace {
+
+constexpr std::int64_t kRateWindowNs = 2'000'000'000;
+constexpr std::size_t kLongestMark = 200;
+
+std::string_view name(device::DeviceState state) {
+  switch (state) {
+    case device::DeviceState::Closed: return "closed";
+    case device::DeviceState::Open: return "open";
+    case device::DeviceState::Streaming: return "streaming";
+    case device::DeviceState::Gone: return "gone";
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+core::Status Supervisor::add(std::unique_ptr<Rig> rig) {
+  const std::string rig_name = rig->config().name;
+  const auto [position, is_new] = entries_.try_emplace(rig_name, Entry{.rig = std::move(rig), .session = Session(rig_name)});
+  if (!is_new) return core::fail(core::ErrorCode::InvalidArgument, "two rigs are named '" + rig_name + "'", "rename one");
+  return {};
+}
+
+void Supervisor::start() {
+  for (auto& [rig_name, entry] : entries_) {
+    entry.rig->start(log_);
+    log_.info("rig '" + rig_name + "': " + entry.rig->device().model + " (" + entry.rig->config().device_uri + ")");
+  }
+}
+
+void Supervisor::stop() {
+  for (auto& [rig_name, entry] : entries_) {
+    if (entry.session.is_under_way()) static_cast<void>(entry.session.stop(clock_.now_ns()));  // checked: under way
+    collect_session_changes(entry);
+  }
+  for (auto& [rig_name, entry] : entries_) entry.rig->stop();
+}
+
+std::vector<RigState> Supervisor::states() {
+  std::vector<RigState> states;
+  for (auto& [rig_name, entry] : entries_) {
+    states.push_back({.rig = *entry.rig,
+                      .acquisition = entry.rig->acquisition(),
+                      .pipeline = entry.rig->pipeline_report(),
+                      .tare = entry.rig->tare().latest(),
+                      .session = entry.session.view(clock_.now_ns()),
+                      .measured_rate_hz = entry.measured_rate_hz});
+  }
+  return states;
+}
+
+std::vector<Rig*> Supervisor::rigs() {
+  std::vector<Rig*> rigs;
+  for (auto& [rig_name, entry] : entries_) rigs.push_back(entry.rig.get());
+  return rigs;
+}
+
+core::Result<Supervisor::Entry*> Supervisor::find(const std::string& name) {
+  if (const auto found = entries_.find(name); found != entries_.end()) return &found->second;
+  std::string known;
+  for (const auto& [rig_name, entry] : entries_) known += (known.empty() ? "" : ", ") + rig_name;
+  return core::fail(core::ErrorCode::NotFound, "no rig named '" + name.substr(0, kLongestMark) + "'", "known rigs: " + known);
+}
+
+std::string Supervisor::new_session_id(const std::string& rig) {
+  const std::time_t now_s = (clock_.now_ns() + core::utc_minus_monotonic_ns()) / 1'000'000'000;
+  std::tm utc{};
+  gmtime_r(&now_s, &utc);
+  std::array<char, 32> stamp{};
+  std::strftime(stamp.data(), stamp.size(), "%Y%m%dT%H%M%SZ", &utc);
+  return std::string(stamp.data()) + "-" + rig + "-" + std::to_string(++sessions_started_);
+}
+
+core::Result<SessionView> Supervisor::start_session(const std::string& rig, const SessionRequest& request) {
+  auto entry = find(rig);
+  if (!entry) return tl::make_unexpected(entry.error());
+  Session& session = (*entry)->session;
+  const std::int64_t now_ns = clock_.now_ns();
+  if (auto checked = check(request); !checked) return tl::make_unexpected(checked.error());
+  if (auto started = session.start(new_session_id(rig), request, now_ns); !started) return tl::make_unexpected(started.error());
+  log_.info("session " + session.view(now_ns).id + " starts on rig '" + rig + "'");
+  collect_session_changes(**entry);
+  return session.view(now_ns);
+}
+
+core::Result<std::pair<std::string, SessionView>> Supervisor::stop_session(const std::string& rig) {
+  std::string chosen = rig;
+  if (rig.empty()) {
+    for (const auto& [rig_name, entry] : entries_) {
+      if (!entry.session.is_under_way()) continue;
+      if (!chosen.empty()) {
+        return core::fail(core::ErrorCode::InvalidArgument, "several rigs have a session", "say which: --rig " + rig_name);
+      }
+      chosen = rig_name;
+    }
+    if (chosen.empty()) return core::fail(core::ErrorCode::WrongState, "no rig has a session to stop");
+  }
+  auto entry = find(chosen);
+  if (!entry) return tl::make_unexpected(entry.error());
+  const std::int64_t now_ns = clock_.now_ns();
+  if (auto stopped = (*entry)->session.stop(now_ns); !stopped) return tl::make_unexpected(stopped.error());
+  const SessionView view = (*entry)->session.view(now_ns);
+  log_.info("session " + view.id + " stopped");
+  collect_session_changes(**entry);
+  return std::pair{chosen, view};
+}
+
+core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark(const std::string& rig, const std::string& text) {
+  if (text.empty() || text.size() > kLongestMark) {
+    return core::fail(core::ErrorCode::InvalidArgument, "a marker's text has 1..200 bytes, this one " + std::to_string(text.size()));
+  }
+  std::vector<std::string> chosen;
+  if (rig.empty()) {
+    for (const auto& [rig_name, entry] : entries_) chosen.push_back(rig_name);
+  } else {
+    chosen.push_back(rig);
+  }
+  std::vector<std::pair<std::string, DataPosition>> marks;
+  for (const std::string& rig_name : chosen) {
+    auto entry = find(rig_name);
+    if (!entry) return tl::make_unexpected(entry.error());
+    const DataPosition at = position(**entry);
+    marks.emplace_back(rig_name, at);
+    notices_.push_back({.rig = rig_name, .at = at, .body = MarkerNotice{text}});
+  }
+  return marks;
+}
+
+core::Result<std::uint64_t> Supervisor::tare(const std::string& rig) {
+  auto entry = find(rig);
+  if (!entry) return tl::make_unexpected(entry.error());
+  if ((*entry)->rig->acquisition().device != device::DeviceState::Streaming) {
+    return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' is not streaming", "see dtsctl status");
+  }
+  return (*entry)->rig->tare().request();
+}
+
+core::Result<pipeline::TareReport> Supervisor::tare_report(const std::string& rig) {
+  auto entry = find(rig);
+  if (!entry) return tl::make_unexpected(entry.error());
+  return (*entry)->rig->tare().latest();
+}
+
+core::Result<std::pair<Rig*, StatisticsReport>> Supervisor::test_device(const std::string& rig) {
+  auto entry = find(rig);
+  if (!entry) return tl::make_unexpected(entry.error());
+  const AcquisitionReport& report = (*entry)->rig->acquisition();
+  if (report.device != device::DeviceState::Streaming) {
+    return core::fail(core::ErrorCode::DeviceGone, "rig '" + rig + "' is not streaming: " + std::string(report.text()));
+  }
+  const StatisticsReport& statistics = (*entry)->rig->statistics();
+  if (statistics.scans == 0) {
+    return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has not streamed for a second yet", "try again");
+  }
+  return std::pair{(*entry)->rig.get(), statistics};
+}
+
+std::vector<std::string> Supervisor::device_kinds() {
+  std::vector<std::string> kinds;
+  for (const device::RegistryEntry& entry : device::registry()) kinds.push_back(entry.scheme_and_name + "  " + entry.sentence);
+  return kinds;
+}
+
+void Supervisor::tick() {
+  const std::int64_t now_ns = clock_.now_ns();
+  for (auto& [rig_name, entry] : entries_) {
+    const AcquisitionReport report = entry.rig->acquisition();
+    measure_rate(entry, report, now_ns);
+    notice_device_change(entry, report);
+    entry.session.tick(now_ns, report.scans_total);
+    collect_session_changes(entry);
+  }
+}
+
+std::vector<Notice> Supervisor::take_notices() { return std::exchange(notices_, {}); }
+
+DataPosition Supervisor::position(Entry& entry) {
+  const AcquisitionReport& report = entry.rig->acquisition();
+  return {.segment = report.segment, .scan = {report.next_scan > 0 ? report.next_scan - 1 : 0}, .host_time_ns = report.last_scan_host_ns};
+}
+
+void Supervisor::collect_session_changes(Entry& entry) {
+  for (SessionView& change : entry.session.take_changes()) {
+    notices_.push_back({.rig = entry.rig->config().name, .at = position(entry), .body = std::move(change)});
+  }
+}
+
+void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& report) {
+  if (report.device == entry.told_state && report.text() == entry.told_message) return;
+  entry.told_state = report.device;
+  entry.told_message = report.text();
+  const std::string line = "rig '" + entry.rig->config().name + "': device " + std::string(name(report.device)) +
+                           (entry.told_message.empty() ? "" : ": " + entry.told_message);
+  if (entry.told_message.empty()) {
+    log_.info(line);
+  } else {
+    log_.warning(line);
+  }
+  notices_.push_back({.rig = entry.rig->config().name,
+                      .at = position(entry),
+                      .body = DeviceNotice{.state = report.device, .uri = entry.rig->config().device_uri, .message = entry.told_message}});
+}
+
+void Supervisor::measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns) {
+  if (now_ns - report.last_scan_host_ns > kRateWindowNs) {
+    entry.measured_rate_hz = 0.0;
+    entry.rate_since_ns = 0;
+    return;
+  }
+  const std::int64_t window_ns = report.last_scan_host_ns - entry.rate_since_ns;
+  if (entry.rate_since_ns != 0 && window_ns < kRateWindowNs) return;
+  if (entry.rate_since_ns != 0) {
+    entry.measured_rate_hz = static_cast<double>(report.scans_total - entry.rate_since_scans) / (static_cast<double>(window_ns) * 1e-9);
+  }
+  entry.rate_since_ns = report.last_scan_host_ns;
+  entry.rate_since_scans = report.scans_total;
+}
+
+}  // namespace dts::session

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "session/rig.h"
+#include "session/session.h"
+
+namespace dts::session {
+
+/// A position in a rig's data.
+struct DataPosition {
+  std::uint32_t segment = 0;
+  core::ScanIndex scan;
+  std::int64_t host_time_ns = 0;
+};
+
+struct MarkerNotice {
+  std::string text;
+};
+struct DeviceNotice {
+  device::DeviceState state = device::DeviceState::Closed;
+  std::string uri;
+  std::string message;
+};
+
+/// Something that the control thread has to tell the bus.
+struct Notice {
+  std::string rig;
+  DataPosition at;
+  std::variant<MarkerNotice, DeviceNotice, SessionView> body;
+};
+
+/// The state of one rig for status answers; references live as long as the supervisor and until its next call.
+struct RigState {
+  Rig& rig;
+  AcquisitionReport acquisition;
+  PipelineReport pipeline;
+  pipeline::TareReport tare;
+  SessionView session;
+  double measured_rate_hz = 0.0;  ///< Scans per host second over the last seconds; 0 until known.
+};
+
+/// Owns the rigs and their sessions and executes commands on them. Thread: control, all of it.
+class Supervisor {
+ public:
+  Supervisor(core::Clock& clock, core::Log log) : clock_(clock), log_(std::move(log)) {}
+
+  /// Takes a rig over; names must differ.
+  [[nodiscard]] core::Status add(std::unique_ptr<Rig> rig);
+  void start();
+  /// Ends all sessions properly and stops all rigs.
+  void stop();
+
+  [[nodiscard]] std::vector<RigState> states();
+  [[nodiscard]] std::vector<Rig*> rigs();
+  [[nodiscard]] core::Result<SessionView> start_session(const std::string& rig, const SessionRequest& request);
+  /// An empty name means the only rig that has a session.
+  [[nodiscard]] core::Result<std::pair<std::string, SessionView>> stop_session(const std::string& rig);
+  /// Marks the newest scan of one rig, or of every rig for an empty name.
+  [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text);
+  /// Asks for a tare; compare the number with `RigState::tare.request` to see when it is answered.
+  [[nodiscard]] core::Result<std::uint64_t> tare(const std::string& rig);
+  [[nodiscard]] core::Result<pipeline::TareReport> tare_report(const std::string& rig);
+  [[nodiscard]] core::Result<std::pair<Rig*, StatisticsReport>> test_device(const std::string& rig);
+
+  /// One line per device kind that this program can drive.
+  [[nodiscard]] static std::vector<std::string> device_kinds();
+
+  /// Lets sessions and devices move on; call it about 20 times per second.
+  void tick();
+  /// What happened since the last call, oldest first.
+  [[nodiscard]] std::vector<Notice> take_notices();
+
+ private:
+  struct Entry {
+    std::unique_ptr<Rig> rig;
+    Session session;
+    device::DeviceState told_state = device::DeviceState::Closed;
+    std::string told_message{};
+    std::int64_t rate_since_ns = 0;
+    std::uint64_t rate_since_scans = 0;
+    double measured_rate_hz = 0.0;
+  };
+  [[nodiscard]] core::Result<Entry*> find(const std::string& name);
+  [[nodiscard]] static DataPosition position(Entry& entry);
+  void collect_session_changes(Entry& entry);
+  void notice_device_change(Entry& entry, const AcquisitionReport& report);
+  void measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns);
+  [[nodiscard]] std::string new_session_id(const std::string& rig);
+
+  core::Clock& clock_;
+  core::Log log_;
+  std::map<std::string, Entry, std::less<>> entries_;
+  std::vector<Notice> notices_;
+  std::uint32_t sessions_started_ = 0;
+};
+
+}  // namespace dts::session

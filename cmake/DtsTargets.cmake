@@ -14,7 +14,8 @@ if(CCACHE)
 endif()
 
 # -Wno-restrict: g++ 12 warns falsely about std::string operator+ (GCC bug 105651).
-set(DTS_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -Wno-restrict)
+set(DTS_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -Wno-restrict
+    -Wno-missing-field-initializers)  # designated initialisers leave out what keeps its default: that is their point
 set(DTS_SANITIZE "" CACHE STRING "Sanitizers to build with, as for -fsanitize=")
 if(DTS_SANITIZE)
   add_compile_options(-fsanitize=${DTS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
@@ -41,6 +42,7 @@ function(dts_test name label)
   add_executable(${name} ${TEST_SOURCES})
   target_compile_options(${name} PRIVATE ${DTS_WARNINGS})
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+  target_compile_definitions(${name} PRIVATE DTS_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE ${TEST_LIBRARIES} GTest::gtest GTest::gmock GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   # libzmq is not instrumented: without the first setting every hand-over inside it reads as a race.

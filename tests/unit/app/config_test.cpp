@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/config.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "app/rig_file.h"
+
+namespace dts::app {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* kSensorFile = "name = \"test\"\n[[point]]\ngap_mm = 7.0\nvolts = 4.0\n[[point]]\ngap_mm = 12.0\nvolts = 0.9\n";
+constexpr const char* kPlate = "[plate]\na_mm = 430.0\nb_mm = 430.0\nh_mm = 3.0\ne_pa = 198.7e9\nnu = 0.27\n";
+constexpr const char* kSensor = "[[sensor]]\nlabel = \"w1\"\nx_mm = 86.0\ny_mm = 86.0\ncurve = \"sensor.toml\"\n";
+constexpr const char* kStage = "[[stage]]\nid = \"guard\"\n";
+
+/// A folder of configuration files that a test writes.
+class ConfigFiles : public ::testing::Test {
+ protected:
+  ConfigFiles() {
+    std::string name = (std::filesystem::temp_directory_path() / "dts-config-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    write("sensor.toml", kSensorFile);
+    write("rig.toml", std::string("kind = \"floor\"\n") + kPlate + kSensor + kStage);
+  }
+  ~ConfigFiles() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name) << text;
+    return (folder_ / name).string();
+  }
+  /// Every problem of a daemon file with this text, without the folder.
+  std::vector<std::string> problems_of(const std::string& text) {
+    std::vector<std::string> lines;
+    for (const Problem& problem : load_config(write("dtsd.toml", text)).problems) {
+      lines.push_back(to_string(problem).substr(folder_.string().size() + 1));
+    }
+    return lines;
+  }
+  std::vector<std::string> problems_of_rig(const std::string& text) {
+    Problems problems;
+    static_cast<void>(read_rig_file(write("rig.toml", text), problems));
+    std::vector<std::string> lines;
+    for (const Problem& problem : problems) lines.push_back(to_string(problem).substr(folder_.string().size() + 1));
+    return lines;
+  }
+  static constexpr const char* kRig = "[[rig]]\nname = \"floor\"\nfile = \"rig.toml\"\ndevice = \"sim:floor\"\n";
+  std::filesystem::path folder_;
+};
+
+TEST_F(ConfigFiles, Complete_HasNoProblemAndTheDefaults) {
+  const LoadedConfig loaded = load_config(write("dtsd.toml", kRig));
+
+  ASSERT_THAT(loaded.problems, IsEmpty());
+  ASSERT_EQ(loaded.config.rigs.size(), 1U);
+  const session::RigConfig& rig = loaded.config.rigs[0];
+  EXPECT_EQ(rig.device_uri, "sim:floor");
+  EXPECT_EQ(rig.rate, core::Rate::create(100, 1).value());
+  EXPECT_EQ(rig.block_scans, 2U);
+  EXPECT_EQ(rig.sensor_channels, std::vector<std::size_t>{0});
+  EXPECT_EQ(rig.model.sensors[0].curve.name(), "test");
+  EXPECT_EQ(loaded.config.realtime.policy(1).fifo_priority, 49);
+}
+
+TEST_F(ConfigFiles, MissingFile_IsOneProblem) { EXPECT_EQ(load_config((folder_ / "nowhere.toml").string()).problems.size(), 1U); }
+
+TEST_F(ConfigFiles, SyntaxError_NamesLineAndColumn) { EXPECT_THAT(problems_of("[log]\nlevel = \n"), Contains(HasSubstr("dtsd.toml:2:"))); }
+
+TEST_F(ConfigFiles, MisspeltKey_NamesPositionAndSuggestion) {
+  EXPECT_THAT(problems_of(std::string("[log]\nlevl = \"info\"\n") + kRig),
+              Contains(std::string("dtsd.toml:2:1: unknown key 'levl' in [log]; did you mean 'level'?")));
+}
+
+TEST_F(ConfigFiles, SeveralProblems_AreReportedTogether) {
+  const auto problems = problems_of(
+      "[log]\nlevel = \"loud\"\n[realtime]\nfifo_priority = 120\nlock_memory = 3\n[endpoints]\ndata = \"tcp://0.0.0.0:5555\"\n"
+      "[[rig]]\nname = \"Floor One\"\nfile = \"rig.toml\"\ndevice = \"sim:floor\"\nextra = 1\n");
+
+  EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:2:9: [log] level = \"loud\" is not known")));
+  EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:4:17: [realtime] fifo_priority = 120 is out of range; allowed: 0 .. 95")));
+  EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:5:15: [realtime] lock_memory must be true or false")));
+  EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:7:8: 'tcp://0.0.0.0:5555' is reachable from other machines")));
+  EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:9:8: a rig's name")));
+  EXPECT_THAT(problems, Contains(HasSubstr("dtsd.toml:12:1: unknown key 'extra' in [[rig]]")));
+  EXPECT_EQ(problems.size(), 6U);
+}
+
+TEST_F(ConfigFiles, TwoRigsWithOneName_IsAProblemAtTheSecond) {
+  EXPECT_THAT(problems_of(std::string(kRig) + kRig), Contains(std::string("dtsd.toml:6:8: another rig is named 'floor' too")));
+}
+
+TEST_F(ConfigFiles, NoRig_IsAProblem) { EXPECT_THAT(problems_of("[log]\n"), Contains(HasSubstr("no [[rig]]"))); }
+
+TEST_F(ConfigFiles, RigWithoutDevice_IsAProblem) {
+  EXPECT_THAT(problems_of("[[rig]]\nname = \"floor\"\nfile = \"rig.toml\"\n"), Contains(HasSubstr("[[rig]] device is missing")));
+}
+
+TEST_F(ConfigFiles, MissingSensorFile_IsNamed) {
+  std::filesystem::remove(folder_ / "sensor.toml");
+
+  EXPECT_THAT(problems_of(kRig), Contains(HasSubstr("sensor.toml")));
+}
+
+TEST_F(ConfigFiles, FallingGaps_AreRefusedByTheCurve) {
+  write("sensor.toml", "name = \"bad\"\n[[point]]\ngap_mm = 9.0\nvolts = 4.0\n[[point]]\ngap_mm = 8.0\nvolts = 0.9\n");
+
+  EXPECT_THAT(problems_of(kRig), Contains(HasSubstr("sensor.toml")));
+}
+
+TEST_F(ConfigFiles, SenselessPlate_NamesEveryValueAndItsRange) {
+  const auto problems = problems_of_rig(
+      std::string("kind = \"flor\"\n[plate]\na_mm = -430.0\nb_mm = 430.0\nh_mm = 3.0\ne_pa = inf\nnu = 0.7\n") + kSensor + kStage);
+
+  EXPECT_THAT(problems, Contains(HasSubstr("rig.toml:1:8: kind = \"flor\" is not known; did you mean \"floor\"?")));
+  EXPECT_THAT(problems, Contains(HasSubstr("rig.toml:3:8: [plate] a_mm = -430 is out of range; allowed: 10 .. 5000")));
+  EXPECT_THAT(problems, Contains(HasSubstr("rig.toml:6:8: [plate] e_pa")));
+  EXPECT_THAT(problems, Contains(HasSubstr("rig.toml:7:6: [plate] nu = 0.7 is out of range")));
+}
+
+TEST_F(ConfigFiles, TwoSensorsOnOneChannel_IsAProblem) {
+  EXPECT_THAT(problems_of_rig(std::string("kind = \"floor\"\n") + kPlate + kSensor + kSensor + "channel = 0\n" + kStage),
+              Contains(HasSubstr("channel 0 already belongs to another sensor")));
+}
+
+TEST_F(ConfigFiles, UnknownStageAndOption_ComeWithASuggestion) {
+  const auto problems =
+      problems_of_rig(std::string("kind = \"floor\"\n") + kPlate + kSensor +
+                      "[[stage]]\nid = \"gaurd\"\n[[stage]]\nid = \"window_filter\"\nwindow_scan = 3\nshift_scans = \"one\"\n");
+
+  EXPECT_THAT(problems, Contains(HasSubstr("guard")));
+  EXPECT_THAT(problems, Contains(HasSubstr("window_scans")));
+  EXPECT_THAT(problems, Contains(HasSubstr("shift_scans")));
+}
+
+TEST_F(ConfigFiles, ShippedConfiguration_IsFine) {
+  const LoadedConfig loaded = load_config(std::string(DTS_SOURCE_DIR) + "/config/dtsd.toml");
+
+  for (const Problem& problem : loaded.problems) ADD_FAILURE() << to_string(problem);
+  EXPECT_FALSE(loaded.config.rigs.empty());
+}
+
+TEST_F(ConfigFiles, RandomBytes_AreProblemsNotCrashes) {
+  std::string text;
+  for (int step = 1; step < 400; ++step) {
+    text.push_back(static_cast<char>((step * 7919 + step * step) & 0xff));
+    EXPECT_FALSE(problems_of(text).empty());
+  }
+}
+
+}  // namespace
+}  // namespace dts::app

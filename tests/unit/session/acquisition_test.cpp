@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/acquisition.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "scripted_device.h"
+
+namespace dts::session {
+namespace {
+
+using device::ReadOutcome;
+
+/// Runs an acquisition over a script on the calling thread, in virtual time, and keeps what came out.
+struct Playback {
+  struct Seen {
+    std::uint32_t segment;
+    std::uint64_t first_scan;
+    std::size_t count;
+    core::Gap gap;
+    std::uint64_t lost_total;
+  };
+  explicit Playback(std::deque<ScriptedDevice::Step> script, std::size_t ring_blocks = 64, int failing_opens = 0)
+      : device(std::move(script)), ring(ring_blocks, core::Acquired{.block = core::Block(1, kBlock)}) {
+    device.failing_opens = failing_opens;
+    Acquisition acquisition(device, clock, ring, bell, core::Rate::create(100, 1).value(), kBlock);
+    device.on_end = [&] { acquisition.request_stop(); };
+    acquisition.run();
+    report = acquisition.report();
+    while (const core::Acquired* acquired = ring.front()) {
+      seen.push_back({acquired->block.segment, acquired->block.first_scan.value, acquired->block.count(), acquired->gap_before,
+                      acquired->lost_scans_total});
+      ring.release();
+    }
+  }
+  static constexpr std::size_t kBlock = 8;
+  core::VirtualClock clock;
+  ScriptedDevice device;
+  core::SpscRing<core::Acquired> ring;
+  core::Doorbell bell;
+  AcquisitionReport report;
+  std::vector<Seen> seen;
+};
+
+TEST(Acquisition, UnbrokenStream_IsOneSegmentWithoutGap) {
+  const Playback run({{.scans = 2}, {.scans = 8}, {.scans = 1}});
+
+  ASSERT_EQ(run.seen.size(), 3U);
+  EXPECT_EQ(run.seen[0].segment, 0U);
+  EXPECT_EQ(run.seen[2].first_scan, 10U);
+  EXPECT_EQ(run.seen[2].segment, 0U);
+  EXPECT_EQ(run.report.scans_total, 11U);
+  EXPECT_EQ(run.report.gaps_total, 0U);
+}
+
+TEST(Acquisition, DeviceGap_StartsASegmentAtZeroAndIsToldOnce) {
+  const core::Gap overrun{.reason = core::GapReason::Overrun, .missing_scans = 5, .is_exact = true};
+  const Playback run({{.scans = 3}, {.outcome = ReadOutcome::Gap, .gap = overrun}, {.scans = 2}, {.scans = 2}});
+
+  ASSERT_EQ(run.seen.size(), 3U);
+  EXPECT_EQ(run.seen[1].segment, 1U);
+  EXPECT_EQ(run.seen[1].first_scan, 0U);
+  EXPECT_EQ(run.seen[1].gap.reason, core::GapReason::Overrun);
+  EXPECT_EQ(run.seen[1].gap.missing_scans, 5U);
+  EXPECT_TRUE(run.seen[1].gap.is_exact);
+  EXPECT_EQ(run.seen[2].gap.reason, core::GapReason::None);
+  EXPECT_EQ(run.seen[2].first_scan, 2U);
+  EXPECT_EQ(run.report.lost_scans_total, 5U);
+}
+
+TEST(Acquisition, Unplug_ReopensAndEstimatesTheHoleFromHostTime) {
+  const Playback run({{.scans = 1}, {.outcome = ReadOutcome::Gone}, {.scans = 1, .pause_ns = 40 * ScriptedDevice::kPeriodNs}});
+
+  ASSERT_EQ(run.seen.size(), 2U);
+  EXPECT_EQ(run.seen[1].gap.reason, core::GapReason::Unplugged);
+  EXPECT_EQ(run.seen[1].gap.missing_scans, 40U);
+  EXPECT_FALSE(run.seen[1].gap.is_exact);
+  EXPECT_EQ(run.report.reconnects_total, 1U);
+  EXPECT_EQ(run.device.opens, 2);
+}
+
+TEST(Acquisition, FullRing_DropsTheNewBlocksAndCountsThemExactly) {
+  // The ring has 8 slots and nobody reads: of 12 blocks the last 4 are lost, and nothing can tell of it yet.
+  const Playback run(std::deque<ScriptedDevice::Step>(12, {.scans = 2}), 8);
+
+  EXPECT_EQ(run.seen.size(), 8U);
+  EXPECT_EQ(run.ring.dropped(), 4U);
+}
+
+TEST(Acquisition, RoomAfterFullRing_TellsTheExactLossBeforeTheNextBlock) {
+  ScriptedDevice device(std::deque<ScriptedDevice::Step>(6, {.scans = 2}));
+  core::VirtualClock clock;
+  core::Doorbell bell;
+  core::SpscRing<core::Acquired> ring(2, core::Acquired{.block = core::Block(1, 8)});
+  Acquisition acquisition(device, clock, ring, bell, core::Rate::create(100, 1).value(), 8);
+  std::vector<core::Gap> gaps;
+  const auto drain = [&] {
+    while (const core::Acquired* acquired = ring.front()) {
+      gaps.push_back(acquired->gap_before);
+      ring.release();
+    }
+  };
+  bool has_room = false;
+  device.on_end = [&] {
+    if (std::exchange(has_room, true)) return acquisition.request_stop();
+    drain();  // room again: one more block must carry the loss of four
+    device.extend({{.scans = 2}});
+  };
+
+  acquisition.run();
+  drain();
+
+  ASSERT_EQ(gaps.size(), 3U);
+  EXPECT_EQ(gaps[2].reason, core::GapReason::RingFull);
+  EXPECT_EQ(gaps[2].missing_scans, 8U);
+  EXPECT_TRUE(gaps[2].is_exact);
+}
+
+TEST(Acquisition, CounterJumpWithoutNotice_IsAnIntegrityGap) {
+  const Playback run({{.scans = 2}, {.scans = 2, .skip_index = 3}});
+
+  ASSERT_EQ(run.seen.size(), 2U);
+  EXPECT_EQ(run.seen[1].gap.reason, core::GapReason::Integrity);
+  EXPECT_EQ(run.seen[1].gap.missing_scans, 3U);
+  EXPECT_EQ(run.seen[1].first_scan, 0U);
+}
+
+TEST(Acquisition, DeviceAbsentAtStart_IsTriedAgainAndIsNoGap) {
+  const Playback run({{.scans = 1}}, 64, 3);
+
+  ASSERT_EQ(run.seen.size(), 1U);
+  EXPECT_EQ(run.seen[0].gap.reason, core::GapReason::None);
+  EXPECT_EQ(run.device.opens, 4);
+  EXPECT_EQ(run.report.reconnects_total, 0U);
+}
+
+TEST(Acquisition, TwoGapsInARow_BecomeOneLongerGap) {
+  const core::Gap exact{.reason = core::GapReason::Overrun, .missing_scans = 5, .is_exact = true};
+  const core::Gap estimated{.reason = core::GapReason::Silence, .missing_scans = 7, .is_exact = false};
+  const Playback run(
+      {{.scans = 1}, {.outcome = ReadOutcome::Gap, .gap = exact}, {.outcome = ReadOutcome::Gap, .gap = estimated}, {.scans = 1}});
+
+  ASSERT_EQ(run.seen.size(), 2U);
+  EXPECT_EQ(run.seen[1].gap.missing_scans, 12U);
+  EXPECT_FALSE(run.seen[1].gap.is_exact);
+  EXPECT_EQ(run.report.gaps_total, 1U);
+}
+
+TEST(AcquisitionReport, LongMessage_IsCutNotOverrun) {
+  AcquisitionReport report;
+
+  report.set_message(std::string(1000, 'x'));
+
+  EXPECT_EQ(report.text().size(), 255U);
+}
+
+}  // namespace
+}  // namespace dts::session

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/session.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace dts::session {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+std::vector<SessionState> states(std::vector<SessionView> changes) {
+  std::vector<SessionState> entered;
+  for (const SessionView& change : changes) entered.push_back(change.state);
+  return entered;
+}
+
+TEST(Session, FirstScanAfterStart_RunsAtOnceWithoutSettling) {
+  Session session("floor");
+  ASSERT_TRUE(session.start("id", {}, 0));
+
+  session.tick(1 * kSecond, 100);
+  session.tick(2 * kSecond, 102);
+
+  EXPECT_EQ(states(session.take_changes()), (std::vector{SessionState::Starting, SessionState::Settling, SessionState::Running}));
+}
+
+TEST(Session, SettleTime_RunsOnlyAfterIt) {
+  Session session("floor");
+  ASSERT_TRUE(session.start("id", {.settle_s = 5.0}, 0));
+  session.tick(0, 0);
+
+  session.tick(1 * kSecond, 1);
+  EXPECT_EQ(session.view(1 * kSecond).state, SessionState::Settling);
+  session.tick(6 * kSecond - 1, 2);
+  EXPECT_EQ(session.view(6 * kSecond).state, SessionState::Settling);
+  session.tick(6 * kSecond, 3);
+  EXPECT_EQ(session.view(6 * kSecond).state, SessionState::Running);
+}
+
+TEST(Session, DurationOver_StopsByItselfAndKeepsElapsed) {
+  Session session("floor");
+  ASSERT_TRUE(session.start("id", {.duration_s = 20.0}, 0));
+  session.tick(0, 0);
+  session.tick(1 * kSecond, 1);
+
+  session.tick(21 * kSecond, 2);
+
+  EXPECT_EQ(session.view(30 * kSecond).state, SessionState::Idle);
+  EXPECT_DOUBLE_EQ(session.view(30 * kSecond).elapsed_s, 20.0);
+}
+
+TEST(Session, NoScanForTenSeconds_FailsAndCanBeStartedAgain) {
+  Session session("floor");
+  ASSERT_TRUE(session.start("id", {}, 0));
+
+  session.tick(1 * kSecond, 7);
+  session.tick(11 * kSecond, 7);
+
+  EXPECT_EQ(session.view(11 * kSecond).state, SessionState::Failed);
+  EXPECT_FALSE(session.view(11 * kSecond).message.empty());
+  EXPECT_TRUE(session.start("again", {}, 12 * kSecond));
+}
+
+TEST(Session, StartTwice_IsRefusedAndTheFirstGoesOn) {
+  Session session("floor");
+  ASSERT_TRUE(session.start("first", {}, 0));
+
+  const auto second = session.start("second", {}, 1);
+
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, core::ErrorCode::WrongState);
+  EXPECT_EQ(session.view(1).id, "first");
+}
+
+TEST(Session, StopWhenIdle_IsRefused) {
+  Session session("floor");
+
+  const auto stopped = session.stop(0);
+
+  ASSERT_FALSE(stopped);
+  EXPECT_EQ(stopped.error().code, core::ErrorCode::WrongState);
+}
+
+TEST(SessionRequest, SenselessFields_AreRefused) {
+  EXPECT_TRUE(check({}));
+  EXPECT_TRUE(check({.subject = "P-017_b.2", .label = "eyes closed", .duration_s = 25.0, .settle_s = 5.0}));
+  EXPECT_FALSE(check({.subject = "Jane Doe"}));
+  EXPECT_FALSE(check({.subject = std::string(65, 'a')}));
+  EXPECT_FALSE(check({.label = std::string(201, 'a')}));
+  EXPECT_FALSE(check({.duration_s = -1.0}));
+  EXPECT_FALSE(check({.duration_s = std::numeric_limits<double>::quiet_NaN()}));
+  EXPECT_FALSE(check({.duration_s = 1e9}));
+  EXPECT_FALSE(check({.settle_s = std::numeric_limits<double>::infinity()}));
+  EXPECT_FALSE(check({.protocol = "unheard-of"}));
+}
+
+}  // namespace
+}  // namespace dts::session

@@ -53,7 +53,8 @@ bool Acquisition::bring_up() {
   if (device_.state() == device::DeviceState::Gone) device_.close();
   auto started = device_.open().and_then([&] { return device_.start({.rate = wanted_rate_, .max_block_scans = block_scans_}); });
   if (!started) {
-    report_.device = device_.state();
+    // A device that has streamed stays "gone" until it is back, however often opening it fails meanwhile.
+    report_.device = has_streamed_ ? device::DeviceState::Gone : device::DeviceState::Closed;
     report_.set_message(core::to_string(started.error()));
     publish_report();
     device_.close();

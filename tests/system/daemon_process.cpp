@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "system/daemon_process.h"
+
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+#include <thread>
+
+extern char** environ;
+
+namespace dts::test {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// Starts a program with stdout and stderr into files ("" = /dev/null).
+pid_t spawn(const std::vector<std::string>& arguments, const std::vector<std::string>& environment, const std::string& out,
+            const std::string& err) {
+  std::vector<char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  std::vector<char*> envp;
+  for (const std::string& variable : environment) envp.push_back(const_cast<char*>(variable.c_str()));
+  for (char** inherited = environ; *inherited != nullptr; ++inherited) {
+    if (std::strncmp(*inherited, "DTSD_", 5) != 0 && std::strncmp(*inherited, "NOTIFY_SOCKET=", 14) != 0) envp.push_back(*inherited);
+  }
+  envp.push_back(nullptr);
+  const pid_t pid = ::fork();
+  if (pid != 0) return pid;
+  const int out_fd = ::open(out.empty() ? "/dev/null" : out.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+  const int err_fd = ::open(err.empty() ? "/dev/null" : err.c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600);
+  ::dup2(out_fd, STDOUT_FILENO);
+  ::dup2(err_fd, STDERR_FILENO);
+  ::execve(argv[0], argv.data(), envp.data());
+  ::_exit(127);
+}
+
+int exit_status(int raw) { return WIFSIGNALED(raw) ? 128 + WTERMSIG(raw) : WEXITSTATUS(raw); }
+
+/// Waits for a child; kills it when it takes longer than kPatience.
+int reap(pid_t pid) {
+  int raw = 0;
+  const auto deadline = Clock::now() + kPatience;
+  while (::waitpid(pid, &raw, WNOHANG) == 0) {
+    if (Clock::now() > deadline) ::kill(pid, SIGKILL);
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  return exit_status(raw);
+}
+
+std::filesystem::path make_directory(const char* pattern) {
+  std::string name = std::string("/tmp/") + pattern + "-XXXXXX";  // short: a socket path has 107 bytes
+  if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary directory");
+  return name;
+}
+
+/// The receiving end of sd_notify.
+class NotifySocket {
+ public:
+  explicit NotifySocket(const std::filesystem::path& path) {
+    fd_ = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
+    ::unlink(path.c_str());
+    if (::bind(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) throw std::runtime_error("notify socket");
+  }
+  ~NotifySocket() { ::close(fd_); }
+  NotifySocket(const NotifySocket&) = delete;
+  NotifySocket& operator=(const NotifySocket&) = delete;
+
+  [[nodiscard]] bool says_ready(int timeout_ms) const {
+    pollfd waiter{.fd = fd_, .events = POLLIN, .revents = 0};
+    if (::poll(&waiter, 1, timeout_ms) <= 0) return false;
+    std::array<char, 512> text{};
+    const ssize_t bytes = ::recv(fd_, text.data(), text.size() - 1, 0);
+    return bytes > 0 && std::strstr(text.data(), "READY=1") != nullptr;
+  }
+
+ private:
+  int fd_ = -1;
+};
+
+constexpr const char* kDefaultStages =
+    "[[stage]]\nid = \"guard\"\n[[stage]]\nid = \"window_filter\"\n[[stage]]\nid = \"linearise\"\n[[stage]]\nid = \"cop\"\n";
+
+}  // namespace
+
+bool eventually(const std::function<bool()>& condition) {
+  const auto deadline = Clock::now() + kPatience;
+  while (Clock::now() < deadline) {
+    if (condition()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return condition();
+}
+
+Finished run_program(const std::vector<std::string>& arguments, const std::vector<std::string>& environment) {
+  const auto directory = make_directory("dts-run");
+  const pid_t pid = spawn(arguments, environment, directory / "out", directory / "err");
+  Finished finished{.status = reap(pid), .out = {}, .err = {}};
+  finished.out = read_file(directory / "out");
+  finished.err = read_file(directory / "err");
+  std::filesystem::remove_all(directory);
+  return finished;
+}
+
+DaemonProcess::DaemonProcess() : DaemonProcess(Options{}) {}
+
+DaemonProcess::DaemonProcess(const Options& options) : directory_(make_directory("dts-sys")) {
+  write_files(options);
+  restart();
+}
+
+DaemonProcess::~DaemonProcess() {
+  if (is_running()) {
+    signal(SIGTERM);
+    static_cast<void>(wait());
+  }
+  std::filesystem::remove_all(directory_);
+}
+
+void DaemonProcess::write_files(const Options& options) const {
+  const auto source = std::filesystem::path(DTS_SOURCE_DIR) / "config";
+  std::filesystem::copy(source / "sensors", directory_ / "sensors");
+  std::string rig = read_file(source / "rigs" / "floor-sim.toml");
+  const auto cut = [&rig](const std::string& from, const std::string& to, const std::string& replacement) {
+    const std::size_t begin = rig.find(from);
+    const std::size_t end = rig.find(to, begin);
+    if (begin == std::string::npos || end == std::string::npos) throw std::runtime_error("the shipped rig file has changed: " + from);
+    rig.replace(begin, end - begin, replacement);
+  };
+  if (!options.acquire.empty()) cut("[acquire]", "[[sensor]]", "[acquire]\n" + options.acquire + "\n");
+  cut("[[stage]]", "[publish]", options.stages.empty() ? kDefaultStages : options.stages + "\n");
+  std::filesystem::create_directory(directory_ / "rigs");
+  std::ofstream(directory_ / "rigs" / "floor.toml") << rig;
+  std::ofstream(config_file()) << options.daemon << "\n[[rig]]\nname = \"floor\"\nfile = \"rigs/floor.toml\"\ndevice = \"" << options.device
+                               << "\"\n";
+}
+
+void DaemonProcess::restart() {
+  const NotifySocket notify(directory_ / "notify");
+  exit_status_.reset();
+  is_ready_ = false;
+  pid_ = spawn({DTSD_PROGRAM, "--config", config_file(), "--foreground"},
+               {"DTSD_RUNTIME_DIR=" + directory_.string(), "NOTIFY_SOCKET=" + (directory_ / "notify").string()}, "", directory_ / "log");
+  static_cast<void>(eventually([&] {
+    is_ready_ = is_ready_ || notify.says_ready(20);
+    int raw = 0;
+    if (!is_ready_ && ::waitpid(pid_, &raw, WNOHANG) == pid_) exit_status_ = exit_status(raw);
+    return is_ready_ || exit_status_.has_value();
+  }));
+}
+
+bool DaemonProcess::is_running() const { return !exit_status_ && ::kill(pid_, 0) == 0; }
+
+void DaemonProcess::signal(int number) const { ::kill(pid_, number); }
+
+int DaemonProcess::wait() {
+  if (!exit_status_) exit_status_ = reap(pid_);
+  return *exit_status_;
+}
+
+std::string DaemonProcess::log() const { return read_file(directory_ / "log"); }
+
+client::ControlClient DaemonProcess::control() const {
+  return client::ControlClient::open({.endpoint = control_endpoint(), .timeout = std::chrono::seconds(10)}).value();
+}
+
+client::Subscriber DaemonProcess::subscribe(std::vector<std::string> topics, client::Mode mode) const {
+  return client::Subscriber::open({.endpoint = data_endpoint(), .topics = std::move(topics), .mode = mode}).value();
+}
+
+Finished DaemonProcess::ctl(std::vector<std::string> arguments) const {
+  arguments.insert(arguments.begin(), DTSCTL_PROGRAM);
+  return run_program(arguments, {"DTSD_RUNTIME_DIR=" + directory_.string()});
+}
+
+long resident_kb(pid_t pid) {
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmRSS:")) return std::stol(line.substr(6));
+  }
+  return 0;
+}
+
+}  // namespace dts::test

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dts/control_client.h"
+#include "dts/subscriber.h"
+
+namespace dts::test {
+
+/// How long anything may take before a test gives up; generous, because sanitizers and a busy machine slow things down.
+inline constexpr std::chrono::seconds kPatience{30};
+
+/// Polls `condition` until it holds or kPatience is over.
+[[nodiscard]] bool eventually(const std::function<bool()>& condition);
+
+/// A finished program: exit status and what it said.
+struct Finished {
+  int status = -1;  ///< Exit code, or 128 + signal.
+  std::string out;
+  std::string err;
+};
+
+/// Runs a program to its end (it is killed after kPatience).
+[[nodiscard]] Finished run_program(const std::vector<std::string>& arguments, const std::vector<std::string>& environment = {});
+
+/// dtsd as a child process in a runtime directory of its own; ended and removed with this object.
+class DaemonProcess {
+ public:
+  struct Options {
+    std::string device = "sim:floor?seed=7";
+    std::string acquire;  ///< Lines of the rig's [acquire] table.
+    std::string stages;   ///< Replaces the [[stage]] tables.
+    std::string daemon;   ///< Lines in front of [[rig]] in the daemon's file.
+  };
+
+  /// Writes the configuration of one rig "floor" like the shipped one and starts the daemon; returns when it says READY
+  /// or has ended.
+  explicit DaemonProcess(const Options& options);
+  DaemonProcess();
+  ~DaemonProcess();
+  DaemonProcess(const DaemonProcess&) = delete;
+  DaemonProcess& operator=(const DaemonProcess&) = delete;
+
+  [[nodiscard]] bool is_ready() const noexcept { return is_ready_; }
+  [[nodiscard]] bool is_running() const;
+  [[nodiscard]] pid_t pid() const noexcept { return pid_; }
+  void signal(int number) const;
+  /// Waits for the end; exit code, or 128 + signal.
+  [[nodiscard]] int wait();
+  /// Starts it again with the same files.
+  void restart();
+
+  [[nodiscard]] const std::filesystem::path& directory() const noexcept { return directory_; }
+  [[nodiscard]] std::string config_file() const { return directory_ / "dtsd.toml"; }
+  [[nodiscard]] std::string control_endpoint() const { return "ipc://" + (directory_ / "control.sock").string(); }
+  [[nodiscard]] std::string data_endpoint() const { return "ipc://" + (directory_ / "data.sock").string(); }
+  [[nodiscard]] std::string log() const;
+
+  [[nodiscard]] client::ControlClient control() const;
+  [[nodiscard]] client::Subscriber subscribe(std::vector<std::string> topics, client::Mode mode = client::Mode::All) const;
+  /// Runs dtsctl against this daemon.
+  [[nodiscard]] Finished ctl(std::vector<std::string> arguments) const;
+
+ private:
+  void write_files(const Options& options) const;
+
+  std::filesystem::path directory_;
+  pid_t pid_ = -1;
+  bool is_ready_ = false;
+  std::optional<int> exit_status_;
+};
+
+/// Resident memory of a process, kB.
+[[nodiscard]] long resident_kb(pid_t pid);
+
+}  // namespace dts::test

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+// The way from sensor to subscriber, with the real daemon.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <set>
+#include <zmq.hpp>
+
+#include "system/daemon_process.h"
+
+namespace dts::test {
+namespace {
+
+using client::Block;
+using client::Event;
+
+/// Receives until `wanted` returns true for a message; false when kPatience is over.
+bool receive_until(client::Subscriber& subscriber, const std::function<bool(const client::Message&)>& wanted) {
+  const auto deadline = std::chrono::steady_clock::now() + kPatience;
+  while (std::chrono::steady_clock::now() < deadline) {
+    const auto message = subscriber.receive(std::chrono::milliseconds(100));
+    if (message && message->has_value() && wanted(**message)) return true;
+  }
+  return false;
+}
+
+bool is_block(const client::Message& message) { return std::holds_alternative<Block>(message); }
+
+TEST(Daemon, Sigterm_EndsWithZeroAndStopsTheSession) {
+  DaemonProcess daemon;
+  ASSERT_TRUE(daemon.is_ready());
+  auto control = daemon.control();
+  auto subscriber = daemon.subscribe({"floor/session"});
+  v1::StartSessionRequest request;
+  request.set_rig("floor");
+  ASSERT_TRUE(control.start_session(request));
+  ASSERT_TRUE(receive_until(subscriber, [](const client::Message& message) {
+    const auto* event = std::get_if<Event>(&message);
+    return event != nullptr && event->body->session().state() == v1::SESSION_STATE_RUNNING;
+  }));
+
+  daemon.signal(SIGTERM);
+
+  EXPECT_EQ(daemon.wait(), 0) << daemon.log();
+  EXPECT_TRUE(receive_until(subscriber, [](const client::Message& message) {
+    const auto* event = std::get_if<Event>(&message);
+    return event != nullptr && event->body->session().state() == v1::SESSION_STATE_IDLE;
+  })) << "the end of the session must still reach subscribers";
+}
+
+TEST(Daemon, Sighup_IsHarmless) {
+  DaemonProcess daemon;
+
+  daemon.signal(SIGHUP);
+
+  EXPECT_TRUE(eventually([&] { return daemon.log().find("SIGHUP") != std::string::npos; }));
+  EXPECT_TRUE(daemon.control().status());
+}
+
+TEST(Daemon, Streams_ArriveWithoutHolesAndInStep) {
+  DaemonProcess daemon;
+  auto subscriber = daemon.subscribe({"floor/"});
+  std::map<std::string, std::uint64_t, std::less<>> next_scan;
+  int blocks = 0;
+
+  ASSERT_TRUE(receive_until(subscriber, [&](const client::Message& message) {
+    const auto* block = std::get_if<Block>(&message);
+    if (block == nullptr) return false;
+    const auto expected = next_scan.find(block->stream);
+    if (expected != next_scan.end()) {
+      EXPECT_EQ(block->first_scan, expected->second) << block->stream;
+    }
+    EXPECT_EQ(block->lost_scans, 0U);
+    next_scan[std::string(block->stream)] = block->first_scan + block->scan_count;
+    return ++blocks >= 300;
+  }));
+
+  std::set<std::string> streams;
+  for (const auto& [stream, next] : next_scan) streams.insert(stream);
+  EXPECT_EQ(streams, (std::set<std::string>{"raw", "filtered", "deflection", "cop", "aux"}));
+}
+
+TEST(Daemon, LateSubscriber_GetsStatusAndSessionAtOnce) {
+  DaemonProcess daemon;
+  auto control = daemon.control();
+  v1::StartSessionRequest request;
+  request.set_rig("floor");
+  request.set_label("late");
+  ASSERT_TRUE(control.start_session(request));
+  ASSERT_TRUE(eventually([&] { return control.status().value().rigs(0).session().state() == v1::SESSION_STATE_RUNNING; }));
+
+  auto subscriber = daemon.subscribe({"dtsd/status", "floor/session"});
+  bool has_status = false;
+  bool has_session = false;
+
+  EXPECT_TRUE(receive_until(subscriber, [&](const client::Message& message) {
+    has_status = has_status || std::holds_alternative<client::Status>(message);
+    const auto* event = std::get_if<Event>(&message);
+    has_session = has_session || (event != nullptr && event->body->session().label() == "late");
+    return has_status && has_session;
+  }));
+}
+
+TEST(Daemon, Marker_StandsAtAScanThatWasPublished) {
+  DaemonProcess daemon;
+  auto subscriber = daemon.subscribe({"floor/raw", "floor/marker"});
+  std::uint64_t newest = 0;
+  ASSERT_TRUE(receive_until(subscriber, [&](const client::Message& message) {
+    if (const auto* block = std::get_if<Block>(&message)) newest = block->first_scan + block->scan_count;
+    return newest > 0;
+  }));
+
+  const auto marked = daemon.control().mark("heel strike", "floor");
+
+  ASSERT_TRUE(marked);
+  EXPECT_GE(marked->marks(0).scan() + 1, newest);
+  EXPECT_TRUE(receive_until(subscriber, [&](const client::Message& message) {
+    if (const auto* block = std::get_if<Block>(&message)) newest = block->first_scan + block->scan_count;
+    const auto* event = std::get_if<Event>(&message);
+    if (event == nullptr) return false;
+    EXPECT_EQ(event->body->marker().text(), "heel strike");
+    EXPECT_EQ(event->body->scan(), marked->marks(0).scan());
+    return true;
+  }));
+  EXPECT_LE(marked->marks(0).scan(), newest + 10);
+}
+
+TEST(Daemon, Tare_EmptyPlateSucceedsAndLoadedPlateIsRefused) {
+  {
+    DaemonProcess empty({.device = "sim:floor?seed=7&step_on_s=600"});
+    const auto tared = empty.control().tare("floor");
+    ASSERT_TRUE(tared) << tared.error().what;
+    EXPECT_EQ(tared->baseline_mm_size(), 4);
+  }
+  DaemonProcess loaded({.device = "sim:floor?seed=7&step_on_s=0"});
+  auto control = loaded.control();
+  auto subscriber = loaded.subscribe({"floor/cop"});
+  ASSERT_TRUE(receive_until(subscriber, [](const client::Message& message) {
+    const auto* block = std::get_if<Block>(&message);
+    return block != nullptr && block->column(2)[0] > 500;
+  }));
+  const auto refused = control.tare("floor");
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().code, client::ErrorCode::WrongState);
+}
+
+TEST(Daemon, Unplug_IsToldAndTheSessionGoesOnInTheNextSegment) {
+  DaemonProcess daemon({.device = "sim:floor?seed=7&fault=unplug&fault_at_s=1.5&fault_for_s=0.5"});
+  auto subscriber = daemon.subscribe({"floor/"});
+  auto control = daemon.control();
+  v1::StartSessionRequest request;
+  request.set_rig("floor");
+  ASSERT_TRUE(control.start_session(request));
+  bool has_gone = false;
+  std::uint64_t missing = 0;
+
+  EXPECT_TRUE(receive_until(subscriber, [&](const client::Message& message) {
+    if (const auto* event = std::get_if<Event>(&message)) {
+      has_gone = has_gone || event->body->device().state() == v1::DEVICE_STATE_GONE;
+      if (event->body->has_gap()) missing = event->body->gap().missing_scans();
+    }
+    const auto* block = std::get_if<Block>(&message);
+    return block != nullptr && block->segment == 1 && missing > 0;
+  }));
+
+  EXPECT_TRUE(has_gone);
+  EXPECT_GE(missing, 45U);
+  const auto status = control.status().value();
+  EXPECT_EQ(status.rigs(0).session().state(), v1::SESSION_STATE_RUNNING);
+  EXPECT_EQ(status.rigs(0).lost_scans_total(), missing);
+}
+
+TEST(Daemon, Overrun_IsAGapWithItsExactCount) {
+  DaemonProcess daemon({.device = "sim:floor?seed=7&fault=overrun&fault_at_s=1&fault_for_s=0.25"});
+  auto subscriber = daemon.subscribe({"floor/gap"});
+  v1::Gap gap;
+
+  ASSERT_TRUE(receive_until(subscriber, [&](const client::Message& message) {
+    const auto* event = std::get_if<Event>(&message);
+    if (event != nullptr) gap = event->body->gap();
+    return event != nullptr;
+  }));
+
+  EXPECT_EQ(gap.reason(), v1::GAP_REASON_OVERRUN);
+  EXPECT_EQ(gap.missing_scans(), 25U);
+  EXPECT_TRUE(gap.is_exact());
+}
+
+TEST(Daemon, SubscriberThatNeverReads_DisturbsNobodyAndCostsBoundedMemory) {
+  DaemonProcess daemon({.acquire = "rate_hz = 1500.0\nlow_latency = true"});
+  zmq::context_t context(1);
+  zmq::socket_t stuck(context, zmq::socket_type::sub);
+  stuck.set(zmq::sockopt::rcvhwm, 1);
+  stuck.set(zmq::sockopt::linger, 0);
+  stuck.set(zmq::sockopt::subscribe, "");
+  stuck.connect(daemon.data_endpoint());
+  auto healthy = daemon.subscribe({"floor/cop"});
+  std::uint64_t lost = 0;
+  std::uint64_t scans = 0;
+  const long before_kb = resident_kb(daemon.pid());
+
+  ASSERT_TRUE(receive_until(healthy, [&](const client::Message& message) {
+    const auto* block = std::get_if<Block>(&message);
+    if (block == nullptr) return false;
+    lost += block->lost_scans;
+    return (scans += block->scan_count) >= 6000;  // 4 s
+  }));
+
+  EXPECT_EQ(lost, 0U);
+  EXPECT_LT(resident_kb(daemon.pid()) - before_kb, 64 * 1024);
+}
+
+TEST(Daemon, SubscriberThatDies_DisturbsNobody) {
+  DaemonProcess daemon;
+  auto healthy = daemon.subscribe({"floor/cop"});
+  ASSERT_TRUE(receive_until(healthy, is_block));
+  const pid_t child = ::fork();
+  if (child == 0) {
+    auto doomed = daemon.subscribe({"floor/"});
+    static_cast<void>(doomed.receive(std::chrono::seconds(10)));
+    ::raise(SIGKILL);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  std::uint64_t lost = 0;
+  int blocks = 0;
+
+  ASSERT_TRUE(receive_until(healthy, [&](const client::Message& message) {
+    if (const auto* block = std::get_if<Block>(&message)) lost += block->lost_scans;
+    return ++blocks >= 50;
+  }));
+
+  EXPECT_EQ(lost, 0U);
+  EXPECT_TRUE(daemon.control().status());
+}
+
+TEST(Daemon, Restart_IsNoticedByASubscriberThatStays) {
+  DaemonProcess daemon;
+  auto subscriber = daemon.subscribe({"floor/cop"});
+  ASSERT_TRUE(receive_until(subscriber, is_block));
+  daemon.signal(SIGKILL);
+  EXPECT_EQ(daemon.wait(), 128 + SIGKILL);
+
+  daemon.restart();
+
+  ASSERT_TRUE(daemon.is_ready()) << "leftover sockets and lock file must not stop a new start: " << daemon.log();
+  EXPECT_TRUE(receive_until(subscriber, [](const client::Message& message) { return std::holds_alternative<client::Restart>(message); }));
+  EXPECT_TRUE(receive_until(subscriber, is_block));
+}
+
+}  // namespace
+}  // namespace dts::test

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rig with its real threads on the simulated floor.
+#include "session/rig.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <functional>
+
+#include "support/allocation_counter.h"
+
+namespace dts::session {
+namespace {
+
+using ::testing::HasSubstr;
+
+RigConfig floor_config(const std::string& device) {
+  RigConfig config;
+  config.name = "floor";
+  config.kind = "floor";
+  config.device_uri = device;
+  config.model.support.inset = {10.75};
+  for (const auto& [x, y] : {std::pair{86.0, 86.0}, {344.0, 86.0}, {86.0, 344.0}, {344.0, 344.0}}) {
+    config.sensor_channels.push_back(config.sensor_channels.size());
+    config.model.sensors.push_back({.label = "w" + std::to_string(config.sensor_channels.size()),
+                                    .position = {.x = {x}, .y = {y}},
+                                    .curve = physics::SensorCurve::hoa1405_assumed()});
+  }
+  config.rate = core::Rate::create(1500, 1).value();
+  config.block_scans = 8;
+  for (const char* id : {"guard", "window_filter", "linearise", "cop"}) config.stages.push_back({.id = id, .options = {}});
+  config.published = {"raw", "cop"};
+  return config;
+}
+
+/// Consumes frames of a started rig until `wanted` returns true, waiting on the bell; false after 30 s.
+bool consume_until(Rig& rig, core::Doorbell& bell, const std::function<bool(const core::Frame&)>& wanted) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (std::chrono::steady_clock::now() < deadline) {
+    while (const core::Frame* frame = rig.frames().front()) {
+      const bool is_wanted = wanted(*frame);
+      rig.frames().release();
+      if (is_wanted) return true;
+    }
+    bell.wait(100);
+  }
+  return false;
+}
+
+TEST(Rig, AfterStart_SampleThreadsAllocateNothing) {
+  core::SystemClock clock;
+  core::Doorbell bell;
+  auto rig = Rig::create(floor_config("sim:floor?seed=3&step_on_s=0.5"), clock, bell).value();
+  rig->start(core::Log());
+  std::uint64_t scans = 0;
+  ASSERT_TRUE(consume_until(*rig, bell, [&](const core::Frame& frame) { return (scans += frame.streams[0].count()) > 100; }));
+
+  test::count_sample_threads(true);
+  ASSERT_TRUE(consume_until(*rig, bell, [&](const core::Frame& frame) { return (scans += frame.streams[0].count()) > 3000; }));
+  test::count_sample_threads(false);
+
+  EXPECT_EQ(test::heap_calls_of_sample_threads(), 0U);
+}
+
+TEST(Rig, PublisherThatStalls_LosesBlocksButNeitherScansNorTheGapEvent) {
+  core::SystemClock clock;
+  core::Doorbell bell;
+  // The overrun happens while nobody reads: the frame that carries its gap finds the ring full.
+  auto rig = Rig::create(floor_config("sim:floor?seed=3&fault=overrun&fault_at_s=1.6&fault_for_s=0.1"), clock, bell).value();
+  rig->start(core::Log());
+  while (rig->acquisition().scans_total < 4000) bell.wait(100);
+  core::Gap gap;
+
+  ASSERT_TRUE(consume_until(*rig, bell, [&](const core::Frame& frame) {
+    if (frame.gap_before.reason != core::GapReason::None) gap = frame.gap_before;
+    return gap.reason != core::GapReason::None;
+  }));
+
+  EXPECT_GT(rig->dropped_blocks(), 0U);
+  EXPECT_EQ(gap.reason, core::GapReason::Overrun);
+  EXPECT_EQ(gap.missing_scans, 150U);
+  EXPECT_EQ(rig->acquisition().lost_scans_total, 150U);
+}
+
+TEST(Rig, SensorOnAChannelTheDeviceHasNot_IsRefused) {
+  core::SystemClock clock;
+  core::Doorbell bell;
+  RigConfig config = floor_config("sim:floor?truth=0");
+  config.sensor_channels[3] = 9;
+
+  const auto rig = Rig::create(config, clock, bell);
+
+  ASSERT_FALSE(rig);
+  EXPECT_THAT(rig.error().what, HasSubstr("channel 9"));
+}
+
+TEST(Rig, RateTheDeviceCannotDo_IsRefusedWithItsRange) {
+  core::SystemClock clock;
+  core::Doorbell bell;
+  RigConfig config = floor_config("sim:floor");
+  config.rate = core::Rate::create(500'000, 1).value();
+
+  EXPECT_FALSE(Rig::create(config, clock, bell));
+}
+
+TEST(Rig, PublishedStreamThatDoesNotExist_IsRefusedWithTheKnownOnes) {
+  core::SystemClock clock;
+  core::Doorbell bell;
+  RigConfig config = floor_config("sim:floor");
+  config.published = {"copp"};
+
+  const auto rig = Rig::create(config, clock, bell);
+
+  ASSERT_FALSE(rig);
+  EXPECT_THAT(rig.error().hint, HasSubstr("cop"));
+}
+
+TEST(Rig, StopWithoutStartAndTwice_IsHarmless) {
+  core::SystemClock clock;
+  core::Doorbell bell;
+  auto rig = Rig::create(floor_config("sim:floor"), clock, bell).value();
+
+  rig->stop();
+  rig->start(core::Log());
+  rig->stop();
+  rig->stop();
+
+  EXPECT_EQ(rig->acquisition().device, device::DeviceState::Closed);
+}
+
+}  // namespace
+}  // namespace dts::session

@@ -14,7 +14,7 @@ if(CCACHE)
 endif()
 
 # -Wno-restrict: g++ 12 warns falsely about std::string operator+ (GCC bug 105651).
-set(DTS_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror -Wno-restrict
+set(DTS_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Werror $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
     -Wno-missing-field-initializers)  # designated initialisers leave out what keeps its default: that is their point
 set(DTS_SANITIZE "" CACHE STRING "Sanitizers to build with, as for -fsanitize=")
 if(DTS_SANITIZE)

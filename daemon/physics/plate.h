@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
+#include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -53,6 +54,8 @@ struct Support {
 class InfluenceTable {
  public:
   static constexpr int kDefaultDivisions = 40;
+  static constexpr int kMinDivisions = 4;
+  static constexpr int kMaxDivisions = 200;
 
   /// Solves once per probe. Fails with InvalidArgument when the plate, the support, a probe or `divisions` (4..200)
   /// makes no sense; the message names the value and its range.
@@ -60,9 +63,11 @@ class InfluenceTable {
                                                            int divisions = kDefaultDivisions);
 
   [[nodiscard]] std::size_t probe_count() const noexcept { return rows_.size(); }
-  /// Deflection at `probe` under 1 N at `load`; positions off the plate count as its nearest edge.
+  /// Deflection at `probe` under 1 N at `load`; positions off the plate count as its nearest edge. NaN when a coordinate is
+  /// not finite or there is no such probe.
   [[nodiscard]] double at_point_mm_per_n(std::size_t probe, Point load) const noexcept;
-  /// Deflection at `probe` under 1 N spread evenly over `patch` (the part on the plate carries all of it).
+  /// Deflection at `probe` under 1 N spread evenly over `patch` (the part on the plate carries all of it): the exact mean of
+  /// the bilinear interpolation of the row. A side of no length is a line or point load. NaN as `at_point_mm_per_n`.
   [[nodiscard]] double under_patch_mm_per_n(std::size_t probe, const Patch& patch) const noexcept;
 
  private:

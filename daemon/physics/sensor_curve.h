@@ -17,10 +17,12 @@ struct CurvePoint {
 /// Output voltage of a reflective sensor over its gap: strictly monotone, interpolated through calibration points by
 /// monotone cubic Hermite (Fritsch-Carlson), so that it cannot overshoot between them.
 ///
-/// Both directions are evaluated from dense tables built at creation. Thread: any. Realtime-safe: yes.
+/// Both directions are evaluated from dense tables built at creation, linear between entries; gap to volts and back returns within
+/// 1e-4 mm. NaN in, NaN out. Thread: any. Realtime-safe: yes.
 class SensorCurve {
  public:
-  /// At least two points with strictly rising gap and strictly monotone volts; else InvalidArgument, naming the point.
+  /// At least two points with strictly rising gap and strictly monotone volts (either way); else InvalidArgument, naming the
+  /// point. Fails also when the curve is so flat somewhere that the tables cannot be inverted within 1e-4 mm.
   [[nodiscard]] static core::Result<SensorCurve> create(std::string name, std::vector<CurvePoint> points);
   /// The curve assumed in plate-model section 5 for the HOA1405-2 (thesis Fig. 3.9 is missing): V = 0.9 + 0.35 z + 0.058 z^2,
   /// z = 12 mm - gap, as points every 0.25 mm over 4..13 mm.
@@ -37,8 +39,13 @@ class SensorCurve {
   [[nodiscard]] bool contains(core::Volts volts) const noexcept;
 
  private:
+  SensorCurve() = default;
+  [[nodiscard]] double round_trip_error_mm() const noexcept;
+
   std::string name_;
   std::vector<CurvePoint> points_;
+  double lowest_v_ = 0.0;
+  double highest_v_ = 0.0;
   std::vector<double> volts_table_;  ///< Even steps of gap.
   std::vector<double> gap_table_;    ///< Even steps of volts.
 };

@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "physics/cop_estimator.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "unit/physics/floor_platform.h"
+
+namespace dts::physics {
+namespace {
+
+using test::at;
+using test::corners;
+using test::floor_rig;
+using test::RefinedPlate;
+using test::sample_of;
+using testing::HasSubstr;
+
+constexpr double kLoadN = 490.0;  // thesis 4.5: 50 kgf
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Thesis Table 4.1, first two columns: P1..P15.
+const std::vector<Point> kTable41 = {at(86, 86),       at(86, 118.25),  at(118.25, 118.25), at(86, 150.5),     at(118.25, 150.5),
+                                     at(150.5, 150.5), at(86, 182.75),  at(118.25, 182.75), at(150.5, 182.75), at(182.75, 182.75),
+                                     at(86, 215),      at(118.25, 215), at(150.5, 215),     at(182.75, 215),   at(215, 215)};
+
+RefinedPlate floor_plate(double inset_mm) { return {test::steel_plate(), corners(inset_mm), test::floor_sensors()}; }
+
+InfluenceTable meshed_plate(double inset_mm) {
+  return *InfluenceTable::create(test::steel_plate(), corners(inset_mm), test::floor_sensors());
+}
+
+struct Deviation {
+  double x_mm = 0.0;
+  double y_mm = 0.0;
+
+  [[nodiscard]] double total() const { return std::hypot(x_mm, y_mm); }
+};
+
+template <class Table>
+std::vector<Deviation> deviations(const CopEstimator& estimator, const Table& plate, const std::vector<Point>& positions, double load_n) {
+  std::vector<Deviation> result;
+  for (const Point& position : positions) {
+    const auto estimate = estimator.estimate(sample_of(plate, position, load_n).deflection_mm);
+    result.push_back({estimate.x_mm - position.x.value, estimate.y_mm - position.y.value});
+  }
+  return result;
+}
+
+/// Root mean square per axis; its `total` is that of the radial error.
+Deviation rms(const std::vector<Deviation>& all) {
+  Deviation squares;
+  for (const auto& one : all) {
+    squares.x_mm += one.x_mm * one.x_mm / static_cast<double>(all.size());
+    squares.y_mm += one.y_mm * one.y_mm / static_cast<double>(all.size());
+  }
+  return {std::sqrt(squares.x_mm), std::sqrt(squares.y_mm)};
+}
+
+/// The points of the 33 x 33 grid in the central 200 mm, as the study counts them.
+std::vector<Point> central_square() {
+  auto points = test::sensor_square(33);
+  std::erase_if(points,
+                [](const Point& point) { return std::max(std::abs(point.x.value - 215.0), std::abs(point.y.value - 215.0)) > 100.0; });
+  return points;
+}
+
+CopEstimator thesis_on_mid_lines(const RefinedPlate& plate) {
+  return *CopEstimator::fit(CopMethod::Thesis, test::samples_at(plate, test::mid_lines(), kLoadN));
+}
+
+CopEstimator poly3_on_grid(const RefinedPlate& plate) {
+  return *CopEstimator::fit(CopMethod::Poly3, test::samples_at(plate, test::sensor_square(7), kLoadN));
+}
+
+TEST(CopEstimatorThesis, Table41_MeetsTheSheetWithSupportsInTheCorners) {
+  const auto plate = floor_plate(0.0);
+
+  const auto error = rms(deviations(thesis_on_mid_lines(plate), plate, kTable41, kLoadN));
+
+  EXPECT_NEAR(error.x_mm, 0.91, 0.01);
+  EXPECT_NEAR(error.y_mm, 1.52, 0.01);
+  EXPECT_NEAR(error.total(), 1.77, 0.01);
+}
+
+TEST(CopEstimatorThesis, Table41_MeetsTheSheetWithInsetSupports) {
+  const auto plate = floor_plate(10.75);
+
+  const auto error = rms(deviations(thesis_on_mid_lines(plate), plate, kTable41, kLoadN));
+
+  EXPECT_NEAR(error.x_mm, 0.87, 0.01);
+  EXPECT_NEAR(error.y_mm, 1.56, 0.01);
+  EXPECT_NEAR(error.total(), 1.78, 0.01);
+}
+
+TEST(CopEstimatorThesis, Table41PointByPoint_MeetsTheStudy) {
+  const std::vector<Deviation> expected = {{3.29, 3.29},   {-0.10, 3.64}, {0.37, 0.37}, {-0.45, 3.00},  {-0.08, 0.46},
+                                           {-0.15, -0.15}, {-0.16, 1.66}, {0.15, 0.30}, {-0.08, -0.11}, {-0.13, -0.13},
+                                           {0.0, 0.0},     {0.29, 0.0},   {0.0, 0.0},   {-0.10, 0.0},   {0.0, 0.0}};
+  const auto plate = floor_plate(10.75);
+
+  const auto found = deviations(thesis_on_mid_lines(plate), plate, kTable41, kLoadN);
+
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    EXPECT_NEAR(found[k].x_mm, expected[k].x_mm, 0.03) << "P" << k + 1;
+    EXPECT_NEAR(found[k].y_mm, expected[k].y_mm, 0.03) << "P" << k + 1;
+  }
+}
+
+TEST(CopEstimatorThesis, FromModel_IsAtLeastAsGoodAsTheThesis) {
+  for (const double inset_mm : {0.0, 10.75}) {
+    const auto estimator = CopEstimator::from_model(CopMethod::Thesis, floor_rig(inset_mm));
+    ASSERT_TRUE(estimator);
+
+    const auto found = deviations(*estimator, meshed_plate(inset_mm), kTable41, kLoadN);
+
+    const auto error = rms(found);
+    EXPECT_LE(error.x_mm, 1.39);
+    EXPECT_LE(error.y_mm, 1.63);
+    EXPECT_LE(error.total(), 2.15);
+    for (std::size_t k = 10; k < found.size(); ++k) EXPECT_LE(found[k].total(), 0.35) << "mid-line point P" << k + 1;
+  }
+}
+
+TEST(CopEstimatorThesis, Calibration_HasTheRatiosAndCoefficientsOfTheStudy) {
+  const std::array<double, 5> expected_ratios = {1.73601, 1.30444, 1.0, 0.76661, 0.57603};
+  const std::array<double, 5> coefficients = {619.758, -600.318, 232.277, -36.8414, 0.124436};
+  const auto plate = floor_plate(10.75);
+  const auto estimator = thesis_on_mid_lines(plate);
+
+  for (std::size_t k = 0; k < expected_ratios.size(); ++k) {
+    const auto w = sample_of(plate, at(86.0 + 64.5 * static_cast<double>(k), 215), 1.0).deflection_mm;
+    const double ratio = (w[0] + w[2]) / (w[1] + w[3]);
+    EXPECT_NEAR(ratio, expected_ratios[k], 5e-5 * ratio) << "the study's own accuracy is 0.005 %";
+  }
+  for (double ratio = 0.58; ratio < 1.73; ratio += 0.05) {
+    double expected_mm = 0.0;
+    for (std::size_t k = coefficients.size(); k-- > 0;) expected_mm = expected_mm * ratio + coefficients[k];
+    const auto estimate = estimator.estimate({ratio, 1.0, ratio, 1.0});
+    EXPECT_NEAR(estimate.x_mm, expected_mm, 0.02) << ratio;
+    EXPECT_NEAR(estimate.y_mm, 215.0, 1e-6) << ratio;
+  }
+}
+
+TEST(CopEstimatorThesis, LoadBeyondTheCalibration_IsClampedAndSaysSo) {
+  const auto estimator = *CopEstimator::from_model(CopMethod::Thesis, floor_rig(10.75));
+
+  const auto left = estimator.estimate({3.0, 1.0, 3.0, 1.0});
+  const auto only_left = estimator.estimate({3.0, 0.0, 3.0, -0.01});
+  const auto right = estimator.estimate({0.0, 3.0, -0.01, 3.0});
+
+  EXPECT_NEAR(left.x_mm, 86.0, 3.0);
+  EXPECT_EQ(only_left.x_mm, left.x_mm);
+  EXPECT_NEAR(right.x_mm, 344.0, 3.0);
+  EXPECT_FALSE(left.is_inside_calibration);
+  EXPECT_FALSE(only_left.is_inside_calibration);
+  EXPECT_FALSE(right.is_inside_calibration);
+}
+
+TEST(CopEstimatorPoly3, SensorSquare_IsWithinTheSheetsError) {
+  const auto plate = floor_plate(10.75);
+  const auto estimator = poly3_on_grid(plate);
+
+  const auto square = rms(deviations(estimator, plate, test::sensor_square(33), kLoadN));
+  const auto central = rms(deviations(estimator, plate, central_square(), kLoadN));
+
+  EXPECT_NEAR(square.total(), 0.18, 0.01);
+  EXPECT_NEAR(central.total(), 0.12, 0.01);
+}
+
+TEST(CopEstimatorPoly3, FromModel_IsWithinTheSheetsErrorOnTheSimulatedPlate) {
+  for (const double inset_mm : {0.0, 5.0, 10.75}) {
+    const auto estimator = CopEstimator::from_model(CopMethod::Poly3, floor_rig(inset_mm));
+    ASSERT_TRUE(estimator);
+
+    EXPECT_LT(rms(deviations(*estimator, meshed_plate(inset_mm), test::sensor_square(33), 300.0)).total(), 0.18);
+    EXPECT_LT(rms(deviations(*estimator, meshed_plate(inset_mm), central_square(), 300.0)).total(), 0.12);
+  }
+}
+
+TEST(CopEstimatorPoly3, UnequalSensorGains_AreCalibratedAway) {
+  const std::array<double, kFloorSensors> gains = {0.985, 1.02, 1.0, 1.01};
+  const auto plate = meshed_plate(10.75);
+  const auto scaled = [&](const Point& position) {
+    CopSample sample = sample_of(plate, position, kLoadN);
+    for (std::size_t k = 0; k < gains.size(); ++k) sample.deflection_mm[k] *= gains[k];
+    return sample;
+  };
+  std::vector<CopSample> samples;
+  for (const Point& position : test::sensor_square(7)) samples.push_back(scaled(position));
+
+  const auto estimator = CopEstimator::fit(CopMethod::Poly3, samples);
+
+  ASSERT_TRUE(estimator);
+  std::vector<Deviation> found;
+  for (const Point& position : test::sensor_square(33)) {
+    const auto estimate = estimator->estimate(scaled(position).deflection_mm);
+    found.push_back({estimate.x_mm - position.x.value, estimate.y_mm - position.y.value});
+  }
+  EXPECT_LT(rms(found).total(), 0.26);
+}
+
+class CopEstimatorBoth : public testing::TestWithParam<CopMethod> {
+ protected:
+  CopEstimator estimator_ = *CopEstimator::from_model(GetParam(), floor_rig(10.75));
+  InfluenceTable plate_ = meshed_plate(10.75);
+};
+
+INSTANTIATE_TEST_SUITE_P(Methods, CopEstimatorBoth, testing::Values(CopMethod::Thesis, CopMethod::Poly3),
+                         [](const auto& method) { return method.param == CopMethod::Thesis ? "Thesis" : "Poly3"; });
+
+TEST_P(CopEstimatorBoth, Method_IsRemembered) { EXPECT_EQ(estimator_.method(), GetParam()); }
+
+TEST_P(CopEstimatorBoth, LinearPlate_LoadChangesOnlyTheLoad) {
+  const auto light = estimator_.estimate(sample_of(plate_, at(130, 260), 50.0).deflection_mm);
+  const auto heavy = estimator_.estimate(sample_of(plate_, at(130, 260), 1500.0).deflection_mm);
+
+  EXPECT_NEAR(light.x_mm, heavy.x_mm, 1e-9);
+  EXPECT_NEAR(light.y_mm, heavy.y_mm, 1e-9);
+  EXPECT_NEAR(heavy.load_n / light.load_n, 30.0, 1e-9);
+}
+
+TEST_P(CopEstimatorBoth, Load_IsWithinHalfAPercentOverTheSquare) {
+  double squares = 0.0;
+  const auto positions = test::sensor_square(33);
+  for (const Point& position : positions) {
+    const double relative = estimator_.estimate(sample_of(plate_, position, 686.0).deflection_mm).load_n / 686.0 - 1.0;
+    EXPECT_LT(std::abs(relative), 0.005) << position.x.value << ", " << position.y.value;
+    squares += relative * relative;
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(positions.size())), 0.002);
+}
+
+TEST_P(CopEstimatorBoth, SensorSquare_IsInsideTheCalibration) {
+  for (const Point& position : test::sensor_square(33)) {
+    EXPECT_TRUE(estimator_.estimate(sample_of(plate_, position, kLoadN).deflection_mm).is_inside_calibration)
+        << position.x.value << ", " << position.y.value;
+  }
+}
+
+TEST_P(CopEstimatorBoth, LoadOutsideTheSensorSquare_SaysSo) {
+  for (const Point& position : {at(40, 215), at(215, 40), at(390, 215), at(215, 390), at(40, 40), at(390, 390), at(40, 390)}) {
+    EXPECT_FALSE(estimator_.estimate(sample_of(plate_, position, kLoadN).deflection_mm).is_inside_calibration)
+        << position.x.value << ", " << position.y.value;
+  }
+}
+
+TEST_P(CopEstimatorBoth, NothingOnThePlate_IsNotANumber) {
+  const std::array<double, kFloorSensors> zero{};
+  for (const auto& deflection : {zero, {-1, -1, -1, -1}, {1, -1, 1, -1}, {0, 0, 0, -1e-12}}) {
+    const auto estimate = estimator_.estimate(deflection);
+    EXPECT_TRUE(std::isnan(estimate.x_mm));
+    EXPECT_TRUE(std::isnan(estimate.y_mm));
+    EXPECT_TRUE(std::isnan(estimate.load_n));
+    EXPECT_FALSE(estimate.is_inside_calibration);
+  }
+}
+
+TEST_P(CopEstimatorBoth, OneSensorNotFinite_IsNotANumber) {
+  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+    for (std::size_t k = 0; k < kFloorSensors; ++k) {
+      std::array<double, kFloorSensors> deflection = {1.0, 1.0, 1.0, 1.0};
+      deflection[k] = bad;
+      const auto estimate = estimator_.estimate(deflection);
+      EXPECT_TRUE(std::isnan(estimate.x_mm) && std::isnan(estimate.y_mm) && std::isnan(estimate.load_n));
+      EXPECT_FALSE(estimate.is_inside_calibration);
+    }
+  }
+}
+
+TEST_P(CopEstimatorBoth, AnyFiniteInput_GivesAPositionNearThePlateOrNone) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> mantissa(-1.0, 1.0);
+  std::uniform_int_distribution<int> exponent(-1070, 1024);
+  for (int round = 0; round < 20'000; ++round) {
+    std::array<double, kFloorSensors> deflection{};
+    const bool is_wild = round % 2 == 0;
+    for (double& value : deflection) value = is_wild ? std::ldexp(mantissa(random), exponent(random)) : mantissa(random);
+
+    const auto estimate = estimator_.estimate(deflection);
+
+    if (std::isnan(estimate.x_mm)) continue;
+    EXPECT_GT(estimate.x_mm, 0.0);
+    EXPECT_LT(estimate.x_mm, 430.0);
+    EXPECT_GT(estimate.y_mm, 0.0);
+    EXPECT_LT(estimate.y_mm, 430.0);
+    EXPECT_GE(estimate.load_n, 0.0);
+  }
+}
+
+TEST(CopMethodName, Known_IsParsed) {
+  EXPECT_EQ(parse_cop_method("thesis"), CopMethod::Thesis);
+  EXPECT_EQ(parse_cop_method("poly3"), CopMethod::Poly3);
+}
+
+TEST(CopMethodName, Unknown_IsRefusedWithTheChoices) {
+  for (const char* name : {"", "Poly3", "moment"}) {
+    const auto result = parse_cop_method(name);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, core::ErrorCode::InvalidArgument);
+    EXPECT_THAT(core::to_string(result.error()), HasSubstr("thesis or poly3"));
+  }
+}
+
+TEST(CopEstimatorFromModel, ThreeOrFiveSensors_AreRefused) {
+  for (const std::size_t count : {std::size_t{0}, std::size_t{3}, std::size_t{5}}) {
+    RigModel rig = floor_rig(10.75);
+    rig.sensors.resize(count, rig.sensors.front());
+
+    const auto result = CopEstimator::from_model(CopMethod::Poly3, rig);
+
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, core::ErrorCode::InvalidArgument);
+    EXPECT_THAT(result.error().what, HasSubstr(std::to_string(count) + " sensors"));
+  }
+}
+
+TEST(CopEstimatorFromModel, SwappedSensors_AreRefusedByName) {
+  for (const auto& [one, other] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}, std::pair{0, 3}}) {
+    RigModel rig = floor_rig(10.75);
+    std::swap(rig.sensors[static_cast<std::size_t>(one)], rig.sensors[static_cast<std::size_t>(other)]);
+
+    const auto result = CopEstimator::from_model(CopMethod::Thesis, rig);
+
+    ASSERT_FALSE(result);
+    EXPECT_THAT(result.error().what, HasSubstr("sensor " + std::to_string(one + 1) + " ('w" + std::to_string(other + 1) + "')"));
+    EXPECT_THAT(result.error().hint, HasSubstr("w1 left back"));
+  }
+}
+
+TEST(CopEstimatorFromModel, BadPlate_IsRefusedWithThePlatesMessage) {
+  RigModel rig = floor_rig(10.75);
+  rig.plate.nu = 0.7;
+
+  const auto result = CopEstimator::from_model(CopMethod::Poly3, rig);
+
+  ASSERT_FALSE(result);
+  EXPECT_THAT(result.error().what, HasSubstr("Poisson's ratio is 0.7"));
+}
+
+TEST(CopEstimatorFromModel, NotANumberAsPosition_IsRefused) {
+  RigModel rig = floor_rig(10.75);
+  rig.sensors[2].position.x = {kNan};
+
+  EXPECT_FALSE(CopEstimator::from_model(CopMethod::Poly3, rig));
+}
+
+}  // namespace
+}  // namespace dts::physics

@@ -83,7 +83,8 @@ class Device {
   [[nodiscard]] virtual core::Result<core::Rate> start(const StartOptions& options) = 0;
   /// Waits until `block.capacity()` scans have been taken or `deadline_ns` (host monotonic) has passed, and delivers what
   /// is there. Sets the block's count, first scan (continuing since start or since the last gap) and the host time of the
-  /// first scan's instant; the block has one column per described channel, in its unit. Realtime-safe: yes.
+  /// first scan's instant; the block has one column per described channel, in its unit. Quality bits are set too: 0, or why a
+  /// value is NaN. Realtime-safe: yes.
   [[nodiscard]] virtual ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept = 0;
   /// Makes a waiting `read` return within 100 ms. Thread: any. Realtime-safe: yes.
   virtual void interrupt() noexcept = 0;

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/registry.h"
+
+#include <algorithm>
+
+#include "core/suggest.h"
+#include "device/sim/floor.h"
+
+namespace dts::device {
+namespace {
+
+/// "sim:floor" is one device; "ni6008:" takes any name, for example a serial number.
+bool is_meant(const RegistryEntry& entry, const DeviceUri& uri) {
+  const std::string& known = entry.scheme_and_name;
+  return known == uri.scheme + ":" + uri.name || known == uri.scheme + ":";
+}
+
+core::Error unknown_kind(const DeviceUri& uri) {
+  std::vector<std::string_view> names;
+  std::string list;
+  for (const RegistryEntry& entry : registry()) {
+    names.push_back(entry.scheme_and_name);
+    list += "\n  " + entry.scheme_and_name + "  " + entry.sentence;
+  }
+  const std::string meant = core::suggest(uri.scheme + ":" + uri.name, names);
+  return {core::ErrorCode::InvalidArgument, "device \"" + uri.text + "\": this program has no such device",
+          (meant.empty() ? "" : "did you mean \"" + meant + "\"? ") + "It has:" + list};
+}
+
+}  // namespace
+
+const std::vector<RegistryEntry>& registry() {
+  static const std::vector<RegistryEntry> entries = {
+      {"sim:floor", "Simulated floor platform with a person or a weight on it.", sim::create_floor},
+  };
+  return entries;
+}
+
+core::Result<std::unique_ptr<Device>> create_device(std::string_view uri, const DeviceContext& context) {
+  const auto parsed = DeviceUri::parse(uri);
+  if (!parsed) return tl::make_unexpected(parsed.error());
+  const auto& entries = registry();
+  const auto entry = std::find_if(entries.begin(), entries.end(), [&](const RegistryEntry& known) { return is_meant(known, *parsed); });
+  if (entry == entries.end()) return tl::make_unexpected(unknown_kind(*parsed));
+  return entry->create(*parsed, context);
+}
+
+}  // namespace dts::device

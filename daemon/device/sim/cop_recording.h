@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "physics/cop_position.h"
+
+namespace dts::device::sim {
+
+/// A recorded centre of pressure that a simulated person repeats. CSV with the header `t_s,x_mm,y_mm` (x ML, y AP), times
+/// strictly rising; the mean of all rows is subtracted, because where the person stands is decided elsewhere.
+class CopRecording {
+ public:
+  static constexpr std::size_t kMaxRows = 4'000'000;  ///< More than an hour at 1 kHz.
+  static constexpr double kMaxMillimetres = 1000.0;
+  /// Between the end and the next beginning of a repeated recording the COP moves on a straight line for this long.
+  static constexpr double kBridgeS = 1.0;
+
+  /// Fails with NotFound, or with InvalidArgument naming "file:line" and what is wrong there.
+  [[nodiscard]] static core::Result<CopRecording> load(const std::string& path);
+
+  [[nodiscard]] double duration_s() const noexcept { return times_s_.back(); }
+  /// Linear between the rows; before the first and after the last row, that row. Realtime-safe: yes.
+  [[nodiscard]] physics::CopPosition at(double time_s) const noexcept;
+  /// The same for ever. Realtime-safe: yes.
+  [[nodiscard]] physics::CopPosition repeated_at(double time_s) const noexcept;
+
+ private:
+  CopRecording() = default;
+  core::Status append(std::string_view line, const std::string& place);
+  void subtract_mean() noexcept;
+
+  std::vector<double> times_s_;  ///< Since the first row.
+  std::vector<physics::CopPosition> positions_;
+  double first_time_s_ = 0.0;
+};
+
+}  // namespace dts::device::sim

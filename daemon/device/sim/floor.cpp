@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/sim/floor.h"
+
+#include "device/sim/floor_options.h"
+#include "device/sim/floor_scene.h"
+#include "device/sim/sim_device.h"
+#include "physics/rig_model.h"
+
+namespace dts::device::sim {
+namespace {
+
+constexpr double kLargestLoadN = 2100.0;  // the largest body weight of the option table, with its fluctuation
+
+DeviceDescription describe(const DeviceUri& uri, const FloorOptions& options, const Daq& daq, const physics::Plate& plate) {
+  DeviceDescription description;
+  description.uri = uri.text;
+  description.model = "Simulated floor platform";
+  description.serial = "sim-floor-" + std::to_string(options.seed);
+  description.minimum_rate_hz = kMinimumRateHz;
+  description.maximum_rate_hz = kMaximumRateHz;
+  const auto add = [&](std::string name, ChannelRole role) {
+    description.channels.push_back({std::move(name), "V", role, daq.minimum_v(), daq.maximum_v(), daq.step_v()});
+  };
+  for (std::size_t i = 0; i < options.sensors; ++i) add("ch" + std::to_string(i), ChannelRole::Sensor);
+  for (std::size_t i = 0; i < options.extra; ++i) add("extra" + std::to_string(i), ChannelRole::Auxiliary);
+  if (!options.has_truth) return description;
+  const double half_a = plate.a.value / 2.0;
+  const double half_b = plate.b.value / 2.0;
+  description.channels.push_back({"true_ml_mm", "mm", ChannelRole::Auxiliary, -half_a, half_a, 0.0});
+  description.channels.push_back({"true_ap_mm", "mm", ChannelRole::Auxiliary, -half_b, half_b, 0.0});
+  description.channels.push_back({"true_load_n", "N", ChannelRole::Auxiliary, 0.0, kLargestLoadN, 0.0});
+  return description;
+}
+
+}  // namespace
+
+core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const DeviceContext& context) {
+  const auto options = read_floor_options(uri, context.rig.sensors.size());
+  if (!options) return tl::make_unexpected(options.error());
+  auto scene = FloorScene::create(*options, context.rig);
+  if (!scene) {
+    core::Error error = scene.error();
+    error.what = "device \"" + uri.text + "\": " + error.what;
+    return tl::make_unexpected(error);
+  }
+  const Daq daq(options->daq);
+  SimParts parts{.description = describe(uri, *options, daq, context.rig.plate),
+                 .converted_channels = options->converted_channels(),
+                 .daq = daq,
+                 .clock_error_ppm = options->clock_error_ppm,
+                 .fault = options->fault,
+                 .scene = std::move(*scene)};
+  return std::make_unique<SimDevice>(std::move(parts), context.clock);
+}
+
+}  // namespace dts::device::sim

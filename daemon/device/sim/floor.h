@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "core/result.h"
+#include "device/registry.h"
+
+namespace dts::device::sim {
+
+/// `sim:floor`: a person on the plate of `context.rig`. Fails when an option is wrong or the stance does not fit.
+[[nodiscard]] core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const DeviceContext& context);
+
+}  // namespace dts::device::sim

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include "core/rate.h"
+
+namespace dts::device::sim {
+
+/// The device's clock seen from the host: when each scan is taken. Scan i is at start + i / rate * (1 - ppm * 1e-6); a
+/// positive error is a clock that runs fast. Thread: any. Realtime-safe: yes.
+class Pacer {
+ public:
+  Pacer() = default;
+  Pacer(std::int64_t start_ns, core::Rate rate, double clock_error_ppm) noexcept
+      : start_ns_(start_ns), rate_(rate), clock_error_(clock_error_ppm * 1e-6) {}
+
+  [[nodiscard]] core::Rate rate() const noexcept { return rate_; }
+  /// Host time of the scan's instant.
+  [[nodiscard]] std::int64_t instant_ns(std::uint64_t scan) const noexcept;
+  /// How many scans have been taken by `now_ns`.
+  [[nodiscard]] std::uint64_t taken_by(std::int64_t now_ns) const noexcept;
+
+ private:
+  std::int64_t start_ns_ = 0;
+  core::Rate rate_;
+  double clock_error_ = 0.0;
+};
+
+}  // namespace dts::device::sim

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/clock.h"
+#include "device/device.h"
+#include "device/sim/daq.h"
+#include "device/sim/fault.h"
+#include "device/sim/pacer.h"
+#include "device/sim/scene.h"
+
+namespace dts::device::sim {
+
+inline constexpr double kMinimumRateHz = 1.0;
+inline constexpr double kMaximumRateHz = 20'000.0;
+
+/// What a simulated device is made of.
+struct SimParts {
+  DeviceDescription description;
+  std::size_t converted_channels = 0;  ///< The first channels go through the converter, the others are exact.
+  Daq daq;
+  double clock_error_ppm = 0.0;
+  Fault fault;
+  std::unique_ptr<Scene> scene;
+};
+
+/// A real device in every respect but the hardware: its own clock, a bounded buffer, faults.
+///
+///     clock --Pacer--> scans taken --(buffer: 1 s)--> read: Scene --> Daq --> block
+///
+/// Scans are computed when they are read: values depend on the scan number since start only, never on the moment. A reader
+/// that comes more than one second late finds the buffer overrun: everything up to now is lost and counted.
+class SimDevice final : public Device {
+ public:
+  SimDevice(SimParts parts, core::Clock& clock);
+  ~SimDevice() override;
+  SimDevice(const SimDevice&) = delete;
+  SimDevice& operator=(const SimDevice&) = delete;
+  SimDevice(SimDevice&&) = delete;
+  SimDevice& operator=(SimDevice&&) = delete;
+
+  [[nodiscard]] const DeviceDescription& describe() const noexcept override { return parts_.description; }
+  [[nodiscard]] DeviceState state() const noexcept override { return state_.load(std::memory_order_acquire); }  // pairs with move_to
+  [[nodiscard]] core::Status open() override;
+  [[nodiscard]] core::Result<core::Rate> start(const StartOptions& options) override;
+  [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
+  void interrupt() noexcept override;
+  core::Status stop() override;
+  core::Status close() override;
+
+ private:
+  void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
+  [[nodiscard]] core::Status check(const StartOptions& options) const;
+  [[nodiscard]] std::uint64_t wait_for(std::uint64_t scans, std::int64_t deadline_ns) noexcept;
+  [[nodiscard]] ReadResult read_scans(core::Block& block, std::uint64_t break_at, std::int64_t deadline_ns) noexcept;
+  [[nodiscard]] ReadResult read_break(std::int64_t deadline_ns) noexcept;
+  [[nodiscard]] ReadResult continue_at(std::uint64_t scan, const core::Gap& gap) noexcept;
+  [[nodiscard]] ReadResult unplugged() noexcept;
+  [[nodiscard]] bool is_break_ahead() const noexcept;
+  void fill(core::Block& block, std::size_t count) noexcept;
+  void compute_scan(std::uint64_t scan) noexcept;
+
+  SimParts parts_;
+  core::Clock& clock_;
+  std::atomic<DeviceState> state_{DeviceState::Closed};
+  std::atomic<bool> is_interrupted_{false};
+
+  Pacer pacer_;
+  FaultWindow window_;
+  bool was_unplugged_ = false;
+  std::int64_t plugged_in_at_ns_ = 0;
+  std::size_t max_block_scans_ = 0;
+  std::uint64_t buffer_scans_ = 0;
+  std::uint64_t next_ = 0;           ///< Scan since start that the next block begins with.
+  std::uint64_t segment_start_ = 0;  ///< Scan since start that has index 0 in the present segment.
+  std::vector<double> row_;          ///< One scan, all channels.
+  double stuck_value_ = 0.0;
+  bool is_stuck_ = false;
+};
+
+}  // namespace dts::device::sim

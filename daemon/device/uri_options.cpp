@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/uri_options.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "core/suggest.h"
+
+namespace dts::device {
+namespace {
+
+using core::ErrorCode;
+
+std::optional<double> parse_number(const std::string& text) {
+  double value = 0.0;
+  const char* end = text.data() + text.size();
+  const auto [stopped_at, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || stopped_at != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+bool is_choice(std::string_view choices, std::string_view word) {
+  if (word.empty() || word.find('|') != std::string_view::npos) return false;
+  return ("|" + std::string(choices) + "|").find("|" + std::string(word) + "|") != std::string::npos;
+}
+
+std::vector<std::string_view> split_choices(std::string_view choices) {
+  std::vector<std::string_view> words;
+  while (!choices.empty()) {
+    const std::size_t bar = std::min(choices.find('|'), choices.size());
+    words.push_back(choices.substr(0, bar));
+    choices.remove_prefix(std::min(bar + 1, choices.size()));
+  }
+  return words;
+}
+
+std::string did_you_mean(std::string_view word, std::span<const std::string_view> known) {
+  const std::string meant = core::suggest(word, known);
+  return meant.empty() ? "" : "did you mean \"" + meant + "\"? ";
+}
+
+core::Status check_names(const DeviceUri& uri, std::span<const UriOption> known) {
+  std::vector<std::string_view> names;
+  std::string list;
+  for (const UriOption& option : known) {
+    names.push_back(option.name);
+    list += list.empty() ? "" : ", ";
+    list += option.name;
+  }
+  for (const auto& [name, value] : uri.options) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) continue;
+    return core::fail(ErrorCode::InvalidArgument, "device \"" + uri.text + "\": unknown option \"" + name + "\"",
+                      did_you_mean(name, names) + "Known: " + list);
+  }
+  return {};
+}
+
+tl::unexpected<core::Error> refuse(const DeviceUri& uri, const UriOption& option, const std::string& value, std::string hint = {}) {
+  return core::fail(
+      ErrorCode::InvalidArgument,
+      "device \"" + uri.text + "\": " + std::string(option.name) + " = \"" + value + "\" is not allowed; it takes " + allowed(option),
+      std::move(hint));
+}
+
+}  // namespace
+
+core::Result<UriOptions> UriOptions::read(const DeviceUri& uri, std::span<const UriOption> known) {
+  if (auto named = check_names(uri, known); !named) return tl::make_unexpected(named.error());
+  UriOptions options;
+  for (const UriOption& option : known) {
+    const auto given = uri.options.find(std::string(option.name));
+    const bool is_given = given != uri.options.end();
+    if (is_given) options.given_.emplace(option.name);
+    const std::string value = is_given ? given->second : std::string(option.default_text);
+    if (!is_given && option.kind == OptionKind::File) {
+      options.texts_.emplace(option.name, value);
+      continue;
+    }
+    if (auto taken = options.take(uri, option, value); !taken) return tl::make_unexpected(taken.error());
+  }
+  return options;
+}
+
+core::Status UriOptions::take(const DeviceUri& uri, const UriOption& option, const std::string& value) {
+  if (option.kind == OptionKind::File || option.kind == OptionKind::Word) {
+    if (option.kind == OptionKind::File ? value.empty() : !is_choice(option.choices, value)) {
+      return refuse(uri, option, value, did_you_mean(value, split_choices(option.choices)));
+    }
+    texts_.emplace(option.name, value);
+    return {};
+  }
+  if (option.maximum == kNever && value == "never") {
+    numbers_.emplace(option.name, kNever);
+    return {};
+  }
+  const std::optional<double> number = parse_number(value);
+  const bool is_fine = number && *number >= option.minimum && *number <= option.maximum &&
+                       (option.kind == OptionKind::Number || *number == std::floor(*number));
+  if (!is_fine) return refuse(uri, option, value);
+  numbers_.emplace(option.name, *number);
+  return {};
+}
+
+std::string allowed(const UriOption& option) {
+  if (option.kind == OptionKind::File) return "FILE";
+  if (option.kind == OptionKind::Word) return std::string(option.choices);
+  std::ostringstream text;
+  text.precision(12);
+  text << option.minimum << "..";
+  if (option.maximum == kNever) {
+    text << " or never";
+  } else {
+    text << option.maximum;
+  }
+  if (option.kind == OptionKind::Integer) text << " (whole number)";
+  return text.str();
+}
+
+std::string describe_options(std::span<const UriOption> options) {
+  std::ostringstream text;
+  for (const UriOption& option : options) {
+    text << "  " << option.name << '=' << allowed(option);
+    if (!option.default_text.empty()) text << "  [" << option.default_text << ']';
+    text << "\n      " << option.sentence << '\n';
+  }
+  return text.str();
+}
+
+}  // namespace dts::device

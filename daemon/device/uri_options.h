@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/result.h"
+#include "device/registry.h"
+
+namespace dts::device {
+
+inline constexpr double kNever = std::numeric_limits<double>::infinity();  ///< Written "never" in a URI.
+
+enum class OptionKind : std::uint8_t { Number, Integer, Word, File };
+
+/// One option a device understands.
+struct UriOption {
+  std::string_view name;  ///< With its unit: "weight_n".
+  OptionKind kind = OptionKind::Number;
+  std::string_view default_text;  ///< What a user would have to write to get the default; empty: no default.
+  double minimum = 0.0;           ///< Numbers only, inclusive.
+  double maximum = 0.0;           ///< `kNever`: the word "never" is allowed too.
+  std::string_view choices;       ///< Words only, separated by '|': "feet|point".
+  std::string_view sentence;
+};
+
+/// The options of one URI, complete and in range.
+class UriOptions {
+ public:
+  /// Checks every option of `uri` against `known` and fills in the defaults. Fails with InvalidArgument naming the
+  /// option, its value and what is allowed; an unknown name gets a suggestion.
+  [[nodiscard]] static core::Result<UriOptions> read(const DeviceUri& uri, std::span<const UriOption> known);
+
+  /// `name` must be a Number or Integer of the table.
+  [[nodiscard]] double number(std::string_view name) const { return numbers_.at(std::string(name)); }
+  /// `name` must be a Word or File of the table; empty when a File was not given.
+  [[nodiscard]] const std::string& text(std::string_view name) const { return texts_.at(std::string(name)); }
+  /// The user wrote it.
+  [[nodiscard]] bool is_given(std::string_view name) const { return given_.contains(name); }
+
+ private:
+  core::Status take(const DeviceUri& uri, const UriOption& option, const std::string& value);
+
+  std::map<std::string, double, std::less<>> numbers_;
+  std::map<std::string, std::string, std::less<>> texts_;
+  std::set<std::string, std::less<>> given_;
+};
+
+/// "50..2000", "feet|point", "FILE": what may be written.
+[[nodiscard]] std::string allowed(const UriOption& option);
+
+/// The table as text, one line per option, for help output.
+[[nodiscard]] std::string describe_options(std::span<const UriOption> options);
+
+}  // namespace dts::device

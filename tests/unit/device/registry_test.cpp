@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/registry.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "unit/device/sim_rig.h"
+
+namespace dts::device {
+namespace {
+
+core::Error refusal(std::string_view uri) {
+  core::VirtualClock clock;
+  const physics::RigModel rig = test::floor_rig();
+  const auto created = create_device(uri, {clock, rig});
+  return created ? core::Error{} : created.error();
+}
+
+TEST(Registry, EveryEntry_HasNameAndSentence) {
+  ASSERT_FALSE(registry().empty());
+  for (const RegistryEntry& entry : registry()) {
+    EXPECT_NE(entry.scheme_and_name.find(':'), std::string::npos);
+    EXPECT_FALSE(entry.sentence.empty());
+    EXPECT_TRUE(entry.create);
+  }
+}
+
+TEST(Registry, KnownDevice_Created) {
+  test::Bench bench("sim:floor?seed=7");
+
+  ASSERT_TRUE(bench.device);
+  EXPECT_EQ(bench.device->describe().uri, "sim:floor?seed=7");
+  EXPECT_EQ(bench.device->state(), DeviceState::Closed);
+}
+
+TEST(Registry, MisspeltName_SuggestsAndLists) {
+  const core::Error error = refusal("sim:flor");
+
+  EXPECT_EQ(error.code, core::ErrorCode::InvalidArgument);
+  EXPECT_NE(error.what.find("sim:flor"), std::string::npos);
+  EXPECT_NE(error.hint.find("did you mean \"sim:floor\"?"), std::string::npos);
+}
+
+TEST(Registry, UnknownScheme_ListsWhatIsKnown) {
+  const core::Error error = refusal("bluetooth:wii");
+
+  EXPECT_EQ(error.hint.find("did you mean"), std::string::npos);
+  EXPECT_NE(error.hint.find("sim:floor"), std::string::npos);
+}
+
+TEST(Registry, NotAUri_SaysTheForm) { EXPECT_NE(refusal("floor").hint.find("scheme:name"), std::string::npos); }
+
+TEST(Registry, MisspeltOption_Suggests) {
+  const core::Error error = refusal("sim:floor?wieght_n=700");
+
+  EXPECT_NE(error.what.find("wieght_n"), std::string::npos);
+  EXPECT_NE(error.hint.find("did you mean \"weight_n\"?"), std::string::npos);
+  EXPECT_NE(error.hint.find("stance_width_mm"), std::string::npos);  // and all that are known
+}
+
+}  // namespace
+}  // namespace dts::device

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: Apache-2.0
+// How a simulated device behaves in time: pacing, late readers, faults. What every device must do is in
+// tests/contract/device_contract_test.cpp.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "unit/device/sim_rig.h"
+
+namespace dts::device {
+namespace {
+
+using test::Bench;
+using test::kNever;
+using test::Recorded;
+
+constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
+constexpr std::int64_t kSecond = 1000 * kMillisecond;
+
+TEST(SimDevice, FullBlock_TakesAsLongAsItsScans) {
+  Bench bench("sim:floor");
+  bench.start(100);
+  core::Block block = bench.block(50);
+  const std::int64_t start_ns = bench.clock.now_ns();
+
+  const ReadResult read = bench.device->read(block, kNever);
+
+  EXPECT_EQ(read.outcome, ReadOutcome::Scans);
+  EXPECT_EQ(block.count(), 50U);
+  EXPECT_EQ(block.host_time_ns, start_ns);
+  EXPECT_EQ(bench.clock.now_ns(), start_ns + 490 * kMillisecond);
+}
+
+TEST(SimDevice, DeadlineFirst_DeliversWhatIsThere) {
+  Bench bench("sim:floor");
+  bench.start(100);
+  core::Block block = bench.block(50);
+
+  const ReadResult read = bench.device->read(block, bench.clock.now_ns() + 25 * kMillisecond);
+
+  EXPECT_EQ(read.outcome, ReadOutcome::Scans);
+  EXPECT_EQ(block.count(), 3U);  // at 0, 10 and 20 ms
+}
+
+TEST(SimDevice, NothingByTheDeadline_Timeout) {
+  Bench bench("sim:floor");
+  bench.start(100);
+  core::Block block = bench.block(1);
+  ASSERT_EQ(bench.device->read(block, kNever).outcome, ReadOutcome::Scans);
+
+  const ReadResult read = bench.device->read(block, bench.clock.now_ns() + 9 * kMillisecond);
+
+  EXPECT_EQ(read.outcome, ReadOutcome::Timeout);
+  EXPECT_EQ(block.count(), 0U);
+}
+
+TEST(SimDevice, ClockError_ScansComeFasterButDataStay) {
+  Bench exact("sim:floor");
+  Bench fast("sim:floor?clock_ppm=200");
+  exact.start(100);
+  fast.start(100);
+
+  const Recorded from_exact = exact.read_scans(1001, 1);
+  const Recorded from_fast = fast.read_scans(1001, 1);
+
+  EXPECT_EQ(from_exact.block_times_ns[1000] - from_exact.block_times_ns[0], 10 * kSecond);
+  EXPECT_EQ(from_fast.block_times_ns[1000] - from_fast.block_times_ns[0], 10 * kSecond - 2 * kMillisecond);
+  EXPECT_EQ(from_exact.channels[0], from_fast.channels[0]);
+}
+
+TEST(SimDevice, ReaderWithinTheBuffer_LosesNothing) {
+  Bench bench("sim:floor");
+  bench.start(100);
+  bench.clock.advance_ns(990 * kMillisecond);  // 100 scans are there: exactly the buffer
+
+  const Recorded recorded = bench.read_scans(100);
+
+  EXPECT_TRUE(recorded.gaps.empty());
+  EXPECT_EQ(recorded.block_firsts, (std::vector<std::uint64_t>{0, 64}));
+}
+
+TEST(SimDevice, ReaderTooLate_OverrunWithExactCount) {
+  Bench bench("sim:floor");
+  Bench punctual("sim:floor");
+  bench.start(100);
+  punctual.start(100);
+  (void)bench.read_scans(10, 10);
+  bench.clock.advance_ns(2 * kSecond + 5 * kMillisecond);  // 200 more scans
+
+  const Recorded recorded = bench.read_scans(64);
+  const Recorded all = punctual.read_scans(274);
+
+  ASSERT_EQ(recorded.gaps.size(), 1U);
+  EXPECT_EQ(recorded.gaps[0].reason, core::GapReason::Overrun);
+  EXPECT_EQ(recorded.gaps[0].missing_scans, 200U);
+  EXPECT_TRUE(recorded.gaps[0].is_exact);
+  EXPECT_EQ(recorded.block_firsts[0], 0U);  // a new segment
+  EXPECT_TRUE(std::equal(recorded.channels[0].begin(), recorded.channels[0].end(), all.channels[0].begin() + 210));
+}
+
+TEST(SimDevice, FaultOverrun_ExactGapThenTheScansAfterIt) {
+  Bench bench("sim:floor?fault=overrun&fault_at_s=1&fault_for_s=0.5");
+  Bench healthy("sim:floor");
+  bench.start(100);
+  healthy.start(100);
+  const std::int64_t start_ns = bench.clock.now_ns();
+
+  const Recorded recorded = bench.read_scans(200);
+  const Recorded all = healthy.read_scans(250);
+
+  ASSERT_EQ(recorded.gaps.size(), 1U);
+  EXPECT_EQ(recorded.gaps[0].reason, core::GapReason::Overrun);
+  EXPECT_EQ(recorded.gaps[0].missing_scans, 50U);
+  EXPECT_TRUE(recorded.gaps[0].is_exact);
+  EXPECT_EQ(recorded.block_firsts, (std::vector<std::uint64_t>{0, 64, 0, 64}));
+  EXPECT_EQ(recorded.block_times_ns[2], start_ns + 1500 * kMillisecond);
+  EXPECT_TRUE(std::equal(recorded.channels[0].begin(), recorded.channels[0].begin() + 100, all.channels[0].begin()));
+  EXPECT_TRUE(std::equal(recorded.channels[0].begin() + 100, recorded.channels[0].end(), all.channels[0].begin() + 150));
+}
+
+TEST(SimDevice, FaultSilence_TimeoutsThenAnEstimatedGap) {
+  Bench bench("sim:floor?clock_ppm=1000&fault=silence&fault_at_s=1&fault_for_s=20");
+  bench.start(100);
+  (void)bench.read_scans(100, 10);
+  core::Block block = bench.block(10);
+  int timeouts = 0;
+  ReadResult read = bench.device->read(block, bench.clock.now_ns() + kSecond);
+  for (; read.outcome == ReadOutcome::Timeout; ++timeouts) read = bench.device->read(block, bench.clock.now_ns() + kSecond);
+
+  EXPECT_EQ(timeouts, 19);  // the silence ends during the twentieth second: the device's clock is fast
+  EXPECT_EQ(read.outcome, ReadOutcome::Gap);
+  EXPECT_EQ(read.gap.reason, core::GapReason::Silence);
+  EXPECT_EQ(read.gap.missing_scans, 1998U);  // 2000 scans of a clock that is 0.1 % fast, as the host sees it
+  EXPECT_FALSE(read.gap.is_exact);
+  ASSERT_EQ(bench.device->read(block, kNever).outcome, ReadOutcome::Scans);
+  EXPECT_EQ(block.first_scan.value, 0U);
+}
+
+TEST(SimDevice, FaultStuck_OneChannelKeepsItsCode) {
+  Bench bench("sim:floor?fault=stuck&fault_channel=2&fault_at_s=1&fault_for_s=2");
+  Bench healthy("sim:floor");
+  bench.start(100);
+  healthy.start(100);
+
+  const Recorded recorded = bench.read_scans(500);
+  const Recorded all = healthy.read_scans(500);
+
+  EXPECT_TRUE(recorded.gaps.empty());
+  EXPECT_EQ(recorded.channels[0], all.channels[0]);
+  for (std::size_t scan = 0; scan < 500; ++scan) {
+    const bool is_stuck = scan >= 100 && scan < 300;
+    EXPECT_EQ(recorded.channels[2][scan], all.channels[2][is_stuck ? 100 : scan]) << scan;
+  }
+  EXPECT_NE(all.channels[2][299], all.channels[2][100]);  // somebody has stepped on meanwhile
+}
+
+TEST(SimDevice, FaultUnplug_GoneUntilPluggedInAgain) {
+  Bench bench("sim:floor?fault=unplug&fault_at_s=1&fault_for_s=3");
+  bench.start(100);
+  core::Block block = bench.block(64);
+
+  const Recorded recorded = bench.read_scans(1000);
+  EXPECT_EQ(recorded.channels[0].size(), 100U);
+  EXPECT_EQ(bench.device->state(), DeviceState::Gone);
+  const ReadResult read = bench.device->read(block, kNever);
+  EXPECT_EQ(read.outcome, ReadOutcome::Gone);
+  EXPECT_EQ(read.gap.reason, core::GapReason::Unplugged);
+
+  (void)bench.device->close();
+  bench.clock.advance_ns(2999 * kMillisecond);
+  const core::Status too_early = bench.device->open();
+  ASSERT_FALSE(too_early.has_value());
+  EXPECT_EQ(too_early.error().code, core::ErrorCode::NotFound);
+
+  bench.clock.advance_ns(kMillisecond);
+  bench.start(100);
+  EXPECT_EQ(bench.read_scans(300).channels[0].size(), 300U);  // it happens once
+}
+
+TEST(SimDevice, FaultAtTheStart_StillABreak) {
+  Bench bench("sim:floor?fault=overrun&fault_at_s=0&fault_for_s=0.5");
+  bench.start(100);
+
+  const Recorded recorded = bench.read_scans(10);
+
+  ASSERT_EQ(recorded.gaps.size(), 1U);
+  EXPECT_EQ(recorded.gaps[0].missing_scans, 50U);
+}
+
+TEST(SimDevice, LateReaderMeetsAFault_EveryLostScanIsCounted) {
+  Bench bench("sim:floor?fault=overrun&fault_at_s=3&fault_for_s=1");
+  bench.start(100);
+  bench.clock.advance_ns(4990 * kMillisecond);
+
+  const Recorded recorded = bench.read_scans(1);
+
+  std::uint64_t missing = 0;
+  for (const core::Gap& gap : recorded.gaps) missing += gap.missing_scans;
+  EXPECT_EQ(missing, 400U);  // 0..300 by the late reader, 300..400 by the fault; 400..500 fit the buffer
+  EXPECT_EQ(recorded.gaps.size(), 2U);
+}
+
+TEST(SimDevice, WrongBlockShape_TimeoutAndNothingWritten) {
+  Bench bench("sim:floor");
+  bench.start(100);
+  core::Block no_room;
+  core::Block too_few_channels(2, 8);
+
+  EXPECT_EQ(bench.device->read(no_room, kNever).outcome, ReadOutcome::Timeout);
+  EXPECT_EQ(bench.device->read(too_few_channels, kNever).outcome, ReadOutcome::Timeout);
+  EXPECT_EQ(too_few_channels.count(), 0U);
+}
+
+}  // namespace
+}  // namespace dts::device

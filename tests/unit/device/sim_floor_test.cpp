@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: Apache-2.0
+// What sim:floor measures: physics, converter, truth and recordings. Time and faults are in sim_device_test.cpp.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "physics/plate.h"
+#include "unit/device/sim_rig.h"
+
+namespace dts::device {
+namespace {
+
+using test::Bench;
+using test::Recorded;
+
+constexpr std::size_t kTrueMl = 4;
+constexpr std::size_t kTrueAp = 5;
+constexpr std::size_t kTrueLoad = 6;
+
+std::string refusal(const std::string& uri) {
+  core::VirtualClock clock;
+  const physics::RigModel rig = test::floor_rig();
+  const auto device = create_device(uri, {clock, rig});
+  return device ? "" : core::to_string(device.error());
+}
+
+Recorded record(const std::string& uri, double rate_hz, double duration_s, std::size_t block_scans = 64) {
+  Bench bench(uri);
+  bench.start(rate_hz);
+  return bench.read_scans(static_cast<std::size_t>(rate_hz * duration_s), block_scans);
+}
+
+/// NaN equals NaN: nobody on the plate both times.
+bool same(const std::vector<double>& a, const std::vector<double>& b, std::size_t count) {
+  return std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(count), b.begin(),
+                    [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
+TEST(SimFloor, Described_ChannelsBeforeOpening) {
+  const Bench bench("sim:floor?extra=12");
+
+  const DeviceDescription& description = bench.device->describe();
+
+  ASSERT_EQ(description.channels.size(), 19U);
+  EXPECT_EQ(description.channels[0].name, "ch0");
+  EXPECT_EQ(description.channels[0].unit, "V");
+  EXPECT_EQ(description.channels[0].role, ChannelRole::Sensor);
+  EXPECT_DOUBLE_EQ(description.channels[0].resolution, 10.0 / 2048);
+  EXPECT_EQ(description.channels[4].name, "extra0");
+  EXPECT_EQ(description.channels[4].role, ChannelRole::Auxiliary);
+  EXPECT_EQ(description.channels[16].name, "true_ml_mm");
+  EXPECT_EQ(description.channels[17].name, "true_ap_mm");
+  EXPECT_EQ(description.channels[18].name, "true_load_n");
+  EXPECT_EQ(description.channels[18].unit, "N");
+}
+
+TEST(SimFloor, TruthOff_OnlySensors) {
+  EXPECT_EQ(Bench("sim:floor?truth=0").device->describe().channels.size(), 4U);
+  EXPECT_EQ(Bench("sim:floor?truth=0&sensors=2").device->describe().channels.size(), 2U);
+}
+
+TEST(SimFloor, StanceOffThePlate_RefusedNamingTheDevice) {
+  const std::string what = refusal("sim:floor?x_mm=150");
+
+  EXPECT_NE(what.find("sim:floor?x_mm=150"), std::string::npos);
+  EXPECT_NE(what.find("does not fit"), std::string::npos);
+}
+
+TEST(SimFloor, PointLoadWithoutNoise_DeflectionsAreTheInfluenceTables) {
+  const physics::RigModel rig = test::floor_rig();
+  std::vector<physics::Point> probes;
+  for (const physics::SensorModel& sensor : rig.sensors) probes.push_back(sensor.position);
+  const auto table = physics::InfluenceTable::create(rig.plate, rig.support, probes);
+  ASSERT_TRUE(table.has_value());
+
+  const Recorded recorded = record("sim:floor?contact=point&load_n=490&x_mm=-43&y_mm=64.5&noise_mv=0&bits=16&gap_spread_mm=0", 100, 5);
+
+  const physics::Point load{core::Millimetres{215.0 - 43.0}, core::Millimetres{215.0 + 64.5}};
+  for (std::size_t i = 0; i < rig.sensors.size(); ++i) {
+    const core::Volts measured{recorded.channels[i].back()};
+    const double deflection_mm = rig.sensors[i].unloaded_gap.value - rig.sensors[i].curve.gap(measured).value;
+    const double step_mm = (10.0 / 65536) / 0.35;  // one code where the curve is flattest, 0.35 V/mm
+    EXPECT_NEAR(deflection_mm, 490.0 * table->at_point_mm_per_n(i, load), step_mm);
+  }
+  EXPECT_EQ(recorded.channels[kTrueMl].back(), -43.0);
+  EXPECT_EQ(recorded.channels[kTrueAp].back(), 64.5);
+  EXPECT_EQ(recorded.channels[kTrueLoad].back(), 490.0);
+}
+
+TEST(SimFloor, PersonAtTheCentre_BendsTheSensorsAlikeWithinItsSway) {
+  const Recorded recorded = record("sim:floor?noise_mv=0&bits=16&gap_spread_mm=0", 100, 20);
+  std::array<double, 4> mean{};
+  for (std::size_t i = 0; i < mean.size(); ++i) {
+    for (std::size_t scan = 500; scan < 2000; ++scan) mean[i] += recorded.channels[i][scan] / 1500;
+    EXPECT_GT(mean[i], recorded.channels[i][0] + 1.0);  // 686 N is several tenths of a volt per sensor and more
+  }
+  const auto [low, high] = std::minmax_element(mean.begin(), mean.end());
+
+  EXPECT_LT(*high - *low, 0.5);
+}
+
+TEST(SimFloor, BeforeStepOn_UnloadedAndWithoutTruth) {
+  const Recorded recorded = record("sim:floor?noise_mv=0&gap_spread_mm=0", 100, 2.5);
+
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(recorded.channels[i].back(), 0.9, 10.0 / 2048);
+  EXPECT_TRUE(std::isnan(recorded.channels[kTrueMl].back()));
+  EXPECT_TRUE(std::isnan(recorded.channels[kTrueAp].back()));
+  EXPECT_EQ(recorded.channels[kTrueLoad].back(), 0.0);
+}
+
+TEST(SimFloor, NobodyOnThePlate_TruthIsMarkedNotSilentlyNaN) {
+  Bench bench("sim:floor");
+  bench.start(100);
+  core::Block block = bench.block(8);
+
+  ASSERT_EQ(bench.device->read(block, test::kNever).outcome, ReadOutcome::Scans);
+
+  EXPECT_EQ(block.quality(kTrueMl)[0], core::quality::kNoContact);
+  EXPECT_EQ(block.quality(0)[0], 0);
+}
+
+TEST(SimFloor, Voltages_AreWholeCodesInRange) {
+  for (const auto& [bits, range] : {std::pair{11, 5.0}, std::pair{16, 10.0}, std::pair{12, 2.0}}) {
+    const Recorded recorded = record("sim:floor?extra=2&bits=" + std::to_string(bits) + "&range_v=" + std::to_string(range), 200, 8);
+    const double step_v = std::ldexp(2.0 * range, -bits);
+    for (std::size_t channel = 0; channel < 6; ++channel) {
+      for (const double volts : recorded.channels[channel]) {
+        ASSERT_NEAR(std::remainder(volts, step_v), 0.0, 1e-9);
+        ASSERT_GE(volts, -range);
+        ASSERT_LE(volts, range - step_v);
+      }
+    }
+  }
+}
+
+TEST(SimFloor, Mounting_GapsAndGainsDifferPerSensorAndSeed) {
+  const auto unloaded = [](const std::string& options) {
+    const Recorded recorded = record("sim:floor?noise_mv=0&bits=16&" + options, 100, 0.1);
+    return std::array<double, 4>{recorded.channels[0][0], recorded.channels[1][0], recorded.channels[2][0], recorded.channels[3][0]};
+  };
+
+  const auto equal = unloaded("gap_spread_mm=0");
+  const auto mounted = unloaded("gap_spread_mm=0.1");
+  const auto amplified = unloaded("gap_spread_mm=0&gain_spread=0.1");
+
+  EXPECT_EQ(std::count(equal.begin(), equal.end(), equal[0]), 4);
+  EXPECT_NE(mounted[0], mounted[1]);
+  EXPECT_NE(mounted, unloaded("gap_spread_mm=0.1&seed=2"));
+  for (const double volts : mounted) EXPECT_NEAR(volts, 0.9, 0.1 * 0.37);
+  EXPECT_NE(amplified[0], amplified[1]);
+  for (const double volts : amplified) EXPECT_NEAR(volts, 0.9, 0.1 * 0.91);
+}
+
+TEST(SimFloor, BlockSize_DoesNotChangeTheData) {
+  const Recorded by_one = record("sim:floor", 250, 6, 1);
+  const Recorded by_seven = record("sim:floor", 250, 6, 7);
+  const Recorded by_many = record("sim:floor", 250, 6, 64);
+
+  for (std::size_t channel = 0; channel < by_one.channels.size(); ++channel) {
+    EXPECT_TRUE(same(by_one.channels[channel], by_seven.channels[channel], 1500)) << channel;
+    EXPECT_TRUE(same(by_one.channels[channel], by_many.channels[channel], 1500)) << channel;
+  }
+}
+
+TEST(SimFloor, StartedAgain_SameStory) {
+  Bench bench("sim:floor");
+  bench.start(100);
+  const Recorded first = bench.read_scans(600);
+  bench.clock.advance_ns(123'456'789);
+  (void)bench.device->stop();
+  bench.start(100);
+  const Recorded second = bench.read_scans(600);
+
+  for (std::size_t channel = 0; channel < first.channels.size(); ++channel) {
+    EXPECT_TRUE(same(first.channels[channel], second.channels[channel], 600)) << channel;
+  }
+}
+
+TEST(SimFloor, OtherSeed_OtherSwayAndNoise) {
+  const Recorded one = record("sim:floor?seed=1", 100, 6);
+  const Recorded other = record("sim:floor?seed=2", 100, 6);
+
+  EXPECT_FALSE(same(one.channels[0], other.channels[0], 200));  // noise alone: nobody is there yet
+  EXPECT_NE(one.channels[kTrueMl].back(), other.channels[kTrueMl].back());
+}
+
+TEST(SimFloor, OtherRate_SameTruthAtTheSameInstants) {
+  const Recorded slow = record("sim:floor", 100, 6);
+  const Recorded fast = record("sim:floor", 1500, 6);
+
+  for (std::size_t scan = 300; scan < 600; ++scan) {
+    EXPECT_NEAR(slow.channels[kTrueMl][scan], fast.channels[kTrueMl][15 * scan], 1e-9);
+    EXPECT_NEAR(slow.channels[kTrueAp][scan], fast.channels[kTrueAp][15 * scan], 1e-9);
+  }
+}
+
+TEST(SimFloor, LaterChannels_DoNotDisturbTheFirst) {
+  const Recorded four = record("sim:floor", 100, 5);
+  const Recorded sixteen = record("sim:floor?extra=12", 100, 5);
+
+  for (std::size_t channel = 0; channel < 4; ++channel) {
+    EXPECT_TRUE(same(four.channels[channel], sixteen.channels[channel], 500)) << channel;
+  }
+}
+
+TEST(SimFloor, PersonSteppingOff_PlateIsEmptyAfterwards) {
+  const Recorded recorded = record("sim:floor?step_off_s=6", 100, 9);
+
+  EXPECT_NEAR(recorded.channels[kTrueLoad][599], 686.0, 5.0);
+  EXPECT_EQ(recorded.channels[kTrueLoad][750], 0.0);
+}
+
+/// First row and duration of a recording, and what the truth channels must show.
+struct Rows {
+  std::vector<double> ml_mm;
+  std::vector<double> ap_mm;
+
+  void centre() {
+    for (std::vector<double>* column : {&ml_mm, &ap_mm}) {
+      double mean = 0.0;
+      for (const double value : *column) mean += value / static_cast<double>(column->size());
+      for (double& value : *column) value -= mean;
+    }
+  }
+};
+
+constexpr std::size_t kFirstRowAt100Hz = 450;  // 2.5 s empty, 1.5 s stepping on, 0.5 s settling
+
+void expect_played(const Recorded& recorded, const Rows& rows, double ml_mm, double ap_mm) {
+  for (std::size_t i = 0; i < rows.ml_mm.size(); ++i) {
+    ASSERT_NEAR(recorded.channels[kTrueMl][kFirstRowAt100Hz + i], ml_mm + rows.ml_mm[i], 1e-9) << i;
+    ASSERT_NEAR(recorded.channels[kTrueAp][kFirstRowAt100Hz + i], ap_mm + rows.ap_mm[i], 1e-9) << i;
+  }
+}
+
+TEST(SimFloor, Recording_AppearsInTheTruthAndThePersonLeavesAtItsEnd) {
+  const std::string path = test::temporary_path("recording.csv");
+  Rows rows;
+  std::ofstream file(path);
+  file.precision(17);
+  file << "t_s,x_mm,y_mm\n";
+  for (int i = 0; i < 300; ++i) {
+    rows.ml_mm.push_back(40.0 + 3.0 * std::sin(0.11 * i));
+    rows.ap_mm.push_back(-7.0 + 5.0 * std::cos(0.07 * i));
+    file << 0.01 * (i + 1) << ',' << rows.ml_mm.back() << ',' << rows.ap_mm.back() << '\n';
+  }
+  file.close();
+  rows.centre();
+
+  const Recorded recorded = record("sim:floor?x_mm=6&y_mm=-4&cop=" + path, 100, 11);
+  std::filesystem::remove(path);
+
+  expect_played(recorded, rows, 6.0, -4.0);
+  EXPECT_EQ(recorded.channels[kTrueLoad].back(), 0.0);
+}
+
+TEST(SimFloor, RealRecording_AppearsInTheTruth) {
+  const std::string path = std::string(DTS_SOURCE_DIR) + "/../shared/data/cop/d01_bds00073_young_eo_firm.csv";
+  std::ifstream file(path);
+  if (!file) GTEST_SKIP() << "no recordings beside this checkout";
+  Rows rows;
+  std::string line;
+  std::getline(file, line);
+  while (std::getline(file, line)) {
+    std::istringstream cells(line);
+    double time_s = 0.0;
+    double x = 0.0;
+    double y = 0.0;
+    char comma = ',';
+    cells >> time_s >> comma >> x >> comma >> y;
+    rows.ml_mm.push_back(x);
+    rows.ap_mm.push_back(y);
+  }
+  rows.centre();
+
+  const Recorded recorded = record("sim:floor?cop=" + path, 100, 66);
+
+  ASSERT_EQ(rows.ml_mm.size(), 6000U);
+  expect_played(recorded, rows, 0.0, 0.0);
+}
+
+TEST(SimFloor, RecordingRepeated_PersonStays) {
+  const std::string path = test::temporary_path("loop.csv");
+  std::ofstream(path) << "t_s,x_mm,y_mm\n0,-1,0\n1,1,0\n";
+
+  const Recorded recorded = record("sim:floor?loop=1&cop=" + path, 100, 30);
+  std::filesystem::remove(path);
+
+  EXPECT_NEAR(recorded.channels[kTrueLoad].back(), 686.0, 5.0);
+  EXPECT_NEAR(recorded.channels[kTrueMl][kFirstRowAt100Hz + 2000], -1.0, 1e-9);  // ten rounds of 1 s and 1 s back
+  EXPECT_NEAR(recorded.channels[kTrueMl][kFirstRowAt100Hz + 2100], 1.0, 1e-9);
+}
+
+TEST(SimFloor, BadRecording_OpenFailsNamingTheLine) {
+  const std::string path = test::temporary_path("bad.csv");
+  std::ofstream(path) << "t_s,x_mm,y_mm\n0,1,1\n1,x,1\n";
+  Bench bench("sim:floor?cop=" + path);
+
+  const core::Status opened = bench.device->open();
+  std::filesystem::remove(path);
+
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_NE(opened.error().what.find(path + ":3"), std::string::npos);
+  EXPECT_EQ(bench.device->state(), DeviceState::Closed);
+}
+
+}  // namespace
+}  // namespace dts::device

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/uri_options.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+
+namespace dts::device {
+namespace {
+
+constexpr std::array kTable = {
+    UriOption{"load_n", OptionKind::Number, "5.5", 1, 10, "", "A load."},
+    UriOption{"count", OptionKind::Integer, "2", 0, 4, "", "A count."},
+    UriOption{"end_s", OptionKind::Number, "never", 0, kNever, "", "An end."},
+    UriOption{"kind", OptionKind::Word, "feet", 0, 0, "feet|point", "A kind."},
+    UriOption{"path", OptionKind::File, "", 0, 0, "", "A file."},
+};
+
+core::Result<UriOptions> read(const std::string& text) { return UriOptions::read(*DeviceUri::parse(text), kTable); }
+
+std::string refusal(const std::string& text) {
+  const auto options = read(text);
+  return options ? "" : core::to_string(options.error());
+}
+
+TEST(UriOptions, NothingGiven_Defaults) {
+  const auto options = read("a:b");
+
+  ASSERT_TRUE(options.has_value());
+  EXPECT_EQ(options->number("load_n"), 5.5);
+  EXPECT_EQ(options->number("count"), 2.0);
+  EXPECT_TRUE(std::isinf(options->number("end_s")));
+  EXPECT_EQ(options->text("kind"), "feet");
+  EXPECT_EQ(options->text("path"), "");
+  EXPECT_FALSE(options->is_given("load_n"));
+}
+
+TEST(UriOptions, Given_Taken) {
+  const auto options = read("a:b?load_n=1e0&count=4&end_s=3.25&kind=point&path=x/y.csv");
+
+  ASSERT_TRUE(options.has_value());
+  EXPECT_EQ(options->number("load_n"), 1.0);
+  EXPECT_EQ(options->number("count"), 4.0);
+  EXPECT_EQ(options->number("end_s"), 3.25);
+  EXPECT_EQ(options->text("kind"), "point");
+  EXPECT_EQ(options->text("path"), "x/y.csv");
+  EXPECT_TRUE(options->is_given("load_n"));
+}
+
+TEST(UriOptions, OutOfRange_RefusedWithTheRange) {
+  for (const char* value : {"0.999", "10.001", "-5"}) {
+    const std::string what = refusal(std::string("a:b?load_n=") + value);
+    EXPECT_NE(what.find("load_n = \"" + std::string(value) + "\""), std::string::npos) << what;
+    EXPECT_NE(what.find("1..10"), std::string::npos) << what;
+  }
+}
+
+TEST(UriOptions, NotANumber_Refused) {
+  for (const char* value : {"", "abc", "5N", " 5", "nan", "inf", "1e999", "never", "0x5"}) {
+    EXPECT_NE(refusal(std::string("a:b?load_n=") + value), "") << value;
+  }
+}
+
+TEST(UriOptions, FractionForAnInteger_Refused) { EXPECT_NE(refusal("a:b?count=1.5").find("whole number"), std::string::npos); }
+
+TEST(UriOptions, UnknownWord_RefusedWithSuggestion) {
+  const std::string what = refusal("a:b?kind=foot");
+
+  EXPECT_NE(what.find("feet|point"), std::string::npos);
+  EXPECT_NE(refusal("a:b?kind=pont").find("did you mean \"point\"?"), std::string::npos);
+}
+
+TEST(UriOptions, SeveralChoicesAtOnce_Refused) { EXPECT_NE(refusal("a:b?kind=feet|point"), ""); }
+
+TEST(UriOptions, EmptyFile_Refused) { EXPECT_NE(refusal("a:b?path="), ""); }
+
+TEST(UriOptions, UnknownName_RefusedWithSuggestionAndList) {
+  const std::string what = refusal("a:b?laod_n=3");
+
+  EXPECT_NE(what.find("did you mean \"load_n\"?"), std::string::npos);
+  EXPECT_NE(what.find("load_n, count, end_s, kind, path"), std::string::npos);
+}
+
+TEST(UriOptions, Described_OneEntryPerOption) {
+  const std::string text = describe_options(kTable);
+
+  EXPECT_NE(text.find("load_n=1..10  [5.5]"), std::string::npos);
+  EXPECT_NE(text.find("count=0..4 (whole number)  [2]"), std::string::npos);
+  EXPECT_NE(text.find("end_s=0.. or never  [never]"), std::string::npos);
+  EXPECT_NE(text.find("path=FILE\n      A file."), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dts::device

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -60,9 +61,10 @@ class Block {
   [[nodiscard]] std::size_t channel_count() const noexcept { return channels_; }
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
   [[nodiscard]] std::size_t count() const noexcept { return count_; }
-  /// `scans` must not exceed `capacity()`; the columns keep what they hold.
-  void set_count(std::size_t scans) noexcept { count_ = scans; }
+  /// At most `capacity()`: a larger count is cut, so that no column reaches beyond its memory. Columns keep what they hold.
+  void set_count(std::size_t scans) noexcept { count_ = std::min(scans, capacity_); }
 
+  /// Values of a channel; `channel` must be below `channel_count()`.
   [[nodiscard]] std::span<double> column(std::size_t channel) noexcept { return {values_.data() + channel * capacity_, count_}; }
   [[nodiscard]] std::span<const double> column(std::size_t channel) const noexcept {
     return {values_.data() + channel * capacity_, count_};
@@ -73,7 +75,7 @@ class Block {
     return {quality_.data() + channel * capacity_, count_};
   }
 
-  /// Takes segment, first scan, host time and count from `other`. Realtime-safe: yes.
+  /// Takes segment, first scan, host time and count (at most `capacity()`) from `other`. Realtime-safe: yes.
   void copy_position(const Block& other) noexcept {
     segment = other.segment;
     first_scan = other.first_scan;

@@ -29,16 +29,20 @@ class SystemClock final : public Clock {
 /// Wall clock minus monotonic clock at this moment, ns: maps host times to UTC. Jumps when the wall clock is set.
 [[nodiscard]] std::int64_t utc_minus_monotonic_ns() noexcept;
 
-/// Time that passes only when somebody sleeps or advances it: simulations and tests run as fast as they compute.
+/// Time that passes only when somebody sleeps or advances it: simulations and tests run as fast as they compute. Like any
+/// clock it never goes back, however many threads sleep on it.
 class VirtualClock final : public Clock {
  public:
   explicit VirtualClock(std::int64_t start_ns = 0) noexcept : now_ns_(start_ns) {}
 
   [[nodiscard]] std::int64_t now_ns() const noexcept override { return now_ns_.load(std::memory_order_acquire); }
   void sleep_until_ns(std::int64_t deadline_ns) noexcept override {
-    if (deadline_ns > now_ns()) now_ns_.store(deadline_ns, std::memory_order_release);  // pairs with now_ns()
+    std::int64_t now = now_ns();
+    while (now < deadline_ns && !now_ns_.compare_exchange_weak(now, deadline_ns, std::memory_order_acq_rel, std::memory_order_acquire)) {
+    }  // pairs with now_ns()
   }
-  void advance_ns(std::int64_t step_ns) noexcept { sleep_until_ns(now_ns() + step_ns); }
+  /// `step_ns` must not be negative.
+  void advance_ns(std::int64_t step_ns) noexcept { now_ns_.fetch_add(step_ns, std::memory_order_acq_rel); }  // pairs with now_ns()
 
  private:
   std::atomic<std::int64_t> now_ns_;

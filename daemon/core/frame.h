@@ -35,8 +35,8 @@ struct Acquired {
 /// What the pipeline makes of it: one block per stream, in the order of the pipeline's formats. A block with count 0
 /// says nothing (a window that is not full yet).
 struct Frame {
-  std::vector<Block> streams;
-  Gap gap_before;
+  std::vector<Block> streams{};
+  Gap gap_before{};
   std::uint32_t segment = 0;
   std::int64_t host_time_ns = 0;
   std::uint64_t lost_scans_total = 0;

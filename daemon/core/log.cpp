@@ -6,8 +6,11 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdlib>
+#include <string>
 
 namespace dts::core {
 namespace {
@@ -35,6 +38,26 @@ class JournalPriority final : public spdlog::custom_flag_formatter {
   [[nodiscard]] std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<JournalPriority>(); }
 };
 
+/// sd-journal: JOURNAL_STREAM names device and inode of the stream; a shell started from a service inherits the variable
+/// but not the stream.
+bool is_stderr_the_journal() {
+  const char* const stream = std::getenv("JOURNAL_STREAM");
+  struct stat actual {};
+  if (stream == nullptr || fstat(STDERR_FILENO, &actual) != 0) return false;
+  return stream == std::to_string(actual.st_dev) + ":" + std::to_string(actual.st_ino);
+}
+
+/// Bytes above 127 are UTF-8 and stay.
+std::string one_line(std::string_view text) {
+  constexpr unsigned char kDelete = 127;
+  std::string line(text);
+  for (char& c : line) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < ' ' || byte == kDelete) c = ' ';
+  }
+  return line;
+}
+
 }  // namespace
 
 Log::Log() : Log(std::make_shared<spdlog::logger>("dts", std::make_shared<spdlog::sinks::null_sink_mt>())) {}
@@ -43,7 +66,7 @@ Log::Log(std::shared_ptr<spdlog::logger> logger) : logger_(std::move(logger)) {}
 
 Log Log::to_stderr(LogLevel minimum) {
   std::shared_ptr<spdlog::logger> logger;
-  if (std::getenv("JOURNAL_STREAM") != nullptr) {  // set by systemd for services
+  if (is_stderr_the_journal()) {
     logger = std::make_shared<spdlog::logger>("dts", std::make_shared<spdlog::sinks::stderr_sink_mt>());
     auto formatter = std::make_unique<spdlog::pattern_formatter>();
     formatter->add_flag<JournalPriority>('*').set_pattern("%*%v");
@@ -57,9 +80,9 @@ Log Log::to_stderr(LogLevel minimum) {
   return Log{logger};
 }
 
-void Log::debug(std::string_view text) const { logger_->debug("{}", text); }
-void Log::info(std::string_view text) const { logger_->info("{}", text); }
-void Log::warning(std::string_view text) const { logger_->warn("{}", text); }
-void Log::error(std::string_view text) const { logger_->error("{}", text); }
+void Log::debug(std::string_view text) const { logger_->debug("{}", one_line(text)); }
+void Log::info(std::string_view text) const { logger_->info("{}", one_line(text)); }
+void Log::warning(std::string_view text) const { logger_->warn("{}", one_line(text)); }
+void Log::error(std::string_view text) const { logger_->error("{}", one_line(text)); }
 
 }  // namespace dts::core

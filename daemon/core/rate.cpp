@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace dts::core {
@@ -31,12 +32,16 @@ Result<Rate> Rate::from_hz(double hz) {
 }
 
 std::int64_t Rate::time_ns(ScanIndex index) const noexcept {
-  const Wide ns = (Wide{index.value} * seconds_ * kNanosecondsPerSecond + scans_ / 2) / scans_;
-  return static_cast<std::int64_t>(ns);
+  constexpr Wide kLatest = std::numeric_limits<std::int64_t>::max();
+  const Wide scan_seconds = Wide{index.value} * seconds_;  // below 2^104
+  if (scan_seconds > kLatest * scans_ / kNanosecondsPerSecond) return std::numeric_limits<std::int64_t>::max();
+  return static_cast<std::int64_t>((scan_seconds * kNanosecondsPerSecond + scans_ / 2) / scans_);
 }
 
 std::uint64_t Rate::scans_in_ms(double ms) const noexcept {
-  return static_cast<std::uint64_t>(std::max(1.0, std::round(ms * 1e-3 * hz())));
+  // The order of the arguments turns NaN into 1.
+  const double scans = std::max(1.0, std::round(ms * 1e-3 * hz()));
+  return static_cast<std::uint64_t>(std::min(scans, static_cast<double>(kMaxTerm)));
 }
 
 Rate Rate::divided_by(std::int64_t factor) const noexcept {

@@ -26,11 +26,12 @@ class Rate {
   [[nodiscard]] constexpr std::int64_t denominator() const noexcept { return seconds_; }
   [[nodiscard]] constexpr double hz() const noexcept { return static_cast<double>(scans_) / static_cast<double>(seconds_); }
 
-  /// Time from scan 0 to `index`, rounded to the nearest ns; exact arithmetic, no accumulated error.
+  /// Time from scan 0 to `index`, rounded to the nearest ns; exact arithmetic, no accumulated error. Stays at the largest
+  /// value (292 years) when it is later than that.
   [[nodiscard]] std::int64_t time_ns(ScanIndex index) const noexcept;
-  /// Number of whole scans in `ms` milliseconds (nearest), at least 1.
+  /// Number of whole scans in `ms` milliseconds (nearest), at least 1 and at most kMaxTerm whatever `ms` is.
   [[nodiscard]] std::uint64_t scans_in_ms(double ms) const noexcept;
-  /// This rate divided by an integer factor (a stage that outputs every n-th scan). `factor` must be at least 1.
+  /// This rate divided by an integer factor (a stage that outputs every n-th scan). `factor` must be in [1, 1e6].
   [[nodiscard]] Rate divided_by(std::int64_t factor) const noexcept;
 
   friend constexpr bool operator==(const Rate&, const Rate&) = default;

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 namespace dts::core {
@@ -24,28 +25,35 @@ namespace dts::core {
 template <class T, template <class> class Atomic = std::atomic>
 class SpscRing {
  public:
-  /// At least `minimum_capacity` slots (rounded up to a power of two), each a copy of `prototype`.
+  /// At least `minimum_capacity` slots (rounded up to a power of two), each a copy of `prototype`. The capacity decides
+  /// how much memory is taken: check it before it comes here. Thread: control.
   explicit SpscRing(std::size_t minimum_capacity, const T& prototype = T{})
       : slots_(std::bit_ceil(std::max<std::size_t>(minimum_capacity, 1)), prototype), mask_(slots_.size() - 1) {}
   SpscRing(const SpscRing&) = delete;
   SpscRing& operator=(const SpscRing&) = delete;
 
-  [[nodiscard]] std::size_t capacity() const noexcept { return slots_.size(); }
+  [[nodiscard]] std::size_t capacity() const noexcept { return mask_ + 1; }
 
-  /// The slot to fill next, in place, or nullptr when full. `commit()` hands it to the consumer.
-  /// Thread: producer. Realtime-safe: yes.
+  /// The slot to fill next, in place, or nullptr when full (then `drop()`). It holds what was last in it; claiming again
+  /// without `commit()` gives the same slot. Thread: producer. Realtime-safe: yes.
   [[nodiscard]] T* claim() noexcept;
+  /// Hands the claimed slot to the consumer. Only after `claim()` gave one. Thread: producer. Realtime-safe: yes.
   void commit() noexcept;
   /// Counts `elements` that found no room. Thread: producer. Realtime-safe: yes.
   void drop(std::uint64_t elements = 1) noexcept;
+  /// Copies `element`, or drops and counts it when full; true when taken.
+  /// Thread: producer. Realtime-safe: yes when copying T is.
+  bool push(const T& element) noexcept;
   /// Copies as many of `elements` as fit, drops and counts the rest; returns how many were taken.
   /// Thread: producer. Realtime-safe: yes when copying T is.
   std::size_t push(std::span<const T> elements) noexcept;
 
-  /// The oldest element, in place, or nullptr when empty. `release()` gives its slot back.
-  /// Thread: consumer. Realtime-safe: yes.
+  /// The oldest element, in place, or nullptr when empty. Thread: consumer. Realtime-safe: yes.
   [[nodiscard]] T* front() noexcept;
+  /// Gives the slot of `front()` back. Only after `front()` gave one. Thread: consumer. Realtime-safe: yes.
   void release() noexcept;
+  /// Copies the oldest element to `out`; false when empty. Thread: consumer. Realtime-safe: yes when copying T is.
+  bool pop(T& out) noexcept;
   /// Copies up to `out.size()` elements; returns how many. Thread: consumer. Realtime-safe: yes when copying T is.
   std::size_t pop(std::span<T> out) noexcept;
 
@@ -54,6 +62,7 @@ class SpscRing {
 
  private:
   static constexpr std::size_t kCacheLine = 64;
+  static constexpr bool kCopies = std::is_nothrow_copy_assignable_v<T>;  ///< Otherwise only the in-place calls compile.
 
   std::vector<T> slots_;
   std::size_t mask_;
@@ -69,9 +78,9 @@ class SpscRing {
 template <class T, template <class> class Atomic>
 T* SpscRing<T, Atomic>::claim() noexcept {
   const std::uint64_t head = head_.load(std::memory_order_relaxed);  // own index
-  if (head - cached_tail_ == slots_.size()) {
+  if (head - cached_tail_ == capacity()) {
     cached_tail_ = tail_.load(std::memory_order_acquire);  // pairs with release(): the consumer is done with the slot
-    if (head - cached_tail_ == slots_.size()) return nullptr;
+    if (head - cached_tail_ == capacity()) return nullptr;
   }
   return &slots_[head & mask_];
 }
@@ -87,14 +96,34 @@ void SpscRing<T, Atomic>::drop(std::uint64_t elements) noexcept {
 }
 
 template <class T, template <class> class Atomic>
+bool SpscRing<T, Atomic>::push(const T& element) noexcept {
+  static_assert(kCopies, "copying this type may allocate or throw: fill the slot in place, see claim()");
+  T* const slot = claim();
+  if (slot == nullptr) {
+    drop();
+    return false;
+  }
+  *slot = element;
+  commit();
+  return true;
+}
+
+template <class T, template <class> class Atomic>
 std::size_t SpscRing<T, Atomic>::push(std::span<const T> elements) noexcept {
-  const std::uint64_t head = head_.load(std::memory_order_relaxed);
-  if (head + elements.size() - cached_tail_ > slots_.size()) cached_tail_ = tail_.load(std::memory_order_acquire);
-  const std::size_t taken = std::min<std::size_t>(elements.size(), slots_.size() - (head - cached_tail_));
+  static_assert(kCopies, "copying this type may allocate or throw: fill the slot in place, see claim()");
+  const std::uint64_t head = head_.load(std::memory_order_relaxed);  // own index
+  std::uint64_t room = capacity() - (head - cached_tail_);
+  if (room < elements.size()) {
+    cached_tail_ = tail_.load(std::memory_order_acquire);  // pairs with release() and pop()
+    room = capacity() - (head - cached_tail_);
+  }
+  const std::size_t taken = std::min<std::size_t>(elements.size(), room);
   const std::size_t start = head & mask_;
-  const std::size_t until_wrap = std::min(taken, slots_.size() - start);
+  const std::size_t until_wrap = std::min(taken, capacity() - start);
   std::copy_n(elements.begin(), until_wrap, slots_.begin() + static_cast<std::ptrdiff_t>(start));
-  std::copy_n(elements.begin() + static_cast<std::ptrdiff_t>(until_wrap), taken - until_wrap, slots_.begin());
+  if (until_wrap < taken) [[unlikely]] {
+    std::copy_n(elements.begin() + static_cast<std::ptrdiff_t>(until_wrap), taken - until_wrap, slots_.begin());
+  }
   if (taken > 0) head_.store(head + taken, std::memory_order_release);  // pairs with pop() and front()
   if (taken < elements.size()) drop(elements.size() - taken);
   return taken;
@@ -116,14 +145,27 @@ void SpscRing<T, Atomic>::release() noexcept {
 }
 
 template <class T, template <class> class Atomic>
+bool SpscRing<T, Atomic>::pop(T& out) noexcept {
+  static_assert(kCopies, "copying this type may allocate or throw: read the slot in place, see front()");
+  const T* const slot = front();
+  if (slot == nullptr) return false;
+  out = *slot;
+  release();
+  return true;
+}
+
+template <class T, template <class> class Atomic>
 std::size_t SpscRing<T, Atomic>::pop(std::span<T> out) noexcept {
-  const std::uint64_t tail = tail_.load(std::memory_order_relaxed);
-  if (cached_head_ - tail < out.size()) cached_head_ = head_.load(std::memory_order_acquire);
+  static_assert(kCopies, "copying this type may allocate or throw: read the slot in place, see front()");
+  const std::uint64_t tail = tail_.load(std::memory_order_relaxed);                            // own index
+  if (cached_head_ - tail < out.size()) cached_head_ = head_.load(std::memory_order_acquire);  // pairs with commit() and push()
   const std::size_t taken = std::min<std::size_t>(out.size(), cached_head_ - tail);
   const std::size_t start = tail & mask_;
-  const std::size_t until_wrap = std::min(taken, slots_.size() - start);
+  const std::size_t until_wrap = std::min(taken, capacity() - start);
   std::copy_n(slots_.begin() + static_cast<std::ptrdiff_t>(start), until_wrap, out.begin());
-  std::copy_n(slots_.begin(), taken - until_wrap, out.begin() + static_cast<std::ptrdiff_t>(until_wrap));
+  if (until_wrap < taken) [[unlikely]] {
+    std::copy_n(slots_.begin(), taken - until_wrap, out.begin() + static_cast<std::ptrdiff_t>(until_wrap));
+  }
   if (taken > 0) tail_.store(tail + taken, std::memory_order_release);  // pairs with claim() and push()
   return taken;
 }

@@ -8,29 +8,47 @@
 
 #include <cerrno>
 #include <cstring>
+#include <thread>
 
 namespace dts::core {
+namespace {
+
+void restrict_to(const std::vector<int>& cpus, const std::string& name, std::vector<std::string>& refused) {
+  cpu_set_t wished;
+  CPU_ZERO(&wished);
+  for (const int cpu : cpus) {
+    if (cpu >= 0 && cpu < CPU_SETSIZE) CPU_SET(static_cast<std::size_t>(cpu), &wished);
+  }
+  if (const int error = pthread_setaffinity_np(pthread_self(), sizeof wished, &wished); error != 0) {
+    refused.push_back("thread " + name + ": CPU affinity refused: " + std::strerror(error) + " (this machine has " +
+                      std::to_string(std::thread::hardware_concurrency()) + " CPUs, numbered from 0)");
+    return;
+  }
+  // The kernel takes a set that has one usable CPU in it and leaves the others out without a word.
+  cpu_set_t granted;
+  CPU_ZERO(&granted);
+  pthread_getaffinity_np(pthread_self(), sizeof granted, &granted);
+  for (const int cpu : cpus) {
+    const bool is_granted = cpu >= 0 && cpu < CPU_SETSIZE && CPU_ISSET(static_cast<std::size_t>(cpu), &granted);
+    if (!is_granted)
+      refused.push_back("thread " + name + ": CPU " + std::to_string(cpu) + " refused: there is no such CPU for this process");
+  }
+}
+
+}  // namespace
 
 std::vector<std::string> configure_this_thread(const std::string& name, const ThreadPolicy& policy) {
   std::vector<std::string> refused;
   constexpr std::size_t kMaxName = 15;  // kernel limit without the terminator
   pthread_setname_np(pthread_self(), name.substr(0, kMaxName).c_str());
   prctl(PR_SET_TIMERSLACK, 1UL);
-  if (!policy.cpus.empty()) {
-    cpu_set_t set;
-    CPU_ZERO(&set);
-    for (const int cpu : policy.cpus) {
-      if (cpu >= 0 && cpu < CPU_SETSIZE) CPU_SET(static_cast<std::size_t>(cpu), &set);
-    }
-    if (const int error = pthread_setaffinity_np(pthread_self(), sizeof set, &set); error != 0) {
-      refused.push_back("thread " + name + ": CPU affinity refused: " + std::strerror(error));
-    }
-  }
-  if (policy.fifo_priority > 0) {
+  if (!policy.cpus.empty()) restrict_to(policy.cpus, name, refused);
+  if (policy.fifo_priority != 0) {
     const sched_param parameters{.sched_priority = policy.fifo_priority};
     if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error != 0) {
-      refused.push_back("thread " + name + ": SCHED_FIFO refused: " + std::strerror(error) +
-                        "; scans may arrive late under load (grant LimitRTPRIO or rtprio in limits.conf)");
+      refused.push_back("thread " + name + ": SCHED_FIFO priority " + std::to_string(policy.fifo_priority) +
+                        " refused: " + std::strerror(error) +
+                        "; scans may arrive late under load (priorities are 1 to 99; grant LimitRTPRIO or rtprio in limits.conf)");
     }
   }
   return refused;
@@ -38,10 +56,12 @@ std::vector<std::string> configure_this_thread(const std::string& name, const Th
 
 Status lock_memory() {
   // MCL_ONFAULT: the default thread stacks alone would lock some 200 MB that nobody touches.
-  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
-    return fail_errno(errno, "memory is not locked, pages may be swapped out", "grant LimitMEMLOCK=infinity or memlock in limits.conf");
-  }
-  return {};
+  if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return {};
+  const int error = errno;
+  // mlock(2): EPERM when the limit is 0, ENOMEM when it is above 0 and too small.
+  const ErrorCode code = error == EPERM || error == ENOMEM ? ErrorCode::NotAllowed : ErrorCode::Failed;
+  return fail(code, std::string("memory is not locked, pages may be swapped out: ") + std::strerror(error),
+              "grant LimitMEMLOCK=infinity or memlock in limits.conf");
 }
 
 }  // namespace dts::core

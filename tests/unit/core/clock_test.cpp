@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/clock.h"
+
+#include <gtest/gtest.h>
+
+#include <latch>
+#include <thread>
+
+namespace dts::core {
+namespace {
+
+TEST(VirtualClock, Constructed_StartsWhereTold) {
+  EXPECT_EQ(VirtualClock{}.now_ns(), 0);
+  EXPECT_EQ(VirtualClock{42}.now_ns(), 42);
+}
+
+TEST(VirtualClock, Sleep_TakesItToTheDeadline) {
+  VirtualClock clock{100};
+
+  clock.sleep_until_ns(250);
+
+  EXPECT_EQ(clock.now_ns(), 250);
+}
+
+TEST(VirtualClock, SleepUntilThePast_DoesNotTurnItBack) {
+  VirtualClock clock{100};
+
+  clock.sleep_until_ns(99);
+  clock.sleep_until_ns(100);
+  clock.sleep_until_ns(-1);
+
+  EXPECT_EQ(clock.now_ns(), 100);
+}
+
+TEST(VirtualClock, Advance_AddsUp) {
+  VirtualClock clock;
+
+  clock.advance_ns(0);
+  clock.advance_ns(3 * kNanosecondsPerMillisecond);
+  clock.advance_ns(kNanosecondsPerMillisecond);
+
+  EXPECT_EQ(clock.now_ns(), 4'000'000);
+}
+
+TEST(VirtualClock, ManySleepers_NeverTurnItBack) {
+  VirtualClock clock;
+  std::latch both_run{2};
+  constexpr std::int64_t kSteps = 1'000'000;
+
+  const auto sleep_in_steps_of = [&](std::int64_t step_ns) {
+    both_run.arrive_and_wait();
+    for (std::int64_t i = 0; i < kSteps; ++i) {
+      const std::int64_t deadline_ns = clock.now_ns() + step_ns;
+      clock.sleep_until_ns(deadline_ns);
+      ASSERT_GE(clock.now_ns(), deadline_ns) << "another sleeper has turned it back";
+    }
+  };
+  std::thread other(sleep_in_steps_of, 3);
+  sleep_in_steps_of(2);
+  other.join();
+}
+
+TEST(VirtualClock, AdvancedByTwoThreads_LosesNothing) {
+  VirtualClock clock;
+  std::latch both_run{2};
+  constexpr int kSteps = 1'000'000;
+
+  const auto advance = [&] {
+    both_run.arrive_and_wait();
+    for (int i = 0; i < kSteps; ++i) clock.advance_ns(1);
+  };
+  std::thread other(advance);
+  advance();
+  other.join();
+
+  EXPECT_EQ(clock.now_ns(), 2 * kSteps);
+}
+
+TEST(SystemClock, Now_DoesNotGoBack) {
+  const SystemClock clock;
+
+  const std::int64_t first_ns = clock.now_ns();
+  const std::int64_t second_ns = clock.now_ns();
+
+  EXPECT_GT(first_ns, 0);
+  EXPECT_GE(second_ns, first_ns);
+}
+
+TEST(SystemClock, SleepUntil_ReturnsAtOrAfterTheDeadline) {
+  SystemClock clock;
+  const std::int64_t deadline_ns = clock.now_ns() + 100'000;
+
+  clock.sleep_until_ns(deadline_ns);
+
+  EXPECT_GE(clock.now_ns(), deadline_ns);
+}
+
+TEST(SystemClock, SleepUntilThePast_Returns) {
+  SystemClock clock;
+
+  clock.sleep_until_ns(0);
+  clock.sleep_until_ns(-1);
+  clock.sleep_until_ns(clock.now_ns() - 1);
+}
+
+TEST(UtcMinusMonotonic, AddedToMonotonic_IsThisCentury) {
+  constexpr std::int64_t kYear2020_ns = 1'577'836'800LL * 1'000'000'000;
+  constexpr std::int64_t kYear2100_ns = 4'102'444'800LL * 1'000'000'000;
+
+  const std::int64_t utc_ns = SystemClock{}.now_ns() + utc_minus_monotonic_ns();
+
+  EXPECT_GT(utc_ns, kYear2020_ns);
+  EXPECT_LT(utc_ns, kYear2100_ns);
+}
+
+}  // namespace
+}  // namespace dts::core

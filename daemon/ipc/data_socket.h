@@ -18,7 +18,8 @@ class DataSocket {
   virtual void send(std::string_view topic, const google::protobuf::MessageLite& message) = 0;
   /// Sleeps until the descriptor `bell_fd` is readable, a subscriber has something to say, or the time is over.
   virtual void wait(int bell_fd, int timeout_ms) = 0;
-  /// Handles a bounded number of subscribers' messages; true when somebody newly subscribed to something.
+  /// Handles a bounded number of subscribers' messages, if the last `wait` saw any; true when somebody newly subscribed to
+  /// something.
   [[nodiscard]] virtual bool take_subscriptions() = 0;
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ipc/xpub_socket.h"
 
+#include <poll.h>
+
 #include <array>
 
 #include "ipc/endpoint.h"
@@ -48,13 +50,24 @@ void XpubSocket::send(std::string_view topic, const google::protobuf::MessageLit
   }
 }
 
+bool XpubSocket::has_input() {
+  int events = 0;
+  std::size_t size = sizeof events;
+  return zmq_getsockopt(socket_.handle(), ZMQ_EVENTS, &events, &size) == 0 && (events & ZMQ_POLLIN) != 0;
+}
+
+// Not zmq_poll: it looks into the socket several times per turn, two system calls each, and every frame is a turn. The
+// socket's descriptor is edge-triggered (zmq_getsockopt(3), ZMQ_FD): sending may have taken the edge, so ask before sleeping.
 void XpubSocket::wait(int bell_fd, int timeout_ms) {
-  std::array<zmq::pollitem_t, 2> items{{{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0},
-                                        {.socket = nullptr, .fd = bell_fd, .events = ZMQ_POLLIN, .revents = 0}}};
-  zmq_poll(items.data(), static_cast<int>(items.size()), timeout_ms);
+  has_input_ = has_input();
+  if (has_input_) return;
+  std::array<pollfd, 2> waited{{{.fd = socket_fd_, .events = POLLIN, .revents = 0}, {.fd = bell_fd, .events = POLLIN, .revents = 0}}};
+  ::poll(waited.data(), waited.size(), timeout_ms);
+  has_input_ = waited.front().revents != 0;
 }
 
 bool XpubSocket::take_subscriptions() {
+  if (!has_input_) return false;
   bool has_new = false;
   for (int turn = 0; turn < kSubscriptionsPerTurn; ++turn) {
     zmq::message_t message;

@@ -22,9 +22,12 @@ class XpubSocket final : public DataSocket {
   [[nodiscard]] bool take_subscriptions() override;
 
  private:
-  explicit XpubSocket(zmq::socket_t socket) : socket_(std::move(socket)) {}
+  explicit XpubSocket(zmq::socket_t socket) : socket_(std::move(socket)), socket_fd_(socket_.get(zmq::sockopt::fd)) {}
+  [[nodiscard]] bool has_input();
 
   zmq::socket_t socket_;
+  int socket_fd_;           ///< Readable when libzmq has something for this socket; belongs to it.
+  bool has_input_ = false;  ///< Of the last wait.
 };
 
 }  // namespace dts::ipc

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <span>
 #include <vector>
@@ -16,38 +17,56 @@ namespace dts::pipeline {
 struct PipelineInput {
   core::Rate rate;
   std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the rig, in sensor order.
-  std::vector<std::size_t> aux_channels;     ///< Published beside them as stream "aux".
+  std::vector<std::size_t> aux_channels;     ///< Published beside them as stream "aux"; the guard's marker is one of them.
   std::vector<core::ChannelFormat> aux_formats;
   std::size_t max_block_scans = 64;
 };
 
 /// The chain of stages of one rig: device block in, one block per stream out.
 ///
-///     device block --sensors--> guard --raw--> window_filter --filtered--> linearise --deflection--> cop --cop-->
-///                  --others---> aux
+///     device block --sensors, aux--> guard --raw--> window_filter --filtered--> linearise --deflection--> cop --cop-->
+///                  --aux----------------------------------------------------------------------------------------aux-->
 class Pipeline {
  public:
-  /// The first stage must make stream "raw", and no two stages may make the same stream.
+  /// The first stage must make stream "raw", and no two stages may make the same stream. Fails with InvalidArgument, naming
+  /// the stage, the option or the channel.
   [[nodiscard]] static core::Result<std::unique_ptr<Pipeline>> create(std::span<const StageConfig> stages, const PipelineInput& input,
                                                                       const StageContext& context);
 
-  /// Formats of the streams, in the order of `Frame::streams`.
+  /// Formats of the streams, in the order of `Frame::streams`: one per stage, then "aux" when there are such channels.
   [[nodiscard]] std::span<const core::StreamFormat> formats() const noexcept { return formats_; }
   /// A frame with memory for blocks of the largest size; make as many as the rings have slots.
   [[nodiscard]] core::Frame make_frame() const;
 
-  /// Fills `frame` from what the device gave. A gap resets every stage first.
+  /// Fills `frame` (made by `make_frame`) from what the device gave. A gap resets every stage first, and so does a block that
+  /// does not continue the one before: a window never reaches over missing scans. A block with too few channels or too many
+  /// scans is rejected: the frame says only where it is.
   /// Thread: pipeline. Realtime-safe: yes.
   void process(const core::Acquired& acquired, core::Frame& frame) noexcept;
+
+  /// Blocks that were rejected. Thread: any. Realtime-safe: yes.
+  [[nodiscard]] std::uint64_t rejected_blocks() const noexcept { return rejected_blocks_.load(std::memory_order_relaxed); }
 
  private:
   Pipeline() = default;
 
-  PipelineInput input_;
+  core::Result<core::StreamFormat> append(const StageConfig& config, const core::StreamFormat& input, const StageContext& context);
+  [[nodiscard]] bool is_acceptable(const core::Block& block) const noexcept;
+  void take(const core::Block& block) noexcept;
+  void reset_stages() noexcept;
+  void run_stages(core::Frame& frame) noexcept;
+  void fill_aux(core::Block& out) const noexcept;
+
+  std::size_t max_block_scans_ = 0;
+  std::vector<std::size_t> channels_;  ///< Device channels of the columns of `device_`.
+  std::size_t sensor_count_ = 0;
   std::vector<std::unique_ptr<Stage>> stages_;
   std::vector<core::StreamFormat> formats_;
   std::vector<std::uint64_t> sequences_;  ///< Blocks made so far, per stream.
-  core::Block sensors_;                   ///< The sensors' columns, in sensor order: input of the first stage.
+  core::Block device_;                    ///< Input of the first stage: the sensors in their order, then the aux channels.
+  std::uint32_t segment_ = 0;
+  core::ScanIndex next_scan_;  ///< What continues the segment.
+  std::atomic<std::uint64_t> rejected_blocks_{0};
 };
 
 }  // namespace dts::pipeline

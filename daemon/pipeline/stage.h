@@ -23,6 +23,7 @@ struct OptionDescription {
   double default_value = 0.0;
   double minimum = 0.0;
   double maximum = 0.0;
+  bool is_whole = false;                  ///< Only whole numbers make sense: a count, a channel.
   std::vector<std::string_view> choices;  ///< Not empty: a word; the first is the default.
 };
 
@@ -33,7 +34,7 @@ struct StageDescription {
   std::vector<OptionDescription> options;
 };
 
-/// What a stage may use besides its input. Outlives the stage.
+/// What a stage may use besides its input. `rig` and `tare` outlive the stage; the context itself need not.
 struct StageContext {
   const physics::RigModel& rig;
   /// Range of each sensor channel of the device, V: for rail detection.
@@ -51,6 +52,7 @@ struct StageContext {
 class StageOptions {
  public:
   explicit StageOptions(std::map<std::string, OptionValue, std::less<>> values) : values_(std::move(values)) {}
+  /// Only for names of the stage's description, as what they are described there: anything else is a bug and throws.
   [[nodiscard]] double number(std::string_view name) const;
   [[nodiscard]] const std::string& word(std::string_view name) const;
 

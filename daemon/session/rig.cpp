@@ -79,7 +79,17 @@ core::Result<std::unique_ptr<Rig>> Rig::create(RigConfig given, core::Clock& clo
   auto config = std::make_unique<const RigConfig>(std::move(given));
   auto device = device::create_device(config->device_uri, {.clock = clock, .rig = config->model});
   if (!device) return tl::make_unexpected(device.error());
-  const device::DeviceDescription& described = (*device)->describe();
+  return assemble(std::move(config), std::move(*device), clock, publish_bell);
+}
+
+core::Result<std::unique_ptr<Rig>> Rig::create(RigConfig config, std::unique_ptr<device::Device> device, core::Clock& clock,
+                                               core::Doorbell& publish_bell) {
+  return assemble(std::make_unique<const RigConfig>(std::move(config)), std::move(device), clock, publish_bell);
+}
+
+core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<const RigConfig> config, std::unique_ptr<device::Device> device,
+                                                 core::Clock& clock, core::Doorbell& publish_bell) {
+  const device::DeviceDescription& described = device->describe();
   if (auto checked = check_device(*config, described); !checked) return tl::make_unexpected(checked.error());
   auto input = describe_input(*config, described);
   if (!input) return tl::make_unexpected(input.error());
@@ -88,7 +98,7 @@ core::Result<std::unique_ptr<Rig>> Rig::create(RigConfig given, core::Clock& clo
                                              {.rig = config->model, .input_ranges = input_ranges(*config, described), .tare = *tare});
   if (!pipeline) return tl::make_unexpected(pipeline.error());
   if (auto checked = check_published(*config, **pipeline); !checked) return tl::make_unexpected(checked.error());
-  return std::unique_ptr<Rig>(new Rig(std::move(config), clock, publish_bell, std::move(*device), std::move(tare), std::move(*pipeline)));
+  return std::unique_ptr<Rig>(new Rig(std::move(config), clock, publish_bell, std::move(device), std::move(tare), std::move(*pipeline)));
 }
 
 Rig::Rig(std::unique_ptr<const RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell, std::unique_ptr<device::Device> device,

@@ -35,6 +35,9 @@ class Rig {
   /// Creates device and pipeline; fails with what is wrong in `config`. `publish_bell` is rung for every frame; `clock`
   /// and the bell outlive the rig.
   [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(RigConfig config, core::Clock& clock, core::Doorbell& publish_bell);
+  /// The same with a ready device instead of the one that `config.device_uri` names: for tests and benchmarks.
+  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(RigConfig config, std::unique_ptr<device::Device> device,
+                                                                 core::Clock& clock, core::Doorbell& publish_bell);
   ~Rig();
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
@@ -62,6 +65,9 @@ class Rig {
  private:
   Rig(std::unique_ptr<const RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell, std::unique_ptr<device::Device> device,
       std::unique_ptr<pipeline::Tare> tare, std::unique_ptr<pipeline::Pipeline> pipeline);
+  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> assemble(std::unique_ptr<const RigConfig> config,
+                                                                   std::unique_ptr<device::Device> device, core::Clock& clock,
+                                                                   core::Doorbell& publish_bell);
   void run_pipeline(const std::stop_token& stop) noexcept;
   void process(const core::Acquired& acquired) noexcept;
   void note_time(std::int64_t spent_ns, std::size_t scans) noexcept;

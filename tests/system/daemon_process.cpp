@@ -102,6 +102,19 @@ class NotifySocket {
 constexpr const char* kDefaultStages =
     "[[stage]]\nid = \"guard\"\n[[stage]]\nid = \"window_filter\"\n[[stage]]\nid = \"linearise\"\n[[stage]]\nid = \"cop\"\n";
 
+/// The shipped rig file with the parts replaced that `rig` names.
+std::string adapted(std::string text, const DaemonProcess::FurtherRig& rig) {
+  const auto cut = [&text](const std::string& from, const std::string& to, const std::string& replacement) {
+    const std::size_t begin = text.find(from);
+    const std::size_t end = text.find(to, begin);
+    if (begin == std::string::npos || end == std::string::npos) throw std::runtime_error("the shipped rig file has changed: " + from);
+    text.replace(begin, end - begin, replacement);
+  };
+  if (!rig.acquire.empty()) cut("[acquire]", "[[sensor]]", "[acquire]\n" + rig.acquire + "\n");
+  cut("[[stage]]", "[publish]", rig.stages.empty() ? kDefaultStages : rig.stages + "\n");
+  return text;
+}
+
 }  // namespace
 
 bool eventually(const std::function<bool()>& condition) {
@@ -141,19 +154,16 @@ DaemonProcess::~DaemonProcess() {
 void DaemonProcess::write_files(const Options& options) const {
   const auto source = std::filesystem::path(DTS_SOURCE_DIR) / "config";
   std::filesystem::copy(source / "sensors", directory_ / "sensors");
-  std::string rig = read_file(source / "rigs" / "floor-sim.toml");
-  const auto cut = [&rig](const std::string& from, const std::string& to, const std::string& replacement) {
-    const std::size_t begin = rig.find(from);
-    const std::size_t end = rig.find(to, begin);
-    if (begin == std::string::npos || end == std::string::npos) throw std::runtime_error("the shipped rig file has changed: " + from);
-    rig.replace(begin, end - begin, replacement);
-  };
-  if (!options.acquire.empty()) cut("[acquire]", "[[sensor]]", "[acquire]\n" + options.acquire + "\n");
-  cut("[[stage]]", "[publish]", options.stages.empty() ? kDefaultStages : options.stages + "\n");
   std::filesystem::create_directory(directory_ / "rigs");
-  std::ofstream(directory_ / "rigs" / "floor.toml") << rig;
-  std::ofstream(config_file()) << options.daemon << "\n[[rig]]\nname = \"floor\"\nfile = \"rigs/floor.toml\"\ndevice = \"" << options.device
-                               << "\"\n";
+  std::vector<FurtherRig> rigs{{.name = "floor", .device = options.device, .acquire = options.acquire, .stages = options.stages}};
+  rigs.insert(rigs.end(), options.further_rigs.begin(), options.further_rigs.end());
+  std::ofstream daemon_file(config_file());
+  daemon_file << options.daemon << "\n";
+  for (const FurtherRig& rig : rigs) {
+    const std::string file = "rigs/" + rig.name + ".toml";
+    std::ofstream(directory_ / file) << adapted(read_file(source / "rigs" / "floor-sim.toml"), rig);
+    daemon_file << "[[rig]]\nname = \"" << rig.name << "\"\nfile = \"" << file << "\"\ndevice = \"" << rig.device << "\"\n";
+  }
 }
 
 void DaemonProcess::restart() {

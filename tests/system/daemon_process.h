@@ -34,14 +34,22 @@ struct Finished {
 /// dtsd as a child process in a runtime directory of its own; ended and removed with this object.
 class DaemonProcess {
  public:
+  /// One more rig, like the shipped floor platform where a field is empty.
+  struct FurtherRig {
+    std::string name;
+    std::string device;
+    std::string acquire{};  ///< As in `Options`.
+    std::string stages{};
+  };
   struct Options {
     std::string device = "sim:floor?seed=7";
     std::string acquire;  ///< Lines of the rig's [acquire] table.
     std::string stages;   ///< Replaces the [[stage]] tables.
     std::string daemon;   ///< Lines in front of [[rig]] in the daemon's file.
+    std::vector<FurtherRig> further_rigs{};
   };
 
-  /// Writes the configuration of one rig "floor" like the shipped one and starts the daemon; returns when it says READY
+  /// Writes the configuration of a rig "floor" like the shipped one (and further ones) and starts the daemon; returns when it says READY
   /// or has ended.
   explicit DaemonProcess(const Options& options);
   DaemonProcess();

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dts::ctl {
+
+/// Everything that the command line can say, checked for syntax and range.
+struct Arguments {
+  // Of every command.
+  std::string endpoint;             ///< Empty: find the daemon.
+  std::string data;                 ///< Empty: beside the control socket.
+  std::optional<double> timeout_s;  ///< Absent: each command's default.
+  bool is_json = false;
+
+  std::string rig;
+  std::string text;  ///< Of a marker.
+  std::string protocol;
+  std::string subject;
+  std::string label;
+  double duration_s = 0.0;  ///< 0: until stopped.
+  double settle_s = 0.0;
+  std::vector<std::string> topics;
+  std::optional<std::uint64_t> count;
+  bool is_jsonl = false;
+  bool is_latest = false;
+  std::string shell;
+};
+
+}  // namespace dts::ctl

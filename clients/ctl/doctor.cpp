@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/doctor.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "ctl/commands.h"
+#include "ctl/exit_status.h"
+#include "ctl/json.h"
+#include "ctl/table.h"
+#include "dts/subscriber.h"
+
+namespace dts::ctl {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kDataDeadline{2000};
+constexpr double kRateTolerance = 0.01;
+constexpr std::uint64_t kLockableBytes = 64ULL << 20U;
+
+Check good(std::string name, std::string finding) { return {std::move(name), true, std::move(finding), {}}; }
+Check bad(std::string name, std::string finding, std::string fix) { return {std::move(name), false, std::move(finding), std::move(fix)}; }
+Check bad(std::string name, const client::Error& error) { return bad(std::move(name), error.what, error.hint); }
+
+bool has_notice_about(const v1::StatusSnapshot& status, std::string_view word) {
+  return std::ranges::any_of(status.notices(), [&](const std::string& notice) { return notice.find(word) != std::string::npos; });
+}
+
+Check check_rate(const v1::RigStatus& rig) {
+  const std::string name = rig.rig().name() + " rate";
+  const double nominal = rig.nominal_rate_hz();
+  const double measured = rig.measured_rate_hz();
+  if (!(measured > 0.0)) return bad(name, "not known yet", "wait some seconds, then ask again");
+  const std::string finding = decimal(measured, 2) + " of " + decimal(nominal, 2) + " Hz";
+  if (std::abs(measured - nominal) <= kRateTolerance * nominal) return good(name, finding);
+  return bad(name, finding, "is the machine overloaded? see dtsctl status for losses; is the device set to another rate?");
+}
+
+Check check_losses(const v1::RigStatus& rig) {
+  const std::string name = rig.rig().name() + " losses";
+  const std::string finding = std::to_string(rig.lost_scans_total()) + " scans lost in " + std::to_string(rig.gaps_total()) + " gaps, " +
+                              std::to_string(rig.dropped_blocks_total()) + " blocks dropped since start";
+  if (rig.lost_scans_total() == 0 && rig.gaps_total() == 0 && rig.dropped_blocks_total() == 0) return good(name, "none");
+  return bad(name, finding, "the reasons are in journalctl -u dtsd; check cable and USB hub, allow SCHED_FIFO");
+}
+
+Check check_data(const std::string& endpoint) {
+  const std::string name = "data";
+  if (endpoint.empty()) return bad(name, "the data address is not known", "give it: --data URI or DTSD_DATA");
+  if (auto somebody = client::probe(endpoint); !somebody) return bad(name, somebody.error());
+  auto subscriber = client::Subscriber::open({.endpoint = endpoint, .topics = {""}});
+  if (!subscriber) return bad(name, subscriber.error());
+  const auto begin = std::chrono::steady_clock::now();
+  const auto spent = [&] { return std::chrono::ceil<milliseconds>(std::chrono::steady_clock::now() - begin); };
+  while (spent() < kDataDeadline) {
+    const auto message = subscriber->receive(kDataDeadline - spent());
+    if (!message) return bad(name, message.error());
+    if (*message) return good(name, "arrives, after " + std::to_string(spent().count()) + " ms");
+  }
+  return bad(name, "nothing came from " + endpoint + " within 2 s", "does dtsctl status show a streaming rig? restart dtsd");
+}
+
+Check check_clock(const SystemFacts& facts) {
+  const std::string name = "clock source";
+  const std::string finding = facts.clock_source.empty() ? "unknown" : facts.clock_source;
+  // Anything else costs a microsecond and more per reading (measured for hpet and acpi_pm by their users, not by us).
+  const bool is_fast = finding.find("tsc") != std::string::npos || finding == "arch_sys_counter" || finding == "kvm-clock";
+  if (is_fast) return good(name, finding);
+  return bad(name, finding, "echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; look for 'tsc' in dmesg");
+}
+
+int report(const std::vector<Check>& checks, bool is_json, Console& console) {
+  const bool is_well = std::ranges::all_of(checks, &Check::is_good);
+  if (is_json) {
+    Json list = Json::array();
+    for (const Check& check : checks) {
+      Json one{{"name", check.name}, {"ok", check.is_good}, {"finding", check.finding}};
+      if (!check.fix.empty()) one["fix"] = check.fix;
+      list.push_back(std::move(one));
+    }
+    console.out << document({{"ok", is_well}, {"checks", std::move(list)}});
+  } else {
+    for (const Check& check : checks) {
+      const std::string verdict = check.is_good ? styled(console, Style::Good, "ok   ") : styled(console, Style::Bad, "wrong");
+      console.out << verdict << "  " << printable(check.name + ": " + check.finding + (check.fix.empty() ? "" : "; try: " + check.fix))
+                  << '\n';
+    }
+  }
+  console.out.flush();
+  return is_well ? kOk : kFailed;
+}
+
+/// The daemon's status; what it took to get it goes to `checks`.
+std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::vector<Check>& checks) {
+  auto dts = connect(arguments);
+  auto status = dts ? dts->status() : tl::make_unexpected(dts.error());
+  if (!status) {
+    checks.push_back(bad("daemon", status.error()));
+    return std::nullopt;
+  }
+  checks.push_back(good("daemon", "dtsd " + status->version() + " answers, up " + duration(status->uptime_s())));
+  checks.push_back(check_version(status->version()));
+  for (const v1::RigStatus& rig : status->rigs()) std::ranges::move(check_rig(rig), std::back_inserter(checks));
+  if (status->rigs_size() == 0) checks.push_back(bad("rigs", "none is configured", "add a [[rig]] to the daemon's configuration"));
+  return std::move(*status);
+}
+
+}  // namespace
+
+Check check_version(const std::string& daemon_version) {
+  const std::string mine(client::version());
+  if (daemon_version.substr(0, daemon_version.find('+')) == mine) return good("version", mine + " on both sides");
+  return bad("version", "dtsctl " + mine + ", dtsd " + daemon_version, "install both from one build, then restart dtsd");
+}
+
+std::vector<Check> check_rig(const v1::RigStatus& rig) {
+  const std::string name = rig.rig().name() + " device";
+  const std::string state = enumerator_word(*v1::DeviceState_descriptor(), rig.device());
+  if (rig.device() != v1::DEVICE_STATE_STREAMING) {
+    const std::string why = rig.device_message().empty() ? "" : ": " + rig.device_message();
+    return {bad(name, state + why, "is it plugged in and powered? see dtsctl device list and journalctl -u dtsd")};
+  }
+  return {good(name, state), check_rate(rig), check_losses(rig)};
+}
+
+std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status) {
+  std::vector<Check> checks;
+  if (facts.may_use_fifo) {
+    checks.push_back(good("scheduling", "SCHED_FIFO is allowed for this user"));
+  } else if (status && !has_notice_about(*status, "SCHED_FIFO")) {
+    checks.push_back(good("scheduling", "the daemon has what it asked for"));
+  } else {
+    checks.push_back(bad("scheduling", "SCHED_FIFO is not allowed for this user",
+                         "run dtsd by its systemd unit, or add 'USER - rtprio 60' to /etc/security/limits.d/dtsd.conf and log in again"));
+  }
+  const bool has_no_limit = facts.lockable_bytes == std::numeric_limits<std::uint64_t>::max();
+  const std::string lockable = has_no_limit ? "no limit" : std::to_string(facts.lockable_bytes >> 20U) + " MiB";
+  if (facts.lockable_bytes >= kLockableBytes || (status && !has_notice_about(*status, "memory is not locked"))) {
+    checks.push_back(good("locked memory", lockable));
+  } else {
+    checks.push_back(bad("locked memory", lockable, "add 'USER - memlock 65536' to /etc/security/limits.d/dtsd.conf and log in again"));
+  }
+  checks.push_back(check_clock(facts));
+  return checks;
+}
+
+int run_doctor(const CommandTree& tree, Console& console) {
+  std::vector<Check> checks;
+  std::optional<v1::StatusSnapshot> status;
+  if (const auto where = endpoints(tree.arguments); where) {
+    checks.push_back(good("address", where->control + " (from " + where->origin + ")"));
+    status = ask_daemon(tree.arguments, checks);
+    if (status) checks.push_back(check_data(where->data));
+  } else {
+    checks.push_back(bad("address", where.error()));
+  }
+  std::ranges::move(check_system(gather_system_facts(), status), std::back_inserter(checks));
+  return report(checks, tree.arguments.is_json, console);
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ctl/command_tree.h"
+#include "ctl/console.h"
+#include "ctl/system_facts.h"
+#include "dts/endpoints.h"
+#include "dts/v1/control.pb.h"
+
+namespace dts::ctl {
+
+/// One thing looked at.
+struct Check {
+  std::string name;  ///< "floor rate"
+  bool is_good = false;
+  std::string finding;  ///< "100.02 of 100 Hz"
+  std::string fix;      ///< What to do; empty when good.
+};
+
+/// Each makes checks from what was found out; nothing here asks or waits.
+[[nodiscard]] Check check_version(const std::string& daemon_version);
+[[nodiscard]] std::vector<Check> check_rig(const v1::RigStatus& rig);
+/// `status`: absent when the daemon did not answer. A daemon that runs without complaints about scheduling has what it
+/// needs, whatever this user may do.
+[[nodiscard]] std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status);
+
+/// Runs all checks; exit status 0 when everything is well, 1 otherwise.
+[[nodiscard]] int run_doctor(const CommandTree& tree, Console& console);
+
+}  // namespace dts::ctl

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/json.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+namespace dts::ctl {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+using google::protobuf::Reflection;
+
+/// Fields whose 0 says that there is no such value (see the comments in the .proto files).
+constexpr std::array<std::string_view, 6> kZeroMeansUnknown{
+    "dts.v1.SessionInfo.duration_s",     "dts.v1.RigStatus.measured_rate_hz", "dts.v1.RigStatus.pipeline_us_per_scan",
+    "dts.v1.DeviceInfo.minimum_rate_hz", "dts.v1.DeviceInfo.maximum_rate_hz", "dts.v1.TestDeviceResponse.measured_rate_hz"};
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+/// The value of a scalar field; null for what is undefined.
+Json scalar(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_STRING: {
+      const std::string text = reflection.GetString(message, &field);
+      return text.empty() ? Json(nullptr) : Json(text);
+    }
+    case FieldDescriptor::CPPTYPE_ENUM: {
+      const int value = reflection.GetEnumValue(message, &field);
+      return value == 0 ? Json(nullptr) : Json(enumerator_word(*field.enum_type(), value));
+    }
+    case FieldDescriptor::CPPTYPE_DOUBLE: {
+      const double value = reflection.GetDouble(message, &field);
+      const bool is_unknown = value == 0.0 && std::ranges::find(kZeroMeansUnknown, field.full_name()) != kZeroMeansUnknown.end();
+      return is_unknown ? Json(nullptr) : number(value);
+    }
+    case FieldDescriptor::CPPTYPE_BOOL: return reflection.GetBool(message, &field);
+    case FieldDescriptor::CPPTYPE_INT32: return reflection.GetInt32(message, &field);
+    case FieldDescriptor::CPPTYPE_INT64: return reflection.GetInt64(message, &field);
+    case FieldDescriptor::CPPTYPE_UINT32: return reflection.GetUInt32(message, &field);
+    case FieldDescriptor::CPPTYPE_UINT64: return reflection.GetUInt64(message, &field);
+    default: return nullptr;
+  }
+}
+
+Json element(const Message& message, const FieldDescriptor& field, int index) {
+  const Reflection& reflection = *message.GetReflection();
+  switch (field.cpp_type()) {
+    case FieldDescriptor::CPPTYPE_MESSAGE: return to_json(reflection.GetRepeatedMessage(message, &field, index));
+    case FieldDescriptor::CPPTYPE_STRING: return reflection.GetRepeatedString(message, &field, index);
+    case FieldDescriptor::CPPTYPE_DOUBLE: return number(reflection.GetRepeatedDouble(message, &field, index));
+    default: return nullptr;  // the protocol's answers repeat nothing else
+  }
+}
+
+Json value_of(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  if (field.is_repeated()) {
+    Json list = Json::array();
+    for (int index = 0; index < reflection.FieldSize(message, &field); ++index) list.push_back(element(message, field, index));
+    return list;
+  }
+  if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return scalar(message, field);
+  return reflection.HasField(message, &field) ? to_json(reflection.GetMessage(message, &field)) : Json(nullptr);
+}
+
+/// What a field means only together with another.
+void remove_meaningless(const Message& message, Json& json) {
+  if (const auto* channel = dynamic_cast<const v1::TestDeviceResponse::ChannelTest*>(&message)) {
+    if (!channel->is_sensor()) json.erase("gap_mm");
+    json["quality"] = quality_words(static_cast<std::uint8_t>(channel->quality()));
+  }
+  if (const auto* session = dynamic_cast<const v1::SessionInfo*>(&message)) {
+    if (session->session_id().empty()) {  // there has been none: no length, no settling
+      for (const char* key : {"elapsed_s", "settle_s"}) json.erase(key);
+    }
+  }
+}
+
+}  // namespace
+
+Json to_json(const Message& message) {
+  Json json = Json::object();
+  const google::protobuf::Descriptor& type = *message.GetDescriptor();
+  for (int index = 0; index < type.field_count(); ++index) {
+    const FieldDescriptor& field = *type.field(index);
+    Json value = value_of(message, field);
+    if (!value.is_null()) json[field.name()] = std::move(value);
+  }
+  remove_meaningless(message, json);
+  return json;
+}
+
+Json event_json(std::string_view kind, const v1::Event& event) {
+  Json json{{"kind", kind}};
+  const FieldDescriptor* body = event.GetReflection()->GetOneofFieldDescriptor(event, event.GetDescriptor()->FindOneofByName("body"));
+  if (body != nullptr) json.update(to_json(event.GetReflection()->GetMessage(event, body)));
+  return json;
+}
+
+std::string enumerator_word(const google::protobuf::EnumDescriptor& type, int number) {
+  const auto* value = type.FindValueByNumber(number);
+  if (value == nullptr) return "unknown";
+  // "DeviceState" names its values "DEVICE_STATE_...".
+  std::size_t prefix = 1;
+  for (std::size_t index = 0; index < type.name().size(); ++index) {
+    prefix += index > 0 && std::isupper(static_cast<unsigned char>(type.name()[index])) != 0 ? 2 : 1;
+  }
+  std::string word = value->name().substr(std::min(prefix, value->name().size()));
+  std::ranges::transform(word, word.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return word;
+}
+
+std::vector<std::string> quality_words(std::uint8_t bits) {
+  std::vector<std::string> words;
+  for (unsigned bit = 1; bit < 256; bit <<= 1U) {
+    if ((bits & bit) != 0) words.push_back(enumerator_word(*v1::Quality_descriptor(), static_cast<int>(bit)));
+  }
+  return words;
+}
+
+std::string one_line(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+std::string document(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+}  // namespace dts::ctl

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/live_table.h"
+
+#include <algorithm>
+#include <ranges>
+
+#include "ctl/reading.h"
+#include "ctl/table.h"
+#include "ctl/text_lines.h"
+
+namespace dts::ctl {
+namespace {
+
+constexpr std::chrono::milliseconds kRedraw{100};
+constexpr std::chrono::seconds kRateWindow{1};
+constexpr std::chrono::seconds kFrozen{2};
+constexpr std::size_t kHeadAndFoot = 3;  ///< Headline, "and n more", the cursor's line.
+
+std::string padded(const std::string& text, std::size_t columns, bool is_right) {
+  const std::string padding(columns > width(text) ? columns - width(text) : 0, ' ');
+  return is_right ? padding + text : text + padding;
+}
+
+/// The first `columns` columns of UTF-8 text.
+std::string cut(const std::string& text, std::size_t columns) {
+  std::size_t bytes = 0;
+  for (std::size_t shown = 0; bytes < text.size(); ++bytes) {
+    const bool is_start = (static_cast<unsigned char>(text[bytes]) & 0xC0U) != 0x80U;
+    if (is_start && ++shown > columns) break;
+  }
+  return text.substr(0, bytes);
+}
+
+}  // namespace
+
+void LiveTable::show(const client::Block& block, std::size_t scans, Time now) {
+  const auto known = rows_.find(block.topic);
+  const bool is_new = known == rows_.end();
+  Row& row = is_new ? rows_[std::string(block.topic)] : known->second;
+  row.format = block.format;
+  copy_scan(block, scans - 1, row.scan);
+  row.quality.assign(block.quality.begin(), block.quality.end());
+  row.age_ns = block.age_ns;
+  row.seen = now;
+  row.lost_scans += block.lost_scans;
+  if (is_new) {
+    row.since = now;  // the first block came before the time that is measured
+    return;
+  }
+  row.scans_since += scans;
+  if (now - row.since < kRateWindow) return;
+  row.rate_hz = static_cast<double>(row.scans_since) / std::chrono::duration<double>(now - row.since).count();
+  row.since = now;
+  row.scans_since = 0;
+}
+
+void LiveTable::show(const client::Event& event) { put(std::string(event.rig) + "  " + event_line(event)); }
+
+void LiveTable::show(const client::Status& status) { put(status_line(*status.snapshot)); }
+
+void LiveTable::put(const std::string& line) {
+  erase();
+  console_.out << styled(console_, Style::Bold, printable(line)) << '\n';
+  console_.out.flush();
+}
+
+void LiveTable::refresh(Time now) {
+  if (now - drawn_ < kRedraw && lines_drawn_ > 0) return;
+  erase();
+  draw(now);
+  console_.out.flush();
+}
+
+void LiveTable::erase() {
+  if (lines_drawn_ > 0) console_.out << "\x1b[" << lines_drawn_ << "A\x1b[J";  // up, then clear to the end
+  lines_drawn_ = 0;
+}
+
+void LiveTable::draw(Time now) {
+  drawn_ = now;
+  if (rows_.empty()) return;
+  std::size_t topic_columns = 5;
+  for (const auto& [topic, row] : rows_) topic_columns = std::max(topic_columns, width(topic));
+  const auto line = [&](const std::string& topic, const std::string& rate, const std::string& age, const std::string& lost) {
+    return padded(topic, topic_columns, false) + "  " + padded(rate, 9, true) + "  " + padded(age, 9, true) + "  " + padded(lost, 6, true) +
+           "  ";
+  };
+  console_.out << styled(console_, Style::Faint, cut(line("TOPIC", "RATE (Hz)", "AGE", "LOST") + "VALUES", console_.columns)) << '\n';
+  // The cursor cannot go back above the screen.
+  const std::size_t shown = std::min(rows_.size(), std::max<std::size_t>(console_.lines, kHeadAndFoot + 1) - kHeadAndFoot);
+  for (const auto& [topic, row] : std::views::take(rows_, static_cast<std::ptrdiff_t>(shown))) {
+    const bool is_frozen = now - row.seen > kFrozen;
+    const std::string rate = is_frozen ? "-" : decimal(row.rate_hz, 1);
+    const std::string text =
+        line(printable(topic), rate, age_text(row, now), std::to_string(row.lost_scans)) + reading(*row.format, row.scan, row.quality);
+    console_.out << styled(console_, is_frozen ? Style::Faint : Style::Plain, cut(text, console_.columns)) << '\n';
+  }
+  if (shown < rows_.size()) console_.out << "and " << rows_.size() - shown << " more: choose with a topic prefix\n";
+  lines_drawn_ = 1 + shown + (shown < rows_.size() ? 1 : 0);
+}
+
+/// Of what is looked at now, not of what it was on arrival: a frozen picture must not look alive.
+std::string LiveTable::age_text(const Row& row, Time now) {
+  const std::chrono::duration<double, std::milli> waited = now - row.seen;
+  if (waited > kFrozen) return decimal(waited.count() / 1000.0, 0) + " s ago";
+  return row.age_ns ? decimal(static_cast<double>(*row.age_ns) * 1e-6 + waited.count(), 1) + " ms" : "-";
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ctl/console.h"
+#include "ctl/watch_sink.h"
+
+namespace dts::ctl {
+
+/// A table of streams that is redrawn in place ten times per second; events scroll by above it.
+///
+///     12.4 s  floor  marker: eyes closed
+///     TOPIC      RATE (Hz)     AGE  LOST  VALUES
+///     floor/cop      100.1  1.2 ms     0  ml 1.2300 mm  ap -4.5600 mm  load 701.20 N
+class LiveTable final : public WatchSink {
+ public:
+  explicit LiveTable(Console& console) : console_(console) {}
+
+  void show(const client::Block& block, std::size_t scans, Time now) override;
+  void show(const client::Event& event) override;
+  void show(const client::Status& status) override;
+  void forget() override { rows_.clear(); }
+  void make_room() override { lines_drawn_ = 0; }
+  void refresh(Time now) override;
+
+ private:
+  /// Kept as numbers: text is made for what is drawn, ten times per second, not for what arrives.
+  struct Row {
+    const client::StreamFormat* format = nullptr;
+    std::vector<float> scan;
+    std::vector<std::uint8_t> quality;
+    std::optional<std::int64_t> age_ns;  ///< When it was seen.
+    Time seen{};
+    std::uint64_t lost_scans = 0;  ///< In all.
+    Time since{};                  ///< Start of the second over which the rate is counted.
+    std::uint64_t scans_since = 0;
+    double rate_hz = std::numeric_limits<double>::quiet_NaN();
+  };
+  [[nodiscard]] static std::string age_text(const Row& row, Time now);
+  void erase();
+  void draw(Time now);
+  void put(const std::string& line);
+
+  Console& console_;
+  std::map<std::string, Row, std::less<>> rows_;
+  std::size_t lines_drawn_ = 0;
+  Time drawn_{};
+};
+
+}  // namespace dts::ctl

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/reading.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "ctl/console.h"
+#include "ctl/json.h"
+#include "ctl/table.h"
+
+namespace dts::ctl {
+namespace {
+
+/// "ml_mm" with unit "mm" to "ml".
+std::string label(const client::ChannelFormat& channel) {
+  std::string suffix = "_" + channel.unit;
+  std::ranges::transform(suffix, suffix.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  const bool has_suffix = channel.unit.size() > 0 && channel.name.size() > suffix.size() && channel.name.ends_with(suffix);
+  return printable(has_suffix ? channel.name.substr(0, channel.name.size() - suffix.size()) : channel.name);
+}
+
+/// Of fixed width, so that live values do not dance: six significant places or so.
+std::string value_text(float value) {
+  if (!std::isfinite(value)) return "      -";
+  const double magnitude = std::abs(static_cast<double>(value));
+  const int decimals = magnitude < 10.0 ? 4 : magnitude < 1000.0 ? 2 : 0;
+  std::string text = decimal(static_cast<double>(value), decimals);
+  return text.size() < 7 ? std::string(7 - text.size(), ' ') + text : text;
+}
+
+std::string gap_text(const v1::Event& event) {
+  const v1::Gap& gap = event.gap();
+  const std::string reason = gap.reason() == 0 ? "" : enumerator_word(*v1::GapReason_descriptor(), gap.reason()) + ", ";
+  return reason + (gap.is_exact() ? "" : "about ") + std::to_string(gap.missing_scans()) + " scans missing before segment " +
+         std::to_string(event.segment());
+}
+
+std::string change_text(const std::string& state, const std::string& subject, const std::string& message) {
+  return subject + (subject.empty() ? "" : " ") + state + (message.empty() ? "" : ": " + message);
+}
+
+std::string body_text(const v1::Event& event) {
+  switch (event.body_case()) {
+    case v1::Event::kGap: return gap_text(event);
+    case v1::Event::kMarker: return event.marker().text();
+    case v1::Event::kDevice:
+      return change_text(enumerator_word(*v1::DeviceState_descriptor(), event.device().state()), event.device().uri(),
+                         event.device().message());
+    case v1::Event::kSession:
+      return change_text(enumerator_word(*v1::SessionState_descriptor(), event.session().state()), event.session().session_id(),
+                         event.session().message());
+    case v1::Event::BODY_NOT_SET: break;
+  }
+  return "(of a later version of dtsd)";
+}
+
+}  // namespace
+
+std::string reading(const client::StreamFormat& format, std::span<const float> scan, std::span<const std::uint8_t> quality) {
+  std::string text;
+  std::uint8_t doubts = 0;
+  for (std::size_t channel = 0; channel < format.channels.size(); ++channel) {
+    const client::ChannelFormat& described = format.channels[channel];
+    text += (channel == 0 ? "" : "  ") + label(described) + " " + value_text(scan[channel]) + " " + printable(described.unit);
+    doubts = static_cast<std::uint8_t>(doubts | quality[channel]);
+  }
+  std::string words;
+  for (const std::string& word : quality_words(doubts)) words += (words.empty() ? "" : " ") + word;
+  return words.empty() ? text : text + "  [" + words + "]";
+}
+
+void copy_scan(const client::Block& block, std::size_t scan, std::vector<float>& values) {
+  values.resize(block.channel_count());
+  for (std::size_t channel = 0; channel < values.size(); ++channel) values[channel] = block.column(channel)[scan];
+}
+
+std::string event_line(const client::Event& event) { return printable(std::string(event.kind) + ": " + body_text(*event.body)); }
+
+}  // namespace dts::ctl

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/silence.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "ctl/suggestion.h"
+
+namespace dts::ctl {
+namespace {
+
+using client::ErrorCode;
+
+constexpr std::array<std::string_view, 8> kEvents{"gap", "marker", "trigger", "device", "session", "reach", "class", "sway"};
+
+std::string joined(const std::vector<std::string>& words, const char* separator) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+  return text;
+}
+
+bool is_asked_for(const std::string& topic, const std::vector<std::string>& prefixes) {
+  return std::ranges::any_of(prefixes, [&](const std::string& prefix) { return topic.starts_with(prefix); });
+}
+
+std::vector<std::string> streams_of(const v1::RigInfo& rig) {
+  std::vector<std::string> topics;
+  for (const std::string& stream : rig.published()) topics.push_back(rig.name() + "/" + stream);
+  return topics;
+}
+
+std::vector<std::string> events_of(const v1::RigInfo& rig) {
+  std::vector<std::string> topics;
+  for (const std::string_view event : kEvents) topics.push_back(rig.name() + "/" + std::string(event));
+  return topics;
+}
+
+client::Error nothing_published(const v1::StatusSnapshot& status, const std::vector<std::string>& prefixes) {
+  std::vector<std::string> topics;
+  for (const v1::RigStatus& rig : status.rigs()) {
+    for (const std::string& topic : streams_of(rig.rig())) topics.push_back(topic);
+  }
+  std::vector<std::string> candidates = topics;
+  for (const v1::RigStatus& rig : status.rigs()) {
+    for (const std::string& topic : events_of(rig.rig())) candidates.push_back(topic);
+  }
+  const std::string meant = prefixes.empty() ? "" : nearest(prefixes.front(), candidates);
+  const std::string hint = meant.empty() ? "published streams: " + joined(topics, " ") : "did you mean " + meant + "?";
+  return {ErrorCode::NotFound, "nothing is published under '" + joined(prefixes, "', '") + "'",
+          topics.empty() ? "no rig is configured" : hint};
+}
+
+}  // namespace
+
+client::Error explain_silence(const v1::StatusSnapshot* status, const std::vector<std::string>& prefixes, const std::string& endpoint) {
+  if (status == nullptr) {
+    return {ErrorCode::Unreachable, "no sign of the daemon at " + endpoint, "is dtsd running? dtsctl status; another address? --data URI"};
+  }
+  bool has_stream = false;
+  bool has_event = false;
+  for (const v1::RigStatus& rig : status->rigs()) {
+    const auto streams = streams_of(rig.rig());
+    const auto events = events_of(rig.rig());
+    const bool wants_stream = std::ranges::any_of(streams, [&](const std::string& topic) { return is_asked_for(topic, prefixes); });
+    has_event = has_event || std::ranges::any_of(events, [&](const std::string& topic) { return is_asked_for(topic, prefixes); });
+    if (wants_stream && rig.device() != v1::DEVICE_STATE_STREAMING) {
+      const std::string why = rig.device_message().empty() ? "its device does not stream" : rig.device_message();
+      return {ErrorCode::DeviceGone, "rig '" + rig.rig().name() + "' is silent: " + why, "dtsctl device list; dtsctl doctor"};
+    }
+    has_stream = has_stream || wants_stream;
+  }
+  if (has_stream) return {ErrorCode::Timeout, "no data, although the daemon says that it streams", "dtsctl status; dtsctl doctor"};
+  if (has_event) return {ErrorCode::Timeout, "no event so far; the daemon is well", "events come only when something happens"};
+  return nothing_published(*status, prefixes);
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/system_facts.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <sys/resource.h>
+
+#include <fstream>
+#include <limits>
+#include <thread>
+
+namespace dts::ctl {
+namespace {
+
+/// Tried, not read from RLIMIT_RTPRIO: capabilities and control groups have a say too. In a thread of its own, which ends.
+bool try_fifo() {
+  bool is_allowed = false;
+  std::thread([&is_allowed] {
+    const sched_param lowest{.sched_priority = sched_get_priority_min(SCHED_FIFO)};
+    is_allowed = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &lowest) == 0;
+  }).join();
+  return is_allowed;
+}
+
+}  // namespace
+
+SystemFacts gather_system_facts() {
+  SystemFacts facts;
+  facts.may_use_fifo = try_fifo();
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_MEMLOCK, &limit) == 0) {
+    facts.lockable_bytes = limit.rlim_cur == RLIM_INFINITY ? std::numeric_limits<std::uint64_t>::max() : limit.rlim_cur;
+  }
+  std::ifstream file("/sys/devices/system/clocksource/clocksource0/current_clocksource");
+  std::getline(file, facts.clock_source);
+  return facts;
+}
+
+}  // namespace dts::ctl

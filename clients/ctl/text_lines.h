@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "ctl/console.h"
+#include "ctl/watch_sink.h"
+
+namespace dts::ctl {
+
+/// Lines for people, where a table cannot be redrawn: at most ten per second and stream (the newest scan), each event.
+class TextLines final : public WatchSink {
+ public:
+  explicit TextLines(Console& console) : console_(console) {}
+
+  void show(const client::Block& block, std::size_t scans, Time now) override;
+  void show(const client::Event& event) override;
+  void show(const client::Status& status) override;
+  void forget() override {}
+  void refresh(Time /*now*/) override {}
+
+ private:
+  struct Shown {
+    Time at{};
+    std::uint64_t unsaid_lost_scans = 0;
+  };
+
+  Console& console_;
+  std::map<std::string, Shown, std::less<>> shown_;
+  std::vector<float> scan_;
+};
+
+/// "dtsd 0.1.0, up 3.2 s: floor streaming 100.02 Hz, lost 0"
+[[nodiscard]] std::string status_line(const v1::StatusSnapshot& status);
+
+}  // namespace dts::ctl

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/watch.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "ctl/commands.h"
+#include "ctl/exit_status.h"
+#include "ctl/json_lines.h"
+#include "ctl/live_table.h"
+#include "ctl/silence.h"
+#include "ctl/text_lines.h"
+#include "dts/subscriber.h"
+
+namespace dts::ctl {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+
+constexpr milliseconds kLook{100};
+constexpr std::chrono::seconds kSilence{3};
+
+std::unique_ptr<WatchSink> make_sink(const Arguments& arguments, Console& console) {
+  if (arguments.is_jsonl) return std::make_unique<JsonLines>(console.out);
+  if (console.can_redraw) return std::make_unique<LiveTable>(console);
+  return std::make_unique<TextLines>(console);
+}
+
+class Watch {
+ public:
+  Watch(const Arguments& arguments, std::vector<std::string> topics, std::string endpoint, client::Subscriber subscriber, Console& console)
+      : arguments_(arguments),
+        topics_(std::move(topics)),
+        endpoint_(std::move(endpoint)),
+        subscriber_(std::move(subscriber)),
+        console_(console),
+        sink_(make_sink(arguments, console)),
+        remaining_(arguments.count.value_or(std::numeric_limits<std::uint64_t>::max())) {}
+
+  int run();
+
+ private:
+  void take(const client::Message& message);
+  [[nodiscard]] bool wants_status() const;
+  [[nodiscard]] std::optional<int> check_silence(Clock::time_point now);
+  void say(const client::Error& error);
+
+  const Arguments& arguments_;
+  std::vector<std::string> topics_;
+  std::string endpoint_;
+  client::Subscriber subscriber_;
+  Console& console_;
+  std::unique_ptr<WatchSink> sink_;
+  std::uint64_t remaining_;
+  Clock::time_point looked_ = Clock::now();
+  std::chrono::duration<double> silence_{};
+  bool has_told_ = false;
+};
+
+int Watch::run() {
+  while (remaining_ > 0) {
+    const auto message = subscriber_.receive(kLook);
+    if (!message) return fail_with(console_, message.error());
+    if (*message) take(**message);
+    const auto now = Clock::now();
+    sink_->refresh(now);
+    if (!console_.out || (!*message && console_.is_out_closed())) return kOk;  // nobody reads any more
+    if (const auto status = check_silence(now)) return *status;
+  }
+  return kOk;
+}
+
+void Watch::take(const client::Message& message) {
+  const auto now = Clock::now();
+  if (const auto* block = std::get_if<client::Block>(&message)) {
+    const std::size_t scans = std::min<std::uint64_t>(block->scan_count, remaining_);
+    sink_->show(*block, scans, now);
+    remaining_ -= scans;
+  } else if (const auto* event = std::get_if<client::Event>(&message)) {
+    sink_->show(*event);
+    --remaining_;
+  } else if (const auto* status = std::get_if<client::Status>(&message)) {
+    if (!wants_status()) return;
+    sink_->show(*status);
+    --remaining_;
+  } else {
+    sink_->forget();
+    sink_->make_room();
+    console_.talk << "dtsctl: the daemon was restarted; segments and scans start anew" << std::endl;
+  }
+  silence_ = {};
+  has_told_ = false;
+}
+
+/// "Everything" means everything about rigs: a status line per second would drown it.
+bool Watch::wants_status() const {
+  return std::ranges::any_of(
+      topics_, [](const std::string& prefix) { return !prefix.empty() && std::string_view("dtsd/status").starts_with(prefix); });
+}
+
+/// Says once per silence what is wrong; an exit status when `--timeout` has passed. Only time spent listening counts: after
+/// Ctrl-Z and fg nothing was heard because nobody listened.
+std::optional<int> Watch::check_silence(Clock::time_point now) {
+  silence_ += std::min<std::chrono::duration<double>>(now - looked_, 2 * kLook);
+  looked_ = now;
+  if (arguments_.timeout_s && silence_.count() >= *arguments_.timeout_s) {
+    const client::Error error = explain_silence(subscriber_.status(), topics_, endpoint_);
+    say(error);
+    return error.code == client::ErrorCode::Unreachable ? exit_status(error.code) : kFailed;
+  }
+  if (has_told_ || silence_ < kSilence) return std::nullopt;
+  has_told_ = true;
+  say(explain_silence(subscriber_.status(), topics_, endpoint_));
+  return std::nullopt;
+}
+
+void Watch::say(const client::Error& error) {
+  sink_->make_room();
+  print_error(console_, error);
+}
+
+}  // namespace
+
+int run_watch(const CommandTree& tree, Console& console) {
+  const Arguments& arguments = tree.arguments;
+  if (arguments.is_json) {
+    return fail_with(console, {client::ErrorCode::InvalidArgument, "watch prints a stream, not one document", "--jsonl instead of --json"});
+  }
+  const auto where = endpoints(arguments);
+  if (!where) return fail_with(console, where.error());
+  if (auto somebody = client::probe(where->data); !somebody) return fail_with(console, somebody.error());
+  const std::vector<std::string> topics = arguments.topics.empty() ? std::vector<std::string>{""} : arguments.topics;
+  auto subscriber = client::Subscriber::open(
+      {.endpoint = where->data, .topics = topics, .mode = arguments.is_latest ? client::Mode::Latest : client::Mode::All});
+  if (!subscriber) return fail_with(console, subscriber.error());
+  return Watch(arguments, topics, where->data, std::move(*subscriber), console).run();
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+
+#include "dts/stream.h"
+
+namespace dts::ctl {
+
+/// A way of showing what `watch` receives.
+class WatchSink {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+
+  virtual ~WatchSink() = default;
+  /// Shows the block's first `scans` scans (1..scan_count).
+  virtual void show(const client::Block& block, std::size_t scans, Time now) = 0;
+  virtual void show(const client::Event& event) = 0;
+  virtual void show(const client::Status& status) = 0;
+  /// The daemon was restarted: formats seen so far are gone.
+  virtual void forget() = 0;
+  /// Somebody else is about to write to the terminal.
+  virtual void make_room() {}
+  /// Called at least ten times per second, also when nothing comes.
+  virtual void refresh(Time now) = 0;
+};
+
+}  // namespace dts::ctl

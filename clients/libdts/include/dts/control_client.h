@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "dts/error.h"
+#include "dts/v1/control.pb.h"
+
+namespace dts::client {
+
+struct ControlOptions {
+  std::string endpoint;                           ///< `Endpoints::control`
+  std::chrono::milliseconds timeout{3000};        ///< For a whole command, all tries together (30 ms..1 day).
+  std::chrono::milliseconds tare_timeout{15000};  ///< The same for `tare`, which is answered when its average is complete.
+  int tries = 3;                                  ///< 1..10
+};
+
+/// Sends commands to a daemon and waits for the answers.
+///
+/// A request that is not answered within timeout / tries is sent again over a new socket with the same request id; the
+/// daemon executes it once (the "Lazy Pirate" of the ZeroMQ guide, chapter 4). Every answer is checked before it is
+/// returned: lists are within limits and rates positive. Each command fails with
+///   - Unreachable: nobody answers; says the endpoint and what to try,
+///   - DataDamaged: the answer contradicts itself,
+///   - or the code, reason and hint that the daemon gives.
+/// Thread: one at a time.
+class ControlClient {
+ public:
+  /// Contacts nobody yet. Fails with InvalidArgument for options out of range.
+  [[nodiscard]] static Result<ControlClient> open(const ControlOptions& options);
+  ~ControlClient();
+  ControlClient(ControlClient&&) noexcept;
+  ControlClient& operator=(ControlClient&&) noexcept;
+  ControlClient(const ControlClient&) = delete;
+  ControlClient& operator=(const ControlClient&) = delete;
+
+  [[nodiscard]] Result<v1::StatusSnapshot> status();
+  [[nodiscard]] Result<v1::ListRigsResponse> list_rigs();
+  [[nodiscard]] Result<v1::GetDevicesResponse> devices();
+  /// Statistics of the rig's device channels over the last second.
+  [[nodiscard]] Result<v1::TestDeviceResponse> test_device(const std::string& rig);
+  /// WrongState when the rig already has a session.
+  [[nodiscard]] Result<v1::SessionInfo> start_session(const v1::StartSessionRequest& request);
+  /// An empty rig means the only one that has a session.
+  [[nodiscard]] Result<v1::SessionInfo> stop_session(const std::string& rig);
+  /// Marks the newest scan of a rig, or of every rig for an empty name. `text` has 1..200 bytes.
+  [[nodiscard]] Result<v1::MarkResponse> mark(const std::string& text, const std::string& rig);
+  /// Takes the present deflections as zero.
+  [[nodiscard]] Result<v1::TareResponse> tare(const std::string& rig);
+
+  /// Messages received that were no answer to the request under way. More than a few: something else listens there.
+  [[nodiscard]] std::uint64_t ignored_replies() const noexcept;
+
+ private:
+  class Implementation;
+  explicit ControlClient(std::unique_ptr<Implementation> implementation);
+
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace dts::client

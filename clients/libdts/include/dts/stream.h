@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "dts/v1/control.pb.h"
+#include "dts/v1/stream.pb.h"
+
+namespace dts::client {
+
+/// Scans per second as an exact fraction: scan i of a segment is i * denominator / numerator seconds after scan 0.
+struct Rate {
+  std::int64_t numerator = 1;    ///< 1..1e12
+  std::int64_t denominator = 1;  ///< 1..1e12
+
+  [[nodiscard]] double hz() const noexcept { return static_cast<double>(numerator) / static_cast<double>(denominator); }
+  friend bool operator==(const Rate&, const Rate&) = default;
+};
+
+struct ChannelFormat {
+  std::string name;  ///< "ml_mm"
+  std::string unit;  ///< "mm"
+};
+
+/// What is constant about a stream while the daemon runs.
+struct StreamFormat {
+  std::string name;  ///< "cop"
+  Rate rate;
+  std::vector<ChannelFormat> channels;
+  std::int64_t delay_ns = 0;  ///< A value describes the input this long before its scan (group delay of the filters).
+};
+
+/// Consecutive scans of one stream. A view: everything it points to is valid until the next `Subscriber::receive`.
+struct Block {
+  std::string_view topic;   ///< "floor/cop"
+  std::string_view rig;     ///< "floor"
+  std::string_view stream;  ///< "cop"
+  const StreamFormat* format = nullptr;
+  std::uint32_t segment = 0;     ///< Counts up at every gap of the device; scan indices restart.
+  std::uint64_t first_scan = 0;  ///< Index within the segment.
+  std::size_t scan_count = 0;    ///< At least 1.
+  Rate rate;
+  std::int64_t host_time_ns = 0;  ///< CLOCK_MONOTONIC of the daemon's host at the first scan's instant.
+  std::uint64_t sequence = 0;     ///< Blocks of this stream so far.
+  /// Scans of this stream missing between the block delivered before and this one: lost on the way, dropped by a full
+  /// queue, or skipped in mode Latest. Before the first block: what was received and dropped while the formats were not
+  /// known yet. Holes that the device made are not in it; a gap event tells of those.
+  std::uint64_t lost_scans = 0;
+  /// False when blocks around a segment's end are missing: how long that segment was is then unknown, and `lost_scans`
+  /// is the least it can be.
+  bool is_lost_exact = true;
+  /// From the newest scan's instant to now; absent when the daemon runs on another host or boot.
+  std::optional<std::int64_t> age_ns;
+  std::uint64_t lost_before_pipeline_total = 0;  ///< Scans that the device lost since the daemon started.
+  std::uint64_t dropped_blocks_total = 0;        ///< Blocks of this rig that the publisher dropped since then.
+  std::span<const float> values;                 ///< Columns by channel; NaN where undefined.
+  std::span<const std::uint8_t> quality;         ///< Per channel: bits of `v1::Quality`, or-ed over the scans.
+
+  [[nodiscard]] std::size_t channel_count() const noexcept { return quality.size(); }
+  /// `channel` must be below `channel_count()`.
+  [[nodiscard]] std::span<const float> column(std::size_t channel) const noexcept {
+    return values.subspan(channel * scan_count, scan_count);
+  }
+};
+
+/// Something that happened at one scan of a rig. A view, like Block.
+struct Event {
+  std::string_view topic;  ///< "floor/marker"
+  std::string_view rig;    ///< "floor"
+  std::string_view kind;   ///< "marker"
+  const v1::Event* body = nullptr;
+};
+
+/// The daemon's state, published about once a second. A view, like Block.
+struct Status {
+  const v1::StatusSnapshot* snapshot = nullptr;
+};
+
+/// The daemon was restarted: segments, scan indices and sequences start anew, and what was lost meanwhile is unknown.
+struct Restart {
+  std::uint64_t old_instance_id = 0;
+  std::uint64_t new_instance_id = 0;
+};
+
+using Message = std::variant<Block, Event, Status, Restart>;
+
+}  // namespace dts::client

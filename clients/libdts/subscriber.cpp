@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "dts/subscriber.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <fstream>
+#include <utility>
+#include <zmq.hpp>
+
+#include "inbox.h"
+#include "wire_check.h"
+
+namespace dts::client {
+namespace {
+
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, like the daemon's host times
+
+constexpr std::string_view kStatusTopic = "dtsd/status";
+constexpr std::size_t kLongestPrefix = 200;  // the daemon hangs up on subscriptions beyond 512 bytes
+constexpr int kMaxQueue = 1'000'000;
+constexpr milliseconds kLongestWait = std::chrono::hours(24);
+constexpr milliseconds kShortestSilence{10};
+constexpr int kLooksPerSilence = 8;
+constexpr int kHeartbeatMs = 1000;
+constexpr int kHeartbeatTimeoutMs = 5000;
+constexpr int kReconnectMs = 100;
+constexpr int kReconnectMaxMs = 1000;
+/// Socket-level guard against a peer that announces gigabytes; what is merely too large for us is counted by the inbox.
+constexpr std::int64_t kSocketMaxBytes = 4 * static_cast<std::int64_t>(kMaxMessageBytes);
+/// Messages handled per call even if the deadline has passed, so that polling with timeout 0 gets somewhere.
+constexpr int kMessagesPerCall = 256;
+/// Bounds one drain in mode Latest against a publisher faster than this reader.
+constexpr int kMessagesPerDrain = 65536;
+
+std::int64_t to_ns(Clock::time_point time) noexcept {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(time.time_since_epoch()).count();
+}
+
+std::string read_boot_id() {
+  std::ifstream file("/proc/sys/kernel/random/boot_id");
+  std::string boot_id;
+  std::getline(file, boot_id);
+  return boot_id;
+}
+
+bool asks_for_status(const std::vector<std::string>& prefixes) {
+  return std::ranges::any_of(prefixes, [](const std::string& prefix) { return kStatusTopic.starts_with(prefix); });
+}
+
+Result<void> check_options(const SubscriberOptions& options) {
+  if (options.endpoint.empty()) {
+    return fail(ErrorCode::InvalidArgument, "the daemon's data address is not known", "give it: --data URI or DTSD_DATA");
+  }
+  if (options.topics.empty()) return fail(ErrorCode::InvalidArgument, "no topic to subscribe to", "\"\" means everything");
+  if (std::ranges::any_of(options.topics, [](const std::string& prefix) { return prefix.size() > kLongestPrefix; })) {
+    return fail(ErrorCode::InvalidArgument, "a topic prefix has at most " + std::to_string(kLongestPrefix) + " bytes");
+  }
+  if (options.queue_messages < 1 || options.queue_messages > kMaxQueue) {
+    return fail(ErrorCode::InvalidArgument, "queue_messages must be 1.." + std::to_string(kMaxQueue));
+  }
+  if (options.reconnect_after < kShortestSilence) {
+    return fail(ErrorCode::InvalidArgument, "reconnect_after must be at least " + std::to_string(kShortestSilence.count()) + " ms");
+  }
+  return {};
+}
+
+}  // namespace
+
+class Subscriber::Implementation {
+ public:
+  explicit Implementation(const SubscriberOptions& options);
+
+  std::optional<Message> receive(milliseconds timeout) {
+    const auto deadline = Clock::now() + std::clamp<milliseconds>(timeout, milliseconds::zero(), kLongestWait);
+    return options_.mode == Mode::All ? receive_all(deadline) : receive_latest(deadline);
+  }
+  [[nodiscard]] const Inbox& inbox() const noexcept { return inbox_; }
+
+ private:
+  std::optional<Message> receive_all(Clock::time_point deadline);
+  std::optional<Message> receive_latest(Clock::time_point deadline);
+  void connect();
+  void note_life() noexcept {
+    looked_ = Clock::now();
+    silence_ = {};
+  }
+  void drain();
+  void catch_up();
+  [[nodiscard]] bool take_one();
+  [[nodiscard]] bool wait(Clock::time_point deadline);
+
+  SubscriberOptions options_;
+  zmq::context_t context_{1};
+  zmq::socket_t socket_;
+  zmq::message_t topic_;
+  zmq::message_t body_;
+  Clock::time_point looked_;  ///< Last look into the socket.
+  Clock::duration silence_{};
+  Inbox inbox_;
+};
+
+Subscriber::Implementation::Implementation(const SubscriberOptions& options)
+    : options_(options), inbox_(options.mode, asks_for_status(options.topics), read_boot_id()) {
+  connect();
+}
+
+void Subscriber::Implementation::connect() {
+  socket_ = zmq::socket_t(context_, zmq::socket_type::sub);
+  socket_.set(zmq::sockopt::linger, 0);
+  socket_.set(zmq::sockopt::rcvhwm, options_.queue_messages);
+  socket_.set(zmq::sockopt::maxmsgsize, kSocketMaxBytes);
+  socket_.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
+  socket_.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
+  socket_.set(zmq::sockopt::reconnect_ivl, kReconnectMs);
+  socket_.set(zmq::sockopt::reconnect_ivl_max, kReconnectMaxMs);
+  socket_.set(zmq::sockopt::subscribe, kStatusTopic);
+  for (const std::string& prefix : options_.topics) socket_.set(zmq::sockopt::subscribe, prefix);
+  socket_.connect(options_.endpoint);
+  note_life();
+}
+
+std::optional<Message> Subscriber::Implementation::receive_all(Clock::time_point deadline) {
+  for (int taken = 0;;) {
+    if (auto message = inbox_.next(to_ns(Clock::now()))) return message;
+    if (take_one()) {
+      if (++taken > kMessagesPerCall && Clock::now() >= deadline) return std::nullopt;
+    } else if (!wait(deadline)) {
+      return std::nullopt;
+    }
+  }
+}
+
+std::optional<Message> Subscriber::Implementation::receive_latest(Clock::time_point deadline) {
+  for (;;) {
+    drain();
+    if (inbox_.is_behind()) catch_up();
+    if (auto message = inbox_.next(to_ns(Clock::now()))) return message;
+    if (!wait(deadline)) return std::nullopt;
+  }
+}
+
+void Subscriber::Implementation::drain() {
+  for (int taken = 0; taken < kMessagesPerDrain && take_one(); ++taken) {
+  }
+}
+
+void Subscriber::Implementation::catch_up() {
+  const auto deadline = Clock::now() + options_.catch_up;
+  while (inbox_.is_behind() && wait(deadline)) drain();
+  inbox_.accept_delays();
+}
+
+/// False when the socket has nothing at the moment.
+bool Subscriber::Implementation::take_one() {
+  if (!socket_.recv(topic_, zmq::recv_flags::dontwait)) return false;
+  note_life();
+  if (!topic_.more()) {
+    inbox_.count_malformed();
+    return true;
+  }
+  // The frames of a message arrive together: this does not wait.
+  std::ignore = socket_.recv(body_, zmq::recv_flags::none);
+  if (!body_.more()) {
+    inbox_.accept(topic_.to_string_view(), {body_.data<std::byte>(), body_.size()}, to_ns(looked_));
+    return true;
+  }
+  inbox_.count_malformed();
+  while (body_.more()) std::ignore = socket_.recv(body_, zmq::recv_flags::none);
+  return true;
+}
+
+/// True when it is worth looking into the socket; false at the deadline or when a signal arrived.
+bool Subscriber::Implementation::wait(Clock::time_point deadline) {
+  const Clock::duration slice = options_.reconnect_after / kLooksPerSilence;
+  const auto timeout = std::chrono::ceil<milliseconds>(std::min(deadline - Clock::now(), slice));
+  zmq::pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
+  if (zmq::poll(&item, 1, std::max(timeout, milliseconds::zero())) > 0) return true;
+  // libzmq gives a peer up for good after a violation of its protocol, a message beyond its limit for one. A status comes
+  // every second, so silence means that nobody is connected. Only silence that was listened to counts: a process that was
+  // stopped meanwhile must first read what has piled up.
+  const auto now = Clock::now();
+  silence_ += std::min(now - looked_, slice);
+  looked_ = now;
+  if (silence_ >= options_.reconnect_after) connect();
+  return now < deadline;
+}
+
+Result<Subscriber> Subscriber::open(const SubscriberOptions& options) {
+  if (auto valid = check_options(options); !valid) return tl::make_unexpected(valid.error());
+  try {
+    return Subscriber(std::make_unique<Implementation>(options));
+  } catch (const zmq::error_t& error) {
+    return fail(ErrorCode::InvalidArgument, "cannot use the data address '" + options.endpoint + "': " + error.what());
+  }
+}
+
+Subscriber::Subscriber(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
+Subscriber::~Subscriber() = default;
+Subscriber::Subscriber(Subscriber&&) noexcept = default;
+Subscriber& Subscriber::operator=(Subscriber&&) noexcept = default;
+
+Result<std::optional<Message>> Subscriber::receive(milliseconds timeout) {
+  try {
+    return implementation_->receive(timeout);
+  } catch (const zmq::error_t& error) {
+    if (error.num() == EINTR) return std::optional<Message>();
+    return fail(ErrorCode::Internal, std::string("the data socket failed: ") + error.what());
+  }
+}
+
+const v1::StatusSnapshot* Subscriber::status() const noexcept { return implementation_->inbox().status(); }
+const SubscriberStatistics& Subscriber::statistics() const noexcept { return implementation_->inbox().statistics(); }
+
+}  // namespace dts::client

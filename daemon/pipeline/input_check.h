@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "core/block.h"
+#include "core/result.h"
+
+namespace dts::pipeline {
+
+/// What every stage refuses in `prepare`: no or too many channels, no or too large blocks, channels in a unit other than
+/// `unit` (empty: any). Fails with InvalidArgument, naming `stage` and the value.
+[[nodiscard]] core::Status check_input(std::string_view stage, const core::StreamFormat& input, std::size_t max_scans,
+                                       std::string_view unit);
+
+}  // namespace dts::pipeline

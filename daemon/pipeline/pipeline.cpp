@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/pipeline.h"
+
+#include <algorithm>
+#include <string>
+
+#include "pipeline/fault.h"
+
+namespace dts::pipeline {
+namespace {
+
+constexpr std::string_view kFirstStream = "raw";
+constexpr std::string_view kAuxStream = "aux";
+
+tl::unexpected<core::Error> refuse(std::string what) {
+  return core::fail(core::ErrorCode::InvalidArgument, "pipeline: " + std::move(what));
+}
+
+core::Status check_channels(const PipelineInput& input, const physics::RigModel& rig) {
+  if (input.sensor_channels.size() != rig.sensors.size()) {
+    return refuse("the rig has " + std::to_string(rig.sensors.size()) + " sensors, but " + std::to_string(input.sensor_channels.size()) +
+                  " device channels are named for them");
+  }
+  if (input.aux_channels.size() != input.aux_formats.size()) {
+    return refuse(std::to_string(input.aux_channels.size()) + " aux channels, but " + std::to_string(input.aux_formats.size()) +
+                  " formats");
+  }
+  std::vector<std::size_t> all = input.sensor_channels;
+  all.insert(all.end(), input.aux_channels.begin(), input.aux_channels.end());
+  std::ranges::sort(all);
+  if (const auto twice = std::ranges::adjacent_find(all); twice != all.end()) {
+    return refuse("device channel " + std::to_string(*twice) + " is used twice");
+  }
+  if (!all.empty() && all.back() >= core::kMaxChannels) {
+    return refuse("device channel " + std::to_string(all.back()) + " is above the limit of " + std::to_string(core::kMaxChannels - 1));
+  }
+  return {};
+}
+
+/// What the first stage sees.
+core::StreamFormat device_format(const PipelineInput& input, const physics::RigModel& rig) {
+  core::StreamFormat format{.name = "device", .rate = input.rate, .channels = {}};
+  for (const physics::SensorModel& sensor : rig.sensors) format.channels.push_back({.name = sensor.label + "_v", .unit = "V"});
+  format.channels.insert(format.channels.end(), input.aux_formats.begin(), input.aux_formats.end());
+  return format;
+}
+
+void copy_column(const core::Block& from, std::size_t from_channel, core::Block& to, std::size_t to_channel) noexcept {
+  std::ranges::copy(from.column(from_channel), to.column(to_channel).begin());
+  std::ranges::copy(from.quality(from_channel), to.quality(to_channel).begin());
+}
+
+}  // namespace
+
+core::Result<std::unique_ptr<Pipeline>> Pipeline::create(std::span<const StageConfig> stages, const PipelineInput& input,
+                                                         const StageContext& context) {
+  if (stages.empty()) return refuse("no stages; the first is usually 'guard'");
+  if (auto checked = check_channels(input, context.rig); !checked) return tl::make_unexpected(checked.error());
+
+  std::unique_ptr<Pipeline> pipeline(new Pipeline);
+  pipeline->max_block_scans_ = input.max_block_scans;
+  core::StreamFormat format = device_format(input, context.rig);
+  const std::size_t columns = format.channels.size();
+  for (const StageConfig& config : stages) {
+    auto output = pipeline->append(config, format, context);
+    if (!output) return tl::make_unexpected(output.error());
+    format = std::move(*output);
+  }
+  if (!input.aux_channels.empty()) {
+    pipeline->formats_.push_back({.name = std::string(kAuxStream), .rate = input.rate, .channels = input.aux_formats});
+  }
+  pipeline->sequences_.resize(pipeline->formats_.size());
+  pipeline->channels_ = input.sensor_channels;
+  pipeline->channels_.insert(pipeline->channels_.end(), input.aux_channels.begin(), input.aux_channels.end());
+  pipeline->sensor_count_ = input.sensor_channels.size();
+  pipeline->device_ = core::Block(columns, input.max_block_scans);
+  return pipeline;
+}
+
+core::Result<core::StreamFormat> Pipeline::append(const StageConfig& config, const core::StreamFormat& input, const StageContext& context) {
+  auto stage = create_stage(config, context);
+  if (!stage) return tl::make_unexpected(stage.error());
+  const std::string_view stream = (*stage)->describe().output_stream;
+  if (formats_.empty() && stream != kFirstStream) {
+    return refuse("the first stage is '" + config.id + "', which makes stream '" + std::string(stream) +
+                  "'; it must make 'raw', as 'guard' does");
+  }
+  if (stream == kAuxStream || std::ranges::find(formats_, stream, &core::StreamFormat::name) != formats_.end()) {
+    return refuse("stage '" + config.id + "' makes stream '" + std::string(stream) + "', which exists already");
+  }
+  auto output = (*stage)->prepare(input, max_block_scans_);
+  if (!output) return tl::make_unexpected(output.error());
+  output->name = stream;
+  formats_.push_back(*output);
+  stages_.push_back(std::move(*stage));
+  return output;
+}
+
+core::Frame Pipeline::make_frame() const {
+  core::Frame frame;
+  for (const core::StreamFormat& format : formats_) frame.streams.emplace_back(format.channels.size(), max_block_scans_);
+  return frame;
+}
+
+bool Pipeline::is_acceptable(const core::Block& block) const noexcept {
+  const bool has_channels = std::ranges::all_of(channels_, [&](std::size_t channel) { return channel < block.channel_count(); });
+  return has_channels && block.count() <= max_block_scans_;
+}
+
+void Pipeline::process(const core::Acquired& acquired, core::Frame& frame) noexcept {
+  const core::Block& block = acquired.block;
+  frame.gap_before = acquired.gap_before;
+  frame.segment = block.segment;
+  frame.host_time_ns = block.host_time_ns;
+  frame.lost_scans_total = acquired.lost_scans_total;
+  if (acquired.gap_before.reason != core::GapReason::None) reset_stages();
+  take(block);
+  run_stages(frame);
+}
+
+void Pipeline::take(const core::Block& block) noexcept {
+  device_.copy_position(block);
+  if (block.count() == 0) return;
+  if (!is_acceptable(block)) {
+    device_.set_count(0);
+    rejected_blocks_.store(rejected_blocks_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);  // one writer
+    return;
+  }
+  if (block.segment != segment_ || block.first_scan != next_scan_) reset_stages();
+  segment_ = block.segment;
+  next_scan_ = block.first_scan + block.count();
+  for (std::size_t c = 0; c < channels_.size(); ++c) copy_column(block, channels_[c], device_, c);
+}
+
+void Pipeline::reset_stages() noexcept {
+  for (const auto& stage : stages_) stage->reset();
+}
+
+void Pipeline::run_stages(core::Frame& frame) noexcept {
+  const core::Block* in = &device_;
+  for (std::size_t s = 0; s < stages_.size(); ++s) {
+    core::Block& out = frame.streams[s];
+    out.copy_position(*in);
+    if (in->count() > 0) stages_[s]->process(*in, out);
+    in = &out;
+  }
+  if (formats_.size() > stages_.size()) fill_aux(frame.streams.back());
+  for (std::size_t s = 0; s < formats_.size(); ++s) {
+    frame.streams[s].sequence = sequences_[s];
+    if (frame.streams[s].count() > 0) ++sequences_[s];
+  }
+}
+
+void Pipeline::fill_aux(core::Block& out) const noexcept {
+  out.copy_position(device_);
+  for (std::size_t c = 0; c < out.channel_count(); ++c) {
+    copy_column(device_, sensor_count_ + c, out, c);
+    const auto values = out.column(c);
+    const auto bits = out.quality(c);
+    for (std::size_t i = 0; i < values.size(); ++i) bits[i] = explained(values[i], bits[i]);
+  }
+}
+
+}  // namespace dts::pipeline

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/stage_registry.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "core/suggest.h"
+#include "pipeline/stages/cop.h"
+#include "pipeline/stages/guard.h"
+#include "pipeline/stages/linearise.h"
+#include "pipeline/stages/window_filter.h"
+
+namespace dts::pipeline {
+namespace {
+
+template <class AStage>
+constexpr StageEntry entry() {
+  return {.describe = &AStage::description,
+          .create = [](const StageOptions& options, const StageContext& context) -> std::unique_ptr<Stage> {
+            return std::make_unique<AStage>(options, context);
+          }};
+}
+
+constexpr std::array kStages = {
+    entry<Guard>(),
+    entry<WindowFilter>(),
+    entry<Linearise>(),
+    entry<Cop>(),
+};
+
+const StageEntry* find_stage(std::string_view id) {
+  const auto found = std::ranges::find_if(kStages, [id](const StageEntry& candidate) { return candidate.describe().id == id; });
+  return found == kStages.end() ? nullptr : &*found;
+}
+
+std::string joined(std::span<const std::string_view> words) {
+  std::string text;
+  for (const std::string_view word : words) text += (text.empty() ? "" : ", ") + std::string(word);
+  return text;
+}
+
+/// "; did you mean 'x'?", or what there is.
+std::string advice(std::string_view word, std::span<const std::string_view> known) {
+  const std::string near = core::suggest(word, known);
+  if (!near.empty()) return "; did you mean '" + near + "'?";
+  return known.empty() ? "; there are none" : "; known are " + joined(known);
+}
+
+std::string check_number(const OptionDescription& option, double value) {
+  std::ostringstream text;
+  if (!(value >= option.minimum && value <= option.maximum)) {  // refuses NaN, too
+    text << "is " << value << "; the range is " << option.minimum << " to " << option.maximum;
+  } else if (option.is_whole && value != std::floor(value)) {
+    text << "is " << value << "; it must be a whole number from " << option.minimum << " to " << option.maximum;
+  }
+  return text.str();
+}
+
+/// What is wrong with `value`, as the end of a sentence about the option; empty when it is fine.
+std::string check_value(const OptionDescription& option, const OptionValue& value) {
+  const std::string* const word = std::get_if<std::string>(&value);
+  if (option.choices.empty()) {
+    return word == nullptr ? check_number(option, std::get<double>(value)) : "must be a number, not the word '" + *word + "'";
+  }
+  if (word == nullptr) return "must be a word (" + joined(option.choices) + "), not a number";
+  if (std::ranges::find(option.choices, *word) != option.choices.end()) return {};
+  return "cannot be '" + *word + "'" + advice(*word, option.choices);
+}
+
+/// The problem of one option as a sentence; empty when there is none.
+std::string check_option(const StageDescription& stage, const std::string& name, const OptionValue& value) {
+  const auto option = std::ranges::find(stage.options, name, &OptionDescription::name);
+  if (option == stage.options.end()) {
+    std::vector<std::string_view> known(stage.options.size());
+    std::ranges::transform(stage.options, known.begin(), &OptionDescription::name);
+    return "unknown option '" + name + "' of stage " + std::string(stage.id) + advice(name, known);
+  }
+  const std::string problem = check_value(*option, value);
+  return problem.empty() ? problem : "option '" + name + "' of stage " + std::string(stage.id) + " " + problem;
+}
+
+OptionValue default_of(const OptionDescription& option) {
+  if (option.choices.empty()) return option.default_value;
+  return std::string(option.choices.front());
+}
+
+}  // namespace
+
+std::span<const StageEntry> stage_registry() { return kStages; }
+
+std::vector<std::string> check_stage(const StageConfig& config) {
+  const StageEntry* const found = find_stage(config.id);
+  if (found == nullptr) {
+    std::vector<std::string_view> known(kStages.size());
+    std::ranges::transform(kStages, known.begin(), [](const StageEntry& candidate) { return candidate.describe().id; });
+    return {"unknown stage '" + config.id + "'" + advice(config.id, known)};
+  }
+  std::vector<std::string> problems;
+  for (const auto& [name, value] : config.options) {
+    std::string problem = check_option(found->describe(), name, value);
+    if (!problem.empty()) problems.push_back(std::move(problem));
+  }
+  return problems;
+}
+
+core::Result<std::unique_ptr<Stage>> create_stage(const StageConfig& config, const StageContext& context) {
+  std::string text;
+  for (const std::string& problem : check_stage(config)) text += (text.empty() ? "" : "\n") + problem;
+  if (!text.empty()) return core::fail(core::ErrorCode::InvalidArgument, text);
+  const StageEntry& found = *find_stage(config.id);
+  auto values = config.options;
+  for (const OptionDescription& option : found.describe().options) values.try_emplace(std::string(option.name), default_of(option));
+  return found.create(StageOptions(std::move(values)), context);
+}
+
+}  // namespace dts::pipeline

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/stages/baseline_average.h"
+
+#include <cmath>
+
+#include "pipeline/fault.h"
+
+namespace dts::pipeline {
+
+void BaselineAverage::start(std::uint64_t scans) noexcept {
+  scans_ = scans;
+  remaining_ = scans;
+  sums_ = {};
+}
+
+void BaselineAverage::add(const core::Block& block, std::size_t first, std::size_t scans) noexcept {
+  for (std::size_t c = 0; c < block.channel_count(); ++c) {
+    const auto values = block.column(c).subspan(first, scans);
+    const auto bits = block.quality(c).subspan(first, scans);
+    Sums& sums = sums_[c];
+    if (remaining_ == scans_ && scans > 0) sums.origin = values[0];
+    for (std::size_t i = 0; i < scans; ++i) {
+      const double offset = values[i] - sums.origin;
+      sums.sum += offset;
+      sums.squares += offset * offset;
+      sums.bits |= explained(values[i], bits[i]);
+    }
+  }
+  remaining_ -= scans;
+}
+
+double BaselineAverage::mean(std::size_t channel) const noexcept {
+  return sums_[channel].origin + sums_[channel].sum / static_cast<double>(scans_);
+}
+
+TareOutcome BaselineAverage::judge(std::size_t channel_count, double limit_mm, double noise_mm) const noexcept {
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    if ((sums_[c].bits & kFaultBits) != 0) return TareOutcome::BadSensor;
+  }
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    if (std::abs(mean(c)) > limit_mm) return TareOutcome::Loaded;
+  }
+  const auto scans = static_cast<double>(scans_);
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    const double mean_offset = sums_[c].sum / scans;
+    const double variance = sums_[c].squares / scans - mean_offset * mean_offset;
+    if (variance > noise_mm * noise_mm) return TareOutcome::Unsteady;
+  }
+  return TareOutcome::Done;
+}
+
+}  // namespace dts::pipeline

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/stages/cop.h"
+
+#include <cmath>
+#include <limits>
+
+#include "pipeline/fault.h"
+#include "pipeline/input_check.h"
+
+namespace dts::pipeline {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Contact is lost below this part of the threshold, so that a load near it does not flicker.
+constexpr double kReleaseRatio = 0.8;
+
+}  // namespace
+
+Cop::Cop(const StageOptions& options, const StageContext& context)
+    : rig_(&context.rig), method_(options.word("estimator")), contact_threshold_n_(options.number("contact_threshold_n")) {}
+
+const StageDescription& Cop::description() {
+  static const StageDescription described{
+      .id = "cop",
+      .sentence = "Estimates centre of pressure and load from four deflections.",
+      .output_stream = "cop",
+      .options = {{.name = "estimator",
+                   .sentence = "poly3: quintic in two normalised differences; thesis: thesis 4.4, eq. 4.1.",
+                   .choices = {"poly3", "thesis"}},
+                  {.name = "contact_threshold_n",
+                   .sentence = "Load from which somebody counts as standing on the plate, until it falls below 80 % of it.",
+                   .default_value = 50.0,
+                   .minimum = 1.0,
+                   .maximum = 2000.0}}};
+  return described;
+}
+
+core::Result<core::StreamFormat> Cop::prepare(const core::StreamFormat& input, std::size_t max_scans) {
+  if (auto checked = check_input("cop", input, max_scans, "mm"); !checked) return tl::make_unexpected(checked.error());
+  if (input.channels.size() != physics::kFloorSensors) {
+    return core::fail(core::ErrorCode::InvalidArgument,
+                      "stage cop: " + std::to_string(input.channels.size()) + " channels come in; it needs the four of a floor platform");
+  }
+  const auto method = physics::parse_cop_method(method_);
+  if (!method) return tl::make_unexpected(method.error());
+  const auto estimator = physics::CopEstimator::from_model(*method, *rig_);
+  if (!estimator) return core::fail(estimator.error().code, "stage cop: " + estimator.error().what, estimator.error().hint);
+  estimator_ = *estimator;
+  reset();
+  core::StreamFormat output = input;
+  output.channels = {{.name = "ml_mm", .unit = "mm"}, {.name = "ap_mm", .unit = "mm"}, {.name = "load_n", .unit = "N"}};
+  return output;
+}
+
+void Cop::process(const core::Block& in, core::Block& out) noexcept {
+  for (std::size_t i = 0; i < in.count(); ++i) {
+    std::array<double, physics::kFloorSensors> deflection_mm{};
+    std::uint8_t bits = 0;
+    for (std::size_t c = 0; c < deflection_mm.size(); ++c) {
+      deflection_mm[c] = in.column(c)[i];
+      bits |= explained(deflection_mm[c], in.quality(c)[i]);
+    }
+    const std::array<Value, 3> values = evaluate(deflection_mm, bits);
+    for (std::size_t c = 0; c < values.size(); ++c) {
+      out.column(c)[i] = values[c].value;
+      out.quality(c)[i] = values[c].bits;
+    }
+  }
+}
+
+std::array<Cop::Value, 3> Cop::evaluate(const std::array<double, physics::kFloorSensors>& deflection_mm, std::uint8_t bits) noexcept {
+  // A faulty scan tells nothing about contact either: that stays as it was.
+  if ((bits & kFaultBits) != 0) return {Value{kNaN, bits}, Value{kNaN, bits}, Value{kNaN, bits}};
+  const physics::CopEstimate estimate = estimator_->estimate(deflection_mm);
+  const double load_n = std::isfinite(estimate.load_n) ? estimate.load_n : 0.0;  // not bent downwards at all
+  if (!update_contact(load_n)) {
+    const auto no_contact = static_cast<std::uint8_t>(bits | core::quality::kNoContact);
+    return {Value{kNaN, no_contact}, Value{kNaN, no_contact}, Value{load_n, bits}};
+  }
+  if (!estimate.is_inside_calibration) bits |= core::quality::kUncalibrated;
+  const double ml_mm = estimate.x_mm - 0.5 * rig_->plate.a.value;
+  const double ap_mm = estimate.y_mm - 0.5 * rig_->plate.b.value;
+  return {Value{ml_mm, bits}, Value{ap_mm, bits}, Value{load_n, bits}};
+}
+
+bool Cop::update_contact(double load_n) noexcept {
+  is_in_contact_ = load_n >= (is_in_contact_ ? kReleaseRatio : 1.0) * contact_threshold_n_;
+  return is_in_contact_;
+}
+
+}  // namespace dts::pipeline

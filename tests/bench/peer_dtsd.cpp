@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+// dtsd as one peer among those of a benchmark that compares ways from a producer to a consumer:
+//
+//   role=prod  the daemon's own parts, wired as app/daemon.cpp does, behind a device that follows the benchmark's schedule
+//   role=cons  a client on libdts
+//
+// Both take the driver's arguments (rate= chunk= secs= nsub= ...), talk with it over stdin and stdout (peer_protocol.h) and
+// end with one line of JSON. Further arguments:
+//   ep=ADDRESS       data endpoint, tcp://127.0.0.1:PORT or ipc:///PATH
+//   load=raw|floor   raw: 16 sensors, stage guard, stream raw. floor: 4 sensors and 12 further channels, four stages, five streams
+//   cpu=N            sample threads and publisher on core N, as the daemon's realtime.cpus
+//   zmq_cpu=N        libzmq's thread on core N
+//   mode=all|latest  of the subscriber
+#include <sched.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+#include <span>
+#include <thread>
+#include <zmq.hpp>
+
+#include "bench/peer_protocol.h"
+#include "bench/scheduled_device.h"
+#include "bench/timed_socket.h"
+#include "core/thread.h"
+#include "dts/subscriber.h"
+#include "ipc/control_server.h"
+#include "ipc/publish_thread.h"
+#include "ipc/xpub_socket.h"
+#include "session/supervisor.h"
+
+namespace dts::bench {
+namespace {
+
+constexpr std::size_t kChannels = 16;
+constexpr const char* kRig = "bench";
+constexpr int kServeMs = 20;
+constexpr double kSubscriberQueueMs = 2000.0;  // as the daemon
+constexpr int kShortestSubscriberQueue = 1000;
+constexpr std::uint64_t kInstance = 1;
+
+/// For what a benchmark cannot go on without.
+template <class T>
+T need(core::Result<T> result) {
+  if (result) return std::move(*result);
+  std::fprintf(stderr, "peer_dtsd: %s\n", core::to_string(result.error()).c_str());
+  std::exit(1);
+}
+
+/// The policy of a sample thread `steps_below` the one that this process was started with (chrt), as the daemon's configuration does it.
+core::ThreadPolicy policy(const Arguments& arguments, int fifo_priority, int steps_below) {
+  core::ThreadPolicy policy{.fifo_priority = std::max(0, fifo_priority - steps_below), .cpus = {}};
+  if (const double cpu = arguments.number("cpu", -1.0); cpu >= 0.0) policy.cpus = {static_cast<int>(cpu)};
+  return policy;
+}
+
+/// Takes SCHED_FIFO off the calling thread, the daemon's control thread, and tells what it was; 0 without it.
+int take_fifo_priority() {
+  if (sched_getscheduler(0) != SCHED_FIFO) return 0;
+  sched_param parameters{};
+  sched_getparam(0, &parameters);
+  const sched_param none{};
+  sched_setscheduler(0, SCHED_OTHER, &none);
+  return parameters.sched_priority;
+}
+
+session::RigConfig rig_config(const Arguments& arguments, const Plan& plan, int fifo_priority) {
+  const bool is_floor = arguments.text("load", "raw") == "floor";
+  session::RigConfig config{.name = kRig, .kind = "floor", .device_uri = "bench:schedule", .model = {}, .block_scans = plan.chunk};
+  config.rate = need(core::Rate::from_hz(plan.rate_hz));
+  config.model.support = {.kind = physics::SupportKind::Corner, .inset = {10.75}};
+  const std::size_t per_side = is_floor ? 2 : 4;
+  const double pitch_mm = is_floor ? 258.0 : 86.0;  // the floor platform's sensors at 86 and 344 mm; raw: a grid from 86 mm on
+  for (std::size_t sensor = 0; sensor < per_side * per_side; ++sensor) {
+    const physics::Point position{.x = {86.0 + pitch_mm * static_cast<double>(sensor % per_side)},
+                                  .y = {86.0 + pitch_mm * static_cast<double>(sensor / per_side)}};
+    config.model.sensors.push_back(
+        {.label = "w" + std::to_string(sensor + 1), .position = position, .curve = physics::SensorCurve::hoa1405_assumed()});
+    config.sensor_channels.push_back(sensor);
+  }
+  config.stages.push_back({.id = "guard", .options = {}});
+  config.published = {"raw"};
+  if (is_floor) {
+    for (const char* stage : {"window_filter", "linearise", "cop"}) config.stages.push_back({.id = stage, .options = {}});
+    config.published = {"raw", "filtered", "deflection", "cop", "aux"};
+  }
+  config.acquire_policy = policy(arguments, fifo_priority, 0);
+  config.pipeline_policy = policy(arguments, fifo_priority, 1);
+  return config;
+}
+
+void schedule_zmq(zmq::context_t& context, const Arguments& arguments, int fifo_priority) {
+  if (fifo_priority > 0) {
+    zmq_ctx_set(context.handle(), ZMQ_THREAD_SCHED_POLICY, SCHED_FIFO);
+    zmq_ctx_set(context.handle(), ZMQ_THREAD_PRIORITY, fifo_priority);
+  }
+  if (const double cpu = arguments.number("zmq_cpu", -1.0); cpu >= 0.0) {
+    zmq_ctx_set(context.handle(), ZMQ_THREAD_AFFINITY_CPU_ADD, static_cast<int>(cpu));
+  }
+}
+
+/// Without it a subscriber does not tell how old its data are.
+std::string boot_id() {
+  std::ifstream file("/proc/sys/kernel/random/boot_id");
+  std::string id;
+  std::getline(file, id);
+  return id;
+}
+
+/// A directory for the control socket, gone with this object.
+class TemporaryDirectory {
+ public:
+  TemporaryDirectory() : path_((std::filesystem::temp_directory_path() / "dts-bench-XXXXXX").string()) {
+    if (::mkdtemp(path_.data()) == nullptr) std::exit(1);
+  }
+  ~TemporaryDirectory() { std::filesystem::remove_all(path_); }
+  TemporaryDirectory(const TemporaryDirectory&) = delete;
+  TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
+  [[nodiscard]] const std::string& path() const noexcept { return path_; }
+
+ private:
+  std::string path_;
+};
+
+void report_producer(const Plan& plan, const ScheduledDevice& device, session::Rig& rig, TimedSocket::Figures& figures) {
+  const ProcessUse& begin = device.use_at_begin();
+  const ProcessUse& end = device.use_at_end();
+  const double wall_s = static_cast<double>(end.at_ns - begin.at_ns) * 1e-9;
+  const auto measured = static_cast<double>(std::max<std::uint64_t>(1, plan.total_messages - plan.warm_messages));
+  figures.send.sort();
+  figures.age.sort();
+  JsonLine line;
+  line.add("role", std::string_view("prod")).add("peer", std::string_view("dtsd")).add("rate", plan.rate_hz);
+  line.add("chunk", std::uint64_t{plan.chunk}).add("msgs", plan.total_messages);
+  line.add("refused", rig.dropped_blocks()).add("lost_before_pipeline", rig.acquisition().lost_scans_total);
+  line.add("achieved", measured * static_cast<double>(plan.chunk) / wall_s);
+  line.add("push_p50", figures.send.us(0.5)).add("push_p99", figures.send.us(0.99)).add("push_max", figures.send.us(1.0));
+  line.add("age_at_push_p50", figures.age.us(0.5)).add("age_at_push_p99", figures.age.us(0.99));
+  line.add("late_max", static_cast<double>(device.latest_ns()) * 1e-3);
+  line.add("cpu_pct", 100.0 * (end.cpu_s - begin.cpu_s) / wall_s);
+  line.add("cs_per_msg", static_cast<double>(end.context_switches - begin.context_switches) / measured);
+  line.add("rss0", static_cast<std::uint64_t>(begin.resident_kb)).add("rss", static_cast<std::uint64_t>(end.resident_kb)).print();
+}
+
+int produce(const Arguments& arguments) {
+  const Plan plan(arguments);
+  const int fifo_priority = take_fifo_priority();
+  core::SystemClock clock;
+  core::Doorbell bell;
+  const session::RigConfig config = rig_config(arguments, plan, fifo_priority);
+  auto made_device = std::make_unique<ScheduledDevice>(plan, kChannels, config.rate, arguments.count("tick_us", 0) * 1000, clock);
+  ScheduledDevice& device = *made_device;
+  auto made_rig = need(session::Rig::create(config, std::move(made_device), clock, bell));
+  session::Rig& rig = *made_rig;
+  session::Supervisor supervisor(clock, core::Log());
+  need(supervisor.add(std::move(made_rig)).map([] { return true; }));
+
+  zmq::context_t context(1);
+  schedule_zmq(context, arguments, std::max(0, fifo_priority - 3));
+  const double queue =
+      kSubscriberQueueMs * 1e-3 * plan.rate_hz / static_cast<double>(plan.chunk) * static_cast<double>(config.published.size());
+  auto xpub = need(ipc::XpubSocket::bind(context, arguments.text("ep", "tcp://127.0.0.1:5599"),
+                                         std::max(kShortestSubscriberQueue, static_cast<int>(queue))));
+  TimedSocket::Figures figures(plan.total_messages * config.published.size());
+  ipc::PublishThread publisher(std::make_unique<TimedSocket>(std::move(xpub), plan.warm_scans(), config.rate, clock, figures), bell,
+                               supervisor.rigs(), kInstance);
+  for (const std::string& refused : publisher.start(policy(arguments, fifo_priority, 2))) std::fprintf(stderr, "%s\n", refused.c_str());
+  const TemporaryDirectory directory;
+  ipc::CommandHandler handler(supervisor, clock, {.instance_id = kInstance, .boot_id = boot_id(), .started_ns = clock.now_ns()}, {});
+  auto server = need(
+      ipc::ControlServer::bind(context, "ipc://" + directory.path() + "/control.sock", supervisor, handler, publisher, clock, kInstance));
+  supervisor.start();
+
+  const auto serve_for = [&](std::uint64_t ms) {
+    const std::int64_t until_ns = clock.now_ns() + static_cast<std::int64_t>(ms) * core::kNanosecondsPerMillisecond;
+    while (clock.now_ns() < until_ns) server->serve(kServeMs);
+  };
+  say("UP");
+  while (!is_told_to_go()) server->serve(kServeMs);
+  serve_for(arguments.count("settle_ms", 500));
+  device.begin(clock.now_ns() + core::kNanosecondsPerMillisecond);
+  while (!device.is_done()) server->serve(kServeMs);
+  serve_for(arguments.count("linger_ms", 300));
+  supervisor.stop();
+  publisher.stop();
+  report_producer(plan, device, rig, figures);
+  serve_for(arguments.count("exit_ms", 300));
+  return 0;
+}
+
+/// What a subscriber is told of its losses, and how old the first data are after a pause of its own (it was stopped).
+struct LossReport {
+  static constexpr std::int64_t kPauseNs = 1'000'000'000;
+
+  std::uint64_t told_lost = 0;
+  bool is_exact = true;
+  std::int64_t last_ns = 0;
+  std::optional<std::int64_t> age_after_pause_ns;
+  std::uint64_t told_after_pause = 0;
+
+  void take(const client::Block& block, std::int64_t now_ns) {
+    told_lost += block.lost_scans;
+    is_exact = is_exact && block.is_lost_exact;
+    if (last_ns != 0 && now_ns - last_ns > kPauseNs) {
+      age_after_pause_ns = block.age_ns;
+      told_after_pause = block.lost_scans;
+    }
+    last_ns = now_ns;
+  }
+  void add_to(JsonLine& line) const {
+    line.add("told_lost", told_lost).add("told_exact", std::uint64_t{is_exact});
+    if (age_after_pause_ns) {
+      line.add("age_after_pause_ms", static_cast<double>(*age_after_pause_ns) * 1e-6).add("told_after_pause", told_after_pause);
+    }
+  }
+};
+
+int consume(const Arguments& arguments) {
+  const Plan plan(arguments);
+  const core::SystemClock clock;
+  const bool is_floor = arguments.text("load", "raw") == "floor";
+  const std::string_view counted = is_floor ? "cop" : "raw";
+  auto subscriber =
+      client::Subscriber::open({.endpoint = arguments.text("ep", "tcp://127.0.0.1:5599"),
+                                .topics = {std::string(kRig) + (is_floor ? "/" : "/raw")},
+                                .mode = arguments.text("mode", "all") == "latest" ? client::Mode::Latest : client::Mode::All});
+  while (subscriber && subscriber->status() == nullptr) {
+    if (!subscriber->receive(std::chrono::milliseconds(50))) return 1;
+  }
+  if (!subscriber) return 1;
+  say("READY");
+  ConsumerFigures figures(plan);
+  LossReport losses;
+  const std::chrono::milliseconds patience(arguments.count("idle_ms", 3000));
+  while (!figures.is_done()) {
+    const auto message = subscriber->receive(patience);
+    if (!message || (!*message && figures.has_started())) break;
+    const client::Block* block = *message ? std::get_if<client::Block>(&**message) : nullptr;
+    if (block == nullptr || block->stream != counted) continue;
+    const std::int64_t now_ns = clock.now_ns();
+    const auto length_ns = static_cast<std::int64_t>(static_cast<double>(block->scan_count - 1) * 1e9 / block->rate.hz());
+    figures.take(block->first_scan, block->scan_count, block->host_time_ns + length_ns, now_ns);
+    if (figures.has_started()) losses.take(*block, now_ns);
+  }
+  JsonLine line = figures.report("dtsd");
+  losses.add_to(line);
+  line.print();
+  return 0;
+}
+
+}  // namespace
+}  // namespace dts::bench
+
+int main(int argc, char** argv) {
+  const dts::bench::Arguments arguments(std::span<char* const>(argv, static_cast<std::size_t>(argc)));
+  const std::string role = arguments.text("role", "");
+  if (role == "prod") return dts::bench::produce(arguments);
+  if (role == "cons") return dts::bench::consume(arguments);
+  std::fprintf(stderr, "peer_dtsd: started by tests/bench/peers.py with role=prod or role=cons\n");
+  return 2;
+}

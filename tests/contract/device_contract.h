@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the device contract is checked on and with.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/clock.h"
+#include "device/registry.h"
+#include "unit/device/sim_rig.h"
+
+namespace dts::device::contract {
+
+inline constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
+inline constexpr std::int64_t kSecond = 1000 * kMillisecond;
+
+/// One device and how to make it misbehave within its first seconds; empty: this device cannot be made to.
+struct DeviceUnderTest {
+  const char* name;
+  const char* uri;
+  const char* unplugging_uri;
+  const char* gapping_uri;
+};
+
+inline constexpr std::array kDevices = {
+    DeviceUnderTest{"sim_floor", "sim:floor", "sim:floor?fault=unplug&fault_at_s=0.5&fault_for_s=1",
+                    "sim:floor?fault=overrun&fault_at_s=0.5&fault_for_s=0.7"},
+    DeviceUnderTest{"sim_floor_16", "sim:floor?extra=12&clock_ppm=80&contact=point",
+                    "sim:floor?extra=12&fault=unplug&fault_at_s=0&fault_for_s=0.001",
+                    "sim:floor?extra=12&fault=silence&fault_at_s=0.2&fault_for_s=3"},
+};
+
+/// Calls `on_sleep` before the first wait: somebody else acts at exactly that moment.
+class ClockWithVisitor final : public core::Clock {
+ public:
+  [[nodiscard]] std::int64_t now_ns() const noexcept override { return clock_.now_ns(); }
+  void sleep_until_ns(std::int64_t deadline_ns) noexcept override {
+    if (auto visit = std::exchange(on_sleep, nullptr)) visit();
+    clock_.sleep_until_ns(deadline_ns);
+  }
+
+  std::function<void()> on_sleep;
+
+ private:
+  core::VirtualClock clock_{kSecond};
+};
+
+class DeviceContract : public testing::TestWithParam<DeviceUnderTest> {
+ protected:
+  std::unique_ptr<Device> create(std::string_view uri) { return create_on(uri, clock_); }
+
+  std::unique_ptr<Device> create_on(std::string_view uri, core::Clock& clock) {
+    auto device = create_device(uri, {clock, rig_});
+    EXPECT_TRUE(device.has_value()) << (device ? "" : core::to_string(device.error()));
+    return device ? std::move(*device) : nullptr;
+  }
+
+  static StartOptions usual(const Device& device, std::size_t max_block_scans = 64) {
+    return {test::rate_of(std::clamp(100.0, device.describe().minimum_rate_hz, device.describe().maximum_rate_hz)), max_block_scans};
+  }
+
+  static core::Block block_for(const Device& device, std::size_t capacity) { return {device.describe().channels.size(), capacity}; }
+
+  std::unique_ptr<Device> streaming(std::string_view uri) {
+    auto device = create(uri);
+    EXPECT_TRUE(device->open().has_value());
+    EXPECT_TRUE(device->start(usual(*device)).has_value());
+    return device;
+  }
+
+  /// Reads until the device says that it is gone.
+  std::unique_ptr<Device> gone() {
+    auto device = streaming(GetParam().unplugging_uri);
+    core::Block block = block_for(*device, 64);
+    ReadResult read;
+    for (int i = 0; i < 1000 && read.outcome != ReadOutcome::Gone; ++i) read = device->read(block, clock_.now_ns() + kSecond);
+    EXPECT_EQ(read.outcome, ReadOutcome::Gone);
+    EXPECT_EQ(read.gap.reason, core::GapReason::Unplugged);
+    return device;
+  }
+
+  bool can_unplug() const { return GetParam().unplugging_uri[0] != '\0'; }
+
+  core::VirtualClock clock_{kSecond};
+  physics::RigModel rig_ = test::floor_rig();
+};
+
+inline core::ErrorCode code(const core::Status& status) { return status ? core::ErrorCode{} : status.error().code; }
+inline core::ErrorCode code(const core::Result<core::Rate>& result) { return result ? core::ErrorCode{} : result.error().code; }
+
+/// The state table as a model: what the next state and the answer must be.
+struct Model {
+  DeviceState state = DeviceState::Closed;
+
+  void check_open(Device& device) {
+    const core::Status opened = device.open();
+    if (state == DeviceState::Gone) {
+      EXPECT_EQ(code(opened), core::ErrorCode::WrongState);
+    } else if (opened) {
+      state = state == DeviceState::Closed ? DeviceState::Open : state;
+    } else {
+      EXPECT_EQ(state, DeviceState::Closed);
+      EXPECT_EQ(code(opened), core::ErrorCode::NotFound);  // unplugged and not back yet
+    }
+  }
+
+  void check_start(Device& device, const StartOptions& options) {
+    const auto started = device.start(options);
+    if (state == DeviceState::Open) {
+      EXPECT_TRUE(started.has_value());
+      state = DeviceState::Streaming;
+    } else {
+      EXPECT_EQ(code(started), state == DeviceState::Gone ? core::ErrorCode::DeviceGone : core::ErrorCode::WrongState);
+    }
+  }
+
+  void check_read(Device& device, core::Block& block, std::int64_t deadline_ns) {
+    const ReadOutcome outcome = device.read(block, deadline_ns).outcome;
+    if (state == DeviceState::Gone) {
+      EXPECT_EQ(outcome, ReadOutcome::Gone);
+    } else if (state != DeviceState::Streaming) {
+      EXPECT_EQ(outcome, ReadOutcome::NotStreaming);
+    } else {
+      EXPECT_NE(outcome, ReadOutcome::NotStreaming);
+      if (outcome == ReadOutcome::Gone) state = DeviceState::Gone;
+    }
+    EXPECT_EQ(block.count() > 0, outcome == ReadOutcome::Scans);
+  }
+
+  void check_stop(Device& device) {
+    EXPECT_TRUE(device.stop().has_value());
+    if (state == DeviceState::Streaming) state = DeviceState::Open;
+  }
+
+  void check_close(Device& device) {
+    EXPECT_TRUE(device.close().has_value());
+    state = DeviceState::Closed;
+  }
+};
+
+}  // namespace dts::device::contract

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/doctor.h"
+
+#include <limits>
+
+#include "unit/ctl/run_fixture.h"
+
+namespace dts::ctl {
+namespace {
+
+using ::testing::HasSubstr;
+
+const SystemFacts kGoodMachine{.may_use_fifo = true, .lockable_bytes = std::numeric_limits<std::uint64_t>::max(), .clock_source = "tsc"};
+
+bool is_well(const std::vector<Check>& checks) { return std::ranges::all_of(checks, &Check::is_good); }
+
+TEST(Doctor, GoodMachineAndRig_AllIsWell) {
+  EXPECT_TRUE(is_well(check_system(kGoodMachine, std::nullopt)));
+  EXPECT_TRUE(is_well(check_rig(testing::floor_status().rigs(0))));
+  EXPECT_TRUE(check_version(std::string(client::version())).is_good);
+  EXPECT_TRUE(check_version(std::string(client::version()) + "+g1234").is_good);
+}
+
+TEST(Doctor, EveryBadFinding_HasAFix) {
+  v1::RigStatus rig = testing::floor_status().rigs(0);
+  rig.set_measured_rate_hz(98.9);
+  rig.set_lost_scans_total(3);
+  std::vector<Check> checks = check_rig(rig);
+  checks.push_back(check_version("9.9.9"));
+  std::ranges::move(check_system({.may_use_fifo = false, .lockable_bytes = 1024, .clock_source = "hpet"}, std::nullopt),
+                    std::back_inserter(checks));
+
+  const auto bad = std::ranges::count_if(checks, [](const Check& check) { return !check.is_good; });
+
+  EXPECT_EQ(bad, 6) << "rate, losses, version, scheduling, memory, clock";
+  for (const Check& check : checks) EXPECT_EQ(check.fix.empty(), check.is_good) << check.name;
+}
+
+TEST(Doctor, RateAtTheLimitOfOnePercent_IsWellJustInside) {
+  v1::RigStatus rig = testing::floor_status().rigs(0);
+  rig.set_measured_rate_hz(99.01);
+  EXPECT_TRUE(is_well(check_rig(rig)));
+  rig.set_measured_rate_hz(101.01);
+  EXPECT_FALSE(is_well(check_rig(rig)));
+  rig.set_measured_rate_hz(0.0);
+  EXPECT_FALSE(is_well(check_rig(rig)));
+  rig.set_measured_rate_hz(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_FALSE(is_well(check_rig(rig)));
+}
+
+TEST(Doctor, DeviceGone_OneFindingWithTheReason) {
+  v1::RigStatus rig = testing::floor_status().rigs(0);
+  rig.set_device(v1::DEVICE_STATE_GONE);
+  rig.set_device_message("cable pulled");
+
+  const std::vector<Check> checks = check_rig(rig);
+
+  ASSERT_EQ(checks.size(), 1U);
+  EXPECT_FALSE(checks[0].is_good);
+  EXPECT_THAT(checks[0].finding, HasSubstr("cable pulled"));
+}
+
+TEST(Doctor, UserMayNotButTheDaemonIsContent_IsWell) {
+  const SystemFacts poor{.may_use_fifo = false, .lockable_bytes = 1024, .clock_source = "tsc"};
+  v1::StatusSnapshot status = testing::floor_status();
+  EXPECT_TRUE(is_well(check_system(poor, status)));
+
+  status.add_notices("thread acquire: SCHED_FIFO priority 60 refused: Operation not permitted");
+  status.add_notices("memory is not locked, pages may be swapped out: Cannot allocate memory");
+  const auto checks = check_system(poor, status);
+  EXPECT_EQ(std::ranges::count_if(checks, [](const Check& check) { return !check.is_good; }), 2);
+}
+
+TEST(SystemFacts, OfThisMachine_CanBeGathered) { EXPECT_GT(gather_system_facts().lockable_bytes, 0U); }
+
+TEST_F(RunTest, DoctorWithoutDaemon_FailsAndSaysHowToStartIt) {
+  EXPECT_EQ(run_with({"doctor"}), kFailed);
+
+  EXPECT_THAT(out(), HasSubstr("wrong  daemon: no daemon at " + control_));
+}
+
+TEST_F(RunTest, DoctorWithDaemon_FindsDataAndSpeaksJson) {
+  const testing::FakeController control(control_, [](const v1::Request& request, int) {
+    return std::vector{testing::reply(request, [](v1::Response& response) { *response.mutable_status() = testing::floor_status(); })};
+  });
+  testing::FakePublisher data(data_);
+  std::jthread publisher([&] {
+    if (data.wait_for_subscription("")) data.send("dtsd/status", testing::floor_status());
+  });
+
+  const int status = run_with({"doctor", "--json"});
+
+  publisher.join();
+  const auto report = json();
+  EXPECT_EQ(status, report.at("ok").get<bool>() ? kOk : kFailed);
+  const auto found = [&](const std::string& name) {
+    for (const auto& check : report.at("checks")) {
+      if (check.at("name") == name) return check.at("ok").get<bool>();
+    }
+    return false;
+  };
+  for (const char* name : {"address", "daemon", "version", "floor device", "floor rate", "floor losses", "data"}) {
+    EXPECT_TRUE(found(name)) << name << report.dump(2);
+  }
+}
+
+}  // namespace
+}  // namespace dts::ctl

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/documents.h"
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <regex>
+
+#include "unit/ctl/run_fixture.h"
+
+namespace dts::ctl {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// What a shell command prints; its status goes to `status`.
+std::string output_of(const std::string& command, int& status) {
+  std::string text;
+  FILE* pipe = ::popen(command.c_str(), "r");
+  std::array<char, 4096> chunk{};
+  for (std::size_t bytes = 0; (bytes = std::fread(chunk.data(), 1, chunk.size(), pipe)) > 0;) text.append(chunk.data(), bytes);
+  status = ::pclose(pipe);
+  return text;
+}
+
+class DocumentsTest : public RunTest {
+ protected:
+  std::string write(const std::string& name, const std::string& text) {
+    const auto path = directory_.path() / name;
+    std::ofstream(path) << text;
+    return path.string();
+  }
+  const CLI::App& root() { return tree_->app; }
+
+  std::unique_ptr<CommandTree> tree_ = make_command_tree();
+};
+
+TEST_F(DocumentsTest, BashCompletion_IsValidBash) {
+  const std::string file = write("completion.bash", bash_completion(root()));
+
+  int status = 1;
+  const std::string complaints = output_of("bash -n " + file + " 2>&1", status);
+
+  EXPECT_EQ(status, 0) << complaints;
+}
+
+TEST_F(DocumentsTest, BashCompletion_OffersWhatMayFollow) {
+  const std::string file = write("completion.bash", bash_completion(root()));
+  const auto offered = [&](const std::string& words, int position) {
+    int status = 1;
+    return output_of("bash -c 'source " + file + "; COMP_WORDS=(" + words + "); COMP_CWORD=" + std::to_string(position) +
+                         "; _dtsctl; echo \"${COMPREPLY[*]}\"'",
+                     status);
+  };
+
+  EXPECT_EQ(offered("dtsctl wa", 1), "watch\n");
+  EXPECT_EQ(offered("dtsctl session st", 2), "start stop\n");
+  EXPECT_EQ(offered("dtsctl --json session start --d", 4), "--duration --data\n");
+  EXPECT_EQ(offered("dtsctl completion z", 2), "zsh\n");
+}
+
+TEST_F(DocumentsTest, ZshCompletion_IsValidZsh) {
+  int status = 1;
+  output_of("command -v zsh", status);
+  if (status != 0) GTEST_SKIP() << "zsh is not installed";
+  const std::string file = write("_dtsctl", zsh_completion(root()));
+
+  const std::string complaints = output_of("zsh -n " + file + " 2>&1", status);
+
+  EXPECT_EQ(status, 0) << complaints;
+}
+
+TEST_F(DocumentsTest, ZshCompletion_QuotesDescriptions) {
+  const std::string script = zsh_completion(root());
+
+  EXPECT_THAT(script, ::testing::StartsWith("#compdef dtsctl\n"));
+  EXPECT_THAT(script, HasSubstr("'session:Start and stop sessions'"));
+  EXPECT_THAT(script, HasSubstr("a rig'\\''s device"));
+}
+
+TEST_F(DocumentsTest, Manual_HasNoEmptySectionAndNamesEveryCommand) {
+  const std::string page = manual_page(root());
+
+  EXPECT_FALSE(std::regex_search(page, std::regex("\\.(SH[^\n]*\n\\.SH|SS[^\n]*\n\\.S)"))) << "a headline right after a headline";
+  EXPECT_FALSE(std::regex_search(page, std::regex("\n\n"))) << "roff needs no empty lines";
+  for (const char* command : {"status", "rig show", "device test", "session start", "mark", "tare", "watch", "doctor", "completion"}) {
+    EXPECT_THAT(page, HasSubstr(std::string(".SS dtsctl ") + command));
+  }
+  for (const char* section : {"NAME", "SYNOPSIS", "EXAMPLES", "COMMANDS", "OPTIONS", "ENVIRONMENT", "EXIT STATUS", "FILES"}) {
+    EXPECT_THAT(page, HasSubstr(std::string(".SH ") + section + "\n"));
+  }
+}
+
+TEST_F(DocumentsTest, Manual_IsCleanForGroff) {
+  int status = 1;
+  output_of("command -v groff", status);
+  if (status != 0) GTEST_SKIP() << "groff is not installed";
+  const std::string file = write("dtsctl.1", manual_page(root()));
+
+  const std::string complaints = output_of("groff -man -ww -z -Tutf8 " + file + " 2>&1", status);
+
+  EXPECT_EQ(complaints, "");
+}
+
+TEST_F(DocumentsTest, Commands_PrintTheDocuments) {
+  EXPECT_EQ(run_bare({"completion", "bash"}), kOk);
+  EXPECT_EQ(out(), bash_completion(root()));
+  EXPECT_EQ(run_bare({"completion", "zsh"}), kOk);
+  EXPECT_EQ(out(), zsh_completion(root()));
+  EXPECT_EQ(run_bare({"man"}), kOk);
+  EXPECT_EQ(out(), manual_page(root()));
+}
+
+}  // namespace
+}  // namespace dts::ctl

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/json.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace dts::ctl {
+namespace {
+
+TEST(ToJson, EmptyMessage_HasOnlyWhatIsDefinedAtZero) {
+  const Json json = to_json(v1::RigStatus());
+
+  EXPECT_EQ(json.at("lost_scans_total"), 0);
+  for (const char* key : {"device", "device_message", "measured_rate_hz", "pipeline_us_per_scan", "tare", "session", "rig"}) {
+    EXPECT_FALSE(json.contains(key)) << key;
+  }
+}
+
+TEST(ToJson, NumbersThatAreNotFinite_AreAbsentOrNullInLists) {
+  v1::RigStatus status;
+  status.set_nominal_rate_hz(std::numeric_limits<double>::quiet_NaN());
+  v1::TareResponse tare;
+  tare.add_baseline_mm(std::numeric_limits<double>::infinity());
+
+  EXPECT_FALSE(to_json(status).contains("nominal_rate_hz"));
+  EXPECT_EQ(to_json(tare).dump(), R"({"baseline_mm":[null]})");
+}
+
+TEST(ToJson, LargeNumbers_AreExactNumbers) {
+  v1::StatusSnapshot status;
+  status.set_instance_id(std::numeric_limits<std::uint64_t>::max());
+  status.set_host_time_ns(std::numeric_limits<std::int64_t>::min());
+
+  const Json json = Json::parse(document(to_json(status)));
+
+  EXPECT_EQ(json.at("instance_id").get<std::uint64_t>(), std::numeric_limits<std::uint64_t>::max());
+  EXPECT_EQ(json.at("host_time_ns").get<std::int64_t>(), std::numeric_limits<std::int64_t>::min());
+}
+
+TEST(ToJson, NoSessionYet_OnlyItsState) {
+  v1::SessionInfo session;
+  session.set_rig("floor");
+  session.set_state(v1::SESSION_STATE_IDLE);
+
+  EXPECT_EQ(to_json(session).dump(), R"({"rig":"floor","state":"idle"})");
+}
+
+TEST(EnumeratorWord, KnownAndUnknownNumbers) {
+  EXPECT_EQ(enumerator_word(*v1::DeviceState_descriptor(), v1::DEVICE_STATE_STREAMING), "streaming");
+  EXPECT_EQ(enumerator_word(*v1::GapReason_descriptor(), v1::GAP_REASON_RING_FULL), "ring_full");
+  EXPECT_EQ(enumerator_word(*v1::ErrorCode_descriptor(), v1::ERROR_CODE_NOT_FOUND), "not_found");
+  EXPECT_EQ(enumerator_word(*v1::DeviceState_descriptor(), 99), "unknown");
+}
+
+TEST(QualityWords, EachBit_IsAWord) {
+  EXPECT_TRUE(quality_words(0).empty());
+  EXPECT_EQ(quality_words(v1::QUALITY_RAIL | v1::QUALITY_UNTARED), (std::vector<std::string>{"rail", "untared"}));
+  EXPECT_EQ(quality_words(128), std::vector<std::string>{"unknown"});
+}
+
+}  // namespace
+}  // namespace dts::ctl

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+// The two ways of watching that are made for people.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <sstream>
+
+#include "ctl/live_table.h"
+#include "ctl/reading.h"
+#include "ctl/text_lines.h"
+#include "unit/ctl/block_builder.h"
+
+namespace dts::ctl {
+namespace {
+
+using namespace std::chrono_literals;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class LiveViewTest : public ::testing::Test {
+ protected:
+  std::string take() {
+    std::string text = out_.str();
+    out_.str({});
+    return text;
+  }
+  std::ostringstream out_;
+  std::ostringstream talk_;
+  Console console_{.out = out_, .talk = talk_};
+  const WatchSink::Time start_{100s};
+};
+
+TEST_F(LiveViewTest, Reading_UnitsOnceUndefinedAsDashAndDoubtsInWords) {
+  CopBlock cop({1.25F, std::numeric_limits<float>::quiet_NaN()});
+  cop.quality[1] = v1::QUALITY_NO_CONTACT;
+
+  EXPECT_EQ(reading(cop.format, cop.values, cop.quality), "ml  1.2500 mm  load       - N  [no_contact]");
+}
+
+TEST_F(LiveViewTest, TextLines_AtMostTenPerSecondAndNoLossUnsaid) {
+  TextLines lines(console_);
+  CopBlock cop({1.0F, 2.0F});
+
+  lines.show(cop.block, 1, start_);
+  EXPECT_THAT(take(), HasSubstr("floor/cop  scan 40"));
+  cop.block.lost_scans = 7;
+  lines.show(cop.block, 1, start_ + 50ms);
+  EXPECT_EQ(take(), "");
+  cop.block.lost_scans = 0;
+  lines.show(cop.block, 1, start_ + 100ms);
+  EXPECT_THAT(take(), HasSubstr("(missed 7 scans)"));
+}
+
+TEST_F(LiveViewTest, TextLines_NewestOfTheScansAskedFor) {
+  TextLines lines(console_);
+  const CopBlock cop({1.0F, 2.0F, 3.0F, 10.0F, 20.0F, 30.0F});
+
+  lines.show(cop.block, 2, start_);
+
+  EXPECT_THAT(take(), HasSubstr("scan 41  ml  2.0000 mm  load   20.00 N"));
+}
+
+TEST_F(LiveViewTest, Table_StreamsThatComeTogetherAreAllUpToDateWhenDrawn) {
+  LiveTable table(console_);
+  CopBlock cop({1.0F, 2.0F});
+  CopBlock raw({5.0F, 6.0F});
+  raw.block.topic = "floor/raw";
+  table.show(cop.block, 1, start_);
+  table.refresh(start_);
+  table.show(raw.block, 1, start_);
+  table.refresh(start_);
+  take();
+
+  cop.values[0] = 1.5F;
+  raw.values[0] = 5.5F;
+  table.show(raw.block, 1, start_ + 100ms);
+  table.refresh(start_ + 100ms);
+  table.show(cop.block, 1, start_ + 101ms);
+  table.refresh(start_ + 101ms);
+  table.show(raw.block, 1, start_ + 200ms);
+  table.refresh(start_ + 200ms);
+
+  EXPECT_THAT(take(), HasSubstr("ml  1.5000 mm"));
+}
+
+TEST_F(LiveViewTest, Table_IsRedrawnInPlaceTenTimesPerSecond) {
+  LiveTable table(console_);
+  const CopBlock cop({1.0F, 2.0F});
+  table.show(cop.block, 1, start_);
+  table.refresh(start_);
+  EXPECT_THAT(take(), Not(HasSubstr("\x1b")));
+
+  table.refresh(start_ + 99ms);
+  EXPECT_EQ(take(), "");
+  table.refresh(start_ + 100ms);
+  EXPECT_THAT(take(), ::testing::StartsWith("\x1b[2A\x1b[J"));
+}
+
+TEST_F(LiveViewTest, Table_CountsTheRateOverASecondWithoutTheFirstBlock) {
+  LiveTable table(console_);
+  const CopBlock cop({1.0F, 2.0F, 3.0F, 4.0F});
+  for (int block = 0; block <= 50; ++block) table.show(cop.block, 2, start_ + 20ms * block);
+
+  table.refresh(start_ + 1s);
+
+  EXPECT_THAT(take(), HasSubstr("100.0"));
+}
+
+TEST_F(LiveViewTest, Table_FrozenStreamDoesNotLookAlive) {
+  LiveTable table(console_);
+  CopBlock cop({1.0F, 2.0F});
+  cop.block.age_ns = 1'500'000;
+  table.show(cop.block, 1, start_);
+  table.refresh(start_ + 100ms);
+  EXPECT_THAT(take(), HasSubstr("101.5 ms"));
+
+  table.refresh(start_ + 5s);
+  EXPECT_THAT(take(), HasSubstr("5 s ago"));
+}
+
+TEST_F(LiveViewTest, Table_EventsScrollAboveIt) {
+  LiveTable table(console_);
+  const CopBlock cop({1.0F, 2.0F});
+  v1::Event marker;
+  marker.mutable_marker()->set_text("eyes closed");
+  table.show(cop.block, 1, start_);
+  table.refresh(start_);
+  take();
+
+  table.show(client::Event{.topic = "floor/marker", .rig = "floor", .kind = "marker", .body = &marker});
+  table.refresh(start_ + 1ms);
+
+  const std::string text = take();
+  EXPECT_LT(text.find("marker: eyes closed"), text.find("floor/cop"));
+}
+
+TEST_F(LiveViewTest, Table_LongLinesAndManyStreamsStayOnTheScreen) {
+  LiveTable table(console_);
+  console_.columns = 40;
+  console_.lines = 5;
+  std::vector<std::string> topics;
+  for (int rig = 0; rig < 6; ++rig) topics.push_back("rig" + std::to_string(rig) + "/cop");
+  CopBlock cop({1.0F, 2.0F});
+  for (const std::string& topic : topics) {
+    cop.block.topic = topic;
+    table.show(cop.block, 1, start_);
+  }
+
+  table.refresh(start_);
+
+  std::istringstream lines(take());
+  int count = 0;
+  for (std::string line; std::getline(lines, line); ++count) EXPECT_LE(line.size(), 40U) << line;
+  EXPECT_EQ(count, 4);
+}
+
+TEST_F(LiveViewTest, EventLine_EveryKindForPeople) {
+  const auto line = [](const char* kind, const auto& fill) {
+    v1::Event event;
+    event.set_segment(3);
+    fill(event);
+    return event_line({.topic = "", .rig = "", .kind = kind, .body = &event});
+  };
+  EXPECT_EQ(line("gap",
+                 [](v1::Event& event) {
+                   event.mutable_gap()->set_reason(v1::GAP_REASON_UNPLUGGED);
+                   event.mutable_gap()->set_missing_scans(12);
+                 }),
+            "gap: unplugged, about 12 scans missing before segment 3");
+  EXPECT_EQ(line("device",
+                 [](v1::Event& event) {
+                   event.mutable_device()->set_state(v1::DEVICE_STATE_GONE);
+                   event.mutable_device()->set_uri("sim:floor");
+                   event.mutable_device()->set_message("plug it in");
+                 }),
+            "device: sim:floor gone: plug it in");
+  EXPECT_EQ(line("session",
+                 [](v1::Event& event) {
+                   event.mutable_session()->set_state(v1::SESSION_STATE_RUNNING);
+                   event.mutable_session()->set_session_id("s1");
+                 }),
+            "session: s1 running");
+  EXPECT_EQ(line("reach", [](v1::Event&) {}), "reach: (of a later version of dtsd)");
+}
+
+}  // namespace
+}  // namespace dts::ctl

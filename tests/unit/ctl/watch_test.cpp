@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <thread>
+
+#include "ctl/silence.h"
+#include "unit/ctl/run_fixture.h"
+
+namespace dts::ctl {
+namespace {
+
+using client::ErrorCode;
+using testing::block;
+using testing::FakePublisher;
+using testing::floor_status;
+using ::testing::HasSubstr;
+
+class WatchTest : public RunTest {
+ protected:
+  /// Runs `watch` in a thread while `publish` acts as the daemon; returns the exit status.
+  int watch(std::vector<std::string> arguments, const std::string& subscription, const std::function<void(FakePublisher&)>& publish) {
+    arguments.insert(arguments.begin(), "watch");
+    int status = -1;
+    FakePublisher daemon(data_);
+    std::jthread command([&] { status = run_with(std::move(arguments)); });
+    EXPECT_TRUE(daemon.wait_for_subscription(subscription));
+    publish(daemon);
+    command.join();
+    return status;
+  }
+  std::vector<nlohmann::json> lines() const {
+    std::vector<nlohmann::json> parsed;
+    std::istringstream text(out());
+    for (std::string line; std::getline(text, line);) parsed.push_back(nlohmann::json::parse(line));
+    return parsed;
+  }
+};
+
+TEST_F(WatchTest, CountInTheMiddleOfABlock_ExactlySoManyScansArePrinted) {
+  const int status = watch({"floor/cop", "--count", "5", "--jsonl"}, "floor/cop", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status());
+    for (std::uint64_t number = 0; number < 3; ++number) daemon.send("floor/cop", block(1, 3 * number, 3, number + 1));
+  });
+
+  EXPECT_EQ(status, kOk);
+  ASSERT_EQ(lines().size(), 2U);
+  EXPECT_EQ(lines()[0].at("values").size(), 3U);
+  EXPECT_EQ(lines()[1].at("values").size(), 2U);
+  EXPECT_EQ(lines()[1].at("first_scan"), 3);
+}
+
+TEST_F(WatchTest, Events_CountAsOneEach) {
+  const int status = watch({"floor/", "--count", "3", "--jsonl"}, "floor/", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status());
+    daemon.send("floor/marker", testing::marker("one"));
+    daemon.send("floor/cop", block(1, 0, 1, 1));
+    daemon.send("floor/marker", testing::marker("two"));
+  });
+
+  EXPECT_EQ(status, kOk);
+  ASSERT_EQ(lines().size(), 3U);
+  EXPECT_EQ(lines()[2].at("event").at("text"), "two");
+}
+
+TEST_F(WatchTest, NoTopic_EverythingButTheStatus) {
+  const int status = watch({"--count", "1", "--jsonl"}, "", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status());
+    daemon.send("floor/marker", testing::marker("one"));
+  });
+
+  EXPECT_EQ(status, kOk);
+  ASSERT_EQ(lines().size(), 1U);
+  EXPECT_EQ(lines()[0].at("topic"), "floor/marker");
+}
+
+TEST_F(WatchTest, StatusAskedFor_IsShown) {
+  const int status = watch({"dtsd/status", "--count", "1", "--jsonl"}, "dtsd/status",
+                           [](FakePublisher& daemon) { daemon.send("dtsd/status", floor_status()); });
+
+  EXPECT_EQ(status, kOk);
+  EXPECT_EQ(lines().at(0).at("event").at("rigs").at(0).at("device"), "streaming");
+}
+
+TEST_F(WatchTest, LostBlocks_AreCountedInTheNextLine) {
+  watch({"floor/cop", "--count", "4", "--jsonl"}, "floor/cop", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status());
+    daemon.send("floor/cop", block(1, 0, 2, 1));
+    daemon.send("floor/cop", block(1, 100, 2, 9));
+  });
+
+  ASSERT_EQ(lines().size(), 2U);
+  EXPECT_EQ(lines()[0].at("lost_scans"), 0);
+  EXPECT_EQ(lines()[1].at("lost_scans"), 98);
+}
+
+TEST_F(WatchTest, DaemonRestarts_IsToldBesideTheData) {
+  const int status = watch({"floor/raw", "--count", "2", "--jsonl"}, "floor/raw", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status(7));
+    daemon.send("floor/raw", block(1, 0, 1, 1, 1, 7));
+    daemon.send("dtsd/status", floor_status(8));
+    daemon.send("floor/raw", block(1, 0, 1, 1, 1, 8));
+  });
+
+  EXPECT_EQ(status, kOk);
+  EXPECT_EQ(lines().size(), 2U);
+  EXPECT_THAT(talk(), HasSubstr("restarted"));
+}
+
+TEST_F(WatchTest, WithoutJson_LinesForPeople) {
+  watch({"floor/cop", "--count", "1"}, "floor/cop", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status());
+    daemon.send("floor/cop", block(1, 0, 1, 1));
+  });
+
+  EXPECT_THAT(out(), HasSubstr("floor/cop  scan 0  ml"));
+}
+
+TEST_F(WatchTest, SilentBeyondTheTimeout_FailsAndSaysWhy) {
+  const int status = watch({"floor/copp", "--timeout", "0.5", "--jsonl"}, "floor/copp",
+                           [](FakePublisher& daemon) { daemon.send("dtsd/status", floor_status()); });
+
+  EXPECT_EQ(status, kFailed);
+  EXPECT_THAT(talk(), HasSubstr("did you mean floor/cop?"));
+}
+
+TEST_F(WatchTest, NotEvenAStatusWithinTheTimeout_Unreachable) {
+  const int status = watch({"floor/cop", "--timeout", "0.2"}, "floor/cop", [](FakePublisher&) {});
+
+  EXPECT_EQ(status, 3);
+}
+
+TEST_F(WatchTest, NobodyThere_UnreachableAtOnce) {
+  EXPECT_EQ(run_with({"watch", "floor/cop"}), 3);
+  EXPECT_THAT(talk(), HasSubstr(data_));
+}
+
+TEST_F(WatchTest, OutputFails_EndsQuietly) {
+  out_.setstate(std::ios::badbit);
+
+  const int status = watch({"floor/cop", "--jsonl"}, "floor/cop", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status());
+    daemon.send("floor/cop", block(1, 0, 1, 1));
+  });
+
+  EXPECT_EQ(status, kOk);
+  EXPECT_EQ(talk(), "");
+}
+
+TEST_F(WatchTest, ReaderLeavesWhileNothingComes_EndsQuietly) {
+  console_.is_out_closed = [] { return true; };
+
+  EXPECT_EQ(watch({"floor/cop", "--jsonl"}, "floor/cop", [](FakePublisher&) {}), kOk);
+}
+
+TEST(Silence, NoStatus_Unreachable) {
+  const client::Error error = explain_silence(nullptr, {"floor/cop"}, "ipc:///x/data.sock");
+
+  EXPECT_EQ(error.code, ErrorCode::Unreachable);
+  EXPECT_THAT(error.what, HasSubstr("ipc:///x/data.sock"));
+}
+
+TEST(Silence, DeviceGone_GivesTheDaemonsReason) {
+  v1::StatusSnapshot status = floor_status();
+  status.mutable_rigs(0)->set_device(v1::DEVICE_STATE_GONE);
+  status.mutable_rigs(0)->set_device_message("cable pulled");
+
+  const client::Error error = explain_silence(&status, {"floor/cop"}, "");
+
+  EXPECT_EQ(error.code, ErrorCode::DeviceGone);
+  EXPECT_THAT(error.what, HasSubstr("cable pulled"));
+}
+
+TEST(Silence, OnlyEvents_SaysThatThisIsNormal) {
+  const v1::StatusSnapshot status = floor_status();
+
+  const client::Error error = explain_silence(&status, {"floor/marker"}, "");
+
+  EXPECT_EQ(error.code, ErrorCode::Timeout);
+  EXPECT_THAT(error.hint, HasSubstr("only when something happens"));
+}
+
+TEST(Silence, NothingPublishedThere_NotFoundListsTheStreams) {
+  const v1::StatusSnapshot status = floor_status();
+
+  const client::Error error = explain_silence(&status, {"attic/"}, "");
+
+  EXPECT_EQ(error.code, ErrorCode::NotFound);
+  EXPECT_THAT(error.hint, HasSubstr("floor/cop floor/raw"));
+}
+
+TEST(Silence, StreamingAccordingToTheDaemon_Timeout) {
+  const v1::StatusSnapshot status = floor_status();
+
+  EXPECT_EQ(explain_silence(&status, {""}, "").code, ErrorCode::Timeout);
+}
+
+}  // namespace
+}  // namespace dts::ctl

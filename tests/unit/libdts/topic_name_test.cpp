@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "../clients/libdts/topic_name.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace dts::client {
+namespace {
+
+TEST(TopicName, Stream_IsTakenApart) {
+  const auto topic = parse_topic("floor/cop");
+
+  ASSERT_TRUE(topic.has_value());
+  EXPECT_EQ(topic->rig, "floor");
+  EXPECT_EQ(topic->name, "cop");
+  EXPECT_EQ(topic->kind, TopicKind::Stream);
+}
+
+TEST(TopicName, EventAndStatus_AreTold) {
+  EXPECT_EQ(parse_topic("chair/reach")->kind, TopicKind::Event);
+  EXPECT_EQ(parse_topic("dtsd/status")->kind, TopicKind::Status);
+}
+
+TEST(TopicName, AnythingElse_IsRefused) {
+  for (const std::string topic : {"", "/", "floor", "/cop", "floor/", "floor/copp", "floor/cop/x", "floor/status"}) {
+    EXPECT_FALSE(parse_topic(topic)) << topic;
+  }
+  EXPECT_FALSE(parse_topic(std::string(200, 'x') + "/cop"));
+}
+
+}  // namespace
+}  // namespace dts::client

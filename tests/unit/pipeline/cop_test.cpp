@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+
+#include "unit/pipeline/floor_rig.h"
+#include "unit/pipeline/stage_runner.h"
+
+namespace dts::pipeline {
+namespace {
+
+using core::quality::kNoContact;
+using core::quality::kOutOfRange;
+using core::quality::kRail;
+using core::quality::kRotation;
+using core::quality::kUncalibrated;
+using core::quality::kUntared;
+using testing::Each;
+using testing::HasSubstr;
+
+constexpr double kHalfPlateMm = 215.0;
+
+struct PointLoad {
+  double ml_mm = 0.0;
+  double ap_mm = 0.0;
+  double load_n = 490.0;
+};
+
+class CopTest : public testing::Test {
+ protected:
+  /// Deflections of one scan per load, without doubts.
+  Signal under(const std::vector<PointLoad>& loads) const {
+    std::vector<std::vector<double>> columns(4);
+    for (const PointLoad& load : loads) {
+      const auto deflection_mm = plate_.deflection_mm({{kHalfPlateMm + load.ml_mm}, {kHalfPlateMm + load.ap_mm}}, load.load_n);
+      for (std::size_t c = 0; c < 4; ++c) columns[c].push_back(deflection_mm[c]);
+    }
+    return make_signal(100, "mm", columns);
+  }
+  Output run(const Signal& signal, std::map<std::string, OptionValue, std::less<>> options = {}) {
+    return prepare_and_run(*surroundings_.make({.id = "cop", .options = std::move(options)}), signal);
+  }
+
+  StageSurroundings surroundings_;
+  FloorPlate plate_{surroundings_.rig};
+};
+
+TEST_F(CopTest, Axes_AreRightAndForwardFromThePlateCentre) {
+  const Output output = run(under({{.ml_mm = 0, .ap_mm = 0}, {.ml_mm = 60, .ap_mm = 0}, {.ml_mm = -20, .ap_mm = 50}}));
+
+  // poly3 errs by at most 0.5 mm inside the sensor square (plate-model 5.2: 0.18 mm rms).
+  EXPECT_NEAR(output.values[0][0], 0.0, 0.5);
+  EXPECT_NEAR(output.values[1][0], 0.0, 0.5);
+  EXPECT_NEAR(output.values[0][1], 60.0, 0.5);
+  EXPECT_NEAR(output.values[1][1], 0.0, 0.5);
+  EXPECT_NEAR(output.values[0][2], -20.0, 0.5);
+  EXPECT_NEAR(output.values[1][2], 50.0, 0.5);
+  for (const auto& bits : output.bits) EXPECT_THAT(bits, Each(0));
+}
+
+TEST_F(CopTest, Load_IsInNewtons) {
+  const Output output = run(under({{.load_n = 300.0}, {.ml_mm = 40, .ap_mm = -70, .load_n = 600.0}}));
+
+  EXPECT_NEAR(output.values[2][0], 300.0, 0.01 * 300.0);
+  EXPECT_NEAR(output.values[2][1], 600.0, 0.01 * 600.0);
+}
+
+TEST_F(CopTest, Prepare_SaysThreeChannelsWithUnits) {
+  const auto format = surroundings_.make({.id = "cop", .options = {}})->prepare(under({}).format, 64);
+
+  ASSERT_TRUE(format);
+  EXPECT_EQ(format->channels, (std::vector<core::ChannelFormat>{{"ml_mm", "mm"}, {"ap_mm", "mm"}, {"load_n", "N"}}));
+}
+
+TEST_F(CopTest, BelowTheThreshold_GivesTheLoadButNoPosition) {
+  const Output output = run(under({{.load_n = 30.0}}));
+
+  EXPECT_TRUE(std::isnan(output.values[0][0]));
+  EXPECT_TRUE(std::isnan(output.values[1][0]));
+  EXPECT_EQ(output.bits[0][0], kNoContact);
+  EXPECT_EQ(output.bits[1][0], kNoContact);
+  EXPECT_NEAR(output.values[2][0], 30.0, 1.0);
+  EXPECT_EQ(output.bits[2][0], 0);
+}
+
+TEST_F(CopTest, Contact_BeginsAtTheThresholdAndEndsAtFourFifths) {
+  const Output output = run(under({{.load_n = 45}, {.load_n = 55}, {.load_n = 45}, {.load_n = 35}, {.load_n = 45}, {.load_n = 55}}));
+
+  std::vector<bool> has_contact;
+  for (const std::uint8_t bits : output.bits[0]) has_contact.push_back((bits & kNoContact) == 0);
+  EXPECT_THAT(has_contact, testing::ElementsAre(false, true, true, false, false, true));
+}
+
+TEST_F(CopTest, FaultyScan_LeavesContactAsItWas) {
+  Signal signal = under({{.load_n = 55}, {.load_n = 45}, {.load_n = 45}});
+  signal.bits[3][1] = kRail;
+
+  const Output output = run(signal);
+
+  EXPECT_EQ(output.bits[0][2], 0);
+}
+
+TEST_F(CopTest, Reset_ForgetsContact) {
+  const auto cop = surroundings_.make({.id = "cop", .options = {}});
+  prepare_and_run(*cop, under({{.load_n = 55}}));
+  const std::size_t block_size = 64;
+
+  cop->reset();
+  const Output output = pipeline::run(*cop, 3, under({{.load_n = 45}}), std::span(&block_size, 1));
+
+  EXPECT_EQ(output.bits[0][0], kNoContact);
+}
+
+TEST_F(CopTest, PlateBentUpwards_IsNoContactAtZeroLoad) {
+  const Output output = run(make_signal(100, "mm", {{-0.01}, {-0.01}, {0.005}, {0.0}}));
+
+  EXPECT_EQ(output.bits[0][0], kNoContact);
+  EXPECT_EQ(output.values[2][0], 0.0);
+}
+
+TEST_F(CopTest, FaultOnOneSensor_MakesTheWholeScanNaNWithAllBits) {
+  Signal signal = under({{}, {}, {}});
+  signal.bits[1][0] = kRail;
+  signal.bits[2][0] = kRotation | kUntared;
+  signal.values[3][1] = std::numeric_limits<double>::quiet_NaN();
+
+  const Output output = run(signal);
+
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_TRUE(std::isnan(output.values[c][0]));
+    EXPECT_EQ(output.bits[c][0], kRail | kRotation | kUntared);
+    EXPECT_TRUE(std::isnan(output.values[c][1]));
+    EXPECT_EQ(output.bits[c][1], kOutOfRange);
+    EXPECT_TRUE(std::isfinite(output.values[c][2]));
+  }
+}
+
+TEST_F(CopTest, UntaredDeflection_GivesValuesMarkedUntared) {
+  Signal signal = under({{}});
+  signal.bits[2][0] = kUntared;
+
+  const Output output = run(signal);
+
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_TRUE(std::isfinite(output.values[c][0]));
+    EXPECT_EQ(output.bits[c][0], kUntared);
+  }
+}
+
+TEST_F(CopTest, LoadOutsideTheCalibratedArea_GivesValuesMarkedUncalibrated) {
+  const Output output = run(under({{.ml_mm = 180.0}}));
+
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_TRUE(std::isfinite(output.values[c][0]));
+    EXPECT_EQ(output.bits[c][0], kUncalibrated);
+  }
+}
+
+TEST_F(CopTest, ThesisEstimator_IsGoodOnTheMidLinesAndCoarserOffThem) {
+  const Signal signal = under({{.ml_mm = 64.5, .ap_mm = 0}, {.ml_mm = -129, .ap_mm = -129}});
+
+  const Output thesis = run(signal, {{"estimator", "thesis"}});
+  const Output poly3 = run(signal, {{"estimator", "poly3"}});
+
+  EXPECT_NEAR(thesis.values[0][0], 64.5, 0.35);           // plate-model 5.1: mid-line points at most 0.35 mm
+  EXPECT_GT(std::abs(thesis.values[0][1] + 129.0), 2.5);  // P1 of thesis Table 4.1: 2.70; 3.3 on a fine mesh
+  EXPECT_LT(std::abs(poly3.values[0][1] + 129.0), 0.5);
+}
+
+TEST_F(CopTest, PrepareSenselessInput_IsRefused) {
+  const auto cop = surroundings_.make({.id = "cop", .options = {}});
+
+  EXPECT_FALSE(cop->prepare(make_signal(100, "V", {{}, {}, {}, {}}).format, 64));
+  EXPECT_FALSE(cop->prepare(make_signal(100, "mm", {{}, {}, {}}).format, 64));
+}
+
+TEST_F(CopTest, PrepareWithSwappedSensors_IsRefusedByTheEstimator) {
+  std::swap(surroundings_.rig.sensors[0], surroundings_.rig.sensors[1]);
+
+  const auto format = surroundings_.make({.id = "cop", .options = {}})->prepare(under({}).format, 64);
+
+  ASSERT_FALSE(format);
+  EXPECT_THAT(format.error().what, HasSubstr("stage cop: sensor 1 ('w2')"));
+}
+
+}  // namespace
+}  // namespace dts::pipeline

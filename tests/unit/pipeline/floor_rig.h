@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <memory>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "physics/cop_estimator.h"
+#include "physics/rig_model.h"
+#include "pipeline/stage_registry.h"
+
+namespace dts::pipeline {
+
+/// The thesis's floor platform (plate-model sections 1, 3 and 5): steel, supports 10.75 mm inside the corners, sensors at 86 and 344 mm.
+inline physics::RigModel floor_rig() {
+  physics::RigModel rig{.plate = {}, .support = {.kind = physics::SupportKind::Corner, .inset = {10.75}}, .sensors = {}};
+  for (const auto& [label, x, y] : {std::tuple{"w1", 86.0, 86.0}, {"w2", 344.0, 86.0}, {"w3", 86.0, 344.0}, {"w4", 344.0, 344.0}}) {
+    rig.sensors.push_back({.label = label, .position = {{x}, {y}}, .curve = physics::SensorCurve::hoa1405_assumed()});
+  }
+  return rig;
+}
+
+/// Deflections of the floor platform under point loads, plate coordinates.
+class FloorPlate {
+ public:
+  explicit FloorPlate(const physics::RigModel& rig) : table_(make_table(rig)) {}
+
+  [[nodiscard]] std::array<double, physics::kFloorSensors> deflection_mm(physics::Point position, double load_n) const {
+    std::array<double, physics::kFloorSensors> deflection{};
+    for (std::size_t c = 0; c < deflection.size(); ++c) deflection[c] = load_n * table_.at_point_mm_per_n(c, position);
+    return deflection;
+  }
+
+ private:
+  static physics::InfluenceTable make_table(const physics::RigModel& rig) {
+    std::vector<physics::Point> probes;
+    for (const auto& sensor : rig.sensors) probes.push_back(sensor.position);
+    return physics::InfluenceTable::create(rig.plate, rig.support, probes).value();
+  }
+  physics::InfluenceTable table_;
+};
+
+/// What stages hang on: a rig, a letter box and converters of +-5 V with 11 bit (thesis 4.3.2).
+struct StageSurroundings {
+  explicit StageSurroundings(physics::RigModel model = floor_rig()) : rig(std::move(model)) {}
+
+  [[nodiscard]] StageContext context() {
+    constexpr StageContext::InputRange kConverter{.minimum_v = -5.0, .maximum_v = 5.0, .resolution_v = 10.0 / 2048.0};
+    return {.rig = rig, .input_ranges = std::vector(rig.sensors.size(), kConverter), .tare = tare};
+  }
+  [[nodiscard]] std::unique_ptr<Stage> make(const StageConfig& config) { return create_stage(config, context()).value(); }
+
+  physics::RigModel rig;
+  Tare tare;
+};
+
+}  // namespace dts::pipeline

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/stage_registry.h"
+
+#include <gmock/gmock.h>
+
+#include <limits>
+
+#include "unit/pipeline/floor_rig.h"
+
+namespace dts::pipeline {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+TEST(StageRegistry, Stages_StandInTheOrderOfTheFloorPipeline) {
+  std::vector<std::string_view> ids;
+  for (const StageEntry& entry : stage_registry()) ids.push_back(entry.describe().id);
+
+  EXPECT_THAT(ids, ElementsAre("guard", "window_filter", "linearise", "cop"));
+}
+
+TEST(CheckStage, GoodOptions_HaveNoProblems) {
+  EXPECT_THAT(check_stage({.id = "window_filter", .options = {}}), IsEmpty());
+  EXPECT_THAT(check_stage({.id = "window_filter", .options = {{"window_scans", 1.0}, {"shift_scans", 4096.0}}}), IsEmpty());
+  EXPECT_THAT(check_stage({.id = "cop", .options = {{"estimator", "thesis"}}}), IsEmpty());
+}
+
+TEST(CheckStage, UnknownStage_SuggestsTheNearest) {
+  EXPECT_THAT(check_stage({.id = "window_filtr", .options = {}}),
+              ElementsAre("unknown stage 'window_filtr'; did you mean 'window_filter'?"));
+}
+
+TEST(CheckStage, UnknownStageLikeNoOther_ListsAll) {
+  EXPECT_THAT(check_stage({.id = "xyz", .options = {}}),
+              ElementsAre("unknown stage 'xyz'; known are guard, window_filter, linearise, cop"));
+}
+
+TEST(CheckStage, UnknownOption_SuggestsTheNearest) {
+  EXPECT_THAT(check_stage({.id = "window_filter", .options = {{"window_scan", 3.0}}}),
+              ElementsAre("unknown option 'window_scan' of stage window_filter; did you mean 'window_scans'?"));
+}
+
+TEST(CheckStage, WordForANumber_IsAProblem) {
+  EXPECT_THAT(check_stage({.id = "window_filter", .options = {{"window_scans", "three"}}}),
+              ElementsAre("option 'window_scans' of stage window_filter must be a number, not the word 'three'"));
+}
+
+TEST(CheckStage, NumberForAWord_IsAProblem) {
+  EXPECT_THAT(check_stage({.id = "cop", .options = {{"estimator", 3.0}}}),
+              ElementsAre("option 'estimator' of stage cop must be a word (poly3, thesis), not a number"));
+}
+
+TEST(CheckStage, WrongWord_SuggestsTheNearest) {
+  EXPECT_THAT(check_stage({.id = "cop", .options = {{"estimator", "poly"}}}),
+              ElementsAre("option 'estimator' of stage cop cannot be 'poly'; did you mean 'poly3'?"));
+}
+
+TEST(CheckStage, OutOfRange_GivesTheRange) {
+  EXPECT_THAT(check_stage({.id = "window_filter", .options = {{"window_scans", 0.0}}}),
+              ElementsAre("option 'window_scans' of stage window_filter is 0; the range is 1 to 4096"));
+  EXPECT_THAT(check_stage({.id = "window_filter", .options = {{"window_scans", 4097.0}}}), testing::SizeIs(1));
+  EXPECT_THAT(check_stage({.id = "window_filter", .options = {{"window_ms", std::numeric_limits<double>::quiet_NaN()}}}),
+              testing::SizeIs(1));
+}
+
+TEST(CheckStage, FractionOfAScan_IsAProblem) {
+  EXPECT_THAT(check_stage({.id = "window_filter", .options = {{"window_scans", 2.5}}}),
+              ElementsAre("option 'window_scans' of stage window_filter is 2.5; it must be a whole number from 1 to 4096"));
+}
+
+TEST(CheckStage, SeveralProblems_AreAllReported) {
+  EXPECT_THAT(check_stage({.id = "guard", .options = {{"rail_codes", -1.0}, {"stuck_s", 1.0}, {"marker_v", "ground"}}}),
+              ElementsAre(HasSubstr("marker_v"), HasSubstr("rail_codes"), HasSubstr("did you mean 'stuck_ms'?")));
+}
+
+TEST(CreateStage, BadOptions_FailWithAllSentences) {
+  StageSurroundings surroundings;
+
+  const auto stage = create_stage({.id = "guard", .options = {{"rail_codes", -1.0}, {"marker_v", 11.0}}}, surroundings.context());
+
+  ASSERT_FALSE(stage);
+  EXPECT_EQ(stage.error().code, core::ErrorCode::InvalidArgument);
+  EXPECT_THAT(stage.error().what, HasSubstr("'rail_codes'"));
+  EXPECT_THAT(stage.error().what, HasSubstr("'marker_v'"));
+}
+
+TEST(StageOptions, NameThatTheStageDoesNotDescribe_Throws) {
+  const StageOptions options({{"window_scans", 3.0}});
+
+  EXPECT_EQ(options.number("window_scans"), 3.0);
+  EXPECT_ANY_THROW(static_cast<void>(options.number("window_ms")));
+  EXPECT_ANY_THROW(static_cast<void>(options.word("window_scans")));
+}
+
+}  // namespace
+}  // namespace dts::pipeline

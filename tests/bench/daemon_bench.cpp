@@ -161,7 +161,7 @@ void print_latency(const char* what, const Measured& measured, const Measured& p
 }
 
 /// All setups of one policy, round after round, so that a disturbance of the machine hits all of them.
-void print_latencies(const Settings& settings, bool is_fifo) {
+void print_latencies_of(const Settings& settings, bool is_fifo) {
   std::vector<Setup> setups;
   for (const bool is_low_latency : {true, false}) {
     for (const char* cpus : {"", "1"}) setups.push_back({.is_low_latency = is_low_latency, .is_fifo = is_fifo, .cpus = cpus});
@@ -180,6 +180,19 @@ void print_latencies(const Settings& settings, bool is_fifo) {
   print_latency(("plain libzmq PUB/SUB, protobuf, 16 ch | 1 scan" + policy).c_str(), pair, pair);
   for (std::size_t n = 0; n < setups.size(); ++n) print_latency(("dtsd, cop | " + setups[n].name()).c_str(), median(measured[n]), pair);
   std::fflush(stdout);
+}
+
+void print_latencies(const Settings& settings) {
+  std::printf("\n### Latency at %.0f Hz, us (median of %d rounds of %.0f s, load average %.1f at the start)\n\n", kLoadRateHz,
+              settings.rounds, settings.seconds, load_average());
+  std::printf(
+      "From the newest scan's instant to the moment the subscriber holds it decoded. FIFO: daemon %d to %d, subscriber %d.\n"
+      "20 ms blocks come 50 times per second: read no p99.9 there.\n\n"
+      "| what | block | policy | cores | p50 | p99 | p99.9 | max | samples | p50 / plain | p99 / plain |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|\n",
+      kDaemonPriority, kDaemonPriority - 3, kSubscriberPriority);
+  if (settings.has_fifo) print_latencies_of(settings, true);
+  print_latencies_of(settings, false);
 }
 
 /// stress-ng for as long as this object lives.
@@ -244,27 +257,20 @@ int main(int argc, char** argv) {
   CLI::App app{"daemon_bench - what dtsd costs and how late its data are"};
   Settings settings;
   bool is_quick = false;
+  std::string part;
   app.add_flag("--quick", is_quick, "Short windows: shows that everything works, the figures are rough");
   app.add_option("--seconds", settings.seconds, "Length of a measurement")->check(CLI::Range(0.5, 3600.0));
   app.add_option("--rounds", settings.rounds, "Interleaved rounds of the latency table")->check(CLI::Range(1, 100));
   app.add_option("--load-seconds", settings.load_seconds, "Length of the load test")->check(CLI::Range(1.0, 86400.0));
+  app.add_option("--part", part, "One table only")->check(CLI::IsMember({"cost", "latency", "load"}));
   CLI11_PARSE(app, argc, argv);
   if (is_quick) settings = {.seconds = 1.0, .rounds = 1, .load_seconds = 5.0};
   settings.has_fifo = dts::bench::may_use_fifo(kDaemonPriority);
 
   std::printf("## daemon_bench\n");
   if (!settings.has_fifo) std::printf("\nSCHED_FIFO is not permitted here: rows with policy FIFO are left out.\n");
-  print_costs(settings);
-  std::printf("\n### Latency at %.0f Hz, us (median of %d rounds of %.0f s, load average %.1f at the start)\n\n", kLoadRateHz,
-              settings.rounds, settings.seconds, load_average());
-  std::printf(
-      "From the newest scan's instant to the moment the subscriber holds it decoded. FIFO: daemon %d to %d, subscriber %d.\n"
-      "20 ms blocks come 50 times per second: read no p99.9 there.\n\n"
-      "| what | block | policy | cores | p50 | p99 | p99.9 | max | samples | p50 / plain | p99 / plain |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|\n",
-      kDaemonPriority, kDaemonPriority - 3, kSubscriberPriority);
-  if (settings.has_fifo) print_latencies(settings, true);
-  print_latencies(settings, false);
-  print_load_tests(settings);
+  if (part.empty() || part == "cost") print_costs(settings);
+  if (part.empty() || part == "latency") print_latencies(settings);
+  if (part.empty() || part == "load") print_load_tests(settings);
   return 0;
 }

@@ -40,6 +40,7 @@ namespace {
 
 constexpr std::size_t kChannels = 16;
 constexpr const char* kRig = "bench";
+constexpr const char* kDefaultEndpoint = "tcp://127.0.0.1:5599";
 constexpr int kServeMs = 20;
 constexpr double kSubscriberQueueMs = 2000.0;  // as the daemon
 constexpr int kShortestSubscriberQueue = 1000;
@@ -50,6 +51,12 @@ template <class T>
 T need(core::Result<T> result) {
   if (result) return std::move(*result);
   std::fprintf(stderr, "peer_dtsd: %s\n", core::to_string(result.error()).c_str());
+  std::exit(1);
+}
+
+void need(const core::Status& done) {
+  if (done) return;
+  std::fprintf(stderr, "peer_dtsd: %s\n", core::to_string(done.error()).c_str());
   std::exit(1);
 }
 
@@ -128,69 +135,101 @@ class TemporaryDirectory {
   std::string path_;
 };
 
-void report_producer(const Plan& plan, const ScheduledDevice& device, session::Rig& rig, TimedSocket::Figures& figures) {
-  const ProcessUse& begin = device.use_at_begin();
-  const ProcessUse& end = device.use_at_end();
+/// The daemon's parts at work, from the device to the socket, with the control loop on the calling thread.
+class Producer {
+ public:
+  Producer(const Arguments& arguments, const Plan& plan, int fifo_priority)
+      : plan_(plan), config_(rig_config(arguments, plan, fifo_priority)), figures_(plan.total_messages * config_.published.size()) {
+    auto device = std::make_unique<ScheduledDevice>(plan, kChannels, config_.rate, arguments.count("tick_us", 0) * 1000, clock_);
+    device_ = device.get();
+    auto rig = need(session::Rig::create(config_, std::move(device), clock_, bell_));
+    rig_ = rig.get();
+    need(supervisor_.add(std::move(rig)));
+    schedule_zmq(context_, arguments, std::max(0, fifo_priority - 3));
+    auto xpub = need(ipc::XpubSocket::bind(context_, arguments.text("ep", kDefaultEndpoint), subscriber_queue()));
+    auto timed = std::make_unique<TimedSocket>(std::move(xpub), plan.warm_scans(), config_.rate, clock_, figures_);
+    publisher_.emplace(std::move(timed), bell_, supervisor_.rigs(), kInstance);
+    for (const std::string& refused : publisher_->start(policy(arguments, fifo_priority, 2))) std::fprintf(stderr, "%s\n", refused.c_str());
+    handler_.emplace(supervisor_, clock_, ipc::Identity{.instance_id = kInstance, .boot_id = boot_id(), .started_ns = clock_.now_ns()},
+                     std::vector<std::string>{});
+    server_ = need(ipc::ControlServer::bind(context_, "ipc://" + directory_.path() + "/control.sock", supervisor_, *handler_, *publisher_,
+                                            clock_, kInstance));
+    supervisor_.start();
+  }
+
+  template <class Condition>
+  void serve_while(Condition condition) {
+    while (condition()) server_->serve(kServeMs);
+  }
+  void serve_for(std::uint64_t ms) {
+    const std::int64_t until_ns = clock_.now_ns() + static_cast<std::int64_t>(ms) * core::kNanosecondsPerMillisecond;
+    serve_while([&] { return clock_.now_ns() < until_ns; });
+  }
+  void send_everything() {
+    device_->begin(clock_.now_ns() + core::kNanosecondsPerMillisecond);
+    serve_while([&] { return !device_->is_done(); });
+  }
+  void stop() {
+    supervisor_.stop();
+    publisher_->stop();
+  }
+  /// After `stop`.
+  [[nodiscard]] JsonLine report();
+
+ private:
+  /// As app/daemon.cpp: what a slow subscriber may lag behind.
+  [[nodiscard]] int subscriber_queue() const {
+    const double blocks_per_s = plan_.rate_hz / static_cast<double>(plan_.chunk);
+    const double messages = kSubscriberQueueMs * 1e-3 * blocks_per_s * static_cast<double>(config_.published.size());
+    return std::max(kShortestSubscriberQueue, static_cast<int>(messages));
+  }
+
+  Plan plan_;
+  session::RigConfig config_;
+  core::SystemClock clock_;
+  core::Doorbell bell_;
+  TimedSocket::Figures figures_;
+  TemporaryDirectory directory_;
+  ScheduledDevice* device_ = nullptr;
+  session::Rig* rig_ = nullptr;
+  session::Supervisor supervisor_{clock_, core::Log()};
+  zmq::context_t context_{1};
+  std::optional<ipc::PublishThread> publisher_;
+  std::optional<ipc::CommandHandler> handler_;
+  std::unique_ptr<ipc::ControlServer> server_;
+};
+
+JsonLine Producer::report() {
+  const ProcessUse& begin = device_->use_at_begin();
+  const ProcessUse& end = device_->use_at_end();
   const double wall_s = static_cast<double>(end.at_ns - begin.at_ns) * 1e-9;
-  const auto measured = static_cast<double>(std::max<std::uint64_t>(1, plan.total_messages - plan.warm_messages));
-  figures.send.sort();
-  figures.age.sort();
+  const auto measured = static_cast<double>(std::max<std::uint64_t>(1, plan_.total_messages - plan_.warm_messages));
+  figures_.send.sort();
+  figures_.age.sort();
   JsonLine line;
-  line.add("role", std::string_view("prod")).add("peer", std::string_view("dtsd")).add("rate", plan.rate_hz);
-  line.add("chunk", std::uint64_t{plan.chunk}).add("msgs", plan.total_messages);
-  line.add("refused", rig.dropped_blocks()).add("lost_before_pipeline", rig.acquisition().lost_scans_total);
-  line.add("achieved", measured * static_cast<double>(plan.chunk) / wall_s);
-  line.add("push_p50", figures.send.us(0.5)).add("push_p99", figures.send.us(0.99)).add("push_max", figures.send.us(1.0));
-  line.add("age_at_push_p50", figures.age.us(0.5)).add("age_at_push_p99", figures.age.us(0.99));
-  line.add("late_max", static_cast<double>(device.latest_ns()) * 1e-3);
+  line.add("role", std::string_view("prod")).add("peer", std::string_view("dtsd")).add("rate", plan_.rate_hz);
+  line.add("chunk", std::uint64_t{plan_.chunk}).add("msgs", plan_.total_messages);
+  line.add("refused", rig_->dropped_blocks()).add("lost_before_pipeline", rig_->acquisition().lost_scans_total);
+  line.add("achieved", measured * static_cast<double>(plan_.chunk) / wall_s);
+  line.add("push_p50", figures_.send.us(0.5)).add("push_p99", figures_.send.us(0.99)).add("push_max", figures_.send.us(1.0));
+  line.add("age_at_push_p50", figures_.age.us(0.5)).add("age_at_push_p99", figures_.age.us(0.99));
+  line.add("late_max", static_cast<double>(device_->latest_ns()) * 1e-3);
   line.add("cpu_pct", 100.0 * (end.cpu_s - begin.cpu_s) / wall_s);
   line.add("cs_per_msg", static_cast<double>(end.context_switches - begin.context_switches) / measured);
-  line.add("rss0", static_cast<std::uint64_t>(begin.resident_kb)).add("rss", static_cast<std::uint64_t>(end.resident_kb)).print();
+  return line.add("rss0", static_cast<std::uint64_t>(begin.resident_kb)).add("rss", static_cast<std::uint64_t>(end.resident_kb));
 }
 
 int produce(const Arguments& arguments) {
-  const Plan plan(arguments);
   const int fifo_priority = take_fifo_priority();
-  core::SystemClock clock;
-  core::Doorbell bell;
-  const session::RigConfig config = rig_config(arguments, plan, fifo_priority);
-  auto made_device = std::make_unique<ScheduledDevice>(plan, kChannels, config.rate, arguments.count("tick_us", 0) * 1000, clock);
-  ScheduledDevice& device = *made_device;
-  auto made_rig = need(session::Rig::create(config, std::move(made_device), clock, bell));
-  session::Rig& rig = *made_rig;
-  session::Supervisor supervisor(clock, core::Log());
-  need(supervisor.add(std::move(made_rig)).map([] { return true; }));
-
-  zmq::context_t context(1);
-  schedule_zmq(context, arguments, std::max(0, fifo_priority - 3));
-  const double queue =
-      kSubscriberQueueMs * 1e-3 * plan.rate_hz / static_cast<double>(plan.chunk) * static_cast<double>(config.published.size());
-  auto xpub = need(ipc::XpubSocket::bind(context, arguments.text("ep", "tcp://127.0.0.1:5599"),
-                                         std::max(kShortestSubscriberQueue, static_cast<int>(queue))));
-  TimedSocket::Figures figures(plan.total_messages * config.published.size());
-  ipc::PublishThread publisher(std::make_unique<TimedSocket>(std::move(xpub), plan.warm_scans(), config.rate, clock, figures), bell,
-                               supervisor.rigs(), kInstance);
-  for (const std::string& refused : publisher.start(policy(arguments, fifo_priority, 2))) std::fprintf(stderr, "%s\n", refused.c_str());
-  const TemporaryDirectory directory;
-  ipc::CommandHandler handler(supervisor, clock, {.instance_id = kInstance, .boot_id = boot_id(), .started_ns = clock.now_ns()}, {});
-  auto server = need(
-      ipc::ControlServer::bind(context, "ipc://" + directory.path() + "/control.sock", supervisor, handler, publisher, clock, kInstance));
-  supervisor.start();
-
-  const auto serve_for = [&](std::uint64_t ms) {
-    const std::int64_t until_ns = clock.now_ns() + static_cast<std::int64_t>(ms) * core::kNanosecondsPerMillisecond;
-    while (clock.now_ns() < until_ns) server->serve(kServeMs);
-  };
+  Producer producer(arguments, Plan(arguments), fifo_priority);
   say("UP");
-  while (!is_told_to_go()) server->serve(kServeMs);
-  serve_for(arguments.count("settle_ms", 500));
-  device.begin(clock.now_ns() + core::kNanosecondsPerMillisecond);
-  while (!device.is_done()) server->serve(kServeMs);
-  serve_for(arguments.count("linger_ms", 300));
-  supervisor.stop();
-  publisher.stop();
-  report_producer(plan, device, rig, figures);
-  serve_for(arguments.count("exit_ms", 300));
+  producer.serve_while([] { return !is_told_to_go(); });
+  producer.serve_for(arguments.count("settle_ms", 500));
+  producer.send_everything();
+  producer.serve_for(arguments.count("linger_ms", 300));
+  producer.stop();
+  producer.report().print();
+  producer.serve_for(arguments.count("exit_ms", 300));
   return 0;
 }
 
@@ -227,7 +266,7 @@ int consume(const Arguments& arguments) {
   const bool is_floor = arguments.text("load", "raw") == "floor";
   const std::string_view counted = is_floor ? "cop" : "raw";
   auto subscriber =
-      client::Subscriber::open({.endpoint = arguments.text("ep", "tcp://127.0.0.1:5599"),
+      client::Subscriber::open({.endpoint = arguments.text("ep", kDefaultEndpoint),
                                 .topics = {std::string(kRig) + (is_floor ? "/" : "/raw")},
                                 .mode = arguments.text("mode", "all") == "latest" ? client::Mode::Latest : client::Mode::All});
   while (subscriber && subscriber->status() == nullptr) {

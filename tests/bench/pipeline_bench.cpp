@@ -18,7 +18,7 @@
 
 #include "pipeline/fault.h"
 #include "pipeline/pipeline.h"
-#include "unit/pipeline/allocation_counter.h"
+#include "support/allocation_counter.h"
 #include "unit/pipeline/standing_signal.h"
 
 namespace dts::pipeline {
@@ -180,7 +180,7 @@ class Bench {
   }
 
   void measure(Contender& contender, std::size_t scans) {
-    const std::uint64_t heap_before = heap_calls.load();
+    const std::uint64_t heap_before = test::heap_calls_of_this_thread();
     const std::int64_t start_ns = cpu_time_ns();
     for (std::size_t done = 0; done < scans; done += kSignalScans) {
       for (core::Acquired& acquired : blocks_) {
@@ -190,7 +190,7 @@ class Bench {
       }
     }
     const std::int64_t end_ns = cpu_time_ns();
-    contender.heap_calls += heap_calls.load() - heap_before;
+    contender.heap_calls += test::heap_calls_of_this_thread() - heap_before;
     contender.ns_per_scan.push_back(static_cast<double>(end_ns - start_ns) / static_cast<double>(scans));
   }
 

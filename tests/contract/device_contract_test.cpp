@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-#include "unit/pipeline/allocation_counter.h"
+#include "support/allocation_counter.h"
 
 namespace dts::device::contract {
 namespace {
@@ -306,11 +306,11 @@ TEST_P(DeviceContract, Read_AllocatesNothing) {
     if (uri[0] == '\0') continue;
     const auto device = streaming(uri);
     core::Block block = block_for(*device, 64);
-    const std::uint64_t before = pipeline::heap_calls.load();
+    const std::uint64_t before = dts::test::heap_calls_of_this_thread();
 
     for (int i = 0; i < 50; ++i) (void)device->read(block, clock_.now_ns() + kSecond);
 
-    EXPECT_EQ(pipeline::heap_calls.load(), before) << uri;
+    EXPECT_EQ(dts::test::heap_calls_of_this_thread(), before) << uri;
   }
 }
 

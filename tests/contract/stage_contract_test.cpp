@@ -10,7 +10,7 @@
 #include <random>
 #include <set>
 
-#include "unit/pipeline/allocation_counter.h"
+#include "support/allocation_counter.h"
 #include "unit/pipeline/floor_rig.h"
 #include "unit/pipeline/stage_runner.h"
 #include "unit/pipeline/standing_signal.h"
@@ -238,14 +238,14 @@ TEST_P(StageContract, ProcessAndReset_DoNotTouchTheHeap) {
   core::Block in(signal.values.size(), kLargestBlock);
   core::Block out(stage.format().channels.size(), kLargestBlock);
 
-  const std::uint64_t before = heap_calls.load();
+  const std::uint64_t before = test::heap_calls_of_this_thread();
   for (std::size_t first = 0; first < signal.scans(); first += kLargestBlock) {
     fill_block(signal, first, kLargestBlock, in);
     out.copy_position(in);
     stage->process(in, out);
     if (first == 5 * kLargestBlock) stage->reset();
   }
-  const std::uint64_t after = heap_calls.load();
+  const std::uint64_t after = test::heap_calls_of_this_thread();
 
   EXPECT_EQ(after - before, 0U);
   EXPECT_GT(before, 0U);  // the counter counts

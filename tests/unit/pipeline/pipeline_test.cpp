@@ -152,6 +152,17 @@ TEST_F(PipelineTest, Gap_ResetsTheStagesAndIsPassedOn) {
   EXPECT_EQ(frame_.streams[1].sequence, 1U);
 }
 
+TEST_F(PipelineTest, GapWithoutANewSegment_ResetsAllTheSame) {
+  create(kFloorStages);
+  pipeline_->process(next(5), frame_);
+  core::Acquired acquired = next(4);
+  acquired.gap_before.reason = core::GapReason::Integrity;
+
+  pipeline_->process(acquired, frame_);
+
+  EXPECT_THAT(counts(), ElementsAre(4, 2, 2, 2, 4));
+}
+
 TEST_F(PipelineTest, EmptyBlockWithAGap_PassesTheGapOn) {
   create(kFloorStages);
   pipeline_->process(next(5), frame_);

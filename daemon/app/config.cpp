@@ -64,18 +64,20 @@ void read_rig(TomlReader& reader, DaemonConfig& config, Problems& problems) {
   if (reader.has("name") && !is_rig_name(name)) {
     reader.report("name", "a rig's name has 1..32 lower-case letters, digits, '_' or '-', and is not \"dtsd\"");
   }
-  if (std::ranges::find(config.rigs, name, &session::RigConfig::name) != config.rigs.end()) {
+  if (std::ranges::find(config.rigs, name, [](const ConfiguredRig& other) { return other.rig.name; }) != config.rigs.end()) {
     reader.report("name", "another rig is named '" + name + "' too");
     return;
   }
   if (file.empty()) return;
   const auto rig_file = (std::filesystem::path(reader.file()).parent_path() / file).lexically_normal().string();
+  const std::size_t problems_before = problems.size();
   session::RigConfig rig = read_rig_file(rig_file, problems);
+  if (problems.size() > problems_before || device.empty()) return;  // told already; there is nothing sound to build
   rig.name = name;
   rig.device_uri = device;
   rig.acquire_policy = config.realtime.policy(0);
   rig.pipeline_policy = config.realtime.policy(1);
-  config.rigs.push_back(std::move(rig));
+  config.rigs.push_back({.rig = std::move(rig), .rig_file = rig_file, .where = reader.position("device")});
 }
 
 }  // namespace

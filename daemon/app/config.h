@@ -20,6 +20,13 @@ struct RealtimeConfig {
   [[nodiscard]] core::ThreadPolicy policy(int steps_below) const;
 };
 
+/// A rig whose own files are fine, and where the daemon's file names it.
+struct ConfiguredRig {
+  session::RigConfig rig;
+  std::string rig_file;
+  Problem where;  ///< Position of its [[rig]] table; no text.
+};
+
 /// The daemon's configuration: checked values only.
 struct DaemonConfig {
   std::string runtime_directory;
@@ -27,7 +34,7 @@ struct DaemonConfig {
   std::string data_endpoint;
   core::LogLevel log_level = core::LogLevel::Info;
   RealtimeConfig realtime;
-  std::vector<session::RigConfig> rigs;
+  std::vector<ConfiguredRig> rigs;
 };
 
 struct LoadedConfig {

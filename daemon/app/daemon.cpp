@@ -3,6 +3,7 @@
 
 #include <sched.h>
 #include <signal.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
@@ -89,15 +90,16 @@ void serve_until_signal(ipc::ControlServer& server, ServiceManager& manager, con
 
 std::string_view version() noexcept { return DTS_VERSION; }
 
-std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, const std::string& file, core::Clock& clock,
-                                                       core::Doorbell& bell, Problems& problems) {
+std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, core::Clock& clock, core::Doorbell& bell,
+                                                       Problems& problems) {
   std::vector<std::unique_ptr<session::Rig>> rigs;
-  for (const session::RigConfig& rig_config : config.rigs) {
-    auto rig = session::Rig::create(rig_config, clock, bell);
+  for (const ConfiguredRig& configured : config.rigs) {
+    auto rig = session::Rig::create(configured.rig, clock, bell);
     if (rig) {
       rigs.push_back(std::move(*rig));
     } else {
-      problems.push_back({.file = file, .text = "[[rig]] '" + rig_config.name + "': " + core::to_string(rig.error())});
+      problems.push_back(configured.where);
+      problems.back().text = "[[rig]] '" + configured.rig.name + "' (" + configured.rig_file + "): " + core::to_string(rig.error());
     }
   }
   return rigs;
@@ -120,11 +122,12 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   const ipc::Identity identity{
       .instance_id = random_id(), .version = std::string(version()), .boot_id = boot_id(), .started_ns = clock.now_ns()};
 
+  ::umask(0007);  // sockets: for owner and group
   zmq::context_t context(1);
   schedule_zmq(context, config.realtime.policy(3));
   auto data = ipc::XpubSocket::bind(context, config.data_endpoint, subscriber_queue(supervisor.rigs()));
   if (!data) return tl::make_unexpected(data.error());
-  ipc::PublishThread publisher(std::move(*data), bell, supervisor.rigs(), identity.instance_id);
+  ipc::PublishThread publisher(std::move(*data), bell, supervisor.rigs(), clock, identity.instance_id);
   for (std::string& refused : publisher.start(config.realtime.policy(2))) notices.push_back(std::move(refused));
   for (const std::string& notice : notices) log.warning(notice);
   ipc::CommandHandler handler(supervisor, clock, identity, notices);

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // dtsd: the daemon. Four switches; everything else is configuration (config/dtsd.toml) or a command (dtsctl).
 #include <signal.h>
+#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
+#include <exception>
 #include <iostream>
 
 #include "app/daemon.h"
@@ -26,6 +28,42 @@ void block_signals() {
   ::signal(SIGPIPE, SIG_IGN);
 }
 
+/// libzmq 4.3.4 aborts the process when accepting finds no descriptor left: take all that the hard limit allows.
+void raise_descriptor_limit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+int exit_status(const dts::core::Error& error) {
+  switch (error.code) {
+    case dts::core::ErrorCode::NotAllowed: return 4;
+    case dts::core::ErrorCode::WrongState: return 6;
+    default: return 1;
+  }
+}
+
+int run(const std::string& file, bool is_check, bool is_foreground) {
+  dts::app::LoadedConfig loaded = dts::app::load_config(file);
+  dts::core::SystemClock clock;
+  dts::core::Doorbell bell;
+  auto rigs = dts::app::create_rigs(loaded.config, clock, bell, loaded.problems);
+  if (!loaded.problems.empty()) return report(loaded.problems);
+  if (is_check) {
+    std::cout << file << ": fine, " << rigs.size() << " rig(s)\n";
+    return 0;
+  }
+  block_signals();
+  raise_descriptor_limit();
+  if (is_foreground) ::unsetenv("JOURNAL_STREAM");
+  const auto log = dts::core::Log::to_stderr(loaded.config.log_level);
+  const auto ended = dts::app::run_daemon(loaded.config, std::move(rigs), clock, bell, log);
+  if (ended) return 0;
+  log.error(dts::core::to_string(ended.error()));
+  return exit_status(ended.error());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -47,21 +85,10 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : kBadInput;
   }
 
-  dts::app::LoadedConfig loaded = dts::app::load_config(file);
-  dts::core::SystemClock clock;
-  dts::core::Doorbell bell;
-  auto rigs = loaded.problems.empty() ? dts::app::create_rigs(loaded.config, file, clock, bell, loaded.problems)
-                                      : std::vector<std::unique_ptr<dts::session::Rig>>{};
-  if (!loaded.problems.empty()) return report(loaded.problems);
-  if (is_check) {
-    std::cout << file << ": fine, " << rigs.size() << " rig(s)\n";
-    return 0;
+  try {
+    return run(file, is_check, is_foreground);
+  } catch (const std::exception& error) {  // no memory, descriptors or threads left
+    std::cerr << "dtsd: " << error.what() << '\n';
+    return 1;
   }
-  block_signals();
-  if (is_foreground) ::unsetenv("JOURNAL_STREAM");
-  const auto log = dts::core::Log::to_stderr(loaded.config.log_level);
-  const auto ended = dts::app::run_daemon(loaded.config, std::move(rigs), clock, bell, log);
-  if (ended) return 0;
-  log.error(dts::core::to_string(ended.error()));
-  return 1;
 }

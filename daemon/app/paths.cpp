@@ -41,8 +41,11 @@ core::Status prepare_directory(const std::string& path) {
   // lstat: in /tmp somebody else could have put a link in our place.
   if (::lstat(path.c_str(), &found) != 0) return core::fail_errno(errno, "runtime directory " + path, hint);
   if (!S_ISDIR(found.st_mode)) return core::fail(core::ErrorCode::Failed, "runtime directory " + path + " is not a directory", hint);
-  if (found.st_uid != ::geteuid() && path.starts_with("/tmp/")) {
+  if (found.st_uid != ::geteuid()) {
     return core::fail(core::ErrorCode::NotAllowed, "runtime directory " + path + " belongs to another user", hint);
+  }
+  if ((found.st_mode & S_IWOTH) != 0) {
+    return core::fail(core::ErrorCode::NotAllowed, "runtime directory " + path + " can be written by everybody", "chmod o-rwx " + path);
   }
   if (::access(path.c_str(), W_OK | X_OK) != 0) return core::fail_errno(errno, "runtime directory " + path + " cannot be written", hint);
   return {};

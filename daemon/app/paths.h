@@ -11,7 +11,7 @@ namespace dts::app {
 /// /tmp/dtsd-<uid>. Clients follow the same rule.
 [[nodiscard]] std::string runtime_directory();
 
-/// Makes `path` (mode 0750) if need be and checks that it belongs to us and can be written.
+/// Makes `path` (mode 0750) if need be and checks that it belongs to us, that others cannot write into it, and that we can.
 /// Fails with NotAllowed or Failed, naming the path and what to do.
 [[nodiscard]] core::Status prepare_directory(const std::string& path);
 

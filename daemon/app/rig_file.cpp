@@ -110,7 +110,11 @@ void read_acquisition(TomlReader reader, session::RigConfig& config) {
   config.rate = core::Rate::from_hz(rate_hz).value();  // in range by the line above
   const double block_ms = reader.number("block_ms", 20.0, 0.05, 1000.0);
   const bool is_low_latency = reader.boolean("low_latency", false);
-  config.block_scans = is_low_latency ? 1 : std::min<std::size_t>(config.rate.scans_in_ms(block_ms), core::kMaxBlockScans);
+  config.block_scans = is_low_latency ? 1 : config.rate.scans_in_ms(block_ms);
+  if (config.block_scans > core::kMaxBlockScans) {
+    reader.report("block_ms", "a block would have " + std::to_string(config.block_scans) + " scans; at most " +
+                                  std::to_string(core::kMaxBlockScans) + " are supported: lower block_ms or rate_hz");
+  }
   reader.finish();
 }
 

@@ -14,8 +14,6 @@ void ServiceManager::ready(const std::string& status) { sd_notifyf(0, "READY=1\n
 
 void ServiceManager::stopping() { sd_notify(0, "STOPPING=1"); }
 
-void ServiceManager::status(const std::string& text) { sd_notifyf(0, "STATUS=%s", text.c_str()); }
-
 void ServiceManager::reloading(std::int64_t monotonic_ns) {
   sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld", static_cast<long long>(monotonic_ns / 1000));
 }

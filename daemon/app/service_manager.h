@@ -13,7 +13,6 @@ class ServiceManager {
 
   void ready(const std::string& status);
   void stopping();
-  void status(const std::string& text);
   void reloading(std::int64_t monotonic_ns);
   /// Sends the keep-alive when half of the watchdog's time has passed since the last one. Call it often.
   void keep_alive(std::int64_t now_ns);

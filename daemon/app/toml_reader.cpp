@@ -194,12 +194,19 @@ void TomlReader::finish() {
 }
 
 void TomlReader::report_at(const toml::node* node, const std::string& text) {
-  Problem problem{.file = file_, .text = text};
+  problems_->push_back(problem_at(node));
+  problems_->back().text = text;
+}
+
+Problem TomlReader::position(std::string_view key) const { return problem_at(table_ != nullptr ? table_->get(key) : nullptr); }
+
+Problem TomlReader::problem_at(const toml::node* node) const {
+  Problem problem{.file = file_};
   if (node != nullptr && node->source().begin) {
     problem.line = static_cast<std::uint32_t>(node->source().begin.line);
     problem.column = static_cast<std::uint32_t>(node->source().begin.column);
   }
-  problems_->push_back(std::move(problem));
+  return problem;
 }
 
 std::string TomlReader::named(std::string_view key) const { return (where_.empty() ? "" : where_ + " ") + std::string(key); }

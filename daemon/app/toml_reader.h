@@ -56,12 +56,15 @@ class TomlReader {
 
   /// A problem at a key of this table, or at the table itself for an empty key.
   void report(std::string_view key, const std::string& text);
+  /// Where a key's value stands, as a problem without text.
+  [[nodiscard]] Problem position(std::string_view key) const;
   /// Reports unknown keys with a suggestion. Call it once, when everything was read.
   void finish();
 
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
 
  private:
+  [[nodiscard]] Problem problem_at(const toml::node* node) const;
   void report_at(const toml::node* node, const std::string& text);
   [[nodiscard]] std::string named(std::string_view key) const;
 

@@ -5,6 +5,8 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -55,6 +57,12 @@ std::vector<std::string> configure_this_thread(const std::string& name, const Th
 }
 
 Status lock_memory() {
+  // Under a finite limit the lock may succeed now and make every later allocation fail: do without. Root has no limit.
+  rlimit limit{};
+  if (::geteuid() != 0 && getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    return fail(ErrorCode::NotAllowed, "memory is not locked, pages may be swapped out: RLIMIT_MEMLOCK is finite",
+                "grant LimitMEMLOCK=infinity or memlock in limits.conf");
+  }
   // MCL_ONFAULT: the default thread stacks alone would lock some 200 MB that nobody touches.
   if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return {};
   const int error = errno;

@@ -110,38 +110,57 @@ void ControlServer::answer(std::vector<std::string> envelope, const std::string&
   if (!request.ParseFromString(payload)) return reject(envelope, "the message is not a dts.v1.Request");
   const std::string& id = request.request_id();
   if (id.empty() || id.size() > kLongestRequestId) return reject(envelope, "request_id must have 1..64 bytes");
-  if (const std::string* known = replies_.find(id)) return reply(envelope, *known);
-  const auto same = std::ranges::find(waiting_, id, &Waiting::request_id);
-  if (same != waiting_.end()) {  // asked again while the answer is in the making: it goes to whoever asked last
-    same->envelope = std::move(envelope);
-    return;
-  }
+  if (!is_repeatable(request) && answer_repeat(envelope, id, payload)) return;
   if (request.has_tare() && waiting_.size() == kMostWaiting) {
     return reject(envelope, "too many tares are being waited for");
   }
   CommandHandler::Answer result = handler_.execute(request);
   if (result.pending) {
-    waiting_.push_back(
-        {.envelope = std::move(envelope), .request_id = id, .tare = *result.pending, .deadline_ns = clock_.now_ns() + kTareTimeoutNs});
+    waiting_.push_back({.envelope = std::move(envelope),
+                        .request_id = id,
+                        .request = payload,
+                        .tare = *result.pending,
+                        .deadline_ns = clock_.now_ns() + kTareTimeoutNs});
     return;
   }
   std::string bytes = result.response.SerializeAsString();
   reply(envelope, bytes);
-  if (!is_repeatable(request)) replies_.store(id, std::move(bytes));
+  if (!is_repeatable(request)) replies_.store(id, {.request = payload, .reply = std::move(bytes)});
   publish_notices();
+}
+
+bool ControlServer::answer_repeat(std::vector<std::string>& envelope, const std::string& id, const std::string& payload) {
+  const auto refuse = [&] { reject(envelope, "request_id was used for another request; it must be unique per command"); };
+  if (const ReplyCache::Entry* known = replies_.find(id)) {
+    if (known->request == payload) {
+      reply(envelope, known->reply);
+    } else {
+      refuse();
+    }
+    return true;
+  }
+  const auto same = std::ranges::find(waiting_, id, &Waiting::request_id);
+  if (same == waiting_.end()) return false;
+  if (same->request == payload) {
+    same->envelope = std::move(envelope);  // the answer in the making goes to whoever asked last
+  } else {
+    refuse();
+  }
+  return true;
 }
 
 void ControlServer::answer_waiting() {
   std::erase_if(waiting_, [this](const Waiting& waiting) {
     auto response = handler_.finish(waiting.tare);
     if (!response && clock_.now_ns() > waiting.deadline_ns) {
+      supervisor_.cancel_tare(waiting.tare.rig, waiting.tare.request);  // it must not happen minutes later, unasked
       response = error_response({core::ErrorCode::Timeout, "the tare did not finish within 10 s", "see dtsctl status"});
     }
     if (!response) return false;
     response->set_request_id(waiting.request_id);
     std::string bytes = response->SerializeAsString();
     reply(waiting.envelope, bytes);
-    replies_.store(waiting.request_id, std::move(bytes));
+    replies_.store(waiting.request_id, {.request = waiting.request, .reply = std::move(bytes)});
     return true;
   });
 }

@@ -36,6 +36,7 @@ class ControlServer {
   struct Waiting {
     std::vector<std::string> envelope;
     std::string request_id;
+    std::string request;
     PendingTare tare;
     std::int64_t deadline_ns = 0;
   };
@@ -43,6 +44,8 @@ class ControlServer {
                 core::Clock& clock, std::uint64_t instance_id);
   void receive();
   void answer(std::vector<std::string> envelope, const std::string& payload);
+  /// Serves a repeat of a known request, or refuses another request under its id; true when it did either.
+  [[nodiscard]] bool answer_repeat(std::vector<std::string>& envelope, const std::string& id, const std::string& payload);
   void answer_waiting();
   void reply(const std::vector<std::string>& envelope, const std::string& bytes);
   void reject(const std::vector<std::string>& envelope, const std::string& why);

@@ -2,10 +2,12 @@
 #include "ipc/endpoint.h"
 
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstring>
 #include <string_view>
@@ -30,9 +32,9 @@ core::Status check_tcp(const std::string& endpoint) {
   if (error != std::errc{} || end != digits.data() + digits.size() || port == 0 || port > 65535) {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "': the port must be 1..65535");
   }
-  if (host != "127.0.0.1" && host != "[::1]" && host != "localhost") {
+  if (host != "127.0.0.1") {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is reachable from other machines, which needs client keys",
-                      "this version binds to 127.0.0.1, [::1] and ipc:// only");
+                      "this version binds to 127.0.0.1 and ipc:// only");
   }
   return {};
 }
@@ -62,9 +64,15 @@ core::Status check_not_in_use(const std::string& endpoint) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::copy_n(path.begin(), std::min(path.size(), kLongestPath), std::begin(address.sun_path));
-  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  struct stat found {};
+  if (::lstat(path.c_str(), &found) != 0) return {};  // nothing there
+  if (!S_ISSOCK(found.st_mode)) {
+    return core::fail(core::ErrorCode::InvalidArgument, path + " exists and is no socket", "choose another path for the endpoint");
+  }
+  const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (probe < 0) return {};  // no descriptor left: binding will say so
-  const bool is_taken = ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+  // EAGAIN: somebody listens and is too busy to take one more connection.
+  const bool is_taken = ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 || errno == EAGAIN;
   ::close(probe);
   if (is_taken) {
     return core::fail(core::ErrorCode::WrongState, "another program already listens on " + endpoint,

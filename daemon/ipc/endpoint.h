@@ -8,12 +8,13 @@
 namespace dts::ipc {
 
 /// Checks an endpoint before libzmq sees it: "ipc:///absolute/path" (short enough for a socket address) or
-/// "tcp://127.0.0.1:port" / "tcp://[::1]:port". Any other TCP address is refused: nothing leaves this machine without
+/// "tcp://127.0.0.1:port". Any other TCP address is refused: nothing leaves this machine without
 /// keys. Fails with InvalidArgument and the reason.
 [[nodiscard]] core::Status check_endpoint(const std::string& endpoint);
 
 /// Fails with WrongState when somebody already listens on this ipc path. libzmq would silently unlink the socket file of
-/// a running daemon and take its place. A dead daemon's leftover is not "in use". Other transports: no effect.
+/// a running daemon and take its place, and any other file likewise: that one is refused too. A dead daemon's leftover is not "in use".
+/// Other transports: no effect.
 [[nodiscard]] core::Status check_not_in_use(const std::string& endpoint);
 
 }  // namespace dts::ipc

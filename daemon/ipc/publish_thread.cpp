@@ -10,14 +10,15 @@ namespace {
 
 constexpr std::size_t kLongestOutbox = 1000;
 constexpr int kWaitMs = 200;
+constexpr int kRetainedMs = 100;
 /// Frames of one rig sent before the others, subscriptions and stop requests get their turn.
 constexpr int kFramesPerTurn = 64;
 
 }  // namespace
 
 PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs,
-                             std::uint64_t instance_id)
-    : socket_(std::move(socket)), bell_(bell), instance_id_(instance_id) {
+                             core::Clock& clock, std::uint64_t instance_id)
+    : socket_(std::move(socket)), bell_(bell), clock_(clock), instance_id_(instance_id) {
   for (session::Rig* rig : rigs) {
     const session::RigConfig& config = rig->config();
     Source source{.rig = rig, .gap_topic = config.name + "/gap", .streams = {}};
@@ -49,7 +50,10 @@ void PublishThread::stop() noexcept {
 void PublishThread::post(std::string topic, std::unique_ptr<google::protobuf::MessageLite> message, bool is_retained) {
   {
     const std::lock_guard lock(outbox_mutex_);
-    if (outbox_.size() == kLongestOutbox) outbox_.erase(outbox_.begin());
+    if (outbox_.size() == kLongestOutbox) {
+      const auto expendable = std::ranges::find(outbox_, false, &Outgoing::is_retained);
+      outbox_.erase(expendable != outbox_.end() ? expendable : outbox_.begin());
+    }
     outbox_.push_back({std::move(topic), std::move(message), is_retained});
   }
   bell_.ring();
@@ -57,12 +61,14 @@ void PublishThread::post(std::string topic, std::unique_ptr<google::protobuf::Me
 
 void PublishThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
-    socket_->wait(bell_.fd(), kWaitMs);
+    socket_->wait(bell_.fd(), is_retained_due_ ? kRetainedMs : kWaitMs);
     bell_.clear();
     for (Source& source : sources_) publish(source);
     send_outbox();
-    if (socket_->take_subscriptions()) send_retained();
+    is_retained_due_ = socket_->take_subscriptions() || is_retained_due_;
+    if (is_retained_due_) send_retained();
   }
+  for (Source& source : sources_) publish(source);
   send_outbox();
 }
 
@@ -101,6 +107,10 @@ void PublishThread::send_outbox() {
 }
 
 void PublishThread::send_retained() {
+  const std::int64_t now_ns = clock_.now_ns();
+  if (retained_sent_ns_ != 0 && now_ns - retained_sent_ns_ < kRetainedMs * core::kNanosecondsPerMillisecond) return;
+  retained_sent_ns_ = now_ns;
+  is_retained_due_ = false;
   for (const Outgoing& outgoing : retained_) socket_->send(outgoing.topic, *outgoing.message);
 }
 

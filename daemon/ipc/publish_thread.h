@@ -7,6 +7,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/clock.h"
 #include "core/doorbell.h"
 #include "core/log.h"
 #include "core/thread.h"
@@ -22,11 +23,11 @@ namespace dts::ipc {
 ///     control thread --post()--> outbox ---^
 ///
 /// A new subscriber triggers a repeat of the retained messages (status, last session and device event of each rig), so
-/// that it knows at once where things stand; live streams start at now.
+/// that it knows at once where things stand; live streams start at now. A flood of subscriptions gets one repeat per 100 ms.
 class PublishThread {
  public:
   /// `bell` is the one given to the rigs; it and the rigs outlive this object.
-  PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs,
+  PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs, core::Clock& clock,
                 std::uint64_t instance_id);
   ~PublishThread() { stop(); }
   PublishThread(const PublishThread&) = delete;
@@ -37,7 +38,7 @@ class PublishThread {
   void stop() noexcept;
 
   /// Queues a message; a retained one is repeated for new subscribers until another replaces it. Bounded: beyond 1000
-  /// queued messages the oldest is dropped. Thread: any but the sample threads.
+  /// queued messages the oldest that is not retained is dropped. Thread: any but the sample threads.
   void post(std::string topic, std::unique_ptr<google::protobuf::MessageLite> message, bool is_retained);
 
  private:
@@ -59,7 +60,10 @@ class PublishThread {
   std::unique_ptr<DataSocket> socket_;
   core::Doorbell& bell_;
   std::vector<Source> sources_;
+  core::Clock& clock_;
   std::uint64_t instance_id_;
+  bool is_retained_due_ = false;
+  std::int64_t retained_sent_ns_ = 0;
   std::mutex outbox_mutex_;  ///< Held for moving pointers only, never across a send.
   std::vector<Outgoing> outbox_;
   std::vector<Outgoing> retained_;

@@ -14,14 +14,19 @@ class ReplyCache {
  public:
   explicit ReplyCache(std::size_t capacity) : capacity_(capacity) {}
 
+  struct Entry {
+    std::string request;  ///< All bytes of it: the same id over another command is a mistake, not a repeat.
+    std::string reply;
+  };
+
   /// nullptr when the id is not known (any more).
-  [[nodiscard]] const std::string* find(const std::string& request_id) const;
-  void store(const std::string& request_id, std::string reply);
+  [[nodiscard]] const Entry* find(const std::string& request_id) const;
+  void store(const std::string& request_id, Entry entry);
 
  private:
   std::size_t capacity_;
   std::deque<std::string> order_;
-  std::unordered_map<std::string, std::string> replies_;
+  std::unordered_map<std::string, Entry> replies_;
 };
 
 }  // namespace dts::ipc

@@ -25,7 +25,7 @@ core::Result<std::unique_ptr<XpubSocket>> XpubSocket::bind(zmq::context_t& conte
   if (auto free = check_not_in_use(endpoint); !free) return tl::make_unexpected(free.error());
   try {
     zmq::socket_t socket(context, zmq::socket_type::xpub);
-    socket.set(zmq::sockopt::linger, 0);
+    socket.set(zmq::sockopt::linger, 200);  // the last events still get out at shutdown
     socket.set(zmq::sockopt::sndhwm, queue_messages);
     socket.set(zmq::sockopt::maxmsgsize, std::int64_t{kLongestSubscriptionBytes});
     socket.set(zmq::sockopt::xpub_verbose, true);  // a second subscriber to a topic wants its snapshot too

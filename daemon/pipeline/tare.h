@@ -31,16 +31,24 @@ class Tare {
  public:
   /// Asks for a new baseline; returns the request's number. Thread: control. Realtime-safe: yes.
   std::uint64_t request() noexcept { return requested_.fetch_add(1, std::memory_order_acq_rel) + 1; }
+  /// Withdraws a request nobody waits for any more: an average that is still running for it changes nothing.
+  /// Thread: control. Realtime-safe: yes.
+  void cancel(std::uint64_t request) noexcept { cancelled_.store(request, std::memory_order_release); }  // pairs with is_cancelled()
   /// The newest report. Thread: control (the one reader).
   [[nodiscard]] const TareReport& latest() noexcept { return report_.load(); }
 
   /// Number of the newest request; 0 when there was none. Thread: pipeline. Realtime-safe: yes.
   [[nodiscard]] std::uint64_t requested() const noexcept { return requested_.load(std::memory_order_acquire); }  // pairs with request()
+  /// Thread: pipeline. Realtime-safe: yes.
+  [[nodiscard]] bool is_cancelled(std::uint64_t request) const noexcept {
+    return request != 0 && cancelled_.load(std::memory_order_acquire) == request;  // pairs with cancel()
+  }
   /// Thread: pipeline (the one writer). Realtime-safe: yes.
   void report(const TareReport& report) noexcept { report_.store(report); }
 
  private:
   std::atomic<std::uint64_t> requested_{0};
+  std::atomic<std::uint64_t> cancelled_{0};
   core::LatestValue<TareReport> report_;
 };
 

@@ -37,10 +37,11 @@ void Acquisition::request_stop() noexcept {
 
 void Acquisition::run() noexcept {
   while (!stop_requested_.load(std::memory_order_acquire)) {
-    if (bring_up()) {
+    has_delivered_ = false;
+    if (bring_up()) stream();
+    if (has_delivered_) {
       retry_pause_ns_ = 0;
-      stream();
-    } else {
+    } else {  // absent, or present and useless: either way not to be asked again at once
       wait_before_retry();
     }
   }
@@ -67,7 +68,9 @@ bool Acquisition::bring_up() {
   needs_segment_ = true;
   report_.rate = *started;
   report_.device = device::DeviceState::Streaming;
+  report_.is_silent = false;
   report_.set_message("");
+  quiet_since_ns_ = clock_.now_ns();
   publish_report();
   return true;
 }
@@ -118,51 +121,63 @@ void Acquisition::note_gap(const core::Gap& gap) noexcept {
 }
 
 void Acquisition::lose_to_full_ring(const core::Block& block) noexcept {
+  has_delivered_ = true;
   ring_.drop();
   note_gap({.reason = core::GapReason::RingFull, .missing_scans = block.count(), .is_exact = true});
 }
 
 void Acquisition::note_timeout(std::int64_t now_ns) noexcept {
-  const bool is_silent = report_.last_scan_host_ns != 0 && now_ns - report_.last_scan_host_ns > kSilenceNs;
-  if (is_silent == report_.is_silent) return;
-  report_.is_silent = is_silent;
+  const bool is_silent = now_ns - quiet_since_ns_ > kSilenceNs;
+  if (!is_silent || report_.is_silent) return;
+  report_.is_silent = true;
   report_.set_message("device is present but delivers nothing; check its cable and power");
   publish_report();
 }
 
+void Acquisition::note_jumps(const core::Block& block) noexcept {
+  const std::uint64_t expected = segment_base_ + report_.next_scan;
+  const std::uint64_t index = block.first_scan.value;
+  if (index != expected) {  // a driver that miscounts must not shift the time axis silently
+    note_gap({.reason = core::GapReason::Integrity, .missing_scans = index > expected ? index - expected : 0});
+  } else if (block.host_time_ns - report_.last_scan_host_ns > kSilenceNs + report_.rate.time_ns({1})) {
+    note_gap({.reason = core::GapReason::Silence});
+  }
+}
+
+void Acquisition::open_segment(core::Acquired& acquired) noexcept {
+  if (pending_gap_.reason != core::GapReason::None) {
+    if (!pending_gap_.is_exact && has_streamed_) {
+      // What was counted is a part of the hole; the time between the scans around it covers all of it.
+      const auto hole_ns = static_cast<double>(acquired.block.host_time_ns - report_.last_scan_host_ns);
+      const double scans = std::max(0.0, std::round(hole_ns * 1e-9 * report_.rate.hz()) - 1.0);
+      pending_gap_.missing_scans = std::max(pending_gap_.missing_scans, static_cast<std::uint64_t>(scans));
+    }
+    report_.lost_scans_total += pending_gap_.missing_scans;
+    ++report_.gaps_total;
+    ++report_.segment;
+  }
+  acquired.gap_before = pending_gap_;
+  pending_gap_ = {};
+  segment_base_ = acquired.block.first_scan.value;
+  report_.next_scan = 0;
+  needs_segment_ = false;
+}
+
 void Acquisition::take(core::Acquired& acquired) noexcept {
   core::Block& block = acquired.block;
-  const std::uint64_t device_index = block.first_scan.value;
-  const std::uint64_t expected = segment_base_ + report_.next_scan;
-  if (!needs_segment_ && device_index != expected) {  // a driver that miscounts must not shift the time axis silently
-    const std::uint64_t missing = device_index > expected ? device_index - expected : 0;
-    note_gap({.reason = core::GapReason::Integrity, .missing_scans = missing});
-  }
+  if (!needs_segment_) note_jumps(block);
   acquired.gap_before = {};
-  if (needs_segment_) {
-    if (pending_gap_.reason != core::GapReason::None) {
-      if (!pending_gap_.is_exact && pending_gap_.missing_scans == 0 && report_.last_scan_host_ns != 0) {
-        const auto hole_ns = static_cast<double>(block.host_time_ns - report_.last_scan_host_ns);
-        pending_gap_.missing_scans = static_cast<std::uint64_t>(std::max(0.0, std::round(hole_ns * 1e-9 * report_.rate.hz()) - 1.0));
-      }
-      report_.lost_scans_total += pending_gap_.missing_scans;
-      ++report_.gaps_total;
-      ++report_.segment;
-    }
-    acquired.gap_before = pending_gap_;
-    pending_gap_ = {};
-    segment_base_ = device_index;
-    report_.next_scan = 0;
-    needs_segment_ = false;
-  }
+  if (needs_segment_) open_segment(acquired);
   block.segment = report_.segment;
-  block.first_scan = {device_index - segment_base_};
+  block.first_scan = {block.first_scan.value - segment_base_};
   acquired.lost_scans_total = report_.lost_scans_total;
   report_.next_scan = block.first_scan.value + block.count();
   report_.scans_total += block.count();
   report_.last_scan_host_ns = block.host_time_ns + report_.rate.time_ns({block.count() - 1});
   if (report_.is_silent) report_.set_message("");
   report_.is_silent = false;
+  quiet_since_ns_ = clock_.now_ns();
+  has_delivered_ = true;
   has_streamed_ = true;
   ring_.commit();
   bell_.ring();

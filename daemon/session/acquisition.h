@@ -60,6 +60,8 @@ class Acquisition {
   void lose_to_full_ring(const core::Block& block) noexcept;
   void note_gap(const core::Gap& gap) noexcept;
   void note_timeout(std::int64_t now_ns) noexcept;
+  void note_jumps(const core::Block& block) noexcept;
+  void open_segment(core::Acquired& acquired) noexcept;
   void publish_report() noexcept { latest_.store(report_); }
 
   device::Device& device_;
@@ -77,6 +79,8 @@ class Acquisition {
   std::uint64_t segment_base_ = 0;  ///< Device index of the segment's scan 0.
   bool needs_segment_ = true;       ///< The next block starts a segment.
   bool has_streamed_ = false;
+  bool has_delivered_ = false;       ///< Since it was last brought up.
+  std::int64_t quiet_since_ns_ = 0;  ///< Of the last scan or the last start, whichever is later.
   std::int64_t retry_pause_ns_ = 0;
 };
 

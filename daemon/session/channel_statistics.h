@@ -30,6 +30,8 @@ class StatisticsCollector {
 
   /// Thread: pipeline. Realtime-safe: yes.
   void add(const core::Block& block) noexcept;
+  /// Starts the period anew: what lies before a gap is another story. Thread: pipeline. Realtime-safe: yes.
+  void reset() noexcept { scans_ = 0; }
   /// The last complete period. Thread: control (the one reader).
   [[nodiscard]] const StatisticsReport& latest() noexcept { return latest_.load(); }
 

@@ -176,6 +176,7 @@ void Rig::process(const core::Acquired& acquired) noexcept {
     unpublished_gap_ = frame.gap_before;
     frames_.drop();
   }
+  if (acquired.gap_before.reason != core::GapReason::None) statistics_.reset();
   statistics_.add(acquired.block);
   note_time(clock_.now_ns() - started_ns, acquired.block.count());
 }

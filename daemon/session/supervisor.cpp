@@ -3,6 +3,7 @@
 
 #include <ctime>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -80,7 +81,7 @@ std::string Supervisor::new_session_id(const std::string& rig) {
   gmtime_r(&now_s, &utc);
   std::array<char, 32> stamp{};
   std::strftime(stamp.data(), stamp.size(), "%Y%m%dT%H%M%SZ", &utc);
-  return std::string(stamp.data()) + "-" + rig + "-" + std::to_string(++sessions_started_);
+  return std::string(stamp.data()) + "-" + rig + "-" + std::to_string(sessions_started_ + 1);
 }
 
 core::Result<SessionView> Supervisor::start_session(const std::string& rig, const SessionRequest& request) {
@@ -90,6 +91,7 @@ core::Result<SessionView> Supervisor::start_session(const std::string& rig, cons
   const std::int64_t now_ns = clock_.now_ns();
   if (auto checked = check(request); !checked) return tl::make_unexpected(checked.error());
   if (auto started = session.start(new_session_id(rig), request, now_ns); !started) return tl::make_unexpected(started.error());
+  ++sessions_started_;
   log_.info("session " + session.view(now_ns).id + " starts on rig '" + rig + "'");
   collect_session_changes(**entry);
   return session.view(now_ns);
@@ -131,10 +133,15 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
   for (const std::string& rig_name : chosen) {
     auto entry = find(rig_name);
     if (!entry) return tl::make_unexpected(entry.error());
-    const DataPosition at = position(**entry);
-    marks.emplace_back(rig_name, at);
-    notices_.push_back({.rig = rig_name, .at = at, .body = MarkerNotice{text}});
+    const AcquisitionReport& report = (*entry)->rig->acquisition();
+    if (report.device != device::DeviceState::Streaming || report.scans_total == 0) {
+      if (rig.empty()) continue;
+      return core::fail(core::ErrorCode::WrongState, "rig '" + rig_name + "' delivers no scans that could be marked", "see dtsctl status");
+    }
+    marks.emplace_back(rig_name, position(**entry));
   }
+  if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans that could be marked", "see dtsctl status");
+  for (const auto& [rig_name, at] : marks) notices_.push_back({.rig = rig_name, .at = at, .body = MarkerNotice{text}});
   return marks;
 }
 
@@ -144,7 +151,16 @@ core::Result<std::uint64_t> Supervisor::tare(const std::string& rig) {
   if ((*entry)->rig->acquisition().device != device::DeviceState::Streaming) {
     return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' is not streaming", "see dtsctl status");
   }
+  const auto formats = (*entry)->rig->formats();
+  if (std::ranges::find(formats, "deflection", &core::StreamFormat::name) == formats.end()) {
+    return core::fail(core::ErrorCode::Unsupported, "rig '" + rig + "' has no stage that tares",
+                      "add [[stage]] id = \"linearise\" to its file");
+  }
   return (*entry)->rig->tare().request();
+}
+
+void Supervisor::cancel_tare(const std::string& rig, std::uint64_t request) {
+  if (const auto entry = find(rig)) (*entry)->rig->tare().cancel(request);
 }
 
 core::Result<pipeline::TareReport> Supervisor::tare_report(const std::string& rig) {

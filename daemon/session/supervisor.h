@@ -68,6 +68,8 @@ class Supervisor {
   [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text);
   /// Asks for a tare; compare the number with `RigState::tare.request` to see when it is answered.
   [[nodiscard]] core::Result<std::uint64_t> tare(const std::string& rig);
+  /// Withdraws a tare that nobody waits for any more.
+  void cancel_tare(const std::string& rig, std::uint64_t request);
   [[nodiscard]] core::Result<pipeline::TareReport> tare_report(const std::string& rig);
   [[nodiscard]] core::Result<std::pair<Rig*, StatisticsReport>> test_device(const std::string& rig);
 

@@ -148,7 +148,7 @@ class Producer {
     schedule_zmq(context_, arguments, std::max(0, fifo_priority - 3));
     auto xpub = need(ipc::XpubSocket::bind(context_, arguments.text("ep", kDefaultEndpoint), subscriber_queue()));
     auto timed = std::make_unique<TimedSocket>(std::move(xpub), plan.warm_scans(), config_.rate, clock_, figures_);
-    publisher_.emplace(std::move(timed), bell_, supervisor_.rigs(), kInstance);
+    publisher_.emplace(std::move(timed), bell_, supervisor_.rigs(), clock_, kInstance);
     for (const std::string& refused : publisher_->start(policy(arguments, fifo_priority, 2))) std::fprintf(stderr, "%s\n", refused.c_str());
     handler_.emplace(supervisor_, clock_, ipc::Identity{.instance_id = kInstance, .boot_id = boot_id(), .started_ns = clock_.now_ns()},
                      std::vector<std::string>{});

@@ -63,7 +63,7 @@ TEST(BadConfiguration, UnknownDeviceOrOption_NamesRigAndSuggestion) {
     DaemonProcess daemon({.device = device});
     EXPECT_FALSE(daemon.is_ready()) << device;
     EXPECT_EQ(daemon.wait(), 2) << device;
-    EXPECT_THAT(daemon.log(), HasSubstr("[[rig]] 'floor'")) << device;
+    EXPECT_THAT(daemon.log(), HasSubstr("dtsd.toml:5:10: [[rig]] 'floor'")) << device;
   }
 }
 
@@ -82,7 +82,7 @@ TEST(RuntimeDirectory, InUse_SecondDaemonEndsAndTheFirstGoesOn) {
 
   const Finished second = run_program({DTSD_PROGRAM, "--config", first.config_file()}, {"DTSD_RUNTIME_DIR=" + first.directory().string()});
 
-  EXPECT_EQ(second.status, 1);
+  EXPECT_EQ(second.status, 6);
   EXPECT_THAT(second.err, HasSubstr("another dtsd already runs"));
   EXPECT_TRUE(first.control().status());
 }
@@ -140,12 +140,19 @@ TEST(ControlMessages, TooManyFrames_AreRejected) {
 TEST(ControlMessages, Oversized_CutTheSenderOffOnly) {
   DaemonProcess daemon;
   RawClient raw(daemon);
-  raw.socket.set(zmq::sockopt::rcvtimeo, 300);
+  zmq::socket_t monitor(raw.context, zmq::socket_type::pair);
+  ASSERT_EQ(zmq_socket_monitor(raw.socket.handle(), "inproc://monitor", ZMQ_EVENT_DISCONNECTED), 0);
+  monitor.connect("inproc://monitor");
+  monitor.set(zmq::sockopt::rcvtimeo, 10000);
+  ASSERT_TRUE(daemon.control().status());
+  const long before_kb = resident_kb(daemon.pid());
 
-  EXPECT_FALSE(exchange(raw.socket, {std::string(64 * 1024 * 1024, 'x')}));
+  raw.socket.send(zmq::buffer(std::string(64 * 1024 * 1024, 'x')));
 
+  zmq::message_t event;
+  EXPECT_TRUE(monitor.recv(event)) << "the daemon must hang up";
   EXPECT_TRUE(daemon.control().status());
-  EXPECT_LT(resident_kb(daemon.pid()), 400 * 1024);
+  EXPECT_LT(resident_kb(daemon.pid()) - before_kb, 16 * 1024);
 }
 
 TEST(ControlMessages, RequestIdMissingOrTooLong_IsRejected) {
@@ -188,6 +195,30 @@ TEST(ControlMessages, SameRequestIdTwice_IsExecutedOnce) {
   v1::Response response;
   ASSERT_TRUE(response.ParseFromString(*second));
   EXPECT_FALSE(response.session().session_id().empty()) << "a second start would be refused with wrong_state";
+}
+
+TEST(ControlMessages, SameRequestIdForAnotherCommand_IsRefused) {
+  DaemonProcess daemon;
+  ASSERT_TRUE(eventually([&] { return daemon.control().mark("before", "").has_value(); }));
+  RawClient raw(daemon);
+  ASSERT_TRUE(exchange(raw.socket, {serialised("1", [](v1::Request& request) { request.mutable_mark()->set_text("a"); })}));
+
+  const auto reply =
+      exchange(raw.socket, {serialised("1", [](v1::Request& request) { request.mutable_start_session()->set_rig("floor"); })});
+
+  v1::Response response;
+  ASSERT_TRUE(reply && response.ParseFromString(*reply));
+  EXPECT_EQ(response.error().code(), v1::ERROR_CODE_INVALID_ARGUMENT);
+}
+
+TEST(Commands, TareOfASilentRig_IsWithdrawnWhenItTimesOut) {
+  DaemonProcess daemon({.device = "sim:floor?fault=silence&fault_at_s=0.3&fault_for_s=12", .stages = ""});
+  ASSERT_TRUE(eventually([&] { return daemon.control().status().value().rigs(0).scans_total() > 0; }));
+
+  const auto tared = daemon.control().tare("floor");
+
+  ASSERT_FALSE(tared);
+  EXPECT_EQ(tared.error().code, client::ErrorCode::Timeout);
 }
 
 TEST(Commands, UnknownRig_IsNotFound) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "device/sim/floor.h"
 
+#include "device/sim/cop_recording.h"
 #include "device/sim/floor_options.h"
 #include "device/sim/floor_scene.h"
 #include "device/sim/sim_device.h"
@@ -37,6 +38,10 @@ DeviceDescription describe(const DeviceUri& uri, const FloorOptions& options, co
 core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const DeviceContext& context) {
   const auto options = read_floor_options(uri, context.rig.sensors.size());
   if (!options) return tl::make_unexpected(options.error());
+  if (!options->cop_file.empty()) {  // played from memory later; a file that cannot be played must show now
+    const auto recording = CopRecording::load(options->cop_file);
+    if (!recording) return tl::make_unexpected(recording.error());
+  }
   auto scene = FloorScene::create(*options, context.rig);
   if (!scene) {
     core::Error error = scene.error();

@@ -42,7 +42,7 @@ const StageDescription& Linearise::description() {
       .sentence = "Turns volts into deflection by each sensor's curve and takes the empty plate as zero.",
       .output_stream = "deflection",
       .options = {
-          {.name = "tare_ms", .sentence = "How long a tare averages.", .default_value = 1000.0, .minimum = 10.0, .maximum = 60'000.0},
+          {.name = "tare_ms", .sentence = "How long a tare averages.", .default_value = 1000.0, .minimum = 10.0, .maximum = 5'000.0},
           {.name = "tare_limit_mm",
            .sentence = "A sensor further than this from its nominal unloaded gap means that the plate is loaded.",
            .default_value = 0.5,
@@ -99,6 +99,7 @@ void Linearise::take_request() noexcept {
 
 void Linearise::finish_average() noexcept {
   const std::size_t sensors = rig_->sensors.size();
+  if (tare_->is_cancelled(request_)) return report(TareOutcome::None);
   const TareOutcome outcome = average_.judge(sensors, tare_limit_mm_, tare_noise_mm_);
   if (outcome == TareOutcome::Done) {
     for (std::size_t c = 0; c < sensors; ++c) baseline_mm_[c] = average_.mean(c);

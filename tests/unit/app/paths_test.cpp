@@ -46,6 +46,14 @@ TEST_F(Paths, UnwritableDirectory_IsRefusedWithAHint) {
   EXPECT_FALSE(prepared.error().hint.empty());
 }
 
+TEST_F(Paths, DirectoryThatEverybodyMayWrite_IsRefused) {
+  const std::string path = (folder_ / "open").string();
+  ::mkdir(path.c_str(), 0700);
+  ::chmod(path.c_str(), 0777);
+
+  EXPECT_FALSE(prepare_directory(path));
+}
+
 TEST_F(Paths, SecondLock_IsRefusedUntilTheFirstEnds) {
   auto first = std::make_unique<core::Result<RuntimeLock>>(RuntimeLock::take(folder_.string()));
   ASSERT_TRUE(first->has_value());

@@ -10,25 +10,25 @@ TEST(ReplyCache, UnknownId_IsNotFound) { EXPECT_EQ(ReplyCache(2).find("a"), null
 
 TEST(ReplyCache, Full_ForgetsTheOldestOnly) {
   ReplyCache cache(2);
-  cache.store("a", "1");
-  cache.store("b", "2");
+  cache.store("a", {.request = "ask", .reply = "1"});
+  cache.store("b", {.request = "ask", .reply = "2"});
 
-  cache.store("c", "3");
+  cache.store("c", {.request = "ask", .reply = "3"});
 
   EXPECT_EQ(cache.find("a"), nullptr);
   ASSERT_NE(cache.find("b"), nullptr);
-  EXPECT_EQ(*cache.find("c"), "3");
+  EXPECT_EQ(cache.find("c")->reply, "3");
 }
 
 TEST(ReplyCache, SameIdAgain_ReplacesWithoutForgettingOthers) {
   ReplyCache cache(2);
-  cache.store("a", "1");
-  cache.store("b", "2");
+  cache.store("a", {.request = "ask", .reply = "1"});
+  cache.store("b", {.request = "ask", .reply = "2"});
 
-  cache.store("b", "changed");
+  cache.store("b", {.request = "ask", .reply = "changed"});
 
   EXPECT_NE(cache.find("a"), nullptr);
-  EXPECT_EQ(*cache.find("b"), "changed");
+  EXPECT_EQ(cache.find("b")->reply, "changed");
 }
 
 }  // namespace

@@ -149,6 +149,35 @@ TEST(Acquisition, TwoGapsInARow_BecomeOneLongerGap) {
   EXPECT_EQ(run.report.gaps_total, 1U);
 }
 
+TEST(Acquisition, UnknownHoleAfterACountedOne_IsAsLongAsTheTimeBetweenTheScans) {
+  const core::Gap exact{.reason = core::GapReason::Overrun, .missing_scans = 5, .is_exact = true};
+  const Playback run({{.scans = 1},
+                      {.outcome = ReadOutcome::Gap, .gap = exact},
+                      {.outcome = ReadOutcome::Gone},
+                      {.scans = 1, .pause_ns = 600 * ScriptedDevice::kPeriodNs}});
+
+  ASSERT_EQ(run.seen.size(), 2U);
+  EXPECT_EQ(run.seen[1].gap.missing_scans, 600U);
+  EXPECT_EQ(run.report.lost_scans_total, 600U);
+}
+
+TEST(Acquisition, HostTimeJumpsByMoreThanASecond_IsASilenceGap) {
+  const Playback run({{.scans = 2}, {.scans = 2, .pause_ns = 500 * ScriptedDevice::kPeriodNs}});
+
+  ASSERT_EQ(run.seen.size(), 2U);
+  EXPECT_EQ(run.seen[1].gap.reason, core::GapReason::Silence);
+  EXPECT_EQ(run.seen[1].gap.missing_scans, 500U);
+  EXPECT_EQ(run.seen[1].segment, 1U);
+}
+
+TEST(Acquisition, DeviceGoneAtEveryFirstRead_IsRetriedWithGrowingPauses) {
+  const Playback run(std::deque<ScriptedDevice::Step>(5, {.outcome = ReadOutcome::Gone}));
+
+  // 0.25, 0.5, 1, 2, 4 s: as fast as it computes would be none of them.
+  EXPECT_GE(run.clock.now_ns(), 7'750'000'000);
+  EXPECT_EQ(run.report.gaps_total, 0U);
+}
+
 TEST(AcquisitionReport, LongMessage_IsCutNotOverrun) {
   AcquisitionReport report;
 

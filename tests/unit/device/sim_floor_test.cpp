@@ -298,17 +298,17 @@ TEST(SimFloor, RecordingRepeated_PersonStays) {
   EXPECT_NEAR(recorded.channels[kTrueMl][kFirstRowAt100Hz + 2100], 1.0, 1e-9);
 }
 
-TEST(SimFloor, BadRecording_OpenFailsNamingTheLine) {
+TEST(SimFloor, BadRecording_IsRefusedNamingTheLine) {
   const std::string path = test::temporary_path("bad.csv");
   std::ofstream(path) << "t_s,x_mm,y_mm\n0,1,1\n1,x,1\n";
-  Bench bench("sim:floor?cop=" + path);
+  core::VirtualClock clock;
+  const physics::RigModel rig = test::floor_rig();
 
-  const core::Status opened = bench.device->open();
+  const auto created = create_device("sim:floor?cop=" + path, {clock, rig});
   std::filesystem::remove(path);
 
-  ASSERT_FALSE(opened.has_value());
-  EXPECT_NE(opened.error().what.find(path + ":3"), std::string::npos);
-  EXPECT_EQ(bench.device->state(), DeviceState::Closed);
+  ASSERT_FALSE(created.has_value());
+  EXPECT_NE(created.error().what.find(path + ":3"), std::string::npos);
 }
 
 }  // namespace

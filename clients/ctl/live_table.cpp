@@ -2,7 +2,6 @@
 #include "ctl/live_table.h"
 
 #include <algorithm>
-#include <ranges>
 
 #include "ctl/reading.h"
 #include "ctl/table.h"
@@ -88,7 +87,9 @@ void LiveTable::draw(Time now) {
   console_.out << styled(console_, Style::Faint, cut(line("TOPIC", "RATE (Hz)", "AGE", "LOST") + "VALUES", console_.columns)) << '\n';
   // The cursor cannot go back above the screen.
   const std::size_t shown = std::min(rows_.size(), std::max<std::size_t>(console_.lines, kHeadAndFoot + 1) - kHeadAndFoot);
-  for (const auto& [topic, row] : std::views::take(rows_, static_cast<std::ptrdiff_t>(shown))) {
+  std::size_t left = shown;
+  for (const auto& [topic, row] : rows_) {
+    if (left-- == 0) break;
     const bool is_frozen = now - row.seen > kFrozen;
     const std::string rate = is_frozen ? "-" : decimal(row.rate_hz, 1);
     const std::string text =

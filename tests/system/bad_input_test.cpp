@@ -152,7 +152,9 @@ TEST(ControlMessages, Oversized_CutTheSenderOffOnly) {
   zmq::message_t event;
   EXPECT_TRUE(monitor.recv(event)) << "the daemon must hang up";
   EXPECT_TRUE(daemon.control().status());
-  EXPECT_LT(resident_kb(daemon.pid()) - before_kb, 16 * 1024);
+  if (kIsMemoryMeaningful) {
+    EXPECT_LT(resident_kb(daemon.pid()) - before_kb, 16 * 1024);
+  }
 }
 
 TEST(ControlMessages, RequestIdMissingOrTooLong_IsRejected) {

@@ -88,6 +88,13 @@ class DaemonProcess {
   std::optional<int> exit_status_;
 };
 
+/// Address and thread sanitizers keep freed memory: what a process holds says nothing then.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+inline constexpr bool kIsMemoryMeaningful = false;
+#else
+inline constexpr bool kIsMemoryMeaningful = true;
+#endif
+
 /// Resident memory of a process, kB.
 [[nodiscard]] long resident_kb(pid_t pid);
 

@@ -212,7 +212,9 @@ TEST(Daemon, SubscriberThatNeverReads_DisturbsNobodyAndCostsBoundedMemory) {
   ASSERT_TRUE(receive_seconds(4));
 
   EXPECT_EQ(lost, 0U);
-  EXPECT_LT(resident_kb(daemon.pid()) - full_kb, 2 * 1024) << "another 4 s would be some 10 MB";
+  if (kIsMemoryMeaningful) {
+    EXPECT_LT(resident_kb(daemon.pid()) - full_kb, 2 * 1024) << "another 4 s would be some 10 MB";
+  }
 }
 
 TEST(Daemon, SubscriberThatIsKilled_DisturbsNobody) {

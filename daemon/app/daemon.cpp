@@ -16,6 +16,7 @@
 #include "app/service_manager.h"
 #include "core/thread.h"
 #include "ipc/control_server.h"
+#include "ipc/endpoint.h"
 #include "ipc/publish_thread.h"
 #include "ipc/xpub_socket.h"
 #include "session/supervisor.h"
@@ -144,6 +145,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   supervisor.stop();
   (*server)->publish_notices();
   publisher.stop();
+  for (const std::string& endpoint : {config.control_endpoint, config.data_endpoint}) ipc::remove_socket_file(endpoint);
   return {};
 }
 

@@ -81,4 +81,8 @@ core::Status check_not_in_use(const std::string& endpoint) {
   return {};
 }
 
+void remove_socket_file(const std::string& endpoint) noexcept {
+  if (endpoint.starts_with(kIpc)) ::unlink(endpoint.c_str() + kIpc.size());
+}
+
 }  // namespace dts::ipc

@@ -17,4 +17,7 @@ namespace dts::ipc {
 /// Other transports: no effect.
 [[nodiscard]] core::Status check_not_in_use(const std::string& endpoint);
 
+/// Removes the file of an ipc endpoint that is about to be closed: libzmq leaves it. Other transports: no effect.
+void remove_socket_file(const std::string& endpoint) noexcept;
+
 }  // namespace dts::ipc

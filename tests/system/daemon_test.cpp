@@ -43,6 +43,7 @@ TEST(Daemon, Sigterm_EndsWithZeroAndStopsTheSession) {
   daemon.signal(SIGTERM);
 
   EXPECT_EQ(daemon.wait(), 0) << daemon.log();
+  EXPECT_FALSE(std::filesystem::exists(daemon.directory() / "control.sock"));
   EXPECT_TRUE(receive_until(subscriber, [](const client::Message& message) {
     const auto* event = std::get_if<Event>(&message);
     return event != nullptr && event->body->session().state() == v1::SESSION_STATE_IDLE;

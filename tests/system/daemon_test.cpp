@@ -130,6 +130,7 @@ TEST(Daemon, Marker_StandsAtAScanThatWasPublished) {
 TEST(Daemon, Tare_EmptyPlateSucceedsAndLoadedPlateIsRefused) {
   {
     DaemonProcess empty({.device = "sim:floor?seed=7&step_on_s=600"});
+    ASSERT_TRUE(eventually([&] { return empty.control().status().value().rigs(0).scans_total() > 0; }));
     const auto tared = empty.control().tare("floor");
     ASSERT_TRUE(tared) << tared.error().what;
     EXPECT_EQ(tared->baseline_mm_size(), 4);

@@ -29,7 +29,7 @@ def parse_arguments():
     parser.add_argument('--quick', action='store_true', help='one short round: shows that everything works, the figures are rough')
     parser.add_argument('--rounds', type=int, default=3)
     parser.add_argument('--seconds', type=float, default=4.0)
-    parser.add_argument('--only', help='comma-separated peers of the latency table')
+    parser.add_argument('--only', help='comma-separated peers of the latency table; empty: no such table')
     parser.add_argument('--stall-rates', default='1500,20000', help='scans/s of the stall test; empty: none')
     arguments = parser.parse_args()
     if arguments.quick:
@@ -139,8 +139,10 @@ def show_stalls(bench, names, rates, seconds, prefix):
     print('| ' + ' | '.join(head) + ' |\n|' + '---|' * len(head))
     for rate in rates:
         for name in names:
-            calm = bench.run(name, rate, 1, 2, secs=5, idle_ms=4000, pre=prefix)
-            run = bench.run(name, rate, 1, 2, secs=seconds + 7, stall={'after': 2, 'for': seconds, 'step': 1}, idle_ms=4000, pre=prefix)
+            # A consumer gives up when nothing comes for idle_ms; a stopped one finds that this time has passed when it continues.
+            common = {'secs': seconds + 7, 'idle_ms': 1000 * (seconds + 5), 'pre': prefix}
+            calm = bench.run(name, rate, 1, 2, **common)
+            run = bench.run(name, rate, 1, 2, stall={'after': 2, 'for': seconds, 'step': 1}, **common)
             if not run['prod'] or None in run['cons'] or not calm['prod']:
                 print(f'| {name} | {rate} | a process failed |')
                 continue
@@ -176,8 +178,8 @@ def main():
                 extra = json.load(file)
             peers.update(extra)
             names += list(extra)
-        if arguments.only:
-            names = arguments.only.split(',')
+        if arguments.only is not None:
+            names = [name for name in arguments.only.split(',') if name]
         with open(directory + '/peers.json', 'w', encoding='utf-8') as file:
             json.dump(peers, file)
         os.environ.update(BENCH_PEERS=directory + '/peers.json', BENCH_BUILD=directory + '/build')
@@ -189,7 +191,7 @@ def main():
               f'{"a namespace of its own" if os.environ.get(NAMESPACE_MARK) else "the host"}; {arguments.rounds} interleaved rounds of '
               f'{arguments.seconds} s, medians.\ndtsd: the whole daemon (device, ring, pipeline, ring, publisher), its threads at 50 to 47; '
               'stage guard and one stream,\nfloor: four stages and five streams. age at send: of the newest scan when the publisher sends it.')
-        for chunk in (1, 8):
+        for chunk in (1, 8) if names else ():
             table = Table(bench, names, 1500, chunk, arguments.seconds, prefix)
             for number in range(arguments.rounds):
                 table.run_round(number)

@@ -20,7 +20,7 @@ bool is_rig_name(const std::string& name) {
          name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_-") == std::string::npos;
 }
 
-core::LogLevel read_log_level(TomlReader reader) {
+core::LogLevel read_log_level(files::TomlReader reader) {
   const std::string level = reader.choice("level", {"info", "debug", "warning", "error"});
   reader.finish();
   if (level == "debug") return core::LogLevel::Debug;
@@ -28,20 +28,20 @@ core::LogLevel read_log_level(TomlReader reader) {
   return level == "error" ? core::LogLevel::Error : core::LogLevel::Info;
 }
 
-std::string read_endpoint(TomlReader& reader, std::string_view key, const std::string& fallback) {
+std::string read_endpoint(files::TomlReader& reader, std::string_view key, const std::string& fallback) {
   const std::string endpoint = reader.text(key, fallback);
   if (auto valid = ipc::check_endpoint(endpoint); !valid) reader.report(key, core::to_string(valid.error()));
   return endpoint;
 }
 
-void read_endpoints(TomlReader reader, DaemonConfig& config) {
+void read_endpoints(files::TomlReader reader, DaemonConfig& config) {
   config.control_endpoint = read_endpoint(reader, "control", "ipc://" + config.runtime_directory + "/control.sock");
   config.data_endpoint = read_endpoint(reader, "data", "ipc://" + config.runtime_directory + "/data.sock");
   if (config.control_endpoint == config.data_endpoint) reader.report("data", "control and data need different endpoints");
   reader.finish();
 }
 
-RealtimeConfig read_realtime(TomlReader reader) {
+RealtimeConfig read_realtime(files::TomlReader reader) {
   RealtimeConfig realtime;
   realtime.fifo_priority = static_cast<int>(reader.integer("fifo_priority", realtime.fifo_priority, 0, 95));
   if (realtime.fifo_priority > 0 && realtime.fifo_priority <= kStepsBelow) {
@@ -55,7 +55,7 @@ RealtimeConfig read_realtime(TomlReader reader) {
   return realtime;
 }
 
-void read_rig(TomlReader& reader, DaemonConfig& config, Problems& problems) {
+void read_rig(files::TomlReader& reader, DaemonConfig& config, files::Problems& problems) {
   for (const char* key : {"name", "file", "device"}) reader.require(key);
   const std::string name = reader.text("name", "");
   const std::string file = reader.text("file", "");
@@ -90,15 +90,15 @@ LoadedConfig load_config(const std::string& file) {
   LoadedConfig loaded;
   DaemonConfig& config = loaded.config;
   config.runtime_directory = runtime_directory();
-  const auto table = parse_toml(file, loaded.problems);
+  const auto table = files::parse_toml(file, loaded.problems);
   if (!table) return loaded;
-  TomlReader top(&*table, "", file, loaded.problems);
+  files::TomlReader top(&*table, "", file, loaded.problems);
   config.log_level = read_log_level(top.table("log"));
   read_endpoints(top.table("endpoints"), config);
   config.realtime = read_realtime(top.table("realtime"));
   auto rigs = top.tables("rig");
   if (rigs.empty()) top.report("rig", "no [[rig]]: a daemon without a rig has nothing to do");
-  for (TomlReader& rig : rigs) read_rig(rig, config, loaded.problems);
+  for (files::TomlReader& rig : rigs) read_rig(rig, config, loaded.problems);
   top.finish();
   return loaded;
 }

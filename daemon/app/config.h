@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "app/toml_reader.h"
 #include "core/log.h"
+#include "files/toml_reader.h"
 #include "session/rig_config.h"
 
 namespace dts::app {
@@ -24,7 +24,7 @@ struct RealtimeConfig {
 struct ConfiguredRig {
   session::RigConfig rig;
   std::string rig_file;
-  Problem where;  ///< Position of its [[rig]] table; no text.
+  files::Problem where;  ///< Position of its [[rig]] table; no text.
 };
 
 /// The daemon's configuration: checked values only.
@@ -39,7 +39,7 @@ struct DaemonConfig {
 
 struct LoadedConfig {
   DaemonConfig config;
-  Problems problems;  ///< All of them; the configuration may be used only when there is none.
+  files::Problems problems;  ///< All of them; the configuration may be used only when there is none.
 };
 
 /// Reads the daemon's configuration and every rig and sensor file it names (see config/dtsd.toml).

@@ -92,7 +92,7 @@ void serve_until_signal(ipc::ControlServer& server, ServiceManager& manager, con
 std::string_view version() noexcept { return DTS_VERSION; }
 
 std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, core::Clock& clock, core::Doorbell& bell,
-                                                       Problems& problems) {
+                                                       files::Problems& problems) {
   std::vector<std::unique_ptr<session::Rig>> rigs;
   for (const ConfiguredRig& configured : config.rigs) {
     auto rig = session::Rig::create(configured.rig, clock, bell);

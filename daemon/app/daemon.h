@@ -20,7 +20,7 @@ namespace dts::app {
 /// Creates every rig of the configuration without starting anything, so that a bad device or stage shows before a
 /// socket is bound. What fails is added to `problems`.
 [[nodiscard]] std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, core::Clock& clock, core::Doorbell& bell,
-                                                                     Problems& problems);
+                                                                     files::Problems& problems);
 
 /// Runs the daemon on the calling thread, which becomes the control thread, until SIGTERM or SIGINT (which the caller
 /// must have blocked, with SIGHUP). Fails when the directories or sockets cannot be had.

@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kBadInput = 2;
 
-int report(const dts::app::Problems& problems) {
-  for (const auto& problem : problems) std::cerr << dts::app::to_string(problem) << '\n';
+int report(const dts::files::Problems& problems) {
+  for (const auto& problem : problems) std::cerr << dts::files::to_string(problem) << '\n';
   std::cerr << problems.size() << (problems.size() == 1 ? " problem" : " problems") << " found; nothing was started\n";
   return kBadInput;
 }

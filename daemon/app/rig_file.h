@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "app/toml_reader.h"
+#include "files/toml_reader.h"
 #include "session/rig_config.h"
 
 namespace dts::app {
@@ -11,6 +11,6 @@ namespace dts::app {
 /// Reads a rig file (plate, supports, sensors, acquisition, stages; see config/rigs) and the sensor files it names.
 /// Everything wrong is added to `problems`; what is returned is complete only when nothing was. Name, device and thread
 /// policies are not in the file: they belong to the daemon's configuration.
-[[nodiscard]] session::RigConfig read_rig_file(const std::string& file, Problems& problems);
+[[nodiscard]] session::RigConfig read_rig_file(const std::string& file, files::Problems& problems);
 
 }  // namespace dts::app

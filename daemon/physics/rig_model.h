@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/units.h"
-#include "physics/plate.h"
+#include "physics/plate/plate.h"
 #include "physics/sensor_curve.h"
 
 namespace dts::physics {

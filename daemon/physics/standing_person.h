@@ -10,7 +10,7 @@
 #include "core/result.h"
 #include "core/units.h"
 #include "physics/cop_position.h"
-#include "physics/plate.h"
+#include "physics/plate/plate.h"
 
 namespace dts::physics {
 

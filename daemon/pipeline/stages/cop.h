@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "physics/cop_estimator.h"
+#include "physics/cop/cop_estimator.h"
 #include "pipeline/stage.h"
 
 namespace dts::pipeline {

@@ -40,16 +40,16 @@ class ConfigFiles : public ::testing::Test {
   /// Every problem of a daemon file with this text, without the folder.
   std::vector<std::string> problems_of(const std::string& text) {
     std::vector<std::string> lines;
-    for (const Problem& problem : load_config(write("dtsd.toml", text)).problems) {
+    for (const files::Problem& problem : load_config(write("dtsd.toml", text)).problems) {
       lines.push_back(to_string(problem).substr(folder_.string().size() + 1));
     }
     return lines;
   }
   std::vector<std::string> problems_of_rig(const std::string& text) {
-    Problems problems;
+    files::Problems problems;
     static_cast<void>(read_rig_file(write("rig.toml", text), problems));
     std::vector<std::string> lines;
-    for (const Problem& problem : problems) lines.push_back(to_string(problem).substr(folder_.string().size() + 1));
+    for (const files::Problem& problem : problems) lines.push_back(to_string(problem).substr(folder_.string().size() + 1));
     return lines;
   }
   static constexpr const char* kRig = "[[rig]]\nname = \"floor\"\nfile = \"rig.toml\"\ndevice = \"sim:floor\"\n";
@@ -143,7 +143,7 @@ TEST_F(ConfigFiles, UnknownStageAndOption_ComeWithASuggestion) {
 TEST_F(ConfigFiles, ShippedConfiguration_IsFine) {
   const LoadedConfig loaded = load_config(std::string(DTS_SOURCE_DIR) + "/config/dtsd.toml");
 
-  for (const Problem& problem : loaded.problems) ADD_FAILURE() << to_string(problem);
+  for (const files::Problem& problem : loaded.problems) ADD_FAILURE() << to_string(problem);
   EXPECT_FALSE(loaded.config.rigs.empty());
 }
 

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "physics/plate.h"
+#include "physics/plate/plate.h"
 #include "unit/device/sim_rig.h"
 
 namespace dts::device {

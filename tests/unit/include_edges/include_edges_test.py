@@ -54,7 +54,7 @@ class EdgesTest(TreeTest):
         self.assert_allowed("clients/ctl/main.cpp", '"command.h"')
 
     def test_edges_that_point_upwards_are_found(self):
-        self.assert_forbidden("daemon/core/a.h", '"physics/plate.h"')
+        self.assert_forbidden("daemon/core/a.h", '"physics/plate/plate.h"')
         self.assert_forbidden("daemon/device/device.h", '"pipeline/stage.h"')
         self.assert_forbidden("daemon/pipeline/a.cpp", '"ipc/publisher.h"')
         self.assert_forbidden("daemon/session/a.cpp", '"app/config.h"')
@@ -85,8 +85,8 @@ class EdgesTest(TreeTest):
         self.assert_forbidden("daemon/core/result.hpp", "<tl/expected.hpp>")
 
     def test_subfolder_may_more_than_its_room(self):
-        self.assert_allowed("daemon/device/sim/a.cpp", '"physics/plate.h"', '"core/rate.h"')
-        self.assert_forbidden("daemon/device/a.cpp", '"physics/plate.h"')
+        self.assert_allowed("daemon/device/sim/a.cpp", '"physics/plate/plate.h"', '"core/rate.h"')
+        self.assert_forbidden("daemon/device/a.cpp", '"physics/plate/plate.h"')
 
     def test_subfolder_may_not_more_than_its_own_row(self):
         self.assert_forbidden("daemon/device/sim/a.cpp", "<libusb-1.0/libusb.h>")

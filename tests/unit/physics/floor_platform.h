@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "physics/cop_estimator.h"
-#include "physics/plate.h"
+#include "physics/cop/cop_estimator.h"
+#include "physics/plate/plate.h"
 #include "physics/rig_model.h"
 
 // The thesis's floor platform, for the tests of this folder.

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "physics/cop_estimator.h"
+#include "physics/cop/cop_estimator.h"
 #include "physics/rig_model.h"
 #include "pipeline/stage_registry.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "physics/cop_estimator.h"
+#include "physics/cop/cop_estimator.h"
 
 #include <limits>
 #include <string>

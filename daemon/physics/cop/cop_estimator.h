@@ -9,8 +9,8 @@
 
 #include "core/result.h"
 #include "core/units.h"
-#include "physics/plate.h"
-#include "physics/quintic.h"
+#include "physics/cop/quintic.h"
+#include "physics/plate/plate.h"
 #include "physics/rig_model.h"
 
 namespace dts::physics {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "physics/plate.h"
+#include "physics/plate/plate.h"
 #include "unit/physics/floor_platform.h"
 
 // Thesis Table 3.6: how much the ratio of two sensors depends on where along a line the load stands. Its figures are missing;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "physics/cop_estimator.h"
+#include "physics/cop/cop_estimator.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

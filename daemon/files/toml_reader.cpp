@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "app/toml_reader.h"
+#include "files/toml_reader.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "core/suggest.h"
 
-namespace dts::app {
+namespace dts::files {
 namespace {
 
 std::string shown(double value) {
@@ -211,4 +211,4 @@ Problem TomlReader::problem_at(const toml::node* node) const {
 
 std::string TomlReader::named(std::string_view key) const { return (where_.empty() ? "" : where_ + " ") + std::string(key); }
 
-}  // namespace dts::app
+}  // namespace dts::files

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "physics/plate.h"
+#include "physics/plate/plate.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-#include "physics/plate_energy.h"
+#include "physics/plate/plate_energy.h"
 
 namespace dts::physics {
 namespace {

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace dts::app {
+namespace dts::files {
 
 /// One thing wrong with a configuration file. Line and column are 0 when the whole file is meant.
 struct Problem {
@@ -75,4 +75,4 @@ class TomlReader {
   std::set<std::string, std::less<>> asked_;
 };
 
-}  // namespace dts::app
+}  // namespace dts::files

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "physics/cop_estimator.h"
+#include "physics/cop/cop_estimator.h"
 
 namespace dts::physics {
 namespace {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "physics/cop_estimator.h"
+#include "physics/cop/cop_estimator.h"
 #include "unit/physics/floor_platform.h"
 
 namespace dts::physics {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "physics/plate.h"
+#include "physics/plate/plate.h"
 
 #include <gtest/gtest.h>
 

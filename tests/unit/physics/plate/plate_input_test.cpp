@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "physics/plate.h"
+#include "physics/plate/plate.h"
 #include "unit/physics/floor_platform.h"
 
 namespace dts::physics {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
-#include "physics/plate.h"
+#include "physics/plate/plate.h"
 
 // Inside of InfluenceTable, open to its tests: the plate as a spring network on a grid of nodes.
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "physics/plate_energy.h"
+#include "physics/plate/plate_energy.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "files/toml_reader.h"
+#include "physics/rig_model.h"
+
+namespace dts::files {
+
+/// The physical part of a rig file: what is bent, what holds it, what looks at it.
+struct RigModelFile {
+  physics::RigModel model;
+  std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the model.
+};
+
+/// Reads [plate], [support] and [[sensor]] of a rig file, and the sensor files they name (relative to the rig file). Everything
+/// wrong is added to `problems`; what is returned is complete only when nothing was. The caller reads, or ignores, the rest.
+[[nodiscard]] RigModelFile read_rig_model(TomlReader& top, Problems& problems);
+/// For [plate] and [support] alone: a plate case of the laboratory has the same tables.
+[[nodiscard]] physics::Plate read_plate(TomlReader reader);
+[[nodiscard]] physics::Support read_support(TomlReader reader, const physics::Plate& plate);
+
+}  // namespace dts::files

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/rig_file.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <utility>
 
+#include "files/cop_calibration_file.h"
 #include "files/rig_model_file.h"
 
 namespace dts::app {
@@ -21,6 +24,29 @@ void read_acquisition(files::TomlReader reader, session::RigConfig& config) {
   reader.finish();
 }
 
+/// `calibration = "file.toml"`, relative to the rig file: measured on this rig with `dtsctl calibrate cop` or `dtslab cop fit`.
+void read_calibration(files::TomlReader& top, session::RigConfig& config, files::Problems& problems) {
+  const std::string name = top.text("calibration", "");
+  if (name.empty()) return;
+  const auto file = (std::filesystem::path(top.file()).parent_path() / name).lexically_normal().string();
+  config.cop_calibration = files::read_cop_calibration(file, problems);
+  if (!config.cop_calibration) return;
+  const std::size_t sensors = config.cop_calibration->estimator.sensor_count();
+  if (sensors == config.model.sensors.size()) return;
+  top.report("calibration", "calibration '" + config.cop_calibration->id + "' is for " + std::to_string(sensors) +
+                                " sensors, the rig has " + std::to_string(config.model.sensors.size()));
+}
+
+/// The cop stage computes with the rig's calibration when there is one: a word about the estimator has to say the same.
+void settle_estimator(files::TomlReader& reader, pipeline::StageConfig& stage, const session::RigConfig& config) {
+  if (stage.id != "cop" || !config.cop_calibration) return;
+  const auto& [id, origin, estimator, points, residuals, cross_validated] = *config.cop_calibration;
+  const std::string method(physics::to_string(estimator.method()));
+  const auto [option, is_new] = stage.options.try_emplace("estimator", method);
+  if (is_new || option->second == pipeline::OptionValue(method)) return;
+  reader.report("estimator", "the rig's calibration '" + id + "' is for estimator \"" + method + "\"; leave estimator out or say the same");
+}
+
 void read_stages(files::TomlReader& top, session::RigConfig& config) {
   for (files::TomlReader& reader : top.tables("stage")) {
     pipeline::StageConfig stage;
@@ -36,10 +62,13 @@ void read_stages(files::TomlReader& top, session::RigConfig& config) {
         reader.report(key, "an option is a number or a text in quotes");
       }
     }
+    settle_estimator(reader, stage, config);
     for (const std::string& problem : pipeline::check_stage(stage)) reader.report("id", problem);
     config.stages.push_back(std::move(stage));
     reader.finish();
   }
+  const bool has_cop = std::ranges::any_of(config.stages, [](const pipeline::StageConfig& stage) { return stage.id == "cop"; });
+  if (config.cop_calibration && !has_cop) top.report("calibration", "the rig has no [[stage]] \"cop\" that could use its calibration");
   if (config.stages.empty()) top.report("", "the rig has no [[stage]]: at least \"guard\" is needed");
 }
 
@@ -55,6 +84,7 @@ session::RigConfig read_rig_file(const std::string& file, files::Problems& probl
   config.model = std::move(model);
   config.sensor_channels = std::move(channels);
   read_acquisition(top.table("acquire"), config);
+  read_calibration(top, config, problems);
   read_stages(top, config);
   files::TomlReader publish = top.table("publish");
   config.published = publish.texts("streams", {"raw", "filtered", "deflection", "cop", "aux"});

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <optional>
 #include <sstream>
-#include <vector>
 
 #include "core/suggest.h"
 
@@ -76,6 +75,7 @@ core::Result<UriOptions> UriOptions::read(const DeviceUri& uri, std::span<const 
     const bool is_given = given != uri.options.end();
     if (is_given) options.given_.emplace(option.name);
     const std::string value = is_given ? given->second : std::string(option.default_text);
+    if (!is_given && option.kind == OptionKind::Numbers) continue;
     if (!is_given && option.kind == OptionKind::File) {
       options.texts_.emplace(option.name, value);
       continue;
@@ -93,6 +93,7 @@ core::Status UriOptions::take(const DeviceUri& uri, const UriOption& option, con
     texts_.emplace(option.name, value);
     return {};
   }
+  if (option.kind == OptionKind::Numbers) return take_list(uri, option, value);
   if (option.maximum == kNever && value == "never") {
     numbers_.emplace(option.name, kNever);
     return {};
@@ -102,6 +103,20 @@ core::Status UriOptions::take(const DeviceUri& uri, const UriOption& option, con
                        (option.kind == OptionKind::Number || *number == std::floor(*number));
   if (!is_fine) return refuse(uri, option, value);
   numbers_.emplace(option.name, *number);
+  return {};
+}
+
+core::Status UriOptions::take_list(const DeviceUri& uri, const UriOption& option, const std::string& value) {
+  constexpr std::size_t kMostNumbers = 256;
+  std::vector<double> list;
+  std::istringstream items(value + ",");
+  for (std::string item; std::getline(items, item, ',');) {
+    const std::optional<double> number = parse_number(item);
+    const bool is_fine = number && *number >= option.minimum && *number <= option.maximum && list.size() < kMostNumbers;
+    if (!is_fine) return refuse(uri, option, value, "numbers separated by commas, at most " + std::to_string(kMostNumbers));
+    list.push_back(*number);
+  }
+  lists_.emplace(option.name, std::move(list));
   return {};
 }
 
@@ -117,6 +132,7 @@ std::string allowed(const UriOption& option) {
     text << option.maximum;
   }
   if (option.kind == OptionKind::Integer) text << " (whole number)";
+  if (option.kind == OptionKind::Numbers) text << ",...";
   return text.str();
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/result.h"
 #include "device/registry.h"
@@ -16,14 +17,14 @@ namespace dts::device {
 
 inline constexpr double kNever = std::numeric_limits<double>::infinity();  ///< Written "never" in a URI.
 
-enum class OptionKind : std::uint8_t { Number, Integer, Word, File };
+enum class OptionKind : std::uint8_t { Number, Integer, Word, File, Numbers };
 
 /// One option a device understands.
 struct UriOption {
   std::string_view name;  ///< With its unit: "weight_n".
   OptionKind kind = OptionKind::Number;
   std::string_view default_text;  ///< What a user would have to write to get the default; empty: no default.
-  double minimum = 0.0;           ///< Numbers only, inclusive.
+  double minimum = 0.0;           ///< Of every number, inclusive.
   double maximum = 0.0;           ///< `kNever`: the word "never" is allowed too.
   std::string_view choices;       ///< Words only, separated by '|': "feet|point".
   std::string_view sentence;
@@ -38,6 +39,8 @@ class UriOptions {
 
   /// `name` must be a Number or Integer of the table.
   [[nodiscard]] double number(std::string_view name) const { return numbers_.at(std::string(name)); }
+  /// `name` must be a Numbers of the table that is given; at least one number.
+  [[nodiscard]] const std::vector<double>& numbers(std::string_view name) const { return lists_.at(std::string(name)); }
   /// `name` must be a Word or File of the table; empty when a File was not given.
   [[nodiscard]] const std::string& text(std::string_view name) const { return texts_.at(std::string(name)); }
   /// The user wrote it.
@@ -46,7 +49,10 @@ class UriOptions {
  private:
   core::Status take(const DeviceUri& uri, const UriOption& option, const std::string& value);
 
+  core::Status take_list(const DeviceUri& uri, const UriOption& option, const std::string& value);
+
   std::map<std::string, double, std::less<>> numbers_;
+  std::map<std::string, std::vector<double>, std::less<>> lists_;
   std::map<std::string, std::string, std::less<>> texts_;
   std::set<std::string, std::less<>> given_;
 };

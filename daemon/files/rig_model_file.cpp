@@ -2,37 +2,38 @@
 #include "files/rig_model_file.h"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "core/block.h"
+#include "files/sensor_curve_file.h"
 
 namespace dts::files {
 namespace {
 
-constexpr double kLongestSideMm = 5000.0;
+// The ranges of physics::check_plate and check_support, here with the place in the file; a test holds them together.
+constexpr double kShortestSideMm = 10.0;
+constexpr double kLongestSideMm = 10'000.0;
+constexpr int kLargestSideRatio = 20;
+constexpr double kThinnestMm = 0.01;
+constexpr double kThickest = 0.2;  ///< Of the shorter side: above it, thin-plate theory does not hold.
+
 constexpr std::size_t kMostSensors = 16;
 
-std::optional<physics::SensorCurve> read_curve(const std::string& file, Problems& problems) {
-  const auto table = parse_toml(file, problems);
-  if (!table) return std::nullopt;
-  TomlReader reader(&*table, "", file, problems);
-  reader.require("name");
-  const std::string name = reader.text("name", "unnamed");
-  std::vector<physics::CurvePoint> points;
-  for (TomlReader& point : reader.tables("point")) {
-    point.require("gap_mm");
-    point.require("volts");
-    points.push_back({.gap = {point.number("gap_mm", 0.0, 0.0, 1000.0)}, .volts = {point.number("volts", 0.0, -100.0, 100.0)}});
-    point.finish();
-  }
-  reader.finish();
-  auto curve = physics::SensorCurve::create(name, std::move(points));
-  if (curve) return std::move(*curve);
-  reader.report("", core::to_string(curve.error()));
-  return std::nullopt;
+/// A number of a range from which one end or both are excluded.
+double number_off(std::initializer_list<double> excluded, TomlReader& reader, std::string_view key, double fallback, double minimum,
+                  double maximum) {
+  const double value = reader.number(key, fallback, minimum, maximum);
+  if (std::ranges::find(excluded, value) == excluded.end()) return value;
+  std::ostringstream text;
+  text << key << " = " << value << " is out of range; allowed: " << minimum << " .. " << maximum << " without " << value;
+  reader.report(key, text.str());
+  return fallback;
 }
 
 /// Sensor files are read once per rig, however many sensors share them.
@@ -43,7 +44,9 @@ class CurveShelf {
 
   const std::optional<physics::SensorCurve>& get(const std::string& name) {
     const auto [position, is_new] = curves_.try_emplace(name);
-    if (is_new) position->second = read_curve((folder_ / name).lexically_normal().string(), problems_);
+    if (is_new) {
+      if (auto file = read_sensor_curve((folder_ / name).lexically_normal().string(), problems_)) position->second = std::move(file->curve);
+    }
     return position->second;
   }
 
@@ -90,19 +93,31 @@ void read_sensors(TomlReader& top, RigModelFile& rig, Problems& problems) {
 physics::Plate read_plate(TomlReader reader) {
   physics::Plate plate;
   for (const char* key : {"a_mm", "b_mm", "h_mm", "e_pa", "nu"}) reader.require(key);
-  plate.a = {reader.number("a_mm", plate.a.value, 10.0, kLongestSideMm)};
-  plate.b = {reader.number("b_mm", plate.b.value, 10.0, kLongestSideMm)};
-  plate.h = {reader.number("h_mm", plate.h.value, 0.1, 100.0)};
-  plate.e_pa = reader.number("e_pa", plate.e_pa, 1e6, 1e13);
-  plate.nu = reader.number("nu", plate.nu, -0.99, 0.499);
+  plate.a = {reader.number("a_mm", plate.a.value, kShortestSideMm, kLongestSideMm)};
+  plate.b = {reader.number("b_mm", plate.b.value, kShortestSideMm, kLongestSideMm)};
+  const double shorter_mm = std::min(plate.a.value, plate.b.value);
+  if (std::max(plate.a.value, plate.b.value) > kLargestSideRatio * shorter_mm) {
+    reader.report("a_mm", "[plate] a_mm and b_mm: one side is more than " + std::to_string(kLargestSideRatio) + " times the other");
+  }
+  plate.h = {reader.number("h_mm", std::min(plate.h.value, kThickest * shorter_mm), kThinnestMm, kThickest * shorter_mm)};
+  plate.e_pa = reader.number("e_pa", plate.e_pa, 1e5, 1e13);
+  plate.nu = number_off({-1.0, 0.5}, reader, "nu", plate.nu, -1.0, 0.5);
   reader.finish();
   return plate;
 }
 
 physics::Support read_support(TomlReader reader, const physics::Plate& plate) {
+  using physics::SupportKind;
+  constexpr std::array<std::pair<std::string_view, SupportKind>, 4> kKinds{{{"corner", SupportKind::Corner},
+                                                                            {"edges", SupportKind::Edges},
+                                                                            {"x-edges", SupportKind::XEdges},
+                                                                            {"clamped", SupportKind::Clamped}}};
   physics::Support support;
-  if (reader.choice("kind", {"corner", "edges"}) == "edges") support.kind = physics::SupportKind::Edges;
-  support.inset = {reader.number("inset_mm", 0.0, 0.0, std::min(plate.a.value, plate.b.value) / 2.0 - 1.0)};
+  const std::string kind = reader.choice("kind", {kKinds[0].first, kKinds[1].first, kKinds[2].first, kKinds[3].first});
+  support.kind = std::ranges::find(kKinds, kind, &std::pair<std::string_view, SupportKind>::first)->second;
+  // With the point supports in the middle the plate tips.
+  const double middle_mm = std::min(plate.a.value, plate.b.value) / 2.0;
+  support.inset = {number_off({middle_mm}, reader, "inset_mm", 0.0, 0.0, middle_mm)};
   reader.finish();
   return support;
 }

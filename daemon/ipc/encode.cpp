@@ -168,7 +168,10 @@ dts::v1::RigInfo rig_info(const session::Rig& rig) {
     info.set_label(sensor.label);
     info.set_x_mm(sensor.position.x.value);
     info.set_y_mm(sensor.position.y.value);
-    info.set_channel(rig.device().channels[config.sensor_channels[index]].name);
+    const auto& channel = rig.device().channels[config.sensor_channels[index]];
+    info.set_channel(channel.name);
+    info.set_range_low_v(channel.minimum);
+    info.set_range_high_v(channel.maximum);
     info.set_curve(sensor.curve.name());
     info.set_unloaded_gap_mm(sensor.unloaded_gap.value);
   }

@@ -9,6 +9,7 @@
 
 #include "core/block.h"
 #include "core/result.h"
+#include "physics/cop/cop_calibration.h"
 #include "physics/rig_model.h"
 #include "pipeline/tare.h"
 
@@ -34,7 +35,7 @@ struct StageDescription {
   std::vector<OptionDescription> options;
 };
 
-/// What a stage may use besides its input. `rig` and `tare` outlive the stage; the context itself need not.
+/// What a stage may use besides its input. `rig`, `tare` and the calibration outlive the stage; the context itself need not.
 struct StageContext {
   const physics::RigModel& rig;
   /// Range of each sensor channel of the device, V: for rail detection.
@@ -45,6 +46,8 @@ struct StageContext {
   };
   std::vector<InputRange> input_ranges;
   Tare& tare;
+  /// The rig's own calibration of the centre of pressure; nullptr: the rig's plate model stands in for it.
+  const physics::CopCalibration* cop_calibration = nullptr;
 };
 
 /// Option values by name, complete and in range: `create_stage` checks them against the description and fills in the

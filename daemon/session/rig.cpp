@@ -95,7 +95,10 @@ core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<const RigConfig
   if (!input) return tl::make_unexpected(input.error());
   auto tare = std::make_unique<pipeline::Tare>();
   auto pipeline = pipeline::Pipeline::create(config->stages, *input,
-                                             {.rig = config->model, .input_ranges = input_ranges(*config, described), .tare = *tare});
+                                             {.rig = config->model,
+                                              .input_ranges = input_ranges(*config, described),
+                                              .tare = *tare,
+                                              .cop_calibration = config->cop_calibration ? &*config->cop_calibration : nullptr});
   if (!pipeline) return tl::make_unexpected(pipeline.error());
   if (auto checked = check_published(*config, **pipeline); !checked) return tl::make_unexpected(checked.error());
   return std::unique_ptr<Rig>(new Rig(std::move(config), clock, publish_bell, std::move(device), std::move(tare), std::move(*pipeline)));

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/rate.h"
 #include "core/thread.h"
+#include "physics/cop/cop_calibration.h"
 #include "physics/rig_model.h"
 #include "pipeline/stage_registry.h"
 
@@ -17,6 +19,8 @@ struct RigConfig {
   std::string kind;        ///< "floor"
   std::string device_uri;  ///< "sim:floor?seed=7"
   physics::RigModel model;
+  /// The rig's own calibration of the centre of pressure; absent: its plate model stands in for it.
+  std::optional<physics::CopCalibration> cop_calibration;
   std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the model.
   core::Rate rate;
   std::size_t block_scans = 1;  ///< Scans per block from device to socket: the publishing granularity.

@@ -21,15 +21,16 @@ constexpr double kSeconds = 8.0;
 constexpr double kFollowsWithinMm = 1.0;  // per axis, mean offset of the stance removed: the project's acceptance
 constexpr double kLoadSlack = 0.2;        // two feet bend the plate less than the weight in one point that estimators know
 
-void expect_whole(const Case& wanted, const Evaluation& e) {
+void expect_whole(const Case& wanted, const Evaluation& e, std::uint8_t doubts = 0) {
   EXPECT_EQ(e.lost_scans, 0U) << wanted.rig << "; " << e.dropped_blocks << " blocks were dropped by the publisher";
   EXPECT_EQ(e.compared_scans, e.expected_scans) << wanted.rig;
   EXPECT_GE(e.compared_scans, 790U) << wanted.rig;
-  EXPECT_EQ(e.doubts, 0) << wanted.rig;
+  EXPECT_EQ(e.doubts, doubts) << wanted.rig;
 }
 
+/// The thesis's method knows one load, 490 N: a person of 686 N is outside of what it was calibrated for, and flagged so.
 void expect_to_follow(const Case& wanted, const Evaluation& e) {
-  expect_whole(wanted, e);
+  expect_whole(wanted, e, wanted.estimator == "thesis" ? v1::QUALITY_UNCALIBRATED : 0);
   EXPECT_LT(e.ml.centred_rmse_mm, kFollowsWithinMm) << wanted.rig;
   EXPECT_LT(e.ap.centred_rmse_mm, kFollowsWithinMm) << wanted.rig;
   // A quiet person sways little: a COP that never moves would nearly pass. It must move as the person does.
@@ -94,8 +95,10 @@ TEST(PublishedCop, PointLoad_IsWhereTheWeightIs) {
     EXPECT_NEAR(evaluations[i].load_error, 0.0, 0.01) << cases[i].rig;
   }
   const std::span all(evaluations);
-  EXPECT_LT(total_rmse_mm(all.first(places.size())), 0.34);  // plate-model 5.2: poly3, one noisy filtered sample, bias included
-  EXPECT_LT(total_rmse_mm(all.last(places.size())), 1.77);   // plate-model 5.1: thesis's method, without noise
+  // Plate-model 5.2: poly3, one noisy filtered sample, bias included: 0.34 mm on the linear plate. The stiffening one moves its
+  // sensors 0.89 as far under 490 N (3.34 mm, 2.98 mm), and noise counts for as much more.
+  EXPECT_LT(total_rmse_mm(all.first(places.size())), 0.34 / 0.89);
+  EXPECT_LT(total_rmse_mm(all.last(places.size())), 1.77);  // plate-model 5.1: thesis's method, without noise
 }
 
 /// What one line of `dtsctl watch --jsonl` says of scans and losses.

@@ -69,7 +69,7 @@ class FusedLoop {
       }
       const bool is_fault = (bits & kFaultBits) != 0;
       const physics::CopEstimate cop = estimator_.estimate(deflection_mm);
-      if (!cop.is_inside_calibration) bits |= core::quality::kUncalibrated;
+      if (!cop.is_inside_calibration()) bits |= core::quality::kUncalibrated;
       write(i, 0, is_fault ? kNaN : cop.x_mm - 215.0, bits);
       write(i, 1, is_fault ? kNaN : cop.y_mm - 215.0, bits);
       write(i, 2, is_fault ? kNaN : cop.load_n, bits);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,7 @@ class CopRecording {
 
  private:
   CopRecording() = default;
-  core::Status append(std::string_view line, const std::string& place);
+  core::Status append(std::span<const double> row, const std::string& place);
   void subtract_mean() noexcept;
 
   std::vector<double> times_s_;  ///< Since the first row.

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "device/sim/floor.h"
 
-#include "device/sim/cop_recording.h"
+#include "device/sim/bench_scenes.h"
 #include "device/sim/floor_options.h"
-#include "device/sim/floor_scene.h"
+#include "device/sim/person_scene.h"
 #include "device/sim/sim_device.h"
 #include "physics/rig_model.h"
 
@@ -33,16 +33,22 @@ DeviceDescription describe(const DeviceUri& uri, const FloorOptions& options, co
   return description;
 }
 
+core::Result<std::unique_ptr<Scene>> create_scene(const FloorOptions& options, const physics::RigModel& rig) {
+  switch (options.contact) {
+    case FloorContact::Weights: return WeightsScene::create(options, rig);
+    case FloorContact::Gaps: return GapsScene::create(options, rig);
+    case FloorContact::Feet:
+    case FloorContact::Point: break;
+  }
+  return PersonScene::create(options, rig);
+}
+
 }  // namespace
 
 core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const DeviceContext& context) {
   const auto options = read_floor_options(uri, context.rig.sensors.size());
   if (!options) return tl::make_unexpected(options.error());
-  if (!options->cop_file.empty()) {  // played from memory later; a file that cannot be played must show now
-    const auto recording = CopRecording::load(options->cop_file);
-    if (!recording) return tl::make_unexpected(recording.error());
-  }
-  auto scene = FloorScene::create(*options, context.rig);
+  auto scene = create_scene(*options, context.rig);
   if (!scene) {
     core::Error error = scene.error();
     error.what = "device \"" + uri.text + "\": " + error.what;

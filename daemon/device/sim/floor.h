@@ -8,7 +8,8 @@
 
 namespace dts::device::sim {
 
-/// `sim:floor`: a person on the plate of `context.rig`. Fails when an option is wrong or the stance does not fit.
+/// `sim:floor`: a person, weights or spacers on the plate of `context.rig`. Fails when an option is wrong, a file cannot be read or
+/// what it asks for does not fit.
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const DeviceContext& context);
 
 }  // namespace dts::device::sim

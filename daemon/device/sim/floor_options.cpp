@@ -13,16 +13,24 @@ using enum OptionKind;
 
 constexpr std::array kTable = {
     UriOption{"seed", Integer, "1", 0, 4294967295.0, "", "Chooses sway, noise, gains and gaps; the same seed gives the same data."},
-    UriOption{"contact", Word, "feet", 0, 0, "feet|point", "A person on two feet, or a weight at one point."},
+    UriOption{"contact", Word, "feet", 0, 0, "feet|point|weights|gaps",
+              "A person on two feet, a weight at one point, weights of a list one after the other, or spacers before the sensors."},
     UriOption{"weight_n", Number, "686", 50, 2000, "", "Body weight (contact=feet)."},
     UriOption{"load_n", Number, "490", 1, 2000, "", "Load of the weight (contact=point)."},
     UriOption{"x_mm", Number, "0", -1000, 1000, "", "ML position of the weight or of the stance, from the plate's centre."},
     UriOption{"y_mm", Number, "0", -1000, 1000, "", "AP position of the weight or of the stance, from the plate's centre."},
     UriOption{"stance_width_mm", Number, "200", 50, 600, "", "Between the middle lines of the feet."},
     UriOption{"step_on_s", Number, "2.5", 0, 86400, "", "First touch; the plate is empty before, so that it can be tared."},
-    UriOption{"step_off_s", Number, "never", 0, kNever, "", "Begins to leave."},
+    UriOption{"step_off_s", Number, "never", 0, kNever, "", "Begins to leave (contact=feet|point)."},
     UriOption{"cop", File, "", 0, 0, "", "Recorded COP to repeat (CSV t_s,x_mm,y_mm) instead of synthetic sway."},
-    UriOption{"loop", Integer, "0", 0, 1, "", "1: repeat the recording for ever; 0: step off at its end."},
+    UriOption{"weights", File, "", 0, 0, "", "Weights to put down in turn (CSV x_mm,y_mm,load_n; contact=weights)."},
+    UriOption{"gaps_mm", Numbers, "", 0.1, 1000, "", "Gaps that every sensor sees in turn (contact=gaps)."},
+    UriOption{"hold_s", Number, "3", 0, 86400, "", "How long each weight or spacer rests."},
+    UriOption{"pause_s", Number, "1", 0, 86400, "", "How long nothing is there between two of them."},
+    UriOption{"ramp_s", Number, "0.5", 0, 60, "", "How long putting down takes, and taking away."},
+    UriOption{"loop", Integer, "0", 0, 1, "", "1: repeat recording, weights or gaps for ever; 0: leave at the end."},
+    UriOption{"plate", Word, "nonlinear", 0, 0, "nonlinear|linear",
+              "A plate that stiffens under body weight, or Kirchhoff's (not contact=gaps)."},
     UriOption{"noise_mv", Number, "3", 0, 1000, "", "White noise of every sensor and extra channel, rms."},
     UriOption{"bits", Integer, "11", 11, 16, "", "Resolution of the converter."},
     UriOption{"range_v", Number, "5", 1, 10, "", "Range of the converter, to both sides of 0 V."},
@@ -45,32 +53,75 @@ constexpr std::size_t kTruthChannels = 3;
 struct Dependency {
   std::string_view option;
   std::string_view needs;
-  std::string_view value;
+  std::string_view values;  ///< Any of these, separated by '|'.
 };
 
 constexpr std::array kDependencies = {
-    Dependency{"weight_n", "contact", "feet"}, Dependency{"stance_width_mm", "contact", "feet"}, Dependency{"cop", "contact", "feet"},
-    Dependency{"load_n", "contact", "point"},  Dependency{"fault_channel", "fault", "stuck"},
+    Dependency{"weight_n", "contact", "feet"},
+    Dependency{"stance_width_mm", "contact", "feet"},
+    Dependency{"cop", "contact", "feet"},
+    Dependency{"load_n", "contact", "point"},
+    Dependency{"x_mm", "contact", "feet|point"},
+    Dependency{"y_mm", "contact", "feet|point"},
+    Dependency{"step_off_s", "contact", "feet|point"},
+    Dependency{"weights", "contact", "weights"},
+    Dependency{"gaps_mm", "contact", "gaps"},
+    Dependency{"hold_s", "contact", "weights|gaps"},
+    Dependency{"plate", "contact", "feet|point|weights"},
+    Dependency{"pause_s", "contact", "weights|gaps"},
+    Dependency{"ramp_s", "contact", "weights|gaps"},
+    Dependency{"gap_spread_mm", "contact", "feet|point|weights"},
+    Dependency{"fault_channel", "fault", "stuck"},
 };
+
+bool is_one_of(std::string_view values, std::string_view value) {
+  return ("|" + std::string(values) + "|").find("|" + std::string(value) + "|") != std::string::npos;
+}
 
 tl::unexpected<core::Error> refuse(const DeviceUri& uri, ErrorCode code, const std::string& why) {
   return core::fail(code, "device \"" + uri.text + "\": " + why);
 }
 
 core::Status check_dependencies(const DeviceUri& uri, const UriOptions& options) {
-  for (const auto& [option, needs, value] : kDependencies) {
-    if (!options.is_given(option) || options.text(needs) == value) continue;
+  for (const auto& [option, needs, values] : kDependencies) {
+    if (!options.is_given(option) || is_one_of(values, options.text(needs))) continue;
     return refuse(uri, ErrorCode::InvalidArgument,
-                  std::string(option) + " has a meaning only with " + std::string(needs) + "=" + std::string(value));
+                  std::string(option) + " has a meaning only with " + std::string(needs) + "=" + std::string(values));
   }
-  if (options.is_given("loop") && options.text("cop").empty()) {
-    return refuse(uri, ErrorCode::InvalidArgument, "loop has a meaning only with cop=FILE");
+  const std::string& contact = options.text("contact");
+  for (const auto& [kind, option] : {std::pair{"weights", "weights"}, std::pair{"gaps", "gaps_mm"}}) {
+    if (contact != kind || options.is_given(option)) continue;
+    return refuse(uri, ErrorCode::InvalidArgument, "contact=" + contact + " needs " + option + "=...");
+  }
+  const bool has_end = !options.text("cop").empty() || is_one_of("weights|gaps", contact);
+  if (options.is_given("loop") && !has_end) {
+    return refuse(uri, ErrorCode::InvalidArgument, "loop has a meaning only with cop=FILE or contact=weights|gaps");
   }
   for (const std::string_view option : {"fault_at_s", "fault_for_s"}) {
     if (!options.is_given(option) || options.text("fault") != "none") continue;
     return refuse(uri, ErrorCode::InvalidArgument, std::string(option) + " has a meaning only with fault=...");
   }
   return {};
+}
+
+FloorContact floor_contact(const std::string& word) {
+  if (word == "point") return FloorContact::Point;
+  if (word == "weights") return FloorContact::Weights;
+  return word == "gaps" ? FloorContact::Gaps : FloorContact::Feet;
+}
+
+PlacementTimes placement(const UriOptions& options) {
+  return {.first_s = options.number("step_on_s"),
+          .ramp_s = options.number("ramp_s"),
+          .hold_s = options.number("hold_s"),
+          .pause_s = options.number("pause_s"),
+          .repeats = options.number("loop") == 1.0};
+}
+
+/// Weights of no duration without pause would follow each other infinitely fast.
+core::Status check_placement(const DeviceUri& uri, const PlacementTimes& times) {
+  if (2.0 * times.ramp_s + times.hold_s + times.pause_s >= 0.001) return {};
+  return refuse(uri, ErrorCode::InvalidArgument, "ramp_s, hold_s and pause_s together are shorter than 1 ms");
 }
 
 FaultKind fault_kind(const std::string& word) {
@@ -125,9 +176,15 @@ core::Result<FloorOptions> read_floor_options(const DeviceUri& uri, std::size_t 
 
   FloorOptions result;
   result.seed = static_cast<std::uint64_t>(options.number("seed"));
+  result.contact = floor_contact(options.text("contact"));
   result.stance = stance(options, result.seed);
   result.cop_file = options.text("cop");
-  result.is_cop_repeated = options.number("loop") == 1.0;
+  result.weights_file = options.text("weights");
+  if (options.is_given("gaps_mm")) result.gaps_mm = options.numbers("gaps_mm");
+  result.placement = placement(options);
+  if (auto checked = check_placement(uri, result.placement); !checked) return tl::make_unexpected(checked.error());
+  result.is_repeated = result.placement.repeats;
+  result.is_plate_stiffening = options.text("plate") == "nonlinear";
   result.daq = {options.number("range_v"), static_cast<int>(options.number("bits")), options.number("noise_mv") * kMillivolt, result.seed};
   result.clock_error_ppm = options.number("clock_ppm");
   result.gain_spread = options.number("gain_spread");

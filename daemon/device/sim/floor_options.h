@@ -4,21 +4,36 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "core/result.h"
 #include "device/sim/daq.h"
 #include "device/sim/fault.h"
+#include "device/sim/placement.h"
 #include "device/uri_options.h"
 #include "physics/standing_person.h"
 
 namespace dts::device::sim {
 
+/// What touches the plate, or the sensors.
+enum class FloorContact : std::uint8_t {
+  Feet,     ///< A person on two feet.
+  Point,    ///< One weight at one point.
+  Weights,  ///< Weights of a list, one after the other.
+  Gaps,     ///< No plate: spacers of known height in front of the sensors.
+};
+
 /// What the URI of a simulated floor platform asks for.
 struct FloorOptions {
   std::uint64_t seed = 1;
-  physics::Stance stance;
-  std::string cop_file;  ///< Empty: synthetic sway.
-  bool is_cop_repeated = false;
+  FloorContact contact = FloorContact::Feet;
+  physics::Stance stance;           ///< Feet and Point.
+  std::string cop_file;             ///< Feet; empty: synthetic sway.
+  std::string weights_file;         ///< Weights.
+  std::vector<double> gaps_mm;      ///< Gaps.
+  PlacementTimes placement;         ///< Weights and Gaps.
+  bool is_repeated = false;         ///< Recording, weights or gaps go on for ever.
+  bool is_plate_stiffening = true;  ///< Von Karman's plate; false: the linear one.
   DaqParameters daq;
   double clock_error_ppm = 0.0;
   double gain_spread = 0.0;     ///< Sensor gains lie evenly in 1 - spread .. 1 + spread.

@@ -1,139 +1,205 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "physics/cop/cop_estimator.h"
 
-#include <limits>
-#include <string>
-#include <vector>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "physics/cop/cop_features.h"
+#include "physics/cop/cop_fit.h"
+#include "physics/cop/cop_form_check.h"
+#include "physics/cop/cop_inverse.h"
+#include "physics/cop/cop_least_squares.h"
 
 namespace dts::physics {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+/// A fit that misses its own samples by this part of the calibrated area has the wrong samples.
+constexpr double kLargestMisfit = 0.05;
 
-/// Thesis 4.5: 50 kgf.
-constexpr core::Newtons kModelLoad{490.0};
+constexpr std::array<std::string_view, 5> kMethodNames{"poly3", "thesis", "thesis_per_pair", "moment", "model"};
 
-template <std::size_t Size>
-double horner(const std::array<double, Size>& coefficients, double argument) noexcept {
+/// An estimate before its position and load are held against the calibration's validity.
+struct Raw {
+  double x_mm = 0.0;
+  double y_mm = 0.0;
+  double load_n = 0.0;
+  std::uint8_t flags = 0;
+};
+
+constexpr std::uint8_t flag_unless(bool is_inside, std::uint8_t flag) noexcept { return is_inside ? std::uint8_t{0} : flag; }
+
+double horner(const std::array<double, 5>& coefficients, double argument) noexcept {
   double value = 0.0;
-  for (std::size_t k = Size; k-- > 0;) value = value * argument + coefficients[k];
+  for (std::size_t k = coefficients.size(); k-- > 0;) value = value * argument + coefficients[k];
   return value;
 }
 
-/// `count` evenly spaced values from `first` to `last`.
-std::vector<core::Millimetres> evenly(core::Millimetres first, core::Millimetres last, int count) {
-  std::vector<core::Millimetres> values;
-  values.reserve(static_cast<std::size_t>(count));
-  for (int k = 0; k < count; ++k) values.push_back(first + (last - first) * (static_cast<double>(k) / (count - 1)));
-  return values;
+Raw evaluate(const SumPolynomial& polynomial, std::span<const double> w) noexcept {
+  const auto [sum, u, v] = FloorFeatures::of(w);
+  const double clamped_u = polynomial.u.clamp(u);
+  const double clamped_v = polynomial.v.clamp(v);
+  const double relative_sum = sum / polynomial.reference_sum_mm;
+  auto outputs = polynomial.by_sum_power[0](clamped_u, clamped_v);
+  double power = 1.0;
+  for (std::size_t k = 1; k < polynomial.sum_power_count; ++k) {
+    power *= polynomial.relative_sum.clamp(relative_sum);
+    const auto more = polynomial.by_sum_power[k](clamped_u, clamped_v);
+    for (std::size_t output = 0; output < outputs.size(); ++output) outputs[output] += power * more[output];
+  }
+  const bool knows_sum = polynomial.sum_power_count == 1 || polynomial.relative_sum.contains(relative_sum);
+  const auto flags = static_cast<std::uint8_t>(flag_unless(polynomial.u.contains(u) && polynomial.v.contains(v), cop_flag::kOutsideArea) |
+                                               flag_unless(knows_sum, cop_flag::kOutsideLoad));
+  return {outputs[0], outputs[1], outputs[2] > 0.0 ? sum / outputs[2] : std::numeric_limits<double>::quiet_NaN(), flags};
 }
 
-/// The rectangle between the sensors; their sides need not be exactly parallel to the plate's.
-struct SensorSquare {
-  core::Millimetres left, right, bottom, top;
-
-  [[nodiscard]] static SensorSquare of(const std::vector<SensorModel>& w) {
-    return {(w[0].position.x + w[2].position.x) / 2, (w[1].position.x + w[3].position.x) / 2, (w[0].position.y + w[1].position.y) / 2,
-            (w[2].position.y + w[3].position.y) / 2};
+/// Mean over the axis's ratios; adds to `flags`.
+double position(std::span<const RatioFit> fits, std::span<const RatioOf> ratios, std::span<const double> w, std::uint8_t& flags) noexcept {
+  double sum_mm = 0.0;
+  for (std::size_t k = 0; k < fits.size(); ++k) {
+    const double ratio = ratios[k](w);
+    sum_mm += horner(fits[k].quartic, fits[k].ratio.clamp(ratio) - 1.0);
+    flags = static_cast<std::uint8_t>(flags | flag_unless(fits[k].ratio.contains(ratio), cop_flag::kOutsideArea));
   }
-  [[nodiscard]] Point centre() const { return {(left + right) / 2, (bottom + top) / 2}; }
-};
-
-std::vector<Point> grid(const SensorSquare& square, int count) {
-  std::vector<Point> points;
-  for (const auto y : evenly(square.bottom, square.top, count)) {
-    for (const auto x : evenly(square.left, square.right, count)) points.push_back({x, y});
-  }
-  return points;
+  return sum_mm / static_cast<double>(fits.size());
 }
 
-std::vector<Point> calibration_points(CopMethod method, const SensorSquare& square) {
-  if (method == CopMethod::Poly3) return grid(square, 7);
-  // Thesis 4.4: five points on each mid-line. The even grid has no point on a mid-line, so that it serves the load only.
-  auto points = grid(square, 6);
-  for (const auto x : evenly(square.left, square.right, 5)) points.push_back({x, square.centre().y});
-  for (const auto y : evenly(square.bottom, square.top, 5)) points.push_back({square.centre().x, y});
-  return points;
+Raw evaluate(const ThesisForm& form, CopMethod method, std::span<const double> w) noexcept {
+  Raw raw = evaluate(form.load, w);
+  const ThesisRatios& ratios = ratios_of(method);
+  raw.x_mm = position(form.x, ratios.x, w, raw.flags);
+  raw.y_mm = position(form.y, ratios.y, w, raw.flags);
+  return raw;
 }
 
-core::Status check_sensor_order(const RigModel& rig) {
-  constexpr auto kHint = "a floor platform has four sensors: w1 left back, w2 right back, w3 left front, w4 right front";
-  if (rig.sensors.size() != kFloorSensors) {
-    return core::fail(core::ErrorCode::InvalidArgument,
-                      "the rig has " + std::to_string(rig.sensors.size()) + " sensors, the centre of pressure needs 4", kHint);
+Raw evaluate(const MomentForm& form, std::span<const double> w, double sum) noexcept {
+  Raw raw;
+  std::array<double, kMaxCopSensors> shares;
+  double clamped_sum = 0.0;
+  for (std::size_t k = 0; k < w.size(); ++k) {
+    raw.load_n += form.load_n_per_mm[k] * w[k];
+    const double share = w[k] / sum;
+    shares[k] = form.share[k].clamp(share);
+    clamped_sum += shares[k];
+    raw.flags = static_cast<std::uint8_t>(raw.flags | flag_unless(form.share[k].contains(share), cop_flag::kOutsideArea));
   }
-  const auto centre = SensorSquare::of(rig.sensors).centre();
-  for (std::size_t k = 0; k < kFloorSensors; ++k) {
-    const auto& [label, position, curve, unloaded_gap] = rig.sensors[k];
-    const bool is_right = k == 1 || k == 3;
-    const bool is_front = k >= 2;
-    const bool fits =
-        (is_right ? position.x > centre.x : position.x < centre.x) && (is_front ? position.y > centre.y : position.y < centre.y);
-    if (fits) continue;
-    return core::fail(core::ErrorCode::InvalidArgument,
-                      "sensor " + std::to_string(k + 1) + " ('" + label + "') at (" + std::to_string(position.x.value) + ", " +
-                          std::to_string(position.y.value) + ") mm is not " + (is_right ? "right" : "left") +
-                          (is_front ? " front" : " back") + " of the sensors' centre",
-                      kHint);
+  double x_mm = 0.0;
+  double y_mm = 0.0;
+  if (form.x_quadratic_mm.empty()) {
+    double load = 0.0;
+    for (std::size_t k = 0; k < w.size(); ++k) {
+      load += form.load_n_per_mm[k] * shares[k];
+      x_mm += form.x_moment_n[k] * shares[k];
+      y_mm += form.y_moment_n[k] * shares[k];
+    }
+    x_mm /= load;
+    y_mm /= load;
+  } else {
+    std::size_t term = 0;
+    for (std::size_t i = 0; i < w.size(); ++i) {
+      for (std::size_t j = i; j < w.size(); ++j, ++term) {
+        const double product = shares[i] * shares[j] / (clamped_sum * clamped_sum);
+        x_mm += form.x_quadratic_mm[term] * product;
+        y_mm += form.y_quadratic_mm[term] * product;
+      }
+    }
   }
-  return {};
+  raw.x_mm = form.centre.x.value + x_mm;
+  raw.y_mm = form.centre.y.value + y_mm;
+  return raw;
 }
 
 }  // namespace
 
+const ThesisRatios& ratios_of(CopMethod method) noexcept {
+  using W = std::span<const double>;
+  static constexpr std::array<RatioOf, 1> kAverageX{[](W w) { return deflection_ratio(w[0] + w[2], w[1] + w[3]); }};
+  static constexpr std::array<RatioOf, 1> kAverageY{[](W w) { return deflection_ratio(w[0] + w[1], w[2] + w[3]); }};
+  static constexpr std::array<RatioOf, 2> kPairsX{[](W w) { return deflection_ratio(w[0], w[1]); },
+                                                  [](W w) { return deflection_ratio(w[2], w[3]); }};
+  static constexpr std::array<RatioOf, 2> kPairsY{[](W w) { return deflection_ratio(w[0], w[2]); },
+                                                  [](W w) { return deflection_ratio(w[1], w[3]); }};
+  static constexpr ThesisRatios kAverages{kAverageX, kAverageY};
+  static constexpr ThesisRatios kPairs{kPairsX, kPairsY};
+  return method == CopMethod::ThesisPerPair ? kPairs : kAverages;
+}
+
 core::Result<CopMethod> parse_cop_method(std::string_view name) {
-  if (name == "thesis") return CopMethod::Thesis;
-  if (name == "poly3") return CopMethod::Poly3;
-  return core::fail(core::ErrorCode::InvalidArgument, "no centre-of-pressure method '" + std::string(name) + "'", "use thesis or poly3");
+  const auto found = std::ranges::find(kMethodNames, name);
+  if (found != kMethodNames.end()) return static_cast<CopMethod>(found - kMethodNames.begin());
+  return core::fail(core::ErrorCode::InvalidArgument, "no centre-of-pressure method '" + std::string(name) + "'",
+                    "use poly3, thesis, thesis_per_pair, moment or model");
 }
 
-core::Result<CopEstimator> CopEstimator::from_model(CopMethod method, const RigModel& rig) {
-  if (const auto status = check_sensor_order(rig); !status) return tl::make_unexpected(status.error());
-  std::vector<Point> probes;
-  for (const auto& sensor : rig.sensors) probes.push_back(sensor.position);
-  const auto table = InfluenceTable::create(rig.plate, rig.support, probes);
-  if (!table) return tl::make_unexpected(table.error());
-  std::vector<CopSample> samples;
-  for (const Point& point : calibration_points(method, SensorSquare::of(rig.sensors))) {
-    CopSample sample{.load_position = point, .load = kModelLoad};
-    for (std::size_t k = 0; k < kFloorSensors; ++k) sample.deflection_mm[k] = kModelLoad.value * table->at_point_mm_per_n(k, point);
-    samples.push_back(sample);
+std::string_view to_string(CopMethod method) noexcept { return kMethodNames[static_cast<std::size_t>(method)]; }
+
+std::string cop_flags_text(std::uint8_t flags) {
+  std::string text;
+  for (const auto& [flag, word] : {std::pair{cop_flag::kNoContact, "no_contact"}, std::pair{cop_flag::kOutsideArea, "outside_area"},
+                                   std::pair{cop_flag::kOutsideLoad, "outside_load"}}) {
+    if ((flags & flag) != 0) text += (text.empty() ? "" : "|") + std::string(word);
   }
-  return fit(method, samples);
+  return text;
 }
 
-CopEstimate CopEstimator::estimate(const std::array<double, kFloorSensors>& deflection_mm) const noexcept {
-  const auto& [w1, w2, w3, w4] = deflection_mm;
-  const double left = w1 + w3;
-  const double right = w2 + w4;
-  const double back = w1 + w2;
-  const double front = w3 + w4;
-  const double sum = left + right;
-  if (!(sum > 0.0 && sum <= std::numeric_limits<double>::max())) return {kNan, kNan, kNan, false};
+core::Result<CopEstimator> CopEstimator::from_form(CopMethod method, CopForm form, CopValidity validity) {
+  const auto sensor_count = check_form(method, form, validity);
+  if (!sensor_count) return tl::make_unexpected(sensor_count.error());
+  CopEstimator estimator;
+  estimator.method_ = method;
+  estimator.sensor_count_ = *sensor_count;
+  estimator.form_ = std::move(form);
+  estimator.validity_ = validity;
+  if (const auto* const model = std::get_if<ModelForm>(&estimator.form_)) {
+    auto inverse = CopInverse::create(*model);
+    if (!inverse) return tl::make_unexpected(inverse.error());
+    estimator.inverse_ = std::move(*inverse);
+  }
+  return estimator;
+}
 
-  const double u = (right - left) / sum;
-  const double v = (front - back) / sum;
-  bool is_inside = u_.contains(u) && v_.contains(v);
-  auto [x_mm, y_mm, mm_per_n, unused] = polynomial_(u_.clamp(u), v_.clamp(v));
-  if (uses_sum_) {
-    const double relative_sum = sum / reference_sum_mm_;
-    const double factor = relative_sum_.clamp(relative_sum);
-    const auto [more_x_mm, more_y_mm, more_mm_per_n, also_unused] = sum_polynomial_(u_.clamp(u), v_.clamp(v));
-    x_mm += factor * more_x_mm;
-    y_mm += factor * more_y_mm;
-    mm_per_n += factor * more_mm_per_n;
-    is_inside = is_inside && relative_sum_.contains(relative_sum);
+core::Result<CopEstimator> CopEstimator::fit(CopMethod method, std::span<const CopSample> samples) {
+  auto fitted = fit_cop(method, samples);
+  if (!fitted) return tl::make_unexpected(fitted.error());
+  return accept(method, std::move(*fitted), samples);
+}
+
+core::Result<CopEstimator> accept(CopMethod method, CopFit fitted, std::span<const CopSample> samples) {
+  auto estimator = CopEstimator::from_form(method, std::move(fitted.form), fitted.validity);
+  if (!estimator) return estimator;
+  double squares = 0.0;
+  for (const auto& sample : samples) {
+    const auto estimate = estimator->estimate(sample.deflection_mm);
+    squares += std::pow(estimate.x_mm - sample.load_position.x.value, 2) + std::pow(estimate.y_mm - sample.load_position.y.value, 2);
   }
-  if (method_ == CopMethod::Thesis) {
-    // A pair that is not pressed at all: the load lies at the far side of the other pair.
-    const double x_ratio = right > 0.0 ? left / right : std::numeric_limits<double>::infinity();
-    const double y_ratio = front > 0.0 ? back / front : std::numeric_limits<double>::infinity();
-    x_mm = horner(x_quartic_, x_ratio_.clamp(x_ratio) - 1.0);
-    y_mm = horner(y_quartic_, y_ratio_.clamp(y_ratio) - 1.0);
-    is_inside = is_inside && x_ratio_.contains(x_ratio) && y_ratio_.contains(y_ratio);
+  const double misfit_mm = std::sqrt(squares / static_cast<double>(samples.size()));
+  const auto& [x_mm, y_mm, load_n] = estimator->validity();
+  if (misfit_mm <= kLargestMisfit * std::min(x_mm.highest - x_mm.lowest, y_mm.highest - y_mm.lowest)) return estimator;
+  return refuse_calibration("the result misses its own samples by " + std::to_string(misfit_mm) + " mm rms", kSensorOrderHint);
+}
+
+CopEstimate CopEstimator::estimate(std::span<const double> deflection_mm) const noexcept {
+  if (deflection_mm.size() != sensor_count_) return {};
+  double sum = 0.0;
+  for (const double w : deflection_mm) sum += w;
+  if (!(sum > 0.0 && sum <= std::numeric_limits<double>::max())) return {};
+  Raw raw;
+  if (const auto* const poly3 = std::get_if<Poly3Form>(&form_)) {
+    raw = evaluate(poly3->polynomial, deflection_mm);
+  } else if (const auto* const thesis = std::get_if<ThesisForm>(&form_)) {
+    raw = evaluate(*thesis, method_, deflection_mm);
+  } else if (const auto* const moment = std::get_if<MomentForm>(&form_)) {
+    raw = evaluate(*moment, deflection_mm, sum);
+  } else {
+    const auto found = inverse_->solve(deflection_mm);
+    raw = {found.x_mm, found.y_mm, found.load_n, 0};
   }
-  const double load_n = mm_per_n > 0.0 ? sum / mm_per_n : kNan;
-  return {x_mm, y_mm, load_n, is_inside && x_mm_.contains(x_mm) && y_mm_.contains(y_mm)};
+  const bool is_inside_area = validity_.x_mm.contains(raw.x_mm) && validity_.y_mm.contains(raw.y_mm);
+  return {.x_mm = validity_.x_mm.clamp(raw.x_mm),
+          .y_mm = validity_.y_mm.clamp(raw.y_mm),
+          .load_n = raw.load_n,
+          .flags = static_cast<std::uint8_t>(raw.flags | flag_unless(is_inside_area, cop_flag::kOutsideArea) |
+                                             flag_unless(validity_.load_n.contains(raw.load_n), cop_flag::kOutsideLoad))};
 }
 
 }  // namespace dts::physics

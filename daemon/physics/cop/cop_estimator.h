@@ -4,96 +4,113 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <memory>
 #include <span>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/result.h"
 #include "core/units.h"
-#include "physics/cop/quintic.h"
-#include "physics/plate/plate.h"
+#include "physics/cop/cop_form.h"
+#include "physics/cop/sensed_plate.h"
 #include "physics/rig_model.h"
 
 namespace dts::physics {
 
 inline constexpr std::size_t kFloorSensors = 4;
+inline constexpr std::size_t kMaxCopSensors = 32;
 
-/// One calibration measurement: a known point load and the four deflections it causes.
+enum class CopMethod : std::uint8_t {
+  Poly3,          ///< Quintic in two normalised differences, with several loads also in the sum (plate-model 5.2); the default.
+  Thesis,         ///< Thesis 4.4, eq. 4.1: one quartic per axis in the ratio of pair averages (plate-model 5.1).
+  ThesisPerPair,  ///< The other reading of thesis 4.4: two quartics per axis, estimates averaged; only for comparison.
+  Moment,         ///< Ratio of moments of more than four sensors, for distributed contact (plate-model 5.4).
+  Model,          ///< The plate model itself, inverted (plate-model 5.3): a diagnostic.
+};
+
+/// "poly3", "thesis", "thesis_per_pair", "moment", "model"; fails with InvalidArgument for anything else.
+[[nodiscard]] core::Result<CopMethod> parse_cop_method(std::string_view name);
+[[nodiscard]] std::string_view to_string(CopMethod method) noexcept;
+
+/// One calibration measurement: a known load, where it stands (its centre of pressure, when it is no point), and the
+/// deflections of all sensors in the order of the rig.
 struct CopSample {
   Point load_position;
   core::Newtons load;
-  std::array<double, kFloorSensors> deflection_mm{};
+  std::vector<double> deflection_mm;
 };
 
-/// Centre of pressure and load from four deflections. Plate coordinates (corner origin), mm and N.
+/// What restrains an estimate, as bits. 0 is a good one.
+namespace cop_flag {
+inline constexpr std::uint8_t kNoContact = 1U << 0;    ///< Nothing presses: all values are NaN.
+inline constexpr std::uint8_t kOutsideArea = 1U << 1;  ///< Outside the calibrated area: the position is clamped to it.
+inline constexpr std::uint8_t kOutsideLoad = 1U << 2;  ///< Outside the calibrated load range: the load's influence is that at its end.
+}  // namespace cop_flag
+
+/// "no_contact", "outside_area", "outside_load" joined by '|'; empty for 0.
+[[nodiscard]] std::string cop_flags_text(std::uint8_t flags);
+
+/// Centre of pressure and load. Plate coordinates (corner origin), mm and N.
 struct CopEstimate {
-  double x_mm = 0.0;
-  double y_mm = 0.0;
-  double load_n = 0.0;
-  bool is_inside_calibration = true;  ///< false: clamped to, or extrapolated from, the calibrated range.
+  double x_mm = std::numeric_limits<double>::quiet_NaN();
+  double y_mm = std::numeric_limits<double>::quiet_NaN();
+  double load_n = std::numeric_limits<double>::quiet_NaN();
+  std::uint8_t flags = cop_flag::kNoContact;
+
+  [[nodiscard]] bool is_inside_calibration() const noexcept { return flags == 0; }
 };
 
-enum class CopMethod : std::uint8_t {
-  Thesis,  ///< Thesis 4.4, eq. 4.1: one quartic per axis in the ratio of pair averages (plate-model 5.1).
-  Poly3,   ///< Quintic in two normalised differences (plate-model 5.2); the default.
-};
+class CopInverse;
 
-/// "thesis", "poly3"; fails with InvalidArgument for anything else.
-[[nodiscard]] core::Result<CopMethod> parse_cop_method(std::string_view name);
-
-/// A calibrated estimator. Immutable after creation. Thread: any. Realtime-safe: yes.
+/// A calibrated estimator. Immutable after creation; copying takes memory. Thread: any. Realtime-safe: yes (const methods).
 class CopEstimator {
  public:
-  /// Least squares through `samples`. Fails with InvalidArgument when there are too few, the system is rank deficient or the
-  /// result does not meet its own samples, as with swapped sensors.
+  /// Least squares through `samples`, all with the same number of sensors. Fails with InvalidArgument when there are too few, the
+  /// system is rank deficient or the result does not meet its own samples, as with swapped sensors.
   ///
-  /// Thesis needs five positions or more on each mid-line of the calibrated area; samples elsewhere improve the load only.
-  /// Poly3 needs 6 x 6 positions for degree 5 (7 x 7 advised) and 4 x 4 for degree 3. With loads at least a factor 2 apart, each
-  /// at that many positions, Poly3 also learns how the load changes the plate's shape.
+  /// Thesis and ThesisPerPair: four sensors, five positions or more on each mid-line of the calibrated area; samples elsewhere
+  /// serve the load and the range of the ratios only. Poly3: four sensors, 6 x 6 positions for degree 5 (7 x 7 advised), 4 x 4 for degree
+  /// 3; with loads at least a factor 2 apart, each at that many positions, it also learns how the load changes the plate's shape. Moment:
+  /// five sensors or more, and at least twice as many contacts as sensors. Model has nothing to fit: it is refused.
   [[nodiscard]] static core::Result<CopEstimator> fit(CopMethod method, std::span<const CopSample> samples);
-  /// Calibrated on the plate model of the rig, as plate-model section 5 does: mid-line points for Thesis, a 7 x 7 grid
-  /// over the sensor square for Poly3. Fails unless the rig has four sensors in the order w1..w4 of a floor platform.
-  [[nodiscard]] static core::Result<CopEstimator> from_model(CopMethod method, const RigModel& rig);
+  /// Calibrated on the plate model of the rig (see `model_samples`). Fails with InvalidArgument when the rig's sensors do not
+  /// suit the method: floor forms need four in the order w1..w4 of a floor platform.
+  [[nodiscard]] static core::Result<CopEstimator> from_model(CopMethod method, const RigModel& rig,
+                                                             PlateBehaviour behaviour = PlateBehaviour::Stiffening);
+  /// From the coefficients of a file. Fails with InvalidArgument when counts do not fit, a value is not finite or a range is empty.
+  [[nodiscard]] static core::Result<CopEstimator> from_form(CopMethod method, CopForm form, CopValidity validity);
 
   [[nodiscard]] CopMethod method() const noexcept { return method_; }
-  /// Meaningful only when the deflections are finite and their sum is positive; otherwise all values are NaN.
+  [[nodiscard]] std::size_t sensor_count() const noexcept { return sensor_count_; }
+  [[nodiscard]] const CopForm& form() const noexcept { return form_; }
+  [[nodiscard]] const CopValidity& validity() const noexcept { return validity_; }
+
+  /// `deflection_mm`: one per sensor; another number of them, a value that is not finite or a sum that is not positive gives
+  /// kNoContact and NaN.
   ///
-  /// "Inside" means: every feature (ratios, normalised differences, with several loads also the sum) and the position lie in
-  /// the range the samples had, with a margin of 1 % of it for noise. Features beyond are clamped, so that the result is bounded.
-  [[nodiscard]] CopEstimate estimate(const std::array<double, kFloorSensors>& deflection_mm) const noexcept;
+  /// Never extrapolates: every feature (ratios, differences, shares, sum) and the position is clamped to the range the samples had,
+  /// with 1 % of it as a margin for noise, and flagged.
+  [[nodiscard]] CopEstimate estimate(std::span<const double> deflection_mm) const noexcept;
 
  private:
-  friend class CopFit;
-
-  /// Calibrated range of a feature.
-  struct Interval {
-    double lowest = 0.0;
-    double highest = 0.0;
-
-    [[nodiscard]] bool contains(double value) const noexcept { return value >= lowest && value <= highest; }
-    [[nodiscard]] double clamp(double value) const noexcept { return value < lowest ? lowest : value > highest ? highest : value; }
-  };
-  /// Coefficients of (r - 1)^k.
-  using Quartic = std::array<double, 5>;
-
   CopEstimator() = default;
 
   CopMethod method_ = CopMethod::Poly3;
-  Interval u_;  ///< (w2 + w4 - w1 - w3) / S: to the right.
-  Interval v_;  ///< (w3 + w4 - w1 - w2) / S: upwards.
-  Interval x_mm_;
-  Interval y_mm_;
-  // Thesis only.
-  Interval x_ratio_;  ///< (w1 + w3) / (w2 + w4)
-  Interval y_ratio_;  ///< (w1 + w2) / (w3 + w4)
-  Quartic x_quartic_{};
-  Quartic y_quartic_{};
-  // Outputs x mm, y mm, sum of deflections per load mm/N; for Thesis the last one only.
-  Quintic polynomial_;
-  // Calibrated at several loads only: what the sum of deflections, in units of `reference_sum_mm_`, adds.
-  bool uses_sum_ = false;
-  double reference_sum_mm_ = 1.0;
-  Interval relative_sum_;
-  Quintic sum_polynomial_;
+  std::size_t sensor_count_ = kFloorSensors;
+  CopForm form_;
+  CopValidity validity_;
+  std::shared_ptr<const CopInverse> inverse_;  ///< Model only.
 };
+
+/// Loads that `from_model` calibrates Poly3 with: of those tried on the stiffening floor plate the widest range (192..1020 N) that
+/// costs nothing within 240..700 N, and the best load.
+inline constexpr std::array<double, 3> kModelLoadsN{240.0, 480.0, 850.0};
+
+/// The samples that `from_model` calibrates on. Thesis, ThesisPerPair: the mid-line points of thesis 4.4 at 490 N, and a grid beside
+/// them for the load. Poly3: a 7 x 7 grid over the sensor square at each of `kModelLoadsN`. Moment: points, one foot and two feet
+/// all over the plate at several loads, from a fixed seed. Model: none.
+[[nodiscard]] core::Result<std::vector<CopSample>> model_samples(CopMethod method, const RigModel& rig, PlateBehaviour behaviour);
 
 }  // namespace dts::physics

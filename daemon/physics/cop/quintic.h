@@ -34,6 +34,8 @@ struct Quintic {
     }
     return total;
   }
+
+  friend bool operator==(const Quintic&, const Quintic&) = default;
 };
 
 }  // namespace dts::physics

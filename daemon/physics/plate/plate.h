@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <span>
-#include <vector>
+#include <string>
 
 #include "core/result.h"
 #include "core/units.h"
@@ -38,8 +36,10 @@ struct Plate {
 };
 
 enum class SupportKind : std::uint8_t {
-  Corner,  ///< Four point supports at (d,d), (a-d,d), (d,b-d), (a-d,b-d); all edges free.
-  Edges,   ///< All four edges simply supported.
+  Corner,   ///< Four point supports at (d,d), (a-d,d), (d,b-d), (a-d,b-d); all edges free.
+  Edges,    ///< All four edges simply supported.
+  XEdges,   ///< x = 0 and x = a simply supported, y = 0 and y = b free.
+  Clamped,  ///< All four edges held without slope.
 };
 
 struct Support {
@@ -47,36 +47,11 @@ struct Support {
   core::Millimetres inset{0.0};  ///< d; only for Corner.
 };
 
-/// Deflection at fixed probes under any load, from one factorisation: by reciprocity the deflection at a probe is the
-/// load vector times the probe's influence row (energy finite differences, plate-model section 2).
-///
-/// Deflections are positive along the load, millimetres per newton. Const methods: Thread: any. Realtime-safe: yes.
-class InfluenceTable {
- public:
-  static constexpr int kDefaultDivisions = 40;
-  static constexpr int kMinDivisions = 4;
-  static constexpr int kMaxDivisions = 200;
-
-  /// Solves once per probe. Fails with InvalidArgument when the plate, the support, a probe or `divisions` (4..200)
-  /// makes no sense; the message names the value and its range.
-  [[nodiscard]] static core::Result<InfluenceTable> create(const Plate& plate, const Support& support, std::span<const Point> probes,
-                                                           int divisions = kDefaultDivisions);
-
-  [[nodiscard]] std::size_t probe_count() const noexcept { return rows_.size(); }
-  /// Deflection at `probe` under 1 N at `load`; positions off the plate count as its nearest edge. NaN when a coordinate is
-  /// not finite or there is no such probe.
-  [[nodiscard]] double at_point_mm_per_n(std::size_t probe, Point load) const noexcept;
-  /// Deflection at `probe` under 1 N spread evenly over `patch` (the part on the plate carries all of it): the exact mean of
-  /// the bilinear interpolation of the row. A side of no length is a line or point load. NaN as `at_point_mm_per_n`.
-  [[nodiscard]] double under_patch_mm_per_n(std::size_t probe, const Patch& patch) const noexcept;
-
- private:
-  InfluenceTable() = default;
-
-  int divisions_ = kDefaultDivisions;
-  double dx_mm_ = 0.0;
-  double dy_mm_ = 0.0;
-  std::vector<std::vector<double>> rows_;  ///< Per probe, per node, mm/N.
-};
+/// Fail with InvalidArgument when a value is out of range; the message names it and the range.
+[[nodiscard]] core::Status check_plate(const Plate& plate);
+[[nodiscard]] core::Status check_support(const Plate& plate, const Support& support);
+/// `name` starts the message: "probe 3".
+[[nodiscard]] core::Status check_on_plate(const Plate& plate, Point point, const std::string& name);
+[[nodiscard]] core::Status check_divisions(int divisions, int lowest, int highest);
 
 }  // namespace dts::physics

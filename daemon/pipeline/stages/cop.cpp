@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "pipeline/fault.h"
 #include "pipeline/input_check.h"
@@ -18,16 +19,20 @@ constexpr double kReleaseRatio = 0.8;
 }  // namespace
 
 Cop::Cop(const StageOptions& options, const StageContext& context)
-    : rig_(&context.rig), method_(options.word("estimator")), contact_threshold_n_(options.number("contact_threshold_n")) {}
+    : rig_(&context.rig),
+      calibration_(context.cop_calibration),
+      method_(options.word("estimator")),
+      contact_threshold_n_(options.number("contact_threshold_n")) {}
 
 const StageDescription& Cop::description() {
   static const StageDescription described{
       .id = "cop",
-      .sentence = "Estimates centre of pressure and load from four deflections.",
+      .sentence = "Estimates centre of pressure and load from the sensors' deflections.",
       .output_stream = "cop",
       .options = {{.name = "estimator",
-                   .sentence = "poly3: quintic in two normalised differences; thesis: thesis 4.4, eq. 4.1.",
-                   .choices = {"poly3", "thesis"}},
+                   .sentence = "poly3: quintic in two normalised differences and the sum; thesis, thesis_per_pair: thesis 4.4, eq. 4.1; "
+                               "moment: for more than four sensors; model: the plate model inverted, a diagnostic.",
+                   .choices = {"poly3", "thesis", "thesis_per_pair", "moment", "model"}},
                   {.name = "contact_threshold_n",
                    .sentence = "Load from which somebody counts as standing on the plate, until it falls below 80 % of it.",
                    .default_value = 50.0,
@@ -38,24 +43,35 @@ const StageDescription& Cop::description() {
 
 core::Result<core::StreamFormat> Cop::prepare(const core::StreamFormat& input, std::size_t max_scans) {
   if (auto checked = check_input("cop", input, max_scans, "mm"); !checked) return tl::make_unexpected(checked.error());
-  if (input.channels.size() != physics::kFloorSensors) {
-    return core::fail(core::ErrorCode::InvalidArgument,
-                      "stage cop: " + std::to_string(input.channels.size()) + " channels come in; it needs the four of a floor platform");
-  }
-  const auto method = physics::parse_cop_method(method_);
-  if (!method) return tl::make_unexpected(method.error());
-  const auto estimator = physics::CopEstimator::from_model(*method, *rig_);
+  auto estimator = make_estimator();
   if (!estimator) return core::fail(estimator.error().code, "stage cop: " + estimator.error().what, estimator.error().hint);
-  estimator_ = *estimator;
+  if (input.channels.size() != estimator->sensor_count()) {
+    return core::fail(core::ErrorCode::InvalidArgument, "stage cop: " + std::to_string(input.channels.size()) +
+                                                            " channels come in; estimator " + method_ + " is made for " +
+                                                            std::to_string(estimator->sensor_count()) + " sensors");
+  }
+  estimator_ = std::move(*estimator);
   reset();
   core::StreamFormat output = input;
   output.channels = {{.name = "ml_mm", .unit = "mm"}, {.name = "ap_mm", .unit = "mm"}, {.name = "load_n", .unit = "N"}};
   return output;
 }
 
+core::Result<physics::CopEstimator> Cop::make_estimator() const {
+  const auto method = physics::parse_cop_method(method_);
+  if (!method) return tl::make_unexpected(method.error());
+  if (calibration_ == nullptr) return physics::CopEstimator::from_model(*method, *rig_);
+  if (calibration_->estimator.method() == *method) return calibration_->estimator;
+  return core::fail(core::ErrorCode::InvalidArgument,
+                    "estimator is " + method_ + ", but calibration '" + calibration_->id + "' is for " +
+                        std::string(physics::to_string(calibration_->estimator.method())),
+                    "leave the estimator to the calibration, or calibrate for " + method_);
+}
+
 void Cop::process(const core::Block& in, core::Block& out) noexcept {
   for (std::size_t i = 0; i < in.count(); ++i) {
-    std::array<double, physics::kFloorSensors> deflection_mm{};
+    std::array<double, physics::kMaxCopSensors> sensors_mm{};
+    const std::span<double> deflection_mm(sensors_mm.data(), estimator_->sensor_count());
     std::uint8_t bits = 0;
     for (std::size_t c = 0; c < deflection_mm.size(); ++c) {
       deflection_mm[c] = in.column(c)[i];
@@ -69,7 +85,7 @@ void Cop::process(const core::Block& in, core::Block& out) noexcept {
   }
 }
 
-std::array<Cop::Value, 3> Cop::evaluate(const std::array<double, physics::kFloorSensors>& deflection_mm, std::uint8_t bits) noexcept {
+std::array<Cop::Value, 3> Cop::evaluate(std::span<const double> deflection_mm, std::uint8_t bits) noexcept {
   // A faulty scan tells nothing about contact either: that stays as it was.
   if ((bits & kFaultBits) != 0) return {Value{kNaN, bits}, Value{kNaN, bits}, Value{kNaN, bits}};
   const physics::CopEstimate estimate = estimator_->estimate(deflection_mm);
@@ -78,7 +94,7 @@ std::array<Cop::Value, 3> Cop::evaluate(const std::array<double, physics::kFloor
     const auto no_contact = static_cast<std::uint8_t>(bits | core::quality::kNoContact);
     return {Value{kNaN, no_contact}, Value{kNaN, no_contact}, Value{load_n, bits}};
   }
-  if (!estimate.is_inside_calibration) bits |= core::quality::kUncalibrated;
+  if (!estimate.is_inside_calibration()) bits |= core::quality::kUncalibrated;
   const double ml_mm = estimate.x_mm - 0.5 * rig_->plate.a.value;
   const double ap_mm = estimate.y_mm - 0.5 * rig_->plate.b.value;
   return {Value{ml_mm, bits}, Value{ap_mm, bits}, Value{load_n, bits}};

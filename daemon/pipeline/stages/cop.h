@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "physics/cop/cop_estimator.h"
@@ -10,13 +12,15 @@
 
 namespace dts::pipeline {
 
-/// Centre of pressure and load from the four deflections of a floor platform (thesis 4.4, plate-model section 5).
+/// Centre of pressure and load from the deflections of a plate (thesis 4.4, plate-model section 5): by the rig's own calibration
+/// when it has one, by an estimator calibrated on the rig's plate model otherwise. As many channels come in as that is made for.
 ///
 /// Published axes: ml_mm = x to the subject's right, ap_mm = y forward, origin at the plate's centre. The estimators, like
 /// the thesis's tables, count from a plate corner: this is the edge where that is converted.
 ///
-/// Below the contact threshold there is no COP: ml and ap are NaN with kNoContact, the load is still given. A fault bit or a
-/// NaN on any sensor makes the whole scan NaN with the bits of all sensors: three of four sensors give a wrong COP.
+/// Below the contact threshold there is no COP: ml and ap are NaN with kNoContact, the load is still given. Outside the
+/// calibrated area or load range values carry kUncalibrated, and positions are clamped to the area. A fault bit or a
+/// NaN on any sensor makes the whole scan NaN with the bits of all sensors: fewer sensors give a wrong COP.
 class Cop final : public Stage {
  public:
   Cop(const StageOptions& options, const StageContext& context);
@@ -32,11 +36,13 @@ class Cop final : public Stage {
     double value;
     std::uint8_t bits;
   };
-  /// ml, ap, load of one scan; `bits` are those of all four sensors.
-  std::array<Value, 3> evaluate(const std::array<double, physics::kFloorSensors>& deflection_mm, std::uint8_t bits) noexcept;
+  [[nodiscard]] core::Result<physics::CopEstimator> make_estimator() const;
+  /// ml, ap, load of one scan; `bits` are those of all sensors.
+  std::array<Value, 3> evaluate(std::span<const double> deflection_mm, std::uint8_t bits) noexcept;
   bool update_contact(double load_n) noexcept;
 
   const physics::RigModel* rig_;
+  const physics::CopCalibration* calibration_;
   std::string method_;
   double contact_threshold_n_;
   std::optional<physics::CopEstimator> estimator_;

@@ -120,7 +120,7 @@ TEST_F(ConfigFiles, SenselessPlate_NamesEveryValueAndItsRange) {
       std::string("kind = \"flor\"\n[plate]\na_mm = -430.0\nb_mm = 430.0\nh_mm = 3.0\ne_pa = inf\nnu = 0.7\n") + kSensor + kStage);
 
   EXPECT_THAT(problems, Contains(HasSubstr("rig.toml:1:8: kind = \"flor\" is not known; did you mean \"floor\"?")));
-  EXPECT_THAT(problems, Contains(HasSubstr("rig.toml:3:8: [plate] a_mm = -430 is out of range; allowed: 10 .. 5000")));
+  EXPECT_THAT(problems, Contains(HasSubstr("rig.toml:3:8: [plate] a_mm = -430 is out of range; allowed: 10 .. 10000")));
   EXPECT_THAT(problems, Contains(HasSubstr("rig.toml:6:8: [plate] e_pa")));
   EXPECT_THAT(problems, Contains(HasSubstr("rig.toml:7:6: [plate] nu = 0.7 is out of range")));
 }

@@ -105,8 +105,8 @@ TEST(CopRecording, VeryLongLine_Refused) {
 }
 
 TEST(CopRecording, FewerThanTwoRows_Refused) {
-  EXPECT_EQ(refusal("t_s,x_mm,y_mm\n"), ": fewer than two rows");
-  EXPECT_EQ(refusal("t_s,x_mm,y_mm\n0,1,1\n"), ": fewer than two rows");
+  EXPECT_EQ(refusal("t_s,x_mm,y_mm\n"), ": too few rows, at least 2 needed");
+  EXPECT_EQ(refusal("t_s,x_mm,y_mm\n0,1,1\n"), ": too few rows, at least 2 needed");
 }
 
 }  // namespace

@@ -46,6 +46,36 @@ TEST(FloorOptions, Point_TakesItsOwnLoad) {
   EXPECT_EQ(options->stance.centre_ap.value, 64.5);
 }
 
+TEST(FloorOptions, Weights_TakeAListAndTimes) {
+  const auto options = read("contact=weights&weights=a.csv&step_on_s=4&hold_s=2&pause_s=0&ramp_s=0.1&loop=1");
+
+  ASSERT_TRUE(options.has_value());
+  EXPECT_EQ(options->contact, FloorContact::Weights);
+  EXPECT_EQ(options->weights_file, "a.csv");
+  EXPECT_EQ(options->placement.first_s, 4.0);
+  EXPECT_EQ(options->placement.hold_s, 2.0);
+  EXPECT_EQ(options->placement.pause_s, 0.0);
+  EXPECT_EQ(options->placement.ramp_s, 0.1);
+  EXPECT_TRUE(options->placement.repeats);
+}
+
+TEST(FloorOptions, Gaps_TakeNumbers) {
+  const auto options = read("contact=gaps&gaps_mm=12,9.5,7");
+
+  ASSERT_TRUE(options.has_value());
+  EXPECT_EQ(options->contact, FloorContact::Gaps);
+  EXPECT_EQ(options->gaps_mm, (std::vector<double>{12.0, 9.5, 7.0}));
+}
+
+TEST(FloorOptions, WeightsOrGapsWithoutTheirList_Refused) {
+  EXPECT_NE(refusal("contact=weights").find("contact=weights needs weights="), std::string::npos);
+  EXPECT_NE(refusal("contact=gaps").find("contact=gaps needs gaps_mm="), std::string::npos);
+}
+
+TEST(FloorOptions, NoTimeAtAll_Refused) {
+  EXPECT_NE(refusal("contact=gaps&gaps_mm=12&hold_s=0&pause_s=0&ramp_s=0").find("shorter than 1 ms"), std::string::npos);
+}
+
 TEST(FloorOptions, EachFault_Recognised) {
   EXPECT_EQ(read("fault=unplug")->fault.kind, FaultKind::Unplug);
   EXPECT_EQ(read("fault=overrun")->fault.kind, FaultKind::Overrun);
@@ -55,8 +85,7 @@ TEST(FloorOptions, EachFault_Recognised) {
 
 TEST(FloorOptions, EveryNumber_RefusedJustOutsideItsRange) {
   for (const UriOption& option : floor_option_table()) {
-    const bool is_number = option.kind == OptionKind::Number || option.kind == OptionKind::Integer;
-    if (!is_number) continue;
+    if (option.kind == OptionKind::Word || option.kind == OptionKind::File) continue;
     SCOPED_TRACE(std::string(option.name));
     const std::string below = refusal(std::string(option.name) + "=" + std::to_string(option.minimum - 1.0));
     EXPECT_NE(below.find(allowed(option)), std::string::npos) << below;
@@ -70,7 +99,14 @@ TEST(FloorOptions, OptionsThatDoNothing_Refused) {
   EXPECT_NE(refusal("load_n=100").find("only with contact=point"), std::string::npos);
   EXPECT_NE(refusal("contact=point&weight_n=100").find("only with contact=feet"), std::string::npos);
   EXPECT_NE(refusal("contact=point&cop=a.csv").find("only with contact=feet"), std::string::npos);
-  EXPECT_NE(refusal("loop=1").find("only with cop=FILE"), std::string::npos);
+  EXPECT_NE(refusal("loop=1").find("only with cop=FILE or contact=weights|gaps"), std::string::npos);
+  EXPECT_NE(refusal("contact=point&loop=1").find("only with cop=FILE"), std::string::npos);
+  EXPECT_NE(refusal("hold_s=1").find("only with contact=weights|gaps"), std::string::npos);
+  EXPECT_NE(refusal("contact=gaps&gaps_mm=12&gap_spread_mm=0").find("only with contact=feet|point|weights"), std::string::npos);
+  EXPECT_NE(refusal("contact=gaps&gaps_mm=12&plate=linear").find("only with contact=feet|point|weights"), std::string::npos);
+  EXPECT_NE(refusal("weights=a.csv").find("only with contact=weights"), std::string::npos);
+  EXPECT_NE(refusal("contact=weights&weights=a.csv&x_mm=1").find("only with contact=feet|point"), std::string::npos);
+  EXPECT_NE(refusal("contact=gaps&gaps_mm=12&step_off_s=9").find("only with contact=feet|point"), std::string::npos);
   EXPECT_NE(refusal("fault_at_s=1").find("only with fault="), std::string::npos);
   EXPECT_NE(refusal("fault=silence&fault_channel=1").find("only with fault=stuck"), std::string::npos);
 }

@@ -16,6 +16,7 @@ constexpr std::array kTable = {
     UriOption{"end_s", OptionKind::Number, "never", 0, kNever, "", "An end."},
     UriOption{"kind", OptionKind::Word, "feet", 0, 0, "feet|point", "A kind."},
     UriOption{"path", OptionKind::File, "", 0, 0, "", "A file."},
+    UriOption{"steps_mm", OptionKind::Numbers, "", 1, 10, "", "Some lengths."},
 };
 
 core::Result<UriOptions> read(const std::string& text) { return UriOptions::read(*DeviceUri::parse(text), kTable); }
@@ -47,6 +48,21 @@ TEST(UriOptions, Given_Taken) {
   EXPECT_EQ(options->text("kind"), "point");
   EXPECT_EQ(options->text("path"), "x/y.csv");
   EXPECT_TRUE(options->is_given("load_n"));
+}
+
+TEST(UriOptions, Numbers_SeparatedByCommas) {
+  EXPECT_EQ(read("a:b?steps_mm=1,2.5,10")->numbers("steps_mm"), (std::vector<double>{1.0, 2.5, 10.0}));
+  EXPECT_EQ(read("a:b?steps_mm=7")->numbers("steps_mm"), (std::vector<double>{7.0}));
+  EXPECT_FALSE(read("a:b")->is_given("steps_mm"));
+}
+
+TEST(UriOptions, BadNumbers_RefusedWithTheRange) {
+  std::string many = "1";
+  for (int i = 0; i < 256; ++i) many += ",1";
+  for (const std::string& value :
+       {std::string("1,11"), std::string("1,,2"), std::string("1,"), std::string(""), std::string("1,nan"), many}) {
+    EXPECT_NE(refusal("a:b?steps_mm=" + value).find("1..10,..."), std::string::npos) << value;
+  }
 }
 
 TEST(UriOptions, OutOfRange_RefusedWithTheRange) {

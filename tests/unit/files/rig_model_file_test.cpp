@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 namespace dts::files {
 namespace {
@@ -43,8 +45,60 @@ TEST(RigModelFile, ReportsAWrongValueWithItsPlaceAndRange) {
   (void)read(file, problems);
   ASSERT_EQ(problems.size(), 2U);  // and no [[sensor]]
   EXPECT_EQ(problems[0].line, 4U);
-  EXPECT_THAT(problems[0].text, testing::HasSubstr("0.1 .. 100"));
+  EXPECT_THAT(problems[0].text, testing::HasSubstr("0.01 .. 86"));
   std::filesystem::remove(file);
+}
+
+/// Whether [plate] and [support] of a file are accepted.
+bool is_accepted(const std::string& text) {
+  const std::string file = testing::TempDir() + "/limits_rig.toml";
+  std::ofstream(file) << text;
+  Problems problems;
+  const auto table = parse_toml(file, problems);
+  TomlReader top(&*table, "", file, problems);
+  const physics::Plate plate = read_plate(top.table("plate"));
+  (void)read_support(top.table("support"), plate);
+  std::filesystem::remove(file);
+  return problems.empty();
+}
+
+TEST(RigModelFile, TakesExactlyWhatPhysicsTakes) {
+  const auto agree = [](const physics::Plate& plate, const physics::Support& support) {
+    constexpr std::array<const char*, 4> kKinds{"corner", "edges", "x-edges", "clamped"};
+    std::ostringstream text;
+    text.precision(17);
+    text << "[plate]\na_mm = " << plate.a.value << "\nb_mm = " << plate.b.value << "\nh_mm = " << plate.h.value << "\ne_pa = " << plate.e_pa
+         << "\nnu = " << plate.nu << "\n[support]\nkind = \"" << kKinds[static_cast<std::size_t>(support.kind)]
+         << "\"\ninset_mm = " << support.inset.value << "\n";
+    const bool is_physical = physics::check_plate(plate) && physics::check_support(plate, support);
+    EXPECT_EQ(is_accepted(text.str()), is_physical) << text.str();
+    return is_physical;
+  };
+  using physics::SupportKind;
+
+  for (const SupportKind kind : {SupportKind::Corner, SupportKind::Edges, SupportKind::XEdges, SupportKind::Clamped}) {
+    EXPECT_TRUE(agree({}, {.kind = kind}));
+  }
+  EXPECT_TRUE(agree({.nu = -0.999999}, {}));
+  EXPECT_FALSE(agree({.nu = -1.0}, {}));
+  EXPECT_TRUE(agree({.nu = 0.499999}, {}));
+  EXPECT_FALSE(agree({.nu = 0.5}, {}));
+  EXPECT_TRUE(agree({.h = {0.01}}, {}));
+  EXPECT_FALSE(agree({.h = {0.0099}}, {}));
+  EXPECT_TRUE(agree({.h = {86.0}}, {}));
+  EXPECT_FALSE(agree({.h = {86.1}}, {}));
+  EXPECT_TRUE(agree({.a = {10.0}, .b = {10.0}, .h = {1.0}}, {}));
+  EXPECT_FALSE(agree({.a = {9.9}, .b = {10.0}, .h = {1.0}}, {}));
+  EXPECT_TRUE(agree({.a = {10'000.0}, .b = {10'000.0}}, {}));
+  EXPECT_FALSE(agree({.a = {10'001.0}, .b = {10'000.0}}, {}));
+  EXPECT_TRUE(agree({.a = {200.0}, .b = {10.0}, .h = {1.0}}, {}));
+  EXPECT_FALSE(agree({.a = {201.0}, .b = {10.0}, .h = {1.0}}, {}));
+  EXPECT_TRUE(agree({.e_pa = 1e5}, {}));
+  EXPECT_FALSE(agree({.e_pa = 9e4}, {}));
+  EXPECT_FALSE(agree({.e_pa = 1.1e13}, {}));
+  EXPECT_TRUE(agree({}, {.inset = {214.9}}));
+  EXPECT_FALSE(agree({}, {.inset = {215.0}}));
+  EXPECT_FALSE(agree({}, {.inset = {-0.1}}));
 }
 
 }  // namespace

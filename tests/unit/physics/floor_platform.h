@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "physics/cop/cop_estimator.h"
-#include "physics/plate/plate.h"
+#include "physics/plate/influence_table.h"
 #include "physics/rig_model.h"
 
 // The thesis's floor platform, for the tests of this folder.
@@ -61,13 +61,13 @@ class RefinedPlate {
 
 /// Deflections of the floor sensors under a point load.
 inline CopSample sample_of(const RefinedPlate& plate, Point position, double load_n) {
-  CopSample sample{.load_position = position, .load = {load_n}};
-  for (std::size_t k = 0; k < kFloorSensors; ++k) sample.deflection_mm[k] = load_n * plate.under_point(k, position);
+  CopSample sample{.load_position = position, .load = {load_n}, .deflection_mm = {}};
+  for (std::size_t k = 0; k < kFloorSensors; ++k) sample.deflection_mm.push_back(load_n * plate.under_point(k, position));
   return sample;
 }
 inline CopSample sample_of(const InfluenceTable& plate, Point position, double load_n) {
-  CopSample sample{.load_position = position, .load = {load_n}};
-  for (std::size_t k = 0; k < kFloorSensors; ++k) sample.deflection_mm[k] = load_n * plate.at_point_mm_per_n(k, position);
+  CopSample sample{.load_position = position, .load = {load_n}, .deflection_mm = {}};
+  for (std::size_t k = 0; k < kFloorSensors; ++k) sample.deflection_mm.push_back(load_n * plate.at_point_mm_per_n(k, position));
   return sample;
 }
 
@@ -90,6 +90,10 @@ inline std::vector<Point> mid_lines() {
     points.push_back(at(215, s));
   }
   return points;
+}
+
+inline CopEstimate estimate(const CopEstimator& estimator, const std::vector<double>& deflection_mm) {
+  return estimator.estimate(deflection_mm);
 }
 
 template <class Table>

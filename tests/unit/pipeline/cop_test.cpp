@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "support/allocation_counter.h"
 #include "unit/pipeline/floor_rig.h"
 #include "unit/pipeline/stage_runner.h"
 
@@ -98,7 +100,7 @@ TEST_F(CopTest, FaultyScan_LeavesContactAsItWas) {
 
   const Output output = run(signal);
 
-  EXPECT_EQ(output.bits[0][2], 0);
+  EXPECT_EQ(output.bits[0][2] & kNoContact, 0);
 }
 
 TEST_F(CopTest, Reset_ForgetsContact) {
@@ -157,6 +159,23 @@ TEST_F(CopTest, LoadOutsideTheCalibratedArea_GivesValuesMarkedUncalibrated) {
   }
 }
 
+TEST_F(CopTest, LoadOutsideTheCalibratedRange_GivesValuesMarkedUncalibrated) {
+  const Output output = run(under({{.ml_mm = 30.0, .load_n = 100.0}, {.ml_mm = 30.0, .load_n = 600.0}, {.ml_mm = 30.0, .load_n = 1150.0}}));
+
+  for (std::size_t c = 0; c < 3; ++c) {
+    EXPECT_EQ(output.bits[c][0], kUncalibrated);
+    EXPECT_EQ(output.bits[c][1], 0);
+    EXPECT_EQ(output.bits[c][2], kUncalibrated);
+  }
+  EXPECT_NEAR(output.values[0][0], 30.0, 3.0);  // by the shape of the lightest calibrated load
+}
+
+TEST_F(CopTest, PositionBeyondTheArea_StaysAtItsBorder) {
+  const Output output = run(under({{.ml_mm = 180.0}}));
+
+  EXPECT_NEAR(output.values[0][0], 129.0, 3.0);  // the sensors' line and 1 % of the area beyond
+}
+
 TEST_F(CopTest, ThesisEstimator_IsGoodOnTheMidLinesAndCoarserOffThem) {
   const Signal signal = under({{.ml_mm = 64.5, .ap_mm = 0}, {.ml_mm = -129, .ap_mm = -129}});
 
@@ -164,7 +183,7 @@ TEST_F(CopTest, ThesisEstimator_IsGoodOnTheMidLinesAndCoarserOffThem) {
   const Output poly3 = run(signal, {{"estimator", "poly3"}});
 
   EXPECT_NEAR(thesis.values[0][0], 64.5, 0.35);           // plate-model 5.1: mid-line points at most 0.35 mm
-  EXPECT_GT(std::abs(thesis.values[0][1] + 129.0), 2.5);  // P1 of thesis Table 4.1: 2.70; 3.3 on a fine mesh
+  EXPECT_GT(std::abs(thesis.values[0][1] + 129.0), 2.5);  // P1 of thesis Table 4.1: 2.70
   EXPECT_LT(std::abs(poly3.values[0][1] + 129.0), 0.5);
 }
 
@@ -182,6 +201,77 @@ TEST_F(CopTest, PrepareWithSwappedSensors_IsRefusedByTheEstimator) {
 
   ASSERT_FALSE(format);
   EXPECT_THAT(format.error().what, HasSubstr("stage cop: sensor 1 ('w2')"));
+}
+
+/// What a calibration file of this rig would hold: Thesis, and every sensor 5 % more sensitive than the model.
+physics::CopCalibration thesis_calibration(const physics::RigModel& rig) {
+  auto samples = physics::model_samples(physics::CopMethod::Thesis, rig, physics::PlateBehaviour::Stiffening).value();
+  for (auto& sample : samples) {
+    for (double& w : sample.deflection_mm) w *= 1.05;
+  }
+  return physics::calibrate_cop(physics::CopMethod::Thesis, samples, {.created_utc = "2026-01-31T12:00:00Z", .rig = "floor"}).value();
+}
+
+TEST_F(CopTest, RigWithACalibration_IsEstimatedByIt) {
+  surroundings_.cop_calibration = thesis_calibration(surroundings_.rig);
+
+  const Output output = run(under({{.load_n = 490.0}}), {{"estimator", "thesis"}});
+
+  EXPECT_NEAR(output.values[2][0], 490.0 / 1.05, 2.0);
+}
+
+TEST_F(CopTest, CalibrationForAnotherEstimator_IsRefused) {
+  surroundings_.cop_calibration = thesis_calibration(surroundings_.rig);
+
+  const auto format = surroundings_.make({.id = "cop", .options = {{"estimator", "poly3"}}})->prepare(under({}).format, 64);
+
+  ASSERT_FALSE(format);
+  EXPECT_THAT(format.error().what, HasSubstr("estimator is poly3, but calibration 'cop-20260131T120000Z-"));
+  EXPECT_THAT(format.error().what, HasSubstr("is for thesis"));
+}
+
+void mount_sixteen_sensors(physics::RigModel& rig) {
+  rig.sensors.clear();
+  for (int k = 0; k < 16; ++k) {
+    rig.sensors.push_back({.label = "s" + std::to_string(k + 1),
+                           .position = {{53.75 + 107.5 * (k % 4)}, {53.75 + 107.5 * (k / 4)}},
+                           .curve = physics::SensorCurve::hoa1405_assumed()});
+  }
+}
+
+TEST_F(CopTest, SixteenSensors_AreEstimatedByMoment) {
+  mount_sixteen_sensors(surroundings_.rig);
+  const auto deflection_mm = FloorPlate(surroundings_.rig).deflection_mm({{kHalfPlateMm + 40.0}, {kHalfPlateMm - 20.0}}, 490.0);
+  std::vector<std::vector<double>> columns;
+  for (const double w : deflection_mm) columns.push_back({w});
+
+  const Output output = run(make_signal(100, "mm", columns), {{"estimator", "moment"}});
+
+  EXPECT_NEAR(output.values[0][0], 40.0, 2.0);
+  EXPECT_NEAR(output.values[1][0], -20.0, 2.0);
+  EXPECT_NEAR(output.values[2][0], 490.0, 0.05 * 490.0);
+}
+
+TEST_F(CopTest, NoEstimator_TouchesTheHeap) {
+  for (const std::string estimator : {"poly3", "thesis", "thesis_per_pair", "model", "moment"}) {
+    if (estimator == "moment") mount_sixteen_sensors(surroundings_.rig);
+    const auto cop = surroundings_.make({.id = "cop", .options = {{"estimator", estimator}}});
+    const std::size_t sensors = surroundings_.rig.sensors.size();
+    const Signal signal = make_signal(100, "mm", std::vector<std::vector<double>>(sensors, {2.0, 2.1, -1.0}));
+    ASSERT_TRUE(cop->prepare(signal.format, 3)) << estimator;
+    core::Block in(sensors, 3);
+    in.set_count(3);
+    for (std::size_t c = 0; c < sensors; ++c) std::ranges::copy(signal.values[c], in.column(c).begin());
+    core::Block out(3, 3);
+    out.copy_position(in);
+
+    const std::uint64_t before = test::heap_calls_of_this_thread();
+    cop->process(in, out);
+    const std::uint64_t after = test::heap_calls_of_this_thread();
+
+    EXPECT_EQ(after - before, 0U) << estimator;
+    EXPECT_TRUE(std::isfinite(out.column(0)[0])) << estimator;
+  }
 }
 
 }  // namespace

@@ -36,7 +36,10 @@ class FloorPipelineTest : public testing::Test {
   /// `scans` scans (whole blocks) of a load at rest; `noise_v` is asked for each value.
   void stand(
       physics::Point position, double load_n, std::size_t scans, const std::function<double()>& noise_v = [] { return 0.0; }) {
-    const auto deflection_mm = plate_.deflection_mm(position, load_n);
+    show(plate_.deflection_mm(position, load_n), scans, noise_v);
+  }
+  /// The same for a plate bent already: takes no memory.
+  void show(const std::vector<double>& deflection_mm, std::size_t scans, const std::function<double()>& noise_v) {
     for (std::size_t done = 0; done < scans; done += kBlockScans) {
       acquired_.block.set_count(kBlockScans);
       acquired_.block.first_scan = core::ScanIndex{scan_};
@@ -103,15 +106,16 @@ TEST_F(FloorPipelineTest, Poly3AtThePointsOfTable41_ErrsByAFifthOfAMillimetre) {
   EXPECT_LT(errors.load, 0.005);
 }
 
-TEST_F(FloorPipelineTest, ThesisAtThePointsOfTable41_MeetsTheFiguresOfTheThesis) {
+TEST_F(FloorPipelineTest, ThesisAtThePointsOfTable41_ErrsLikeTheRealSystemOfTheThesis) {
   create("thesis");
   stand({}, 0.0, kTareScans);
 
   const Errors errors = errors_at_thesis_points(physics::CopMethod::Thesis);
 
-  EXPECT_LE(errors.x_mm, 1.39);  // thesis Table 4.1, simulated system; plate-model 5.1 expects 0.87 and 1.56
-  EXPECT_LE(errors.y_mm, 1.63);
-  EXPECT_GT(errors.y_mm, 1.0);  // it is coarse: better would mean that poly3 answered
+  // Thesis Table 4.1, real system: 1.66, 2.51 and 3.0 mm; the plate stiffens here as it did there. The figures of the thesis's linear
+  // simulation are held against the linear plate in the estimator's own tests.
+  EXPECT_LE(errors.x_mm, 1.66);
+  EXPECT_NEAR(std::hypot(errors.x_mm, errors.y_mm), 3.0, 0.3);
 }
 
 TEST_F(FloorPipelineTest, SensorsAwayFromTheirNominalGap_AreCuredByTheTare) {
@@ -151,12 +155,15 @@ TEST_F(FloorPipelineTest, Streaming_DoesNotTouchTheHeap) {
   std::normal_distribution<double> noise_v(0.0, 0.003);
   const std::function<double()> noise = [&] { return noise_v(random); };
 
+  const auto empty_mm = plate_.deflection_mm({}, 0.0);
+  const auto person_mm = plate_.deflection_mm({{200.0}, {240.0}}, 650.0);
+
   const std::uint64_t before = test::heap_calls_of_this_thread();
   for (int round = 0; round < 10; ++round) {
     acquired_.gap_before.reason = round == 5 ? core::GapReason::Overrun : core::GapReason::None;
     surroundings_.tare.request();
-    stand({}, 0.0, kTareScans, noise);
-    stand({{200.0}, {240.0}}, 650.0, kTareScans, noise);
+    show(empty_mm, kTareScans, noise);
+    show(person_mm, kTareScans, noise);
   }
   const std::uint64_t after = test::heap_calls_of_this_thread();
   surroundings_.rig.sensors.push_back(surroundings_.rig.sensors[0]);  // proves that the counter counts

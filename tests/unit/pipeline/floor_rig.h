@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <memory>
+#include <optional>
 #include <tuple>
 #include <utility>
 #include <vector>
 
-#include "physics/cop/cop_estimator.h"
+#include "physics/cop/cop_calibration.h"
+#include "physics/cop/sensed_plate.h"
 #include "physics/rig_model.h"
 #include "pipeline/stage_registry.h"
 
@@ -22,24 +23,18 @@ inline physics::RigModel floor_rig() {
   return rig;
 }
 
-/// Deflections of the floor platform under point loads, plate coordinates.
+/// Deflections of the floor platform under point loads, plate coordinates; by default on the stiffening plate that the estimators know.
 class FloorPlate {
  public:
-  explicit FloorPlate(const physics::RigModel& rig) : table_(make_table(rig)) {}
+  explicit FloorPlate(const physics::RigModel& rig, physics::PlateBehaviour behaviour = physics::PlateBehaviour::Stiffening)
+      : plate_(physics::SensedPlate::create(rig, behaviour).value()) {}
 
-  [[nodiscard]] std::array<double, physics::kFloorSensors> deflection_mm(physics::Point position, double load_n) const {
-    std::array<double, physics::kFloorSensors> deflection{};
-    for (std::size_t c = 0; c < deflection.size(); ++c) deflection[c] = load_n * table_.at_point_mm_per_n(c, position);
-    return deflection;
+  [[nodiscard]] std::vector<double> deflection_mm(physics::Point position, double load_n) const {
+    return plate_.deflection_mm(position, {load_n});
   }
 
  private:
-  static physics::InfluenceTable make_table(const physics::RigModel& rig) {
-    std::vector<physics::Point> probes;
-    for (const auto& sensor : rig.sensors) probes.push_back(sensor.position);
-    return physics::InfluenceTable::create(rig.plate, rig.support, probes).value();
-  }
-  physics::InfluenceTable table_;
+  physics::SensedPlate plate_;
 };
 
 /// What stages hang on: a rig, a letter box and converters of +-5 V with 11 bit (thesis 4.3.2).
@@ -48,12 +43,16 @@ struct StageSurroundings {
 
   [[nodiscard]] StageContext context() {
     constexpr StageContext::InputRange kConverter{.minimum_v = -5.0, .maximum_v = 5.0, .resolution_v = 10.0 / 2048.0};
-    return {.rig = rig, .input_ranges = std::vector(rig.sensors.size(), kConverter), .tare = tare};
+    return {.rig = rig,
+            .input_ranges = std::vector(rig.sensors.size(), kConverter),
+            .tare = tare,
+            .cop_calibration = cop_calibration ? &*cop_calibration : nullptr};
   }
   [[nodiscard]] std::unique_ptr<Stage> make(const StageConfig& config) { return create_stage(config, context()).value(); }
 
   physics::RigModel rig;
   Tare tare;
+  std::optional<physics::CopCalibration> cop_calibration;
 };
 
 }  // namespace dts::pipeline

@@ -49,7 +49,7 @@ TEST(CheckStage, WordForANumber_IsAProblem) {
 
 TEST(CheckStage, NumberForAWord_IsAProblem) {
   EXPECT_THAT(check_stage({.id = "cop", .options = {{"estimator", 3.0}}}),
-              ElementsAre("option 'estimator' of stage cop must be a word (poly3, thesis), not a number"));
+              ElementsAre("option 'estimator' of stage cop must be a word (poly3, thesis, thesis_per_pair, moment, model), not a number"));
 }
 
 TEST(CheckStage, WrongWord_SuggestsTheNearest) {

@@ -20,7 +20,7 @@ constexpr double kLoadN = 490.0;
 
 /// A synthetic plate that stiffens with its own deflection: heavier loads bend it less than in proportion and, because the
 /// sensors that move most lose most, in another shape. Not a model of the real plate's membrane forces (plate-model 5.2).
-class StiffeningPlate {
+class SyntheticPlate {
  public:
   [[nodiscard]] CopSample sample(Point position, double load_n) const {
     constexpr double kStiffeningPerSquareMm = 0.001;
@@ -66,7 +66,7 @@ void expect_refused(CopMethod method, const std::vector<CopSample>& samples, con
 }
 
 TEST(CopEstimatorFit, TwoLoads_LearnTheStiffeningThatOneLoadMisses) {
-  const StiffeningPlate plate;
+  const SyntheticPlate plate;
   const auto one_load = CopEstimator::fit(CopMethod::Poly3, plate.grid(7, {540.0}));
   const auto two_loads = CopEstimator::fit(CopMethod::Poly3, plate.grid(7, {360.0, 720.0}));
 
@@ -80,7 +80,7 @@ TEST(CopEstimatorFit, TwoLoads_LearnTheStiffeningThatOneLoadMisses) {
 }
 
 TEST(CopEstimatorFit, TwoLoads_EstimateTheLoadBetweenThem) {
-  const StiffeningPlate plate;
+  const SyntheticPlate plate;
   const auto estimator = CopEstimator::fit(CopMethod::Poly3, plate.grid(7, {360.0, 720.0}));
 
   ASSERT_TRUE(estimator);
@@ -90,26 +90,60 @@ TEST(CopEstimatorFit, TwoLoads_EstimateTheLoadBetweenThem) {
 }
 
 TEST(CopEstimatorFit, SumOutsideTheCalibratedLoads_SaysSo) {
-  const StiffeningPlate plate;
+  const SyntheticPlate plate;
   const auto estimator = CopEstimator::fit(CopMethod::Poly3, plate.grid(7, {360.0, 720.0}));
 
   ASSERT_TRUE(estimator);
-  EXPECT_TRUE(estimator->estimate(plate.sample(at(200, 200), 500.0).deflection_mm).is_inside_calibration);
-  EXPECT_FALSE(estimator->estimate(plate.sample(at(200, 200), 900.0).deflection_mm).is_inside_calibration);
-  EXPECT_FALSE(estimator->estimate(plate.sample(at(200, 200), 50.0).deflection_mm).is_inside_calibration);
+  EXPECT_TRUE(estimator->estimate(plate.sample(at(200, 200), 500.0).deflection_mm).is_inside_calibration());
+  EXPECT_FALSE(estimator->estimate(plate.sample(at(200, 200), 900.0).deflection_mm).is_inside_calibration());
+  EXPECT_FALSE(estimator->estimate(plate.sample(at(200, 200), 50.0).deflection_mm).is_inside_calibration());
 }
 
 TEST(CopEstimatorFit, LoadsLessThanTwiceApart_CountAsOne) {
-  // One load measured twice, not a lesson in stiffening: a lighter person is not outside the calibration.
-  const StiffeningPlate plate;
+  const SyntheticPlate plate;
   const auto estimator = CopEstimator::fit(CopMethod::Poly3, plate.grid(7, {480.0, 500.0}));
 
   ASSERT_TRUE(estimator);
-  EXPECT_TRUE(estimator->estimate(plate.sample(at(200, 200), 200.0).deflection_mm).is_inside_calibration);
+  EXPECT_EQ(std::get<Poly3Form>(estimator->form()).polynomial.sum_power_count, 1U);
+}
+
+TEST(CopEstimatorFit, ThreeLoads_GiveTwoPowersOfTheSum) {
+  const SyntheticPlate plate;
+  const auto estimator = CopEstimator::fit(CopMethod::Poly3, plate.grid(7, {240.0, 450.0, 720.0}));
+
+  ASSERT_TRUE(estimator);
+  EXPECT_EQ(std::get<Poly3Form>(estimator->form()).polynomial.sum_power_count, 3U);
+  EXPECT_LT(plate.error_mm(*estimator, 600.0), 0.2);
+}
+
+TEST(CopEstimatorFit, MiddleLoadAtFewPositions_DoesNotCountAsALoad) {
+  const SyntheticPlate plate;
+  auto samples = plate.grid(7, {240.0, 720.0});
+  const auto middle = plate.grid(3, {450.0});
+  samples.insert(samples.end(), middle.begin(), middle.end());
+
+  const auto estimator = CopEstimator::fit(CopMethod::Poly3, samples);
+
+  ASSERT_TRUE(estimator);
+  EXPECT_EQ(std::get<Poly3Form>(estimator->form()).polynomial.sum_power_count, 2U);
+}
+
+TEST(CopEstimatorFit, LoadRange_ReachesAFifthBeyondTheCalibrationLoads) {
+  const SyntheticPlate plate;
+  const auto one_load = CopEstimator::fit(CopMethod::Poly3, plate.grid(7, {500.0}));
+  const auto two_loads = CopEstimator::fit(CopMethod::Poly3, plate.grid(7, {360.0, 720.0}));
+
+  ASSERT_TRUE(one_load && two_loads);
+  EXPECT_DOUBLE_EQ(one_load->validity().load_n.lowest, 400.0);
+  EXPECT_DOUBLE_EQ(one_load->validity().load_n.highest, 600.0);
+  EXPECT_DOUBLE_EQ(two_loads->validity().load_n.lowest, 288.0);
+  EXPECT_DOUBLE_EQ(two_loads->validity().load_n.highest, 864.0);
+  EXPECT_EQ(one_load->estimate(plate.sample(at(200, 200), 300.0).deflection_mm).flags, cop_flag::kOutsideLoad);
+  EXPECT_EQ(one_load->estimate(plate.sample(at(200, 200), 550.0).deflection_mm).flags, 0);
 }
 
 TEST(CopEstimatorFit, HeavyLoadAtFewPositions_IsRefused) {
-  const StiffeningPlate plate;
+  const SyntheticPlate plate;
   auto samples = plate.grid(7, {360.0});
   const auto heavy = plate.grid(3, {720.0});
   samples.insert(samples.end(), heavy.begin(), heavy.end());
@@ -118,7 +152,7 @@ TEST(CopEstimatorFit, HeavyLoadAtFewPositions_IsRefused) {
 }
 
 TEST(CopEstimatorFit, SmallGrid_FallsBackToDegreeThree) {
-  const StiffeningPlate plate;
+  const SyntheticPlate plate;
   for (const int count : {4, 5}) {
     const auto estimator = CopEstimator::fit(CopMethod::Poly3, linear_samples(test::sensor_square(count)));
 
@@ -171,7 +205,7 @@ TEST(CopEstimatorFit, RepeatedMeasurements_AreAveraged) {
   const auto twice = CopEstimator::fit(CopMethod::Poly3, samples);
 
   ASSERT_TRUE(once && twice);
-  EXPECT_NEAR(twice->estimate({1.0, 1.2, 0.9, 1.1}).x_mm, once->estimate({1.0, 1.2, 0.9, 1.1}).x_mm, 1e-8);
+  EXPECT_NEAR(test::estimate(*twice, {1.0, 1.2, 0.9, 1.1}).x_mm, test::estimate(*once, {1.0, 1.2, 0.9, 1.1}).x_mm, 1e-8);
 }
 
 TEST(CopEstimatorFit, ThesisWithMidLinesOnly_EstimatesTheLoadOnThem) {
@@ -201,6 +235,17 @@ TEST(CopEstimatorFit, ThesisWithSevenPointsPerLine_IsALeastSquaresQuartic) {
   for (const auto& sample : samples) EXPECT_NEAR(estimator->estimate(sample.deflection_mm).x_mm, sample.load_position.x.value, 0.3);
 }
 
+TEST(CopEstimatorFit, ThesisWithTwoLoads_LearnsWhatTheStiffeningDoesToTheLoad) {
+  const SyntheticPlate plate;
+  const auto one_load = CopEstimator::fit(CopMethod::Thesis, plate.grid(7, {540.0}));
+  const auto two_loads = CopEstimator::fit(CopMethod::Thesis, plate.grid(7, {360.0, 720.0}));
+
+  ASSERT_TRUE(one_load && two_loads);
+  const auto w = plate.sample(at(180, 250), 400.0).deflection_mm;
+  EXPECT_GT(std::abs(one_load->estimate(w).load_n - 400.0), 2.0);
+  EXPECT_NEAR(two_loads->estimate(w).load_n, 400.0, 1.0);
+}
+
 TEST(CopEstimatorFit, ThesisWithoutAMidLine_IsRefusedByAxis) {
   auto positions = test::mid_lines();
   std::erase(positions, at(215, 150.5));
@@ -210,12 +255,25 @@ TEST(CopEstimatorFit, ThesisWithoutAMidLine_IsRefusedByAxis) {
 }
 
 TEST(CopEstimatorFit, SwappedSensors_AreRefusedWithAHint) {
-  for (const auto method : {CopMethod::Thesis, CopMethod::Poly3}) {
-    auto samples = linear_samples(method == CopMethod::Thesis ? test::mid_lines() : test::sensor_square(7));
+  for (const auto method : {CopMethod::Thesis, CopMethod::ThesisPerPair, CopMethod::Poly3}) {
+    auto samples = linear_samples(method == CopMethod::Poly3 ? test::sensor_square(7) : test::mid_lines());
     for (auto& sample : samples) std::swap(sample.deflection_mm[0], sample.deflection_mm[1]);
 
     expect_refused(method, samples, "sensors are in the order w1 left back");
   }
+}
+
+TEST(CopEstimatorFit, WrongNumberOfSensors_IsRefusedByMethod) {
+  auto samples = linear_samples(test::sensor_square(7));
+  expect_refused(CopMethod::Moment, samples, "moment needs 5 to 32 sensors, the samples have 4");
+  for (auto& sample : samples) sample.deflection_mm.push_back(1.0);
+  expect_refused(CopMethod::Poly3, samples, "poly3 needs 4 sensors, the samples have 5");
+  samples[2].deflection_mm.pop_back();
+  expect_refused(CopMethod::Moment, samples, "sample 2 has 4 deflections, the first one 5");
+}
+
+TEST(CopEstimatorFit, Model_HasNothingToFit) {
+  expect_refused(CopMethod::Model, linear_samples(test::sensor_square(7)), "model has nothing to fit");
 }
 
 TEST(CopEstimatorFit, BadSample_IsRefusedWithItsNumber) {
@@ -233,7 +291,7 @@ TEST(CopEstimatorFit, BadSample_IsRefusedWithItsNumber) {
     expect_refused(method, spoilt([](CopSample& sample) { sample.load = {kNan}; }), "sample 3");
     expect_refused(method, spoilt([](CopSample& sample) { sample.load = {0.0}; }), "load of sample 3 is 0");
     expect_refused(method, spoilt([](CopSample& sample) { sample.load = {-490.0}; }), "load of sample 3 is -490");
-    expect_refused(method, spoilt([](CopSample& sample) { sample.deflection_mm = {}; }), "sample 3 does not press");
+    expect_refused(method, spoilt([](CopSample& sample) { sample.deflection_mm = {0, 0, 0, 0}; }), "sample 3 does not press");
     expect_refused(method, spoilt([](CopSample& sample) { sample.deflection_mm = {1, -2, 1, -2}; }), "sample 3 does not press");
   }
 }

@@ -117,7 +117,7 @@ TEST(CopEstimatorThesis, Table41PointByPoint_MeetsTheStudy) {
 
 TEST(CopEstimatorThesis, FromModel_IsAtLeastAsGoodAsTheThesis) {
   for (const double inset_mm : {0.0, 10.75}) {
-    const auto estimator = CopEstimator::from_model(CopMethod::Thesis, floor_rig(inset_mm));
+    const auto estimator = CopEstimator::from_model(CopMethod::Thesis, floor_rig(inset_mm), PlateBehaviour::Linear);
     ASSERT_TRUE(estimator);
 
     const auto found = deviations(*estimator, meshed_plate(inset_mm), kTable41, kLoadN);
@@ -144,7 +144,7 @@ TEST(CopEstimatorThesis, Calibration_HasTheRatiosAndCoefficientsOfTheStudy) {
   for (double ratio = 0.58; ratio < 1.73; ratio += 0.05) {
     double expected_mm = 0.0;
     for (std::size_t k = coefficients.size(); k-- > 0;) expected_mm = expected_mm * ratio + coefficients[k];
-    const auto estimate = estimator.estimate({ratio, 1.0, ratio, 1.0});
+    const auto estimate = test::estimate(estimator, {ratio, 1.0, ratio, 1.0});
     EXPECT_NEAR(estimate.x_mm, expected_mm, 0.02) << ratio;
     EXPECT_NEAR(estimate.y_mm, 215.0, 1e-6) << ratio;
   }
@@ -153,16 +153,16 @@ TEST(CopEstimatorThesis, Calibration_HasTheRatiosAndCoefficientsOfTheStudy) {
 TEST(CopEstimatorThesis, LoadBeyondTheCalibration_IsClampedAndSaysSo) {
   const auto estimator = *CopEstimator::from_model(CopMethod::Thesis, floor_rig(10.75));
 
-  const auto left = estimator.estimate({3.0, 1.0, 3.0, 1.0});
-  const auto only_left = estimator.estimate({3.0, 0.0, 3.0, -0.01});
-  const auto right = estimator.estimate({0.0, 3.0, -0.01, 3.0});
+  const auto left = test::estimate(estimator, {3.0, 1.0, 3.0, 1.0});
+  const auto only_left = test::estimate(estimator, {3.0, 0.0, 3.0, -0.01});
+  const auto right = test::estimate(estimator, {0.0, 3.0, -0.01, 3.0});
 
   EXPECT_NEAR(left.x_mm, 86.0, 3.0);
   EXPECT_EQ(only_left.x_mm, left.x_mm);
   EXPECT_NEAR(right.x_mm, 344.0, 3.0);
-  EXPECT_FALSE(left.is_inside_calibration);
-  EXPECT_FALSE(only_left.is_inside_calibration);
-  EXPECT_FALSE(right.is_inside_calibration);
+  EXPECT_FALSE(left.is_inside_calibration());
+  EXPECT_FALSE(only_left.is_inside_calibration());
+  EXPECT_FALSE(right.is_inside_calibration());
 }
 
 TEST(CopEstimatorPoly3, SensorSquare_IsWithinTheSheetsError) {
@@ -176,13 +176,14 @@ TEST(CopEstimatorPoly3, SensorSquare_IsWithinTheSheetsError) {
   EXPECT_NEAR(central.total(), 0.12, 0.01);
 }
 
-TEST(CopEstimatorPoly3, FromModel_IsWithinTheSheetsErrorOnTheSimulatedPlate) {
+TEST(CopEstimatorPoly3, AnyInset_IsWithinTheSheetsError) {
   for (const double inset_mm : {0.0, 5.0, 10.75}) {
-    const auto estimator = CopEstimator::from_model(CopMethod::Poly3, floor_rig(inset_mm));
+    const auto plate = meshed_plate(inset_mm);
+    const auto estimator = CopEstimator::fit(CopMethod::Poly3, test::samples_at(plate, test::sensor_square(7), kLoadN));
     ASSERT_TRUE(estimator);
 
-    EXPECT_LT(rms(deviations(*estimator, meshed_plate(inset_mm), test::sensor_square(33), 300.0)).total(), 0.18);
-    EXPECT_LT(rms(deviations(*estimator, meshed_plate(inset_mm), central_square(), 300.0)).total(), 0.12);
+    EXPECT_LT(rms(deviations(*estimator, plate, test::sensor_square(33), kLoadN)).total(), 0.18);
+    EXPECT_LT(rms(deviations(*estimator, plate, central_square(), kLoadN)).total(), 0.12);
   }
 }
 
@@ -208,75 +209,97 @@ TEST(CopEstimatorPoly3, UnequalSensorGains_AreCalibratedAway) {
   EXPECT_LT(rms(found).total(), 0.26);
 }
 
-class CopEstimatorBoth : public testing::TestWithParam<CopMethod> {
+class CopEstimatorFloor : public testing::TestWithParam<CopMethod> {
  protected:
-  CopEstimator estimator_ = *CopEstimator::from_model(GetParam(), floor_rig(10.75));
+  CopEstimator estimator_ = *CopEstimator::from_model(GetParam(), floor_rig(10.75), PlateBehaviour::Linear);
   InfluenceTable plate_ = meshed_plate(10.75);
 };
 
-INSTANTIATE_TEST_SUITE_P(Methods, CopEstimatorBoth, testing::Values(CopMethod::Thesis, CopMethod::Poly3),
-                         [](const auto& method) { return method.param == CopMethod::Thesis ? "Thesis" : "Poly3"; });
+INSTANTIATE_TEST_SUITE_P(Methods, CopEstimatorFloor, testing::Values(CopMethod::Thesis, CopMethod::ThesisPerPair, CopMethod::Poly3),
+                         [](const auto& method) { return std::string(to_string(method.param)); });
 
-TEST_P(CopEstimatorBoth, Method_IsRemembered) { EXPECT_EQ(estimator_.method(), GetParam()); }
+TEST_P(CopEstimatorFloor, Method_IsRemembered) { EXPECT_EQ(estimator_.method(), GetParam()); }
 
-TEST_P(CopEstimatorBoth, LinearPlate_LoadChangesOnlyTheLoad) {
-  const auto light = estimator_.estimate(sample_of(plate_, at(130, 260), 50.0).deflection_mm);
-  const auto heavy = estimator_.estimate(sample_of(plate_, at(130, 260), 1500.0).deflection_mm);
+TEST_P(CopEstimatorFloor, LinearPlate_LoadChangesOnlyTheLoad) {
+  const auto light = estimator_.estimate(sample_of(plate_, at(130, 260), 400.0).deflection_mm);
+  const auto heavy = estimator_.estimate(sample_of(plate_, at(130, 260), 580.0).deflection_mm);
 
-  EXPECT_NEAR(light.x_mm, heavy.x_mm, 1e-9);
-  EXPECT_NEAR(light.y_mm, heavy.y_mm, 1e-9);
-  EXPECT_NEAR(heavy.load_n / light.load_n, 30.0, 1e-9);
+  // Poly3 has learned from two loads that the sum says nothing here, but for the small error of its polynomial.
+  const double tolerance_mm = GetParam() == CopMethod::Poly3 ? 0.05 : 1e-9;
+  EXPECT_NEAR(light.x_mm, heavy.x_mm, tolerance_mm);
+  EXPECT_NEAR(light.y_mm, heavy.y_mm, tolerance_mm);
+  EXPECT_NEAR(heavy.load_n / light.load_n, 1.45, GetParam() == CopMethod::Poly3 ? 1e-3 : 1e-9);
 }
 
-TEST_P(CopEstimatorBoth, Load_IsWithinHalfAPercentOverTheSquare) {
+TEST_P(CopEstimatorFloor, WrongNumberOfDeflections_IsNoContact) {
+  for (const std::size_t count : {std::size_t{0}, std::size_t{3}, std::size_t{5}}) {
+    EXPECT_EQ(estimator_.estimate(std::vector<double>(count, 1.0)).flags, cop_flag::kNoContact) << count;
+  }
+}
+
+TEST_P(CopEstimatorFloor, LoadBeyondTheRange_IsFlagged) {
+  const auto& range = estimator_.validity().load_n;
+  EXPECT_EQ(estimator_.estimate(sample_of(plate_, at(215, 200), 0.5 * range.lowest).deflection_mm).flags, cop_flag::kOutsideLoad);
+  EXPECT_EQ(estimator_.estimate(sample_of(plate_, at(215, 200), 1.2 * range.highest).deflection_mm).flags, cop_flag::kOutsideLoad);
+}
+
+TEST_P(CopEstimatorFloor, PositionBeyondTheArea_IsClampedToIt) {
+  const auto& [x_mm, y_mm, load_n] = estimator_.validity();
+  for (const Point& position : {at(20, 215), at(215, 20), at(410, 215), at(215, 410), at(20, 20), at(410, 410)}) {
+    const auto estimate = estimator_.estimate(sample_of(plate_, position, kLoadN).deflection_mm);
+    EXPECT_NE(estimate.flags & cop_flag::kOutsideArea, 0);
+    EXPECT_TRUE(x_mm.contains(estimate.x_mm) && y_mm.contains(estimate.y_mm));
+  }
+}
+
+TEST_P(CopEstimatorFloor, Load_IsWithinHalfAPercentOverTheSquare) {
   double squares = 0.0;
   const auto positions = test::sensor_square(33);
   for (const Point& position : positions) {
-    const double relative = estimator_.estimate(sample_of(plate_, position, 686.0).deflection_mm).load_n / 686.0 - 1.0;
+    const double relative = estimator_.estimate(sample_of(plate_, position, 560.0).deflection_mm).load_n / 560.0 - 1.0;
     EXPECT_LT(std::abs(relative), 0.005) << position.x.value << ", " << position.y.value;
     squares += relative * relative;
   }
   EXPECT_LT(std::sqrt(squares / static_cast<double>(positions.size())), 0.002);
 }
 
-TEST_P(CopEstimatorBoth, SensorSquare_IsInsideTheCalibration) {
+TEST_P(CopEstimatorFloor, SensorSquare_IsInsideTheCalibration) {
   for (const Point& position : test::sensor_square(33)) {
-    EXPECT_TRUE(estimator_.estimate(sample_of(plate_, position, kLoadN).deflection_mm).is_inside_calibration)
+    EXPECT_TRUE(estimator_.estimate(sample_of(plate_, position, kLoadN).deflection_mm).is_inside_calibration())
         << position.x.value << ", " << position.y.value;
   }
 }
 
-TEST_P(CopEstimatorBoth, LoadOutsideTheSensorSquare_SaysSo) {
+TEST_P(CopEstimatorFloor, LoadOutsideTheSensorSquare_SaysSo) {
   for (const Point& position : {at(40, 215), at(215, 40), at(390, 215), at(215, 390), at(40, 40), at(390, 390), at(40, 390)}) {
-    EXPECT_FALSE(estimator_.estimate(sample_of(plate_, position, kLoadN).deflection_mm).is_inside_calibration)
+    EXPECT_FALSE(estimator_.estimate(sample_of(plate_, position, kLoadN).deflection_mm).is_inside_calibration())
         << position.x.value << ", " << position.y.value;
   }
 }
 
-TEST_P(CopEstimatorBoth, NothingOnThePlate_IsNotANumber) {
-  const std::array<double, kFloorSensors> zero{};
-  for (const auto& deflection : {zero, {-1, -1, -1, -1}, {1, -1, 1, -1}, {0, 0, 0, -1e-12}}) {
+TEST_P(CopEstimatorFloor, NothingOnThePlate_IsNotANumber) {
+  for (const std::vector<double>& deflection : {std::vector<double>(4), {-1, -1, -1, -1}, {1, -1, 1, -1}, {0, 0, 0, -1e-12}}) {
     const auto estimate = estimator_.estimate(deflection);
     EXPECT_TRUE(std::isnan(estimate.x_mm));
     EXPECT_TRUE(std::isnan(estimate.y_mm));
     EXPECT_TRUE(std::isnan(estimate.load_n));
-    EXPECT_FALSE(estimate.is_inside_calibration);
+    EXPECT_EQ(estimate.flags, cop_flag::kNoContact);
   }
 }
 
-TEST_P(CopEstimatorBoth, OneSensorNotFinite_IsNotANumber) {
+TEST_P(CopEstimatorFloor, OneSensorNotFinite_IsNotANumber) {
   for (const double bad : {kNan, kInfinity, -kInfinity}) {
     for (std::size_t k = 0; k < kFloorSensors; ++k) {
-      std::array<double, kFloorSensors> deflection = {1.0, 1.0, 1.0, 1.0};
+      std::vector<double> deflection(kFloorSensors, 1.0);
       deflection[k] = bad;
       const auto estimate = estimator_.estimate(deflection);
       EXPECT_TRUE(std::isnan(estimate.x_mm) && std::isnan(estimate.y_mm) && std::isnan(estimate.load_n));
-      EXPECT_FALSE(estimate.is_inside_calibration);
+      EXPECT_FALSE(estimate.is_inside_calibration());
     }
   }
 }
 
-TEST_P(CopEstimatorBoth, AnyFiniteInput_GivesAPositionNearThePlateOrNone) {
+TEST_P(CopEstimatorFloor, AnyFiniteInput_GivesAPositionNearThePlateOrNone) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> mantissa(-1.0, 1.0);
   std::uniform_int_distribution<int> exponent(-1070, 1024);
@@ -296,61 +319,29 @@ TEST_P(CopEstimatorBoth, AnyFiniteInput_GivesAPositionNearThePlateOrNone) {
   }
 }
 
-TEST(CopMethodName, Known_IsParsed) {
-  EXPECT_EQ(parse_cop_method("thesis"), CopMethod::Thesis);
-  EXPECT_EQ(parse_cop_method("poly3"), CopMethod::Poly3);
-}
+TEST(CopEstimatorAnySensors, AnyFiniteInput_GivesAPositionInTheAreaOrAFlag) {
+  auto nine = floor_rig(10.75);
+  for (int k = 0; k < 5; ++k)
+    nine.sensors.push_back({"m" + std::to_string(k), at(100.0 + 50.0 * k, 215.0 - 20.0 * k), SensorCurve::hoa1405_assumed()});
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> mantissa(-1.0, 1.0);
+  std::uniform_int_distribution<int> exponent(-1070, 1024);
+  for (const auto method : {CopMethod::Moment, CopMethod::Model}) {
+    const auto estimator = *CopEstimator::from_model(method, nine, PlateBehaviour::Linear);
+    for (int round = 0; round < 3000; ++round) {
+      std::vector<double> deflection(9);
+      for (double& value : deflection) value = round % 2 == 0 ? std::ldexp(mantissa(random), exponent(random)) : mantissa(random);
 
-TEST(CopMethodName, Unknown_IsRefusedWithTheChoices) {
-  for (const char* name : {"", "Poly3", "moment"}) {
-    const auto result = parse_cop_method(name);
-    ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().code, core::ErrorCode::InvalidArgument);
-    EXPECT_THAT(core::to_string(result.error()), HasSubstr("thesis or poly3"));
+      const auto estimate = estimator.estimate(deflection);
+
+      if (std::isnan(estimate.x_mm) || std::isnan(estimate.y_mm)) {
+        EXPECT_NE(estimate.flags, 0);
+      } else {
+        EXPECT_TRUE(estimator.validity().x_mm.contains(estimate.x_mm) && estimator.validity().y_mm.contains(estimate.y_mm));
+      }
+      EXPECT_TRUE(estimate.load_n >= 0.0 || estimate.flags != 0);
+    }
   }
-}
-
-TEST(CopEstimatorFromModel, ThreeOrFiveSensors_AreRefused) {
-  for (const std::size_t count : {std::size_t{0}, std::size_t{3}, std::size_t{5}}) {
-    RigModel rig = floor_rig(10.75);
-    rig.sensors.resize(count, rig.sensors.front());
-
-    const auto result = CopEstimator::from_model(CopMethod::Poly3, rig);
-
-    ASSERT_FALSE(result);
-    EXPECT_EQ(result.error().code, core::ErrorCode::InvalidArgument);
-    EXPECT_THAT(result.error().what, HasSubstr(std::to_string(count) + " sensors"));
-  }
-}
-
-TEST(CopEstimatorFromModel, SwappedSensors_AreRefusedByName) {
-  for (const auto& [one, other] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}, std::pair{0, 3}}) {
-    RigModel rig = floor_rig(10.75);
-    std::swap(rig.sensors[static_cast<std::size_t>(one)], rig.sensors[static_cast<std::size_t>(other)]);
-
-    const auto result = CopEstimator::from_model(CopMethod::Thesis, rig);
-
-    ASSERT_FALSE(result);
-    EXPECT_THAT(result.error().what, HasSubstr("sensor " + std::to_string(one + 1) + " ('w" + std::to_string(other + 1) + "')"));
-    EXPECT_THAT(result.error().hint, HasSubstr("w1 left back"));
-  }
-}
-
-TEST(CopEstimatorFromModel, BadPlate_IsRefusedWithThePlatesMessage) {
-  RigModel rig = floor_rig(10.75);
-  rig.plate.nu = 0.7;
-
-  const auto result = CopEstimator::from_model(CopMethod::Poly3, rig);
-
-  ASSERT_FALSE(result);
-  EXPECT_THAT(result.error().what, HasSubstr("Poisson's ratio is 0.7"));
-}
-
-TEST(CopEstimatorFromModel, NotANumberAsPosition_IsRefused) {
-  RigModel rig = floor_rig(10.75);
-  rig.sensors[2].position.x = {kNan};
-
-  EXPECT_FALSE(CopEstimator::from_model(CopMethod::Poly3, rig));
 }
 
 }  // namespace

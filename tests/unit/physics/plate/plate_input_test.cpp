@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "physics/plate/plate.h"
+#include "physics/plate/influence_table.h"
 #include "unit/physics/floor_platform.h"
 
 namespace dts::physics {
@@ -44,7 +44,7 @@ void expect_refused(const std::function<void(Input&)>& spoil, const char* value,
 
 TEST(InfluenceTableInput, GoodInput_IsTaken) {
   EXPECT_TRUE(create([](Input&) {}));
-  EXPECT_TRUE(create([](Input& input) { input.divisions = InfluenceTable::kMinDivisions; }));
+  EXPECT_TRUE(create([](Input& input) { input.divisions = Grid::kMinDivisions; }));
   EXPECT_TRUE(create([](Input& input) { input.probes = {at(0, 0), at(430, 430)}; }));
   EXPECT_TRUE(create([](Input& input) { input.plate.nu = -0.999; }));
   EXPECT_TRUE(create([](Input& input) { input.plate.nu = 0.499; }));
@@ -77,7 +77,7 @@ TEST(InfluenceTableInput, BadSupport_IsRefusedWithTheRange) {
   for (const double bad : {kNan, kInfinity, -0.1, 215.0, 500.0}) {
     expect_refused([&](Input& input) { input.support.inset = {bad}; }, "support inset", "0..215 mm");
   }
-  expect_refused([](Input& input) { input.support.kind = static_cast<SupportKind>(7); }, "support kind is 7", "0 (corner) and 1 (edges)");
+  expect_refused([](Input& input) { input.support.kind = static_cast<SupportKind>(7); }, "support kind is 7", "0 (corner) to 3 (clamped)");
 }
 
 TEST(InfluenceTableInput, SupportsInOnePoint_DoNotHoldThePlate) {

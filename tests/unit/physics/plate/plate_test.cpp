@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "physics/plate/plate.h"
+#include "physics/plate/influence_table.h"
 
 #include <gtest/gtest.h>
 
@@ -142,7 +142,7 @@ TEST(InfluenceTable, CornerSupportedSquare_MeetsTheSeriesSolutions) {
 
 TEST(InfluenceTable, SmallestMesh_ErrsAsASecondOrderSchemeMust) {
   const std::vector<Point> probes{kCentre};
-  const double coarse = table(steel_plate(), corners(0.0), probes, InfluenceTable::kMinDivisions).at_point_mm_per_n(0, kCentre);
+  const double coarse = table(steel_plate(), corners(0.0), probes, Grid::kMinDivisions).at_point_mm_per_n(0, kCentre);
 
   // 0.194 % at 40 divisions (plate-model 4 E) grows with the square of the mesh size.
   expect_within(coarse, table(steel_plate(), corners(0.0), probes).at_point_mm_per_n(0, kCentre), 19.4, "4 divisions");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "physics/plate/plate_energy.h"
+#include "physics/plate/discretisation.h"
 
 #include <gtest/gtest.h>
 
@@ -10,12 +10,11 @@
 
 #include "unit/physics/floor_platform.h"
 
-namespace dts::physics::energy {
+namespace dts::physics {
 namespace {
 
 using test::at;
 using test::corners;
-using test::edges;
 using test::steel_plate;
 
 constexpr int kDivisions = 10;
@@ -25,8 +24,8 @@ using Matrix = std::vector<std::vector<double>>;
 Matrix dense_stiffness(const Plate& plate, const Grid& grid) {
   const auto size = static_cast<std::size_t>(grid.node_count());
   Matrix matrix(size, std::vector<double>(size, 0.0));
-  for (const auto& entry : free_plate_stiffness(plate, grid)) {
-    matrix[static_cast<std::size_t>(entry.row)][static_cast<std::size_t>(entry.column)] += entry.n_per_m;
+  for (const auto& entry : make_fdm(plate, corners(0.0), grid.divisions)->stiffness()) {
+    matrix[static_cast<std::size_t>(entry.row())][static_cast<std::size_t>(entry.col())] += entry.value();
   }
   return matrix;
 }
@@ -124,7 +123,7 @@ void expect_row(const Matrix& stiffness, const Grid& grid, const RowCase& row, d
   for (const double rest : left) EXPECT_NEAR(rest / unit, 0.0, 1e-11) << row.name << ", nu " << nu << ", symmetry " << symmetry;
 }
 
-TEST(PlateEnergy, SquareMesh_HasTheRowsOfTheSheet) {
+TEST(Fdm, SquareMesh_HasTheRowsOfTheSheet) {
   for (const double nu : {0.0, 0.27, 0.45, -0.3}) {
     Plate plate = steel_plate();
     plate.nu = nu;
@@ -139,7 +138,7 @@ TEST(PlateEnergy, SquareMesh_HasTheRowsOfTheSheet) {
   }
 }
 
-TEST(PlateEnergy, OblongMesh_IsSymmetric) {
+TEST(Fdm, OblongMesh_IsSymmetric) {
   Plate plate = steel_plate();
   plate.b = {290.0};
   const Matrix stiffness = dense_stiffness(plate, Grid::over(plate, kDivisions));
@@ -151,7 +150,7 @@ TEST(PlateEnergy, OblongMesh_IsSymmetric) {
   }
 }
 
-TEST(PlateEnergy, RigidMotion_NeedsNoForce) {
+TEST(Fdm, RigidMotion_NeedsNoForce) {
   Plate plate = steel_plate();
   plate.b = {290.0};
   const Grid grid = Grid::over(plate, kDivisions);
@@ -164,7 +163,7 @@ TEST(PlateEnergy, RigidMotion_NeedsNoForce) {
   }
 }
 
-TEST(PlateEnergy, Twist_NeedsFourCornerForces) {
+TEST(Fdm, Twist_NeedsFourCornerForces) {
   Plate plate = steel_plate();
   plate.b = {290.0};
   const Grid grid = Grid::over(plate, kDivisions);
@@ -181,67 +180,19 @@ TEST(PlateEnergy, Twist_NeedsFourCornerForces) {
   }
 }
 
-TEST(PlateEnergy, LoadedPlate_IsInEquilibriumWithItsSupports) {
+TEST(Fdm, Force_KeepsSumAndMoment) {
   const Plate plate = steel_plate();
-  const Grid grid = Grid::over(plate, kDivisions);
-  const Point load = at(250.0, 120.0);
-  const std::vector<Point> loads{load};
-
-  const auto deflections = deflections_under_unit_loads(plate, corners(20.0), grid, loads);
-
-  ASSERT_TRUE(deflections);
-  const auto nodal = forces(dense_stiffness(plate, grid), deflections->front());
-  double force_n = 0.0;
-  double moment_x = 0.0;
-  double moment_y = 0.0;
-  double pushed_back_n = 0.0;
-  for (int j = 0; j <= kDivisions; ++j) {
-    for (int i = 0; i <= kDivisions; ++i) {
-      const double node = nodal[static_cast<std::size_t>(grid.node(i, j))];
-      const bool is_at_support = (i <= 1 || i >= kDivisions - 1) && (j <= 1 || j >= kDivisions - 1);
-      force_n += node;
-      moment_x += node * i;
-      moment_y += node * j;
-      if (is_at_support) pushed_back_n -= node;
-    }
-  }
-  EXPECT_NEAR(pushed_back_n, 1.0, 1e-6);
-  EXPECT_NEAR(force_n, 0.0, 1e-6);
-  EXPECT_NEAR(moment_x, 0.0, 1e-5);
-  EXPECT_NEAR(moment_y, 0.0, 1e-5);
-}
-
-TEST(PlateEnergy, EdgeSupport_HoldsEveryEdgeNode) {
-  const Plate plate = steel_plate();
-  const Grid grid = Grid::over(plate, kDivisions);
-  const std::vector<Point> loads{at(100.0, 60.0)};
-
-  const auto deflections = deflections_under_unit_loads(plate, edges(), grid, loads);
-
-  ASSERT_TRUE(deflections);
-  for (int node = 0; node < grid.node_count(); ++node) {
-    const double deflection = deflections->front()[static_cast<std::size_t>(node)];
-    if (grid.is_on_edge(node)) {
-      EXPECT_EQ(deflection, 0.0);
-    } else {
-      EXPECT_GT(deflection, 0.0);
-    }
-  }
-}
-
-TEST(PlateEnergy, BilinearWeights_KeepForceAndMoment) {
-  const Plate plate = steel_plate();
-  const Grid grid = Grid::over(plate, kDivisions);
+  const auto fdm = make_fdm(plate, corners(0.0), kDivisions);
+  const Grid& grid = fdm->grid();
 
   for (const Point& point : {at(0, 0), at(43, 43), at(100.3, 7.9), at(215, 430), at(430, 430)}) {
-    const auto [nodes, weights] = bilinear_weights(grid, point);
     double sum = 0.0;
     double x_mm = 0.0;
     double y_mm = 0.0;
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-      sum += weights[k];
-      x_mm += weights[k] * 1000.0 * grid.dx_m * (nodes[k] % (kDivisions + 1));
-      y_mm += weights[k] * 1000.0 * grid.dy_m * (nodes[k] / (kDivisions + 1));
+    for (const auto& [node, weight] : fdm->force({.centre = point})) {
+      sum += weight;
+      x_mm += weight * grid.dx_mm() * (node % (kDivisions + 1));
+      y_mm += weight * grid.dy_mm() * (node / (kDivisions + 1));
     }
     EXPECT_NEAR(sum, 1.0, 1e-14);
     EXPECT_NEAR(x_mm, point.x.value, 1e-10);
@@ -249,5 +200,37 @@ TEST(PlateEnergy, BilinearWeights_KeepForceAndMoment) {
   }
 }
 
+TEST(Fdm, Reading_IsExactForCubicsInside) {
+  const auto fdm = make_fdm(steel_plate(), corners(0.0), kDivisions);
+  const Grid& grid = fdm->grid();
+  const auto cubic = [](double x, double y) { return 1.0 + 2.0 * x - 3.0 * y * y * y + 4.0 * x * x * y; };
+  const auto values = field(grid, cubic);
+
+  for (const Point& point : {at(86, 100), at(215, 215), at(301.7, 99.9)}) {
+    double read = 0.0;
+    for (const auto& [node, weight] : fdm->reading(point)) read += weight * values[static_cast<std::size_t>(node)];
+    EXPECT_NEAR(read, cubic(1e-3 * point.x.value, 1e-3 * point.y.value), 1e-12);
+  }
+}
+
+TEST(Fdm, Simpson_SpreadsOneForceOverNineNodes) {
+  // Thesis eq. 3.13: 16/36, 4/36, 1/36.
+  const auto fdm = make_fdm(steel_plate(), corners(0.0), kDivisions);
+  const Grid& grid = fdm->grid();
+  std::map<int, double> shares;
+  for (const auto& [node, weight] : spread_by_simpson(grid, fdm->force({.centre = at(215, 215)}))) shares[node] += weight;
+
+  EXPECT_NEAR(shares[grid.node(5, 5)], 16.0 / 36.0, 1e-15);
+  EXPECT_NEAR(shares[grid.node(4, 5)], 4.0 / 36.0, 1e-15);
+  EXPECT_NEAR(shares[grid.node(6, 6)], 1.0 / 36.0, 1e-15);
+}
+
+TEST(Fdm, SimpsonAtTheEdge_KeepsTheWholeForce) {
+  const auto fdm = make_fdm(steel_plate(), corners(0.0), kDivisions);
+  double sum = 0.0;
+  for (const auto& [node, weight] : spread_by_simpson(fdm->grid(), fdm->force({.centre = at(0, 430)}))) sum += weight;
+  EXPECT_NEAR(sum, 1.0, 1e-15);
+}
+
 }  // namespace
-}  // namespace dts::physics::energy
+}  // namespace dts::physics

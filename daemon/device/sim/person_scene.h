@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/result.h"
+#include "device/sim/cop_recording.h"
+#include "device/sim/floor_options.h"
+#include "device/sim/loaded_plate.h"
+#include "device/sim/scene.h"
+#include "device/sim/sensor_bank.h"
+#include "physics/standing_person.h"
+#include "physics/sway.h"
+
+namespace dts::device::sim {
+
+/// A person or one weight on the floor platform, down to the sensors' voltages:
+///
+///     sway or recording -> person -> patch forces -> plate deflection -> gap -> sensor curve -> gain -> volts
+class PersonScene final : public Scene {
+ public:
+  /// From both feet on the plate to the first row of a recording.
+  static constexpr double kSettleS = 0.5;
+
+  /// `rig` must outlive the scene. Fails when the stance does not fit on the plate, the recording cannot be played or the plate
+  /// cannot be solved.
+  [[nodiscard]] static core::Result<std::unique_ptr<Scene>> create(const FloorOptions& options, const physics::RigModel& rig);
+
+  [[nodiscard]] core::Status load() override;
+  void restart() override;
+  void evaluate(double time_s, std::span<double> values) noexcept override;
+
+ private:
+  PersonScene(const FloorOptions& options, const physics::RigModel& rig, const physics::StandingPerson& person, LoadedPlate plate)
+      : options_(options), rig_(rig), person_(person), plate_(std::move(plate)), sensors_(options, rig) {}
+
+  [[nodiscard]] physics::CopPosition wanted_cop(double time_s) noexcept;
+
+  FloorOptions options_;
+  const physics::RigModel& rig_;
+  physics::StandingPerson person_;
+  LoadedPlate plate_;
+  SensorBank sensors_;
+  std::optional<CopRecording> recording_;
+  std::optional<physics::Sway> sway_;
+};
+
+}  // namespace dts::device::sim

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "core/result.h"
+
+namespace dts::files {
+
+/// Writes `path` whole or not at all, also when the power fails: a temporary file beside it, synchronised, renamed over it, the folder
+/// synchronised. Fails with Failed or NotAllowed, naming the file and why; then the old file is untouched.
+[[nodiscard]] core::Status write_whole_file(const std::string& path, std::string_view text);
+
+}  // namespace dts::files

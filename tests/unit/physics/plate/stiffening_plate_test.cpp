@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "physics/plate/stiffening_plate.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+
+#include "physics/plate/influence_table.h"
+#include "physics/plate/solve.h"
+#include "unit/physics/floor_platform.h"
+
+namespace dts::physics {
+namespace {
+
+using test::at;
+using test::corners;
+using test::floor_sensors;
+using test::steel_plate;
+
+/// Feet, as the simulated person has them.
+const std::vector<Patch> kFeet = {{.centre = at(115, 215), .width = {80.0}, .height = {240.0}},
+                                  {.centre = at(315, 215), .width = {80.0}, .height = {240.0}}};
+
+std::vector<double> full_solution_mm(const Plate& plate, const Support& support, const std::vector<PlateLoad>& loads) {
+  const auto solution = solve({plate, support, loads, floor_sensors()}, PlateMethod::Fdm, {.divisions = 40, .is_nonlinear = true});
+  EXPECT_TRUE(solution);
+  std::vector<double> deflections_mm;
+  for (const auto& probe : solution->probes) deflections_mm.push_back(probe.deflection_mm);
+  return deflections_mm;
+}
+
+TEST(StiffeningPlate, PointLoads_AreWithinSevenThousandthsOfTheFullSolution) {
+  const auto plate = StiffeningPlate::create(steel_plate(), corners(10.75), floor_sensors());
+  ASSERT_TRUE(plate);
+  double largest = 0.0;
+  for (const double force_n : {120.0, 420.0, 720.0}) {
+    for (const Point& load : {at(215, 215), at(150.5, 182.75), at(86, 86), at(330, 120), at(95, 300)}) {
+      const auto expected = full_solution_mm(steel_plate(), corners(10.75), {{.area = {.centre = load}, .force = {force_n}}});
+      const auto found = plate->deflections_mm({.centre = load}, {force_n});
+      for (std::size_t k = 0; k < found.size(); ++k) largest = std::max(largest, std::abs(found[k] / expected[k] - 1.0));
+    }
+  }
+  EXPECT_LT(largest, 0.007);
+  EXPECT_GT(largest, 0.0);  // it is a reduction, not the solution itself
+}
+
+TEST(StiffeningPlate, TwoFeet_AreWithinThreeThousandthsOfTheFullSolution) {
+  const auto plate = StiffeningPlate::create(steel_plate(), corners(10.75), floor_sensors());
+  ASSERT_TRUE(plate);
+  const std::array footprints{plate->footprint(kFeet[0]), plate->footprint(kFeet[1])};
+  const std::array force_n{500.0, 300.0};
+  auto state = plate->flat();
+  std::vector<double> found(4);
+  plate->deflect(footprints, force_n, state, found);
+
+  const auto expected = full_solution_mm(steel_plate(), corners(10.75), {{kFeet[0], {force_n[0]}}, {kFeet[1], {force_n[1]}}});
+
+  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k] / expected[k], 1.0, 0.003);
+}
+
+TEST(StiffeningPlate, SmallLoad_IsTheLinearPlate) {
+  const auto plate = StiffeningPlate::create(steel_plate(), corners(10.75), floor_sensors());
+  const auto table = InfluenceTable::create(steel_plate(), corners(10.75), floor_sensors());
+  ASSERT_TRUE(plate && table);
+  const auto found = plate->deflections_mm({.centre = at(130, 260)}, {0.1});
+  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k] / (0.1 * table->at_point_mm_per_n(k, at(130, 260))), 1.0, 1e-6);
+}
+
+TEST(StiffeningPlate, EdgeSupported_StiffensToo) {
+  Plate thin = steel_plate();
+  thin.h = {1.0};
+  const Support support = test::edges();
+  const auto plate = StiffeningPlate::create(thin, support, floor_sensors());
+  ASSERT_TRUE(plate);
+  const auto found = plate->deflections_mm(kFeet[0], {60.0});
+  const auto expected = full_solution_mm(thin, support, {{kFeet[0], {60.0}}});
+  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k] / expected[k], 1.0, 0.01) << k;
+}
+
+TEST(StiffeningPlate, History_DoesNotMatter) {
+  // The start only decides how many rounds it takes.
+  const auto plate = StiffeningPlate::create(steel_plate(), corners(10.75), floor_sensors());
+  ASSERT_TRUE(plate);
+  const std::array footprints{plate->footprint({.centre = at(215, 215)})};
+  auto state = plate->flat();
+  std::vector<double> found(4);
+  for (const double force_n : {2000.0, -300.0, 0.0, 490.0}) plate->deflect(footprints, std::array{force_n}, state, found);
+  const auto fresh = plate->deflections_mm({.centre = at(215, 215)}, {490.0});
+  for (std::size_t k = 0; k < found.size(); ++k) EXPECT_NEAR(found[k], fresh[k], 1e-7);
+}
+
+TEST(StiffeningPlate, HeavyLoadPutDownAtOnce_IsThatPutDownGradually) {
+  // Newton's method in one stride from the flat plate found another equilibrium for one load in seventy.
+  const auto plate = StiffeningPlate::create(steel_plate(), corners(10.75), floor_sensors());
+  ASSERT_TRUE(plate);
+  for (double x_mm = 70.0; x_mm <= 360.0; x_mm += 22.3) {
+    for (double y_mm = 70.0; y_mm <= 360.0; y_mm += 27.7) {
+      const std::array footprints{plate->footprint({.centre = at(x_mm, y_mm)})};
+      auto state = plate->flat();
+      std::vector<double> gradual(4);
+      for (double force_n = 50.0; force_n <= 1300.0; force_n += 50.0) plate->deflect(footprints, std::array{force_n}, state, gradual);
+      const auto at_once = plate->deflections_mm({.centre = at(x_mm, y_mm)}, {1300.0});
+      for (std::size_t k = 0; k < gradual.size(); ++k) EXPECT_NEAR(at_once[k], gradual[k], 1e-6) << x_mm << ", " << y_mm;
+    }
+  }
+}
+
+TEST(StiffeningPlate, ImpossibleLoad_StaysFinite) {
+  const auto plate = StiffeningPlate::create(steel_plate(), corners(10.75), floor_sensors());
+  ASSERT_TRUE(plate);
+  for (const double deflection_mm : plate->deflections_mm({.centre = at(215, 215)}, {1e6})) EXPECT_TRUE(std::isfinite(deflection_mm));
+}
+
+TEST(StiffeningPlate, BadInput_IsRefusedAsByTheTable) {
+  EXPECT_FALSE(StiffeningPlate::create(steel_plate(), corners(10.75), {}));
+  EXPECT_FALSE(StiffeningPlate::create(steel_plate(), corners(214.9999), floor_sensors()));
+  EXPECT_FALSE(StiffeningPlate::create(steel_plate(), corners(10.75), floor_sensors(), 2));
+}
+
+}  // namespace
+}  // namespace dts::physics

@@ -9,6 +9,7 @@ DTS_PACKAGES=(
   libtomlplusplus-dev libsystemd-dev libeigen3-dev libcli11-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev librapidcheck-dev relacy-dev # tests
   libboost-dev libreaderwriterqueue-dev                # peers in the ring benchmark
+  gnuplot-nox                                          # dtslab --plot
   python3
 )
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "ctl/calibrate/arguments.h"
+
 namespace dts::ctl {
 
 /// Everything that the command line can say, checked for syntax and range.
@@ -27,7 +29,7 @@ struct Arguments {
   std::optional<std::uint64_t> count;
   bool is_jsonl = false;
   bool is_latest = false;
-  std::string shell;
+  CalibrateArguments calibrate;
 };
 
 }  // namespace dts::ctl

@@ -3,10 +3,10 @@
 
 #include <chrono>
 
-#include "ctl/exit_status.h"
+#include "cli/exit_status.h"
+#include "cli/suggestion.h"
 #include "ctl/json.h"
 #include "ctl/status_view.h"
-#include "ctl/suggestion.h"
 
 namespace dts::ctl {
 namespace {
@@ -16,19 +16,21 @@ using client::Result;
 
 /// Connects, asks, and prints the answer as JSON or through `view`.
 template <class Ask, class View>
-int ask_and_print(const CommandTree& tree, Console& console, Ask&& ask, View&& view) {
-  auto dts = connect(tree.arguments);
-  if (!dts) return fail_with(console, dts.error());
+int ask_and_print(const Arguments& arguments, cli::Console& console, Ask&& ask, View&& view) {
+  auto dts = connect(arguments);
+  if (!dts) return cli::fail_with(console, dts.error());
   const auto answer = ask(*dts);
-  if (!answer) return fail_with(console, answer.error());
-  if (tree.arguments.is_json) {
-    console.out << document(to_json(*answer));
+  if (!answer) return cli::fail_with(console, answer.error());
+  if (arguments.is_json) {
+    console.out << cli::document(to_json(*answer));
   } else {
     view(*answer);
   }
   console.out.flush();
-  return kOk;
+  return cli::kOk;
 }
+
+}  // namespace
 
 Result<v1::RigStatus> find_rig(const v1::StatusSnapshot& status, const std::string& name) {
   std::vector<std::string> known;
@@ -38,12 +40,10 @@ Result<v1::RigStatus> find_rig(const v1::StatusSnapshot& status, const std::stri
   }
   std::string list;
   for (const std::string& rig : known) list += (list.empty() ? "" : ", ") + rig;
-  const std::string meant = nearest(name, known);
+  const std::string meant = cli::nearest(name, known);
   const std::string hint = meant.empty() ? "there are: " + list : "did you mean " + meant + "?";
   return client::fail(client::ErrorCode::NotFound, "no rig '" + name + "'", known.empty() ? "no rig is configured" : hint);
 }
-
-}  // namespace
 
 Result<client::Endpoints> endpoints(const Arguments& arguments) {
   return client::find_endpoints({.control = arguments.endpoint, .data = arguments.data});
@@ -60,47 +60,41 @@ Result<ControlClient> connect(const Arguments& arguments) {
   return ControlClient::open(options);
 }
 
-int fail_with(Console& console, const client::Error& error) {
-  print_error(console, error);
-  return exit_status(error.code);
-}
-
-int run_status(const CommandTree& tree, Console& console) {
+int run_status(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
-      tree, console, [](ControlClient& dts) { return dts.status(); },
+      arguments, console, [](ControlClient& dts) { return dts.status(); },
       [&](const v1::StatusSnapshot& status) { print_status(console, status); });
 }
 
-int run_rig_list(const CommandTree& tree, Console& console) {
+int run_rig_list(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
-      tree, console, [](ControlClient& dts) { return dts.list_rigs(); },
+      arguments, console, [](ControlClient& dts) { return dts.list_rigs(); },
       [&](const v1::ListRigsResponse& rigs) {
         print_rigs(console, rigs);
-        if (rigs.rigs_size() > 0) print_hint(console, "details: dtsctl rig show " + rigs.rigs(0).name());
+        if (rigs.rigs_size() > 0) cli::print_hint(console, "details: dtsctl rig show " + rigs.rigs(0).name());
       });
 }
 
-int run_rig_show(const CommandTree& tree, Console& console) {
+int run_rig_show(const Arguments& arguments, cli::Console& console) {
   const auto ask = [&](ControlClient& dts) {
-    return dts.status().and_then([&](const v1::StatusSnapshot& status) { return find_rig(status, tree.arguments.rig); });
+    return dts.status().and_then([&](const v1::StatusSnapshot& status) { return find_rig(status, arguments.rig); });
   };
-  return ask_and_print(tree, console, ask, [&](const v1::RigStatus& rig) { print_rig(console, rig); });
+  return ask_and_print(arguments, console, ask, [&](const v1::RigStatus& rig) { print_rig(console, rig); });
 }
 
-int run_device_list(const CommandTree& tree, Console& console) {
+int run_device_list(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
-      tree, console, [](ControlClient& dts) { return dts.devices(); },
+      arguments, console, [](ControlClient& dts) { return dts.devices(); },
       [&](const v1::GetDevicesResponse& devices) { print_devices(console, devices); });
 }
 
-int run_device_test(const CommandTree& tree, Console& console) {
+int run_device_test(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
-      tree, console, [&](ControlClient& dts) { return dts.test_device(tree.arguments.rig); },
+      arguments, console, [&](ControlClient& dts) { return dts.test_device(arguments.rig); },
       [&](const v1::TestDeviceResponse& test) { print_device_test(console, test); });
 }
 
-int run_session_start(const CommandTree& tree, Console& console) {
-  const Arguments& arguments = tree.arguments;
+int run_session_start(const Arguments& arguments, cli::Console& console) {
   v1::StartSessionRequest request;
   request.set_rig(arguments.rig);
   request.set_protocol(arguments.protocol);
@@ -109,33 +103,33 @@ int run_session_start(const CommandTree& tree, Console& console) {
   request.set_duration_s(arguments.duration_s);
   request.set_settle_s(arguments.settle_s);
   return ask_and_print(
-      tree, console, [&](ControlClient& dts) { return dts.start_session(request); },
+      arguments, console, [&](ControlClient& dts) { return dts.start_session(request); },
       [&](const v1::SessionInfo& session) {
-        console.out << printable(session.session_id()) << '\n';
-        print_hint(console, "stop it: dtsctl session stop --rig " + session.rig() + "   see it: dtsctl watch " + session.rig() + "/");
+        console.out << cli::printable(session.session_id()) << '\n';
+        cli::print_hint(console, "stop it: dtsctl session stop --rig " + session.rig() + "   see it: dtsctl watch " + session.rig() + "/");
       });
 }
 
-int run_session_stop(const CommandTree& tree, Console& console) {
+int run_session_stop(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
-      tree, console, [&](ControlClient& dts) { return dts.stop_session(tree.arguments.rig); },
+      arguments, console, [&](ControlClient& dts) { return dts.stop_session(arguments.rig); },
       [&](const v1::SessionInfo& session) { console.out << session_line(session) << '\n'; });
 }
 
-int run_mark(const CommandTree& tree, Console& console) {
+int run_mark(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
-      tree, console, [&](ControlClient& dts) { return dts.mark(tree.arguments.text, tree.arguments.rig); },
+      arguments, console, [&](ControlClient& dts) { return dts.mark(arguments.text, arguments.rig); },
       [&](const v1::MarkResponse& mark) {
         for (const v1::MarkResponse::At& at : mark.marks()) {
-          console.out << printable(at.rig()) << ": segment " << at.segment() << ", scan " << at.scan() << '\n';
+          console.out << cli::printable(at.rig()) << ": segment " << at.segment() << ", scan " << at.scan() << '\n';
         }
       });
 }
 
-int run_tare(const CommandTree& tree, Console& console) {
+int run_tare(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
-      tree, console, [&](ControlClient& dts) { return dts.tare(tree.arguments.rig); },
-      [&](const v1::TareResponse& tare) { console.out << tare_line(tree.arguments.rig, tare) << '\n'; });
+      arguments, console, [&](ControlClient& dts) { return dts.tare(arguments.rig); },
+      [&](const v1::TareResponse& tare) { console.out << tare_line(arguments.rig, tare) << '\n'; });
 }
 
 }  // namespace dts::ctl

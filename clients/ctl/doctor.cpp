@@ -6,10 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "cli/exit_status.h"
+#include "cli/table.h"
 #include "ctl/commands.h"
-#include "ctl/exit_status.h"
 #include "ctl/json.h"
-#include "ctl/table.h"
 #include "dts/subscriber.h"
 
 namespace dts::ctl {
@@ -34,7 +34,7 @@ Check check_rate(const v1::RigStatus& rig) {
   const double nominal = rig.nominal_rate_hz();
   const double measured = rig.measured_rate_hz();
   if (!(measured > 0.0)) return bad(name, "not known yet", "wait some seconds, then ask again");
-  const std::string finding = decimal(measured, 2) + " of " + decimal(nominal, 2) + " Hz";
+  const std::string finding = cli::decimal(measured, 2) + " of " + cli::decimal(nominal, 2) + " Hz";
   if (std::abs(measured - nominal) <= kRateTolerance * nominal) return good(name, finding);
   return bad(name, finding, "is the machine overloaded? see dtsctl status for losses; is the device set to another rate?");
 }
@@ -72,25 +72,26 @@ Check check_clock(const SystemFacts& facts) {
   return bad(name, finding, "echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; look for 'tsc' in dmesg");
 }
 
-int report(const std::vector<Check>& checks, bool is_json, Console& console) {
+int report(const std::vector<Check>& checks, bool is_json, cli::Console& console) {
   const bool is_well = std::ranges::all_of(checks, &Check::is_good);
   if (is_json) {
-    Json list = Json::array();
+    cli::Json list = cli::Json::array();
     for (const Check& check : checks) {
-      Json one{{"name", check.name}, {"ok", check.is_good}, {"finding", check.finding}};
+      cli::Json one{{"name", check.name}, {"ok", check.is_good}, {"finding", check.finding}};
       if (!check.fix.empty()) one["fix"] = check.fix;
       list.push_back(std::move(one));
     }
-    console.out << document({{"ok", is_well}, {"checks", std::move(list)}});
+    console.out << cli::document({{"ok", is_well}, {"checks", std::move(list)}});
   } else {
     for (const Check& check : checks) {
-      const std::string verdict = check.is_good ? styled(console, Style::Good, "ok   ") : styled(console, Style::Bad, "wrong");
-      console.out << verdict << "  " << printable(check.name + ": " + check.finding + (check.fix.empty() ? "" : "; try: " + check.fix))
+      const std::string verdict =
+          check.is_good ? cli::styled(console, cli::Style::Good, "ok   ") : cli::styled(console, cli::Style::Bad, "wrong");
+      console.out << verdict << "  " << cli::printable(check.name + ": " + check.finding + (check.fix.empty() ? "" : "; try: " + check.fix))
                   << '\n';
     }
   }
   console.out.flush();
-  return is_well ? kOk : kFailed;
+  return is_well ? cli::kOk : cli::kFailed;
 }
 
 /// The daemon's status; what it took to get it goes to `checks`.
@@ -101,7 +102,7 @@ std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::ve
     checks.push_back(bad("daemon", status.error()));
     return std::nullopt;
   }
-  checks.push_back(good("daemon", "dtsd " + status->version() + " answers, up " + duration(status->uptime_s())));
+  checks.push_back(good("daemon", "dtsd " + status->version() + " answers, up " + cli::duration(status->uptime_s())));
   checks.push_back(check_version(status->version()));
   for (const v1::RigStatus& rig : status->rigs()) std::ranges::move(check_rig(rig), std::back_inserter(checks));
   if (status->rigs_size() == 0) checks.push_back(bad("rigs", "none is configured", "add a [[rig]] to the daemon's configuration"));
@@ -147,18 +148,18 @@ std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1
   return checks;
 }
 
-int run_doctor(const CommandTree& tree, Console& console) {
+int run_doctor(const Arguments& arguments, cli::Console& console) {
   std::vector<Check> checks;
   std::optional<v1::StatusSnapshot> status;
-  if (const auto where = endpoints(tree.arguments); where) {
+  if (const auto where = endpoints(arguments); where) {
     checks.push_back(good("address", where->control + " (from " + where->origin + ")"));
-    status = ask_daemon(tree.arguments, checks);
+    status = ask_daemon(arguments, checks);
     if (status) checks.push_back(check_data(where->data));
   } else {
     checks.push_back(bad("address", where.error()));
   }
   std::ranges::move(check_system(gather_system_facts(), status), std::back_inserter(checks));
-  return report(checks, tree.arguments.is_json, console);
+  return report(checks, arguments.is_json, console);
 }
 
 }  // namespace dts::ctl

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "ctl/command_tree.h"
-#include "ctl/console.h"
+#include "cli/console.h"
+#include "ctl/arguments.h"
 #include "ctl/system_facts.h"
 #include "dts/endpoints.h"
 #include "dts/v1/control.pb.h"
@@ -29,6 +29,6 @@ struct Check {
 [[nodiscard]] std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status);
 
 /// Runs all checks; exit status 0 when everything is well, 1 otherwise.
-[[nodiscard]] int run_doctor(const CommandTree& tree, Console& console);
+[[nodiscard]] int run_doctor(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

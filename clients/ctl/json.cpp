@@ -18,24 +18,24 @@ constexpr std::array<std::string_view, 6> kZeroMeansUnknown{
     "dts.v1.SessionInfo.duration_s",     "dts.v1.RigStatus.measured_rate_hz", "dts.v1.RigStatus.pipeline_us_per_scan",
     "dts.v1.DeviceInfo.minimum_rate_hz", "dts.v1.DeviceInfo.maximum_rate_hz", "dts.v1.TestDeviceResponse.measured_rate_hz"};
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+cli::Json number(double value) { return std::isfinite(value) ? cli::Json(value) : cli::Json(nullptr); }
 
 /// The value of a scalar field; null for what is undefined.
-Json scalar(const Message& message, const FieldDescriptor& field) {
+cli::Json scalar(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_STRING: {
       const std::string text = reflection.GetString(message, &field);
-      return text.empty() ? Json(nullptr) : Json(text);
+      return text.empty() ? cli::Json(nullptr) : cli::Json(text);
     }
     case FieldDescriptor::CPPTYPE_ENUM: {
       const int value = reflection.GetEnumValue(message, &field);
-      return value == 0 ? Json(nullptr) : Json(enumerator_word(*field.enum_type(), value));
+      return value == 0 ? cli::Json(nullptr) : cli::Json(enumerator_word(*field.enum_type(), value));
     }
     case FieldDescriptor::CPPTYPE_DOUBLE: {
       const double value = reflection.GetDouble(message, &field);
       const bool is_unknown = value == 0.0 && std::ranges::find(kZeroMeansUnknown, field.full_name()) != kZeroMeansUnknown.end();
-      return is_unknown ? Json(nullptr) : number(value);
+      return is_unknown ? cli::Json(nullptr) : number(value);
     }
     case FieldDescriptor::CPPTYPE_BOOL: return reflection.GetBool(message, &field);
     case FieldDescriptor::CPPTYPE_INT32: return reflection.GetInt32(message, &field);
@@ -46,7 +46,7 @@ Json scalar(const Message& message, const FieldDescriptor& field) {
   }
 }
 
-Json element(const Message& message, const FieldDescriptor& field, int index) {
+cli::Json element(const Message& message, const FieldDescriptor& field, int index) {
   const Reflection& reflection = *message.GetReflection();
   switch (field.cpp_type()) {
     case FieldDescriptor::CPPTYPE_MESSAGE: return to_json(reflection.GetRepeatedMessage(message, &field, index));
@@ -56,19 +56,19 @@ Json element(const Message& message, const FieldDescriptor& field, int index) {
   }
 }
 
-Json value_of(const Message& message, const FieldDescriptor& field) {
+cli::Json value_of(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   if (field.is_repeated()) {
-    Json list = Json::array();
+    cli::Json list = cli::Json::array();
     for (int index = 0; index < reflection.FieldSize(message, &field); ++index) list.push_back(element(message, field, index));
     return list;
   }
   if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return scalar(message, field);
-  return reflection.HasField(message, &field) ? to_json(reflection.GetMessage(message, &field)) : Json(nullptr);
+  return reflection.HasField(message, &field) ? to_json(reflection.GetMessage(message, &field)) : cli::Json(nullptr);
 }
 
 /// What a field means only together with another.
-void remove_meaningless(const Message& message, Json& json) {
+void remove_meaningless(const Message& message, cli::Json& json) {
   if (const auto* channel = dynamic_cast<const v1::TestDeviceResponse::ChannelTest*>(&message)) {
     if (!channel->is_sensor()) json.erase("gap_mm");
     json["quality"] = quality_words(static_cast<std::uint8_t>(channel->quality()));
@@ -82,20 +82,20 @@ void remove_meaningless(const Message& message, Json& json) {
 
 }  // namespace
 
-Json to_json(const Message& message) {
-  Json json = Json::object();
+cli::Json to_json(const Message& message) {
+  cli::Json json = cli::Json::object();
   const google::protobuf::Descriptor& type = *message.GetDescriptor();
   for (int index = 0; index < type.field_count(); ++index) {
     const FieldDescriptor& field = *type.field(index);
-    Json value = value_of(message, field);
+    cli::Json value = value_of(message, field);
     if (!value.is_null()) json[field.name()] = std::move(value);
   }
   remove_meaningless(message, json);
   return json;
 }
 
-Json event_json(std::string_view kind, const v1::Event& event) {
-  Json json{{"kind", kind}};
+cli::Json event_json(std::string_view kind, const v1::Event& event) {
+  cli::Json json{{"kind", kind}};
   const FieldDescriptor* body = event.GetReflection()->GetOneofFieldDescriptor(event, event.GetDescriptor()->FindOneofByName("body"));
   if (body != nullptr) json.update(to_json(event.GetReflection()->GetMessage(event, body)));
   return json;
@@ -121,9 +121,5 @@ std::vector<std::string> quality_words(std::uint8_t bits) {
   }
   return words;
 }
-
-std::string one_line(const Json& json) { return json.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-std::string document(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 }  // namespace dts::ctl

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <ostream>
 
+#include "cli/table.h"
 #include "ctl/json.h"
-#include "ctl/table.h"
 
 namespace dts::ctl {
 namespace {
@@ -33,12 +33,12 @@ void append_value(std::string& line, float value) {
 }
 
 void append_quality(std::string& line, const client::Block& block) {
-  Json doubts = Json::object();
+  cli::Json doubts = cli::Json::object();
   for (std::size_t channel = 0; channel < block.channel_count(); ++channel) {
     const std::uint8_t bits = block.quality[channel];
     if (bits != 0) doubts[block.format->channels[channel].name] = quality_words(bits);
   }
-  if (!doubts.empty()) line += ",\"quality\":" + one_line(doubts);
+  if (!doubts.empty()) line += ",\"quality\":" + cli::one_line(doubts);
 }
 
 void append_values(std::string& line, const client::Block& block, std::size_t scans) {
@@ -66,7 +66,7 @@ void JsonLines::show(const client::Block& block, std::size_t scans, Time /*now*/
   append_field(line_, "sequence", block.sequence);
   append_field(line_, "lost_scans", block.lost_scans);
   if (!block.is_lost_exact) line_ += ",\"lost_scans_at_least\":true";
-  if (block.age_ns) line_ += ",\"age_ms\":" + decimal(static_cast<double>(*block.age_ns) * 1e-6, 3);
+  if (block.age_ns) line_ += ",\"age_ms\":" + cli::decimal(static_cast<double>(*block.age_ns) * 1e-6, 3);
   append_quality(line_, block);
   line_ += fixed.channels;
   append_values(line_, block, scans);
@@ -75,23 +75,23 @@ void JsonLines::show(const client::Block& block, std::size_t scans, Time /*now*/
 }
 
 void JsonLines::show(const client::Event& event) {
-  Json json{{"topic", event.topic},
-            {"rig", event.rig},
-            {"event", event_json(event.kind, *event.body)},
-            {"segment", event.body->segment()},
-            {"first_scan", event.body->scan()}};
+  cli::Json json{{"topic", event.topic},
+                 {"rig", event.rig},
+                 {"event", event_json(event.kind, *event.body)},
+                 {"segment", event.body->segment()},
+                 {"first_scan", event.body->scan()}};
   // Before the first scan there is no instant to speak of.
   if (event.body->host_time_ns() != 0) json["host_time_ns"] = event.body->host_time_ns();
-  line_ = one_line(json);
+  line_ = cli::one_line(json);
   write();
 }
 
 void JsonLines::show(const client::Status& status) {
-  Json snapshot{{"kind", "status"}};
+  cli::Json snapshot{{"kind", "status"}};
   snapshot.update(to_json(*status.snapshot));
-  const Json json{
+  const cli::Json json{
       {"topic", "dtsd/status"}, {"rig", "dtsd"}, {"event", std::move(snapshot)}, {"host_time_ns", status.snapshot->host_time_ns()}};
-  line_ = one_line(json);
+  line_ = cli::one_line(json);
   write();
 }
 
@@ -99,15 +99,15 @@ const JsonLines::Fixed& JsonLines::fixed_of(const client::Block& block) {
   const auto known = fixed_.find(block.topic);
   if (known != fixed_.end()) return known->second;
   Fixed fixed;
-  fixed.head = one_line(Json{{"topic", block.topic}, {"rig", block.rig}, {"stream", block.stream}});
+  fixed.head = cli::one_line(cli::Json{{"topic", block.topic}, {"rig", block.rig}, {"stream", block.stream}});
   fixed.head.pop_back();  // the object goes on
-  Json names = Json::array();
-  Json units = Json::array();
+  cli::Json names = cli::Json::array();
+  cli::Json units = cli::Json::array();
   for (const client::ChannelFormat& channel : block.format->channels) {
     names.push_back(channel.name);
     units.push_back(channel.unit);
   }
-  fixed.channels = ",\"channels\":" + one_line(names) + ",\"units\":" + one_line(units);
+  fixed.channels = ",\"channels\":" + cli::one_line(names) + ",\"units\":" + cli::one_line(units);
   return fixed_[std::string(block.topic)] = std::move(fixed);
 }
 

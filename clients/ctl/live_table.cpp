@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
+#include "cli/table.h"
 #include "ctl/reading.h"
-#include "ctl/table.h"
 #include "ctl/text_lines.h"
 
 namespace dts::ctl {
@@ -16,7 +16,7 @@ constexpr std::chrono::seconds kFrozen{2};
 constexpr std::size_t kHeadAndFoot = 3;  ///< Headline, "and n more", the cursor's line.
 
 std::string padded(const std::string& text, std::size_t columns, bool is_right) {
-  const std::string padding(columns > width(text) ? columns - width(text) : 0, ' ');
+  const std::string padding(columns > cli::width(text) ? columns - cli::width(text) : 0, ' ');
   return is_right ? padding + text : text + padding;
 }
 
@@ -59,7 +59,7 @@ void LiveTable::show(const client::Status& status) { put(status_line(*status.sna
 
 void LiveTable::put(const std::string& line) {
   erase();
-  console_.out << styled(console_, Style::Bold, printable(line)) << '\n';
+  console_.out << cli::styled(console_, cli::Style::Bold, cli::printable(line)) << '\n';
   console_.out.flush();
 }
 
@@ -79,22 +79,23 @@ void LiveTable::draw(Time now) {
   drawn_ = now;
   if (rows_.empty()) return;
   std::size_t topic_columns = 5;
-  for (const auto& [topic, row] : rows_) topic_columns = std::max(topic_columns, width(topic));
+  for (const auto& [topic, row] : rows_) topic_columns = std::max(topic_columns, cli::width(topic));
   const auto line = [&](const std::string& topic, const std::string& rate, const std::string& age, const std::string& lost) {
     return padded(topic, topic_columns, false) + "  " + padded(rate, 9, true) + "  " + padded(age, 9, true) + "  " + padded(lost, 6, true) +
            "  ";
   };
-  console_.out << styled(console_, Style::Faint, cut(line("TOPIC", "RATE (Hz)", "AGE", "LOST") + "VALUES", console_.columns)) << '\n';
+  console_.out << cli::styled(console_, cli::Style::Faint, cut(line("TOPIC", "RATE (Hz)", "AGE", "LOST") + "VALUES", console_.columns))
+               << '\n';
   // The cursor cannot go back above the screen.
   const std::size_t shown = std::min(rows_.size(), std::max<std::size_t>(console_.lines, kHeadAndFoot + 1) - kHeadAndFoot);
   std::size_t left = shown;
   for (const auto& [topic, row] : rows_) {
     if (left-- == 0) break;
     const bool is_frozen = now - row.seen > kFrozen;
-    const std::string rate = is_frozen ? "-" : decimal(row.rate_hz, 1);
+    const std::string rate = is_frozen ? "-" : cli::decimal(row.rate_hz, 1);
     const std::string text =
-        line(printable(topic), rate, age_text(row, now), std::to_string(row.lost_scans)) + reading(*row.format, row.scan, row.quality);
-    console_.out << styled(console_, is_frozen ? Style::Faint : Style::Plain, cut(text, console_.columns)) << '\n';
+        line(cli::printable(topic), rate, age_text(row, now), std::to_string(row.lost_scans)) + reading(*row.format, row.scan, row.quality);
+    console_.out << cli::styled(console_, is_frozen ? cli::Style::Faint : cli::Style::Plain, cut(text, console_.columns)) << '\n';
   }
   if (shown < rows_.size()) console_.out << "and " << rows_.size() - shown << " more: choose with a topic prefix\n";
   lines_drawn_ = 1 + shown + (shown < rows_.size() ? 1 : 0);
@@ -103,8 +104,8 @@ void LiveTable::draw(Time now) {
 /// Of what is looked at now, not of what it was on arrival: a frozen picture must not look alive.
 std::string LiveTable::age_text(const Row& row, Time now) {
   const std::chrono::duration<double, std::milli> waited = now - row.seen;
-  if (waited > kFrozen) return decimal(waited.count() / 1000.0, 0) + " s ago";
-  return row.age_ns ? decimal(static_cast<double>(*row.age_ns) * 1e-6 + waited.count(), 1) + " ms" : "-";
+  if (waited > kFrozen) return cli::decimal(waited.count() / 1000.0, 0) + " s ago";
+  return row.age_ns ? cli::decimal(static_cast<double>(*row.age_ns) * 1e-6 + waited.count(), 1) + " ms" : "-";
 }
 
 }  // namespace dts::ctl

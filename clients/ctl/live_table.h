@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "ctl/console.h"
+#include "cli/console.h"
 #include "ctl/watch_sink.h"
 
 namespace dts::ctl {
@@ -20,7 +20,7 @@ namespace dts::ctl {
 ///     floor/cop      100.1  1.2 ms     0  ml 1.2300 mm  ap -4.5600 mm  load 701.20 N
 class LiveTable final : public WatchSink {
  public:
-  explicit LiveTable(Console& console) : console_(console) {}
+  explicit LiveTable(cli::Console& console) : console_(console) {}
 
   void show(const client::Block& block, std::size_t scans, Time now) override;
   void show(const client::Event& event) override;
@@ -47,7 +47,7 @@ class LiveTable final : public WatchSink {
   void draw(Time now);
   void put(const std::string& line);
 
-  Console& console_;
+  cli::Console& console_;
   std::map<std::string, Row, std::less<>> rows_;
   std::size_t lines_drawn_ = 0;
   Time drawn_{};

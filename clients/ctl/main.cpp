@@ -1,70 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <google/protobuf/stubs/logging.h>
-#include <poll.h>
-#include <sys/ioctl.h>
-#include <unistd.h>
 
-#include <cerrno>
-#include <csignal>
-#include <cstdlib>
-#include <exception>
-#include <iostream>
-#include <string_view>
-
-#include "ctl/exit_status.h"
+#include "cli/program.h"
 #include "ctl/run.h"
 
-namespace {
-
-/// Every line is flushed when it is complete, so there is nothing to save.
-extern "C" void on_interrupt(int /*signal*/) { ::_exit(dts::ctl::kInterrupted); }
-
-bool is_set(const char* variable) {
-  const char* value = std::getenv(variable);
-  return value != nullptr && *value != '\0';
-}
-
-bool has_reader_left() {
-  pollfd item{.fd = STDOUT_FILENO, .events = 0, .revents = 0};
-  return ::poll(&item, 1, 0) > 0 && (item.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0;
-}
-
-dts::ctl::Console make_console() {
-  dts::ctl::Console console{.out = std::cout, .talk = std::cerr, .is_out_closed = has_reader_left};
-  console.is_out_terminal = ::isatty(STDOUT_FILENO) == 1;
-  console.is_talk_terminal = ::isatty(STDERR_FILENO) == 1;
-  const char* terminal = std::getenv("TERM");
-  const bool is_capable = console.is_out_terminal && terminal != nullptr && std::string_view(terminal) != "dumb";
-  console.can_redraw = is_capable;
-  console.has_colours = is_capable && !is_set("NO_COLOR");
-  winsize size{};
-  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0) {
-    console.columns = size.ws_col;
-    console.lines = size.ws_row;
-  }
-  return console;
-}
-
-/// A reader that has seen enough ("dtsctl watch | head") is no failure; a full disk is.
-int check_output(int status) {
-  std::cout.flush();
-  if (std::cout || has_reader_left()) return status;
-  std::cerr << "dtsctl: cannot write the output" << std::endl;
-  return dts::ctl::kFailed;
-}
-
-}  // namespace
-
 int main(int count, char** words) {
-  std::ios::sync_with_stdio(false);
-  std::signal(SIGINT, on_interrupt);
-  std::signal(SIGPIPE, SIG_IGN);
   google::protobuf::SetLogHandler(nullptr);  // what cannot be parsed is counted or told, not logged
-  dts::ctl::Console console = make_console();
-  try {
-    return check_output(dts::ctl::run({words + 1, words + count}, console));
-  } catch (const std::exception& error) {
-    std::cerr << "dtsctl: " << error.what() << " (a bug: please report it)" << std::endl;
-    return dts::ctl::kFailed;
-  }
+  return dts::cli::run_program("dtsctl", count, words, dts::ctl::run);
 }

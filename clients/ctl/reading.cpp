@@ -6,9 +6,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "ctl/console.h"
+#include "cli/console.h"
+#include "cli/table.h"
 #include "ctl/json.h"
-#include "ctl/table.h"
 
 namespace dts::ctl {
 namespace {
@@ -18,7 +18,7 @@ std::string label(const client::ChannelFormat& channel) {
   std::string suffix = "_" + channel.unit;
   std::ranges::transform(suffix, suffix.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   const bool has_suffix = channel.unit.size() > 0 && channel.name.size() > suffix.size() && channel.name.ends_with(suffix);
-  return printable(has_suffix ? channel.name.substr(0, channel.name.size() - suffix.size()) : channel.name);
+  return cli::printable(has_suffix ? channel.name.substr(0, channel.name.size() - suffix.size()) : channel.name);
 }
 
 /// Of fixed width, so that live values do not dance: six significant places or so.
@@ -26,7 +26,7 @@ std::string value_text(float value) {
   if (!std::isfinite(value)) return "      -";
   const double magnitude = std::abs(static_cast<double>(value));
   const int decimals = magnitude < 10.0 ? 4 : magnitude < 1000.0 ? 2 : 0;
-  std::string text = decimal(static_cast<double>(value), decimals);
+  std::string text = cli::decimal(static_cast<double>(value), decimals);
   return text.size() < 7 ? std::string(7 - text.size(), ' ') + text : text;
 }
 
@@ -63,7 +63,7 @@ std::string reading(const client::StreamFormat& format, std::span<const float> s
   std::uint8_t doubts = 0;
   for (std::size_t channel = 0; channel < format.channels.size(); ++channel) {
     const client::ChannelFormat& described = format.channels[channel];
-    text += (channel == 0 ? "" : "  ") + label(described) + " " + value_text(scan[channel]) + " " + printable(described.unit);
+    text += (channel == 0 ? "" : "  ") + label(described) + " " + value_text(scan[channel]) + " " + cli::printable(described.unit);
     doubts = static_cast<std::uint8_t>(doubts | quality[channel]);
   }
   std::string words;
@@ -76,6 +76,6 @@ void copy_scan(const client::Block& block, std::size_t scan, std::vector<float>&
   for (std::size_t channel = 0; channel < values.size(); ++channel) values[channel] = block.column(channel)[scan];
 }
 
-std::string event_line(const client::Event& event) { return printable(std::string(event.kind) + ": " + body_text(*event.body)); }
+std::string event_line(const client::Event& event) { return cli::printable(std::string(event.kind) + ": " + body_text(*event.body)); }
 
 }  // namespace dts::ctl

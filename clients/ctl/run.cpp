@@ -1,88 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/run.h"
 
-#include <CLI/Error.hpp>
-#include <algorithm>
-
+#include "cli/run.h"
 #include "ctl/command_tree.h"
-#include "ctl/exit_status.h"
-#include "ctl/suggestion.h"
 
 namespace dts::ctl {
-namespace {
 
-/// The command that the words reached before something went wrong, the root if none.
-const CLI::App& reached(const CLI::App& command) {
-  const auto chosen = command.get_subcommands();
-  return chosen.empty() ? command : reached(*chosen.back());
-}
-
-void add_long_names(const CLI::App& command, std::vector<std::string>& names) {
-  for (const CLI::Option* option : options(command)) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  if (command.get_parent() != nullptr) add_long_names(*command.get_parent(), names);
-}
-
-/// What `word` could have meant at `command`; empty: no idea.
-std::string meant(const std::string& word, const CLI::App& command) {
-  std::vector<std::string> names;
-  if (word.starts_with('-')) {
-    add_long_names(command, names);
-  } else {
-    for (const CLI::App* subcommand : subcommands(command)) names.push_back(subcommand->get_name());
-  }
-  return nearest(word.substr(0, word.find('=')), names);
-}
-
-/// "session start: ", nothing for the program itself, which the line names anyway.
-std::string prefix(const CLI::App& command) {
-  return command.get_parent() == nullptr ? "" : full_name(command).substr(std::string("dtsctl ").size()) + ": ";
-}
-
-client::Error unexpected_word(const std::string& word, const CLI::App& command) {
-  const bool is_group = !subcommands(command).empty();
-  const char* kind = word.starts_with('-') ? "option" : is_group ? "command" : "argument";
-  const std::string near = meant(word, command);
-  std::string hint = near.empty() ? full_name(command) + " --help" : "did you mean " + near + "? " + full_name(command) + " --help";
-  if (near.empty() && !is_group && !word.starts_with('-') && !positionals(command).empty()) hint = "put several words in quotes; " + hint;
-  return {client::ErrorCode::InvalidArgument, prefix(command) + "unexpected " + kind + " '" + word + "'", hint};
-}
-
-/// One text for every way in which CLI11 can be dissatisfied.
-client::Error usage_error(const CLI::App& root, const CLI::ParseError& error) {
-  const CLI::App& command = reached(root);
-  // A misspelt command is first noticed as the lack of a right one.
-  const std::vector<std::string> left_over = root.remaining(true);
-  if (!left_over.empty()) return unexpected_word(left_over.front(), command);
-  const std::string help = full_name(command) + " --help";
-  if (!subcommands(command).empty()) {
-    std::string names;
-    for (const CLI::App* subcommand : subcommands(command)) names += (names.empty() ? "" : ", ") + subcommand->get_name();
-    return {client::ErrorCode::InvalidArgument, prefix(command) + "a command is missing", "one of: " + names + "; " + help};
-  }
-  return {client::ErrorCode::InvalidArgument, prefix(command) + error.what(), help};
-}
-
-}  // namespace
-
-int run(const std::vector<std::string>& arguments, Console& console) {
+int run(const std::vector<std::string>& arguments, cli::Console& console) {
   const auto tree = make_command_tree();
-  try {
-    tree->app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes words from the back
-  } catch (const CLI::CallForHelp&) {
-    console.out << tree->app.help() << std::flush;
-    return kOk;
-  } catch (const CLI::CallForVersion&) {
-    console.out << tree->app.version() << std::endl;
-    return kOk;
-  } catch (const CLI::ParseError& error) {
-    print_error(console, usage_error(tree->app, error));
-    return kUsage;
-  }
-  const CLI::App* command = &reached(tree->app);
-  const auto handler = std::ranges::find(tree->handlers, command, [](const auto& entry) { return entry.first; });
-  return handler->second(*tree, console);
+  return cli::run(tree->line, arguments, console);
 }
 
 }  // namespace dts::ctl

@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "ctl/console.h"
+#include "cli/console.h"
 
 namespace dts::ctl {
 
 /// dtsctl but for signals and the terminal: reads the command line (without the program's name), executes the command and
 /// returns the exit status. Blocks as long as the command does.
-[[nodiscard]] int run(const std::vector<std::string>& arguments, Console& console);
+[[nodiscard]] int run(const std::vector<std::string>& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -5,7 +5,7 @@
 #include <array>
 #include <string_view>
 
-#include "ctl/suggestion.h"
+#include "cli/suggestion.h"
 
 namespace dts::ctl {
 namespace {
@@ -45,7 +45,7 @@ client::Error nothing_published(const v1::StatusSnapshot& status, const std::vec
   for (const v1::RigStatus& rig : status.rigs()) {
     for (const std::string& topic : events_of(rig.rig())) candidates.push_back(topic);
   }
-  const std::string meant = prefixes.empty() ? "" : nearest(prefixes.front(), candidates);
+  const std::string meant = prefixes.empty() ? "" : cli::nearest(prefixes.front(), candidates);
   const std::string hint = meant.empty() ? "published streams: " + joined(topics, " ") : "did you mean " + meant + "?";
   return {ErrorCode::NotFound, "nothing is published under '" + joined(prefixes, "', '") + "'",
           topics.empty() ? "no rig is configured" : hint};

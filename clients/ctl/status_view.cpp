@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/status_view.h"
 
+#include "cli/table.h"
 #include "ctl/json.h"
-#include "ctl/table.h"
 
 namespace dts::ctl {
 namespace {
@@ -13,15 +13,17 @@ std::string word(Enum value, const google::protobuf::EnumDescriptor* type) {
   return value == 0 ? "-" : enumerator_word(*type, static_cast<int>(value));
 }
 
-Cell device_cell(v1::DeviceState state) {
-  const Style style = state == v1::DEVICE_STATE_STREAMING ? Style::Good : state == v1::DEVICE_STATE_GONE ? Style::Bad : Style::Warning;
+cli::Cell device_cell(v1::DeviceState state) {
+  const cli::Style style = state == v1::DEVICE_STATE_STREAMING ? cli::Style::Good
+                           : state == v1::DEVICE_STATE_GONE    ? cli::Style::Bad
+                                                               : cli::Style::Warning;
   return {word(state, v1::DeviceState_descriptor()), style};
 }
 
-Cell count_cell(std::uint64_t count) { return {std::to_string(count), count == 0 ? Style::Plain : Style::Warning}; }
+cli::Cell count_cell(std::uint64_t count) { return {std::to_string(count), count == 0 ? cli::Style::Plain : cli::Style::Warning}; }
 
 std::string rate_of(const v1::Rate& rate) {
-  return decimal(static_cast<double>(rate.numerator()) / static_cast<double>(rate.denominator()), 2);
+  return cli::decimal(static_cast<double>(rate.numerator()) / static_cast<double>(rate.denominator()), 2);
 }
 
 template <class List>
@@ -32,42 +34,42 @@ std::string joined(const List& list, const char* separator = " ") {
 }
 
 /// "label   value" with the labels in one column.
-void print_field(Console& console, const std::string& label, const std::string& value) {
+void print_field(cli::Console& console, const std::string& label, const std::string& value) {
   if (value.empty()) return;
-  console.out << styled(console, Style::Faint, label + std::string(label.size() < 12 ? 12 - label.size() : 1, ' ')) << printable(value)
-              << '\n';
+  console.out << cli::styled(console, cli::Style::Faint, label + std::string(label.size() < 12 ? 12 - label.size() : 1, ' '))
+              << cli::printable(value) << '\n';
 }
 
-void print_messages(Console& console, const v1::StatusSnapshot& status) {
+void print_messages(cli::Console& console, const v1::StatusSnapshot& status) {
   for (const v1::RigStatus& rig : status.rigs()) {
     if (rig.device_message().empty()) continue;
-    console.out << styled(console, Style::Bad, printable(rig.rig().name() + ": " + rig.device_message())) << '\n';
+    console.out << cli::styled(console, cli::Style::Bad, cli::printable(rig.rig().name() + ": " + rig.device_message())) << '\n';
   }
   for (const std::string& notice : status.notices()) {
-    console.out << styled(console, Style::Warning, "notice: " + printable(notice)) << '\n';
+    console.out << cli::styled(console, cli::Style::Warning, "notice: " + cli::printable(notice)) << '\n';
   }
 }
 
-void print_sensors(Console& console, const v1::RigInfo& rig) {
-  Table sensors({"SENSOR", ">X (mm)", ">Y (mm)", "CHANNEL", ">GAP (mm)", "CURVE"});
+void print_sensors(cli::Console& console, const v1::RigInfo& rig) {
+  cli::Table sensors({"SENSOR", ">X (mm)", ">Y (mm)", "CHANNEL", ">GAP (mm)", "CURVE"});
   for (const v1::SensorInfo& sensor : rig.sensors()) {
     sensors.add({{sensor.label()},
-                 {decimal(sensor.x_mm(), 1)},
-                 {decimal(sensor.y_mm(), 1)},
+                 {cli::decimal(sensor.x_mm(), 1)},
+                 {cli::decimal(sensor.y_mm(), 1)},
                  {sensor.channel()},
-                 {decimal(sensor.unloaded_gap_mm(), 2)},
+                 {cli::decimal(sensor.unloaded_gap_mm(), 2)},
                  {sensor.curve()}});
   }
   console.out << '\n';
   sensors.print(console);
 }
 
-void print_streams(Console& console, const v1::RigInfo& rig) {
-  Table streams({"STREAM", ">RATE (Hz)", ">DELAY (ms)", "CHANNELS"});
+void print_streams(cli::Console& console, const v1::RigInfo& rig) {
+  cli::Table streams({"STREAM", ">RATE (Hz)", ">DELAY (ms)", "CHANNELS"});
   for (const v1::StreamFormat& stream : rig.streams()) {
     std::string channels;
     for (const v1::Channel& channel : stream.channels()) channels += (channels.empty() ? "" : " ") + channel.name();
-    streams.add({{stream.name()}, {rate_of(stream.rate())}, {decimal(static_cast<double>(stream.delay_ns()) * 1e-6, 1)}, {channels}});
+    streams.add({{stream.name()}, {rate_of(stream.rate())}, {cli::decimal(static_cast<double>(stream.delay_ns()) * 1e-6, 1)}, {channels}});
   }
   console.out << '\n';
   streams.print(console);
@@ -78,26 +80,27 @@ void print_streams(Console& console, const v1::RigInfo& rig) {
 std::string session_line(const v1::SessionInfo& session) {
   if (session.session_id().empty()) return "-";
   std::string line = session.session_id() + " " + word(session.state(), v1::SessionState_descriptor());
-  if (session.elapsed_s() > 0.0) line += " for " + duration(session.elapsed_s());
-  if (session.duration_s() > 0.0) line += " of " + duration(session.duration_s());
+  if (session.elapsed_s() > 0.0) line += " for " + cli::duration(session.elapsed_s());
+  if (session.duration_s() > 0.0) line += " of " + cli::duration(session.duration_s());
   if (!session.message().empty()) line += ": " + session.message();
-  return printable(line);
+  return cli::printable(line);
 }
 
 std::string tare_line(const std::string& rig, const v1::TareResponse& tare) {
   std::string line = rig + ": zero is now at";
-  for (const double baseline : tare.baseline_mm()) line += " " + decimal(baseline, 3);
-  return printable(line + " mm");
+  for (const double baseline : tare.baseline_mm()) line += " " + cli::decimal(baseline, 3);
+  return cli::printable(line + " mm");
 }
 
-void print_status(Console& console, const v1::StatusSnapshot& status) {
-  console.out << styled(console, Style::Bold, "dtsd " + printable(status.version())) << ", up " << duration(status.uptime_s()) << '\n';
-  Table rigs({"RIG", "DEVICE", ">RATE (Hz)", ">NOMINAL", ">LOST", ">GAPS", ">DROPPED", "TARE", "SESSION"});
+void print_status(cli::Console& console, const v1::StatusSnapshot& status) {
+  console.out << cli::styled(console, cli::Style::Bold, "dtsd " + cli::printable(status.version())) << ", up "
+              << cli::duration(status.uptime_s()) << '\n';
+  cli::Table rigs({"RIG", "DEVICE", ">RATE (Hz)", ">NOMINAL", ">LOST", ">GAPS", ">DROPPED", "TARE", "SESSION"});
   for (const v1::RigStatus& rig : status.rigs()) {
-    rigs.add({{rig.rig().name(), Style::Bold},
+    rigs.add({{rig.rig().name(), cli::Style::Bold},
               device_cell(rig.device()),
-              {rig.measured_rate_hz() > 0.0 ? decimal(rig.measured_rate_hz(), 2) : "-"},
-              {decimal(rig.nominal_rate_hz(), 2)},
+              {rig.measured_rate_hz() > 0.0 ? cli::decimal(rig.measured_rate_hz(), 2) : "-"},
+              {cli::decimal(rig.nominal_rate_hz(), 2)},
               count_cell(rig.lost_scans_total()),
               count_cell(rig.gaps_total()),
               count_cell(rig.dropped_blocks_total()),
@@ -109,27 +112,31 @@ void print_status(Console& console, const v1::StatusSnapshot& status) {
   print_messages(console, status);
 }
 
-void print_rigs(Console& console, const v1::ListRigsResponse& rigs) {
-  Table table({"RIG", "KIND", "DEVICE", ">SENSORS", "STREAMS"});
+void print_rigs(cli::Console& console, const v1::ListRigsResponse& rigs) {
+  cli::Table table({"RIG", "KIND", "DEVICE", ">SENSORS", "STREAMS"});
   for (const v1::RigInfo& rig : rigs.rigs()) {
-    table.add(
-        {{rig.name(), Style::Bold}, {rig.kind()}, {rig.device_uri()}, {std::to_string(rig.sensors_size())}, {joined(rig.published())}});
+    table.add({{rig.name(), cli::Style::Bold},
+               {rig.kind()},
+               {rig.device_uri()},
+               {std::to_string(rig.sensors_size())},
+               {joined(rig.published())}});
   }
   if (rigs.rigs_size() == 0) console.out << "no rig is configured\n";
   table.print(console);
 }
 
-void print_rig(Console& console, const v1::RigStatus& status) {
+void print_rig(cli::Console& console, const v1::RigStatus& status) {
   const v1::RigInfo& rig = status.rig();
   print_field(console, "rig", rig.name());
   print_field(console, "kind", rig.kind());
   print_field(console, "device", rig.device_uri() + ", " + device_cell(status.device()).text);
   print_field(console, "problem", status.device_message());
-  print_field(console, "plate",
-              decimal(rig.plate_a_mm(), 1) + " x " + decimal(rig.plate_b_mm(), 1) + " x " + decimal(rig.plate_h_mm(), 1) + " mm");
+  print_field(
+      console, "plate",
+      cli::decimal(rig.plate_a_mm(), 1) + " x " + cli::decimal(rig.plate_b_mm(), 1) + " x " + cli::decimal(rig.plate_h_mm(), 1) + " mm");
   print_field(console, "rate",
-              (status.measured_rate_hz() > 0.0 ? decimal(status.measured_rate_hz(), 2) : "-") + " of " +
-                  decimal(status.nominal_rate_hz(), 2) + " Hz");
+              (status.measured_rate_hz() > 0.0 ? cli::decimal(status.measured_rate_hz(), 2) : "-") + " of " +
+                  cli::decimal(status.nominal_rate_hz(), 2) + " Hz");
   print_field(console, "scans",
               std::to_string(status.scans_total()) + ", lost " + std::to_string(status.lost_scans_total()) + " in " +
                   std::to_string(status.gaps_total()) + " gaps, segment " + std::to_string(status.segment()));
@@ -141,8 +148,8 @@ void print_rig(Console& console, const v1::RigStatus& status) {
   print_streams(console, rig);
 }
 
-void print_devices(Console& console, const v1::GetDevicesResponse& devices) {
-  Table table({"RIG", "DEVICE", "MODEL", "SERIAL", "STATE", ">CHANNELS", "RATES (Hz)"});
+void print_devices(cli::Console& console, const v1::GetDevicesResponse& devices) {
+  cli::Table table({"RIG", "DEVICE", "MODEL", "SERIAL", "STATE", ">CHANNELS", "RATES (Hz)"});
   for (const v1::DeviceInfo& device : devices.devices()) {
     const bool has_rates = device.maximum_rate_hz() > 0.0;
     table.add({{device.rig().empty() ? "-" : device.rig()},
@@ -151,28 +158,28 @@ void print_devices(Console& console, const v1::GetDevicesResponse& devices) {
                {device.serial()},
                device_cell(device.state()),
                {std::to_string(device.channels_size())},
-               {has_rates ? decimal(device.minimum_rate_hz(), 0) + " .. " + decimal(device.maximum_rate_hz(), 0) : "-"}});
+               {has_rates ? cli::decimal(device.minimum_rate_hz(), 0) + " .. " + cli::decimal(device.maximum_rate_hz(), 0) : "-"}});
   }
   table.print(console);
   if (devices.kinds_size() > 0) console.out << "\nkinds that a rig's configuration can name:\n";
-  for (const std::string& kind : devices.kinds()) console.out << "  " << printable(kind) << '\n';
+  for (const std::string& kind : devices.kinds()) console.out << "  " << cli::printable(kind) << '\n';
 }
 
-void print_device_test(Console& console, const v1::TestDeviceResponse& test) {
-  Table table({"CHANNEL", ">MEAN", ">NOISE (RMS)", ">MINIMUM", ">MAXIMUM", "UNIT", ">GAP (mm)", "QUALITY"});
+void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test) {
+  cli::Table table({"CHANNEL", ">MEAN", ">NOISE (RMS)", ">MINIMUM", ">MAXIMUM", "UNIT", ">GAP (mm)", "QUALITY"});
   for (const v1::TestDeviceResponse::ChannelTest& channel : test.channels()) {
     const auto doubts = quality_words(static_cast<std::uint8_t>(channel.quality()));
-    table.add({{channel.name(), Style::Bold},
-               {decimal(channel.mean(), 4)},
-               {decimal(channel.noise_rms(), 5)},
-               {decimal(channel.minimum(), 4)},
-               {decimal(channel.maximum(), 4)},
+    table.add({{channel.name(), cli::Style::Bold},
+               {cli::decimal(channel.mean(), 4)},
+               {cli::decimal(channel.noise_rms(), 5)},
+               {cli::decimal(channel.minimum(), 4)},
+               {cli::decimal(channel.maximum(), 4)},
                {channel.unit()},
-               {channel.is_sensor() ? decimal(channel.gap_mm(), 3) : "-"},
-               {doubts.empty() ? "good" : joined(doubts), doubts.empty() ? Style::Good : Style::Bad}});
+               {channel.is_sensor() ? cli::decimal(channel.gap_mm(), 3) : "-"},
+               {doubts.empty() ? "good" : joined(doubts), doubts.empty() ? cli::Style::Good : cli::Style::Bad}});
   }
   table.print(console);
-  const std::string rate = test.measured_rate_hz() > 0.0 ? decimal(test.measured_rate_hz(), 2) + " per second" : "rate not known yet";
+  const std::string rate = test.measured_rate_hz() > 0.0 ? cli::decimal(test.measured_rate_hz(), 2) + " per second" : "rate not known yet";
   console.out << test.scans() << " scans, " << rate << '\n';
 }
 

@@ -3,17 +3,17 @@
 
 #include <string>
 
-#include "ctl/console.h"
+#include "cli/console.h"
 #include "dts/v1/control.pb.h"
 
 namespace dts::ctl {
 
 /// The daemon's answers for people, to `console.out`.
-void print_status(Console& console, const v1::StatusSnapshot& status);
-void print_rigs(Console& console, const v1::ListRigsResponse& rigs);
-void print_rig(Console& console, const v1::RigStatus& rig);
-void print_devices(Console& console, const v1::GetDevicesResponse& devices);
-void print_device_test(Console& console, const v1::TestDeviceResponse& test);
+void print_status(cli::Console& console, const v1::StatusSnapshot& status);
+void print_rigs(cli::Console& console, const v1::ListRigsResponse& rigs);
+void print_rig(cli::Console& console, const v1::RigStatus& rig);
+void print_devices(cli::Console& console, const v1::GetDevicesResponse& devices);
+void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test);
 
 /// "floor-7 running for 12.0 s of 25.0 s"; "-" when there has been no session.
 [[nodiscard]] std::string session_line(const v1::SessionInfo& session);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/text_lines.h"
 
+#include "cli/table.h"
 #include "ctl/json.h"
 #include "ctl/reading.h"
-#include "ctl/table.h"
 
 namespace dts::ctl {
 namespace {
@@ -20,7 +20,7 @@ void TextLines::show(const client::Block& block, std::size_t scans, Time now) {
   if (!is_new && now - shown.at < kPause) return;
   shown.at = now;
   copy_scan(block, scans - 1, scan_);
-  console_.out << printable(block.topic) << "  scan " << block.first_scan + scans - 1 << "  "
+  console_.out << cli::printable(block.topic) << "  scan " << block.first_scan + scans - 1 << "  "
                << reading(*block.format, scan_, block.quality);
   if (shown.unsaid_lost_scans > 0) console_.out << "  (missed " << shown.unsaid_lost_scans << " scans)";
   shown.unsaid_lost_scans = 0;
@@ -28,19 +28,19 @@ void TextLines::show(const client::Block& block, std::size_t scans, Time now) {
 }
 
 void TextLines::show(const client::Event& event) {
-  console_.out << printable(event.rig) << "  scan " << event.body->scan() << "  " << event_line(event) << std::endl;
+  console_.out << cli::printable(event.rig) << "  scan " << event.body->scan() << "  " << event_line(event) << std::endl;
 }
 
 void TextLines::show(const client::Status& status) { console_.out << status_line(*status.snapshot) << std::endl; }
 
 std::string status_line(const v1::StatusSnapshot& status) {
-  std::string line = "dtsd " + status.version() + ", up " + duration(status.uptime_s());
+  std::string line = "dtsd " + status.version() + ", up " + cli::duration(status.uptime_s());
   for (const v1::RigStatus& rig : status.rigs()) {
     line += (line.find(':') == std::string::npos ? ": " : "; ") + rig.rig().name() + " " +
-            enumerator_word(*v1::DeviceState_descriptor(), rig.device()) + " " + decimal(rig.measured_rate_hz(), 2) + " Hz, lost " +
+            enumerator_word(*v1::DeviceState_descriptor(), rig.device()) + " " + cli::decimal(rig.measured_rate_hz(), 2) + " Hz, lost " +
             std::to_string(rig.lost_scans_total());
   }
-  return printable(line);
+  return cli::printable(line);
 }
 
 }  // namespace dts::ctl

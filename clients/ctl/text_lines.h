@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ctl/console.h"
+#include "cli/console.h"
 #include "ctl/watch_sink.h"
 
 namespace dts::ctl {
@@ -13,7 +13,7 @@ namespace dts::ctl {
 /// Lines for people, where a table cannot be redrawn: at most ten per second and stream (the newest scan), each event.
 class TextLines final : public WatchSink {
  public:
-  explicit TextLines(Console& console) : console_(console) {}
+  explicit TextLines(cli::Console& console) : console_(console) {}
 
   void show(const client::Block& block, std::size_t scans, Time now) override;
   void show(const client::Event& event) override;
@@ -27,7 +27,7 @@ class TextLines final : public WatchSink {
     std::uint64_t unsaid_lost_scans = 0;
   };
 
-  Console& console_;
+  cli::Console& console_;
   std::map<std::string, Shown, std::less<>> shown_;
   std::vector<float> scan_;
 };

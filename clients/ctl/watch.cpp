@@ -7,8 +7,8 @@
 #include <memory>
 #include <optional>
 
+#include "cli/exit_status.h"
 #include "ctl/commands.h"
-#include "ctl/exit_status.h"
 #include "ctl/json_lines.h"
 #include "ctl/live_table.h"
 #include "ctl/silence.h"
@@ -24,7 +24,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLook{100};
 constexpr std::chrono::seconds kSilence{3};
 
-std::unique_ptr<WatchSink> make_sink(const Arguments& arguments, Console& console) {
+std::unique_ptr<WatchSink> make_sink(const Arguments& arguments, cli::Console& console) {
   if (arguments.is_jsonl) return std::make_unique<JsonLines>(console.out);
   if (console.can_redraw) return std::make_unique<LiveTable>(console);
   return std::make_unique<TextLines>(console);
@@ -32,7 +32,8 @@ std::unique_ptr<WatchSink> make_sink(const Arguments& arguments, Console& consol
 
 class Watch {
  public:
-  Watch(const Arguments& arguments, std::vector<std::string> topics, std::string endpoint, client::Subscriber subscriber, Console& console)
+  Watch(const Arguments& arguments, std::vector<std::string> topics, std::string endpoint, client::Subscriber subscriber,
+        cli::Console& console)
       : arguments_(arguments),
         topics_(std::move(topics)),
         endpoint_(std::move(endpoint)),
@@ -53,7 +54,7 @@ class Watch {
   std::vector<std::string> topics_;
   std::string endpoint_;
   client::Subscriber subscriber_;
-  Console& console_;
+  cli::Console& console_;
   std::unique_ptr<WatchSink> sink_;
   std::uint64_t remaining_;
   Clock::time_point looked_ = Clock::now();
@@ -64,14 +65,14 @@ class Watch {
 int Watch::run() {
   while (remaining_ > 0) {
     const auto message = subscriber_.receive(kLook);
-    if (!message) return fail_with(console_, message.error());
+    if (!message) return cli::fail_with(console_, message.error());
     if (*message) take(**message);
     const auto now = Clock::now();
     sink_->refresh(now);
-    if (!console_.out || (!*message && console_.is_out_closed())) return kOk;  // nobody reads any more
+    if (!console_.out || (!*message && console_.is_out_closed())) return cli::kOk;  // nobody reads any more
     if (const auto status = check_silence(now)) return *status;
   }
-  return kOk;
+  return cli::kOk;
 }
 
 void Watch::take(const client::Message& message) {
@@ -110,7 +111,7 @@ std::optional<int> Watch::check_silence(Clock::time_point now) {
   if (arguments_.timeout_s && silence_.count() >= *arguments_.timeout_s) {
     const client::Error error = explain_silence(subscriber_.status(), topics_, endpoint_);
     say(error);
-    return error.code == client::ErrorCode::Unreachable ? exit_status(error.code) : kFailed;
+    return error.code == client::ErrorCode::Unreachable ? cli::exit_status(error.code) : cli::kFailed;
   }
   if (has_told_ || silence_ < kSilence) return std::nullopt;
   has_told_ = true;
@@ -120,23 +121,23 @@ std::optional<int> Watch::check_silence(Clock::time_point now) {
 
 void Watch::say(const client::Error& error) {
   sink_->make_room();
-  print_error(console_, error);
+  cli::print_error(console_, error.what, error.hint);
 }
 
 }  // namespace
 
-int run_watch(const CommandTree& tree, Console& console) {
-  const Arguments& arguments = tree.arguments;
+int run_watch(const Arguments& arguments, cli::Console& console) {
   if (arguments.is_json) {
-    return fail_with(console, {client::ErrorCode::InvalidArgument, "watch prints a stream, not one document", "--jsonl instead of --json"});
+    return cli::fail_with(
+        console, client::Error{client::ErrorCode::InvalidArgument, "watch prints a stream, not one document", "--jsonl instead of --json"});
   }
   const auto where = endpoints(arguments);
-  if (!where) return fail_with(console, where.error());
-  if (auto somebody = client::probe(where->data); !somebody) return fail_with(console, somebody.error());
+  if (!where) return cli::fail_with(console, where.error());
+  if (auto somebody = client::probe(where->data); !somebody) return cli::fail_with(console, somebody.error());
   const std::vector<std::string> topics = arguments.topics.empty() ? std::vector<std::string>{""} : arguments.topics;
   auto subscriber = client::Subscriber::open(
       {.endpoint = where->data, .topics = topics, .mode = arguments.is_latest ? client::Mode::Latest : client::Mode::All});
-  if (!subscriber) return fail_with(console, subscriber.error());
+  if (!subscriber) return cli::fail_with(console, subscriber.error());
   return Watch(arguments, topics, where->data, std::move(*subscriber), console).run();
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/table.h"
+#include "cli/table.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <sstream>
 
-namespace dts::ctl {
+namespace dts::cli {
 namespace {
 
 class TableTest : public ::testing::Test {
@@ -86,4 +86,4 @@ TEST(Duration, Seconds_InTheTwoLargestUnits) {
 }
 
 }  // namespace
-}  // namespace dts::ctl
+}  // namespace dts::cli

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "dts/error.h"
 #include "unit/ctl/run_fixture.h"
 
 namespace dts::ctl {
@@ -60,7 +61,7 @@ class CommandsTest : public RunTest {
 };
 
 TEST_F(CommandsTest, Status_TableNamesTheRigAndItsState) {
-  EXPECT_EQ(run_with({"status"}), kOk);
+  EXPECT_EQ(run_with({"status"}), cli::kOk);
 
   EXPECT_THAT(out(), HasSubstr("floor"));
   EXPECT_THAT(out(), HasSubstr("streaming"));
@@ -69,7 +70,7 @@ TEST_F(CommandsTest, Status_TableNamesTheRigAndItsState) {
 }
 
 TEST_F(CommandsTest, StatusJson_MirrorsTheSnapshotWithoutUndefinedValues) {
-  EXPECT_EQ(run_with({"status", "--json"}), kOk);
+  EXPECT_EQ(run_with({"status", "--json"}), cli::kOk);
 
   const auto rig = json().at("rigs").at(0);
   EXPECT_EQ(json().at("instance_id"), 7);
@@ -83,19 +84,19 @@ TEST_F(CommandsTest, StatusJson_MirrorsTheSnapshotWithoutUndefinedValues) {
 }
 
 TEST_F(CommandsTest, GlobalOptionBeforeTheCommand_IsTheSame) {
-  EXPECT_EQ(run_bare({"--endpoint", control_, "--json", "status"}), kOk);
+  EXPECT_EQ(run_bare({"--endpoint", control_, "--json", "status"}), cli::kOk);
 
   EXPECT_EQ(json().at("version"), "0.1.0");
 }
 
 TEST_F(CommandsTest, RigListAndShow_DescribeTheRig) {
-  EXPECT_EQ(run_with({"rig", "list"}), kOk);
+  EXPECT_EQ(run_with({"rig", "list"}), cli::kOk);
   EXPECT_THAT(out(), HasSubstr("cop raw"));
 
-  EXPECT_EQ(run_with({"rig", "show", "floor"}), kOk);
+  EXPECT_EQ(run_with({"rig", "show", "floor"}), cli::kOk);
   EXPECT_THAT(out(), HasSubstr("ml_mm ap_mm load_n"));
 
-  EXPECT_EQ(run_with({"rig", "show", "floor", "--json"}), kOk);
+  EXPECT_EQ(run_with({"rig", "show", "floor", "--json"}), cli::kOk);
   EXPECT_EQ(json().at("rig").at("name"), "floor");
 }
 
@@ -107,15 +108,15 @@ TEST_F(CommandsTest, UnknownRig_ExitsWithNotFoundAndSuggests) {
 }
 
 TEST_F(CommandsTest, DeviceListAndTest_ShowHardware) {
-  EXPECT_EQ(run_with({"device", "list"}), kOk);
+  EXPECT_EQ(run_with({"device", "list"}), cli::kOk);
   EXPECT_THAT(out(), HasSubstr("sim:floor"));
 
-  EXPECT_EQ(run_with({"device", "test", "floor"}), kOk);
+  EXPECT_EQ(run_with({"device", "test", "floor"}), cli::kOk);
   EXPECT_THAT(out(), HasSubstr("out_of_range"));
 }
 
 TEST_F(CommandsTest, DeviceTestJson_GapOnlyForSensorsAndQualityInWords) {
-  EXPECT_EQ(run_with({"device", "test", "floor", "--json"}), kOk);
+  EXPECT_EQ(run_with({"device", "test", "floor", "--json"}), cli::kOk);
 
   const auto channels = json().at("channels");
   EXPECT_EQ(channels.at(0).at("gap_mm"), 9.5);
@@ -125,18 +126,19 @@ TEST_F(CommandsTest, DeviceTestJson_GapOnlyForSensorsAndQualityInWords) {
 }
 
 TEST_F(CommandsTest, SessionStart_PrintsOnlyTheIdAndForPeopleHowToStop) {
-  EXPECT_EQ(run_with({"session", "start", "--rig", "floor"}), kOk);
+  EXPECT_EQ(run_with({"session", "start", "--rig", "floor"}), cli::kOk);
   EXPECT_EQ(out(), "floor-1\n");
   EXPECT_EQ(talk(), "");
 
   console_.is_talk_terminal = true;
-  EXPECT_EQ(run_with({"session", "start", "--rig", "floor"}), kOk);
+  EXPECT_EQ(run_with({"session", "start", "--rig", "floor"}), cli::kOk);
   EXPECT_EQ(out(), "floor-1\n");
   EXPECT_THAT(talk(), HasSubstr("dtsctl session stop --rig floor"));
 }
 
 TEST_F(CommandsTest, SessionStartJson_HasTheIdAndWhatWasAskedFor) {
-  EXPECT_EQ(run_with({"session", "start", "--rig", "floor", "--label", "eyes closed", "--duration", "25", "--settle", "5", "--json"}), kOk);
+  EXPECT_EQ(run_with({"session", "start", "--rig", "floor", "--label", "eyes closed", "--duration", "25", "--settle", "5", "--json"}),
+            cli::kOk);
 
   EXPECT_EQ(json().at("session_id"), "floor-1");
   EXPECT_EQ(json().at("state"), "starting");
@@ -146,7 +148,7 @@ TEST_F(CommandsTest, SessionStartJson_HasTheIdAndWhatWasAskedFor) {
 }
 
 TEST_F(CommandsTest, SessionWithoutLength_HasNoDuration) {
-  EXPECT_EQ(run_with({"session", "start", "--rig", "floor", "--json"}), kOk);
+  EXPECT_EQ(run_with({"session", "start", "--rig", "floor", "--json"}), cli::kOk);
 
   EXPECT_FALSE(json().contains("duration_s"));
 }
@@ -160,16 +162,16 @@ TEST_F(CommandsTest, DaemonRefuses_ReasonAndItsExitStatus) {
 
 TEST_F(CommandsTest, Mark_TextMayBeTheNameOfACommand) {
   for (const std::string text : {"status", "tare", "eyes closed"}) {
-    EXPECT_EQ(run_with({"mark", text}), kOk) << text;
+    EXPECT_EQ(run_with({"mark", text}), cli::kOk) << text;
     EXPECT_EQ(out(), "floor: segment 2, scan 345\n");
   }
 }
 
 TEST_F(CommandsTest, MarkAndTareJson_AreDocuments) {
-  EXPECT_EQ(run_with({"mark", "x", "--json"}), kOk);
+  EXPECT_EQ(run_with({"mark", "x", "--json"}), cli::kOk);
   EXPECT_EQ(json().at("marks").at(0).at("scan"), 345);
 
-  EXPECT_EQ(run_with({"tare", "--rig", "floor", "--json"}), kOk);
+  EXPECT_EQ(run_with({"tare", "--rig", "floor", "--json"}), cli::kOk);
   EXPECT_EQ(json().at("baseline_mm"), nlohmann::json::array({0.0125}));
 }
 
@@ -189,22 +191,22 @@ TEST_F(RunTest, HostileTextFromTheDaemon_DoesNotDriveTheTerminal) {
     })};
   });
 
-  EXPECT_EQ(run_with({"status"}), kOk);
+  EXPECT_EQ(run_with({"status"}), cli::kOk);
 
   EXPECT_THAT(out(), Not(HasSubstr("\x1b")));
 }
 
 TEST(ExitStatus, EveryCode_HasItsNumber) {
   using client::ErrorCode;
-  EXPECT_EQ(exit_status(ErrorCode::InvalidArgument), 2);
-  EXPECT_EQ(exit_status(ErrorCode::Unreachable), 3);
-  EXPECT_EQ(exit_status(ErrorCode::NotAllowed), 4);
-  EXPECT_EQ(exit_status(ErrorCode::NotFound), 5);
-  EXPECT_EQ(exit_status(ErrorCode::WrongState), 6);
-  EXPECT_EQ(exit_status(ErrorCode::DataDamaged), 7);
+  EXPECT_EQ(cli::exit_status(ErrorCode::InvalidArgument), 2);
+  EXPECT_EQ(cli::exit_status(ErrorCode::Unreachable), 3);
+  EXPECT_EQ(cli::exit_status(ErrorCode::NotAllowed), 4);
+  EXPECT_EQ(cli::exit_status(ErrorCode::NotFound), 5);
+  EXPECT_EQ(cli::exit_status(ErrorCode::WrongState), 6);
+  EXPECT_EQ(cli::exit_status(ErrorCode::DataDamaged), 7);
   for (const auto code : {ErrorCode::Failed, ErrorCode::Timeout, ErrorCode::DeviceGone, ErrorCode::Unsupported, ErrorCode::LimitExceeded,
                           ErrorCode::Internal}) {
-    EXPECT_EQ(exit_status(code), 1);
+    EXPECT_EQ(cli::exit_status(code), 1);
   }
 }
 

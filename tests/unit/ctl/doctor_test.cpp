@@ -74,7 +74,7 @@ TEST(Doctor, UserMayNotButTheDaemonIsContent_IsWell) {
 TEST(SystemFacts, OfThisMachine_CanBeGathered) { EXPECT_GT(gather_system_facts().lockable_bytes, 0U); }
 
 TEST_F(RunTest, DoctorWithoutDaemon_FailsAndSaysHowToStartIt) {
-  EXPECT_EQ(run_with({"doctor"}), kFailed);
+  EXPECT_EQ(run_with({"doctor"}), cli::kFailed);
 
   EXPECT_THAT(out(), HasSubstr("wrong  daemon: no daemon at " + control_));
 }
@@ -92,7 +92,7 @@ TEST_F(RunTest, DoctorWithDaemon_FindsDataAndSpeaksJson) {
 
   publisher.join();
   const auto report = json();
-  EXPECT_EQ(status, report.at("ok").get<bool>() ? kOk : kFailed);
+  EXPECT_EQ(status, report.at("ok").get<bool>() ? cli::kOk : cli::kFailed);
   const auto found = [&](const std::string& name) {
     for (const auto& check : report.at("checks")) {
       if (check.at("name") == name) return check.at("ok").get<bool>();

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ctl/documents.h"
+#include "cli/documents.h"
 
 #include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
 
+#include "ctl/command_tree.h"
 #include "unit/ctl/run_fixture.h"
 
 namespace dts::ctl {
@@ -30,13 +31,13 @@ class DocumentsTest : public RunTest {
     std::ofstream(path) << text;
     return path.string();
   }
-  const CLI::App& root() { return tree_->app; }
+  const cli::CommandLine& line() { return tree_->line; }
 
   std::unique_ptr<CommandTree> tree_ = make_command_tree();
 };
 
 TEST_F(DocumentsTest, BashCompletion_IsValidBash) {
-  const std::string file = write("completion.bash", bash_completion(root()));
+  const std::string file = write("completion.bash", cli::bash_completion(line()));
 
   int status = 1;
   const std::string complaints = output_of("bash -n " + file + " 2>&1", status);
@@ -45,7 +46,7 @@ TEST_F(DocumentsTest, BashCompletion_IsValidBash) {
 }
 
 TEST_F(DocumentsTest, BashCompletion_OffersWhatMayFollow) {
-  const std::string file = write("completion.bash", bash_completion(root()));
+  const std::string file = write("completion.bash", cli::bash_completion(line()));
   const auto offered = [&](const std::string& words, int position) {
     int status = 1;
     return output_of("bash -c 'source " + file + "; COMP_WORDS=(" + words + "); COMP_CWORD=" + std::to_string(position) +
@@ -63,7 +64,7 @@ TEST_F(DocumentsTest, ZshCompletion_IsValidZsh) {
   int status = 1;
   output_of("command -v zsh", status);
   if (status != 0) GTEST_SKIP() << "zsh is not installed";
-  const std::string file = write("_dtsctl", zsh_completion(root()));
+  const std::string file = write("_dtsctl", cli::zsh_completion(line()));
 
   const std::string complaints = output_of("zsh -n " + file + " 2>&1", status);
 
@@ -71,7 +72,7 @@ TEST_F(DocumentsTest, ZshCompletion_IsValidZsh) {
 }
 
 TEST_F(DocumentsTest, ZshCompletion_QuotesDescriptions) {
-  const std::string script = zsh_completion(root());
+  const std::string script = cli::zsh_completion(line());
 
   EXPECT_THAT(script, ::testing::StartsWith("#compdef dtsctl\n"));
   EXPECT_THAT(script, HasSubstr("'session:Start and stop sessions'"));
@@ -79,7 +80,7 @@ TEST_F(DocumentsTest, ZshCompletion_QuotesDescriptions) {
 }
 
 TEST_F(DocumentsTest, Manual_HasNoEmptySectionAndNamesEveryCommand) {
-  const std::string page = manual_page(root());
+  const std::string page = cli::manual_page(line());
 
   std::istringstream lines(page);
   std::string previous;
@@ -101,7 +102,7 @@ TEST_F(DocumentsTest, Manual_IsCleanForGroff) {
   int status = 1;
   output_of("command -v groff", status);
   if (status != 0) GTEST_SKIP() << "groff is not installed";
-  const std::string file = write("dtsctl.1", manual_page(root()));
+  const std::string file = write("dtsctl.1", cli::manual_page(line()));
 
   const std::string complaints = output_of("groff -man -ww -z -Tutf8 " + file + " 2>&1", status);
 
@@ -109,12 +110,12 @@ TEST_F(DocumentsTest, Manual_IsCleanForGroff) {
 }
 
 TEST_F(DocumentsTest, Commands_PrintTheDocuments) {
-  EXPECT_EQ(run_bare({"completion", "bash"}), kOk);
-  EXPECT_EQ(out(), bash_completion(root()));
-  EXPECT_EQ(run_bare({"completion", "zsh"}), kOk);
-  EXPECT_EQ(out(), zsh_completion(root()));
-  EXPECT_EQ(run_bare({"man"}), kOk);
-  EXPECT_EQ(out(), manual_page(root()));
+  EXPECT_EQ(run_bare({"completion", "bash"}), cli::kOk);
+  EXPECT_EQ(out(), cli::bash_completion(line()));
+  EXPECT_EQ(run_bare({"completion", "zsh"}), cli::kOk);
+  EXPECT_EQ(out(), cli::zsh_completion(line()));
+  EXPECT_EQ(run_bare({"man"}), cli::kOk);
+  EXPECT_EQ(out(), cli::manual_page(line()));
 }
 
 }  // namespace

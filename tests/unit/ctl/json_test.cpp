@@ -9,7 +9,7 @@ namespace dts::ctl {
 namespace {
 
 TEST(ToJson, EmptyMessage_HasOnlyWhatIsDefinedAtZero) {
-  const Json json = to_json(v1::RigStatus());
+  const cli::Json json = to_json(v1::RigStatus());
 
   EXPECT_EQ(json.at("lost_scans_total"), 0);
   for (const char* key : {"device", "device_message", "measured_rate_hz", "pipeline_us_per_scan", "tare", "session", "rig"}) {
@@ -32,7 +32,7 @@ TEST(ToJson, LargeNumbers_AreExactNumbers) {
   status.set_instance_id(std::numeric_limits<std::uint64_t>::max());
   status.set_host_time_ns(std::numeric_limits<std::int64_t>::min());
 
-  const Json json = Json::parse(document(to_json(status)));
+  const cli::Json json = cli::Json::parse(cli::document(to_json(status)));
 
   EXPECT_EQ(json.at("instance_id").get<std::uint64_t>(), std::numeric_limits<std::uint64_t>::max());
   EXPECT_EQ(json.at("host_time_ns").get<std::int64_t>(), std::numeric_limits<std::int64_t>::min());

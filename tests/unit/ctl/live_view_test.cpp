@@ -27,7 +27,7 @@ class LiveViewTest : public ::testing::Test {
   }
   std::ostringstream out_;
   std::ostringstream talk_;
-  Console console_{.out = out_, .talk = talk_};
+  cli::Console console_{.out = out_, .talk = talk_};
   const WatchSink::Time start_{100s};
 };
 

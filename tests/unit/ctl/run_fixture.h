@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "ctl/exit_status.h"
+#include "cli/exit_status.h"
 #include "ctl/run.h"
 #include "unit/libdts/fake_daemon.h"
 
@@ -36,7 +36,7 @@ class RunTest : public ::testing::Test {
   std::string data_ = directory_.endpoint("data.sock");
   std::ostringstream out_;
   std::ostringstream talk_;
-  Console console_{.out = out_, .talk = talk_};
+  cli::Console console_{.out = out_, .talk = talk_};
 };
 
 }  // namespace dts::ctl

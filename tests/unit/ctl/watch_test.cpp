@@ -40,7 +40,7 @@ TEST_F(WatchTest, CountInTheMiddleOfABlock_ExactlySoManyScansArePrinted) {
     for (std::uint64_t number = 0; number < 3; ++number) daemon.send("floor/cop", block(1, 3 * number, 3, number + 1));
   });
 
-  EXPECT_EQ(status, kOk);
+  EXPECT_EQ(status, cli::kOk);
   ASSERT_EQ(lines().size(), 2U);
   EXPECT_EQ(lines()[0].at("values").size(), 3U);
   EXPECT_EQ(lines()[1].at("values").size(), 2U);
@@ -55,7 +55,7 @@ TEST_F(WatchTest, Events_CountAsOneEach) {
     daemon.send("floor/marker", testing::marker("two"));
   });
 
-  EXPECT_EQ(status, kOk);
+  EXPECT_EQ(status, cli::kOk);
   ASSERT_EQ(lines().size(), 3U);
   EXPECT_EQ(lines()[2].at("event").at("text"), "two");
 }
@@ -66,7 +66,7 @@ TEST_F(WatchTest, NoTopic_EverythingButTheStatus) {
     daemon.send("floor/marker", testing::marker("one"));
   });
 
-  EXPECT_EQ(status, kOk);
+  EXPECT_EQ(status, cli::kOk);
   ASSERT_EQ(lines().size(), 1U);
   EXPECT_EQ(lines()[0].at("topic"), "floor/marker");
 }
@@ -75,7 +75,7 @@ TEST_F(WatchTest, StatusAskedFor_IsShown) {
   const int status = watch({"dtsd/status", "--count", "1", "--jsonl"}, "dtsd/status",
                            [](FakePublisher& daemon) { daemon.send("dtsd/status", floor_status()); });
 
-  EXPECT_EQ(status, kOk);
+  EXPECT_EQ(status, cli::kOk);
   EXPECT_EQ(lines().at(0).at("event").at("rigs").at(0).at("device"), "streaming");
 }
 
@@ -99,7 +99,7 @@ TEST_F(WatchTest, DaemonRestarts_IsToldBesideTheData) {
     daemon.send("floor/raw", block(1, 0, 1, 1, 1, 8));
   });
 
-  EXPECT_EQ(status, kOk);
+  EXPECT_EQ(status, cli::kOk);
   EXPECT_EQ(lines().size(), 2U);
   EXPECT_THAT(talk(), HasSubstr("restarted"));
 }
@@ -117,7 +117,7 @@ TEST_F(WatchTest, SilentBeyondTheTimeout_FailsAndSaysWhy) {
   const int status = watch({"floor/copp", "--timeout", "0.5", "--jsonl"}, "floor/copp",
                            [](FakePublisher& daemon) { daemon.send("dtsd/status", floor_status()); });
 
-  EXPECT_EQ(status, kFailed);
+  EXPECT_EQ(status, cli::kFailed);
   EXPECT_THAT(talk(), HasSubstr("did you mean floor/cop?"));
 }
 
@@ -140,14 +140,14 @@ TEST_F(WatchTest, OutputFails_EndsQuietly) {
     daemon.send("floor/cop", block(1, 0, 1, 1));
   });
 
-  EXPECT_EQ(status, kOk);
+  EXPECT_EQ(status, cli::kOk);
   EXPECT_EQ(talk(), "");
 }
 
 TEST_F(WatchTest, ReaderLeavesWhileNothingComes_EndsQuietly) {
   console_.is_out_closed = [] { return true; };
 
-  EXPECT_EQ(watch({"floor/cop", "--jsonl"}, "floor/cop", [](FakePublisher&) {}), kOk);
+  EXPECT_EQ(watch({"floor/cop", "--jsonl"}, "floor/cop", [](FakePublisher&) {}), cli::kOk);
 }
 
 TEST(Silence, NoStatus_Unreachable) {

@@ -39,9 +39,11 @@ HOUSE = [
     ("daemon/app/main.cpp",      [],                                                      ["CLI/"]),
     ("clients/libdts",           ["proto"],                                               ["zmq.h", "zmq.hpp", "google/protobuf/",
                                                                                            "tl/expected.hpp"]),
-    ("clients/ctl",              ["libdts", "proto"],                                     ["CLI/", "nlohmann/", "google/protobuf/"]),
-    ("clients/lab",              ["libdts", "proto", "core", "physics", "files", "classifier",
-                                  "pipeline", "record"],                                  ["CLI/", "nlohmann/"]),
+    ("clients/cli",              [],                                                      ["CLI/", "nlohmann/"]),
+    ("clients/ctl",              ["cli", "libdts", "proto"],                              ["CLI/", "google/protobuf/"]),
+    ("clients/ctl/calibrate",    ["core", "physics", "files"],                            []),
+    ("clients/lab",              ["cli", "core", "physics", "files", "classifier",
+                                  "pipeline", "record"],                                  ["CLI/", "Eigen/"]),
     ("clients/gateway",          ["libdts", "proto"],                                     ["boost/", "prometheus/"]),
 ]
 
@@ -49,7 +51,7 @@ HOUSE = [
 STANDARD_CPP = re.compile(r"[a-z_0-9]+")
 POSIX = {
     "dirent.h", "dlfcn.h", "fcntl.h", "glob.h", "grp.h", "netdb.h", "poll.h", "pthread.h", "pwd.h", "sched.h", "signal.h",
-    "termios.h", "unistd.h",
+    "spawn.h", "termios.h", "unistd.h",
 }
 POSIX_FOLDERS = ("arpa/", "linux/", "netinet/", "sys/")
 

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/App.hpp>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/console.h"
+
+namespace dts::cli {
+
+/// Executes a command and returns the exit status.
+using Handler = std::function<int(Console& console)>;
+
+/// What the manual page says beyond the commands. Plain text unless said otherwise.
+struct Manual {
+  using Entry = std::pair<std::string, std::string>;  ///< Name and meaning.
+
+  std::string summary;      ///< After the program's name: "command line of the daemon".
+  std::string description;  ///< Sentences, in man(7) macros.
+  std::vector<Entry> environment;
+  std::vector<int> exit_statuses;  ///< Those of kExitMeanings that this program has.
+  std::string further_sections;    ///< In man(7) macros, each with its .SH.
+  std::vector<Entry> files;
+  std::vector<std::pair<std::string, int>> see_also;  ///< {"jq", 1}
+};
+
+struct Program {
+  std::string name;          ///< "dtsctl"
+  std::string version;       ///< "0.1.0"
+  std::string description;   ///< Without full stop.
+  std::string examples;      ///< Common tasks, lines of "command | purpose".
+  bool takes_files = false;  ///< Completion falls back to the names of files.
+};
+
+/// One of our command-line programs: its commands with options, help and examples. Help, completion and the manual page
+/// are all made from it. Bound to itself by pointers: stays where it is made.
+struct CommandLine {
+  explicit CommandLine(Program about);
+
+  const Program program;
+  CLI::App app;
+  Manual manual;
+  std::map<const CLI::App*, Handler> handlers;
+  std::string shell;  ///< The argument of `completion`.
+};
+
+/// A command that only leads to its subcommands. `examples`: lines of "command | purpose".
+CLI::App* add_group(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples);
+/// A command that does something.
+CLI::App* add_command(CommandLine& line, CLI::App& parent, const std::string& name, const std::string& description,
+                      const std::string& examples, Handler handler);
+/// What every program has, after its own: `--version`, and the commands `completion` and `man`.
+void add_common(CommandLine& line);
+
+/// The examples of a command, one "command line  what it does" per element.
+struct Example {
+  std::string command;
+  std::string purpose;
+};
+[[nodiscard]] std::vector<Example> examples(const CLI::App& command);
+
+/// Visible subcommands, in the order of their definition.
+[[nodiscard]] std::vector<const CLI::App*> subcommands(const CLI::App& command);
+/// Options that are not positional.
+[[nodiscard]] std::vector<const CLI::Option*> options(const CLI::App& command);
+[[nodiscard]] std::vector<const CLI::Option*> positionals(const CLI::App& command);
+/// "--count N", "--json", "RIG"
+[[nodiscard]] std::string option_label(const CLI::Option& option);
+/// "dtsctl session start"
+[[nodiscard]] std::string full_name(const CLI::App& command);
+/// "dtsctl session start --rig RIG [OPTIONS]"
+[[nodiscard]] std::string usage(const CLI::App& command);
+/// The program itself.
+[[nodiscard]] const CLI::App& root_of(const CLI::App& command);
+
+}  // namespace dts::cli

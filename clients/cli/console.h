@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <ostream>
+#include <string>
+#include <string_view>
+
+namespace dts::cli {
+
+/// Where output goes and what the reader at the other end can take.
+struct Console {
+  std::ostream& out;      ///< Results.
+  std::ostream& talk;     ///< Everything else: errors, hints, progress.
+  std::string program{};  ///< Its name, for errors; `run` sets it.
+  bool is_out_terminal = false;
+  bool is_talk_terminal = false;
+  bool has_colours = false;   ///< On `out`: a terminal, and NO_COLOR is not set.
+  bool can_redraw = false;    ///< On `out`: a terminal that moves its cursor.
+  std::size_t columns = 100;  ///< Width of `out`.
+  std::size_t lines = 24;     ///< Its height.
+  /// Tells that whoever read `out` has left, without writing to it.
+  std::function<bool()> is_out_closed = [] { return false; };
+};
+
+enum class Style { Plain, Bold, Good, Warning, Bad, Faint };
+
+/// `text` in a style, or as it is without colours.
+[[nodiscard]] std::string styled(const Console& console, Style style, std::string_view text);
+/// Text from outside without control characters, so that it cannot drive the terminal.
+[[nodiscard]] std::string printable(std::string_view text);
+
+/// "dtsctl: what" and, if there is a hint, "  try: hint" to `talk`.
+void print_error(Console& console, std::string_view what, std::string_view hint = {});
+/// A word on what to do next; only for people, that is, when `talk` is a terminal.
+void print_hint(Console& console, std::string_view text);
+
+}  // namespace dts::cli

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <type_traits>
+
+#include "cli/console.h"
+
+namespace dts::cli {
+
+inline constexpr int kOk = 0;
+inline constexpr int kFailed = 1;
+inline constexpr int kUsage = 2;
+inline constexpr int kInterrupted = 130;
+
+/// The exit status that tells of an error, given by its number in `dts.v1.ErrorCode`. Several codes share "failed": scripts
+/// need not tell them apart.
+[[nodiscard]] int exit_status(int code) noexcept;
+template <class Code>
+requires std::is_enum_v<Code>
+[[nodiscard]] int exit_status(Code code) noexcept { return exit_status(static_cast<int>(code)); }
+
+/// Prints an error and returns its exit status. dts::client and dts::core each have an Error of `code`, `what` and `hint`, with the
+/// same numbers for codes.
+template <class Error>
+[[nodiscard]] int fail_with(Console& console, const Error& error) {
+  print_error(console, error.what, error.hint);
+  return exit_status(error.code);
+}
+
+struct ExitMeaning {
+  int status;
+  std::string_view meaning;
+};
+/// What the manual page says.
+inline constexpr std::array<ExitMeaning, 9> kExitMeanings{{{0, "success"},
+                                                           {1, "failed, or time is up"},
+                                                           {2, "wrong usage or bad input"},
+                                                           {3, "the daemon is not reachable"},
+                                                           {4, "not allowed"},
+                                                           {5, "no such rig, device or session"},
+                                                           {6, "not possible in the present state"},
+                                                           {7, "damaged data"},
+                                                           {130, "interrupted with Ctrl-C"}}};
+
+}  // namespace dts::cli

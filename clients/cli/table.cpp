@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/table.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace dts::cli {
+
+std::string decimal(double value, int decimals) {
+  if (!std::isfinite(value)) return "-";
+  std::array<char, 512> text{};  // the largest double has 309 digits
+  const auto end = std::to_chars(text.begin(), text.end(), value, std::chars_format::fixed, decimals).ptr;
+  return {text.data(), end};
+}
+
+std::string duration(double seconds) {
+  if (!std::isfinite(seconds) || seconds < 0.0 || seconds > 1e12) return "-";
+  if (seconds < 60.0) return decimal(seconds, 1) + " s";
+  const auto whole = static_cast<long long>(seconds);
+  const auto pair = [](long long large, const char* large_unit, long long small, const char* small_unit) {
+    return std::to_string(large) + " " + large_unit + " " + std::to_string(small) + " " + small_unit;
+  };
+  if (whole < 3600) return pair(whole / 60, "min", whole % 60, "s");
+  if (whole < 86400) return pair(whole / 3600, "h", whole % 3600 / 60, "min");
+  return pair(whole / 86400, "d", whole % 86400 / 3600, "h");
+}
+
+std::size_t width(std::string_view text) noexcept {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(text, [](char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }));
+}
+
+Table::Table(std::vector<std::string> headers) {
+  for (std::string& header : headers) {
+    const bool is_right = header.starts_with('>');
+    is_right_.push_back(is_right);
+    headers_.push_back({is_right ? header.substr(1) : std::move(header), Style::Faint});
+    widths_.push_back(width(headers_.back().text));
+  }
+}
+
+void Table::add(std::vector<Cell> row) {
+  row.resize(headers_.size());
+  for (std::size_t column = 0; column < row.size(); ++column) {
+    row[column].text = printable(row[column].text);
+    widths_[column] = std::max(widths_[column], width(row[column].text));
+  }
+  rows_.push_back(std::move(row));
+}
+
+void Table::print(Console& console) const {
+  if (rows_.empty()) return;
+  console.out << line(console, headers_) << '\n';
+  for (const auto& row : rows_) console.out << line(console, row) << '\n';
+}
+
+std::string Table::line(const Console& console, const std::vector<Cell>& cells) const {
+  std::string text;
+  for (std::size_t column = 0; column < cells.size(); ++column) {
+    const std::string padding(widths_[column] - width(cells[column].text), ' ');
+    const std::string shown = styled(console, cells[column].style, cells[column].text);
+    const bool is_last = column + 1 == cells.size();
+    if (is_right_[column]) {
+      text += padding + shown;
+    } else {
+      text += is_last ? shown : shown + padding;
+    }
+    if (!is_last) text += "  ";
+  }
+  while (text.ends_with(' ')) text.pop_back();
+  return text;
+}
+
+}  // namespace dts::cli

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/calibrate/cop_command.h"
+
+#include <algorithm>
+
+#include "cli/exit_status.h"
+#include "ctl/calibrate/cop_guide.h"
+#include "ctl/calibrate/cop_report.h"
+#include "ctl/calibrate/rig_facts.h"
+#include "ctl/commands.h"
+#include "files/cop_calibration_file.h"
+
+namespace dts::ctl {
+namespace {
+
+using cli::Json;
+using client::ErrorCode;
+using client::Result;
+using physics::CopMethod;
+
+/// A deflection with any of these doubts is not averaged into a point.
+constexpr std::uint8_t kRefusedQuality =
+    v1::QUALITY_RAIL | v1::QUALITY_STUCK | v1::QUALITY_OUT_OF_RANGE | v1::QUALITY_ROTATION | v1::QUALITY_UNTARED;
+constexpr double kDriftMm = 0.01;  // moves the estimate by about 0.1 mm at 490 N
+constexpr double kNoiseMm = 0.1;   // as the tare: more means that something moves
+constexpr double kPatienceS = 10.0;
+constexpr double kThesisLoadN = 490.0;  // thesis 4.5: 50 kgf
+
+/// Everything that is decided before the first weight is lifted.
+struct Job {
+  RigFacts facts;
+  CopMethod method = CopMethod::Poly3;
+  PlateView plate;
+  std::vector<PlannedPoint> points;  ///< To calibrate, then to verify.
+  std::size_t fit_count = 0;         ///< So many of them are for the fit.
+  double rate_hz = 0.0;
+  std::string file;
+};
+
+bool is_guided(const Arguments& arguments) { return !arguments.calibrate.is_auto && is_input_terminal(); }
+
+Result<Job> plan(const Arguments& arguments, client::ControlClient& dts) {
+  const CalibrateArguments& wishes = arguments.calibrate;
+  auto facts = ask_rig_facts(dts, arguments.rig);
+  if (!facts) return tl::make_unexpected(facts.error());
+  if (auto idle = facts->check_idle(); !idle) return tl::make_unexpected(idle.error());
+  const auto method = physics::parse_cop_method(wishes.estimator);
+  if (!method) return as_client_error(method.error());
+  Job job{.facts = std::move(*facts), .method = *method};
+  job.plate = plate_view(job.facts.rig);
+  if (job.plate.labels.size() != physics::kFloorSensors) {
+    return client::fail(ErrorCode::Unsupported,
+                        "rig '" + arguments.rig + "' has " + std::to_string(job.plate.labels.size()) + " sensors; " + wishes.estimator +
+                            " is for floor platforms of four",
+                        "more sensors are calibrated on the plate model: estimator = \"moment\"");
+  }
+  const auto rate_hz = job.facts.rate_hz("deflection");
+  if (!rate_hz) return tl::make_unexpected(rate_hz.error());
+  job.rate_hz = *rate_hz;
+  std::vector<double> loads_n = wishes.loads_n;
+  if (loads_n.empty()) loads_n = job.method == CopMethod::Thesis ? std::vector{kThesisLoadN} : std::vector{240.0, 700.0};
+  job.points = plan_points(job.plate, job.method, loads_n, wishes.grid);
+  job.fit_count = job.points.size();
+  for (const PlannedPoint& point : verification_points(job.plate, loads_n.back(), wishes.verify)) job.points.push_back(point);
+  auto file = free_file(wishes.out.empty() ? arguments.rig + "-cop-" + utc_now().substr(0, 10) + ".toml" : wishes.out);
+  if (!file) return tl::make_unexpected(file.error());
+  job.file = std::move(*file);
+  return job;
+}
+
+/// What must be equal for points of two runs to belong together.
+Json identity(const Job& job) {
+  Json points = Json::array();
+  for (const PlannedPoint& point : job.points) points.push_back({point.x_mm, point.y_mm, point.load_n});
+  return {{"format", 1},
+          {"rig", job.facts.rig.name()},
+          {"sensors", job.plate.labels},
+          {"daq_model", job.facts.daq_model},
+          {"daq_serial", job.facts.daq_serial},
+          {"estimator", std::string(physics::to_string(job.method))},
+          {"points_to_fit", job.fit_count},
+          {"points", points}};
+}
+
+Result<ProgressFile> open_progress(const CalibrateArguments& wishes, const Job& job) {
+  const auto folder = state_folder();
+  if (!folder) return tl::make_unexpected(folder.error());
+  const auto file = *folder / ("calibrate-cop-" + job.facts.rig.name() + ".jsonl");
+  if (wishes.is_resumed) return ProgressFile::resume(file, identity(job), job.points.size(), job.plate.labels.size());
+  std::error_code error;
+  if (!wishes.is_fresh && std::filesystem::exists(file, error)) {
+    return client::fail(ErrorCode::WrongState,
+                        "a calibration of rig '" + job.facts.rig.name() + "' was interrupted; its points are in " + file.string(),
+                        "go on with --resume, or begin anew with --fresh");
+  }
+  return ProgressFile::create(file, identity(job));
+}
+
+/// The empty plate becomes zero. False: the person quit.
+Result<bool> tare(client::ControlClient& dts, const std::string& rig, const Prompt* prompt, cli::Console& console) {
+  while (true) {
+    console.talk << "Zero of the empty plate: nothing and nobody on it." << std::endl;
+    if (prompt != nullptr && prompt->ask("  Is it empty?", Prompt::kPlain) == Answer::Quit) return false;
+    const auto tared = dts.tare(rig);
+    if (tared) return true;
+    if (prompt == nullptr || tared.error().code != ErrorCode::WrongState) return tl::make_unexpected(tared.error());
+    cli::print_error(console, tared.error().what, tared.error().hint);
+  }
+}
+
+std::vector<physics::CopSample> samples(const Job& job, const ProgressFile& progress) {
+  std::vector<physics::CopSample> list;
+  for (std::size_t k = 0; k < job.fit_count; ++k) {
+    const PlannedPoint& point = job.points[k];
+    list.push_back({.load_position = {{point.x_mm}, {point.y_mm}}, .load = {point.load_n}, .deflection_mm = progress.points()[k]->mean});
+  }
+  return list;
+}
+
+Result<physics::CopCalibration> fit_and_write(const Job& job, const ProgressFile& progress) {
+  auto calibration = physics::calibrate_cop(
+      job.method, samples(job, progress),
+      {.created_utc = utc_now(), .rig = job.facts.rig.name(), .daq_model = job.facts.daq_model, .daq_serial = job.facts.daq_serial});
+  if (!calibration) {
+    core::Error error = calibration.error();
+    error.hint += std::string(error.hint.empty() ? "" : "; ") + "the points are kept: --resume; to measure them anew: --fresh";
+    return as_client_error(error);
+  }
+  if (auto written = files::write_cop_calibration(job.file, *calibration); !written) return as_client_error(written.error());
+  return std::move(*calibration);
+}
+
+int finish(const Job& job, ProgressFile& progress, const physics::CopCalibration& calibration, bool is_json, cli::Console& console) {
+  CopReport report{.calibration = calibration, .file = job.file, .verification = {}};
+  for (std::size_t k = job.fit_count; k < progress.next(); ++k) {
+    report.verification.push_back(verify(calibration, job.points[k], progress.points()[k]->mean));
+  }
+  progress.finish();
+  if (is_json) {
+    console.out << cli::document(to_json(report)) << std::flush;
+  } else {
+    print(console, report);
+  }
+  return cli::kOk;
+}
+
+int say_kept(const ProgressFile& progress, const Job& job, cli::Console& console) {
+  const auto measured = std::ranges::count(progress.points(), true, &std::optional<SteadyReading>::has_value);
+  console.talk << measured << " of " << job.points.size() << " points are kept in " << progress.path().string() << "; go on with --resume"
+               << std::endl;
+  return cli::kInterrupted;
+}
+
+/// All that happens at the plate.
+int work(const Arguments& arguments, client::ControlClient& dts, const Job& job, ProgressFile& progress, Feed& feed, std::size_t scans,
+         cli::Console& console) {
+  const bool guided = is_guided(arguments);
+  const Prompt prompt(console.talk, standard_input());
+  const Prompt* const asks = guided ? &prompt : nullptr;
+  const auto say = [&console](const std::string& line) { console.talk << line << std::endl; };
+  if (progress.next() < job.points.size()) {
+    const auto tared = tare(dts, arguments.rig, asks, console);
+    if (!tared) return cli::fail_with(console, tared.error());
+    if (!*tared) return say_kept(progress, job, console);
+  }
+  if (auto fresh = feed.discard(); !fresh) return cli::fail_with(console, fresh.error());
+  Measurer measurer(feed, {.labels = job.plate.labels,
+                           .unit = "mm",
+                           .limits = {.window_scans = scans, .drift = kDriftMm, .noise = kNoiseMm},
+                           .refused_quality = kRefusedQuality,
+                           .patience_scans = static_cast<std::size_t>(kPatienceS * job.rate_hz) + scans,
+                           .say = say});
+  CopGuide guide({.plate = job.plate,
+                  .points = job.points,
+                  .measurer = measurer,
+                  .progress = progress,
+                  .prompt = asks,
+                  .draws = guided || console.is_talk_terminal,
+                  .say = say});
+  const auto measured = guide.measure_until(job.fit_count);
+  if (!measured) return cli::fail_with(console, measured.error());
+  if (!*measured) return say_kept(progress, job, console);
+  const auto calibration = fit_and_write(job, progress);
+  if (!calibration) return cli::fail_with(console, calibration.error());
+  if (progress.next() < job.points.size()) say("Fitted and written. Now points that the fit has not seen, to verify it.");
+  const auto verified = guide.measure_until(job.points.size());  // whoever quits here has a calibration all the same
+  if (!verified) cli::print_error(console, verified.error().what, "the calibration is written; only its verification is incomplete");
+  return finish(job, progress, *calibration, arguments.is_json, console);
+}
+
+}  // namespace
+
+int run_calibrate_cop(const Arguments& arguments, cli::Console& console) {
+  auto dts = connect(arguments);
+  if (!dts) return cli::fail_with(console, dts.error());
+  const auto where = endpoints(arguments);
+  if (!where) return cli::fail_with(console, where.error());
+  const auto job = plan(arguments, *dts);
+  if (!job) return cli::fail_with(console, job.error());
+  const auto scans = hold_scans(arguments.calibrate.hold_s, job->rate_hz);
+  if (!scans) return cli::fail_with(console, scans.error());
+  std::vector<std::string> channels;
+  for (const std::string& label : job->plate.labels) channels.push_back(label + "_mm");
+  auto feed = LiveFeed::open(where->data, arguments.rig, "deflection", channels);
+  if (!feed) return cli::fail_with(console, feed.error());
+  auto progress = open_progress(arguments.calibrate, *job);
+  if (!progress) return cli::fail_with(console, progress.error());
+  return work(arguments, *dts, *job, *progress, *feed, *scans, console);
+}
+
+}  // namespace dts::ctl

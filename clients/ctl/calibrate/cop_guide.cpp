@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/calibrate/cop_guide.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "cli/table.h"
+#include "ctl/calibrate/picture.h"
+
+namespace dts::ctl {
+namespace {
+
+using cli::decimal;
+using client::Result;
+
+/// Four sensors of 3 mV noise scatter by 0.01 mm in sum; 20 N in the middle of the thesis's plate give 0.5 mm.
+constexpr double kEmptySumMm = 0.1;
+
+/// How far the deflections' centre may lie on the wrong side of the plate's, for noise and unequal sensors.
+constexpr double kWrongSideMm = 3.0;
+
+/// Centre of the deflections along one axis: always on the load's side of the sensors' middle, though much nearer to it.
+double deflection_centre_mm(const std::vector<double>& position_mm, const std::vector<double>& deflection_mm) {
+  double moment = 0.0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < position_mm.size(); ++i) {
+    moment += deflection_mm[i] * position_mm[i];
+    sum += deflection_mm[i];
+  }
+  return moment / sum;
+}
+
+/// A load left of the middle that bends the plate to the right: the wrong place, or sensors in the wrong order.
+bool is_on_the_other_side(const std::vector<double>& position_mm, const std::vector<double>& deflection_mm, double place_mm) {
+  const auto [first, last] = std::ranges::minmax(position_mm);
+  const double middle_mm = 0.5 * (first + last);
+  const double off_mm = deflection_centre_mm(position_mm, deflection_mm) - middle_mm;
+  return place_mm < middle_mm ? off_mm > kWrongSideMm : place_mm > middle_mm && off_mm < -kWrongSideMm;
+}
+
+}  // namespace
+
+bool is_loaded(std::span<const double> deflection_mm) noexcept {
+  return std::accumulate(deflection_mm.begin(), deflection_mm.end(), 0.0) > kEmptySumMm;
+}
+
+Result<bool> CopGuide::measure_until(std::size_t end) {
+  std::size_t last = parts_.points.size();  // the last one measured in this run, for redo
+  while (parts_.progress.next() < end) {
+    const std::size_t index = parts_.progress.next();
+    announce(index);
+    if (parts_.prompt != nullptr) {
+      const Answer answer = parts_.prompt->ask("  Is it there?", Prompt::kWithRedo);
+      if (answer == Answer::Quit) return false;
+      if (answer == Answer::Redo) {
+        if (auto forgotten = forget(last); !forgotten) return tl::make_unexpected(forgotten.error());
+        continue;
+      }
+      if (auto fresh = parts_.measurer.begin_anew(); !fresh) return tl::make_unexpected(fresh.error());
+    }
+    if (auto measured = measure(index); !measured) return tl::make_unexpected(measured.error());
+    if (parts_.progress.points()[index]) last = index;
+  }
+  return true;
+}
+
+Result<void> CopGuide::forget(std::size_t index) {
+  if (index < parts_.points.size()) return parts_.progress.forget(index);
+  parts_.say("  nothing was measured yet");
+  return {};
+}
+
+Result<void> CopGuide::measure(std::size_t index) {
+  const bool is_automatic = parts_.prompt == nullptr;
+  if (is_automatic) {
+    const auto is_empty = [](std::span<const double> scan) { return !is_loaded(scan); };
+    if (auto empty = parts_.measurer.wait_until(is_empty); !empty) return empty;
+  }
+  const auto reading = parts_.measurer.measure(is_loaded);
+  if (!reading) return tl::make_unexpected(reading.error());
+  const PlannedPoint& point = parts_.points[index];
+  if (is_on_the_other_side(parts_.plate.sensor_x_mm, reading->mean, point.x_mm) ||
+      is_on_the_other_side(parts_.plate.sensor_y_mm, reading->mean, point.y_mm)) {
+    parts_.say("  not recorded: the plate bends on the other side. Is the weight at the right place, are the sensors in the rig's order?");
+    return {};
+  }
+  if (auto recorded = parts_.progress.record(index, *reading); !recorded) return recorded;
+  report(index, *reading);
+  return {};
+}
+
+void CopGuide::announce(std::size_t index) const {
+  const PlannedPoint& point = parts_.points[index];
+  parts_.say("Point " + std::to_string(index + 1) + " of " + std::to_string(parts_.points.size()) + ": put " + decimal(point.load_n, 0) +
+             " N at " + place_text(parts_.plate, point));
+  if (!parts_.draws) return;
+  std::string picture = spot_picture(parts_.plate, point);
+  picture.pop_back();
+  parts_.say(picture);
+}
+
+void CopGuide::report(std::size_t index, const SteadyReading& reading) const {
+  std::string text = "  read";
+  double noise_mm = 0.0;
+  for (std::size_t i = 0; i < reading.mean.size(); ++i) {
+    text += "  " + parts_.plate.labels[i] + " " + decimal(reading.mean[i], 3);
+    noise_mm = std::max(noise_mm, reading.noise[i]);
+  }
+  const bool is_last = index + 1 == parts_.points.size();
+  parts_.say(text + " mm; noise to " + decimal(noise_mm, 4) + " mm over " + std::to_string(reading.scans) + " scans" +
+             (is_last ? "" : "; take it off"));
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/calibrate/feed.h"
+
+#include <algorithm>
+
+#include "ctl/silence.h"
+#include "dts/endpoints.h"
+
+namespace dts::ctl {
+namespace {
+
+using client::ErrorCode;
+using client::Result;
+
+constexpr std::chrono::milliseconds kLook{100};
+constexpr std::chrono::seconds kSilence{10};
+
+}  // namespace
+
+Result<LiveFeed> LiveFeed::open(const std::string& endpoint, const std::string& rig, const std::string& stream,
+                                std::vector<std::string> channels) {
+  if (auto somebody = client::probe(endpoint); !somebody) return tl::make_unexpected(somebody.error());
+  const std::string topic = rig + "/" + stream;
+  auto subscriber = client::Subscriber::open({.endpoint = endpoint, .topics = {topic, rig + "/gap", rig + "/device"}});
+  if (!subscriber) return tl::make_unexpected(subscriber.error());
+  return LiveFeed(std::move(*subscriber), endpoint, topic, std::move(channels));
+}
+
+Result<std::optional<FeedBlock>> LiveFeed::next() {
+  auto block = receive(kLook);
+  if (!block || *block) return block;
+  if (auto heard = check_silence(); !heard) return tl::make_unexpected(heard.error());
+  return std::nullopt;
+}
+
+/// Messages of other kinds count as nothing.
+Result<std::optional<FeedBlock>> LiveFeed::receive(std::chrono::milliseconds timeout) {
+  const auto message = subscriber_.receive(timeout);
+  if (!message) return tl::make_unexpected(message.error());
+  if (!*message) return std::nullopt;
+  if (std::holds_alternative<client::Restart>(**message)) {
+    return client::fail(ErrorCode::WrongState, "the daemon was restarted during the calibration: the zero of the plate is lost",
+                        "begin again; points already recorded are kept: --resume");
+  }
+  if (std::holds_alternative<client::Event>(**message)) is_broken_ = true;
+  const auto* block = std::get_if<client::Block>(&**message);
+  if (block == nullptr || block->topic != topic_) return std::nullopt;
+  auto taken = take(*block);
+  if (!taken) return tl::make_unexpected(taken.error());
+  return std::optional<FeedBlock>(std::move(*taken));
+}
+
+Result<FeedBlock> LiveFeed::take(const client::Block& block) {
+  heard_ = std::chrono::steady_clock::now();
+  FeedBlock taken;
+  for (const std::string& name : channels_) {
+    const auto& channels = block.format->channels;
+    const auto found = std::ranges::find(channels, name, &client::ChannelFormat::name);
+    if (found == channels.end()) {
+      return client::fail(ErrorCode::DataDamaged, "stream " + topic_ + " has no channel '" + name + "'", "dtsctl rig show");
+    }
+    const auto index = static_cast<std::size_t>(found - channels.begin());
+    const auto column = block.column(index);
+    taken.columns.emplace_back(column.begin(), column.end());
+    taken.quality.push_back(block.quality[index]);
+  }
+  taken.follows_loss = is_broken_ || (has_begun_ && (block.lost_scans > 0 || block.segment != segment_));
+  is_broken_ = false;
+  has_begun_ = true;
+  segment_ = block.segment;
+  return taken;
+}
+
+Result<void> LiveFeed::check_silence() const {
+  if (std::chrono::steady_clock::now() - heard_ < kSilence) return {};
+  return tl::make_unexpected(explain_silence(subscriber_.status(), {topic_}, endpoint_));
+}
+
+Result<void> LiveFeed::discard() {
+  while (true) {
+    const auto message = subscriber_.receive(std::chrono::milliseconds(0));
+    if (!message) return tl::make_unexpected(message.error());
+    if (!*message) break;
+  }
+  has_begun_ = false;
+  is_broken_ = false;
+  heard_ = std::chrono::steady_clock::now();
+  return {};
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/calibrate/gap_guide.h"
+
+#include <cmath>
+
+#include "cli/table.h"
+
+namespace dts::ctl {
+namespace {
+
+using cli::decimal;
+using client::Result;
+
+constexpr double kNewLevelV = 0.02;  // four codes of 11 bit over +-5 V
+
+bool always(std::span<const double> /*scan*/) { return true; }
+
+bool is_other_level(const SteadyReading& one, const SteadyReading& other) {
+  for (std::size_t i = 0; i < one.mean.size(); ++i) {
+    if (std::abs(one.mean[i] - other.mean[i]) <= kNewLevelV) return false;
+  }
+  return true;
+}
+
+void report(const GapGuideParts& parts, const SteadyReading& reading) {
+  std::string text = "  read";
+  double noise_v = 0.0;
+  for (std::size_t i = 0; i < reading.mean.size(); ++i) {
+    text += "  " + decimal(reading.mean[i], 4);
+    noise_v = std::max(noise_v, reading.noise[i]);
+  }
+  parts.say(text + " V; noise to " + decimal(1e3 * noise_v, 1) + " mV over " + std::to_string(reading.scans) + " scans");
+}
+
+std::string request(const GapGuideParts& parts, std::size_t index) {
+  return "Gap " + std::to_string(index + 1) + " of " + std::to_string(parts.gaps_mm.size()) + ": " + decimal(parts.gaps_mm[index], 3) +
+         " mm";
+}
+
+Result<std::vector<SteadyReading>> measure_guided(const GapGuideParts& parts) {
+  std::vector<SteadyReading> readings;
+  while (readings.size() < parts.gaps_mm.size()) {
+    const Answer answer = parts.prompt->ask(request(parts, readings.size()) + ". Is the spacer in?", Prompt::kWithRedo);
+    if (answer == Answer::Quit) return readings;
+    if (answer == Answer::Redo) {
+      if (!readings.empty()) readings.pop_back();
+      continue;
+    }
+    if (auto fresh = parts.measurer.begin_anew(); !fresh) return tl::make_unexpected(fresh.error());
+    auto reading = parts.measurer.measure(always);
+    if (!reading) return tl::make_unexpected(reading.error());
+    report(parts, *reading);
+    readings.push_back(std::move(*reading));
+  }
+  return readings;
+}
+
+Result<std::vector<SteadyReading>> measure_alone(const GapGuideParts& parts) {
+  parts.say("Nothing before the sensors, please");
+  auto open = parts.measurer.measure(always);
+  if (!open) return tl::make_unexpected(open.error());
+  report(parts, *open);
+  std::vector<SteadyReading> readings;
+  SteadyReading last = *open;
+  while (readings.size() < parts.gaps_mm.size()) {
+    parts.say(request(parts, readings.size()));
+    while (true) {
+      auto reading = parts.measurer.measure(always);
+      if (!reading) return tl::make_unexpected(reading.error());
+      if (!is_other_level(*reading, last)) continue;
+      last = *reading;
+      if (!is_other_level(*reading, *open)) continue;
+      report(parts, *reading);
+      readings.push_back(std::move(*reading));
+      break;
+    }
+  }
+  return readings;
+}
+
+}  // namespace
+
+Result<std::vector<SteadyReading>> measure_gaps(const GapGuideParts& parts) {
+  return parts.prompt != nullptr ? measure_guided(parts) : measure_alone(parts);
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/calibrate/sensor_command.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+
+#include "cli/exit_status.h"
+#include "cli/json.h"
+#include "cli/table.h"
+#include "ctl/calibrate/gap_guide.h"
+#include "ctl/calibrate/gap_table.h"
+#include "ctl/calibrate/rig_facts.h"
+#include "ctl/commands.h"
+#include "files/sensor_curve_file.h"
+
+namespace dts::ctl {
+namespace {
+
+using cli::Json;
+using client::ErrorCode;
+using client::Result;
+
+constexpr std::uint8_t kRefusedQuality = v1::QUALITY_RAIL | v1::QUALITY_STUCK | v1::QUALITY_ROTATION;
+constexpr double kDriftV = 0.005;  // one code of 11 bit over +-5 V
+constexpr double kNoiseV = 0.05;
+constexpr double kPatienceS = 10.0;
+constexpr const char* kAll = "all";
+
+/// One sensor's way from readings to a file.
+struct SensorJob {
+  v1::SensorInfo sensor;  ///< Without rig: only the label.
+  std::vector<physics::GapReading> readings;
+  std::string file;
+  std::size_t samples_per_point = 1;
+};
+
+struct Finished {
+  physics::SensorCalibration calibration;
+  files::SensorCalibrationFacts facts;
+  std::string file;
+};
+
+std::string default_name(const std::string& rig, const std::string& label) {
+  return (rig.empty() ? "" : rig + "-") + label + "-" + utc_now().substr(0, 10) + ".toml";
+}
+
+/// `--out` names the file of one sensor, or the folder of all.
+Result<std::string> file_for(const Arguments& arguments, const std::string& label) {
+  const CalibrateArguments& wishes = arguments.calibrate;
+  const std::string name = default_name(arguments.rig, label);
+  if (wishes.out.empty()) return free_file(name);
+  return free_file(wishes.sensor == kAll ? (std::filesystem::path(wishes.out) / name).string() : wishes.out);
+}
+
+Result<std::vector<SensorJob>> choose_sensors(const Arguments& arguments, const RigFacts& facts) {
+  const std::string& wanted = arguments.calibrate.sensor;
+  std::vector<SensorJob> jobs;
+  std::string known;
+  for (const v1::SensorInfo& sensor : facts.rig.sensors()) {
+    known += (known.empty() ? "" : ", ") + sensor.label();
+    if (wanted != kAll && wanted != sensor.label()) continue;
+    auto file = file_for(arguments, sensor.label());
+    if (!file) return tl::make_unexpected(file.error());
+    jobs.push_back({.sensor = sensor, .readings = {}, .file = std::move(*file)});
+  }
+  if (!jobs.empty()) return jobs;
+  return client::fail(ErrorCode::NotFound, "rig '" + arguments.rig + "' has no sensor '" + wanted + "'",
+                      "there are: " + known + "; or: all");
+}
+
+Result<std::vector<SteadyReading>> measure(const Arguments& arguments, const std::vector<SensorJob>& jobs, double rate_hz, Feed& feed,
+                                           cli::Console& console) {
+  const CalibrateArguments& wishes = arguments.calibrate;
+  const auto scans = hold_scans(wishes.hold_s, rate_hz);
+  if (!scans) return tl::make_unexpected(scans.error());
+  const auto say = [&console](const std::string& line) { console.talk << line << std::endl; };
+  MeasureOptions options{.unit = "V",
+                         .limits = {.window_scans = *scans, .drift = kDriftV, .noise = kNoiseV},
+                         .refused_quality = kRefusedQuality,
+                         .patience_scans = static_cast<std::size_t>(kPatienceS * rate_hz) + *scans,
+                         .say = say};
+  for (const SensorJob& job : jobs) options.labels.push_back(job.sensor.label());
+  Measurer measurer(feed, std::move(options));
+  const Prompt prompt(console.talk, standard_input());
+  const bool is_guided = !wishes.is_auto && is_input_terminal();
+  return measure_gaps({.gaps_mm = wishes.gaps_mm, .measurer = measurer, .prompt = is_guided ? &prompt : nullptr, .say = say});
+}
+
+/// Fills in the readings; false when the person quit.
+Result<bool> measure_jobs(const Arguments& arguments, const RigFacts& facts, std::vector<SensorJob>& jobs, cli::Console& console) {
+  if (auto idle = facts.check_idle(); !idle) return tl::make_unexpected(idle.error());
+  const auto where = endpoints(arguments);
+  if (!where) return tl::make_unexpected(where.error());
+  const auto rate_hz = facts.rate_hz("raw");
+  if (!rate_hz) return tl::make_unexpected(rate_hz.error());
+  std::vector<std::string> channels;
+  for (const SensorJob& job : jobs) channels.push_back(job.sensor.label() + "_v");  // as the pipeline names the columns of its input
+  auto feed = LiveFeed::open(where->data, arguments.rig, "raw", channels);
+  if (!feed) return tl::make_unexpected(feed.error());
+  const auto levels = measure(arguments, jobs, *rate_hz, *feed, console);
+  if (!levels) return tl::make_unexpected(levels.error());
+  const auto& gaps_mm = arguments.calibrate.gaps_mm;
+  if (levels->size() < gaps_mm.size()) return false;
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    for (std::size_t k = 0; k < gaps_mm.size(); ++k) {
+      jobs[i].readings.push_back({.gap = {gaps_mm[k]}, .volts = {(*levels)[k].mean[i]}, .row = k + 1});
+      jobs[i].samples_per_point = (*levels)[k].scans;
+    }
+  }
+  return true;
+}
+
+Result<Finished> finish(const SensorJob& job, const std::optional<RigFacts>& facts, const std::string& rig) {
+  const std::string label = job.sensor.label();
+  auto calibration = physics::calibrate_sensor(job.readings);
+  const auto refuse = [&](core::Error error) {
+    error.what = "sensor " + label + ": " + error.what;
+    return as_client_error(error);
+  };
+  if (!calibration) return refuse(calibration.error());
+  files::SensorCalibrationFacts about{.created_utc = utc_now(), .rig = rig, .sensor = label};
+  if (facts) {
+    about.daq_model = facts->daq_model;
+    about.daq_serial = facts->daq_serial;
+    about.channel = job.sensor.channel();
+    const double range_v = std::max(std::abs(job.sensor.range_low_v()), std::abs(job.sensor.range_high_v()));
+    if (range_v > 0.0) about.range_v = range_v;  // 0: the daemon is older and does not say
+  }
+  about.residual_mv = 1e3 * calibration->residual_v;
+  if (calibration->repeat_v) about.repeat_mv = 1e3 * *calibration->repeat_v;
+  about.readings_per_gap = calibration->least_readings;
+  about.samples_per_point = job.samples_per_point;
+  about = files::with_id(about, calibration->points);
+  const std::string name = (rig.empty() ? "" : rig + "-") + label;
+  if (auto curve = physics::SensorCurve::create(name, calibration->points); !curve) return refuse(curve.error());
+  if (auto written = files::write_sensor_curve(job.file, name, calibration->points, about); !written) return refuse(written.error());
+  return Finished{std::move(*calibration), std::move(about), job.file};
+}
+
+Json to_json(const Finished& finished) {
+  const files::SensorCalibrationFacts& facts = finished.facts;
+  Json json = Json::object();
+  for (const auto& [key, text] :
+       {std::pair{"sensor", &facts.sensor}, std::pair{"rig", &facts.rig}, std::pair{"id", &facts.id},
+        std::pair{"created_utc", &facts.created_utc}, std::pair{"daq_model", &facts.daq_model}, std::pair{"daq_serial", &facts.daq_serial},
+        std::pair{"channel", &facts.channel}, std::pair{"file", &finished.file}}) {
+    if (!text->empty()) json[key] = *text;
+  }
+  if (facts.range_v) cli::set_number(json, "range_v", *facts.range_v);
+  cli::set_number(json, "residual_mv", facts.residual_mv);
+  if (facts.repeat_mv) cli::set_number(json, "repeat_mv", *facts.repeat_mv);
+  json["readings_per_gap"] = facts.readings_per_gap;
+  json["samples_per_point"] = facts.samples_per_point;
+  json["points"] = Json::array();
+  for (const physics::CurvePoint& point : finished.calibration.points) {
+    json["points"].push_back({{"gap_mm", point.gap.value}, {"volts", point.volts.value}});
+  }
+  return json;
+}
+
+/// An empty plate whose gap lies at or beyond the end of the curve cannot be tared.
+void warn_of_range(const SensorJob& job, const Finished& finished, cli::Console& console) {
+  constexpr double kMarginMm = 0.1;  // how exactly sensors are mounted
+  const double unloaded_mm = job.sensor.unloaded_gap_mm();
+  const double largest_mm = finished.calibration.points.back().gap.value;
+  if (!(unloaded_mm + kMarginMm > largest_mm)) return;
+  console.talk << "warning: sensor " << cli::printable(finished.facts.sensor) << " has an unloaded gap of " << cli::decimal(unloaded_mm, 2)
+               << " mm, its curve ends at " << cli::decimal(largest_mm, 2) << " mm: measure larger gaps too" << std::endl;
+}
+
+void print(cli::Console& console, const std::vector<Finished>& all) {
+  for (const Finished& finished : all) {
+    console.out << "Sensor " << finished.facts.sensor << ", " << finished.facts.id << ":\n";
+    cli::Table table({">gap mm", ">volts"});
+    for (const physics::CurvePoint& point : finished.calibration.points) {
+      table.add({{cli::decimal(point.gap.value, 3)}, {cli::decimal(point.volts.value, 4)}});
+    }
+    table.print(console);
+    console.out << "about a smooth curve: " << cli::decimal(finished.facts.residual_mv, 2) << " mV rms";
+    if (finished.facts.repeat_mv) console.out << "; repeated: " << cli::decimal(*finished.facts.repeat_mv, 2) << " mV rms";
+    console.out << "\nwritten to " << finished.file << "\nto use it, write into the rig's file, under [[sensor]] label = \""
+                << finished.facts.sensor << "\":\n    curve = \"" << std::filesystem::absolute(finished.file).string() << "\"\n";
+  }
+  console.out.flush();
+}
+
+/// Without a rig: one sensor, one table of points, nothing known about the hardware.
+Result<std::vector<SensorJob>> offline_job(const Arguments& arguments) {
+  SensorJob job;
+  job.sensor.set_label(arguments.calibrate.sensor);
+  auto file = file_for(arguments, job.sensor.label());
+  if (!file) return tl::make_unexpected(file.error());
+  job.file = std::move(*file);
+  return std::vector{std::move(job)};
+}
+
+core::Status check(const Arguments& arguments) {
+  const bool is_offline = !arguments.calibrate.points_file.empty();
+  if (arguments.rig.empty() && !is_offline) {
+    return core::fail(core::ErrorCode::InvalidArgument, "measuring needs a rig", "--rig RIG, or --points FILE");
+  }
+  if (is_offline && arguments.calibrate.sensor == kAll) {
+    return core::fail(core::ErrorCode::InvalidArgument, "one file of points is one sensor, not all", "--sensor LABEL");
+  }
+  return {};
+}
+
+Result<std::optional<RigFacts>> facts_if_any(const Arguments& arguments) {
+  if (arguments.rig.empty()) return std::nullopt;
+  auto dts = connect(arguments);
+  if (!dts) return tl::make_unexpected(dts.error());
+  auto facts = ask_rig_facts(*dts, arguments.rig);
+  if (!facts) return tl::make_unexpected(facts.error());
+  return std::optional<RigFacts>(std::move(*facts));
+}
+
+/// From a file, or from the sensors themselves. False: the person quit.
+Result<bool> fill_in(const Arguments& arguments, const std::optional<RigFacts>& facts, std::vector<SensorJob>& jobs,
+                     cli::Console& console) {
+  if (arguments.calibrate.points_file.empty()) return measure_jobs(arguments, *facts, jobs, console);
+  auto readings = read_gap_table(arguments.calibrate.points_file);
+  if (!readings) return tl::make_unexpected(readings.error());
+  jobs.front().readings = std::move(*readings);
+  return true;
+}
+
+}  // namespace
+
+int run_calibrate_sensor(const Arguments& arguments, cli::Console& console) {
+  if (auto checked = check(arguments); !checked) return cli::fail_with(console, checked.error());
+  const auto facts = facts_if_any(arguments);
+  if (!facts) return cli::fail_with(console, facts.error());
+  auto jobs = *facts ? choose_sensors(arguments, **facts) : offline_job(arguments);
+  if (!jobs) return cli::fail_with(console, jobs.error());
+  const auto filled = fill_in(arguments, *facts, *jobs, console);
+  if (!filled) return cli::fail_with(console, filled.error());
+  if (!*filled) return cli::kInterrupted;
+  std::vector<Finished> all;
+  for (const SensorJob& job : *jobs) {
+    auto finished = finish(job, *facts, arguments.rig);
+    if (!finished) return cli::fail_with(console, finished.error());
+    warn_of_range(job, *finished, console);
+    all.push_back(std::move(*finished));
+  }
+  if (!arguments.is_json) {
+    print(console, all);
+    return cli::kOk;
+  }
+  Json document{{"sensors", Json::array()}};
+  for (const Finished& finished : all) document["sensors"].push_back(to_json(finished));
+  console.out << cli::document(document) << std::flush;
+  return cli::kOk;
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/calibrate/steady.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cli/table.h"
+
+namespace dts::ctl {
+namespace {
+
+constexpr std::size_t kQuarters = 4;
+constexpr double kDependentScans = 3.0;  // of the thesis's window filter
+constexpr double kDeviations = 4.0;  // the range of five means stays below this in all but some 4 % of windows, and the next one comes soon
+
+}  // namespace
+
+SteadyDetector::SteadyDetector(std::size_t channel_count, const SteadyLimits& limits)
+    : limits_(limits), ring_(channel_count, std::vector<double>(ring_scans())) {}
+
+void SteadyDetector::add(std::span<const double> scan) {
+  if (std::ranges::any_of(scan, [](double value) { return !std::isfinite(value); })) return reset();
+  for (std::size_t channel = 0; channel < ring_.size(); ++channel) ring_[channel][count_ % ring_scans()] = scan[channel];
+  ++count_;
+}
+
+void SteadyDetector::reset() noexcept { count_ = 0; }
+
+SteadyDetector::Judgement SteadyDetector::judge(std::size_t channel) const {
+  const std::size_t window = limits_.window_scans;
+  const std::size_t lead = ring_scans() - window;
+  const auto value = [&](std::size_t age) { return ring_[channel][(count_ + age) % ring_scans()]; };  // 0 is the oldest
+  const auto mean = [&](std::size_t first, std::size_t end) {
+    double sum = 0.0;
+    for (std::size_t i = first; i < end; ++i) sum += value(i);
+    return sum / static_cast<double>(end - first);
+  };
+  std::array<double, kQuarters + 1> means{};
+  std::array<double, kQuarters> noises{};
+  means[kQuarters] = mean(0, lead);
+  Judgement judgement;
+  judgement.mean = mean(lead, lead + window);
+  for (std::size_t quarter = 0; quarter < kQuarters; ++quarter) {
+    const std::size_t first = lead + quarter * window / kQuarters;
+    const std::size_t end = lead + (quarter + 1) * window / kQuarters;
+    means[quarter] = mean(first, end);
+    double squares = 0.0;
+    for (std::size_t i = first; i < end; ++i) squares += std::pow(value(i) - means[quarter], 2);
+    noises[quarter] = std::sqrt(squares / static_cast<double>(end - first - 1));
+  }
+  std::ranges::sort(noises);
+  judgement.noise = 0.5 * (noises[1] + noises[2]);
+  const auto [low, high] = std::ranges::minmax(means);
+  judgement.drift = high - low;
+  const double independent = std::max(1.0, static_cast<double>(window) / static_cast<double>(kQuarters) / kDependentScans);
+  judgement.drift_limit = limits_.drift + kDeviations * judgement.noise / std::sqrt(independent);
+  return judgement;
+}
+
+std::optional<SteadyReading> SteadyDetector::reading() const {
+  if (!is_full()) return std::nullopt;
+  SteadyReading reading{.mean = {}, .noise = {}, .scans = limits_.window_scans};
+  for (std::size_t channel = 0; channel < ring_.size(); ++channel) {
+    const Judgement judgement = judge(channel);
+    if (!rests(judgement)) return std::nullopt;
+    reading.mean.push_back(judgement.mean);
+    reading.noise.push_back(judgement.noise);
+  }
+  return reading;
+}
+
+std::optional<SteadyDetector::Unrest> SteadyDetector::unrest() const {
+  if (!is_full()) return std::nullopt;
+  std::optional<Unrest> worst;
+  double worst_part = 1.0;
+  for (std::size_t channel = 0; channel < ring_.size(); ++channel) {
+    const Judgement judgement = judge(channel);
+    const double noise_part = judgement.noise / limits_.noise;
+    const double drift_part = judgement.drift / judgement.drift_limit;
+    if (std::max(noise_part, drift_part) <= worst_part) continue;
+    worst_part = std::max(noise_part, drift_part);
+    worst = Unrest{channel, noise_part > drift_part ? "scatters by " + cli::decimal(judgement.noise, 4) + " rms"
+                                                    : "drifts by " + cli::decimal(judgement.drift, 4)};
+  }
+  return worst;
+}
+
+}  // namespace dts::ctl

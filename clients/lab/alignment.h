@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "core/result.h"
+#include "lab/recording.h"
+
+namespace dts::lab {
+
+/// How the clock of a recording A reads when that of B reads `t_b_s`: t_a = t_b + offset + drift (t_b - reference).
+struct Alignment {
+  enum class Means { Trigger, Marker, Correlation };
+
+  Means means = Means::Correlation;
+  double offset_s = 0.0;                                        ///< At `reference_s`.
+  double offset_sd_s = 0.0;                                     ///< Standard deviation.
+  double drift_ppm = std::numeric_limits<double>::quiet_NaN();  ///< NaN: a single event says nothing; taken as 0.
+  double drift_sd_ppm = std::numeric_limits<double>::quiet_NaN();
+  double reference_s = 0.0;                                            ///< On B's clock, in the middle of what was used.
+  std::size_t event_count = 0;                                         ///< Common triggers or markers.
+  double peak_correlation = std::numeric_limits<double>::quiet_NaN();  ///< Correlation only.
+
+  [[nodiscard]] double to_a_s(double t_b_s) const noexcept;
+};
+
+/// "trigger", "marker", "correlation"
+[[nodiscard]] std::string_view name(Alignment::Means means) noexcept;
+
+/// By the trigger edges that both have, else by equal markers, else by cross-correlation of both axes, refined by least squares
+/// in offset, drift, and gain and mean per axis. Fails with Failed when nothing matches.
+[[nodiscard]] core::Result<Alignment> align(const Recording& a, const Recording& b);
+
+// The parts of `align`.
+
+/// Times at which the trigger rises through the middle of its range; half a step early, because it rose between two scans.
+[[nodiscard]] std::vector<double> trigger_edges_s(const Recording& recording);
+/// Pairs events by the one shift that most of them agree on, and fits a line. `sd_s`: of each event's time difference.
+[[nodiscard]] core::Result<Alignment> align_events(const std::vector<double>& a_s, const std::vector<double>& b_s, double sd_s);
+[[nodiscard]] core::Result<Alignment> align_by_correlation(const Recording& a, const Recording& b);
+
+}  // namespace dts::lab

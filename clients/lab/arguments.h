@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace dts::lab {
+
+/// Everything that the command line can say, checked for syntax and range.
+struct Arguments {
+  bool is_json = false;
+  std::string plot;  ///< File for a picture; empty: none.
+
+  std::string case_file;
+  std::optional<std::string> method;
+  std::optional<int> divisions;
+  bool is_nonlinear = false;
+
+  std::string table;  ///< Of the thesis.
+
+  std::string rig;          ///< Rig file; empty: the thesis's floor platform.
+  std::string points;       ///< CSV of point loads.
+  std::string calibration;  ///< TOML.
+  std::string estimator = "poly3";
+  std::string noise = "none";
+  std::string contact = "points";  ///< Or "one-foot", "two-feet".
+  bool is_linear = false;          ///< Thin-plate theory alone.
+  std::vector<double> loads_n;
+  std::string out;
+
+  std::string first;  ///< Recordings to compare.
+  std::string second;
+
+  std::size_t sensor_count = 4;
+};
+
+}  // namespace dts::lab

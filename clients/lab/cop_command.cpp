@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/cop_command.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <ctime>
+#include <filesystem>
+#include <string>
+
+#include "cli/exit_status.h"
+#include "cli/json.h"
+#include "cli/table.h"
+#include "files/cop_calibration_file.h"
+#include "files/whole_file.h"
+#include "lab/cop_points.h"
+#include "lab/problems.h"
+
+namespace dts::lab {
+namespace {
+
+using physics::CopCalibration;
+using physics::CopErrorFigures;
+using physics::CopEstimate;
+
+std::string now_utc() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text.data();
+}
+
+cli::Json to_json(const CopErrorFigures& figures) {
+  cli::Json json = cli::Json::object();
+  cli::set_number(json, "rms_x_mm", figures.rms_x_mm);
+  cli::set_number(json, "rms_y_mm", figures.rms_y_mm);
+  cli::set_number(json, "rms_total_mm", figures.rms_total_mm);
+  cli::set_number(json, "max_total_mm", figures.max_total_mm);
+  cli::set_number(json, "load_rms_percent", figures.load_rms_percent);
+  return json;
+}
+
+void print_fit(const CopCalibration& calibration, const Arguments& arguments, cli::Console& console) {
+  const std::string method(to_string(calibration.estimator.method()));
+  if (arguments.is_json) {
+    cli::Json json{{"id", calibration.id}, {"estimator", method}, {"points", calibration.points.size()}, {"file", arguments.out}};
+    json["residuals"] = to_json(calibration.residuals);
+    if (calibration.cross_validated) json["cross_validated"] = to_json(*calibration.cross_validated);
+    console.out << cli::document(json);
+    return;
+  }
+  cli::Table table({calibration.id, ">RMS X (mm)", ">RMS Y (mm)", ">RMS TOTAL (mm)", ">LARGEST (mm)", ">LOAD RMS (%)"});
+  const auto add = [&](const std::string& name, const CopErrorFigures& figures) {
+    table.add({{name},
+               {cli::decimal(figures.rms_x_mm, 3)},
+               {cli::decimal(figures.rms_y_mm, 3)},
+               {cli::decimal(figures.rms_total_mm, 3)},
+               {cli::decimal(figures.max_total_mm, 3)},
+               {cli::decimal(figures.load_rms_percent, 3)}});
+  };
+  add("own " + std::to_string(calibration.points.size()) + " points", calibration.residuals);
+  if (calibration.cross_validated) add("each left out", *calibration.cross_validated);
+  table.print(console);
+  cli::print_hint(console, "use it: dtslab cop estimate " + arguments.out + " POINTS.csv --out EST.csv");
+}
+
+void add_number(std::string& line, double value) {
+  line += ',';
+  if (!std::isfinite(value)) return;  // undefined is empty
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 9).ptr;
+  line.append(text.data(), end);
+}
+
+std::string estimates_text(const CopPoints& points, const physics::CopEstimator& estimator) {
+  std::string text = points.table.header() + ",est_x_mm,est_y_mm,est_p_n,flags\n";
+  for (std::size_t row = 0; row < points.samples.size(); ++row) {
+    const CopEstimate estimate = estimator.estimate(points.samples[row].deflection_mm);
+    text += points.table.lines()[row];
+    add_number(text, estimate.x_mm);
+    add_number(text, estimate.y_mm);
+    add_number(text, estimate.load_n);
+    text += "," + physics::cop_flags_text(estimate.flags) + "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+int run_cop_fit(const Arguments& arguments, cli::Console& console) {
+  files::Problems problems;
+  const physics::RigModel rig = read_rig(arguments.rig, problems);
+  if (!problems.empty()) return report_problems(console, problems);
+  const CopPoints points = read_cop_points(arguments.points, rig.sensors.size(), true, rig.plate, problems);
+  if (!problems.empty()) return report_problems(console, problems);
+  const auto method = physics::parse_cop_method(arguments.estimator);
+  if (!method) return fail_with(console, method.error());
+  const physics::CopCalibrationOrigin origin{.created_utc = now_utc(), .rig = std::filesystem::path(arguments.rig).stem().string()};
+  const auto calibration = physics::calibrate_cop(*method, points.samples, origin);
+  if (!calibration) return fail_with(console, calibration.error());
+  const auto written = files::write_cop_calibration(arguments.out, *calibration);
+  if (!written) return fail_with(console, written.error());
+  print_fit(*calibration, arguments, console);
+  return cli::kOk;
+}
+
+int run_cop_estimate(const Arguments& arguments, cli::Console& console) {
+  files::Problems problems;
+  const auto calibration = files::read_cop_calibration(arguments.calibration, problems);
+  if (!calibration) return report_problems(console, problems);
+  const CopPoints points = read_cop_points(arguments.points, calibration->estimator.sensor_count(), false, std::nullopt, problems);
+  if (!problems.empty()) return report_problems(console, problems);
+  const auto written = files::write_whole_file(arguments.out, estimates_text(points, calibration->estimator));
+  if (!written) return fail_with(console, written.error());
+  cli::print_hint(console, std::to_string(points.samples.size()) + " estimates in " + arguments.out);
+  return cli::kOk;
+}
+
+}  // namespace dts::lab

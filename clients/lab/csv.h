@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "files/toml_reader.h"
+
+namespace dts::lab {
+
+/// What a column of a CSV file may hold.
+struct CsvColumn {
+  std::string name;
+  bool is_required = true;    ///< Its absence is a problem.
+  bool may_be_empty = false;  ///< An empty cell is NaN.
+  bool is_text = false;
+  double minimum = -1e9;
+  double maximum = 1e9;
+};
+
+/// A CSV file whose first line names its columns, in any order; columns that nobody asked for are left alone. Cells may stand
+/// in double quotes; lines may end as on Windows.
+class CsvTable {
+ public:
+  static constexpr std::size_t kMostBytes = std::size_t{1} << 30U;
+  static constexpr std::size_t kMostRows = 10'000'000;
+  static constexpr std::size_t kLongestLine = 4096;
+
+  /// Reads `file`. Everything wrong (a missing column, a row of another length, a cell that is no number, out of range, not finite) is
+  /// added to `problems` with file:line:column; after a hundred it gives up.
+  [[nodiscard]] static CsvTable read(const std::string& file, const std::vector<CsvColumn>& columns, files::Problems& problems);
+
+  [[nodiscard]] std::size_t row_count() const noexcept { return lines_.size(); }
+  [[nodiscard]] bool has(std::string_view column) const noexcept;
+  /// Values of a numeric column that was asked for, one per row; empty when the file does not have it.
+  [[nodiscard]] const std::vector<double>& numbers(std::string_view column) const;
+  [[nodiscard]] const std::vector<std::string>& texts(std::string_view column) const;
+  /// The header and the rows as they are written, without line ends.
+  [[nodiscard]] const std::string& header() const noexcept { return header_; }
+  [[nodiscard]] const std::vector<std::string>& lines() const noexcept { return lines_; }
+  /// Line of the file, counted from 1.
+  [[nodiscard]] static std::size_t line_of_row(std::size_t row) noexcept { return row + 2; }
+
+ private:
+  struct Column {
+    CsvColumn about;
+    std::optional<std::size_t> place;  ///< In the file.
+    std::vector<double> numbers;
+    std::vector<std::string> texts;
+  };
+  /// A cell and where it begins, counted from 1.
+  struct Cell {
+    std::string text;
+    std::size_t column = 1;
+  };
+  class Reader;
+
+  [[nodiscard]] const Column* find(std::string_view name) const noexcept;
+  [[nodiscard]] static std::vector<Cell> cells_of(std::string_view line);
+
+  std::string header_;
+  std::vector<std::string> lines_;
+  std::vector<Column> columns_;
+};
+
+}  // namespace dts::lab

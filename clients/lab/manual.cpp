@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/manual.h"
+
+#include <string>
+
+namespace dts::lab {
+namespace {
+
+/// Man(7): an indented example, line by line.
+constexpr auto kPlateCase =
+    ".SH PLATE CASES\nLengths in mm from a corner of the plate, forces in N, the modulus in Pa. Deflection is positive along the "
+    "load.\n.PP\n.nf\n"
+    "[plate]\n"
+    "a_mm = 430.0             # along x; 10 to 10000\n"
+    "b_mm = 430.0             # along y\n"
+    "h_mm = 3.0               # thickness\n"
+    "e_pa = 198.7e9           # Young's modulus\n"
+    "nu = 0.27                # Poisson's ratio\n"
+    "[support]\n"
+    "kind = \\(dqcorner\\(dq          # four points; or edges, x\\-edges, clamped\n"
+    "inset_mm = 0.0           # of the points from the corners\n"
+    "[[load]]                 # a point\n"
+    "x_mm = 215.0\n"
+    "y_mm = 215.0\n"
+    "force_n = 49.03\n"
+    "[[load]]                 # spread evenly over a rectangle\n"
+    "x0_mm = 0.0\n"
+    "x1_mm = 400.0\n"
+    "y0_mm = 0.0\n"
+    "y1_mm = 360.0\n"
+    "force_n = 480.0          # in all\n"
+    "[[probe]]                # where the deflection is wanted\n"
+    "x_mm = 107.5\n"
+    "y_mm = 107.5\n"
+    "[solver]                 # may be left out\n"
+    "method = \\(dqfdm\\(dq           # or fem\n"
+    "divisions = 120          # of each side\n"
+    "nonlinear = false        # true: von Karman, supports slide in the plane\n"
+    "simpson = false          # true: point loads spread as in thesis eq. 3.13; fdm only\n"
+    ".fi\n";
+
+constexpr auto kTables =
+    ".SH CSV FILES\nThe first line names the columns, in any order; columns that a command does not know are left alone. An empty cell is "
+    "an "
+    "undefined value where that is allowed.\n"
+    ".TP\n.B p_n, x_mm, y_mm, w1_mm, w2_mm, ...\nPoints of\n.BR \"dtslab cop\" :\nload in N, its position from a corner of the plate, "
+    "deflection at each sensor in the order of the rig file. For\n.B cop estimate\nload and position may be missing; est_x_mm, "
+    "est_y_mm, est_p_n and flags are added. The flags, joined by a bar, are no_contact, outside_area and outside_load; nothing: a good "
+    "estimate.\n"
+    ".TP\n.B t_s, x_mm, y_mm, trigger, marker\nRecordings of\n.BR \"dtslab compare\" :\ntime that rises, position of the centre of "
+    "pressure, "
+    "and, if there, a trigger level or texts at the scan they belong to.\n"
+    ".SH JSON\nNumbers are numbers. What is undefined is absent. Units are in the names.\n";
+
+}  // namespace
+
+cli::Manual make_manual() {
+  return {.summary = "offline laboratory of the distributive tactile sensing daemon",
+          .description =
+              "Bends plates, computes the tables of the founding thesis anew, calibrates and evaluates estimators of the centre of "
+              "pressure. Needs no running\n.BR dtsd (8).",
+          .environment = {{"NO_COLOR", "Set: no colours."}},
+          .exit_statuses = {0, 1, 2, 4, 130},
+          .further_sections = std::string(kPlateCase) + kTables,
+          .files = {},
+          .see_also = {{"dtsctl", 1}, {"dtsd", 8}, {"gnuplot", 1}}};
+}
+
+}  // namespace dts::lab

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/plate_command.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "cli/exit_status.h"
+#include "cli/json.h"
+#include "cli/progress.h"
+#include "cli/table.h"
+#include "lab/plate_case.h"
+#include "lab/plate_plot.h"
+#include "lab/problems.h"
+#include "physics/plate/grid.h"
+
+namespace dts::lab {
+namespace {
+
+using cli::decimal;
+using physics::PlateCase;
+using physics::PlateMethod;
+using physics::PlateSolution;
+
+/// A case with everything decided that file and command line left open.
+struct Task {
+  PlateCase plate_case;
+  PlateMethod method;
+  physics::SolveOptions options;
+
+  [[nodiscard]] std::string method_name() const { return method == PlateMethod::Fem ? "fem" : "fdm"; }
+};
+
+struct Solved {
+  PlateSolution solution;
+  double solve_ms;
+};
+
+/// The command line wins over the file.
+Task make_task(PlateCaseFile file, const Arguments& arguments) {
+  Task task{.plate_case = std::move(file.plate_case), .method = file.method};
+  if (arguments.method) task.method = *arguments.method == "fem" ? PlateMethod::Fem : PlateMethod::Fdm;
+  task.options.is_nonlinear = file.is_nonlinear || arguments.is_nonlinear;
+  task.options.spreads_point_loads = file.spreads_point_loads;
+  const int usual = physics::default_divisions(task.method, task.options.is_nonlinear);
+  task.options.divisions = arguments.divisions.value_or(file.divisions.value_or(usual));
+  return task;
+}
+
+core::Result<Solved> solve(Task& task, cli::Console& console) {
+  cli::Progress progress(console, "solving");
+  task.options.report_progress = [&](double fraction) { progress.report(fraction); };
+  const auto begun = std::chrono::steady_clock::now();
+  auto solution = physics::solve(task.plate_case, task.method, task.options);
+  if (!solution) return tl::make_unexpected(solution.error());
+  const std::chrono::duration<double, std::milli> passed = std::chrono::steady_clock::now() - begun;
+  return Solved{std::move(*solution), passed.count()};
+}
+
+double total_load_n(const PlateCase& plate_case) {
+  return std::accumulate(plate_case.loads.begin(), plate_case.loads.end(), 0.0,
+                         [](double sum, const physics::PlateLoad& load) { return sum + load.force.value; });
+}
+
+cli::Json to_json(const Task& task, const Solved& solved) {
+  cli::Json json{{"method", task.method_name()}, {"divisions", task.options.divisions}, {"nonlinear", task.options.is_nonlinear}};
+  json["probes"] = cli::Json::array();
+  for (std::size_t k = 0; k < task.plate_case.probes.size(); ++k) {
+    const physics::Point& at = task.plate_case.probes[k];
+    cli::Json probe{{"x_mm", at.x.value}, {"y_mm", at.y.value}};
+    cli::set_number(probe, "deflection_mm", solved.solution.probes[k].deflection_mm);
+    cli::set_number(probe, "error_estimate_mm", solved.solution.probes[k].error_estimate_mm);
+    json["probes"].push_back(std::move(probe));
+  }
+  json["reactions_n"] = solved.solution.reactions_n;
+  json["load_n"] = total_load_n(task.plate_case);
+  if (task.options.is_nonlinear) {
+    json["load_steps"] = solved.solution.load_steps;
+    json["newton_iterations"] = solved.solution.newton_iterations;
+  }
+  json["solve_ms"] = solved.solve_ms;
+  return json;
+}
+
+/// What each element of PlateSolution::reactions_n belongs to.
+std::vector<std::string> support_names(physics::SupportKind kind) {
+  switch (kind) {
+    case physics::SupportKind::Corner: return {"left back", "right back", "left front", "right front"};
+    case physics::SupportKind::XEdges: return {"edge x = 0", "edge x = a"};
+    case physics::SupportKind::Edges:
+    case physics::SupportKind::Clamped: return {"edge x = 0", "edge x = a", "edge y = 0", "edge y = b"};
+  }
+  return {};
+}
+
+/// Plate-model section 6: the linear plate is right while it bends less than half its thickness.
+bool is_beyond_linear(const Task& task, const Solved& solved) {
+  const double limit_mm = 0.5 * task.plate_case.plate.h.value;
+  return !task.options.is_nonlinear && std::ranges::any_of(solved.solution.probes, [&](const physics::ProbeResult& probe) {
+    return std::abs(probe.deflection_mm) > limit_mm;
+  });
+}
+
+void print(const Task& task, const Solved& solved, cli::Console& console) {
+  cli::Table probes({">PROBE", ">X (mm)", ">Y (mm)", ">DEFLECTION (mm)", ">ERROR ESTIMATE (mm)"});
+  for (std::size_t k = 0; k < task.plate_case.probes.size(); ++k) {
+    const physics::Point& at = task.plate_case.probes[k];
+    const physics::ProbeResult& result = solved.solution.probes[k];
+    probes.add({{std::to_string(k + 1)},
+                {decimal(at.x.value, 2)},
+                {decimal(at.y.value, 2)},
+                {decimal(result.deflection_mm, 4)},
+                {decimal(result.error_estimate_mm, 4)}});
+  }
+  probes.print(console);
+  if (!task.plate_case.probes.empty()) console.out << '\n';
+  cli::Table supports({"SUPPORT", ">REACTION (N)"});
+  const auto names = support_names(task.plate_case.support.kind);
+  for (std::size_t k = 0; k < solved.solution.reactions_n.size(); ++k) {
+    supports.add({{k < names.size() ? names[k] : std::to_string(k + 1)}, {decimal(solved.solution.reactions_n[k], 3)}});
+  }
+  const auto& reactions = solved.solution.reactions_n;
+  supports.add({{"sum", cli::Style::Bold}, {decimal(std::accumulate(reactions.begin(), reactions.end(), 0.0), 3), cli::Style::Bold}});
+  supports.print(console);
+  console.out << "\nload " << decimal(total_load_n(task.plate_case), 3) << " N; " << task.method_name() << ", " << task.options.divisions
+              << " divisions" << (task.options.is_nonlinear ? ", non-linear" : "") << ", " << decimal(solved.solve_ms, 1) << " ms\n";
+}
+
+}  // namespace
+
+int run_plate_solve(const Arguments& arguments, cli::Console& console) {
+  if (!arguments.plot.empty()) {
+    if (const auto status = check_plot_name(arguments.plot); !status) return fail_with(console, status.error());
+  }
+  files::Problems problems;
+  PlateCaseFile file = read_plate_case(arguments.case_file, problems);
+  if (!problems.empty()) return report_problems(console, problems);
+  Task task = make_task(std::move(file), arguments);
+  const auto solved = solve(task, console);
+  if (!solved) return fail_with(console, solved.error());
+  if (!arguments.plot.empty()) {
+    const auto plotted = plot_plate(task.plate_case, solved->solution, arguments.plot);
+    if (!plotted) return fail_with(console, plotted.error());
+  }
+  if (arguments.is_json) {
+    console.out << cli::document(to_json(task, *solved));
+  } else {
+    print(task, *solved, console);
+  }
+  if (is_beyond_linear(task, *solved)) {
+    cli::print_hint(console, "it bends by more than half its thickness: real plates stiffen by stretching; try --nonlinear");
+  }
+  return cli::kOk;
+}
+
+}  // namespace dts::lab

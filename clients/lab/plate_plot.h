@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "lab/plot.h"
+#include "physics/plate/solve.h"
+
+namespace dts::lab {
+
+/// A map of the bent plate with supports, loads (centres of patches) and probes.
+[[nodiscard]] core::Status plot_plate(const physics::PlateCase& plate_case, const physics::PlateSolution& solution,
+                                      const std::string& file);
+
+/// Point supports, or some points along supported edges, for marking.
+[[nodiscard]] Marks support_marks(const physics::Plate& plate, const physics::Support& support);
+
+}  // namespace dts::lab

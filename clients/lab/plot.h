@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "lab/gnuplot.h"
+#include "physics/plate/plate.h"
+
+namespace dts::lab {
+
+/// Points marked on a map, with a word in its legend.
+struct Marks {
+  std::string name;  ///< "load"
+  int symbol = 7;    ///< gnuplot's point type.
+  double size = 1.5;
+  std::vector<physics::Point> points;
+};
+
+/// A quantity over a rectangle of the plate: heat map with contour lines, in colours that colour-blind people tell apart
+/// (viridis). NaN leaves a hole.
+struct PlateMap {
+  std::string title;
+  std::string quantity;  ///< With unit: "deflection (mm)".
+  physics::Point from;   ///< Left bottom corner of the rectangle.
+  physics::Point to;
+  int cells = 80;  ///< In both directions.
+  std::function<double(physics::Point)> value;
+  std::vector<Marks> marks;
+  physics::Plate plate;  ///< Its outline is drawn.
+};
+
+[[nodiscard]] core::Status draw_map(const PlateMap& map, const std::string& file);
+/// The script for gnuplot, without the terminal; for tests.
+[[nodiscard]] std::string map_script(const PlateMap& map);
+
+/// A curve of an XY plot, with its word in the legend.
+struct Curve {
+  std::string name;
+  std::vector<std::pair<double, double>> points;
+};
+struct CurvePlot {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::vector<Curve> curves;
+};
+[[nodiscard]] core::Status draw_curves(const CurvePlot& plot, const std::string& file);
+
+}  // namespace dts::lab

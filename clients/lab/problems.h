@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "cli/console.h"
+#include "core/result.h"
+#include "files/toml_reader.h"
+
+namespace dts::lab {
+
+/// Prints what is wrong with an input file, one "file:line:column: text" per line as editors jump to (the first twenty);
+/// returns the exit status for bad input.
+[[nodiscard]] int report_problems(cli::Console& console, const files::Problems& problems);
+
+/// Prints an error and returns its exit status. A file or folder that is not there is bad input: 5 is for rigs, devices and sessions.
+[[nodiscard]] int fail_with(cli::Console& console, const core::Error& error);
+
+}  // namespace dts::lab

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "files/toml_reader.h"
+
+namespace dts::lab {
+
+/// A recorded centre of pressure. All columns as long as `t_s`; NaN where a value is missing. Times rise strictly.
+struct Recording {
+  std::vector<double> t_s;
+  std::vector<double> x_mm;
+  std::vector<double> y_mm;
+  std::vector<double> trigger;      ///< Level; empty without this column.
+  std::vector<std::string> marker;  ///< Text at the scan it belongs to; empty without this column.
+
+  /// Median time between scans.
+  [[nodiscard]] double step_s() const;
+};
+
+/// Reads a CSV file with the columns `t_s,x_mm,y_mm` and, if there, `trigger` and `marker`. Everything wrong is added to
+/// `problems`; times must rise, and there must be 20 scans over two seconds.
+[[nodiscard]] Recording read_recording(const std::string& file, files::Problems& problems);
+
+/// A smooth curve through samples at any times (cubic Hermite with the slopes of the neighbours), with holes where samples are missing.
+class SmoothSeries {
+ public:
+  SmoothSeries(std::span<const double> t_s, std::span<const double> values);
+
+  struct Value {
+    double value;
+    double slope_per_s;
+  };
+  /// NaN outside of the samples and in holes longer than three steps.
+  [[nodiscard]] Value at(double t_s) const;
+
+ private:
+  std::vector<double> t_s_;
+  std::vector<double> values_;
+  std::vector<double> slopes_;
+  double longest_step_s_ = 0.0;
+};
+
+}  // namespace dts::lab

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/console.h"
+
+namespace dts::lab {
+
+/// dtslab but for signals and the terminal: reads the command line (without the program's name), executes the command and
+/// returns the exit status. Blocks as long as the command does.
+[[nodiscard]] int run(const std::vector<std::string>& arguments, cli::Console& console);
+
+}  // namespace dts::lab

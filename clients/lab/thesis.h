@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.h"
+
+namespace dts::lab {
+
+/// A value that is not finite is undefined.
+struct Figure {
+  std::string name;  ///< With unit: "fem_mm".
+  double value;
+  bool is_in_table = true;  ///< false: only in the JSON document, to keep the table narrow.
+};
+using Figures = std::vector<Figure>;
+
+/// A row of a thesis table: what is printed there, what we compute, and how far apart they are.
+struct ThesisRow {
+  std::string label;
+  Figures printed;
+  Figures ours;
+  Figures deviation;
+};
+
+struct ThesisTable {
+  std::string name;   ///< "3.2"
+  std::string title;  ///< What the thesis calls it.
+  int decimals = 3;   ///< Of printed and computed values.
+  std::vector<ThesisRow> rows;
+  Figures summary;
+  std::vector<std::string> notes;  ///< What was assumed, and which printed figures do not follow from the stated theory.
+};
+
+/// The tables that `thesis_table` knows.
+[[nodiscard]] const std::vector<std::string_view>& thesis_table_names();
+
+/// Computes a table anew. Fails with InvalidArgument for a table that is not known.
+[[nodiscard]] core::Result<ThesisTable> thesis_table(std::string_view name);
+
+}  // namespace dts::lab

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/thesis_command.h"
+
+#include <vector>
+
+#include "cli/exit_status.h"
+#include "cli/json.h"
+#include "cli/progress.h"
+#include "cli/table.h"
+#include "lab/problems.h"
+#include "lab/thesis.h"
+
+namespace dts::lab {
+namespace {
+
+cli::Json to_json(const Figures& figures) {
+  cli::Json json = cli::Json::object();
+  for (const Figure& figure : figures) cli::set_number(json, figure.name, figure.value);
+  return json;
+}
+
+cli::Json to_json(const ThesisTable& table) {
+  cli::Json json{{"table", table.name}, {"title", table.title}, {"rows", cli::Json::array()}};
+  for (const ThesisRow& row : table.rows) {
+    json["rows"].push_back(
+        {{"label", row.label}, {"printed", to_json(row.printed)}, {"ours", to_json(row.ours)}, {"deviation", to_json(row.deviation)}});
+  }
+  json["summary"] = to_json(table.summary);
+  json["notes"] = table.notes;
+  return json;
+}
+
+void add_headers(const Figures& figures, const std::string& group, std::vector<std::string>& headers) {
+  for (const Figure& figure : figures) {
+    if (figure.is_in_table) headers.push_back(">" + group + " " + figure.name);
+  }
+}
+
+void add_cells(const Figures& figures, int decimals, std::vector<cli::Cell>& cells) {
+  for (const Figure& figure : figures) {
+    if (figure.is_in_table) cells.push_back({cli::decimal(figure.value, decimals)});
+  }
+}
+
+void print(const ThesisTable& table, cli::Console& console) {
+  console.out << cli::styled(console, cli::Style::Bold, "Table " + table.name + ": " + table.title) << "\n\n";
+  std::vector<std::string> headers{"ROW"};
+  add_headers(table.rows.front().printed, "printed", headers);
+  add_headers(table.rows.front().ours, "ours", headers);
+  add_headers(table.rows.front().deviation, "off by", headers);
+  cli::Table rows(headers);
+  for (const ThesisRow& row : table.rows) {
+    std::vector<cli::Cell> cells{{row.label}};
+    add_cells(row.printed, table.decimals, cells);
+    add_cells(row.ours, table.decimals, cells);
+    add_cells(row.deviation, 3, cells);
+    rows.add(std::move(cells));
+  }
+  rows.print(console);
+  console.out << '\n';
+  cli::Table summary({"SUMMARY", ">VALUE"});
+  for (const Figure& figure : table.summary) summary.add({{figure.name}, {cli::decimal(figure.value, 3)}});
+  summary.print(console);
+  console.out << '\n';
+  for (const std::string& note : table.notes) console.out << "- " << note << '\n';
+}
+
+}  // namespace
+
+int run_thesis(const Arguments& arguments, cli::Console& console) {
+  std::vector<std::string> names{arguments.table};
+  if (arguments.table == "all") names.assign(thesis_table_names().begin(), thesis_table_names().end());
+  std::vector<ThesisTable> tables;
+  {
+    cli::Progress progress(console, "computing");
+    for (const std::string& name : names) {
+      auto table = thesis_table(name);
+      if (!table) return fail_with(console, table.error());
+      tables.push_back(std::move(*table));
+      progress.report(static_cast<double>(tables.size()) / static_cast<double>(names.size()));
+    }
+  }
+  if (arguments.is_json) {
+    cli::Json all = cli::Json::array();
+    for (const ThesisTable& table : tables) all.push_back(to_json(table));
+    console.out << cli::document(arguments.table == "all" ? cli::Json{{"tables", std::move(all)}} : all.front());
+    return cli::kOk;
+  }
+  for (const ThesisTable& table : tables) {
+    if (&table != &tables.front()) console.out << "\n\n";
+    print(table, console);
+  }
+  return cli::kOk;
+}
+
+}  // namespace dts::lab

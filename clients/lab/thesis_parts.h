@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "lab/thesis.h"
+
+namespace dts::lab {
+
+// One function per kind of table; `thesis_table` chooses.
+
+/// Tables 3.2 (acrylic) and 3.3 (steel).
+[[nodiscard]] core::Result<ThesisTable> thesis_deflections(bool is_steel);
+/// Tables 3.4 (acrylic) and 3.5 (steel).
+[[nodiscard]] core::Result<ThesisTable> thesis_proportions(bool is_steel);
+/// Table 3.6.
+[[nodiscard]] core::Result<ThesisTable> thesis_line_errors();
+/// Table 4.1.
+[[nodiscard]] core::Result<ThesisTable> thesis_loci();
+
+/// (ours - printed) / printed, %; NaN where 0 is printed.
+[[nodiscard]] double deviation_percent(double ours, double printed) noexcept;
+
+}  // namespace dts::lab

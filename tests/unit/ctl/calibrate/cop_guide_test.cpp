@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/calibrate/cop_guide.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <sstream>
+
+#include "dts/v1/stream.pb.h"
+#include "unit/ctl/calibrate/scripted_feed.h"
+
+namespace dts::ctl {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::vector<double> kEmpty{0.0, 0.0};
+constexpr int kLong = 13;  // blocks: the hold of 100 scans and its lead-in of 25
+
+/// A plate with two sensors and three points, a feed and answers that a test writes down.
+class CopGuideTest : public ::testing::Test {
+ protected:
+  CopGuideTest() {
+    std::string pattern = ::testing::TempDir() + "dts-guide-XXXXXX";
+    folder_ = ::mkdtemp(pattern.data());
+    progress_ = ProgressFile::create(folder_ / "p.jsonl", {{"points", {1, 2, 3}}}).value();
+  }
+  ~CopGuideTest() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] client::Result<bool> guide(bool is_guided, std::size_t end = 3) {
+    Measurer measurer(feed_, {.labels = plate_.labels,
+                              .unit = "mm",
+                              .limits = {.window_scans = 100, .drift = 0.01, .noise = 0.1},
+                              .refused_quality = v1::QUALITY_RAIL | v1::QUALITY_STUCK,
+                              .patience_scans = 300,
+                              .say = [this](const std::string& line) { said_ += line + "\n"; }});
+    const Prompt prompt(asked_, [this]() -> std::optional<std::string> {
+      if (answers_.empty()) return std::nullopt;
+      std::string answer = answers_.front();
+      answers_.pop_front();
+      return answer;
+    });
+    CopGuide guide({.plate = plate_,
+                    .points = points_,
+                    .measurer = measurer,
+                    .progress = *progress_,
+                    .prompt = is_guided ? &prompt : nullptr,
+                    .draws = true,
+                    .say = [this](const std::string& line) { said_ += line + "\n"; }});
+    return guide.measure_until(end);
+  }
+  [[nodiscard]] double read(std::size_t index) const { return progress_->points()[index]->mean[0]; }
+  ScriptedFeed& lift_and_put(double w_mm) { return feed_.rest(kEmpty, 1).rest({w_mm, w_mm}, kLong); }
+
+  PlateView plate_{.a_mm = 430.0, .b_mm = 430.0, .labels = {"w1", "w2"}, .sensor_x_mm = {86.0, 344.0}, .sensor_y_mm = {86.0, 344.0}};
+  std::vector<PlannedPoint> points_{{86.0, 215.0, 490.0}, {215.0, 215.0, 490.0}, {344.0, 215.0, 240.0}};
+  std::filesystem::path folder_;
+  std::optional<ProgressFile> progress_;
+  ScriptedFeed feed_;
+  std::deque<std::string> answers_;
+  std::ostringstream asked_;
+  std::string said_;
+};
+
+TEST_F(CopGuideTest, Alone_EveryLoadAfterALiftOffIsTheNextPoint) {
+  lift_and_put(1.0);
+  lift_and_put(2.0);
+  lift_and_put(3.0);
+
+  const auto measured = guide(false);
+
+  ASSERT_TRUE(measured) << measured.error().what;
+  EXPECT_TRUE(*measured);
+  for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(read(k), 1.0 + static_cast<double>(k), 0.001);
+  EXPECT_THAT(said_,
+              HasSubstr("Point 1 of 3: put 490 N at x 86.00, y 215.00 mm from the left back corner (-129.00, 0.00 mm from the centre)"));
+  EXPECT_THAT(said_, HasSubstr("Point 3 of 3: put 240 N at x 344.00"));
+}
+
+TEST_F(CopGuideTest, Alone_ALoadThatStaysIsNotMeasuredTwice) {
+  feed_.rest(kEmpty, 1).rest({1.0, 1.0}, 100);
+
+  EXPECT_FALSE(guide(false));  // the script ends: the second point never came
+  EXPECT_EQ(progress_->next(), 1U);
+}
+
+TEST_F(CopGuideTest, LiftedTooEarly_TheSamePointAgain) {
+  feed_.rest(kEmpty, 1).rest({1.0, 1.0}, 5);  // half a hold
+  lift_and_put(2.0);
+
+  ASSERT_TRUE(guide(false, 1));
+
+  EXPECT_NEAR(read(0), 2.0, 0.001);
+  EXPECT_THAT(said_, HasSubstr("taken away before it was measured"));
+}
+
+TEST_F(CopGuideTest, LossInTheMiddleOfAHold_BeginsItAnew) {
+  feed_.rest(kEmpty, 1).rest({1.0, 1.0}, 9).rest({2.0, 2.0}, kLong, 0, true);
+
+  ASSERT_TRUE(guide(false, 1));
+
+  EXPECT_NEAR(read(0), 2.0, 0.001);
+  EXPECT_THAT(said_, HasSubstr("scans were lost"));
+  EXPECT_TRUE(feed_.is_used_up()) << "the hold before the loss must not count";
+}
+
+TEST_F(CopGuideTest, DoubtfulQuality_IsNeverRecorded) {
+  feed_.rest(kEmpty, 1).rest({1.0, 1.0}, 5).rest({9.0, 9.0}, 30, v1::QUALITY_RAIL).rest({2.0, 2.0}, kLong);
+
+  ASSERT_TRUE(guide(false, 1));
+
+  EXPECT_NEAR(read(0), 2.0, 0.001);
+  EXPECT_THAT(said_, HasSubstr("w1 is marked rail"));
+}
+
+TEST_F(CopGuideTest, NoRest_SaysWhatMovesAndWaits) {
+  feed_.rest(kEmpty, 1).move({1.0, 1.0}, {9.0, 1.0}, 60).rest({9.0, 1.0}, kLong);
+
+  ASSERT_TRUE(guide(false, 1));
+
+  EXPECT_THAT(said_, HasSubstr("waiting for rest: w1 drifts by"));
+}
+
+TEST_F(CopGuideTest, Guided_MeasuresAtEnterWithoutALiftOff) {
+  answers_ = {"", "", ""};
+  for (const double w_mm : {1.0, 2.0, 3.0}) feed_.rest({w_mm, w_mm}, kLong);
+
+  const auto measured = guide(true);
+
+  ASSERT_TRUE(measured) << measured.error().what;
+  EXPECT_TRUE(*measured);
+  EXPECT_NEAR(read(2), 3.0, 0.001);
+  EXPECT_EQ(feed_.discarded, 3) << "what came before Enter must not count";
+}
+
+TEST_F(CopGuideTest, Redo_MeasuresTheLastPointAgain) {
+  answers_ = {"", "", "r", "", ""};
+  for (const double w_mm : {1.0, 9.0, 2.0, 3.0}) feed_.rest({w_mm, w_mm}, kLong);
+
+  ASSERT_TRUE(guide(true));
+
+  EXPECT_NEAR(read(0), 1.0, 0.001);
+  EXPECT_NEAR(read(1), 2.0, 0.001);
+  EXPECT_NEAR(read(2), 3.0, 0.001);
+}
+
+TEST_F(CopGuideTest, RedoWithoutAnything_IsSaid) {
+  answers_ = {"r", "q"};
+
+  ASSERT_TRUE(guide(true));
+
+  EXPECT_THAT(said_, HasSubstr("nothing was measured yet"));
+}
+
+TEST_F(CopGuideTest, Quit_KeepsWhatWasMeasured) {
+  answers_ = {"", "q"};
+  feed_.rest({1.0, 1.0}, kLong);
+
+  const auto measured = guide(true);
+
+  ASSERT_TRUE(measured);
+  EXPECT_FALSE(*measured);
+  EXPECT_EQ(progress_->next(), 1U);
+}
+
+TEST_F(CopGuideTest, EndOfInput_Quits) {
+  ASSERT_TRUE(guide(true));
+  EXPECT_EQ(progress_->next(), 0U);
+}
+
+TEST_F(CopGuideTest, NonsenseAnswer_AsksAgain) {
+  answers_ = {"yes", "q"};
+
+  ASSERT_TRUE(guide(true));
+
+  EXPECT_THAT(asked_.str(), HasSubstr("'yes' means nothing here"));
+}
+
+TEST(HoldScans, TooFew_RefusedWithTheLeastTime) {
+  EXPECT_EQ(hold_scans(0.1, 100.0).value(), 10U);
+  EXPECT_EQ(hold_scans(0.08, 100.0).value(), 8U);
+  const auto refused = hold_scans(0.07, 100.0);
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, HasSubstr("0.070 s has 7 scans at 100.0 Hz; at least 8"));
+}
+
+TEST_F(CopGuideTest, WeightOnTheOtherSide_IsNotRecorded) {
+  feed_.rest(kEmpty, 1).rest({1.0, 3.0}, kLong);  // the first point is at the left, beside w1
+  feed_.rest(kEmpty, 1).rest({3.0, 1.0}, kLong);
+
+  ASSERT_TRUE(guide(false, 1));
+
+  EXPECT_NEAR(read(0), 3.0, 0.001);
+  EXPECT_THAT(said_, HasSubstr("not recorded: the plate bends on the other side"));
+}
+
+TEST_F(CopGuideTest, Resumed_BeginsWithTheFirstMissingPoint) {
+  ASSERT_TRUE(progress_->record(0, {.mean = {1.0, 1.0}, .noise = {0.0, 0.0}, .scans = 100}));
+  lift_and_put(2.0);
+
+  ASSERT_TRUE(guide(false, 2));
+
+  EXPECT_THAT(said_, Not(HasSubstr("Point 1 of 3")));
+  EXPECT_NEAR(read(1), 2.0, 0.001);
+}
+
+}  // namespace
+}  // namespace dts::ctl

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "physics/cop/cop_estimator.h"
+
+#include <sstream>
+
+#include "lab/csv.h"
+#include "lab/thesis_setup.h"
+#include "physics/cop/cop_evaluation.h"
+#include "unit/lab/run_fixture.h"
+
+namespace dts::lab {
+namespace {
+
+using physics::CopMethod;
+using ::testing::HasSubstr;
+
+const std::string kFloorRig = std::string(DTS_SOURCE_DIR) + "/config/rigs/floor-sim.toml";
+
+class CopTest : public RunTest {
+ protected:
+  /// The samples that an estimator would be calibrated with, as a file.
+  std::string points_file(CopMethod method, const std::string& header = "p_n,x_mm,y_mm,w1_mm,w2_mm,w3_mm,w4_mm") {
+    const auto samples = physics::model_samples(method, thesis_setup::floor_platform(), physics::PlateBehaviour::Stiffening);
+    sample_count_ = samples->size();
+    std::ostringstream text;
+    text.precision(15);
+    text << header << '\n';
+    for (const physics::CopSample& sample : *samples) {
+      text << sample.load.value << ',' << sample.load_position.x.value << ',' << sample.load_position.y.value;
+      for (const double deflection_mm : sample.deflection_mm) text << ',' << deflection_mm;
+      text << '\n';
+    }
+    return write("points.csv", text.str());
+  }
+  CsvTable estimates() {
+    files::Problems problems;
+    CsvTable table = CsvTable::read(path("est.csv"),
+                                    {{.name = "x_mm", .may_be_empty = true},
+                                     {.name = "y_mm", .may_be_empty = true},
+                                     {.name = "est_x_mm", .may_be_empty = true},
+                                     {.name = "est_y_mm", .may_be_empty = true},
+                                     {.name = "est_p_n", .may_be_empty = true},
+                                     {.name = "flags", .is_text = true}},
+                                    problems);
+    EXPECT_TRUE(problems.empty());
+    return table;
+  }
+
+  std::size_t sample_count_ = 0;  ///< Of the last points file.
+};
+
+TEST_F(CopTest, FitAndEstimate_FindTheCalibrationsOwnPoints) {
+  const std::string points = points_file(CopMethod::Poly3);
+
+  ASSERT_EQ(run_with({"cop", "fit", points, "--rig", kFloorRig, "--estimator", "poly3", "--out", path("cal.toml"), "--json"}), cli::kOk)
+      << talk();
+  EXPECT_LT(json().at("residuals").at("rms_total_mm").get<double>(), 0.3);
+  EXPECT_EQ(json().at("points"), sample_count_);
+  ASSERT_EQ(run_with({"cop", "estimate", path("cal.toml"), points, "--out", path("est.csv")}), cli::kOk) << talk();
+
+  const CsvTable table = estimates();
+  ASSERT_EQ(table.row_count(), sample_count_);
+  EXPECT_THAT(table.header(), ::testing::EndsWith("w4_mm,est_x_mm,est_y_mm,est_p_n,flags"));
+  for (std::size_t row = 0; row < table.row_count(); ++row) {
+    EXPECT_NEAR(table.numbers("est_x_mm")[row], table.numbers("x_mm")[row], 1.0);
+    EXPECT_NEAR(table.numbers("est_y_mm")[row], table.numbers("y_mm")[row], 1.0);
+    EXPECT_EQ(table.texts("flags")[row], "");
+  }
+}
+
+TEST_F(CopTest, EveryEstimatorOfTheContract_CanBeFitted) {
+  for (const auto& [name, method] : {std::pair{"thesis", CopMethod::Thesis}, std::pair{"thesis_per_pair", CopMethod::ThesisPerPair}}) {
+    EXPECT_EQ(run_with({"cop", "fit", points_file(method), "--rig", kFloorRig, "--estimator", name, "--out", path("cal.toml")}), cli::kOk)
+        << talk();
+    EXPECT_THAT(out(), HasSubstr("own 46 points"));
+  }
+}
+
+TEST_F(CopTest, EstimateWithoutTruth_LeavesTheUndefinedEmpty) {
+  ASSERT_EQ(run_with({"cop", "fit", points_file(CopMethod::Poly3), "--rig", kFloorRig, "--out", path("cal.toml")}), cli::kOk);
+  const std::string bare = write("bare.csv", "note,w1_mm,w2_mm,w3_mm,w4_mm\nempty,0,0,0,0\n");
+
+  ASSERT_EQ(run_with({"cop", "estimate", path("cal.toml"), bare, "--out", path("est.csv")}), cli::kOk) << talk();
+
+  std::ifstream file(path("est.csv"));
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_EQ(run_with({"cop", "estimate", path("cal.toml"), path("est.csv"), "--out", path("again.csv")}), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("has estimates already"));
+  EXPECT_EQ(text.str(), "note,w1_mm,w2_mm,w3_mm,w4_mm,est_x_mm,est_y_mm,est_p_n,flags\nempty,0,0,0,0,,,,no_contact\n");
+}
+
+TEST_F(CopTest, BadPoints_ExitWithTwoAndPlace) {
+  const auto fit = [&](const std::string& text) {
+    return run_with({"cop", "fit", write("points.csv", text), "--rig", kFloorRig, "--out", path("cal.toml")});
+  };
+
+  EXPECT_EQ(fit("p_n,x_mm,y_mm,w1_mm,w2_mm,w3_mm,w4_mm\n490,nan,86,1,1,1,1\n"), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("points.csv:2:5: x_mm: 'nan' is not a finite number"));
+  EXPECT_EQ(fit("p_n,x_mm,y_mm,w1_mm,w2_mm,w3_mm,w4_mm\n490,500,86,1,1,1,1\n"), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("allowed: 0 .. 430"));
+  EXPECT_EQ(fit("p_n,x_mm,y_mm,w1_mm,w2_mm,w3_mm,w4_mm\n490,86,86,1,1,1,1\n"), cli::kUsage) << "too few points";
+  EXPECT_EQ(fit("x_mm,y_mm,w1_mm,w2_mm,w3_mm,w4_mm\n86,86,1,1,1,1\n"), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("column 'p_n' is missing"));
+  EXPECT_FALSE(std::filesystem::exists(path("cal.toml")));
+}
+
+TEST_F(CopTest, BadCalibration_ExitsWithTwo) {
+  const std::string points = write("bare.csv", "w1_mm,w2_mm,w3_mm,w4_mm\n1,1,1,1\n");
+
+  EXPECT_EQ(run_with({"cop", "estimate", write("cal.toml", "format = 1\n"), points, "--out", path("est.csv")}), cli::kUsage);
+  EXPECT_EQ(run_with({"cop", "estimate", path("none.toml"), points, "--out", path("est.csv")}), cli::kUsage);
+  EXPECT_FALSE(std::filesystem::exists(path("est.csv")));
+}
+
+// Research sheet section 6: thesis pair averages 1.25 mm bias and 1.30 noisy over the sensor square on the linear plate.
+TEST_F(CopTest, EvaluateJson_HasTheStudysFigures) {
+  ASSERT_EQ(run_with({"cop", "evaluate", "--estimator", "thesis", "--linear", "--json"}), cli::kOk);
+  EXPECT_NEAR(json().at("rms_total_mm").get<double>(), 1.25, 0.07);
+  EXPECT_EQ(json().at("map").size(), 33U * 33U);
+
+  ASSERT_EQ(run_with({"cop", "evaluate", "--estimator", "thesis", "--linear", "--noise", "realistic", "--json"}), cli::kOk);
+  EXPECT_NEAR(json().at("rms_total_mm").get<double>(), 1.30, 0.07);
+
+  ASSERT_EQ(run_with({"cop", "evaluate", "--json"}), cli::kOk);
+  EXPECT_EQ(json().at("estimator"), "poly3");
+  EXPECT_LT(json().at("rms_total_mm").get<double>(), 0.3);
+}
+
+TEST_F(CopTest, Evaluate_TakesRigLoadsAndContact) {
+  EXPECT_EQ(run_with({"cop", "evaluate", "--rig", kFloorRig, "--loads", "240", "490"}), cli::kOk);
+  EXPECT_THAT(out(), HasSubstr("240 N, sensor square"));
+  EXPECT_THAT(out(), HasSubstr("490 N, central 200 mm"));
+  EXPECT_THAT(out(), HasSubstr("Error (mm) under 240 N"));
+
+  EXPECT_EQ(run_with({"cop", "evaluate", "--contact", "two-feet", "--linear", "--json"}), cli::kOk);
+  EXPECT_NEAR(json().at("rms_total_mm").get<double>(), 4.3, 1.0) << "research sheet section 6: 4-4.6 mm";
+  EXPECT_EQ(run_with({"cop", "evaluate", "--estimator", "moment"}), cli::kUsage) << "needs more sensors";
+}
+
+}  // namespace
+}  // namespace dts::lab

@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "cli/documents.h"
+#include "lab/command_tree.h"
+#include "unit/cli/command_checks.h"
+#include "unit/lab/run_fixture.h"
+
+namespace dts::lab {
+namespace {
+
+using ::testing::HasSubstr;
+
+struct Wrong {
+  std::vector<std::string> words;
+  std::string says;
+};
+
+TEST_F(RunTest, WrongUsage_ExitsWithTwoAndSaysWhatWasMeant) {
+  const std::vector<Wrong> cases{{{}, "a command is missing"},
+                                 {{"plat"}, "did you mean plate?"},
+                                 {{"plate"}, "one of: solve"},
+                                 {{"plate", "solve"}, "CASE.toml is required"},
+                                 {{"plate", "solve", "x.toml", "--method", "bem"}, "fdm,fem"},
+                                 {{"plate", "solve", "x.toml", "--divisions", "1"}, "from 4 to 200"},
+                                 {{"plate", "solve", "x.toml", "--divisions", "5000"}, "from 4 to 200"},
+                                 {{"plate", "solve", "x.toml", "--divisions", "40.5"}, "from 4 to 200"},
+                                 {{"plate", "solve", "x.toml", "--plot", "x.pdf"}, "only .svg and .png"},
+                                 {{"thesis"}, "TABLE is required"},
+                                 {{"thesis", "6.2"}, "one of 3.2, 3.3, 3.4, 3.5, 3.6, 4.1, or all"}};
+  for (const Wrong& wrong : cases) {
+    EXPECT_EQ(run_with(wrong.words), cli::kUsage) << ::testing::PrintToString(wrong.words);
+    EXPECT_THAT(talk(), HasSubstr(wrong.says)) << ::testing::PrintToString(wrong.words);
+    EXPECT_EQ(out(), "") << ::testing::PrintToString(wrong.words);
+  }
+}
+
+TEST_F(RunTest, EveryCommand_HasHelpWithExamplesBeforeOptions) {
+  const auto tree = make_command_tree();
+
+  for (const CLI::App* command : cli::commands_of(tree->line.app)) {
+    std::vector<std::string> words = cli::shell_words(cli::full_name(*command));
+    words.erase(words.begin());
+    words.push_back("--help");
+    EXPECT_EQ(run_with(words), cli::kOk);
+    const std::size_t example = out().find("\n  dtslab ");
+    ASSERT_NE(example, std::string::npos) << cli::full_name(*command);
+    EXPECT_LT(example, out().find("\nUsage: ")) << cli::full_name(*command);
+  }
+}
+
+TEST(Examples, OfEveryCommand_AreUnderstood) {
+  const auto tree = make_command_tree();
+
+  for (const CLI::App* command : cli::commands_of(tree->line.app)) {
+    ASSERT_FALSE(cli::examples(*command).empty()) << cli::full_name(*command);
+    for (const cli::Example& example : cli::examples(*command)) {
+      std::vector<std::string> words = cli::shell_words(example.command);
+      ASSERT_EQ(words.front(), "dtslab");
+      const auto fresh = make_command_tree();
+      EXPECT_NO_THROW(fresh->line.app.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1))) << example.command;
+    }
+  }
+}
+
+TEST_F(RunTest, Manual_NamesEveryCommandAndHasNoEmptyLine) {
+  EXPECT_EQ(run_with({"man"}), cli::kOk);
+
+  const auto tree = make_command_tree();
+  for (const CLI::App* command : cli::commands_of(tree->line.app)) {
+    if (!cli::subcommands(*command).empty()) continue;
+    EXPECT_THAT(out(), HasSubstr(".SS " + cli::full_name(*command)));
+  }
+  EXPECT_THAT(out(), ::testing::Not(HasSubstr("\n\n")));
+}
+
+TEST_F(RunTest, Version_IsThatOfTheProject) {
+  EXPECT_EQ(run_with({"--version"}), cli::kOk);
+
+  EXPECT_EQ(out(), std::string("dtslab ") + DTS_VERSION + "\n");
+}
+
+}  // namespace
+}  // namespace dts::lab

@@ -23,6 +23,8 @@ constexpr int kLargestSideRatio = 20;
 constexpr double kThinnestMm = 0.01;
 constexpr double kThickest = 0.2;  ///< Of the shorter side: above it, thin-plate theory does not hold.
 
+/// Thesis 4.3: distance of the unloaded plate from the sensors.
+constexpr double kUnloadedGapMm = 12.0;
 constexpr std::size_t kMostSensors = 16;
 
 /// A number of a range from which one end or both are excluded.
@@ -75,7 +77,15 @@ void read_sensors(TomlReader& top, RigModelFile& rig, Problems& problems) {
     if (!curve_file.empty()) {
       if (const auto& curve = shelf.get(curve_file)) sensor.curve = *curve;
     }
-    sensor.unloaded_gap = {reader.number("unloaded_gap_mm", 12.0, sensor.curve.minimum_gap().value, sensor.curve.maximum_gap().value)};
+    const double nearest_mm = sensor.curve.minimum_gap().value;
+    const double farthest_mm = sensor.curve.maximum_gap().value;
+    sensor.unloaded_gap = {reader.number("unloaded_gap_mm", kUnloadedGapMm, nearest_mm, farthest_mm)};
+    if (!reader.has("unloaded_gap_mm") && !(kUnloadedGapMm >= nearest_mm && kUnloadedGapMm <= farthest_mm)) {
+      std::ostringstream text;
+      text << "the curve covers gaps of " << nearest_mm << " .. " << farthest_mm << " mm, without the unloaded plate's " << kUnloadedGapMm
+           << " mm (unloaded_gap_mm)";
+      reader.report("curve", text.str());
+    }
     if (std::ranges::find(rig.sensor_channels, channel) != rig.sensor_channels.end()) {
       reader.report("channel", "channel " + std::to_string(channel) + " already belongs to another sensor");
     }

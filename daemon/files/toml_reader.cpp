@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <sstream>
 #include <utility>
 
@@ -19,6 +21,28 @@ std::string shown(double value) {
 
 std::string range_text(const std::string& minimum, const std::string& maximum) { return "; allowed: " + minimum + " .. " + maximum; }
 
+/// Far more than any file people write; a parsed file takes twenty times its size.
+constexpr std::size_t kMostBytes = std::size_t{4} << 20U;
+
+std::optional<std::string> read_bounded(const std::string& file, Problems& problems) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(file, unknown)) {
+    problems.push_back({.file = file, .text = "is a folder, not a file"});
+    return std::nullopt;
+  }
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(kMostBytes + 1, '\0');
+  if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (!stream && stream.gcount() == 0 && !stream.eof()) {
+    problems.push_back({.file = file, .text = "cannot be read"});
+    return std::nullopt;
+  }
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() <= kMostBytes) return text;
+  problems.push_back({.file = file, .text = "is larger than 4 MiB: that is no file of dtsd"});
+  return std::nullopt;
+}
+
 }  // namespace
 
 std::string to_string(const Problem& problem) {
@@ -27,8 +51,10 @@ std::string to_string(const Problem& problem) {
 }
 
 std::optional<toml::table> parse_toml(const std::string& file, Problems& problems) {
+  const auto text = read_bounded(file, problems);
+  if (!text) return std::nullopt;
   try {
-    return toml::parse_file(file);
+    return toml::parse(*text, file);
   } catch (const toml::parse_error& error) {
     const auto& at = error.source().begin;
     problems.push_back(

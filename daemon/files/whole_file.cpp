@@ -37,11 +37,18 @@ bool write_all(int descriptor, std::string_view text) noexcept {
   return true;
 }
 
-/// mkstemp makes files that only their owner reads; a written file should be as any other new file.
-mode_t usual_mode() noexcept {
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  return 0666U & ~mask;
+/// What is there and is no ordinary file (a pipe, /dev/stdout) is written to, never replaced.
+bool write_through(const std::string& path, std::string_view text) noexcept {
+  const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+  return file.get() >= 0 && write_all(file.get(), text);
+}
+
+/// A new file beside `path`, with the rights of the file that it will replace, if there is one, else those of any new file.
+int open_temporary(const std::string& temporary, const struct stat* replaced) noexcept {
+  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (file < 0 || replaced == nullptr || ::fchmod(file, replaced->st_mode & 07777U) == 0) return file;
+  ::close(file);
+  return -1;
 }
 
 }  // namespace
@@ -50,19 +57,27 @@ core::Status write_whole_file(const std::string& path, std::string_view text) {
   const auto failed = [&path](int error) {
     return core::fail_errno(error, "cannot write " + path, "does the folder exist, may you write there, is there room?");
   };
-  std::string temporary = path + ".XXXXXX";
-  const Descriptor file(::mkstemp(temporary.data()));
+  struct stat there {};
+  const bool exists = ::stat(path.c_str(), &there) == 0;
+  if (exists && !S_ISREG(there.st_mode)) {
+    if (!write_through(path, text)) return failed(errno);
+    return {};
+  }
+  std::error_code unresolved;
+  const auto resolved = std::filesystem::weakly_canonical(path, unresolved);  // a link stays, the file it leads to is replaced
+  const std::string target = unresolved ? path : resolved.string();
+  const std::string temporary = target + "." + std::to_string(::getpid()) + ".part";
+  const Descriptor file(open_temporary(temporary, exists ? &there : nullptr));
   if (file.get() < 0) return failed(errno);
-  const bool is_written = write_all(file.get(), text) && ::fchmod(file.get(), usual_mode()) == 0 && ::fsync(file.get()) == 0 &&
-                          ::rename(temporary.c_str(), path.c_str()) == 0;
-  if (!is_written) {
+  if (!write_all(file.get(), text) || ::fsync(file.get()) != 0 || ::rename(temporary.c_str(), target.c_str()) != 0) {
     const int error = errno;
     ::unlink(temporary.c_str());
     return failed(error);
   }
-  const auto folder = std::filesystem::path(path).parent_path();
+  // The file is in place. That its name survives a power cut too is worth trying; where it is refused nothing can be done.
+  const auto folder = std::filesystem::path(target).parent_path();
   const Descriptor directory(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (directory.get() < 0 || ::fsync(directory.get()) != 0) return failed(errno);
+  if (directory.get() >= 0) ::fsync(directory.get());
   return {};
 }
 

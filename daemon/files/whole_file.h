@@ -9,7 +9,8 @@
 namespace dts::files {
 
 /// Writes `path` whole or not at all, also when the power fails: a temporary file beside it, synchronised, renamed over it, the folder
-/// synchronised. Fails with Failed or NotAllowed, naming the file and why; then the old file is untouched.
+/// synchronised. Links are followed, rights kept. What is no ordinary file (a pipe, a device) is written to instead of replaced.
+/// Fails with Failed or NotAllowed, naming the file and why; then the old file is untouched.
 [[nodiscard]] core::Status write_whole_file(const std::string& path, std::string_view text);
 
 }  // namespace dts::files

@@ -13,10 +13,11 @@
 namespace dts::physics {
 namespace {
 
-/// Loads this far apart show the plate's stiffening; closer ones are one load measured several times (plate-model 5.2).
-constexpr double kLoadRatio = 2.0;
-/// Loads within this factor are one calibration load: persons' and weights' loads scatter.
+/// Loads within this factor are one calibration load: persons' and weights' loads scatter. Farther apart they show how the plate
+/// stiffens (plate-model 5.2 advises a factor 2: that measures it best).
 constexpr double kSameLoadRatio = 1.25;
+/// Up to this factor loads that have no grid each may still be one load that scatters.
+constexpr double kScatteredLoadRatio = 2.0;
 
 using Samples = std::vector<CopSample>;
 
@@ -134,11 +135,10 @@ core::Result<PolynomialFit> fit_polynomial(std::span<const CopSample> samples, c
   return fit;
 }
 
-/// Groups of clearly distinct loads, light to heavy; one group when the heaviest is less than `kLoadRatio` above the lightest.
+/// Groups of clearly distinct loads, light to heavy.
 std::vector<Samples> groups_by_load(std::span<const CopSample> given) {
   Samples samples(given.begin(), given.end());
   std::stable_sort(samples.begin(), samples.end(), [](const CopSample& a, const CopSample& b) { return a.load < b.load; });
-  if (samples.back().load / samples.front().load < kLoadRatio) return {samples};
   std::vector<Samples> groups;
   for (const CopSample& sample : samples) {
     if (groups.empty() || sample.load / groups.back().front().load > kSameLoadRatio) groups.emplace_back();
@@ -147,9 +147,16 @@ std::vector<Samples> groups_by_load(std::span<const CopSample> given) {
   return groups;
 }
 
+/// Poly3 of degree 3 needs so many columns and rows.
+constexpr std::size_t kFewestPerSide = 4;
+
 std::vector<Layout> layouts_by_load(std::span<const CopSample> samples) {
   std::vector<Layout> layouts;
   for (const Samples& group : groups_by_load(samples)) layouts.push_back(Layout::of(group));
+  const auto [lightest, heaviest] =
+      std::ranges::minmax(samples | std::views::transform([](const CopSample& sample) { return sample.load.value; }));
+  const bool have_grids = layouts.front().holds(kFewestPerSide) && layouts.back().holds(kFewestPerSide);
+  if (!have_grids && heaviest < kScatteredLoadRatio * lightest) layouts = {Layout::of(samples)};
   return layouts;
 }
 
@@ -160,11 +167,36 @@ std::size_t sum_powers(const std::vector<Layout>& layouts, std::size_t degree) {
   return std::min(static_cast<std::size_t>(std::ranges::count_if(layouts, is_full)), SumPolynomial::kMaxSumPowers);
 }
 
+/// A polynomial fits mirrored or swapped positions as well as right ones; u must grow with x, and v with y.
+core::Status check_order(std::span<const CopSample> samples) {
+  const auto correlation = [samples](auto first, auto second) {
+    const auto count = static_cast<double>(samples.size());
+    double a = 0.0, b = 0.0, aa = 0.0, bb = 0.0, ab = 0.0;
+    for (const CopSample& sample : samples) {
+      const double p = first(sample);
+      const double q = second(sample);
+      a += p / count;
+      b += q / count;
+      aa += p * p / count;
+      bb += q * q / count;
+      ab += p * q / count;
+    }
+    return (ab - a * b) / std::sqrt((aa - a * a) * (bb - b * b));
+  };
+  const double along_x = correlation(x_of, [](const CopSample& sample) { return FloorFeatures::of(sample.deflection_mm).u; });
+  const double along_y = correlation(y_of, [](const CopSample& sample) { return FloorFeatures::of(sample.deflection_mm).v; });
+  constexpr double kLeastCorrelation = 0.5;
+  if (along_x > kLeastCorrelation && along_y > kLeastCorrelation) return {};
+  return refuse_calibration(std::string("the sensors do not bend towards the load along ") + (along_x > kLeastCorrelation ? "y" : "x"),
+                            kSensorOrderHint);
+}
+
 core::Result<CopFit> fit_poly3(std::span<const CopSample> samples, const CopValidity& validity) {
   const auto layouts = layouts_by_load(samples);
   for (const std::size_t degree : {Quintic::kDegree, std::size_t{3}}) {
     const std::size_t powers = sum_powers(layouts, degree);
     if (powers == 0) continue;
+    if (const auto order = check_order(samples); !order) return tl::make_unexpected(order.error());
     auto fitted = fit_polynomial(samples, full_terms(degree, powers));
     if (!fitted) return tl::make_unexpected(fitted.error());
     return CopFit{.form = Poly3Form{fitted->polynomial}, .validity = validity, .left_out = std::move(fitted->left_out)};

@@ -12,11 +12,17 @@
 namespace dts::physics {
 namespace {
 
-constexpr int kMostIterations = 25;
+constexpr int kMostIterations = 40;
 /// A load is applied in steps of which the first would store this part of its energy in stretching. Newton's method started further
 /// away may end on another equilibrium of the plate: 1.4 % of loads up to 1300 N put down at once did.
 constexpr double kGentleStretching = 0.02;
 constexpr int kMostSteps = 64;
+/// A change of more steps is no movement of a load but another load: it is put down on the flat plate, whatever was there before.
+constexpr double kMostStepsOfAMovement = 2.0;
+/// Steps below this part of the amplitudes are taken whole: there energies differ by rounding only.
+constexpr double kSafeStep = 1e-2;
+constexpr double kShortestLine = 1e-3;
+constexpr double kHopelessShift = 1e9;
 constexpr double kTolerance = 1e-7;  ///< Of the amplitudes, relative: below a nanometre.
 constexpr double kMillimetresPerMetre = 1000.0;
 
@@ -64,16 +70,34 @@ Square stretching_hessian(const ReducedPlate& plate, const Amplitudes& q) {
   return hessian;
 }
 
-/// Newton's method at one load, from nearby: one or two rounds.
+double energy(const ReducedPlate& plate, const Amplitudes& q, const Amplitudes& force) {
+  const Pairs pairs = pairs_of(q);
+  return 0.5 * q.squaredNorm() + 0.5 * pairs.dot(plate.stretching * pairs) - force.dot(q);
+}
+
+/// The step downhill that Newton's method would take; where the energy curves down, as much of the identity is added as makes it curve up.
+Amplitudes downhill(const Square& hessian, const Amplitudes& gradient) {
+  for (double shift = 0.0; shift < kHopelessShift; shift = shift == 0.0 ? 1e-2 : 4.0 * shift) {
+    const Eigen::LDLT<Square> factor(hessian + shift * Square::Identity());
+    if (factor.isPositive() && factor.vectorD().minCoeff() > 0.0) return -factor.solve(gradient);
+  }
+  return -gradient;
+}
+
+/// Newton's method at one load, with halved steps where the energy would climb: it ends in a minimum, from nearby in one or two rounds.
 void settle(const ReducedPlate& plate, const Amplitudes& force, Amplitudes& q) noexcept {
   for (int iteration = 0; iteration < kMostIterations; ++iteration) {
     const Pairs tension = plate.stretching * pairs_of(q);
     const Square along = tension_matrix(tension);
     const Amplitudes gradient = q + along * q - force;
-    const Square hessian = Square::Identity() + along + stretching_hessian(plate, q);
-    const Amplitudes step = hessian.ldlt().solve(gradient);
+    const Amplitudes step = downhill(Square::Identity() + along + stretching_hessian(plate, q), gradient);
     if (!step.allFinite()) return;
-    q -= step;
+    double part = 1.0;
+    if (step.norm() > kSafeStep * q.norm()) {
+      const double start = energy(plate, q, force);
+      while (part > kShortestLine && energy(plate, q + part * step, force) > start) part *= 0.5;
+    }
+    q += part * step;
     if (step.norm() <= kTolerance * q.norm()) return;
   }
 }
@@ -144,10 +168,16 @@ void StiffeningPlate::deflect(std::span<const Footprint> footprints, std::span<c
   Eigen::Map<Amplitudes> kept(state.amplitude.data());
   Eigen::Map<Amplitudes> kept_force(state.force.data());
   Amplitudes q = kept;
-  const Amplitudes from = kept_force;
+  Amplitudes from = kept_force;
+  const bool is_movement = (force - from).norm() <= kMostStepsOfAMovement * model_->gentle_force;
+  if (!is_movement || !force.allFinite()) {  // a NaN must not stay in the state
+    q.setZero();
+    from.setZero();
+  }
   const Amplitudes change = force - from;
   const double steps = std::clamp(std::ceil(change.norm() / model_->gentle_force), 1.0, static_cast<double>(kMostSteps));
   for (double step = 1.0; step <= steps; step += 1.0) settle(model_->reduced, from + (step / steps) * change, q);
+  if (!force.allFinite()) force.setZero();
   kept = q;
   kept_force = force;
   const Amplitudes correction = kMillimetresPerMetre * (q - force);  // a linear plate has the amplitudes `force`

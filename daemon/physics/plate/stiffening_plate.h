@@ -35,8 +35,9 @@ class StiffeningPlate {
   [[nodiscard]] std::size_t probe_count() const noexcept;
   [[nodiscard]] Footprint footprint(const Patch& patch) const;
   [[nodiscard]] State flat() const;
-  /// Deflection of every probe under `force_n[k]` on `footprints[k]`. All of the plate's own making; sizes equal. The load changes
-  /// gradually from that of the last call, so that the plate stays on the branch it is on: after a jump of body weight some ten steps.
+  /// Deflection of every probe under `force_n[k]` on `footprints[k]`. All of the plate's own making; sizes equal. A small
+  /// change of the load is followed from the last call's equilibrium; any other load is put down on the flat plate in small steps (some
+  /// ten for a body weight), so that the result does not depend on what was there before.
   /// Thread: one per State. Realtime-safe: yes.
   void deflect(std::span<const Footprint> footprints, std::span<const double> force_n, State& state,
                std::span<double> deflection_mm) const noexcept;

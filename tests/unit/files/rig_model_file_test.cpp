@@ -101,5 +101,31 @@ TEST(RigModelFile, TakesExactlyWhatPhysicsTakes) {
   EXPECT_FALSE(agree({}, {.inset = {-0.1}}));
 }
 
+TEST(RigModelFile, CurveThatDoesNotReachTheUnloadedPlate_IsReported) {
+  const std::string folder = testing::TempDir();
+  std::ofstream(folder + "/short_curve.toml") << "name = \"short\"\n[[point]]\ngap_mm = 7\nvolts = 4\n[[point]]\ngap_mm = 9\nvolts = 2\n"
+                                                 "[[point]]\ngap_mm = 11\nvolts = 1\n";
+  const std::string file = folder + "/short_rig.toml";
+  std::ofstream(file) << "[plate]\na_mm = 430\nb_mm = 430\nh_mm = 3\ne_pa = 2e11\nnu = 0.3\n[support]\nkind = \"corner\"\n"
+                         "[[sensor]]\nlabel = \"w1\"\nx_mm = 86\ny_mm = 86\ncurve = \"short_curve.toml\"\n";
+  Problems problems;
+  (void)read(file, problems);
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_EQ(problems[0].line, 13U);
+  EXPECT_THAT(problems[0].text, testing::HasSubstr("7 .. 11 mm, without the unloaded plate's 12 mm"));
+}
+
+TEST(RigModelFile, FolderOrHugeFile_IsNoToml) {
+  Problems problems;
+  EXPECT_FALSE(parse_toml(testing::TempDir(), problems));
+  const std::string huge = testing::TempDir() + "/huge.toml";
+  std::ofstream(huge) << std::string(5U << 20U, '#');
+  EXPECT_FALSE(parse_toml(huge, problems));
+  ASSERT_EQ(problems.size(), 2U);
+  EXPECT_THAT(problems[0].text, testing::HasSubstr("folder"));
+  EXPECT_THAT(problems[1].text, testing::HasSubstr("4 MiB"));
+  std::filesystem::remove(huge);
+}
+
 }  // namespace
 }  // namespace dts::files

@@ -296,5 +296,23 @@ TEST(CopEstimatorFit, BadSample_IsRefusedWithItsNumber) {
   }
 }
 
+TEST(CopEstimatorFit, MirroredOrSwappedPositions_AreRefusedByPoly3Too) {
+  for (const bool is_mirrored : {true, false}) {
+    auto samples = linear_samples(test::sensor_square(7));
+    for (CopSample& sample : samples) {
+      const Point right = sample.load_position;
+      sample.load_position = is_mirrored ? at(430.0 - right.x.value, right.y.value) : at(right.y.value, right.x.value);
+    }
+    expect_refused(CopMethod::Poly3, samples, "do not bend towards the load along x");
+  }
+}
+
+TEST(CopEstimatorFit, LoadsLessThanAFactorTwoApart_ShowTheStiffeningToo) {
+  const SyntheticPlate plate;
+  const auto estimator = CopEstimator::fit(CopMethod::Poly3, plate.grid(7, {400.0, 700.0}));
+  ASSERT_TRUE(estimator) << core::to_string(estimator.error());
+  for (const double load_n : {400.0, 550.0, 700.0}) EXPECT_LT(plate.error_mm(*estimator, load_n), 0.35) << load_n;
+}
+
 }  // namespace
 }  // namespace dts::physics

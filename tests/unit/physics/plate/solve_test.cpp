@@ -175,6 +175,16 @@ TEST_P(BothMethods, ReversedLoad_BendsTheOtherWay) {
   EXPECT_NEAR(deflection_mm(plate_case, GetParam(), {.divisions = 16, .is_nonlinear = true}), -down, 1e-6 * down);
 }
 
+TEST_P(BothMethods, LoadThatBendsNothing_IsSolvedToo) {
+  for (const bool is_nonlinear : {false, true}) {
+    const auto solution = solve({steel_plate(), edges(), {point_load(0, 215, 49)}, {at(215, 215)}}, GetParam(),
+                                {.divisions = 8, .is_nonlinear = is_nonlinear});
+    ASSERT_TRUE(solution) << core::to_string(solution.error());
+    EXPECT_EQ(solution->probes.front().deflection_mm, 0.0);
+    EXPECT_NEAR(solution->reactions_n.front(), 49.0, 1e-9);
+  }
+}
+
 core::Error refused(const PlateCase& plate_case, PlateMethod method = PlateMethod::Fdm, const SolveOptions& options = {}) {
   const auto solution = solve(plate_case, method, options);
   EXPECT_FALSE(solution);

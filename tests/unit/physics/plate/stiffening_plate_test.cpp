@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
+#include <span>
 
 #include "physics/plate/influence_table.h"
 #include "physics/plate/solve.h"
@@ -104,6 +106,52 @@ TEST(StiffeningPlate, HeavyLoadPutDownAtOnce_IsThatPutDownGradually) {
       for (std::size_t k = 0; k < gradual.size(); ++k) EXPECT_NEAR(at_once[k], gradual[k], 1e-6) << x_mm << ", " << y_mm;
     }
   }
+}
+
+TEST(StiffeningPlate, LoadPutDownElsewhere_IsAsIfThePlateHadBeenEmpty) {
+  // On a thin plate the old equilibrium is a bad start: followed from there, every third such move used to end metres away.
+  const Plate thin{.a = {430.0}, .b = {430.0}, .h = {4.0}, .e_pa = 3.5e9, .nu = 0.31};
+  const auto plate = StiffeningPlate::create(thin, corners(10.75), floor_sensors());
+  ASSERT_TRUE(plate);
+  std::vector<StiffeningPlate::Footprint> places;
+  for (const Point& place : {at(54, 184), at(189, 183), at(394, 90), at(217, 263), at(80, 400)})
+    places.push_back(plate->footprint({.centre = place}));
+  for (std::size_t from = 0; from < places.size(); ++from) {
+    for (std::size_t to = 0; to < places.size(); ++to) {
+      auto used = plate->flat();
+      auto fresh = plate->flat();
+      std::vector<double> moved(4);
+      std::vector<double> expected(4);
+      plate->deflect(std::span(&places[from], 1), std::array{490.0}, used, moved);
+      plate->deflect(std::span(&places[to], 1), std::array{490.0}, used, moved);
+      plate->deflect(std::span(&places[to], 1), std::array{490.0}, fresh, expected);
+      for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(moved[k], expected[k], 1e-4) << from << " to " << to;
+    }
+  }
+}
+
+TEST(StiffeningPlate, LoadThatWandersAcross_StaysOnAnEquilibrium) {
+  // 2000 N moved within 50 scans: bistable places may differ from a load put down there by tenths of a millimetre, no more.
+  const auto plate = StiffeningPlate::create(steel_plate(), corners(10.75), floor_sensors());
+  ASSERT_TRUE(plate);
+  const std::array places{plate->footprint({.centre = at(54, 184)}), plate->footprint({.centre = at(189, 183)})};
+  auto state = plate->flat();
+  std::vector<double> wandered(4);
+  for (int step = 0; step <= 50; ++step) plate->deflect(places, std::array{2000.0 - 40.0 * step, 40.0 * step}, state, wandered);
+  const auto expected = plate->deflections_mm({.centre = at(189, 183)}, {2000.0});
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(wandered[k], expected[k], 0.3);
+}
+
+TEST(StiffeningPlate, NotANumber_DoesNotStayInTheState) {
+  const auto plate = StiffeningPlate::create(steel_plate(), corners(10.75), floor_sensors());
+  ASSERT_TRUE(plate);
+  const std::array place{plate->footprint({.centre = at(150, 180)})};
+  auto state = plate->flat();
+  std::vector<double> found(4);
+  for (const double force_n : {-2000.0, std::numeric_limits<double>::quiet_NaN(), 500.0})
+    plate->deflect(place, std::array{force_n}, state, found);
+  const auto expected = plate->deflections_mm({.centre = at(150, 180)}, {500.0});
+  for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(found[k], expected[k], 1e-6);
 }
 
 TEST(StiffeningPlate, ImpossibleLoad_StaysFinite) {

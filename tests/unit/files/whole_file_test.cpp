@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "files/whole_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace dts::files {
+namespace {
+
+std::string content(const std::filesystem::path& path) {
+  std::ifstream stream(path);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+class WholeFile : public testing::Test {
+ protected:
+  WholeFile() { std::filesystem::create_directory(folder_); }
+  ~WholeFile() override { std::filesystem::remove_all(folder_); }
+
+  std::filesystem::path folder_ = testing::TempDir() + "/whole_file_" + std::to_string(::getpid());
+};
+
+TEST_F(WholeFile, NewFile_IsThereAndNothingElse) {
+  ASSERT_TRUE(write_whole_file(folder_ / "new", "text"));
+  EXPECT_EQ(content(folder_ / "new"), "text");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+}
+
+TEST_F(WholeFile, OldFile_KeepsItsRights) {
+  std::ofstream(folder_ / "old") << "before";
+  ASSERT_EQ(::chmod((folder_ / "old").c_str(), 0600), 0);
+  ASSERT_TRUE(write_whole_file(folder_ / "old", "after"));
+  struct stat now {};
+  ASSERT_EQ(::stat((folder_ / "old").c_str(), &now), 0);
+  EXPECT_EQ(now.st_mode & 07777U, 0600U);
+  EXPECT_EQ(content(folder_ / "old"), "after");
+}
+
+TEST_F(WholeFile, Link_StaysALink) {
+  std::ofstream(folder_ / "target") << "before";
+  std::filesystem::create_symlink("target", folder_ / "link");
+  ASSERT_TRUE(write_whole_file(folder_ / "link", "after"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link"));
+  EXPECT_EQ(content(folder_ / "target"), "after");
+}
+
+TEST_F(WholeFile, Device_IsWrittenToAndNotReplaced) {
+  const auto device = folder_ / "null";  // a link to the device: the test must not be able to replace the real one
+  std::filesystem::create_symlink("/dev/full", device);
+  EXPECT_FALSE(write_whole_file(device, "text"));
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/full"));
+  EXPECT_TRUE(std::filesystem::is_symlink(device));
+}
+
+TEST_F(WholeFile, NoFolder_IsRefused) { EXPECT_FALSE(write_whole_file(folder_ / "none" / "file", "text")); }
+
+}  // namespace
+}  // namespace dts::files

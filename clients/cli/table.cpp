@@ -12,7 +12,8 @@ std::string decimal(double value, int decimals) {
   if (!std::isfinite(value)) return "-";
   std::array<char, 512> text{};  // the largest double has 309 digits
   const auto end = std::to_chars(text.begin(), text.end(), value, std::chars_format::fixed, decimals).ptr;
-  return {text.data(), end};
+  const std::string_view shown(text.data(), end);
+  return std::string(shown.find_first_not_of("-0.") == std::string_view::npos && shown.front() == '-' ? shown.substr(1) : shown);
 }
 
 std::string duration(double seconds) {

@@ -18,13 +18,12 @@ namespace {
 constexpr double kSearchRateHz = 50.0;           ///< Of the search for the lag; sway has nothing above 10 Hz.
 constexpr double kMostSearchSamples = 20'000.0;  ///< The search takes their square.
 constexpr double kLeastOverlap = 0.5;            ///< Of the shorter recording.
-constexpr double kLeastCorrelation = 0.3;        ///< Below it, any two recordings look alike somewhere.
 constexpr double kFirstWindowS = 60.0;
 constexpr double kSmoothingS = 0.1;
 constexpr double kMostPoints = 200'000.0;
 constexpr int kMostSteps = 30;
 constexpr auto kUnlikeHint =
-    "do they overlap by half? are the axes the same? a column trigger or marker in both aligns them without likeness";
+    "do they overlap by half? are the axes the same? two events or more in a column trigger or marker align them without likeness";
 
 /// Both axes on even steps, and sums that give the moments of any stretch at once. Holes count as the mean.
 struct Sampled {

@@ -2,52 +2,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
+#include <string>
 #include <utility>
 
 #include "lab/alignment.h"
+#include "lab/event_match.h"
+#include "lab/paired.h"
 
 namespace dts::lab {
 namespace {
 
-/// Two clocks differ by less: crystals are good to 100 ppm, timers of operating systems to 500.
-constexpr double kLargestDrift = 1e-3;
 constexpr std::size_t kMostEvents = 500;
-
-using Pairs = std::vector<std::pair<double, double>>;  ///< Times on A's and B's clock.
-
-/// Events that lie together when B is shifted so that one pair coincides.
-Pairs pairs_for_shift(const std::vector<double>& a_s, const std::vector<double>& b_s, double shift_s, double at_b_s, double sd_s) {
-  Pairs pairs;
-  for (const double b : b_s) {
-    const double wanted_s = b + shift_s;
-    const double tolerance_s = 4.0 * sd_s + kLargestDrift * std::abs(b - at_b_s);
-    const auto near = std::ranges::min_element(a_s, {}, [&](double a) { return std::abs(a - wanted_s); });
-    if (near != a_s.end() && std::abs(*near - wanted_s) <= tolerance_s) pairs.emplace_back(*near, b);
-  }
-  return pairs;
-}
-
-double spread(const Pairs& pairs, double shift_s) {
-  return std::accumulate(pairs.begin(), pairs.end(), 0.0,
-                         [&](double sum, const auto& pair) { return sum + std::abs(pair.first - pair.second - shift_s); });
-}
-
-/// The pairs of the shift that most events agree on.
-Pairs matched(const std::vector<double>& a_s, const std::vector<double>& b_s, double sd_s) {
-  Pairs best;
-  double best_spread = 0.0;
-  for (const double a : a_s) {
-    for (const double b : b_s) {
-      Pairs pairs = pairs_for_shift(a_s, b_s, a - b, b, sd_s);
-      const double pairs_spread = spread(pairs, a - b);
-      if (pairs.size() < best.size() || (pairs.size() == best.size() && pairs_spread >= best_spread)) continue;
-      best = std::move(pairs);
-      best_spread = pairs_spread;
-    }
-  }
-  return best;
-}
 
 double step_sd_s(const Recording& a, const Recording& b) { return std::hypot(a.step_s(), b.step_s()) / std::sqrt(12.0); }
 
@@ -73,6 +38,59 @@ std::pair<std::vector<double>, std::vector<double>> common_markers(const Recordi
   std::ranges::sort(common.first);
   std::ranges::sort(common.second);
   return common;
+}
+
+/// At least half of what the poorer recording has.
+bool is_half(const Events& events, std::size_t count) { return 2 * count >= std::min(events.a_s.size(), events.b_s.size()); }
+
+/// Three pairs do not come together by chance, nor do two without a third; one always does.
+bool is_certain(const Events& events, const EventMatch& match) {
+  const std::size_t count = match.alignment.event_count;
+  if (match.is_ambiguous || count < 2 || !is_half(events, count)) return false;
+  return count > 2 || std::min(events.a_s.size(), events.b_s.size()) == 2;
+}
+
+bool looks_alike(const Recording& a, const Recording& b, const Alignment& alignment) {
+  return correlation(pair_up(a, b, alignment)) > kLeastCorrelation;
+}
+
+std::string why_not(const Events& events, const EventMatch& match, Alignment::Means means) {
+  const std::size_t count = match.alignment.event_count;
+  const std::string fitting = std::to_string(count) + " of " + std::to_string(events.a_s.size()) + " and " +
+                              std::to_string(events.b_s.size()) + " " + std::string(name(means)) + " events " +
+                              (count == 1 ? "fits" : "fit") + " together";
+  if (!is_half(events, count)) return "only " + fitting;
+  return fitting + (match.is_ambiguous ? " in more than one way" : ", and the recordings do not look alike there");
+}
+
+/// Where events leave doubt, the signals decide; those events that agree with them make it finer.
+core::Result<Alignment> align_doubtful(const Recording& a, const Recording& b, const Events& events, const std::string& doubt) {
+  auto by_signal = align_by_correlation(a, b);
+  if (!by_signal) {
+    core::Error error = by_signal.error();
+    error.what = doubt + ", and " + error.what;
+    return tl::make_unexpected(error);
+  }
+  const EventMatch near = match_events_near(events, *by_signal, 4.0 * by_signal->offset_sd_s);
+  const bool is_confirmed = near.alignment.event_count > 0 && is_half(events, near.alignment.event_count);
+  if (is_confirmed && looks_alike(a, b, near.alignment)) return near.alignment;
+  by_signal->warning = doubt + ": aligned by correlation instead";
+  return by_signal;
+}
+
+core::Result<Alignment> align_events(const Recording& a, const Recording& b, const Events& events, Alignment::Means means) {
+  if (std::max(events.a_s.size(), events.b_s.size()) > kMostEvents) {
+    return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostEvents) + " events in one recording",
+                      "is the trigger column a digital level?");
+  }
+  const EventMatch match = match_events(events);
+  core::Result<Alignment> alignment = match.alignment;
+  const bool may_be = is_half(events, match.alignment.event_count) && !match.is_ambiguous;
+  if (!is_certain(events, match) && !(may_be && looks_alike(a, b, match.alignment))) {
+    alignment = align_doubtful(a, b, events, why_not(events, match, means));
+  }
+  if (alignment && alignment->event_count > 0) alignment->means = means;
+  return alignment;
 }
 
 }  // namespace
@@ -109,49 +127,13 @@ std::vector<double> trigger_edges_s(const Recording& recording) {
   return edges;
 }
 
-core::Result<Alignment> align_events(const std::vector<double>& a_s, const std::vector<double>& b_s, double sd_s) {
-  if (a_s.size() > kMostEvents || b_s.size() > kMostEvents) {
-    return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostEvents) + " events in one recording",
-                      "is the trigger column a digital level?");
-  }
-  const Pairs pairs = matched(a_s, b_s, sd_s);
-  if (pairs.empty()) return core::fail(core::ErrorCode::Failed, "the recordings have no event in common");
-  const auto count = static_cast<double>(pairs.size());
-  double mean_b_s = 0.0;
-  double mean_difference_s = 0.0;
-  for (const auto& [a, b] : pairs) {
-    mean_b_s += b / count;
-    mean_difference_s += (a - b) / count;
-  }
-  Alignment alignment{
-      .offset_s = mean_difference_s, .offset_sd_s = sd_s / std::sqrt(count), .reference_s = mean_b_s, .event_count = pairs.size()};
-  double squares = 0.0;
-  double product = 0.0;
-  for (const auto& [a, b] : pairs) {
-    squares += (b - mean_b_s) * (b - mean_b_s);
-    product += (b - mean_b_s) * (a - b - mean_difference_s);
-  }
-  if (pairs.size() > 1 && squares > 0.0) {
-    alignment.drift_ppm = 1e6 * product / squares;
-    alignment.drift_sd_ppm = 1e6 * sd_s / std::sqrt(squares);
-  }
-  return alignment;
-}
-
 core::Result<Alignment> align(const Recording& a, const Recording& b) {
-  const auto edges_a = trigger_edges_s(a);
-  const auto edges_b = trigger_edges_s(b);
-  if (!edges_a.empty() && !edges_b.empty()) {
-    auto alignment = align_events(edges_a, edges_b, step_sd_s(a, b));
-    if (alignment) alignment->means = Alignment::Means::Trigger;
-    return alignment;
-  }
-  const auto [markers_a, markers_b] = common_markers(a, b);
-  if (!markers_a.empty()) {
-    auto alignment = align_events(markers_a, markers_b, step_sd_s(a, b));
-    if (alignment) alignment->means = Alignment::Means::Marker;
-    return alignment;
-  }
+  const double sd_s = step_sd_s(a, b);
+  Events triggers{.a_s = trigger_edges_s(a), .b_s = trigger_edges_s(b), .sd_s = sd_s};
+  if (!triggers.a_s.empty() && !triggers.b_s.empty()) return align_events(a, b, triggers, Alignment::Means::Trigger);
+  auto [markers_a, markers_b] = common_markers(a, b);
+  const Events markers{.a_s = std::move(markers_a), .b_s = std::move(markers_b), .sd_s = sd_s};
+  if (!markers.a_s.empty()) return align_events(a, b, markers, Alignment::Means::Marker);
   return align_by_correlation(a, b);
 }
 

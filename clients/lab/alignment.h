@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct Alignment {
   double reference_s = 0.0;                                            ///< On B's clock, in the middle of what was used.
   std::size_t event_count = 0;                                         ///< Common triggers or markers.
   double peak_correlation = std::numeric_limits<double>::quiet_NaN();  ///< Correlation only.
+  std::string warning;                                                 ///< Why events that are there were not used; empty: nothing to say.
 
   [[nodiscard]] double to_a_s(double t_b_s) const noexcept;
 };
@@ -30,16 +32,19 @@ struct Alignment {
 /// "trigger", "marker", "correlation"
 [[nodiscard]] std::string_view name(Alignment::Means means) noexcept;
 
+/// Below it, any two recordings look alike somewhere.
+inline constexpr double kLeastCorrelation = 0.3;
+
 /// By the trigger edges that both have, else by equal markers, else by cross-correlation of both axes, refined by least squares
-/// in offset, drift, and gain and mean per axis. Fails with Failed when nothing matches.
+/// in offset, drift, and gain and mean per axis. A single pair of events, two pairs of three or more, and events that fit in several ways
+/// are believed where the signals look alike; otherwise, and when less than half of the events fit, the signals decide, with a warning.
+/// Fails with Failed when nothing matches, with LimitExceeded for more than 500 events.
 [[nodiscard]] core::Result<Alignment> align(const Recording& a, const Recording& b);
 
 // The parts of `align`.
 
 /// Times at which the trigger rises through the middle of its range; half a step early, because it rose between two scans.
 [[nodiscard]] std::vector<double> trigger_edges_s(const Recording& recording);
-/// Pairs events by the one shift that most of them agree on, and fits a line. `sd_s`: of each event's time difference.
-[[nodiscard]] core::Result<Alignment> align_events(const std::vector<double>& a_s, const std::vector<double>& b_s, double sd_s);
 [[nodiscard]] core::Result<Alignment> align_by_correlation(const Recording& a, const Recording& b);
 
 }  // namespace dts::lab

@@ -6,47 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "lab/paired.h"
+
 namespace dts::lab {
 namespace {
 
 constexpr double kShortestOverlapS = 1.0;
-
-/// Pairs of values of both recordings at the same instants.
-struct Paired {
-  std::vector<double> t_a_s;
-  std::vector<double> a_x, a_y, b_x, b_y;
-};
-
-void keep(Paired& paired, double t_a_s, double a_x, double a_y, double b_x, double b_y) {
-  if (!std::isfinite(a_x + a_y + b_x + b_y)) return;
-  paired.t_a_s.push_back(t_a_s);
-  paired.a_x.push_back(a_x);
-  paired.a_y.push_back(a_y);
-  paired.b_x.push_back(b_x);
-  paired.b_y.push_back(b_y);
-}
-
-/// At the scans of the slower one.
-Paired pair_up(const Recording& a, const Recording& b, const Alignment& alignment) {
-  Paired paired;
-  if (a.step_s() <= b.step_s()) {
-    const SmoothSeries x(a.t_s, a.x_mm);
-    const SmoothSeries y(a.t_s, a.y_mm);
-    for (std::size_t row = 0; row < b.t_s.size(); ++row) {
-      const double at_s = alignment.to_a_s(b.t_s[row]);
-      keep(paired, at_s, x.at(at_s).value, y.at(at_s).value, b.x_mm[row], b.y_mm[row]);
-    }
-    return paired;
-  }
-  std::vector<double> b_on_a_s;
-  for (const double t_s : b.t_s) b_on_a_s.push_back(alignment.to_a_s(t_s));
-  const SmoothSeries x(b_on_a_s, b.x_mm);
-  const SmoothSeries y(b_on_a_s, b.y_mm);
-  for (std::size_t row = 0; row < a.t_s.size(); ++row) {
-    keep(paired, a.t_s[row], a.x_mm[row], a.y_mm[row], x.at(a.t_s[row]).value, y.at(a.t_s[row]).value);
-  }
-  return paired;
-}
 
 AxisDifference difference(const std::vector<double>& a, const std::vector<double>& b) {
   const auto count = static_cast<double>(a.size());
@@ -77,6 +42,13 @@ AxisDifference difference(const std::vector<double>& a, const std::vector<double
   return result;
 }
 
+/// From times counted from the first scans to those of the clocks.
+Alignment on_clocks(Alignment alignment, const Recording& a, const Recording& b) {
+  alignment.offset_s += a.began_s - b.began_s;
+  alignment.reference_s += b.began_s;
+  return alignment;
+}
+
 }  // namespace
 
 core::Result<Comparison> compare(const Recording& a, const Recording& b) {
@@ -88,9 +60,10 @@ core::Result<Comparison> compare(const Recording& a, const Recording& b) {
     return core::fail(core::ErrorCode::Failed, "aligned, the recordings have less than a second in common",
                       "are they of the same trial? do trigger or marker mean the same in both?");
   }
-  Comparison comparison{.alignment = *alignment,
+  Comparison comparison{.alignment = on_clocks(*alignment, a, b),
                         .overlap_s = overlap_s,
                         .scan_count = paired.t_a_s.size(),
+                        .correlation = correlation(paired),
                         .x = difference(paired.a_x, paired.b_x),
                         .y = difference(paired.a_y, paired.b_y)};
   comparison.rmse_total_mm = std::hypot(comparison.x.rmse_mm, comparison.y.rmse_mm);

@@ -20,9 +20,10 @@ struct AxisDifference {
 
 /// Thesis 4.6 and Table 4.2 as a procedure: two instruments that saw the same person.
 struct Comparison {
-  Alignment alignment;
+  Alignment alignment;  ///< Of the clocks as recorded.
   double overlap_s = 0.0;
   std::size_t scan_count = 0;  ///< Compared: those of the slower recording, the other is interpolated.
+  double correlation = 0.0;    ///< Of both axes together.
   AxisDifference x;
   AxisDifference y;
   double rmse_total_mm = 0.0;  ///< sqrt(x^2 + y^2).

@@ -35,8 +35,10 @@ cli::Json to_json(const Comparison& comparison) {
   cli::set_number(aligned, "drift_sd_ppm", alignment.drift_sd_ppm);
   cli::set_number(aligned, "reference_s", alignment.reference_s);
   cli::set_number(aligned, "peak_correlation", alignment.peak_correlation);
+  if (!alignment.warning.empty()) aligned["warning"] = alignment.warning;
   if (alignment.event_count > 0) aligned["events"] = alignment.event_count;
   cli::Json json{{"alignment", aligned}, {"overlap_s", comparison.overlap_s}, {"scans", comparison.scan_count}};
+  cli::set_number(json, "correlation", comparison.correlation);
   json["x"] = to_json(comparison.x);
   json["y"] = to_json(comparison.y);
   cli::set_number(json, "rmse_total_mm", comparison.rmse_total_mm);
@@ -51,7 +53,7 @@ std::string with_deviation(double value, double deviation, int decimals, const s
 void print(const Comparison& comparison, cli::Console& console) {
   const Alignment& alignment = comparison.alignment;
   console.out << "aligned by " << name(alignment.means);
-  if (alignment.event_count > 0) console.out << " (" << alignment.event_count << " events)";
+  if (alignment.event_count > 0) console.out << " (" << alignment.event_count << (alignment.event_count == 1 ? " event)" : " events)");
   console.out << ": add " << with_deviation(alignment.offset_s, alignment.offset_sd_s, 4, "s") << " to the times of B";
   if (std::isfinite(alignment.drift_ppm)) {
     console.out << ", whose clock is " << with_deviation(alignment.drift_ppm, alignment.drift_sd_ppm, 1, "ppm") << " slow";
@@ -71,6 +73,15 @@ void print(const Comparison& comparison, cli::Console& console) {
   add("y", comparison.y);
   table.add({{"both"}, {decimal(comparison.rmse_total_mm, 3)}, {decimal(comparison.rmse_total_mean_removed_mm, 3)}});
   table.print(console);
+}
+
+void print_warnings(const Comparison& comparison, cli::Console& console) {
+  if (!comparison.alignment.warning.empty()) warn(console, comparison.alignment.warning);
+  const bool is_opposed = comparison.x.correlation < 0.0 || comparison.y.correlation < 0.0;
+  if (comparison.correlation > kLeastCorrelation && !is_opposed) return;
+  warn(console, "the recordings do not agree: correlation " + decimal(comparison.correlation, 2) + " (x " +
+                    decimal(comparison.x.correlation, 2) + ", y " + decimal(comparison.y.correlation, 2) +
+                    "); are the axes the same? is it the same trial?");
 }
 
 core::Status check_kind(const std::string& file) {
@@ -96,6 +107,7 @@ int run_compare(const Arguments& arguments, cli::Console& console) {
   } else {
     print(*comparison, console);
   }
+  print_warnings(*comparison, console);
   return cli::kOk;
 }
 

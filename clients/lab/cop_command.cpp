@@ -6,7 +6,10 @@
 #include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cli/exit_status.h"
 #include "cli/json.h"
@@ -75,7 +78,9 @@ void add_number(std::string& line, double value) {
 }
 
 std::string estimates_text(const CopPoints& points, const physics::CopEstimator& estimator) {
-  std::string text = points.table.header() + ",est_x_mm,est_y_mm,est_p_n,flags\n";
+  std::string text = points.table.header();
+  for (const char* name : kEstimateColumns) text += "," + std::string(name);
+  text += '\n';
   for (std::size_t row = 0; row < points.samples.size(); ++row) {
     const CopEstimate estimate = estimator.estimate(points.samples[row].deflection_mm);
     text += points.table.lines()[row];
@@ -87,9 +92,58 @@ std::string estimates_text(const CopPoints& points, const physics::CopEstimator&
   return text;
 }
 
+/// Writing over what is read would destroy measurements, by whatever name or link.
+core::Status check_out(const std::string& out, const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code error;
+    if (!std::filesystem::equivalent(out, input, error) || error) continue;
+    return core::fail(core::ErrorCode::InvalidArgument, "--out " + out + " is the input file " + input, "another --out");
+  }
+  return {};
+}
+
+core::Status check_is_new(const std::string& out) {
+  std::error_code error;
+  if (!std::filesystem::exists(std::filesystem::symlink_status(out, error))) return {};
+  return core::fail(core::ErrorCode::InvalidArgument, "--out " + out + " is there already: a calibration is never overwritten",
+                    "another --out");
+}
+
+// Above these a calibration is worse than the method: something was measured wrongly, or too little.
+constexpr double kLargestOwnMm = 1.0;
+constexpr double kLargestLeftOutMm = 2.0;
+constexpr double kLargestLoadPercent = 5.0;
+constexpr std::size_t kEnoughPositions = 36;  ///< 6 x 6, for the cubic polynomials of poly3.
+
+/// Different places that were loaded.
+std::size_t position_count(const CopCalibration& calibration) {
+  std::set<std::pair<double, double>> places;
+  for (const physics::CopCalibrationPoint& point : calibration.points) {
+    places.emplace(point.sample.load_position.x.value, point.sample.load_position.y.value);
+  }
+  return places.size();
+}
+
+void warn_of_doubts(const CopCalibration& calibration, cli::Console& console) {
+  const double own_mm = calibration.residuals.rms_total_mm;
+  const double left_out_mm = calibration.cross_validated ? calibration.cross_validated->rms_total_mm : 0.0;
+  const double load_percent = calibration.cross_validated ? calibration.cross_validated->load_rms_percent : 0.0;
+  if (own_mm > kLargestOwnMm || left_out_mm > kLargestLeftOutMm) {
+    std::string text = "the calibration misses its own points by " + cli::decimal(own_mm, 2) + " mm rms";
+    if (calibration.cross_validated) text += ", each left out by " + cli::decimal(left_out_mm, 2) + " mm";
+    const bool is_coarse = calibration.estimator.method() == physics::CopMethod::Poly3 && position_count(calibration) < kEnoughPositions;
+    warn(console, text + (is_coarse ? "; 6 x 6 positions or more make it ten times better" : "; is a point wrong, did a sensor move?"));
+  }
+  if (load_percent > kLargestLoadPercent) {
+    warn(console, "the load of a point left out is wrong by " + cli::decimal(load_percent, 1) + " % rms; are the loads right?");
+  }
+}
+
 }  // namespace
 
 int run_cop_fit(const Arguments& arguments, cli::Console& console) {
+  if (const auto status = check_out(arguments.out, {arguments.points, arguments.rig}); !status) return fail_with(console, status.error());
+  if (const auto status = check_is_new(arguments.out); !status) return fail_with(console, status.error());
   files::Problems problems;
   const physics::RigModel rig = read_rig(arguments.rig, problems);
   if (!problems.empty()) return report_problems(console, problems);
@@ -103,10 +157,13 @@ int run_cop_fit(const Arguments& arguments, cli::Console& console) {
   const auto written = files::write_cop_calibration(arguments.out, *calibration);
   if (!written) return fail_with(console, written.error());
   print_fit(*calibration, arguments, console);
+  warn_of_doubts(*calibration, console);
   return cli::kOk;
 }
 
 int run_cop_estimate(const Arguments& arguments, cli::Console& console) {
+  const auto apart = check_out(arguments.out, {arguments.points, arguments.calibration});
+  if (!apart) return fail_with(console, apart.error());
   files::Problems problems;
   const auto calibration = files::read_cop_calibration(arguments.calibration, problems);
   if (!calibration) return report_problems(console, problems);

@@ -39,10 +39,14 @@ CopPoints read_cop_points(const std::string& file, std::size_t sensor_count, boo
       {.name = "y_mm", .is_required = needs_truth, .may_be_empty = !needs_truth, .minimum = off_plate_mm, .maximum = b_mm}};
   for (const std::string& name : names)
     columns.push_back({.name = name, .minimum = -kLargestDeflectionMm, .maximum = kLargestDeflectionMm});
-  if (!needs_truth) columns.push_back({.name = "est_x_mm", .is_required = false, .is_text = true});
+  if (!needs_truth) {
+    for (const char* name : kEstimateColumns) columns.push_back({.name = name, .is_required = false, .is_text = true});
+  }
   const std::size_t before = problems.size();
   CopPoints points{.table = CsvTable::read(file, columns, problems), .samples = {}};
-  if (points.table.has("est_x_mm")) problems.push_back({file, 1, 1, "has estimates already (est_x_mm)"});
+  for (const char* name : kEstimateColumns) {
+    if (points.table.has(name)) problems.push_back({file, 1, 1, "has estimates already (column '" + std::string(name) + "')"});
+  }
   if (problems.size() != before) return points;
   for (std::size_t row = 0; row < points.table.row_count(); ++row) {
     physics::CopSample sample{

@@ -80,9 +80,22 @@ class CsvTable::Reader {
     return false;
   }
 
+  /// Reports an open quote: everything after it would be taken for one cell.
+  std::optional<std::vector<Cell>> closed_cells(const std::string& line) {
+    auto cells = cells_of(line);
+    if (cells.back().open_quote == 0) return cells;
+    report(line_number_, cells.back().open_quote, "this quote is not closed on its line");
+    return std::nullopt;
+  }
+
   void read_header(const std::string& line) {
     table_.header_ = line;
-    const auto cells = cells_of(line);
+    const auto closed = closed_cells(line);
+    if (!closed) {
+      is_well_ = false;
+      return;
+    }
+    const auto& cells = *closed;
     column_count_ = cells.size();
     std::vector<std::string_view> names;
     for (std::size_t place = 0; place < cells.size(); ++place) {
@@ -92,6 +105,11 @@ class CsvTable::Reader {
       const auto known = std::ranges::find(table_.columns_, name, [](const Column& column) { return std::string_view(column.about.name); });
       if (known != table_.columns_.end()) known->place = place;
     }
+    report_missing(names);
+  }
+
+  void report_missing(std::vector<std::string_view> names) {
+    std::erase_if(names, [&](std::string_view name) { return table_.find(name) != nullptr; });  // those are what they should be
     for (const Column& column : table_.columns_) {
       if (column.place || !column.about.is_required) continue;
       const std::string near = core::suggest(column.about.name, names);
@@ -107,9 +125,11 @@ class CsvTable::Reader {
       is_well_ = false;
       return;
     }
-    const auto cells = cells_of(line);
     if (empty_line_ > 0) report(empty_line_, 1, "empty line between rows");
     empty_line_ = 0;
+    const auto closed = closed_cells(line);
+    if (!closed) return;
+    const auto& cells = *closed;
     if (cells.size() != column_count_) {
       report(line_number_, 1, std::to_string(cells.size()) + " cells, the header has " + std::to_string(column_count_));
       return;
@@ -174,8 +194,12 @@ std::vector<CsvTable::Cell> CsvTable::cells_of(std::string_view line) {
   for (std::size_t k = 0; k < line.size(); ++k) {
     if (line[k] == '"') {
       const bool is_doubled = is_quoted && k + 1 < line.size() && line[k + 1] == '"';
-      if (is_doubled) cells.back().text += line[++k];
-      if (!is_doubled) is_quoted = !is_quoted;
+      if (is_doubled) {
+        cells.back().text += line[++k];
+      } else {
+        is_quoted = !is_quoted;
+        cells.back().open_quote = is_quoted ? k + 1 : 0;
+      }
     } else if (line[k] == ',' && !is_quoted) {
       cells.push_back({.text = {}, .column = k + 2});
     } else {

@@ -29,8 +29,8 @@ class CsvTable {
   static constexpr std::size_t kMostRows = 10'000'000;
   static constexpr std::size_t kLongestLine = 4096;
 
-  /// Reads `file`. Everything wrong (a missing column, a row of another length, a cell that is no number, out of range, not finite) is
-  /// added to `problems` with file:line:column; after a hundred it gives up.
+  /// Reads `file`. Everything wrong (a missing column, a row of another length, a cell that is no number, out of range, not finite, an open
+  /// quote) is added to `problems` with file:line:column; after a hundred it gives up.
   [[nodiscard]] static CsvTable read(const std::string& file, const std::vector<CsvColumn>& columns, files::Problems& problems);
 
   [[nodiscard]] std::size_t row_count() const noexcept { return lines_.size(); }
@@ -55,6 +55,7 @@ class CsvTable {
   struct Cell {
     std::string text;
     std::size_t column = 1;
+    std::size_t open_quote = 0;  ///< Where a quote begins that nothing closes; 0: there is none.
   };
   class Reader;
 

@@ -5,7 +5,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <memory>
@@ -56,15 +58,24 @@ core::Result<int> run_gnuplot(std::FILE* in, std::FILE* out, std::FILE* talk) {
   return status;
 }
 
+/// "svg" of "map.SVG".
+std::string extension_of(const std::string& file) {
+  const std::size_t dot = file.rfind('.');
+  std::string extension = dot == std::string::npos ? "" : file.substr(dot + 1);
+  std::ranges::transform(extension, extension.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return extension;
+}
+
 std::string_view terminal_for(const std::string& file) {
-  return file.ends_with(".svg") ? "set terminal svg size 900,820 background 'white' font 'sans,13'\n"
-                                : "set terminal pngcairo size 900,820 background 'white' font 'sans,11'\n";
+  return extension_of(file) == "svg" ? "set terminal svg size 900,820 background 'white' font 'sans,13'\n"
+                                     : "set terminal pngcairo size 900,820 background 'white' font 'sans,11'\n";
 }
 
 }  // namespace
 
 core::Status check_plot_name(const std::string& file) {
-  if (file.ends_with(".svg") || file.ends_with(".png")) return {};
+  const std::string extension = extension_of(file);
+  if (extension == "svg" || extension == "png") return {};
   return core::fail(ErrorCode::InvalidArgument, "--plot " + file + ": only .svg and .png can be drawn", "--plot plate.svg");
 }
 

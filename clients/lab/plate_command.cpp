@@ -96,12 +96,47 @@ std::vector<std::string> support_names(physics::SupportKind kind) {
   return {};
 }
 
-/// Plate-model section 6: the linear plate is right while it bends less than half its thickness.
-bool is_beyond_linear(const Task& task, const Solved& solved) {
-  const double limit_mm = 0.5 * task.plate_case.plate.h.value;
-  return !task.options.is_nonlinear && std::ranges::any_of(solved.solution.probes, [&](const physics::ProbeResult& probe) {
-    return std::abs(probe.deflection_mm) > limit_mm;
-  });
+/// Of the whole plate: at grid points, loads and probes.
+double largest_deflection_mm(const Task& task, const PlateSolution& solution) {
+  constexpr int kPlaces = 40;  // along each side
+  double largest_mm = 0.0;
+  const auto look = [&](const physics::Point& at) { largest_mm = std::max(largest_mm, std::abs(solution.deflection_mm(at))); };
+  const physics::Plate& plate = task.plate_case.plate;
+  for (int j = 0; j <= kPlaces; ++j) {
+    for (int i = 0; i <= kPlaces; ++i) look({plate.a * (static_cast<double>(i) / kPlaces), plate.b * (static_cast<double>(j) / kPlaces)});
+  }
+  for (const physics::PlateLoad& load : task.plate_case.loads) look(load.area.centre);
+  for (const physics::Point& probe : task.plate_case.probes) look(probe);
+  return largest_mm;
+}
+
+/// Plate-model section 6: the linear plate is right while it bends less than half its thickness. Any plate theory takes slopes for
+/// small: a tenth of the side is a slope of a fifth and more.
+void warn_of_large_deflection(const Task& task, const Solved& solved, cli::Console& console) {
+  const physics::Plate& plate = task.plate_case.plate;
+  const double largest_mm = largest_deflection_mm(task, solved.solution);
+  const double side_mm = std::min(plate.a.value, plate.b.value);
+  const std::string bends = "the plate bends by " + decimal(largest_mm, 2) + " mm, more than ";
+  if (largest_mm > 0.1 * side_mm) {
+    warn(console, bends + "a tenth of its shorter side (" + decimal(side_mm, 1) + " mm): this is outside of plate theory");
+  } else if (!task.options.is_nonlinear && largest_mm > 0.5 * plate.h.value) {
+    warn(console, bends + "half its thickness (" + decimal(plate.h.value, 2) +
+                      " mm): linear theory is wrong there, real plates stiffen by stretching; use --nonlinear");
+  }
+}
+
+/// A point support of the model holds the plate down too; a real one only carries it.
+void warn_of_lifting(const Task& task, const Solved& solved, cli::Console& console) {
+  if (task.plate_case.support.kind != physics::SupportKind::Corner) return;
+  double scale_n = 0.0;
+  for (const physics::PlateLoad& load : task.plate_case.loads) scale_n += std::abs(load.force.value);
+  const auto names = support_names(task.plate_case.support.kind);
+  for (std::size_t k = 0; k < std::min(names.size(), solved.solution.reactions_n.size()); ++k) {
+    const double reaction_n = solved.solution.reactions_n[k];
+    if (reaction_n >= -1e-6 * scale_n) continue;
+    warn(console, "support " + names[k] + ": " + decimal(reaction_n, 3) +
+                      " N; the plate lifts off this support unless something holds it down, and then bends otherwise");
+  }
 }
 
 void print(const Task& task, const Solved& solved, cli::Console& console) {
@@ -150,9 +185,8 @@ int run_plate_solve(const Arguments& arguments, cli::Console& console) {
   } else {
     print(task, *solved, console);
   }
-  if (is_beyond_linear(task, *solved)) {
-    cli::print_hint(console, "it bends by more than half its thickness: real plates stiffen by stretching; try --nonlinear");
-  }
+  warn_of_large_deflection(task, *solved, console);
+  warn_of_lifting(task, *solved, console);
   return cli::kOk;
 }
 

@@ -8,7 +8,7 @@
 
 namespace dts::lab {
 
-/// A map of the bent plate with supports, loads (centres of patches) and probes.
+/// A map of the bent plate with supports, loads (patches as rectangles) and probes.
 [[nodiscard]] core::Status plot_plate(const physics::PlateCase& plate_case, const physics::PlateSolution& solution,
                                       const std::string& file);
 

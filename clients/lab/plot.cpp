@@ -58,6 +58,13 @@ void write_marks(std::ostream& script, const std::vector<Marks>& all) {
   }
 }
 
+void write_patches(std::ostream& script, const std::vector<physics::Patch>& patches) {
+  for (const physics::Patch& patch : patches) {
+    script << "set object rectangle center " << patch.centre.x.value << ',' << patch.centre.y.value << " size " << patch.width.value << ','
+           << patch.height.value << " front fillstyle empty border lc rgb '#d1495b' lw 2\n";
+  }
+}
+
 }  // namespace
 
 std::string map_script(const PlateMap& map) {
@@ -65,6 +72,7 @@ std::string map_script(const PlateMap& map) {
   script.precision(9);
   write_field(script, map);
   write_marks(script, map.marks);
+  write_patches(script, map.patches);
   const std::string a = std::to_string(map.plate.a.value);
   const std::string b = std::to_string(map.plate.b.value);
   script << kPalette << "set title " << quoted(map.title) << " noenhanced\nset cblabel " << quoted(map.quantity) << " noenhanced\n"

@@ -29,7 +29,8 @@ struct PlateMap {
   int cells = 80;  ///< In both directions.
   std::function<double(physics::Point)> value;
   std::vector<Marks> marks;
-  physics::Plate plate;  ///< Its outline is drawn.
+  std::vector<physics::Patch> patches;  ///< Drawn as rectangles.
+  physics::Plate plate;                 ///< Its outline is drawn.
 };
 
 [[nodiscard]] core::Status draw_map(const PlateMap& map, const std::string& file);

@@ -2,6 +2,7 @@
 #include "lab/problems.h"
 
 #include <algorithm>
+#include <ostream>
 
 #include "cli/exit_status.h"
 
@@ -24,5 +25,7 @@ int fail_with(cli::Console& console, const core::Error& error) {
   const int status = cli::fail_with(console, error);
   return error.code == core::ErrorCode::NotFound ? cli::kUsage : status;
 }
+
+void warn(cli::Console& console, const std::string& text) { console.talk << "warning: " << cli::printable(text) << std::endl; }
 
 }  // namespace dts::lab

@@ -16,4 +16,7 @@ namespace dts::lab {
 /// Prints an error and returns its exit status. A file or folder that is not there is bad input: 5 is for rigs, devices and sessions.
 [[nodiscard]] int fail_with(cli::Console& console, const core::Error& error);
 
+/// "warning: text" to `talk`: the result stands, but not without a doubt.
+void warn(cli::Console& console, const std::string& text);
+
 }  // namespace dts::lab

@@ -53,6 +53,8 @@ Recording read_recording(const std::string& file, files::Problems& problems) {
                       .trigger = table.numbers("trigger"),
                       .marker = table.texts("marker")};
   if (problems.size() == before) check_times(file, recording, problems);
+  if (!recording.t_s.empty()) recording.began_s = recording.t_s.front();
+  for (double& t_s : recording.t_s) t_s -= recording.began_s;
   return recording;
 }
 

@@ -11,18 +11,21 @@ namespace dts::lab {
 
 /// A recorded centre of pressure. All columns as long as `t_s`; NaN where a value is missing. Times rise strictly.
 struct Recording {
-  std::vector<double> t_s;
+  std::vector<double> t_s;  ///< Counted from `began_s`.
   std::vector<double> x_mm;
   std::vector<double> y_mm;
   std::vector<double> trigger;      ///< Level; empty without this column.
   std::vector<std::string> marker;  ///< Text at the scan it belongs to; empty without this column.
 
+  /// On the recording's clock. Apart, because a double at a Unix time resolves no less than 0.2 us: too coarse to align with.
+  double began_s = 0.0;
+
   /// Median time between scans.
   [[nodiscard]] double step_s() const;
 };
 
-/// Reads a CSV file with the columns `t_s,x_mm,y_mm` and, if there, `trigger` and `marker`. Everything wrong is added to
-/// `problems`; times must rise, and there must be 20 scans over two seconds.
+/// Reads a CSV file with the columns `t_s,x_mm,y_mm` and, if there, `trigger` and `marker`. Times are counted from the
+/// first. Everything wrong is added to `problems`; times must rise, and there must be 20 scans over two seconds.
 [[nodiscard]] Recording read_recording(const std::string& file, files::Problems& problems);
 
 /// A smooth curve through samples at any times (cubic Hermite with the slopes of the neighbours), with holes where samples are missing.

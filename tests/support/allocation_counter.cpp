@@ -27,10 +27,13 @@ void count() noexcept {
   if (name.starts_with("acq-") || name.starts_with("pipe-")) calls_of_sample_threads.fetch_add(1, std::memory_order_relaxed);
 }
 
-void* allocate(std::size_t size, std::size_t alignment) {
+void* try_to_allocate(std::size_t size, std::size_t alignment) noexcept {
   count();
-  const std::size_t rounded = (size / alignment + 1) * alignment;  // aligned_alloc wants a multiple
-  if (void* memory = std::aligned_alloc(alignment, rounded)) return memory;
+  return std::aligned_alloc(alignment, (size / alignment + 1) * alignment);  // aligned_alloc wants a multiple
+}
+
+void* allocate(std::size_t size, std::size_t alignment) {
+  if (void* memory = try_to_allocate(size, alignment)) return memory;
   throw std::bad_alloc();
 }
 
@@ -47,7 +50,11 @@ std::uint64_t heap_calls_of_sample_threads() noexcept { return calls_of_sample_t
 
 }  // namespace dts::test
 
-// The array and nothrow forms of the standard library call these.
+// The array forms of the standard library call these. The nothrow forms would, but the sanitizers bring their own.
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return dts::test::try_to_allocate(size, alignof(std::max_align_t)); }
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+  return dts::test::try_to_allocate(size, alignof(std::max_align_t));
+}
 void* operator new(std::size_t size) { return dts::test::allocate(size, alignof(std::max_align_t)); }
 void* operator new(std::size_t size, std::align_val_t alignment) { return dts::test::allocate(size, static_cast<std::size_t>(alignment)); }
 void operator delete(void* memory) noexcept { dts::test::release(memory); }

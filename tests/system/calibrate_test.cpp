@@ -168,7 +168,7 @@ TEST_F(CalibrateTest, KilledInTheMiddle_ResumesWhereItWas) {
 
   const Finished undecided = daemon.ctl(cop({"--estimator", "thesis", "--verify", "0"}));
   const Finished other = daemon.ctl(cop({"--estimator", "poly3", "--resume"}));
-  const Finished resumed = daemon.ctl(cop({"--estimator", "thesis", "--verify", "0", "--resume"}));
+  const Finished resumed = daemon.ctl(cop({"--resume"}));  // estimator and verification as they were begun
 
   EXPECT_EQ(undecided.status, 6);
   EXPECT_THAT(undecided.err, ::testing::HasSubstr("--resume"));
@@ -207,7 +207,7 @@ TEST_F(CalibrateTest, DuringASession_Refused) {
 
 TEST_F(CalibrateTest, Sensors_GiveBackTheirCurve) {
   const DaemonProcess daemon(
-      simulated("contact=gaps&gaps_mm=12.5,12,11,10,9,8,7&step_on_s=3&hold_s=0.5&pause_s=0.3&ramp_s=0.05&range_v=10"));
+      simulated("contact=gaps&gaps_mm=12.5,12,11,10,9,8,7,6.5&step_on_s=3&hold_s=0.5&pause_s=0.3&ramp_s=0.05&range_v=10"));
   ASSERT_TRUE(daemon.is_ready()) << daemon.log();
 
   const Finished finished = daemon.ctl(
@@ -219,7 +219,7 @@ TEST_F(CalibrateTest, Sensors_GiveBackTheirCurve) {
   const physics::SensorCurve assumed = physics::SensorCurve::hoa1405_assumed();
   for (const json& sensor : report["sensors"]) {
     EXPECT_EQ(sensor["daq_serial"], "sim-floor-3");
-    ASSERT_EQ(sensor["points"].size(), 7U);
+    ASSERT_EQ(sensor["points"].size(), 8U);
     for (const json& point : sensor["points"]) {
       const double expected_v = assumed.volts({point["gap_mm"].get<double>()}).value;
       EXPECT_NEAR(point["volts"].get<double>(), expected_v, 5.0 * 0.003 / std::sqrt(200.0)) << point;  // 3 mV white noise, 200 scans

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,10 +18,11 @@ struct CalibrateArguments {
   std::vector<double> gaps_mm;  ///< In the order of measuring.
   std::string points_file;      ///< Not empty: no measuring.
 
-  std::string estimator = "poly3";
-  std::vector<double> loads_n;  ///< Empty: the estimator's usual ones.
-  std::size_t grid = 7;
-  std::size_t verify = 15;
+  // Not given: as an interrupted calibration was begun, or the usual ones.
+  std::optional<std::string> estimator;
+  std::vector<double> loads_n;
+  std::optional<std::size_t> grid;
+  std::optional<std::size_t> verify;
   bool is_resumed = false;
   bool is_fresh = false;
 };

@@ -21,14 +21,15 @@ void add_sensor(CommandTree& tree, CLI::App& parent) {
   CalibrateArguments& wishes = arguments.calibrate;
   CLI::App* sensor =
       cli::add_command(tree.line, parent, "sensor", "Measure sensors' curves: volts over known gaps",
-                       "dtsctl calibrate sensor --rig floor --sensor w1 | spacers of 12.5, 12, 11, ... 7 mm before one sensor\n"
-                       "dtsctl calibrate sensor --rig floor --sensor all --gaps 13,12,11,10,9,8,7,8,9,10,11,12,13 | there and back\n"
+                       "dtsctl calibrate sensor --rig floor --sensor w1 | spacers of 12.5, 12, 11, ... 7, 6.5 mm before one sensor\n"
+                       "dtsctl calibrate sensor --rig floor --sensor all --gaps 13,12,11,10,9,8,7,6.5,7,8,9,10,11,12,13 | there and back\n"
                        "dtsctl calibrate sensor --sensor w1 --points w1.csv --out w1.toml | from a table gap_mm,volts\n",
                        [&tree](cli::Console& console) { return run_calibrate_sensor(tree.arguments, console); });
   sensor->add_option("--rig", arguments.rig, "Rig of the sensors; not needed with --points")->option_text("RIG");
   sensor->add_option("--sensor", wishes.sensor, "Label of the sensor, or all")->option_text("LABEL")->required();
-  wishes.gaps_mm = {12.5, 12.0, 11.0, 10.0, 9.0, 8.0, 7.0};  // the working range of thesis 3.4, and beyond the unloaded gap
-  sensor->add_option("--gaps", wishes.gaps_mm, "Gaps in mm, in the order of measuring (12.5,12,11,10,9,8,7); repeated ones are averaged")
+  wishes.gaps_mm = {12.5, 12.0, 11.0, 10.0, 9.0, 8.0, 7.0, 6.5};  // thesis 3.4, and beyond both ends: unloaded and 600 N
+  sensor
+      ->add_option("--gaps", wishes.gaps_mm, "Gaps in mm, in the order of measuring (12.5,12,11,10,9,8,7,6.5); repeated ones are averaged")
       ->option_text("MM,MM,...")
       ->delimiter(',')
       ->check(cli::number_between(0.1, 1000.0, "mm"));
@@ -40,7 +41,7 @@ void add_cop(CommandTree& tree, CLI::App& parent) {
   Arguments& arguments = tree.arguments;
   CalibrateArguments& wishes = arguments.calibrate;
   CLI::App* cop = cli::add_command(tree.line, parent, "cop", "Calibrate the centre of pressure with known weights at known places",
-                                   "dtsctl calibrate cop --rig floor | 7 x 7 places with 240 and with 700 N\n"
+                                   "dtsctl calibrate cop --rig floor | 7 x 7 places with 240 and with 600 N\n"
                                    "dtsctl calibrate cop --rig floor --estimator thesis --loads 490 | five places on each mid-line\n"
                                    "dtsctl calibrate cop --rig floor --resume | go on after an interruption\n",
                                    [&tree](cli::Console& console) { return run_calibrate_cop(tree.arguments, console); });
@@ -48,7 +49,7 @@ void add_cop(CommandTree& tree, CLI::App& parent) {
   cop->add_option("--estimator", wishes.estimator, "poly3 (a grid at two loads) or thesis (mid-lines at one load)")
       ->option_text("NAME")
       ->check(CLI::IsMember({"poly3", "thesis"}));
-  cop->add_option("--loads", wishes.loads_n, "Weights in N (poly3: 240,700; thesis: 490)")
+  cop->add_option("--loads", wishes.loads_n, "Weights in N (poly3: 240,600; thesis: 490, exactly one)")
       ->option_text("N,N,...")
       ->delimiter(',')
       ->check(cli::number_between(1.0, 5000.0, "newtons"));
@@ -56,7 +57,8 @@ void add_cop(CommandTree& tree, CLI::App& parent) {
   cop->add_option("--verify", wishes.verify, "Verify at N of the 15 points of thesis Table 4.1 (15); 0: not at all")
       ->option_text("N")
       ->check(cli::whole_number_between(0, 15));
-  CLI::Option* resume = cop->add_flag("--resume", wishes.is_resumed, "Go on with the points of an interrupted calibration");
+  CLI::Option* resume = cop->add_flag("--resume", wishes.is_resumed,
+                                      "Go on with the points of an interrupted calibration, with the options it was begun with");
   cop->add_flag("--fresh", wishes.is_fresh, "Forget the points of an interrupted calibration")->excludes(resume);
   add_common_options(*cop, wishes);
 }

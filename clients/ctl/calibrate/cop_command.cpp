@@ -2,10 +2,13 @@
 #include "ctl/calibrate/cop_command.h"
 
 #include <algorithm>
+#include <set>
 
 #include "cli/exit_status.h"
+#include "cli/table.h"
 #include "ctl/calibrate/cop_guide.h"
 #include "ctl/calibrate/cop_report.h"
+#include "ctl/calibrate/interrupt_note.h"
 #include "ctl/calibrate/rig_facts.h"
 #include "ctl/commands.h"
 #include "files/cop_calibration_file.h"
@@ -25,12 +28,17 @@ constexpr double kDriftMm = 0.01;  // moves the estimate by about 0.1 mm at 490 
 constexpr double kNoiseMm = 0.1;   // as the tare: more means that something moves
 constexpr double kPatienceS = 10.0;
 constexpr double kThesisLoadN = 490.0;  // thesis 4.5: 50 kgf
+constexpr double kLeastRatio = 2.0;     // of the loads of poly3: less tells too little about how its coefficients depend on the load
+constexpr std::size_t kGoodGrid = 6;    // plate-model 5.2: 6 x 6 places are ten times better than 5 x 5
 
 /// Everything that is decided before the first weight is lifted.
 struct Job {
   RigFacts facts;
   CopMethod method = CopMethod::Poly3;
   PlateView plate;
+  std::vector<double> loads_n;
+  std::size_t grid = 7;
+  std::size_t verify = kVerificationPoints;
   std::vector<PlannedPoint> points;  ///< To calibrate, then to verify.
   std::size_t fit_count = 0;         ///< So many of them are for the fit.
   double rate_hz = 0.0;
@@ -39,29 +47,101 @@ struct Job {
 
 bool is_guided(const Arguments& arguments) { return !arguments.calibrate.is_auto && is_input_terminal(); }
 
-Result<Job> plan(const Arguments& arguments, client::ControlClient& dts) {
-  const CalibrateArguments& wishes = arguments.calibrate;
+Result<std::filesystem::path> progress_path(const std::string& rig) {
+  const auto folder = state_folder();
+  if (!folder) return tl::make_unexpected(folder.error());
+  return *folder / ("calibrate-cop-" + rig + ".jsonl");
+}
+
+/// With --resume: what is not given is as in the interrupted calibration. Numbers of a damaged file count as not given: it is refused
+/// later, because it differs.
+Result<CalibrateArguments> completed(const Arguments& arguments) {
+  CalibrateArguments wishes = arguments.calibrate;
+  if (!wishes.is_resumed) return wishes;
+  const auto file = progress_path(arguments.rig);
+  if (!file) return tl::make_unexpected(file.error());
+  const auto then = ProgressFile::calibration_in(*file);
+  if (!then) return tl::make_unexpected(then.error());
+  const auto text = then->value("estimator", Json());
+  if (!wishes.estimator && text.is_string()) wishes.estimator = text.get<std::string>();
+  if (text != wishes.estimator.value_or("poly3")) return wishes;
+  const auto count = [&](const char* key, std::size_t largest, std::optional<std::size_t>& wish) {
+    const auto value = then->value(key, Json());
+    if (!wish && value.is_number_unsigned() && value.get<std::size_t>() <= largest) wish = value.get<std::size_t>();
+  };
+  count("grid", 15, wishes.grid);
+  count("verify", kVerificationPoints, wishes.verify);
+  const auto loads = then->value("loads_n", Json());
+  if (!wishes.loads_n.empty() || !loads.is_array()) return wishes;
+  for (const Json& load : loads) {
+    if (load.is_number() && wishes.loads_n.size() < 20) wishes.loads_n.push_back(load.get<double>());
+  }
+  return wishes;
+}
+
+Result<void> check_loads(CopMethod method, const std::vector<double>& loads_n) {
+  if (std::set<double>(loads_n.begin(), loads_n.end()).size() < loads_n.size()) {
+    return client::fail(ErrorCode::InvalidArgument, "--loads names a load twice", "name each load once");
+  }
+  if (method == CopMethod::Thesis && loads_n.size() != 1) {
+    return client::fail(ErrorCode::InvalidArgument, "the estimator thesis takes exactly one load, not " + std::to_string(loads_n.size()),
+                        "--loads 490");
+  }
+  return {};
+}
+
+/// What will not come out well is said before the first weight is lifted.
+void warn(const Job& job, cli::Console& console) {
+  if (job.method != CopMethod::Poly3) return;
+  const auto [least, most] = std::ranges::minmax(job.loads_n);
+  if (most < kLeastRatio * least) {
+    console.talk << "warning: poly3 needs loads that differ by a factor of " << cli::decimal(kLeastRatio, 0)
+                 << " or more to know the load's influence; these are " << cli::decimal(least, 0) << " .. " << cli::decimal(most, 0) << " N"
+                 << std::endl;
+  }
+  if (job.grid < kGoodGrid) {
+    console.talk << "warning: 6 x 6 places are about ten times better than " << job.grid << " x " << job.grid << ": --grid 6" << std::endl;
+  }
+}
+
+/// What a doubt about a deflection means at the plate.
+std::string advice(const std::string& label, std::uint8_t quality) {
+  if ((quality & v1::QUALITY_UNTARED) != 0) return "the zero of the plate is lost; quit and begin again with --resume";
+  if ((quality & v1::QUALITY_RAIL) != 0) return "the converter is at its end; use a lighter weight or a wider input range";
+  if ((quality & v1::QUALITY_OUT_OF_RANGE) != 0) {
+    return "the curve of " + label +
+           " ends before this deflection; measure it at smaller gaps (dtsctl calibrate sensor) or use a lighter weight";
+  }
+  if ((quality & v1::QUALITY_STUCK) != 0) return "the voltage of " + label + " does not move at all; look at its cable and supply";
+  return "the channels may be rotated; look at the marker channel, dtsctl doctor";
+}
+
+Result<Job> plan(const Arguments& arguments, const CalibrateArguments& wishes, client::ControlClient& dts) {
   auto facts = ask_rig_facts(dts, arguments.rig);
   if (!facts) return tl::make_unexpected(facts.error());
   if (auto idle = facts->check_idle(); !idle) return tl::make_unexpected(idle.error());
-  const auto method = physics::parse_cop_method(wishes.estimator);
+  const std::string estimator = wishes.estimator.value_or("poly3");
+  const auto method = physics::parse_cop_method(estimator);
   if (!method) return as_client_error(method.error());
   Job job{.facts = std::move(*facts), .method = *method};
+  job.grid = wishes.grid.value_or(job.grid);
+  job.verify = wishes.verify.value_or(job.verify);
   job.plate = plate_view(job.facts.rig);
   if (job.plate.labels.size() != physics::kFloorSensors) {
     return client::fail(ErrorCode::Unsupported,
-                        "rig '" + arguments.rig + "' has " + std::to_string(job.plate.labels.size()) + " sensors; " + wishes.estimator +
+                        "rig '" + arguments.rig + "' has " + std::to_string(job.plate.labels.size()) + " sensors; " + estimator +
                             " is for floor platforms of four",
                         "more sensors are calibrated on the plate model: estimator = \"moment\"");
   }
   const auto rate_hz = job.facts.rate_hz("deflection");
   if (!rate_hz) return tl::make_unexpected(rate_hz.error());
   job.rate_hz = *rate_hz;
-  std::vector<double> loads_n = wishes.loads_n;
-  if (loads_n.empty()) loads_n = job.method == CopMethod::Thesis ? std::vector{kThesisLoadN} : std::vector{240.0, 700.0};
-  job.points = plan_points(job.plate, job.method, loads_n, wishes.grid);
+  job.loads_n = wishes.loads_n;
+  if (job.loads_n.empty()) job.loads_n = job.method == CopMethod::Thesis ? std::vector{kThesisLoadN} : std::vector{240.0, 600.0};
+  if (auto checked = check_loads(job.method, job.loads_n); !checked) return tl::make_unexpected(checked.error());
+  job.points = plan_points(job.plate, job.method, job.loads_n, job.grid);
   job.fit_count = job.points.size();
-  for (const PlannedPoint& point : verification_points(job.plate, loads_n.back(), wishes.verify)) job.points.push_back(point);
+  for (const PlannedPoint& point : verification_points(job.plate, job.loads_n.back(), job.verify)) job.points.push_back(point);
   auto file = free_file(wishes.out.empty() ? arguments.rig + "-cop-" + utc_now().substr(0, 10) + ".toml" : wishes.out);
   if (!file) return tl::make_unexpected(file.error());
   job.file = std::move(*file);
@@ -72,20 +152,23 @@ Result<Job> plan(const Arguments& arguments, client::ControlClient& dts) {
 Json identity(const Job& job) {
   Json points = Json::array();
   for (const PlannedPoint& point : job.points) points.push_back({point.x_mm, point.y_mm, point.load_n});
-  return {{"format", 1},
+  return {{"format", 2},
           {"rig", job.facts.rig.name()},
           {"sensors", job.plate.labels},
           {"daq_model", job.facts.daq_model},
           {"daq_serial", job.facts.daq_serial},
           {"estimator", std::string(physics::to_string(job.method))},
+          {"loads_n", job.loads_n},
+          {"grid", job.grid},
+          {"verify", job.verify},
           {"points_to_fit", job.fit_count},
           {"points", points}};
 }
 
 Result<ProgressFile> open_progress(const CalibrateArguments& wishes, const Job& job) {
-  const auto folder = state_folder();
-  if (!folder) return tl::make_unexpected(folder.error());
-  const auto file = *folder / ("calibrate-cop-" + job.facts.rig.name() + ".jsonl");
+  const auto path = progress_path(job.facts.rig.name());
+  if (!path) return tl::make_unexpected(path.error());
+  const std::filesystem::path& file = *path;
   if (wishes.is_resumed) return ProgressFile::resume(file, identity(job), job.points.size(), job.plate.labels.size());
   std::error_code error;
   if (!wishes.is_fresh && std::filesystem::exists(file, error)) {
@@ -111,6 +194,7 @@ Result<bool> tare(client::ControlClient& dts, const std::string& rig, const Prom
 std::vector<physics::CopSample> samples(const Job& job, const ProgressFile& progress) {
   std::vector<physics::CopSample> list;
   for (std::size_t k = 0; k < job.fit_count; ++k) {
+    if (!progress.points()[k]) continue;  // skipped
     const PlannedPoint& point = job.points[k];
     list.push_back({.load_position = {{point.x_mm}, {point.y_mm}}, .load = {point.load_n}, .deflection_mm = progress.points()[k]->mean});
   }
@@ -132,7 +216,8 @@ Result<physics::CopCalibration> fit_and_write(const Job& job, const ProgressFile
 
 int finish(const Job& job, ProgressFile& progress, const physics::CopCalibration& calibration, bool is_json, cli::Console& console) {
   CopReport report{.calibration = calibration, .file = job.file, .verification = {}};
-  for (std::size_t k = job.fit_count; k < progress.next(); ++k) {
+  for (std::size_t k = job.fit_count; k < job.points.size(); ++k) {
+    if (!progress.points()[k]) continue;
     report.verification.push_back(verify(calibration, job.points[k], progress.points()[k]->mean));
   }
   progress.finish();
@@ -151,29 +236,43 @@ int say_kept(const ProgressFile& progress, const Job& job, cli::Console& console
   return cli::kInterrupted;
 }
 
+MeasureOptions deflections(const Job& job, std::size_t scans, const std::function<void(const std::string&)>& say,
+                           const std::function<bool()>& is_stopped) {
+  return {.labels = job.plate.labels,
+          .unit = "mm",
+          .limits = {.window_scans = scans, .drift = kDriftMm, .noise = kNoiseMm},
+          .refused_quality = kRefusedQuality,
+          .patience_scans = static_cast<std::size_t>(kPatienceS * job.rate_hz) + scans,
+          .say = say,
+          .sees = load_text,
+          .advise = advice,
+          .is_stopped = is_stopped};
+}
+
 /// All that happens at the plate.
 int work(const Arguments& arguments, client::ControlClient& dts, const Job& job, ProgressFile& progress, Feed& feed, std::size_t scans,
          cli::Console& console) {
   const bool guided = is_guided(arguments);
-  const Prompt prompt(console.talk, standard_input());
+  const Prompt prompt(console.talk, standard_input(), has_standard_input);
   const Prompt* const asks = guided ? &prompt : nullptr;
   const auto say = [&console](const std::string& line) { console.talk << line << std::endl; };
+  std::optional<Answer> typed;
+  const auto is_stopped = [&] {
+    if (guided) typed = prompt.overhear();
+    return typed.has_value();
+  };
   if (progress.next() < job.points.size()) {
     const auto tared = tare(dts, arguments.rig, asks, console);
     if (!tared) return cli::fail_with(console, tared.error());
     if (!*tared) return say_kept(progress, job, console);
   }
   if (auto fresh = feed.discard(); !fresh) return cli::fail_with(console, fresh.error());
-  Measurer measurer(feed, {.labels = job.plate.labels,
-                           .unit = "mm",
-                           .limits = {.window_scans = scans, .drift = kDriftMm, .noise = kNoiseMm},
-                           .refused_quality = kRefusedQuality,
-                           .patience_scans = static_cast<std::size_t>(kPatienceS * job.rate_hz) + scans,
-                           .say = say});
+  Measurer measurer(feed, deflections(job, scans, say, is_stopped));
   CopGuide guide({.plate = job.plate,
                   .points = job.points,
                   .measurer = measurer,
                   .progress = progress,
+                  .typed = &typed,
                   .prompt = asks,
                   .draws = guided || console.is_talk_terminal,
                   .say = say});
@@ -195,7 +294,9 @@ int run_calibrate_cop(const Arguments& arguments, cli::Console& console) {
   if (!dts) return cli::fail_with(console, dts.error());
   const auto where = endpoints(arguments);
   if (!where) return cli::fail_with(console, where.error());
-  const auto job = plan(arguments, *dts);
+  const auto wishes = completed(arguments);
+  if (!wishes) return cli::fail_with(console, wishes.error());
+  const auto job = plan(arguments, *wishes, *dts);
   if (!job) return cli::fail_with(console, job.error());
   const auto scans = hold_scans(arguments.calibrate.hold_s, job->rate_hz);
   if (!scans) return cli::fail_with(console, scans.error());
@@ -205,6 +306,9 @@ int run_calibrate_cop(const Arguments& arguments, cli::Console& console) {
   if (!feed) return cli::fail_with(console, feed.error());
   auto progress = open_progress(arguments.calibrate, *job);
   if (!progress) return cli::fail_with(console, progress.error());
+  warn(*job, console);
+  const InterruptNote note("Interrupted. The points measured so far are kept in " + cli::printable(progress->path().string()) +
+                           "; go on: dtsctl calibrate cop --rig " + cli::printable(arguments.rig) + " --resume");
   return work(arguments, *dts, *job, *progress, *feed, *scans, console);
 }
 

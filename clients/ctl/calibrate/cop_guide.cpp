@@ -44,49 +44,81 @@ bool is_loaded(std::span<const double> deflection_mm) noexcept {
   return std::accumulate(deflection_mm.begin(), deflection_mm.end(), 0.0) > kEmptySumMm;
 }
 
+std::string load_text(std::span<const double> deflection_mm) {
+  const double sum_mm = std::accumulate(deflection_mm.begin(), deflection_mm.end(), 0.0);
+  return std::string(is_loaded(deflection_mm) ? "something lies on the plate" : "the plate looks empty") + ": the deflections' sum is " +
+         decimal(sum_mm, 2) + " mm";
+}
+
+std::size_t CopGuide::next() const {
+  std::size_t index = 0;
+  while (index < is_skipped_.size() && (parts_.progress.points()[index] || is_skipped_[index])) ++index;
+  return index;
+}
+
 Result<bool> CopGuide::measure_until(std::size_t end) {
-  std::size_t last = parts_.points.size();  // the last one measured in this run, for redo
-  while (parts_.progress.next() < end) {
-    const std::size_t index = parts_.progress.next();
+  while (next() < end) {
+    const std::size_t index = next();
     announce(index);
     if (parts_.prompt != nullptr) {
-      const Answer answer = parts_.prompt->ask("  Is it there?", Prompt::kWithRedo);
-      if (answer == Answer::Quit) return false;
-      if (answer == Answer::Redo) {
-        if (auto forgotten = forget(last); !forgotten) return tl::make_unexpected(forgotten.error());
-        continue;
-      }
+      const Reply reply = parts_.prompt->ask("  Is it there?", Prompt::kWithAll);
+      if (reply == Answer::Quit) return false;
+      const auto goes_on = go_on(reply, index);
+      if (!goes_on) return goes_on;
+      if (!*goes_on) continue;
       if (auto fresh = parts_.measurer.begin_anew(); !fresh) return tl::make_unexpected(fresh.error());
     }
-    if (auto measured = measure(index); !measured) return tl::make_unexpected(measured.error());
-    if (parts_.progress.points()[index]) last = index;
+    const auto stopped = measure(index);
+    if (!stopped) return tl::make_unexpected(stopped.error());
+    if (*stopped == Answer::Quit) return false;
+    if (*stopped == Answer::Skip) is_skipped_[index] = true;
+    if (parts_.progress.points()[index]) last_ = index;
   }
+  begin_ = end;
+  last_.reset();
   return true;
 }
 
-Result<void> CopGuide::forget(std::size_t index) {
-  if (index < parts_.points.size()) return parts_.progress.forget(index);
-  parts_.say("  nothing was measured yet");
+/// True: the point is to be measured now.
+Result<bool> CopGuide::go_on(const Reply& reply, std::size_t index) {
+  if (reply == Answer::Go) return true;
+  if (reply == Answer::Skip) {
+    is_skipped_[index] = true;
+    return false;
+  }
+  if (auto forgotten = forget(reply.number); !forgotten) return tl::make_unexpected(forgotten.error());
+  return false;
+}
+
+Result<void> CopGuide::forget(std::optional<std::size_t> number) {
+  const std::size_t index = number ? *number - 1 : last_.value_or(parts_.points.size());
+  if (index >= begin_ && index < parts_.points.size() && (parts_.progress.points()[index] || is_skipped_[index])) {
+    is_skipped_[index] = false;
+    return parts_.progress.forget(index);
+  }
+  parts_.say(number ? "  point " + std::to_string(*number) + " is none of those measured here" : "  nothing was measured yet");
   return {};
 }
 
-Result<void> CopGuide::measure(std::size_t index) {
+Result<Answer> CopGuide::measure(std::size_t index) {
   const bool is_automatic = parts_.prompt == nullptr;
   if (is_automatic) {
     const auto is_empty = [](std::span<const double> scan) { return !is_loaded(scan); };
-    if (auto empty = parts_.measurer.wait_until(is_empty); !empty) return empty;
+    if (auto empty = parts_.measurer.wait_until(is_empty); !empty) return tl::make_unexpected(empty.error());
   }
-  const auto reading = parts_.measurer.measure(is_loaded);
-  if (!reading) return tl::make_unexpected(reading.error());
+  const auto measured = parts_.measurer.measure(is_loaded);
+  if (!measured) return tl::make_unexpected(measured.error());
+  if (!*measured) return parts_.typed != nullptr ? parts_.typed->value_or(Answer::Quit) : Answer::Quit;
+  const SteadyReading& reading = **measured;
   const PlannedPoint& point = parts_.points[index];
-  if (is_on_the_other_side(parts_.plate.sensor_x_mm, reading->mean, point.x_mm) ||
-      is_on_the_other_side(parts_.plate.sensor_y_mm, reading->mean, point.y_mm)) {
+  if (is_on_the_other_side(parts_.plate.sensor_x_mm, reading.mean, point.x_mm) ||
+      is_on_the_other_side(parts_.plate.sensor_y_mm, reading.mean, point.y_mm)) {
     parts_.say("  not recorded: the plate bends on the other side. Is the weight at the right place, are the sensors in the rig's order?");
-    return {};
+    return Answer::Go;
   }
-  if (auto recorded = parts_.progress.record(index, *reading); !recorded) return recorded;
-  report(index, *reading);
-  return {};
+  if (auto recorded = parts_.progress.record(index, reading); !recorded) return tl::make_unexpected(recorded.error());
+  report(index, reading);
+  return Answer::Go;
 }
 
 void CopGuide::announce(std::size_t index) const {

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "cli/table.h"
+#include "files/toml_text.h"
 
 namespace dts::ctl {
 namespace {
@@ -12,7 +13,7 @@ using cli::decimal;
 using cli::Json;
 
 /// The line of the rig's file that makes the daemon use the calibration. Absolute, because the daemon reads it relative to that file.
-std::string rig_line(const std::string& file) { return "calibration = \"" + std::filesystem::absolute(file).string() + "\""; }
+std::string rig_line(const std::string& file) { return "calibration = " + files::toml_quoted(std::filesystem::absolute(file).string()); }
 
 Json figures(const ErrorSummary& summary) {
   Json json = Json::object();
@@ -93,9 +94,9 @@ void print(cli::Console& console, const CopReport& report) {
     console.out << "\nVerification at points of thesis Table 4.1:\n" << error_map(report.verification);
     console.out << figures_text(summary(report.verification)) << "   (thesis: rms x 1.66, y 2.51, total 3.0 mm)\n";
   }
-  console.out << "\nwritten to " << report.file << " as " << report.calibration.id
+  console.out << "\nwritten to " << cli::printable(report.file) << " as " << report.calibration.id
               << "\nto use it, write at the top of the rig's file, and take any other estimator out of its cop stage:\n    "
-              << rig_line(report.file) << std::endl;
+              << cli::printable(rig_line(report.file)) << std::endl;
 }
 
 }  // namespace dts::ctl

@@ -15,6 +15,11 @@ using client::Result;
 constexpr std::chrono::milliseconds kLook{100};
 constexpr std::chrono::seconds kSilence{10};
 
+tl::unexpected<client::Error> restarted() {
+  return client::fail(ErrorCode::WrongState, "the daemon was restarted during the calibration: the zero of the plate is lost",
+                      "begin again; points already recorded are kept: --resume");
+}
+
 }  // namespace
 
 Result<LiveFeed> LiveFeed::open(const std::string& endpoint, const std::string& rig, const std::string& stream,
@@ -38,10 +43,7 @@ Result<std::optional<FeedBlock>> LiveFeed::receive(std::chrono::milliseconds tim
   const auto message = subscriber_.receive(timeout);
   if (!message) return tl::make_unexpected(message.error());
   if (!*message) return std::nullopt;
-  if (std::holds_alternative<client::Restart>(**message)) {
-    return client::fail(ErrorCode::WrongState, "the daemon was restarted during the calibration: the zero of the plate is lost",
-                        "begin again; points already recorded are kept: --resume");
-  }
+  if (std::holds_alternative<client::Restart>(**message)) return restarted();
   if (std::holds_alternative<client::Event>(**message)) is_broken_ = true;
   const auto* block = std::get_if<client::Block>(&**message);
   if (block == nullptr || block->topic != topic_) return std::nullopt;
@@ -81,6 +83,7 @@ Result<void> LiveFeed::discard() {
     const auto message = subscriber_.receive(std::chrono::milliseconds(0));
     if (!message) return tl::make_unexpected(message.error());
     if (!*message) break;
+    if (std::holds_alternative<client::Restart>(**message)) return restarted();
   }
   has_begun_ = false;
   is_broken_ = false;

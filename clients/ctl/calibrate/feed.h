@@ -25,7 +25,7 @@ class Feed {
   virtual ~Feed() = default;
   /// The next scans; nothing when none came in time. Fails when the daemon was restarted or the device is silent for long.
   [[nodiscard]] virtual client::Result<std::optional<FeedBlock>> next() = 0;
-  /// Throws away what was measured up to now.
+  /// Throws away what was measured up to now. Fails when the daemon was restarted meanwhile.
   [[nodiscard]] virtual client::Result<void> discard() = 0;
 };
 

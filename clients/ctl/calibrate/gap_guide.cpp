@@ -12,6 +12,7 @@ using cli::decimal;
 using client::Result;
 
 constexpr double kNewLevelV = 0.02;  // four codes of 11 bit over +-5 V
+constexpr std::size_t kPatienceHolds = 5;
 
 bool always(std::span<const double> /*scan*/) { return true; }
 
@@ -32,6 +33,22 @@ void report(const GapGuideParts& parts, const SteadyReading& reading) {
   parts.say(text + " V; noise to " + decimal(1e3 * noise_v, 1) + " mV over " + std::to_string(reading.scans) + " scans");
 }
 
+/// One sensor that stays where it was keeps the gap of all from being taken.
+void say_stuck(const GapGuideParts& parts, const SteadyReading& now, const SteadyReading& last) {
+  std::string stuck;
+  bool has_mover = false;
+  for (std::size_t i = 0; i < now.mean.size() && i < parts.labels.size(); ++i) {
+    if (std::abs(now.mean[i] - last.mean[i]) > kNewLevelV) {
+      has_mover = true;
+    } else {
+      stuck += (stuck.empty() ? "" : ", ") + parts.labels[i];
+    }
+  }
+  if (!has_mover || stuck.empty()) return;
+  parts.say("  still waiting: " + stuck + " changed by less than " + decimal(1e3 * kNewLevelV, 0) +
+            " mV, the others by more. Is the spacer there, is the sensor connected? One sensor alone: --sensor LABEL");
+}
+
 std::string request(const GapGuideParts& parts, std::size_t index) {
   return "Gap " + std::to_string(index + 1) + " of " + std::to_string(parts.gaps_mm.size()) + ": " + decimal(parts.gaps_mm[index], 3) +
          " mm";
@@ -40,7 +57,7 @@ std::string request(const GapGuideParts& parts, std::size_t index) {
 Result<std::vector<SteadyReading>> measure_guided(const GapGuideParts& parts) {
   std::vector<SteadyReading> readings;
   while (readings.size() < parts.gaps_mm.size()) {
-    const Answer answer = parts.prompt->ask(request(parts, readings.size()) + ". Is the spacer in?", Prompt::kWithRedo);
+    const Reply answer = parts.prompt->ask(request(parts, readings.size()) + ". Is the spacer in?", Prompt::kWithRedo);
     if (answer == Answer::Quit) return readings;
     if (answer == Answer::Redo) {
       if (!readings.empty()) readings.pop_back();
@@ -49,8 +66,9 @@ Result<std::vector<SteadyReading>> measure_guided(const GapGuideParts& parts) {
     if (auto fresh = parts.measurer.begin_anew(); !fresh) return tl::make_unexpected(fresh.error());
     auto reading = parts.measurer.measure(always);
     if (!reading) return tl::make_unexpected(reading.error());
-    report(parts, *reading);
-    readings.push_back(std::move(*reading));
+    if (!*reading) return readings;
+    report(parts, **reading);
+    readings.push_back(std::move(**reading));
   }
   return readings;
 }
@@ -59,19 +77,25 @@ Result<std::vector<SteadyReading>> measure_alone(const GapGuideParts& parts) {
   parts.say("Nothing before the sensors, please");
   auto open = parts.measurer.measure(always);
   if (!open) return tl::make_unexpected(open.error());
-  report(parts, *open);
   std::vector<SteadyReading> readings;
-  SteadyReading last = *open;
+  if (!*open) return readings;
+  report(parts, **open);
+  SteadyReading last = **open;
   while (readings.size() < parts.gaps_mm.size()) {
     parts.say(request(parts, readings.size()));
+    std::size_t in_vain = 0;
     while (true) {
       auto reading = parts.measurer.measure(always);
       if (!reading) return tl::make_unexpected(reading.error());
-      if (!is_other_level(*reading, last)) continue;
-      last = *reading;
-      if (!is_other_level(*reading, *open)) continue;
-      report(parts, *reading);
-      readings.push_back(std::move(*reading));
+      if (!*reading) return readings;
+      if (!is_other_level(**reading, last)) {
+        if (++in_vain % kPatienceHolds == 0) say_stuck(parts, **reading, last);
+        continue;
+      }
+      last = **reading;
+      if (!is_other_level(**reading, **open)) continue;
+      report(parts, **reading);
+      readings.push_back(std::move(**reading));
       break;
     }
   }

@@ -16,6 +16,7 @@ struct GapGuideParts {
   Measurer& measurer;
   const Prompt* prompt = nullptr;  ///< nullptr: a new steady voltage is the next gap, see `measure_gaps`.
   std::function<void(const std::string&)> say;
+  std::vector<std::string> labels{};  ///< Of the sensors, for messages.
 };
 
 /// The voltages of all sensors at each gap, in the order of the gaps; fewer when the person quit.

@@ -30,7 +30,7 @@ std::optional<double> number(std::string_view text, double smallest, double larg
 
 client::Result<std::vector<physics::GapReading>> read_gap_table(const std::string& file) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) return client::fail(ErrorCode::NotFound, file + ": no such file");
+  if (!std::filesystem::is_regular_file(file, error)) return client::fail(ErrorCode::InvalidArgument, file + ": no such file");
   std::ifstream stream(file, std::ios::binary);
   std::vector<physics::GapReading> readings;
   std::string line;

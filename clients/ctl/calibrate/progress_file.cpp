@@ -20,9 +20,19 @@ using client::ErrorCode;
 using client::Result;
 
 constexpr const char* kFresh = "begin anew: --fresh";
+constexpr const char* kOther = "--resume without other options takes those of the file; begin anew: --fresh";
+constexpr std::size_t kShownBytes = 60;
 
 tl::unexpected<client::Error> failed(const std::filesystem::path& path, int error) {
   return client::fail(ErrorCode::Failed, path.string() + ": " + std::strerror(error), "is there room, may you write there?");
+}
+
+tl::unexpected<client::Error> damaged_head(const std::filesystem::path& path) {
+  return client::fail(ErrorCode::DataDamaged, path.string() + ":1: is damaged: it does not say which calibration it belongs to", kFresh);
+}
+
+tl::unexpected<client::Error> nothing_to_resume(const std::filesystem::path& path) {
+  return client::fail(ErrorCode::WrongState, "there is nothing to resume: " + path.string() + " does not exist", "leave out --resume");
 }
 
 /// "estimator is \"thesis\", now \"poly3\"": the first thing in which two calibrations differ.
@@ -30,7 +40,7 @@ std::string difference(const Json& then, const Json& now) {
   for (const auto& [key, value] : now.items()) {
     const Json old = then.is_object() ? then.value(key, Json()) : Json();
     if (old == value) continue;
-    const auto shown = [](const Json& json) { return json.is_structured() ? std::string("another list") : json.dump(); };
+    const auto shown = [](const Json& json) { return json.dump().size() > kShownBytes ? std::string("another list") : json.dump(); };
     return key + " was " + shown(old) + ", now it is " + shown(value);
   }
   return "it has keys that this version does not know";
@@ -54,7 +64,7 @@ Result<std::filesystem::path> state_folder(const client::Environment& environmen
   if (state != nullptr && *state == '/') return std::filesystem::path(state) / "dts";
   const char* home = environment("HOME");
   if (home != nullptr && *home == '/') return std::filesystem::path(home) / ".local" / "state" / "dts";
-  return client::fail(ErrorCode::NotFound, "no place to keep the progress in: neither XDG_STATE_HOME nor HOME is set");
+  return client::fail(ErrorCode::Failed, "no place to keep the progress in: neither XDG_STATE_HOME nor HOME is set");
 }
 
 void ProgressFile::Closer::operator()(const int* descriptor) const noexcept {
@@ -86,12 +96,21 @@ Result<ProgressFile> ProgressFile::create(const std::filesystem::path& file, con
   return progress;
 }
 
+Result<Json> ProgressFile::calibration_in(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string text;
+  if (!stream) return nothing_to_resume(file);
+  std::getline(stream, text);
+  const Json line = Json::parse(text, nullptr, false);
+  Json calibration = line.is_object() ? line.value("calibration", Json()) : Json();
+  if (!calibration.is_object()) return damaged_head(file);
+  return calibration;
+}
+
 Result<ProgressFile> ProgressFile::resume(const std::filesystem::path& file, const Json& calibration, std::size_t point_count,
                                           std::size_t channel_count) {
   std::error_code error;
-  if (!std::filesystem::exists(file, error)) {
-    return client::fail(ErrorCode::NotFound, "there is nothing to resume: " + file.string() + " does not exist", "leave out --resume");
-  }
+  if (!std::filesystem::exists(file, error)) return nothing_to_resume(file);
   auto progress = open(file, 0);
   if (!progress) return progress;
   progress->points_.resize(point_count);
@@ -112,16 +131,17 @@ Result<void> ProgressFile::read(const Json& calibration, std::size_t channel_cou
         Json::parse(text.begin() + static_cast<std::ptrdiff_t>(begin), text.begin() + static_cast<std::ptrdiff_t>(end), nullptr, false);
     if (number == 1) {
       const Json then = line.is_object() ? line.value("calibration", Json()) : Json();
+      if (!then.is_object()) return damaged_head(path_);
       if (then != calibration) {
         return client::fail(ErrorCode::WrongState,
-                            path_.string() + " is the progress of another calibration: " + difference(then, calibration), kFresh);
+                            path_.string() + " is the progress of another calibration: " + difference(then, calibration), kOther);
       }
     } else if (auto taken = take(line, number, channel_count); !taken) {
       return taken;
     }
     begin = end + 1;
   }
-  if (begin == 0) return client::fail(ErrorCode::DataDamaged, path_.string() + ":1: not a progress file", kFresh);
+  if (begin == 0) return damaged_head(path_);
   if (begin < text.size() && ::ftruncate(*descriptor_, static_cast<off_t>(begin)) != 0) return failed(path_, errno);
   return {};
 }

@@ -15,7 +15,7 @@
 
 namespace dts::ctl {
 
-/// $XDG_STATE_HOME/dts, else ~/.local/state/dts. Fails with NotFound when there is no home either.
+/// $XDG_STATE_HOME/dts, else ~/.local/state/dts. Fails with Failed when there is no home either.
 [[nodiscard]] client::Result<std::filesystem::path> state_folder(const client::Environment& environment = client::process_environment);
 
 /// The points measured so far, on the disk as soon as they are measured: a crash costs the point under way at most.
@@ -29,7 +29,9 @@ class ProgressFile {
  public:
   /// Begins anew. Fails with WrongState when another calibration holds the file.
   [[nodiscard]] static client::Result<ProgressFile> create(const std::filesystem::path& file, const cli::Json& calibration);
-  /// Goes on. Fails with NotFound, with WrongState when the file is of another calibration (naming what differs) or held by another
+  /// What the calibration in the file is, as it was given to `create`. Fails with WrongState when there is no file, with DataDamaged.
+  [[nodiscard]] static client::Result<cli::Json> calibration_in(const std::filesystem::path& file);
+  /// Goes on. Fails with WrongState when there is nothing, when the file is of another calibration (naming what differs) or held by another
   /// process, with DataDamaged naming "file:line".
   [[nodiscard]] static client::Result<ProgressFile> resume(const std::filesystem::path& file, const cli::Json& calibration,
                                                            std::size_t point_count, std::size_t channel_count);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/calibrate/rig_facts.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
 #include <ctime>
@@ -70,6 +72,19 @@ tl::unexpected<client::Error> as_client_error(const core::Error& error) {
 
 Result<std::string> free_file(const std::string& wanted) {
   std::error_code error;
+  const std::filesystem::path parent = std::filesystem::path(wanted).parent_path();
+  const std::filesystem::path folder = parent.empty() ? "." : parent;
+  if (!std::filesystem::is_directory(folder, error)) {
+    return client::fail(ErrorCode::InvalidArgument, "cannot write " + wanted + ": there is no folder " + folder.string(),
+                        "mkdir, or --out");
+  }
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) {
+    return client::fail(ErrorCode::InvalidArgument, "cannot write " + wanted + ": you may not write to the folder " + folder.string(),
+                        "name another place with --out");
+  }
+  if (std::filesystem::is_directory(wanted, error)) {
+    return client::fail(ErrorCode::InvalidArgument, wanted + " is a folder", "name a file in it with --out");
+  }
   if (!std::filesystem::exists(wanted, error)) return wanted;
   return client::fail(ErrorCode::InvalidArgument, wanted + " exists already: a calibration is never overwritten",
                       "name another file with --out, or move it away");

@@ -32,7 +32,8 @@ struct RigFacts {
 /// The same error for clients: codes of both have the same numbers.
 [[nodiscard]] tl::unexpected<client::Error> as_client_error(const core::Error& error);
 
-/// "name.toml" beside where the user is; fails with InvalidArgument when the file exists: a calibration is never overwritten.
+/// "name.toml" beside where the user is; fails with InvalidArgument when the file exists (a calibration is
+/// never overwritten) or its folder cannot be written to: better before the measuring than after it.
 [[nodiscard]] client::Result<std::string> free_file(const std::string& wanted);
 
 }  // namespace dts::ctl

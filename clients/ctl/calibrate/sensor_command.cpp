@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <optional>
+#include <set>
 
 #include "cli/exit_status.h"
 #include "cli/json.h"
@@ -14,6 +16,7 @@
 #include "ctl/calibrate/rig_facts.h"
 #include "ctl/commands.h"
 #include "files/sensor_curve_file.h"
+#include "files/toml_text.h"
 
 namespace dts::ctl {
 namespace {
@@ -49,6 +52,11 @@ std::string default_name(const std::string& rig, const std::string& label) {
 /// `--out` names the file of one sensor, or the folder of all.
 Result<std::string> file_for(const Arguments& arguments, const std::string& label) {
   const CalibrateArguments& wishes = arguments.calibrate;
+  if (label.find_first_of("/\\") != std::string::npos || label != cli::printable(label) || label.empty()) {
+    return client::fail(ErrorCode::InvalidArgument,
+                        "'" + cli::printable(label) + "' is no label of a sensor: it becomes part of a file's name",
+                        "--sensor LABEL without / and control characters");
+  }
   const std::string name = default_name(arguments.rig, label);
   if (wishes.out.empty()) return free_file(name);
   return free_file(wishes.sensor == kAll ? (std::filesystem::path(wishes.out) / name).string() : wishes.out);
@@ -59,15 +67,22 @@ Result<std::vector<SensorJob>> choose_sensors(const Arguments& arguments, const 
   std::vector<SensorJob> jobs;
   std::string known;
   for (const v1::SensorInfo& sensor : facts.rig.sensors()) {
-    known += (known.empty() ? "" : ", ") + sensor.label();
+    known += (known.empty() ? "" : ", ") + cli::printable(sensor.label());
     if (wanted != kAll && wanted != sensor.label()) continue;
     auto file = file_for(arguments, sensor.label());
     if (!file) return tl::make_unexpected(file.error());
     jobs.push_back({.sensor = sensor, .readings = {}, .file = std::move(*file)});
   }
   if (!jobs.empty()) return jobs;
-  return client::fail(ErrorCode::NotFound, "rig '" + arguments.rig + "' has no sensor '" + wanted + "'",
+  return client::fail(ErrorCode::NotFound, "rig '" + arguments.rig + "' has no sensor '" + cli::printable(wanted) + "'",
                       "there are: " + known + "; or: all");
+}
+
+/// What a doubt about a voltage means at the sensor.
+std::string advice(const std::string& label, std::uint8_t quality) {
+  if ((quality & v1::QUALITY_RAIL) != 0) return "the converter is at its end; leave this gap out (--gaps) or use a wider input range";
+  if ((quality & v1::QUALITY_STUCK) != 0) return "the voltage of " + label + " does not move at all; look at its cable and supply";
+  return "the channels may be rotated; look at the marker channel, dtsctl doctor";
 }
 
 Result<std::vector<SteadyReading>> measure(const Arguments& arguments, const std::vector<SensorJob>& jobs, double rate_hz, Feed& feed,
@@ -80,12 +95,17 @@ Result<std::vector<SteadyReading>> measure(const Arguments& arguments, const std
                          .limits = {.window_scans = *scans, .drift = kDriftV, .noise = kNoiseV},
                          .refused_quality = kRefusedQuality,
                          .patience_scans = static_cast<std::size_t>(kPatienceS * rate_hz) + *scans,
-                         .say = say};
+                         .say = say,
+                         .sees = {},
+                         .advise = advice};
   for (const SensorJob& job : jobs) options.labels.push_back(job.sensor.label());
-  Measurer measurer(feed, std::move(options));
-  const Prompt prompt(console.talk, standard_input());
+  const std::vector<std::string> labels = options.labels;
+  const Prompt prompt(console.talk, standard_input(), has_standard_input);
   const bool is_guided = !wishes.is_auto && is_input_terminal();
-  return measure_gaps({.gaps_mm = wishes.gaps_mm, .measurer = measurer, .prompt = is_guided ? &prompt : nullptr, .say = say});
+  if (is_guided) options.is_stopped = [&prompt] { return prompt.overhear() == Answer::Quit; };
+  Measurer measurer(feed, std::move(options));
+  return measure_gaps(
+      {.gaps_mm = wishes.gaps_mm, .measurer = measurer, .prompt = is_guided ? &prompt : nullptr, .say = say, .labels = labels});
 }
 
 /// Fills in the readings; false when the person quit.
@@ -172,7 +192,7 @@ void warn_of_range(const SensorJob& job, const Finished& finished, cli::Console&
 
 void print(cli::Console& console, const std::vector<Finished>& all) {
   for (const Finished& finished : all) {
-    console.out << "Sensor " << finished.facts.sensor << ", " << finished.facts.id << ":\n";
+    console.out << "Sensor " << cli::printable(finished.facts.sensor) << ", " << finished.facts.id << ":\n";
     cli::Table table({">gap mm", ">volts"});
     for (const physics::CurvePoint& point : finished.calibration.points) {
       table.add({{cli::decimal(point.gap.value, 3)}, {cli::decimal(point.volts.value, 4)}});
@@ -180,8 +200,9 @@ void print(cli::Console& console, const std::vector<Finished>& all) {
     table.print(console);
     console.out << "about a smooth curve: " << cli::decimal(finished.facts.residual_mv, 2) << " mV rms";
     if (finished.facts.repeat_mv) console.out << "; repeated: " << cli::decimal(*finished.facts.repeat_mv, 2) << " mV rms";
-    console.out << "\nwritten to " << finished.file << "\nto use it, write into the rig's file, under [[sensor]] label = \""
-                << finished.facts.sensor << "\":\n    curve = \"" << std::filesystem::absolute(finished.file).string() << "\"\n";
+    console.out << "\nwritten to " << cli::printable(finished.file) << "\nto use it, write into the rig's file, under [[sensor]] label = "
+                << cli::printable(files::toml_quoted(finished.facts.sensor))
+                << ":\n    curve = " << cli::printable(files::toml_quoted(std::filesystem::absolute(finished.file).string())) << "\n";
   }
   console.out.flush();
 }
@@ -203,6 +224,14 @@ core::Status check(const Arguments& arguments) {
   }
   if (is_offline && arguments.calibrate.sensor == kAll) {
     return core::fail(core::ErrorCode::InvalidArgument, "one file of points is one sensor, not all", "--sensor LABEL");
+  }
+  const auto& gaps_mm = arguments.calibrate.gaps_mm;
+  const std::size_t different = std::set<double>(gaps_mm.begin(), gaps_mm.end()).size();
+  if (!is_offline && different < physics::kLeastGaps) {
+    return core::fail(
+        core::ErrorCode::InvalidArgument,
+        "--gaps names " + std::to_string(different) + " different gaps, at least " + std::to_string(physics::kLeastGaps) + " are needed",
+        "--gaps 12.5,12,11,10,9,8,7,6.5");
   }
   return {};
 }
@@ -226,6 +255,31 @@ Result<bool> fill_in(const Arguments& arguments, const std::optional<RigFacts>& 
   return true;
 }
 
+/// The readings of a refused sensor, as --points takes them, so that the measuring was not in vain. Nothing: they cannot be written.
+std::optional<std::string> rescue(const SensorJob& job) {
+  const auto file = free_file(job.file + ".readings.csv");
+  if (!file) return std::nullopt;
+  std::ofstream stream(*file);
+  stream << "gap_mm,volts\n";
+  for (const physics::GapReading& reading : job.readings) {
+    stream << files::toml_number(reading.gap.value) << ',' << files::toml_number(reading.volts.value) << '\n';
+  }
+  stream.close();
+  if (!stream) return std::nullopt;
+  return *file;
+}
+
+/// Says why a sensor has no curve; the others go on. Returns the exit status.
+int refuse(const Arguments& arguments, const SensorJob& job, const client::Error& error, cli::Console& console) {
+  if (!arguments.calibrate.points_file.empty()) return cli::fail_with(console, error);
+  const int status = cli::fail_with(console, error);
+  if (const auto file = rescue(job)) {
+    console.talk << "  what was measured is in " << cli::printable(*file) << "; mend it and: dtsctl calibrate sensor --sensor "
+                 << cli::printable(job.sensor.label()) << " --points FILE" << std::endl;
+  }
+  return arguments.calibrate.sensor == kAll ? cli::kFailed : status;
+}
+
 }  // namespace
 
 int run_calibrate_sensor(const Arguments& arguments, cli::Console& console) {
@@ -238,20 +292,25 @@ int run_calibrate_sensor(const Arguments& arguments, cli::Console& console) {
   if (!filled) return cli::fail_with(console, filled.error());
   if (!*filled) return cli::kInterrupted;
   std::vector<Finished> all;
+  int status = cli::kOk;
   for (const SensorJob& job : *jobs) {
     auto finished = finish(job, *facts, arguments.rig);
-    if (!finished) return cli::fail_with(console, finished.error());
+    if (!finished) {
+      status = refuse(arguments, job, finished.error(), console);
+      continue;
+    }
     warn_of_range(job, *finished, console);
     all.push_back(std::move(*finished));
   }
+  if (all.empty()) return status;
   if (!arguments.is_json) {
     print(console, all);
-    return cli::kOk;
+    return status;
   }
   Json document{{"sensors", Json::array()}};
   for (const Finished& finished : all) document["sensors"].push_back(to_json(finished));
   console.out << cli::document(document) << std::flush;
-  return cli::kOk;
+  return status;
 }
 
 }  // namespace dts::ctl

@@ -69,7 +69,8 @@ TEST_F(TableTest, Colours_OnlyWhenTheConsoleHasThem) {
 
 TEST(Decimal, Numbers_FixedPlacesAndADashForTheUndefined) {
   EXPECT_EQ(decimal(1.0 / 3.0, 2), "0.33");
-  EXPECT_EQ(decimal(-0.5, 0), "-0");
+  EXPECT_EQ(decimal(-0.5, 0), "0");
+  EXPECT_EQ(decimal(-0.5, 1), "-0.5");
   EXPECT_EQ(decimal(std::numeric_limits<double>::quiet_NaN(), 2), "-");
   EXPECT_EQ(decimal(std::numeric_limits<double>::infinity(), 2), "-");
   EXPECT_EQ(decimal(std::numeric_limits<double>::max(), 3).size(), 313U);

@@ -2,63 +2,17 @@
 #include "lab/compare.h"
 
 #include <cmath>
-#include <functional>
 #include <numbers>
 #include <random>
 #include <sstream>
 
+#include "unit/lab/made_recordings.h"
 #include "unit/lab/run_fixture.h"
 
 namespace dts::lab {
 namespace {
 
 using ::testing::HasSubstr;
-
-/// A sway-like signal, mm: many incommensurable slow waves, so that no two stretches look alike.
-double sway(double t_s, double seed) {
-  double value = 0.0;
-  for (int k = 1; k <= 12; ++k) {
-    const double frequency_hz = 0.07 * std::pow(static_cast<double>(k), 1.37);
-    value += 6.0 / k * std::sin(2.0 * std::numbers::pi * frequency_hz * t_s + seed * k * k);
-  }
-  return value;
-}
-
-struct Clock {
-  double first_s = 0.0;    ///< Reading at the first scan.
-  double offset_s = 0.0;   ///< To be added to its readings for true time...
-  double drift_ppm = 0.0;  ///< ...and how much slow it is, about its 0.
-  double rate_hz = 100.0;
-  double length_s = 25.0;
-
-  [[nodiscard]] double true_s(double reading_s) const { return reading_s + offset_s + 1e-6 * drift_ppm * reading_s; }
-};
-
-Recording recorded(const Clock& clock, double noise_mm = 0.0, double gain = 1.0, double shift_mm = 0.0) {
-  std::mt19937_64 random(7);
-  std::normal_distribution<double> noise(0.0, noise_mm > 0.0 ? noise_mm : 1.0);
-  Recording recording;
-  const auto count = static_cast<int>(clock.length_s * clock.rate_hz);
-  for (int k = 0; k < count; ++k) {
-    const double t_s = clock.first_s + k / clock.rate_hz;
-    recording.t_s.push_back(t_s);
-    recording.x_mm.push_back(gain * sway(clock.true_s(t_s), 0.3) + shift_mm + (noise_mm > 0.0 ? noise(random) : 0.0));
-    recording.y_mm.push_back(gain * sway(clock.true_s(t_s), 0.8) - shift_mm + (noise_mm > 0.0 ? noise(random) : 0.0));
-  }
-  return recording;
-}
-
-/// High while true time is within 50 ms after one of `at_s`.
-void add_triggers(Recording& recording, const Clock& clock, const std::vector<double>& at_s) {
-  for (const double t_s : recording.t_s) {
-    const double now_s = clock.true_s(t_s);
-    const bool is_high = std::ranges::any_of(at_s, [&](double at) { return now_s >= at && now_s < at + 0.05; });
-    recording.trigger.push_back(is_high ? 4.9 : 0.1);
-  }
-}
-
-/// True offset at the alignment's reference.
-double offset_at(const Clock& clock, double t_s) { return clock.true_s(t_s) - t_s; }
 
 TEST(Compare, SameSignalAtOtherRateAndClock_OffsetAndDriftAreFound) {
   const Recording a = recorded({.length_s = 60.0});
@@ -144,25 +98,6 @@ TEST(Compare, KnownDifference_HasItsRmseAndLargestValue) {
   EXPECT_NEAR(comparison->y.rmse_mean_removed_mm, 0.0, 0.05);
 }
 
-TEST(Compare, Triggers_AlignEvenWhatDoesNotLookAlike) {
-  const Clock clock_a{.length_s = 30.0};
-  const Clock clock_b{.first_s = 50.0, .offset_s = -47.25, .drift_ppm = 300.0, .rate_hz = 1000.0, .length_s = 24.0};
-  Recording a = recorded(clock_a);
-  Recording b = recorded(clock_b);
-  for (double& x : b.x_mm) x = -x;
-  for (double& y : b.y_mm) y = 0.0;
-  add_triggers(a, clock_a, {1.0, 5.0, 11.0, 22.0});  // the first one is before B begins
-  add_triggers(b, clock_b, {1.0, 5.0, 11.0, 22.0});
-
-  const auto alignment = align(a, b);
-
-  ASSERT_TRUE(alignment) << alignment.error().what;
-  EXPECT_EQ(alignment->means, Alignment::Means::Trigger);
-  EXPECT_EQ(alignment->event_count, 3U);
-  EXPECT_LT(std::abs(alignment->offset_s - offset_at(clock_b, alignment->reference_s)), 4.0 * alignment->offset_sd_s);
-  EXPECT_LT(std::abs(alignment->drift_ppm - 300.0), 4.0 * alignment->drift_sd_ppm);
-}
-
 TEST(Compare, OneTrigger_GivesAnOffsetAndNoDrift) {
   const Clock clock_b{.offset_s = 3.0};
   Recording a = recorded({});
@@ -178,24 +113,19 @@ TEST(Compare, OneTrigger_GivesAnOffsetAndNoDrift) {
   EXPECT_TRUE(std::isnan(comparison->alignment.drift_ppm));
 }
 
-TEST(Compare, Markers_AlignByEqualText) {
-  Recording a = recorded({});
-  Recording b = recorded({.offset_s = 1.0});
-  a.marker.resize(a.t_s.size());
-  b.marker.resize(b.t_s.size());
-  a.marker[300] = "start";
-  a.marker[500] = "only here";
-  a.marker[2000] = "stop";
-  b.marker[200] = "start";
-  b.marker[1900] = "stop";
+TEST(Compare, TimesSince1970_AlignAsFineAsOthers) {
+  Recording a = recorded({.length_s = 40.0});
+  const Clock clock{.offset_s = 3.4567, .drift_ppm = 40.0, .rate_hz = 90.0, .length_s = 35.0};
+  Recording b = recorded(clock);
+  a.began_s = 1.7e9;
+  b.began_s = 1.7e9 - 250.0;
 
-  const auto alignment = align(a, b);
+  const auto comparison = compare(a, b);
 
-  ASSERT_TRUE(alignment);
-  EXPECT_EQ(alignment->means, Alignment::Means::Marker);
-  EXPECT_EQ(alignment->event_count, 2U);
-  EXPECT_NEAR(alignment->offset_s, 1.0, 1e-9);
-  EXPECT_NEAR(alignment->drift_ppm, 0.0, 1e-6);
+  ASSERT_TRUE(comparison) << comparison.error().what;
+  const Alignment& alignment = comparison->alignment;
+  EXPECT_NEAR(alignment.offset_s, 250.0 + offset_at(clock, alignment.reference_s - b.began_s), 1e-4);
+  EXPECT_NEAR(alignment.reference_s, b.began_s + 17.5, 1.0);
 }
 
 TEST(Compare, UnlikeRecordings_AreRefused) {
@@ -247,7 +177,7 @@ TEST(SmoothSeries, BetweenSamplesSmooth_InHolesAndOutsideUndefined) {
 
 std::string csv_of(const Recording& recording) {
   std::ostringstream text;
-  text.precision(12);
+  text.precision(16);
   text << "t_s,x_mm,y_mm\n";
   for (std::size_t k = 0; k < recording.t_s.size(); ++k)
     text << recording.t_s[k] << ',' << recording.x_mm[k] << ',' << recording.y_mm[k] << '\n';
@@ -267,6 +197,42 @@ TEST_F(RunTest, CompareJson_NamesOffsetDriftAndErrors) {
 
   EXPECT_EQ(run_with({"compare", a, b}), cli::kOk);
   EXPECT_THAT(out(), HasSubstr("aligned by correlation"));
+}
+
+TEST_F(RunTest, CompareWithUnixTimes_TellsTheOffsetOfTheClocks) {
+  Recording since_1970 = recorded({.length_s = 40.0}, 0.2);
+  for (double& t_s : since_1970.t_s) t_s += 1.7e9;
+  const std::string a = write("a.csv", csv_of(since_1970));
+  const std::string b = write("b.csv", csv_of(recorded({.first_s = 5.0, .rate_hz = 90.0, .length_s = 30.0}, 0.3)));
+
+  ASSERT_EQ(run_with({"compare", a, b, "--json"}), cli::kOk) << talk();
+
+  EXPECT_NEAR(json().at("alignment").at("offset_s").get<double>(), 1.7e9, 0.01);
+  EXPECT_NEAR(json().at("alignment").at("reference_s").get<double>(), 20.0, 0.1);
+  ASSERT_EQ(run_with({"compare", a, a, "--json"}), cli::kOk) << talk();
+  EXPECT_NEAR(json().at("alignment").at("offset_s").get<double>(), 0.0, 1e-9);
+  EXPECT_NEAR(json().at("alignment").at("reference_s").get<double>(), 1.7e9 + 20.0, 0.1);
+}
+
+TEST_F(RunTest, CompareOpposedSignals_AreWarnedOf) {
+  Recording a = recorded({});
+  Recording b = a;
+  for (double& x : b.x_mm) x = -x;
+  for (double& y : b.y_mm) y = -y;
+  const auto with_triggers = [](const Recording& recording) {
+    std::istringstream rows(csv_of(recording));
+    std::string text;
+    int row = 0;
+    for (std::string line; std::getline(rows, line); ++row) {
+      text += line + (row == 0 ? ",trigger" : row == 300 || row == 900 || row == 2000 ? ",5" : ",0") + "\n";
+    }
+    return text;
+  };
+
+  EXPECT_EQ(run_with({"compare", write("a.csv", with_triggers(a)), write("b.csv", with_triggers(b))}), cli::kOk);
+
+  EXPECT_THAT(out(), HasSubstr("aligned by trigger (3 events)"));
+  EXPECT_THAT(talk(), HasSubstr("the recordings do not agree: correlation -1.00"));
 }
 
 TEST_F(RunTest, CompareBadFiles_ExitWithTwo) {

@@ -6,6 +6,7 @@
 #include "lab/csv.h"
 #include "lab/thesis_setup.h"
 #include "physics/cop/cop_evaluation.h"
+#include "physics/cop/sensed_plate.h"
 #include "unit/lab/run_fixture.h"
 
 namespace dts::lab {
@@ -31,6 +32,26 @@ class CopTest : public RunTest {
       text << '\n';
     }
     return write("points.csv", text.str());
+  }
+  /// Point loads of two weights on side x side places of the plate's middle; every third load is written down wrong by a part of it.
+  std::string grid_file(int side, double wrong_part) {
+    const auto plate = physics::SensedPlate::create(thesis_setup::floor_platform(), physics::PlateBehaviour::Stiffening);
+    std::ostringstream text;
+    text.precision(15);
+    text << "p_n,x_mm,y_mm,w1_mm,w2_mm,w3_mm,w4_mm\n";
+    for (int k = 0; k < 2 * side * side; ++k) {
+      const double load_n = k % 2 == 0 ? 300.0 : 700.0;
+      const physics::Point at{{86.0 + 258.0 * (k / 2 % side) / (side - 1)}, {86.0 + 258.0 * (k / 2 / side) / (side - 1)}};
+      text << load_n * (k % 3 == 0 ? 1.0 + wrong_part : 1.0) << ',' << at.x.value << ',' << at.y.value;
+      for (const double deflection_mm : plate->deflection_mm(at, {load_n})) text << ',' << deflection_mm;
+      text << '\n';
+    }
+    return write("grid.csv", text.str());
+  }
+  [[nodiscard]] static std::string content(const std::string& file) {
+    std::stringstream text;
+    text << std::ifstream(file).rdbuf();
+    return text.str();
   }
   CsvTable estimates() {
     files::Problems problems;
@@ -70,7 +91,7 @@ TEST_F(CopTest, FitAndEstimate_FindTheCalibrationsOwnPoints) {
 
 TEST_F(CopTest, EveryEstimatorOfTheContract_CanBeFitted) {
   for (const auto& [name, method] : {std::pair{"thesis", CopMethod::Thesis}, std::pair{"thesis_per_pair", CopMethod::ThesisPerPair}}) {
-    EXPECT_EQ(run_with({"cop", "fit", points_file(method), "--rig", kFloorRig, "--estimator", name, "--out", path("cal.toml")}), cli::kOk)
+    EXPECT_EQ(run_with({"cop", "fit", points_file(method), "--rig", kFloorRig, "--estimator", name, "--out", path(name)}), cli::kOk)
         << talk();
     EXPECT_THAT(out(), HasSubstr("own 46 points"));
   }
@@ -103,6 +124,52 @@ TEST_F(CopTest, BadPoints_ExitWithTwoAndPlace) {
   EXPECT_EQ(fit("x_mm,y_mm,w1_mm,w2_mm,w3_mm,w4_mm\n86,86,1,1,1,1\n"), cli::kUsage);
   EXPECT_THAT(talk(), HasSubstr("column 'p_n' is missing"));
   EXPECT_FALSE(std::filesystem::exists(path("cal.toml")));
+}
+
+TEST_F(CopTest, InputsAndCalibrations_AreNeverOverwritten) {
+  const std::string points = points_file(CopMethod::Poly3);
+  const std::string measured = content(points);
+  std::filesystem::create_symlink(points, path("link.csv"));
+
+  for (const std::string& out : {points, path("link.csv"), path("./points.csv")}) {
+    EXPECT_EQ(run_with({"cop", "fit", points, "--rig", kFloorRig, "--out", out}), cli::kUsage) << out;
+    EXPECT_THAT(talk(), HasSubstr("is the input file"));
+  }
+  ASSERT_EQ(run_with({"cop", "fit", points, "--rig", kFloorRig, "--out", path("cal.toml")}), cli::kOk) << talk();
+  const std::string calibration = content(path("cal.toml"));
+  EXPECT_EQ(run_with({"cop", "fit", points, "--rig", kFloorRig, "--out", path("cal.toml")}), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("a calibration is never overwritten"));
+  for (const std::string& out : {points, path("cal.toml")}) {
+    EXPECT_EQ(run_with({"cop", "estimate", path("cal.toml"), points, "--out", out}), cli::kUsage) << out;
+  }
+  EXPECT_EQ(content(points), measured);
+  EXPECT_EQ(content(path("cal.toml")), calibration);
+
+  EXPECT_EQ(run_with({"cop", "estimate", path("cal.toml"), points, "--out", path("est.csv")}), cli::kOk);
+  EXPECT_EQ(run_with({"cop", "estimate", path("cal.toml"), points, "--out", path("est.csv")}), cli::kOk) << "estimates are made again";
+}
+
+TEST_F(CopTest, EstimateColumns_DoNotComeOutTwice) {
+  ASSERT_EQ(run_with({"cop", "fit", points_file(CopMethod::Poly3), "--rig", kFloorRig, "--out", path("cal.toml")}), cli::kOk);
+
+  for (const char* column : {"flags", "est_p_n", "est_y_mm", "est_x_mm"}) {
+    const std::string text = "w1_mm,w2_mm,w3_mm,w4_mm," + std::string(column) + "\n1,1,1,1,0\n";
+    EXPECT_EQ(run_with({"cop", "estimate", path("cal.toml"), write("bare.csv", text), "--out", path("est.csv")}), cli::kUsage);
+    EXPECT_THAT(talk(), HasSubstr("has estimates already (column '" + std::string(column) + "')"));
+  }
+}
+
+TEST_F(CopTest, CoarseGridsAndWrongLoads_AreWarnedOf) {
+  const auto fit = [&](int side, double wrong_part, const std::string& name) {
+    return run_with({"cop", "fit", grid_file(side, wrong_part), "--rig", kFloorRig, "--out", path(name)});
+  };
+
+  ASSERT_EQ(fit(5, 0.0, "5.toml"), cli::kOk) << talk();
+  EXPECT_THAT(talk(), HasSubstr("6 x 6 positions or more"));
+  ASSERT_EQ(fit(8, 0.0, "8.toml"), cli::kOk) << talk();
+  EXPECT_EQ(talk(), "");
+  ASSERT_EQ(fit(8, 0.2, "wrong.toml"), cli::kOk) << talk();
+  EXPECT_THAT(talk(), HasSubstr("are the loads right?"));
 }
 
 TEST_F(CopTest, BadCalibration_ExitsWithTwo) {

@@ -79,6 +79,21 @@ TEST_F(CsvTest, WrongShape_IsReported) {
   EXPECT_EQ(only_problem(), "3:1: empty line between rows");
 }
 
+TEST_F(CsvTest, OpenQuotes_AreReportedWhereTheyBegin) {
+  (void)read("t_s,x_mm,marker\n0,1,\"a\n1,2,b\n");
+  EXPECT_EQ(only_problem(), "2:5: this quote is not closed on its line");
+  (void)read("t_s,\"x_mm\n0,1\n");
+  EXPECT_EQ(only_problem(), "1:5: this quote is not closed on its line");
+}
+
+TEST_F(CsvTest, Suggestions_NameNoColumnThatIsInItsPlace) {
+  files::Problems problems;
+  (void)CsvTable::read(write("x.csv", "x_mm,w1_mm\n0,1\n"), {{.name = "x_mm"}, {.name = "y_mm"}}, problems);
+
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_EQ(problems[0].text, "column 'y_mm' is missing");
+}
+
 TEST_F(CsvTest, EndlessLinesAndProblems_AreGivenUp) {
   (void)read("t_s,x_mm\n0," + std::string(10'000, '1') + "\n0,x\n");
   EXPECT_THAT(only_problem(), HasSubstr("longer than 4096 characters"));

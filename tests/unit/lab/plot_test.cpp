@@ -42,6 +42,15 @@ TEST_F(PlotTest, MapScript_HasEveryPointAndNoNan) {
   EXPECT_THAT(script, HasSubstr("'It''s a slope'"));
   EXPECT_THAT(script, HasSubstr("title 'load'"));
   EXPECT_THAT(script, Not(HasSubstr("nothing"))) << "no points, no legend";
+  EXPECT_THAT(script, Not(HasSubstr("rectangle")));
+}
+
+TEST_F(PlotTest, PatchLoads_AreRectangles) {
+  PlateMap map = slope();
+  map.patches = {{.centre = {{100.0}, {50.0}}, .width = {20.0}, .height = {30.0}}};
+
+  EXPECT_THAT(map_script(map), HasSubstr("rectangle center 100,50 size 20,30 "));
+  ASSERT_TRUE(draw_map(map, path("patch.svg"))) << "gnuplot understands it";
 }
 
 TEST_F(PlotTest, SvgAndPng_AreDrawnWhateverTheFileIsCalled) {
@@ -51,6 +60,9 @@ TEST_F(PlotTest, SvgAndPng_AreDrawnWhateverTheFileIsCalled) {
 
   ASSERT_TRUE(draw_map(slope(), path("map.png")));
   EXPECT_THAT(content("map.png"), StartsWith("\x89PNG"));
+
+  ASSERT_TRUE(draw_map(slope(), path("map.SVG")));
+  EXPECT_THAT(content("map.SVG"), HasSubstr("<svg"));
 
   ASSERT_TRUE(draw_curves({.title = "t", .x_label = "x", .y_label = "y", .curves = {{"c", {{0.0, 1.0}, {1.0, 2.0}}}}}, path("c.svg")));
   EXPECT_THAT(content("c.svg"), HasSubstr("<svg"));

@@ -28,7 +28,7 @@ constexpr const char* kGood = "gap_mm,volts\n12,0.9\n11,1.308\n10,1.832\n9,2.472
 TEST_F(CalibrateCommandTest, Table_BecomesACurveFile) {
   ASSERT_EQ(calibrate(kGood), cli::kOk) << talk();
 
-  EXPECT_THAT(out(), HasSubstr("curve = \"" + path("w1.toml") + "\""));
+  EXPECT_THAT(out(), HasSubstr("curve = '" + path("w1.toml") + "'"));
   files::Problems problems;
   const auto file = files::read_sensor_curve(path("w1.toml"), problems);
   ASSERT_TRUE(file) << files::to_string(problems.at(0));
@@ -36,6 +36,14 @@ TEST_F(CalibrateCommandTest, Table_BecomesACurveFile) {
   EXPECT_EQ(file->curve.volts({7.0}).value, 4.1);
   EXPECT_EQ(file->calibration->sensor, "w1");
   EXPECT_EQ(file->calibration->daq_model, "");  // nobody knows what measured it
+}
+
+TEST_F(CalibrateCommandTest, QuotesInALabel_AreEscapedInTheLineForTheRig) {
+  std::ofstream(path("q.csv")) << kGood;
+
+  ASSERT_EQ(run_bare({"calibrate", "sensor", "--sensor", "it's", "--points", path("q.csv"), "--out", path("q.toml")}), cli::kOk) << talk();
+
+  EXPECT_THAT(out(), HasSubstr("label = \"it's\":"));
 }
 
 TEST_F(CalibrateCommandTest, Json_IsOneDocument) {
@@ -88,6 +96,10 @@ TEST_F(CalibrateCommandTest, WrongUsage_SaysWhatIsMissing) {
       {{"calibrate", "sensor"}, "--sensor is required"},
       {{"calibrate", "sensor", "--sensor", "w1"}, "measuring needs a rig"},
       {{"calibrate", "sensor", "--rig", "r", "--sensor", "w1", "--gaps", "12,nan"}, "not a number of mm"},
+      {{"calibrate", "sensor", "--rig", "r", "--sensor", "w1", "--gaps", "12,11,10,11,12"}, "3 different gaps, at least 5"},
+      {{"calibrate", "sensor", "--sensor", "../w1", "--points", "p.csv"}, "is no label of a sensor"},
+      {{"calibrate", "sensor", "--sensor", "w1", "--points", "nowhere.csv"}, "nowhere.csv: no such file"},
+      {{"calibrate", "sensor", "--sensor", "w1", "--points", "p.csv", "--out", "/nowhere/w1.toml"}, "there is no folder /nowhere"},
       {{"calibrate", "cop"}, "--rig is required"},
       {{"calibrate", "cop", "--rig", "r", "--estimator", "best"}, "poly3"},
       {{"calibrate", "cop", "--rig", "r", "--grid", "3"}, "4"},

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <deque>
+#include <limits>
 #include <sstream>
 
 #include "dts/v1/stream.pb.h"
@@ -30,22 +32,34 @@ class CopGuideTest : public ::testing::Test {
   ~CopGuideTest() override { std::filesystem::remove_all(folder_); }
 
   [[nodiscard]] client::Result<bool> guide(bool is_guided, std::size_t end = 3) {
+    std::optional<Answer> typed;
+    const Prompt prompt(
+        asked_,
+        [this]() -> std::optional<std::string> {
+          if (answers_.empty()) return std::nullopt;
+          std::string answer = answers_.front();
+          answers_.pop_front();
+          return answer;
+        },
+        [this] { return is_typing_ && !answers_.empty(); });
     Measurer measurer(feed_, {.labels = plate_.labels,
                               .unit = "mm",
                               .limits = {.window_scans = 100, .drift = 0.01, .noise = 0.1},
                               .refused_quality = v1::QUALITY_RAIL | v1::QUALITY_STUCK,
                               .patience_scans = 300,
-                              .say = [this](const std::string& line) { said_ += line + "\n"; }});
-    const Prompt prompt(asked_, [this]() -> std::optional<std::string> {
-      if (answers_.empty()) return std::nullopt;
-      std::string answer = answers_.front();
-      answers_.pop_front();
-      return answer;
-    });
+                              .say = [this](const std::string& line) { said_ += line + "\n"; },
+                              .sees = load_text,
+                              .advise = [](const std::string&, std::uint8_t) { return "lighter"; },
+                              .is_stopped =
+                                  [&] {
+                                    typed = prompt.overhear();
+                                    return typed.has_value();
+                                  }});
     CopGuide guide({.plate = plate_,
                     .points = points_,
                     .measurer = measurer,
                     .progress = *progress_,
+                    .typed = &typed,
                     .prompt = is_guided ? &prompt : nullptr,
                     .draws = true,
                     .say = [this](const std::string& line) { said_ += line + "\n"; }});
@@ -60,6 +74,7 @@ class CopGuideTest : public ::testing::Test {
   std::optional<ProgressFile> progress_;
   ScriptedFeed feed_;
   std::deque<std::string> answers_;
+  bool is_typing_ = false;  ///< Answers come while nobody asks, too.
   std::ostringstream asked_;
   std::string said_;
 };
@@ -84,6 +99,75 @@ TEST_F(CopGuideTest, Alone_ALoadThatStaysIsNotMeasuredTwice) {
 
   EXPECT_FALSE(guide(false));  // the script ends: the second point never came
   EXPECT_EQ(progress_->next(), 1U);
+}
+
+TEST_F(CopGuideTest, Alone_ABadBlockUnderARestingLoadIsNoLiftOff) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  feed_.rest(kEmpty, 1).rest({1.0, 1.0}, kLong);
+  feed_.rest({nan, nan}, 2).rest({0.0, 0.0}, 2, v1::QUALITY_RAIL).rest({0.0, 0.0}, 1, 0, true).rest({1.0, 1.0}, 2 * kLong);
+
+  EXPECT_FALSE(guide(false));  // the script ends: the second point never came
+  EXPECT_EQ(progress_->next(), 1U);
+}
+
+TEST_F(CopGuideTest, DoubtfulFromTheStart_SaysTheDoubtInsteadOfHanging) {
+  answers_ = {""};
+  feed_.rest({1.0, 1.0}, 40, v1::QUALITY_STUCK);
+
+  EXPECT_FALSE(guide(true));
+
+  EXPECT_THAT(said_, HasSubstr("still waiting: w1 is marked stuck"));
+}
+
+TEST_F(CopGuideTest, NothingPutThere_SaysWhatItSees) {
+  answers_ = {""};
+  feed_.rest(kEmpty, 40);
+
+  EXPECT_FALSE(guide(true));
+
+  EXPECT_THAT(said_, HasSubstr("still waiting: the plate looks empty"));
+}
+
+TEST_F(CopGuideTest, ThreeHoldsForTheSameDoubt_SaysWhatToTry) {
+  feed_.rest(kEmpty, 1);
+  for (int k = 0; k < 3; ++k) feed_.rest({1.0, 1.0}, 2).rest({1.0, 1.0}, 1, v1::QUALITY_RAIL);
+  feed_.rest({2.0, 2.0}, kLong);
+
+  ASSERT_TRUE(guide(false, 1));
+
+  EXPECT_THAT(said_, HasSubstr("again and again w1 is marked rail: lighter"));
+}
+
+TEST_F(CopGuideTest, Skipped_IsLeftOutAndTheOthersAreMeasured) {
+  answers_ = {"", "s", ""};
+  for (const double w_mm : {1.0, 3.0}) feed_.rest({w_mm, w_mm}, kLong);
+
+  ASSERT_TRUE(guide(true).value());
+
+  EXPECT_FALSE(progress_->points()[1]);
+  EXPECT_NEAR(read(2), 3.0, 0.001);
+}
+
+TEST_F(CopGuideTest, RedoByNumber_MeasuresThatPointAgain) {
+  answers_ = {"", "", "r 1", "r 9", "", ""};
+  for (const double w_mm : {9.0, 2.0, 1.0, 3.0}) feed_.rest({w_mm, w_mm}, kLong);
+
+  ASSERT_TRUE(guide(true).value());
+
+  EXPECT_NEAR(read(0), 1.0, 0.001);
+  EXPECT_NEAR(read(1), 2.0, 0.001);
+  EXPECT_THAT(said_, HasSubstr("point 9 is none of those"));
+}
+
+TEST_F(CopGuideTest, QuitTypedWhileMeasuring_IsHonoured) {
+  answers_ = {"", "q"};
+  is_typing_ = true;
+  feed_.rest(kEmpty, 5);
+
+  const auto measured = guide(true);
+
+  ASSERT_TRUE(measured) << measured.error().what;
+  EXPECT_FALSE(*measured);
 }
 
 TEST_F(CopGuideTest, LiftedTooEarly_TheSamePointAgain) {

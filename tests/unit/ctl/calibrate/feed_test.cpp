@@ -95,6 +95,20 @@ TEST_F(LiveFeedTest, RestartOfTheDaemon_Fails) {
   EXPECT_THAT(got.error().hint, ::testing::HasSubstr("--resume"));
 }
 
+TEST_F(LiveFeedTest, RestartWhileNobodyReads_IsNotThrownAway) {
+  send(1, 0, 1);
+  EXPECT_FALSE(next().follows_loss);
+
+  daemon_.send("dtsd/status", floor_status(8));
+  daemon_.send("floor/cop", block(1, 0, 2, 1, 3, 8));
+  client::Result<void> discarded;
+  const auto deadline = std::chrono::steady_clock::now() + testing::kDeadline;
+  while (discarded && std::chrono::steady_clock::now() < deadline) discarded = feed_->discard();
+
+  ASSERT_FALSE(discarded);
+  EXPECT_EQ(discarded.error().code, ErrorCode::WrongState);
+}
+
 TEST(LiveFeed, NobodyThere_Unreachable) {
   const testing::TemporaryDirectory directory;
 

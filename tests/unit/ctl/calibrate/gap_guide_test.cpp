@@ -29,8 +29,11 @@ class GapGuideTest : public ::testing::Test {
       answers_.pop_front();
       return answer;
     });
-    return measure_gaps(
-        {.gaps_mm = kGapsMm, .measurer = measurer, .prompt = is_guided ? &prompt : nullptr, .say = [](const std::string&) {}});
+    return measure_gaps({.gaps_mm = kGapsMm,
+                         .measurer = measurer,
+                         .prompt = is_guided ? &prompt : nullptr,
+                         .say = [this](const std::string& line) { said_ += line + "\n"; },
+                         .labels = {"w1", "w2"}});
   }
   static std::vector<double> firsts(const std::vector<SteadyReading>& readings) {
     std::vector<double> volts;
@@ -41,6 +44,7 @@ class GapGuideTest : public ::testing::Test {
   ScriptedFeed feed_{0.002};
   std::deque<std::string> answers_;
   std::ostringstream asked_;
+  std::string said_;
 };
 
 TEST_F(GapGuideTest, Alone_NewLevelsAreTheGapsAndTheOpenSensorIsNone) {
@@ -64,6 +68,14 @@ TEST_F(GapGuideTest, Alone_ALevelOfOneSensorOnlyIsNoGap) {
   feed_.rest(kOpen, 16).rest({0.9, 0.6}, 22).rest({0.9, 0.9}, 22).rest({1.3, 1.3}, 22);
 
   EXPECT_FALSE(guide(false)) << "the third gap never came";
+}
+
+TEST_F(GapGuideTest, Alone_ASensorThatStaysIsNamed) {
+  feed_.rest(kOpen, 16).rest({0.9, 0.6}, 90);
+
+  EXPECT_FALSE(guide(false));
+
+  EXPECT_NE(said_.find("still waiting: w2 changed by less than 20 mV"), std::string::npos) << said_;
 }
 
 TEST_F(GapGuideTest, Guided_EveryEnterIsAGapAndRedoTakesTheLastBack) {

@@ -114,7 +114,23 @@ TEST_F(ProgressFiles, OtherRig_RefusedSayingWhatDiffers) {
   EXPECT_THAT(progress.error().hint, HasSubstr("--fresh"));
 }
 
-TEST_F(ProgressFiles, NothingThere_NotFound) { EXPECT_EQ(resume().error().code, ErrorCode::NotFound); }
+TEST_F(ProgressFiles, NothingThere_WrongState) { EXPECT_EQ(resume().error().code, ErrorCode::WrongState); }
+
+TEST_F(ProgressFiles, DamagedHead_IsCalledDamaged) {
+  std::filesystem::create_directories(path().parent_path());
+  append("{\"calib\n");
+
+  for (const auto& error : {resume().error(), ProgressFile::calibration_in(path()).error()}) {
+    EXPECT_EQ(error.code, ErrorCode::DataDamaged);
+    EXPECT_THAT(error.what, HasSubstr("floor.jsonl:1: is damaged"));
+  }
+}
+
+TEST_F(ProgressFiles, Head_IsWhatWasGiven) {
+  measure(1);
+
+  EXPECT_EQ(ProgressFile::calibration_in(path()).value(), calibration());
+}
 
 TEST_F(ProgressFiles, DamagedInTheMiddle_RefusedWithItsLine) {
   for (const char* line :
@@ -164,7 +180,7 @@ TEST(StateFolder, XdgThenHome) {
   EXPECT_EQ(with("/x", "/home/a")->string(), "/x/dts");
   EXPECT_EQ(with(nullptr, "/home/a")->string(), "/home/a/.local/state/dts");
   EXPECT_EQ(with("relative", "/home/a")->string(), "/home/a/.local/state/dts");  // the XDG specification: ignore relative paths
-  EXPECT_EQ(with(nullptr, nullptr).error().code, ErrorCode::NotFound);
+  EXPECT_EQ(with(nullptr, nullptr).error().code, ErrorCode::Failed);
 }
 
 }  // namespace

@@ -72,7 +72,7 @@ class CopEstimator {
   ///
   /// Thesis and ThesisPerPair: four sensors, five positions or more on each mid-line of the calibrated area; samples elsewhere
   /// serve the load and the range of the ratios only. Poly3: four sensors, 6 x 6 positions for degree 5 (7 x 7 advised), 4 x 4 for degree
-  /// 3; with loads at least a factor 2 apart, each at that many positions, it also learns how the load changes the plate's shape. Moment:
+  /// 3; with loads a factor 1.25 or more apart, each at that many positions, it also learns how the load changes the plate's shape. Moment:
   /// five sensors or more, and at least twice as many contacts as sensors. Model has nothing to fit: it is refused.
   [[nodiscard]] static core::Result<CopEstimator> fit(CopMethod method, std::span<const CopSample> samples);
   /// Calibrated on the plate model of the rig (see `model_samples`). Fails with InvalidArgument when the rig's sensors do not
@@ -87,8 +87,8 @@ class CopEstimator {
   [[nodiscard]] const CopForm& form() const noexcept { return form_; }
   [[nodiscard]] const CopValidity& validity() const noexcept { return validity_; }
 
-  /// `deflection_mm`: one per sensor; another number of them, a value that is not finite or a sum that is not positive gives
-  /// kNoContact and NaN.
+  /// `deflection_mm`: one per sensor; another number of them, a value that is not finite, a sum that is not positive or
+  /// deflections that no force makes give kNoContact and NaN.
   ///
   /// Never extrapolates: every feature (ratios, differences, shares, sum) and the position is clamped to the range the samples had,
   /// with 1 % of it as a margin for noise, and flagged.

@@ -95,9 +95,9 @@ void warn(const Job& job, cli::Console& console) {
   if (job.method != CopMethod::Poly3) return;
   const auto [least, most] = std::ranges::minmax(job.loads_n);
   if (most < kLeastRatio * least) {
-    console.talk << "warning: poly3 needs loads that differ by a factor of " << cli::decimal(kLeastRatio, 0)
-                 << " or more to know the load's influence; these are " << cli::decimal(least, 0) << " .. " << cli::decimal(most, 0) << " N"
-                 << std::endl;
+    console.talk << "warning: poly3 learns the influence of the load best from loads that differ by a factor of "
+                 << cli::decimal(kLeastRatio, 0) << " or more; these are " << cli::decimal(least, 0) << " .. " << cli::decimal(most, 0)
+                 << " N" << std::endl;
   }
   if (job.grid < kGoodGrid) {
     console.talk << "warning: 6 x 6 places are about ten times better than " << job.grid << " x " << job.grid << ": --grid 6" << std::endl;

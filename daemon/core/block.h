@@ -56,6 +56,8 @@ class Block {
   std::uint32_t segment = 0;      ///< Counts up at every gap; scan indices restart.
   ScanIndex first_scan;           ///< Of this segment.
   std::int64_t host_time_ns = 0;  ///< Monotonic host time of the first scan's instant.
+  std::int64_t host_time_uncertainty_ns = 0;  ///< How far that may be off.
+  double clock_drift_ppm = 0.0;               ///< How much faster than nominal the device's clock runs, as far as known.
   std::uint64_t sequence = 0;     ///< Counts the blocks of this stream, so that a lost one shows.
 
   [[nodiscard]] std::size_t channel_count() const noexcept { return channels_; }
@@ -80,6 +82,8 @@ class Block {
     segment = other.segment;
     first_scan = other.first_scan;
     host_time_ns = other.host_time_ns;
+    host_time_uncertainty_ns = other.host_time_uncertainty_ns;
+    clock_drift_ppm = other.clock_drift_ppm;
     set_count(other.count());
   }
 

@@ -42,20 +42,37 @@ struct StartOptions {
   std::size_t max_block_scans = 64;  ///< Largest block that `read` will be given.
 };
 
+/// Something that was looked at when the device was opened and started.
+struct DeviceCheck {
+  enum class Outcome : std::uint8_t { Passed = 1, Warning, Failed };
+  std::string name;  ///< "single readings agree with the scan"
+  Outcome outcome = Outcome::Passed;
+  std::string detail;  ///< "largest difference 3 mV on ch2"
+};
+
+/// What the device found at the unit that it opened last.
+struct DeviceReport {
+  std::string serial;
+  std::string firmware;
+  std::vector<DeviceCheck> checks;
+};
+
 /// Closed --open--> Open --start--> Streaming --stop--> Open --close--> Closed; a lost device is Gone until close.
 enum class DeviceState : std::uint8_t { Closed, Open, Streaming, Gone };
 
 enum class ReadOutcome : std::uint8_t {
   Scans,         ///< `block` holds 1 or more scans.
   Timeout,       ///< Nothing by the deadline; the device is present and may deliver later.
+  Armed,         ///< As Timeout, and that is right: the scan waits for its external trigger.
   Gap,           ///< The stream broke (see `gap`) and goes on: indices of the next block start at 0 again.
+  Broken,        ///< The stream cannot be believed any more (see `gap`); the device is there: stop, then start again.
   Gone,          ///< The device is lost; only stop and close make sense now.
   NotStreaming,  ///< `read` was called in a state other than Streaming.
 };
 
 struct ReadResult {
   ReadOutcome outcome = ReadOutcome::NotStreaming;
-  core::Gap gap;  ///< Filled for Gap and Gone.
+  core::Gap gap;  ///< Filled for Gap, Broken and Gone.
 };
 
 /// A source of scans with its own clock. Small and total: every operation has a meaning in every state.
@@ -68,9 +85,13 @@ struct ReadResult {
 /// | read       | NotStreaming  | NotStreaming    | scans             | Gone                |
 /// | stop       | ok, no effect | ok, no effect   | -> Open           | ok, no effect       |
 /// | close      | ok, no effect | -> Closed       | stops, -> Closed  | -> Closed           |
+/// | exact_rate | ok            | ok              | ok                | ok                  |
+/// | report     | ok            | ok              | ok                | ok                  |
+/// | has_arrived| ok            | ok              | ok                | ok                  |
+/// | set_sync_output | WrongState | ok            | ok                | DeviceGone          |
 ///
-/// Thread: open, start, stop and close on one owner thread; `read` on one thread, between start and stop; `interrupt`
-/// on any. The destructor closes.
+/// Thread: open, start, stop, close and has_arrived on one owner thread; `read` on one thread, between start and stop;
+/// `interrupt`, `exact_rate`, `report` and `set_sync_output` on any. The destructor closes.
 class Device {
  public:
   virtual ~Device() = default;
@@ -78,17 +99,28 @@ class Device {
   [[nodiscard]] virtual const DeviceDescription& describe() const noexcept = 0;
   [[nodiscard]] virtual DeviceState state() const noexcept = 0;
 
+  /// The rate nearest to `wanted` that the device's clock can give, exactly: what `start` will return for it.
+  /// InvalidArgument: outside the limits of `describe`.
+  [[nodiscard]] virtual core::Result<core::Rate> exact_rate(core::Rate wanted) const = 0;
+  /// Empty before the first `open`. May wait for a control request.
+  [[nodiscard]] virtual DeviceReport report() const = 0;
+  /// true when something was plugged in since the last call: `open` is worth another try now.
+  [[nodiscard]] virtual bool has_arrived() noexcept { return false; }
+
   [[nodiscard]] virtual core::Status open() = 0;
-  /// Returns the exact rate the device will run at. Allocates everything `read` needs.
+  /// Returns the exact rate the device runs at. Allocates everything `read` needs.
   [[nodiscard]] virtual core::Result<core::Rate> start(const StartOptions& options) = 0;
   /// Waits until `block.capacity()` scans have been taken or `deadline_ns` (host monotonic) has passed, and delivers what
   /// is there. Sets the block's count, first scan (continuing since start or since the last gap) and the host time of the
-  /// first scan's instant; the block has one column per described channel, in its unit. Quality bits are set too: 0, or why a
-  /// value is NaN. Realtime-safe: yes.
+  /// first scan's instant, its uncertainty and the drift of the device's clock; the block has one column per described channel,
+  /// in its unit. Quality bits are set too: 0, kRail, or why a value is NaN. Broken is repeated until `stop`.
+  /// Realtime-safe: yes while scans flow; a device that falls silent may be asked for its state, for at most 100 ms.
   [[nodiscard]] virtual ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept = 0;
   /// Makes a waiting `read` return within 100 ms. Thread: any. Realtime-safe: yes.
   virtual void interrupt() noexcept = 0;
-  /// Returns within 250 ms.
+  /// Drives the digital line that tells other instruments that a session begins. Unsupported: there is none.
+  [[nodiscard]] virtual core::Status set_sync_output(bool is_high) = 0;
+  /// Returns within 250 ms when the device answers.
   virtual core::Status stop() = 0;
   virtual core::Status close() = 0;
 };

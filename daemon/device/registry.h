@@ -11,6 +11,7 @@
 #include "core/clock.h"
 #include "core/result.h"
 #include "device/device.h"
+#include "device/usb/usb_bus.h"
 
 namespace dts::physics {
 struct RigModel;
@@ -29,10 +30,11 @@ struct DeviceUri {
   [[nodiscard]] static core::Result<DeviceUri> parse(std::string_view text);
 };
 
-/// What a factory may use. Both outlive the device.
+/// What a factory may use. All of it outlives the device.
 struct DeviceContext {
   core::Clock& clock;
   const physics::RigModel& rig;  ///< The plate that a simulated device bends.
+  usb::UsbBus* usb = nullptr;    ///< For devices on a cable; without it they cannot be created.
 };
 
 using DeviceFactory = std::function<core::Result<std::unique_ptr<Device>>(const DeviceUri&, const DeviceContext&)>;
@@ -41,6 +43,7 @@ struct RegistryEntry {
   std::string scheme_and_name;  ///< "sim:floor"
   std::string sentence;         ///< For `dtsctl device list` and error messages.
   DeviceFactory create;
+  std::vector<usb::UsbModel> usb_models{};  ///< Products on USB that it drives; empty: it is not found by looking.
 };
 
 /// All device kinds built into this program. A new device is one folder and one entry in registry.cpp.

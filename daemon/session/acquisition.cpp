@@ -15,6 +15,15 @@ constexpr std::int64_t kStopLatencyNs = 50 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kReadPatienceNs = 100 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
 
+std::string_view restart_message(core::GapReason reason) noexcept {
+  switch (reason) {
+    case core::GapReason::Overrun: return "the device's buffer overran; its scan is started again";
+    case core::GapReason::Silence: return "the device fell silent; its scan is started again";
+    case core::GapReason::Integrity: return "the device's data failed a check (see dtsctl device test); its scan is started again";
+    default: return "the device's stream broke; its scan is started again";
+  }
+}
+
 }  // namespace
 
 void AcquisitionReport::set_message(std::string_view text) noexcept {
@@ -59,16 +68,19 @@ bool Acquisition::bring_up() {
     report_.set_message(core::to_string(started.error()));
     publish_report();
     device_.close();
+    was_lost_ = true;
     return false;
   }
   if (has_streamed_) {
-    ++report_.reconnects_total;
+    if (was_lost_) ++report_.reconnects_total;
     if (pending_gap_.reason == core::GapReason::None) note_gap({.reason = core::GapReason::Unplugged});
   }
+  was_lost_ = false;
   needs_segment_ = true;
   report_.rate = *started;
   report_.device = device::DeviceState::Streaming;
   report_.is_silent = false;
+  report_.is_armed = false;
   report_.set_message("");
   quiet_since_ns_ = clock_.now_ns();
   publish_report();
@@ -80,6 +92,7 @@ void Acquisition::wait_before_retry() noexcept {
   const std::int64_t until_ns = clock_.now_ns() + retry_pause_ns_;
   while (clock_.now_ns() < until_ns && !stop_requested_.load(std::memory_order_acquire)) {
     clock_.sleep_until_ns(std::min(until_ns, clock_.now_ns() + kStopLatencyNs));
+    if (device_.has_arrived()) return;
   }
 }
 
@@ -98,9 +111,12 @@ void Acquisition::stream() noexcept {
         }
         break;
       case device::ReadOutcome::Timeout: note_timeout(clock_.now_ns()); break;
+      case device::ReadOutcome::Armed: note_armed(clock_.now_ns()); break;
       case device::ReadOutcome::Gap: note_gap(result.gap); break;
+      case device::ReadOutcome::Broken: restart(result.gap); return;
       case device::ReadOutcome::Gone:
         note_gap(result.gap.reason == core::GapReason::None ? core::Gap{.reason = core::GapReason::Unplugged} : result.gap);
+        was_lost_ = true;
         report_.device = device::DeviceState::Gone;
         report_.set_message("device lost; plug it in again, it is opened by itself");
         publish_report();
@@ -108,6 +124,23 @@ void Acquisition::stream() noexcept {
       case device::ReadOutcome::NotStreaming: return;
     }
   }
+}
+
+void Acquisition::restart(const core::Gap& gap) noexcept {
+  note_gap(gap.reason == core::GapReason::None ? core::Gap{.reason = core::GapReason::Integrity} : gap);
+  ++report_.restarts_total;
+  report_.device = device::DeviceState::Open;
+  report_.set_message(restart_message(gap.reason));
+  publish_report();
+  device_.stop();
+}
+
+void Acquisition::note_armed(std::int64_t now_ns) noexcept {
+  quiet_since_ns_ = now_ns;
+  if (report_.is_armed) return;
+  report_.is_armed = true;
+  report_.set_message("waiting for the external trigger");
+  publish_report();
 }
 
 void Acquisition::note_gap(const core::Gap& gap) noexcept {
@@ -174,8 +207,11 @@ void Acquisition::take(core::Acquired& acquired) noexcept {
   report_.next_scan = block.first_scan.value + block.count();
   report_.scans_total += block.count();
   report_.last_scan_host_ns = block.host_time_ns + report_.rate.time_ns({block.count() - 1});
-  if (report_.is_silent) report_.set_message("");
+  if (report_.is_silent || report_.is_armed) report_.set_message("");
   report_.is_silent = false;
+  report_.is_armed = false;
+  report_.host_time_uncertainty_ns = block.host_time_uncertainty_ns;
+  report_.clock_drift_ppm = block.clock_drift_ppm;
   quiet_since_ns_ = clock_.now_ns();
   has_delivered_ = true;
   has_streamed_ = true;

@@ -24,8 +24,12 @@ struct AcquisitionReport {
   std::uint64_t scans_total = 0;
   std::uint64_t lost_scans_total = 0;
   std::uint64_t gaps_total = 0;
-  std::uint64_t reconnects_total = 0;
-  bool is_silent = false;           ///< Streaming, but nothing came for over a second.
+  std::uint64_t reconnects_total = 0;  ///< Times that a lost device came back.
+  std::uint64_t restarts_total = 0;    ///< Times that the scan of a present device had to be started again.
+  bool is_silent = false;              ///< Streaming, but nothing came for over a second.
+  bool is_armed = false;               ///< Streaming, but the scan waits for its external trigger.
+  std::int64_t host_time_uncertainty_ns = 0;  ///< Of the newest block.
+  double clock_drift_ppm = 0.0;               ///< Of the device's clock, as the newest block says.
   core::Rate rate;                  ///< Exact, as the device runs.
   std::array<char, 256> message{};  ///< Why the device is not streaming, and what to do; empty when it is.
 
@@ -38,7 +42,8 @@ struct AcquisitionReport {
 ///     device --read--> [claimed slot] --SpscRing--> pipeline
 ///
 /// Owns the segments: any hole (device gap, unplug, silence, full ring) closes the segment, is counted, and stands as
-/// `gap_before` on the first block of the next one. A lost device is opened again with a growing pause (0.25 to 4 s).
+/// `gap_before` on the first block of the next one. A lost device is opened again with a growing pause (0.25 to 4 s), at once
+/// when something was plugged in; a broken stream is started again.
 class Acquisition {
  public:
   /// All of it outlives this object. `rate` and `block_scans` as configured.
@@ -59,6 +64,8 @@ class Acquisition {
   void take(core::Acquired& acquired) noexcept;
   void lose_to_full_ring(const core::Block& block) noexcept;
   void note_gap(const core::Gap& gap) noexcept;
+  void restart(const core::Gap& gap) noexcept;
+  void note_armed(std::int64_t now_ns) noexcept;
   void note_timeout(std::int64_t now_ns) noexcept;
   void note_jumps(const core::Block& block) noexcept;
   void open_segment(core::Acquired& acquired) noexcept;
@@ -79,6 +86,7 @@ class Acquisition {
   std::uint64_t segment_base_ = 0;  ///< Device index of the segment's scan 0.
   bool needs_segment_ = true;       ///< The next block starts a segment.
   bool has_streamed_ = false;
+  bool was_lost_ = false;
   bool has_delivered_ = false;       ///< Since it was last brought up.
   std::int64_t quiet_since_ns_ = 0;  ///< Of the last scan or the last start, whichever is later.
   std::int64_t retry_pause_ns_ = 0;

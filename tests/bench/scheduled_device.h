@@ -30,6 +30,9 @@ class ScheduledDevice final : public device::Device {
 
   [[nodiscard]] const device::DeviceDescription& describe() const noexcept override { return description_; }
   [[nodiscard]] device::DeviceState state() const noexcept override { return state_; }
+  [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override { return wanted; }
+  [[nodiscard]] device::DeviceReport report() const override { return {}; }
+  [[nodiscard]] core::Status set_sync_output(bool) override { return {}; }
   [[nodiscard]] core::Status open() override;
   [[nodiscard]] core::Result<core::Rate> start(const device::StartOptions& options) override;
   [[nodiscard]] device::ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "device/device_checks.h"
+
 namespace dts::device::sim {
 namespace {
 
@@ -36,19 +38,7 @@ core::Status SimDevice::open() {
   return {};
 }
 
-core::Status SimDevice::check(const StartOptions& options) const {
-  const std::string what = "cannot start " + parts_.description.uri + ": ";
-  const double rate_hz = options.rate.hz();
-  if (!(rate_hz >= kMinimumRateHz && rate_hz <= kMaximumRateHz)) {
-    return core::fail(ErrorCode::InvalidArgument, what + "rate " + std::to_string(rate_hz) + " Hz",
-                      "it takes " + std::to_string(kMinimumRateHz) + " to " + std::to_string(kMaximumRateHz) + " Hz");
-  }
-  if (options.max_block_scans < 1 || options.max_block_scans > core::kMaxBlockScans) {
-    return core::fail(ErrorCode::InvalidArgument, what + "blocks of " + std::to_string(options.max_block_scans) + " scans",
-                      "it takes 1 to " + std::to_string(core::kMaxBlockScans));
-  }
-  return {};
-}
+core::Result<core::Rate> SimDevice::exact_rate(core::Rate wanted) const { return check_rate(parts_.description, wanted); }
 
 core::Result<core::Rate> SimDevice::start(const StartOptions& options) {
   const DeviceState now = state();
@@ -58,7 +48,7 @@ core::Result<core::Rate> SimDevice::start(const StartOptions& options) {
     return core::fail(ErrorCode::WrongState,
                       "cannot start " + parts_.description.uri + (is_closed ? ": it is not open" : ": it is streaming already"));
   }
-  if (auto checked = check(options); !checked) return tl::make_unexpected(checked.error());
+  if (auto checked = check_start(parts_.description, options); !checked) return tl::make_unexpected(checked.error());
 
   parts_.scene->restart();
   window_ = parts_.fault.kind == FaultKind::Unplug && was_unplugged_ ? FaultWindow{} : fault_window(parts_.fault, options.rate);
@@ -158,6 +148,8 @@ void SimDevice::compute_scan(std::uint64_t scan) noexcept {
 }
 
 void SimDevice::interrupt() noexcept { is_interrupted_.store(true, std::memory_order_release); }  // pairs with wait_for
+
+core::Status SimDevice::set_sync_output(bool) { return refuse_sync_output(parts_.description, state()); }
 
 core::Status SimDevice::stop() {
   if (state() == DeviceState::Streaming) move_to(DeviceState::Open);

@@ -45,17 +45,19 @@ class SimDevice final : public Device {
 
   [[nodiscard]] const DeviceDescription& describe() const noexcept override { return parts_.description; }
   [[nodiscard]] DeviceState state() const noexcept override { return state_.load(std::memory_order_acquire); }  // pairs with move_to
+  [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override;
+  [[nodiscard]] DeviceReport report() const override { return {parts_.description.serial, "", {}}; }
   [[nodiscard]] core::Status open() override;
   [[nodiscard]] core::Result<core::Rate> start(const StartOptions& options) override;
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
   void interrupt() noexcept override;
+  [[nodiscard]] core::Status set_sync_output(bool is_high) override;
   core::Status stop() override;
   core::Status close() override;
 
  private:
   void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
-  [[nodiscard]] core::Status check(const StartOptions& options) const;
-  [[nodiscard]] std::uint64_t wait_for(std::uint64_t scans, std::int64_t deadline_ns) noexcept;
+    [[nodiscard]] std::uint64_t wait_for(std::uint64_t scans, std::int64_t deadline_ns) noexcept;
   [[nodiscard]] ReadResult read_scans(core::Block& block, std::uint64_t break_at, std::int64_t deadline_ns) noexcept;
   [[nodiscard]] ReadResult read_break(std::int64_t deadline_ns) noexcept;
   [[nodiscard]] ReadResult continue_at(std::uint64_t scan, const core::Gap& gap) noexcept;

@@ -27,6 +27,9 @@ class ScriptedDevice final : public device::Device {
 
   const device::DeviceDescription& describe() const noexcept override { return description_; }
   device::DeviceState state() const noexcept override { return state_; }
+  core::Result<core::Rate> exact_rate(core::Rate wanted) const override { return wanted; }
+  device::DeviceReport report() const override { return {}; }
+  core::Status set_sync_output(bool) override { return {}; }
   core::Status open() override {
     ++opens;
     if (failing_opens > 0) {

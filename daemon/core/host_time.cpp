@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/host_time.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+namespace dts::core {
+namespace {
+
+constexpr std::int64_t kBinNs = 1'000'000'000;
+constexpr double kUnknownDrift = 200e-6;                 // what a crystal could do at worst, before it is measured
+constexpr std::int64_t kUnknownLatenessNs = 10'000'000;  // of the first second, which has nothing to compare with
+constexpr double kBadLuckNs = 20e6;
+constexpr double kRateKnownSeconds = 2.0;
+constexpr std::size_t kScatterPoints = 10;
+
+/// Twice the area of the triangle: positive when c lies above the line through a and b.
+template <class Point>
+double turn(const Point& a, const Point& b, const Point& c) noexcept {
+  return (b.time_s - a.time_s) * (c.late_ns - a.late_ns) - (b.late_ns - a.late_ns) * (c.time_s - a.time_s);
+}
+
+}  // namespace
+
+void HostTime::restart() noexcept {
+  point_count_ = 0;
+  has_bin_ = false;
+  residual_count_ = 0;
+  rate_error_ = 0.0;
+  floor_ns_ = 0;
+  height_ns_ = 0.0;
+  last_index_ = {};
+  last_ns_ = std::numeric_limits<std::int64_t>::min();
+  uncertainty_ns_ = frame_ns_ + kUnknownLatenessNs;
+}
+
+void HostTime::add(ScanIndex newest, std::int64_t arrived_ns) noexcept {
+  const std::int64_t nominal_ns = rate_.time_ns(newest);
+  if (!has_bin_) {
+    restart();
+    origin_ns_ = arrived_ns - nominal_ns;
+  } else if (arrived_ns >= bin_end_ns_) {
+    close_bin();
+    has_bin_ = false;
+  }
+  const Point point{static_cast<double>(nominal_ns) * 1e-9, static_cast<double>(arrived_ns - origin_ns_ - nominal_ns)};
+  if (!has_bin_) {
+    bin_end_ns_ = arrived_ns + kBinNs;
+    bin_ = point;
+    has_bin_ = true;
+  } else if (point.late_ns - line_ns(point.time_s) < bin_.late_ns - line_ns(bin_.time_s)) {
+    bin_ = point;
+  }
+}
+
+void HostTime::close_bin() noexcept {
+  if (point_count_ == points_.size()) {
+    std::copy(points_.begin() + 1, points_.end(), points_.begin());
+    --point_count_;
+  }
+  if (point_count_ > 0) note_floor(bin_.late_ns - line_ns(bin_.time_s));
+  points_[point_count_++] = bin_;
+  draw_line();
+}
+
+void HostTime::note_floor(double residual_ns) noexcept {
+  std::shift_right(residuals_ns_.begin(), residuals_ns_.end(), 1);
+  residuals_ns_[0] = residual_ns;
+  residual_count_ = std::min(residual_count_ + 1, kFloorBins);
+  const double floor_ns = residual_count_ < kFloorBins ? 0.0 : *std::ranges::min_element(residuals_ns_);
+  floor_ns_ = static_cast<std::int64_t>(std::max(0.0, floor_ns));
+}
+
+/// Slope of the edge of the lower hull above the mean of all points: of all lines under the points, that one has the least
+/// total distance to them. At least two points.
+double HostTime::edge_slope() noexcept {
+  std::size_t corners = 0;
+  double middle_s = 0.0;
+  for (const Point& point : std::span(points_).first(point_count_)) {
+    while (corners >= 2 && turn(hull_[corners - 2], hull_[corners - 1], point) <= 0.0) --corners;
+    hull_[corners++] = point;
+    middle_s += point.time_s / static_cast<double>(point_count_);
+  }
+  std::size_t right = 1;
+  while (right + 1 < corners && hull_[right].time_s < middle_s) ++right;
+  const Point& from = hull_[right - 1];
+  const Point& to = hull_[right];
+  return (to.late_ns - from.late_ns) * 1e-9 / (to.time_s - from.time_s);
+}
+
+void HostTime::draw_line() noexcept {
+  const auto points = std::span(points_).first(point_count_);
+  const double span_s = points.back().time_s - points.front().time_s;
+  const double heard_s = span_s + (points.back().late_ns - points.front().late_ns) * 1e-9;  // by the host's clock
+  if (heard_s >= kRateKnownSeconds) {
+    const double slope = edge_slope();
+    const double doubt = kBadLuckNs * 1e-9 / span_s;
+    rate_error_ = std::copysign(std::max(0.0, std::abs(slope) - doubt), slope);
+    if (span_s >= kDriftKnownSeconds) {
+      slope_ = std::clamp(slope, -kLargestDriftPpm * 1e-6, kLargestDriftPpm * 1e-6);
+      is_drift_known_ = true;
+    }
+  }
+  height_ns_ = std::numeric_limits<double>::max();
+  for (const Point& point : points) height_ns_ = std::min(height_ns_, point.late_ns - slope_ * 1e9 * point.time_s);
+  const auto recent = points.last(std::min(points.size(), kScatterPoints));
+  double scatter_ns = 0.0;
+  for (const Point& point : recent) scatter_ns += (point.late_ns - line_ns(point.time_s)) / static_cast<double>(recent.size());
+  const double drift_ns = is_drift_known_ ? 0.0 : kUnknownDrift * 1e9 * span_s;
+  uncertainty_ns_ = frame_ns_ + static_cast<std::int64_t>(scatter_ns + drift_ns);
+}
+
+std::int64_t HostTime::at(ScanIndex index) noexcept {
+  if (!has_bin_) return 0;
+  const double time_s = nominal_s(index);
+  // No scan arrives before it was taken: an arrival below the line pulls it down at once.
+  const double line = point_count_ > 0 ? line_ns(bin_.time_s) : std::numeric_limits<double>::max();
+  const double below_ns = std::min(bin_.late_ns, line) + slope_ * 1e9 * (time_s - bin_.time_s);
+  std::int64_t estimate_ns = origin_ns_ + rate_.time_ns(index) + static_cast<std::int64_t>(below_ns);
+  if (index.value > last_index_.value && last_ns_ != std::numeric_limits<std::int64_t>::min()) {
+    estimate_ns = std::max(estimate_ns, last_ns_ + rate_.time_ns({index.value - last_index_.value}) / 2);
+  }
+  last_index_ = index;
+  last_ns_ = estimate_ns;
+  return estimate_ns;
+}
+
+}  // namespace dts::core

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/rate.h"
+#include "core/units.h"
+
+namespace dts::core {
+
+/// Host time of scans from the moments at which they arrived. A device's clock is steady but a little off; arrivals are late
+/// by anything from a fraction of a millisecond to whatever the machine was busy with, and never early. So the truth runs
+/// along the lower edge of the arrivals:
+///
+///     late by |  .    .         .      .        .       arrivals
+///             |    .     .  .      .       .  .    .
+///             |____________________________________     the straight line under all of them that is nearest to them
+///                                              index
+///
+/// The line is the edge of the lower convex hull above the middle of the window (Moon, Skelly & Towsley, INFOCOM 1999). One
+/// point per second, the least late one, is kept for `kWindowSeconds`; the line is drawn anew once per second. Until
+/// `kDriftKnownSeconds` of them have come the slope is what an earlier segment found, or 0. Only CLOCK_MONOTONIC goes in: a
+/// wall clock that is set changes nothing. Thread: one. Realtime-safe: yes.
+class HostTime {
+ public:
+  static constexpr std::size_t kWindowSeconds = 300;
+  static constexpr double kDriftKnownSeconds = 10.0;
+  static constexpr double kLargestDriftPpm = 500.0;  ///< A crystal is within 100; more is a fault, see `rate_error`.
+
+  HostTime() = default;
+  /// `frame_ns`: the shortest time from a scan to its arrival is uncertain by this (USB: one frame).
+  HostTime(Rate rate, std::int64_t frame_ns) noexcept : rate_(rate), frame_ns_(frame_ns) {}
+
+  /// A new segment: indices start at 0 again; what is known of the clock's drift stays.
+  void restart() noexcept;
+  /// All scans up to and with `newest` had arrived at `arrived_ns`. Indices and times must not go back.
+  void add(ScanIndex newest, std::int64_t arrived_ns) noexcept;
+
+  /// Something has arrived in this segment.
+  [[nodiscard]] bool has_estimate() const noexcept { return has_bin_; }
+  /// Estimated host time of a scan; a later scan of a segment never gets an earlier time. 0 without an estimate.
+  [[nodiscard]] std::int64_t at(ScanIndex index) noexcept;
+  /// How far `at` may be off, ns: frame, scatter of the arrivals and, before the drift is known, what it could have done.
+  [[nodiscard]] std::int64_t uncertainty_ns() const noexcept { return uncertainty_ns_; }
+  /// How much faster than nominal the device's clock runs, ppm; 0 until it is known.
+  [[nodiscard]] double drift_ppm() const noexcept { return is_drift_known_ ? -slope_ * 1e6 : 0.0; }
+  /// How much slower than nominal scans arrive, as a fraction, beyond what 20 ms of bad luck at either end could feign; 0 in the
+  /// first two seconds. A value beyond +-0.01 says that the device does not run at the rate it was asked for.
+  [[nodiscard]] double rate_error() const noexcept { return rate_error_; }
+  /// The least lateness of the last three seconds above the line, ns: a rise says that scans went missing on the way.
+  [[nodiscard]] std::int64_t lateness_floor_ns() const noexcept { return floor_ns_; }
+
+ private:
+  static constexpr std::size_t kFloorBins = 3;
+  struct Point {
+    double time_s = 0.0;   ///< Nominal time of the scan since scan 0.
+    double late_ns = 0.0;  ///< Arrival minus nominal time, relative to `origin_ns_`.
+  };
+  void close_bin() noexcept;
+  void note_floor(double residual_ns) noexcept;
+  void draw_line() noexcept;
+  [[nodiscard]] double edge_slope() noexcept;
+  [[nodiscard]] double line_ns(double time_s) const noexcept { return height_ns_ + slope_ * 1e9 * time_s; }
+  [[nodiscard]] double nominal_s(ScanIndex index) const noexcept { return static_cast<double>(rate_.time_ns(index)) * 1e-9; }
+
+  Rate rate_;
+  std::int64_t frame_ns_ = 0;
+  std::int64_t origin_ns_ = 0;
+  std::array<Point, kWindowSeconds> points_{};
+  std::array<Point, kWindowSeconds> hull_{};
+  std::size_t point_count_ = 0;
+  bool has_bin_ = false;
+  std::int64_t bin_end_ns_ = 0;
+  Point bin_;               ///< The least late arrival of the second that runs.
+  double height_ns_ = 0.0;  ///< The line: late_ns at time 0 ...
+  double slope_ = 0.0;      ///< ... and how it grows: seconds per second.
+  bool is_drift_known_ = false;
+  std::array<double, kFloorBins> residuals_ns_{};
+  std::size_t residual_count_ = 0;
+  double rate_error_ = 0.0;
+  std::int64_t floor_ns_ = 0;
+  std::int64_t uncertainty_ns_ = 0;
+  ScanIndex last_index_;
+  std::int64_t last_ns_ = 0;
+};
+
+}  // namespace dts::core

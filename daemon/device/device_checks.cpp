@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/device_checks.h"
+
+#include <string>
+
+namespace dts::device {
+
+using core::ErrorCode;
+
+core::Result<core::Rate> check_rate(const DeviceDescription& description, core::Rate wanted) {
+  const double rate_hz = wanted.hz();
+  if (rate_hz >= description.minimum_rate_hz && rate_hz <= description.maximum_rate_hz) return wanted;
+  return core::fail(
+      ErrorCode::InvalidArgument, description.uri + " cannot run at " + std::to_string(rate_hz) + " Hz",
+      "it takes " + std::to_string(description.minimum_rate_hz) + " to " + std::to_string(description.maximum_rate_hz) + " Hz");
+}
+
+core::Status check_start(const DeviceDescription& description, const StartOptions& options) {
+  if (auto rate = check_rate(description, options.rate); !rate) return tl::make_unexpected(rate.error());
+  if (options.max_block_scans >= 1 && options.max_block_scans <= core::kMaxBlockScans) return {};
+  return core::fail(ErrorCode::InvalidArgument,
+                    "cannot start " + description.uri + ": blocks of " + std::to_string(options.max_block_scans) + " scans",
+                    "it takes 1 to " + std::to_string(core::kMaxBlockScans));
+}
+
+core::Status refuse_sync_output(const DeviceDescription& description, DeviceState state) {
+  if (state == DeviceState::Gone) return core::fail(ErrorCode::DeviceGone, description.uri + " is gone");
+  if (state == DeviceState::Closed) return core::fail(ErrorCode::WrongState, description.uri + " is not open");
+  return core::fail(ErrorCode::Unsupported, description.uri + " has no digital output for a sync pulse");
+}
+
+}  // namespace dts::device

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/clock.h"
+#include "core/host_time.h"
+#include "device/device.h"
+#include "device/usb/bulk_stream.h"
+#include "device/usb/daq_driver.h"
+#include "device/usb/daq_options.h"
+#include "device/usb/scan_buffer.h"
+#include "device/usb/usb_bus.h"
+
+namespace dts::device::usb {
+
+/// Any DAQ on a USB cable: a driver's knowledge of the protocol, and everything that is the same for all of them.
+///
+///     BulkStream --chunks--> driver.unpack --codes--> ScanBuffer --volts, quality, host time--> block
+///                                                      | marker, start check, rate check: any doubt ends the segment
+///
+/// A stream that cannot be believed any more is Broken: `stop` and `start` make a new one. Data are never re-aligned.
+class UsbDaq final : public Device {
+ public:
+  UsbDaq(std::unique_ptr<DaqDriver> driver, DaqOptions options, UsbBus& bus, core::Clock& clock);
+  ~UsbDaq() override;
+  UsbDaq(const UsbDaq&) = delete;
+  UsbDaq& operator=(const UsbDaq&) = delete;
+
+  [[nodiscard]] const DeviceDescription& describe() const noexcept override { return driver_->describe(); }
+  [[nodiscard]] DeviceState state() const noexcept override { return state_.load(std::memory_order_acquire); }  // pairs with move_to
+  [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override { return driver_->exact_rate(wanted); }
+  [[nodiscard]] DeviceReport report() const override;
+  [[nodiscard]] bool has_arrived() noexcept override;
+  [[nodiscard]] core::Status open() override;
+  [[nodiscard]] core::Result<core::Rate> start(const StartOptions& options) override;
+  [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
+  void interrupt() noexcept override;
+  [[nodiscard]] core::Status set_sync_output(bool is_high) override;
+  core::Status stop() override;
+  core::Status close() override;
+
+ private:
+  void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
+
+  std::unique_ptr<DaqDriver> driver_;
+  DaqOptions options_;
+  UsbBus& bus_;
+  core::Clock& clock_;
+  std::atomic<DeviceState> state_{DeviceState::Closed};
+  mutable std::mutex control_mutex_;  ///< Port and report against the control thread; never taken while scans flow.
+  std::unique_ptr<UsbPort> port_;
+  std::unique_ptr<BulkStream> stream_;
+  DeviceReport report_;
+  core::HostTime host_time_;
+  ScanBuffer scans_;
+  // ... further private members as the implementation needs them.
+};
+
+}  // namespace dts::device::usb

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/host_time.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <random>
+
+namespace dts::core {
+namespace {
+
+constexpr std::int64_t kStartNs = 5'000'000'000'000;
+constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kFrameNs = kMillisecond;
+
+/// A device with a clock that is off, and a machine with two busy cores that notices its scans late.
+struct Machine {
+  Rate rate;
+  double clock_error = 0.0;  ///< 80e-6: the device's clock runs 80 ppm fast.
+  std::size_t scans_per_transfer = 30;
+  double busy_ms = 4.0;  ///< Mean lateness.
+  std::mt19937_64 random{7};
+  std::uint64_t next = 0;
+  std::int64_t last_arrival_ns = 0;
+
+  [[nodiscard]] std::int64_t truth_ns(std::uint64_t scan) const {
+    return kStartNs + std::llround(static_cast<double>(rate.time_ns({scan})) / (1.0 + clock_error));
+  }
+
+  /// Half of the transfers wait for a time slice; now and then something blocks for 80 ms.
+  std::int64_t lateness_ns() {
+    std::exponential_distribution<double> wait_ms(1.0 / busy_ms);
+    const auto kind = random() % 100;
+    const double late_ms = 0.15 + (kind < 50 ? 0.05 * static_cast<double>(random() % 10) : wait_ms(random)) + (kind == 99 ? 80.0 : 0.0);
+    return std::llround(late_ms * 1e6);
+  }
+
+  void run(HostTime& time, double seconds) {
+    const auto until = next + static_cast<std::uint64_t>(seconds * rate.hz());
+    for (; next < until; next += scans_per_transfer) {
+      const std::uint64_t newest = next + scans_per_transfer - 1;
+      last_arrival_ns = std::max(last_arrival_ns, truth_ns(newest) + lateness_ns());
+      time.add({newest}, last_arrival_ns);
+    }
+  }
+  [[nodiscard]] double error_ms(HostTime& time) const { return static_cast<double>(time.at({next - 1}) - truth_ns(next - 1)) * 1e-6; }
+};
+
+Rate rate_1500() { return *Rate::create(40'000'000, 26'667); }
+
+class HostTimeOfClock : public testing::TestWithParam<double> {};
+
+TEST_P(HostTimeOfClock, IsWithinOneMillisecondAfterAMinuteAndKnowsTheDriftAfterFive) {
+  Machine machine{.rate = rate_1500(), .clock_error = GetParam() * 1e-6};
+  HostTime time(machine.rate, kFrameNs);
+  machine.run(time, 60.0);
+  for (int second = 60; second < 300; ++second) {
+    machine.run(time, 1.0);
+    ASSERT_LT(std::abs(machine.error_ms(time)), 1.0) << "after " << second << " s";
+    ASSERT_LT(std::abs(machine.error_ms(time)), static_cast<double>(time.uncertainty_ns()) * 1e-6);
+  }
+  EXPECT_NEAR(time.drift_ppm(), GetParam(), 5.0);
+  EXPECT_LT(std::abs(time.rate_error()), 0.001);
+}
+
+INSTANTIATE_TEST_SUITE_P(Clocks, HostTimeOfClock, testing::Values(-80.0, 0.0, 80.0));
+
+TEST(HostTime, IsWithinItsUncertaintyFromTheFirstArrivalOn) {
+  Machine machine{.rate = *Rate::create(100, 1), .clock_error = 80e-6, .scans_per_transfer = 1};
+  HostTime time(machine.rate, kFrameNs);
+  for (int i = 0; i < 6000; ++i) {
+    machine.run(time, 0.01);
+    ASSERT_LT(std::abs(machine.error_ms(time)), static_cast<double>(time.uncertainty_ns()) * 1e-6) << "scan " << i;
+  }
+}
+
+TEST(HostTime, NeverGoesBack) {
+  Machine machine{.rate = rate_1500(), .clock_error = 120e-6, .busy_ms = 20.0};
+  HostTime time(machine.rate, kFrameNs);
+  std::int64_t last_ns = 0;
+  for (int i = 0; i < 3000; ++i) {
+    machine.run(time, 0.02);
+    const std::int64_t now_ns = time.at({machine.next - 1});
+    ASSERT_GT(now_ns, last_ns);
+    last_ns = now_ns;
+  }
+}
+
+TEST(HostTime, HasNoEstimateBeforeTheFirstArrival) {
+  HostTime time(rate_1500(), kFrameNs);
+  EXPECT_FALSE(time.has_estimate());
+  EXPECT_EQ(time.at({17}), 0);
+  time.add({29}, kStartNs);
+  EXPECT_TRUE(time.has_estimate());
+  EXPECT_EQ(time.at({29}), kStartNs);
+}
+
+TEST(HostTime, KeepsTheDriftOverAGap) {
+  Machine machine{.rate = rate_1500(), .clock_error = 80e-6};
+  HostTime time(machine.rate, kFrameNs);
+  machine.run(time, 200.0);
+  const double known_ppm = time.drift_ppm();
+  time.restart();
+  EXPECT_FALSE(time.has_estimate());
+  EXPECT_EQ(time.drift_ppm(), known_ppm);
+  Machine after{.rate = rate_1500(), .clock_error = 80e-6};
+  after.run(time, 5.0);
+  EXPECT_LT(std::abs(after.error_ms(time)), 1.0);
+  EXPECT_EQ(time.drift_ppm(), known_ppm);
+}
+
+TEST(HostTime, TellsADeviceThatRunsAtAnotherRate) {
+  for (const double factor : {0.125, 0.97, 1.03, 2.0}) {
+    Machine machine{.rate = rate_1500(), .clock_error = factor - 1.0};
+    HostTime time(machine.rate, kFrameNs);
+    machine.run(time, 5.0 * factor);
+    EXPECT_GT(std::abs(time.rate_error()), 0.01) << factor;
+    EXPECT_EQ(time.rate_error() < 0.0, factor > 1.0);
+  }
+}
+
+TEST(HostTime, TellsAPacketThatWentMissing) {
+  Machine machine{.rate = rate_1500(), .busy_ms = 1.0};
+  HostTime time(machine.rate, kFrameNs);
+  machine.run(time, 30.0);
+  EXPECT_LT(time.lateness_floor_ns(), kMillisecond);
+  constexpr std::uint64_t kLost = 15;  // 10 ms
+  Machine later = machine;
+  for (int i = 0; i < 4 * 50; ++i) {  // 4 s: the device has taken scans that the host never counted
+    const std::uint64_t newest = machine.next + 29;
+    time.add({newest}, later.truth_ns(newest + kLost) + later.lateness_ns() % (5 * kMillisecond));
+    machine.next += 30;
+  }
+  EXPECT_GT(time.lateness_floor_ns(), 8 * kMillisecond);
+}
+
+TEST(HostTime, IsNotImpressedByAStallOfTheMachine) {
+  Machine machine{.rate = rate_1500(), .busy_ms = 1.0};
+  HostTime time(machine.rate, kFrameNs);
+  machine.run(time, 20.0);
+  machine.last_arrival_ns += 2000 * kMillisecond;  // everything of two seconds comes at once
+  machine.run(time, 10.0);
+  EXPECT_LT(std::abs(machine.error_ms(time)), 0.5);
+  EXPECT_LT(time.lateness_floor_ns(), kMillisecond);
+  EXPECT_LT(std::abs(time.rate_error()), 0.001);
+}
+
+}  // namespace
+}  // namespace dts::core

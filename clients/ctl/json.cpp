@@ -14,9 +14,10 @@ using google::protobuf::Message;
 using google::protobuf::Reflection;
 
 /// Fields whose 0 says that there is no such value (see the comments in the .proto files).
-constexpr std::array<std::string_view, 6> kZeroMeansUnknown{
-    "dts.v1.SessionInfo.duration_s",     "dts.v1.RigStatus.measured_rate_hz", "dts.v1.RigStatus.pipeline_us_per_scan",
-    "dts.v1.DeviceInfo.minimum_rate_hz", "dts.v1.DeviceInfo.maximum_rate_hz", "dts.v1.TestDeviceResponse.measured_rate_hz"};
+constexpr std::array<std::string_view, 7> kZeroMeansUnknown{
+    "dts.v1.RigStatus.clock_drift_ppm",          "dts.v1.SessionInfo.duration_s",     "dts.v1.RigStatus.measured_rate_hz",
+    "dts.v1.RigStatus.pipeline_us_per_scan",     "dts.v1.DeviceInfo.minimum_rate_hz", "dts.v1.DeviceInfo.maximum_rate_hz",
+    "dts.v1.TestDeviceResponse.measured_rate_hz"};
 
 cli::Json number(double value) { return std::isfinite(value) ? cli::Json(value) : cli::Json(nullptr); }
 

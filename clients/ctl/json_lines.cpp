@@ -63,6 +63,7 @@ void JsonLines::show(const client::Block& block, std::size_t scans, Time /*now*/
   append_field(line_, "first_scan", block.first_scan);
   append_field(line_, "rate_hz", block.rate.hz());
   append_field(line_, "host_time_ns", block.host_time_ns);
+  append_field(line_, "host_time_uncertainty_ns", block.host_time_uncertainty_ns);
   append_field(line_, "sequence", block.sequence);
   append_field(line_, "lost_scans", block.lost_scans);
   if (!block.is_lost_exact) line_ += ",\"lost_scans_at_least\":true";

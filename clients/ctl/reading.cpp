@@ -45,6 +45,8 @@ std::string body_text(const v1::Event& event) {
   switch (event.body_case()) {
     case v1::Event::kGap: return gap_text(event);
     case v1::Event::kMarker: return event.marker().text();
+    case v1::Event::kTrigger:
+      return enumerator_word(*v1::TriggerEdge_descriptor(), event.trigger().edge()) + " edge on " + event.trigger().channel();
     case v1::Event::kDevice:
       return change_text(enumerator_word(*v1::DeviceState_descriptor(), event.device().state()), event.device().uri(),
                          event.device().message());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/status_view.h"
 
+#include <algorithm>
+
 #include "cli/table.h"
 #include "ctl/json.h"
 
@@ -125,6 +127,19 @@ void print_rigs(cli::Console& console, const v1::ListRigsResponse& rigs) {
   table.print(console);
 }
 
+namespace {
+
+/// "drift -12.3 ppm, host times within 1.20 ms"
+std::string clock_text(const v1::RigStatus& status) {
+  const std::string drift =
+      status.clock_drift_ppm() == 0.0 ? "drift not known yet" : "drift " + cli::decimal(status.clock_drift_ppm(), 1) + " ppm";
+  return drift + ", host times within " + cli::decimal(static_cast<double>(status.host_time_uncertainty_ns()) * 1e-6, 2) + " ms";
+}
+
+cli::Style style_of(v1::CheckOutcome outcome) { return outcome == v1::CHECK_OUTCOME_PASSED ? cli::Style::Good : cli::Style::Bad; }
+
+}  // namespace
+
 void print_rig(cli::Console& console, const v1::RigStatus& status) {
   const v1::RigInfo& rig = status.rig();
   print_field(console, "rig", rig.name());
@@ -137,9 +152,11 @@ void print_rig(cli::Console& console, const v1::RigStatus& status) {
   print_field(console, "rate",
               (status.measured_rate_hz() > 0.0 ? cli::decimal(status.measured_rate_hz(), 2) : "-") + " of " +
                   cli::decimal(status.nominal_rate_hz(), 2) + " Hz");
+  print_field(console, "clock", clock_text(status));
   print_field(console, "scans",
               std::to_string(status.scans_total()) + ", lost " + std::to_string(status.lost_scans_total()) + " in " +
-                  std::to_string(status.gaps_total()) + " gaps, segment " + std::to_string(status.segment()));
+                  std::to_string(status.gaps_total()) + " gaps, segment " + std::to_string(status.segment()) + ", restarts " +
+                  std::to_string(status.restarts_total()) + ", reconnects " + std::to_string(status.reconnects_total()));
   print_field(console, "tare", word(status.tare(), v1::TareState_descriptor()));
   print_field(console, "session", session_line(status.session()));
   print_field(console, "published", joined(rig.published()));
@@ -157,10 +174,14 @@ void print_devices(cli::Console& console, const v1::GetDevicesResponse& devices)
                {device.model()},
                {device.serial()},
                device_cell(device.state()),
-               {std::to_string(device.channels_size())},
+               {device.channels_size() > 0 ? std::to_string(device.channels_size()) : "-"},
                {has_rates ? cli::decimal(device.minimum_rate_hz(), 0) + " .. " + cli::decimal(device.maximum_rate_hz(), 0) : "-"}});
   }
   table.print(console);
+  const auto is_free = [](const v1::DeviceInfo& device) { return device.rig().empty(); };
+  if (std::ranges::any_of(devices.devices(), is_free)) {
+    console.out << "\na device without a rig is plugged in but not used: write its DEVICE into a [[rig]] of dtsd.toml\n";
+  }
   if (devices.kinds_size() > 0) console.out << "\nkinds that a rig's configuration can name:\n";
   for (const std::string& kind : devices.kinds()) console.out << "  " << cli::printable(kind) << '\n';
 }
@@ -179,6 +200,18 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
                {doubts.empty() ? "good" : joined(doubts), doubts.empty() ? cli::Style::Good : cli::Style::Bad}});
   }
   table.print(console);
+  cli::Table checks({"CHECK", "OUTCOME", "DETAIL"});
+  for (const v1::TestDeviceResponse::Check& check : test.checks()) {
+    checks.add({{check.name(), cli::Style::Bold},
+                {enumerator_word(*v1::CheckOutcome_descriptor(), check.outcome()), style_of(check.outcome())},
+                {check.detail()}});
+  }
+  if (test.checks_size() > 0) {
+    console.out << '\n';
+    checks.print(console);
+  }
+  if (!test.serial().empty())
+    print_field(console, "unit", test.serial() + (test.firmware().empty() ? "" : ", firmware " + test.firmware()));
   const std::string rate = test.measured_rate_hz() > 0.0 ? cli::decimal(test.measured_rate_hz(), 2) + " per second" : "rate not known yet";
   console.out << test.scans() << " scans, " << rate << '\n';
 }

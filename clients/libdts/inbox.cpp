@@ -34,9 +34,10 @@ bool has_body_of(const v1::Event& event, std::string_view kind) noexcept {
   switch (event.body_case()) {
     case v1::Event::kGap: return kind == "gap";
     case v1::Event::kMarker: return kind == "marker";
+    case v1::Event::kTrigger: return kind == "trigger";
     case v1::Event::kDevice: return kind == "device";
     case v1::Event::kSession: return kind == "session";
-    case v1::Event::BODY_NOT_SET: return kind != "gap" && kind != "marker" && kind != "device" && kind != "session";
+    case v1::Event::BODY_NOT_SET: return kind != "gap" && kind != "marker" && kind != "trigger" && kind != "device" && kind != "session";
   }
   return false;
 }
@@ -275,6 +276,7 @@ Block Inbox::block_view(Topic& topic, std::int64_t now_ns) {
   block.scan_count = wire.scan_count();
   block.rate = {wire.rate().numerator(), wire.rate().denominator()};
   block.host_time_ns = wire.host_time_ns();
+  block.host_time_uncertainty_ns = wire.host_time_uncertainty_ns();
   block.sequence = wire.sequence();
   block.lost_scans = std::exchange(topic.lost_scans, 0);
   block.is_lost_exact = std::exchange(topic.is_lost_exact, true);

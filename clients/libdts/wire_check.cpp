@@ -81,7 +81,10 @@ Result<void> check(const v1::GetDevicesResponse& devices) {
   return check_count(devices.kinds_size(), kMaxTexts, "kinds of device");
 }
 
-Result<void> check(const v1::TestDeviceResponse& test) { return check_count(test.channels_size(), kMaxChannels, "channels"); }
+Result<void> check(const v1::TestDeviceResponse& test) {
+  if (auto few = check_count(test.checks_size(), kMaxTexts, "checks"); !few) return few;
+  return check_count(test.channels_size(), kMaxChannels, "channels");
+}
 
 Result<void> check(const v1::SessionInfo& session) {
   if (session.session_id().empty()) return damaged("a session without an id");

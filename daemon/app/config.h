@@ -10,8 +10,8 @@
 
 namespace dts::app {
 
-/// How the sample and publish threads are scheduled. Acquire threads run at `fifo_priority`, pipelines one below, the
-/// publish thread two and libzmq's own thread three below: whoever is nearer to the device goes first.
+/// How the sample and publish threads are scheduled. The USB event thread runs one above `fifo_priority`, acquire threads at it, pipelines
+/// one below, the publish thread two and libzmq's own thread three below: whoever is nearer to the device goes first.
 struct RealtimeConfig {
   int fifo_priority = 50;  ///< 0: SCHED_FIFO is not asked for.
   bool locks_memory = true;

@@ -92,10 +92,10 @@ void serve_until_signal(ipc::ControlServer& server, ServiceManager& manager, con
 std::string_view version() noexcept { return DTS_VERSION; }
 
 std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, core::Clock& clock, core::Doorbell& bell,
-                                                       files::Problems& problems) {
+                                                       device::usb::UsbBus& usb, files::Problems& problems) {
   std::vector<std::unique_ptr<session::Rig>> rigs;
   for (const ConfiguredRig& configured : config.rigs) {
-    auto rig = session::Rig::create(configured.rig, clock, bell);
+    auto rig = session::Rig::create(configured.rig, clock, bell, &usb);
     if (rig) {
       rigs.push_back(std::move(*rig));
     } else {
@@ -107,7 +107,7 @@ std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& confi
 }
 
 core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, core::Clock& clock,
-                        core::Doorbell& bell, core::Log log) {
+                        core::Doorbell& bell, device::usb::UsbBus& usb, core::Log log) {
   if (auto made = prepare_directory(config.runtime_directory); !made) return made;
   const auto lock = RuntimeLock::take(config.runtime_directory);
   if (!lock) return tl::make_unexpected(lock.error());
@@ -116,7 +116,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   if (config.realtime.locks_memory) {
     if (auto locked = core::lock_memory(); !locked) notices.push_back(core::to_string(locked.error()));
   }
-  session::Supervisor supervisor(clock, log);
+  session::Supervisor supervisor(clock, log, &usb);
   for (auto& rig : rigs) {
     if (auto added = supervisor.add(std::move(rig)); !added) return added;
   }

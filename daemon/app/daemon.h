@@ -11,6 +11,7 @@
 #include "core/doorbell.h"
 #include "core/log.h"
 #include "core/result.h"
+#include "device/usb/usb_bus.h"
 #include "session/rig.h"
 
 namespace dts::app {
@@ -18,13 +19,13 @@ namespace dts::app {
 [[nodiscard]] std::string_view version() noexcept;
 
 /// Creates every rig of the configuration without starting anything, so that a bad device or stage shows before a
-/// socket is bound. What fails is added to `problems`.
+/// socket is bound; USB is not touched. What fails is added to `problems`.
 [[nodiscard]] std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, core::Clock& clock, core::Doorbell& bell,
-                                                                     files::Problems& problems);
+                                                                     device::usb::UsbBus& usb, files::Problems& problems);
 
 /// Runs the daemon on the calling thread, which becomes the control thread, until SIGTERM or SIGINT (which the caller
 /// must have blocked, with SIGHUP). Fails when the directories or sockets cannot be had.
 [[nodiscard]] core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, core::Clock& clock,
-                                      core::Doorbell& bell, core::Log log);
+                                      core::Doorbell& bell, device::usb::UsbBus& usb, core::Log log);
 
 }  // namespace dts::app

@@ -8,6 +8,7 @@
 #include <iostream>
 
 #include "app/daemon.h"
+#include "device/usb/libusb_bus.h"
 
 namespace {
 
@@ -48,7 +49,11 @@ int run(const std::string& file, bool is_check, bool is_foreground) {
   dts::app::LoadedConfig loaded = dts::app::load_config(file);
   dts::core::SystemClock clock;
   dts::core::Doorbell bell;
-  auto rigs = dts::app::create_rigs(loaded.config, clock, bell, loaded.problems);
+  if (is_foreground) ::unsetenv("JOURNAL_STREAM");
+  const auto log = dts::core::Log::to_stderr(loaded.config.log_level);
+  // Nearer to the device than any acquire thread. It must outlive the rigs.
+  dts::device::usb::LibusbBus usb(clock, loaded.config.realtime.policy(-1), log);
+  auto rigs = dts::app::create_rigs(loaded.config, clock, bell, usb, loaded.problems);
   if (!loaded.problems.empty()) return report(loaded.problems);
   if (is_check) {
     std::cout << file << ": fine, " << rigs.size() << " rig(s)\n";
@@ -56,9 +61,7 @@ int run(const std::string& file, bool is_check, bool is_foreground) {
   }
   block_signals();
   raise_descriptor_limit();
-  if (is_foreground) ::unsetenv("JOURNAL_STREAM");
-  const auto log = dts::core::Log::to_stderr(loaded.config.log_level);
-  const auto ended = dts::app::run_daemon(loaded.config, std::move(rigs), clock, bell, log);
+  const auto ended = dts::app::run_daemon(loaded.config, std::move(rigs), clock, bell, usb, log);
   if (ended) return 0;
   log.error(dts::core::to_string(ended.error()));
   return exit_status(ended.error());

@@ -72,6 +72,29 @@ void read_stages(files::TomlReader& top, session::RigConfig& config) {
   if (config.stages.empty()) top.report("", "the rig has no [[stage]]: at least \"guard\" is needed");
 }
 
+pipeline::TriggerEdges read_edges(files::TomlReader& reader) {
+  const std::string word = reader.choice("edges", {"rising", "falling", "both"});
+  if (word == "falling") return pipeline::TriggerEdges::Falling;
+  return word == "both" ? pipeline::TriggerEdges::Both : pipeline::TriggerEdges::Rising;
+}
+
+/// `[trigger]`: the device channel on which another instrument tells of itself.
+void read_trigger(files::TomlReader& top, session::RigConfig& config) {
+  if (!top.has("trigger")) return;
+  files::TomlReader reader = top.table("trigger");
+  reader.require("channel");
+  pipeline::TriggerInput input;
+  input.channel = static_cast<std::size_t>(reader.integer("channel", 0, 0, core::kMaxChannels - 1));
+  input.level = reader.number("level", input.level, -1e6, 1e6);
+  input.hysteresis = reader.number("hysteresis", input.hysteresis, 0.0, 1e6);
+  input.edges = read_edges(reader);
+  if (std::ranges::find(config.sensor_channels, input.channel) != config.sensor_channels.end()) {
+    reader.report("channel", "channel " + std::to_string(input.channel) + " belongs to a sensor");
+  }
+  reader.finish();
+  config.trigger = input;
+}
+
 }  // namespace
 
 session::RigConfig read_rig_file(const std::string& file, files::Problems& problems) {
@@ -84,6 +107,10 @@ session::RigConfig read_rig_file(const std::string& file, files::Problems& probl
   config.model = std::move(model);
   config.sensor_channels = std::move(channels);
   read_acquisition(top.table("acquire"), config);
+  read_trigger(top, config);
+  files::TomlReader sync = top.table("session");
+  config.sync_pulse_ms = sync.number("sync_pulse_ms", 0.0, 0.0, 10'000.0);
+  sync.finish();
   read_calibration(top, config, problems);
   read_stages(top, config);
   files::TomlReader publish = top.table("publish");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -32,10 +34,34 @@ struct Acquired {
   std::uint64_t lost_scans_total = 0;
 };
 
+/// The trigger channel crossed its level between the scan before and this one.
+struct TriggerEvent {
+  std::uint32_t segment = 0;
+  ScanIndex scan;
+  std::int64_t host_time_ns = 0;
+  bool is_rising = true;
+};
+
+inline constexpr std::size_t kMaxTriggersPerFrame = 16;
+
+/// The trigger events of one frame; a signal that chatters faster is cut.
+struct TriggerEvents {
+  std::array<TriggerEvent, kMaxTriggersPerFrame> events{};
+  std::size_t count = 0;
+
+  /// false: no room.
+  bool push(const TriggerEvent& event) noexcept {
+    if (count == events.size()) return false;
+    events[count++] = event;
+    return true;
+  }
+};
+
 /// What the pipeline makes of it: one block per stream, in the order of the pipeline's formats. A block with count 0
 /// says nothing (a window that is not full yet).
 struct Frame {
   std::vector<Block> streams{};
+  TriggerEvents triggers{};
   Gap gap_before{};
   std::uint32_t segment = 0;
   std::int64_t host_time_ns = 0;

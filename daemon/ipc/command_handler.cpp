@@ -130,11 +130,21 @@ dts::v1::Response CommandHandler::devices() {
     device.set_rig(state.rig.config().name);
     device.set_uri(described.uri);
     device.set_model(described.model);
-    device.set_serial(described.serial);
+    const std::string serial = state.rig.device_report().serial;
+    device.set_serial(serial.empty() ? described.serial : serial);
     device.set_state(device_state(state.acquisition.device));
     for (const auto& channel : described.channels) device.add_channels(channel.name);
     device.set_minimum_rate_hz(described.minimum_rate_hz);
     device.set_maximum_rate_hz(described.maximum_rate_hz);
+  }
+  const auto unused = supervisor_.unused_units();
+  if (!unused) return error_response(unused.error());
+  for (const device::FoundUnit& found : *unused) {
+    auto& device = *out.add_devices();
+    device.set_uri(found.uri);
+    device.set_model(found.model);
+    device.set_serial(found.unit.serial);
+    device.set_state(dts::v1::DEVICE_STATE_CLOSED);
   }
   for (const std::string& kind : session::Supervisor::device_kinds()) out.add_kinds(kind);
   return response;
@@ -148,6 +158,7 @@ dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& 
   dts::v1::Response response;
   auto& out = *response.mutable_device_test();
   out.set_scans(statistics.scans);
+  add_checks(rig->device_report(), out);
   for (const session::RigState& state : supervisor_.states()) {
     if (&state.rig == rig) out.set_measured_rate_hz(state.measured_rate_hz);
   }
@@ -169,6 +180,17 @@ dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& 
     if (!model.curve.contains({measured.mean})) channel.set_quality(core::quality::kOutOfRange);
   }
   return response;
+}
+
+void CommandHandler::add_checks(const device::DeviceReport& report, dts::v1::TestDeviceResponse& out) {
+  out.set_serial(report.serial);
+  out.set_firmware(report.firmware);
+  for (const device::DeviceCheck& check : report.checks) {
+    auto& line = *out.add_checks();
+    line.set_name(check.name);
+    line.set_outcome(static_cast<dts::v1::CheckOutcome>(check.outcome));  // same numbers, asserted in encode.cpp
+    line.set_detail(check.detail);
+  }
 }
 
 }  // namespace dts::ipc

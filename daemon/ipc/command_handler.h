@@ -44,6 +44,7 @@ class CommandHandler {
   dts::v1::Response list_rigs();
   dts::v1::Response devices();
   dts::v1::Response test_device(const dts::v1::TestDeviceRequest& request);
+  static void add_checks(const device::DeviceReport& report, dts::v1::TestDeviceResponse& out);
 
   session::Supervisor& supervisor_;
   core::Clock& clock_;

@@ -45,6 +45,7 @@ static_assert(static_cast<int>(session::SessionState::Running) == dts::v1::SESSI
 static_assert(static_cast<int>(session::SessionState::Stopping) == dts::v1::SESSION_STATE_STOPPING);
 static_assert(static_cast<int>(session::SessionState::Failed) == dts::v1::SESSION_STATE_FAILED);
 static_assert(static_cast<int>(core::GapReason::Integrity) == dts::v1::GAP_REASON_INTEGRITY);
+static_assert(static_cast<int>(device::DeviceCheck::Outcome::Failed) == dts::v1::CHECK_OUTCOME_FAILED);
 static_assert(static_cast<int>(core::ErrorCode::Internal) == dts::v1::ERROR_CODE_INTERNAL);
 static_assert(core::quality::kUntared == dts::v1::QUALITY_UNTARED && core::quality::kNoContact == dts::v1::QUALITY_NO_CONTACT);
 
@@ -62,6 +63,9 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   out.set_nominal_rate_hz(state.acquisition.rate.hz());
   out.set_measured_rate_hz(state.measured_rate_hz);
   out.set_pipeline_us_per_scan(state.pipeline.us_per_scan);
+  out.set_restarts_total(state.acquisition.restarts_total);
+  out.set_clock_drift_ppm(state.acquisition.clock_drift_ppm);
+  out.set_host_time_uncertainty_ns(state.acquisition.host_time_uncertainty_ns);
   out.set_tare(tare_state(state.tare.outcome));
   *out.mutable_session() = session_info(state.rig.config().name, state.session);
   return out;
@@ -84,6 +88,7 @@ const dts::v1::StreamBlock& StreamEncoder::encode(const core::Block& block, std:
   message_.set_first_scan(block.first_scan.value);
   message_.set_scan_count(static_cast<std::uint32_t>(scans));
   message_.set_host_time_ns(block.host_time_ns);
+  message_.set_host_time_uncertainty_ns(block.host_time_uncertainty_ns);
   message_.set_sequence(block.sequence);
   message_.set_lost_scans_total(lost_scans_total);
   message_.set_dropped_blocks_total(dropped_blocks_total);
@@ -109,6 +114,17 @@ dts::v1::Event gap_event(std::uint64_t instance_id, const core::Frame& frame) {
   event.mutable_gap()->set_reason(static_cast<dts::v1::GapReason>(frame.gap_before.reason));
   event.mutable_gap()->set_missing_scans(frame.gap_before.missing_scans);
   event.mutable_gap()->set_is_exact(frame.gap_before.is_exact);
+  return event;
+}
+
+dts::v1::Event trigger_event(std::uint64_t instance_id, const core::TriggerEvent& trigger, const std::string& channel) {
+  dts::v1::Event event;
+  event.set_instance_id(instance_id);
+  event.set_segment(trigger.segment);
+  event.set_scan(trigger.scan.value);
+  event.set_host_time_ns(trigger.host_time_ns);
+  event.mutable_trigger()->set_edge(trigger.is_rising ? dts::v1::TRIGGER_EDGE_RISING : dts::v1::TRIGGER_EDGE_FALLING);
+  event.mutable_trigger()->set_channel(channel);
   return event;
 }
 

@@ -21,7 +21,9 @@ PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell&
     : socket_(std::move(socket)), bell_(bell), clock_(clock), instance_id_(instance_id) {
   for (session::Rig* rig : rigs) {
     const session::RigConfig& config = rig->config();
-    Source source{.rig = rig, .gap_topic = config.name + "/gap", .streams = {}};
+    Source source{
+        .rig = rig, .gap_topic = config.name + "/gap", .trigger_topic = config.name + "/trigger", .trigger_channel = {}, .streams = {}};
+    if (config.trigger) source.trigger_channel = rig->device().channels.at(config.trigger->channel).name;
     for (std::size_t index = 0; index < rig->formats().size(); ++index) {
       const core::StreamFormat& format = rig->formats()[index];
       if (std::ranges::find(config.published, format.name) == config.published.end()) continue;
@@ -78,6 +80,9 @@ void PublishThread::publish(Source& source) {
     core::Frame* frame = frames.front();
     if (frame == nullptr) return;
     if (frame->gap_before.reason != core::GapReason::None) socket_->send(source.gap_topic, gap_event(instance_id_, *frame));
+    for (const core::TriggerEvent& trigger : std::span(frame->triggers.events).first(frame->triggers.count)) {
+      socket_->send(source.trigger_topic, trigger_event(instance_id_, trigger, source.trigger_channel));
+    }
     for (auto& [index, encoder] : source.streams) {
       const core::Block& block = frame->streams[index];
       if (block.count() == 0) continue;

@@ -50,6 +50,8 @@ class PublishThread {
   struct Source {
     session::Rig* rig;
     std::string gap_topic;
+    std::string trigger_topic;
+    std::string trigger_channel;                                 ///< Its name.
     std::vector<std::pair<std::size_t, StreamEncoder>> streams;  ///< Index in the frame, encoder; published streams only.
   };
   void run(const std::stop_token& stop);

@@ -73,8 +73,22 @@ core::Result<std::unique_ptr<Pipeline>> Pipeline::create(std::span<const StageCo
   pipeline->channels_ = input.sensor_channels;
   pipeline->channels_.insert(pipeline->channels_.end(), input.aux_channels.begin(), input.aux_channels.end());
   pipeline->sensor_count_ = input.sensor_channels.size();
+  if (auto watched = pipeline->watch_trigger(input); !watched) return tl::make_unexpected(watched.error());
   pipeline->device_ = core::Block(columns, input.max_block_scans);
   return pipeline;
+}
+
+core::Status Pipeline::watch_trigger(const PipelineInput& input) {
+  if (!input.trigger) return {};
+  if (auto checked = check(*input.trigger); !checked) return checked;
+  const auto found = std::ranges::find(input.aux_channels, input.trigger->channel);
+  if (found == input.aux_channels.end()) {
+    return refuse("trigger channel " + std::to_string(input.trigger->channel) + " is not one of the device's channels beside the sensors");
+  }
+  const auto aux = static_cast<std::size_t>(found - input.aux_channels.begin());
+  trigger_.emplace(*input.trigger, input.rate);
+  trigger_column_ = input.sensor_channels.size() + aux;
+  return {};
 }
 
 core::Result<core::StreamFormat> Pipeline::append(const StageConfig& config, const core::StreamFormat& input, const StageContext& context) {
@@ -114,7 +128,9 @@ void Pipeline::process(const core::Acquired& acquired, core::Frame& frame) noexc
   frame.host_time_ns = block.host_time_ns;
   frame.lost_scans_total = acquired.lost_scans_total;
   if (acquired.gap_before.reason != core::GapReason::None) reset_stages();
+  frame.triggers.count = 0;
   take(block);
+  if (trigger_) trigger_->process(device_, trigger_column_, frame.triggers);
   run_stages(frame);
 }
 
@@ -133,6 +149,7 @@ void Pipeline::take(const core::Block& block) noexcept {
 }
 
 void Pipeline::reset_stages() noexcept {
+  if (trigger_) trigger_->reset();
   for (const auto& stage : stages_) stage->reset();
 }
 

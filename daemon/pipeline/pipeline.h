@@ -3,11 +3,13 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "core/frame.h"
 #include "core/result.h"
+#include "pipeline/edge_detector.h"
 #include "pipeline/stage.h"
 #include "pipeline/stage_registry.h"
 
@@ -19,6 +21,7 @@ struct PipelineInput {
   std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the rig, in sensor order.
   std::vector<std::size_t> aux_channels;     ///< Published beside them as stream "aux"; the guard's marker is one of them.
   std::vector<core::ChannelFormat> aux_formats;
+  std::optional<TriggerInput> trigger;  ///< Its channel is one of `aux_channels`.
   std::size_t max_block_scans = 64;
 };
 
@@ -50,6 +53,7 @@ class Pipeline {
  private:
   Pipeline() = default;
 
+  core::Status watch_trigger(const PipelineInput& input);
   core::Result<core::StreamFormat> append(const StageConfig& config, const core::StreamFormat& input, const StageContext& context);
   [[nodiscard]] bool is_acceptable(const core::Block& block) const noexcept;
   void take(const core::Block& block) noexcept;
@@ -63,7 +67,9 @@ class Pipeline {
   std::vector<std::unique_ptr<Stage>> stages_;
   std::vector<core::StreamFormat> formats_;
   std::vector<std::uint64_t> sequences_;  ///< Blocks made so far, per stream.
-  core::Block device_;                    ///< Input of the first stage: the sensors in their order, then the aux channels.
+  std::optional<EdgeDetector> trigger_;
+  std::size_t trigger_column_ = 0;  ///< In `device_`.
+  core::Block device_;              ///< Input of the first stage: the sensors in their order, then the aux channels.
   std::uint32_t segment_ = 0;
   core::ScanIndex next_scan_;  ///< What continues the segment.
   std::atomic<std::uint64_t> rejected_blocks_{0};

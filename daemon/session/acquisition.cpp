@@ -62,6 +62,10 @@ void Acquisition::run() noexcept {
 bool Acquisition::bring_up() {
   if (device_.state() == device::DeviceState::Gone) device_.close();
   auto started = device_.open().and_then([&] { return device_.start({.rate = wanted_rate_, .max_block_scans = block_scans_}); });
+  if (started && !(*started == wanted_rate_)) {  // every format downstream says otherwise
+    started = core::fail(core::ErrorCode::Internal, device_.describe().uri + " runs at " + std::to_string(started->hz()) +
+                                                        " Hz, but promised " + std::to_string(wanted_rate_.hz()) + " Hz");
+  }
   if (!started) {
     // A device that has streamed stays "gone" until it is back, however often opening it fails meanwhile.
     report_.device = has_streamed_ ? device::DeviceState::Gone : device::DeviceState::Closed;

@@ -24,14 +24,14 @@ struct AcquisitionReport {
   std::uint64_t scans_total = 0;
   std::uint64_t lost_scans_total = 0;
   std::uint64_t gaps_total = 0;
-  std::uint64_t reconnects_total = 0;  ///< Times that a lost device came back.
-  std::uint64_t restarts_total = 0;    ///< Times that the scan of a present device had to be started again.
-  bool is_silent = false;              ///< Streaming, but nothing came for over a second.
-  bool is_armed = false;               ///< Streaming, but the scan waits for its external trigger.
+  std::uint64_t reconnects_total = 0;         ///< Times that a lost device came back.
+  std::uint64_t restarts_total = 0;           ///< Times that the scan of a present device had to be started again.
+  bool is_silent = false;                     ///< Streaming, but nothing came for over a second.
+  bool is_armed = false;                      ///< Streaming, but the scan waits for its external trigger.
   std::int64_t host_time_uncertainty_ns = 0;  ///< Of the newest block.
   double clock_drift_ppm = 0.0;               ///< Of the device's clock, as the newest block says.
-  core::Rate rate;                  ///< Exact, as the device runs.
-  std::array<char, 256> message{};  ///< Why the device is not streaming, and what to do; empty when it is.
+  core::Rate rate;                            ///< Exact, as the device runs.
+  std::array<char, 256> message{};            ///< Why the device is not streaming, and what to do; empty when it is.
 
   void set_message(std::string_view text) noexcept;
   [[nodiscard]] std::string_view text() const noexcept { return message.data(); }
@@ -46,7 +46,7 @@ struct AcquisitionReport {
 /// when something was plugged in; a broken stream is started again.
 class Acquisition {
  public:
-  /// All of it outlives this object. `rate` and `block_scans` as configured.
+  /// All of it outlives this object. `rate`: as the device's `exact_rate` gave it.
   Acquisition(device::Device& device, core::Clock& clock, core::SpscRing<core::Acquired>& ring, core::Doorbell& bell, core::Rate rate,
               std::size_t block_scans);
 

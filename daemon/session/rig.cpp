@@ -22,6 +22,7 @@ core::Result<pipeline::PipelineInput> describe_input(const RigConfig& config, co
                                 .sensor_channels = config.sensor_channels,
                                 .aux_channels = {},
                                 .aux_formats = {},
+                                .trigger = config.trigger,
                                 .max_block_scans = config.block_scans};
   for (const std::size_t channel : config.sensor_channels) {
     if (channel >= device.channels.size()) {
@@ -65,32 +66,35 @@ core::Status check_device(const RigConfig& config, const device::DeviceDescripti
     return core::fail(core::ErrorCode::LimitExceeded, where + device.uri + " has " + std::to_string(device.channels.size()) +
                                                           " channels; at most " + std::to_string(core::kMaxChannels) + " are supported");
   }
-  if (config.rate.hz() < device.minimum_rate_hz || config.rate.hz() > device.maximum_rate_hz) {
-    return core::fail(
-        core::ErrorCode::InvalidArgument, where + device.uri + " cannot run at " + std::to_string(config.rate.hz()) + " Hz",
-        "choose rate_hz between " + std::to_string(device.minimum_rate_hz) + " and " + std::to_string(device.maximum_rate_hz));
-  }
   return {};
 }
 
 }  // namespace
 
-core::Result<std::unique_ptr<Rig>> Rig::create(RigConfig given, core::Clock& clock, core::Doorbell& publish_bell) {
-  auto config = std::make_unique<const RigConfig>(std::move(given));
-  auto device = device::create_device(config->device_uri, {.clock = clock, .rig = config->model});
+core::Result<std::unique_ptr<Rig>> Rig::create(RigConfig given, core::Clock& clock, core::Doorbell& publish_bell,
+                                               device::usb::UsbBus* usb) {
+  auto config = std::make_unique<RigConfig>(std::move(given));
+  auto device = device::create_device(config->device_uri, {.clock = clock, .rig = config->model, .usb = usb});
   if (!device) return tl::make_unexpected(device.error());
   return assemble(std::move(config), std::move(*device), clock, publish_bell);
 }
 
 core::Result<std::unique_ptr<Rig>> Rig::create(RigConfig config, std::unique_ptr<device::Device> device, core::Clock& clock,
                                                core::Doorbell& publish_bell) {
-  return assemble(std::make_unique<const RigConfig>(std::move(config)), std::move(device), clock, publish_bell);
+  return assemble(std::make_unique<RigConfig>(std::move(config)), std::move(device), clock, publish_bell);
 }
 
-core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<const RigConfig> config, std::unique_ptr<device::Device> device,
+core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<RigConfig> config, std::unique_ptr<device::Device> device,
                                                  core::Clock& clock, core::Doorbell& publish_bell) {
   const device::DeviceDescription& described = device->describe();
   if (auto checked = check_device(*config, described); !checked) return tl::make_unexpected(checked.error());
+  const auto exact_rate = device->exact_rate(config->rate);
+  if (!exact_rate) {
+    core::Error error = exact_rate.error();
+    error.what = "rig '" + config->name + "': " + error.what;
+    return tl::make_unexpected(error);
+  }
+  config->rate = *exact_rate;  // of this every format, window and time is made
   auto input = describe_input(*config, described);
   if (!input) return tl::make_unexpected(input.error());
   auto tare = std::make_unique<pipeline::Tare>();
@@ -163,25 +167,36 @@ void Rig::process(const core::Acquired& acquired) noexcept {
   core::Frame* slot = frames_.claim();
   core::Frame& frame = slot != nullptr ? *slot : spare_frame_;
   pipeline_->process(acquired, frame);
-  if (unpublished_gap_.reason != core::GapReason::None) {  // the frame that carried it was dropped: it must not be lost
-    if (frame.gap_before.reason == core::GapReason::None) {
-      frame.gap_before = unpublished_gap_;
-    } else {
-      frame.gap_before.missing_scans += unpublished_gap_.missing_scans;
-      frame.gap_before.is_exact = frame.gap_before.is_exact && unpublished_gap_.is_exact;
-    }
-  }
+  add_unpublished(frame);
   if (slot != nullptr) {
     unpublished_gap_ = {};
+    unpublished_triggers_.count = 0;
     frames_.commit();
     publish_bell_.ring();
   } else {
     unpublished_gap_ = frame.gap_before;
+    unpublished_triggers_ = frame.triggers;
     frames_.drop();
   }
   if (acquired.gap_before.reason != core::GapReason::None) statistics_.reset();
   statistics_.add(acquired.block);
   note_time(clock_.now_ns() - started_ns, acquired.block.count());
+}
+
+/// What dropped frames said besides their samples must not be lost.
+void Rig::add_unpublished(core::Frame& frame) noexcept {
+  if (unpublished_triggers_.count > 0) {
+    core::TriggerEvents all = unpublished_triggers_;
+    for (std::size_t i = 0; i < frame.triggers.count; ++i) all.push(frame.triggers.events[i]);
+    frame.triggers = all;
+  }
+  if (unpublished_gap_.reason == core::GapReason::None) return;
+  if (frame.gap_before.reason == core::GapReason::None) {
+    frame.gap_before = unpublished_gap_;
+  } else {
+    frame.gap_before.missing_scans += unpublished_gap_.missing_scans;
+    frame.gap_before.is_exact = frame.gap_before.is_exact && unpublished_gap_.is_exact;
+  }
 }
 
 void Rig::note_time(std::int64_t spent_ns, std::size_t scans) noexcept {

@@ -11,6 +11,7 @@
 #include "core/frame.h"
 #include "core/log.h"
 #include "core/spsc_ring.h"
+#include "device/usb/usb_bus.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/tare.h"
 #include "session/acquisition.h"
@@ -32,9 +33,10 @@ struct PipelineReport {
 /// Threads start with `start` and end with `stop` or the destructor; each has a name and, if permitted, SCHED_FIFO.
 class Rig {
  public:
-  /// Creates device and pipeline; fails with what is wrong in `config`. `publish_bell` is rung for every frame; `clock`
-  /// and the bell outlive the rig.
-  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(RigConfig config, core::Clock& clock, core::Doorbell& publish_bell);
+  /// Creates device and pipeline; fails with what is wrong in `config`. `publish_bell` is rung for every frame; `clock`, the
+  /// bell and `usb` (nullptr: simulated devices only) outlive the rig.
+  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(RigConfig config, core::Clock& clock, core::Doorbell& publish_bell,
+                                                                 device::usb::UsbBus* usb = nullptr);
   /// The same with a ready device instead of the one that `config.device_uri` names: for tests and benchmarks.
   [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(RigConfig config, std::unique_ptr<device::Device> device,
                                                                  core::Clock& clock, core::Doorbell& publish_bell);
@@ -48,6 +50,10 @@ class Rig {
 
   [[nodiscard]] const RigConfig& config() const noexcept { return *config_; }
   [[nodiscard]] const device::DeviceDescription& device() const noexcept { return device_->describe(); }
+  /// What the device found at its unit. Thread: control; may wait for a control request.
+  [[nodiscard]] device::DeviceReport device_report() const { return device_->report(); }
+  /// Thread: control; may wait for a control request.
+  [[nodiscard]] core::Status set_sync_output(bool is_high) { return device_->set_sync_output(is_high); }
   [[nodiscard]] std::span<const core::StreamFormat> formats() const noexcept { return pipeline_->formats(); }
   [[nodiscard]] const std::vector<std::string>& notices() const noexcept { return notices_; }
 
@@ -65,11 +71,12 @@ class Rig {
  private:
   Rig(std::unique_ptr<const RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell, std::unique_ptr<device::Device> device,
       std::unique_ptr<pipeline::Tare> tare, std::unique_ptr<pipeline::Pipeline> pipeline);
-  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> assemble(std::unique_ptr<const RigConfig> config,
+  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> assemble(std::unique_ptr<RigConfig> config,
                                                                    std::unique_ptr<device::Device> device, core::Clock& clock,
                                                                    core::Doorbell& publish_bell);
   void run_pipeline(const std::stop_token& stop) noexcept;
   void process(const core::Acquired& acquired) noexcept;
+  void add_unpublished(core::Frame& frame) noexcept;
   void note_time(std::int64_t spent_ns, std::size_t scans) noexcept;
 
   std::unique_ptr<const RigConfig> config_;  ///< On the heap: device and stages keep references into its model.
@@ -80,8 +87,9 @@ class Rig {
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   core::SpscRing<core::Acquired> scans_;
   core::SpscRing<core::Frame> frames_;
-  core::Frame spare_frame_;  ///< Processed into when the publisher's ring is full: the stages must see every scan.
-  core::Gap unpublished_gap_;
+  core::Frame spare_frame_;                   ///< Processed into when the publisher's ring is full: the stages must see every scan.
+  core::Gap unpublished_gap_;                 ///< These two were in frames that found no room ...
+  core::TriggerEvents unpublished_triggers_;  ///< ... and go with the next.
   core::Doorbell scans_bell_;
   Acquisition acquisition_;
   StatisticsCollector statistics_;

@@ -9,6 +9,7 @@
 #include "core/thread.h"
 #include "physics/cop/cop_calibration.h"
 #include "physics/rig_model.h"
+#include "pipeline/edge_detector.h"
 #include "pipeline/stage_registry.h"
 
 namespace dts::session {
@@ -22,10 +23,12 @@ struct RigConfig {
   /// The rig's own calibration of the centre of pressure; absent: its plate model stands in for it.
   std::optional<physics::CopCalibration> cop_calibration;
   std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the model.
-  core::Rate rate;
-  std::size_t block_scans = 1;  ///< Scans per block from device to socket: the publishing granularity.
+  core::Rate rate;                           ///< Wanted; a rig holds the exact rate that its device answers with.
+  std::size_t block_scans = 1;               ///< Scans per block from device to socket: the publishing granularity.
   std::vector<pipeline::StageConfig> stages;
-  std::vector<std::string> published;  ///< Names of the streams that go to the socket.
+  std::optional<pipeline::TriggerInput> trigger;  ///< Absent: the rig has no trigger channel.
+  double sync_pulse_ms = 0.0;                     ///< Pulse on the device's sync output when a session starts; 0: none.
+  std::vector<std::string> published;             ///< Names of the streams that go to the socket.
   core::ThreadPolicy acquire_policy;
   core::ThreadPolicy pipeline_policy;
 };

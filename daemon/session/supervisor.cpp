@@ -92,6 +92,7 @@ core::Result<SessionView> Supervisor::start_session(const std::string& rig, cons
   if (auto checked = check(request); !checked) return tl::make_unexpected(checked.error());
   if (auto started = session.start(new_session_id(rig), request, now_ns); !started) return tl::make_unexpected(started.error());
   ++sessions_started_;
+  begin_sync_pulse(**entry, now_ns);
   log_.info("session " + session.view(now_ns).id + " starts on rig '" + rig + "'");
   collect_session_changes(**entry);
   return session.view(now_ns);
@@ -189,12 +190,43 @@ std::vector<std::string> Supervisor::device_kinds() {
   return kinds;
 }
 
+/// Tells other instruments that a session starts: they record the line, or it is looped back into an input of the scan.
+void Supervisor::begin_sync_pulse(Entry& entry, std::int64_t now_ns) {
+  const RigConfig& config = entry.rig->config();
+  if (config.sync_pulse_ms <= 0.0) return;
+  if (auto risen = entry.rig->set_sync_output(true); !risen) {
+    log_.warning("rig '" + config.name + "': no sync pulse: " + core::to_string(risen.error()));
+    return;
+  }
+  entry.sync_low_at_ns = now_ns + static_cast<std::int64_t>(config.sync_pulse_ms * core::kNanosecondsPerMillisecond);
+}
+
+void Supervisor::end_sync_pulse(Entry& entry, std::int64_t now_ns) {
+  if (entry.sync_low_at_ns == 0 || now_ns < entry.sync_low_at_ns) return;
+  entry.sync_low_at_ns = 0;
+  if (auto fallen = entry.rig->set_sync_output(false); !fallen) {
+    log_.warning("rig '" + entry.rig->config().name + "': the sync pulse did not end: " + core::to_string(fallen.error()));
+  }
+}
+
+core::Result<std::vector<device::FoundUnit>> Supervisor::unused_units() {
+  if (usb_ == nullptr) return std::vector<device::FoundUnit>{};
+  auto found = device::find_units(*usb_);
+  if (!found) return found;
+  std::erase_if(*found, [&](const device::FoundUnit& candidate) {
+    return std::ranges::any_of(
+        entries_, [&](const auto& entry) { return device::names_unit(entry.second.rig->device_report().serial, candidate.unit); });
+  });
+  return found;
+}
+
 void Supervisor::tick() {
   const std::int64_t now_ns = clock_.now_ns();
   for (auto& [rig_name, entry] : entries_) {
     const AcquisitionReport report = entry.rig->acquisition();
     measure_rate(entry, report, now_ns);
     notice_device_change(entry, report);
+    end_sync_pulse(entry, now_ns);
     entry.session.tick(now_ns, report.scans_total);
     collect_session_changes(entry);
   }

@@ -10,6 +10,7 @@
 
 #include "core/clock.h"
 #include "core/log.h"
+#include "device/found_units.h"
 #include "session/rig.h"
 #include "session/session.h"
 
@@ -51,7 +52,8 @@ struct RigState {
 /// Owns the rigs and their sessions and executes commands on them. Thread: control, all of it.
 class Supervisor {
  public:
-  Supervisor(core::Clock& clock, core::Log log) : clock_(clock), log_(std::move(log)) {}
+  /// `usb` (nullptr: none) outlives the supervisor.
+  Supervisor(core::Clock& clock, core::Log log, device::usb::UsbBus* usb = nullptr) : clock_(clock), log_(std::move(log)), usb_(usb) {}
 
   /// Takes a rig over; names must differ.
   [[nodiscard]] core::Status add(std::unique_ptr<Rig> rig);
@@ -73,6 +75,8 @@ class Supervisor {
   [[nodiscard]] core::Result<pipeline::TareReport> tare_report(const std::string& rig);
   [[nodiscard]] core::Result<std::pair<Rig*, StatisticsReport>> test_device(const std::string& rig);
 
+  /// Units on USB that this program could drive and no rig is using.
+  [[nodiscard]] core::Result<std::vector<device::FoundUnit>> unused_units();
   /// One line per device kind that this program can drive.
   [[nodiscard]] static std::vector<std::string> device_kinds();
 
@@ -90,16 +94,20 @@ class Supervisor {
     std::int64_t rate_since_ns = 0;
     std::uint64_t rate_since_scans = 0;
     double measured_rate_hz = 0.0;
+    std::int64_t sync_low_at_ns = 0;  ///< When the sync pulse ends; 0: none under way.
   };
   [[nodiscard]] core::Result<Entry*> find(const std::string& name);
   [[nodiscard]] static DataPosition position(Entry& entry);
   void collect_session_changes(Entry& entry);
+  void begin_sync_pulse(Entry& entry, std::int64_t now_ns);
+  void end_sync_pulse(Entry& entry, std::int64_t now_ns);
   void notice_device_change(Entry& entry, const AcquisitionReport& report);
   void measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns);
   [[nodiscard]] std::string new_session_id(const std::string& rig);
 
   core::Clock& clock_;
   core::Log log_;
+  device::usb::UsbBus* usb_;
   std::map<std::string, Entry, std::less<>> entries_;
   std::vector<Notice> notices_;
   std::uint32_t sessions_started_ = 0;

@@ -59,6 +59,7 @@ class BulkStream final : private TransferListener {
 
  private:
   BulkStream(UsbPort& port, const StreamShape& shape, core::Clock& clock);
+  void hand_over(UsbStatus status, std::span<const std::uint8_t> bytes, std::int64_t stamp_ns) noexcept;
   void on_transfer(std::size_t index, UsbStatus status, std::span<const std::uint8_t> bytes, std::int64_t stamp_ns) noexcept override;
 
   UsbPort& port_;
@@ -67,6 +68,7 @@ class BulkStream final : private TransferListener {
   core::SpscRing<Chunk> chunks_;
   std::atomic<bool> is_stopping_{false};
   std::atomic<int> in_flight_{0};
+  bool is_released_ = false;  ///< The port has freed the transfers.
 };
 
 }  // namespace dts::device::usb

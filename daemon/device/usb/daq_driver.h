@@ -21,9 +21,9 @@ inline constexpr int kControlTimeoutMs = 100;  ///< Small requests answer within
 
 /// What the driver is asked to run.
 struct ScanRequest {
-  core::Rate rate;                     ///< As `exact_rate` gave it.
-  std::int64_t latency_ns = 0;         ///< A scan should not wait in the device for longer than this.
-  bool must_use_large_packets = false; ///< The last scan overran with small ones.
+  core::Rate rate;                      ///< As `exact_rate` gave it.
+  std::int64_t latency_ns = 0;          ///< A scan should not wait in the device for longer than this.
+  bool must_use_large_packets = false;  ///< The last scan overran with small ones.
 };
 
 /// What the driver set up.
@@ -44,7 +44,7 @@ struct Unpacked {
   std::size_t codes = 0;  ///< Written.
   /// None, or what happened after these codes. The scan under way, if any, is void and the next code is channel 0 again.
   core::GapReason fault = core::GapReason::None;
-  bool goes_on = false;             ///< The device recovered by itself: a gap of `discarded_scans`, no restart.
+  bool goes_on = false;  ///< The device recovered by itself: a gap of `discarded_scans`, no restart.
   std::uint64_t discarded_scans = 0;
 };
 

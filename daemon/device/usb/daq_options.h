@@ -32,8 +32,8 @@ struct DaqOptions {
 struct DaqLimits {
   std::size_t inputs = 8;
   std::size_t max_scan_length = 8;
-  bool must_ascend = true;         ///< The device scans its inputs in ascending order only.
-  bool may_repeat = false;         ///< An input may stand twice in the scan.
+  bool must_ascend = true;           ///< The device scans its inputs in ascending order only.
+  bool may_repeat = false;           ///< An input may stand twice in the scan.
   std::span<const double> ranges_v;  ///< Allowed ones, the default first.
 };
 

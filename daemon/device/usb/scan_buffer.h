@@ -16,7 +16,7 @@ class ScanBuffer {
   ScanBuffer() = default;
   ScanBuffer(std::size_t channels, std::size_t capacity_scans) : channels_(channels), codes_(channels * (capacity_scans + 1)) {}
 
-  /// Room behind the newest code; may be shorter than the whole free room only by moving nothing when nothing is read.
+  /// Room behind the newest code. At least half of the buffer, unless so much of it waits to be taken.
   [[nodiscard]] std::span<std::uint16_t> room() noexcept;
   /// `count` codes were written to the beginning of `room()`.
   void add(std::size_t count) noexcept;

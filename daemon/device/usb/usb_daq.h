@@ -15,15 +15,15 @@
 #include "device/usb/bulk_stream.h"
 #include "device/usb/daq_driver.h"
 #include "device/usb/daq_options.h"
-#include "device/usb/scan_buffer.h"
+#include "device/usb/scan_reader.h"
 #include "device/usb/usb_bus.h"
 
 namespace dts::device::usb {
 
 /// Any DAQ on a USB cable: a driver's knowledge of the protocol, and everything that is the same for all of them.
 ///
-///     BulkStream --chunks--> driver.unpack --codes--> ScanBuffer --volts, quality, host time--> block
-///                                                      | marker, start check, rate check: any doubt ends the segment
+///     BulkStream --chunks--> ScanReader: driver.unpack --codes--> ScanBuffer --volts, quality, host time--> block
+///                                                                  | marker, start check, rate check: any doubt ends the segment
 ///
 /// A stream that cannot be believed any more is Broken: `stop` and `start` make a new one. Data are never re-aligned.
 class UsbDaq final : public Device {
@@ -48,19 +48,30 @@ class UsbDaq final : public Device {
 
  private:
   void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
+  [[nodiscard]] core::Result<UsbUnit> find_unit();
+  [[nodiscard]] core::Result<std::vector<double>> read_single(std::vector<DeviceCheck>& checks);
+  [[nodiscard]] core::Status launch(const StreamShape& shape);
+  [[nodiscard]] core::Result<core::Rate> bring_up(const StartOptions& options, core::Rate rate);
+  void prepare_host_time(core::Rate rate);
+  [[nodiscard]] core::Status end_scan() noexcept;
+  [[nodiscard]] core::Status end_stream() noexcept;
 
   std::unique_ptr<DaqDriver> driver_;
   DaqOptions options_;
   UsbBus& bus_;
   core::Clock& clock_;
   std::atomic<DeviceState> state_{DeviceState::Closed};
-  mutable std::mutex control_mutex_;  ///< Port and report against the control thread; never taken while scans flow.
+  std::atomic<bool> is_interrupted_{false};
+  std::uint64_t seen_arrivals_ = 0;
+  bool must_use_large_packets_ = false;  ///< The device overran since it was opened.
+  mutable std::mutex control_mutex_;     ///< Port, reader and report against other threads; never taken while scans flow.
   std::unique_ptr<UsbPort> port_;
   std::unique_ptr<BulkStream> stream_;
-  DeviceReport report_;
-  core::HostTime host_time_;
-  ScanBuffer scans_;
-  // ... further private members as the implementation needs them.
+  std::unique_ptr<ScanReader> reader_;
+  DeviceReport report_;                   ///< As found by `open`.
+  std::vector<DeviceCheck> scan_checks_;  ///< As found by the last `start` and, after `stop`, by its scan.
+  core::HostTime host_time_;              ///< Outlives a scan: what is known of the clock's drift stays.
+  std::optional<core::Rate> host_time_rate_;
 };
 
 }  // namespace dts::device::usb

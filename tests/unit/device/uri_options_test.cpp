@@ -17,6 +17,7 @@ constexpr std::array kTable = {
     UriOption{"kind", OptionKind::Word, "feet", 0, 0, "feet|point", "A kind."},
     UriOption{"path", OptionKind::File, "", 0, 0, "", "A file."},
     UriOption{"steps_mm", OptionKind::Numbers, "", 1, 10, "", "Some lengths."},
+    UriOption{"label", OptionKind::Text, "", 0, 0, "", "Any text."},
 };
 
 core::Result<UriOptions> read(const std::string& text) { return UriOptions::read(*DeviceUri::parse(text), kTable); }
@@ -54,6 +55,13 @@ TEST(UriOptions, Numbers_SeparatedByCommas) {
   EXPECT_EQ(read("a:b?steps_mm=1,2.5,10")->numbers("steps_mm"), (std::vector<double>{1.0, 2.5, 10.0}));
   EXPECT_EQ(read("a:b?steps_mm=7")->numbers("steps_mm"), (std::vector<double>{7.0}));
   EXPECT_FALSE(read("a:b")->is_given("steps_mm"));
+}
+
+TEST(UriOptions, Text_AnythingButNothing) {
+  EXPECT_EQ(read("a:b?label=01AB cd|7")->text("label"), "01AB cd|7");
+  EXPECT_EQ(read("a:b")->text("label"), "");
+  EXPECT_FALSE(read("a:b")->is_given("label"));
+  EXPECT_NE(refusal("a:b?label=").find("TEXT"), std::string::npos);
 }
 
 TEST(UriOptions, BadNumbers_RefusedWithTheRange) {

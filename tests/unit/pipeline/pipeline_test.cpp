@@ -66,6 +66,29 @@ class PipelineTest : public testing::Test {
   std::uint64_t scan_ = 0;
 };
 
+TEST_F(PipelineTest, TriggerChannel_GivesItsEdgesWithTheFrame) {
+  PipelineInput input = six_channels();
+  input.trigger = TriggerInput{.channel = 5, .level = 3.0, .hysteresis = 0.0};  // reads scan + 0.625
+  create(kFloorStages, input);
+
+  pipeline_->process(next(2), frame_);
+  EXPECT_EQ(frame_.triggers.count, 0U);
+  pipeline_->process(next(2), frame_);
+  ASSERT_EQ(frame_.triggers.count, 1U);
+  EXPECT_EQ(frame_.triggers.events[0].scan.value, 3U);
+  EXPECT_EQ(frame_.triggers.events[0].host_time_ns, 1'030'000'000);
+  pipeline_->process(next(2), frame_);
+  EXPECT_EQ(frame_.triggers.count, 0U);
+}
+
+TEST_F(PipelineTest, TriggerOnASensorOrAMissingChannel_IsRefused) {
+  for (const std::size_t channel : {4U, 17U}) {
+    PipelineInput input = six_channels();
+    input.trigger = TriggerInput{.channel = channel};
+    EXPECT_THAT(error_of(kFloorStages, input).what, HasSubstr("trigger channel " + std::to_string(channel)));
+  }
+}
+
 TEST_F(PipelineTest, Formats_AreTheStagesStreamsThenAux) {
   create(kFloorStages);
 

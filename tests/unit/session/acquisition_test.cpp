@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/acquisition.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -176,6 +177,88 @@ TEST(Acquisition, DeviceGoneAtEveryFirstRead_IsRetriedWithGrowingPauses) {
   // 0.25, 0.5, 1, 2, 4 s: as fast as it computes would be none of them.
   EXPECT_GE(run.clock.now_ns(), 7'750'000'000);
   EXPECT_EQ(run.report.gaps_total, 0U);
+}
+
+TEST(Acquisition, BrokenStream_IsStartedAgainAtOnceInANewSegment) {
+  const core::Gap doubt{.reason = core::GapReason::Integrity};
+  const Playback run({{.scans = 2},
+                      {.outcome = ReadOutcome::Broken, .gap = doubt},
+                      {.scans = 2, .pause_ns = 30 * ScriptedDevice::kPeriodNs}});
+
+  ASSERT_EQ(run.seen.size(), 2U);
+  EXPECT_EQ(run.seen[1].segment, 1U);
+  EXPECT_EQ(run.seen[1].first_scan, 0U);
+  EXPECT_EQ(run.seen[1].gap.reason, core::GapReason::Integrity);
+  EXPECT_EQ(run.seen[1].gap.missing_scans, 30U);
+  EXPECT_FALSE(run.seen[1].gap.is_exact);
+  EXPECT_EQ(run.device.starts, 2);
+  EXPECT_EQ(run.report.restarts_total, 1U);
+  EXPECT_EQ(run.report.reconnects_total, 0U);
+  EXPECT_EQ(run.clock.now_ns(), 0) << "a stream that ran before is started again without a pause";
+}
+
+TEST(Acquisition, StreamThatBreaksBeforeAnyScan_IsRetriedWithGrowingPauses) {
+  const Playback run(std::deque<ScriptedDevice::Step>(5, {.outcome = ReadOutcome::Broken}));
+
+  EXPECT_GE(run.clock.now_ns(), 7'750'000'000);
+  EXPECT_EQ(run.report.gaps_total, 0U);
+}
+
+TEST(Acquisition, ArmedDevice_IsWaitingAndNotSilent) {
+  ScriptedDevice device(std::deque<ScriptedDevice::Step>(3, {.outcome = ReadOutcome::Armed}));
+  core::VirtualClock clock;
+  core::Doorbell bell;
+  core::SpscRing<core::Acquired> ring(8, core::Acquired{.block = core::Block(1, 8)});
+  Acquisition acquisition(device, clock, ring, bell, core::Rate::create(100, 1).value(), 8);
+  AcquisitionReport armed;
+  bool has_fired = false;
+  device.on_end = [&] {
+    if (std::exchange(has_fired, true)) return acquisition.request_stop();
+    armed = acquisition.report();
+    device.extend({{.scans = 1}});
+  };
+
+  acquisition.run();
+
+  EXPECT_TRUE(armed.is_armed);
+  EXPECT_FALSE(armed.is_silent);
+  EXPECT_EQ(armed.text(), "waiting for the external trigger");
+  EXPECT_FALSE(acquisition.report().is_armed);
+  EXPECT_EQ(acquisition.report().text(), "");
+}
+
+TEST(Acquisition, UnitThatIsPluggedIn_EndsThePauseBeforeTheNextTry) {
+  ScriptedDevice device(std::deque<ScriptedDevice::Step>(1, {.scans = 1}));
+  device.failing_opens = 5;
+  device.on_arrival_question = [&] { return device.opens == 5; };
+  core::VirtualClock clock;
+  core::Doorbell bell;
+  core::SpscRing<core::Acquired> ring(8, core::Acquired{.block = core::Block(1, 8)});
+  Acquisition acquisition(device, clock, ring, bell, core::Rate::create(100, 1).value(), 8);
+  device.on_end = [&] { acquisition.request_stop(); };
+
+  acquisition.run();
+
+  EXPECT_EQ(device.opens, 6);
+  EXPECT_LT(clock.now_ns(), 4'000'000'000) << "0.25 + 0.5 + 1 + 2 s, and not 4 s more";
+}
+
+TEST(Acquisition, DeviceThatRunsAtAnotherRateThanItPromised_IsNotBelieved) {
+  ScriptedDevice device(std::deque<ScriptedDevice::Step>(1, {.scans = 1}));
+  device.starts_at_rate_factor = 1.01;
+  core::VirtualClock clock;
+  core::Doorbell bell;
+  core::SpscRing<core::Acquired> ring(8, core::Acquired{.block = core::Block(1, 8)});
+  Acquisition acquisition(device, clock, ring, bell, core::Rate::create(100, 1).value(), 8);
+  device.on_arrival_question = [&] {
+    acquisition.request_stop();
+    return false;
+  };
+
+  acquisition.run();
+
+  EXPECT_EQ(ring.front(), nullptr);
+  EXPECT_THAT(std::string(acquisition.report().text()), testing::HasSubstr("promised 100"));
 }
 
 TEST(AcquisitionReport, LongMessage_IsCutNotOverrun) {

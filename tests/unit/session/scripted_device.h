@@ -22,6 +22,9 @@ class ScriptedDevice final : public device::Device {
   explicit ScriptedDevice(std::deque<Step> script) : script_(std::move(script)) { description_.channels.resize(1); }
 
   std::function<void()> on_end;
+  std::function<bool()> on_arrival_question = [] { return false; };
+  double starts_at_rate_factor = 1.0;
+  int starts = 0;
   int failing_opens = 0;
   int opens = 0;
 
@@ -29,6 +32,7 @@ class ScriptedDevice final : public device::Device {
   device::DeviceState state() const noexcept override { return state_; }
   core::Result<core::Rate> exact_rate(core::Rate wanted) const override { return wanted; }
   device::DeviceReport report() const override { return {}; }
+  bool has_arrived() noexcept override { return on_arrival_question(); }
   core::Status set_sync_output(bool) override { return {}; }
   core::Status open() override {
     ++opens;
@@ -40,9 +44,10 @@ class ScriptedDevice final : public device::Device {
     return {};
   }
   core::Result<core::Rate> start(const device::StartOptions& options) override {
+    ++starts;
     state_ = device::DeviceState::Streaming;
     index_ = 0;
-    return options.rate;
+    return core::Rate::from_hz(options.rate.hz() * starts_at_rate_factor);
   }
   device::ReadResult read(core::Block& block, std::int64_t) noexcept override {
     if (script_.empty()) {

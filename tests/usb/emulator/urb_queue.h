@@ -42,6 +42,9 @@ class UrbQueue {
     std::size_t capacity = 0;
     std::vector<std::uint8_t> bytes;
   };
+  /// The packet goes into the oldest transfer; its status when that ends it.
+  [[nodiscard]] std::optional<device::usb::UsbStatus> take(const std::vector<std::uint8_t>& packet);
+
   std::uint8_t endpoint_;
   std::size_t packet_bytes_;
   std::deque<Urb> urbs_;

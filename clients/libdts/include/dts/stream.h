@@ -47,8 +47,9 @@ struct Block {
   std::uint64_t first_scan = 0;  ///< Index within the segment.
   std::size_t scan_count = 0;    ///< At least 1.
   Rate rate;
-  std::int64_t host_time_ns = 0;  ///< CLOCK_MONOTONIC of the daemon's host at the first scan's instant.
-  std::uint64_t sequence = 0;     ///< Blocks of this stream so far.
+  std::int64_t host_time_ns = 0;              ///< CLOCK_MONOTONIC of the daemon's host at the first scan's instant.
+  std::int64_t host_time_uncertainty_ns = 0;  ///< How far that may be off; 0: exact (simulated).
+  std::uint64_t sequence = 0;                 ///< Blocks of this stream so far.
   /// Scans of this stream missing between the block delivered before and this one: lost on the way, dropped by a full
   /// queue, or skipped in mode Latest. Before the first block: what was received and dropped while the formats were not
   /// known yet. Holes that the device made are not in it; a gap event tells of those.

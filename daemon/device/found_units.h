@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "device/usb/usb_bus.h"
+
+namespace dts::device {
+
+/// A unit that is plugged in and that this program could drive.
+struct FoundUnit {
+  usb::UsbUnit unit;
+  std::string model;
+  std::string uri;  ///< What a rig's configuration would have to say: "mcc:1608fs-plus?serial=01A2B3C4".
+};
+
+/// All such units, whether a rig uses them or not. Fails when the machine's USB cannot be looked at.
+[[nodiscard]] core::Result<std::vector<FoundUnit>> find_units(usb::UsbBus& bus);
+
+/// `serials` of a DeviceReport names this unit: one serial, or several joined by '+' (a device made of two units).
+[[nodiscard]] bool names_unit(const std::string& serials, const usb::UsbUnit& unit);
+
+}  // namespace dts::device

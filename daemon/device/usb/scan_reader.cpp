@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/usb/scan_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <utility>
+
+namespace dts::device::usb {
+namespace {
+
+using core::GapReason;
+
+constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
+constexpr std::int64_t kSliceNs = 50 * kMillisecond;  // interrupt() is noticed within 100 ms
+constexpr double kHeldBackMs = 50.0;
+constexpr std::int64_t kShortestSilenceNs = 100 * kMillisecond;
+constexpr std::int64_t kLongestSilenceNs = 200 * kMillisecond;
+constexpr std::int64_t kFirstSilenceNs = 250 * kMillisecond;
+constexpr std::int64_t kLeastLatenessNs = 5 * kMillisecond;
+constexpr double kLargestRateError = 0.01;
+constexpr std::size_t kCodeBytes = 2;
+
+std::size_t buffer_scans(const ScanSetup& setup, std::size_t channels, std::size_t held_scans) {
+  const std::size_t transfer_scans = setup.shape.transfer_bytes / kCodeBytes / channels + 2;
+  // Twice as much: ScanBuffer moves what waits only when the tail is shorter than half.
+  return 2 * (std::max(setup.max_block_scans, held_scans) + transfer_scans);
+}
+
+}  // namespace
+
+ScanReader::ScanReader(const Tools& tools, ScanSetup setup)
+    : use_(tools),
+      setup_(std::move(setup)),
+      channels_(tools.driver.describe().channels.size()),
+      lateness_limit_ns_(std::max(kLeastLatenessNs, setup_.rate.time_ns({3}) / 2)),
+      heard_ns_(tools.clock.now_ns()),
+      held_scans_(setup_.single_v.size() == channels_ ? setup_.rate.scans_in_ms(kHeldBackMs) : 0),
+      mean_v_(channels_),
+      marker_v_(std::numeric_limits<double>::quiet_NaN()) {
+  scans_ = ScanBuffer(channels_, buffer_scans(setup_, channels_, held_scans_));
+}
+
+ReadResult ScanReader::read(core::Block& block, std::int64_t deadline_ns) noexcept {
+  block.set_count(0);
+  // A block that does not fit is the caller's mistake; it must not become an overwritten column.
+  if (block.capacity() == 0 || block.channel_count() != channels_) return {ReadOutcome::Timeout, {}};
+  const std::size_t wanted = std::min(block.capacity(), setup_.max_block_scans);
+  while (true) {
+    take_chunks(std::max(wanted, held_scans_));
+    check_start(has_trouble());
+    const std::int64_t now_ns = use_.clock.now_ns();
+    const bool is_over = now_ns >= deadline_ns || use_.is_interrupted.exchange(false, std::memory_order_acquire);  // pairs with interrupt()
+    const bool is_enough = scans_.scans() >= wanted || is_over || has_trouble();
+    if (held_scans_ == 0 && scans_.scans() > 0 && is_enough) {
+      deliver(block, wanted);
+      if (block.count() > 0) return {ReadOutcome::Scans, {}};
+    }
+    if (has_trouble()) return tell_trouble();
+    if (is_over) return {nothing(), {}};
+    const std::int64_t silent_at_ns = heard_ns_ + silence_limit_ns();
+    if (now_ns >= silent_at_ns && nothing() != ReadOutcome::Armed) {
+      ask_silent_device(now_ns);
+      continue;
+    }
+    const std::int64_t wait_until_ns = std::min(deadline_ns, now_ns + kSliceNs);
+    use_.port.wait(nothing() == ReadOutcome::Armed ? wait_until_ns : std::min(wait_until_ns, silent_at_ns));
+  }
+}
+
+ReadOutcome ScanReader::nothing() const noexcept {
+  return use_.driver.waits_for_trigger() && !has_scanned_ ? ReadOutcome::Armed : ReadOutcome::Timeout;
+}
+
+/// A packet may take its time at low rates; otherwise these bounds find any silence within 250 ms.
+std::int64_t ScanReader::silence_limit_ns() const noexcept {
+  const std::int64_t period_ns = setup_.packet_period_ns;
+  const std::int64_t usual_ns =
+      has_scanned_ ? std::clamp(std::min(period_ns, kLongestSilenceNs) * 4, kShortestSilenceNs, kLongestSilenceNs) : kFirstSilenceNs;
+  return std::max(usual_ns, period_ns + period_ns / 4 + 50 * kMillisecond);
+}
+
+void ScanReader::take_chunks(std::size_t wanted_scans) noexcept {
+  while (!has_trouble() && scans_.scans() < wanted_scans) {
+    const Chunk* const chunk = use_.stream.front();
+    if (chunk == nullptr) return;
+    if (use_.stream.dropped() > 0) {  // looked at behind `front`: the hole may lie before this chunk
+      set_trouble(ReadOutcome::Broken, GapReason::Overrun);
+      return;
+    }
+    const UsbStatus status = chunk->status;
+    if (chunk->length > 0) heard_ns_ = std::max(heard_ns_, chunk->stamp_ns);
+    const bool has_believable_bytes = status != UsbStatus::Overflow && status != UsbStatus::Failed;
+    if (has_believable_bytes && !take_bytes(*chunk)) return;
+    note_arrival(chunk->stamp_ns);
+    if (!has_trouble()) take_status(status);
+    chunk_used_ = 0;
+    use_.stream.release();
+  }
+}
+
+/// false: the stream has a hole inside this chunk; the rest is for after it.
+bool ScanReader::take_bytes(const Chunk& chunk) noexcept {
+  while (chunk_used_ < chunk.length) {
+    const std::size_t scans_before = scans_.scans();
+    const std::span<std::uint16_t> room = scans_.room();
+    const Unpacked unpacked = use_.driver.unpack({chunk.bytes.data() + chunk_used_, chunk.length - chunk_used_}, room);
+    scans_.add(unpacked.codes);
+    chunk_used_ = std::min(chunk_used_ + unpacked.bytes, chunk.length);
+    arrived_ += scans_.scans() - scans_before;
+    if (unpacked.fault != GapReason::None) {
+      note_arrival(chunk.stamp_ns);
+      scans_.drop_incomplete();
+      trouble_ = {ReadOutcome::Broken, {unpacked.fault, 0, false}};
+      if (unpacked.goes_on) trouble_ = {ReadOutcome::Gap, {unpacked.fault, unpacked.discarded_scans, true}};
+      return false;
+    }
+    if (unpacked.bytes == 0) {  // a driver that cannot go on
+      set_trouble(ReadOutcome::Broken, GapReason::Integrity);
+      return false;
+    }
+  }
+  return true;
+}
+
+void ScanReader::note_arrival(std::int64_t stamp_ns) noexcept {
+  if (arrived_ == timed_) return;  // the scan under way is not complete
+  timed_ = arrived_;
+  has_scanned_ = true;
+  use_.host_time.add({arrived_ - 1}, stamp_ns);
+  rate_error_.store(use_.host_time.rate_error(), std::memory_order_relaxed);  // a figure for people
+  if (has_trouble()) return;
+  const bool is_rate_wrong = !(std::abs(use_.host_time.rate_error()) <= kLargestRateError);
+  if (is_rate_wrong || use_.host_time.lateness_floor_ns() > lateness_limit_ns_) set_trouble(ReadOutcome::Broken, GapReason::Integrity);
+}
+
+/// A transfer that ended in any other way than by data ends the scan.
+void ScanReader::take_status(UsbStatus status) noexcept {
+  if (status == UsbStatus::Completed) return;
+  if (status == UsbStatus::NoDevice) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
+  const auto asked = health();
+  if (!asked && asked.error().code == core::ErrorCode::DeviceGone) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
+  if (asked && asked->is_overrun) return set_trouble(ReadOutcome::Broken, GapReason::Overrun);
+  const bool has_lost_bytes = status == UsbStatus::Overflow || status == UsbStatus::Failed;
+  set_trouble(ReadOutcome::Broken, has_lost_bytes ? GapReason::Integrity : GapReason::Silence);
+}
+
+core::Result<ScanHealth> ScanReader::health() noexcept {
+  const std::lock_guard lock(use_.control_mutex);
+  return use_.driver.health(use_.port);
+}
+
+void ScanReader::ask_silent_device(std::int64_t now_ns) noexcept {
+  const auto asked = health();
+  const Chunk* const chunk = use_.stream.front();
+  if (chunk != nullptr && (chunk->length > 0 || chunk->status != UsbStatus::Completed)) {  // only the host was late
+    heard_ns_ = now_ns;
+    return;
+  }
+  if (!asked && asked.error().code == core::ErrorCode::DeviceGone) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
+  set_trouble(ReadOutcome::Broken, asked && asked->is_overrun ? GapReason::Overrun : GapReason::Silence);
+}
+
+/// Compares the first scans with the single readings. `is_final`: no more scans will come.
+void ScanReader::check_start(bool is_final) noexcept {
+  const std::size_t count = scans_.scans();
+  if (held_scans_ == 0 || count == 0 || (count < held_scans_ && !is_final)) return;
+  std::fill(mean_v_.begin(), mean_v_.end(), 0.0);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::span<const std::uint16_t> scan = scans_.scan(i);
+    for (std::size_t channel = 0; channel < channels_; ++channel) mean_v_[channel] += use_.driver.volts(channel, scan[channel]);
+  }
+  for (double& mean : mean_v_) mean /= static_cast<double>(count);
+  agreement_ = compare_with_single_readings(setup_.single_v, mean_v_);
+  has_agreement_.store(true, std::memory_order_release);  // pairs with findings()
+  held_scans_ = 0;
+  if (agreement_.is_rotated) doubt_the_rest();
+}
+
+bool ScanReader::is_marker_right(std::size_t scan) noexcept {
+  const Marker& marker = *setup_.marker;
+  const double volts = use_.driver.volts(marker.position, scans_.scan(scan)[marker.position]);
+  marker_v_.store(volts, std::memory_order_relaxed);  // a figure for people
+  return std::abs(volts - marker.volts) <= marker.tolerance_v;
+}
+
+void ScanReader::deliver(core::Block& block, std::size_t wanted_scans) noexcept {
+  const std::size_t waiting = std::min(scans_.scans(), wanted_scans);
+  std::size_t count = setup_.marker ? 0 : waiting;
+  while (count < waiting && is_marker_right(count)) ++count;
+  block.set_count(count);
+  if (count > 0) {
+    block.first_scan = {delivered_};
+    block.host_time_ns = use_.host_time.at({delivered_});
+    block.host_time_uncertainty_ns = use_.host_time.uncertainty_ns();
+    block.clock_drift_ppm = use_.host_time.drift_ppm();
+  }
+  for (std::size_t channel = 0; channel < channels_; ++channel) {
+    const std::span<double> values = block.column(channel);
+    const std::span<std::uint8_t> quality = block.quality(channel);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint16_t code = scans_.scan(i)[channel];
+      values[i] = use_.driver.volts(channel, code);
+      quality[i] = use_.driver.is_rail(channel, code) ? core::quality::kRail : std::uint8_t{0};
+    }
+  }
+  delivered_ += count;
+  scans_.take(count);
+  if (count < waiting) doubt_the_rest();
+}
+
+/// What waits is not to be believed.
+void ScanReader::doubt_the_rest() noexcept {
+  scans_.clear();
+  if (trouble_.outcome != ReadOutcome::Gone) set_trouble(ReadOutcome::Broken, GapReason::Integrity);
+}
+
+/// Broken and Gone stay; a gap is told once and the stream goes on behind it.
+ReadResult ScanReader::tell_trouble() noexcept {
+  if (trouble_.outcome != ReadOutcome::Gap) return trouble_;
+  arrived_ = 0;
+  timed_ = 0;
+  delivered_ = 0;
+  use_.host_time.restart();
+  return std::exchange(trouble_, {ReadOutcome::Scans, {}});
+}
+
+std::vector<DeviceCheck> ScanReader::findings() const {
+  using enum DeviceCheck::Outcome;
+  std::vector<DeviceCheck> checks;
+  if (has_agreement_.load(std::memory_order_acquire)) {  // pairs with check_start
+    checks.push_back(describe_agreement(agreement_, use_.driver.describe()));
+  }
+  const double error = rate_error_.load(std::memory_order_relaxed);
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), "off by %.2f %%, apart from what lateness can feign", std::abs(error) * 100.0);
+  checks.push_back({"the scan runs at its rate", std::abs(error) <= kLargestRateError ? Passed : Failed, text.data()});
+  const double marker_v = marker_v_.load(std::memory_order_relaxed);
+  if (setup_.marker && !std::isnan(marker_v)) {
+    const bool is_right = std::abs(marker_v - setup_.marker->volts) <= setup_.marker->tolerance_v;
+    std::snprintf(text.data(), text.size(), "%.3f V, expected %.3f V", marker_v, setup_.marker->volts);
+    checks.push_back({"the marker is last in every scan", is_right ? Passed : Failed, text.data()});
+  }
+  return checks;
+}
+
+}  // namespace dts::device::usb

@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/usb/usb_daq.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <span>
+#include <utility>
+
+#include "device/device_checks.h"
+
+namespace dts::device::usb {
+namespace {
+
+using core::ErrorCode;
+
+constexpr std::int64_t kLongestLatencyNs = 25 * core::kNanosecondsPerMillisecond;
+constexpr int kCancelPatienceMs = 150;  // with the request that ends the scan below the 250 ms that `stop` may take
+constexpr std::int64_t kFullSpeedFrameNs = 1'000'000;
+constexpr std::int64_t kHighSpeedFrameNs = 125'000;
+
+/// "1.02" from 0x0102
+std::string release_text(std::uint16_t bcd) {
+  std::array<char, 16> text{};
+  std::snprintf(text.data(), text.size(), "%x.%02x", static_cast<unsigned>(bcd >> 8U), static_cast<unsigned>(bcd & 0xFFU));
+  return text.data();
+}
+
+std::string serial_text(const UsbUnit& unit) { return unit.serial.empty() ? "(serial number not readable)" : unit.serial; }
+
+/// "plugged in: USB-1608FS-Plus 01AB: write mcc:1608fs-plus?serial=01AB"
+std::string list_of(std::span<const UsbUnit> units, std::span<const UsbModel> models) {
+  std::string text;
+  for (const UsbUnit& unit : units) {
+    const auto model = std::find_if(models.begin(), models.end(), [&unit](const UsbModel& candidate) {
+      return candidate.vendor == unit.vendor && candidate.product == unit.product;
+    });
+    text += text.empty() ? "plugged in: " : "; ";
+    text += model == models.end() ? "unit " : std::string(model->name) + " ";
+    text += serial_text(unit);
+    if (model != models.end() && !unit.serial.empty()) text += ": write " + std::string(model->uri) + "?serial=" + unit.serial;
+  }
+  return text;
+}
+
+tl::unexpected<core::Error> pass_on(const core::Error& error) { return tl::make_unexpected(error); }
+
+}  // namespace
+
+UsbDaq::UsbDaq(std::unique_ptr<DaqDriver> driver, DaqOptions options, UsbBus& bus, core::Clock& clock)
+    : driver_(std::move(driver)), options_(std::move(options)), bus_(bus), clock_(clock), seen_arrivals_(bus.arrivals()) {}
+
+UsbDaq::~UsbDaq() { UsbDaq::close(); }
+
+DeviceReport UsbDaq::report() const {
+  const std::lock_guard lock(control_mutex_);
+  DeviceReport report = report_;
+  report.checks.insert(report.checks.end(), scan_checks_.begin(), scan_checks_.end());
+  if (!reader_) return report;
+  const std::vector<DeviceCheck> findings = reader_->findings();
+  report.checks.insert(report.checks.end(), findings.begin(), findings.end());
+  return report;
+}
+
+bool UsbDaq::has_arrived() noexcept {
+  const std::uint64_t arrivals = bus_.arrivals();
+  return std::exchange(seen_arrivals_, arrivals) != arrivals;
+}
+
+core::Result<UsbUnit> UsbDaq::find_unit() {
+  const std::string& uri = describe().uri;
+  auto found = bus_.units(driver_->models());
+  if (!found) return pass_on(found.error());
+  std::vector<UsbUnit> wanted = *found;
+  if (!options_.serial.empty()) std::erase_if(wanted, [this](const UsbUnit& unit) { return unit.serial != options_.serial; });
+  if (wanted.empty()) {
+    const std::string which = options_.serial.empty() ? "no such device" : "no unit with serial number " + options_.serial;
+    return core::fail(
+        ErrorCode::NotFound, "cannot open " + uri + ": " + which + " is plugged in",
+        found->empty() ? "check its cable and power; it is opened as soon as it is there" : list_of(*found, driver_->models()));
+  }
+  if (wanted.size() == 1) return wanted.front();
+  return core::fail(ErrorCode::InvalidArgument, "cannot open " + uri + ": " + std::to_string(wanted.size()) + " units fit it",
+                    "choose one by its serial number; " + list_of(wanted, driver_->models()));
+}
+
+core::Status UsbDaq::open() {
+  if (state() == DeviceState::Gone) {
+    return core::fail(ErrorCode::WrongState, "cannot open " + describe().uri + ": it is gone", "close it first");
+  }
+  if (state() != DeviceState::Closed) return {};
+  const auto unit = find_unit();
+  if (!unit) return pass_on(unit.error());
+  auto port = bus_.open(*unit);
+  if (!port) return pass_on(port.error());
+  std::vector<DeviceCheck> checks;
+  if (auto connected = driver_->connect(**port, checks); !connected) return connected;  // the port closes itself
+
+  const std::lock_guard lock(control_mutex_);
+  port_ = std::move(*port);
+  report_ = {unit->serial, release_text(unit->release_bcd), std::move(checks)};
+  scan_checks_.clear();
+  must_use_large_packets_ = false;
+  host_time_rate_.reset();  // another unit has another crystal
+  move_to(DeviceState::Open);
+  return {};
+}
+
+core::Result<core::Rate> UsbDaq::start(const StartOptions& options) {
+  const std::string what = "cannot start " + describe().uri;
+  if (state() == DeviceState::Gone) return core::fail(ErrorCode::DeviceGone, what + ": it is gone");
+  if (state() != DeviceState::Open) {
+    const bool is_closed = state() == DeviceState::Closed;
+    return core::fail(ErrorCode::WrongState, what + (is_closed ? ": it is not open" : ": it is streaming already"));
+  }
+  if (auto checked = check_start(describe(), options); !checked) return pass_on(checked.error());
+  const auto rate = exact_rate(options.rate);
+  if (!rate) return pass_on(rate.error());
+
+  const std::lock_guard lock(control_mutex_);
+  is_interrupted_.store(false, std::memory_order_relaxed);
+  auto started = bring_up(options, *rate);
+  if (started) {
+    move_to(DeviceState::Streaming);
+    return started;
+  }
+  if (stream_) (void)end_scan();
+  if (started.error().code == ErrorCode::DeviceGone) move_to(DeviceState::Gone);
+  return started;
+}
+
+core::Result<core::Rate> UsbDaq::bring_up(const StartOptions& options, core::Rate rate) {
+  scan_checks_.clear();
+  const std::int64_t latency_ns = std::min(rate.time_ns({options.max_block_scans}), kLongestLatencyNs);
+  auto plan = driver_->configure(*port_, {rate, latency_ns, must_use_large_packets_});
+  if (!plan) return pass_on(plan.error());
+  scan_checks_.push_back({"scan is configured", DeviceCheck::Outcome::Passed, plan->sentence});
+  auto single_v = read_single(scan_checks_);
+  if (!single_v) return pass_on(single_v.error());
+  auto stream = BulkStream::create(*port_, plan->shape, clock_);
+  if (!stream) return pass_on(stream.error());
+  stream_ = std::move(*stream);
+  if (auto launched = launch(plan->shape); !launched) return pass_on(launched.error());
+
+  prepare_host_time(rate);
+  const ScanReader::Tools tools{*driver_, *port_, *stream_, clock_, host_time_, control_mutex_, is_interrupted_};
+  reader_ = std::make_unique<ScanReader>(
+      tools, ScanSetup{rate, options.max_block_scans, plan->shape, plan->packet_period_ns, options_.marker, std::move(*single_v)});
+  return rate;
+}
+
+/// Empty when the device has no such command.
+core::Result<std::vector<double>> UsbDaq::read_single(std::vector<DeviceCheck>& checks) {
+  auto single_v = driver_->read_once(*port_);
+  if (single_v && single_v->size() == describe().channels.size()) return single_v;
+  if (single_v) return core::fail(ErrorCode::Internal, describe().uri + ": a single reading of the wrong length");
+  if (single_v.error().code != ErrorCode::Unsupported) return single_v;
+  checks.push_back({"single readings agree with the scan", DeviceCheck::Outcome::Passed, "skipped: this device has no single readings"});
+  return std::vector<double>{};
+}
+
+/// Transfers into flight, then the scan: the device's buffer is small.
+core::Status UsbDaq::launch(const StreamShape& shape) {
+  const std::string what = "cannot start " + describe().uri;
+  if (const UsbStatus submitted = stream_->start(); submitted != UsbStatus::Completed) {
+    return tl::make_unexpected(to_error(submitted, what + ": " + std::to_string(shape.transfer_count) + " transfers"));
+  }
+  if (auto begun = driver_->begin(*port_); !begun) return begun;
+  if (driver_->waits_for_trigger()) return {};
+  const auto health = driver_->health(*port_);
+  if (!health) return pass_on(health.error());
+  if (health->is_running || health->is_overrun) return {};  // an overrun is told, and learned from, by the reader
+  return core::fail(ErrorCode::Failed, what + ": the device took the command but does not scan", "unplug it and plug it in again");
+}
+
+void UsbDaq::prepare_host_time(core::Rate rate) {
+  if (host_time_rate_ == rate) {
+    host_time_.restart();
+    return;
+  }
+  host_time_ = core::HostTime(rate, port_->is_high_speed() ? kHighSpeedFrameNs : kFullSpeedFrameNs);
+  host_time_rate_ = rate;
+}
+
+ReadResult UsbDaq::read(core::Block& block, std::int64_t deadline_ns) noexcept {
+  block.set_count(0);
+  if (state() == DeviceState::Gone) return {ReadOutcome::Gone, {core::GapReason::Unplugged, 0, false}};
+  if (state() != DeviceState::Streaming) return {};
+  const ReadResult result = reader_->read(block, deadline_ns);
+  if (result.outcome == ReadOutcome::Gone) move_to(DeviceState::Gone);
+  return result;
+}
+
+void UsbDaq::interrupt() noexcept { is_interrupted_.store(true, std::memory_order_release); }  // pairs with ScanReader::read
+
+core::Status UsbDaq::set_sync_output(bool is_high) {
+  const std::lock_guard lock(control_mutex_);
+  if (state() == DeviceState::Gone) return core::fail(ErrorCode::DeviceGone, describe().uri + " is gone");
+  if (state() == DeviceState::Closed) return core::fail(ErrorCode::WrongState, describe().uri + " is not open");
+  return driver_->set_sync_output(*port_, is_high);
+}
+
+core::Status UsbDaq::stop() {
+  if (state() != DeviceState::Streaming) return {};
+  const std::lock_guard lock(control_mutex_);
+  const core::Status ended = end_scan();
+  move_to(port_ ? DeviceState::Open : DeviceState::Gone);
+  return ended;
+}
+
+core::Status UsbDaq::end_scan() noexcept {
+  driver_->end(*port_);
+  return end_stream();
+}
+
+/// Ends the transfers and frees them. When some do not come back, the host controller may still write into them and call the
+/// stream: stream and port stay in memory for ever, and the unit is lost until it is plugged in again.
+core::Status UsbDaq::end_stream() noexcept {
+  if (reader_) {
+    must_use_large_packets_ = must_use_large_packets_ || reader_->has_overrun();
+    const std::vector<DeviceCheck> findings = reader_->findings();
+    scan_checks_.insert(scan_checks_.end(), findings.begin(), findings.end());
+    reader_.reset();
+  }
+  if (!stream_) return {};
+  if (stream_->stop(kCancelPatienceMs)) {
+    stream_.reset();
+    return {};
+  }
+  const std::string detail = std::to_string(stream_->in_flight()) + " transfers did not come back; their memory is given up";
+  scan_checks_.push_back({"transfers end when they are cancelled", DeviceCheck::Outcome::Failed, detail});
+  (void)stream_.release();
+  (void)port_.release();
+  return core::fail(ErrorCode::Failed, "cannot end the scan of " + describe().uri + ": " + detail, "unplug it and plug it in again");
+}
+
+core::Status UsbDaq::close() {
+  const std::lock_guard lock(control_mutex_);
+  core::Status ended;
+  if (state() == DeviceState::Streaming) {
+    ended = end_scan();
+  } else {
+    ended = end_stream();  // of a device that is gone
+  }
+  port_.reset();
+  move_to(DeviceState::Closed);
+  return ended;
+}
+
+}  // namespace dts::device::usb

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/usb/usb_status.h"
+
+#include <utility>
+
+namespace dts::device::usb {
+
+std::string to_string(UsbStatus status) {
+  switch (status) {
+    case UsbStatus::Completed: return "completed";
+    case UsbStatus::Stall: return "device refused it (stall)";
+    case UsbStatus::NoDevice: return "device is gone";
+    case UsbStatus::Overflow: return "device sent more than there was room for";
+    case UsbStatus::TimedOut: return "device did not answer in time";
+    case UsbStatus::Cancelled: return "cancelled";
+    case UsbStatus::Failed: return "transfer failed on the bus (cable, hub or host controller)";
+  }
+  return "unknown status " + std::to_string(static_cast<int>(status));
+}
+
+core::Error to_error(UsbStatus status, const std::string& what, std::string hint) {
+  core::ErrorCode code = core::ErrorCode::Failed;
+  if (status == UsbStatus::NoDevice) code = core::ErrorCode::DeviceGone;
+  if (status == UsbStatus::TimedOut) code = core::ErrorCode::Timeout;
+  return {code, what + ": " + to_string(status), std::move(hint)};
+}
+
+}  // namespace dts::device::usb

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "core/frame.h"
+#include "core/result.h"
+
+namespace dts::pipeline {
+
+enum class TriggerEdges : std::uint8_t { Rising, Falling, Both };
+
+/// A channel on which another instrument (force plate, stimulator, our own sync output) tells of itself.
+struct TriggerInput {
+  std::size_t channel = 0;  ///< Device channel; must not be a sensor's.
+  double level = 2.5;       ///< In the channel's unit, as a rule V.
+  double hysteresis = 0.5;  ///< Width of a band around the level; a crossing counts when it leaves the band.
+  TriggerEdges edges = TriggerEdges::Rising;
+};
+
+/// Fails with InvalidArgument unless level and hysteresis are finite and the hysteresis is not negative.
+[[nodiscard]] core::Status check(const TriggerInput& input);
+
+/// Finds the scans at which a channel crosses a level: the event is at the first scan beyond the band, so it is exact to one scan
+/// (thesis 4.6: plate and force plate started by one analogue signal and aligned afterwards). The first scan of a segment only
+/// says where the signal stands: what happened in a gap is not known. Thread: pipeline. Realtime-safe: yes.
+class EdgeDetector {
+ public:
+  EdgeDetector(const TriggerInput& input, core::Rate rate) noexcept : input_(input), rate_(rate) {}
+
+  /// Looks at column `column` of `block` and appends what it finds to `out`.
+  void process(const core::Block& block, std::size_t column, core::TriggerEvents& out) noexcept;
+  void reset() noexcept { side_ = Side::Unknown; }
+
+ private:
+  enum class Side : std::uint8_t { Unknown, Low, High };
+  [[nodiscard]] Side side_of(double volts) const noexcept;
+  [[nodiscard]] bool is_wanted(bool is_rising) const noexcept;
+
+  TriggerInput input_;
+  core::Rate rate_;
+  Side side_ = Side::Unknown;
+};
+
+}  // namespace dts::pipeline

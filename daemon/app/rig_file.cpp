@@ -88,7 +88,8 @@ void read_trigger(files::TomlReader& top, session::RigConfig& config) {
   input.level = reader.number("level", input.level, -1e6, 1e6);
   input.hysteresis = reader.number("hysteresis", input.hysteresis, 0.0, 1e6);
   input.edges = read_edges(reader);
-  if (std::ranges::find(config.sensor_channels, input.channel) != config.sensor_channels.end()) {
+  const bool is_sensor = std::ranges::find(config.sensor_channels, input.channel) != config.sensor_channels.end();
+  if (reader.has("channel") && is_sensor) {
     reader.report("channel", "channel " + std::to_string(input.channel) + " belongs to a sensor");
   }
   reader.finish();

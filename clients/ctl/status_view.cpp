@@ -131,6 +131,7 @@ namespace {
 
 /// "drift -12.3 ppm, host times within 1.20 ms"
 std::string clock_text(const v1::RigStatus& status) {
+  if (status.scans_total() == 0) return "";
   const std::string drift =
       status.clock_drift_ppm() == 0.0 ? "drift not known yet" : "drift " + cli::decimal(status.clock_drift_ppm(), 1) + " ppm";
   return drift + ", host times within " + cli::decimal(static_cast<double>(status.host_time_uncertainty_ns()) * 1e-6, 2) + " ms";

@@ -8,8 +8,10 @@ namespace dts::device {
 using core::ErrorCode;
 
 core::Result<core::Rate> check_rate(const DeviceDescription& description, core::Rate wanted) {
+  constexpr double kRounding = 1e-8;  // a limit of 500000/3 Hz must be reachable by a rate written in decimals
   const double rate_hz = wanted.hz();
-  if (rate_hz >= description.minimum_rate_hz && rate_hz <= description.maximum_rate_hz) return wanted;
+  const bool is_fast_enough = rate_hz >= description.minimum_rate_hz * (1.0 - kRounding);
+  if (is_fast_enough && rate_hz <= description.maximum_rate_hz * (1.0 + kRounding)) return wanted;
   return core::fail(
       ErrorCode::InvalidArgument, description.uri + " cannot run at " + std::to_string(rate_hz) + " Hz",
       "it takes " + std::to_string(description.minimum_rate_hz) + " to " + std::to_string(description.maximum_rate_hz) + " Hz");

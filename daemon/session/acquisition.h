@@ -31,7 +31,7 @@ struct AcquisitionReport {
   std::int64_t host_time_uncertainty_ns = 0;  ///< Of the newest block.
   double clock_drift_ppm = 0.0;               ///< Of the device's clock, as the newest block says.
   core::Rate rate;                            ///< Exact, as the device runs.
-  std::array<char, 256> message{};            ///< Why the device is not streaming, and what to do; empty when it is.
+  std::array<char, 512> message{};            ///< Why the device is not streaming, and what to do; empty when it is.
 
   void set_message(std::string_view text) noexcept;
   [[nodiscard]] std::string_view text() const noexcept { return message.data(); }

@@ -3,23 +3,33 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "core/clock.h"
 #include "device/registry.h"
 #include "unit/device/sim_rig.h"
+#include "usb/emulator/fs_plus_emulator.h"
+#include "usb/emulator/u6_emulator.h"
+#include "usb/emulator/usb1608g_emulator.h"
+#include "usb/fake/fake_bus.h"
 
 namespace dts::device::contract {
 
 inline constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
 inline constexpr std::int64_t kSecond = 1000 * kMillisecond;
+
+using Units = std::vector<std::unique_ptr<emulator::EmulatedDevice>>;
 
 /// One device and how to make it misbehave within its first seconds; empty: this device cannot be made to.
 struct DeviceUnderTest {
@@ -27,14 +37,70 @@ struct DeviceUnderTest {
   const char* uri;
   const char* unplugging_uri;
   const char* gapping_uri;
+  Units (*make_units)() = [] { return Units(); };  ///< What must be plugged in; then the plug is pulled, and no URI does it.
 };
 
-inline constexpr std::array kDevices = {
+/// Something moves on every input, and no two inputs are alike.
+inline void fill_inputs(double time_s, std::span<double> volts) {
+  for (std::size_t input = 0; input < volts.size(); ++input) {
+    volts[input] = 0.2 * static_cast<double>(input + 1) + 0.05 * std::sin(time_s + static_cast<double>(input));
+  }
+}
+
+template <emulator::FsPlusKind kind>
+Units fs_plus() {
+  Units units;
+  units.push_back(std::make_unique<emulator::FsPlusEmulator>(kind, "01A2B3C4", fill_inputs));
+  return units;
+}
+
+inline Units u6() {
+  Units units;
+  units.push_back(std::make_unique<emulator::U6Emulator>(fill_inputs));
+  return units;
+}
+
+inline Units usb_1608g() {
+  Units units;
+  units.push_back(std::make_unique<emulator::Usb1608gEmulator>(0x0110, "01A2B3C4", fill_inputs));
+  return units;
+}
+
+/// Two units and the wire between their SYNC pins.
+inline Units pair() {
+  static emulator::SyncLine line;
+  line = {};
+  Units units;
+  for (const char* serial : {"0000000A", "0000000B"}) {
+    auto unit = std::make_unique<emulator::FsPlusEmulator>(emulator::FsPlusKind::Usb1608, serial, fill_inputs);
+    unit->connect_sync(line);
+    units.push_back(std::move(unit));
+  }
+  return units;
+}
+
+/// Stands for the maker's image, which is not ours to ship: the emulated 1608G looks at its length only.
+inline const char* fpga_image() {
+  static const std::string uri = [] {
+    const std::string file = testing::TempDir() + "dts_contract_fpga_" + std::to_string(getpid());
+    std::ofstream(file, std::ios::binary) << std::string(73'829, 'x');
+    return "mcc:1608g?serial=01A2B3C4&fpga=" + file;
+  }();
+  return uri.c_str();
+}
+
+inline const std::array kDevices = {
     DeviceUnderTest{"sim_floor", "sim:floor", "sim:floor?fault=unplug&fault_at_s=0.5&fault_for_s=1",
                     "sim:floor?fault=overrun&fault_at_s=0.5&fault_for_s=0.7"},
     DeviceUnderTest{"sim_floor_16", "sim:floor?extra=12&clock_ppm=80&contact=point",
                     "sim:floor?extra=12&fault=unplug&fault_at_s=0&fault_for_s=0.001",
                     "sim:floor?extra=12&fault=silence&fault_at_s=0.2&fault_for_s=3"},
+    DeviceUnderTest{"mcc_1608fs_plus", "mcc:1608fs-plus?serial=01A2B3C4&channels=0,1,2,3", "", "", fs_plus<emulator::FsPlusKind::Usb1608>},
+    DeviceUnderTest{"mcc_1208fs_plus", "mcc:1208fs-plus?serial=01A2B3C4", "", "", fs_plus<emulator::FsPlusKind::Usb1208>},
+    DeviceUnderTest{"mcc_usb_205", "mcc:usb-205?serial=01A2B3C4&channels=1,2,5", "", "", fs_plus<emulator::FsPlusKind::Usb205>},
+    DeviceUnderTest{"mcc_1608g", fpga_image(), "", "", usb_1608g},
+    DeviceUnderTest{"mcc_pair", "mcc:1608fs-plus-pair?serial=0000000A&second_serial=0000000B", "", "", pair},
+    DeviceUnderTest{"labjack_u6", "labjack:u6?serial=360004242&channels=0,1,2,3", "", "", u6},
 };
 
 /// Calls `on_sleep` before the first wait: somebody else acts at exactly that moment.
@@ -54,10 +120,16 @@ class ClockWithVisitor final : public core::Clock {
 
 class DeviceContract : public testing::TestWithParam<DeviceUnderTest> {
  protected:
+  DeviceContract() : units_(GetParam().make_units()) {
+    for (const auto& unit : units_) bus_.plug(*unit);
+  }
+
+  [[nodiscard]] bool is_on_usb() const { return !units_.empty(); }
+
   std::unique_ptr<Device> create(std::string_view uri) { return create_on(uri, clock_); }
 
   std::unique_ptr<Device> create_on(std::string_view uri, core::Clock& clock) {
-    auto device = create_device(uri, {clock, rig_});
+    auto device = create_device(uri, {clock, rig_, &bus_});
     EXPECT_TRUE(device.has_value()) << (device ? "" : core::to_string(device.error()));
     return device ? std::move(*device) : nullptr;
   }
@@ -75,9 +147,16 @@ class DeviceContract : public testing::TestWithParam<DeviceUnderTest> {
     return device;
   }
 
+  /// A device that will be gone, by itself or because its plug is pulled.
+  std::unique_ptr<Device> leaving() {
+    auto device = streaming(is_on_usb() ? GetParam().uri : GetParam().unplugging_uri);
+    if (is_on_usb()) bus_.unplug(*units_.back());
+    return device;
+  }
+
   /// Reads until the device says that it is gone.
   std::unique_ptr<Device> gone() {
-    auto device = streaming(GetParam().unplugging_uri);
+    auto device = leaving();
     core::Block block = block_for(*device, 64);
     ReadResult read;
     for (int i = 0; i < 1000 && read.outcome != ReadOutcome::Gone; ++i) read = device->read(block, clock_.now_ns() + kSecond);
@@ -86,10 +165,17 @@ class DeviceContract : public testing::TestWithParam<DeviceUnderTest> {
     return device;
   }
 
-  bool can_unplug() const { return GetParam().unplugging_uri[0] != '\0'; }
+  void bring_back() {
+    clock_.advance_ns(3600 * kSecond);
+    if (is_on_usb()) bus_.plug(*units_.back());
+  }
+
+  bool can_unplug() const { return is_on_usb() || GetParam().unplugging_uri[0] != '\0'; }
 
   core::VirtualClock clock_{kSecond};
   physics::RigModel rig_ = test::floor_rig();
+  Units units_;  ///< They outlive the bus.
+  emulator::FakeBus bus_{clock_};
 };
 
 inline core::ErrorCode code(const core::Status& status) { return status ? core::ErrorCode{} : status.error().code; }

@@ -266,7 +266,7 @@ TEST(AcquisitionReport, LongMessage_IsCutNotOverrun) {
 
   report.set_message(std::string(1000, 'x'));
 
-  EXPECT_EQ(report.text().size(), 255U);
+  EXPECT_EQ(report.text().size(), 511U);
 }
 
 }  // namespace

@@ -8,10 +8,12 @@ namespace dts::device {
 using core::ErrorCode;
 
 core::Result<core::Rate> check_rate(const DeviceDescription& description, core::Rate wanted) {
-  constexpr double kRounding = 1e-8;  // a limit of 500000/3 Hz must be reachable by a rate written in decimals
+  // A limit of 500000/3 Hz must be reachable by a rate written in decimals (core::Rate::from_hz: 1e-6 Hz).
+  constexpr double kRounding = 1e-8;
+  constexpr double kRoundingHz = 1e-6;
   const double rate_hz = wanted.hz();
-  const bool is_fast_enough = rate_hz >= description.minimum_rate_hz * (1.0 - kRounding);
-  if (is_fast_enough && rate_hz <= description.maximum_rate_hz * (1.0 + kRounding)) return wanted;
+  const bool is_fast_enough = rate_hz >= description.minimum_rate_hz * (1.0 - kRounding) - kRoundingHz;
+  if (is_fast_enough && rate_hz <= description.maximum_rate_hz * (1.0 + kRounding) + kRoundingHz) return wanted;
   return core::fail(
       ErrorCode::InvalidArgument, description.uri + " cannot run at " + std::to_string(rate_hz) + " Hz",
       "it takes " + std::to_string(description.minimum_rate_hz) + " to " + std::to_string(description.maximum_rate_hz) + " Hz");

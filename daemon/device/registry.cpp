@@ -4,6 +4,9 @@
 #include <algorithm>
 
 #include "core/suggest.h"
+#include "device/labjack/u6.h"
+#include "device/mcc/entries.h"
+#include "device/nidaqmx/ni_daqmx.h"
 #include "device/sim/floor.h"
 
 namespace dts::device {
@@ -27,12 +30,19 @@ core::Error unknown_kind(const DeviceUri& uri) {
           (meant.empty() ? "" : "did you mean \"" + meant + "\"? ") + "It has:" + list};
 }
 
+std::vector<RegistryEntry> with_mcc(std::vector<RegistryEntry> entries) {
+  for (RegistryEntry& entry : mcc::registry_entries()) entries.push_back(std::move(entry));
+  return entries;
+}
+
 }  // namespace
 
 const std::vector<RegistryEntry>& registry() {
-  static const std::vector<RegistryEntry> entries = {
+  static const std::vector<RegistryEntry> entries = with_mcc({
       {"sim:floor", "Simulated floor platform with a person or a weight on it.", sim::create_floor},
-  };
+      {"labjack:u6", "LabJack U6 or U6-Pro: 14 inputs, one converter.", labjack::create_u6, labjack::u6_models()},
+      {"ni:", "A device of National Instruments through NI-DAQmx, when that is installed: ni:Dev1.", nidaqmx::create_ni_daqmx},
+  });
   return entries;
 }
 

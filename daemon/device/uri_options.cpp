@@ -22,6 +22,9 @@ std::optional<double> parse_number(const std::string& text) {
   return value;
 }
 
+/// Whatever is written is taken, but something must be written.
+bool is_free_text(const UriOption& option) { return option.kind == OptionKind::File || option.kind == OptionKind::Text; }
+
 bool is_choice(std::string_view choices, std::string_view word) {
   if (word.empty() || word.find('|') != std::string_view::npos) return false;
   return ("|" + std::string(choices) + "|").find("|" + std::string(word) + "|") != std::string::npos;
@@ -76,7 +79,7 @@ core::Result<UriOptions> UriOptions::read(const DeviceUri& uri, std::span<const 
     if (is_given) options.given_.emplace(option.name);
     const std::string value = is_given ? given->second : std::string(option.default_text);
     if (!is_given && option.kind == OptionKind::Numbers) continue;
-    if (!is_given && option.kind == OptionKind::File) {
+    if (!is_given && is_free_text(option)) {
       options.texts_.emplace(option.name, value);
       continue;
     }
@@ -86,8 +89,8 @@ core::Result<UriOptions> UriOptions::read(const DeviceUri& uri, std::span<const 
 }
 
 core::Status UriOptions::take(const DeviceUri& uri, const UriOption& option, const std::string& value) {
-  if (option.kind == OptionKind::File || option.kind == OptionKind::Word) {
-    if (option.kind == OptionKind::File ? value.empty() : !is_choice(option.choices, value)) {
+  if (is_free_text(option) || option.kind == OptionKind::Word) {
+    if (is_free_text(option) ? value.empty() : !is_choice(option.choices, value)) {
       return refuse(uri, option, value, did_you_mean(value, split_choices(option.choices)));
     }
     texts_.emplace(option.name, value);
@@ -122,6 +125,7 @@ core::Status UriOptions::take_list(const DeviceUri& uri, const UriOption& option
 
 std::string allowed(const UriOption& option) {
   if (option.kind == OptionKind::File) return "FILE";
+  if (option.kind == OptionKind::Text) return "TEXT";
   if (option.kind == OptionKind::Word) return std::string(option.choices);
   std::ostringstream text;
   text.precision(12);

@@ -17,7 +17,7 @@ namespace dts::device {
 
 inline constexpr double kNever = std::numeric_limits<double>::infinity();  ///< Written "never" in a URI.
 
-enum class OptionKind : std::uint8_t { Number, Integer, Word, File, Numbers };
+enum class OptionKind : std::uint8_t { Number, Integer, Word, File, Numbers, Text };
 
 /// One option a device understands.
 struct UriOption {
@@ -41,7 +41,7 @@ class UriOptions {
   [[nodiscard]] double number(std::string_view name) const { return numbers_.at(std::string(name)); }
   /// `name` must be a Numbers of the table that is given; at least one number.
   [[nodiscard]] const std::vector<double>& numbers(std::string_view name) const { return lists_.at(std::string(name)); }
-  /// `name` must be a Word or File of the table; empty when a File was not given.
+  /// `name` must be a Word, File or Text of the table; empty when a File or Text was not given.
   [[nodiscard]] const std::string& text(std::string_view name) const { return texts_.at(std::string(name)); }
   /// The user wrote it.
   [[nodiscard]] bool is_given(std::string_view name) const { return given_.contains(name); }
@@ -57,7 +57,7 @@ class UriOptions {
   std::set<std::string, std::less<>> given_;
 };
 
-/// "50..2000", "feet|point", "FILE": what may be written.
+/// "50..2000", "feet|point", "FILE", "TEXT": what may be written.
 [[nodiscard]] std::string allowed(const UriOption& option);
 
 /// The table as text, one line per option, for help output.

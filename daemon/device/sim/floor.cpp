@@ -33,7 +33,7 @@ DeviceDescription describe(const DeviceUri& uri, const FloorOptions& options, co
   return description;
 }
 
-core::Result<std::unique_ptr<Scene>> create_scene(const FloorOptions& options, const physics::RigModel& rig) {
+core::Result<std::unique_ptr<Scene>> create_kind_of_scene(const FloorOptions& options, const physics::RigModel& rig) {
   switch (options.contact) {
     case FloorContact::Weights: return WeightsScene::create(options, rig);
     case FloorContact::Gaps: return GapsScene::create(options, rig);
@@ -43,17 +43,21 @@ core::Result<std::unique_ptr<Scene>> create_scene(const FloorOptions& options, c
   return PersonScene::create(options, rig);
 }
 
+core::Result<std::unique_ptr<Scene>> create_scene(const DeviceUri& uri, const FloorOptions& options, const physics::RigModel& rig) {
+  auto scene = create_kind_of_scene(options, rig);
+  if (scene) return scene;
+  core::Error error = scene.error();
+  error.what = "device \"" + uri.text + "\": " + error.what;
+  return tl::make_unexpected(error);
+}
+
 }  // namespace
 
 core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const DeviceContext& context) {
   const auto options = read_floor_options(uri, context.rig.sensors.size());
   if (!options) return tl::make_unexpected(options.error());
-  auto scene = create_scene(*options, context.rig);
-  if (!scene) {
-    core::Error error = scene.error();
-    error.what = "device \"" + uri.text + "\": " + error.what;
-    return tl::make_unexpected(error);
-  }
+  auto scene = create_scene(uri, *options, context.rig);
+  if (!scene) return tl::make_unexpected(scene.error());
   const Daq daq(options->daq);
   SimParts parts{.description = describe(uri, *options, daq, context.rig.plate),
                  .converted_channels = options->converted_channels(),
@@ -62,6 +66,15 @@ core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const D
                  .fault = options->fault,
                  .scene = std::move(*scene)};
   return std::make_unique<SimDevice>(std::move(parts), context.clock);
+}
+
+core::Result<FloorScene> floor_scene(const DeviceUri& uri, const physics::RigModel& rig) {
+  const auto options = read_floor_options(uri, rig.sensors.size());
+  if (!options) return tl::make_unexpected(options.error());
+  auto scene = create_scene(uri, *options, rig);
+  if (!scene) return tl::make_unexpected(scene.error());
+  const Daq daq(options->daq);
+  return FloorScene{std::move(*scene), options->sensors, describe(uri, *options, daq, rig.plate).channels.size()};
 }
 
 }  // namespace dts::device::sim

@@ -7,7 +7,7 @@
 namespace dts::device::usb {
 namespace {
 
-constexpr std::size_t kMostTransfers = 256;
+constexpr std::size_t kMostTransfers = 1024;
 constexpr std::size_t kMostTransferBytes = 64U * 1024U;
 constexpr std::size_t kMostBufferBytes = 64U * 1024U * 1024U;
 constexpr std::int64_t kCancelSliceNs = 5 * core::kNanosecondsPerMillisecond;

@@ -48,6 +48,12 @@ struct Unpacked {
   std::uint64_t discarded_scans = 0;
 };
 
+/// Who a unit is.
+struct UnitIdentity {
+  std::string serial;
+  std::string firmware;
+};
+
 /// What one family of DAQs must say; the rest of a device (transfers, time, integrity, the cable) is UsbDaq's.
 /// Control calls may wait; they come from the device's owner thread, and never two at once.
 ///
@@ -70,6 +76,8 @@ class DaqDriver {
   /// After opening: ends a scan that an earlier program left behind, reads identity and calibration. DataDamaged: the
   /// calibration is not believable. Appends what it found to `checks`.
   [[nodiscard]] virtual core::Status connect(UsbPort& port, std::vector<DeviceCheck>& checks) = 0;
+  /// Of the unit that `connect` saw, where its USB descriptors do not tell; empty fields: they do.
+  [[nodiscard]] virtual UnitIdentity identity() const { return {}; }
   /// Sets up a scan, none is running. Forgets the position in the stream.
   [[nodiscard]] virtual core::Result<ScanPlan> configure(UsbPort& port, const ScanRequest& request) = 0;
   /// One conversion of every channel, V, in scan order; Unsupported when the device has no such command.

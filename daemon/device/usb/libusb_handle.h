@@ -22,15 +22,14 @@ namespace dts::device::usb {
 ///
 /// Thread: any but the event thread; calls are made one after the other.
 class LibusbHandle {
-public:
+ public:
   /// Takes an open handle over and closes it at the end.
-  explicit LibusbHandle(libusb_device_handle *handle) noexcept
-      : handle_(handle) {}
+  explicit LibusbHandle(libusb_device_handle* handle) noexcept : handle_(handle) {}
   ~LibusbHandle() { close(); }
-  LibusbHandle(const LibusbHandle &) = delete;
-  LibusbHandle &operator=(const LibusbHandle &) = delete;
+  LibusbHandle(const LibusbHandle&) = delete;
+  LibusbHandle& operator=(const LibusbHandle&) = delete;
 
-  [[nodiscard]] libusb_device_handle *get() const noexcept { return handle_; }
+  [[nodiscard]] libusb_device_handle* get() const noexcept { return handle_; }
   /// No callback of any transfer comes after this. Idempotent.
   void close() noexcept;
 
@@ -42,25 +41,19 @@ public:
   };
   /// Any control request; bit 7 of `type` is its direction. Returns within
   /// `timeout_ms` and two seconds of grace.
-  [[nodiscard]] UsbResult control(std::uint8_t type,
-                                  const ControlRequest &request,
-                                  const Data &data, int timeout_ms);
+  [[nodiscard]] UsbResult control(std::uint8_t type, const ControlRequest& request, const Data& data, int timeout_ms);
   /// Bit 7 of `endpoint` is the direction. As `control`.
-  [[nodiscard]] UsbResult bulk(std::uint8_t endpoint, const Data &data,
-                               int timeout_ms);
+  [[nodiscard]] UsbResult bulk(std::uint8_t endpoint, const Data& data, int timeout_ms);
   /// A string of the device, ASCII only; empty: it has none or does not answer.
-  [[nodiscard]] std::string string_descriptor(std::uint8_t index,
-                                              int timeout_ms);
+  [[nodiscard]] std::string string_descriptor(std::uint8_t index, int timeout_ms);
 
-private:
+ private:
   struct Waited;
-  static void on_waited(libusb_transfer *transfer);
-  [[nodiscard]] UsbResult run(std::unique_ptr<Waited> waited,
-                              std::span<std::uint8_t> received,
-                              std::size_t offset, int timeout_ms);
+  static void on_waited(libusb_transfer* transfer);
+  [[nodiscard]] UsbResult run(std::unique_ptr<Waited> waited, std::span<std::uint8_t> received, std::size_t offset, int timeout_ms);
 
-  libusb_device_handle *handle_;
-  std::mutex mutex_; ///< One waited-for transfer at a time.
+  libusb_device_handle* handle_;
+  std::mutex mutex_;  ///< One waited-for transfer at a time.
 };
 
-} // namespace dts::device::usb
+}  // namespace dts::device::usb

@@ -23,63 +23,52 @@ namespace dts::device::usb {
 /// A transfer counts as in flight until the very end of its callback, so that
 /// `release_transfers` never frees one that the event thread still looks at.
 class LibusbPort final : public UsbPort {
-public:
+ public:
   /// `libusb_device` and an open handle of it. `on_closed` is called when all
   /// is over.
-  LibusbPort(UsbUnit unit, libusb_device *device, libusb_device_handle *handle,
-             core::Clock &clock, core::Log log,
+  LibusbPort(UsbUnit unit, libusb_device* device, libusb_device_handle* handle, core::Clock& clock, core::Log log,
              std::function<void()> on_closed);
   /// Transfers that are still in flight after all, which is a mistake of their
   /// owner, are never freed.
   ~LibusbPort() override;
-  LibusbPort(const LibusbPort &) = delete;
-  LibusbPort &operator=(const LibusbPort &) = delete;
+  LibusbPort(const LibusbPort&) = delete;
+  LibusbPort& operator=(const LibusbPort&) = delete;
 
   /// Takes interface 0, from a kernel driver if one has it. Fails as
   /// `UsbBus::open`.
   [[nodiscard]] core::Status claim();
 
-  [[nodiscard]] const UsbUnit &unit() const noexcept override { return unit_; }
-  [[nodiscard]] core::Result<std::size_t>
-  max_packet_bytes(std::uint8_t endpoint) const override;
+  [[nodiscard]] const UsbUnit& unit() const noexcept override { return unit_; }
+  [[nodiscard]] core::Result<std::size_t> max_packet_bytes(std::uint8_t endpoint) const override;
   [[nodiscard]] bool is_high_speed() const noexcept override;
-  [[nodiscard]] UsbResult control_in(const ControlRequest &request,
-                                     std::span<std::uint8_t> data,
-                                     int timeout_ms) override;
-  [[nodiscard]] UsbResult control_out(const ControlRequest &request,
-                                      std::span<const std::uint8_t> data,
-                                      int timeout_ms) override;
-  [[nodiscard]] UsbResult bulk_in(std::uint8_t endpoint,
-                                  std::span<std::uint8_t> data,
-                                  int timeout_ms) override;
-  [[nodiscard]] UsbResult bulk_out(std::uint8_t endpoint,
-                                   std::span<const std::uint8_t> data,
-                                   int timeout_ms) override;
+  [[nodiscard]] UsbResult control_in(const ControlRequest& request, std::span<std::uint8_t> data, int timeout_ms) override;
+  [[nodiscard]] UsbResult control_out(const ControlRequest& request, std::span<const std::uint8_t> data, int timeout_ms) override;
+  [[nodiscard]] UsbResult bulk_in(std::uint8_t endpoint, std::span<std::uint8_t> data, int timeout_ms) override;
+  [[nodiscard]] UsbResult bulk_out(std::uint8_t endpoint, std::span<const std::uint8_t> data, int timeout_ms) override;
   [[nodiscard]] UsbResult clear_halt(std::uint8_t endpoint) override;
-  [[nodiscard]] core::Status
-  prepare_transfers(std::uint8_t endpoint, std::size_t count, std::size_t bytes,
-                    TransferListener &listener) override;
+  [[nodiscard]] core::Status prepare_transfers(std::uint8_t endpoint, std::size_t count, std::size_t bytes,
+                                               TransferListener& listener) override;
   [[nodiscard]] UsbStatus submit(std::size_t index) noexcept override;
   void cancel(std::size_t index) noexcept override;
   void release_transfers() noexcept override;
   void wait(std::int64_t deadline_ns) noexcept override;
   void wake() noexcept override { bell_.ring(); }
 
-private:
+ private:
   struct Prepared;
-  static void on_finished(libusb_transfer *transfer);
+  static void on_finished(libusb_transfer* transfer);
   [[nodiscard]] bool are_all_over() const noexcept;
 
   UsbUnit unit_;
-  libusb_device *device_;
-  core::Clock &clock_;
+  libusb_device* device_;
+  core::Clock& clock_;
   core::Log log_;
   std::function<void()> on_closed_;
   LibusbHandle handle_;
   bool is_claimed_ = false;
-  TransferListener *listener_ = nullptr;
+  TransferListener* listener_ = nullptr;
   std::vector<std::unique_ptr<Prepared>> prepared_;
   core::Doorbell bell_;
 };
 
-} // namespace dts::device::usb
+}  // namespace dts::device::usb

@@ -31,6 +31,7 @@ Agreement compare_with_single_readings(std::span<const double> single_v, std::sp
   }
   const double as_it_is = misfit(single_v, scan_v, 0);
   if (!(as_it_is > kAgreementToleranceV * static_cast<double>(single_v.size()))) return result;  // NaN, too
+  result.is_different = true;
   double best = as_it_is * kClearlyBetter;
   for (std::size_t rotation = 1; rotation < single_v.size(); ++rotation) {
     const double sum = misfit(single_v, scan_v, rotation);

@@ -67,20 +67,25 @@ bool UsbDaq::has_arrived() noexcept {
   return std::exchange(seen_arrivals_, arrivals) != arrivals;
 }
 
-core::Result<UsbUnit> UsbDaq::find_unit() {
-  const std::string& uri = describe().uri;
+/// The unit with the serial number, or those that may turn out to have it: not all write it into their USB descriptors.
+core::Result<std::vector<UsbUnit>> UsbDaq::candidates() {
+  const std::string what = "cannot open " + describe().uri;
   auto found = bus_.units(driver_->models());
-  if (!found) return pass_on(found.error());
+  if (!found) return found;
   std::vector<UsbUnit> wanted = *found;
-  if (!options_.serial.empty()) std::erase_if(wanted, [this](const UsbUnit& unit) { return unit.serial != options_.serial; });
+  if (!options_.serial.empty()) {
+    const auto has_it = [this](const UsbUnit& unit) { return unit.serial == options_.serial; };
+    const bool is_there = std::any_of(wanted.begin(), wanted.end(), has_it);
+    std::erase_if(wanted, [&](const UsbUnit& unit) { return is_there ? !has_it(unit) : !unit.serial.empty(); });
+  }
   if (wanted.empty()) {
     const std::string which = options_.serial.empty() ? "no such device" : "no unit with serial number " + options_.serial;
     return core::fail(
-        ErrorCode::NotFound, "cannot open " + uri + ": " + which + " is plugged in",
+        ErrorCode::NotFound, what + ": " + which + " is plugged in",
         found->empty() ? "check its cable and power; it is opened as soon as it is there" : list_of(*found, driver_->models()));
   }
-  if (wanted.size() == 1) return wanted.front();
-  return core::fail(ErrorCode::InvalidArgument, "cannot open " + uri + ": " + std::to_string(wanted.size()) + " units fit it",
+  if (wanted.size() == 1 || !options_.serial.empty()) return wanted;
+  return core::fail(ErrorCode::InvalidArgument, what + ": " + std::to_string(wanted.size()) + " units fit it",
                     "choose one by its serial number; " + list_of(wanted, driver_->models()));
 }
 
@@ -89,19 +94,37 @@ core::Status UsbDaq::open() {
     return core::fail(ErrorCode::WrongState, "cannot open " + describe().uri + ": it is gone", "close it first");
   }
   if (state() != DeviceState::Closed) return {};
-  const auto unit = find_unit();
-  if (!unit) return pass_on(unit.error());
-  auto port = bus_.open(*unit);
+  const auto units = candidates();
+  if (!units) return pass_on(units.error());
+  core::Status opened;
+  for (const UsbUnit& unit : *units) {
+    opened = open_unit(unit);
+    if (opened) return opened;
+  }
+  return opened;
+}
+
+core::Status UsbDaq::open_unit(const UsbUnit& unit) {
+  auto port = bus_.open(unit);
   if (!port) return pass_on(port.error());
   std::vector<DeviceCheck> checks;
   if (auto connected = driver_->connect(**port, checks); !connected) return connected;  // the port closes itself
+  UnitIdentity who = driver_->identity();
+  if (!unit.serial.empty()) who.serial = unit.serial;
+  if (who.firmware.empty()) who.firmware = release_text(unit.release_bcd);
+  if (!options_.serial.empty() && who.serial != options_.serial) {
+    return core::fail(ErrorCode::NotFound,
+                      "cannot open " + describe().uri + ": no unit with serial number " + options_.serial + " is plugged in",
+                      who.serial.empty() ? "" : "there is one with " + who.serial);
+  }
 
   const std::lock_guard lock(control_mutex_);
   port_ = std::move(*port);
-  report_ = {unit->serial, release_text(unit->release_bcd), std::move(checks)};
+  const bool is_same_unit = !who.serial.empty() && who.serial == report_.serial;
+  if (!is_same_unit) host_time_rate_.reset();  // another crystal
+  report_ = {std::move(who.serial), std::move(who.firmware), std::move(checks)};
   scan_checks_.clear();
   must_use_large_packets_ = false;
-  host_time_rate_.reset();  // another unit has another crystal
   move_to(DeviceState::Open);
   return {};
 }
@@ -125,7 +148,7 @@ core::Result<core::Rate> UsbDaq::start(const StartOptions& options) {
     return started;
   }
   if (stream_) (void)end_scan();
-  if (started.error().code == ErrorCode::DeviceGone) move_to(DeviceState::Gone);
+  if (!port_ || started.error().code == ErrorCode::DeviceGone) move_to(DeviceState::Gone);
   return started;
 }
 

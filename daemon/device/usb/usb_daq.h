@@ -48,7 +48,8 @@ class UsbDaq final : public Device {
 
  private:
   void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
-  [[nodiscard]] core::Result<UsbUnit> find_unit();
+  [[nodiscard]] core::Result<std::vector<UsbUnit>> candidates();
+  [[nodiscard]] core::Status open_unit(const UsbUnit& unit);
   [[nodiscard]] core::Result<std::vector<double>> read_single(std::vector<DeviceCheck>& checks);
   [[nodiscard]] core::Status launch(const StreamShape& shape);
   [[nodiscard]] core::Result<core::Rate> bring_up(const StartOptions& options, core::Rate rate);

@@ -2,9 +2,9 @@
 #include "usb/emulator/fs_plus_emulator.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
+#include "usb/emulator/mcc_bytes.h"
 #include "usb/emulator/mcc_descriptors.h"
 
 namespace dts::emulator {
@@ -37,20 +37,6 @@ double range_of(std::uint8_t code) {
     default: return 10.0;
   }
 }
-
-std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
-  return static_cast<std::uint32_t>(bytes[at] | bytes[at + 1] << 8U | bytes[at + 2] << 16U) | static_cast<std::uint32_t>(bytes[at + 3])
-                                                                                                  << 24U;
-}
-
-void put_float(std::vector<std::uint8_t>& memory, std::size_t at, float value) {
-  const auto word = std::bit_cast<std::uint32_t>(value);
-  for (std::size_t i = 0; i < 4; ++i) memory[at + i] = static_cast<std::uint8_t>(word >> (8U * i));
-}
-
-ControlReply stall() { return {.kind = ReplyKind::Stall, .data = {}}; }
-ControlReply done(std::vector<std::uint8_t> data = {}) { return {.kind = ReplyKind::Done, .data = std::move(data)}; }
-ControlReply word(unsigned value) { return done({static_cast<std::uint8_t>(value), static_cast<std::uint8_t>(value >> 8U)}); }
 
 }  // namespace
 
@@ -122,14 +108,14 @@ std::uint16_t FsPlusEmulator::code_of(std::size_t input, std::uint8_t range_code
 }
 
 ControlReply FsPlusEmulator::control(const Setup& setup, std::span<const std::uint8_t> out_data, std::int64_t now_ns) {
-  if (faults.is_mute) return {.kind = ReplyKind::Silence, .data = {}};
+  if (faults.is_mute) return silent();
   if (faults.silent_control_requests > 0) {
     --faults.silent_control_requests;
-    return {.kind = ReplyKind::Silence, .data = {}};
+    return silent();
   }
   if (setup.request_type == 0xC0) return read_request(setup, now_ns);
   if (setup.request_type == 0x40) return write_request(setup, out_data, now_ns);
-  return stall();
+  return refused();
 }
 
 ControlReply FsPlusEmulator::read_request(const Setup& setup, std::int64_t now_ns) {
@@ -138,12 +124,12 @@ ControlReply FsPlusEmulator::read_request(const Setup& setup, std::int64_t now_n
     case 0x01: return done({static_cast<std::uint8_t>(latch_ & ~tristate_)});
     case 0x02: return done({latch_});
     case 0x10: return read_input(setup, now_ns);
-    case 0x14: return parts_.has_range_list && !scan_.is_running() ? done({ranges_.begin(), ranges_.end()}) : stall();
+    case 0x14: return parts_.has_range_list && !scan_.is_running() ? done({ranges_.begin(), ranges_.end()}) : refused();
     case 0x20: return done({0, 0, 0, 0});
     case 0x30: return read_memory(setup);
-    case 0x44: return word((scan_.is_running() || armed_ ? 2U : 0U) | (scan_.is_overrun() ? 4U : 0U));
+    case 0x44: return done_u16((scan_.is_running() || armed_ ? 2U : 0U) | (scan_.is_overrun() ? 4U : 0U));
     case 0x48: return done({serial_.begin(), serial_.end()});
-    default: return stall();
+    default: return refused();
   }
 }
 
@@ -169,14 +155,14 @@ ControlReply FsPlusEmulator::write_request(const Setup& setup, std::span<const s
     case 0x31:
     case 0x32:
     case 0x48:
-    case 0x50: ++forbidden_requests; return stall();
-    default: return stall();
+    case 0x50: ++forbidden_requests; return refused();
+    default: return refused();
   }
 }
 
 ControlReply FsPlusEmulator::read_memory(const Setup& setup) const {
   const std::size_t size = std::min(kMemoryBytes, faults.calibration_bytes);
-  if (setup.value >= kMemoryBytes) return stall();
+  if (setup.value >= kMemoryBytes) return refused();
   const std::size_t begin = std::min<std::size_t>(setup.value, size);
   const std::size_t count = std::min<std::size_t>(setup.length, size - begin);
   if (faults.is_calibration_garbage) return done(std::vector<std::uint8_t>(count, 0xFF));
@@ -185,13 +171,13 @@ ControlReply FsPlusEmulator::read_memory(const Setup& setup) const {
 }
 
 ControlReply FsPlusEmulator::read_input(const Setup& setup, std::int64_t now_ns) {
-  if (scan_.is_running() || setup.value >= kInputs) return stall();
+  if (scan_.is_running() || setup.value >= kInputs) return refused();
   const double time_s = static_cast<double>(now_ns - power_up_ns_) * 1e-9;
-  return word(code_of(setup.value, static_cast<std::uint8_t>(setup.index), scan_.feed().look(time_s)[setup.value]));
+  return done_u16(code_of(setup.value, static_cast<std::uint8_t>(setup.index), scan_.feed().look(time_s)[setup.value]));
 }
 
 ControlReply FsPlusEmulator::set_ranges(std::span<const std::uint8_t> data) {
-  if (!parts_.has_range_list || scan_.is_running() || data.size() != kInputs) return stall();
+  if (!parts_.has_range_list || scan_.is_running() || data.size() != kInputs) return refused();
   std::copy(data.begin(), data.end(), ranges_.begin());
   return done();
 }
@@ -201,8 +187,8 @@ std::optional<FsPlusEmulator::Start> FsPlusEmulator::parse_start(std::span<const
   const std::size_t period_at = parts_.start_bytes == 14 ? 8 : 4;
   const unsigned options = data[period_at + 5];
   Start start;
-  start.scans = word_at(data, 0);
-  start.period = word_at(data, period_at);
+  start.scans = u32_at(data, 0);
+  start.period = u32_at(data, period_at);
   start.mask = data[period_at + 4];
   start.is_immediate = (options & 1U) != 0;
   start.stalls_on_overrun = (options & 0x80U) == 0;
@@ -215,7 +201,7 @@ std::optional<FsPlusEmulator::Start> FsPlusEmulator::parse_start(std::span<const
 
 ControlReply FsPlusEmulator::start_request(std::span<const std::uint8_t> data, std::int64_t now_ns) {
   const auto start = parse_start(data);
-  if (!start || scan_.is_running() || armed_) return stall();
+  if (!start || scan_.is_running() || armed_) return refused();
   last_start_.assign(data.begin(), data.end());
   scan_.clear_errors();
   if (start->has_trigger) {

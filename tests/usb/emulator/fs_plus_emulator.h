@@ -57,6 +57,8 @@ class FsPlusEmulator final : public EmulatedDevice {
   static constexpr std::size_t kInputs = 8;
 
   FsPlusEmulator(FsPlusKind kind, const std::string& serial, Source source);
+  FsPlusEmulator(const FsPlusEmulator&) = delete;
+  FsPlusEmulator& operator=(const FsPlusEmulator&) = delete;
 
   Faults faults;
   int failing_starts = 0;      ///< So many starts overrun at once, as USB-204 does (Linux_Drivers issue #42).

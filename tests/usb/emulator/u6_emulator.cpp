@@ -18,9 +18,10 @@ constexpr std::uint8_t kSamplesInvalid = 56;
 constexpr double kSkewS = 20e-6;
 constexpr double kLogicThresholdV = 1.4;
 
-// This unit's converter: a little off nominal, differently for each gain.
-constexpr std::array kPositiveSlope = {3.1613e-4, 3.1502e-5, 3.1699e-6, 3.1401e-7};
-constexpr std::array kNegativeSlope = {-3.1589e-4, -3.1555e-5, -3.1601e-6, -3.1450e-7};
+// This unit's converter: a little off nominal, differently for each gain. Whole multiples of what a constant can store.
+constexpr double kStored = 1.0 / 4294967296.0;
+constexpr std::array kPositiveSlope = {1357768 * kStored, 135300 * kStored, 13615 * kStored, 1349 * kStored};
+constexpr std::array kNegativeSlope = {-1356737 * kStored, -135528 * kStored, -13573 * kStored, -1351 * kStored};
 constexpr std::array kCenter = {33523.25, 33481.5, 33602.75, 33444.0};
 
 std::uint8_t fold(unsigned sum) {
@@ -250,6 +251,7 @@ std::uint8_t U6Emulator::start_stream(std::int64_t now_ns) {
   keep_until_.reset();
   discarded_.reset();
   forced_loss_scans_ = 0;
+  is_overlapping_ = false;
   counter_ = 0;
   is_streaming_ = true;
   return 0;

@@ -28,7 +28,7 @@ class U6Emulator final : public EmulatedDevice {
   static constexpr std::size_t kFio0 = 16;
   static constexpr std::size_t kLargeFifoSamples = 984;  ///< With 25 samples per packet; the data sheet says 512 to 984.
   static constexpr std::size_t kSmallFifoSamples = 512;
-  static constexpr std::uint64_t kForcedLossScans = 100;  ///< What `Faults::overrun_at_code` discards.
+  static constexpr std::uint64_t kForcedLossScans = 5;  ///< What `Faults::overrun_at_code` discards.
 
   struct Identity {
     std::uint32_t serial = 360004242;
@@ -38,7 +38,7 @@ class U6Emulator final : public EmulatedDevice {
   };
   /// What only a U6 can do wrong; codes are counted as in Faults.
   struct Quirks {
-    std::uint64_t scan_overlap_at_code = Faults::kNever;                ///< Error 55 and the end of the stream.
+    std::uint64_t scan_overlap_at_code = Faults::kNever;                ///< Error 55 from here to the stop (no document says for how long).
     std::size_t reply_bytes = std::numeric_limits<std::size_t>::max();  ///< Replies are cut to this. Stays.
     bool is_discarded_count_wide = false;                               ///< The count of lost scans reaches into bytes 8 and 9. Stays.
     bool has_dummy_scan = true;                                         ///< false: auto-recovery ends without its scan of 0xFFFF. Stays.
@@ -109,6 +109,7 @@ class U6Emulator final : public EmulatedDevice {
   std::uint8_t counter_ = 0;
   std::optional<std::uint64_t> keep_until_;  ///< Auto-recovery: samples before this one are sent, later ones are discarded.
   std::uint64_t forced_loss_scans_ = 0;
+  bool is_overlapping_ = false;
   std::optional<std::uint64_t> discarded_;  ///< To be reported by the next packet.
 };
 

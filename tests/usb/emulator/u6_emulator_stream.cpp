@@ -146,10 +146,8 @@ std::optional<Packet> U6Emulator::take_stream_packet(std::int64_t now_ns) {
       error = discarded > 0xFFFF ? kRecoveryOverflow : kRecoveryReport;
       if (quirks.is_discarded_count_wide) discarded |= 0x10000U;
     }
-    if (strikes(quirks.scan_overlap_at_code, first, end)) {
-      error = kScanOverlap;
-      is_streaming_ = false;
-    }
+    is_overlapping_ = is_overlapping_ || strikes(quirks.scan_overlap_at_code, first, end);
+    if (is_overlapping_) error = kScanOverlap;
     if (strikes(faults.skip_counter_at_code, first, end)) ++counter_;
     Bytes packet = make_packet(samples, error, discarded, now_ns);
     resume_when_drained(now_ns);

@@ -35,6 +35,8 @@ class FakeBus final : public device::usb::UsbBus {
 
   /// How late a completion is noticed by the host, ns, asked for every completion: scheduling noise.
   std::function<std::int64_t()> lateness_ns;
+  /// Asked for every transfer that ends, with their number so far (from 0) and how it ended: what the host is told instead.
+  std::function<device::usb::UsbStatus(std::uint64_t, device::usb::UsbStatus)> completion_status;
   /// Called before each control or bulk OUT request reaches its device, with the number of such requests so far (from 0): unplug
   /// here to lose the device in the middle of a sequence.
   std::function<void(std::uint64_t)> on_request;
@@ -79,6 +81,7 @@ class FakeBus final : public device::usb::UsbBus {
   core::VirtualClock& clock_;
   std::uint64_t arrivals_ = 0;
   std::uint64_t requests_ = 0;
+  std::uint64_t completions_ = 0;
   std::uint8_t next_address_ = 2;
   std::vector<std::shared_ptr<Plug>> plugs_;
   std::vector<Absent> absent_;

@@ -197,6 +197,8 @@ void FakePort::note(std::vector<FinishedUrb> finished) {
       sync_result_ = std::move(urb);
       continue;
     }
+    const std::uint64_t number = bus_.completions_++;
+    if (bus_.completion_status) urb.status = bus_.completion_status(number, urb.status);
     const std::int64_t late_ns = bus_.lateness_ns ? std::max<std::int64_t>(bus_.lateness_ns(), 0) : 0;
     // One thread notices them all, in their order.
     const std::int64_t earliest_ns = completions_.empty() ? 0 : completions_.back().due_ns;

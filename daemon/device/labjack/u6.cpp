@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/labjack/u6.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "device/device_checks.h"
+#include "device/labjack/u6_frames.h"
+#include "device/labjack/u6_timing.h"
+
+namespace dts::device::labjack {
+namespace {
+
+using core::ErrorCode;
+using Outcome = DeviceCheck::Outcome;
+
+constexpr std::array kModels = {usb::UsbModel{0x0CD5, 0x0006, "LabJack U6", "labjack:u6"}};
+constexpr std::size_t kGround = 15;
+constexpr double kLastCode = 65'535.0;
+constexpr std::uint16_t kRailCodes = 1;  // at the end or next to it
+constexpr int kDrainTimeoutMs = 20;
+constexpr int kMostDrainReads = 64;  // more than the FIFO holds; a device that never falls silent must not hold us
+constexpr std::size_t kDrainBytes = 16 * kUsbPacketBytes;
+constexpr std::int64_t kInFlightNs = 250'000'000;  // the FIFO alone lasts 20 ms at full speed
+constexpr std::int64_t kBufferedNs = 2'000'000'000;
+
+std::size_t gain_of(double range_v) noexcept { return static_cast<std::size_t>(std::ranges::find(kRangesV, range_v) - kRangesV.begin()); }
+
+ChannelDescription describe_channel(std::size_t input, std::size_t gain) {
+  if (input == kDigitalWord) return {"digital", "", ChannelRole::Auxiliary, 0.0, kLastCode, 1.0};
+  const Calibration::Gain nominal = Calibration::nominal().gain(gain);
+  const ChannelRole role = input == kGround ? ChannelRole::Auxiliary : ChannelRole::Sensor;
+  return {"ch" + std::to_string(input),
+          "V",
+          role,
+          nominal.center * nominal.negative_slope_v,
+          (kLastCode - nominal.center) * nominal.positive_slope_v,
+          nominal.positive_slope_v};
+}
+
+/// Takes what is left in the stream endpoint. Nothing is running.
+core::Status drain(usb::UsbPort& port) {
+  std::vector<std::uint8_t> buffer(kDrainBytes);
+  for (int i = 0; i < kMostDrainReads; ++i) {
+    const auto received = port.bulk_in(kStreamEndpoint, buffer, kDrainTimeoutMs);
+    if (received) continue;
+    if (received.error() == usb::UsbStatus::TimedOut) return {};
+    if (received.error() != usb::UsbStatus::Stall) return tl::make_unexpected(usb::to_error(received.error(), "LabJack U6: stream data"));
+    if (const auto cleared = port.clear_halt(kStreamEndpoint); !cleared) {
+      return tl::make_unexpected(usb::to_error(cleared.error(), "LabJack U6: stream data"));
+    }
+  }
+  return core::fail(ErrorCode::Failed, "LabJack U6: it does not stop sending stream data", "unplug it and plug it in again");
+}
+
+std::size_t transfers_for(std::int64_t time_ns, std::int64_t period_ns, std::size_t least, std::size_t most) noexcept {
+  return std::clamp(static_cast<std::size_t>(time_ns / std::max<std::int64_t>(period_ns, 1)), least, most);
+}
+
+std::string describe_packing(const Packing& packing, std::size_t channels) {
+  const std::string samples = std::to_string(packing.samples_per_packet);
+  if (packing.samples_per_packet % channels == 0 && packing.packets_per_transfer == 1) {
+    const std::size_t scans = packing.samples_per_packet / channels;
+    return "immediate, " + (scans == 1 ? "one scan" : std::to_string(scans) + " scans") + " per packet";
+  }
+  return std::to_string(packing.packets_per_transfer) + " packets of " + samples + " samples per transfer";
+}
+
+}  // namespace
+
+std::vector<usb::UsbModel> u6_models() { return {kModels.begin(), kModels.end()}; }
+
+U6::U6(usb::DaqOptions options) : options_(std::move(options)) {
+  description_.uri = options_.uri;
+  description_.model = "LabJack U6";
+  description_.serial = options_.serial;
+  description_.minimum_rate_hz = kMinimumRateHz;
+  description_.maximum_rate_hz = kMaximumSamplesPerSecond / static_cast<double>(options_.channels.size());
+  for (std::size_t i = 0; i < options_.channels.size(); ++i) {
+    gains_.push_back(options_.channels[i] == kDigitalWord ? kRangesV.size() : gain_of(options_.ranges_v[i]));
+    description_.channels.push_back(describe_channel(options_.channels[i], gains_.back()));
+  }
+}
+
+std::span<const usb::UsbModel> U6::models() const noexcept { return kModels; }
+
+core::Result<core::Rate> U6::exact_rate(core::Rate wanted) const {
+  if (auto checked = check_rate(description_, wanted); !checked) return checked;
+  return nearest_clock(wanted, options_.channels.size()).rate;
+}
+
+double U6::volts(std::size_t channel, std::uint16_t code) const noexcept {
+  return gains_[channel] < kRangesV.size() ? calibration_.volts(gains_[channel], code) : static_cast<double>(code);
+}
+
+bool U6::is_rail(std::size_t channel, std::uint16_t code) const noexcept {
+  return gains_[channel] < kRangesV.size() && (code <= kRailCodes || code >= 0xFFFF - kRailCodes);
+}
+
+core::Status U6::connect(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
+  if (auto ended = end_earlier_stream(port, checks); !ended) return ended;
+  if (auto identified = identify(port, checks); !identified) return identified;
+  if (auto read = read_constants(port, checks); !read) return read;
+  // Timers and counters take pins away from the digital word.
+  if (auto off = run(port, turn_timers_off()); !off) return tl::make_unexpected(off.error());
+  return {};
+}
+
+core::Status U6::end_earlier_stream(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
+  const auto stopped = exchange(port, stop_stream());
+  if (!stopped) return tl::make_unexpected(stopped.error());
+  if (stopped->error != 0 && stopped->error != kErrorStreamNotRunning) return tl::make_unexpected(refused("StreamStop", stopped->error));
+  if (stopped->error == 0) checks.push_back({"no scan was running", Outcome::Warning, "one of an earlier program was, and was ended"});
+  return drain(port);
+}
+
+core::Status U6::identify(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
+  const auto reply = run(port, read_unit());
+  if (!reply) return tl::make_unexpected(reply.error());
+  const std::vector<std::uint8_t>& bytes = reply->bytes;
+  std::uint32_t serial = 0;
+  for (std::size_t i = 4; i-- > 0;) serial = serial << 8U | bytes[15 + i];
+  const std::string serial_text = std::to_string(serial);
+  // The unit has no serial number in its USB descriptors: only this command tells.
+  if (!options_.serial.empty() && options_.serial != serial_text) {
+    return core::fail(ErrorCode::NotFound, options_.uri + ": the LabJack U6 that is plugged in has serial number " + serial_text,
+                      "plug in " + options_.serial + ", or change serial=");
+  }
+  const bool is_pro = bytes[37] == 12;
+  const std::string minor = std::to_string(bytes[9]);
+  checks.push_back({"the unit answers", is_pro || bytes[37] == 4 ? Outcome::Passed : Outcome::Warning,
+                    std::string(is_pro ? "U6-Pro" : "U6") + ", serial number " + serial_text + ", firmware " + std::to_string(bytes[10]) +
+                        "." + (minor.size() < 2 ? "0" : "") + minor});
+  return {};
+}
+
+core::Status U6::read_constants(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
+  std::vector<std::uint8_t> blocks;
+  for (std::uint8_t block = 0; block < kCalibrationBlocks; ++block) {
+    const auto reply = run(port, read_calibration(block));
+    if (!reply) return tl::make_unexpected(reply.error());
+    blocks.insert(blocks.end(), reply->bytes.end() - kCalibrationBlockBytes, reply->bytes.end());
+  }
+  std::vector<std::size_t> in_use;
+  std::ranges::copy_if(gains_, std::back_inserter(in_use), [](std::size_t gain) { return gain < kRangesV.size(); });
+  const auto parsed = Calibration::parse(blocks, in_use);
+  if (!parsed) return tl::make_unexpected(parsed.error());
+  calibration_ = *parsed;
+  checks.push_back({"the calibration is believable", Outcome::Passed, "read from the unit"});
+  return {};
+}
+
+core::Result<usb::ScanPlan> U6::configure(usb::UsbPort& port, const usb::ScanRequest& request) {
+  // The last StreamStop may have been lost, and firmware before 0.94 leaves data behind (Exodriver's u6Stream example).
+  if (auto stopped = exchange(port, stop_stream()); !stopped) return tl::make_unexpected(stopped.error());
+  if (auto drained = drain(port); !drained) return tl::make_unexpected(drained.error());
+  const std::size_t channels = options_.channels.size();
+  const ScanClock clock = nearest_clock(request.rate, channels);
+  const Packing packing = pack(clock.rate, channels, request.latency_ns, request.must_use_large_packets);
+  StreamSetup setup{.samples_per_packet = static_cast<std::uint8_t>(packing.samples_per_packet),
+                    .scan_config = clock.scan_config,
+                    .interval = clock.interval,
+                    .channels = {},
+                    .options = {}};
+  for (std::size_t i = 0; i < channels; ++i) {
+    setup.channels.push_back(static_cast<std::uint8_t>(options_.channels[i]));
+    setup.options.push_back(gains_[i] < kRangesV.size() ? static_cast<std::uint8_t>(gains_[i] << 4U) : std::uint8_t{0});
+  }
+  if (auto configured = run(port, configure_stream(setup)); !configured) return tl::make_unexpected(configured.error());
+  parser_.restart(channels, packing.samples_per_packet);
+
+  usb::ScanPlan plan;
+  plan.shape.endpoint = kStreamEndpoint;
+  plan.shape.transfer_bytes = packing.packets_per_transfer * kUsbPacketBytes;
+  plan.shape.transfer_count = transfers_for(kInFlightNs, packing.transfer_period_ns, 8, 128);
+  plan.shape.buffer_chunks = transfers_for(kBufferedNs, packing.transfer_period_ns, 64, 4096);
+  plan.packet_period_ns = packing.transfer_period_ns;
+  plan.sentence = describe_packing(packing, channels);
+  return plan;
+}
+
+core::Result<std::vector<double>> U6::read_once(usb::UsbPort&) {
+  return core::fail(ErrorCode::Unsupported, "LabJack U6: single readings are not implemented",
+                    "use the ground channel: marker=15&marker_v=0");
+}
+
+core::Status U6::begin(usb::UsbPort& port) {
+  if (auto started = run(port, start_stream()); !started) return tl::make_unexpected(started.error());
+  return {};
+}
+
+void U6::end(usb::UsbPort& port) noexcept {
+  // Whatever it answers: the next `configure` finds out.
+  (void)exchange(port, stop_stream());
+}
+
+core::Result<usb::ScanHealth> U6::health(usb::UsbPort& port) {
+  // Of all commands only this one and StreamStop are allowed during a stream, and it does not tell whether one is running.
+  if (auto reply = run(port, read_unit()); !reply) return tl::make_unexpected(reply.error());
+  return usb::ScanHealth{.is_running = true, .is_overrun = parser_.is_recovering()};
+}
+
+}  // namespace dts::device::labjack

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/mcc/calibration.h"
+
+#include <bit>
+#include <cmath>
+
+namespace dts::device::mcc {
+namespace {
+
+constexpr double kSmallestSlope = 0.5;
+constexpr double kLargestSlope = 2.0;
+constexpr double kLargestMiddleError = 1.0 / 8.0;  // of the full scale; a factory correction is below one hundredth
+
+float read_float(std::span<const std::uint8_t> bytes) noexcept {
+  std::uint32_t word = 0;
+  for (std::size_t i = 4; i-- > 0;) word = word << 8U | bytes[i];
+  return std::bit_cast<float>(word);
+}
+
+}  // namespace
+
+core::Result<Calibration> decode_calibration(std::span<const std::uint8_t> record, unsigned bits, const std::string& where) {
+  const auto damaged = [&](const std::string& why) {
+    return core::fail(core::ErrorCode::DataDamaged, where + ": " + why,
+                      "the unit's calibration memory is blank or damaged: let MCC's InstaCal or the factory calibrate it again");
+  };
+  if (record.size() < kCalibrationRecordBytes) return damaged("the record is cut short");
+  const Calibration found{.slope = read_float(record), .offset = read_float(record.subspan(4))};
+  if (!std::isfinite(found.slope) || !std::isfinite(found.offset)) return damaged("slope or offset is not a number");
+  const std::string values = "slope " + std::to_string(found.slope) + ", offset " + std::to_string(found.offset) + " codes";
+  if (found.slope < kSmallestSlope || found.slope > kLargestSlope) return damaged(values + " is not believable");
+  const double full_scale = std::ldexp(1.0, static_cast<int>(bits));
+  const double middle = full_scale / 2.0;
+  if (std::abs(found.slope * middle + found.offset - middle) > full_scale * kLargestMiddleError)
+    return damaged(values + " is not believable");
+  return found;
+}
+
+VoltageLine voltage_line(const Calibration& calibration, double range_v, unsigned bits) noexcept {
+  const double volts_per_corrected_code = 2.0 * range_v / std::ldexp(1.0, static_cast<int>(bits));
+  return {.volts_per_code = calibration.slope * volts_per_corrected_code,
+          .volts_at_zero = calibration.offset * volts_per_corrected_code - range_v};
+}
+
+}  // namespace dts::device::mcc

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/mcc/control.h"
+
+#include <algorithm>
+#include <array>
+
+#include "device/usb/daq_driver.h"
+
+namespace dts::device::mcc {
+namespace {
+
+using usb::kControlTimeoutMs;
+using usb::UsbStatus;
+
+constexpr int kDrainTimeoutMs = 2;
+constexpr std::uint8_t kDigitalDirection = 0x00;  // 1: input
+constexpr std::uint8_t kDigitalLatch = 0x02;
+constexpr char kUnplugHint[] = "unplug the device, plug it in again, and try another port or cable when that does not help";
+
+/// Reads the register, changes one bit, writes it back.
+core::Status change_bit(usb::UsbPort& port, std::uint8_t request, unsigned bit, bool is_set, const std::string& what) {
+  const auto before = get(port, {.request = request}, 1, "reading " + what);
+  if (!before) return tl::make_unexpected(before.error());
+  const unsigned mask = 1U << bit;
+  const unsigned after = is_set ? before->front() | mask : before->front() & ~mask;
+  return put(port, {.request = request, .value = static_cast<std::uint16_t>(after)}, "setting " + what);
+}
+
+}  // namespace
+
+core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, std::span<const std::uint8_t> bytes, const std::string& what) {
+  const usb::UsbResult sent = port.control_out(request, bytes, kControlTimeoutMs);
+  if (!sent) return tl::make_unexpected(usb::to_error(sent.error(), what, kUnplugHint));
+  if (*sent == bytes.size()) return {};
+  return core::fail(core::ErrorCode::Failed,
+                    what + ": the device took " + std::to_string(*sent) + " of " + std::to_string(bytes.size()) + " bytes", kUnplugHint);
+}
+
+core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what) { return put(port, request, {}, what); }
+
+core::Result<std::vector<std::uint8_t>> get(usb::UsbPort& port, const usb::ControlRequest& request, std::size_t count,
+                                            const std::string& what) {
+  std::vector<std::uint8_t> bytes(count);
+  const usb::UsbResult received = port.control_in(request, bytes, kControlTimeoutMs);
+  if (!received) return tl::make_unexpected(usb::to_error(received.error(), what, kUnplugHint));
+  if (*received == count) return bytes;
+  return core::fail(core::ErrorCode::DataDamaged,
+                    what + ": the device gave " + std::to_string(*received) + " of " + std::to_string(count) + " bytes", kUnplugHint);
+}
+
+core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what) {
+  return get(port, request, kCodeBytes, what).map([](const std::vector<std::uint8_t>& bytes) {
+    return static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8U);
+  });
+}
+
+core::Status drain(usb::UsbPort& port, std::uint8_t endpoint, std::size_t packet_bytes, std::size_t most_packets) {
+  std::vector<std::uint8_t> packet(packet_bytes);
+  for (std::size_t i = 0; i < most_packets; ++i) {
+    const usb::UsbResult received = port.bulk_in(endpoint, packet, kDrainTimeoutMs);
+    if (received) continue;
+    if (received.error() == UsbStatus::NoDevice) return tl::make_unexpected(usb::to_error(received.error(), "emptying the data endpoint"));
+    return {};
+  }
+  return core::fail(core::ErrorCode::Failed, "emptying the data endpoint: the device goes on sending after its scan was stopped",
+                    kUnplugHint);
+}
+
+core::Status clear_halt(usb::UsbPort& port, std::uint8_t endpoint) {
+  const usb::UsbResult cleared = port.clear_halt(endpoint);
+  if (!cleared) return tl::make_unexpected(usb::to_error(cleared.error(), "clearing the data endpoint's halt", kUnplugHint));
+  return {};
+}
+
+void append_u32(std::vector<std::uint8_t>& bytes, std::uint32_t value) {
+  for (unsigned shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<std::uint8_t>(value >> shift));
+}
+
+core::Status drive_line(usb::UsbPort& port, unsigned bit, bool is_high) {
+  return change_bit(port, kDigitalLatch, bit, is_high, "digital output " + std::to_string(bit));
+}
+
+core::Status prepare_line(usb::UsbPort& port, unsigned bit) {
+  // The latch first: the line must not show an old level when it becomes an output.
+  if (auto low = drive_line(port, bit, false); !low) return low;
+  return change_bit(port, kDigitalDirection, bit, false, "the direction of digital line " + std::to_string(bit));
+}
+
+CodesRead read_codes(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> codes, std::uint16_t largest) noexcept {
+  CodesRead read;
+  const std::size_t count = std::min(bytes.size() / kCodeBytes, codes.size());
+  for (; read.codes < count; ++read.codes) {
+    const auto code = static_cast<std::uint16_t>(bytes[read.bytes] | bytes[read.bytes + 1] << 8U);
+    read.bytes += kCodeBytes;
+    if (code > largest) {
+      read.is_damaged = true;
+      return read;
+    }
+    codes[read.codes] = code;
+  }
+  if (bytes.size() - read.bytes != 1) return read;
+  ++read.bytes;
+  read.is_damaged = true;
+  return read;
+}
+
+}  // namespace dts::device::mcc

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/mcc/description.h"
+
+#include <cmath>
+#include <string>
+
+namespace dts::device::mcc {
+
+DeviceDescription describe_unit(std::string_view product, const usb::DaqOptions& options, unsigned bits, double max_scan_hz) {
+  DeviceDescription description;
+  description.uri = options.uri;
+  description.model = "MCC " + std::string(product);
+  description.serial = options.serial;
+  description.minimum_rate_hz = kMinimumScanHz;
+  description.maximum_rate_hz = max_scan_hz;
+  for (std::size_t position = 0; position < options.channels.size(); ++position) {
+    const bool is_marker = options.marker && options.marker->position == position;
+    const double range_v = options.ranges_v[position];
+    description.channels.push_back({.name = "ch" + std::to_string(options.channels[position]),
+                                    .unit = "V",
+                                    .role = is_marker ? ChannelRole::Auxiliary : ChannelRole::Sensor,
+                                    .minimum = -range_v,
+                                    .maximum = range_v,
+                                    .resolution = std::ldexp(2.0 * range_v, -static_cast<int>(bits))});
+  }
+  return description;
+}
+
+}  // namespace dts::device::mcc

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string_view>
+
+#include "device/device.h"
+#include "device/usb/daq_options.h"
+
+namespace dts::device::mcc {
+
+inline constexpr double kMinimumScanHz = 1.0;  ///< Below that a broken device cannot be told from a slow one in good time.
+
+/// What is known of a unit before it is plugged in: one channel per position of the scan, named by its input; the marker is
+/// auxiliary.
+[[nodiscard]] DeviceDescription describe_unit(std::string_view product, const usb::DaqOptions& options, unsigned bits, double max_scan_hz);
+
+}  // namespace dts::device::mcc

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "device/registry.h"
+
+namespace dts::device::mcc {
+
+/// One entry per product of this folder, and the joined pair.
+[[nodiscard]] std::vector<RegistryEntry> registry_entries();
+
+}  // namespace dts::device::mcc

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/mcc/fpga.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+
+#include "device/mcc/control.h"
+
+namespace dts::device::mcc {
+namespace {
+
+using core::ErrorCode;
+
+constexpr std::uint8_t kStatus = 0x40;
+constexpr std::uint8_t kFpgaCommand = 0x50;
+constexpr std::uint8_t kFpgaData = 0x51;
+constexpr std::array<std::uint8_t, 1> kEnterLoading = {0xAD};
+constexpr std::size_t kPieceBytes = 64;
+constexpr int kMostStatusRequests = 250;  // PyDAQFlex waits 0.25 s before it asks; a request takes a frame or two
+
+constexpr std::uint16_t kFirstRevision2 = 0x0134;
+constexpr std::size_t kRevision1Bytes = 73'829;
+constexpr std::size_t kRevision2Bytes = 73'722;
+
+constexpr char kSourceHint[] =
+    "the image belongs to MCC and comes with its library uldaq (1.2.1: the array in src/usb/fw/Usb1608gFpga.c, or Usb1608g2Fpga.c "
+    "for hardware revision 2): write the array's bytes to a file and name it with fpga=FILE";
+
+}  // namespace
+
+std::size_t fpga_image_bytes(std::uint16_t product) noexcept { return product < kFirstRevision2 ? kRevision1Bytes : kRevision2Bytes; }
+
+core::Result<std::vector<std::uint8_t>> read_fpga_image(const std::string& path, std::uint16_t product) {
+  if (path.empty())
+    return core::fail(ErrorCode::NotFound, "the device has no FPGA image since its power-up, and none was given", kSourceHint);
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error) return core::fail(ErrorCode::NotFound, "FPGA image " + path + ": " + error.message(), kSourceHint);
+  const std::size_t expected = fpga_image_bytes(product);
+  if (size != expected) {
+    return core::fail(ErrorCode::InvalidArgument,
+                      "FPGA image " + path + " has " + std::to_string(size) + " bytes; this unit's hardware revision takes one of " +
+                          std::to_string(expected),
+                      kSourceHint);
+  }
+  std::vector<std::uint8_t> image(expected);
+  std::ifstream file(path, std::ios::binary);
+  for (std::uint8_t& byte : image) byte = static_cast<std::uint8_t>(file.get());
+  if (!file) return core::fail(ErrorCode::Failed, "FPGA image " + path + " cannot be read", "check its permissions");
+  return image;
+}
+
+core::Result<GStatus> read_g_status(usb::UsbPort& port) {
+  return get_word(port, {.request = kStatus}, "reading the status").map([](std::uint16_t status) {
+    return GStatus{.is_running = (status & 1U << 1) != 0,
+                   .is_overrun = (status & 1U << 2) != 0,
+                   .is_fpga_loaded = (status & 1U << 8) != 0,
+                   .is_fpga_loading = (status & 1U << 9) != 0};
+  });
+}
+
+core::Status load_fpga(usb::UsbPort& port, std::span<const std::uint8_t> image) {
+  if (auto sent = put(port, {.request = kFpgaCommand}, kEnterLoading, "entering the FPGA's configuration mode"); !sent) return sent;
+  const auto entered = read_g_status(port);
+  if (!entered) return tl::make_unexpected(entered.error());
+  if (!entered->is_fpga_loading) return core::fail(ErrorCode::Failed, "the device does not enter its FPGA's configuration mode");
+  for (std::size_t at = 0; at < image.size(); at += kPieceBytes) {
+    const auto piece = image.subspan(at, std::min(kPieceBytes, image.size() - at));
+    if (auto sent = put(port, {.request = kFpgaData}, piece, "loading the FPGA image"); !sent) return sent;
+  }
+  for (int i = 0; i < kMostStatusRequests; ++i) {
+    const auto status = read_g_status(port);
+    if (!status) return tl::make_unexpected(status.error());
+    if (status->is_fpga_loaded) return {};
+  }
+  return core::fail(ErrorCode::Failed, "the device did not accept the FPGA image", kSourceHint);
+}
+
+}  // namespace dts::device::mcc

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "device/mcc/calibration.h"
+#include "device/mcc/fs_plus_models.h"
+#include "device/registry.h"
+#include "device/usb/daq_driver.h"
+#include "device/usb/daq_options.h"
+
+namespace dts::device::mcc {
+
+/// What a user may choose about a unit of the family.
+struct FsPlusSettings {
+  usb::DaqOptions options;
+  Trigger trigger = Trigger::None;
+  SyncPin sync = SyncPin::Unused;
+  std::optional<unsigned> sync_output_bit;  ///< Digital line that tells other instruments of a session.
+};
+
+/// The protocol of MCC's FS-Plus family: USB-1608FS-Plus, 1208FS-Plus, 1408FS-Plus, USB-201, 202, 204 and 205. What differs
+/// between them stands in their rows of `fs_plus_models`. No request that writes calibration, serial number or firmware exists
+/// in this code.
+///
+///     connect    stop, calibration
+///     configure  stop, clear FIFO, drain, clear errors, ranges written and read back, clear halt
+///     begin      start, status
+class FsPlus final : public usb::DaqDriver {
+ public:
+  FsPlus(const FsPlusModel& model, FsPlusSettings settings);
+
+  [[nodiscard]] const DeviceDescription& describe() const noexcept override { return description_; }
+  [[nodiscard]] std::span<const usb::UsbModel> models() const noexcept override { return {&model_.usb, 1}; }
+  [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override;
+  [[nodiscard]] double volts(std::size_t channel, std::uint16_t code) const noexcept override { return lines_[channel].at(code); }
+  [[nodiscard]] bool is_rail(std::size_t, std::uint16_t code) const noexcept override { return code == 0 || code == model_.largest_code(); }
+
+  [[nodiscard]] core::Status connect(usb::UsbPort& port, std::vector<DeviceCheck>& checks) override;
+  [[nodiscard]] core::Result<usb::ScanPlan> configure(usb::UsbPort& port, const usb::ScanRequest& request) override;
+  [[nodiscard]] core::Result<std::vector<double>> read_once(usb::UsbPort& port) override;
+  [[nodiscard]] core::Status begin(usb::UsbPort& port) override;
+  void end(usb::UsbPort& port) noexcept override;
+  [[nodiscard]] core::Result<usb::ScanHealth> health(usb::UsbPort& port) override;
+  [[nodiscard]] bool waits_for_trigger() const noexcept override;
+  [[nodiscard]] core::Status set_sync_output(usb::UsbPort& port, bool is_high) override;
+  [[nodiscard]] usb::Unpacked unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> codes) noexcept override;
+
+ private:
+  [[nodiscard]] core::Status read_calibration(usb::UsbPort& port);
+  [[nodiscard]] core::Status make_quiet(usb::UsbPort& port, std::size_t packet_bytes);
+  [[nodiscard]] core::Status set_ranges(usb::UsbPort& port);
+  [[nodiscard]] core::Status start_in_vain(usb::UsbPort& port, std::size_t packet_bytes);
+  [[nodiscard]] core::Status send_start(usb::UsbPort& port);
+
+  const FsPlusModel& model_;
+  FsPlusSettings settings_;
+  DeviceDescription description_;
+  std::vector<VoltageLine> lines_;  ///< By position in the scan.
+  StartCommand command_;
+  bool is_first_scan_ = true;  ///< Since `connect`.
+};
+
+/// What the model's inputs allow.
+[[nodiscard]] usb::DaqLimits limits_of(const FsPlusModel& model);
+/// What a user may write behind "mcc:1608fs-plus?".
+[[nodiscard]] std::vector<UriOption> fs_plus_options(const FsPlusModel& model);
+/// Fails with Unsupported where there is no USB. Needs no device to be present.
+[[nodiscard]] core::Result<std::unique_ptr<Device>> create_fs_plus(const FsPlusModel& model, const DeviceUri& uri,
+                                                                   const DeviceContext& context);
+
+}  // namespace dts::device::mcc

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/rate.h"
+#include "core/result.h"
+#include "device/usb/usb_bus.h"
+
+namespace dts::device::mcc {
+
+/// The form of AInScanStart (request 0x11).
+///
+///     TenBytes       count:u32 period:u32 mask options                      1608FS-Plus
+///     FourteenBytes  count:u32 retrigger:u32 period:u32 mask options        1208FS-Plus, 1408FS-Plus
+///     TwelveBytes    count:u32 period:u32 mask options trigger:u8 mode:u8   USB-20x
+enum class StartForm : std::uint8_t { TenBytes, FourteenBytes, TwelveBytes };
+
+/// One product of the family. Sources: uldaq 1.2.1 (AiUsb1608fsPlus, AiUsb1208fsPlus, AiUsb20x), Linux_Drivers by W. Jasper.
+struct FsPlusModel {
+  usb::UsbModel usb;
+  unsigned bits = 16;
+  std::int64_t clock_hz = 0;     ///< Of the pacer.
+  bool is_simultaneous = false;  ///< One converter per input: a period is one scan. Else a period is one conversion.
+  double max_scan_hz = 0.0;
+  double max_aggregate_hz = 0.0;  ///< Scans per second times channels.
+  std::size_t fifo_codes = 0;
+  StartForm start = StartForm::TenBytes;
+  bool has_range_list = false;  ///< AInConfig (request 0x14).
+  bool has_sync_pin = false;
+  bool often_fails_first_start = false;  ///< USB-204: Linux_Drivers issue #42.
+  std::span<const double> ranges_v;      ///< Single-ended, +-; the default first.
+  std::span<const std::uint8_t> range_codes;
+  std::size_t first_record = 0;       ///< Calibration record of range code 0, input 0.
+  std::size_t records_per_range = 0;  ///< 0: all ranges share theirs.
+
+  [[nodiscard]] std::uint16_t largest_code() const noexcept { return static_cast<std::uint16_t>((1U << bits) - 1U); }
+  [[nodiscard]] std::uint8_t range_code(double range_v) const noexcept;
+};
+
+inline constexpr std::size_t kFsPlusInputs = 8;
+
+/// The family: one row per product.
+[[nodiscard]] std::span<const FsPlusModel> fs_plus_models() noexcept;
+/// The row of the USB-1608FS-Plus.
+[[nodiscard]] const FsPlusModel& usb_1608fs_plus() noexcept;
+
+[[nodiscard]] double largest_scan_hz(const FsPlusModel& model, std::size_t channels) noexcept;
+
+/// clock / ((register + 1) * conversions per scan): the register is rounded to the nearest. `wanted` is within the limits.
+struct Pacing {
+  std::uint32_t period = 0;  ///< For the register.
+  core::Rate rate;           ///< What it gives, exactly.
+};
+[[nodiscard]] Pacing pace(std::int64_t clock_hz, std::size_t conversions_per_scan, core::Rate wanted) noexcept;
+[[nodiscard]] Pacing pace(const FsPlusModel& model, std::size_t channels, core::Rate wanted) noexcept;
+
+enum class Trigger : std::uint8_t { None = 0, Rising = 1, Falling = 2, High = 3, Low = 4 };
+enum class SyncPin : std::uint8_t {
+  Unused,
+  Output,  ///< A pulse per scan.
+  Input,   ///< A scan per rising edge: the period is not used.
+};
+
+struct StartCommand {
+  std::uint32_t period = 0;
+  std::uint8_t mask = 0;
+  bool is_immediate = false;
+  Trigger trigger = Trigger::None;
+  SyncPin sync = SyncPin::Unused;
+};
+
+/// The bytes of an endless scan. "Do not stall on overrun" stays off: see the folder's README.
+[[nodiscard]] std::vector<std::uint8_t> encode_start(StartForm form, const StartCommand& command);
+
+}  // namespace dts::device::mcc

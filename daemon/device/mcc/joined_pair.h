@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "core/clock.h"
+#include "device/device.h"
+#include "device/registry.h"
+
+namespace dts::device::mcc {
+
+/// The two units of a pair, each a Device of its own.
+struct PairParts {
+  std::unique_ptr<Device> master;  ///< Drives the SYNC wire.
+  std::unique_ptr<Device> slave;   ///< Scans at each pulse; delivers nothing before the first one.
+  DeviceDescription description;   ///< The channels of the master, then those of the slave.
+};
+
+/// Two USB-1608FS-Plus whose SYNC pins are wired together, as one device with up to 16 simultaneous channels: those of the
+/// first unit, then those of the second, numbered on.
+///
+///     slave:  armed, a scan per pulse of SYNC   --+
+///                                                 +-- same scan index = same instant --> one block
+///     master: paces, pulses SYNC per scan       --+
+///
+/// The slave starts first and stops last. Host time is the master's. A fault of either unit is a fault of the pair; so is a unit
+/// that stays behind the other: reads begin with each unit in turn, and where the other one always has to be waited for, it has
+/// lost pulses or packets.
+class JoinedPair final : public Device {
+ public:
+  JoinedPair(PairParts parts, core::Clock& clock);
+  ~JoinedPair() override;
+  JoinedPair(const JoinedPair&) = delete;
+  JoinedPair& operator=(const JoinedPair&) = delete;
+
+  [[nodiscard]] const DeviceDescription& describe() const noexcept override { return description_; }
+  [[nodiscard]] DeviceState state() const noexcept override { return state_.load(std::memory_order_acquire); }  // pairs with move_to
+  [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override;
+  [[nodiscard]] DeviceReport report() const override;
+  [[nodiscard]] bool has_arrived() noexcept override;
+  [[nodiscard]] core::Status open() override;
+  [[nodiscard]] core::Result<core::Rate> start(const StartOptions& options) override;
+  [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
+  void interrupt() noexcept override;
+  [[nodiscard]] core::Status set_sync_output(bool is_high) override;
+  core::Status stop() override;
+  core::Status close() override;
+
+ private:
+  /// One unit and its scans that the other has not delivered yet.
+  struct Half {
+    std::unique_ptr<Device> device;
+    core::Block fresh;                                ///< What one `read` brings.
+    core::Block waiting;                              ///< The scans that come next.
+    ReadOutcome outcome = ReadOutcome::NotStreaming;  ///< Of the last `read`.
+    std::int64_t shortest_wait_ns = 0;                ///< In this window, for scans that the other half had already.
+    int waits = 0;
+  };
+
+  void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
+  [[nodiscard]] core::Result<core::Rate> start_halves(const StartOptions& options);
+  [[nodiscard]] std::optional<ReadResult> collect(Half& half, std::size_t scans, std::int64_t deadline_ns) noexcept;
+  void append(Half& half) noexcept;
+  void drop_front(Half& half, std::size_t scans) noexcept;
+  void merge(core::Block& block, std::size_t scans) noexcept;
+  [[nodiscard]] std::optional<ReadResult> collect_both(std::size_t wanted, std::int64_t deadline_ns) noexcept;
+  void note_wait(Half& half, std::int64_t wait_ns) noexcept;
+  [[nodiscard]] bool is_one_behind(std::size_t scans) noexcept;
+  void begin_window() noexcept;
+  [[nodiscard]] bool is_one_alone(std::int64_t now_ns) noexcept;
+  [[nodiscard]] ReadResult end_with(const ReadResult& fault) noexcept;
+
+  Half master_;
+  Half slave_;
+  core::Clock& clock_;
+  DeviceDescription description_;
+  std::atomic<DeviceState> state_{DeviceState::Closed};
+  std::atomic<bool> is_interrupted_{false};
+  core::Rate rate_;
+  std::size_t max_block_scans_ = 0;
+  std::int64_t lag_limit_ns_ = 0;
+  std::int64_t wait_limit_ns_ = 0;
+  std::uint64_t window_scans_ = 0;
+  bool is_slave_first_ = false;
+  std::optional<ReadResult> broken_;            ///< Repeated until `stop`.
+  std::optional<std::int64_t> alone_since_ns_;  ///< One unit delivers and the other does not.
+};
+
+/// "mcc:1608fs-plus-pair?serial=A&second_serial=B": the options of the first unit, and those of the second with "second_" in front.
+/// Fails with Unsupported where there is no USB. Needs no device to be present.
+[[nodiscard]] core::Result<std::unique_ptr<Device>> create_pair(const DeviceUri& uri, const DeviceContext& context);
+
+}  // namespace dts::device::mcc

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "device/mcc/fs_plus_models.h"
+#include "device/registry.h"
+#include "device/uri_options.h"
+
+namespace dts::device::mcc {
+
+/// Options that all MCC devices of this folder share.
+[[nodiscard]] UriOption trigger_option();
+[[nodiscard]] Trigger read_trigger(const UriOptions& options);
+[[nodiscard]] UriOption sync_output_option();
+[[nodiscard]] std::optional<unsigned> read_sync_output_bit(const UriOptions& options);
+
+/// The refusal of a device on a cable where there is no USB.
+[[nodiscard]] core::Error no_usb(const DeviceUri& uri);
+
+}  // namespace dts::device::mcc

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/nidaqmx/daqmx_library.h"
+
+#include <dlfcn.h>
+
+#include <vector>
+
+namespace dts::device::nidaqmx {
+namespace {
+
+using core::ErrorCode;
+
+constexpr std::size_t kErrorTextBytes = 2048;
+
+std::string loader_says() {
+  const char* const text = dlerror();
+  return text != nullptr ? text : "no reason given";
+}
+
+/// false: `library` has no such function; `missing` becomes the first of these.
+template <class Function>
+void resolve(void* library, const char* name, Function& function, std::string& missing) {
+  function = reinterpret_cast<Function>(dlsym(library, name));
+  if (function == nullptr && missing.empty()) missing = name;
+}
+
+}  // namespace
+
+bool is_overrun(std::int32_t status) noexcept {
+  return status == api::kSamplesNoLongerAvailable || status == api::kInputFifoOverflow || status == api::kInputBufferOverwrite;
+}
+
+bool is_gone(std::int32_t status) noexcept {
+  return status == api::kDeviceRemoved || status == api::kDeviceCannotBeAccessed || status == api::kInvalidDeviceId;
+}
+
+core::Result<std::unique_ptr<const DaqmxLibrary>> DaqmxLibrary::load(const std::string& file) {
+  // Never unloaded: it starts threads of its own, which would be left without code.
+  void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+  if (library == nullptr) {
+    return core::fail(ErrorCode::Unsupported, "NI-DAQmx is not installed on this computer: " + loader_says(),
+                      "install NI's Linux Device Drivers for this distribution, if NI lists the device for it; otherwise another "
+                      "DAQ is needed: see the README of daemon/device/nidaqmx");
+  }
+  auto loaded = std::unique_ptr<DaqmxLibrary>(new DaqmxLibrary);
+  std::string missing;
+  resolve(library, "DAQmxCreateTask", loaded->create_task, missing);
+  resolve(library, "DAQmxCreateAIVoltageChan", loaded->create_ai_voltage_chan, missing);
+  resolve(library, "DAQmxCfgSampClkTiming", loaded->cfg_samp_clk_timing, missing);
+  resolve(library, "DAQmxCfgDigEdgeStartTrig", loaded->cfg_dig_edge_start_trig, missing);
+  resolve(library, "DAQmxCfgInputBuffer", loaded->cfg_input_buffer, missing);
+  resolve(library, "DAQmxGetSampClkRate", loaded->get_samp_clk_rate, missing);
+  resolve(library, "DAQmxStartTask", loaded->start_task, missing);
+  resolve(library, "DAQmxReadAnalogF64", loaded->read_analog_f64, missing);
+  resolve(library, "DAQmxStopTask", loaded->stop_task, missing);
+  resolve(library, "DAQmxClearTask", loaded->clear_task, missing);
+  resolve(library, "DAQmxGetExtendedErrorInfo", loaded->get_extended_error_info, missing);
+  if (missing.empty()) return loaded;
+  return core::fail(ErrorCode::Unsupported, file + " has no function " + missing + ": it is not NI-DAQmx, or an unsuitable release",
+                    "install a current release of NI-DAQmx");
+}
+
+core::Error DaqmxLibrary::error(std::int32_t status, const std::string& what) const {
+  std::vector<char> text(kErrorTextBytes);
+  get_extended_error_info(text.data(), static_cast<std::uint32_t>(text.size()));
+  text.back() = '\0';
+  for (char& letter : text) {
+    if (letter == '\n' || letter == '\r') letter = ' ';
+  }
+  core::Error error;
+  error.code = status == api::kInvalidDeviceId ? ErrorCode::NotFound : is_gone(status) ? ErrorCode::DeviceGone : ErrorCode::Failed;
+  error.what = what + ": NI-DAQmx error " + std::to_string(status) + ": " + text.data();
+  if (status == api::kInvalidDeviceId) error.hint = "write the device as NI's tools name it, for example ni:Dev1";
+  return error;
+}
+
+}  // namespace dts::device::nidaqmx

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/result.h"
+
+namespace dts::device::nidaqmx {
+
+inline constexpr const char* kDefaultLibrary = "libnidaqmx.so.1";
+
+// Values of NI's C API (NI-DAQmx C Reference) and of its published list of error codes (nidaqmx-python, error_codes.py).
+namespace api {
+inline constexpr std::int32_t kVolts = 10348;
+inline constexpr std::int32_t kRising = 10280;
+inline constexpr std::int32_t kContinuous = 10123;
+inline constexpr std::int32_t kTerminalDefault = -1;
+inline constexpr std::int32_t kTerminalRse = 10083;
+inline constexpr std::int32_t kTerminalNrse = 10078;
+inline constexpr std::int32_t kTerminalDifferential = 10106;
+inline constexpr std::uint32_t kGroupByScan = 1;
+
+inline constexpr std::int32_t kSamplesNotYetAvailable = -200284;  ///< A read's time is up.
+inline constexpr std::int32_t kSamplesNoLongerAvailable = -200279;
+inline constexpr std::int32_t kInputFifoOverflow = -200361;
+inline constexpr std::int32_t kInputBufferOverwrite = -200222;
+inline constexpr std::int32_t kDeviceRemoved = -200045;
+inline constexpr std::int32_t kDeviceCannotBeAccessed = -201003;
+inline constexpr std::int32_t kInvalidDeviceId = -200220;
+}  // namespace api
+
+/// The buffer of the device or of the driver was full.
+[[nodiscard]] bool is_overrun(std::int32_t status) noexcept;
+/// The device is not there any more.
+[[nodiscard]] bool is_gone(std::int32_t status) noexcept;
+
+/// NI-DAQmx, loaded at run time: this program is neither built nor linked with anything of NI. Status < 0: error, > 0: warning.
+class DaqmxLibrary {
+ public:
+  using Task = void*;
+  using Bool32 = std::uint32_t;
+
+  /// Unsupported: not installed, or lacks a function. `file` as for dlopen.
+  [[nodiscard]] static core::Result<std::unique_ptr<const DaqmxLibrary>> load(const std::string& file);
+
+  /// What `status` of a call just made in this thread means, in NI's words; `what`: the sentence before it.
+  [[nodiscard]] core::Error error(std::int32_t status, const std::string& what) const;
+
+  // NI's functions under their names without "DAQmx". Thread: any, one per task.
+  std::int32_t (*create_task)(const char* name, Task* task) = nullptr;
+  std::int32_t (*create_ai_voltage_chan)(Task task, const char* channels, const char* names, std::int32_t terminal, double minimum,
+                                         double maximum, std::int32_t units, const char* scale) = nullptr;
+  std::int32_t (*cfg_samp_clk_timing)(Task task, const char* source, double rate_hz, std::int32_t edge, std::int32_t mode,
+                                      std::uint64_t scans) = nullptr;
+  std::int32_t (*cfg_dig_edge_start_trig)(Task task, const char* source, std::int32_t edge) = nullptr;
+  std::int32_t (*cfg_input_buffer)(Task task, std::uint32_t scans) = nullptr;
+  std::int32_t (*get_samp_clk_rate)(Task task, double* rate_hz) = nullptr;
+  std::int32_t (*start_task)(Task task) = nullptr;
+  std::int32_t (*read_analog_f64)(Task task, std::int32_t scans, double timeout_s, Bool32 fill_mode, double* values, std::uint32_t size,
+                                  std::int32_t* scans_read, Bool32* reserved) = nullptr;
+  std::int32_t (*stop_task)(Task task) = nullptr;
+  std::int32_t (*clear_task)(Task task) = nullptr;
+  std::int32_t (*get_extended_error_info)(char* text, std::uint32_t size) = nullptr;
+
+ private:
+  DaqmxLibrary() = default;
+};
+
+}  // namespace dts::device::nidaqmx

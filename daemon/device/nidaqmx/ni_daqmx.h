@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "core/clock.h"
+#include "core/host_time.h"
+#include "device/device.h"
+#include "device/nidaqmx/daqmx_library.h"
+#include "device/registry.h"
+
+namespace dts::device::nidaqmx {
+
+struct NiOptions {
+  std::string uri;
+  std::string name;                   ///< As NI's tools call it: "Dev1".
+  std::vector<std::size_t> channels;  ///< Analogue inputs in scan order.
+  std::int32_t terminal = api::kTerminalRse;
+  double range_v = 10.0;  ///< Asked for, both sides of 0 V; the device takes the next larger one that it has.
+  std::string trigger;    ///< "PFI0"; empty: the scan starts at once.
+  std::string library = kDefaultLibrary;
+};
+
+/// Any device that NI-DAQmx drives on this computer. NI's library owns the USB traffic and the buffer; here are states, time
+/// and errors. It names its true rate only after it is set up, so `exact_rate` answers what was asked for, and `start` fails
+/// when the device would run at another rate, naming that one.
+class NiDaqmx final : public Device {
+ public:
+  NiDaqmx(NiOptions options, core::Clock& clock);
+  ~NiDaqmx() override;
+  NiDaqmx(const NiDaqmx&) = delete;
+  NiDaqmx& operator=(const NiDaqmx&) = delete;
+
+  [[nodiscard]] const DeviceDescription& describe() const noexcept override { return description_; }
+  [[nodiscard]] DeviceState state() const noexcept override { return state_.load(std::memory_order_acquire); }  // pairs with move_to
+  [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override;
+  [[nodiscard]] DeviceReport report() const override;
+  [[nodiscard]] core::Status open() override;
+  [[nodiscard]] core::Result<core::Rate> start(const StartOptions& options) override;
+  [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
+  void interrupt() noexcept override;
+  [[nodiscard]] core::Status set_sync_output(bool is_high) override;
+  core::Status stop() override;
+  core::Status close() override;
+
+ private:
+  void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
+  [[nodiscard]] core::Status create_task();
+  [[nodiscard]] core::Status set_up(const StartOptions& options);
+  [[nodiscard]] core::Status check_rate_of_task(core::Rate promised);
+  [[nodiscard]] core::Status failed(std::int32_t status, const std::string& call) const;
+  core::Status clear_task();
+
+  [[nodiscard]] std::size_t fetch(std::size_t wanted, std::int64_t deadline_ns) noexcept;
+  void note_error(std::int32_t status) noexcept;
+  void fill(core::Block& block, std::size_t count) noexcept;
+  [[nodiscard]] ReadResult tell() noexcept;
+
+  NiOptions options_;
+  core::Clock& clock_;
+  DeviceDescription description_;
+  std::atomic<DeviceState> state_{DeviceState::Closed};
+  std::atomic<bool> is_interrupted_{false};
+  std::atomic<std::int32_t> read_error_{0};  ///< That ended the last scan.
+  mutable std::mutex report_mutex_;
+  DeviceReport report_;
+
+  std::unique_ptr<const DaqmxLibrary> library_;
+  DaqmxLibrary::Task task_ = nullptr;
+  std::size_t max_block_scans_ = 0;
+  std::vector<double> values_;  ///< As read: scan after scan.
+  std::uint64_t next_ = 0;      ///< Scan that the next block begins with.
+  core::HostTime host_time_;
+  ReadResult trouble_{ReadOutcome::Scans, {}};
+};
+
+/// Reads channels, terminal, range_v, trigger and library.
+[[nodiscard]] core::Result<NiOptions> read_ni_options(const DeviceUri& uri);
+/// "ni:Dev1": for the registry.
+[[nodiscard]] core::Result<std::unique_ptr<Device>> create_ni_daqmx(const DeviceUri& uri, const DeviceContext& context);
+
+}  // namespace dts::device::nidaqmx

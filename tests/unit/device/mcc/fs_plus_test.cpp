@@ -1,0 +1,435 @@
+// SPDX-License-Identifier: Apache-2.0
+// USB-1608FS-Plus and its relatives as whole devices, over an emulated unit and a virtual clock.
+#include "device/mcc/fs_plus.h"
+
+#include <gtest/gtest.h>
+
+#include "unit/device/mcc/mcc_bench.h"
+#include "usb/emulator/fs_plus_emulator.h"
+
+namespace dts::device::mcc {
+namespace {
+
+using core::GapReason;
+using emulator::FsPlusEmulator;
+using emulator::FsPlusKind;
+using test::Bench;
+using test::kMillisecond;
+using test::kSecond;
+using test::moving_source;
+using test::Reading;
+
+FsPlusEmulator unit_1608() { return {FsPlusKind::Usb1608, "01A2B3C4", moving_source()}; }
+
+TEST(FsPlus, EightChannelsAt1500Hz_EverySampleRight) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(1500);
+
+  const Reading reading = bench.read(15'000);
+
+  EXPECT_EQ(reading.wrong, 0U);
+  EXPECT_GE(reading.scans, 15'000U);
+  EXPECT_EQ(bench.rate, *core::Rate::create(40'000'000, 26'667));
+  EXPECT_EQ(unit.forbidden_requests, 0);
+}
+
+TEST(FsPlus, FourChannelsAt100Hz_EverySampleRight) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus?channels=0,2,5,7", unit);
+  bench.start(100, 2);
+
+  const Reading reading = bench.read(2000);
+
+  EXPECT_EQ(reading.wrong, 0U);
+  EXPECT_GE(reading.scans, 2000U);
+  EXPECT_EQ(unit.last_start()[8], 0xA5);
+  EXPECT_EQ(unit.last_start()[9], 1);  // immediate
+}
+
+TEST(FsPlus, RangePerChannel_ItsOwnCalibrationRecord) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus?channels=1,2,3,4&range_v=10,5,2,2", unit);
+  bench.start(1000);
+
+  EXPECT_EQ(bench.read(2000).wrong, 0U);
+}
+
+TEST(FsPlus, EachRelative_EverySampleRight) {
+  struct Case {
+    FsPlusKind kind;
+    const char* uri;
+    double conversion_hz;
+  };
+  for (const Case& relative : {Case{FsPlusKind::Usb1208, "mcc:1208fs-plus", 0}, Case{FsPlusKind::Usb1408, "mcc:1408fs-plus", 0},
+                               Case{FsPlusKind::Usb201, "mcc:usb-201", 0}, Case{FsPlusKind::Usb202, "mcc:usb-202", 0},
+                               Case{FsPlusKind::Usb204, "mcc:usb-204", 0}, Case{FsPlusKind::Usb205, "mcc:usb-205", 0}}) {
+    FsPlusEmulator unit(relative.kind, "01A2B3C4", moving_source());
+    Bench bench(relative.uri, unit);
+    bench.start(1500);
+
+    const Reading reading = bench.read(3000, 1.0 / bench.rate.hz() / 8.0);
+
+    EXPECT_EQ(reading.wrong, 0U) << relative.uri;
+    EXPECT_GE(reading.scans, 3000U) << relative.uri;
+    EXPECT_EQ(unit.forbidden_requests, 0) << relative.uri;
+  }
+}
+
+TEST(FsPlus, Describe_WithoutADevice) {
+  const Bench bench("mcc:1608fs-plus?serial=77&channels=0,1,2,7&marker=7&marker_v=2.5");
+
+  const DeviceDescription& description = bench.device->describe();
+
+  EXPECT_EQ(description.model, "MCC USB-1608FS-Plus");
+  EXPECT_EQ(description.serial, "77");
+  ASSERT_EQ(description.channels.size(), 4U);
+  EXPECT_EQ(description.channels[3].name, "ch7");
+  EXPECT_EQ(description.channels[3].role, ChannelRole::Auxiliary);
+  EXPECT_EQ(description.channels[0].maximum, 5.0);
+  EXPECT_NEAR(description.channels[0].resolution, 152.6e-6, 1e-7);
+  EXPECT_EQ(description.maximum_rate_hz, 100e3);
+  EXPECT_EQ(bench.device->exact_rate(*core::Rate::from_hz(1500))->numerator(), 40'000'000);
+}
+
+TEST(FsPlus, NoUsb_Unsupported) {
+  core::VirtualClock clock;
+  const physics::RigModel rig;
+
+  for (const char* uri : {"mcc:1608fs-plus", "mcc:usb-201", "mcc:1608g", "mcc:1608fs-plus-pair?serial=1&second_serial=2"}) {
+    const auto created = create_device(uri, {clock, rig});
+    ASSERT_FALSE(created.has_value());
+    EXPECT_EQ(created.error().code, core::ErrorCode::Unsupported);
+  }
+}
+
+TEST(FsPlus, Overrun_BrokenThenAgain) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(1500);
+  unit.faults.overrun_at_code = 8 * 1000 + 3;
+
+  const Reading reading = bench.read(3000);
+
+  EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(reading.last.gap.reason, GapReason::Overrun);
+  EXPECT_EQ(reading.wrong, 0U);
+  ASSERT_TRUE(bench.device->stop());
+  bench.begin_segment();
+  bench.start(1500);
+  EXPECT_EQ(bench.read(3000).wrong, 0U);
+}
+
+TEST(FsPlus, OverrunWithSmallPackets_LargeOnesAfterwards) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus?channels=0,1,2,3", unit);
+  bench.start(100, 2);
+  ASSERT_EQ(unit.last_start()[9], 1);
+  unit.faults.overrun_at_code = 400;
+  ASSERT_EQ(bench.read(3000).last.gap.reason, GapReason::Overrun);
+  ASSERT_TRUE(bench.device->stop());
+  bench.begin_segment();
+
+  bench.start(100, 2);
+
+  EXPECT_EQ(unit.last_start()[9], 0);
+  EXPECT_EQ(bench.read(500).wrong, 0U);
+}
+
+TEST(FsPlus, HostAwayForThreeSeconds_RealOverrun) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(1500);
+  ASSERT_EQ(bench.read(1500).wrong, 0U);
+
+  bench.clock.advance_ns(3 * kSecond);  // the FIFO holds 2.7 s
+
+  EXPECT_EQ(bench.read(1500).last.gap.reason, GapReason::Overrun);
+}
+
+TEST(FsPlus, Stall_Broken) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(1500);
+  unit.faults.stall_at_code = 20'000;
+
+  const Reading reading = bench.read(6000);
+
+  EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(reading.wrong, 0U);
+}
+
+TEST(FsPlus, Silence_BrokenWithin250ms) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(1500);
+  unit.faults.silence_at_code = 8 * 3000;
+  ASSERT_EQ(bench.read(2900).last.outcome, ReadOutcome::Scans);
+  const std::int64_t before_ns = bench.clock.now_ns();
+
+  const Reading reading = bench.read(3000);
+
+  EXPECT_EQ(reading.last.gap.reason, GapReason::Silence);
+  EXPECT_LT(bench.clock.now_ns() - before_ns, 250 * kMillisecond + 100 * kSecond / 1500);
+}
+
+TEST(FsPlus, OddPacket_Integrity) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(1500);
+  unit.faults.short_packet_at_code = 20'000;
+
+  const Reading reading = bench.read(6000);
+
+  EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(reading.last.gap.reason, GapReason::Integrity);
+  EXPECT_EQ(reading.wrong, 0U);
+}
+
+TEST(FsPlus, Babble_Integrity) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(1500);
+  unit.faults.babble_at_code = 20'000;
+
+  const Reading reading = bench.read(6000);
+
+  EXPECT_EQ(reading.last.gap.reason, GapReason::Integrity);
+  EXPECT_EQ(reading.wrong, 0U);
+}
+
+TEST(FsPlus, ImpossibleCodeOfA12BitUnit_Integrity) {
+  FsPlusEmulator unit(FsPlusKind::Usb1208, "01A2B3C4", moving_source());
+  Bench bench("mcc:1208fs-plus", unit);
+  bench.start(1000);
+  unit.faults.corrupt_at_code = 9'999;
+
+  EXPECT_EQ(bench.read(6000).last.gap.reason, GapReason::Integrity);
+}
+
+TEST(FsPlus, LostSampleAtTheStart_BrokenBeforeAnyScan) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  unit.faults.drop_code_at = 0;
+  bench.start(1500);
+
+  const Reading reading = bench.read(3000);
+
+  EXPECT_EQ(reading.scans, 0U);
+  EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(reading.last.gap.reason, GapReason::Integrity);
+}
+
+TEST(FsPlus, LostSampleLater_MarkerFindsItAtOnce) {
+  FsPlusEmulator unit(FsPlusKind::Usb1608, "01A2B3C4", [](double time_s, std::span<double> volts) {
+    moving_source()(time_s, volts);
+    volts[7] = 3.0;
+  });
+  Bench bench("mcc:1608fs-plus?marker=7&marker_v=3", unit);
+  bench.start(1500);
+  unit.faults.drop_code_at = 8 * 2000 + 4;
+
+  core::Block block(8, 64);
+  std::uint64_t scans = 0;
+  ReadResult last = bench.device->read(block, bench.clock.now_ns() + kSecond);
+  for (; last.outcome == ReadOutcome::Scans && scans < 5000; last = bench.device->read(block, bench.clock.now_ns() + kSecond)) {
+    scans += block.count();
+  }
+
+  EXPECT_EQ(scans, 2000U);  // not one rotated scan
+  EXPECT_EQ(last.gap.reason, GapReason::Integrity);
+}
+
+TEST(FsPlus, CalibrationCutShort_DataDamaged) {
+  FsPlusEmulator unit = unit_1608();
+  unit.faults.calibration_bytes = 300;
+  Bench bench("mcc:1608fs-plus", unit);
+
+  const auto opened = bench.device->open();
+
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_EQ(opened.error().code, core::ErrorCode::DataDamaged);
+  EXPECT_EQ(bench.device->state(), DeviceState::Closed);
+  EXPECT_EQ(bench.bus.open_ports(), 0);
+}
+
+TEST(FsPlus, BlankCalibration_DataDamaged) {
+  FsPlusEmulator unit = unit_1608();
+  unit.faults.is_calibration_garbage = true;
+  Bench bench("mcc:1608fs-plus", unit);
+
+  const auto opened = bench.device->open();
+
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_EQ(opened.error().code, core::ErrorCode::DataDamaged);
+}
+
+TEST(FsPlus, MuteDevice_Timeout) {
+  FsPlusEmulator unit = unit_1608();
+  unit.faults.is_mute = true;
+  Bench bench("mcc:1608fs-plus", unit);
+  const std::int64_t before_ns = bench.clock.now_ns();
+
+  const auto opened = bench.device->open();
+
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_EQ(opened.error().code, core::ErrorCode::Timeout);
+  EXPECT_LT(bench.clock.now_ns() - before_ns, 250 * kMillisecond);
+}
+
+TEST(FsPlus, Unplugged_Gone) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(1500);
+  ASSERT_EQ(bench.read(300).wrong, 0U);
+
+  bench.bus.unplug(unit);
+
+  EXPECT_EQ(bench.read(3000).last.outcome, ReadOutcome::Gone);
+  EXPECT_TRUE(bench.device->close());
+  EXPECT_EQ(bench.bus.transfers_in_flight(), 0);
+}
+
+TEST(FsPlus, ScanLeftRunningByAnotherProgram_EndsAndLeavesNothingBehind) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  const std::vector<std::uint8_t> start = encode_start(StartForm::TenBytes, {.period = 9'999, .mask = 0x07});
+  ASSERT_EQ(unit.control({.request_type = 0x40, .request = 0x11, .length = 10}, start, bench.clock.now_ns()).kind,
+            emulator::ReplyKind::Done);
+  bench.clock.advance_ns(2 * kMillisecond);
+
+  bench.start(1500);
+
+  EXPECT_EQ(bench.read(3000).wrong, 0U);
+}
+
+TEST(FsPlus, StopAndStartAgain_NothingOfTheOldScan) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus?channels=0,3,4", unit);
+  for (int round = 0; round < 5; ++round) {
+    bench.begin_segment();
+    bench.start(1000);
+    EXPECT_EQ(bench.read(777).wrong, 0U);
+    ASSERT_TRUE(bench.device->stop());
+  }
+  EXPECT_EQ(bench.bus.transfers_in_flight(), 0);
+}
+
+TEST(FsPlus, Trigger_ArmedUntilItFires) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus?trigger=rising", unit);
+  bench.start(1500);
+  core::Block block(8, 64);
+  ASSERT_TRUE(unit.is_armed());
+
+  const ReadResult waiting = bench.device->read(block, bench.clock.now_ns() + 5 * kSecond);
+  unit.fire_trigger(bench.clock.now_ns());
+  const Reading reading = bench.read(3000);
+
+  EXPECT_EQ(waiting.outcome, ReadOutcome::Armed);
+  EXPECT_EQ(reading.wrong, 0U);
+  EXPECT_GE(reading.scans, 3000U);
+}
+
+TEST(FsPlus, Usb204_FirstStartFails_NobodyNotices) {
+  FsPlusEmulator unit(FsPlusKind::Usb204, "01A2B3C4", moving_source());
+  unit.failing_starts = 1;
+  Bench bench("mcc:usb-204", unit);
+  bench.start(1500);
+
+  const Reading reading = bench.read(3000, 1.0 / bench.rate.hz() / 8.0);
+
+  EXPECT_EQ(reading.wrong, 0U);
+  EXPECT_GE(reading.scans, 3000U);
+}
+
+TEST(FsPlus, SyncOutput_DrivesItsLineOnly) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus?sync_output_bit=3", unit);
+  bench.start(1500);
+
+  EXPECT_EQ(unit.digital_output(3), false);
+  ASSERT_TRUE(bench.device->set_sync_output(true));
+  EXPECT_EQ(unit.digital_output(3), true);
+  EXPECT_EQ(unit.digital_output(2), std::nullopt);
+  ASSERT_TRUE(bench.device->set_sync_output(false));
+  EXPECT_EQ(unit.digital_output(3), false);
+}
+
+TEST(FsPlus, NoLineChosen_SyncOutputUnsupported) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(1500);
+
+  EXPECT_EQ(bench.device->set_sync_output(true).error().code, core::ErrorCode::Unsupported);
+}
+
+TEST(FsPlus, SyncOutputLoopedBack_StandsInTheData) {
+  FsPlusEmulator unit = unit_1608();
+  unit.loop_back(0, 7);
+  Bench bench("mcc:1608fs-plus?sync_output_bit=0&range_v=10", unit);
+  bench.start(1500);
+  core::Block block(8, 64);
+  ASSERT_EQ(bench.device->read(block, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
+  EXPECT_NEAR(block.column(7)[63], 0.0, 1e-3);
+
+  ASSERT_TRUE(bench.device->set_sync_output(true));
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(bench.device->read(block, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
+
+  EXPECT_NEAR(block.column(7)[63], 5.0, 1e-3);
+}
+
+TEST(FsPlus, SyncPinOut_OnlyWhereThereIsOne) {
+  FsPlusEmulator unit = unit_1608();
+  Bench bench("mcc:1608fs-plus?sync_pin=out", unit);
+  bench.start(1500);
+  EXPECT_EQ(unit.last_start()[9] & 2, 2);
+
+  const auto other = create_device("mcc:1208fs-plus?sync_pin=out", {bench.clock, bench.rig, &bench.bus});
+  EXPECT_EQ(other.error().code, core::ErrorCode::InvalidArgument);
+}
+
+TEST(FsPlus, DeviceAtTwiceItsRate_Integrity) {
+  FsPlusEmulator unit = unit_1608();
+  unit.faults.rate_factor = 2.0;
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(1500);
+
+  EXPECT_EQ(bench.read(30'000).last.gap.reason, GapReason::Integrity);
+}
+
+TEST(FsPlus, OpenFailsWithEachRequestUnanswered_NeverHangsOrLeaks) {
+  for (std::uint64_t lost = 0; lost < 40; ++lost) {
+    FsPlusEmulator unit = unit_1608();
+    Bench bench("mcc:1608fs-plus", unit);
+    bench.bus.on_request = [&](std::uint64_t number) {
+      if (number == lost) unit.faults.silent_control_requests = 1;
+    };
+    const auto opened = bench.device->open();
+    if (opened) (void)bench.device->start({*core::Rate::from_hz(1500), 64});
+    (void)bench.device->stop();
+    EXPECT_TRUE(bench.device->close());
+    EXPECT_EQ(bench.bus.transfers_in_flight(), 0) << lost;
+    EXPECT_EQ(bench.bus.open_ports(), 0) << lost;
+  }
+}
+
+TEST(FsPlus, RailCodes_AreMarked) {
+  FsPlusEmulator unit(FsPlusKind::Usb1608, "01A2B3C4", [](double, std::span<double> volts) {
+    std::fill(volts.begin(), volts.end(), 0.0);
+    volts[1] = 7.0;
+    volts[2] = -7.0;
+  });
+  Bench bench("mcc:1608fs-plus?channels=0,1,2", unit);
+  bench.start(1000);
+  core::Block block(3, 64);
+
+  ASSERT_EQ(bench.device->read(block, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
+
+  EXPECT_EQ(block.quality(0)[5], 0);
+  EXPECT_EQ(block.quality(1)[5], core::quality::kRail);
+  EXPECT_EQ(block.quality(2)[5], core::quality::kRail);
+}
+
+}  // namespace
+}  // namespace dts::device::mcc

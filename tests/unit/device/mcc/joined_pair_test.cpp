@@ -1,0 +1,305 @@
+// SPDX-License-Identifier: Apache-2.0
+// Two USB-1608FS-Plus joined by SYNC, over emulated units whose pins are wired together.
+#include "device/mcc/joined_pair.h"
+
+#include <gtest/gtest.h>
+
+#include "unit/device/mcc/mcc_bench.h"
+#include "usb/emulator/fs_plus_emulator.h"
+
+namespace dts::device::mcc {
+namespace {
+
+using core::GapReason;
+using emulator::FsPlusEmulator;
+using emulator::FsPlusKind;
+using test::Bench;
+using test::kMillisecond;
+using test::kSecond;
+using test::moving_source;
+using test::Reading;
+
+constexpr char kUri[] = "mcc:1608fs-plus-pair?serial=AAAA0001&second_serial=BBBB0002";
+
+/// Two units, wired.
+struct Wired {
+  Wired() {
+    first.connect_sync(line);
+    second.connect_sync(line);
+  }
+  emulator::SyncLine line;
+  FsPlusEmulator first{FsPlusKind::Usb1608, "AAAA0001", moving_source()};
+  FsPlusEmulator second{FsPlusKind::Usb1608, "BBBB0002", moving_source(8)};
+};
+
+struct PairBench : Bench {
+  PairBench(Wired& units, const std::string& rest = "") : Bench(kUri + rest) {
+    bus.plug(units.second);  // in the other order: the serial numbers decide
+    bus.plug(units.first);
+  }
+};
+
+TEST(JoinedPair, SixteenChannelsAt1500Hz_EverySampleRight) {
+  Wired units;
+  PairBench bench(units);
+  bench.start(1500);
+
+  const Reading reading = bench.read(15'000);
+
+  EXPECT_EQ(reading.wrong, 0U);
+  EXPECT_GE(reading.scans, 15'000U);
+  ASSERT_EQ(bench.device->describe().channels.size(), 16U);
+  EXPECT_EQ(bench.device->describe().channels[15].name, "ch15");
+  EXPECT_EQ(units.first.last_start()[9], 2);  // SYNC out
+  EXPECT_EQ((std::vector<std::uint8_t>(units.second.last_start().begin() + 4, units.second.last_start().begin() + 8)),
+            (std::vector<std::uint8_t>{0, 0, 0, 0}));  // external clock
+}
+
+TEST(JoinedPair, UnequalChannels_EverySampleRight) {
+  Wired units;
+  PairBench bench(units, "&channels=0,1,2,3,4,5,6&second_channels=1,4,6&second_range_v=10");
+  bench.start(1500, 30);
+
+  EXPECT_EQ(bench.read(15'000).wrong, 0U);
+  EXPECT_EQ(bench.device->describe().channels[7].name, "ch9");
+}
+
+TEST(JoinedPair, FourChannelsAt100Hz_EverySampleRight) {
+  Wired units;
+  PairBench bench(units, "&channels=0,1&second_channels=0,1");
+  bench.start(100, 2);
+
+  EXPECT_EQ(bench.read(2000).wrong, 0U);
+}
+
+TEST(JoinedPair, AnHour_StaysAligned) {
+  Wired units;
+  units.first.faults.clock_error_ppm = 80.0;
+  PairBench bench(units, "&channels=0,1,2,3&second_channels=0,1,2,3");
+  bench.start(100);
+
+  const Reading reading = bench.read(100 * 3600);
+
+  EXPECT_EQ(reading.wrong, 0U);
+  EXPECT_EQ(reading.last.outcome, ReadOutcome::Scans);
+}
+
+TEST(JoinedPair, HostTime_IsTheMasters) {
+  Wired units;
+  PairBench bench(units);
+  bench.start(1500);
+  (void)bench.read(15'000);
+  core::Block block(16, 64);
+
+  ASSERT_EQ(bench.device->read(block, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
+
+  const std::int64_t newest_ns = block.host_time_ns + bench.rate.time_ns({block.count() - 1});
+  EXPECT_NEAR(static_cast<double>(newest_ns), static_cast<double>(bench.clock.now_ns()), 12e6);  // a block of 8 ms, one being filled
+}
+
+TEST(JoinedPair, SyncWireBreaks_BothBreak) {
+  Wired units;
+  PairBench bench(units);
+  bench.start(1500);
+  ASSERT_EQ(bench.read(3000).wrong, 0U);
+  const std::int64_t before_ns = bench.clock.now_ns();
+
+  units.line.cut(bench.clock.now_ns());
+  const Reading reading = bench.read(30'000);
+
+  EXPECT_EQ(reading.wrong, 0U);
+  EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(reading.last.gap.reason, GapReason::Silence);
+  EXPECT_LT(bench.clock.now_ns() - before_ns, 400 * kMillisecond);
+  EXPECT_EQ(bench.read(1).last.outcome, ReadOutcome::Broken);  // until stop
+}
+
+TEST(JoinedPair, NoWire_NoScansAndBroken) {
+  FsPlusEmulator first(FsPlusKind::Usb1608, "AAAA0001", moving_source());
+  FsPlusEmulator second(FsPlusKind::Usb1608, "BBBB0002", moving_source(8));
+  Bench bench(kUri, first);
+  bench.bus.plug(second);
+  bench.start(1500);
+
+  const Reading reading = bench.read(30'000);
+
+  EXPECT_EQ(reading.scans, 0U);
+  EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
+  bench.bus.unplug(second);
+}
+
+TEST(JoinedPair, ScansOfOneUnitLost_BrokenWithinFourSeconds) {
+  for (const bool is_second : {false, true}) {
+    Wired units;
+    PairBench bench(units);
+    bench.start(1500);
+    ASSERT_EQ(bench.read(30'000).wrong, 0U);
+
+    (is_second ? units.second : units.first).faults.drop_packet_at_code = 8 * 32'000;  // four whole scans: no marker could tell
+
+    const Reading reading = bench.read(60'000);
+    EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken) << is_second;
+    EXPECT_EQ(reading.last.gap.reason, GapReason::Integrity);
+    EXPECT_LT(reading.scans, 2000U + 4U * 1500U);
+  }
+}
+
+TEST(JoinedPair, OnePulseLostAt100Hz_Broken) {
+  Wired units;
+  PairBench bench(units);
+  bench.start(100, 10);
+  ASSERT_EQ(bench.read(1000).wrong, 0U);
+
+  units.second.faults.drop_packet_at_code = 8 * 1200;  // immediate: a packet is one scan
+
+  EXPECT_EQ(bench.read(3000).last.gap.reason, GapReason::Integrity);
+}
+
+TEST(JoinedPair, FaultOfEither_IsAFaultOfBoth) {
+  for (const bool is_second : {false, true}) {
+    Wired units;
+    PairBench bench(units);
+    bench.start(1500);
+    (is_second ? units.second : units.first).faults.overrun_at_code = 20'000;
+
+    const Reading reading = bench.read(30'000);
+
+    EXPECT_EQ(reading.wrong, 0U);
+    EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
+    EXPECT_EQ(reading.last.gap.reason, GapReason::Overrun) << is_second;
+    ASSERT_TRUE(bench.device->stop());
+    bench.begin_segment();
+    bench.start(1500);
+    EXPECT_EQ(bench.read(3000).wrong, 0U);
+  }
+}
+
+TEST(JoinedPair, EitherUnplugged_GoneUntilClosedAndPluggedInAgain) {
+  for (const bool is_second : {false, true}) {
+    Wired units;
+    PairBench bench(units);
+    FsPlusEmulator& victim = is_second ? units.second : units.first;
+    bench.start(1500);
+    ASSERT_EQ(bench.read(3000).wrong, 0U);
+
+    bench.bus.unplug(victim);
+    EXPECT_EQ(bench.read(30'000).last.outcome, ReadOutcome::Gone);
+    EXPECT_EQ(bench.device->state(), DeviceState::Gone);
+    EXPECT_EQ(bench.device->open().error().code, core::ErrorCode::WrongState);
+    EXPECT_EQ(bench.device->start({bench.rate, 64}).error().code, core::ErrorCode::DeviceGone);
+    EXPECT_EQ(bench.device->set_sync_output(true).error().code, core::ErrorCode::DeviceGone);
+    EXPECT_TRUE(bench.device->stop());
+    EXPECT_TRUE(bench.device->close());
+    EXPECT_EQ(bench.device->open().error().code, core::ErrorCode::NotFound);
+    EXPECT_EQ(bench.bus.open_ports(), 0);
+    EXPECT_EQ(bench.bus.transfers_in_flight(), 0);
+
+    bench.bus.plug(victim);
+    EXPECT_TRUE(bench.device->has_arrived());
+    bench.begin_segment();
+    bench.start(1500);
+    EXPECT_EQ(bench.read(3000).wrong, 0U);
+  }
+}
+
+TEST(JoinedPair, EveryOperation_InEveryState) {
+  Wired units;
+  PairBench bench(units, "&sync_output_bit=0");
+  Device& pair = *bench.device;
+  core::Block block(16, 64);
+  const StartOptions options{*core::Rate::from_hz(1500), 64};
+
+  EXPECT_EQ(pair.state(), DeviceState::Closed);
+  EXPECT_EQ(pair.start(options).error().code, core::ErrorCode::WrongState);
+  EXPECT_EQ(pair.read(block, 0).outcome, ReadOutcome::NotStreaming);
+  EXPECT_EQ(pair.set_sync_output(true).error().code, core::ErrorCode::WrongState);
+  EXPECT_TRUE(pair.stop());
+  EXPECT_TRUE(pair.close());
+  EXPECT_TRUE(pair.report().serial.empty());
+
+  ASSERT_TRUE(pair.open());
+  EXPECT_TRUE(pair.open());
+  EXPECT_EQ(pair.report().serial, "AAAA0001+BBBB0002");
+  EXPECT_EQ(pair.read(block, 0).outcome, ReadOutcome::NotStreaming);
+  EXPECT_TRUE(pair.set_sync_output(true));
+  EXPECT_TRUE(pair.stop());
+
+  ASSERT_TRUE(pair.start(options));
+  EXPECT_EQ(pair.start(options).error().code, core::ErrorCode::WrongState);
+  EXPECT_TRUE(pair.open());
+  EXPECT_TRUE(pair.set_sync_output(false));
+  EXPECT_EQ(pair.read(block, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
+  EXPECT_TRUE(pair.close());
+  EXPECT_EQ(pair.state(), DeviceState::Closed);
+  EXPECT_EQ(bench.bus.open_ports(), 0);
+  EXPECT_EQ(bench.bus.transfers_in_flight(), 0);
+}
+
+TEST(JoinedPair, Interrupted_ReadReturnsSoon) {
+  Wired units;
+  PairBench bench(units);
+  bench.start(10, 64);
+  core::Block block(16, 64);
+  const std::int64_t before_ns = bench.clock.now_ns();
+
+  bench.device->interrupt();
+  const ReadResult result = bench.device->read(block, before_ns + 10 * kSecond);
+
+  EXPECT_EQ(result.outcome, ReadOutcome::Timeout);
+  EXPECT_LE(bench.clock.now_ns() - before_ns, 100 * kMillisecond);
+}
+
+TEST(JoinedPair, BlockSmallerThanStarted_FullAfterItsOwnTime) {
+  Wired units;
+  PairBench bench(units);
+  bench.start(1000, 256);
+  core::Block small(16, 100);
+  ASSERT_EQ(bench.device->read(small, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
+  const std::int64_t before_ns = bench.clock.now_ns();
+
+  ASSERT_EQ(bench.device->read(small, bench.clock.now_ns() + 10 * kSecond).outcome, ReadOutcome::Scans);
+
+  EXPECT_EQ(small.count(), 100U);
+  EXPECT_EQ(small.first_scan.value, 100U);
+  EXPECT_LE(bench.clock.now_ns() - before_ns, 150 * kMillisecond);
+}
+
+TEST(JoinedPair, MasterWaitsForItsTrigger_Armed) {
+  Wired units;
+  PairBench bench(units, "&trigger=high");
+  bench.start(1500);
+  core::Block block(16, 64);
+
+  const ReadResult waiting = bench.device->read(block, bench.clock.now_ns() + 2 * kSecond);
+  units.first.fire_trigger(bench.clock.now_ns());
+
+  EXPECT_EQ(waiting.outcome, ReadOutcome::Armed);
+  EXPECT_EQ(bench.read(3000).wrong, 0U);
+}
+
+TEST(JoinedPair, SerialNumbers_BothNeededAndDifferent) {
+  core::VirtualClock clock;
+  emulator::FakeBus bus(clock);
+  const physics::RigModel rig;
+
+  for (const char* rest : {"", "?serial=1", "?second_serial=1", "?serial=1&second_serial=1"}) {
+    const auto created = create_device("mcc:1608fs-plus-pair" + std::string(rest), {clock, rig, &bus});
+    ASSERT_FALSE(created.has_value()) << rest;
+    EXPECT_EQ(created.error().code, core::ErrorCode::InvalidArgument);
+    EXPECT_NE(created.error().what.find("second_serial"), std::string::npos);
+  }
+}
+
+TEST(JoinedPair, MistakeInTheSecondUnitsOptions_IsNamed) {
+  core::VirtualClock clock;
+  emulator::FakeBus bus(clock);
+  const physics::RigModel rig;
+
+  const auto created = create_device(std::string(kUri) + "&second_channels=9", {clock, rig, &bus});
+
+  ASSERT_FALSE(created.has_value());
+  EXPECT_NE(created.error().what.find("second"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dts::device::mcc

@@ -1,0 +1,381 @@
+// SPDX-License-Identifier: Apache-2.0
+// The device over a stand-in for NI's library (tests/usb/nidaqmx_stub), with a virtual clock.
+#include "device/nidaqmx/ni_daqmx.h"
+
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/clock.h"
+#include "device/registry.h"
+#include "unit/device/sim_rig.h"
+#include "usb/nidaqmx_stub/nidaqmx_stub.h"
+
+namespace dts::device::nidaqmx {
+namespace {
+
+using core::ErrorCode;
+using core::GapReason;
+using emulator::NiStubControl;
+
+constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
+constexpr std::int64_t kSecond = 1000 * kMillisecond;
+const std::string kLibrary = std::string("library=") + DTS_NIDAQMX_STUB;
+
+/// The same library that the device loads: it is loaded once per process.
+NiStubControl& stub() {
+  void* const library = dlopen(DTS_NIDAQMX_STUB, RTLD_NOW | RTLD_LOCAL);
+  EXPECT_NE(library, nullptr);
+  return *reinterpret_cast<NiStubControl* (*)()>(dlsym(library, "nidaqmx_stub_control"))();
+}
+
+struct Rig {
+  explicit Rig(const std::string& options = "channels=0,1,2,3", const std::string& name = "Dev1") : control(stub()) {
+    control = {};
+    control.now_ns = [this] { return clock.now_ns(); };
+    control.wait_until_ns = [this](std::int64_t time_ns) { clock.sleep_until_ns(time_ns); };
+    auto created = create_device("ni:" + name + "?" + options + (options.empty() ? "" : "&") + kLibrary, {clock, plate});
+    EXPECT_TRUE(created.has_value()) << (created ? "" : core::to_string(created.error()));
+    if (created) device = std::move(*created);
+  }
+  ~Rig() {
+    device.reset();
+    EXPECT_EQ(control.tasks, 0);
+    control = {};
+  }
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+
+  void start(double rate_hz, std::size_t block_scans = 64) {
+    const auto opened = device->open();
+    ASSERT_TRUE(opened.has_value()) << core::to_string(opened.error());
+    const auto started = device->start({test::rate_of(rate_hz), block_scans});
+    ASSERT_TRUE(started.has_value()) << core::to_string(started.error());
+    block = core::Block(device->describe().channels.size(), block_scans);
+  }
+
+  ReadResult read(std::int64_t patience_ns = kSecond) { return device->read(block, clock.now_ns() + patience_ns); }
+
+  core::VirtualClock clock{1000 * kSecond};
+  physics::RigModel plate = test::floor_rig();
+  NiStubControl& control;
+  std::unique_ptr<Device> device;
+  core::Block block;
+};
+
+core::Error open_error(Device& device) {
+  const auto opened = device.open();
+  EXPECT_FALSE(opened.has_value());
+  EXPECT_EQ(device.state(), DeviceState::Closed);
+  return opened ? core::Error{} : opened.error();
+}
+
+core::Error start_error(Rig& rig, double rate_hz) {
+  EXPECT_TRUE(rig.device->open().has_value());
+  const auto started = rig.device->start({test::rate_of(rate_hz), 64});
+  EXPECT_FALSE(started.has_value());
+  EXPECT_EQ(rig.control.tasks, 0);
+  return started ? core::Error{} : started.error();
+}
+
+std::unique_ptr<Device> create(const std::string& uri, core::Clock& clock) {
+  const physics::RigModel plate = test::floor_rig();
+  auto created = create_device(uri, {clock, plate});
+  EXPECT_TRUE(created.has_value()) << (created ? "" : core::to_string(created.error()));
+  return created ? std::move(*created) : nullptr;
+}
+
+TEST(NiDaqmx, NoLibrary_SaysWhatToDo) {
+  core::VirtualClock clock;
+  const auto device = create("ni:Dev1?library=/nowhere/libnidaqmx.so.1", clock);
+  const core::Error error = open_error(*device);
+  EXPECT_EQ(error.code, ErrorCode::Unsupported);
+  EXPECT_NE(error.what.find("NI-DAQmx is not installed"), std::string::npos) << error.what;
+  EXPECT_NE(error.hint.find("install"), std::string::npos);
+}
+
+TEST(NiDaqmx, LibraryWithoutAFunction_NamesIt) {
+  core::VirtualClock clock;
+  const auto device = create(std::string("ni:Dev1?library=") + DTS_NIDAQMX_STUB_INCOMPLETE, clock);
+  const core::Error error = open_error(*device);
+  EXPECT_EQ(error.code, ErrorCode::Unsupported);
+  EXPECT_NE(error.what.find("DAQmxReadAnalogF64"), std::string::npos) << error.what;
+}
+
+TEST(NiDaqmx, WrongDeviceName_InNisWords) {
+  Rig rig("", "Dev7");
+  const core::Error error = open_error(*rig.device);
+  EXPECT_EQ(error.code, ErrorCode::NotFound);
+  EXPECT_NE(error.what.find("-200220"), std::string::npos) << error.what;
+  EXPECT_NE(error.what.find("Device identifier is invalid. Device Specified: Dev7"), std::string::npos) << error.what;
+}
+
+TEST(NiDaqmx, WrongChannel_KnownWhenOpened) {
+  Rig rig("channels=0,9");
+  EXPECT_EQ(open_error(*rig.device).code, ErrorCode::Failed);
+}
+
+TEST(NiDaqmx, TaskIsSetUp_AsTheUriSays) {
+  Rig rig("channels=3,0&terminal=nrse&range_v=5&trigger=pfi0");
+  rig.start(1000, 50);
+  EXPECT_EQ(rig.control.channels, "Dev1/ai3, Dev1/ai0");
+  EXPECT_EQ(rig.control.terminal, 10078);
+  EXPECT_EQ(rig.control.minimum, -5.0);
+  EXPECT_EQ(rig.control.maximum, 5.0);
+  EXPECT_EQ(rig.control.rate_hz, 1000.0);
+  EXPECT_EQ(rig.control.trigger, "/Dev1/PFI0");
+  EXPECT_EQ(rig.control.buffer_scans, 4000U);
+  EXPECT_EQ(rig.device->describe().channels[0].name, "ai3");
+  EXPECT_EQ(rig.device->describe().channels[0].minimum, -5.0);
+  EXPECT_EQ(rig.device->describe().channels[0].resolution, 0.0);
+}
+
+TEST(NiDaqmx, Streaming_EverySampleRight) {
+  Rig rig("channels=0,1,2,3,4,5,6,7");
+  rig.start(1500);
+  for (std::uint64_t scan = 0; scan < 60 * 1500;) {
+    ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+    ASSERT_EQ(rig.block.first_scan.value, scan);
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < rig.block.count(); ++i) {
+      for (std::size_t channel = 0; channel < 8; ++channel) {
+        wrong += rig.block.column(channel)[i] != emulator::ni_stub_volts(channel, scan + i) ? 1U : 0U;
+        wrong += rig.block.quality(channel)[i] != 0 ? 1U : 0U;
+      }
+    }
+    ASSERT_EQ(wrong, 0U) << scan;
+    scan += rig.block.count();
+  }
+}
+
+TEST(NiDaqmx, HostTime_IsThatOfTheScan) {
+  Rig rig;
+  rig.start(100, 10);
+  const std::int64_t start_ns = rig.clock.now_ns();
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+    EXPECT_NEAR(static_cast<double>(rig.block.host_time_ns - start_ns), i * 100e6, 1e6) << i;
+    EXPECT_GT(rig.block.host_time_uncertainty_ns, 0);
+  }
+}
+
+TEST(NiDaqmx, DeadlineFirst_DeliversWhatIsThere) {
+  Rig rig;
+  rig.start(100, 50);
+  EXPECT_EQ(rig.read(25 * kMillisecond).outcome, ReadOutcome::Scans);
+  EXPECT_EQ(rig.block.count(), 3U);  // at 0, 10 and 20 ms
+  EXPECT_EQ(rig.read(4 * kMillisecond).outcome, ReadOutcome::Timeout);
+  EXPECT_EQ(rig.block.count(), 0U);
+}
+
+TEST(NiDaqmx, OtherRate_RefusedNamingTheOneToConfigure) {
+  Rig rig;
+  rig.control.runs_at_hz = 20e6 / 13'333.0;
+  const core::Error error = start_error(rig, 1500);
+  EXPECT_EQ(error.code, ErrorCode::InvalidArgument);
+  EXPECT_NE(error.hint.find("1500.037501"), std::string::npos) << error.hint;
+  EXPECT_EQ(rig.device->state(), DeviceState::Open);
+
+  const auto started = rig.device->start({test::rate_of(1500.037501), 64});
+  EXPECT_TRUE(started.has_value()) << core::to_string(started.error());
+}
+
+TEST(NiDaqmx, ExactRate_WhatWasAskedForWithinLimits) {
+  Rig rig;
+  EXPECT_EQ(*rig.device->exact_rate(test::rate_of(1500)), test::rate_of(1500));
+  EXPECT_EQ(rig.device->exact_rate(test::rate_of(0.5)).error().code, ErrorCode::InvalidArgument);
+}
+
+TEST(NiDaqmx, NotAMeasurement_NanWithAReason) {
+  Rig rig("channels=0&range_v=4");
+  rig.control.nan_at_scan = 5;
+  rig.start(100, 10);
+  ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  EXPECT_TRUE(std::isnan(rig.block.column(0)[5]));
+  EXPECT_EQ(rig.block.quality(0)[5], core::quality::kOutOfRange);
+  EXPECT_EQ(rig.block.column(0)[0], -4.0);
+  EXPECT_EQ(rig.block.quality(0)[0], core::quality::kRail);
+  EXPECT_EQ(rig.block.quality(0)[1], 0);
+}
+
+TEST(NiDaqmx, Overrun_BrokenUntilStopThenStartsAgain) {
+  for (const std::int32_t status : {-200279, -200361, -200222}) {
+    Rig rig;
+    rig.control.fail_at_read = 3;
+    rig.control.fail_status = status;
+    rig.start(1000);
+    ReadResult result = rig.read();
+    while (result.outcome == ReadOutcome::Scans) result = rig.read();
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_EQ(result.outcome, ReadOutcome::Broken) << status;
+      EXPECT_EQ(result.gap.reason, GapReason::Overrun) << status;
+      result = rig.read();
+    }
+    EXPECT_EQ(rig.device->state(), DeviceState::Streaming);
+    EXPECT_NE(rig.device->report().checks.back().detail.find(std::to_string(status)), std::string::npos);
+
+    EXPECT_TRUE(rig.device->stop().has_value());
+    rig.control.fail_at_read = NiStubControl::kNever;
+    rig.start(1000);
+    EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+    EXPECT_EQ(rig.block.first_scan.value, 0U);
+  }
+}
+
+TEST(NiDaqmx, ScansBeforeAnError_AreDeliveredFirst) {
+  Rig rig;
+  rig.control.fail_at_read = 1;
+  rig.control.fail_status = -200279;
+  rig.start(100, 50);
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  EXPECT_EQ(rig.block.count(), 6U);  // those of the first 50 ms
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Broken);
+}
+
+TEST(NiDaqmx, UnknownError_IntegrityNotGone) {
+  Rig rig;
+  rig.control.fail_at_read = 0;
+  rig.control.fail_status = -50405;
+  rig.start(1000);
+  const ReadResult result = rig.read();
+  EXPECT_EQ(result.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(result.gap.reason, GapReason::Integrity);
+}
+
+TEST(NiDaqmx, CountThatCannotBe_IsNotBelieved) {
+  Rig rig;
+  rig.control.gives_too_many = true;
+  rig.start(1000);
+  const ReadResult result = rig.read();
+  EXPECT_EQ(result.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(result.gap.reason, GapReason::Integrity);
+}
+
+TEST(NiDaqmx, DeviceRemoved_GoneUntilClosed) {
+  for (const std::int32_t status : {-200045, -201003}) {
+    Rig rig;
+    rig.control.fail_at_read = 2;
+    rig.control.fail_status = status;
+    rig.start(1000);
+    ReadResult result = rig.read();
+    while (result.outcome == ReadOutcome::Scans) result = rig.read();
+    EXPECT_EQ(result.outcome, ReadOutcome::Gone) << status;
+    EXPECT_EQ(result.gap.reason, GapReason::Unplugged);
+    EXPECT_EQ(rig.device->state(), DeviceState::Gone);
+    EXPECT_EQ(rig.device->open().error().code, ErrorCode::WrongState);
+    EXPECT_EQ(rig.device->start({test::rate_of(100), 64}).error().code, ErrorCode::DeviceGone);
+    EXPECT_EQ(rig.device->set_sync_output(true).error().code, ErrorCode::DeviceGone);
+    EXPECT_TRUE(rig.device->stop().has_value());
+    EXPECT_EQ(rig.read().outcome, ReadOutcome::Gone);
+    EXPECT_TRUE(rig.device->close().has_value());
+    EXPECT_EQ(rig.control.tasks, 0);
+    rig.control.fail_at_read = NiStubControl::kNever;
+    rig.start(1000);
+    EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  }
+}
+
+TEST(NiDaqmx, RemovedBeforeTheStart_Gone) {
+  Rig rig;
+  rig.control.start_status = -200045;
+  EXPECT_EQ(start_error(rig, 1000).code, ErrorCode::DeviceGone);
+  EXPECT_EQ(rig.device->state(), DeviceState::Gone);
+}
+
+TEST(NiDaqmx, StartRefused_OpenAndInNisWords) {
+  Rig rig;
+  rig.control.start_status = -200324;
+  const core::Error error = start_error(rig, 1000);
+  EXPECT_EQ(error.code, ErrorCode::Failed);
+  EXPECT_NE(error.what.find("DAQmxStartTask: NI-DAQmx error -200324: Stub says no."), std::string::npos) << error.what;
+  EXPECT_EQ(rig.device->state(), DeviceState::Open);
+}
+
+TEST(NiDaqmx, Trigger_ArmedUntilItComes) {
+  Rig rig("trigger=pfi1");
+  rig.control.is_triggered = false;
+  rig.start(100, 10);
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Armed);
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Armed);
+  rig.control.is_triggered = true;
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
+}
+
+TEST(NiDaqmx, Interrupt_EndsAReadWithin100Ms) {
+  Rig rig("trigger=pfi0");
+  rig.control.is_triggered = false;
+  rig.start(100, 10);
+  const std::int64_t start_ns = rig.clock.now_ns();
+  rig.control.wait_until_ns = [&rig, start_ns](std::int64_t time_ns) {
+    if (time_ns > start_ns + kSecond) rig.device->interrupt();
+    rig.clock.sleep_until_ns(time_ns);
+  };
+  EXPECT_EQ(rig.device->read(rig.block, test::kNever).outcome, ReadOutcome::Armed);
+  EXPECT_LE(rig.clock.now_ns(), start_ns + kSecond + 100 * kMillisecond);
+}
+
+TEST(NiDaqmx, DestroyedWhileStreaming_TaskIsEnded) {
+  NiStubControl& control = stub();
+  {
+    Rig rig;
+    rig.start(1000);
+    EXPECT_EQ(control.tasks, 1);
+    EXPECT_EQ(control.running, 1);
+    rig.device.reset();
+    EXPECT_EQ(control.tasks, 0);
+    EXPECT_EQ(control.running, 0);
+  }
+}
+
+TEST(NiDaqmx, EveryOperationInEveryState) {
+  Rig rig;
+  Device& device = *rig.device;
+  const StartOptions options{test::rate_of(100), 64};
+  core::Block block(4, 64);
+  EXPECT_EQ(device.start(options).error().code, ErrorCode::WrongState);
+  EXPECT_EQ(device.read(block, 0).outcome, ReadOutcome::NotStreaming);
+  EXPECT_EQ(device.set_sync_output(true).error().code, ErrorCode::WrongState);
+  EXPECT_TRUE(device.stop().has_value());
+  EXPECT_TRUE(device.close().has_value());
+  EXPECT_TRUE(device.open().has_value());
+  EXPECT_TRUE(device.open().has_value());
+  EXPECT_EQ(device.read(block, 0).outcome, ReadOutcome::NotStreaming);
+  EXPECT_EQ(device.set_sync_output(true).error().code, ErrorCode::Unsupported);
+  EXPECT_TRUE(device.stop().has_value());
+  EXPECT_TRUE(device.start(options).has_value());
+  EXPECT_TRUE(device.open().has_value());
+  EXPECT_EQ(device.start(options).error().code, ErrorCode::WrongState);
+  core::Block too_narrow(3, 64);
+  EXPECT_EQ(device.read(too_narrow, rig.clock.now_ns() + kSecond).outcome, ReadOutcome::Timeout);
+  EXPECT_TRUE(device.stop().has_value());
+  EXPECT_EQ(device.state(), DeviceState::Open);
+  EXPECT_TRUE(device.start(options).has_value());
+  EXPECT_TRUE(device.close().has_value());
+  EXPECT_EQ(device.state(), DeviceState::Closed);
+}
+
+core::Error refusal(const std::string& uri) {
+  core::VirtualClock clock;
+  const physics::RigModel plate = test::floor_rig();
+  const auto created = create_device(uri, {clock, plate});
+  EXPECT_FALSE(created.has_value()) << uri;
+  return created ? core::Error{} : created.error();
+}
+
+TEST(NiDaqmx, WrongOptions_AreRefused) {
+  EXPECT_EQ(refusal("ni:Dev1?channels=0,0").code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(refusal("ni:Dev1?channels=0.5").code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(refusal("ni:Dev1?terminal=single").code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(refusal("ni:Dev1?trigger=pfi99").code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(refusal("ni:Dev1/ai0").code, ErrorCode::InvalidArgument);
+  std::string many = "0";
+  for (int i = 1; i < 33; ++i) many += "," + std::to_string(i);
+  EXPECT_EQ(refusal("ni:Dev1?channels=" + many).code, ErrorCode::LimitExceeded);
+}
+
+}  // namespace
+}  // namespace dts::device::nidaqmx

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/usb/daq_options.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "core/block.h"
+
+namespace dts::device::usb {
+namespace {
+
+constexpr std::array kRanges = {10.0, 5.0, 2.0, 1.0};
+constexpr DaqLimits kLimits{.inputs = 8, .max_scan_length = 8, .must_ascend = true, .may_repeat = false, .ranges_v = kRanges};
+constexpr DaqLimits kFree{.inputs = 16, .max_scan_length = 25, .must_ascend = false, .may_repeat = true, .ranges_v = kRanges};
+
+core::Result<DaqOptions> read(const std::string& query, const DaqLimits& limits = kLimits) {
+  const DeviceUri uri = *DeviceUri::parse("toy:daq" + query);
+  const auto options = UriOptions::read(uri, common_daq_options());
+  if (!options) return tl::make_unexpected(options.error());
+  return read_daq_options(uri, *options, limits);
+}
+
+std::string refusal(const std::string& query, const DaqLimits& limits = kLimits) {
+  const auto options = read(query, limits);
+  return options ? "" : core::to_string(options.error());
+}
+
+using Inputs = std::vector<std::size_t>;
+
+TEST(DaqOptions, NothingGiven_AllInputsWithTheFirstRange) {
+  const auto options = read("");
+
+  ASSERT_TRUE(options.has_value());
+  EXPECT_EQ(options->uri, "toy:daq");
+  EXPECT_EQ(options->serial, "");
+  EXPECT_EQ(options->channels, (Inputs{0, 1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(options->ranges_v, std::vector<double>(8, 10.0));
+  EXPECT_FALSE(options->marker.has_value());
+}
+
+TEST(DaqOptions, Given_Taken) {
+  const auto options = read("?serial=01AB&channels=1,3,7&range_v=5,1,2&marker=7&marker_v=-1.5&marker_tolerance_v=0.2");
+
+  ASSERT_TRUE(options.has_value()) << refusal("?serial=01AB&channels=1,3,7&range_v=5,1,2&marker=7&marker_v=-1.5&marker_tolerance_v=0.2");
+  EXPECT_EQ(options->serial, "01AB");
+  EXPECT_EQ(options->channels, (Inputs{1, 3, 7}));
+  EXPECT_EQ(options->ranges_v, (std::vector<double>{5, 1, 2}));
+  ASSERT_TRUE(options->marker.has_value());
+  EXPECT_EQ(options->marker->position, 2U);
+  EXPECT_EQ(options->marker->volts, -1.5);
+  EXPECT_EQ(options->marker->tolerance_v, 0.2);
+}
+
+TEST(DaqOptions, MarkerNotListed_Appended) {
+  EXPECT_EQ(read("?channels=0,1,2&marker=5&marker_v=1")->channels, (Inputs{0, 1, 2, 5}));
+  EXPECT_EQ(read("?marker=7&marker_v=1")->channels, (Inputs{0, 1, 2, 3, 4, 5, 6, 7}));
+  EXPECT_EQ(read("?channels=4,0&marker=2&marker_v=1", kFree)->channels, (Inputs{4, 0, 2}));
+}
+
+TEST(DaqOptions, MarkerThatCannotBeLast_Refused) {
+  EXPECT_NE(refusal("?channels=0,1,7&marker=5&marker_v=1").find("ascending"), std::string::npos);
+  EXPECT_NE(refusal("?marker=3&marker_v=1").find("ascending"), std::string::npos);
+  EXPECT_NE(refusal("?channels=0,5,7&marker=5&marker_v=1").find("not the last"), std::string::npos);
+  EXPECT_NE(refusal("?channels=5&marker=5&marker_v=1").find("nothing but the marker"), std::string::npos);
+}
+
+TEST(DaqOptions, OptionsThatWouldDoNothing_Refused) {
+  EXPECT_NE(refusal("?marker_v=2").find("marker_v has a meaning only with marker"), std::string::npos);
+  EXPECT_NE(refusal("?marker_tolerance_v=2").find("only with marker"), std::string::npos);
+  EXPECT_NE(refusal("?marker=-1&marker_v=2").find("only with marker"), std::string::npos);
+}
+
+TEST(DaqOptions, MarkerWithoutItsVoltageOrOutOfRange_Refused) {
+  EXPECT_NE(refusal("?marker=7").find("needs marker_v"), std::string::npos);
+  EXPECT_NE(refusal("?marker=7&marker_v=4.95&range_v=5").find("within the marker's range"), std::string::npos);
+  EXPECT_EQ(refusal("?marker=7&marker_v=4.9&range_v=5"), "");
+  EXPECT_NE(refusal("?marker=8&marker_v=1&channels=0").find("no input 8"), std::string::npos);
+}
+
+TEST(DaqOptions, WrongInputs_Refused) {
+  EXPECT_NE(refusal("?channels=0,8").find("no input 8"), std::string::npos);
+  EXPECT_NE(refusal("?channels=0.5").find("no input 0.5"), std::string::npos);
+  EXPECT_NE(refusal("?channels=2,1").find("ascending"), std::string::npos);
+  EXPECT_NE(refusal("?channels=1,1").find("stands twice"), std::string::npos);
+  EXPECT_NE(refusal("?channels=-1").find("-1"), std::string::npos);
+}
+
+TEST(DaqOptions, FreeScanList_AnyOrderAndRepeats) {
+  EXPECT_EQ(read("?channels=3,1,3", kFree)->channels, (Inputs{3, 1, 3}));
+  EXPECT_EQ(read("", kFree)->channels.size(), 16U);
+}
+
+TEST(DaqOptions, ScanTooLong_LimitExceeded) {
+  std::string many = "?channels=0";
+  for (int i = 0; i < 25; ++i) many += ",1";
+  const auto options = read(many, kFree);
+  ASSERT_FALSE(options.has_value());
+  EXPECT_EQ(options.error().code, core::ErrorCode::LimitExceeded);
+  EXPECT_NE(options.error().what.find("at most 25"), std::string::npos);
+}
+
+TEST(DaqOptions, Ranges_OneForAllOrOneForEach) {
+  EXPECT_EQ(read("?channels=0,1&range_v=2")->ranges_v, (std::vector<double>{2, 2}));
+  EXPECT_NE(refusal("?channels=0,1,2&range_v=2,1").find("2 values for 3 channels"), std::string::npos);
+  EXPECT_NE(refusal("?range_v=3").find("range_v takes 10, 5, 2, 1"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace dts::device::usb

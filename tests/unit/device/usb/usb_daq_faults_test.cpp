@@ -1,0 +1,451 @@
+// SPDX-License-Identifier: Apache-2.0
+// Everything that can go wrong with a device on a cable, one at a time.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+#include <utility>
+
+#include "device/usb/usb_daq.h"
+#include "unit/device/usb/toy_bench.h"
+
+#ifdef __SANITIZE_ADDRESS__
+#include <sanitizer/lsan_interface.h>
+#endif
+
+namespace dts::device::usb {
+namespace {
+
+using core::ErrorCode;
+using core::GapReason;
+using emulator::Faults;
+using test::kMillisecond;
+using test::kSecond;
+using test::ToyBench;
+using test::ToySetup;
+
+constexpr std::int64_t kFoundWithinNs = 250 * kMillisecond;
+
+constexpr std::size_t kChannels = 4;
+
+struct Strike {
+  const char* name;
+  std::uint64_t Faults::*fault;
+  GapReason reason;
+  ReadOutcome outcome = ReadOutcome::Broken;
+};
+
+void PrintTo(const Strike& strike, std::ostream* out) { *out << strike.name; }
+
+class UsbDaqStrike : public testing::TestWithParam<Strike> {};
+
+TEST_P(UsbDaqStrike, FoundInTimeNothingWrongBeforeItAndTheNextScanIsFine) {
+  for (const double rate_hz : {100.0, 1500.0}) {
+    ToyBench bench({.driver = {.channels = kChannels}, .has_marker = true});
+    const auto strike_scan = static_cast<std::uint64_t>(rate_hz * 0.2);
+    bench.device.faults.*GetParam().fault = strike_scan * kChannels + 1;
+    bench.run(rate_hz, 15);
+    const std::int64_t strike_ns = bench.device.instant_ns(strike_scan);
+
+    const ReadResult result = bench.read_until_trouble(2 * kSecond);
+
+    EXPECT_EQ(result.outcome, GetParam().outcome) << rate_hz;
+    EXPECT_EQ(result.gap.reason, GetParam().reason) << rate_hz;
+    EXPECT_LE(bench.host.clock.now_ns(), strike_ns + kFoundWithinNs) << rate_hz;
+    EXPECT_LE(bench.checker->scans(), strike_scan + 8);  // the packet that it strikes in
+    EXPECT_EQ(bench.checker->wrong(), 0U);
+    EXPECT_EQ(bench.checker->read(0).outcome, GetParam().outcome) << "Broken is repeated";
+    ASSERT_TRUE(bench.daq->stop().has_value());
+    ASSERT_TRUE(bench.start(rate_hz).has_value());
+    EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+    EXPECT_EQ(bench.checker->wrong(), 0U);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, UsbDaqStrike,
+                         testing::Values(Strike{"lost_sample", &Faults::drop_code_at, GapReason::Integrity},
+                                         Strike{"silence", &Faults::silence_at_code, GapReason::Silence},
+                                         Strike{"stall", &Faults::stall_at_code, GapReason::Silence},
+                                         Strike{"overrun", &Faults::overrun_at_code, GapReason::Overrun},
+                                         Strike{"odd_short_packet", &Faults::short_packet_at_code, GapReason::Integrity},
+                                         Strike{"babble", &Faults::babble_at_code, GapReason::Integrity}),
+                         [](const auto& tested) { return std::string(tested.param.name); });
+
+struct Ending {
+  UsbStatus status;
+  ReadOutcome outcome;
+  GapReason reason;
+};
+
+TEST(UsbDaqFaults, EveryStatusAtEveryTransfer_RightWordsNothingWrongNextScanFine) {
+  for (const Ending& ending : {Ending{UsbStatus::Stall, ReadOutcome::Broken, GapReason::Silence},
+                               Ending{UsbStatus::NoDevice, ReadOutcome::Gone, GapReason::Unplugged},
+                               Ending{UsbStatus::Overflow, ReadOutcome::Broken, GapReason::Integrity},
+                               Ending{UsbStatus::TimedOut, ReadOutcome::Broken, GapReason::Silence},
+                               Ending{UsbStatus::Cancelled, ReadOutcome::Broken, GapReason::Silence},
+                               Ending{UsbStatus::Failed, ReadOutcome::Broken, GapReason::Integrity}}) {
+    for (std::uint64_t at = 0; at < 30; ++at) {
+      ToyBench bench;
+      bench.host.bus.completion_status = [&](std::uint64_t number, UsbStatus status) { return number == at ? ending.status : status; };
+      bench.run(1500);
+
+      const ReadResult result = bench.read_until_trouble(2 * kSecond);
+
+      EXPECT_EQ(result.outcome, ending.outcome) << to_string(ending.status) << " at " << at;
+      EXPECT_EQ(result.gap.reason, ending.reason) << to_string(ending.status) << " at " << at;
+      EXPECT_EQ(bench.checker->wrong(), 0U);
+      bench.host.bus.completion_status = nullptr;
+      EXPECT_TRUE(bench.daq->close().has_value());
+      bench.run(1500);
+      EXPECT_EQ(bench.read_until_trouble(300 * kMillisecond).outcome, ReadOutcome::Timeout);
+      EXPECT_EQ(bench.checker->wrong(), 0U);
+    }
+  }
+}
+
+TEST(UsbDaqFaults, LostSampleInEveryPosition_FoundInTheScanWhereItHappened) {
+  constexpr std::size_t kEight = 8;
+  for (std::size_t position = 0; position < kEight; ++position) {
+    ToyBench bench({.driver = {.channels = kEight}, .has_marker = true});
+    bench.device.faults.drop_code_at = 600 * kEight + position;
+    bench.run(1500, 15);
+
+    const ReadResult result = bench.read_until_trouble(2 * kSecond);
+
+    EXPECT_EQ(result.outcome, ReadOutcome::Broken);
+    EXPECT_EQ(result.gap.reason, GapReason::Integrity);
+    EXPECT_EQ(bench.checker->scans(), 600U) << position;
+    EXPECT_EQ(bench.checker->wrong(), 0U) << position;
+  }
+}
+
+TEST(UsbDaqFaults, RotatedFromTheStart_NothingDelivered) {
+  for (std::size_t rotation = 0; rotation < kChannels; ++rotation) {
+    for (const bool has_marker : {false, true}) {
+      ToyBench bench({.driver = {.channels = kChannels}, .has_marker = has_marker});
+      bench.device.rotated_by = rotation;
+      bench.run(1500, 15);
+
+      const ReadResult result = bench.read_until_trouble(kSecond);
+
+      EXPECT_EQ(result.outcome, rotation == 0 ? ReadOutcome::Timeout : ReadOutcome::Broken) << rotation;
+      EXPECT_EQ(bench.checker->scans() == 0, rotation != 0);
+      if (rotation == 0) continue;
+      EXPECT_EQ(result.gap.reason, GapReason::Integrity);
+      EXPECT_TRUE(bench.daq->stop().has_value());
+      const std::vector<DeviceCheck> checks = bench.daq->report().checks;
+      EXPECT_TRUE(std::any_of(checks.begin(), checks.end(), [](const DeviceCheck& check) {
+        return check.outcome == DeviceCheck::Outcome::Failed && check.detail.find("rotated by") != std::string::npos;
+      }));
+    }
+  }
+}
+
+TEST(UsbDaqFaults, SomebodyMovesDuringTheStart_WarningOnly) {
+  ToyBench bench;
+  bench.device.moved_v = 0.9;
+  bench.run(1500);
+
+  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+
+  EXPECT_GT(bench.checker->scans(), 1000U);
+  const std::vector<DeviceCheck> checks = bench.daq->report().checks;
+  EXPECT_TRUE(
+      std::any_of(checks.begin(), checks.end(), [](const DeviceCheck& check) { return check.outcome == DeviceCheck::Outcome::Warning; }));
+}
+
+TEST(UsbDaqFaults, WrongRate_FoundInSeconds) {
+  for (const double factor : {0.97, 1.03}) {
+    ToyBench bench;
+    bench.device.faults.rate_factor = factor;
+    bench.run(1500);
+
+    const ReadResult result = bench.read_until_trouble(20 * kSecond);
+
+    EXPECT_EQ(result.outcome, ReadOutcome::Broken) << factor;
+    EXPECT_EQ(result.gap.reason, GapReason::Integrity);
+    EXPECT_LE(bench.host.clock.now_ns(), bench.device.instant_ns(0) + 5 * kSecond);
+  }
+}
+
+TEST(UsbDaqFaults, LostPacketWithoutMarker_FoundByLatenessInSeconds) {
+  ToyBench bench({.driver = {.channels = 1}});  // 32 scans in a packet
+  bench.device.faults.drop_packet_at_code = 15'000;
+  bench.run(1500);
+
+  const ReadResult result = bench.read_until_trouble(60 * kSecond);
+
+  EXPECT_EQ(result.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(result.gap.reason, GapReason::Integrity);
+  EXPECT_LE(bench.host.clock.now_ns(), bench.device.instant_ns(15'000) + 5 * kSecond);
+}
+
+TEST(UsbDaqFaults, OverrunWithoutStall_FoundByAsking) {
+  ToyBench bench;
+  bench.device.stalls_on_overrun = false;
+  bench.device.faults.overrun_at_code = 4 * 500;
+  bench.run(1500);
+
+  const ReadResult result = bench.read_until_trouble(2 * kSecond);
+
+  EXPECT_EQ(result.gap.reason, GapReason::Overrun);
+  EXPECT_LE(bench.host.clock.now_ns(), bench.device.instant_ns(500) + kFoundWithinNs);
+  EXPECT_EQ(bench.checker->wrong(), 0U);
+}
+
+TEST(UsbDaqFaults, OverrunWithSmallPackets_LargeOnesUntilClosed) {
+  ToyBench bench;
+  bench.device.faults.overrun_at_code = 4 * 50;
+  bench.run(100, 5);
+  EXPECT_FALSE(bench.device.used_large_packets);
+  ASSERT_EQ(bench.read_until_trouble(2 * kSecond).gap.reason, GapReason::Overrun);
+
+  ASSERT_TRUE(bench.daq->stop().has_value());
+  ASSERT_TRUE(bench.start(100, 5).has_value());
+  EXPECT_TRUE(bench.device.used_large_packets);
+  EXPECT_EQ(bench.read_until_trouble(2 * kSecond).outcome, ReadOutcome::Timeout);
+  EXPECT_EQ(bench.checker->wrong(), 0U);
+
+  bench.daq->close();
+  bench.run(100, 5);
+  EXPECT_FALSE(bench.device.used_large_packets);
+}
+
+TEST(UsbDaqFaults, HostStoodStill_DeviceOverrunFound) {
+  ToyBench bench;
+  bench.run(1500);
+  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+
+  bench.host.clock.advance_ns(60 * kSecond);  // suspended
+
+  const ReadResult result = bench.read_until_trouble(kSecond);
+  EXPECT_EQ(result.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(result.gap.reason, GapReason::Overrun);
+  EXPECT_EQ(bench.checker->wrong(), 0U);
+}
+
+TEST(UsbDaqFaults, ReaderAwayForTooLong_OverrunOfOurBuffer) {
+  ToyBench bench({.driver = {.buffer_chunks = 64}});
+  bench.run(1500);
+  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+
+  bench.host.bus.run_until(bench.host.clock.now_ns() + 10 * kSecond);
+
+  const ReadResult result = bench.read_until_trouble(kSecond);
+  EXPECT_EQ(result.outcome, ReadOutcome::Broken);
+  EXPECT_EQ(result.gap.reason, GapReason::Overrun);
+  EXPECT_EQ(bench.checker->wrong(), 0U);
+}
+
+TEST(UsbDaqFaults, MuteFromTheFirstScan_FoundWithin250ms) {
+  ToyBench bench;
+  ASSERT_TRUE(bench.daq->open().has_value());
+  bench.device.faults.silence_at_code = 0;
+  ASSERT_TRUE(bench.start(1500).has_value());
+
+  const ReadResult result = bench.read_until_trouble(2 * kSecond);
+
+  EXPECT_EQ(result.gap.reason, GapReason::Silence);
+  EXPECT_LE(bench.host.clock.now_ns(), bench.device.instant_ns(0) + kFoundWithinNs + 5 * kMillisecond);
+}
+
+TEST(UsbDaqFaults, DeadButPresent_SilenceAndEveryCallReturns) {
+  ToyBench bench;
+  bench.run(1500);
+  bench.device.faults.silence_at_code = 0;
+  bench.device.faults.is_mute = true;
+
+  EXPECT_EQ(bench.read_until_trouble(2 * kSecond).gap.reason, GapReason::Silence);
+
+  EXPECT_TRUE(bench.daq->stop().has_value());
+  const auto started = bench.start(1500);
+  ASSERT_FALSE(started.has_value());
+  EXPECT_EQ(started.error().code, ErrorCode::Timeout);
+  EXPECT_EQ(bench.daq->state(), DeviceState::Open);
+}
+
+TEST(UsbDaqFaults, TookTheCommandButDoesNotRun_StartFails) {
+  ToyBench bench;
+  bench.device.takes_begin_without_running = true;
+  ASSERT_TRUE(bench.daq->open().has_value());
+
+  const auto started = bench.start(1500);
+
+  ASSERT_FALSE(started.has_value());
+  EXPECT_EQ(started.error().code, ErrorCode::Failed);
+  EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0);
+  EXPECT_EQ(bench.daq->state(), DeviceState::Open);
+}
+
+TEST(UsbDaqFaults, Unplugged_ScansBeforeItThenGone) {
+  ToyBench bench;
+  bench.run(1500, 64);
+  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+  bench.host.bus.run_until(bench.host.clock.now_ns() + 500 * kMillisecond);
+  const std::uint64_t before = bench.checker->scans();
+
+  bench.host.bus.unplug(bench.device);
+  const std::int64_t unplugged_ns = bench.host.clock.now_ns();
+  const ReadResult result = bench.read_until_trouble(kSecond);
+
+  EXPECT_EQ(result.outcome, ReadOutcome::Gone);
+  EXPECT_EQ(result.gap.reason, GapReason::Unplugged);
+  EXPECT_NEAR(static_cast<double>(bench.checker->scans() - before), 750, 16);
+  EXPECT_LE(bench.host.clock.now_ns(), unplugged_ns + kFoundWithinNs);
+  EXPECT_EQ(bench.checker->wrong(), 0U);
+  EXPECT_EQ(bench.daq->state(), DeviceState::Gone);
+}
+
+TEST(UsbDaqFaults, SubmitRefusedWhileStreaming_Gone) {
+  ToyBench bench;
+  bench.run(1500);
+  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+
+  bench.host.bus.refuses_submit = true;
+
+  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Gone);
+  bench.daq->close();
+  EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0);
+}
+
+TEST(UsbDaqFaults, SubmitRefusedAtEveryPointOfAStart_GoneAndNothingLeft) {
+  for (std::uint64_t accepted = 0; accepted < 8; ++accepted) {
+    ToyBench bench;
+    ASSERT_TRUE(bench.daq->open().has_value());
+    bench.host.bus.submits_until_refusal = accepted;
+
+    const auto started = bench.start(1500);
+
+    ASSERT_FALSE(started.has_value()) << accepted;
+    EXPECT_EQ(started.error().code, ErrorCode::DeviceGone);
+    EXPECT_EQ(bench.daq->state(), DeviceState::Gone);
+    EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0) << accepted;
+  }
+}
+
+TEST(UsbDaqFaults, TwentyUnplugAndReplugCycles_EveryScanRightNothingLeft) {
+  ToyBench bench({.serial = "T1"});
+  for (int cycle = 0; cycle < 20; ++cycle) {
+    bench.run(1500);
+    EXPECT_EQ(bench.read_until_trouble((50 + 7 * cycle) * kMillisecond).outcome, ReadOutcome::Timeout);
+    bench.host.bus.unplug(bench.device);
+    EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Gone);
+    EXPECT_EQ(bench.checker->wrong(), 0U);
+    EXPECT_TRUE(bench.daq->stop().has_value());
+    EXPECT_TRUE(bench.daq->close().has_value());
+    EXPECT_EQ(bench.host.bus.open_ports(), 0);
+    EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0);
+    const core::Status opened = bench.daq->open();
+    ASSERT_FALSE(opened.has_value());
+    EXPECT_EQ(opened.error().code, ErrorCode::NotFound);
+    (void)bench.daq->has_arrived();
+    EXPECT_FALSE(bench.daq->has_arrived());
+    bench.host.bus.plug(bench.device);
+    EXPECT_TRUE(bench.daq->has_arrived());
+  }
+}
+
+TEST(UsbDaqFaults, DeviceLeavesByItself_BackAfterAWhile) {
+  ToyBench bench;
+  bench.run(1500);
+  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+
+  bench.device.wants_out = true;
+
+  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Gone);
+  bench.daq->close();
+  (void)bench.daq->has_arrived();
+  bench.host.clock.advance_ns(kSecond);
+  EXPECT_TRUE(bench.daq->has_arrived());
+  bench.run(1500);
+  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+}
+
+enum class Harm { Stall, Silence, Unplug };
+
+/// Opens, starts, reads a little, stops and closes; the code of the first error.
+std::optional<ErrorCode> whole_life(ToyBench& bench) {
+  const core::Status opened = bench.daq->open();
+  if (!opened) return opened.error().code;
+  const auto started = bench.start(1500);
+  if (!started) return started.error().code;
+  const ReadResult result = bench.read_until_trouble(200 * kMillisecond);
+  if (result.outcome == ReadOutcome::Gone) return ErrorCode::DeviceGone;
+  bench.daq->stop();
+  bench.daq->close();
+  return std::nullopt;
+}
+
+TEST(UsbDaqFaults, HarmAtEveryRequestOfALife_RightErrorNoHangNothingLeft) {
+  std::uint64_t device_requests = 0;
+  std::uint64_t bus_requests = 0;
+  {
+    ToyBench bench;
+    EXPECT_EQ(whole_life(bench), std::nullopt);
+    device_requests = bench.device.requests;
+    bus_requests = bench.host.bus.requests();
+  }
+  ASSERT_EQ(device_requests, 10U);  // stop, identity, configure, 4 single readings, begin, status, stop
+  ASSERT_EQ(bus_requests, 11U);     // and clear_halt
+  for (const auto& [harm, code] : {std::pair{Harm::Stall, ErrorCode::Failed}, std::pair{Harm::Silence, ErrorCode::Timeout},
+                                   std::pair{Harm::Unplug, ErrorCode::DeviceGone}}) {
+    const std::uint64_t requests = harm == Harm::Unplug ? bus_requests : device_requests;
+    for (std::uint64_t at = 0; at < requests; ++at) {
+      ToyBench bench;
+      if (harm == Harm::Unplug) {
+        bench.host.bus.on_request = [&bench, at](std::uint64_t request) {
+          if (request == at) bench.host.bus.unplug(bench.device);
+        };
+      } else {
+        bench.device.fail_request = at;
+        bench.device.fail_with = harm == Harm::Stall ? emulator::ReplyKind::Stall : emulator::ReplyKind::Silence;
+      }
+      const std::int64_t begun_ns = bench.host.clock.now_ns();
+
+      const std::optional<ErrorCode> error = whole_life(bench);
+
+      const bool is_the_last_stop = at + 1 == requests;
+      EXPECT_EQ(error, is_the_last_stop ? std::nullopt : std::optional(code)) << static_cast<int>(harm) << " at " << at;
+      EXPECT_LE(bench.host.clock.now_ns(), begun_ns + kSecond);
+      EXPECT_EQ(bench.daq->close().has_value(), true);
+      EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0);
+      EXPECT_EQ(bench.host.bus.open_ports(), 0);
+      bench.host.bus.on_request = nullptr;
+      if (harm == Harm::Unplug) bench.host.bus.plug(bench.device);
+      EXPECT_EQ(whole_life(bench), std::nullopt) << static_cast<int>(harm) << " at " << at;
+      EXPECT_EQ(bench.checker->wrong(), 0U);
+    }
+  }
+}
+
+TEST(UsbDaqFaults, CancelThatNeverReturns_MemoryIsGivenUpAndSaidSo) {
+#ifdef __SANITIZE_ADDRESS__
+  const __lsan::ScopedDisabler leaks_on_purpose;
+#endif
+  ToyBench bench;
+  bench.host.may_leak = true;
+  bench.run(1500);
+  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+  bench.host.bus.swallows_cancel = true;
+  const std::int64_t before_ns = bench.host.clock.now_ns();
+
+  const core::Status stopped = bench.daq->stop();
+
+  ASSERT_FALSE(stopped.has_value());
+  EXPECT_NE(stopped.error().what.find("did not come back"), std::string::npos);
+  EXPECT_LE(bench.host.clock.now_ns(), before_ns + 250 * kMillisecond);
+  EXPECT_EQ(bench.host.bus.open_ports(), 1);
+  EXPECT_EQ(bench.daq->state(), DeviceState::Gone);
+  const DeviceCheck check = bench.daq->report().checks.back();
+  EXPECT_EQ(check.outcome, DeviceCheck::Outcome::Failed);
+  EXPECT_TRUE(bench.daq->close().has_value());
+  // Plugged in again it is another unit for the bus.
+  bench.host.bus.swallows_cancel = false;
+  bench.host.bus.unplug(bench.device);
+  bench.host.bus.plug(bench.device);
+  bench.run(1500);
+  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+}
+
+}  // namespace
+}  // namespace dts::device::usb

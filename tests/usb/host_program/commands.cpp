@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "usb/host_program/commands.h"
+
+#include <cstdlib>
+#include <sstream>
+
+namespace dts::emulator {
+
+std::string Commands::plug() {
+  const auto plugged = bus_.plug(*daq_.device);
+  return plugged ? "ok" : "error " + core::to_string(plugged.error());
+}
+
+std::string Commands::truth(const std::string& monotonic_ns) {
+  const std::int64_t when_ns = monotonic_ns.empty() ? clock_.now_ns() : std::strtoll(monotonic_ns.c_str(), nullptr, 10);
+  const RigSource::Truth truth = rig_.truth_at(when_ns);
+  std::ostringstream answer;
+  answer << "ok " << truth.ml_mm << ' ' << truth.ap_mm << ' ' << truth.load_n;
+  return answer.str();
+}
+
+std::string Commands::run(const std::string& line) {
+  std::istringstream words(line);
+  std::string verb;
+  std::string first;
+  std::string second;
+  words >> verb >> first >> second;
+  if (verb == "plug") return plug();
+  if (verb == "unplug" || verb == "replug") {
+    bus_.unplug(*daq_.device);
+    return verb == "unplug" ? "ok" : plug();
+  }
+  if (verb == "fault") {
+    bool is_known = false;
+    bus_.locked(*daq_.device, [&] { is_known = set_fault(*daq_.faults, first, std::strtod(second.c_str(), nullptr)); });
+    return is_known ? "ok" : "error no fault is called \"" + first + "\"";
+  }
+  if (verb == "truth") return truth(first);
+  if (verb == "story") return "ok " + std::to_string(static_cast<double>(clock_.now_ns() - rig_.start_ns()) * 1e-9);
+  if (verb == "quit") {
+    wants_to_quit_ = true;
+    return "ok";
+  }
+  return "error no command is called \"" + verb + "\"; there are plug, unplug, replug, fault, truth, story, quit";
+}
+
+}  // namespace dts::emulator

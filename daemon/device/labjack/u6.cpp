@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 #include "device/device_checks.h"
@@ -87,7 +88,7 @@ std::span<const usb::UsbModel> U6::models() const noexcept { return kModels; }
 
 core::Result<core::Rate> U6::exact_rate(core::Rate wanted) const {
   if (auto checked = check_rate(description_, wanted); !checked) return checked;
-  return nearest_clock(wanted, options_.channels.size()).rate;
+  return nearest_clock(wanted).rate;
 }
 
 double U6::volts(std::size_t channel, std::uint16_t code) const noexcept {
@@ -112,7 +113,7 @@ core::Status U6::end_earlier_stream(usb::UsbPort& port, std::vector<DeviceCheck>
   if (!stopped) return tl::make_unexpected(stopped.error());
   if (stopped->error != 0 && stopped->error != kErrorStreamNotRunning) return tl::make_unexpected(refused("StreamStop", stopped->error));
   if (stopped->error == 0) checks.push_back({"no scan was running", Outcome::Warning, "one of an earlier program was, and was ended"});
-  return drain(port);
+  return {};  // what it left in the stream endpoint is taken by `configure`
 }
 
 core::Status U6::identify(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
@@ -121,17 +122,12 @@ core::Status U6::identify(usb::UsbPort& port, std::vector<DeviceCheck>& checks) 
   const std::vector<std::uint8_t>& bytes = reply->bytes;
   std::uint32_t serial = 0;
   for (std::size_t i = 4; i-- > 0;) serial = serial << 8U | bytes[15 + i];
-  const std::string serial_text = std::to_string(serial);
-  // The unit has no serial number in its USB descriptors: only this command tells.
-  if (!options_.serial.empty() && options_.serial != serial_text) {
-    return core::fail(ErrorCode::NotFound, options_.uri + ": the LabJack U6 that is plugged in has serial number " + serial_text,
-                      "plug in " + options_.serial + ", or change serial=");
-  }
-  const bool is_pro = bytes[37] == 12;
   const std::string minor = std::to_string(bytes[9]);
-  checks.push_back({"the unit answers", is_pro || bytes[37] == 4 ? Outcome::Passed : Outcome::Warning,
-                    std::string(is_pro ? "U6-Pro" : "U6") + ", serial number " + serial_text + ", firmware " + std::to_string(bytes[10]) +
-                        "." + (minor.size() < 2 ? "0" : "") + minor});
+  identity_.serial = std::to_string(serial);
+  identity_.firmware = std::to_string(bytes[10]) + "." + (minor.size() < 2 ? "0" : "") + minor;
+  const bool is_pro = bytes[37] == 12;
+  checks.push_back({"the unit is a U6", is_pro || bytes[37] == 4 ? Outcome::Passed : Outcome::Warning,
+                    std::string(is_pro ? "U6-Pro" : "U6") + ", version code " + std::to_string(bytes[37])});
   return {};
 }
 
@@ -156,7 +152,7 @@ core::Result<usb::ScanPlan> U6::configure(usb::UsbPort& port, const usb::ScanReq
   if (auto stopped = exchange(port, stop_stream()); !stopped) return tl::make_unexpected(stopped.error());
   if (auto drained = drain(port); !drained) return tl::make_unexpected(drained.error());
   const std::size_t channels = options_.channels.size();
-  const ScanClock clock = nearest_clock(request.rate, channels);
+  const ScanClock clock = nearest_clock(request.rate);
   const Packing packing = pack(clock.rate, channels, request.latency_ns, request.must_use_large_packets);
   StreamSetup setup{.samples_per_packet = static_cast<std::uint8_t>(packing.samples_per_packet),
                     .scan_config = clock.scan_config,

@@ -34,6 +34,7 @@ class U6 final : public usb::DaqDriver {
   [[nodiscard]] bool is_rail(std::size_t channel, std::uint16_t code) const noexcept override;
 
   [[nodiscard]] core::Status connect(usb::UsbPort& port, std::vector<DeviceCheck>& checks) override;
+  [[nodiscard]] usb::UnitIdentity identity() const override { return identity_; }
   [[nodiscard]] core::Result<usb::ScanPlan> configure(usb::UsbPort& port, const usb::ScanRequest& request) override;
   [[nodiscard]] core::Result<std::vector<double>> read_once(usb::UsbPort& port) override;
   [[nodiscard]] core::Status begin(usb::UsbPort& port) override;
@@ -51,6 +52,7 @@ class U6 final : public usb::DaqDriver {
   usb::DaqOptions options_;
   std::vector<std::size_t> gains_;  ///< Of each position; `kRangesV.size()`: a digital word.
   DeviceDescription description_;
+  usb::UnitIdentity identity_;
   Calibration calibration_ = Calibration::nominal();
   StreamParser parser_;
 };

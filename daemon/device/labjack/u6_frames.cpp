@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "device/labjack/u6_frames.h"
 
+#include <algorithm>
 #include <array>
 #include <numeric>
 #include <utility>

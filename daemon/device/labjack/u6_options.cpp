@@ -58,7 +58,6 @@ core::Result<std::unique_ptr<Device>> create_u6(const DeviceUri& uri, const Devi
     return core::fail(ErrorCode::Unsupported, "device \"" + uri.text + "\" is on USB, and this program has no access to USB");
   }
   auto driver = std::make_unique<U6>(*options);
-  options->serial.clear();  // not in the USB descriptors: the driver compares it when it is connected
   return std::make_unique<usb::UsbDaq>(std::move(driver), std::move(*options), *context.usb, context.clock);
 }
 

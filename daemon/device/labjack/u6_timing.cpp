@@ -36,15 +36,11 @@ std::int64_t nearest_interval(std::int64_t clock_hz, core::Rate wanted) noexcept
 
 }  // namespace
 
-ScanClock nearest_clock(core::Rate wanted, std::size_t channels) noexcept {
+ScanClock nearest_clock(core::Rate wanted) noexcept {
   const auto source = std::find_if(kSources.begin(), kSources.end() - 1, [&](const Source& one) {
     return Wide{one.hz} * wanted.denominator() <= Wide{kLongestInterval} * wanted.numerator();
   });
-  std::int64_t interval = nearest_interval(source->hz, wanted);
-  const auto too_fast = [&] {
-    return static_cast<double>(source->hz) * static_cast<double>(channels) > kMaximumSamplesPerSecond * static_cast<double>(interval);
-  };
-  while (too_fast() && interval < kLongestInterval) ++interval;
+  const std::int64_t interval = nearest_interval(source->hz, wanted);
   ScanClock clock;
   clock.scan_config = source->scan_config;
   clock.interval = static_cast<std::uint16_t>(interval);

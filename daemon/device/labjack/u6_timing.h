@@ -19,9 +19,9 @@ struct ScanClock {
   core::Rate rate;  ///< Exactly.
 };
 
-/// The setting nearest to `wanted`, from the fastest clock that is slow enough, so that the steps are finest. Never faster than
-/// `channels` samples per scan allow.
-[[nodiscard]] ScanClock nearest_clock(core::Rate wanted, std::size_t channels) noexcept;
+/// The setting nearest to `wanted`, from the fastest clock that is slow enough, so that the steps are finest. Every full speed
+/// of 50000/channels is exact, so that no rate below it is rounded beyond it.
+[[nodiscard]] ScanClock nearest_clock(core::Rate wanted) noexcept;
 
 /// How samples travel.
 struct Packing {

@@ -18,6 +18,7 @@ constexpr std::uint64_t kMostPacketsApart = 2;
 
 constexpr double kWindowMs = 2000.0;
 constexpr int kFewestWaits = 8;
+constexpr int kMostBlocksBehind = 1000;
 constexpr std::int64_t kFrameNs = core::kNanosecondsPerMillisecond;  // packets of the same instant may travel in two frames
 constexpr std::int64_t kTransferNs = 10 * core::kNanosecondsPerMillisecond;
 
@@ -238,13 +239,25 @@ bool JoinedPair::is_one_alone(std::int64_t now_ns) noexcept {
   return is_alone && now_ns - *alone_since_ns_ >= lag_limit_ns_;
 }
 
+/// Without pulses the slave falls silent: where that is what was seen, the master is asked for the cause.
+ReadResult JoinedPair::cause_of(const ReadResult& fault) noexcept {
+  if (fault.outcome == ReadOutcome::Gone || fault.gap.reason != core::GapReason::Silence) return fault;
+  for (int i = 0; i < kMostBlocksBehind; ++i) {
+    const ReadResult result = master_.device->read(master_.fresh, clock_.now_ns());
+    if (result.outcome == ReadOutcome::Broken || result.outcome == ReadOutcome::Gone) return result;
+    if (result.outcome != ReadOutcome::Scans) return fault;
+  }
+  return fault;
+}
+
 /// The fault of one is the fault of both. A gap that one unit alone goes on behind would set the two against each other.
-ReadResult JoinedPair::end_with(const ReadResult& fault) noexcept {
+ReadResult JoinedPair::end_with(const ReadResult& seen) noexcept {
+  const ReadResult fault = cause_of(seen);
   if (fault.outcome == ReadOutcome::Gone) {
     move_to(DeviceState::Gone);
     return fault;
   }
-  const core::GapReason reason = fault.gap.reason == core::GapReason::None ? core::GapReason::Silence : fault.gap.reason;
+  const core::GapReason reason = fault.gap.reason == core::GapReason::None ? core::GapReason::Integrity : fault.gap.reason;
   broken_ = ReadResult{ReadOutcome::Broken, {reason, 0, false}};
   return *broken_;
 }

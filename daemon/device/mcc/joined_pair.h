@@ -71,7 +71,8 @@ class JoinedPair final : public Device {
   [[nodiscard]] bool is_one_behind(std::size_t scans) noexcept;
   void begin_window() noexcept;
   [[nodiscard]] bool is_one_alone(std::int64_t now_ns) noexcept;
-  [[nodiscard]] ReadResult end_with(const ReadResult& fault) noexcept;
+  [[nodiscard]] ReadResult cause_of(const ReadResult& fault) noexcept;
+  [[nodiscard]] ReadResult end_with(const ReadResult& seen) noexcept;
 
   Half master_;
   Half slave_;

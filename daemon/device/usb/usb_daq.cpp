@@ -96,12 +96,14 @@ core::Status UsbDaq::open() {
   if (state() != DeviceState::Closed) return {};
   const auto units = candidates();
   if (!units) return pass_on(units.error());
-  core::Status opened;
+  core::Status result;
   for (const UsbUnit& unit : *units) {
-    opened = open_unit(unit);
+    const core::Status opened = open_unit(unit);
     if (opened) return opened;
+    // A unit that could not be asked may be the one: that is the better news.
+    if (result || result.error().code == ErrorCode::NotFound) result = opened;
   }
-  return opened;
+  return result;
 }
 
 core::Status UsbDaq::open_unit(const UsbUnit& unit) {

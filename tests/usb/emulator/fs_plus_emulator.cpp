@@ -178,7 +178,7 @@ ControlReply FsPlusEmulator::read_input(const Setup& setup, std::int64_t now_ns)
 
 ControlReply FsPlusEmulator::set_ranges(std::span<const std::uint8_t> data) {
   if (!parts_.has_range_list || scan_.is_running() || data.size() != kInputs) return refused();
-  std::copy(data.begin(), data.end(), ranges_.begin());
+  if (!ignores_ranges) std::copy(data.begin(), data.end(), ranges_.begin());
   return done();
 }
 

@@ -61,8 +61,9 @@ class FsPlusEmulator final : public EmulatedDevice {
   FsPlusEmulator& operator=(const FsPlusEmulator&) = delete;
 
   Faults faults;
-  int failing_starts = 0;      ///< So many starts overrun at once, as USB-204 does (Linux_Drivers issue #42).
-  int forbidden_requests = 0;  ///< Writes to calibration, serial number or firmware that were asked for.
+  int failing_starts = 0;       ///< So many starts overrun at once, as USB-204 does (Linux_Drivers issue #42).
+  bool ignores_ranges = false;  ///< Range lists are acknowledged and forgotten.
+  int forbidden_requests = 0;   ///< Writes to calibration, serial number or firmware that were asked for.
 
   /// The other end of the SYNC pin; outlives the device.
   void connect_sync(SyncLine& line) { sync_line_ = &line; }

@@ -132,6 +132,7 @@ ControlReply U6Emulator::control(const Setup&, std::span<const std::uint8_t>, st
 
 void U6Emulator::answer(Bytes reply) {
   reply.resize(std::min(reply.size(), quirks.reply_bytes));
+  if (answers_++ == quirks.reply_to_damage) reply.back() = static_cast<std::uint8_t>(reply.back() ^ 0x10U);
   replies_.push_back(std::move(reply));
 }
 

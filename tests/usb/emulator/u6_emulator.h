@@ -40,6 +40,7 @@ class U6Emulator final : public EmulatedDevice {
   struct Quirks {
     std::uint64_t scan_overlap_at_code = Faults::kNever;                ///< Error 55 from here to the stop (no document says for how long).
     std::size_t reply_bytes = std::numeric_limits<std::size_t>::max();  ///< Replies are cut to this. Stays.
+    std::uint64_t reply_to_damage = Faults::kNever;                     ///< This reply, counted from 0, gets a bit turned.
     bool is_discarded_count_wide = false;                               ///< The count of lost scans reaches into bytes 8 and 9. Stays.
     bool has_dummy_scan = true;                                         ///< false: auto-recovery ends without its scan of 0xFFFF. Stays.
   };
@@ -102,6 +103,7 @@ class U6Emulator final : public EmulatedDevice {
   bool is_streaming_ = false;
   bool is_halted_ = false;
   std::uint64_t commands_ = 0;
+  std::uint64_t answers_ = 0;
   std::size_t calibration_bytes_sent_ = 0;
   std::deque<Bytes> replies_;
   std::deque<Bytes> stale_;            ///< Packets that the host did not fetch before the stop.

@@ -161,7 +161,7 @@ ControlReply Usb1608gEmulator::fpga_data(std::size_t count) {
 
 ControlReply Usb1608gEmulator::set_list(std::span<const std::uint8_t> data) {
   if (scan_.is_running() || data.size() != list_.size()) return refused();
-  std::copy(data.begin(), data.end(), list_.begin());
+  if (!ignores_scan_list) std::copy(data.begin(), data.end(), list_.begin());
   return done();
 }
 

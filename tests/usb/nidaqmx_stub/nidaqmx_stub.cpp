@@ -111,7 +111,7 @@ std::int32_t DAQmxCreateAIVoltageChan(void* task, const char* channels, const ch
   s.control.terminal = terminal;
   s.control.minimum = minimum;
   s.control.maximum = maximum;
-  const std::int32_t status = count_channels(channels, s.channels);
+  const std::int32_t status = s.control.is_present ? count_channels(channels, s.channels) : kInvalidDevice;
   return status < 0 ? fail(status) : 0;
 }
 

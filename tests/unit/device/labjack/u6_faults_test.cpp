@@ -276,6 +276,14 @@ TEST(U6Faults, TruncatedReply_SaysWhich) {
   EXPECT_NE(error.what.find("ConfigU6 has 10 bytes, not 38"), std::string::npos) << error.what;
 }
 
+TEST(U6Faults, ReplyWithAWrongChecksum_IsNotBelieved) {
+  Rig rig(kEleven);
+  rig.unit.quirks.reply_to_damage = 5;  // the third block of the calibration
+  const core::Error error = open_error(rig);
+  EXPECT_EQ(error.code, ErrorCode::DataDamaged);
+  EXPECT_NE(error.what.find("ReadCal has a wrong checksum"), std::string::npos) << error.what;
+}
+
 TEST(U6Faults, CalibrationDamaged_NotOpened) {
   Rig garbage(kEleven);
   garbage.unit.faults.is_calibration_garbage = true;

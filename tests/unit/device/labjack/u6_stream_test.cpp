@@ -253,6 +253,13 @@ TEST(U6Stream, Restart_ForgetsEverything) {
   parser.restart(1, 3);
   EXPECT_FALSE(parser.is_recovering());
   EXPECT_EQ(feed(parser, packet(77, {4, 5, 6})).codes, (Codes{4, 5, 6}));
+
+  parser.restart(3, 2);
+  (void)feed(parser, packet(0, {1, 2}));  // in the middle of a scan
+  parser.restart(3, 3);
+  const Outcome dummy = feed(parser, packet(0, {kDummy, kDummy, kDummy}, 60, 4));
+  EXPECT_TRUE(dummy.codes.empty());
+  EXPECT_EQ(dummy.faults.size(), 1U);
 }
 
 }  // namespace

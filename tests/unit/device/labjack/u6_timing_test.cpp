@@ -15,7 +15,7 @@ constexpr std::uint8_t kDivided = 0x02;
 core::Rate rate(std::int64_t scans, std::int64_t seconds = 1) { return *core::Rate::create(scans, seconds); }
 
 void expect_clock(core::Rate wanted, std::uint8_t scan_config, std::uint16_t interval, core::Rate exact) {
-  const ScanClock clock = nearest_clock(wanted, 1);
+  const ScanClock clock = nearest_clock(wanted);
   EXPECT_EQ(clock.scan_config, scan_config) << wanted.hz();
   EXPECT_EQ(clock.interval, interval) << wanted.hz();
   EXPECT_EQ(clock.rate, exact) << wanted.hz();
@@ -46,7 +46,7 @@ TEST(U6Timing, BetweenTwoIntervals_TheNearerRate) {
 TEST(U6Timing, NearestRate_NoOtherIntervalIsNearer) {
   for (double hz = 0.3; hz < 50'000.0; hz *= 1.037) {
     const core::Rate wanted = *core::Rate::from_hz(hz);
-    const ScanClock clock = nearest_clock(wanted, 1);
+    const ScanClock clock = nearest_clock(wanted);
     const double clock_hz = clock.rate.hz() * clock.interval;
     const double error = std::abs(clock.rate.hz() - wanted.hz());
     EXPECT_LE(error, std::abs(clock_hz / (clock.interval + 1) - wanted.hz())) << hz;
@@ -57,7 +57,7 @@ TEST(U6Timing, NearestRate_NoOtherIntervalIsNearer) {
 TEST(U6Timing, FullSpeed_IsNeverExceededByRounding) {
   for (std::size_t channels = 1; channels <= 25; ++channels) {
     const core::Rate wanted = rate(50'000, static_cast<std::int64_t>(channels));
-    const double samples = nearest_clock(wanted, channels).rate.hz() * static_cast<double>(channels);
+    const double samples = nearest_clock(wanted).rate.hz() * static_cast<double>(channels);
     EXPECT_LE(samples, 50'000.0 * (1 + 1e-12)) << channels;
     EXPECT_GE(samples, 49'900.0) << channels;
   }

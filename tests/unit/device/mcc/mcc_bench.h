@@ -83,6 +83,12 @@ struct Bench {
     return reading;
   }
 
+  /// That many came, and all were right.
+  bool reads_right(std::uint64_t scans, double skew_s = 0.0) {
+    const Reading reading = read(scans, skew_s);
+    return reading.scans >= scans && reading.wrong == 0;
+  }
+
   /// After `stop` and `start`.
   void begin_segment() { next_scan = 0; }
 

@@ -130,7 +130,7 @@ TEST(Usb1608g, SecondHardwareRevision_TakesItsOwnImage) {
   Bench bench("mcc:1608gx?fpga=" + image.path(), unit);
   bench.start(1500);
 
-  EXPECT_EQ(bench.read(1500, Usb1608gEmulator::kSkewS).wrong, 0U);
+  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
 }
 
 TEST(Usb1608g, ImageOfTheWrongLength_RefusedBeforeItIsSent) {
@@ -187,7 +187,7 @@ TEST(Usb1608g, SuspendDuringTheScan_BrokenThenTheImageIsLoadedAgain) {
   Usb1608gEmulator unit = unit_g();
   Bench bench(image.uri(), unit);
   bench.start(1500);
-  ASSERT_EQ(bench.read(1500, Usb1608gEmulator::kSkewS).wrong, 0U);
+  ASSERT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
 
   unit.suspend(bench.clock.now_ns());
   const Reading reading = bench.read(3000, Usb1608gEmulator::kSkewS);
@@ -196,7 +196,7 @@ TEST(Usb1608g, SuspendDuringTheScan_BrokenThenTheImageIsLoadedAgain) {
   bench.begin_segment();
   bench.start(1500);
 
-  EXPECT_EQ(bench.read(1500, Usb1608gEmulator::kSkewS).wrong, 0U);
+  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
   EXPECT_EQ(unit.images_loaded(), 2);
 }
 
@@ -213,7 +213,7 @@ TEST(Usb1608g, PowerCycle_TheImageIsLoadedAgain) {
 
   bench.start(1500);
 
-  EXPECT_EQ(bench.read(1500, Usb1608gEmulator::kSkewS).wrong, 0U);
+  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
   EXPECT_EQ(unit.images_loaded(), 2);
 }
 
@@ -243,7 +243,7 @@ TEST(Usb1608g, FirmwareThatWants15Bytes_GetsThem) {
   bench.start(1500);
 
   EXPECT_EQ(unit.last_start().size(), 15U);
-  EXPECT_EQ(bench.read(1500, Usb1608gEmulator::kSkewS).wrong, 0U);
+  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
 }
 
 TEST(Usb1608g, BurstInEitherReadingOfThePeriod_SameRate) {
@@ -273,7 +273,7 @@ TEST(Usb1608g, Trigger_ArmedUntilItFires) {
 
   EXPECT_EQ(waiting.outcome, ReadOutcome::Armed);
   EXPECT_EQ(unit.trigger_config(), 1);
-  EXPECT_EQ(bench.read(1500, Usb1608gEmulator::kSkewS).wrong, 0U);
+  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
 }
 
 TEST(Usb1608g, HostAwayForLongerThanTheFifo_Overrun) {
@@ -281,7 +281,7 @@ TEST(Usb1608g, HostAwayForLongerThanTheFifo_Overrun) {
   Usb1608gEmulator unit = unit_g();
   Bench bench(image.uri(), unit);
   bench.start(1500);
-  ASSERT_EQ(bench.read(1500, Usb1608gEmulator::kSkewS).wrong, 0U);
+  ASSERT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
 
   bench.clock.advance_ns(200 * kMillisecond);  // the FIFO holds 170 ms
 
@@ -298,6 +298,50 @@ TEST(Usb1608g, CalibrationCutShort_DataDamaged) {
 
   ASSERT_FALSE(opened.has_value());
   EXPECT_EQ(opened.error().code, core::ErrorCode::DataDamaged);
+}
+
+TEST(Usb1608g, ScanListNotTaken_StartRefused) {
+  const ImageFile image;
+  Usb1608gEmulator unit = unit_g();
+  unit.ignores_scan_list = true;
+  Bench bench(image.uri(), unit);
+  ASSERT_TRUE(bench.device->open());
+
+  const auto started = bench.device->start({*core::Rate::from_hz(1500), 64});
+
+  ASSERT_FALSE(started.has_value());
+  EXPECT_EQ(started.error().code, core::ErrorCode::DataDamaged);
+}
+
+TEST(Usb1608g, ScanLeftRunningByAnotherProgram_EndsAndLeavesNothingBehind) {
+  const ImageFile image;
+  Usb1608gEmulator unit = unit_g();
+  Bench bench(image.uri("&channels=2,9,4,11,0"), unit);
+  ASSERT_TRUE(bench.device->open());
+  const Bytes start = encode_g_start({.period = 63'999, .packet_codes = 256, .has_trigger = false});
+  ASSERT_EQ(unit.control({.request_type = 0x40, .request = 0x12, .length = 14}, start, bench.clock.now_ns()).kind,
+            emulator::ReplyKind::Done);
+  bench.clock.advance_ns(7 * kMillisecond);
+
+  bench.start(1500);
+
+  EXPECT_TRUE(bench.reads_right(3000, Usb1608gEmulator::kSkewS));
+}
+
+TEST(Usb1608g, FirstConversionAfterLoading_ThrownAway) {
+  const ImageFile image;
+  Usb1608gEmulator unit(0x0110, "0123ABCD", [](double, std::span<double> volts) {
+    for (std::size_t i = 0; i < volts.size(); ++i) volts[i] = test::true_volts(i, 0.0);
+  });
+  Bench bench(image.uri(), unit);
+  bench.start(1500);
+  ASSERT_GE(bench.read(1500).scans, 1500U);
+
+  const DeviceReport report = bench.device->report();
+
+  EXPECT_FALSE(report.checks.empty());
+  for (const DeviceCheck& check : report.checks)
+    EXPECT_EQ(check.outcome, DeviceCheck::Outcome::Passed) << check.name << ": " << check.detail;
 }
 
 TEST(Usb1608g, MuteDevice_Timeout) {

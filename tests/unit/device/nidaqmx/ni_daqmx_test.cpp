@@ -286,6 +286,16 @@ TEST(NiDaqmx, RemovedBeforeTheStart_Gone) {
   EXPECT_EQ(rig.device->state(), DeviceState::Gone);
 }
 
+TEST(NiDaqmx, UnpluggedWhileOpen_GoneAtTheStart) {
+  Rig rig;
+  ASSERT_TRUE(rig.device->open().has_value());
+  rig.control.is_present = false;
+  EXPECT_EQ(start_error(rig, 1000).code, ErrorCode::DeviceGone);
+  EXPECT_EQ(rig.device->state(), DeviceState::Gone);
+  EXPECT_TRUE(rig.device->close().has_value());
+  EXPECT_EQ(open_error(*rig.device).code, ErrorCode::NotFound);
+}
+
 TEST(NiDaqmx, StartRefused_OpenAndInNisWords) {
   Rig rig;
   rig.control.start_status = -200324;

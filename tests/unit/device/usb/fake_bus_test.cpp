@@ -83,10 +83,10 @@ TEST_F(FakeBusTest, Endpoints_FromTheConfiguration) {
 
 TEST_F(FakeBusTest, Control_TakesItsTime) {
   open();
-  std::array<std::uint8_t, 2> identity{};
+  std::array<std::uint8_t, 3> identity{};
   const std::int64_t before_ns = host_.clock.now_ns();
 
-  EXPECT_EQ(port_->control_in({test::kToyIdentity}, identity, 100).value(), 2U);
+  EXPECT_EQ(port_->control_in({test::kToyIdentity}, identity, 100).value(), 3U);
 
   EXPECT_EQ(identity[0], 0xCA);
   EXPECT_EQ(host_.clock.now_ns(), before_ns + host_.bus.request_ns);

@@ -55,6 +55,7 @@ class ToyDevice final : public emulator::EmulatedDevice {
   std::uint64_t fail_request = emulator::Faults::kNever;  ///< This request, counted from 0, ends with `fail_with`.
   emulator::ReplyKind fail_with = emulator::ReplyKind::Stall;
   bool takes_begin_without_running = false;
+  std::uint8_t hidden_serial = 0;  ///< Of a unit that does not tell it in its descriptors.
   bool is_sync_high = false;
   bool wants_out = false;
   std::uint64_t requests = 0;
@@ -87,7 +88,7 @@ class ToyDevice final : public emulator::EmulatedDevice {
     if (requests++ == fail_request) return {fail_with, {}};
     switch (setup.request) {
       case kToyStop: stop(); return {};
-      case kToyIdentity: return {emulator::ReplyKind::Done, std::vector<std::uint8_t>{0xCA, 0x1B}};
+      case kToyIdentity: return {emulator::ReplyKind::Done, std::vector<std::uint8_t>{0xCA, 0x1B, hidden_serial}};
       case kToyConfigure: return configure(data);
       case kToySingle: return single(setup.value);
       case kToyBegin: return begin(now_ns);

@@ -48,12 +48,14 @@ class ToyDriver final : public DaqDriver {
 
   [[nodiscard]] core::Status connect(UsbPort& port, std::vector<DeviceCheck>& checks) override {
     if (auto stopped = tell(port, {kToyStop}, {}); !stopped) return stopped;
-    std::array<std::uint8_t, 2> identity{};
+    std::array<std::uint8_t, 3> identity{};
     if (auto asked = ask(port, {kToyIdentity}, identity); !asked) return asked;
+    identity_ = identity[2] == 0 ? UnitIdentity{} : UnitIdentity{"N" + std::to_string(identity[2]), "7.7"};
     if (identity[0] != 0xCA || identity[1] != 0x1B) return core::fail(core::ErrorCode::DataDamaged, "this is no toy");
     checks.push_back({"identity", DeviceCheck::Outcome::Passed, "a toy"});
     return {};
   }
+  [[nodiscard]] UnitIdentity identity() const override { return identity_; }
   [[nodiscard]] core::Result<ScanPlan> configure(UsbPort& port, const ScanRequest& request) override {
     carry_.reset();
     is_gap_count_next_ = false;
@@ -129,6 +131,7 @@ class ToyDriver final : public DaqDriver {
 
   ToyDriverOptions options_;
   DeviceDescription description_;
+  UnitIdentity identity_;
   std::optional<std::uint8_t> carry_;  ///< Low byte of a code whose high byte is in the next packet.
   bool is_gap_count_next_ = false;
 };

@@ -1,17 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything that can go wrong with a device on a cable, one at a time.
+// Everything that can go wrong with the data of a device, one at a time.
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 #include <utility>
 
 #include "device/usb/usb_daq.h"
 #include "unit/device/usb/toy_bench.h"
-
-#ifdef __SANITIZE_ADDRESS__
-#include <sanitizer/lsan_interface.h>
-#endif
 
 namespace dts::device::usb {
 namespace {
@@ -22,7 +17,6 @@ using emulator::Faults;
 using test::kMillisecond;
 using test::kSecond;
 using test::ToyBench;
-using test::ToySetup;
 
 constexpr std::int64_t kFoundWithinNs = 250 * kMillisecond;
 
@@ -275,176 +269,6 @@ TEST(UsbDaqFaults, TookTheCommandButDoesNotRun_StartFails) {
   EXPECT_EQ(started.error().code, ErrorCode::Failed);
   EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0);
   EXPECT_EQ(bench.daq->state(), DeviceState::Open);
-}
-
-TEST(UsbDaqFaults, Unplugged_ScansBeforeItThenGone) {
-  ToyBench bench;
-  bench.run(1500, 64);
-  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
-  bench.host.bus.run_until(bench.host.clock.now_ns() + 500 * kMillisecond);
-  const std::uint64_t before = bench.checker->scans();
-
-  bench.host.bus.unplug(bench.device);
-  const std::int64_t unplugged_ns = bench.host.clock.now_ns();
-  const ReadResult result = bench.read_until_trouble(kSecond);
-
-  EXPECT_EQ(result.outcome, ReadOutcome::Gone);
-  EXPECT_EQ(result.gap.reason, GapReason::Unplugged);
-  EXPECT_NEAR(static_cast<double>(bench.checker->scans() - before), 750, 16);
-  EXPECT_LE(bench.host.clock.now_ns(), unplugged_ns + kFoundWithinNs);
-  EXPECT_EQ(bench.checker->wrong(), 0U);
-  EXPECT_EQ(bench.daq->state(), DeviceState::Gone);
-}
-
-TEST(UsbDaqFaults, SubmitRefusedWhileStreaming_Gone) {
-  ToyBench bench;
-  bench.run(1500);
-  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
-
-  bench.host.bus.refuses_submit = true;
-
-  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Gone);
-  bench.daq->close();
-  EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0);
-}
-
-TEST(UsbDaqFaults, SubmitRefusedAtEveryPointOfAStart_GoneAndNothingLeft) {
-  for (std::uint64_t accepted = 0; accepted < 8; ++accepted) {
-    ToyBench bench;
-    ASSERT_TRUE(bench.daq->open().has_value());
-    bench.host.bus.submits_until_refusal = accepted;
-
-    const auto started = bench.start(1500);
-
-    ASSERT_FALSE(started.has_value()) << accepted;
-    EXPECT_EQ(started.error().code, ErrorCode::DeviceGone);
-    EXPECT_EQ(bench.daq->state(), DeviceState::Gone);
-    EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0) << accepted;
-  }
-}
-
-TEST(UsbDaqFaults, TwentyUnplugAndReplugCycles_EveryScanRightNothingLeft) {
-  ToyBench bench({.serial = "T1"});
-  for (int cycle = 0; cycle < 20; ++cycle) {
-    bench.run(1500);
-    EXPECT_EQ(bench.read_until_trouble((50 + 7 * cycle) * kMillisecond).outcome, ReadOutcome::Timeout);
-    bench.host.bus.unplug(bench.device);
-    EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Gone);
-    EXPECT_EQ(bench.checker->wrong(), 0U);
-    EXPECT_TRUE(bench.daq->stop().has_value());
-    EXPECT_TRUE(bench.daq->close().has_value());
-    EXPECT_EQ(bench.host.bus.open_ports(), 0);
-    EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0);
-    const core::Status opened = bench.daq->open();
-    ASSERT_FALSE(opened.has_value());
-    EXPECT_EQ(opened.error().code, ErrorCode::NotFound);
-    (void)bench.daq->has_arrived();
-    EXPECT_FALSE(bench.daq->has_arrived());
-    bench.host.bus.plug(bench.device);
-    EXPECT_TRUE(bench.daq->has_arrived());
-  }
-}
-
-TEST(UsbDaqFaults, DeviceLeavesByItself_BackAfterAWhile) {
-  ToyBench bench;
-  bench.run(1500);
-  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
-
-  bench.device.wants_out = true;
-
-  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Gone);
-  bench.daq->close();
-  (void)bench.daq->has_arrived();
-  bench.host.clock.advance_ns(kSecond);
-  EXPECT_TRUE(bench.daq->has_arrived());
-  bench.run(1500);
-  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
-}
-
-enum class Harm { Stall, Silence, Unplug };
-
-/// Opens, starts, reads a little, stops and closes; the code of the first error.
-std::optional<ErrorCode> whole_life(ToyBench& bench) {
-  const core::Status opened = bench.daq->open();
-  if (!opened) return opened.error().code;
-  const auto started = bench.start(1500);
-  if (!started) return started.error().code;
-  const ReadResult result = bench.read_until_trouble(200 * kMillisecond);
-  if (result.outcome == ReadOutcome::Gone) return ErrorCode::DeviceGone;
-  bench.daq->stop();
-  bench.daq->close();
-  return std::nullopt;
-}
-
-TEST(UsbDaqFaults, HarmAtEveryRequestOfALife_RightErrorNoHangNothingLeft) {
-  std::uint64_t device_requests = 0;
-  std::uint64_t bus_requests = 0;
-  {
-    ToyBench bench;
-    EXPECT_EQ(whole_life(bench), std::nullopt);
-    device_requests = bench.device.requests;
-    bus_requests = bench.host.bus.requests();
-  }
-  ASSERT_EQ(device_requests, 10U);  // stop, identity, configure, 4 single readings, begin, status, stop
-  ASSERT_EQ(bus_requests, 11U);     // and clear_halt
-  for (const auto& [harm, code] : {std::pair{Harm::Stall, ErrorCode::Failed}, std::pair{Harm::Silence, ErrorCode::Timeout},
-                                   std::pair{Harm::Unplug, ErrorCode::DeviceGone}}) {
-    const std::uint64_t requests = harm == Harm::Unplug ? bus_requests : device_requests;
-    for (std::uint64_t at = 0; at < requests; ++at) {
-      ToyBench bench;
-      if (harm == Harm::Unplug) {
-        bench.host.bus.on_request = [&bench, at](std::uint64_t request) {
-          if (request == at) bench.host.bus.unplug(bench.device);
-        };
-      } else {
-        bench.device.fail_request = at;
-        bench.device.fail_with = harm == Harm::Stall ? emulator::ReplyKind::Stall : emulator::ReplyKind::Silence;
-      }
-      const std::int64_t begun_ns = bench.host.clock.now_ns();
-
-      const std::optional<ErrorCode> error = whole_life(bench);
-
-      const bool is_the_last_stop = at + 1 == requests;
-      EXPECT_EQ(error, is_the_last_stop ? std::nullopt : std::optional(code)) << static_cast<int>(harm) << " at " << at;
-      EXPECT_LE(bench.host.clock.now_ns(), begun_ns + kSecond);
-      EXPECT_EQ(bench.daq->close().has_value(), true);
-      EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0);
-      EXPECT_EQ(bench.host.bus.open_ports(), 0);
-      bench.host.bus.on_request = nullptr;
-      if (harm == Harm::Unplug) bench.host.bus.plug(bench.device);
-      EXPECT_EQ(whole_life(bench), std::nullopt) << static_cast<int>(harm) << " at " << at;
-      EXPECT_EQ(bench.checker->wrong(), 0U);
-    }
-  }
-}
-
-TEST(UsbDaqFaults, CancelThatNeverReturns_MemoryIsGivenUpAndSaidSo) {
-#ifdef __SANITIZE_ADDRESS__
-  const __lsan::ScopedDisabler leaks_on_purpose;
-#endif
-  ToyBench bench;
-  bench.host.may_leak = true;
-  bench.run(1500);
-  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
-  bench.host.bus.swallows_cancel = true;
-  const std::int64_t before_ns = bench.host.clock.now_ns();
-
-  const core::Status stopped = bench.daq->stop();
-
-  ASSERT_FALSE(stopped.has_value());
-  EXPECT_NE(stopped.error().what.find("did not come back"), std::string::npos);
-  EXPECT_LE(bench.host.clock.now_ns(), before_ns + 250 * kMillisecond);
-  EXPECT_EQ(bench.host.bus.open_ports(), 1);
-  EXPECT_EQ(bench.daq->state(), DeviceState::Gone);
-  const DeviceCheck check = bench.daq->report().checks.back();
-  EXPECT_EQ(check.outcome, DeviceCheck::Outcome::Failed);
-  EXPECT_TRUE(bench.daq->close().has_value());
-  // Plugged in again it is another unit for the bus.
-  bench.host.bus.swallows_cancel = false;
-  bench.host.bus.unplug(bench.device);
-  bench.host.bus.plug(bench.device);
-  bench.run(1500);
-  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
 }
 
 }  // namespace

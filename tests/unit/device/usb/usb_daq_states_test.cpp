@@ -190,6 +190,28 @@ TEST(UsbDaqOpen, SeveralUnits_TheOneWithTheSerial) {
   bench.host.bus.unplug(other);
 }
 
+TEST(UsbDaqOpen, SerialNotInTheDescriptors_EachUnitIsAsked) {
+  test::Host host;
+  test::ToyDevice first("");
+  test::ToyDevice second("");
+  first.hidden_serial = 1;
+  second.hidden_serial = 2;
+  host.bus.plug(first);
+  host.bus.plug(second);
+  auto daq = test::make_toy(host, {.serial = "N2"});
+  auto absent = test::make_toy(host, {.serial = "N3"});
+
+  EXPECT_EQ(code(absent->open()), ErrorCode::NotFound);
+  ASSERT_TRUE(daq->open().has_value());
+  EXPECT_EQ(daq->report().serial, "N2");
+  EXPECT_EQ(daq->report().firmware, "7.7");
+  EXPECT_EQ(host.bus.open_ports(), 1);
+  EXPECT_EQ(code(absent->open()), ErrorCode::WrongState) << "the unit in use may be the one";
+  daq.reset();
+  host.bus.unplug(first);
+  host.bus.unplug(second);
+}
+
 TEST(UsbDaqOpen, BusyOrForbidden_SaidSoAndTriedAgain) {
   ToyBench bench;
   bench.host.bus.is_busy = true;

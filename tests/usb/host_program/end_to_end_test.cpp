@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+// The normal dtsd and dtsctl over unmodified libusb, a USB DAQ that is not there, and a plate that knows where the weight stands.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "usb/host_program/emulator_process.h"
+
+namespace dts::emulator {
+namespace {
+
+using nlohmann::json;
+using test::eventually;
+using ::testing::HasSubstr;
+
+constexpr double kSettleNs = 0.4e9;    // the weight is down and the filters have forgotten the time before
+constexpr double kLargestRmsMm = 1.0;  // 0.13 was measured; the accuracy of platforms is the business of tests/accuracy
+
+struct Comparison {
+  int compared = 0;
+  double sum_squares = 0.0;
+
+  [[nodiscard]] double rms_mm() const { return std::sqrt(sum_squares / std::max(compared, 1)); }
+};
+
+/// true: the same weight has been at the same place for a while, and stays.
+bool is_at_rest(EmulatorProcess& emulator, std::int64_t when_ns, const RigSource::Truth& now) {
+  const auto before = emulator.truth_at(when_ns - static_cast<std::int64_t>(kSettleNs));
+  const auto after = emulator.truth_at(when_ns + static_cast<std::int64_t>(kSettleNs));
+  return before && after && before->load_n == now.load_n && after->load_n == now.load_n && before->ml_mm == now.ml_mm;
+}
+
+void compare_block(EmulatorProcess& emulator, const json& block, Comparison& result) {
+  const auto first_ns = block.at("host_time_ns").get<std::int64_t>();
+  const json& values = block.at("values").at(0);
+  if (values.at(0).is_null()) return;
+  const auto truth = emulator.truth_at(first_ns);
+  ASSERT_TRUE(truth);
+  if (std::isnan(truth->ml_mm) || !is_at_rest(emulator, first_ns, *truth)) return;
+  const double ml_mm = values.at(0).get<double>() - truth->ml_mm;
+  const double ap_mm = values.at(1).get<double>() - truth->ap_mm;
+  result.sum_squares += ml_mm * ml_mm + ap_mm * ap_mm;
+  ++result.compared;
+}
+
+TEST(UsbEndToEndTest, TheWatchedCopFollowsTheWeightsOnThePlate) {
+  EmulatorProcess emulator({.scene = "sim:floor?contact=weights&weights=$DIR/weights.csv&step_on_s=5&hold_s=1.5&pause_s=0.5&ramp_s=0.2",
+                            .weights = "x_mm,y_mm,load_n\n40,-30,490\n-60,50,600\n0,0,400\n"});
+  ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
+
+  const auto watched = emulator.ctl({"watch", "floor/cop", "--jsonl", "--count", "1150", "--timeout", "20"});
+
+  Comparison result;
+  std::istringstream lines(watched.out);
+  for (std::string line; std::getline(lines, line);) compare_block(emulator, json::parse(line), result);
+  std::printf("  %d blocks compared, COP off by %.2f mm rms\n", result.compared, result.rms_mm());
+  EXPECT_GT(result.compared, 60) << watched.err << emulator.log();
+  EXPECT_LT(result.rms_mm(), kLargestRmsMm);
+  EXPECT_EQ(emulator.quit(), 0);
+}
+
+TEST(UsbEndToEndTest, ASessionSurvivesThePlug) {
+  EmulatorProcess emulator({.scene = "sim:floor?contact=point&step_on_s=3600"});
+  ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
+  ASSERT_EQ(emulator.ctl({"session", "start", "--rig", "floor"}).status, 0);
+
+  for (int cycle = 1; cycle <= 3; ++cycle) {
+    ASSERT_EQ(emulator.ask("unplug"), "ok");
+    ASSERT_TRUE(eventually([&] { return !emulator.is_streaming(); })) << emulator.log();
+    ASSERT_EQ(emulator.ask("plug"), "ok");
+    ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
+    EXPECT_TRUE(eventually([&] {
+      return json::parse(emulator.ctl({"status", "--json"}).out).at("rigs").at(0).at("gaps_total").get<int>() == cycle;
+    })) << emulator.log();
+  }
+
+  const json rig = json::parse(emulator.ctl({"status", "--json"}).out).at("rigs").at(0);
+  EXPECT_EQ(rig.at("session").at("state"), "running");
+  EXPECT_EQ(rig.at("segment"), 3);
+  EXPECT_EQ(emulator.ctl({"session", "stop"}).status, 0);
+}
+
+TEST(UsbEndToEndTest, AnUnknownCommandIsAnsweredWithTheKnownOnes) {
+  EmulatorProcess emulator({.scene = "sim:floor?contact=point"});
+
+  EXPECT_THAT(emulator.ask("unplugg"), HasSubstr("error no command is called"));
+  EXPECT_THAT(emulator.ask("fault nonsense 1"), HasSubstr("error no fault is called"));
+}
+
+}  // namespace
+}  // namespace dts::emulator

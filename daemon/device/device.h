@@ -53,6 +53,7 @@ struct DeviceCheck {
 /// What the device found at the unit that it opened last.
 struct DeviceReport {
   std::string serial;
+  std::vector<std::string> nodes;  ///< Of the units that are open now: "/dev/bus/usb/001/002".
   std::string firmware;
   std::vector<DeviceCheck> checks;
 };

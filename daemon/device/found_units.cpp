@@ -38,8 +38,4 @@ core::Result<std::vector<FoundUnit>> find_units(usb::UsbBus& bus) {
   return found;
 }
 
-bool names_unit(const std::string& serials, const usb::UsbUnit& unit) {
-  return !unit.serial.empty() && ("+" + serials + "+").find("+" + unit.serial + "+") != std::string::npos;
-}
-
 }  // namespace dts::device

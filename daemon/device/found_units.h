@@ -19,7 +19,4 @@ struct FoundUnit {
 /// All such units, whether a rig uses them or not. Fails when the machine's USB cannot be looked at.
 [[nodiscard]] core::Result<std::vector<FoundUnit>> find_units(usb::UsbBus& bus);
 
-/// `serials` of a DeviceReport names this unit: one serial, or several joined by '+' (a device made of two units).
-[[nodiscard]] bool names_unit(const std::string& serials, const usb::UsbUnit& unit);
-
 }  // namespace dts::device

@@ -213,10 +213,11 @@ core::Result<std::vector<device::FoundUnit>> Supervisor::unused_units() {
   if (usb_ == nullptr) return std::vector<device::FoundUnit>{};
   auto found = device::find_units(*usb_);
   if (!found) return found;
-  std::erase_if(*found, [&](const device::FoundUnit& candidate) {
-    return std::ranges::any_of(
-        entries_, [&](const auto& entry) { return device::names_unit(entry.second.rig->device_report().serial, candidate.unit); });
-  });
+  std::vector<std::string> used;
+  for (const auto& [rig_name, entry] : entries_) {
+    for (std::string& node : entry.rig->device_report().nodes) used.push_back(std::move(node));
+  }
+  std::erase_if(*found, [&](const device::FoundUnit& candidate) { return std::ranges::find(used, candidate.unit.node()) != used.end(); });
   return found;
 }
 

@@ -53,8 +53,12 @@ core::Result<core::Rate> JoinedPair::exact_rate(core::Rate wanted) const {
 DeviceReport JoinedPair::report() const {
   DeviceReport first = master_.device->report();
   DeviceReport second = slave_.device->report();
-  DeviceReport both{.serial = first.serial + "+" + second.serial, .firmware = first.firmware + "+" + second.firmware, .checks = {}};
   if (first.serial.empty() && second.serial.empty()) return {};
+  DeviceReport both{.serial = first.serial + "+" + second.serial,
+                    .nodes = std::move(first.nodes),
+                    .firmware = first.firmware + "+" + second.firmware,
+                    .checks = {}};
+  for (std::string& node : second.nodes) both.nodes.push_back(std::move(node));
   for (DeviceCheck& check : first.checks) both.checks.push_back({"first unit: " + check.name, check.outcome, check.detail});
   for (DeviceCheck& check : second.checks) both.checks.push_back({"second unit: " + check.name, check.outcome, check.detail});
   return both;

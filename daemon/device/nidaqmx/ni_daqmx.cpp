@@ -90,7 +90,8 @@ core::Status NiDaqmx::open() {
   if (!created) return created;
   read_error_.store(0, std::memory_order_release);  // pairs with report()
   const std::lock_guard lock(report_mutex_);
-  report_ = {options_.name, "", {{"NI-DAQmx knows the device and its channels", DeviceCheck::Outcome::Passed, options_.library}}};
+  report_ = {.serial = options_.name,
+             .checks = {{"NI-DAQmx knows the device and its channels", DeviceCheck::Outcome::Passed, options_.library}}};
   move_to(DeviceState::Open);
   return {};
 }

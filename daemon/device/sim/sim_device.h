@@ -46,7 +46,7 @@ class SimDevice final : public Device {
   [[nodiscard]] const DeviceDescription& describe() const noexcept override { return parts_.description; }
   [[nodiscard]] DeviceState state() const noexcept override { return state_.load(std::memory_order_acquire); }  // pairs with move_to
   [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override;
-  [[nodiscard]] DeviceReport report() const override { return {parts_.description.serial, "", {}}; }
+  [[nodiscard]] DeviceReport report() const override { return {.serial = parts_.description.serial}; }
   [[nodiscard]] core::Status open() override;
   [[nodiscard]] core::Result<core::Rate> start(const StartOptions& options) override;
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;

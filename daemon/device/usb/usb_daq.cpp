@@ -55,6 +55,7 @@ UsbDaq::~UsbDaq() { UsbDaq::close(); }
 DeviceReport UsbDaq::report() const {
   const std::lock_guard lock(control_mutex_);
   DeviceReport report = report_;
+  if (port_) report.nodes.push_back(port_->unit().node());
   report.checks.insert(report.checks.end(), scan_checks_.begin(), scan_checks_.end());
   if (!reader_) return report;
   const std::vector<DeviceCheck> findings = reader_->findings();
@@ -124,7 +125,7 @@ core::Status UsbDaq::open_unit(const UsbUnit& unit) {
   port_ = std::move(*port);
   const bool is_same_unit = !who.serial.empty() && who.serial == report_.serial;
   if (!is_same_unit) host_time_rate_.reset();  // another crystal
-  report_ = {std::move(who.serial), std::move(who.firmware), std::move(checks)};
+  report_ = {.serial = std::move(who.serial), .firmware = std::move(who.firmware), .checks = std::move(checks)};
   scan_checks_.clear();
   must_use_large_packets_ = false;
   move_to(DeviceState::Open);

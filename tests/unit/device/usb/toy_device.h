@@ -50,6 +50,7 @@ class ToyDevice final : public emulator::EmulatedDevice {
   std::size_t rotated_by = 0;                            ///< The scan begins with this channel.
   std::uint64_t gap_at_scan = emulator::Faults::kNever;  ///< Recovers by itself, telling that it lost `gap_scans`.
   std::uint16_t gap_scans = 0;
+  std::size_t gap_channel = 0;  ///< The scan breaks off before this channel.
   std::uint64_t rail_at_code = emulator::Faults::kNever;
   double moved_v = 0.0;                                   ///< Added to channel 0's single reading: somebody moved.
   std::uint64_t fail_request = emulator::Faults::kNever;  ///< This request, counted from 0, ends with `fail_with`.
@@ -127,7 +128,7 @@ class ToyDevice final : public emulator::EmulatedDevice {
   }
   /// What the next packet leaves out.
   [[nodiscard]] std::uint64_t discarded_codes() const {
-    const bool is_in_packet = gap_at_scan != emulator::Faults::kNever && next_ + packet_codes_ > gap_at_scan * channels_;
+    const bool is_in_packet = gap_at_scan != emulator::Faults::kNever && next_ + packet_codes_ > gap_at_scan * channels_ + gap_channel;
     return is_in_packet ? gap_scans * channels_ : 0;
   }
   [[nodiscard]] bool strikes(std::uint64_t& at) const {
@@ -197,11 +198,11 @@ class ToyDevice final : public emulator::EmulatedDevice {
         faults.drop_code_at = emulator::Faults::kNever;
         ++next_;
       }
-      if (next_ % channels_ == 0 && next_ / channels_ == gap_at_scan) {
+      if (next_ % channels_ == gap_channel && next_ / channels_ == gap_at_scan) {
+        next_ = (gap_at_scan + gap_scans) * channels_;
         gap_at_scan = emulator::Faults::kNever;
         put(kToyGapCode);
         put(gap_scans);
-        next_ += gap_scans * channels_;
       }
       if (bytes.size() >= 2 * packet_codes_) break;
       const std::uint64_t code = next_ + rotated_by;

@@ -195,24 +195,27 @@ TEST(UsbDaq, Trigger_ArmedUntilItComes) {
 }
 
 TEST(UsbDaq, DeviceThatRecovers_ExactGapThenTheScansAfterIt) {
-  ToyBench bench;
-  bench.device.gap_at_scan = 250;
-  bench.device.gap_scans = 12;
-  bench.run(1500, 15);
+  for (std::size_t channel = 0; channel < 4; ++channel) {
+    ToyBench bench;
+    bench.device.gap_at_scan = 250;
+    bench.device.gap_scans = 12;
+    bench.device.gap_channel = channel;
+    bench.run(1500, 15);
 
-  const ReadResult gap = bench.read_until_trouble(kSecond);
-  EXPECT_EQ(gap.outcome, ReadOutcome::Gap);
-  EXPECT_EQ(gap.gap.reason, core::GapReason::Overrun);
-  EXPECT_EQ(gap.gap.missing_scans, 12U);
-  EXPECT_TRUE(gap.gap.is_exact);
-  EXPECT_EQ(bench.checker->scans(), 250U);
+    const ReadResult gap = bench.read_until_trouble(kSecond);
+    EXPECT_EQ(gap.outcome, ReadOutcome::Gap);
+    EXPECT_EQ(gap.gap.reason, core::GapReason::Overrun);
+    EXPECT_EQ(gap.gap.missing_scans, 12U);
+    EXPECT_TRUE(gap.gap.is_exact);
+    EXPECT_EQ(bench.checker->scans(), 250U);
 
-  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
-  EXPECT_GT(bench.checker->scans(), 1500U);
-  EXPECT_EQ(bench.checker->wrong(), 0U);
-  EXPECT_EQ(bench.device.begins, 1U);
-  const core::Block& block = bench.checker->block();
-  EXPECT_LE(std::abs(block.host_time_ns - bench.device.instant_ns(block.first_scan.value + 262)), 2 * kMillisecond);
+    EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+    EXPECT_GT(bench.checker->scans(), 1500U);
+    EXPECT_EQ(bench.checker->wrong(), 0U) << channel;
+    EXPECT_EQ(bench.device.begins, 1U);
+    const core::Block& block = bench.checker->block();
+    EXPECT_LE(std::abs(block.host_time_ns - bench.device.instant_ns(block.first_scan.value + 262)), 2 * kMillisecond);
+  }
 }
 
 TEST(UsbDaq, TwoDevicesSideBySide_EachItsOwnScans) {

@@ -50,7 +50,14 @@ tl::unexpected<core::Error> pass_on(const core::Error& error) { return tl::make_
 UsbDaq::UsbDaq(std::unique_ptr<DaqDriver> driver, DaqOptions options, UsbBus& bus, core::Clock& clock)
     : driver_(std::move(driver)), options_(std::move(options)), bus_(bus), clock_(clock), seen_arrivals_(bus.arrivals()) {}
 
-UsbDaq::~UsbDaq() { UsbDaq::close(); }
+UsbDaq::~UsbDaq() {
+  UsbDaq::close();
+  free_abandoned();
+  for (Abandoned& left : abandoned_) {  // the host controller may still write into them: never freed
+    (void)left.stream.release();
+    (void)left.port.release();
+  }
+}
 
 DeviceReport UsbDaq::report() const {
   const std::lock_guard lock(control_mutex_);
@@ -239,8 +246,8 @@ core::Status UsbDaq::end_scan() noexcept {
   return end_stream();
 }
 
-/// Ends the transfers and frees them. When some do not come back, the host controller may still write into them and call the
-/// stream: stream and port stay in memory for ever, and the unit is lost until it is plugged in again.
+/// Ends the transfers and frees them. When some do not come back in time, the host controller may still write into them and call
+/// the stream: stream and port are put aside until they have, and the unit cannot be opened before.
 core::Status UsbDaq::end_stream() noexcept {
   if (reader_) {
     must_use_large_packets_ = must_use_large_packets_ || reader_->has_overrun();
@@ -253,11 +260,19 @@ core::Status UsbDaq::end_stream() noexcept {
     stream_.reset();
     return {};
   }
-  const std::string detail = std::to_string(stream_->in_flight()) + " transfers did not come back; their memory is given up";
+  const std::string detail = std::to_string(stream_->in_flight()) + " transfers did not come back; their memory is kept";
   scan_checks_.push_back({"transfers end when they are cancelled", DeviceCheck::Outcome::Failed, detail});
-  (void)stream_.release();
-  (void)port_.release();
+  abandoned_.push_back({std::move(port_), std::move(stream_)});
   return core::fail(ErrorCode::Failed, "cannot end the scan of " + describe().uri + ": " + detail, "unplug it and plug it in again");
+}
+
+/// On a machine that was too busy for a moment, the transfers have come back meanwhile; the unit can be opened again then.
+void UsbDaq::free_abandoned() noexcept {
+  std::erase_if(abandoned_, [](Abandoned& left) {
+    if (!left.stream->stop(0)) return false;
+    left.stream.reset();  // before its port
+    return true;
+  });
 }
 
 core::Status UsbDaq::close() {

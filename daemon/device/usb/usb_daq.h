@@ -56,6 +56,7 @@ class UsbDaq final : public Device {
   void prepare_host_time(core::Rate rate);
   [[nodiscard]] core::Status end_scan() noexcept;
   [[nodiscard]] core::Status end_stream() noexcept;
+  void free_abandoned() noexcept;
 
   std::unique_ptr<DaqDriver> driver_;
   DaqOptions options_;
@@ -69,6 +70,12 @@ class UsbDaq final : public Device {
   std::unique_ptr<UsbPort> port_;
   std::unique_ptr<BulkStream> stream_;
   std::unique_ptr<ScanReader> reader_;
+  /// A port and its stream whose transfers did not come back in time. While one is here, interface 0 stays claimed.
+  struct Abandoned {
+    std::unique_ptr<UsbPort> port;
+    std::unique_ptr<BulkStream> stream;
+  };
+  std::vector<Abandoned> abandoned_;
   DeviceReport report_;                   ///< As found by `open`.
   std::vector<DeviceCheck> scan_checks_;  ///< As found by the last `start` and, after `stop`, by its scan.
   core::HostTime host_time_;              ///< Outlives a scan: what is known of the clock's drift stays.

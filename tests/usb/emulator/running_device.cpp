@@ -20,8 +20,8 @@ constexpr std::int64_t kShortestNs = 250'000;     // packets nearer than this ar
 
 }  // namespace
 
-RunningDevice::RunningDevice(EmulatedDevice& device, Pace pace, Finish finish, std::function<void()> leave)
-    : device_(device), pace_(pace), finish_(std::move(finish)), leave_(std::move(leave)) {
+RunningDevice::RunningDevice(EmulatedDevice& device, Pace pace, const core::Clock& clock, Finish finish, std::function<void()> leave)
+    : device_(device), pace_(pace), clock_(clock), finish_(std::move(finish)), leave_(std::move(leave)) {
   device_.power_up(now_ns());
   thread_ = std::thread([this] { run(); });
 }

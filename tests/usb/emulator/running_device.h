@@ -20,7 +20,7 @@ namespace dts::emulator {
 
 /// How an emulated device's time runs.
 enum class Pace : std::uint8_t {
-  RealTime,  ///< With the machine's clock.
+  RealTime,  ///< With a clock, usually the machine's.
   LockStep,  ///< As fast as transfers are offered: a slow machine changes
              ///< nothing but the duration.
 };
@@ -75,9 +75,9 @@ class RunningDevice {
 
   EmulatedDevice& device_;
   Pace pace_;
+  const core::Clock& clock_;
   Finish finish_;
   std::function<void()> leave_;
-  core::SystemClock clock_;
   std::mutex mutex_;
   std::condition_variable changed_;
   bool is_ending_ = false;

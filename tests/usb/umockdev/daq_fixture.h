@@ -45,6 +45,21 @@ class Staircase {
   }
 };
 
+/// The machine's time, slowed down for device and daemon alike: what a sanitizer slows down stays in time.
+class SlowClock final : public core::Clock {
+ public:
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  static constexpr std::int64_t kSlowness = 5;
+#else
+  static constexpr std::int64_t kSlowness = 1;
+#endif
+  [[nodiscard]] std::int64_t now_ns() const noexcept override { return clock_.now_ns() / kSlowness; }
+  void sleep_until_ns(std::int64_t deadline_ns) noexcept override { clock_.sleep_until_ns(deadline_ns * kSlowness); }
+
+ private:
+  core::SystemClock clock_;
+};
+
 /// A whole device, made by the registry, over unmodified libusb, in real time.
 class DaqFixture : public ::testing::Test {
  protected:
@@ -113,8 +128,8 @@ class DaqFixture : public ::testing::Test {
 
   physics::RigModel rig_;
   Staircase stairs_;
-  UmockdevHost host_;
-  core::SystemClock clock_;
+  SlowClock clock_;
+  UmockdevHost host_{Pace::RealTime, &clock_};
   device::usb::LibusbBus bus_{clock_, {}, core::Log()};
   std::unique_ptr<device::Device> device_;
   std::unique_ptr<core::Block> block_;

@@ -35,7 +35,8 @@ std::string root_of(UMockdevTestbed* testbed) {
 
 }  // namespace
 
-UmockdevHost::UmockdevHost(Pace pace) : pace_(pace), testbed_(umockdev_testbed_new()), root_(root_of(testbed_.get())) {
+UmockdevHost::UmockdevHost(Pace pace, const core::Clock* clock)
+    : pace_(pace), clock_(clock == nullptr ? system_clock_ : *clock), testbed_(umockdev_testbed_new()), root_(root_of(testbed_.get())) {
   g_mkdir_with_parents((root_ + "/dev/bus/usb/001").c_str(), 0755);
   leavers_thread_ = std::thread([this] { serve_leavers(); });
 }
@@ -78,7 +79,7 @@ void UmockdevHost::plug_locked(EmulatedDevice& device) {
   Plugged& plugged = plugged_[&device];
   plugged.address = next_address_++;
   const std::string node = node_of(plugged.address);
-  plugged.node = std::make_unique<UsbfsNode>(root_ + node, device, pace_, [this, &device] { ask_to_leave(device); });
+  plugged.node = std::make_unique<UsbfsNode>(root_ + node, device, pace_, clock_, [this, &device] { ask_to_leave(device); });
   if (umockdev_testbed_attach_ioctl(testbed_.get(), node.c_str(), plugged.node->handler(), nullptr) == FALSE)
     throw std::runtime_error("umockdev takes no handler for " + node);
   plugged.syspath = add_to_sysfs(device.descriptors(), port, plugged.address);

@@ -11,6 +11,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/clock.h"
 #include "usb/emulator/emulated_device.h"
 #include "usb/emulator/running_device.h"
 #include "usb/umockdev/usbfs_node.h"
@@ -28,7 +29,9 @@ namespace dts::emulator {
 /// for it at their start. One per process at a time.
 class UmockdevHost {
  public:
-  explicit UmockdevHost(Pace pace = Pace::RealTime);
+  explicit UmockdevHost(Pace pace = Pace::RealTime) : UmockdevHost(pace, nullptr) {}
+  /// In the real time of `clock`, which outlives the host; nullptr: the machine's.
+  UmockdevHost(Pace pace, const core::Clock* clock);
   ~UmockdevHost();
   UmockdevHost(const UmockdevHost&) = delete;
   UmockdevHost& operator=(const UmockdevHost&) = delete;
@@ -74,6 +77,8 @@ class UmockdevHost {
   void serve_leavers();
 
   Pace pace_;
+  core::SystemClock system_clock_;
+  const core::Clock& clock_;
   GObjectPtr<UMockdevTestbed> testbed_;
   std::string root_;
   mutable std::mutex mutex_;  ///< Who is plugged in; held while plugging.

@@ -52,7 +52,7 @@ Setup setup_of(const guint8* bytes) {
 
 }  // namespace
 
-UsbfsNode::UsbfsNode(std::string path, EmulatedDevice& device, Pace pace, std::function<void()> leave)
+UsbfsNode::UsbfsNode(std::string path, EmulatedDevice& device, Pace pace, const core::Clock& clock, std::function<void()> leave)
     : path_(std::move(path)), handler_(umockdev_ioctl_base_new()) {
   ::unlink(path_.c_str());
   if (::mkfifo(path_.c_str(), 0666) != 0) throw std::runtime_error("no FIFO at " + path_);
@@ -61,7 +61,7 @@ UsbfsNode::UsbfsNode(std::string path, EmulatedDevice& device, Pace pace, std::f
   update_readiness();
   g_signal_connect(handler_.get(), "handle-ioctl", G_CALLBACK(&UsbfsNode::on_ioctl), this);
   running_ = std::make_shared<RunningDevice>(
-      device, pace, [this](FinishedTransfer transfer) { finish(std::move(transfer)); }, std::move(leave));
+      device, pace, clock, [this](FinishedTransfer transfer) { finish(std::move(transfer)); }, std::move(leave));
 }
 
 UsbfsNode::~UsbfsNode() {

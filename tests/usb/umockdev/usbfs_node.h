@@ -38,7 +38,7 @@ using GObjectPtr = std::unique_ptr<T, UnrefObject>;
 class UsbfsNode {
  public:
   /// `path` is the file inside the testbed; it is made here.
-  UsbfsNode(std::string path, EmulatedDevice& device, Pace pace, std::function<void()> leave);
+  UsbfsNode(std::string path, EmulatedDevice& device, Pace pace, const core::Clock& clock, std::function<void()> leave);
   ~UsbfsNode();
   UsbfsNode(const UsbfsNode&) = delete;
   UsbfsNode& operator=(const UsbfsNode&) = delete;

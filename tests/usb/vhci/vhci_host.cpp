@@ -62,7 +62,7 @@ class VhciHost::Connection {
   Connection(int socket, EmulatedDevice& device)
       : socket_(socket),
         running_(
-            device, Pace::RealTime, [this](FinishedTransfer transfer) { finish(std::move(transfer)); }, [] {}),
+            device, Pace::RealTime, clock_, [this](FinishedTransfer transfer) { finish(std::move(transfer)); }, [] {}),
         thread_([this] { serve(); }) {}
   ~Connection() {
     ::shutdown(socket_, SHUT_RDWR);  // the kernel takes it for a pulled plug
@@ -129,6 +129,7 @@ class VhciHost::Connection {
 
   int socket_;
   std::mutex send_mutex_;
+  core::SystemClock clock_;
   RunningDevice running_;
   std::thread thread_;
 };

@@ -13,6 +13,7 @@ constexpr std::int64_t kShortestRetryNs = 250 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kLongestRetryNs = 4000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kStopLatencyNs = 50 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kReadPatienceNs = 100 * kNanosecondsPerMillisecond;
+constexpr double kProvenMs = 1000.0;  // a stream that lasted for this long is worth starting again at once
 constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
 
 std::string_view restart_message(core::GapReason reason) noexcept {
@@ -46,11 +47,11 @@ void Acquisition::request_stop() noexcept {
 
 void Acquisition::run() noexcept {
   while (!stop_requested_.load(std::memory_order_acquire)) {
-    has_delivered_ = false;
+    scans_since_start_ = 0;
     if (bring_up()) stream();
-    if (has_delivered_) {
+    if (scans_since_start_ >= wanted_rate_.scans_in_ms(kProvenMs)) {
       retry_pause_ns_ = 0;
-    } else {  // absent, or present and useless: either way not to be asked again at once
+    } else {  // absent, or present and useless, or broken again and again: not to be asked again at once
       wait_before_retry();
     }
   }
@@ -158,7 +159,7 @@ void Acquisition::note_gap(const core::Gap& gap) noexcept {
 }
 
 void Acquisition::lose_to_full_ring(const core::Block& block) noexcept {
-  has_delivered_ = true;
+  scans_since_start_ += block.count();
   ring_.drop();
   note_gap({.reason = core::GapReason::RingFull, .missing_scans = block.count(), .is_exact = true});
 }
@@ -217,7 +218,7 @@ void Acquisition::take(core::Acquired& acquired) noexcept {
   report_.host_time_uncertainty_ns = block.host_time_uncertainty_ns;
   report_.clock_drift_ppm = block.clock_drift_ppm;
   quiet_since_ns_ = clock_.now_ns();
-  has_delivered_ = true;
+  scans_since_start_ += block.count();
   has_streamed_ = true;
   ring_.commit();
   bell_.ring();

@@ -179,29 +179,35 @@ TEST(Acquisition, DeviceGoneAtEveryFirstRead_IsRetriedWithGrowingPauses) {
   EXPECT_EQ(run.report.gaps_total, 0U);
 }
 
-TEST(Acquisition, BrokenStream_IsStartedAgainAtOnceInANewSegment) {
+TEST(Acquisition, StreamThatBreaksAfterASecond_IsStartedAgainAtOnceInANewSegment) {
   const core::Gap doubt{.reason = core::GapReason::Integrity};
-  const Playback run({{.scans = 2},
-                      {.outcome = ReadOutcome::Broken, .gap = doubt},
-                      {.scans = 2, .pause_ns = 30 * ScriptedDevice::kPeriodNs}});
+  std::deque<ScriptedDevice::Step> script(13, {.scans = 8});
+  script.push_back({.outcome = ReadOutcome::Broken, .gap = doubt});
+  script.push_back({.scans = 2, .pause_ns = 30 * ScriptedDevice::kPeriodNs});
+  const Playback run(script);
 
-  ASSERT_EQ(run.seen.size(), 2U);
-  EXPECT_EQ(run.seen[1].segment, 1U);
-  EXPECT_EQ(run.seen[1].first_scan, 0U);
-  EXPECT_EQ(run.seen[1].gap.reason, core::GapReason::Integrity);
-  EXPECT_EQ(run.seen[1].gap.missing_scans, 30U);
-  EXPECT_FALSE(run.seen[1].gap.is_exact);
+  ASSERT_EQ(run.seen.size(), 14U);
+  EXPECT_EQ(run.seen[13].segment, 1U);
+  EXPECT_EQ(run.seen[13].first_scan, 0U);
+  EXPECT_EQ(run.seen[13].gap.reason, core::GapReason::Integrity);
+  EXPECT_EQ(run.seen[13].gap.missing_scans, 30U);
+  EXPECT_FALSE(run.seen[13].gap.is_exact);
   EXPECT_EQ(run.device.starts, 2);
   EXPECT_EQ(run.report.restarts_total, 1U);
   EXPECT_EQ(run.report.reconnects_total, 0U);
   EXPECT_EQ(run.clock.now_ns(), 0) << "a stream that ran before is started again without a pause";
 }
 
-TEST(Acquisition, StreamThatBreaksBeforeAnyScan_IsRetriedWithGrowingPauses) {
-  const Playback run(std::deque<ScriptedDevice::Step>(5, {.outcome = ReadOutcome::Broken}));
+TEST(Acquisition, StreamThatBreaksAgainAndAgain_IsRetriedWithGrowingPauses) {
+  std::deque<ScriptedDevice::Step> script;
+  for (int i = 0; i < 5; ++i) {
+    script.push_back({.scans = 8});
+    script.push_back({.outcome = ReadOutcome::Broken});
+  }
+  const Playback run(script);
 
   EXPECT_GE(run.clock.now_ns(), 7'750'000'000);
-  EXPECT_EQ(run.report.gaps_total, 0U);
+  EXPECT_EQ(run.report.gaps_total, 4U);
 }
 
 TEST(Acquisition, ArmedDevice_IsWaitingAndNotSilent) {

@@ -42,7 +42,8 @@ class RunningDevice {
 
   /// Powers the device up. `leave` is called, locked, when the device asks to
   /// leave the bus.
-  RunningDevice(EmulatedDevice& device, Pace pace, Finish finish, std::function<void()> leave);
+  /// `clock`: of Pace::RealTime; it outlives this object.
+  RunningDevice(EmulatedDevice& device, Pace pace, const core::Clock& clock, Finish finish, std::function<void()> leave);
   ~RunningDevice();
   RunningDevice(const RunningDevice&) = delete;
   RunningDevice& operator=(const RunningDevice&) = delete;

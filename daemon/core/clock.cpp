@@ -26,6 +26,12 @@ void SystemClock::sleep_until_ns(std::int64_t deadline_ns) noexcept {
   }
 }
 
+std::int64_t SystemClock::raw_ns() const noexcept { return read_ns(CLOCK_MONOTONIC_RAW); }
+
+std::int64_t SystemClock::suspended_ns() const noexcept { return read_ns(CLOCK_BOOTTIME) - read_ns(CLOCK_MONOTONIC); }
+
+std::int64_t monotonic_of_raw_ns(const Clock& clock, std::int64_t raw_ns) noexcept { return clock.now_ns() + (raw_ns - clock.raw_ns()); }
+
 std::int64_t utc_minus_monotonic_ns() noexcept { return read_ns(CLOCK_REALTIME) - read_ns(CLOCK_MONOTONIC); }
 
 }  // namespace dts::core

@@ -17,6 +17,11 @@ class Clock {
   [[nodiscard]] virtual std::int64_t now_ns() const noexcept = 0;
   /// Returns at or after `deadline_ns` of the same time base.
   virtual void sleep_until_ns(std::int64_t deadline_ns) noexcept = 0;
+  /// The host's crystal as it is, ns: CLOCK_MONOTONIC_RAW on Linux, of an origin of its own. `now_ns` is slewed when the wall clock
+  /// is disciplined (clock_gettime(2)), by chrony up to 8 %: nothing that judges another clock may be measured with it.
+  [[nodiscard]] virtual std::int64_t raw_ns() const noexcept { return now_ns(); }
+  /// How long the machine has been suspended so far, ns: `now_ns` stands still meanwhile.
+  [[nodiscard]] virtual std::int64_t suspended_ns() const noexcept { return 0; }
 };
 
 /// The machine's CLOCK_MONOTONIC.
@@ -24,7 +29,12 @@ class SystemClock final : public Clock {
  public:
   [[nodiscard]] std::int64_t now_ns() const noexcept override;
   void sleep_until_ns(std::int64_t deadline_ns) noexcept override;
+  [[nodiscard]] std::int64_t raw_ns() const noexcept override;
+  [[nodiscard]] std::int64_t suspended_ns() const noexcept override;
 };
+
+/// The `now_ns` of an instant that `raw_ns` gave, by their difference at this moment. Realtime-safe: yes.
+[[nodiscard]] std::int64_t monotonic_of_raw_ns(const Clock& clock, std::int64_t raw_ns) noexcept;
 
 /// Wall clock minus monotonic clock at this moment, ns: maps host times to UTC. Jumps when the wall clock is set.
 [[nodiscard]] std::int64_t utc_minus_monotonic_ns() noexcept;
@@ -41,11 +51,22 @@ class VirtualClock final : public Clock {
     while (now < deadline_ns && !now_ns_.compare_exchange_weak(now, deadline_ns, std::memory_order_acq_rel, std::memory_order_acquire)) {
     }  // pairs with now_ns()
   }
+  [[nodiscard]] std::int64_t raw_ns() const noexcept override { return now_ns() - slewed_ns_.load(std::memory_order_acquire); }
+  [[nodiscard]] std::int64_t suspended_ns() const noexcept override { return suspended_ns_.load(std::memory_order_acquire); }
+  /// `now_ns` has been pushed by so much in all against `raw_ns`, as when the wall clock is disciplined.
+  void slew_ns(std::int64_t step_ns) noexcept {
+    slewed_ns_.fetch_add(step_ns, std::memory_order_acq_rel);  // pairs with raw_ns()
+    if (step_ns > 0) advance_ns(step_ns);
+  }
+  /// The machine sleeps: no clock but this one moves.
+  void suspend_ns(std::int64_t step_ns) noexcept { suspended_ns_.fetch_add(step_ns, std::memory_order_acq_rel); }  // pairs with suspended_ns()
   /// `step_ns` must not be negative.
   void advance_ns(std::int64_t step_ns) noexcept { now_ns_.fetch_add(step_ns, std::memory_order_acq_rel); }  // pairs with now_ns()
 
  private:
   std::atomic<std::int64_t> now_ns_;
+  std::atomic<std::int64_t> slewed_ns_{0};
+  std::atomic<std::int64_t> suspended_ns_{0};
 };
 
 }  // namespace dts::core

@@ -11,10 +11,10 @@ namespace {
 
 constexpr std::int64_t kBinNs = 1'000'000'000;
 constexpr double kUnknownDrift = 200e-6;                 // what a crystal could do at worst, before it is measured
-constexpr std::int64_t kUnknownLatenessNs = 10'000'000;  // of the first second, which has nothing to compare with
 constexpr double kBadLuckNs = 20e6;
 constexpr double kRateKnownSeconds = 2.0;
 constexpr std::size_t kScatterPoints = 10;
+constexpr std::size_t kEnoughPoints = 3;  // with fewer there is nothing to see a scatter of
 
 /// Twice the area of the triangle: positive when c lies above the line through a and b.
 template <class Point>
@@ -24,22 +24,25 @@ double turn(const Point& a, const Point& b, const Point& c) noexcept {
 
 }  // namespace
 
-void HostTime::restart() noexcept {
+void HostTime::restart(std::optional<std::int64_t> not_before_ns) noexcept {
+  not_before_ns_ = not_before_ns;
   point_count_ = 0;
   has_bin_ = false;
+  is_slope_measured_ = false;
   residual_count_ = 0;
   rate_error_ = 0.0;
   floor_ns_ = 0;
   height_ns_ = 0.0;
   last_index_ = {};
   last_ns_ = std::numeric_limits<std::int64_t>::min();
-  uncertainty_ns_ = frame_ns_ + kUnknownLatenessNs;
+  scatter_ns_ = 0;
+  held_back_ns_ = 0;
 }
 
 void HostTime::add(ScanIndex newest, std::int64_t arrived_ns) noexcept {
   const std::int64_t nominal_ns = rate_.time_ns(newest);
   if (!has_bin_) {
-    restart();
+    restart(not_before_ns_);
     origin_ns_ = arrived_ns - nominal_ns;
   } else if (arrived_ns >= bin_end_ns_) {
     close_bin();
@@ -60,7 +63,7 @@ void HostTime::close_bin() noexcept {
     std::copy(points_.begin() + 1, points_.end(), points_.begin());
     --point_count_;
   }
-  if (point_count_ > 0) note_floor(bin_.late_ns - line_ns(bin_.time_s));
+  if (is_slope_measured_) note_floor(bin_.late_ns - line_ns(bin_.time_s));
   points_[point_count_++] = bin_;
   draw_line();
 }
@@ -99,6 +102,7 @@ void HostTime::draw_line() noexcept {
     const double doubt = kBadLuckNs * 1e-9 / span_s;
     rate_error_ = std::copysign(std::max(0.0, std::abs(slope) - doubt), slope);
     if (span_s >= kDriftKnownSeconds) {
+      is_slope_measured_ = true;
       slope_ = std::clamp(slope, -kLargestDriftPpm * 1e-6, kLargestDriftPpm * 1e-6);
       is_drift_known_ = true;
     }
@@ -109,7 +113,15 @@ void HostTime::draw_line() noexcept {
   double scatter_ns = 0.0;
   for (const Point& point : recent) scatter_ns += (point.late_ns - line_ns(point.time_s)) / static_cast<double>(recent.size());
   const double drift_ns = is_drift_known_ ? 0.0 : kUnknownDrift * 1e9 * span_s;
-  uncertainty_ns_ = frame_ns_ + static_cast<std::int64_t>(scatter_ns + drift_ns);
+  scatter_ns_ = static_cast<std::int64_t>(2.0 * scatter_ns + drift_ns);
+}
+
+std::int64_t HostTime::uncertainty_ns() const noexcept {
+  const std::int64_t known_ns = frame_ns_ + scatter_ns_ + held_back_ns_;
+  if (point_count_ >= kEnoughPoints) return known_ns;
+  // Scan 0 lies between the request that started it and the earliest that any arrival allows.
+  const std::int64_t first_ns = origin_ns_ + static_cast<std::int64_t>(bin_.late_ns);
+  return known_ns + (not_before_ns_ && has_bin_ ? std::max<std::int64_t>(0, first_ns - *not_before_ns_) : kUnknownLatenessNs);
 }
 
 std::int64_t HostTime::at(ScanIndex index) noexcept {
@@ -120,7 +132,9 @@ std::int64_t HostTime::at(ScanIndex index) noexcept {
   const double below_ns = std::min(bin_.late_ns, line) + slope_ * 1e9 * (time_s - bin_.time_s);
   std::int64_t estimate_ns = origin_ns_ + rate_.time_ns(index) + static_cast<std::int64_t>(below_ns);
   if (index.value > last_index_.value && last_ns_ != std::numeric_limits<std::int64_t>::min()) {
-    estimate_ns = std::max(estimate_ns, last_ns_ + rate_.time_ns({index.value - last_index_.value}) / 2);
+    const std::int64_t earliest_ns = last_ns_ + rate_.time_ns({index.value - last_index_.value}) / 2;
+    held_back_ns_ = std::max<std::int64_t>(0, earliest_ns - estimate_ns);
+    estimate_ns = std::max(estimate_ns, earliest_ns);
   }
   last_index_ = index;
   last_ns_ = estimate_ns;

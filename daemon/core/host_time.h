@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "core/rate.h"
 #include "core/units.h"
@@ -21,20 +22,22 @@ namespace dts::core {
 ///
 /// The line is the edge of the lower convex hull above the middle of the window (Moon, Skelly & Towsley, INFOCOM 1999). One
 /// point per second, the least late one, is kept for `kWindowSeconds`; the line is drawn anew once per second. Until
-/// `kDriftKnownSeconds` of them have come the slope is what an earlier segment found, or 0. Only CLOCK_MONOTONIC goes in: a
-/// wall clock that is set changes nothing. Thread: one. Realtime-safe: yes.
+/// `kDriftKnownSeconds` of them have come the slope is what an earlier segment found, or 0. All times are of `Clock::raw_ns`: a
+/// wall clock that is set or slewed changes nothing; `monotonic_of_raw_ns` turns estimates into host time. Thread: one.
+/// Realtime-safe: yes.
 class HostTime {
  public:
   static constexpr std::size_t kWindowSeconds = 300;
   static constexpr double kDriftKnownSeconds = 10.0;
-  static constexpr double kLargestDriftPpm = 500.0;  ///< A crystal is within 100; more is a fault, see `rate_error`.
+  static constexpr double kLargestDriftPpm = 10'000.0;  ///< A crystal is within 100; beyond this it is another rate, see `rate_error`.
 
   HostTime() = default;
   /// `frame_ns`: the shortest time from a scan to its arrival is uncertain by this (USB: one frame).
   HostTime(Rate rate, std::int64_t frame_ns) noexcept : rate_(rate), frame_ns_(frame_ns) {}
 
-  /// A new segment: indices start at 0 again; what is known of the clock's drift stays.
-  void restart() noexcept;
+  /// A new segment: indices start at 0 again; what is known of the clock's drift stays. `not_before_ns`: scan 0 is not taken earlier
+  /// (the start request was sent then); without it the first seconds are uncertain by `kUnknownLatenessNs`.
+  void restart(std::optional<std::int64_t> not_before_ns = std::nullopt) noexcept;
   /// All scans up to and with `newest` had arrived at `arrived_ns`. Indices and times must not go back.
   void add(ScanIndex newest, std::int64_t arrived_ns) noexcept;
 
@@ -42,18 +45,21 @@ class HostTime {
   [[nodiscard]] bool has_estimate() const noexcept { return has_bin_; }
   /// Estimated host time of a scan; a later scan of a segment never gets an earlier time. 0 without an estimate.
   [[nodiscard]] std::int64_t at(ScanIndex index) noexcept;
-  /// How far `at` may be off, ns: frame, scatter of the arrivals and, before the drift is known, what it could have done.
-  [[nodiscard]] std::int64_t uncertainty_ns() const noexcept { return uncertainty_ns_; }
+  /// How far the last `at` may be off, ns: frame, scatter of the arrivals, what the drift could have done before it is known, and
+  /// by how much the estimate was held back so that time does not go back.
+  [[nodiscard]] std::int64_t uncertainty_ns() const noexcept;
   /// How much faster than nominal the device's clock runs, ppm; 0 until it is known.
   [[nodiscard]] double drift_ppm() const noexcept { return is_drift_known_ ? -slope_ * 1e6 : 0.0; }
   /// How much slower than nominal scans arrive, as a fraction, beyond what 20 ms of bad luck at either end could feign; 0 in the
   /// first two seconds. A value beyond +-0.01 says that the device does not run at the rate it was asked for.
   [[nodiscard]] double rate_error() const noexcept { return rate_error_; }
-  /// The least lateness of the last three seconds above the line, ns: a rise says that scans went missing on the way.
+  /// The least lateness of the last three seconds above the line, ns: a rise says that scans went missing on the way. 0 while the
+  /// drift of this segment is not known.
   [[nodiscard]] std::int64_t lateness_floor_ns() const noexcept { return floor_ns_; }
 
  private:
   static constexpr std::size_t kFloorBins = 3;
+  static constexpr std::int64_t kUnknownLatenessNs = 100'000'000;
   struct Point {
     double time_s = 0.0;   ///< Nominal time of the scan since scan 0.
     double late_ns = 0.0;  ///< Arrival minus nominal time, relative to `origin_ns_`.
@@ -77,11 +83,14 @@ class HostTime {
   double height_ns_ = 0.0;  ///< The line: late_ns at time 0 ...
   double slope_ = 0.0;      ///< ... and how it grows: seconds per second.
   bool is_drift_known_ = false;
+  bool is_slope_measured_ = false;  ///< In this segment.
   std::array<double, kFloorBins> residuals_ns_{};
   std::size_t residual_count_ = 0;
   double rate_error_ = 0.0;
   std::int64_t floor_ns_ = 0;
-  std::int64_t uncertainty_ns_ = 0;
+  std::int64_t scatter_ns_ = 0;
+  std::int64_t held_back_ns_ = 0;
+  std::optional<std::int64_t> not_before_ns_;
   ScanIndex last_index_;
   std::int64_t last_ns_ = 0;
 };

@@ -183,6 +183,10 @@ void print_devices(cli::Console& console, const v1::GetDevicesResponse& devices)
   if (std::ranges::any_of(devices.devices(), is_free)) {
     console.out << "\na device without a rig is plugged in but not used: write its DEVICE into a [[rig]] of dtsd.toml\n";
   }
+  if (!devices.problem().empty()) {
+    console.out << '\n'
+                << cli::styled(console, cli::Style::Bad, cli::printable("what is plugged in is not known: " + devices.problem())) << '\n';
+  }
   if (devices.kinds_size() > 0) console.out << "\nkinds that a rig's configuration can name:\n";
   for (const std::string& kind : devices.kinds()) console.out << "  " << cli::printable(kind) << '\n';
 }
@@ -200,7 +204,7 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
                {channel.is_sensor() ? cli::decimal(channel.gap_mm(), 3) : "-"},
                {doubts.empty() ? "good" : joined(doubts), doubts.empty() ? cli::Style::Good : cli::Style::Bad}});
   }
-  table.print(console);
+  if (test.channels_size() > 0) table.print(console);
   cli::Table checks({"CHECK", "OUTCOME", "DETAIL"});
   for (const v1::TestDeviceResponse::Check& check : test.checks()) {
     checks.add({{check.name(), cli::Style::Bold},
@@ -208,11 +212,15 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
                 {check.detail()}});
   }
   if (test.checks_size() > 0) {
-    console.out << '\n';
+    if (test.channels_size() > 0) console.out << '\n';
     checks.print(console);
   }
   if (!test.serial().empty())
     print_field(console, "unit", test.serial() + (test.firmware().empty() ? "" : ", firmware " + test.firmware()));
+  if (!test.problem().empty()) {
+    console.out << cli::styled(console, cli::Style::Bad, cli::printable("not streaming: " + test.problem())) << '\n';
+    return;
+  }
   const std::string rate = test.measured_rate_hz() > 0.0 ? cli::decimal(test.measured_rate_hz(), 2) + " per second" : "rate not known yet";
   console.out << test.scans() << " scans, " << rate << '\n';
 }

@@ -44,16 +44,18 @@ struct TriggerEvent {
 
 inline constexpr std::size_t kMaxTriggersPerFrame = 16;
 
-/// The trigger events of one frame; a signal that chatters faster is cut.
+/// The trigger events of one frame; of a signal that chatters faster the rest is counted only.
 struct TriggerEvents {
   std::array<TriggerEvent, kMaxTriggersPerFrame> events{};
   std::size_t count = 0;
+  std::uint64_t lost = 0;  ///< Found no room.
 
-  /// false: no room.
-  bool push(const TriggerEvent& event) noexcept {
-    if (count == events.size()) return false;
-    events[count++] = event;
-    return true;
+  void push(const TriggerEvent& event) noexcept {
+    if (count < events.size()) {
+      events[count++] = event;
+    } else {
+      ++lost;
+    }
   }
 };
 

@@ -38,4 +38,19 @@ core::Result<std::vector<FoundUnit>> find_units(usb::UsbBus& bus) {
   return found;
 }
 
+bool is_meant_by(const FoundUnit& unit, const std::string& device_uri) {
+  const auto own = DeviceUri::parse(unit.uri);
+  const auto wanted = DeviceUri::parse(device_uri);
+  // "mcc:1608fs-plus-pair" takes units of "mcc:1608fs-plus", by either serial number.
+  if (!own || !wanted || wanted->scheme != own->scheme || !wanted->name.starts_with(own->name)) return false;
+  bool names_serial = false;
+  for (const char* option : {"serial", "second_serial"}) {
+    const auto serial = wanted->options.find(option);
+    if (serial == wanted->options.end()) continue;
+    names_serial = true;
+    if (serial->second == unit.unit.serial) return true;
+  }
+  return !names_serial && wanted->name == own->name;
+}
+
 }  // namespace dts::device

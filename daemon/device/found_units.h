@@ -19,4 +19,7 @@ struct FoundUnit {
 /// All such units, whether a rig uses them or not. Fails when the machine's USB cannot be looked at.
 [[nodiscard]] core::Result<std::vector<FoundUnit>> find_units(usb::UsbBus& bus);
 
+/// A device with this URI would open the unit: its model, and its serial number when the URI names one.
+[[nodiscard]] bool is_meant_by(const FoundUnit& unit, const std::string& device_uri);
+
 }  // namespace dts::device

@@ -138,8 +138,8 @@ dts::v1::Response CommandHandler::devices() {
     device.set_maximum_rate_hz(described.maximum_rate_hz);
   }
   const auto unused = supervisor_.unused_units();
-  if (!unused) return error_response(unused.error());
-  for (const device::FoundUnit& found : *unused) {
+  if (!unused) out.set_problem(core::to_string(unused.error()));
+  for (const device::FoundUnit& found : unused.value_or(std::vector<device::FoundUnit>{})) {
     auto& device = *out.add_devices();
     device.set_uri(found.uri);
     device.set_model(found.model);
@@ -153,12 +153,14 @@ dts::v1::Response CommandHandler::devices() {
 dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& request) {
   const auto tested = supervisor_.test_device(request.rig());
   if (!tested) return error_response(tested.error());
-  const auto& [rig, statistics] = *tested;
+  const session::Rig* rig = tested->rig;
+  const session::StatisticsReport& statistics = tested->statistics;
   const session::RigConfig& config = rig->config();
   dts::v1::Response response;
   auto& out = *response.mutable_device_test();
   out.set_scans(statistics.scans);
-  add_checks(rig->device_report(), out);
+  add_checks(tested->report, out);
+  out.set_problem(tested->problem);
   for (const session::RigState& state : supervisor_.states()) {
     if (&state.rig == rig) out.set_measured_rate_hz(state.measured_rate_hz);
   }

@@ -62,6 +62,7 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   out.set_dropped_blocks_total(state.pipeline.dropped_blocks_total);
   out.set_nominal_rate_hz(state.acquisition.rate.hz());
   out.set_measured_rate_hz(state.measured_rate_hz);
+  out.set_lost_triggers_total(state.pipeline.lost_triggers_total);
   out.set_pipeline_us_per_scan(state.pipeline.us_per_scan);
   out.set_restarts_total(state.acquisition.restarts_total);
   out.set_clock_drift_ppm(state.acquisition.clock_drift_ppm);

@@ -129,6 +129,7 @@ void Pipeline::process(const core::Acquired& acquired, core::Frame& frame) noexc
   frame.lost_scans_total = acquired.lost_scans_total;
   if (acquired.gap_before.reason != core::GapReason::None) reset_stages();
   frame.triggers.count = 0;
+  frame.triggers.lost = 0;
   take(block);
   if (trigger_) trigger_->process(device_, trigger_column_, frame.triggers);
   run_stages(frame);

@@ -13,7 +13,7 @@ constexpr std::int64_t kShortestRetryNs = 250 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kLongestRetryNs = 4000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kStopLatencyNs = 50 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kReadPatienceNs = 100 * kNanosecondsPerMillisecond;
-constexpr double kProvenMs = 1000.0;  // a stream that lasted for this long is worth starting again at once
+constexpr double kProvenMs = 10'000.0;  // a stream that lasted for this long is worth starting again at once
 constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
 
 std::string_view restart_message(core::GapReason reason) noexcept {
@@ -186,7 +186,8 @@ void Acquisition::open_segment(core::Acquired& acquired) noexcept {
   if (pending_gap_.reason != core::GapReason::None) {
     if (!pending_gap_.is_exact && has_streamed_) {
       // What was counted is a part of the hole; the time between the scans around it covers all of it.
-      const auto hole_ns = static_cast<double>(acquired.block.host_time_ns - report_.last_scan_host_ns);
+      const std::int64_t asleep_ns = clock_.suspended_ns() - suspended_at_last_scan_ns_;
+      const auto hole_ns = static_cast<double>(acquired.block.host_time_ns - report_.last_scan_host_ns + asleep_ns);
       const double scans = std::max(0.0, std::round(hole_ns * 1e-9 * report_.rate.hz()) - 1.0);
       pending_gap_.missing_scans = std::max(pending_gap_.missing_scans, static_cast<std::uint64_t>(scans));
     }
@@ -212,6 +213,7 @@ void Acquisition::take(core::Acquired& acquired) noexcept {
   report_.next_scan = block.first_scan.value + block.count();
   report_.scans_total += block.count();
   report_.last_scan_host_ns = block.host_time_ns + report_.rate.time_ns({block.count() - 1});
+  suspended_at_last_scan_ns_ = clock_.suspended_ns();
   if (report_.is_silent || report_.is_armed) report_.set_message("");
   report_.is_silent = false;
   report_.is_armed = false;

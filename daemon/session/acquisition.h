@@ -43,7 +43,7 @@ struct AcquisitionReport {
 ///
 /// Owns the segments: any hole (device gap, unplug, silence, full ring) closes the segment, is counted, and stands as
 /// `gap_before` on the first block of the next one. A lost device is opened again with a growing pause (0.25 to 4 s), at once
-/// when something was plugged in; a stream that breaks after a second or more is started again at once, with the same pause otherwise.
+/// when something was plugged in; a stream that breaks after ten seconds or more is started again at once, with the same pause otherwise.
 class Acquisition {
  public:
   /// All of it outlives this object. `rate`: as the device's `exact_rate` gave it.
@@ -88,7 +88,8 @@ class Acquisition {
   bool has_streamed_ = false;
   bool was_lost_ = false;
   std::uint64_t scans_since_start_ = 0;  ///< Since it was last brought up.
-  std::int64_t quiet_since_ns_ = 0;      ///< Of the last scan or the last start, whichever is later.
+  std::int64_t suspended_at_last_scan_ns_ = 0;
+  std::int64_t quiet_since_ns_ = 0;  ///< Of the last scan or the last start, whichever is later.
   std::int64_t retry_pause_ns_ = 0;
 };
 

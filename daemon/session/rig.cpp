@@ -170,7 +170,9 @@ void Rig::process(const core::Acquired& acquired) noexcept {
   add_unpublished(frame);
   if (slot != nullptr) {
     unpublished_gap_ = {};
+    pipeline_state_.lost_triggers_total += frame.triggers.lost;
     unpublished_triggers_.count = 0;
+    unpublished_triggers_.lost = 0;
     frames_.commit();
     publish_bell_.ring();
   } else {
@@ -187,6 +189,7 @@ void Rig::process(const core::Acquired& acquired) noexcept {
 void Rig::add_unpublished(core::Frame& frame) noexcept {
   if (unpublished_triggers_.count > 0) {
     core::TriggerEvents all = unpublished_triggers_;
+    all.lost += frame.triggers.lost;
     for (std::size_t i = 0; i < frame.triggers.count; ++i) all.push(frame.triggers.events[i]);
     frame.triggers = all;
   }

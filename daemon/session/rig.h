@@ -23,6 +23,7 @@ namespace dts::session {
 /// What the pipeline thread tells about itself.
 struct PipelineReport {
   std::uint64_t dropped_blocks_total = 0;  ///< Frames that found the publisher's ring full.
+  std::uint64_t lost_triggers_total = 0;   ///< Trigger events that no frame had room for.
   double us_per_scan = 0.0;                ///< Time spent in the stages, moving mean.
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <utility>
 
 #include "device/registry.h"
@@ -14,6 +15,7 @@ namespace {
 
 constexpr std::int64_t kRateWindowNs = 2'000'000'000;
 constexpr std::size_t kLongestMark = 200;
+constexpr std::int64_t kSyncRetryNs = 1'000'000'000;
 
 std::string_view name(device::DeviceState state) {
   switch (state) {
@@ -23,6 +25,13 @@ std::string_view name(device::DeviceState state) {
     case device::DeviceState::Gone: return "gone";
   }
   return "unknown";
+}
+
+/// The rig has opened this unit, or would open it if it could.
+bool uses(const Rig& rig, const device::FoundUnit& unit) {
+  const std::vector<std::string> nodes = rig.device_report().nodes;
+  if (!nodes.empty()) return std::ranges::find(nodes, unit.unit.node()) != nodes.end();
+  return device::is_meant_by(unit, rig.config().device_uri);
 }
 
 }  // namespace
@@ -46,7 +55,10 @@ void Supervisor::stop() {
     if (entry.session.is_under_way()) static_cast<void>(entry.session.stop(clock_.now_ns()));  // checked: under way
     collect_session_changes(entry);
   }
-  for (auto& [rig_name, entry] : entries_) entry.rig->stop();
+  for (auto& [rig_name, entry] : entries_) {
+    end_sync_pulse(entry, std::numeric_limits<std::int64_t>::max());
+    entry.rig->stop();
+  }
 }
 
 std::vector<RigState> Supervisor::states() {
@@ -170,18 +182,19 @@ core::Result<pipeline::TareReport> Supervisor::tare_report(const std::string& ri
   return (*entry)->rig->tare().latest();
 }
 
-core::Result<std::pair<Rig*, StatisticsReport>> Supervisor::test_device(const std::string& rig) {
+core::Result<DeviceTest> Supervisor::test_device(const std::string& rig) {
   auto entry = find(rig);
   if (!entry) return tl::make_unexpected(entry.error());
-  const AcquisitionReport& report = (*entry)->rig->acquisition();
-  if (report.device != device::DeviceState::Streaming) {
-    return core::fail(core::ErrorCode::DeviceGone, "rig '" + rig + "' is not streaming: " + std::string(report.text()));
+  const AcquisitionReport& acquisition = (*entry)->rig->acquisition();
+  DeviceTest test{.rig = (*entry)->rig.get(), .statistics = {}, .report = (*entry)->rig->device_report(), .problem = {}};
+  if (acquisition.device != device::DeviceState::Streaming || acquisition.is_armed) {
+    test.problem = acquisition.text();
+    if (!test.report.checks.empty()) return test;  // they say what failed
+    return core::fail(core::ErrorCode::DeviceGone, "rig '" + rig + "' is not streaming: " + test.problem);
   }
-  const StatisticsReport& statistics = (*entry)->rig->statistics();
-  if (statistics.scans == 0) {
-    return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has not streamed for a second yet", "try again");
-  }
-  return std::pair{(*entry)->rig.get(), statistics};
+  test.statistics = (*entry)->rig->statistics();
+  if (test.statistics.scans > 0) return test;
+  return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has not streamed for a second yet", "try again");
 }
 
 std::vector<std::string> Supervisor::device_kinds() {
@@ -204,20 +217,21 @@ void Supervisor::begin_sync_pulse(Entry& entry, std::int64_t now_ns) {
 void Supervisor::end_sync_pulse(Entry& entry, std::int64_t now_ns) {
   if (entry.sync_low_at_ns == 0 || now_ns < entry.sync_low_at_ns) return;
   entry.sync_low_at_ns = 0;
-  if (auto fallen = entry.rig->set_sync_output(false); !fallen) {
-    log_.warning("rig '" + entry.rig->config().name + "': the sync pulse did not end: " + core::to_string(fallen.error()));
-  }
+  const auto fallen = entry.rig->set_sync_output(false);
+  if (fallen) return;
+  log_.warning("rig '" + entry.rig->config().name + "': the sync pulse did not end: " + core::to_string(fallen.error()));
+  // A line that stays high has no edge at the next session. A device that is not there forgets its outputs.
+  const bool is_there = fallen.error().code != core::ErrorCode::DeviceGone && entry.told_state != device::DeviceState::Closed;
+  if (is_there) entry.sync_low_at_ns = now_ns + kSyncRetryNs;
 }
 
 core::Result<std::vector<device::FoundUnit>> Supervisor::unused_units() {
   if (usb_ == nullptr) return std::vector<device::FoundUnit>{};
   auto found = device::find_units(*usb_);
   if (!found) return found;
-  std::vector<std::string> used;
-  for (const auto& [rig_name, entry] : entries_) {
-    for (std::string& node : entry.rig->device_report().nodes) used.push_back(std::move(node));
-  }
-  std::erase_if(*found, [&](const device::FoundUnit& candidate) { return std::ranges::find(used, candidate.unit.node()) != used.end(); });
+  std::erase_if(*found, [&](const device::FoundUnit& candidate) {
+    return std::ranges::any_of(entries_, [&](const auto& entry) { return uses(*entry.second.rig, candidate); });
+  });
   return found;
 }
 

@@ -23,6 +23,13 @@ struct DataPosition {
   std::int64_t host_time_ns = 0;
 };
 
+struct DeviceTest {
+  Rig* rig = nullptr;
+  StatisticsReport statistics;  ///< Of the last second; no scans when there is a problem.
+  device::DeviceReport report;
+  std::string problem;  ///< Why it is not streaming; empty: it is.
+};
+
 struct MarkerNotice {
   std::string text;
 };
@@ -73,9 +80,10 @@ class Supervisor {
   /// Withdraws a tare that nobody waits for any more.
   void cancel_tare(const std::string& rig, std::uint64_t request);
   [[nodiscard]] core::Result<pipeline::TareReport> tare_report(const std::string& rig);
-  [[nodiscard]] core::Result<std::pair<Rig*, StatisticsReport>> test_device(const std::string& rig);
+  /// What is known of a rig's device. WrongState: it has never been opened, or streams for less than a second.
+  [[nodiscard]] core::Result<DeviceTest> test_device(const std::string& rig);
 
-  /// Units on USB that this program could drive and no rig is using.
+  /// Units on USB that this program could drive and that no rig uses or waits for.
   [[nodiscard]] core::Result<std::vector<device::FoundUnit>> unused_units();
   /// One line per device kind that this program can drive.
   [[nodiscard]] static std::vector<std::string> device_kinds();

@@ -76,6 +76,34 @@ TEST(HostTime, IsWithinItsUncertaintyFromTheFirstArrivalOn) {
   }
 }
 
+TEST(HostTime, StalledAtTheStart_SaysHowLittleItKnows) {
+  for (const std::int64_t stall_ms : {0, 20, 150}) {
+    Machine machine{.rate = rate_1500(), .clock_error = 80e-6, .busy_ms = 1.0};
+    HostTime time(machine.rate, kFrameNs);
+    time.restart(machine.truth_ns(0) - kMillisecond);
+    machine.last_arrival_ns = machine.truth_ns(0) + stall_ms * kMillisecond;
+    for (int i = 0; i < 300; ++i) {
+      machine.run(time, 0.02);
+      const double error_ms = std::abs(machine.error_ms(time));
+      ASSERT_LT(error_ms, static_cast<double>(time.uncertainty_ns()) * 1e-6) << stall_ms << " ms, block " << i;
+    }
+    EXPECT_LT(time.uncertainty_ns(), 4 * kMillisecond);
+  }
+}
+
+TEST(HostTime, ClockFarOffButAtItsRate_IsDriftAndNoLoss) {
+  for (const double ppm : {-9000.0, -2000.0, -600.0, 600.0, 2000.0, 9000.0}) {
+    Machine machine{.rate = rate_1500(), .clock_error = ppm * 1e-6, .busy_ms = 1.0};
+    HostTime time(machine.rate, kFrameNs);
+    for (int second = 0; second < 120; ++second) {
+      machine.run(time, 1.0);
+      ASSERT_LT(time.lateness_floor_ns(), 5 * kMillisecond) << ppm << " ppm after " << second << " s";
+      ASSERT_LT(std::abs(time.rate_error()), 0.01) << ppm;
+    }
+    EXPECT_NEAR(time.drift_ppm(), ppm, 100.0);
+  }
+}
+
 TEST(HostTime, NeverGoesBack) {
   Machine machine{.rate = rate_1500(), .clock_error = 120e-6, .busy_ms = 20.0};
   HostTime time(machine.rate, kFrameNs);

@@ -58,5 +58,15 @@ TEST_F(FoundUnits, TheAddressOpensTheUnitWhichThenSaysItsNode) {
   EXPECT_THAT(device->report().nodes, IsEmpty());
 }
 
+TEST(IsMeantBy, ModelAndSerialNumberDecide) {
+  const FoundUnit unit{.unit = {.serial = "01AB"}, .model = "USB-1608FS-Plus", .uri = "mcc:1608fs-plus?serial=01AB"};
+  EXPECT_TRUE(is_meant_by(unit, "mcc:1608fs-plus?channels=0,1"));
+  EXPECT_TRUE(is_meant_by(unit, "mcc:1608fs-plus?serial=01AB"));
+  EXPECT_FALSE(is_meant_by(unit, "mcc:1608fs-plus?serial=02CD"));
+  EXPECT_TRUE(is_meant_by(unit, "mcc:1608fs-plus-pair?serial=02CD&second_serial=01AB"));
+  EXPECT_FALSE(is_meant_by(unit, "mcc:1608g?fpga=x"));
+  EXPECT_FALSE(is_meant_by(unit, "sim:floor"));
+}
+
 }  // namespace
 }  // namespace dts::device

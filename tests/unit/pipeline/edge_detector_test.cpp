@@ -78,12 +78,17 @@ TEST(EdgeDetector, FirstScanAfterAReset_IsNoEdge) {
   EXPECT_TRUE(edges(detector, {0, 0}, 2).empty());
 }
 
-TEST(EdgeDetector, ChatterBeyondTheRoomOfAFrame_IsCut) {
+TEST(EdgeDetector, ChatterBeyondTheRoomOfAFrame_IsCounted) {
   EdgeDetector detector({.edges = TriggerEdges::Both}, rate_1500());
-  std::vector<double> volts(100);
-  for (std::size_t scan = 0; scan < volts.size(); scan += 2) volts[scan] = 5.0;
+  core::Block block(1, 100);
+  block.set_count(100);
+  for (std::size_t scan = 0; scan < 100; ++scan) block.column(0)[scan] = scan % 2 == 0 ? 5.0 : 0.0;
+  core::TriggerEvents out;
 
-  EXPECT_EQ(edges(detector, volts, 100).size(), core::kMaxTriggersPerFrame);
+  detector.process(block, 0, out);
+
+  EXPECT_EQ(out.count, core::kMaxTriggersPerFrame);
+  EXPECT_EQ(out.count + out.lost, 99U);
 }
 
 TEST(TriggerInput, BadNumbers_AreRefused) {

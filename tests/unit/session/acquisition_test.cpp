@@ -179,19 +179,19 @@ TEST(Acquisition, DeviceGoneAtEveryFirstRead_IsRetriedWithGrowingPauses) {
   EXPECT_EQ(run.report.gaps_total, 0U);
 }
 
-TEST(Acquisition, StreamThatBreaksAfterASecond_IsStartedAgainAtOnceInANewSegment) {
+TEST(Acquisition, StreamThatBreaksAfterTenSeconds_IsStartedAgainAtOnceInANewSegment) {
   const core::Gap doubt{.reason = core::GapReason::Integrity};
-  std::deque<ScriptedDevice::Step> script(13, {.scans = 8});
+  std::deque<ScriptedDevice::Step> script(130, {.scans = 8});
   script.push_back({.outcome = ReadOutcome::Broken, .gap = doubt});
   script.push_back({.scans = 2, .pause_ns = 30 * ScriptedDevice::kPeriodNs});
-  const Playback run(script);
+  const Playback run(script, 256);
 
-  ASSERT_EQ(run.seen.size(), 14U);
-  EXPECT_EQ(run.seen[13].segment, 1U);
-  EXPECT_EQ(run.seen[13].first_scan, 0U);
-  EXPECT_EQ(run.seen[13].gap.reason, core::GapReason::Integrity);
-  EXPECT_EQ(run.seen[13].gap.missing_scans, 30U);
-  EXPECT_FALSE(run.seen[13].gap.is_exact);
+  ASSERT_EQ(run.seen.size(), 131U);
+  EXPECT_EQ(run.seen[130].segment, 1U);
+  EXPECT_EQ(run.seen[130].first_scan, 0U);
+  EXPECT_EQ(run.seen[130].gap.reason, core::GapReason::Integrity);
+  EXPECT_EQ(run.seen[130].gap.missing_scans, 30U);
+  EXPECT_FALSE(run.seen[130].gap.is_exact);
   EXPECT_EQ(run.device.starts, 2);
   EXPECT_EQ(run.report.restarts_total, 1U);
   EXPECT_EQ(run.report.reconnects_total, 0U);
@@ -208,6 +208,29 @@ TEST(Acquisition, StreamThatBreaksAgainAndAgain_IsRetriedWithGrowingPauses) {
 
   EXPECT_GE(run.clock.now_ns(), 7'750'000'000);
   EXPECT_EQ(run.report.gaps_total, 4U);
+}
+
+TEST(Acquisition, SuspendedMachine_TheTimeAsleepIsInTheGap) {
+  core::VirtualClock clock;
+  core::Doorbell bell;
+  core::SpscRing<core::Acquired> ring(8, core::Acquired{.block = core::Block(1, 8)});
+  std::deque<ScriptedDevice::Step> script(1, {.scans = 1});
+  script.push_back({.outcome = ReadOutcome::Gone});
+  ScriptedDevice device(script);
+  Acquisition acquisition(device, clock, ring, bell, core::Rate::create(100, 1).value(), 8);
+  bool has_slept = false;
+  device.on_end = [&] {
+    if (std::exchange(has_slept, true)) return acquisition.request_stop();
+    clock.suspend_ns(3600'000'000'000);
+    device.extend({{.scans = 1, .pause_ns = 40 * ScriptedDevice::kPeriodNs}});
+  };
+
+  acquisition.run();
+
+  ASSERT_NE(ring.front(), nullptr);
+  ring.release();
+  ASSERT_NE(ring.front(), nullptr);
+  EXPECT_EQ(ring.front()->gap_before.missing_scans, 360'000U + 40U);
 }
 
 TEST(Acquisition, ArmedDevice_IsWaitingAndNotSilent) {

@@ -8,7 +8,7 @@ DTS_PACKAGES=(
   protobuf-compiler libprotobuf-dev libzmq3-dev cppzmq-dev libspdlog-dev libfmt-dev libexpected-dev
   libtomlplusplus-dev libsystemd-dev libusb-1.0-0-dev libeigen3-dev libcli11-dev nlohmann-json3-dev
   libgtest-dev libgmock-dev librapidcheck-dev relacy-dev # tests
-  libumockdev-dev                                      # emulated USB under the real libusb
+  libumockdev-dev umockdev                             # emulated USB under the real libusb
   libboost-dev libreaderwriterqueue-dev                # peers in the ring benchmark
   gnuplot-nox                                          # dtslab --plot
   python3

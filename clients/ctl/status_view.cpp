@@ -81,8 +81,9 @@ void print_streams(cli::Console& console, const v1::RigInfo& rig) {
 
 std::string session_line(const v1::SessionInfo& session) {
   if (session.session_id().empty()) return "-";
-  std::string line = session.session_id() + " " + word(session.state(), v1::SessionState_descriptor());
-  if (session.elapsed_s() > 0.0) line += " for " + cli::duration(session.elapsed_s());
+  const bool is_over = session.state() == v1::SESSION_STATE_IDLE;
+  std::string line = session.session_id() + " " + (is_over ? "ended" : word(session.state(), v1::SessionState_descriptor()));
+  if (session.elapsed_s() > 0.0) line += (is_over ? " after " : " for ") + cli::duration(session.elapsed_s());
   if (session.duration_s() > 0.0) line += " of " + cli::duration(session.duration_s());
   if (!session.message().empty()) line += ": " + session.message();
   return cli::printable(line);
@@ -137,7 +138,10 @@ std::string clock_text(const v1::RigStatus& status) {
   return drift + ", host times within " + cli::decimal(static_cast<double>(status.host_time_uncertainty_ns()) * 1e-6, 2) + " ms";
 }
 
-cli::Style style_of(v1::CheckOutcome outcome) { return outcome == v1::CHECK_OUTCOME_PASSED ? cli::Style::Good : cli::Style::Bad; }
+cli::Style style_of(v1::CheckOutcome outcome) {
+  if (outcome == v1::CHECK_OUTCOME_PASSED) return cli::Style::Good;
+  return outcome == v1::CHECK_OUTCOME_SKIPPED ? cli::Style::Plain : cli::Style::Bad;
+}
 
 }  // namespace
 

@@ -15,6 +15,7 @@
 #include "app/paths.h"
 #include "app/service_manager.h"
 #include "core/thread.h"
+#include "device/registry.h"
 #include "ipc/control_server.h"
 #include "ipc/endpoint.h"
 #include "ipc/publish_thread.h"
@@ -91,6 +92,23 @@ void serve_until_signal(ipc::ControlServer& server, ServiceManager& manager, con
 
 std::string_view version() noexcept { return DTS_VERSION; }
 
+namespace {
+
+/// Two rigs on one unit: whoever opens it first would have it, and which one that is would be chance.
+void check_competitors(const DaemonConfig& config, files::Problems& problems) {
+  for (std::size_t later = 1; later < config.rigs.size(); ++later) {
+    for (std::size_t earlier = 0; earlier < later; ++earlier) {
+      const session::RigConfig& one = config.rigs[earlier].rig;
+      const session::RigConfig& other = config.rigs[later].rig;
+      if (!device::compete(one.device_uri, other.device_uri)) continue;
+      problems.push_back(config.rigs[later].where);
+      problems.back().text = "[[rig]] '" + other.name + "' and '" + one.name + "' could open the same unit: give each its serial=...";
+    }
+  }
+}
+
+}  // namespace
+
 std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, core::Clock& clock, core::Doorbell& bell,
                                                        device::usb::UsbBus& usb, files::Problems& problems) {
   std::vector<std::unique_ptr<session::Rig>> rigs;
@@ -103,6 +121,7 @@ std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& confi
       problems.back().text = "[[rig]] '" + configured.rig.name + "' (" + configured.rig_file + "): " + core::to_string(rig.error());
     }
   }
+  check_competitors(config, problems);
   return rigs;
 }
 

@@ -79,17 +79,19 @@ pipeline::TriggerEdges read_edges(files::TomlReader& reader) {
 }
 
 /// `[trigger]`: the device channel on which another instrument tells of itself.
-void read_trigger(files::TomlReader& top, session::RigConfig& config) {
+void read_trigger(files::TomlReader& top, session::RigConfig& config, const files::Problems& problems) {
   if (!top.has("trigger")) return;
   files::TomlReader reader = top.table("trigger");
   reader.require("channel");
   pipeline::TriggerInput input;
+  const std::size_t problems_before = problems.size();
   input.channel = static_cast<std::size_t>(reader.integer("channel", 0, 0, core::kMaxChannels - 1));
+  const bool is_channel = reader.has("channel") && problems.size() == problems_before;
   input.level = reader.number("level", input.level, -1e6, 1e6);
   input.hysteresis = reader.number("hysteresis", input.hysteresis, 0.0, 1e6);
   input.edges = read_edges(reader);
   const bool is_sensor = std::ranges::find(config.sensor_channels, input.channel) != config.sensor_channels.end();
-  if (reader.has("channel") && is_sensor) {
+  if (is_channel && is_sensor) {
     reader.report("channel", "channel " + std::to_string(input.channel) + " belongs to a sensor");
   }
   reader.finish();
@@ -108,7 +110,7 @@ session::RigConfig read_rig_file(const std::string& file, files::Problems& probl
   config.model = std::move(model);
   config.sensor_channels = std::move(channels);
   read_acquisition(top.table("acquire"), config);
-  read_trigger(top, config);
+  read_trigger(top, config, problems);
   files::TomlReader sync = top.table("session");
   config.sync_pulse_ms = sync.number("sync_pulse_ms", 0.0, 0.0, 10'000.0);
   sync.finish();

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "core/block.h"
@@ -19,6 +20,19 @@ enum class GapReason : std::uint8_t {
   RingFull = 4,   ///< The pipeline was too slow; the count is exact.
   Integrity = 5,  ///< The device's data failed a check (marker, checksum, counter).
 };
+
+/// One word, for logs: "overrun".
+[[nodiscard]] constexpr std::string_view name(GapReason reason) noexcept {
+  switch (reason) {
+    case GapReason::None: return "none";
+    case GapReason::Overrun: return "overrun";
+    case GapReason::Unplugged: return "unplugged";
+    case GapReason::Silence: return "silence";
+    case GapReason::RingFull: return "ring_full";
+    case GapReason::Integrity: return "integrity";
+  }
+  return "unknown";
+}
 
 /// A hole in a rig's data, standing before the first scan of a new segment.
 struct Gap {

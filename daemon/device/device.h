@@ -16,6 +16,7 @@ namespace dts::device {
 enum class ChannelRole : std::uint8_t {
   Sensor,     ///< A displacement sensor of the plate, V.
   Auxiliary,  ///< Anything recorded beside it: EMG, a trigger, a simulator's true COP.
+  Marker,     ///< At a known voltage, to detect rotated scans.
 };
 
 struct ChannelDescription {
@@ -35,6 +36,7 @@ struct DeviceDescription {
   std::vector<ChannelDescription> channels;
   double minimum_rate_hz = 0.0;
   double maximum_rate_hz = 0.0;
+  bool has_sync_output = false;  ///< `set_sync_output` drives a line, as configured.
 };
 
 struct StartOptions {
@@ -44,7 +46,7 @@ struct StartOptions {
 
 /// Something that was looked at when the device was opened and started.
 struct DeviceCheck {
-  enum class Outcome : std::uint8_t { Passed = 1, Warning, Failed };
+  enum class Outcome : std::uint8_t { Passed = 1, Warning, Failed, Skipped };
   std::string name;  ///< "single readings agree with the scan"
   Outcome outcome = Outcome::Passed;
   std::string detail;  ///< "largest difference 3 mV on ch2"
@@ -103,7 +105,7 @@ class Device {
   /// The rate nearest to `wanted` that the device's clock can give, exactly: what `start` will return for it.
   /// InvalidArgument: outside the limits of `describe`.
   [[nodiscard]] virtual core::Result<core::Rate> exact_rate(core::Rate wanted) const = 0;
-  /// Empty before the first `open`. May wait for a control request.
+  /// Empty before the first `open`. Waits for no control request.
   [[nodiscard]] virtual DeviceReport report() const = 0;
   /// true when something was plugged in since the last call: `open` is worth another try now.
   [[nodiscard]] virtual bool has_arrived() noexcept { return false; }
@@ -119,7 +121,7 @@ class Device {
   [[nodiscard]] virtual ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept = 0;
   /// Makes a waiting `read` return within 100 ms. Thread: any. Realtime-safe: yes.
   virtual void interrupt() noexcept = 0;
-  /// Drives the digital line that tells other instruments that a session begins. Unsupported: there is none.
+  /// Drives the digital line that tells other instruments that a session begins. Unsupported: there is none. WrongState: or busy starting.
   [[nodiscard]] virtual core::Status set_sync_output(bool is_high) = 0;
   /// Returns within 250 ms when the device answers.
   virtual core::Status stop() = 0;

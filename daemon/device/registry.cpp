@@ -46,6 +46,15 @@ const std::vector<RegistryEntry>& registry() {
   return entries;
 }
 
+bool compete(std::string_view one_uri, std::string_view other_uri) {
+  const auto one = DeviceUri::parse(one_uri);
+  const auto other = DeviceUri::parse(other_uri);
+  if (!one || !other || one->scheme == "sim" || one->scheme != other->scheme || one->name != other->name) return false;
+  const auto first = one->options.find("serial");
+  const auto second = other->options.find("serial");
+  return first == one->options.end() || second == other->options.end() || first->second == second->second;
+}
+
 core::Result<std::unique_ptr<Device>> create_device(std::string_view uri, const DeviceContext& context) {
   const auto parsed = DeviceUri::parse(uri);
   if (!parsed) return tl::make_unexpected(parsed.error());

@@ -49,6 +49,9 @@ struct RegistryEntry {
 /// All device kinds built into this program. A new device is one folder and one entry in registry.cpp.
 [[nodiscard]] const std::vector<RegistryEntry>& registry();
 
+/// Both would open the same unit: the same kind of hardware, and the serial numbers are equal or one of them is not given.
+[[nodiscard]] bool compete(std::string_view one_uri, std::string_view other_uri);
+
 /// Parses `uri` and creates the device (Closed). Errors name the URI, the unknown kind or option, and what is known.
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_device(std::string_view uri, const DeviceContext& context);
 

@@ -132,7 +132,7 @@ dts::v1::Response CommandHandler::devices() {
     device.set_model(described.model);
     const std::string serial = state.rig.device_report().serial;
     device.set_serial(serial.empty() ? described.serial : serial);
-    device.set_state(device_state(state.acquisition.device));
+    device.set_state(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : device_state(state.acquisition.device));
     for (const auto& channel : described.channels) device.add_channels(channel.name);
     device.set_minimum_rate_hz(described.minimum_rate_hz);
     device.set_maximum_rate_hz(described.maximum_rate_hz);

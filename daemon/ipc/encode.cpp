@@ -45,14 +45,14 @@ static_assert(static_cast<int>(session::SessionState::Running) == dts::v1::SESSI
 static_assert(static_cast<int>(session::SessionState::Stopping) == dts::v1::SESSION_STATE_STOPPING);
 static_assert(static_cast<int>(session::SessionState::Failed) == dts::v1::SESSION_STATE_FAILED);
 static_assert(static_cast<int>(core::GapReason::Integrity) == dts::v1::GAP_REASON_INTEGRITY);
-static_assert(static_cast<int>(device::DeviceCheck::Outcome::Failed) == dts::v1::CHECK_OUTCOME_FAILED);
+static_assert(static_cast<int>(device::DeviceCheck::Outcome::Skipped) == dts::v1::CHECK_OUTCOME_SKIPPED);
 static_assert(static_cast<int>(core::ErrorCode::Internal) == dts::v1::ERROR_CODE_INTERNAL);
 static_assert(core::quality::kUntared == dts::v1::QUALITY_UNTARED && core::quality::kNoContact == dts::v1::QUALITY_NO_CONTACT);
 
 dts::v1::RigStatus rig_status(const session::RigState& state) {
   dts::v1::RigStatus out;
   *out.mutable_rig() = rig_info(state.rig);
-  out.set_device(device_state(state.acquisition.device));
+  out.set_device(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : device_state(state.acquisition.device));
   out.set_device_message(std::string(state.acquisition.text()));
   out.set_segment(state.acquisition.segment);
   out.set_scans_total(state.acquisition.scans_total);

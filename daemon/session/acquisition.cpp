@@ -193,6 +193,7 @@ void Acquisition::open_segment(core::Acquired& acquired) noexcept {
     }
     report_.lost_scans_total += pending_gap_.missing_scans;
     ++report_.gaps_total;
+    report_.last_gap = pending_gap_;
     ++report_.segment;
   }
   acquired.gap_before = pending_gap_;

@@ -24,6 +24,7 @@ struct AcquisitionReport {
   std::uint64_t scans_total = 0;
   std::uint64_t lost_scans_total = 0;
   std::uint64_t gaps_total = 0;
+  core::Gap last_gap;
   std::uint64_t reconnects_total = 0;         ///< Times that a lost device came back.
   std::uint64_t restarts_total = 0;           ///< Times that the scan of a present device had to be started again.
   bool is_silent = false;                     ///< Streaming, but nothing came for over a second.

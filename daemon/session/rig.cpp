@@ -69,6 +69,23 @@ core::Status check_device(const RigConfig& config, const device::DeviceDescripti
   return {};
 }
 
+/// A trigger that can never be seen, a pulse that can never be sent: a mistake that would show when a trial is lost.
+core::Status check_sync(const RigConfig& config, const device::DeviceDescription& device) {
+  const auto refuse = [&](const std::string& what, const std::string& hint = {}) {
+    return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "': " + what, hint);
+  };
+  if (config.sync_pulse_ms > 0.0 && !device.has_sync_output) {
+    return refuse("[session] sync_pulse_ms needs a device with a sync output", "for MCC devices: sync_output_bit=0 in the device address");
+  }
+  if (!config.trigger || config.trigger->channel >= device.channels.size()) return {};  // the pipeline tells of a missing channel
+  const device::ChannelDescription& channel = device.channels[config.trigger->channel];
+  if (channel.role == device::ChannelRole::Marker) return refuse("[trigger] channel " + channel.name + " is the marker: it never changes");
+  const double half_band = config.trigger->hysteresis / 2.0;
+  if (config.trigger->level - half_band > channel.minimum && config.trigger->level + half_band < channel.maximum) return {};
+  return refuse("[trigger] level and hysteresis lie outside what channel " + channel.name + " can measure, " +
+                std::to_string(channel.minimum) + " .. " + std::to_string(channel.maximum) + " " + channel.unit);
+}
+
 }  // namespace
 
 core::Result<std::unique_ptr<Rig>> Rig::create(RigConfig given, core::Clock& clock, core::Doorbell& publish_bell,
@@ -88,6 +105,7 @@ core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<RigConfig> conf
                                                  core::Clock& clock, core::Doorbell& publish_bell) {
   const device::DeviceDescription& described = device->describe();
   if (auto checked = check_device(*config, described); !checked) return tl::make_unexpected(checked.error());
+  if (auto checked = check_sync(*config, described); !checked) return tl::make_unexpected(checked.error());
   const auto exact_rate = device->exact_rate(config->rate);
   if (!exact_rate) {
     core::Error error = exact_rate.error();

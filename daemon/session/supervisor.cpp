@@ -104,7 +104,7 @@ core::Result<SessionView> Supervisor::start_session(const std::string& rig, cons
   if (auto checked = check(request); !checked) return tl::make_unexpected(checked.error());
   if (auto started = session.start(new_session_id(rig), request, now_ns); !started) return tl::make_unexpected(started.error());
   ++sessions_started_;
-  begin_sync_pulse(**entry, now_ns);
+  (*entry)->has_pulse_due = (*entry)->rig->config().sync_pulse_ms > 0.0;
   log_.info("session " + session.view(now_ns).id + " starts on rig '" + rig + "'");
   collect_session_changes(**entry);
   return session.view(now_ns);
@@ -203,12 +203,20 @@ std::vector<std::string> Supervisor::device_kinds() {
   return kinds;
 }
 
-/// Tells other instruments that a session starts: they record the line, or it is looped back into an input of the scan.
+/// Tells other instruments that a session starts: they record the line, or it is looped back into an input of the scan. At the
+/// first scan, so that the pulse is in the data.
 void Supervisor::begin_sync_pulse(Entry& entry, std::int64_t now_ns) {
+  const bool has_scans = entry.session.view(now_ns).state != SessionState::Starting;
+  if (!entry.has_pulse_due || !has_scans) return;
+  entry.has_pulse_due = false;
   const RigConfig& config = entry.rig->config();
-  if (config.sync_pulse_ms <= 0.0) return;
+  if (!entry.session.is_under_way()) return;
   if (auto risen = entry.rig->set_sync_output(true); !risen) {
-    log_.warning("rig '" + config.name + "': no sync pulse: " + core::to_string(risen.error()));
+    const std::string message = "no sync pulse: " + core::to_string(risen.error());
+    log_.warning("rig '" + config.name + "': " + message);
+    notices_.push_back({.rig = config.name,
+                        .at = position(entry),
+                        .body = DeviceNotice{.state = entry.told_state, .uri = config.device_uri, .message = message}});
     return;
   }
   entry.sync_low_at_ns = now_ns + static_cast<std::int64_t>(config.sync_pulse_ms * core::kNanosecondsPerMillisecond);
@@ -241,10 +249,23 @@ void Supervisor::tick() {
     const AcquisitionReport report = entry.rig->acquisition();
     measure_rate(entry, report, now_ns);
     notice_device_change(entry, report);
+    log_gaps(entry, report);
     end_sync_pulse(entry, now_ns);
     entry.session.tick(now_ns, report.scans_total);
+    begin_sync_pulse(entry, now_ns);
     collect_session_changes(entry);
   }
+}
+
+/// Every hole leaves a line, also when it was over before anybody looked.
+void Supervisor::log_gaps(Entry& entry, const AcquisitionReport& report) {
+  const std::uint64_t fresh = report.gaps_total - entry.told_gaps;
+  if (fresh == 0) return;
+  entry.told_gaps = report.gaps_total;
+  const std::string more = fresh > 1 ? " (and " + std::to_string(fresh - 1) + " more gaps before it)" : "";
+  log_.warning("rig '" + entry.rig->config().name + "': " + (report.last_gap.is_exact ? "" : "about ") +
+               std::to_string(report.last_gap.missing_scans) + " scans missing before segment " + std::to_string(report.segment) + ", " +
+               std::string(core::name(report.last_gap.reason)) + more);
 }
 
 std::vector<Notice> Supervisor::take_notices() { return std::exchange(notices_, {}); }

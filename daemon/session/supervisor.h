@@ -99,6 +99,8 @@ class Supervisor {
     Session session;
     device::DeviceState told_state = device::DeviceState::Closed;
     std::string told_message{};
+    std::uint64_t told_gaps = 0;
+    bool has_pulse_due = false;  ///< A session has started and does not run yet.
     std::int64_t rate_since_ns = 0;
     std::uint64_t rate_since_scans = 0;
     double measured_rate_hz = 0.0;
@@ -107,6 +109,7 @@ class Supervisor {
   [[nodiscard]] core::Result<Entry*> find(const std::string& name);
   [[nodiscard]] static DataPosition position(Entry& entry);
   void collect_session_changes(Entry& entry);
+  void log_gaps(Entry& entry, const AcquisitionReport& report);
   void begin_sync_pulse(Entry& entry, std::int64_t now_ns);
   void end_sync_pulse(Entry& entry, std::int64_t now_ns);
   void notice_device_change(Entry& entry, const AcquisitionReport& report);

@@ -184,6 +184,24 @@ inline core::ErrorCode code(const core::Result<core::Rate>& result) { return res
 /// The state table as a model: what the next state and the answer must be.
 struct Model {
   DeviceState state = DeviceState::Closed;
+  bool was_opened = false;
+
+  void check_report(const Device& device) const {
+    const bool has_serial = !device.report().serial.empty();  // one that needs no hardware may know it before
+    EXPECT_TRUE(has_serial || !was_opened);
+  }
+
+  /// A device that has no such line says so where others take the command.
+  void check_sync_output(Device& device, bool is_high) const {
+    const core::ErrorCode answer = code(device.set_sync_output(is_high));
+    if (state == DeviceState::Closed) {
+      EXPECT_EQ(answer, core::ErrorCode::WrongState);
+    } else if (state == DeviceState::Gone) {
+      EXPECT_EQ(answer, core::ErrorCode::DeviceGone);
+    } else if (answer != core::ErrorCode::DeviceGone) {  // it has left, and nobody has read that yet
+      EXPECT_TRUE(answer == core::ErrorCode{} || answer == core::ErrorCode::Unsupported);
+    }
+  }
 
   void check_open(Device& device) {
     const core::Status opened = device.open();
@@ -191,6 +209,7 @@ struct Model {
       EXPECT_EQ(code(opened), core::ErrorCode::WrongState);
     } else if (opened) {
       state = state == DeviceState::Closed ? DeviceState::Open : state;
+      was_opened = true;
     } else {
       EXPECT_EQ(state, DeviceState::Closed);
       EXPECT_EQ(code(opened), core::ErrorCode::NotFound);  // unplugged and not back yet

@@ -165,12 +165,16 @@ TEST_P(DeviceContract, RandomSequences_FollowTheStateTable) {
     core::Block block = block_for(*device, 1 + random() % 64);
     Model model;
     for (int step = 0; step < 60 && !HasFailure(); ++step) {
-      switch (random() % 8) {
+      switch (random() % 12) {
         case 0: model.check_open(*device); break;
         case 1: model.check_start(*device, usual(*device)); break;
         case 2: model.check_stop(*device); break;
         case 3: model.check_close(*device); break;
         case 4: device->interrupt(); break;
+        case 5: model.check_report(*device); break;
+        case 6: model.check_sync_output(*device, random() % 2 == 0); break;
+        case 7: (void)device->has_arrived(); break;
+        case 8: EXPECT_EQ(code(device->exact_rate(usual(*device).rate)), core::ErrorCode{}); break;
         default: model.check_read(*device, block, clock_.now_ns() + static_cast<std::int64_t>(random() % 500) * kMillisecond); break;
       }
       EXPECT_EQ(device->state(), model.state);

@@ -82,6 +82,7 @@ U6::U6(usb::DaqOptions options) : options_(std::move(options)) {
     gains_.push_back(options_.channels[i] == kDigitalWord ? kRangesV.size() : gain_of(options_.ranges_v[i]));
     description_.channels.push_back(describe_channel(options_.channels[i], gains_.back()));
   }
+  if (options_.marker) description_.channels[options_.marker->position].role = ChannelRole::Marker;
 }
 
 std::span<const usb::UsbModel> U6::models() const noexcept { return kModels; }
@@ -186,14 +187,16 @@ core::Status U6::begin(usb::UsbPort& port) {
   return {};
 }
 
-void U6::end(usb::UsbPort& port) noexcept {
-  // Whatever it answers: the next `configure` finds out.
-  (void)exchange(port, stop_stream());
+core::Status U6::end(usb::UsbPort& port) noexcept {
+  const auto stopped = exchange(port, stop_stream(), usb::kControlTimeoutMs);
+  if (!stopped) return tl::make_unexpected(stopped.error());
+  if (stopped->error == 0 || stopped->error == kErrorStreamNotRunning) return {};
+  return tl::make_unexpected(refused("StreamStop", stopped->error));
 }
 
 core::Result<usb::ScanHealth> U6::health(usb::UsbPort& port) {
   // Of all commands only this one and StreamStop are allowed during a stream, and it does not tell whether one is running.
-  if (auto reply = run(port, read_unit()); !reply) return tl::make_unexpected(reply.error());
+  if (auto reply = run(port, read_unit(), usb::kControlTimeoutMs); !reply) return tl::make_unexpected(reply.error());
   return usb::ScanHealth{.is_running = true, .is_overrun = parser_.is_recovering()};
 }
 

@@ -38,7 +38,7 @@ class U6 final : public usb::DaqDriver {
   [[nodiscard]] core::Result<usb::ScanPlan> configure(usb::UsbPort& port, const usb::ScanRequest& request) override;
   [[nodiscard]] core::Result<std::vector<double>> read_once(usb::UsbPort& port) override;
   [[nodiscard]] core::Status begin(usb::UsbPort& port) override;
-  void end(usb::UsbPort& port) noexcept override;
+  [[nodiscard]] core::Status end(usb::UsbPort& port) noexcept override;
   [[nodiscard]] core::Result<usb::ScanHealth> health(usb::UsbPort& port) override;
   [[nodiscard]] usb::Unpacked unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> codes) noexcept override {
     return parser_.unpack(bytes, codes);

@@ -119,22 +119,22 @@ Command configure_stream(const StreamSetup& setup) {
 Command start_stream() { return normal("StreamStart", 0xA8); }
 Command stop_stream() { return normal("StreamStop", 0xB0); }
 
-core::Result<Reply> exchange(usb::UsbPort& port, const Command& command) {
+core::Result<Reply> exchange(usb::UsbPort& port, const Command& command, int timeout_ms) {
   const std::string what = "LabJack U6: " + std::string(command.name);
-  if (const auto sent = port.bulk_out(kCommandEndpoint, command.bytes, usb::kControlTimeoutMs); !sent) {
+  if (const auto sent = port.bulk_out(kCommandEndpoint, command.bytes, timeout_ms); !sent) {
     return tl::make_unexpected(usb::to_error(sent.error(), what, std::string(kReplugHint)));
   }
   std::array<std::uint8_t, kUsbPacketBytes> buffer{};
   for (int stale = 0;; ++stale) {
-    const auto received = port.bulk_in(kReplyEndpoint, buffer, usb::kControlTimeoutMs);
+    const auto received = port.bulk_in(kReplyEndpoint, buffer, timeout_ms);
     if (!received) return tl::make_unexpected(usb::to_error(received.error(), what, std::string(kReplugHint)));
     const auto reply = std::span(buffer).first(std::min(*received, buffer.size()));
     if (stale == kMostStaleReplies || belongs_to(command, reply) || is_not_understood(reply)) return judge(command, reply);
   }
 }
 
-core::Result<Reply> run(usb::UsbPort& port, const Command& command) {
-  auto reply = exchange(port, command);
+core::Result<Reply> run(usb::UsbPort& port, const Command& command, int timeout_ms) {
+  auto reply = exchange(port, command, timeout_ms);
   if (reply && reply->error != 0) return tl::make_unexpected(refused(command.name, reply->error));
   return reply;
 }

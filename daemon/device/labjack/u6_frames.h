@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/result.h"
+#include "device/usb/daq_driver.h"
 #include "device/usb/usb_port.h"
 
 namespace dts::device::labjack {
@@ -62,10 +63,10 @@ struct Reply {
 };
 
 /// Sends `command` and reads its reply, which may carry an error number. A reply that an earlier program did not fetch is
-/// passed over. Timeout, DeviceGone or DataDamaged (short, wrong checksum, the device did not understand).
-[[nodiscard]] core::Result<Reply> exchange(usb::UsbPort& port, const Command& command);
+/// passed over. Timeout (either way `timeout_ms`), DeviceGone or DataDamaged (short, wrong checksum, the device did not understand).
+[[nodiscard]] core::Result<Reply> exchange(usb::UsbPort& port, const Command& command, int timeout_ms = usb::kSetupTimeoutMs);
 /// The same; an error number is a failure, too.
-[[nodiscard]] core::Result<Reply> run(usb::UsbPort& port, const Command& command);
+[[nodiscard]] core::Result<Reply> run(usb::UsbPort& port, const Command& command, int timeout_ms = usb::kSetupTimeoutMs);
 [[nodiscard]] core::Error refused(std::string_view command, std::uint8_t error);
 
 }  // namespace dts::device::labjack

@@ -9,61 +9,76 @@
 namespace dts::device::mcc {
 namespace {
 
-using usb::kControlTimeoutMs;
 using usb::UsbStatus;
 
 constexpr int kDrainTimeoutMs = 2;
+constexpr int kMostDrainMs = 250;
+constexpr int kMostEndRequests = 10;              // a frame or two each
+constexpr std::size_t kDrainPackets = 64;         // at once: the largest FIFO takes a few reads
 constexpr std::uint8_t kDigitalDirection = 0x00;  // 1: input
 constexpr std::uint8_t kDigitalLatch = 0x02;
 constexpr char kUnplugHint[] = "unplug the device, plug it in again, and try another port or cable when that does not help";
 
 /// Reads the register, changes one bit, writes it back.
-core::Status change_bit(usb::UsbPort& port, std::uint8_t request, unsigned bit, bool is_set, const std::string& what) {
-  const auto before = get(port, {.request = request}, 1, "reading " + what);
+core::Status change_bit(usb::UsbPort& port, std::uint8_t request, unsigned bit, bool is_set, const std::string& what, int timeout_ms) {
+  const auto before = get(port, {.request = request}, 1, "reading " + what, timeout_ms);
   if (!before) return tl::make_unexpected(before.error());
   const unsigned mask = 1U << bit;
   const unsigned after = is_set ? before->front() | mask : before->front() & ~mask;
-  return put(port, {.request = request, .value = static_cast<std::uint16_t>(after)}, "setting " + what);
+  return put(port, {.request = request, .value = static_cast<std::uint16_t>(after)}, "setting " + what, timeout_ms);
 }
 
 }  // namespace
 
-core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, std::span<const std::uint8_t> bytes, const std::string& what) {
-  const usb::UsbResult sent = port.control_out(request, bytes, kControlTimeoutMs);
+core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, std::span<const std::uint8_t> bytes, const std::string& what,
+                 int timeout_ms) {
+  const usb::UsbResult sent = port.control_out(request, bytes, timeout_ms);
   if (!sent) return tl::make_unexpected(usb::to_error(sent.error(), what, kUnplugHint));
   if (*sent == bytes.size()) return {};
   return core::fail(core::ErrorCode::Failed,
                     what + ": the device took " + std::to_string(*sent) + " of " + std::to_string(bytes.size()) + " bytes", kUnplugHint);
 }
 
-core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what) { return put(port, request, {}, what); }
+core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what, int timeout_ms) {
+  return put(port, request, {}, what, timeout_ms);
+}
 
 core::Result<std::vector<std::uint8_t>> get(usb::UsbPort& port, const usb::ControlRequest& request, std::size_t count,
-                                            const std::string& what) {
+                                            const std::string& what, int timeout_ms) {
   std::vector<std::uint8_t> bytes(count);
-  const usb::UsbResult received = port.control_in(request, bytes, kControlTimeoutMs);
+  const usb::UsbResult received = port.control_in(request, bytes, timeout_ms);
   if (!received) return tl::make_unexpected(usb::to_error(received.error(), what, kUnplugHint));
   if (*received == count) return bytes;
   return core::fail(core::ErrorCode::DataDamaged,
                     what + ": the device gave " + std::to_string(*received) + " of " + std::to_string(count) + " bytes", kUnplugHint);
 }
 
-core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what) {
-  return get(port, request, kCodeBytes, what).map([](const std::vector<std::uint8_t>& bytes) {
+core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what, int timeout_ms) {
+  return get(port, request, kCodeBytes, what, timeout_ms).map([](const std::vector<std::uint8_t>& bytes) {
     return static_cast<std::uint16_t>(bytes[0] | bytes[1] << 8U);
   });
 }
 
-core::Status drain(usb::UsbPort& port, std::uint8_t endpoint, std::size_t packet_bytes, std::size_t most_packets) {
-  std::vector<std::uint8_t> packet(packet_bytes);
-  for (std::size_t i = 0; i < most_packets; ++i) {
-    const usb::UsbResult received = port.bulk_in(endpoint, packet, kDrainTimeoutMs);
+core::Status drain(usb::UsbPort& port, std::uint8_t endpoint, std::size_t packet_bytes) {
+  std::vector<std::uint8_t> bytes(kDrainPackets * packet_bytes);
+  // A read takes at most its timeout: counting them limits the time.
+  for (int spent_ms = 0; spent_ms < kMostDrainMs; spent_ms += kDrainTimeoutMs) {
+    const usb::UsbResult received = port.bulk_in(endpoint, bytes, kDrainTimeoutMs);
     if (received) continue;
     if (received.error() == UsbStatus::NoDevice) return tl::make_unexpected(usb::to_error(received.error(), "emptying the data endpoint"));
     return {};
   }
   return core::fail(core::ErrorCode::Failed, "emptying the data endpoint: the device goes on sending after its scan was stopped",
                     kUnplugHint);
+}
+
+core::Status await_end(usb::DaqDriver& driver, usb::UsbPort& port) {
+  for (int i = 0; i < kMostEndRequests; ++i) {
+    const auto found = driver.health(port);
+    if (!found) return tl::make_unexpected(found.error());
+    if (!found->is_running) return {};
+  }
+  return core::fail(core::ErrorCode::Failed, driver.describe().uri + " goes on scanning after it was stopped", kUnplugHint);
 }
 
 core::Status clear_halt(usb::UsbPort& port, std::uint8_t endpoint) {
@@ -76,14 +91,16 @@ void append_u32(std::vector<std::uint8_t>& bytes, std::uint32_t value) {
   for (unsigned shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<std::uint8_t>(value >> shift));
 }
 
-core::Status drive_line(usb::UsbPort& port, unsigned bit, bool is_high) {
-  return change_bit(port, kDigitalLatch, bit, is_high, "digital output " + std::to_string(bit));
+core::Status drive_line(usb::UsbPort& port, unsigned bit, bool is_high, int timeout_ms) {
+  return change_bit(port, kDigitalLatch, bit, is_high, "digital output " + std::to_string(bit), timeout_ms);
 }
 
-core::Status prepare_line(usb::UsbPort& port, unsigned bit) {
+core::Status prepare_line(usb::UsbPort& port, unsigned bit, LineDirection direction) {
   // The latch first: the line must not show an old level when it becomes an output.
-  if (auto low = drive_line(port, bit, false); !low) return low;
-  return change_bit(port, kDigitalDirection, bit, false, "the direction of digital line " + std::to_string(bit));
+  if (auto low = drive_line(port, bit, false, usb::kSetupTimeoutMs); !low) return low;
+  const std::string what = "the direction of digital line " + std::to_string(bit);
+  if (direction == LineDirection::PerPort) return put(port, {.request = kDigitalDirection, .value = 0}, "setting " + what);
+  return change_bit(port, kDigitalDirection, bit, false, what, usb::kSetupTimeoutMs);
 }
 
 CodesRead read_codes(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> codes, std::uint16_t largest) noexcept {

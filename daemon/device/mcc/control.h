@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "device/usb/daq_driver.h"
 #include "device/usb/usb_port.h"
 
 namespace dts::device::mcc {
@@ -15,25 +16,35 @@ inline constexpr unsigned kCodeBytes = 2;
 
 /// A vendor request with data to the device; an error says that `what` failed.
 [[nodiscard]] core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, std::span<const std::uint8_t> bytes,
-                               const std::string& what);
-[[nodiscard]] core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what);
+                               const std::string& what, int timeout_ms = usb::kSetupTimeoutMs);
+[[nodiscard]] core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what,
+                               int timeout_ms = usb::kSetupTimeoutMs);
 /// A vendor request that must bring exactly `count` bytes; DataDamaged when it brings fewer.
 [[nodiscard]] core::Result<std::vector<std::uint8_t>> get(usb::UsbPort& port, const usb::ControlRequest& request, std::size_t count,
-                                                          const std::string& what);
+                                                          const std::string& what, int timeout_ms = usb::kSetupTimeoutMs);
 /// As `get`, two bytes, little endian.
-[[nodiscard]] core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what);
+[[nodiscard]] core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what,
+                                                   int timeout_ms = usb::kSetupTimeoutMs);
 
-/// Takes and forgets what an earlier scan left on its way, at most `most_packets`; ends at silence or a stall.
-[[nodiscard]] core::Status drain(usb::UsbPort& port, std::uint8_t endpoint, std::size_t packet_bytes, std::size_t most_packets);
+/// Takes and forgets what an earlier scan left on its way; ends at silence or a stall. Fails when the device still sends after 250 ms.
+[[nodiscard]] core::Status drain(usb::UsbPort& port, std::uint8_t endpoint, std::size_t packet_bytes);
 [[nodiscard]] core::Status clear_halt(usb::UsbPort& port, std::uint8_t endpoint);
+/// After a stop request: asks until the device says that it does not scan any more. Failed: it goes on.
+[[nodiscard]] core::Status await_end(usb::DaqDriver& driver, usb::UsbPort& port);
 
 /// Appends an integer in little endian.
 void append_u32(std::vector<std::uint8_t>& bytes, std::uint32_t value);
 
-/// Digital line `bit` as an output at the given level. The other lines stay as they are.
-[[nodiscard]] core::Status drive_line(usb::UsbPort& port, unsigned bit, bool is_high);
+/// Puts the output `bit` to the given level: the latch is read, then written. The other lines stay as they are.
+[[nodiscard]] core::Status drive_line(usb::UsbPort& port, unsigned bit, bool is_high, int timeout_ms = usb::kControlTimeoutMs);
+
+/// How digital lines become outputs.
+enum class LineDirection : std::uint8_t {
+  PerLine,  ///< A mask, 0: output. The other lines stay as they are.
+  PerPort,  ///< 0 makes all 8 lines outputs, 1 inputs; the other 7 show what their latches hold.
+};
 /// Makes line `bit` an output that is low.
-[[nodiscard]] core::Status prepare_line(usb::UsbPort& port, unsigned bit);
+[[nodiscard]] core::Status prepare_line(usb::UsbPort& port, unsigned bit, LineDirection direction);
 
 /// Codes of 16 bits, little endian, back to back. Integrity: half a code at the end, or a code above `largest`.
 struct CodesRead {

@@ -18,7 +18,7 @@ DeviceDescription describe_unit(std::string_view product, const usb::DaqOptions&
     const double range_v = options.ranges_v[position];
     description.channels.push_back({.name = "ch" + std::to_string(options.channels[position]),
                                     .unit = "V",
-                                    .role = is_marker ? ChannelRole::Auxiliary : ChannelRole::Sensor,
+                                    .role = is_marker ? ChannelRole::Marker : ChannelRole::Sensor,
                                     .minimum = -range_v,
                                     .maximum = range_v,
                                     .resolution = std::ldexp(2.0 * range_v, -static_cast<int>(bits))});

@@ -28,32 +28,55 @@ constexpr char kSourceHint[] =
     "the image belongs to MCC and comes with its library uldaq (1.2.1: the array in src/usb/fw/Usb1608gFpga.c, or Usb1608g2Fpga.c "
     "for hardware revision 2): write the array's bytes to a file and name it with fpga=FILE";
 
+core::Result<std::uintmax_t> length_of(const std::string& path) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error) return core::fail(ErrorCode::NotFound, "FPGA image " + path + ": " + error.message(), kSourceHint);
+  return bytes;
+}
+
+core::Error unreadable(const std::string& path) {
+  return {ErrorCode::Failed, "FPGA image " + path + " cannot be read", "check its permissions"};
+}
+
 }  // namespace
 
 std::size_t fpga_image_bytes(std::uint16_t product) noexcept { return product < kFirstRevision2 ? kRevision1Bytes : kRevision2Bytes; }
 
+core::Status check_fpga_file(const std::string& path) {
+  const auto bytes = length_of(path);
+  if (!bytes) return tl::make_unexpected(bytes.error());
+  if (*bytes != kRevision1Bytes && *bytes != kRevision2Bytes) {
+    return core::fail(ErrorCode::InvalidArgument,
+                      "FPGA image " + path + " has " + std::to_string(*bytes) + " bytes; MCC's have " + std::to_string(kRevision1Bytes) +
+                          " or, for hardware revision 2, " + std::to_string(kRevision2Bytes),
+                      kSourceHint);
+  }
+  if (std::ifstream(path, std::ios::binary).get() == std::ifstream::traits_type::eof()) return tl::make_unexpected(unreadable(path));
+  return {};
+}
+
 core::Result<std::vector<std::uint8_t>> read_fpga_image(const std::string& path, std::uint16_t product) {
   if (path.empty())
     return core::fail(ErrorCode::NotFound, "the device has no FPGA image since its power-up, and none was given", kSourceHint);
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) return core::fail(ErrorCode::NotFound, "FPGA image " + path + ": " + error.message(), kSourceHint);
+  const auto size = length_of(path);
+  if (!size) return tl::make_unexpected(size.error());
   const std::size_t expected = fpga_image_bytes(product);
-  if (size != expected) {
+  if (*size != expected) {
     return core::fail(ErrorCode::InvalidArgument,
-                      "FPGA image " + path + " has " + std::to_string(size) + " bytes; this unit's hardware revision takes one of " +
+                      "FPGA image " + path + " has " + std::to_string(*size) + " bytes; this unit's hardware revision takes one of " +
                           std::to_string(expected),
                       kSourceHint);
   }
   std::vector<std::uint8_t> image(expected);
   std::ifstream file(path, std::ios::binary);
   for (std::uint8_t& byte : image) byte = static_cast<std::uint8_t>(file.get());
-  if (!file) return core::fail(ErrorCode::Failed, "FPGA image " + path + " cannot be read", "check its permissions");
+  if (!file) return tl::make_unexpected(unreadable(path));
   return image;
 }
 
-core::Result<GStatus> read_g_status(usb::UsbPort& port) {
-  return get_word(port, {.request = kStatus}, "reading the status").map([](std::uint16_t status) {
+core::Result<GStatus> read_g_status(usb::UsbPort& port, int timeout_ms) {
+  return get_word(port, {.request = kStatus}, "reading the status", timeout_ms).map([](std::uint16_t status) {
     return GStatus{.is_running = (status & 1U << 1) != 0,
                    .is_overrun = (status & 1U << 2) != 0,
                    .is_fpga_loaded = (status & 1U << 8) != 0,

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "device/usb/daq_driver.h"
 #include "device/usb/usb_port.h"
 
 namespace dts::device::mcc {
@@ -15,6 +16,8 @@ namespace dts::device::mcc {
 /// revision 2 (0x0134 to 0x0136).
 [[nodiscard]] std::size_t fpga_image_bytes(std::uint16_t product) noexcept;
 
+/// Without a device: the file can be read and has one of the two lengths.
+[[nodiscard]] core::Status check_fpga_file(const std::string& path);
 /// The image from a file of exactly that length. The image is MCC's and no part of this project; errors say how to get it.
 [[nodiscard]] core::Result<std::vector<std::uint8_t>> read_fpga_image(const std::string& path, std::uint16_t product);
 
@@ -25,7 +28,7 @@ struct GStatus {
   bool is_fpga_loaded = false;
   bool is_fpga_loading = false;
 };
-[[nodiscard]] core::Result<GStatus> read_g_status(usb::UsbPort& port);
+[[nodiscard]] core::Result<GStatus> read_g_status(usb::UsbPort& port, int timeout_ms = usb::kSetupTimeoutMs);
 
 /// Sends the image in pieces of 64 bytes: more than a thousand requests, about a second.
 [[nodiscard]] core::Status load_fpga(usb::UsbPort& port, std::span<const std::uint8_t> image);

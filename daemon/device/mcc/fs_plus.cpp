@@ -46,6 +46,7 @@ FsPlus::FsPlus(const FsPlusModel& model, FsPlusSettings settings)
       description_(
           describe_unit(model.usb.name, settings_.options, model.bits, largest_scan_hz(model, settings_.options.channels.size()))) {
   for (const double range_v : settings_.options.ranges_v) lines_.push_back(voltage_line({}, range_v, model_.bits));
+  description_.has_sync_output = settings_.sync_output_bit.has_value();
   command_.mask = mask_of(settings_.options.channels);
   command_.trigger = settings_.trigger;
   command_.sync = settings_.sync;
@@ -63,7 +64,7 @@ core::Status FsPlus::connect(usb::UsbPort& port, std::vector<DeviceCheck>& check
   checks.push_back({.name = "calibration", .outcome = DeviceCheck::Outcome::Passed, .detail = "read from the device, believable"});
   is_first_scan_ = true;
   if (!settings_.sync_output_bit) return {};
-  return prepare_line(port, *settings_.sync_output_bit);
+  return prepare_line(port, *settings_.sync_output_bit, model_.line_direction);
 }
 
 core::Status FsPlus::read_calibration(usb::UsbPort& port) {
@@ -92,7 +93,7 @@ core::Status FsPlus::read_calibration(usb::UsbPort& port) {
 core::Status FsPlus::make_quiet(usb::UsbPort& port, std::size_t packet_bytes) {
   if (auto stopped = put(port, {.request = kScanStop}, "stopping the scan"); !stopped) return stopped;
   if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
-  if (auto drained = drain(port, kDataEndpoint, packet_bytes, model_.fifo_codes); !drained) return drained;
+  if (auto drained = drain(port, kDataEndpoint, packet_bytes); !drained) return drained;
   (void)put(port, {.request = kStatus}, "clearing error bits");  // not every public driver does so: a refusal is no fault
   return clear_halt(port, kDataEndpoint);
 }
@@ -117,6 +118,8 @@ core::Result<usb::ScanPlan> FsPlus::configure(usb::UsbPort& port, const usb::Sca
   const TransferChoice choice = choose_transfers(load, request);
   command_.is_immediate = choice.is_immediate;
   command_.period = pace(model_, channels, request.rate).period;
+  command_.trigger = request.is_restart ? Trigger::None : settings_.trigger;
+  may_start_late_ = !request.is_restart && (settings_.trigger != Trigger::None || settings_.is_partner_triggered);
 
   if (auto quiet = make_quiet(port, *packet_bytes); !quiet) return tl::make_unexpected(quiet.error());
   if (auto set = set_ranges(port); !set) return tl::make_unexpected(set.error());
@@ -151,17 +154,25 @@ core::Status FsPlus::send_start(usb::UsbPort& port) {
   return put(port, {.request = kScanStart}, encode_start(model_.start, command_), "starting the scan");
 }
 
+core::Status FsPlus::make_ready(usb::UsbPort& port) {
+  if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
+  return clear_halt(port, kDataEndpoint);
+}
+
 core::Status FsPlus::begin(usb::UsbPort& port) { return send_start(port); }
 
-void FsPlus::end(usb::UsbPort& port) noexcept { (void)port.control_out({.request = kScanStop}, {}, usb::kControlTimeoutMs); }
+core::Status FsPlus::end(usb::UsbPort& port) noexcept {
+  if (auto stopped = put(port, {.request = kScanStop}, "stopping the scan", usb::kControlTimeoutMs); !stopped) return stopped;
+  return await_end(*this, port);
+}
 
 core::Result<usb::ScanHealth> FsPlus::health(usb::UsbPort& port) {
-  return get_word(port, {.request = kStatus}, "reading the status").map([](std::uint16_t status) {
+  return get_word(port, {.request = kStatus}, "reading the status", usb::kControlTimeoutMs).map([](std::uint16_t status) {
     return usb::ScanHealth{.is_running = (status & kScanRunning) != 0, .is_overrun = (status & kScanOverrun) != 0};
   });
 }
 
-bool FsPlus::waits_for_trigger() const noexcept { return settings_.trigger != Trigger::None || settings_.sync == SyncPin::Input; }
+bool FsPlus::waits_for_trigger() const noexcept { return command_.trigger != Trigger::None || settings_.sync == SyncPin::Input; }
 
 core::Status FsPlus::set_sync_output(usb::UsbPort& port, bool is_high) {
   if (settings_.sync_output_bit) return drive_line(port, *settings_.sync_output_bit, is_high);

@@ -21,6 +21,7 @@ struct FsPlusSettings {
   usb::DaqOptions options;
   Trigger trigger = Trigger::None;
   SyncPin sync = SyncPin::Unused;
+  bool is_partner_triggered = false;        ///< Whoever drives SYNC waits for a trigger first.
   std::optional<unsigned> sync_output_bit;  ///< Digital line that tells other instruments of a session.
 };
 
@@ -30,7 +31,9 @@ struct FsPlusSettings {
 ///
 ///     connect    stop, calibration
 ///     configure  stop, clear FIFO, drain, clear errors, ranges written and read back, clear halt
-///     begin      start, status
+///     make_ready clear FIFO, clear halt
+///     begin      start
+///     end        stop, status until it says so
 class FsPlus final : public usb::DaqDriver {
  public:
   FsPlus(const FsPlusModel& model, FsPlusSettings settings);
@@ -45,9 +48,11 @@ class FsPlus final : public usb::DaqDriver {
   [[nodiscard]] core::Result<usb::ScanPlan> configure(usb::UsbPort& port, const usb::ScanRequest& request) override;
   [[nodiscard]] core::Result<std::vector<double>> read_once(usb::UsbPort& port) override;
   [[nodiscard]] core::Status begin(usb::UsbPort& port) override;
-  void end(usb::UsbPort& port) noexcept override;
+  [[nodiscard]] core::Status make_ready(usb::UsbPort& port) override;
+  [[nodiscard]] core::Status end(usb::UsbPort& port) noexcept override;
   [[nodiscard]] core::Result<usb::ScanHealth> health(usb::UsbPort& port) override;
   [[nodiscard]] bool waits_for_trigger() const noexcept override;
+  [[nodiscard]] bool may_start_late() const noexcept override { return may_start_late_; }
   [[nodiscard]] core::Status set_sync_output(usb::UsbPort& port, bool is_high) override;
   [[nodiscard]] usb::Unpacked unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> codes) noexcept override;
 
@@ -64,6 +69,7 @@ class FsPlus final : public usb::DaqDriver {
   std::vector<VoltageLine> lines_;  ///< By position in the scan.
   StartCommand command_;
   bool is_first_scan_ = true;  ///< Since `connect`.
+  bool may_start_late_ = false;
 };
 
 /// What the model's inputs allow.

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <array>
 
-#include "device/mcc/control.h"
-
 namespace dts::device::mcc {
 namespace {
 
@@ -43,6 +41,7 @@ constexpr FsPlusModel multiplexed(std::uint16_t product, std::string_view name, 
           .fifo_codes = 8'192,
           .start = StartForm::FourteenBytes,
           .has_range_list = true,
+          .line_direction = LineDirection::PerPort,  // uldaq: src/usb/dio/DioUsb1208fsPlus.cpp
           .ranges_v = kTenVolts,
           .range_codes = kTenVoltsCode,
           .first_record = 32};

@@ -8,6 +8,7 @@
 
 #include "core/rate.h"
 #include "core/result.h"
+#include "device/mcc/control.h"
 #include "device/usb/usb_bus.h"
 
 namespace dts::device::mcc {
@@ -31,6 +32,7 @@ struct FsPlusModel {
   StartForm start = StartForm::TenBytes;
   bool has_range_list = false;  ///< AInConfig (request 0x14).
   bool has_sync_pin = false;
+  LineDirection line_direction = LineDirection::PerLine;
   bool often_fails_first_start = false;  ///< USB-204: Linux_Drivers issue #42.
   std::span<const double> ranges_v;      ///< Single-ended, +-; the default first.
   std::span<const std::uint8_t> range_codes;

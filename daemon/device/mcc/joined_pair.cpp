@@ -19,6 +19,7 @@ constexpr std::uint64_t kMostPacketsApart = 2;
 constexpr double kWindowMs = 2000.0;
 constexpr int kFewestWaits = 8;
 constexpr int kMostBlocksBehind = 1000;
+constexpr double kMissedPulsesMs = 50.0;                             // more than a packet takes, less than silence is waited for
 constexpr std::int64_t kFrameNs = core::kNanosecondsPerMillisecond;  // packets of the same instant may travel in two frames
 constexpr std::int64_t kTransferNs = 10 * core::kNanosecondsPerMillisecond;
 
@@ -40,6 +41,7 @@ void copy_columns(const core::Block& from, core::Block& to, std::size_t first_ch
 JoinedPair::JoinedPair(PairParts parts, core::Clock& clock)
     : master_{.device = std::move(parts.master), .fresh = {}, .waiting = {}},
       slave_{.device = std::move(parts.slave), .fresh = {}, .waiting = {}},
+      confirm_master_stopped_(std::move(parts.confirm_master_stopped)),
       clock_(clock),
       description_(std::move(parts.description)) {}
 
@@ -61,6 +63,9 @@ DeviceReport JoinedPair::report() const {
   for (std::string& node : second.nodes) both.nodes.push_back(std::move(node));
   for (DeviceCheck& check : first.checks) both.checks.push_back({"first unit: " + check.name, check.outcome, check.detail});
   for (DeviceCheck& check : second.checks) both.checks.push_back({"second unit: " + check.name, check.outcome, check.detail});
+  if (has_missed_pulses_.load(std::memory_order_acquire)) {  // pairs with cause_of
+    both.checks.push_back({"the second unit hears SYNC", DeviceCheck::Outcome::Failed, "no pulses: is the SYNC wire connected?"});
+  }
   return both;
 }
 
@@ -101,6 +106,17 @@ core::Result<core::Rate> JoinedPair::start(const StartOptions& options) {
   return started;
 }
 
+/// A stop request may get lost.
+core::Status JoinedPair::silence_master() {
+  const core::Status confirmed = confirm_master_stopped_();
+  if (confirmed) return {};
+  if (confirmed.error().code == ErrorCode::DeviceGone) return pass_on(confirmed.error(), "first");
+  (void)close();
+  if (auto opened = open(); !opened) return opened;
+  if (auto again = confirm_master_stopped_(); !again) return pass_on(again.error(), "first");
+  return {};
+}
+
 core::Result<core::Rate> JoinedPair::start_halves(const StartOptions& options) {
   max_block_scans_ = options.max_block_scans;
   for (Half* half : {&master_, &slave_}) {
@@ -110,8 +126,10 @@ core::Result<core::Rate> JoinedPair::start_halves(const StartOptions& options) {
   }
   broken_.reset();
   alone_since_ns_.reset();
+  has_missed_pulses_.store(false, std::memory_order_release);  // pairs with report
   is_interrupted_.store(false, std::memory_order_relaxed);
-  // The slave must hear the very first pulse.
+  // The slave must hear the very first pulse, and none before it.
+  if (auto silent = silence_master(); !silent) return tl::make_unexpected(silent.error());
   if (auto started = slave_.device->start(options); !started) return pass_on(started.error(), "second");
   auto started = master_.device->start(options);
   if (!started) return pass_on(started.error(), "first");
@@ -246,11 +264,16 @@ bool JoinedPair::is_one_alone(std::int64_t now_ns) noexcept {
 /// Without pulses the slave falls silent: where that is what was seen, the master is asked for the cause.
 ReadResult JoinedPair::cause_of(const ReadResult& fault) noexcept {
   if (fault.outcome == ReadOutcome::Gone || fault.gap.reason != core::GapReason::Silence) return fault;
+  std::size_t master_scans = master_.waiting.count();
   for (int i = 0; i < kMostBlocksBehind; ++i) {
     const ReadResult result = master_.device->read(master_.fresh, clock_.now_ns());
     if (result.outcome == ReadOutcome::Broken || result.outcome == ReadOutcome::Gone) return result;
-    if (result.outcome != ReadOutcome::Scans) return fault;
+    if (result.outcome != ReadOutcome::Scans) break;
+    master_scans += master_.fresh.count();
   }
+  // Both fall silent together when the master does.
+  if (master_scans > slave_.waiting.count() + rate_.scans_in_ms(kMissedPulsesMs))
+    has_missed_pulses_.store(true, std::memory_order_release);  // pairs with report
   return fault;
 }
 

@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -16,7 +17,9 @@ namespace dts::device::mcc {
 struct PairParts {
   std::unique_ptr<Device> master;  ///< Drives the SYNC wire.
   std::unique_ptr<Device> slave;   ///< Scans at each pulse; delivers nothing before the first one.
-  DeviceDescription description;   ///< The channels of the master, then those of the slave.
+  /// Ends what the open master may still be scanning; fails when that is not sure.
+  std::function<core::Status()> confirm_master_stopped;
+  DeviceDescription description;  ///< The channels of the master, then those of the slave.
 };
 
 /// Two USB-1608FS-Plus whose SYNC pins are wired together, as one device with up to 16 simultaneous channels: those of the
@@ -26,9 +29,10 @@ struct PairParts {
 ///                                                 +-- same scan index = same instant --> one block
 ///     master: paces, pulses SYNC per scan       --+
 ///
-/// The slave starts first and stops last. Host time is the master's. A fault of either unit is a fault of the pair; so is a unit
-/// that stays behind the other: reads begin with each unit in turn, and where the other one always has to be waited for, it has
-/// lost pulses or packets.
+/// The slave starts first, when the master is known to be silent, and stops last: a pulse of an earlier scan would shift one unit
+/// against the other, and nothing in the data would tell. Host time is the master's. A fault of either unit is a fault of the pair; so is a
+/// unit that stays behind the other: reads begin with each unit in turn, and where the other one always has to be waited for, it has lost
+/// pulses or packets.
 class JoinedPair final : public Device {
  public:
   JoinedPair(PairParts parts, core::Clock& clock);
@@ -61,6 +65,7 @@ class JoinedPair final : public Device {
   };
 
   void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
+  [[nodiscard]] core::Status silence_master();
   [[nodiscard]] core::Result<core::Rate> start_halves(const StartOptions& options);
   [[nodiscard]] std::optional<ReadResult> collect(Half& half, std::size_t scans, std::int64_t deadline_ns) noexcept;
   void append(Half& half) noexcept;
@@ -76,6 +81,7 @@ class JoinedPair final : public Device {
 
   Half master_;
   Half slave_;
+  std::function<core::Status()> confirm_master_stopped_;
   core::Clock& clock_;
   DeviceDescription description_;
   std::atomic<DeviceState> state_{DeviceState::Closed};
@@ -86,6 +92,7 @@ class JoinedPair final : public Device {
   std::int64_t wait_limit_ns_ = 0;
   std::uint64_t window_scans_ = 0;
   bool is_slave_first_ = false;
+  std::atomic<bool> has_missed_pulses_{false};  ///< The scan ended since only the master had scans.
   std::optional<ReadResult> broken_;            ///< Repeated until `stop`.
   std::optional<std::int64_t> alone_since_ns_;  ///< One unit delivers and the other does not.
 };

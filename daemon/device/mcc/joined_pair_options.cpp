@@ -58,6 +58,7 @@ DeviceDescription describe_pair(const FsPlusSettings& first, const FsPlusSetting
   const double second_hz = largest_scan_hz(model, second.options.channels.size());
   DeviceDescription pair = describe_unit(std::string(model.usb.name) + " pair", first.options, model.bits, std::min(first_hz, second_hz));
   const DeviceDescription other = describe_unit(model.usb.name, numbered_on, model.bits, second_hz);
+  pair.has_sync_output = first.sync_output_bit.has_value();
   pair.serial = first.options.serial + "+" + second.options.serial;
   pair.channels.insert(pair.channels.end(), other.channels.begin(), other.channels.end());
   return pair;
@@ -71,6 +72,8 @@ core::Result<std::unique_ptr<Device>> create_pair(const DeviceUri& uri, const De
   if (!first) return tl::make_unexpected(first.error());
   const auto second = read_settings(uri, true);
   if (!second) return tl::make_unexpected(second.error());
+  FsPlusSettings follower = *second;
+  follower.is_partner_triggered = first->trigger != Trigger::None;
   const std::string& first_serial = first->options.serial;
   if (first_serial.empty() || second->options.serial.empty() || first_serial == second->options.serial) {
     return core::fail(core::ErrorCode::InvalidArgument,
@@ -78,9 +81,12 @@ core::Result<std::unique_ptr<Device>> create_pair(const DeviceUri& uri, const De
                       "serial is the unit that drives the SYNC wire; dtsctl device list shows what is plugged in");
   }
   const FsPlusModel& model = usb_1608fs_plus();
+  auto master = std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, *first), first->options, *context.usb, context.clock);
+  auto confirm = [unit = master.get()] { return unit->confirm_stopped(); };
   PairParts parts{
-      .master = std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, *first), first->options, *context.usb, context.clock),
-      .slave = std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, *second), second->options, *context.usb, context.clock),
+      .master = std::move(master),
+      .slave = std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, follower), second->options, *context.usb, context.clock),
+      .confirm_master_stopped = std::move(confirm),
       .description = describe_pair(*first, *second)};
   return std::make_unique<JoinedPair>(std::move(parts), context.clock);
 }

@@ -22,7 +22,9 @@ UriOption trigger_option() {
           .kind = OptionKind::Word,
           .default_text = "none",
           .choices = "none|rising|falling|high|low",
-          .sentence = "What the trigger input must do before the first scan."};
+          .sentence =
+              "What the trigger input must do before the first scan. It is armed once, for the first scan after dtsd starts; after a "
+              "fault or a replug the scan goes on without it."};
 }
 
 Trigger read_trigger(const UriOptions& options) {
@@ -39,7 +41,7 @@ UriOption sync_output_option() {
           .minimum = -1.0,
           .maximum = 7.0,
           .choices = {},
-          .sentence = "Digital line that is high while a session runs; -1: none."};
+          .sentence = "Digital line for a pulse of [session] sync_pulse_ms when a session starts; nothing while that is 0; -1: none."};
 }
 
 std::optional<unsigned> read_sync_output_bit(const UriOptions& options) {

@@ -18,7 +18,6 @@ using core::ErrorCode;
 constexpr std::uint8_t kDataEndpoint = 0x86;
 constexpr std::int64_t kClockHz = 64'000'000;
 constexpr unsigned kBits = 16;
-constexpr std::size_t kFifoCodes = 4'096;
 
 // Vendor requests (uldaq: src/usb/ai/AiUsb1608g.h; Linux_Drivers: usb-1608G.c). Start, stop and status differ from the FS-Plus.
 constexpr std::uint8_t kReadInput = 0x10;
@@ -66,6 +65,7 @@ Usb1608g::Usb1608g(const Usb1608gModel& model, Usb1608gSettings settings)
       description_(describe_unit(model.revisions.front().name, settings_.options, kBits,
                                  model.max_aggregate_hz / static_cast<double>(settings_.options.channels.size()))) {
   for (const double range_v : settings_.options.ranges_v) lines_.push_back(voltage_line({}, range_v, kBits));
+  description_.has_sync_output = settings_.sync_output_bit.has_value();
   command_.has_trigger = settings_.trigger != Trigger::None;
 }
 
@@ -85,7 +85,7 @@ core::Status Usb1608g::connect(usb::UsbPort& port, std::vector<DeviceCheck>& che
   if (auto read = read_calibration(port); !read) return read;
   checks.push_back({.name = "calibration", .outcome = DeviceCheck::Outcome::Passed, .detail = "read from the device, believable"});
   if (!settings_.sync_output_bit) return {};
-  return prepare_line(port, *settings_.sync_output_bit);
+  return prepare_line(port, *settings_.sync_output_bit, LineDirection::PerLine);
 }
 
 /// true: the image had to be loaded.
@@ -122,12 +122,12 @@ core::Status Usb1608g::read_calibration(usb::UsbPort& port) {
 core::Status Usb1608g::make_quiet(usb::UsbPort& port, std::size_t packet_bytes) {
   if (auto stopped = put(port, {.request = kScanStop}, "stopping the scan"); !stopped) return stopped;
   if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
-  if (auto drained = drain(port, kDataEndpoint, packet_bytes, kFifoCodes); !drained) return drained;
+  if (auto drained = drain(port, kDataEndpoint, packet_bytes); !drained) return drained;
   return clear_halt(port, kDataEndpoint);
 }
 
 core::Status Usb1608g::set_trigger(usb::UsbPort& port) {
-  if (settings_.trigger == Trigger::None) return {};
+  if (!command_.has_trigger) return {};
   const std::array<std::uint8_t, 1> config = {trigger_byte(settings_.trigger)};
   return put(port, {.request = kTriggerConfig}, config, "setting the trigger");
 }
@@ -149,6 +149,7 @@ core::Result<usb::ScanPlan> Usb1608g::configure(usb::UsbPort& port, const usb::S
   const GPackets packets = choose_g_packets(load, request);
   command_.packet_codes = packets.packet_codes;
   command_.period = pace(kClockHz, 1, request.rate).period;
+  command_.has_trigger = settings_.trigger != Trigger::None && !request.is_restart;
 
   // After the host's suspend the FPGA may have forgotten its image though the unit never left the bus.
   if (auto loaded = ensure_fpga(port); !loaded) return tl::make_unexpected(loaded.error());
@@ -177,9 +178,14 @@ core::Result<std::vector<double>> Usb1608g::read_once(usb::UsbPort& port) {
   return readings;
 }
 
+core::Status Usb1608g::make_ready(usb::UsbPort& port) {
+  if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
+  return clear_halt(port, kDataEndpoint);
+}
+
 core::Status Usb1608g::begin(usb::UsbPort& port) {
   std::vector<std::uint8_t> bytes = encode_g_start(command_);
-  const usb::UsbResult sent = port.control_out({.request = kScanStart}, bytes, usb::kControlTimeoutMs);
+  const usb::UsbResult sent = port.control_out({.request = kScanStart}, bytes, usb::kSetupTimeoutMs);
   if (sent || sent.error() != usb::UsbStatus::Stall) {
     if (sent && *sent == bytes.size()) return {};
     return tl::make_unexpected(usb::to_error(sent ? usb::UsbStatus::Failed : sent.error(), "starting the scan"));
@@ -188,10 +194,13 @@ core::Status Usb1608g::begin(usb::UsbPort& port) {
   return put(port, {.request = kScanStart}, bytes, "starting the scan");
 }
 
-void Usb1608g::end(usb::UsbPort& port) noexcept { (void)port.control_out({.request = kScanStop}, {}, usb::kControlTimeoutMs); }
+core::Status Usb1608g::end(usb::UsbPort& port) noexcept {
+  if (auto stopped = put(port, {.request = kScanStop}, "stopping the scan", usb::kControlTimeoutMs); !stopped) return stopped;
+  return await_end(*this, port);
+}
 
 core::Result<usb::ScanHealth> Usb1608g::health(usb::UsbPort& port) {
-  return read_g_status(port).map([](const GStatus& status) {
+  return read_g_status(port, usb::kControlTimeoutMs).map([](const GStatus& status) {
     return usb::ScanHealth{.is_running = status.is_running && status.is_fpga_loaded, .is_overrun = status.is_overrun};
   });
 }

@@ -71,9 +71,10 @@ class Usb1608g final : public usb::DaqDriver {
   [[nodiscard]] core::Result<usb::ScanPlan> configure(usb::UsbPort& port, const usb::ScanRequest& request) override;
   [[nodiscard]] core::Result<std::vector<double>> read_once(usb::UsbPort& port) override;
   [[nodiscard]] core::Status begin(usb::UsbPort& port) override;
-  void end(usb::UsbPort& port) noexcept override;
+  [[nodiscard]] core::Status make_ready(usb::UsbPort& port) override;
+  [[nodiscard]] core::Status end(usb::UsbPort& port) noexcept override;
   [[nodiscard]] core::Result<usb::ScanHealth> health(usb::UsbPort& port) override;
-  [[nodiscard]] bool waits_for_trigger() const noexcept override { return settings_.trigger != Trigger::None; }
+  [[nodiscard]] bool waits_for_trigger() const noexcept override { return command_.has_trigger; }
   [[nodiscard]] core::Status set_sync_output(usb::UsbPort& port, bool is_high) override;
   [[nodiscard]] usb::Unpacked unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> codes) noexcept override;
 

@@ -67,6 +67,13 @@ core::Result<std::unique_ptr<Device>> create_usb_1608g(const Usb1608gModel& mode
       .inputs = kInputs, .max_scan_length = kScanListBytes, .must_ascend = false, .may_repeat = false, .ranges_v = kRangesV};
   auto common = usb::read_daq_options(uri, *options, limits);
   if (!common) return tl::make_unexpected(common.error());
+  if (options->is_given("fpga")) {  // what --check-config is to say
+    if (auto checked = check_fpga_file(options->text("fpga")); !checked) {
+      core::Error error = checked.error();
+      error.what = "device \"" + uri.text + "\": " + error.what;
+      return tl::make_unexpected(error);
+    }
+  }
   Usb1608gSettings settings{.options = *common,
                             .trigger = read_trigger(*options),
                             .sync_output_bit = read_sync_output_bit(*options),

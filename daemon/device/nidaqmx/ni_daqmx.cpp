@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -23,7 +24,8 @@ constexpr std::int64_t kFrameNs = kMillisecond;       // a USB frame; NI's libra
 constexpr double kMinimumRateHz = 1.0;
 constexpr double kMaximumRateHz = 100'000.0;  // of this program; the device refuses what is too fast for it
 constexpr double kBufferMs = 4000.0;
-constexpr double kRateToleranceHz = 0.6e-6;  // rates are configured in steps of 1e-6 Hz
+constexpr double kRateStepHz = 1e-6;         // rates are configured in steps of this
+constexpr double kRateToleranceHz = 1.1e-6;  // a step, and what doubles round
 constexpr double kNanosecondsPerSecond = 1e9;
 
 DeviceDescription describe_device(const NiOptions& options) {
@@ -38,6 +40,10 @@ DeviceDescription describe_device(const NiOptions& options) {
   }
   return description;
 }
+
+/// Rounded down to a rate that can be configured: the clock's divisor is rounded down, so that a rate above the true one would
+/// get the next smaller divisor and run faster again.
+double configurable(double hz) { return std::floor(hz / kRateStepHz) * kRateStepHz; }
 
 std::string rate_text(double hz) {
   std::array<char, 64> text{};
@@ -142,7 +148,7 @@ core::Status NiDaqmx::set_up(const StartOptions& options) {
   const std::uint64_t buffer_scans = std::max<std::uint64_t>(options.rate.scans_in_ms(kBufferMs), 8 * options.max_block_scans);
   std::int32_t status = library_->cfg_samp_clk_timing(task_, "", options.rate.hz(), api::kRising, api::kContinuous, buffer_scans);
   if (status < 0) return failed(status, "DAQmxCfgSampClkTiming");
-  if (!options_.trigger.empty()) {
+  if (waits_for_trigger()) {
     const std::string source = "/" + options_.name + "/" + options_.trigger;
     status = library_->cfg_dig_edge_start_trig(task_, source.c_str(), api::kRising);
     if (status < 0) return failed(status, "DAQmxCfgDigEdgeStartTrig");
@@ -150,6 +156,8 @@ core::Status NiDaqmx::set_up(const StartOptions& options) {
   status = library_->cfg_input_buffer(task_, static_cast<std::uint32_t>(buffer_scans));
   if (status < 0) return failed(status, "DAQmxCfgInputBuffer");
   if (auto right = check_rate_of_task(options.rate); !right) return right;
+  // Scan 0 of a triggered scan is taken at any later time.
+  host_time_.restart(waits_for_trigger() ? std::nullopt : std::optional(clock_.raw_ns()));
   status = library_->start_task(task_);
   return status < 0 ? failed(status, "DAQmxStartTask") : core::Status{};
 }
@@ -162,7 +170,7 @@ core::Status NiDaqmx::check_rate_of_task(core::Rate promised) {
   return core::fail(ErrorCode::InvalidArgument,
                     "cannot start " + options_.uri + ": its clock cannot run at " + rate_text(promised.hz()) + " Hz; the nearest is " +
                         rate_text(rate_hz) + " Hz",
-                    "configure rate_hz = " + rate_text(rate_hz));
+                    "configure rate_hz = " + rate_text(configurable(rate_hz)));
 }
 
 ReadResult NiDaqmx::read(core::Block& block, std::int64_t deadline_ns) noexcept {
@@ -179,7 +187,7 @@ ReadResult NiDaqmx::read(core::Block& block, std::int64_t deadline_ns) noexcept 
     return {ReadOutcome::Scans, {}};
   }
   if (trouble_.outcome != ReadOutcome::Scans) return tell();
-  return {!options_.trigger.empty() && next_ == 0 ? ReadOutcome::Armed : ReadOutcome::Timeout, {}};
+  return {waits_for_trigger() ? ReadOutcome::Armed : ReadOutcome::Timeout, {}};
 }
 
 /// Scans that were put into `values_`. An error that came behind them is told next time.
@@ -199,7 +207,8 @@ std::size_t NiDaqmx::fetch(std::size_t wanted, std::int64_t deadline_ns) noexcep
       return 0;
     }
     count += static_cast<std::size_t>(scans);
-    if (scans > 0) host_time_.add({next_ + count - 1}, clock_.now_ns());
+    has_ever_scanned_ = has_ever_scanned_ || scans > 0;
+    if (scans > 0) host_time_.add({next_ + count - 1}, clock_.raw_ns());
     if (status < 0 && status != api::kSamplesNotYetAvailable) note_error(status);
     const bool is_over =
         clock_.now_ns() >= deadline_ns || is_interrupted_.exchange(false, std::memory_order_acquire);  // pairs with interrupt
@@ -227,7 +236,7 @@ void NiDaqmx::fill(core::Block& block, std::size_t count) noexcept {
   const std::size_t channels = options_.channels.size();
   block.set_count(count);
   block.first_scan = {next_};
-  block.host_time_ns = host_time_.at({next_});
+  block.host_time_ns = core::monotonic_of_raw_ns(clock_, host_time_.at({next_}));
   block.host_time_uncertainty_ns = host_time_.uncertainty_ns();
   block.clock_drift_ppm = host_time_.drift_ppm();
   for (std::size_t channel = 0; channel < channels; ++channel) {

@@ -23,7 +23,7 @@ struct NiOptions {
   std::vector<std::size_t> channels;  ///< Analogue inputs in scan order.
   std::int32_t terminal = api::kTerminalRse;
   double range_v = 10.0;  ///< Asked for, both sides of 0 V; the device takes the next larger one that it has.
-  std::string trigger;    ///< "PFI0"; empty: the scan starts at once.
+  std::string trigger;    ///< "PFI0", for the first scan ever; empty: every scan starts at once.
   std::string library = kDefaultLibrary;
 };
 
@@ -60,6 +60,7 @@ class NiDaqmx final : public Device {
   [[nodiscard]] std::size_t fetch(std::size_t wanted, std::int64_t deadline_ns) noexcept;
   void note_error(std::int32_t status) noexcept;
   void fill(core::Block& block, std::size_t count) noexcept;
+  [[nodiscard]] bool waits_for_trigger() const noexcept { return !options_.trigger.empty() && !has_ever_scanned_; }
   [[nodiscard]] ReadResult tell() noexcept;
 
   NiOptions options_;
@@ -74,8 +75,9 @@ class NiDaqmx final : public Device {
   std::unique_ptr<const DaqmxLibrary> library_;
   DaqmxLibrary::Task task_ = nullptr;
   std::size_t max_block_scans_ = 0;
-  std::vector<double> values_;  ///< As read: scan after scan.
-  std::uint64_t next_ = 0;      ///< Scan that the next block begins with.
+  std::vector<double> values_;     ///< As read: scan after scan.
+  std::uint64_t next_ = 0;         ///< Scan that the next block begins with.
+  bool has_ever_scanned_ = false;  ///< Also before it was opened again: a trigger is waited for only once.
   core::HostTime host_time_;
   ReadResult trouble_{ReadOutcome::Scans, {}};
 };

@@ -22,7 +22,8 @@ constexpr std::array kOptions = {
               "How the inputs are wired; default: as NI-DAQmx thinks best."},
     UriOption{"range_v", Number, "10", 0.001, 100, "", "Range to both sides of 0 V; the device takes the next larger one that it has."},
     UriOption{"trigger", Word, "none", 0, 0, "none|pfi0|pfi1|pfi2|pfi3|pfi4|pfi5|pfi6|pfi7",
-              "The scan starts with a rising edge at this terminal."},
+              "The first scan after dtsd starts begins with a rising edge at this terminal; after a fault or a replug the scan goes on "
+              "without it."},
     UriOption{"library", File, "", 0, 0, "", "NI-DAQmx, when it is not where the system finds it."},
 };
 

@@ -25,7 +25,7 @@ struct StreamShape {
 /// What one finished transfer brought. A status other than Completed is the last chunk of its transfer: it is not resubmitted.
 struct Chunk {
   UsbStatus status = UsbStatus::Completed;
-  std::int64_t stamp_ns = 0;        ///< Host time at which the transfer was found finished.
+  std::int64_t stamp_ns = 0;        ///< `Clock::raw_ns` when the transfer was found finished.
   std::size_t length = 0;           ///< Bytes in use.
   std::vector<std::uint8_t> bytes;  ///< As large as a transfer, taken once.
 };
@@ -34,7 +34,8 @@ struct Chunk {
 ///
 ///     event thread: on_transfer: stamp, copy, submit again --SpscRing--> reader: front, release
 ///
-/// Transfers are freed only when the last callback is over. Callbacks allocate, lock, log and wait for nothing.
+/// Transfers are freed only when the last callback is over. Callbacks allocate, lock, log and wait for nothing of their own; libusb
+/// does inside `submit` and around them, in the event thread. The reader shares nothing but the ring with it.
 class BulkStream final : private TransferListener {
  public:
   /// Takes all memory. `port` and `clock` outlive the stream; the port has no other prepared transfers.

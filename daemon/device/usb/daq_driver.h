@@ -17,13 +17,17 @@
 
 namespace dts::device::usb {
 
-inline constexpr int kControlTimeoutMs = 100;  ///< Small requests answer within a frame or two; a dead device must not hold us.
+/// Of requests while a scan runs or ends: they answer within a frame or two; a dead device must not hold us.
+inline constexpr int kControlTimeoutMs = 100;
+/// Of requests before a scan: a device that is busy for a moment (a conversion, its memory, a full bus) is not a broken one.
+inline constexpr int kSetupTimeoutMs = 1000;
 
 /// What the driver is asked to run.
 struct ScanRequest {
   core::Rate rate;                      ///< As `exact_rate` gave it.
   std::int64_t latency_ns = 0;          ///< A scan should not wait in the device for longer than this.
   bool must_use_large_packets = false;  ///< The last scan overran with small ones.
+  bool is_restart = false;              ///< A scan has come before: the external trigger is not waited for again.
 };
 
 /// What the driver set up.
@@ -57,7 +61,7 @@ struct UnitIdentity {
 /// What one family of DAQs must say; the rest of a device (transfers, time, integrity, the cable) is UsbDaq's.
 /// Control calls may wait; they come from the device's owner thread, and never two at once.
 ///
-///     connect -> configure -> [read_once] -> (transfers in flight) begin -> unpack ... -> end -> configure ...
+///     connect -> configure -> [read_once] -> make_ready -> (transfers in flight) begin -> unpack ... -> end -> configure ...
 class DaqDriver {
  public:
   virtual ~DaqDriver() = default;
@@ -82,14 +86,18 @@ class DaqDriver {
   [[nodiscard]] virtual core::Result<ScanPlan> configure(UsbPort& port, const ScanRequest& request) = 0;
   /// One conversion of every channel, V, in scan order; Unsupported when the device has no such command.
   [[nodiscard]] virtual core::Result<std::vector<double>> read_once(UsbPort& port) = 0;
+  /// The last words before transfers are submitted: takes away what single readings may have left in the device's buffer.
+  [[nodiscard]] virtual core::Status make_ready(UsbPort&) { return {}; }
   /// Starts the scan; all transfers are in flight.
   [[nodiscard]] virtual core::Status begin(UsbPort& port) = 0;
-  /// Ends the scan. Called before the transfers are cancelled, also after a fault.
-  virtual void end(UsbPort& port) noexcept = 0;
+  /// Ends the scan, if one runs. Called before the transfers are cancelled, also after a fault. An error: it may still run.
+  [[nodiscard]] virtual core::Status end(UsbPort& port) noexcept = 0;
   /// Asked when the device falls silent.
   [[nodiscard]] virtual core::Result<ScanHealth> health(UsbPort& port) = 0;
-  /// The scan starts with an external signal: silence before the first scan is no fault.
+  /// The scan that was configured starts with an external signal: silence before the first scan is no fault.
   [[nodiscard]] virtual bool waits_for_trigger() const noexcept { return false; }
+  /// Minutes may lie between the start and the first scan: single readings from before say nothing about it.
+  [[nodiscard]] virtual bool may_start_late() const noexcept { return waits_for_trigger(); }
   /// Drives the digital line that tells other instruments of a session. May be called while a scan runs, from another thread
   /// than the other calls.
   [[nodiscard]] virtual core::Status set_sync_output(UsbPort& port, bool is_high);

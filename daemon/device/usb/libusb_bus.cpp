@@ -27,8 +27,7 @@ using core::ErrorCode;
 constexpr int kStringTimeoutMs = 250;
 constexpr std::size_t kDeepestHub = 7;  // USB 3.0 specification: levels between the root and a device
 
-/// Frees what libusb_get_device_list gave; devices that are kept have a
-/// reference of their own.
+/// Frees what libusb_get_device_list gave; devices that are kept have a reference of their own.
 class DeviceList {
  public:
   explicit DeviceList(libusb_context* context) : count_(libusb_get_device_list(context, &devices_)) {}
@@ -59,8 +58,7 @@ UsbUnit identity_of(libusb_device* device, const libusb_device_descriptor& descr
   return unit;
 }
 
-/// The kernel read it when the device was plugged in:
-/// "/sys/bus/usb/devices/1-2.3/serial".
+/// The kernel read it when the device was plugged in: "/sys/bus/usb/devices/1-2.3/serial".
 std::string serial_in_sysfs(libusb_device* device) {
   std::array<std::uint8_t, kDeepestHub> ports{};
   const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
@@ -115,8 +113,7 @@ core::Status LibusbBus::State::begin() {
     return core::fail(ErrorCode::Failed, std::string("cannot use USB: ") + libusb_strerror(error),
                       "is /dev/bus/usb there, and may this process use netlink sockets?");
   }
-  // Devices that are here already are listed by whoever opens one; the callback
-  // is for those that come.
+  // Devices that are here already are listed by whoever opens one; the callback is for those that come.
   if (const int error =
           libusb_hotplug_register_callback(context, LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED, 0, LIBUSB_HOTPLUG_MATCH_ANY,
                                            LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY, &State::on_arrival, this, nullptr);
@@ -129,12 +126,14 @@ core::Status LibusbBus::State::begin() {
 
 void LibusbBus::State::handle_events() {
   for (const std::string& refused : core::configure_this_thread("usb-events", policy)) log.warning(refused);
+  int told = 0;                                         // an error that lasts is logged once
   while (!is_ending.load(std::memory_order_acquire)) {  // pairs with ~LibusbBus
-    timeval longest{.tv_sec = 60, .tv_usec = 0};        // only an upper bound: libusb wakes for
-                                                        // events, and ~LibusbBus wakes it
+    timeval longest{.tv_sec = 60, .tv_usec = 0};        // only an upper bound: libusb wakes for events, and ~LibusbBus wakes it
     const int error = libusb_handle_events_timeout_completed(context, &longest, nullptr);
-    if (error == 0 || error == LIBUSB_ERROR_INTERRUPTED) continue;
-    log.error(std::string("USB events: ") + libusb_strerror(error));
+    if (error == LIBUSB_ERROR_INTERRUPTED) continue;
+    if (error != 0 && error != told) log.error(std::string("USB events: ") + libusb_strerror(error));
+    told = error;
+    if (error == 0) continue;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));  // an error that stays must not take a whole core
   }
 }

@@ -14,14 +14,11 @@ namespace {
 using core::ErrorCode;
 
 constexpr const char* kRuleHint =
-    "copy config/udev/70-dtsd.rules to /etc/udev/rules.d, run \"udevadm "
-    "control --reload && udevadm trigger\", plug the device in again, "
-    "and run dtsd as a member of the group dtsd";
+    "copy config/udev/70-dtsd.rules to /etc/udev/rules.d, run \"udevadm control --reload && udevadm trigger\", plug the device in "
+    "again, and run dtsd as a member of the group dtsd";
 constexpr const char* kPolicyHint =
-    "the service's device policy forbids it: its unit needs "
-    "DeviceAllow=char-usb_device rw and Wants= and "
-    "After=modprobe@usbcore.service; "
-    "then restart the service";
+    "the service's device policy forbids it: its unit needs DeviceAllow=char-usb_device rw and Wants= and "
+    "After=modprobe@usbcore.service; then restart the service";
 constexpr const char* kBusyHint = "close the other program, or the other rig, that uses it";
 
 }  // namespace
@@ -44,6 +41,7 @@ UsbStatus status_of_error(int libusb_error) noexcept {
     case LIBUSB_ERROR_PIPE: return UsbStatus::Stall;
     case LIBUSB_ERROR_TIMEOUT: return UsbStatus::TimedOut;
     case LIBUSB_ERROR_OVERFLOW: return UsbStatus::Overflow;
+    case LIBUSB_ERROR_NO_MEM: return UsbStatus::NoMemory;
     default: return UsbStatus::Failed;
   }
 }
@@ -61,11 +59,7 @@ core::Error open_error(int libusb_error, int open_errno, const UsbUnit& unit) {
   if (libusb_error == LIBUSB_ERROR_NO_DEVICE || open_errno == ENOENT || open_errno == ENODEV || open_errno == ENXIO)
     return {ErrorCode::DeviceGone, what + "it is no longer there", "plug it in"};
   if (open_errno == EACCES)
-    return {ErrorCode::NotAllowed,
-            what +
-                "no permission to write to the node (EACCES): the udev rule "
-                "is missing",
-            kRuleHint};
+    return {ErrorCode::NotAllowed, what + "no permission to write to the node (EACCES): the udev rule is missing", kRuleHint};
   if (open_errno == EPERM) return {ErrorCode::NotAllowed, what + "the system forbids it (EPERM)", kPolicyHint};
   const std::string why = open_errno != 0 ? std::strerror(open_errno) : libusb_strerror(libusb_error);
   return {ErrorCode::Failed, what + why, "unplug the device and plug it in again"};

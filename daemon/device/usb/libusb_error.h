@@ -17,10 +17,8 @@ namespace dts::device::usb {
 /// "USB device 09db:00ea at /dev/bus/usb/001/002, serial 01AB": for messages.
 [[nodiscard]] std::string name_of(const UsbUnit& unit);
 
-/// Why a device could not be opened or claimed. `open_errno` is what open(2)
-/// says of the node, 0: it opens; libusb gives the same code for a udev rule
-/// that is missing (EACCES) and for a service whose device policy forbids the
-/// node (EPERM).
+/// Why a device could not be opened or claimed. `open_errno` is what open(2) says of the node, 0: it opens; libusb gives the same
+/// code for a udev rule that is missing (EACCES) and for a service whose device policy forbids the node (EPERM).
 [[nodiscard]] core::Error open_error(int libusb_error, int open_errno, const UsbUnit& unit);
 
 }  // namespace dts::device::usb

@@ -14,8 +14,7 @@
 namespace dts::device::usb {
 namespace {
 
-constexpr int kGraceMs = 1000;  // from libusb's own timeout, or from a cancel, to the callback: the
-                                // event thread may be kept busy
+constexpr int kGraceMs = 1000;  // from libusb's own timeout, or from a cancel, to the callback: the event thread may be kept busy
 constexpr std::uint8_t kDeviceToHost = LIBUSB_ENDPOINT_IN;
 constexpr std::size_t kMaxControlBytes = 4096;  // of usbfs
 constexpr std::uint16_t kEnglish = 0x0409;
@@ -26,8 +25,7 @@ struct FreeTransfer {
 
 }  // namespace
 
-/// Lives on the heap until its callback is over, or for ever if that never
-/// comes.
+/// Lives on the heap until its callback is over, or for ever if that never comes.
 struct LibusbHandle::Waited {
   explicit Waited(std::size_t bytes) : buffer(bytes), transfer(libusb_alloc_transfer(0)) {}
 

@@ -13,10 +13,8 @@
 
 namespace dts::device::usb {
 
-/// An open libusb handle and the transfers that somebody waits for. libusb's
-/// own synchronous calls may handle events in the caller's thread, and with
-/// them the callbacks of a running stream; here every callback runs in the
-/// event thread.
+/// An open libusb handle and the transfers that somebody waits for. libusb's own synchronous calls may handle events in the caller's
+/// thread, and with them the callbacks of a running stream; here every callback runs in the event thread.
 ///
 ///     caller: submit --> event thread: on_waited, ring --> caller: result
 ///
@@ -33,14 +31,12 @@ class LibusbHandle {
   /// No callback of any transfer comes after this. Idempotent.
   void close() noexcept;
 
-  /// What goes out and where what comes in belongs: one of them is empty, or
-  /// both.
+  /// What goes out and where what comes in belongs: one of them is empty, or both.
   struct Data {
     std::span<const std::uint8_t> sent;
     std::span<std::uint8_t> received;
   };
-  /// Any control request; bit 7 of `type` is its direction. Returns within
-  /// `timeout_ms` and two seconds of grace.
+  /// Any control request; bit 7 of `type` is its direction. Returns within `timeout_ms` and two seconds of grace.
   [[nodiscard]] UsbResult control(std::uint8_t type, const ControlRequest& request, const Data& data, int timeout_ms);
   /// Bit 7 of `endpoint` is the direction. As `control`.
   [[nodiscard]] UsbResult bulk(std::uint8_t endpoint, const Data& data, int timeout_ms);

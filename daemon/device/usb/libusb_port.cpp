@@ -21,8 +21,7 @@ constexpr std::uint8_t kVendorIn = 0xC0;
 constexpr std::uint8_t kVendorOut = 0x40;
 constexpr std::size_t kPacketSizeBits = 0x7ff;  // the bits above are transactions per microframe
 constexpr std::size_t kMaxTransferBytes = 1 << 20;
-constexpr int kLastCallbackMs = 1000;  // from the listener's last word to the
-                                       // end of its callback: a few instructions
+constexpr int kLastCallbackMs = 1000;  // from the listener's last word to the end of its callback: a few instructions
 
 struct FreeConfig {
   void operator()(libusb_config_descriptor* config) const noexcept { libusb_free_config_descriptor(config); }
@@ -41,8 +40,7 @@ struct LibusbPort::Prepared {
   std::size_t index;
   std::vector<std::uint8_t> buffer;
   libusb_transfer* transfer;
-  std::atomic<int> uses{0};  ///< In flight, and callbacks that have not ended: a
-                             ///< callback may submit before it ends.
+  std::atomic<int> uses{0};  ///< In flight, and callbacks that have not ended: a callback may submit before it ends.
 };
 
 LibusbPort::LibusbPort(UsbUnit unit, libusb_device* device, libusb_device_handle* handle, core::Clock& clock, core::Log log,
@@ -131,30 +129,26 @@ core::Status LibusbPort::prepare_transfers(std::uint8_t endpoint, std::size_t co
 UsbStatus LibusbPort::submit(std::size_t index) noexcept {
   if (index >= prepared_.size()) return UsbStatus::Failed;
   Prepared& prepared = *prepared_[index];
-  prepared.uses.fetch_add(1, std::memory_order_release);  // pairs with on_finished: the event thread
-                                                          // sees what was written before
+  prepared.uses.fetch_add(1, std::memory_order_release);  // pairs with on_finished: the event thread sees what was written before
   const int error = libusb_submit_transfer(prepared.transfer);
   if (error == 0) return UsbStatus::Completed;
-  prepared.uses.fetch_sub(1,
-                          std::memory_order_release);  // pairs with are_all_over
+  prepared.uses.fetch_sub(1, std::memory_order_release);  // pairs with are_all_over
   return status_of_error(error);
 }
 
 void LibusbPort::on_finished(libusb_transfer* transfer) {
   auto* prepared = static_cast<Prepared*>(transfer->user_data);
   LibusbPort& port = prepared->port;
-  const std::int64_t stamp_ns = port.clock_.now_ns();
+  const std::int64_t stamp_ns = port.clock_.raw_ns();
   static_cast<void>(prepared->uses.load(std::memory_order_acquire));  // pairs with submit
   const auto length = std::min(static_cast<std::size_t>(std::max(transfer->actual_length, 0)), prepared->buffer.size());
   port.listener_->on_transfer(prepared->index, status_of_transfer(transfer->status), {prepared->buffer.data(), length}, stamp_ns);
   port.bell_.ring();
-  prepared->uses.fetch_sub(1, std::memory_order_release);  // pairs with are_all_over; last: the
-                                                           // memory may go now
+  prepared->uses.fetch_sub(1, std::memory_order_release);  // pairs with are_all_over; last: the memory may go now
 }
 
 void LibusbPort::cancel(std::size_t index) noexcept {
-  // Not in flight, or on its way back already: libusb says so, and there is
-  // nothing to do.
+  // Not in flight, or on its way back already: libusb says so, and there is nothing to do.
   if (index < prepared_.size()) static_cast<void>(libusb_cancel_transfer(prepared_[index]->transfer));
 }
 
@@ -176,8 +170,7 @@ void LibusbPort::release_transfers() noexcept {
 
 void LibusbPort::wait(std::int64_t deadline_ns) noexcept {
   const std::int64_t left_ns = std::max<std::int64_t>(deadline_ns - clock_.now_ns(), 0);
-  // Rounded up: a reader that wakes before its deadline would come back at
-  // once, again and again.
+  // Rounded up: a reader that wakes before its deadline would come back at once, again and again.
   const std::int64_t left_ms = (left_ns + core::kNanosecondsPerMillisecond - 1) / core::kNanosecondsPerMillisecond;
   bell_.wait(static_cast<int>(std::min<std::int64_t>(left_ms, std::numeric_limits<int>::max())));
 }

@@ -17,25 +17,21 @@ namespace dts::device::usb {
 
 /// One device through libusb; only LibusbBus makes it.
 ///
-///     submit --> libusb ... event thread: on_finished: stamp, listener, ring
-///     --> wait
+///     submit --> libusb ... event thread: on_finished: stamp, listener, ring --> wait
 ///
-/// A transfer counts as in flight until the very end of its callback, so that
-/// `release_transfers` never frees one that the event thread still looks at.
+/// A transfer counts as in flight until the very end of its callback, so that `release_transfers` never frees one that the event
+/// thread still looks at. Our code in the callback allocates and locks nothing; libusb around it, and inside submit, does.
 class LibusbPort final : public UsbPort {
  public:
-  /// `libusb_device` and an open handle of it. `on_closed` is called when all
-  /// is over.
+  /// `libusb_device` and an open handle of it. `on_closed` is called when all is over.
   LibusbPort(UsbUnit unit, libusb_device* device, libusb_device_handle* handle, core::Clock& clock, core::Log log,
              std::function<void()> on_closed);
-  /// Transfers that are still in flight after all, which is a mistake of their
-  /// owner, are never freed.
+  /// Transfers that are still in flight after all, which is a mistake of their owner, are never freed.
   ~LibusbPort() override;
   LibusbPort(const LibusbPort&) = delete;
   LibusbPort& operator=(const LibusbPort&) = delete;
 
-  /// Takes interface 0, from a kernel driver if one has it. Fails as
-  /// `UsbBus::open`.
+  /// Takes interface 0, from a kernel driver if one has it. Fails as `UsbBus::open`.
   [[nodiscard]] core::Status claim();
 
   [[nodiscard]] const UsbUnit& unit() const noexcept override { return unit_; }
@@ -52,7 +48,6 @@ class LibusbPort final : public UsbPort {
   void cancel(std::size_t index) noexcept override;
   void release_transfers() noexcept override;
   void wait(std::int64_t deadline_ns) noexcept override;
-  void wake() noexcept override { bell_.ring(); }
 
  private:
   struct Prepared;

@@ -22,12 +22,33 @@ constexpr std::int64_t kLongestSilenceNs = 200 * kMillisecond;
 constexpr std::int64_t kFirstSilenceNs = 250 * kMillisecond;
 constexpr std::int64_t kLeastLatenessNs = 5 * kMillisecond;
 constexpr double kLargestRateError = 0.01;
+constexpr double kCrystalPpm = 200.0;
 constexpr std::size_t kCodeBytes = 2;
 
 std::size_t buffer_scans(const ScanSetup& setup, std::size_t channels, std::size_t held_scans) {
   const std::size_t transfer_scans = setup.shape.transfer_bytes / kCodeBytes / channels + 2;
   // Twice as much: ScanBuffer moves what waits only when the tail is shorter than half.
   return 2 * (std::max(setup.max_block_scans, held_scans) + transfer_scans);
+}
+
+DeviceCheck describe_rate(double error, double drift_ppm) {
+  using enum DeviceCheck::Outcome;
+  std::array<char, 96> text{};
+  if (!(std::abs(error) <= kLargestRateError) || std::abs(drift_ppm) <= kCrystalPpm) {
+    std::snprintf(text.data(), text.size(), "off by %.2f %%, apart from what lateness can feign", std::abs(error) * 100.0);
+    return {"the scan runs at its rate", std::abs(error) <= kLargestRateError ? Passed : Failed, text.data()};
+  }
+  const char* const direction = drift_ppm > 0.0 ? "fast" : "slow";
+  std::snprintf(text.data(), text.size(), "its clock is %.0f ppm %s; no crystal is that far off", std::abs(drift_ppm), direction);
+  return {"the scan runs at its rate", Warning, text.data()};
+}
+
+DeviceCheck describe_lateness(std::int64_t late_ns, std::int64_t limit_ns) {
+  using enum DeviceCheck::Outcome;
+  std::array<char, 96> text{};
+  std::snprintf(text.data(), text.size(), "all of the last seconds come %.1f ms late; %.1f ms would be scans that are missing",
+                static_cast<double>(late_ns) * 1e-6, static_cast<double>(limit_ns) * 1e-6);
+  return {"no scans are missing on the way", late_ns <= limit_ns ? Passed : Failed, text.data()};
 }
 
 }  // namespace
@@ -38,6 +59,7 @@ ScanReader::ScanReader(const Tools& tools, ScanSetup setup)
       channels_(tools.driver.describe().channels.size()),
       lateness_limit_ns_(std::max(kLeastLatenessNs, setup_.rate.time_ns({3}) / 2)),
       heard_ns_(tools.clock.now_ns()),
+      published_ns_(std::numeric_limits<std::int64_t>::min()),
       held_scans_(setup_.single_v.size() == channels_ ? setup_.rate.scans_in_ms(kHeldBackMs) : 0),
       mean_v_(channels_),
       marker_v_(std::numeric_limits<double>::quiet_NaN()) {
@@ -92,7 +114,7 @@ void ScanReader::take_chunks(std::size_t wanted_scans) noexcept {
       return;
     }
     const UsbStatus status = chunk->status;
-    if (chunk->length > 0) heard_ns_ = std::max(heard_ns_, chunk->stamp_ns);
+    if (chunk->length > 0) heard_ns_ = std::max(heard_ns_, core::monotonic_of_raw_ns(use_.clock, chunk->stamp_ns));
     const bool has_believable_bytes = status != UsbStatus::Overflow && status != UsbStatus::Failed;
     if (has_believable_bytes && !take_bytes(*chunk)) return;
     note_arrival(chunk->stamp_ns);
@@ -131,7 +153,9 @@ void ScanReader::note_arrival(std::int64_t stamp_ns) noexcept {
   timed_ = arrived_;
   has_scanned_ = true;
   use_.host_time.add({arrived_ - 1}, stamp_ns);
-  rate_error_.store(use_.host_time.rate_error(), std::memory_order_relaxed);  // a figure for people
+  rate_error_.store(use_.host_time.rate_error(), std::memory_order_relaxed);  // figures for people
+  drift_ppm_.store(use_.host_time.drift_ppm(), std::memory_order_relaxed);
+  lateness_ns_.store(use_.host_time.lateness_floor_ns(), std::memory_order_relaxed);
   if (has_trouble()) return;
   const bool is_rate_wrong = !(std::abs(use_.host_time.rate_error()) <= kLargestRateError);
   if (is_rate_wrong || use_.host_time.lateness_floor_ns() > lateness_limit_ns_) set_trouble(ReadOutcome::Broken, GapReason::Integrity);
@@ -144,12 +168,12 @@ void ScanReader::take_status(UsbStatus status) noexcept {
   const auto asked = health();
   if (!asked && asked.error().code == core::ErrorCode::DeviceGone) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
   if (asked && asked->is_overrun) return set_trouble(ReadOutcome::Broken, GapReason::Overrun);
-  const bool has_lost_bytes = status == UsbStatus::Overflow || status == UsbStatus::Failed;
+  const bool has_lost_bytes = status == UsbStatus::Overflow || status == UsbStatus::Failed || status == UsbStatus::NoMemory;
   set_trouble(ReadOutcome::Broken, has_lost_bytes ? GapReason::Integrity : GapReason::Silence);
 }
 
 core::Result<ScanHealth> ScanReader::health() noexcept {
-  const std::lock_guard lock(use_.control_mutex);
+  const std::lock_guard lock(use_.request_mutex);
   return use_.driver.health(use_.port);
 }
 
@@ -194,7 +218,7 @@ void ScanReader::deliver(core::Block& block, std::size_t wanted_scans) noexcept 
   block.set_count(count);
   if (count > 0) {
     block.first_scan = {delivered_};
-    block.host_time_ns = use_.host_time.at({delivered_});
+    block.host_time_ns = host_time_ns();
     block.host_time_uncertainty_ns = use_.host_time.uncertainty_ns();
     block.clock_drift_ppm = use_.host_time.drift_ppm();
   }
@@ -210,6 +234,13 @@ void ScanReader::deliver(core::Block& block, std::size_t wanted_scans) noexcept 
   delivered_ += count;
   scans_.take(count);
   if (count < waiting) doubt_the_rest();
+}
+
+/// Of the next scan to deliver, by `now_ns`.
+std::int64_t ScanReader::host_time_ns() noexcept {
+  const std::int64_t time_ns = core::monotonic_of_raw_ns(use_.clock, use_.host_time.at({delivered_}));
+  published_ns_ = delivered_ > 0 ? std::max(time_ns, published_ns_ + 1) : time_ns;
+  return published_ns_;
 }
 
 /// What waits is not to be believed.
@@ -228,19 +259,23 @@ ReadResult ScanReader::tell_trouble() noexcept {
   return std::exchange(trouble_, {ReadOutcome::Scans, {}});
 }
 
+std::optional<core::GapReason> ScanReader::break_reason() const noexcept {
+  if (trouble_.outcome != ReadOutcome::Broken) return std::nullopt;
+  return trouble_.gap.reason;
+}
+
 std::vector<DeviceCheck> ScanReader::findings() const {
   using enum DeviceCheck::Outcome;
   std::vector<DeviceCheck> checks;
   if (has_agreement_.load(std::memory_order_acquire)) {  // pairs with check_start
     checks.push_back(describe_agreement(agreement_, use_.driver.describe()));
   }
-  const double error = rate_error_.load(std::memory_order_relaxed);
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), "off by %.2f %%, apart from what lateness can feign", std::abs(error) * 100.0);
-  checks.push_back({"the scan runs at its rate", std::abs(error) <= kLargestRateError ? Passed : Failed, text.data()});
+  checks.push_back(describe_rate(rate_error_.load(std::memory_order_relaxed), drift_ppm_.load(std::memory_order_relaxed)));
+  checks.push_back(describe_lateness(lateness_ns_.load(std::memory_order_relaxed), lateness_limit_ns_));
   const double marker_v = marker_v_.load(std::memory_order_relaxed);
   if (setup_.marker && !std::isnan(marker_v)) {
     const bool is_right = std::abs(marker_v - setup_.marker->volts) <= setup_.marker->tolerance_v;
+    std::array<char, 96> text{};
     std::snprintf(text.data(), text.size(), "%.3f V, expected %.3f V", marker_v, setup_.marker->volts);
     checks.push_back({"the marker is last in every scan", is_right ? Passed : Failed, text.data()});
   }

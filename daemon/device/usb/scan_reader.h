@@ -45,7 +45,7 @@ class ScanReader {
     BulkStream& stream;
     core::Clock& clock;
     core::HostTime& host_time;
-    std::mutex& control_mutex;          ///< Guards control requests.
+    std::mutex& request_mutex;          ///< Orders control requests.
     std::atomic<bool>& is_interrupted;  ///< Makes `read` return early, once.
   };
   /// The scan runs from now on.
@@ -55,6 +55,10 @@ class ScanReader {
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept;
   /// The device's buffer or ours was full.
   [[nodiscard]] bool has_overrun() const noexcept { return trouble_.gap.reason == core::GapReason::Overrun; }
+  /// Why the scan is Broken, if it is. Thread: the reader, or whoever has ended it.
+  [[nodiscard]] std::optional<core::GapReason> break_reason() const noexcept;
+  /// A scan has come since the start.
+  [[nodiscard]] bool has_scanned() const noexcept { return has_scanned_; }
   /// What the checks of this scan say so far. Thread: any.
   [[nodiscard]] std::vector<DeviceCheck> findings() const;
 
@@ -68,6 +72,7 @@ class ScanReader {
   void check_start(bool is_final) noexcept;
   void deliver(core::Block& block, std::size_t wanted_scans) noexcept;
   void doubt_the_rest() noexcept;
+  [[nodiscard]] std::int64_t host_time_ns() noexcept;
   [[nodiscard]] bool is_marker_right(std::size_t scan) noexcept;
   [[nodiscard]] ReadResult tell_trouble() noexcept;
   [[nodiscard]] ReadOutcome nothing() const noexcept;
@@ -85,7 +90,8 @@ class ScanReader {
   std::uint64_t timed_ = 0;      ///< ... and those of which `host_time` was told.
   std::uint64_t delivered_ = 0;  ///< Of this segment.
   bool has_scanned_ = false;     ///< A scan has come since the start.
-  std::int64_t heard_ns_ = 0;    ///< Start or newest chunk.
+  std::int64_t heard_ns_ = 0;    ///< Start or newest chunk, by `now_ns`: the silence watch knows no other clock.
+  std::int64_t published_ns_;    ///< Host time of the newest block: slewing may not turn time back.
   ReadResult trouble_{ReadOutcome::Scans, {}};
 
   std::size_t held_scans_ = 0;  ///< To wait for before the first delivery; 0: the start check is over.
@@ -93,6 +99,8 @@ class ScanReader {
   Agreement agreement_;
   std::atomic<bool> has_agreement_{false};
   std::atomic<double> rate_error_{0.0};
+  std::atomic<double> drift_ppm_{0.0};
+  std::atomic<std::int64_t> lateness_ns_{0};
   std::atomic<double> marker_v_;  ///< Newest; NaN before the first.
 };
 

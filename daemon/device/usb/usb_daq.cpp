@@ -3,8 +3,11 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <span>
+#include <string>
+#include <thread>
 #include <utility>
 
 #include "device/device_checks.h"
@@ -18,6 +21,7 @@ constexpr std::int64_t kLongestLatencyNs = 25 * core::kNanosecondsPerMillisecond
 constexpr int kCancelPatienceMs = 150;  // with the request that ends the scan below the 250 ms that `stop` may take
 constexpr std::int64_t kFullSpeedFrameNs = 1'000'000;
 constexpr std::int64_t kHighSpeedFrameNs = 125'000;
+constexpr int kBusyPatienceMs = 100;
 
 /// "1.02" from 0x0102
 std::string release_text(std::uint16_t bcd) {
@@ -43,6 +47,23 @@ std::string list_of(std::span<const UsbUnit> units, std::span<const UsbModel> mo
   return text;
 }
 
+const char* reason_text(core::GapReason reason) {
+  switch (reason) {
+    case core::GapReason::Overrun: return "overrun: data came faster than they were taken";
+    case core::GapReason::Silence: return "silence: the device stopped delivering";
+    case core::GapReason::Integrity: return "integrity: the data failed a check";
+    default: return "unknown";
+  }
+}
+
+/// Of a start that failed and of the end that had to follow.
+core::Error with(core::Error error, const core::Status& ended) {
+  if (ended) return error;
+  error.what += "; and then: " + ended.error().what;
+  if (!ended.error().hint.empty()) error.hint = ended.error().hint;
+  return error;
+}
+
 tl::unexpected<core::Error> pass_on(const core::Error& error) { return tl::make_unexpected(error); }
 
 }  // namespace
@@ -60,9 +81,10 @@ UsbDaq::~UsbDaq() {
 }
 
 DeviceReport UsbDaq::report() const {
-  const std::lock_guard lock(control_mutex_);
+  const std::lock_guard lock(report_mutex_);
   DeviceReport report = report_;
   if (port_) report.nodes.push_back(port_->unit().node());
+  report.checks.insert(report.checks.end(), break_checks_.begin(), break_checks_.end());
   report.checks.insert(report.checks.end(), scan_checks_.begin(), scan_checks_.end());
   if (!reader_) return report;
   const std::vector<DeviceCheck> findings = reader_->findings();
@@ -98,6 +120,7 @@ core::Result<std::vector<UsbUnit>> UsbDaq::candidates() {
 }
 
 core::Status UsbDaq::open() {
+  free_abandoned();
   if (state() == DeviceState::Gone) {
     return core::fail(ErrorCode::WrongState, "cannot open " + describe().uri + ": it is gone", "close it first");
   }
@@ -115,6 +138,10 @@ core::Status UsbDaq::open() {
 }
 
 core::Status UsbDaq::open_unit(const UsbUnit& unit) {
+  if (is_abandoned(unit)) {
+    return core::fail(ErrorCode::WrongState, "cannot open " + describe().uri + ": transfers of the last scan have not come back yet",
+                      "wait a moment; if that does not help, unplug it and plug it in again");
+  }
   auto port = bus_.open(unit);
   if (!port) return pass_on(port.error());
   std::vector<DeviceCheck> checks;
@@ -128,12 +155,13 @@ core::Status UsbDaq::open_unit(const UsbUnit& unit) {
                       who.serial.empty() ? "" : "there is one with " + who.serial);
   }
 
-  const std::lock_guard lock(control_mutex_);
+  const std::scoped_lock lock(request_mutex_, report_mutex_);
   port_ = std::move(*port);
   const bool is_same_unit = !who.serial.empty() && who.serial == report_.serial;
   if (!is_same_unit) host_time_rate_.reset();  // another crystal
   report_ = {.serial = std::move(who.serial), .firmware = std::move(who.firmware), .checks = std::move(checks)};
   scan_checks_.clear();
+  break_checks_.clear();
   must_use_large_packets_ = false;
   move_to(DeviceState::Open);
   return {};
@@ -150,54 +178,68 @@ core::Result<core::Rate> UsbDaq::start(const StartOptions& options) {
   const auto rate = exact_rate(options.rate);
   if (!rate) return pass_on(rate.error());
 
-  const std::lock_guard lock(control_mutex_);
+  const std::lock_guard lock(request_mutex_);
   is_interrupted_.store(false, std::memory_order_relaxed);
   auto started = bring_up(options, *rate);
   if (started) {
     move_to(DeviceState::Streaming);
     return started;
   }
-  if (stream_) (void)end_scan();
-  if (!port_ || started.error().code == ErrorCode::DeviceGone) move_to(DeviceState::Gone);
-  return started;
+  core::Status ended;
+  if (stream_) ended = end_scan();
+  const bool is_gone = started.error().code == ErrorCode::DeviceGone;
+  if (!port_ || is_gone) move_to(DeviceState::Gone);
+  if (is_gone) return started;
+  return tl::make_unexpected(with(started.error(), ended));
 }
 
 core::Result<core::Rate> UsbDaq::bring_up(const StartOptions& options, core::Rate rate) {
-  scan_checks_.clear();
+  {
+    const std::lock_guard lock(report_mutex_);
+    scan_checks_.clear();
+  }
   const std::int64_t latency_ns = std::min(rate.time_ns({options.max_block_scans}), kLongestLatencyNs);
-  auto plan = driver_->configure(*port_, {rate, latency_ns, must_use_large_packets_});
+  auto plan = driver_->configure(*port_, {rate, latency_ns, must_use_large_packets_, has_ever_scanned_});
   if (!plan) return pass_on(plan.error());
-  scan_checks_.push_back({"scan is configured", DeviceCheck::Outcome::Passed, plan->sentence});
-  auto single_v = read_single(scan_checks_);
+  add_check({"scan is configured", DeviceCheck::Outcome::Passed, plan->sentence});
+  auto single_v = read_single();
   if (!single_v) return pass_on(single_v.error());
+  if (auto ready = driver_->make_ready(*port_); !ready) return pass_on(ready.error());
   auto stream = BulkStream::create(*port_, plan->shape, clock_);
   if (!stream) return pass_on(stream.error());
   stream_ = std::move(*stream);
-  if (auto launched = launch(plan->shape); !launched) return pass_on(launched.error());
+  if (auto launched = launch(plan->shape, rate); !launched) return pass_on(launched.error());
 
-  prepare_host_time(rate);
-  const ScanReader::Tools tools{*driver_, *port_, *stream_, clock_, host_time_, control_mutex_, is_interrupted_};
-  reader_ = std::make_unique<ScanReader>(
+  const ScanReader::Tools tools{*driver_, *port_, *stream_, clock_, host_time_, request_mutex_, is_interrupted_};
+  auto reader = std::make_unique<ScanReader>(
       tools, ScanSetup{rate, options.max_block_scans, plan->shape, plan->packet_period_ns, options_.marker, std::move(*single_v)});
+  const std::lock_guard lock(report_mutex_);
+  reader_ = std::move(reader);
   return rate;
 }
 
-/// Empty when the device has no such command.
-core::Result<std::vector<double>> UsbDaq::read_single(std::vector<DeviceCheck>& checks) {
+/// Empty when the device has no such command, or when they would be too old at the first scan.
+core::Result<std::vector<double>> UsbDaq::read_single() {
+  constexpr char kCheck[] = "single readings agree with the scan";
+  if (driver_->may_start_late()) {
+    add_check({kCheck, DeviceCheck::Outcome::Passed, "skipped: the scan waits for a trigger"});
+    return std::vector<double>{};
+  }
   auto single_v = driver_->read_once(*port_);
   if (single_v && single_v->size() == describe().channels.size()) return single_v;
   if (single_v) return core::fail(ErrorCode::Internal, describe().uri + ": a single reading of the wrong length");
   if (single_v.error().code != ErrorCode::Unsupported) return single_v;
-  checks.push_back({"single readings agree with the scan", DeviceCheck::Outcome::Passed, "skipped: this device has no single readings"});
+  add_check({kCheck, DeviceCheck::Outcome::Passed, "skipped: this device has no single readings"});
   return std::vector<double>{};
 }
 
 /// Transfers into flight, then the scan: the device's buffer is small.
-core::Status UsbDaq::launch(const StreamShape& shape) {
+core::Status UsbDaq::launch(const StreamShape& shape, core::Rate rate) {
   const std::string what = "cannot start " + describe().uri;
   if (const UsbStatus submitted = stream_->start(); submitted != UsbStatus::Completed) {
     return tl::make_unexpected(to_error(submitted, what + ": " + std::to_string(shape.transfer_count) + " transfers"));
   }
+  prepare_host_time(rate);
   if (auto begun = driver_->begin(*port_); !begun) return begun;
   if (driver_->waits_for_trigger()) return {};
   const auto health = driver_->health(*port_);
@@ -206,13 +248,11 @@ core::Status UsbDaq::launch(const StreamShape& shape) {
   return core::fail(ErrorCode::Failed, what + ": the device took the command but does not scan", "unplug it and plug it in again");
 }
 
+/// The scan is asked for right behind this: no scan is older, unless a trigger decides.
 void UsbDaq::prepare_host_time(core::Rate rate) {
-  if (host_time_rate_ == rate) {
-    host_time_.restart();
-    return;
-  }
-  host_time_ = core::HostTime(rate, port_->is_high_speed() ? kHighSpeedFrameNs : kFullSpeedFrameNs);
+  if (host_time_rate_ != rate) host_time_ = core::HostTime(rate, port_->is_high_speed() ? kHighSpeedFrameNs : kFullSpeedFrameNs);
   host_time_rate_ = rate;
+  host_time_.restart(driver_->waits_for_trigger() ? std::nullopt : std::optional(clock_.raw_ns()));
 }
 
 ReadResult UsbDaq::read(core::Block& block, std::int64_t deadline_ns) noexcept {
@@ -227,7 +267,16 @@ ReadResult UsbDaq::read(core::Block& block, std::int64_t deadline_ns) noexcept {
 void UsbDaq::interrupt() noexcept { is_interrupted_.store(true, std::memory_order_release); }  // pairs with ScanReader::read
 
 core::Status UsbDaq::set_sync_output(bool is_high) {
-  const std::lock_guard lock(control_mutex_);
+  // A start may take seconds; whoever asks here must not. Tried in steps, not `try_lock_for`: thread sanitizers do not know that one.
+  std::unique_lock lock(request_mutex_, std::try_to_lock);
+  for (int waited_ms = 0; !lock.owns_lock(); ++waited_ms) {
+    if (waited_ms >= kBusyPatienceMs) {
+      return core::fail(ErrorCode::WrongState, "cannot set the sync output of " + describe().uri + ": the device is busy starting",
+                        "try again");
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    lock.try_lock();
+  }
   if (state() == DeviceState::Gone) return core::fail(ErrorCode::DeviceGone, describe().uri + " is gone");
   if (state() == DeviceState::Closed) return core::fail(ErrorCode::WrongState, describe().uri + " is not open");
   return driver_->set_sync_output(*port_, is_high);
@@ -235,35 +284,65 @@ core::Status UsbDaq::set_sync_output(bool is_high) {
 
 core::Status UsbDaq::stop() {
   if (state() != DeviceState::Streaming) return {};
-  const std::lock_guard lock(control_mutex_);
+  const std::lock_guard lock(request_mutex_);
   const core::Status ended = end_scan();
   move_to(port_ ? DeviceState::Open : DeviceState::Gone);
   return ended;
 }
 
 core::Status UsbDaq::end_scan() noexcept {
-  driver_->end(*port_);
-  return end_stream();
+  core::Status told = driver_->end(*port_);
+  if (!told && told.error().code == ErrorCode::DeviceGone) told = {};  // what is gone scans no more
+  core::Status ended = end_stream();
+  return ended ? told : ended;
+}
+
+core::Status UsbDaq::confirm_stopped() {
+  const std::lock_guard lock(request_mutex_);
+  if (state() != DeviceState::Open) return core::fail(ErrorCode::WrongState, describe().uri + " is not open, or it is streaming");
+  return driver_->end(*port_);
+}
+
+void UsbDaq::add_check(DeviceCheck check) {
+  const std::lock_guard lock(report_mutex_);
+  scan_checks_.push_back(std::move(check));
+}
+
+/// The reader goes, what it found stays.
+void UsbDaq::keep_findings() {
+  must_use_large_packets_ = must_use_large_packets_ || reader_->has_overrun();
+  has_ever_scanned_ = has_ever_scanned_ || reader_->has_scanned();
+  const std::vector<DeviceCheck> findings = reader_->findings();
+  const std::lock_guard lock(report_mutex_);
+  scan_checks_.insert(scan_checks_.end(), findings.begin(), findings.end());
+  if (const auto reason = reader_->break_reason()) {
+    break_checks_ = scan_checks_;
+    break_checks_.push_back({"the stream is whole", DeviceCheck::Outcome::Failed, reason_text(*reason)});
+    for (DeviceCheck& check : break_checks_) check.name = "last break: " + check.name;
+  }
+  reader_.reset();
 }
 
 /// Ends the transfers and frees them. When some do not come back in time, the host controller may still write into them and call
 /// the stream: stream and port are put aside until they have, and the unit cannot be opened before.
 core::Status UsbDaq::end_stream() noexcept {
-  if (reader_) {
-    must_use_large_packets_ = must_use_large_packets_ || reader_->has_overrun();
-    const std::vector<DeviceCheck> findings = reader_->findings();
-    scan_checks_.insert(scan_checks_.end(), findings.begin(), findings.end());
-    reader_.reset();
-  }
+  if (reader_) keep_findings();
   if (!stream_) return {};
   if (stream_->stop(kCancelPatienceMs)) {
     stream_.reset();
     return {};
   }
   const std::string detail = std::to_string(stream_->in_flight()) + " transfers did not come back; their memory is kept";
-  scan_checks_.push_back({"transfers end when they are cancelled", DeviceCheck::Outcome::Failed, detail});
-  abandoned_.push_back({std::move(port_), std::move(stream_)});
+  add_check({"transfers end when they are cancelled", DeviceCheck::Outcome::Failed, detail});
+  {
+    const std::lock_guard lock(report_mutex_);
+    abandoned_.push_back({std::move(port_), std::move(stream_)});
+  }
   return core::fail(ErrorCode::Failed, "cannot end the scan of " + describe().uri + ": " + detail, "unplug it and plug it in again");
+}
+
+bool UsbDaq::is_abandoned(const UsbUnit& unit) const {
+  return std::any_of(abandoned_.begin(), abandoned_.end(), [&](const Abandoned& left) { return left.port->unit().node() == unit.node(); });
 }
 
 /// On a machine that was too busy for a moment, the transfers have come back meanwhile; the unit can be opened again then.
@@ -276,14 +355,20 @@ void UsbDaq::free_abandoned() noexcept {
 }
 
 core::Status UsbDaq::close() {
-  const std::lock_guard lock(control_mutex_);
+  const std::lock_guard lock(request_mutex_);
   core::Status ended;
   if (state() == DeviceState::Streaming) {
     ended = end_scan();
   } else {
     ended = end_stream();  // of a device that is gone
   }
-  port_.reset();
+  std::unique_ptr<UsbPort> port;
+  {
+    const std::lock_guard report_lock(report_mutex_);
+    port = std::move(port_);
+    break_checks_.clear();
+  }
+  port.reset();  // takes its time
   move_to(DeviceState::Closed);
   return ended;
 }

@@ -43,19 +43,25 @@ class UsbDaq final : public Device {
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
   void interrupt() noexcept override;
   [[nodiscard]] core::Status set_sync_output(bool is_high) override;
+  /// Fails when the device did not confirm the end of its scan; the state is Open nevertheless.
   core::Status stop() override;
   core::Status close() override;
+  /// Says once more that no scan is to run; fails when the device may be scanning still. Needs state Open.
+  [[nodiscard]] core::Status confirm_stopped();
 
  private:
   void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
   [[nodiscard]] core::Result<std::vector<UsbUnit>> candidates();
   [[nodiscard]] core::Status open_unit(const UsbUnit& unit);
-  [[nodiscard]] core::Result<std::vector<double>> read_single(std::vector<DeviceCheck>& checks);
-  [[nodiscard]] core::Status launch(const StreamShape& shape);
+  [[nodiscard]] bool is_abandoned(const UsbUnit& unit) const;
+  [[nodiscard]] core::Result<std::vector<double>> read_single();
+  [[nodiscard]] core::Status launch(const StreamShape& shape, core::Rate rate);
   [[nodiscard]] core::Result<core::Rate> bring_up(const StartOptions& options, core::Rate rate);
   void prepare_host_time(core::Rate rate);
   [[nodiscard]] core::Status end_scan() noexcept;
   [[nodiscard]] core::Status end_stream() noexcept;
+  void add_check(DeviceCheck check);
+  void keep_findings();
   void free_abandoned() noexcept;
 
   std::unique_ptr<DaqDriver> driver_;
@@ -66,7 +72,11 @@ class UsbDaq final : public Device {
   std::atomic<bool> is_interrupted_{false};
   std::uint64_t seen_arrivals_ = 0;
   bool must_use_large_packets_ = false;  ///< The device overran since it was opened.
-  mutable std::mutex control_mutex_;     ///< Port, reader and report against other threads; never taken while scans flow.
+  bool has_ever_scanned_ = false;        ///< Also before it was opened again: a trigger is waited for only once.
+  /// Orders control requests; held for the whole of start and stop, never taken while scans flow. Before `report_mutex_`.
+  std::mutex request_mutex_;
+  /// What `report` reads, for moments only. `port_` and `reader_` change under both.
+  mutable std::mutex report_mutex_;
   std::unique_ptr<UsbPort> port_;
   std::unique_ptr<BulkStream> stream_;
   std::unique_ptr<ScanReader> reader_;
@@ -76,9 +86,10 @@ class UsbDaq final : public Device {
     std::unique_ptr<BulkStream> stream;
   };
   std::vector<Abandoned> abandoned_;
-  DeviceReport report_;                   ///< As found by `open`.
-  std::vector<DeviceCheck> scan_checks_;  ///< As found by the last `start` and, after `stop`, by its scan.
-  core::HostTime host_time_;              ///< Outlives a scan: what is known of the clock's drift stays.
+  DeviceReport report_;                    ///< As found by `open`.
+  std::vector<DeviceCheck> scan_checks_;   ///< As found by the last `start` and, after `stop`, by its scan.
+  std::vector<DeviceCheck> break_checks_;  ///< Of the last scan that broke, until `close`: a restart must not hide why.
+  core::HostTime host_time_;               ///< Outlives a scan: what is known of the clock's drift stays.
   std::optional<core::Rate> host_time_rate_;
 };
 

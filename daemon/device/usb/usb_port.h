@@ -31,11 +31,11 @@ struct ControlRequest {
   std::uint16_t index = 0;
 };
 
-/// Hears of finished bulk transfers.
+/// Hears of finished bulk transfers. libusb locks and allocates around the call; what the listener itself does must not.
 class TransferListener {
  public:
-  /// `bytes` is valid during the call; `stamp_ns` is the host's monotonic time at its start. May submit the transfer again.
-  /// Thread: the USB event thread. Must be realtime-safe, and must not wait or call anything else of the port.
+  /// `bytes` is valid during the call; `stamp_ns` is `Clock::raw_ns` at its start. May submit the transfer again.
+  /// Thread: the USB event thread. Must be realtime-safe but for `submit`, and must not wait or call anything else of the port.
   virtual void on_transfer(std::size_t index, UsbStatus status, std::span<const std::uint8_t> bytes, std::int64_t stamp_ns) noexcept = 0;
 
  protected:
@@ -67,18 +67,17 @@ class UsbPort {
   /// the packet size. The listener must outlive them.
   [[nodiscard]] virtual core::Status prepare_transfers(std::uint8_t endpoint, std::size_t count, std::size_t bytes,
                                                        TransferListener& listener) = 0;
-  /// Puts a prepared transfer that is not in flight into flight; Completed when it is. Realtime-safe: yes.
+  /// Puts a prepared transfer that is not in flight into flight; Completed when it is. Realtime-safe: no, libusb takes a lock of
+  /// its own and allocates (Linux: the list of URBs of a transfer). On the sample path the event thread alone calls it.
   [[nodiscard]] virtual UsbStatus submit(std::size_t index) noexcept = 0;
   /// Asks for the end of a transfer: the listener hears Cancelled (or how else it ended). Thread: any but a listener's.
   virtual void cancel(std::size_t index) noexcept = 0;
   /// Frees the transfers; only when the listener has heard of the end of every one in flight.
   virtual void release_transfers() noexcept = 0;
 
-  /// Returns when a transfer has finished or `wake` was called since the last wait, or at `deadline_ns` (monotonic).
+  /// Returns when a transfer has finished since the last wait, or at `deadline_ns` (monotonic).
   /// Thread: the one that reads. Realtime-safe: yes.
   virtual void wait(std::int64_t deadline_ns) noexcept = 0;
-  /// Thread: any. Realtime-safe: yes.
-  virtual void wake() noexcept = 0;
 };
 
 }  // namespace dts::device::usb

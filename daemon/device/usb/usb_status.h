@@ -17,6 +17,7 @@ enum class UsbStatus : std::uint8_t {
   Overflow,   ///< The device sent more than there was room for; data are lost.
   TimedOut,
   Cancelled,  ///< By the host.
+  NoMemory,   ///< The kernel's memory for USB transfers is used up.
   Failed,     ///< CRC, protocol or host controller error.
 };
 

@@ -59,7 +59,10 @@ TEST_F(FoundUnits, TheAddressOpensTheUnitWhichThenSaysItsNode) {
 }
 
 TEST(IsMeantBy, ModelAndSerialNumberDecide) {
-  const FoundUnit unit{.unit = {.serial = "01AB"}, .model = "USB-1608FS-Plus", .uri = "mcc:1608fs-plus?serial=01AB"};
+  FoundUnit unit;
+  unit.unit.serial = "01AB";
+  unit.model = "USB-1608FS-Plus";
+  unit.uri = "mcc:1608fs-plus?serial=01AB";
   EXPECT_TRUE(is_meant_by(unit, "mcc:1608fs-plus?channels=0,1"));
   EXPECT_TRUE(is_meant_by(unit, "mcc:1608fs-plus?serial=01AB"));
   EXPECT_FALSE(is_meant_by(unit, "mcc:1608fs-plus?serial=02CD"));

@@ -59,5 +59,15 @@ TEST(Registry, MisspeltOption_Suggests) {
   EXPECT_NE(error.hint.find("stance_width_mm"), std::string::npos);  // and all that are known
 }
 
+TEST(Compete, SameKindWithoutTwoSerialNumbers) {
+  EXPECT_TRUE(compete("mcc:1608fs-plus", "mcc:1608fs-plus?channels=0"));
+  EXPECT_TRUE(compete("mcc:1608fs-plus?serial=A", "mcc:1608fs-plus?serial=A&channels=0"));
+  EXPECT_TRUE(compete("ni:Dev1", "ni:Dev1?channels=4"));
+  EXPECT_FALSE(compete("mcc:1608fs-plus?serial=A", "mcc:1608fs-plus?serial=B"));
+  EXPECT_FALSE(compete("ni:Dev1", "ni:Dev2"));
+  EXPECT_FALSE(compete("mcc:1608fs-plus", "labjack:u6"));
+  EXPECT_FALSE(compete("sim:floor", "sim:floor"));
+}
+
 }  // namespace
 }  // namespace dts::device

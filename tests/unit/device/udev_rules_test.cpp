@@ -43,6 +43,11 @@ TEST(UdevRules, HaveOneLineForEveryProductThatADriverKnowsAndNoOther) {
   }
 }
 
+TEST(UdevRules, HaveNoCommentBehindARule) {
+  // systemd 252 ignores such a line: "Invalid key/value pair, ignoring".
+  for (const std::string& line : rule_lines()) EXPECT_EQ(line.find('#'), std::string::npos) << line;
+}
+
 TEST(UdevRules, GiveTheGroupAccessAndNotTheWorld) {
   for (const std::string& line : rule_lines()) {
     EXPECT_NE(line.find(R"(GROUP="dtsd", MODE="0660")"), std::string::npos) << line;

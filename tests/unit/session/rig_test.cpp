@@ -104,6 +104,30 @@ TEST(Rig, RateTheDeviceCannotDo_IsRefusedWithItsRange) {
   EXPECT_FALSE(Rig::create(config, clock, bell));
 }
 
+TEST(Rig, TriggerOutsideWhatItsChannelCanMeasure_IsRefused) {
+  core::SystemClock clock;
+  core::Doorbell bell;
+  RigConfig config = floor_config("sim:floor?extra=1");
+  config.trigger = pipeline::TriggerInput{.channel = 4, .level = 25.0};
+
+  const auto rig = Rig::create(config, clock, bell);
+
+  ASSERT_FALSE(rig);
+  EXPECT_THAT(rig.error().what, HasSubstr("outside what channel extra0 can measure"));
+}
+
+TEST(Rig, SyncPulseOnADeviceWithoutALine_IsRefused) {
+  core::SystemClock clock;
+  core::Doorbell bell;
+  RigConfig config = floor_config("sim:floor");
+  config.sync_pulse_ms = 100.0;
+
+  const auto rig = Rig::create(config, clock, bell);
+
+  ASSERT_FALSE(rig);
+  EXPECT_THAT(rig.error().what, HasSubstr("sync_pulse_ms"));
+}
+
 TEST(Rig, PublishedStreamThatDoesNotExist_IsRefusedWithTheKnownOnes) {
   core::SystemClock clock;
   core::Doorbell bell;

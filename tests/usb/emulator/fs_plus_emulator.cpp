@@ -17,8 +17,8 @@ constexpr double kLoopHighV = 5.0;
 
 constexpr std::array kParts = {
     FsPlusParts{FsPlusKind::Usb1608, 0x00EA, "USB-1608FS-Plus", 16, 40'000'000, true, 32'768, 10, true, 0, true},
-    FsPlusParts{FsPlusKind::Usb1208, 0x00E8, "USB-1208FS-Plus", 12, 60'000'000, false, 8'192, 14, true, 32, false},
-    FsPlusParts{FsPlusKind::Usb1408, 0x00E9, "USB-1408FS-Plus", 14, 60'000'000, false, 8'192, 14, true, 32, false},
+    FsPlusParts{FsPlusKind::Usb1208, 0x00E8, "USB-1208FS-Plus", 12, 60'000'000, false, 8'192, 14, true, 32, false, true},
+    FsPlusParts{FsPlusKind::Usb1408, 0x00E9, "USB-1408FS-Plus", 14, 60'000'000, false, 8'192, 14, true, 32, false, true},
     FsPlusParts{FsPlusKind::Usb201, 0x0113, "USB-201", 12, 70'000'000, false, 6'144, 12, false, 0, false},
     FsPlusParts{FsPlusKind::Usb202, 0x012B, "USB-202", 12, 70'000'000, false, 6'144, 12, false, 0, false},
     FsPlusParts{FsPlusKind::Usb204, 0x0114, "USB-204", 12, 70'000'000, false, 6'144, 12, false, 0, false},
@@ -120,7 +120,7 @@ ControlReply FsPlusEmulator::control(const Setup& setup, std::span<const std::ui
 
 ControlReply FsPlusEmulator::read_request(const Setup& setup, std::int64_t now_ns) {
   switch (setup.request) {
-    case 0x00: return done({tristate_});
+    case 0x00: return done({parts_.has_port_direction ? static_cast<std::uint8_t>(tristate_ != 0 ? 1 : 0) : tristate_});
     case 0x01: return done({static_cast<std::uint8_t>(latch_ & ~tristate_)});
     case 0x02: return done({latch_});
     case 0x10: return read_input(setup, now_ns);
@@ -135,10 +135,7 @@ ControlReply FsPlusEmulator::read_request(const Setup& setup, std::int64_t now_n
 
 ControlReply FsPlusEmulator::write_request(const Setup& setup, std::span<const std::uint8_t> data, std::int64_t now_ns) {
   switch (setup.request) {
-    case 0x00:
-      tristate_ = static_cast<std::uint8_t>(setup.value);
-      note_edge(now_ns);
-      return done();
+    case 0x00: return set_direction(setup, now_ns);
     case 0x02:
       latch_ = static_cast<std::uint8_t>(setup.value);
       note_edge(now_ns);
@@ -174,6 +171,14 @@ ControlReply FsPlusEmulator::read_input(const Setup& setup, std::int64_t now_ns)
   if (scan_.is_running() || setup.value >= kInputs) return refused();
   const double time_s = static_cast<double>(now_ns - power_up_ns_) * 1e-9;
   return done_u16(code_of(setup.value, static_cast<std::uint8_t>(setup.index), scan_.feed().look(time_s)[setup.value]));
+}
+
+ControlReply FsPlusEmulator::set_direction(const Setup& setup, std::int64_t now_ns) {
+  if (parts_.has_port_direction && setup.index != 0) return done();  // port B: not modelled
+  tristate_ = static_cast<std::uint8_t>(setup.value);
+  if (parts_.has_port_direction) tristate_ = setup.value != 0 ? 0xFF : 0;
+  note_edge(now_ns);
+  return done();
 }
 
 ControlReply FsPlusEmulator::set_ranges(std::span<const std::uint8_t> data) {

@@ -30,6 +30,7 @@ struct FsPlusParts {
   bool has_range_list = true;
   std::size_t single_ended_record = 0;  ///< First calibration record of the single-ended inputs.
   bool has_records_per_range = false;
+  bool has_port_direction = false;  ///< Request 0x00 turns all 8 lines at once: 0 output, else input; wIndex is the port.
 };
 
 /// The wire between the SYNC pins of two devices: one pulse per scan of the device that drives it.
@@ -106,6 +107,7 @@ class FsPlusEmulator final : public EmulatedDevice {
   [[nodiscard]] ControlReply write_request(const Setup& setup, std::span<const std::uint8_t> data, std::int64_t now_ns);
   [[nodiscard]] ControlReply read_memory(const Setup& setup) const;
   [[nodiscard]] ControlReply read_input(const Setup& setup, std::int64_t now_ns);
+  [[nodiscard]] ControlReply set_direction(const Setup& setup, std::int64_t now_ns);
   [[nodiscard]] ControlReply set_ranges(std::span<const std::uint8_t> data);
   [[nodiscard]] ControlReply start_request(std::span<const std::uint8_t> data, std::int64_t now_ns);
   [[nodiscard]] std::optional<Start> parse_start(std::span<const std::uint8_t> data) const;

@@ -35,6 +35,8 @@ void MccScan::stop(std::int64_t now_ns) {
   feed_.stop(now_ns);
 }
 
+void MccScan::leave(std::uint16_t code) { append(left_over_, code); }
+
 void MccScan::power_up() noexcept {
   feed_.stop(0);
   left_over_.clear();

@@ -26,6 +26,8 @@ class MccScan {
   /// `clock` nullptr: its own.
   void start(FeedSetup setup, Converter converter, const MccPacking& packing, Faults& faults, const ScanClock* clock, std::int64_t now_ns);
   void stop(std::int64_t now_ns);
+  /// A code stays in the FIFO, though no scan runs.
+  void leave(std::uint16_t code);
   void clear_fifo() noexcept { left_over_.clear(); }
   void clear_errors() noexcept { is_overrun_ = false; }
   void clear_halt() noexcept { is_halted_ = false; }

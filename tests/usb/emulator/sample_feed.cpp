@@ -21,6 +21,8 @@ double seconds_of(core::Rate rate, std::uint64_t ticks) noexcept {
 
 void ScanClock::start(core::Rate rate, double speed, std::int64_t now_ns) noexcept {
   stop(now_ns);
+  earlier_start_ = newest_start_;
+  newest_start_ = before_;
   rate_ = rate;
   speed_e9_ = std::llround(speed * static_cast<double>(kSpeedUnit));
   start_ns_ = now_ns;
@@ -46,6 +48,12 @@ std::int64_t ScanClock::tick_ns(std::uint64_t number) const noexcept {
   const Wide periods = Wide{number - before_} * rate_.denominator() * kNanosecondsPerSecond * kSpeedUnit;
   const Wide time_ns = start_ns_ + (periods + divisor - 1) / divisor;
   return time_ns > Wide{kNeverNs} ? kNeverNs : static_cast<std::int64_t>(time_ns);
+}
+
+double ScanClock::device_time_s(std::uint64_t number) const noexcept {
+  std::uint64_t start = number > newest_start_ ? newest_start_ : earlier_start_;
+  if (!is_running_ && number > before_) start = before_;  // of the next start
+  return seconds_of(rate_, number - start - 1);
 }
 
 void SampleFeed::begin(FeedSetup setup, Converter converter, Faults& faults) {
@@ -106,7 +114,7 @@ std::uint64_t SampleFeed::remaining(std::uint64_t count) const noexcept {
 
 double SampleFeed::next_tick_s(std::int64_t now_ns) const noexcept {
   if (clock_ == nullptr) return 0.0;
-  return seconds_of(clock_->rate(), clock_->ticks(now_ns) - first_tick_);
+  return clock_->device_time_s(clock_->ticks(now_ns) + 1);
 }
 
 std::uint16_t SampleFeed::take() {
@@ -117,7 +125,7 @@ std::uint16_t SampleFeed::take() {
   const std::uint64_t code_number = next_++;
   const std::uint64_t tick = code_number / setup_.codes_per_tick;
   const auto place = static_cast<double>(code_number % setup_.codes_per_tick);
-  const double tick_s = seconds_of(clock_->rate(), tick);
+  const double tick_s = clock_->device_time_s(first_tick_ + tick + 1);
   const double volts = look(tick_s + place * setup_.skew_s)[setup_.inputs[code_number % setup_.inputs.size()]];
   std::uint16_t code = converter_(code_number % setup_.inputs.size(), volts);
   if (code_number == faults_->corrupt_at_code) {

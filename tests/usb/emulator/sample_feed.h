@@ -28,12 +28,16 @@ class ScanClock {
   [[nodiscard]] std::uint64_t ticks(std::int64_t now_ns) const noexcept;
   /// When tick `number`, from 1, comes; kNeverNs: not by itself; some time in the past when it has been.
   [[nodiscard]] std::int64_t tick_ns(std::uint64_t number) const noexcept;
+  /// Time of tick `number` by the device that ticks: its first tick after a start is 0 s. Known for the newest two starts.
+  [[nodiscard]] double device_time_s(std::uint64_t number) const noexcept;
 
  private:
   core::Rate rate_;
   std::int64_t speed_e9_ = 1'000'000'000;
   std::int64_t start_ns_ = 0;
-  std::uint64_t before_ = 0;  ///< Ticks of earlier starts.
+  std::uint64_t before_ = 0;         ///< Ticks of earlier starts.
+  std::uint64_t newest_start_ = 0;   ///< Ticks before the newest start ...
+  std::uint64_t earlier_start_ = 0;  ///< ... and before the one before.
   bool is_running_ = false;
 };
 
@@ -51,8 +55,10 @@ struct FeedSetup {
 using Converter = std::function<std::uint16_t(std::size_t position, double volts)>;
 
 /// The converter and its FIFO: how many codes wait at a time, and which. Codes are computed when they are taken, from their
-/// number alone. The first scan has device time 0. Here strike drop_code_at, corrupt_at_code, silence_at_code, clock_error_ppm
-/// and rate_factor; codes are counted as they were taken by the converter, missing ones included.
+/// number alone. By its own clock the first scan
+/// has device time 0; at another's ticks, the time of that device: whoever starts late converts what stands there then. Here strike
+/// drop_code_at, corrupt_at_code, silence_at_code, clock_error_ppm and rate_factor; codes are counted as they were taken by the converter,
+/// missing ones included.
 class SampleFeed {
  public:
   /// `source` fills `input_count` voltages.

@@ -181,7 +181,9 @@ ControlReply Usb1608gEmulator::read_input(std::size_t input, std::int64_t now_ns
   const std::size_t range_code = list().front().range_code;
   const auto [slope, offset] = calibration(range_code);
   const double time_s = static_cast<double>(now_ns - power_up_ns_) * 1e-9;
-  return done_u16(to_code(scan_.feed().look(time_s)[input], kRangesV[range_code], 16, slope, offset));
+  const std::uint16_t code = to_code(scan_.feed().look(time_s)[input], kRangesV[range_code], 16, slope, offset);
+  if (leaves_readings_in_fifo) scan_.leave(code);
+  return done_u16(code);
 }
 
 ControlReply Usb1608gEmulator::start_request(std::span<const std::uint8_t> data, std::int64_t now_ns) {

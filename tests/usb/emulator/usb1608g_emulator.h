@@ -29,11 +29,12 @@ class Usb1608gEmulator final : public EmulatedDevice {
   Usb1608gEmulator& operator=(const Usb1608gEmulator&) = delete;
 
   Faults faults;
-  int rotated_starts = 0;              ///< The first sample of so many scans is missing (uldaq issue #50).
-  bool non_burst_divides_rate = true;  ///< Without burst the period is that of a conversion, not of a scan: sources disagree.
-  bool takes_only_15_bytes = false;    ///< A firmware that refuses the start of 14 bytes.
-  bool ignores_scan_list = false;      ///< Scan lists are acknowledged and forgotten.
-  int forbidden_requests = 0;          ///< Writes to memory or serial number that were asked for.
+  int rotated_starts = 0;                ///< The first sample of so many scans is missing (uldaq issue #50).
+  bool non_burst_divides_rate = true;    ///< Without burst the period is that of a conversion, not of a scan: sources disagree.
+  bool takes_only_15_bytes = false;      ///< A firmware that refuses the start of 14 bytes.
+  bool ignores_scan_list = false;        ///< Scan lists are acknowledged and forgotten.
+  bool leaves_readings_in_fifo = false;  ///< Single conversions are also put before the next scan.
+  int forbidden_requests = 0;            ///< Writes to memory or serial number that were asked for.
 
   /// The host's suspend: power stays, the address stays, the FPGA forgets.
   void suspend(std::int64_t now_ns);

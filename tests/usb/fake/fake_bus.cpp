@@ -83,19 +83,19 @@ void FakeBus::step(std::int64_t deadline_ns) {
   std::int64_t next_ns = deadline_ns;
   for (const FakePort* port : ports_) next_ns = std::min(next_ns, port->next_event_ns(now_ns()));
   for (const Absent& absent : absent_) next_ns = std::min(next_ns, absent.back_at_ns);
-  clock_.sleep_until_ns(next_ns);
+  clock_.sleep_until_ns(clock_.now_ns() + std::max<std::int64_t>(next_ns - now_ns(), 0));
   settle();
 }
 
 void FakeBus::run_until(std::int64_t time_ns) {
   settle();
-  while (now_ns() < time_ns) step(time_ns);
+  while (clock_.now_ns() < time_ns) step(raw_of(time_ns));
 }
 
 void FakeBus::spend(std::int64_t time_ns) {
   if (on_request) on_request(requests_);
   ++requests_;
-  run_until(now_ns() + time_ns);
+  run_until(clock_.now_ns() + time_ns);
 }
 
 bool FakeBus::accepts_submit() noexcept {

@@ -19,8 +19,8 @@ struct Plug;
 /// A USB bus inside the test, with a virtual clock: time passes only when somebody waits, and everything happens in the waiting
 /// thread, in an order that is the same in every run. Hours of streaming take seconds. Thread: one.
 ///
-/// Whoever waits on the bus lets all devices go on. Advancing the clock itself is a host that stood still meanwhile (suspended,
-/// or an event thread that did not run): devices find their buffers full.
+/// Devices live by `raw_ns`: nobody slews their crystals. Whoever waits on the bus lets all devices go on. Advancing the clock itself is a
+/// host that stood still meanwhile (suspended, or an event thread that did not run): devices find their buffers full.
 class FakeBus final : public device::usb::UsbBus {
  public:
   explicit FakeBus(core::VirtualClock& clock) : clock_(clock) {}
@@ -54,6 +54,8 @@ class FakeBus final : public device::usb::UsbBus {
   std::uint64_t submits_until_refusal = std::numeric_limits<std::uint64_t>::max();
   /// Cancelled transfers never come back: what a broken host controller does.
   bool swallows_cancel = false;
+  /// Cancelled transfers come back after this: a machine that is too busy.
+  std::int64_t cancel_ns = 0;
   [[nodiscard]] int transfers_in_flight() const;  ///< 0 when nothing was leaked; counts those that were freed in flight, too.
   [[nodiscard]] int open_ports() const;
   [[nodiscard]] std::uint64_t requests() const noexcept { return requests_; }  ///< Control and bulk OUT so far.
@@ -68,7 +70,9 @@ class FakeBus final : public device::usb::UsbBus {
     EmulatedDevice* device = nullptr;
     std::int64_t back_at_ns = 0;
   };
-  [[nodiscard]] std::int64_t now_ns() const noexcept { return clock_.now_ns(); }
+  [[nodiscard]] std::int64_t now_ns() const noexcept { return clock_.raw_ns(); }
+  /// What `now_ns` here will say at a `time_ns` of the clock.
+  [[nodiscard]] std::int64_t raw_of(std::int64_t time_ns) const noexcept { return time_ns - (clock_.now_ns() - clock_.raw_ns()); }
   /// A request is made, which takes `time_ns`.
   void spend(std::int64_t time_ns);
   [[nodiscard]] bool accepts_submit() noexcept;

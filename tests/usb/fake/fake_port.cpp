@@ -163,7 +163,7 @@ void FakePort::cancel(std::size_t index) noexcept {
   if (found == queues_.end()) return;
   auto cancelled = found->second.cancel(index);
   if (!cancelled || bus_.swallows_cancel) return;
-  completions_.push_back({std::move(*cancelled), bus_.now_ns()});
+  completions_.push_back({std::move(*cancelled), bus_.now_ns() + bus_.cancel_ns});
 }
 
 void FakePort::release_transfers() noexcept {
@@ -176,8 +176,8 @@ void FakePort::release_transfers() noexcept {
 
 void FakePort::wait(std::int64_t deadline_ns) noexcept {
   bus_.settle();
-  while (!has_news_.load(std::memory_order_acquire) && bus_.now_ns() < deadline_ns) bus_.step(deadline_ns);  // pairs with wake
-  has_news_.store(false, std::memory_order_relaxed);
+  while (!has_news_ && bus_.clock_.now_ns() < deadline_ns) bus_.step(bus_.raw_of(deadline_ns));
+  has_news_ = false;
 }
 
 std::int64_t FakePort::next_event_ns(std::int64_t now_ns) const {
@@ -212,7 +212,7 @@ bool FakePort::deliver(std::int64_t now_ns) {
     const FinishedUrb urb = std::move(completions_.front().urb);
     completions_.pop_front();
     in_flight_.erase(urb.id);
-    has_news_.store(true, std::memory_order_release);  // pairs with wait
+    has_news_ = true;
     has_moved = true;
     if (listener_ != nullptr) listener_->on_transfer(static_cast<std::size_t>(urb.id), urb.status, urb.bytes, now_ns);
   }

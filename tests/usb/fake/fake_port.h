@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -53,7 +52,6 @@ class FakePort final : public device::usb::UsbPort {
   void cancel(std::size_t index) noexcept override;
   void release_transfers() noexcept override;
   void wait(std::int64_t deadline_ns) noexcept override;
-  void wake() noexcept override { has_news_.store(true, std::memory_order_release); }  // pairs with wait
 
   // What the bus needs.
   [[nodiscard]] const Plug& plug() const noexcept { return *plug_; }
@@ -85,7 +83,7 @@ class FakePort final : public device::usb::UsbPort {
   std::set<std::uint64_t> in_flight_;
   std::deque<Completion> completions_;      ///< Ended on the bus, not noticed by the host yet.
   std::optional<FinishedUrb> sync_result_;  ///< Of the bulk_in under way.
-  std::atomic<bool> has_news_{false};
+  bool has_news_ = false;                   ///< A transfer has finished since the last wait.
 };
 
 }  // namespace dts::emulator

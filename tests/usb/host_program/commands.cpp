@@ -2,9 +2,27 @@
 #include "usb/host_program/commands.h"
 
 #include <cstdlib>
+#include <exception>
+#include <optional>
 #include <sstream>
 
 namespace dts::emulator {
+
+namespace {
+
+/// nullopt: something else than a number.
+std::optional<double> number(const std::string& text) {
+  std::size_t used = 0;
+  double value = 0.0;
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+  return used == text.size() ? std::optional(value) : std::nullopt;
+}
+
+}  // namespace
 
 std::string Commands::plug() {
   const auto plugged = bus_.plug(*daq_.device);
@@ -31,9 +49,11 @@ std::string Commands::run(const std::string& line) {
     return verb == "unplug" ? "ok" : plug();
   }
   if (verb == "fault") {
+    const auto value = number(second);
+    if (!value) return "error fault " + first + ": \"" + second + "\" is not a number";
     bool is_known = false;
-    bus_.locked(*daq_.device, [&] { is_known = set_fault(*daq_.faults, first, std::strtod(second.c_str(), nullptr)); });
-    return is_known ? "ok" : "error no fault is called \"" + first + "\"";
+    bus_.locked(*daq_.device, [&] { is_known = set_fault(*daq_.faults, first, *value); });
+    return is_known ? "ok" : "error no fault is called \"" + first + "\"; there are " + fault_names();
   }
   if (verb == "truth") return truth(first);
   if (verb == "story") return "ok " + std::to_string(static_cast<double>(clock_.now_ns() - rig_.start_ns()) * 1e-9);

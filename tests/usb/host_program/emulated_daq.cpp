@@ -47,25 +47,38 @@ core::Result<EmulatedDaq> create_daq(std::string_view name, const std::string& s
   return core::fail(core::ErrorCode::InvalidArgument, "no emulated DAQ is called \"" + std::string(name) + "\"", "there are: " + names);
 }
 
+namespace {
+
+constexpr std::array<std::pair<std::string_view, std::uint64_t Faults::*>, 9> kAtCode{
+    {{"drop_code_at", &Faults::drop_code_at},
+     {"drop_packet_at_code", &Faults::drop_packet_at_code},
+     {"silence_at_code", &Faults::silence_at_code},
+     {"stall_at_code", &Faults::stall_at_code},
+     {"overrun_at_code", &Faults::overrun_at_code},
+     {"short_packet_at_code", &Faults::short_packet_at_code},
+     {"babble_at_code", &Faults::babble_at_code},
+     {"corrupt_at_code", &Faults::corrupt_at_code},
+     {"skip_counter_at_code", &Faults::skip_counter_at_code}}};
+
+}  // namespace
+
+std::string fault_names() {
+  std::string names;
+  for (const auto& [name, place] : kAtCode) names += std::string(name) + ", ";
+  return names + "calibration_bytes, is_calibration_garbage, silent_control_requests, is_mute, clock_error_ppm, rate_factor";
+}
+
 bool set_fault(Faults& faults, std::string_view name, double value) {
-  const auto code = static_cast<std::uint64_t>(std::max(value, 0.0));
-  const std::array<std::pair<std::string_view, std::uint64_t*>, 9> at_code{{{"drop_code_at", &faults.drop_code_at},
-                                                                            {"drop_packet_at_code", &faults.drop_packet_at_code},
-                                                                            {"silence_at_code", &faults.silence_at_code},
-                                                                            {"stall_at_code", &faults.stall_at_code},
-                                                                            {"overrun_at_code", &faults.overrun_at_code},
-                                                                            {"short_packet_at_code", &faults.short_packet_at_code},
-                                                                            {"babble_at_code", &faults.babble_at_code},
-                                                                            {"corrupt_at_code", &faults.corrupt_at_code},
-                                                                            {"skip_counter_at_code", &faults.skip_counter_at_code}}};
-  for (const auto& [known, place] : at_code) {
-    if (known == name) *place = code;
-    if (known == name) return true;
-  }
-  if (name == "calibration_bytes")
+  const auto code = static_cast<std::uint64_t>(std::clamp(value, 0.0, 1e18));
+  const auto found = std::find_if(kAtCode.begin(), kAtCode.end(), [name](const auto& entry) { return entry.first == name; });
+  if (found != kAtCode.end())
+    faults.*(found->second) = code;
+  else if (name == "calibration_bytes")
     faults.calibration_bytes = static_cast<std::size_t>(code);
+  else if (name == "is_calibration_garbage")
+    faults.is_calibration_garbage = value != 0.0;
   else if (name == "silent_control_requests")
-    faults.silent_control_requests = static_cast<int>(value);
+    faults.silent_control_requests = static_cast<int>(std::clamp(value, 0.0, 1e6));
   else if (name == "is_mute")
     faults.is_mute = value != 0.0;
   else if (name == "clock_error_ppm")

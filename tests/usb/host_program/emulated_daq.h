@@ -21,6 +21,8 @@ struct EmulatedDaq {
 /// InvalidArgument: no such name; the hint lists them.
 [[nodiscard]] core::Result<EmulatedDaq> create_daq(std::string_view name, const std::string& serial, Source source);
 
+/// Names that `set_fault` knows, separated by commas.
+[[nodiscard]] std::string fault_names();
 /// Sets a fault by its name in Faults ("stall_at_code") to a number; false: there is none of that name.
 [[nodiscard]] bool set_fault(Faults& faults, std::string_view name, double value);
 

@@ -45,7 +45,11 @@ bool is_known(void* task) { return task == &state().task && state().control.task
 
 std::int64_t now_ns() { return state().control.now_ns ? state().control.now_ns() : 0; }
 
-double true_rate_hz() { return state().control.runs_at_hz > 0.0 ? state().control.runs_at_hz : state().control.rate_hz; }
+double true_rate_hz() {
+  const NiStubControl& control = state().control;
+  if (control.runs_at_hz > 0.0) return control.runs_at_hz;
+  return control.timebase_hz > 0.0 ? control.timebase_hz / std::floor(control.timebase_hz / control.rate_hz) : control.rate_hz;
+}
 
 std::int64_t instant_ns(std::uint64_t scan) {
   return state().start_ns + std::llround(std::ceil(static_cast<double>(scan) / true_rate_hz() * kNanosecondsPerSecond));

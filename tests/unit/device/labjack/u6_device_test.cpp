@@ -83,6 +83,7 @@ TEST(U6Device, DigitalWord_SyncLineInsideEachScan) {
   EXPECT_EQ(channels[2].unit, "");
   EXPECT_EQ(channels[2].role, ChannelRole::Auxiliary);
   EXPECT_EQ(channels[3].name, "ch15");
+  EXPECT_EQ(channels[3].role, ChannelRole::Marker);
   rig.start(100, 20);
   ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
   ASSERT_EQ(rig.block.count(), 20U);

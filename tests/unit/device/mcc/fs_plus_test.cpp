@@ -84,7 +84,8 @@ TEST(FsPlus, Describe_WithoutADevice) {
   EXPECT_EQ(description.serial, "77");
   ASSERT_EQ(description.channels.size(), 4U);
   EXPECT_EQ(description.channels[3].name, "ch7");
-  EXPECT_EQ(description.channels[3].role, ChannelRole::Auxiliary);
+  EXPECT_EQ(description.channels[3].role, ChannelRole::Marker);
+  EXPECT_FALSE(description.has_sync_output);
   EXPECT_EQ(description.channels[0].maximum, 5.0);
   EXPECT_NEAR(description.channels[0].resolution, 152.6e-6, 1e-7);
   EXPECT_EQ(description.maximum_rate_hz, 100e3);
@@ -153,6 +154,20 @@ TEST(FsPlus, Usb204_FirstStartFails_NobodyNotices) {
 
   EXPECT_EQ(reading.wrong, 0U);
   EXPECT_GE(reading.scans, 3000U);
+}
+
+TEST(FsPlus, SyncOutputOfPortsThatTurnAsAWhole_DrivesItsLine) {
+  for (const auto& [kind, uri] : {std::pair{FsPlusKind::Usb1208, "mcc:1208fs-plus"}, std::pair{FsPlusKind::Usb1408, "mcc:1408fs-plus"}}) {
+    FsPlusEmulator unit(kind, "01A2B3C4", moving_source());
+    Bench bench(std::string(uri) + "?sync_output_bit=3", unit);
+    ASSERT_TRUE(bench.device->open());
+    EXPECT_EQ(unit.digital_output(3), false);
+
+    ASSERT_TRUE(bench.device->set_sync_output(true));
+
+    EXPECT_EQ(unit.digital_output(3), true) << uri;
+    EXPECT_EQ(unit.digital_output(2), false);  // an output, too
+  }
 }
 
 TEST(FsPlus, SyncOutput_DrivesItsLineOnly) {

@@ -4,9 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "support/allocation_counter.h"
-#include "unit/device/mcc/mcc_bench.h"
-#include "usb/emulator/fs_plus_emulator.h"
+#include "unit/device/mcc/pair_bench.h"
 
 namespace dts::device::mcc {
 namespace {
@@ -16,29 +17,19 @@ using emulator::FsPlusEmulator;
 using emulator::FsPlusKind;
 using test::Bench;
 using test::kMillisecond;
+using test::kPairUri;
 using test::kSecond;
 using test::moving_source;
+using test::PairBench;
 using test::Reading;
+using test::Wired;
 
-constexpr char kUri[] = "mcc:1608fs-plus-pair?serial=AAAA0001&second_serial=BBBB0002";
-
-/// Two units, wired.
-struct Wired {
-  Wired() {
-    first.connect_sync(line);
-    second.connect_sync(line);
-  }
-  emulator::SyncLine line;
-  FsPlusEmulator first{FsPlusKind::Usb1608, "AAAA0001", moving_source()};
-  FsPlusEmulator second{FsPlusKind::Usb1608, "BBBB0002", moving_source(8)};
-};
-
-struct PairBench : Bench {
-  PairBench(Wired& units, const std::string& rest = "") : Bench(kUri + rest) {
-    bus.plug(units.second);  // in the other order: the serial numbers decide
-    bus.plug(units.first);
-  }
-};
+bool hears_sync(const Device& pair) {
+  const std::vector<DeviceCheck> checks = pair.report().checks;
+  return std::none_of(checks.begin(), checks.end(), [](const DeviceCheck& check) {
+    return check.name == "the second unit hears SYNC" && check.outcome == DeviceCheck::Outcome::Failed;
+  });
+}
 
 TEST(JoinedPair, SixteenChannelsAt1500Hz_EverySampleRight) {
   Wired units;
@@ -127,13 +118,14 @@ TEST(JoinedPair, SyncWireBreaks_BothBreak) {
   EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
   EXPECT_EQ(reading.last.gap.reason, GapReason::Silence);
   EXPECT_LT(bench.clock.now_ns() - before_ns, 400 * kMillisecond);
+  EXPECT_FALSE(hears_sync(*bench.device));
   EXPECT_EQ(bench.read(1).last.outcome, ReadOutcome::Broken);  // until stop
 }
 
 TEST(JoinedPair, NoWire_NoScansAndBroken) {
   FsPlusEmulator first(FsPlusKind::Usb1608, "AAAA0001", moving_source());
   FsPlusEmulator second(FsPlusKind::Usb1608, "BBBB0002", moving_source(8));
-  Bench bench(kUri, first);
+  Bench bench(kPairUri, first);
   bench.bus.plug(second);
   bench.start(1500);
 
@@ -141,7 +133,25 @@ TEST(JoinedPair, NoWire_NoScansAndBroken) {
 
   EXPECT_EQ(reading.scans, 0U);
   EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
+  EXPECT_FALSE(hears_sync(*bench.device));
+  ASSERT_TRUE(bench.device->stop());
+  EXPECT_FALSE(hears_sync(*bench.device));  // still known when somebody asks
   bench.bus.unplug(second);
+}
+
+TEST(JoinedPair, MasterFallsSilent_TheWireIsNotBlamed) {
+  for (const char* options : {"", "&channels=0&second_channels=0,1,2", "&channels=0,1,2&second_channels=1"}) {
+    Wired units;
+    PairBench bench(units, options);
+    bench.start(1500);
+    ASSERT_TRUE(bench.reads_right(3000));
+
+    units.line.cut(bench.clock.now_ns());
+    units.first.faults.silence_at_code = 0;
+
+    EXPECT_EQ(bench.read(30'000).last.gap.reason, GapReason::Silence);
+    EXPECT_TRUE(hears_sync(*bench.device)) << options;
+  }
 }
 
 TEST(JoinedPair, ScansOfOneUnitLost_BrokenWithinFourSeconds) {
@@ -183,6 +193,7 @@ TEST(JoinedPair, FaultOfEither_IsAFaultOfBoth) {
     EXPECT_EQ(reading.wrong, 0U);
     EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
     EXPECT_EQ(reading.last.gap.reason, GapReason::Overrun) << is_second;
+    EXPECT_TRUE(hears_sync(*bench.device));
     ASSERT_TRUE(bench.device->stop());
     bench.begin_segment();
     bench.start(1500);
@@ -293,19 +304,6 @@ TEST(JoinedPair, Read_AllocatesNothing) {
   EXPECT_EQ(dts::test::heap_calls_of_this_thread(), before);
 }
 
-TEST(JoinedPair, MasterWaitsForItsTrigger_Armed) {
-  Wired units;
-  PairBench bench(units, "&trigger=high");
-  bench.start(1500);
-  core::Block block(16, 64);
-
-  const ReadResult waiting = bench.device->read(block, bench.clock.now_ns() + 2 * kSecond);
-  units.first.fire_trigger(bench.clock.now_ns());
-
-  EXPECT_EQ(waiting.outcome, ReadOutcome::Armed);
-  EXPECT_TRUE(bench.reads_right(3000));
-}
-
 TEST(JoinedPair, SerialNumbers_BothNeededAndDifferent) {
   core::VirtualClock clock;
   emulator::FakeBus bus(clock);
@@ -324,7 +322,7 @@ TEST(JoinedPair, MistakeInTheSecondUnitsOptions_IsNamed) {
   emulator::FakeBus bus(clock);
   const physics::RigModel rig;
 
-  const auto created = create_device(std::string(kUri) + "&second_channels=9", {clock, rig, &bus});
+  const auto created = create_device(std::string(kPairUri) + "&second_channels=9", {clock, rig, &bus});
 
   ASSERT_FALSE(created.has_value());
   EXPECT_NE(created.error().what.find("second"), std::string::npos);

@@ -2,6 +2,7 @@
 // What the emulated units promise beyond what the drivers use: a test bench that lies proves nothing.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "core/clock.h"
@@ -82,6 +83,23 @@ TEST(SampleFeed, DroppedCode_IsMissingAndSpent) {
 
   EXPECT_EQ(codes, (std::vector<std::uint16_t>{0, 1, 10, 20, 21}));
   EXPECT_EQ(faults.drop_code_at, Faults::kNever);
+}
+
+TEST(SampleFeed, FollowerThatStartsLate_TakesWhatStandsThereAtEachTick) {
+  ScanClock clock;
+  SampleFeed feed(ramp(), 1);
+  Faults faults;
+  clock.start(*core::Rate::create(10, 1), 1.0, 0);
+  feed.start(
+      {.rate = {}, .inputs = {0}, .codes_per_tick = 1},
+      [](std::size_t, double volts) { return static_cast<std::uint16_t>(std::lround(volts * 10.0)); }, faults, clock, kSecond / 2);
+  std::vector<std::uint16_t> codes;
+
+  for (; feed.available(kSecond) > 1;) codes.push_back(feed.take());
+  clock.start(*core::Rate::create(10, 1), 1.0, kSecond);  // whoever ticks starts again
+  while (feed.available(kSecond + kSecond / 5) > 0) codes.push_back(feed.take());
+
+  EXPECT_EQ(codes, (std::vector<std::uint16_t>{5, 6, 7, 8, 9, 0, 1}));
 }
 
 TEST(FsPlusEmulator, DebugCounter_CountsEveryCode) {

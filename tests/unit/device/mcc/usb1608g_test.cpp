@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// USB-1608G, 1608GX and 1608GX-2AO: bytes by hand, then whole devices over an emulated unit and a virtual clock.
+// USB-1608G, 1608GX and 1608GX-2AO: whole devices over an emulated unit and a virtual clock.
 #include "device/mcc/usb1608g.h"
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstdio>
 #include <fstream>
 
@@ -43,59 +42,6 @@ class ImageFile {
 };
 
 Usb1608gEmulator unit_g(bool is_high_speed = true) { return {0x0110, "0123ABCD", moving_source(), is_high_speed}; }
-
-TEST(Usb1608gBytes, ScanList_InputRangeModeLast) {
-  const std::array<std::size_t, 4> inputs = {3, 12, 0, 8};
-  const std::array<double, 4> ranges_v = {10.0, 5.0, 2.0, 1.0};
-
-  const auto list = encode_scan_list(inputs, ranges_v);
-
-  EXPECT_EQ(list[0], 0x23);  // 3, +-10 V, single-ended low
-  EXPECT_EQ(list[1], 0x4C);  // 12: 4 of the high ones, +-5 V
-  EXPECT_EQ(list[2], 0x30);  // 0, +-2 V
-  EXPECT_EQ(list[3], 0xD8);  // 8, +-1 V, the last
-  EXPECT_EQ(list[4], 0);
-}
-
-TEST(Usb1608gBytes, Start_AlwaysBurst) {
-  // 64 MHz / 1500 Hz - 1 = 42665.67: 42666 = 0xA6AA
-  EXPECT_EQ(encode_g_start({.period = 42'666, .packet_codes = 128, .has_trigger = false}),
-            (Bytes{0, 0, 0, 0, 0, 0, 0, 0, 0xAA, 0xA6, 0, 0, 127, 1}));
-  EXPECT_EQ(encode_g_start({.period = 1, .packet_codes = 256, .has_trigger = true}), (Bytes{0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 255, 9}));
-}
-
-GPackets choose(double rate_hz, std::size_t channels, std::size_t packet_bytes, std::int64_t latency_ms,
-                bool must_use_large_packets = false) {
-  return choose_g_packets(
-      {.scan_hz = rate_hz, .channels = channels, .packet_bytes = packet_bytes},
-      {.rate = *core::Rate::from_hz(rate_hz), .latency_ns = latency_ms * kMillisecond, .must_use_large_packets = must_use_large_packets});
-}
-
-TEST(Usb1608gPackets, WholeScansWithinTenMilliseconds) {
-  const GPackets packets = choose(1500, 8, 512, 20);  // a full packet would take 21 ms
-
-  EXPECT_EQ(packets.packet_codes, 15U * 8U);
-  EXPECT_EQ(packets.transfers.transfer_bytes, 512U);
-  EXPECT_EQ(packets.transfers.transfer_period_ns, 10 * kMillisecond);
-  EXPECT_EQ(packets.transfers.transfer_count, 50U);
-}
-
-TEST(Usb1608gPackets, FullPacketsWhereOneFillsInTime) {
-  const GPackets packets = choose(5000, 16, 512, 20);  // 3.2 ms per packet
-
-  EXPECT_EQ(packets.packet_codes, 256U);
-  EXPECT_FALSE(packets.transfers.is_immediate);
-  EXPECT_EQ(packets.transfers.transfer_bytes, 3U * 512U);
-}
-
-TEST(Usb1608gPackets, SlowScan_OneScanPerPacket) { EXPECT_EQ(choose(50, 4, 512, 5).packet_codes, 4U); }
-
-TEST(Usb1608gPackets, FullSpeedPort_NeverLongerThanThePacket) {
-  EXPECT_EQ(choose(1500, 12, 64, 20).packet_codes, 32U);
-  EXPECT_EQ(choose(100, 12, 64, 20).packet_codes, 12U);
-}
-
-TEST(Usb1608gPackets, OverrunBefore_FullPackets) { EXPECT_EQ(choose(50, 4, 512, 5, true).packet_codes, 256U); }
 
 TEST(Usb1608g, TwelveChannelsAt1500Hz_EverySampleRight) {
   const ImageFile image;
@@ -342,6 +288,54 @@ TEST(Usb1608g, FirstConversionAfterLoading_ThrownAway) {
   EXPECT_FALSE(report.checks.empty());
   for (const DeviceCheck& check : report.checks)
     EXPECT_EQ(check.outcome, DeviceCheck::Outcome::Passed) << check.name << ": " << check.detail;
+}
+
+TEST(Usb1608g, SingleReadingsLeftInTheFifo_GoneBeforeTheScan) {
+  const ImageFile image;
+  Usb1608gEmulator unit = unit_g();
+  unit.leaves_readings_in_fifo = true;
+  Bench bench(image.uri("&channels=2,9,4,11,0"), unit);
+  bench.start(1500);
+
+  const Reading reading = bench.read(3000, Usb1608gEmulator::kSkewS);
+
+  EXPECT_EQ(reading.wrong, 0U);
+  EXPECT_GE(reading.scans, 3000U);
+}
+
+TEST(Usb1608g, FaultAfterTheTrigger_GoesOnWithoutIt) {
+  const ImageFile image;
+  Usb1608gEmulator unit = unit_g();
+  Bench bench(image.uri("&trigger=falling"), unit);
+  bench.start(1500);
+  ASSERT_TRUE(unit.is_armed());
+  unit.fire_trigger(bench.clock.now_ns());
+  unit.faults.overrun_at_code = 20'000;
+  ASSERT_EQ(bench.read(6000, Usb1608gEmulator::kSkewS).last.gap.reason, GapReason::Overrun);
+  ASSERT_TRUE(bench.device->stop());
+  bench.begin_segment();
+
+  bench.start(1500);
+
+  EXPECT_FALSE(unit.is_armed());
+  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
+}
+
+TEST(Usb1608g, ImageFileThatCannotBeOne_RefusedWithoutADevice) {
+  core::VirtualClock clock;
+  emulator::FakeBus bus(clock);
+  const physics::RigModel rig;
+  const ImageFile wrong(100);
+
+  const auto missing = create_device("mcc:1608g?fpga=/nowhere/image.rbf", {clock, rig, &bus});
+  const auto odd = create_device(wrong.uri(), {clock, rig, &bus});
+
+  ASSERT_FALSE(missing.has_value());
+  EXPECT_EQ(missing.error().code, core::ErrorCode::NotFound);
+  EXPECT_NE(missing.error().what.find("/nowhere/image.rbf"), std::string::npos);
+  ASSERT_FALSE(odd.has_value());
+  EXPECT_EQ(odd.error().code, core::ErrorCode::InvalidArgument);
+  EXPECT_NE(odd.error().what.find("100 bytes"), std::string::npos) << odd.error().what;
 }
 
 TEST(Usb1608g, MuteDevice_Timeout) {

@@ -2,7 +2,6 @@
 // The device over a stand-in for NI's library (tests/usb/nidaqmx_stub), with a virtual clock.
 #include "device/nidaqmx/ni_daqmx.h"
 
-#include <dlfcn.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -12,8 +11,7 @@
 
 #include "core/clock.h"
 #include "device/registry.h"
-#include "unit/device/sim_rig.h"
-#include "usb/nidaqmx_stub/nidaqmx_stub.h"
+#include "unit/device/nidaqmx/ni_rig.h"
 
 namespace dts::device::nidaqmx {
 namespace {
@@ -21,69 +19,16 @@ namespace {
 using core::ErrorCode;
 using core::GapReason;
 using emulator::NiStubControl;
-
-constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
-constexpr std::int64_t kSecond = 1000 * kMillisecond;
-const std::string kLibrary = std::string("library=") + DTS_NIDAQMX_STUB;
-
-/// The same library that the device loads: it is loaded once per process.
-NiStubControl& stub() {
-  void* const library = dlopen(DTS_NIDAQMX_STUB, RTLD_NOW | RTLD_LOCAL);
-  EXPECT_NE(library, nullptr);
-  return *reinterpret_cast<NiStubControl* (*)()>(dlsym(library, "nidaqmx_stub_control"))();
-}
-
-struct Rig {
-  explicit Rig(const std::string& options = "channels=0,1,2,3", const std::string& name = "Dev1") : control(stub()) {
-    control = {};
-    control.now_ns = [this] { return clock.now_ns(); };
-    control.wait_until_ns = [this](std::int64_t time_ns) { clock.sleep_until_ns(time_ns); };
-    auto created = create_device("ni:" + name + "?" + options + (options.empty() ? "" : "&") + kLibrary, {clock, plate});
-    EXPECT_TRUE(created.has_value()) << (created ? "" : core::to_string(created.error()));
-    if (created) device = std::move(*created);
-  }
-  ~Rig() {
-    device.reset();
-    EXPECT_EQ(control.tasks, 0);
-    control = {};
-  }
-  Rig(const Rig&) = delete;
-  Rig& operator=(const Rig&) = delete;
-
-  void start(double rate_hz, std::size_t block_scans = 64) {
-    const auto opened = device->open();
-    ASSERT_TRUE(opened.has_value()) << core::to_string(opened.error());
-    const auto started = device->start({test::rate_of(rate_hz), block_scans});
-    ASSERT_TRUE(started.has_value()) << core::to_string(started.error());
-    block = core::Block(device->describe().channels.size(), block_scans);
-  }
-
-  ReadResult read(std::int64_t patience_ns = kSecond) { return device->read(block, clock.now_ns() + patience_ns); }
-
-  core::VirtualClock clock{1000 * kSecond};
-  physics::RigModel plate = test::floor_rig();
-  NiStubControl& control;
-  std::unique_ptr<Device> device;
-  core::Block block;
-};
-
-core::Error open_error(Device& device) {
-  const auto opened = device.open();
-  EXPECT_FALSE(opened.has_value());
-  EXPECT_EQ(device.state(), DeviceState::Closed);
-  return opened ? core::Error{} : opened.error();
-}
-
-core::Error start_error(Rig& rig, double rate_hz) {
-  EXPECT_TRUE(rig.device->open().has_value());
-  const auto started = rig.device->start({test::rate_of(rate_hz), 64});
-  EXPECT_FALSE(started.has_value());
-  EXPECT_EQ(rig.control.tasks, 0);
-  return started ? core::Error{} : started.error();
-}
+using test::kLibrary;
+using test::kMillisecond;
+using test::kSecond;
+using test::open_error;
+using test::Rig;
+using test::start_error;
+using test::stub;
 
 std::unique_ptr<Device> create(const std::string& uri, core::Clock& clock) {
-  const physics::RigModel plate = test::floor_rig();
+  const physics::RigModel plate = device::test::floor_rig();
   auto created = create_device(uri, {clock, plate});
   EXPECT_TRUE(created.has_value()) << (created ? "" : core::to_string(created.error()));
   return created ? std::move(*created) : nullptr;
@@ -117,6 +62,24 @@ TEST(NiDaqmx, WrongDeviceName_InNisWords) {
 TEST(NiDaqmx, WrongChannel_KnownWhenOpened) {
   Rig rig("channels=0,9");
   EXPECT_EQ(open_error(*rig.device).code, ErrorCode::Failed);
+}
+
+TEST(NiDaqmx, FaultAfterTheTrigger_GoesOnWithoutIt) {
+  Rig rig("channels=0&trigger=pfi0");
+  rig.start(1000);
+  ASSERT_EQ(rig.control.trigger, "/Dev1/PFI0");
+  ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+  rig.control.fail_status = -200279;
+  rig.control.fail_at_read = rig.control.reads;
+  ASSERT_EQ(rig.read().gap.reason, GapReason::Overrun);
+  ASSERT_TRUE(rig.device->stop());
+  rig.control.fail_at_read = NiStubControl::kNever;
+  rig.control.is_triggered = false;
+
+  rig.start(1000);
+
+  EXPECT_EQ(rig.control.trigger, "");
+  EXPECT_EQ(rig.read().outcome, ReadOutcome::Scans);
 }
 
 TEST(NiDaqmx, TaskIsSetUp_AsTheUriSays) {
@@ -163,6 +126,24 @@ TEST(NiDaqmx, HostTime_IsThatOfTheScan) {
   }
 }
 
+TEST(NiDaqmx, WallClockSlewed_HostTimeFollows) {
+  for (const std::int64_t step_ns : {kMillisecond, -kMillisecond}) {
+    Rig rig;
+    core::VirtualClock& clock = rig.clock;
+    rig.control.now_ns = [&clock] { return clock.raw_ns(); };  // nobody slews the device
+    rig.control.wait_until_ns = [&clock](std::int64_t time_ns) { clock.sleep_until_ns(clock.now_ns() + time_ns - clock.raw_ns()); };
+    rig.start(100, 10);
+    const std::int64_t start_raw_ns = clock.raw_ns();
+    for (int i = 0; i < 600; ++i) {
+      ASSERT_EQ(rig.read().outcome, ReadOutcome::Scans);
+      const std::int64_t truth_ns = core::monotonic_of_raw_ns(clock, start_raw_ns + i * 100 * kMillisecond);
+      ASSERT_NEAR(static_cast<double>(rig.block.host_time_ns), static_cast<double>(truth_ns), 1e6) << i;
+      if (i >= 100 && i < 400) clock.slew_ns(step_ns);
+    }
+    EXPECT_NEAR(rig.block.clock_drift_ppm, 0.0, 5.0);
+  }
+}
+
 TEST(NiDaqmx, DeadlineFirst_DeliversWhatIsThere) {
   Rig rig;
   rig.start(100, 50);
@@ -172,22 +153,10 @@ TEST(NiDaqmx, DeadlineFirst_DeliversWhatIsThere) {
   EXPECT_EQ(rig.block.count(), 0U);
 }
 
-TEST(NiDaqmx, OtherRate_RefusedNamingTheOneToConfigure) {
-  Rig rig;
-  rig.control.runs_at_hz = 20e6 / 13'333.0;
-  const core::Error error = start_error(rig, 1500);
-  EXPECT_EQ(error.code, ErrorCode::InvalidArgument);
-  EXPECT_NE(error.hint.find("1500.037501"), std::string::npos) << error.hint;
-  EXPECT_EQ(rig.device->state(), DeviceState::Open);
-
-  const auto started = rig.device->start({test::rate_of(1500.037501), 64});
-  EXPECT_TRUE(started.has_value()) << core::to_string(started.error());
-}
-
 TEST(NiDaqmx, ExactRate_WhatWasAskedForWithinLimits) {
   Rig rig;
-  EXPECT_EQ(*rig.device->exact_rate(test::rate_of(1500)), test::rate_of(1500));
-  EXPECT_EQ(rig.device->exact_rate(test::rate_of(0.5)).error().code, ErrorCode::InvalidArgument);
+  EXPECT_EQ(*rig.device->exact_rate(device::test::rate_of(1500)), device::test::rate_of(1500));
+  EXPECT_EQ(rig.device->exact_rate(device::test::rate_of(0.5)).error().code, ErrorCode::InvalidArgument);
 }
 
 TEST(NiDaqmx, NotAMeasurement_NanWithAReason) {
@@ -267,7 +236,7 @@ TEST(NiDaqmx, DeviceRemoved_GoneUntilClosed) {
     EXPECT_EQ(result.gap.reason, GapReason::Unplugged);
     EXPECT_EQ(rig.device->state(), DeviceState::Gone);
     EXPECT_EQ(rig.device->open().error().code, ErrorCode::WrongState);
-    EXPECT_EQ(rig.device->start({test::rate_of(100), 64}).error().code, ErrorCode::DeviceGone);
+    EXPECT_EQ(rig.device->start({device::test::rate_of(100), 64}).error().code, ErrorCode::DeviceGone);
     EXPECT_EQ(rig.device->set_sync_output(true).error().code, ErrorCode::DeviceGone);
     EXPECT_TRUE(rig.device->stop().has_value());
     EXPECT_EQ(rig.read().outcome, ReadOutcome::Gone);
@@ -324,7 +293,7 @@ TEST(NiDaqmx, Interrupt_EndsAReadWithin100Ms) {
     if (time_ns > start_ns + kSecond) rig.device->interrupt();
     rig.clock.sleep_until_ns(time_ns);
   };
-  EXPECT_EQ(rig.device->read(rig.block, test::kNever).outcome, ReadOutcome::Armed);
+  EXPECT_EQ(rig.device->read(rig.block, device::test::kNever).outcome, ReadOutcome::Armed);
   EXPECT_LE(rig.clock.now_ns(), start_ns + kSecond + 100 * kMillisecond);
 }
 
@@ -344,7 +313,7 @@ TEST(NiDaqmx, DestroyedWhileStreaming_TaskIsEnded) {
 TEST(NiDaqmx, EveryOperationInEveryState) {
   Rig rig;
   Device& device = *rig.device;
-  const StartOptions options{test::rate_of(100), 64};
+  const StartOptions options{device::test::rate_of(100), 64};
   core::Block block(4, 64);
   EXPECT_EQ(device.start(options).error().code, ErrorCode::WrongState);
   EXPECT_EQ(device.read(block, 0).outcome, ReadOutcome::NotStreaming);
@@ -370,7 +339,7 @@ TEST(NiDaqmx, EveryOperationInEveryState) {
 
 core::Error refusal(const std::string& uri) {
   core::VirtualClock clock;
-  const physics::RigModel plate = test::floor_rig();
+  const physics::RigModel plate = device::test::floor_rig();
   const auto created = create_device(uri, {clock, plate});
   EXPECT_FALSE(created.has_value()) << uri;
   return created ? core::Error{} : created.error();

@@ -82,7 +82,6 @@ class ScriptedPort final : public StreamOnlyPort {
     if (!answers_cancel) return;
     for (const std::size_t index : std::exchange(cancelled_, {})) finish(index, UsbStatus::Cancelled, {});
   }
-  void wake() noexcept override {}
 
  private:
   core::VirtualClock& clock_;
@@ -286,7 +285,6 @@ class ThreadedPort final : public StreamOnlyPort {
     for (auto& state : states_) EXPECT_EQ(state.load(), State::Idle);
   }
   void wait(std::int64_t) noexcept override { bell_.wait(1); }
-  void wake() noexcept override { bell_.ring(); }
 
  private:
   enum class State : int { Idle, Flying, Cancelled };

@@ -44,7 +44,7 @@ class ToyDriver final : public DaqDriver {
   }
   [[nodiscard]] double volts(std::size_t, std::uint16_t code) const noexcept override { return code * kToyVoltsPerCode; }
   [[nodiscard]] bool is_rail(std::size_t, std::uint16_t code) const noexcept override { return code == kToyRailCode; }
-  [[nodiscard]] bool waits_for_trigger() const noexcept override { return options_.waits_for_trigger; }
+  [[nodiscard]] bool waits_for_trigger() const noexcept override { return options_.waits_for_trigger && !is_restart_; }
 
   [[nodiscard]] core::Status connect(UsbPort& port, std::vector<DeviceCheck>& checks) override {
     if (auto stopped = tell(port, {kToyStop}, {}); !stopped) return stopped;
@@ -59,12 +59,13 @@ class ToyDriver final : public DaqDriver {
   [[nodiscard]] core::Result<ScanPlan> configure(UsbPort& port, const ScanRequest& request) override {
     carry_.reset();
     is_gap_count_next_ = false;
+    is_restart_ = request.is_restart;
     const bool is_large = request.must_use_large_packets || request.rate.hz() > 1000.0 || 2 * options_.channels > kToyPacketBytes;
     std::array<std::uint8_t, 10> data{};
     const std::array<std::int64_t, 2> terms = {request.rate.numerator(), request.rate.denominator()};
     for (std::size_t i = 0; i < 8; ++i) data[i] = static_cast<std::uint8_t>(terms[i / 4] >> (8 * (i % 4)));
     data[8] = static_cast<std::uint8_t>(options_.channels);
-    data[9] = static_cast<std::uint8_t>((is_large ? 1U : 0U) | (options_.waits_for_trigger ? 2U : 0U));
+    data[9] = static_cast<std::uint8_t>((is_large ? 1U : 0U) | (waits_for_trigger() ? 2U : 0U));
     if (auto told = tell(port, {kToyConfigure}, data); !told) return tl::make_unexpected(told.error());
     if (auto cleared = port.clear_halt(kToyEndpoint); !cleared) return tl::make_unexpected(to_error(cleared.error(), "clear halt"));
     const std::uint64_t packet_scans = is_large ? std::max<std::uint64_t>(kToyPacketBytes / 2 / options_.channels, 1) : 1;
@@ -83,7 +84,7 @@ class ToyDriver final : public DaqDriver {
     return volts;
   }
   [[nodiscard]] core::Status begin(UsbPort& port) override { return tell(port, {kToyBegin}, {}); }
-  void end(UsbPort& port) noexcept override { (void)tell(port, {kToyStop}, {}); }
+  [[nodiscard]] core::Status end(UsbPort& port) noexcept override { return tell(port, {kToyStop}, {}); }
   [[nodiscard]] core::Result<ScanHealth> health(UsbPort& port) override {
     std::array<std::uint8_t, 1> status{};
     if (auto asked = ask(port, {kToyStatus}, status); !asked) return tl::make_unexpected(asked.error());
@@ -134,6 +135,7 @@ class ToyDriver final : public DaqDriver {
   UnitIdentity identity_;
   std::optional<std::uint8_t> carry_;  ///< Low byte of a code whose high byte is in the next packet.
   bool is_gap_count_next_ = false;
+  bool is_restart_ = false;
 };
 
 }  // namespace dts::device::usb::test

@@ -194,5 +194,42 @@ TEST(UsbDaqCable, CancelThatNeverReturns_MemoryIsGivenUpAndSaidSo) {
   EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
 }
 
+TEST(UsbDaqCable, CancelThatReturnsLate_OpenSaysSoAndSucceedsAfterIt) {
+  ToyBench bench;
+  bench.run(1500);
+  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+  bench.host.bus.cancel_ns = kSecond;
+
+  EXPECT_FALSE(bench.daq->stop().has_value());
+  EXPECT_TRUE(bench.daq->close().has_value());
+  const core::Status early = bench.daq->open();
+  bench.host.bus.cancel_ns = 0;
+  bench.host.bus.run_until(bench.host.clock.now_ns() + 2 * kSecond);
+
+  ASSERT_FALSE(early.has_value());
+  EXPECT_NE(early.error().what.find("have not come back yet"), std::string::npos) << early.error().what;
+  EXPECT_NE(early.error().hint.find("unplug"), std::string::npos);
+  bench.run(1500);
+  EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+  EXPECT_EQ(bench.checker->wrong(), 0U);
+  EXPECT_EQ(bench.host.bus.open_ports(), 1);
+}
+
+TEST(UsbDaqCable, StartThatFailsAndCannotEnd_SaysBoth) {
+  ToyBench bench;
+  ASSERT_TRUE(bench.daq->open().has_value());
+  bench.device.takes_begin_without_running = true;
+  bench.host.bus.cancel_ns = kSecond;
+
+  const auto started = bench.start(1500);
+
+  ASSERT_FALSE(started.has_value());
+  EXPECT_NE(started.error().what.find("does not scan"), std::string::npos) << started.error().what;
+  EXPECT_NE(started.error().what.find("did not come back"), std::string::npos) << started.error().what;
+  EXPECT_EQ(bench.daq->state(), DeviceState::Gone);
+  bench.host.bus.run_until(bench.host.clock.now_ns() + 2 * kSecond);
+  bench.daq->close();
+}
+
 }  // namespace
 }  // namespace dts::device::usb

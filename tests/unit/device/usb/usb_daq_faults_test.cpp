@@ -22,6 +22,13 @@ constexpr std::int64_t kFoundWithinNs = 250 * kMillisecond;
 
 constexpr std::size_t kChannels = 4;
 
+bool has_failed(const UsbDaq& daq, const std::string& name, const std::string& detail = "") {
+  const std::vector<DeviceCheck> checks = daq.report().checks;
+  return std::any_of(checks.begin(), checks.end(), [&](const DeviceCheck& check) {
+    return check.outcome == DeviceCheck::Outcome::Failed && check.name == name && check.detail.find(detail) != std::string::npos;
+  });
+}
+
 struct Strike {
   const char* name;
   std::uint64_t Faults::*fault;
@@ -172,6 +179,26 @@ TEST(UsbDaqFaults, LostPacketWithoutMarker_FoundByLatenessInSeconds) {
   EXPECT_EQ(result.outcome, ReadOutcome::Broken);
   EXPECT_EQ(result.gap.reason, GapReason::Integrity);
   EXPECT_LE(bench.host.clock.now_ns(), bench.device.instant_ns(15'000) + 5 * kSecond);
+  EXPECT_TRUE(has_failed(*bench.daq, "no scans are missing on the way"));
+}
+
+TEST(UsbDaqFaults, Break_ItsChecksStayInTheReportUntilClose) {
+  ToyBench bench({.driver = {.channels = kChannels}, .has_marker = true});
+  bench.device.faults.drop_code_at = 600 * kChannels;
+  bench.run(1500, 15);
+  ASSERT_EQ(bench.read_until_trouble(2 * kSecond).outcome, ReadOutcome::Broken);
+  ASSERT_TRUE(bench.daq->stop().has_value());
+
+  for (int restart = 0; restart < 2; ++restart) {  // the second follows a scan that ended well
+    ASSERT_TRUE(bench.start(1500).has_value());
+    ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+    EXPECT_TRUE(has_failed(*bench.daq, "last break: the marker is last in every scan"));
+    EXPECT_TRUE(has_failed(*bench.daq, "last break: the stream is whole", "integrity"));
+    EXPECT_FALSE(has_failed(*bench.daq, "the marker is last in every scan")) << "that is of this scan";
+    ASSERT_TRUE(bench.daq->stop().has_value());
+  }
+  ASSERT_TRUE(bench.daq->close().has_value());
+  EXPECT_FALSE(has_failed(*bench.daq, "last break: the stream is whole"));
 }
 
 TEST(UsbDaqFaults, OverrunWithoutStall_FoundByAsking) {
@@ -251,7 +278,7 @@ TEST(UsbDaqFaults, DeadButPresent_SilenceAndEveryCallReturns) {
 
   EXPECT_EQ(bench.read_until_trouble(2 * kSecond).gap.reason, GapReason::Silence);
 
-  EXPECT_TRUE(bench.daq->stop().has_value());
+  EXPECT_FALSE(bench.daq->stop().has_value()) << "nobody knows whether it still scans";
   const auto started = bench.start(1500);
   ASSERT_FALSE(started.has_value());
   EXPECT_EQ(started.error().code, ErrorCode::Timeout);

@@ -2,8 +2,10 @@
 // Every operation in every state, and what stands in the way of opening.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "device/usb/usb_daq.h"
 #include "unit/device/usb/toy_bench.h"
@@ -242,6 +244,40 @@ TEST(UsbDaqStart, RateOrBlockOutOfLimits_RefusedAndStillOpen) {
   EXPECT_EQ(code(bench.daq->start({*core::Rate::from_hz(100), 0})), ErrorCode::InvalidArgument);
   EXPECT_EQ(code(bench.daq->start({*core::Rate::from_hz(100), core::kMaxBlockScans + 1})), ErrorCode::InvalidArgument);
   EXPECT_EQ(bench.daq->state(), DeviceState::Open);
+}
+
+TEST(UsbDaqStart, ReportDuringAStart_ReturnsAtOnce) {
+  ToyBench bench;
+  ASSERT_TRUE(bench.daq->open().has_value());
+  int reports = 0;
+  bench.host.bus.on_request = [&](std::uint64_t) {  // in the middle of the start: a lock that it held would never be had
+    EXPECT_EQ(bench.daq->report().serial, "T1");
+    ++reports;
+  };
+
+  ASSERT_TRUE(start(*bench.daq).has_value());
+  EXPECT_TRUE(bench.daq->stop().has_value());
+
+  EXPECT_GE(reports, 5);
+  bench.host.bus.on_request = nullptr;
+}
+
+TEST(UsbDaqStart, SyncOutputDuringAStart_SaysTryAgain) {
+  ToyBench bench;
+  ASSERT_TRUE(bench.daq->open().has_value());
+  core::Status told;
+  bench.host.bus.on_request = [&](std::uint64_t) {
+    bench.host.bus.on_request = nullptr;
+    std::jthread([&] { told = bench.daq->set_sync_output(true); }).join();  // within a start that waits for it
+  };
+
+  ASSERT_TRUE(start(*bench.daq).has_value());
+
+  ASSERT_EQ(code(told), ErrorCode::WrongState);
+  EXPECT_NE(told.error().what.find("busy starting"), std::string::npos);
+  EXPECT_EQ(told.error().hint, "try again");
+  EXPECT_TRUE(bench.daq->set_sync_output(true).has_value());
+  EXPECT_TRUE(bench.device.is_sync_high);
 }
 
 TEST(UsbDaqStart, ExactRate_IsWhatTheClockGives) {

@@ -13,7 +13,7 @@ namespace {
 TEST(UsbStatus, EveryStatus_HasItsWords) {
   std::set<std::string> texts;
   for (int i = 0; i <= static_cast<int>(UsbStatus::Failed); ++i) texts.insert(to_string(static_cast<UsbStatus>(i)));
-  EXPECT_EQ(texts.size(), 7U);
+  EXPECT_EQ(texts.size(), 8U);
   EXPECT_NE(to_string(static_cast<UsbStatus>(99)).find("99"), std::string::npos);
 }
 
@@ -25,6 +25,10 @@ TEST(UsbStatus, Error_CodeAndSentence) {
   }
   const core::Error error = to_error(UsbStatus::NoDevice, "reading the calibration", "plug it in");
   EXPECT_EQ(core::to_string(error), "reading the calibration: device is gone (plug it in)");
+}
+
+TEST(UsbStatus, NoMemory_SaysWhichLimitToRaise) {
+  EXPECT_NE(to_error(UsbStatus::NoMemory, "x").hint.find("/sys/module/usbcore/parameters/usbfs_memory_mb"), std::string::npos);
 }
 
 TEST(UsbUnit, Node_ThreeDigitsEach) {

@@ -4,6 +4,7 @@
 #include <ctime>
 
 #include <cerrno>
+#include <limits>
 
 namespace dts::core {
 namespace {
@@ -30,7 +31,22 @@ std::int64_t SystemClock::raw_ns() const noexcept { return read_ns(CLOCK_MONOTON
 
 std::int64_t SystemClock::suspended_ns() const noexcept { return read_ns(CLOCK_BOOTTIME) - read_ns(CLOCK_MONOTONIC); }
 
-std::int64_t monotonic_of_raw_ns(const Clock& clock, std::int64_t raw_ns) noexcept { return clock.now_ns() + (raw_ns - clock.raw_ns()); }
+std::int64_t monotonic_of_raw_ns(const Clock& clock, std::int64_t raw_ns) noexcept {
+  constexpr std::int64_t kUndisturbedNs = 20'000;
+  constexpr int kTries = 4;
+  // Read between two readings of the other clock: whoever is preempted here would shift the difference by all of it.
+  std::int64_t narrowest_ns = std::numeric_limits<std::int64_t>::max();
+  std::int64_t difference_ns = 0;
+  for (int i = 0; i < kTries && narrowest_ns > kUndisturbedNs; ++i) {
+    const std::int64_t before_ns = clock.raw_ns();
+    const std::int64_t now_ns = clock.now_ns();
+    const std::int64_t between_ns = clock.raw_ns() - before_ns;
+    if (between_ns >= narrowest_ns) continue;
+    narrowest_ns = between_ns;
+    difference_ns = now_ns - (before_ns + between_ns / 2);
+  }
+  return raw_ns + difference_ns;
+}
 
 std::int64_t utc_minus_monotonic_ns() noexcept { return read_ns(CLOCK_REALTIME) - read_ns(CLOCK_MONOTONIC); }
 

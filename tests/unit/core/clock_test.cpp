@@ -42,6 +42,29 @@ TEST(VirtualClock, Advance_AddsUp) {
   EXPECT_EQ(clock.now_ns(), 4'000'000);
 }
 
+TEST(VirtualClock, SlewedWallClock_MovesNowAndNotRaw) {
+  VirtualClock clock{1000};
+  const std::int64_t raw_ns = clock.raw_ns();
+
+  clock.slew_ns(300);
+
+  EXPECT_EQ(clock.raw_ns(), raw_ns);
+  EXPECT_EQ(monotonic_of_raw_ns(clock, raw_ns), clock.now_ns());
+}
+
+TEST(SystemClock, RawInstant_IsTheMonotonicTimeOfTheSameMoment) {
+  const SystemClock clock;
+  const std::int64_t before_ns = clock.now_ns();
+  const std::int64_t raw_ns = clock.raw_ns();
+  const std::int64_t after_ns = clock.now_ns();
+
+  const std::int64_t now_ns = monotonic_of_raw_ns(clock, raw_ns);
+
+  constexpr std::int64_t kReadingNs = 100'000;
+  EXPECT_GT(now_ns, before_ns - kReadingNs);
+  EXPECT_LT(now_ns, after_ns + kReadingNs);
+}
+
 TEST(VirtualClock, ManySleepers_NeverTurnItBack) {
   VirtualClock clock;
   std::latch both_run{2};

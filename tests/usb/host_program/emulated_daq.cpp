@@ -26,15 +26,20 @@ constexpr const char* kAnySerial = "01D4E5F6";
 template <class Emulator>
 EmulatedDaq with_faults(std::unique_ptr<Emulator> emulator) {
   Faults* faults = &emulator->faults;
-  return {std::move(emulator), faults};
+  return {.device = std::move(emulator), .faults = faults};
 }
 
 }  // namespace
 
 core::Result<EmulatedDaq> create_daq(std::string_view name, const std::string& serial, Source source) {
   const auto found = std::find_if(kFsPlusNames.begin(), kFsPlusNames.end(), [name](const auto& entry) { return entry.first == name; });
-  if (found != kFsPlusNames.end())
-    return with_faults(std::make_unique<FsPlusEmulator>(found->second, serial.empty() ? kAnySerial : serial, std::move(source)));
+  if (found != kFsPlusNames.end()) {
+    auto emulator = std::make_unique<FsPlusEmulator>(found->second, serial.empty() ? kAnySerial : serial, std::move(source));
+    FsPlusEmulator* const wired = emulator.get();
+    EmulatedDaq daq = with_faults(std::move(emulator));
+    daq.loop_back = [wired](unsigned bit, std::size_t input) { wired->loop_back(bit, input); };
+    return daq;
+  }
   if (name == "1608g")
     return with_faults(std::make_unique<Usb1608gEmulator>(kUsb1608gRevision2, serial.empty() ? kAnySerial : serial, std::move(source)));
   if (name == "u6") {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -15,6 +17,8 @@ namespace dts::emulator {
 struct EmulatedDaq {
   std::unique_ptr<EmulatedDevice> device;
   Faults* faults = nullptr;  ///< Inside `device`.
+  /// Wires a digital output to an analogue input: 0 or 5 V; empty: this emulation cannot.
+  std::function<void(unsigned bit, std::size_t input)> loop_back{};
 };
 
 /// "1608fs-plus", "1208fs-plus", "1408fs-plus", "usb-201", "usb-202", "usb-204", "usb-205", "1608g", "u6". `serial` empty: any.

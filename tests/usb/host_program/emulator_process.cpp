@@ -45,6 +45,7 @@ void EmulatorProcess::write_files(const Options& options) const {
   std::filesystem::copy(config / "sensors", directory_ / "sensors");
   std::filesystem::create_directory(directory_ / "rigs");
   std::filesystem::copy(config / "rigs" / "floor-sim.toml", directory_ / "rigs" / "floor.toml");
+  std::ofstream(directory_ / "rigs" / "floor.toml", std::ios::app) << "\n" << options.rig_tables;
   std::ofstream(directory_ / "weights.csv") << options.weights;
   std::ofstream(directory_ / "dtsd.toml") << "[[rig]]\nname = \"floor\"\nfile = \"rigs/floor.toml\"\ndevice = \"" << options.uri << "\"\n";
 }
@@ -53,18 +54,18 @@ void EmulatorProcess::spawn(const Options& options) {
   std::array<int, 2> to{};
   std::array<int, 2> from{};
   if (::pipe2(to.data(), O_CLOEXEC) != 0 || ::pipe2(from.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe");
-  const std::vector<std::string> arguments = {USB_EMULATOR_PROGRAM,
-                                              "umockdev",
-                                              options.daq,
-                                              "--rig",
-                                              directory_ / "rigs" / "floor.toml",
-                                              "--scene",
-                                              replaced(options.scene, "$DIR", directory_.string()),
-                                              "--",
-                                              DTSD_PROGRAM,
-                                              "--config",
-                                              directory_ / "dtsd.toml",
-                                              "--foreground"};
+  std::vector<std::string> arguments = {USB_EMULATOR_PROGRAM,
+                                        "umockdev",
+                                        options.daq,
+                                        "--rig",
+                                        directory_ / "rigs" / "floor.toml",
+                                        "--scene",
+                                        replaced(options.scene, "$DIR", directory_.string())};
+  arguments.insert(arguments.end(), options.wiring.begin(), options.wiring.end());
+  for (const std::string& argument : {std::string("--"), std::string(DTSD_PROGRAM), std::string("--config"),
+                                      (directory_ / "dtsd.toml").string(), std::string("--foreground")}) {
+    arguments.push_back(argument);
+  }
   std::vector<char*> argv;
   for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
   argv.push_back(nullptr);
@@ -107,6 +108,11 @@ std::optional<RigSource::Truth> EmulatorProcess::truth_at(std::int64_t monotonic
 test::Finished EmulatorProcess::ctl(std::vector<std::string> arguments) const {
   arguments.insert(arguments.begin(), DTSCTL_PROGRAM);
   return test::run_program(arguments, {"DTSD_RUNTIME_DIR=" + directory_.string()});
+}
+
+client::Subscriber EmulatorProcess::subscribe(std::vector<std::string> topics) const {
+  const std::string endpoint = "ipc://" + (directory_ / "data.sock").string();
+  return client::Subscriber::open({.endpoint = endpoint, .topics = std::move(topics), .mode = client::Mode::All}).value();
 }
 
 bool EmulatorProcess::is_streaming() const { return ctl({"status", "--json"}).out.find("\"device\": \"streaming\"") != std::string::npos; }

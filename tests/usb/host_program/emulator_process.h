@@ -21,7 +21,9 @@ class EmulatorProcess {
     std::string daq = "1608fs-plus";
     std::string uri = "mcc:1608fs-plus?channels=0,1,2,3&range_v=5";
     std::string scene;
-    std::string weights;  ///< Lines of the file "weights.csv" that `scene` may name as $DIR/weights.csv.
+    std::string rig_tables;             ///< Appended to the rig's file.
+    std::vector<std::string> wiring{};  ///< Further arguments of usb_emulator.
+    std::string weights;                ///< Lines of the file "weights.csv" that `scene` may name as $DIR/weights.csv.
   };
 
   /// Returns when the daemon answers, or after kPatience.
@@ -34,6 +36,7 @@ class EmulatorProcess {
   [[nodiscard]] std::string ask(const std::string& command);
   [[nodiscard]] std::optional<RigSource::Truth> truth_at(std::int64_t monotonic_ns);
   [[nodiscard]] test::Finished ctl(std::vector<std::string> arguments) const;
+  [[nodiscard]] client::Subscriber subscribe(std::vector<std::string> topics) const;
   [[nodiscard]] bool is_streaming() const;
   [[nodiscard]] std::string log() const;
   /// Ends both; the daemon's exit status.

@@ -5,7 +5,9 @@
 
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 
 #include "usb/host_program/emulator_process.h"
@@ -82,6 +84,33 @@ TEST(UsbEndToEndTest, ASessionSurvivesThePlug) {
   EXPECT_EQ(rig.at("session").at("state"), "running");
   EXPECT_EQ(rig.at("segment"), 3);
   EXPECT_EQ(emulator.ctl({"session", "stop"}).status, 0);
+}
+
+TEST(UsbEndToEndTest, TheSyncPulseOfASessionIsSeenInTheDataAtItsScan) {
+  EmulatorProcess emulator({.uri = "mcc:1608fs-plus?channels=0,1,2,3,4&range_v=10&sync_output_bit=0",
+                            .scene = "sim:floor?contact=point&step_on_s=3600",
+                            .rig_tables = "[trigger]\nchannel = 4\n[session]\nsync_pulse_ms = 200\n",
+                            .wiring = {"--loop-back", "0:4"}});
+  ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
+  auto subscriber = emulator.subscribe({"floor/trigger", "floor/aux"});
+  std::map<std::uint64_t, float> line_v;
+  std::optional<std::uint64_t> told;
+  ASSERT_EQ(emulator.ctl({"session", "start", "--rig", "floor"}).status, 0);
+
+  const auto has_seen_the_pulse = [&] {
+    const auto message = subscriber.receive(std::chrono::milliseconds(20));
+    if (message && message->has_value()) {
+      if (const auto* event = std::get_if<client::Event>(&**message)) told = event->body->scan();
+      if (const auto* block = std::get_if<client::Block>(&**message)) {
+        for (std::size_t scan = 0; scan < block->scan_count; ++scan) line_v[block->first_scan + scan] = block->column(0)[scan];
+      }
+    }
+    return told && line_v.contains(*told) && line_v.rbegin()->first > *told + 60 && line_v.rbegin()->second < 0.5F;
+  };
+  ASSERT_TRUE(eventually(has_seen_the_pulse)) << emulator.log();
+
+  EXPECT_GT(line_v[*told], 4.5F);
+  EXPECT_LT(line_v[*told - 1], 0.5F);
 }
 
 TEST(UsbEndToEndTest, AnUnknownCommandIsAnsweredWithTheKnownOnes) {

@@ -10,9 +10,11 @@
 #include <array>
 #include <cstdlib>
 #include <iostream>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "usb/emulator/fs_plus_emulator.h"
 #include "usb/host_program/bus.h"
 #include "usb/host_program/commands.h"
 #include "usb/host_program/emulated_daq.h"
@@ -27,6 +29,7 @@ struct Options {
   std::string rig = "config/rigs/floor-sim.toml";
   std::string scene = "sim:floor?seed=7";
   std::string serial;
+  std::string loop_back;  ///< "0:4"
   bool is_unplugged = false;
   std::vector<std::string> command;
 };
@@ -97,6 +100,17 @@ int run(const Options& options) {
   if (!rig) return refuse(rig.error());
   auto daq = create_daq(options.device, options.serial, (*rig)->source());
   if (!daq) return refuse(daq.error());
+  if (!options.loop_back.empty()) {
+    unsigned bit = 0;
+    std::size_t input = 0;
+    char colon = '\0';
+    std::istringstream text(options.loop_back);
+    const bool is_pair = (text >> bit >> colon >> input) && colon == ':' && text.eof();
+    if (!is_pair || !daq->loop_back || bit >= 8 || input >= FsPlusEmulator::kInputs) {
+      return refuse({core::ErrorCode::InvalidArgument, "--loop-back " + options.loop_back + ": not BIT:INPUT, or not with this DAQ", ""});
+    }
+    daq->loop_back(bit, input);
+  }
   auto bus = create_bus(options.bus);
   if (!bus) return refuse(bus.error());
   if (!options.is_unplugged) {
@@ -127,6 +141,7 @@ int main(int argc, char** argv) {
   app.add_option("--rig", options.rig, "Rig file: plate and sensors")->capture_default_str();
   app.add_option("--scene", options.scene, "What is on the plate")->capture_default_str();
   app.add_option("--serial", options.serial, "Serial number");
+  app.add_option("--loop-back", options.loop_back, "Wire a digital output to an analogue input (not 1608g, u6)")->type_name("BIT:INPUT");
   app.add_flag("--unplugged", options.is_unplugged, "Plugged in only when asked for");
   app.add_option("COMMAND", options.command, "Run beside it; the program ends with its status");
   CLI11_PARSE(app, argc, argv);

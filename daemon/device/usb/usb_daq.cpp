@@ -222,14 +222,14 @@ core::Result<core::Rate> UsbDaq::bring_up(const StartOptions& options, core::Rat
 core::Result<std::vector<double>> UsbDaq::read_single() {
   constexpr char kCheck[] = "single readings agree with the scan";
   if (driver_->may_start_late()) {
-    add_check({kCheck, DeviceCheck::Outcome::Passed, "skipped: the scan waits for a trigger"});
+    add_check({kCheck, DeviceCheck::Outcome::Skipped, "the scan waits for a trigger"});
     return std::vector<double>{};
   }
   auto single_v = driver_->read_once(*port_);
   if (single_v && single_v->size() == describe().channels.size()) return single_v;
   if (single_v) return core::fail(ErrorCode::Internal, describe().uri + ": a single reading of the wrong length");
   if (single_v.error().code != ErrorCode::Unsupported) return single_v;
-  add_check({kCheck, DeviceCheck::Outcome::Passed, "skipped: this device has no single readings"});
+  add_check({kCheck, DeviceCheck::Outcome::Skipped, "this device has no single readings"});
   return std::vector<double>{};
 }
 

@@ -3,9 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include <string>
 
 #include "unit/device/sim_rig.h"
+#include "usb/fake/fake_bus.h"
 
 namespace dts::device {
 namespace {
@@ -57,6 +60,25 @@ TEST(Registry, MisspeltOption_Suggests) {
   EXPECT_NE(error.what.find("wieght_n"), std::string::npos);
   EXPECT_NE(error.hint.find("did you mean \"weight_n\"?"), std::string::npos);
   EXPECT_NE(error.hint.find("stance_width_mm"), std::string::npos);  // and all that are known
+}
+
+TEST(Registry, EveryAddressOfTheExampleConfigurationIsAccepted) {
+  std::ifstream file(DTS_SOURCE_DIR "/config/dtsd-daq.toml");
+  core::VirtualClock clock;
+  emulator::FakeBus bus(clock);
+  const physics::RigModel rig = test::floor_rig();
+  int addresses = 0;
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t begin = line.find("device = \"");
+    if (begin == std::string::npos) continue;
+    const std::size_t first = begin + 10;
+    const std::string uri = line.substr(first, line.find('"', first) - first);
+    const auto device = create_device(uri, {clock, rig, &bus});
+    const bool lacks_only_the_image = !device && device.error().what.find("usb1608g.bit") != std::string::npos;
+    EXPECT_TRUE(device || lacks_only_the_image) << uri << ": " << (device ? "" : core::to_string(device.error()));
+    ++addresses;
+  }
+  EXPECT_EQ(addresses, 6);
 }
 
 TEST(Compete, SameKindWithoutTwoSerialNumbers) {

@@ -105,7 +105,7 @@ class Device {
   /// The rate nearest to `wanted` that the device's clock can give, exactly: what `start` will return for it.
   /// InvalidArgument: outside the limits of `describe`.
   [[nodiscard]] virtual core::Result<core::Rate> exact_rate(core::Rate wanted) const = 0;
-  /// Empty before the first `open`. Waits for no control request.
+  /// Before the first `open`: what is known without the unit, as a rule nothing. Waits for no control request.
   [[nodiscard]] virtual DeviceReport report() const = 0;
   /// true when something was plugged in since the last call: `open` is worth another try now.
   [[nodiscard]] virtual bool has_arrived() noexcept { return false; }

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <ostream>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -39,6 +40,8 @@ struct DeviceUnderTest {
   const char* gapping_uri;
   Units (*make_units)() = [] { return Units(); };  ///< What must be plugged in; then the plug is pulled, and no URI does it.
 };
+
+inline void PrintTo(const DeviceUnderTest& tested, std::ostream* out) { *out << tested.name; }
 
 /// Something moves on every input, and no two inputs are alike.
 inline void fill_inputs(double time_s, std::span<double> volts) {

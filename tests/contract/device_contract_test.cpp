@@ -355,7 +355,7 @@ TEST_P(DeviceContract, DestroyedWhileStreaming_CanBeOpenedAnew) {
 }
 
 TEST_P(DeviceContract, Read_AllocatesNothing) {
-  if (is_on_usb()) GTEST_SKIP() << "the bus in the test allocates in this thread: see unit_device";
+  if (is_on_usb()) GTEST_SKIP() << "the bus in the test allocates in this thread: see usb_umockdev";
   for (const char* uri : {GetParam().uri, GetParam().unplugging_uri, GetParam().gapping_uri}) {
     if (uri[0] == '\0') continue;
     const auto device = streaming(uri);

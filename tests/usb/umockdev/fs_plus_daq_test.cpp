@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <string>
+#include <thread>
 
+#include "support/allocation_counter.h"
 #include "usb/emulator/fs_plus_emulator.h"
 #include "usb/umockdev/daq_fixture.h"
 
@@ -230,6 +234,34 @@ TEST_F(FsPlusDaqTest, AUnitOfAnotherProgramIsRefusedUntilItIsFree) {
   host_.occupy(daq_, false);
 
   EXPECT_TRUE(device_->open());
+}
+
+TEST_F(FsPlusDaqTest, AnInterruptFromAnotherThreadEndsTheRead) {
+  run(std::string(kUri) + "&trigger=rising");  // nothing comes, and that is no fault: only the interrupt ends the read
+  std::atomic<bool> has_returned{false};
+
+  std::jthread reader([&] {
+    core::Block block(kChannels, 64);
+    EXPECT_EQ(device_->read(block, clock_.now_ns() + 3600'000 * core::kNanosecondsPerMillisecond).outcome, ReadOutcome::Armed);
+    has_returned.store(true, std::memory_order_release);
+  });
+  while (!has_returned.load(std::memory_order_acquire)) {
+    device_->interrupt();
+    std::this_thread::yield();
+  }
+  reader.join();
+
+  EXPECT_TRUE(device_->stop());
+}
+
+TEST_F(FsPlusDaqTest, TheReadingThreadAllocatesNothingWhileScansFlow) {
+  run();
+  ASSERT_EQ(listen(300).wrong, 0U);
+
+  const std::uint64_t before = test::heap_calls_of_this_thread();
+  ASSERT_EQ(listen(1500).wrong, 0U);
+
+  EXPECT_EQ(test::heap_calls_of_this_thread(), before);
 }
 
 TEST_F(FsPlusDaqTest, TwoUnitsStreamSideBySide) {

@@ -51,7 +51,21 @@ client::Error nothing_published(const v1::StatusSnapshot& status, const std::vec
           topics.empty() ? "no rig is configured" : hint};
 }
 
+bool is_any_asked_for(const std::vector<std::string>& topics, const std::vector<std::string>& prefixes) {
+  return std::ranges::any_of(topics, [&](const std::string& topic) { return is_asked_for(topic, prefixes); });
+}
+
 }  // namespace
+
+bool asks_for_events_only(const v1::StatusSnapshot* status, const std::vector<std::string>& prefixes) {
+  if (status == nullptr) return false;
+  bool has_event = false;
+  for (const v1::RigStatus& rig : status->rigs()) {
+    if (is_any_asked_for(streams_of(rig.rig()), prefixes)) return false;
+    has_event = has_event || is_any_asked_for(events_of(rig.rig()), prefixes);
+  }
+  return has_event;
+}
 
 client::Error explain_silence(const v1::StatusSnapshot* status, const std::vector<std::string>& prefixes, const std::string& endpoint) {
   if (status == nullptr) {
@@ -60,10 +74,8 @@ client::Error explain_silence(const v1::StatusSnapshot* status, const std::vecto
   bool has_stream = false;
   bool has_event = false;
   for (const v1::RigStatus& rig : status->rigs()) {
-    const auto streams = streams_of(rig.rig());
-    const auto events = events_of(rig.rig());
-    const bool wants_stream = std::ranges::any_of(streams, [&](const std::string& topic) { return is_asked_for(topic, prefixes); });
-    has_event = has_event || std::ranges::any_of(events, [&](const std::string& topic) { return is_asked_for(topic, prefixes); });
+    const bool wants_stream = is_any_asked_for(streams_of(rig.rig()), prefixes);
+    has_event = has_event || is_any_asked_for(events_of(rig.rig()), prefixes);
     if (wants_stream && rig.device() != v1::DEVICE_STATE_STREAMING) {
       const std::string why = rig.device_message().empty() ? "its device does not stream" : rig.device_message();
       return {ErrorCode::DeviceGone, "rig '" + rig.rig().name() + "' is silent: " + why, "dtsctl device list; dtsctl doctor"};

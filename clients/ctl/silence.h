@@ -15,4 +15,7 @@ namespace dts::ctl {
 [[nodiscard]] client::Error explain_silence(const v1::StatusSnapshot* status, const std::vector<std::string>& prefixes,
                                             const std::string& endpoint);
 
+/// Events of a rig that exists are asked for, and no stream: silence is what one expects.
+[[nodiscard]] bool asks_for_events_only(const v1::StatusSnapshot* status, const std::vector<std::string>& prefixes);
+
 }  // namespace dts::ctl

@@ -94,7 +94,8 @@ void Watch::take(const client::Message& message) {
     console_.talk << "dtsctl: the daemon was restarted; segments and scans start anew" << std::endl;
   }
   silence_ = {};
-  has_told_ = false;
+  // Who waits for events has been told once that they are rare.
+  has_told_ = has_told_ && asks_for_events_only(subscriber_.status(), topics_);
 }
 
 /// "Everything" means everything about rigs: a status line per second would drown it.

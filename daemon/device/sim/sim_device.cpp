@@ -126,6 +126,8 @@ void SimDevice::fill(core::Block& block, std::size_t count) noexcept {
   block.set_count(count);
   block.first_scan = {next_ - segment_start_};
   block.host_time_ns = pacer_.instant_ns(next_);
+  block.host_time_uncertainty_ns = 0;  // the simulator knows
+  block.clock_drift_ppm = parts_.clock_error_ppm;
   for (std::size_t i = 0; i < count; ++i) {
     compute_scan(next_ + i);
     for (std::size_t channel = 0; channel < row_.size(); ++channel) {

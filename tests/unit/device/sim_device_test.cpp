@@ -19,6 +19,17 @@ using test::Recorded;
 constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
 constexpr std::int64_t kSecond = 1000 * kMillisecond;
 
+TEST(SimDevice, ClockThatIsOff_IsSaidInEveryBlock) {
+  test::Bench bench("sim:floor?clock_ppm=80");
+  bench.start(100.0);
+  core::Block block = bench.block(8);
+
+  ASSERT_EQ(bench.device->read(block, test::kNever).outcome, ReadOutcome::Scans);
+
+  EXPECT_EQ(block.clock_drift_ppm, 80.0);
+  EXPECT_EQ(block.host_time_uncertainty_ns, 0);
+}
+
 TEST(SimDevice, FullBlock_TakesAsLongAsItsScans) {
   Bench bench("sim:floor");
   bench.start(100);

@@ -40,13 +40,21 @@ function(dts_test name label)
     set(TEST_TIMEOUT 120)
   endif()
   add_executable(${name} ${TEST_SOURCES})
-  target_compile_options(${name} PRIVATE ${DTS_WARNINGS})
+  # What is tested is optimised, the tests themselves need not be: -O1 compiles a quarter faster than -O3.
+  target_compile_options(${name} PRIVATE ${DTS_WARNINGS} $<$<CONFIG:Release>:-O1>)
   target_include_directories(${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
   target_compile_definitions(${name} PRIVATE DTS_SOURCE_DIR="${CMAKE_SOURCE_DIR}")
   target_link_libraries(${name} PRIVATE ${TEST_LIBRARIES} GTest::gtest GTest::gmock GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   # libzmq is not instrumented: without the first setting every hand-over inside it reads as a race.
   set(sanitizer_options "TSAN_OPTIONS=ignore_noninstrumented_modules=1:halt_on_error=1")
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-    PROPERTIES LABELS ${label} TIMEOUT ${TEST_TIMEOUT} ENVIRONMENT "${sanitizer_options};${TEST_ENVIRONMENT}")
+  set(environment "${sanitizer_options};${TEST_ENVIRONMENT}")
+  if(DTS_SANITIZE AND label MATCHES "unit|contract")
+    # A thousand starts of a sanitizer's run-time are minutes: one process for all cases of such a program.
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES LABELS ${label} TIMEOUT 600 ENVIRONMENT "${environment}")
+  else()
+    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+      PROPERTIES LABELS ${label} TIMEOUT ${TEST_TIMEOUT} ENVIRONMENT "${environment}")
+  endif()
 endfunction()

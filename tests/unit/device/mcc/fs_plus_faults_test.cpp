@@ -213,8 +213,8 @@ TEST(FsPlusFaults, MuteDevice_Timeout) {
 
   ASSERT_FALSE(opened.has_value());
   EXPECT_EQ(opened.error().code, core::ErrorCode::Timeout);
-  EXPECT_GE(bench.clock.now_ns() - before_ns, kSecond);  // it may only be slow
-  EXPECT_LT(bench.clock.now_ns() - before_ns, kSecond + 250 * kMillisecond);
+  EXPECT_GE(bench.clock.now_ns() - before_ns, 200 * kMillisecond);  // it may only be slow
+  EXPECT_LE(bench.clock.now_ns() - before_ns, 250 * kMillisecond);
 }
 
 TEST(FsPlusFaults, Unplugged_Gone) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "ctl/calibrate/arguments.h"
+#include "ctl/session_arguments.h"
 
 namespace dts::ctl {
 
@@ -20,15 +21,11 @@ struct Arguments {
 
   std::string rig;
   std::string text;  ///< Of a marker.
-  std::string protocol;
-  std::string subject;
-  std::string label;
-  double duration_s = 0.0;  ///< 0: until stopped.
-  double settle_s = 0.0;
   std::vector<std::string> topics;
   std::optional<std::uint64_t> count;
   bool is_jsonl = false;
   bool is_latest = false;
+  SessionArguments session;
   CalibrateArguments calibrate;
 };
 

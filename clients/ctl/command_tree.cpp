@@ -9,24 +9,23 @@
 #include "ctl/commands.h"
 #include "ctl/doctor.h"
 #include "ctl/manual.h"
+#include "ctl/session_tree.h"
 #include "ctl/watch.h"
 #include "dts/error.h"
 
 namespace dts::ctl {
-namespace {
 
-using cli::count_from_one;
-using cli::number_between;
-using cli::text_of;
-
-using Command = int (*)(const Arguments& arguments, cli::Console& console);
-
-/// A command of dtsctl: `handler` gets the arguments of the command line.
 CLI::App* add(CommandTree& tree, CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
               Command handler) {
   return cli::add_command(tree.line, parent, name, description, examples,
                           [&tree, handler](cli::Console& console) { return handler(tree.arguments, console); });
 }
+
+namespace {
+
+using cli::count_from_one;
+using cli::number_between;
+using cli::text_of;
 
 CLI::Option* add_rig(CLI::App& command, std::string& rig, const std::string& description) {
   return command.add_option("--rig", rig, description)->option_text("RIG");
@@ -58,31 +57,6 @@ void add_rigs_and_devices(CommandTree& tree) {
   CLI::App* test = add(tree, *device, "test", "Measure each channel of a rig's device over the last second",
                        "dtsctl device test floor | mean, noise and gap of each sensor\n", run_device_test);
   test->add_option("RIG", tree.arguments.rig, "Name of the rig")->required()->option_text(" ");
-}
-
-void add_sessions(CommandTree& tree) {
-  Arguments& arguments = tree.arguments;
-  CLI::App* session = cli::add_group(tree.line.app, "session", "Start and stop sessions",
-                                     "dtsctl session start --rig floor | begin; prints the session's id\ndtsctl session stop | end it\n");
-  CLI::App* start = add(tree, *session, "start", "Start a session and print its id",
-                        "dtsctl session start --rig floor | until stopped\n"
-                        "dtsctl session start --rig floor --duration 25 --settle 5 | 5 s to settle, then 25 s\n"
-                        "dtsctl session start --rig chair --subject P017 --label \"eyes closed\" | with a pseudonym and a note\n",
-                        run_session_start);
-  add_rig(*start, arguments.rig, "Rig to use")->required();
-  start->add_option("--protocol", arguments.protocol, "Protocol to follow (free)")->option_text("NAME");
-  start->add_option("--subject", arguments.subject, "Pseudonym given by the clinic, never a name")->option_text("PSEUDONYM");
-  start->add_option("--label", arguments.label, "Free text, never a name")->option_text("TEXT")->check(text_of(0, 200));
-  start->add_option("--duration", arguments.duration_s, "Stop by itself after S seconds")
-      ->option_text("S")
-      ->check(number_between(0.0, 604800.0, "seconds"));
-  start->add_option("--settle", arguments.settle_s, "Time to settle before the session counts (0)")
-      ->option_text("S")
-      ->check(number_between(0.0, 3600.0, "seconds"));
-  CLI::App* stop =
-      add(tree, *session, "stop", "Stop a session",
-          "dtsctl session stop | the only session under way\ndtsctl session stop --rig floor | the one of this rig\n", run_session_stop);
-  add_rig(*stop, arguments.rig, "Rig of the session; needed when several have one");
 }
 
 void add_actions(CommandTree& tree) {

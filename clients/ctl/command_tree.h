@@ -21,9 +21,17 @@ struct CommandTree {
                                      "dtsctl session start --rig floor | begin a session\n"
                                      "dtsctl mark \"eyes closed\" | note a moment\n"
                                      "dtsctl session stop | end the session\n"
+                                     "dtsctl session list | what was recorded\n"
                                      "dtsctl tare --rig floor | zero the empty plate\n"
-                                     "dtsctl doctor | what is wrong, and how to mend it\n"}};
+                                     "dtsctl doctor | what is wrong, and how to mend it\n",
+                         .takes_files = true}};
 };
+
+using Command = int (*)(const Arguments& arguments, cli::Console& console);
+
+/// A command of dtsctl: `handler` gets the arguments of the command line.
+CLI::App* add(CommandTree& tree, CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
+              Command handler);
 
 /// Bound to itself by pointers: stays where it is made.
 [[nodiscard]] std::unique_ptr<CommandTree> make_command_tree();

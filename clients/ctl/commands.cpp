@@ -3,34 +3,14 @@
 
 #include <chrono>
 
-#include "cli/exit_status.h"
 #include "cli/suggestion.h"
-#include "ctl/json.h"
+#include "ctl/ask.h"
 #include "ctl/status_view.h"
 
 namespace dts::ctl {
-namespace {
 
 using client::ControlClient;
 using client::Result;
-
-/// Connects, asks, and prints the answer as JSON or through `view`.
-template <class Ask, class View>
-int ask_and_print(const Arguments& arguments, cli::Console& console, Ask&& ask, View&& view) {
-  auto dts = connect(arguments);
-  if (!dts) return cli::fail_with(console, dts.error());
-  const auto answer = ask(*dts);
-  if (!answer) return cli::fail_with(console, answer.error());
-  if (arguments.is_json) {
-    console.out << cli::document(to_json(*answer));
-  } else {
-    view(*answer);
-  }
-  console.out.flush();
-  return cli::kOk;
-}
-
-}  // namespace
 
 Result<v1::RigStatus> find_rig(const v1::StatusSnapshot& status, const std::string& name) {
   std::vector<std::string> known;
@@ -56,6 +36,7 @@ Result<ControlClient> connect(const Arguments& arguments) {
   if (arguments.timeout_s) {
     options.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(*arguments.timeout_s * 1000.0));
     options.tare_timeout = options.timeout;
+    options.stop_timeout = options.timeout;
   }
   return ControlClient::open(options);
 }
@@ -92,28 +73,6 @@ int run_device_test(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
       arguments, console, [&](ControlClient& dts) { return dts.test_device(arguments.rig); },
       [&](const v1::TestDeviceResponse& test) { print_device_test(console, test); });
-}
-
-int run_session_start(const Arguments& arguments, cli::Console& console) {
-  v1::StartSessionRequest request;
-  request.set_rig(arguments.rig);
-  request.set_protocol(arguments.protocol);
-  request.set_subject(arguments.subject);
-  request.set_label(arguments.label);
-  request.set_duration_s(arguments.duration_s);
-  request.set_settle_s(arguments.settle_s);
-  return ask_and_print(
-      arguments, console, [&](ControlClient& dts) { return dts.start_session(request); },
-      [&](const v1::SessionInfo& session) {
-        console.out << cli::printable(session.session_id()) << '\n';
-        cli::print_hint(console, "stop it: dtsctl session stop --rig " + session.rig() + "   see it: dtsctl watch " + session.rig() + "/");
-      });
-}
-
-int run_session_stop(const Arguments& arguments, cli::Console& console) {
-  return ask_and_print(
-      arguments, console, [&](ControlClient& dts) { return dts.stop_session(arguments.rig); },
-      [&](const v1::SessionInfo& session) { console.out << session_line(session) << '\n'; });
 }
 
 int run_mark(const Arguments& arguments, cli::Console& console) {

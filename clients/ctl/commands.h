@@ -16,8 +16,6 @@ namespace dts::ctl {
 [[nodiscard]] int run_rig_show(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_device_list(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_device_test(const Arguments& arguments, cli::Console& console);
-[[nodiscard]] int run_session_start(const Arguments& arguments, cli::Console& console);
-[[nodiscard]] int run_session_stop(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_mark(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_tare(const Arguments& arguments, cli::Console& console);
 

@@ -10,6 +10,7 @@
 #include "cli/table.h"
 #include "ctl/commands.h"
 #include "ctl/json.h"
+#include "ctl/recording_view.h"
 #include "dts/subscriber.h"
 
 namespace dts::ctl {
@@ -106,6 +107,7 @@ std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::ve
   checks.push_back(check_version(status->version()));
   for (const v1::RigStatus& rig : status->rigs()) std::ranges::move(check_rig(rig), std::back_inserter(checks));
   if (status->rigs_size() == 0) checks.push_back(bad("rigs", "none is configured", "add a [[rig]] to the daemon's configuration"));
+  std::ranges::move(check_disk(status->disk()), std::back_inserter(checks));
   return std::move(*status);
 }
 
@@ -125,6 +127,17 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
     return {bad(name, state + why, "is it plugged in and powered? see dtsctl device list and journalctl -u dtsd")};
   }
   return {good(name, state), check_rate(rig), check_losses(rig)};
+}
+
+std::vector<Check> check_disk(const v1::DiskStatus& disk) {
+  const std::string name = "disk";
+  switch (disk.state()) {
+    case v1::DISK_STATE_UNSPECIFIED: return {};
+    case v1::DISK_STATE_FINE: return {good(name, disk_line(disk))};
+    case v1::DISK_STATE_LOW: return {bad(name, disk_line(disk), "export old recordings and move them away before the next long session")};
+    case v1::DISK_STATE_FULL: return {bad(name, disk_line(disk), "make room: no recording starts until then")};
+    default: return {bad(name, disk_line(disk), "is it mounted read-only, or failing? see dmesg; may dtsd write there?")};
+  }
 }
 
 std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status) {

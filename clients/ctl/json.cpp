@@ -14,10 +14,17 @@ using google::protobuf::Message;
 using google::protobuf::Reflection;
 
 /// Fields whose 0 says that there is no such value (see the comments in the .proto files).
-constexpr std::array<std::string_view, 7> kZeroMeansUnknown{
-    "dts.v1.RigStatus.clock_drift_ppm",          "dts.v1.SessionInfo.duration_s",     "dts.v1.RigStatus.measured_rate_hz",
-    "dts.v1.RigStatus.pipeline_us_per_scan",     "dts.v1.DeviceInfo.minimum_rate_hz", "dts.v1.DeviceInfo.maximum_rate_hz",
-    "dts.v1.TestDeviceResponse.measured_rate_hz"};
+constexpr std::array<std::string_view, 12> kZeroMeansUnknown{
+    "dts.v1.RigStatus.clock_drift_ppm",           "dts.v1.SessionInfo.duration_s",
+    "dts.v1.RigStatus.measured_rate_hz",          "dts.v1.RigStatus.pipeline_us_per_scan",
+    "dts.v1.DeviceInfo.minimum_rate_hz",          "dts.v1.DeviceInfo.maximum_rate_hz",
+    "dts.v1.TestDeviceResponse.measured_rate_hz", "dts.v1.ProtocolInfo.duration_s",
+    "dts.v1.SessionRecord.ended_utc_ns",          "dts.v1.TrialChange.target_cm",
+    "dts.v1.TrialStatus.next_target_cm",          "dts.v1.TrialStatus.remaining_s"};
+
+bool means_unknown_at_zero(const FieldDescriptor& field) {
+  return std::ranges::find(kZeroMeansUnknown, field.full_name()) != kZeroMeansUnknown.end();
+}
 
 cli::Json number(double value) { return std::isfinite(value) ? cli::Json(value) : cli::Json(nullptr); }
 
@@ -35,12 +42,14 @@ cli::Json scalar(const Message& message, const FieldDescriptor& field) {
     }
     case FieldDescriptor::CPPTYPE_DOUBLE: {
       const double value = reflection.GetDouble(message, &field);
-      const bool is_unknown = value == 0.0 && std::ranges::find(kZeroMeansUnknown, field.full_name()) != kZeroMeansUnknown.end();
-      return is_unknown ? cli::Json(nullptr) : number(value);
+      return value == 0.0 && means_unknown_at_zero(field) ? cli::Json(nullptr) : number(value);
     }
     case FieldDescriptor::CPPTYPE_BOOL: return reflection.GetBool(message, &field);
     case FieldDescriptor::CPPTYPE_INT32: return reflection.GetInt32(message, &field);
-    case FieldDescriptor::CPPTYPE_INT64: return reflection.GetInt64(message, &field);
+    case FieldDescriptor::CPPTYPE_INT64: {
+      const std::int64_t value = reflection.GetInt64(message, &field);
+      return value == 0 && means_unknown_at_zero(field) ? cli::Json(nullptr) : cli::Json(value);
+    }
     case FieldDescriptor::CPPTYPE_UINT32: return reflection.GetUInt32(message, &field);
     case FieldDescriptor::CPPTYPE_UINT64: return reflection.GetUInt64(message, &field);
     default: return nullptr;
@@ -57,8 +66,21 @@ cli::Json element(const Message& message, const FieldDescriptor& field, int inde
   }
 }
 
+/// A map of texts by texts: the protocol has no others.
+cli::Json map_of(const Message& message, const FieldDescriptor& field) {
+  const Reflection& reflection = *message.GetReflection();
+  cli::Json object = cli::Json::object();
+  for (int index = 0; index < reflection.FieldSize(message, &field); ++index) {
+    const Message& entry = reflection.GetRepeatedMessage(message, &field, index);
+    const google::protobuf::Descriptor& type = *entry.GetDescriptor();
+    object[entry.GetReflection()->GetString(entry, type.map_key())] = entry.GetReflection()->GetString(entry, type.map_value());
+  }
+  return object;
+}
+
 cli::Json value_of(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
+  if (field.is_map()) return map_of(message, field);
   if (field.is_repeated()) {
     cli::Json list = cli::Json::array();
     for (int index = 0; index < reflection.FieldSize(message, &field); ++index) list.push_back(element(message, field, index));

@@ -41,6 +41,18 @@ std::string change_text(const std::string& state, const std::string& subject, co
   return subject + (subject.empty() ? "" : " ") + state + (message.empty() ? "" : ": " + message);
 }
 
+/// "go, trial 3: 120 at 85.2 cm", "rest for 20.0 s"
+std::string trial_text(const v1::TrialChange& change) {
+  const std::string what = enumerator_word(*v1::TrialEventKind_descriptor(), change.kind());
+  if (change.kind() == v1::TRIAL_EVENT_KIND_FINISHED) return "all trials are done";
+  if (change.kind() == v1::TRIAL_EVENT_KIND_REST) return change.rest_s() > 0.0 ? "rest for " + cli::duration(change.rest_s()) : "rest";
+  std::string text = what + ", trial " + std::to_string(change.trial());
+  if (change.attempt() > 1) text += " attempt " + std::to_string(change.attempt());
+  if (!change.condition().empty()) text += ": " + change.condition();
+  if (change.target_cm() > 0.0) text += " at " + cli::decimal(change.target_cm(), 1) + " cm";
+  return text;
+}
+
 std::string body_text(const v1::Event& event) {
   switch (event.body_case()) {
     case v1::Event::kGap: return gap_text(event);
@@ -53,6 +65,7 @@ std::string body_text(const v1::Event& event) {
     case v1::Event::kSession:
       return change_text(enumerator_word(*v1::SessionState_descriptor(), event.session().state()), event.session().session_id(),
                          event.session().message());
+    case v1::Event::kTrial: return trial_text(event.trial());
     case v1::Event::BODY_NOT_SET: break;
   }
   return "(of a later version of dtsd)";

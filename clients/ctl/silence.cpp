@@ -12,7 +12,7 @@ namespace {
 
 using client::ErrorCode;
 
-constexpr std::array<std::string_view, 8> kEvents{"gap", "marker", "trigger", "device", "session", "reach", "class", "sway"};
+constexpr std::array<std::string_view, 9> kEvents{"gap", "marker", "trigger", "device", "session", "trial", "reach", "class", "sway"};
 
 std::string joined(const std::vector<std::string>& words, const char* separator) {
   std::string text;

@@ -5,6 +5,7 @@
 
 #include "cli/table.h"
 #include "ctl/json.h"
+#include "ctl/recording_view.h"
 
 namespace dts::ctl {
 namespace {
@@ -112,6 +113,7 @@ void print_status(cli::Console& console, const v1::StatusSnapshot& status) {
   }
   if (status.rigs_size() == 0) console.out << "no rig is configured\n";
   rigs.print(console);
+  print_recordings(console, status);
   print_messages(console, status);
 }
 

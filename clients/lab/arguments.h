@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,10 +31,18 @@ struct Arguments {
   std::vector<double> loads_n;
   std::string out;
 
-  std::string first;  ///< Recordings to compare.
+  std::string first;  ///< Recording to replay, or the first of those to compare.
   std::string second;
 
   std::size_t sensor_count = 4;
+
+  std::string speed = "max";  ///< Of a replay.
+
+  std::string kind;  ///< Of rig to simulate: "floor", "chair".
+  double duration_s = 0.0;
+  std::optional<double> rate_hz;  ///< Absent: the rig's.
+  std::uint32_t seed = 1;
+  std::string truth;  ///< CSV to write.
 };
 
 }  // namespace dts::lab

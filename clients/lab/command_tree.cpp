@@ -9,6 +9,8 @@
 #include "lab/manual.h"
 #include "lab/place_command.h"
 #include "lab/plate_command.h"
+#include "lab/replay_command.h"
+#include "lab/simulate_command.h"
 #include "lab/thesis_command.h"
 #include "physics/plate/grid.h"
 #include "physics/plate/solve.h"
@@ -130,11 +132,55 @@ void add_cop(CommandTree& tree) {
 void add_compare(CommandTree& tree) {
   CLI::App* compare = add(tree, tree.line.app, "compare", "Align two recordings of the centre of pressure and tell how far apart they are",
                           "dtslab compare plate.csv force_plate.csv | as thesis Table 4.2\n"
-                          "dtslab compare plate.csv force_plate.csv --json | for a program\n",
+                          "dtslab compare session.xdf force_plate.csv --json | a recording of dtsd, for a program\n",
                           run_compare);
-  compare->add_option("A", tree.arguments.first, "CSV with t_s,x_mm,y_mm and, if there, trigger or marker")->required()->option_text(" ");
+  compare->add_option("A", tree.arguments.first, "XDF recording, or CSV with t_s,x_mm,y_mm and, if there, trigger or marker")
+      ->required()
+      ->option_text(" ");
   compare->add_option("B", tree.arguments.second, "The same; rate and clock may differ")->required()->option_text(" ");
   add_json(*compare, tree.arguments);
+}
+
+void add_replay(CommandTree& tree) {
+  Arguments& arguments = tree.arguments;
+  CLI::App* replay = add(tree, tree.line.app, "replay", "Compute a recording again and compare every derived stream bit for bit",
+                         "dtslab replay session.xdf | by the rig that the file describes\n"
+                         "dtslab replay session.xdf --json | with scans per second, for a program\n"
+                         "dtslab replay session.xdf --rig rig.toml | by another rig: where would it differ?\n",
+                         run_replay);
+  replay->add_option("FILE.xdf", arguments.first, "Recording of dtsd")->required()->option_text(" ");
+  replay->add_option("--speed", arguments.speed, "max: as fast as it computes, the default")
+      ->option_text("max")
+      ->check(CLI::IsMember({"max"}));
+  replay->add_option("--rig", arguments.rig, "Rig file; default: the rig that the recording describes")->option_text("FILE");
+  add_json(*replay, arguments);
+}
+
+void add_simulate(CommandTree& tree) {
+  Arguments& arguments = tree.arguments;
+  CLI::App* simulate = add(tree, tree.line.app, "simulate", "Record a simulated person: synthetic data with known truth",
+                           "dtslab simulate floor --duration 60 --out standing.xdf | a minute of quiet standing\n"
+                           "dtslab simulate floor --duration 60 --rate 100 --seed 7 --out standing.xdf --truth truth.csv | and where the "
+                           "centre of pressure really was\n",
+                           run_simulate);
+  simulate->add_option("KIND", arguments.kind, "floor (chair: a later part)")
+      ->required()
+      ->option_text(" ")
+      ->check(CLI::IsMember({"floor", "chair"}));
+  simulate->add_option("--duration", arguments.duration_s, "Length of the recording")
+      ->option_text("S")
+      ->required()
+      ->check(cli::number_between(0.1, 86400.0, "seconds"));
+  simulate->add_option("--rate", arguments.rate_hz, "Scans per second; default: the rig's, 100")
+      ->option_text("HZ")
+      ->check(cli::number_between(1.0, 20000.0, "hertz"));
+  simulate->add_option("--seed", arguments.seed, "The same seed gives the same data; default: 1")
+      ->option_text("N")
+      ->check(cli::whole_number_between(0, 4294967295));
+  simulate->add_option("--out", arguments.out, "Recording to write")->option_text("FILE.xdf")->required();
+  simulate->add_option("--truth", arguments.truth, "Write t_s,true_ml_mm,true_ap_mm,true_load_n too")->option_text("TRUTH.csv");
+  simulate->add_option("--rig", arguments.rig, "Rig file; default: the thesis's floor platform")->option_text("FILE");
+  add_json(*simulate, arguments);
 }
 
 void add_place(CommandTree& tree) {
@@ -162,6 +208,8 @@ std::unique_ptr<CommandTree> make_command_tree() {
   add_cop(tree);
   add_compare(tree);
   add_place(tree);
+  add_replay(tree);
+  add_simulate(tree);
   cli::add_common(tree.line);
   return owner;
 }

@@ -19,7 +19,9 @@ struct CommandTree {
                                      "dtslab cop fit points.csv --rig rig.toml --out cal.toml | calibrate a platform\n"
                                      "dtslab cop evaluate --noise realistic | what to expect of it\n"
                                      "dtslab compare plate.csv force_plate.csv | two instruments, one person\n"
-                                     "dtslab place | where sensors belong\n",
+                                     "dtslab place | where sensors belong\n"
+                                     "dtslab simulate floor --duration 60 --out standing.xdf | synthetic data\n"
+                                     "dtslab replay standing.xdf | is what was recorded what the stages compute?\n",
                          .takes_files = true}};
 };
 

@@ -84,18 +84,9 @@ void print_warnings(const Comparison& comparison, cli::Console& console) {
                     "); are the axes the same? is it the same trial?");
 }
 
-core::Status check_kind(const std::string& file) {
-  if (!file.ends_with(".xdf")) return {};
-  return core::fail(core::ErrorCode::InvalidArgument, file + ": XDF recordings cannot be compared yet",
-                    "a CSV file with the columns t_s,x_mm,y_mm and, if there is one, trigger or marker");
-}
-
 }  // namespace
 
 int run_compare(const Arguments& arguments, cli::Console& console) {
-  for (const std::string& file : {arguments.first, arguments.second}) {
-    if (const auto status = check_kind(file); !status) return fail_with(console, status.error());
-  }
   files::Problems problems;
   const Recording a = read_recording(arguments.first, problems);
   const Recording b = read_recording(arguments.second, problems);

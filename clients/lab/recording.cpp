@@ -23,23 +23,18 @@ double median_step(std::span<const double> t_s) {
   return *middle;
 }
 
-void check_times(const std::string& file, const Recording& recording, files::Problems& problems) {
+void check_times(const std::string& file, bool is_xdf, const Recording& recording, files::Problems& problems) {
   const auto& t_s = recording.t_s;
   for (std::size_t row = 1; row < t_s.size(); ++row) {
     if (t_s[row] > t_s[row - 1]) continue;
-    problems.push_back({file, static_cast<std::uint32_t>(CsvTable::line_of_row(row)), 1, "t_s does not rise"});
+    problems.push_back({file, is_xdf ? 0U : static_cast<std::uint32_t>(CsvTable::line_of_row(row)), 1, "t_s does not rise"});
     return;  // one is enough: the rest is the same fault
   }
   if (t_s.size() >= kFewestScans && t_s.back() - t_s.front() >= kShortestS) return;
   problems.push_back({file, 0, 0, "a recording has at least " + std::to_string(kFewestScans) + " scans over 2 s"});
 }
 
-}  // namespace
-
-double Recording::step_s() const { return median_step(t_s); }
-
-Recording read_recording(const std::string& file, files::Problems& problems) {
-  const std::size_t before = problems.size();
+Recording read_csv_recording(const std::string& file, files::Problems& problems) {
   const CsvTable table = CsvTable::read(file,
                                         {{.name = "t_s", .minimum = -1e12, .maximum = 1e12},
                                          {.name = "x_mm", .may_be_empty = true, .minimum = -1e6, .maximum = 1e6},
@@ -52,11 +47,22 @@ Recording read_recording(const std::string& file, files::Problems& problems) {
                       .y_mm = table.numbers("y_mm"),
                       .trigger = table.numbers("trigger"),
                       .marker = table.texts("marker")};
-  if (problems.size() == before) check_times(file, recording, problems);
   if (!recording.t_s.empty()) recording.began_s = recording.t_s.front();
   for (double& t_s : recording.t_s) t_s -= recording.began_s;
   return recording;
 }
+
+}  // namespace
+
+Recording read_recording(const std::string& file, files::Problems& problems) {
+  const std::size_t before = problems.size();
+  const bool is_xdf = file.ends_with(".xdf") || file.ends_with(".xdf.part");
+  Recording recording = is_xdf ? read_xdf_recording(file, problems) : read_csv_recording(file, problems);
+  if (problems.size() == before) check_times(file, is_xdf, recording, problems);
+  return recording;
+}
+
+double Recording::step_s() const { return median_step(t_s); }
 
 SmoothSeries::SmoothSeries(std::span<const double> t_s, std::span<const double> values) {
   for (std::size_t k = 0; k < t_s.size(); ++k) {

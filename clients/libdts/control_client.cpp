@@ -43,7 +43,8 @@ Result<void> check_options(const ControlOptions& options) {
   if (options.endpoint.empty()) {
     return fail(ErrorCode::InvalidArgument, "the daemon's control address is not known", "give it: --endpoint URI or DTSD_CONTROL");
   }
-  if (std::min(options.timeout, options.tare_timeout) < kShortest || std::max(options.timeout, options.tare_timeout) > kLongest) {
+  const auto [shortest, longest] = std::minmax({options.timeout, options.tare_timeout, options.stop_timeout});
+  if (shortest < kShortest || longest > kLongest) {
     return fail(ErrorCode::InvalidArgument, "a time-out must be between 0.03 and 86400 seconds");
   }
   if (options.tries < 1 || options.tries > 10) return fail(ErrorCode::InvalidArgument, "tries must be 1..10");
@@ -221,10 +222,57 @@ Result<v1::SessionInfo> ControlClient::start_session(const v1::StartSessionReque
 }
 
 Result<v1::SessionInfo> ControlClient::stop_session(const std::string& rig) {
+  v1::StopSessionRequest wanted;
+  wanted.set_rig(rig);
+  return stop_session(wanted);
+}
+
+Result<v1::SessionInfo> ControlClient::stop_session(const v1::StopSessionRequest& wanted) {
   v1::Request request;
-  request.mutable_stop_session()->set_rig(rig);
+  *request.mutable_stop_session() = wanted;
+  return call(*implementation_, std::move(request), v1::Response::kSession, &v1::Response::mutable_session,
+              implementation_->options().stop_timeout);
+}
+
+Result<v1::SessionInfo> ControlClient::resume_session(const std::string& session_id) {
+  v1::Request request;
+  request.mutable_resume_session()->set_session_id(session_id);
   return call(*implementation_, std::move(request), v1::Response::kSession, &v1::Response::mutable_session,
               implementation_->options().timeout);
+}
+
+Result<v1::TrialStatus> ControlClient::trial(v1::TrialAction action, const std::string& rig) {
+  v1::Request request;
+  request.mutable_trial()->set_action(action);
+  request.mutable_trial()->set_rig(rig);
+  return call(*implementation_, std::move(request), v1::Response::kTrial, &v1::Response::mutable_trial, implementation_->options().timeout);
+}
+
+Result<v1::ListSessionsResponse> ControlClient::list_sessions(const v1::ListSessionsRequest& wanted) {
+  v1::Request request;
+  *request.mutable_list_sessions() = wanted;
+  return call(*implementation_, std::move(request), v1::Response::kSessions, &v1::Response::mutable_sessions,
+              implementation_->options().timeout);
+}
+
+Result<v1::SessionRecord> ControlClient::show_session(const std::string& session_id) {
+  v1::Request request;
+  request.mutable_show_session()->set_session_id(session_id);
+  return call(*implementation_, std::move(request), v1::Response::kSessionRecord, &v1::Response::mutable_session_record,
+              implementation_->options().timeout);
+}
+
+Result<v1::ListProtocolsResponse> ControlClient::list_protocols() {
+  v1::Request request;
+  request.mutable_list_protocols();
+  return call(*implementation_, std::move(request), v1::Response::kProtocols, &v1::Response::mutable_protocols,
+              implementation_->options().timeout);
+}
+
+Result<v1::GetAuditResponse> ControlClient::audit(std::uint32_t limit) {
+  v1::Request request;
+  request.mutable_get_audit()->set_limit(limit);
+  return call(*implementation_, std::move(request), v1::Response::kAudit, &v1::Response::mutable_audit, implementation_->options().timeout);
 }
 
 Result<v1::MarkResponse> ControlClient::mark(const std::string& text, const std::string& rig) {

@@ -37,7 +37,8 @@ bool has_body_of(const v1::Event& event, std::string_view kind) noexcept {
     case v1::Event::kTrigger: return kind == "trigger";
     case v1::Event::kDevice: return kind == "device";
     case v1::Event::kSession: return kind == "session";
-    case v1::Event::BODY_NOT_SET: return kind != "gap" && kind != "marker" && kind != "trigger" && kind != "device" && kind != "session";
+    case v1::Event::kTrial: return kind == "trial";
+    case v1::Event::BODY_NOT_SET: return kind == "reach" || kind == "class" || kind == "sway";
   }
   return false;
 }

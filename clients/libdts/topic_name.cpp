@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kLongestTopic = 128;
 constexpr std::array<std::string_view, 6> kStreams{"raw", "filtered", "deflection", "cop", "transient", "aux"};
-constexpr std::array<std::string_view, 8> kEvents{"gap", "marker", "trigger", "device", "session", "reach", "class", "sway"};
+constexpr std::array<std::string_view, 9> kEvents{"gap", "marker", "trigger", "device", "session", "trial", "reach", "class", "sway"};
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "wire_check.h"
 
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -12,6 +13,9 @@ constexpr int kMaxStreams = 64;
 constexpr int kMaxChannels = 256;
 constexpr std::uint32_t kMaxScans = 65536;
 constexpr int kMaxTexts = 1000;
+constexpr int kMaxSessions = 10'000;  ///< Of the catalogue, and entries of its audit trail.
+constexpr int kMaxParts = 1000;
+constexpr int kMaxTrials = 10'000;
 constexpr std::size_t kLongestName = 64;
 constexpr std::int64_t kMaxRateTerm = 1'000'000'000'000;
 
@@ -22,6 +26,19 @@ tl::unexpected<Error> damaged(const std::string& what) {
 Result<void> check_count(int count, int limit, const char* of_what) {
   if (count <= limit) return {};
   return damaged(std::to_string(count) + " " + of_what + ", at most " + std::to_string(limit) + " are possible");
+}
+
+/// A duration or a length: never negative, never NaN.
+Result<void> check_amount(double value, const std::string& of_what) {
+  if (std::isfinite(value) && value >= 0.0) return {};
+  return damaged(of_what + " is " + std::to_string(value));
+}
+
+template <class... Checks>
+Result<void> first_failure(Checks&&... checks) {
+  Result<void> all{};
+  static_cast<void>(((all = std::forward<Checks>(checks)).has_value() && ...));
+  return all;
 }
 
 bool is_name(const std::string& text) { return !text.empty() && text.size() <= kLongestName && text.find('/') == std::string::npos; }
@@ -64,8 +81,11 @@ Result<void> check(const v1::StatusSnapshot& status) {
   if (auto few = check_count(status.notices_size(), kMaxTexts, "notices"); !few) return few;
   for (const v1::RigStatus& rig : status.rigs()) {
     if (auto valid = check(rig.rig()); !valid) return valid;
+    if (!rig.session().has_trial()) continue;
+    if (auto valid = check(rig.session().trial()); !valid) return valid;
   }
-  return {};
+  if (!v1::DiskState_IsValid(status.disk().state())) return damaged("a disk in an unknown state");
+  return check_amount(status.disk().recordable_s(), "the recordable time");
 }
 
 Result<void> check(const v1::ListRigsResponse& rigs) {
@@ -88,11 +108,69 @@ Result<void> check(const v1::TestDeviceResponse& test) {
 
 Result<void> check(const v1::SessionInfo& session) {
   if (session.session_id().empty()) return damaged("a session without an id");
-  return {};
+  return session.has_trial() ? check(session.trial()) : Result<void>{};
 }
 
 Result<void> check(const v1::MarkResponse& mark) { return check_count(mark.marks_size(), kMaxRigs, "marks"); }
 
 Result<void> check(const v1::TareResponse& tare) { return check_count(tare.baseline_mm_size(), kMaxChannels, "sensors"); }
+
+Result<void> check(const v1::TrialStatus& trial) {
+  if (!v1::TrialPhase_IsValid(trial.phase())) return damaged("a trial in an unknown phase");
+  return first_failure(check_amount(trial.next_target_cm(), "a trial's target"), check_amount(trial.remaining_s(), "a trial's time"));
+}
+
+namespace {
+
+Result<void> check(const v1::SessionPart& part) {
+  if (part.state() == v1::PART_STATE_UNSPECIFIED || !v1::PartState_IsValid(part.state())) return damaged("a recording in an unknown state");
+  return first_failure(check_amount(part.duration_s(), "the length of a recording"),
+                       check_amount(part.lost_s_at_most(), "what a recording lost"));
+}
+
+Result<void> check(const v1::ProtocolInfo& protocol) {
+  if (!is_name(protocol.name())) return damaged("a protocol without a proper name");
+  const std::string what = "of protocol '" + protocol.name() + "'";
+  auto valid = first_failure(check_count(protocol.conditions_size(), kMaxTexts, ("conditions " + what).c_str()),
+                             check_count(protocol.fields_size(), kMaxTexts, ("fields " + what).c_str()),
+                             check_amount(protocol.settle_s(), "the settling time " + what),
+                             check_amount(protocol.duration_s(), "the length " + what));
+  for (const v1::ProtocolField& field : protocol.fields()) {
+    if (!valid) break;
+    const bool is_range = std::isfinite(field.minimum()) && std::isfinite(field.maximum()) && field.minimum() <= field.maximum();
+    valid = is_range ? check_count(field.choices_size(), kMaxTexts, "choices") : damaged("field '" + field.name() + "' without a range");
+  }
+  return valid;
+}
+
+}  // namespace
+
+Result<void> check(const v1::SessionRecord& session) {
+  if (session.session_id().empty()) return damaged("a session without an id");
+  auto valid =
+      first_failure(check_count(session.parts_size(), kMaxParts, "parts"), check_count(session.trials_size(), kMaxTrials, "trials"));
+  for (const v1::SessionPart& part : session.parts()) {
+    if (valid) valid = check(part);
+  }
+  return valid;
+}
+
+Result<void> check(const v1::ListSessionsResponse& sessions) {
+  auto valid = check_count(sessions.sessions_size(), kMaxSessions, "sessions");
+  for (const v1::SessionRecord& session : sessions.sessions()) {
+    if (valid) valid = check(session);
+  }
+  return valid;
+}
+
+Result<void> check(const v1::ListProtocolsResponse& protocols) {
+  auto valid = check_count(protocols.protocols_size(), kMaxTexts, "protocols");
+  for (const v1::ProtocolInfo& protocol : protocols.protocols()) {
+    if (valid) valid = check(protocol);
+  }
+  return valid;
+}
+
+Result<void> check(const v1::GetAuditResponse& audit) { return check_count(audit.entries_size(), kMaxSessions, "entries"); }
 
 }  // namespace dts::client

@@ -23,6 +23,11 @@ inline constexpr std::size_t kMaxMessageBytes = 1U << 20U;
 [[nodiscard]] Result<void> check(const v1::SessionInfo& session);
 [[nodiscard]] Result<void> check(const v1::MarkResponse& mark);
 [[nodiscard]] Result<void> check(const v1::TareResponse& tare);
+[[nodiscard]] Result<void> check(const v1::TrialStatus& trial);
+[[nodiscard]] Result<void> check(const v1::SessionRecord& session);
+[[nodiscard]] Result<void> check(const v1::ListSessionsResponse& sessions);
+[[nodiscard]] Result<void> check(const v1::ListProtocolsResponse& protocols);
+[[nodiscard]] Result<void> check(const v1::GetAuditResponse& audit);
 
 /// No error text: this one runs per block.
 [[nodiscard]] bool is_well_formed(const v1::StreamBlock& block) noexcept;

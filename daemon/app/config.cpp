@@ -2,11 +2,13 @@
 #include "app/config.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <thread>
 
 #include "app/paths.h"
-#include "app/rig_file.h"
+#include "files/protocol_file.h"
+#include "files/rig_file.h"
 #include "ipc/endpoint.h"
 
 namespace dts::app {
@@ -55,6 +57,33 @@ RealtimeConfig read_realtime(files::TomlReader reader) {
   return realtime;
 }
 
+session::StorageConfig read_storage(files::TomlReader reader) {
+  session::StorageConfig storage;
+  const std::string given = reader.text("directory", "");
+  const auto folder = std::filesystem::path(reader.file()).parent_path();
+  const bool is_overridden = std::getenv("DTSD_STATE_DIR") != nullptr;
+  storage.directory = given.empty() || is_overridden ? state_directory() : (folder / given).lexically_normal().string();
+  storage.refuse_below_min = reader.number("refuse_below_min", storage.refuse_below_min, 0.0, 100'000.0);
+  storage.warn_below_min = reader.number("warn_below_min", storage.warn_below_min, 0.0, 100'000.0);
+  storage.stop_below_mib = reader.number("stop_below_mib", storage.stop_below_mib, 0.0, 1e6);
+  if (storage.warn_below_min < storage.refuse_below_min) {
+    reader.report("warn_below_min", "warn_below_min is less than refuse_below_min: the warning would come after the refusal");
+  }
+  reader.finish();
+  return storage;
+}
+
+/// `[protocols] directory`, relative to the daemon's file; without it the folder "protocols" beside it, if there is one.
+std::vector<session::Protocol> read_protocols(files::TomlReader reader, files::Problems& problems) {
+  const std::string given = reader.text("directory", "protocols");
+  const auto folder = (std::filesystem::path(reader.file()).parent_path() / given).lexically_normal();
+  if (reader.has("directory") && !std::filesystem::is_directory(folder)) {
+    reader.report("directory", folder.string() + " is no folder");
+  }
+  reader.finish();
+  return files::read_protocols(folder.string(), problems);
+}
+
 void read_rig(files::TomlReader& reader, DaemonConfig& config, files::Problems& problems) {
   for (const char* key : {"name", "file", "device"}) reader.require(key);
   const std::string name = reader.text("name", "");
@@ -71,10 +100,11 @@ void read_rig(files::TomlReader& reader, DaemonConfig& config, files::Problems& 
   if (file.empty()) return;
   const auto rig_file = (std::filesystem::path(reader.file()).parent_path() / file).lexically_normal().string();
   const std::size_t problems_before = problems.size();
-  session::RigConfig rig = read_rig_file(rig_file, problems);
+  pipeline::RigConfig rig = files::read_rig_file(rig_file, problems);
   if (problems.size() > problems_before || device.empty()) return;  // told already; there is nothing sound to build
   rig.name = name;
   rig.device_uri = device;
+  if (auto definition = files::rig_definition(rig_file)) rig.definition = std::move(*definition);
   rig.acquire_policy = config.realtime.policy(0);
   rig.pipeline_policy = config.realtime.policy(1);
   config.rigs.push_back({.rig = std::move(rig), .rig_file = rig_file, .where = reader.position("device")});
@@ -96,6 +126,8 @@ LoadedConfig load_config(const std::string& file) {
   config.log_level = read_log_level(top.table("log"));
   read_endpoints(top.table("endpoints"), config);
   config.realtime = read_realtime(top.table("realtime"));
+  config.storage = read_storage(top.table("storage"));
+  config.protocols = read_protocols(top.table("protocols"), loaded.problems);
   auto rigs = top.tables("rig");
   if (rigs.empty()) top.report("rig", "no [[rig]]: a daemon without a rig has nothing to do");
   for (files::TomlReader& rig : rigs) read_rig(rig, config, loaded.problems);

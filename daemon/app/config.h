@@ -6,7 +6,9 @@
 
 #include "core/log.h"
 #include "files/toml_reader.h"
-#include "session/rig_config.h"
+#include "pipeline/rig_config.h"
+#include "session/protocol.h"
+#include "session/storage.h"
 
 namespace dts::app {
 
@@ -22,7 +24,7 @@ struct RealtimeConfig {
 
 /// A rig whose own files are fine, and where the daemon's file names it.
 struct ConfiguredRig {
-  session::RigConfig rig;
+  pipeline::RigConfig rig;
   std::string rig_file;
   files::Problem where;  ///< Position of its [[rig]] table; no text.
 };
@@ -34,6 +36,8 @@ struct DaemonConfig {
   std::string data_endpoint;
   core::LogLevel log_level = core::LogLevel::Info;
   RealtimeConfig realtime;
+  session::StorageConfig storage;
+  std::vector<session::Protocol> protocols;  ///< "free" is always among them.
   std::vector<ConfiguredRig> rigs;
 };
 

@@ -98,8 +98,8 @@ namespace {
 void check_competitors(const DaemonConfig& config, files::Problems& problems) {
   for (std::size_t later = 1; later < config.rigs.size(); ++later) {
     for (std::size_t earlier = 0; earlier < later; ++earlier) {
-      const session::RigConfig& one = config.rigs[earlier].rig;
-      const session::RigConfig& other = config.rigs[later].rig;
+      const pipeline::RigConfig& one = config.rigs[earlier].rig;
+      const pipeline::RigConfig& other = config.rigs[later].rig;
       if (!device::compete(one.device_uri, other.device_uri)) continue;
       problems.push_back(config.rigs[later].where);
       problems.back().text = "[[rig]] '" + other.name + "' and '" + one.name + "' could open the same unit: give each its serial=...";
@@ -128,19 +128,27 @@ std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& confi
 core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, core::Clock& clock,
                         core::Doorbell& bell, device::usb::UsbBus& usb, core::Log log) {
   if (auto made = prepare_directory(config.runtime_directory); !made) return made;
-  const auto lock = RuntimeLock::take(config.runtime_directory);
+  const auto lock = DirectoryLock::take(config.runtime_directory);
   if (!lock) return tl::make_unexpected(lock.error());
+  if (auto made = prepare_directory(config.storage.directory, "DTSD_STATE_DIR"); !made) return made;
+  const auto state_lock = DirectoryLock::take(config.storage.directory, "DTSD_STATE_DIR");
+  if (!state_lock) return tl::make_unexpected(state_lock.error());
 
   std::vector<std::string> notices;
   if (config.realtime.locks_memory) {
     if (auto locked = core::lock_memory(); !locked) notices.push_back(core::to_string(locked.error()));
   }
-  session::Supervisor supervisor(clock, log, &usb);
+  auto recordings = session::Recordings::open(config.storage, clock, log);
+  if (!recordings) return tl::make_unexpected(recordings.error());
+  const std::string boot = boot_id();
+  session::Supervisor supervisor(
+      clock, log, &usb,
+      {.recordings = recordings->get(), .protocols = config.protocols, .software = "dtsd " + std::string(version()), .boot_id = boot});
   for (auto& rig : rigs) {
     if (auto added = supervisor.add(std::move(rig)); !added) return added;
   }
   const ipc::Identity identity{
-      .instance_id = random_id(), .version = std::string(version()), .boot_id = boot_id(), .started_ns = clock.now_ns()};
+      .instance_id = random_id(), .version = std::string(version()), .boot_id = boot, .started_ns = clock.now_ns()};
 
   ::umask(0007);  // sockets: for owner and group
   zmq::context_t context(1);

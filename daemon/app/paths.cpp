@@ -29,41 +29,49 @@ std::string runtime_directory() {
   return "/tmp/dtsd-" + std::to_string(::getuid());
 }
 
-core::Status prepare_directory(const std::string& path) {
-  const std::string hint = "set DTSD_RUNTIME_DIR to a directory of your own";
+std::string state_directory() {
+  if (const char* given = environment("DTSD_STATE_DIR")) return given;
+  if (const char* systemd = environment("STATE_DIRECTORY")) return systemd;
+  if (const char* user = environment("XDG_STATE_HOME")) return std::string(user) + "/dtsd";
+  if (const char* home = environment("HOME")) return std::string(home) + "/.local/state/dtsd";
+  return runtime_directory() + "/state";
+}
+
+core::Status prepare_directory(const std::string& path, const std::string& variable) {
+  const std::string hint = "set " + variable + " to a directory of your own";
   std::error_code error;
   const auto parent = std::filesystem::path(path).parent_path();
   if (!parent.empty()) std::filesystem::create_directories(parent, error);
   if (::mkdir(path.c_str(), kDirectoryMode) != 0 && errno != EEXIST) {
-    return core::fail_errno(errno, "runtime directory " + path + " cannot be made", hint);
+    return core::fail_errno(errno, "directory " + path + " cannot be made", hint);
   }
   struct stat found {};
   // lstat: in /tmp somebody else could have put a link in our place.
-  if (::lstat(path.c_str(), &found) != 0) return core::fail_errno(errno, "runtime directory " + path, hint);
-  if (!S_ISDIR(found.st_mode)) return core::fail(core::ErrorCode::Failed, "runtime directory " + path + " is not a directory", hint);
+  if (::lstat(path.c_str(), &found) != 0) return core::fail_errno(errno, "directory " + path, hint);
+  if (!S_ISDIR(found.st_mode)) return core::fail(core::ErrorCode::Failed, "directory " + path + " is not a directory", hint);
   if (found.st_uid != ::geteuid()) {
-    return core::fail(core::ErrorCode::NotAllowed, "runtime directory " + path + " belongs to another user", hint);
+    return core::fail(core::ErrorCode::NotAllowed, "directory " + path + " belongs to another user", hint);
   }
   if ((found.st_mode & S_IWOTH) != 0) {
-    return core::fail(core::ErrorCode::NotAllowed, "runtime directory " + path + " can be written by everybody", "chmod o-rwx " + path);
+    return core::fail(core::ErrorCode::NotAllowed, "directory " + path + " can be written by everybody", "chmod o-rwx " + path);
   }
-  if (::access(path.c_str(), W_OK | X_OK) != 0) return core::fail_errno(errno, "runtime directory " + path + " cannot be written", hint);
+  if (::access(path.c_str(), W_OK | X_OK) != 0) return core::fail_errno(errno, "directory " + path + " cannot be written", hint);
   return {};
 }
 
-core::Result<RuntimeLock> RuntimeLock::take(const std::string& directory) {
+core::Result<DirectoryLock> DirectoryLock::take(const std::string& directory, const std::string& variable) {
   const std::string path = directory + "/dtsd.lock";
   const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (fd < 0) return core::fail_errno(errno, "lock file " + path, "set DTSD_RUNTIME_DIR to a directory of your own");
+  if (fd < 0) return core::fail_errno(errno, "lock file " + path, "set " + variable + " to a directory of your own");
   if (::flock(fd, LOCK_EX | LOCK_NB) != 0) {
     ::close(fd);
     return core::fail(core::ErrorCode::WrongState, "another dtsd already runs in " + directory,
-                      "stop it, or set DTSD_RUNTIME_DIR to another directory");
+                      "stop it, or set " + variable + " to another directory");
   }
-  return RuntimeLock(fd);
+  return DirectoryLock(fd);
 }
 
-RuntimeLock::~RuntimeLock() {
+DirectoryLock::~DirectoryLock() {
   if (fd_ >= 0) ::close(fd_);  // closing gives the lock back; the file stays, removing it would race with another taker
 }
 

@@ -53,12 +53,12 @@ class Block {
         values_(channel_count * capacity_scans),
         quality_(channel_count * capacity_scans) {}
 
-  std::uint32_t segment = 0;      ///< Counts up at every gap; scan indices restart.
-  ScanIndex first_scan;           ///< Of this segment.
-  std::int64_t host_time_ns = 0;  ///< Monotonic host time of the first scan's instant.
+  std::uint32_t segment = 0;                  ///< Counts up at every gap; scan indices restart.
+  ScanIndex first_scan;                       ///< Of this segment.
+  std::int64_t host_time_ns = 0;              ///< Monotonic host time of the first scan's instant.
   std::int64_t host_time_uncertainty_ns = 0;  ///< How far that may be off.
   double clock_drift_ppm = 0.0;               ///< How much faster than nominal the device's clock runs, as far as known.
-  std::uint64_t sequence = 0;     ///< Counts the blocks of this stream, so that a lost one shows.
+  std::uint64_t sequence = 0;                 ///< Counts the blocks of this stream, so that a lost one shows.
 
   [[nodiscard]] std::size_t channel_count() const noexcept { return channels_; }
   [[nodiscard]] std::size_t capacity() const noexcept { return capacity_; }
@@ -85,6 +85,16 @@ class Block {
     host_time_uncertainty_ns = other.host_time_uncertainty_ns;
     clock_drift_ppm = other.clock_drift_ppm;
     set_count(other.count());
+  }
+
+  /// Takes everything that `other` says; of its channels and scans as many as there is room for. Realtime-safe: yes.
+  void copy_from(const Block& other) noexcept {
+    copy_position(other);
+    sequence = other.sequence;
+    for (std::size_t channel = 0; channel < std::min(channels_, other.channels_); ++channel) {
+      std::ranges::copy(other.column(channel).first(count_), column(channel).begin());
+      std::ranges::copy(other.quality(channel).first(count_), quality(channel).begin());
+    }
   }
 
  private:

@@ -28,6 +28,12 @@ struct ChannelDescription {
   double resolution = 0.0;  ///< One code, in `unit`; 0 when not quantised.
 };
 
+/// The pipeline as it was when a recording began, for devices that play one.
+struct RecordedPipeline {
+  std::vector<std::string> stages{};  ///< As `pipeline::stage_text` names them; empty: nothing is known.
+  std::vector<double> state{};        ///< Of the pipeline before the first scan of the recording.
+};
+
 /// Known before anything is opened (libiio v1 learned this late: describe first, open later).
 struct DeviceDescription {
   std::string uri;     ///< As given by the user: "sim:floor?seed=7".
@@ -36,7 +42,9 @@ struct DeviceDescription {
   std::vector<ChannelDescription> channels;
   double minimum_rate_hz = 0.0;
   double maximum_rate_hz = 0.0;
-  bool has_sync_output = false;  ///< `set_sync_output` drives a line, as configured.
+  bool has_sync_output = false;   ///< `set_sync_output` drives a line, as configured.
+  bool waits_for_reader = false;  ///< Its scans wait for whoever reads: nothing is lost when the reader is slow.
+  RecordedPipeline recorded_pipeline{};
 };
 
 struct StartOptions {

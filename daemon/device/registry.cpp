@@ -7,6 +7,7 @@
 #include "device/labjack/u6.h"
 #include "device/mcc/entries.h"
 #include "device/nidaqmx/ni_daqmx.h"
+#include "device/replay/replay_device.h"
 #include "device/sim/floor.h"
 
 namespace dts::device {
@@ -40,6 +41,7 @@ std::vector<RegistryEntry> with_mcc(std::vector<RegistryEntry> entries) {
 const std::vector<RegistryEntry>& registry() {
   static const std::vector<RegistryEntry> entries = with_mcc({
       {"sim:floor", "Simulated floor platform with a person or a weight on it.", sim::create_floor},
+      {"replay:", "A recording played again: replay:FILE.xdf?speed=1&loop=0.", replay::create_replay},
       {"labjack:u6", "LabJack U6 or U6-Pro: 14 inputs, one converter.", labjack::create_u6, labjack::u6_models()},
       {"ni:", "A device of National Instruments through NI-DAQmx, when that is installed: ni:Dev1.", nidaqmx::create_ni_daqmx},
   });
@@ -49,7 +51,8 @@ const std::vector<RegistryEntry>& registry() {
 bool compete(std::string_view one_uri, std::string_view other_uri) {
   const auto one = DeviceUri::parse(one_uri);
   const auto other = DeviceUri::parse(other_uri);
-  if (!one || !other || one->scheme == "sim" || one->scheme != other->scheme || one->name != other->name) return false;
+  if (!one || !other || one->scheme == "sim" || one->scheme == "replay" || one->scheme != other->scheme || one->name != other->name)
+    return false;
   const auto first = one->options.find("serial");
   const auto second = other->options.find("serial");
   return first == one->options.end() || second == other->options.end() || first->second == second->second;

@@ -225,10 +225,14 @@ core::Status write_cop_calibration(const std::string& file, const physics::CopCa
 }
 
 std::optional<physics::CopCalibration> read_cop_calibration(const std::string& file, Problems& problems) {
-  const std::size_t known_problems = problems.size();
   const auto table = parse_toml(file, problems);
   if (!table) return std::nullopt;
   TomlReader top(&*table, "", file, problems);
+  return read_cop_calibration(top, problems);
+}
+
+std::optional<physics::CopCalibration> read_cop_calibration(TomlReader& top, Problems& problems) {
+  const std::size_t known_problems = problems.size();
   const Head head = read_head(top);
   TomlReader valid = top.table("valid");
   const physics::CopValidity validity{.x_mm = read_range(valid, "x_mm", kLargestPositionMm),

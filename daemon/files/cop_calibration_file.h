@@ -20,5 +20,7 @@ namespace dts::files {
 /// Reads and checks everything: versions, counts, ranges, finiteness. What is wrong is added to `problems` with file:line:column and
 /// nothing is returned. The estimator read computes bit for bit what the one written did.
 [[nodiscard]] std::optional<physics::CopCalibration> read_cop_calibration(const std::string& file, Problems& problems);
+/// The same of a table that was parsed already: a file's, or one inside a rig definition.
+[[nodiscard]] std::optional<physics::CopCalibration> read_cop_calibration(TomlReader& top, Problems& problems);
 
 }  // namespace dts::files

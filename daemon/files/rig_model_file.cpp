@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <sstream>
@@ -41,25 +40,30 @@ double number_off(std::initializer_list<double> excluded, TomlReader& reader, st
 /// Sensor files are read once per rig, however many sensors share them.
 class CurveShelf {
  public:
-  explicit CurveShelf(std::string rig_file, Problems& problems)
-      : folder_(std::filesystem::path(rig_file).parent_path()), problems_(problems) {}
+  CurveShelf(References references, Problems& problems) : references_(references), problems_(problems) {}
 
-  const std::optional<physics::SensorCurve>& get(const std::string& name) {
-    const auto [position, is_new] = curves_.try_emplace(name);
-    if (is_new) {
-      if (auto file = read_sensor_curve((folder_ / name).lexically_normal().string(), problems_)) position->second = std::move(file->curve);
+  /// The curve of a sensor; nothing when it cannot be had.
+  std::optional<physics::SensorCurve> get(TomlReader& sensor) {
+    const toml::node* given = sensor.node("curve");
+    const std::string name = given != nullptr ? given->value_or(std::string()) : std::string();
+    if (const auto known = curves_.find(name); known != curves_.end() && references_ == References::Files) return known->second;
+    std::optional<toml::table> parsed;
+    std::optional<physics::SensorCurve> curve;
+    if (auto reader = sensor.table_or_file("curve", references_, parsed)) {
+      if (auto file = read_sensor_curve(*reader, problems_)) curve = std::move(file->curve);
     }
-    return position->second;
+    if (!name.empty()) curves_.emplace(name, curve);
+    return curve;
   }
 
  private:
-  std::filesystem::path folder_;
+  References references_;
   Problems& problems_;
   std::map<std::string, std::optional<physics::SensorCurve>> curves_;
 };
 
-void read_sensors(TomlReader& top, RigModelFile& rig, Problems& problems) {
-  CurveShelf shelf(top.file(), problems);
+void read_sensors(TomlReader& top, RigModelFile& rig, References references, Problems& problems) {
+  CurveShelf shelf(references, problems);
   auto readers = top.tables("sensor");
   if (readers.empty() || readers.size() > kMostSensors) {
     top.report("sensor",
@@ -73,10 +77,7 @@ void read_sensors(TomlReader& top, RigModelFile& rig, Problems& problems) {
                                 .curve = physics::SensorCurve::hoa1405_assumed()};
     const auto channel = static_cast<std::size_t>(
         reader.integer("channel", static_cast<std::int64_t>(rig.sensor_channels.size()), 0, core::kMaxChannels - 1));
-    const std::string curve_file = reader.text("curve", "");
-    if (!curve_file.empty()) {
-      if (const auto& curve = shelf.get(curve_file)) sensor.curve = *curve;
-    }
+    if (auto curve = shelf.get(reader)) sensor.curve = std::move(*curve);
     const double nearest_mm = sensor.curve.minimum_gap().value;
     const double farthest_mm = sensor.curve.maximum_gap().value;
     sensor.unloaded_gap = {reader.number("unloaded_gap_mm", kUnloadedGapMm, nearest_mm, farthest_mm)};
@@ -132,11 +133,11 @@ physics::Support read_support(TomlReader reader, const physics::Plate& plate) {
   return support;
 }
 
-RigModelFile read_rig_model(TomlReader& top, Problems& problems) {
+RigModelFile read_rig_model(TomlReader& top, Problems& problems, References references) {
   RigModelFile rig;
   rig.model.plate = read_plate(top.table("plate"));
   rig.model.support = read_support(top.table("support"), rig.model.plate);
-  read_sensors(top, rig, problems);
+  read_sensors(top, rig, references, problems);
   return rig;
 }
 

@@ -15,9 +15,10 @@ struct RigModelFile {
   std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the model.
 };
 
-/// Reads [plate], [support] and [[sensor]] of a rig file, and the sensor files they name (relative to the rig file). Everything
+/// Reads [plate], [support] and [[sensor]] of a rig file, and the sensor files they name (relative to the rig file) unless the
+/// curves are tables themselves. Everything
 /// wrong is added to `problems`; what is returned is complete only when nothing was. The caller reads, or ignores, the rest.
-[[nodiscard]] RigModelFile read_rig_model(TomlReader& top, Problems& problems);
+[[nodiscard]] RigModelFile read_rig_model(TomlReader& top, Problems& problems, References references = References::Files);
 /// For [plate] and [support] alone: a plate case of the laboratory has the same tables.
 [[nodiscard]] physics::Plate read_plate(TomlReader reader);
 [[nodiscard]] physics::Support read_support(TomlReader reader, const physics::Plate& plate);

@@ -40,10 +40,14 @@ void put_text(std::ostream& out, const char* key, const std::string& text) {
 }  // namespace
 
 std::optional<SensorCurveFile> read_sensor_curve(const std::string& file, Problems& problems) {
-  const std::size_t known_problems = problems.size();
   const auto table = parse_toml(file, problems);
   if (!table) return std::nullopt;
   TomlReader reader(&*table, "", file, problems);
+  return read_sensor_curve(reader, problems);
+}
+
+std::optional<SensorCurveFile> read_sensor_curve(TomlReader& reader, Problems& problems) {
+  const std::size_t known_problems = problems.size();
   reader.require("name");
   const std::string name = reader.text("name", "unnamed");
   std::optional<SensorCalibrationFacts> facts;

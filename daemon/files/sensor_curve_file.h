@@ -38,6 +38,9 @@ struct SensorCurveFile {
 /// What is wrong is added to `problems` and nothing is returned.
 [[nodiscard]] std::optional<SensorCurveFile> read_sensor_curve(const std::string& file, Problems& problems);
 
+/// The same of a table that was parsed already: a file's, or one inside a rig definition.
+[[nodiscard]] std::optional<SensorCurveFile> read_sensor_curve(TomlReader& reader, Problems& problems);
+
 /// `facts` with `id` made from its date and the points.
 [[nodiscard]] SensorCalibrationFacts with_id(SensorCalibrationFacts facts, std::span<const physics::CurvePoint> points);
 

@@ -52,13 +52,20 @@ std::string to_string(const Problem& problem) {
 
 std::optional<toml::table> parse_toml(const std::string& file, Problems& problems) {
   const auto text = read_bounded(file, problems);
-  if (!text) return std::nullopt;
+  return text ? parse_toml_text(*text, file, problems) : std::nullopt;
+}
+
+std::optional<toml::table> parse_toml_text(std::string_view text, const std::string& name, Problems& problems) {
+  if (text.size() > kMostBytes) {
+    problems.push_back({.file = name, .text = "is larger than 4 MiB: that is no file of dtsd"});
+    return std::nullopt;
+  }
   try {
-    return toml::parse(*text, file);
+    return toml::parse(text, name);
   } catch (const toml::parse_error& error) {
     const auto& at = error.source().begin;
     problems.push_back(
-        {file, static_cast<std::uint32_t>(at.line), static_cast<std::uint32_t>(at.column), std::string(error.description())});
+        {name, static_cast<std::uint32_t>(at.line), static_cast<std::uint32_t>(at.column), std::string(error.description())});
     return std::nullopt;
   }
 }
@@ -176,6 +183,21 @@ TomlReader TomlReader::table(std::string_view key) {
   const toml::node* found = node(key);
   if (found != nullptr && !found->is_table()) report(key, named(key) + " must be a table: [" + std::string(key) + "]");
   return {found != nullptr ? found->as_table() : nullptr, "[" + std::string(key) + "]", file_, *problems_};
+}
+
+std::optional<TomlReader> TomlReader::table_or_file(std::string_view key, References references, std::optional<toml::table>& parsed) {
+  const toml::node* found = node(key);
+  if (found != nullptr && found->is_table()) return table(key);
+  const std::string name = text(key, "");
+  if (name.empty()) return std::nullopt;
+  if (references == References::None) {
+    report(key, named(key) + " names a file, but a definition has none beside it: it must be a table");
+    return std::nullopt;
+  }
+  const auto file = (std::filesystem::path(file_).parent_path() / name).lexically_normal().string();
+  parsed = parse_toml(file, *problems_);
+  if (!parsed) return std::nullopt;
+  return TomlReader(&*parsed, "", file, *problems_);
 }
 
 std::vector<TomlReader> TomlReader::tables(std::string_view key) {

@@ -27,6 +27,13 @@ using Problems = std::vector<Problem>;
 /// Parses `file`; a syntax error or an unreadable file becomes a problem and nothing is returned.
 [[nodiscard]] std::optional<toml::table> parse_toml(const std::string& file, Problems& problems);
 
+/// The same for a text that is in memory already; `name` stands for the file in problems.
+[[nodiscard]] std::optional<toml::table> parse_toml_text(std::string_view text, const std::string& name, Problems& problems);
+
+/// Where what a file refers to may stand: in files beside it, or in itself alone (a definition out of a recording must not make
+/// anybody read files of this machine).
+enum class References : std::uint8_t { Files, None };
+
 /// Reads one table and keeps the books: what is missing, of the wrong type or out of range becomes a problem with its
 /// position, and `finish` reports every key that nobody asked for. Reading goes on after a problem, so that one run
 /// shows them all; the value returned then is the default.
@@ -48,6 +55,10 @@ class TomlReader {
   [[nodiscard]] bool has(std::string_view key) const;
 
   [[nodiscard]] TomlReader table(std::string_view key);
+  /// The table that is the value of `key`, or that of the file whose name is, relative to this file. Nothing, and a problem, when that
+  /// cannot be had; nothing without a problem when the key is absent or an empty text. `parsed` keeps a file's table and outlives the
+  /// reader.
+  [[nodiscard]] std::optional<TomlReader> table_or_file(std::string_view key, References references, std::optional<toml::table>& parsed);
   /// Each table of an array of tables [[key]].
   [[nodiscard]] std::vector<TomlReader> tables(std::string_view key);
   /// All keys with scalar values that were not asked for yet (a stage's options are checked elsewhere), as asked for.

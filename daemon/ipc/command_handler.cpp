@@ -15,15 +15,13 @@ dts::v1::Response error_response(const core::Error& error) {
 }
 
 CommandHandler::CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices)
-    : supervisor_(supervisor), clock_(clock), identity_(std::move(identity)), notices_(std::move(notices)) {}
+    : supervisor_(supervisor), sessions_(supervisor, clock), clock_(clock), identity_(std::move(identity)), notices_(std::move(notices)) {}
 
 CommandHandler::Answer CommandHandler::execute(const dts::v1::Request& request) {
   Answer answer;
   switch (request.command_case()) {
     case dts::v1::Request::kStatus: *answer.response.mutable_status() = status(); break;
     case dts::v1::Request::kListRigs: answer.response = list_rigs(); break;
-    case dts::v1::Request::kStartSession: answer.response = start_session(request.start_session()); break;
-    case dts::v1::Request::kStopSession: answer.response = stop_session(request.stop_session()); break;
     case dts::v1::Request::kMark: answer.response = mark(request.mark()); break;
     case dts::v1::Request::kTare: {
       const auto number = supervisor_.tare(request.tare().rig());
@@ -40,12 +38,45 @@ CommandHandler::Answer CommandHandler::execute(const dts::v1::Request& request) 
       answer.response = error_response({ErrorCode::InvalidArgument, "the request holds no command this daemon knows",
                                         "client and daemon may differ in version: dtsctl doctor"});
       break;
+    default: answer.response = execute_session(request, answer.pending); break;
   }
   answer.response.set_request_id(request.request_id());
   return answer;
 }
 
-std::optional<dts::v1::Response> CommandHandler::finish(const PendingTare& pending) {
+dts::v1::Response CommandHandler::execute_session(const dts::v1::Request& request, std::optional<Pending>& pending) {
+  switch (request.command_case()) {
+    case dts::v1::Request::kStartSession: return sessions_.start(request.start_session());
+    case dts::v1::Request::kResumeSession: return sessions_.resume(request.resume_session());
+    case dts::v1::Request::kTrial: return sessions_.trial(request.trial());
+    case dts::v1::Request::kListProtocols: return sessions_.list_protocols();
+    case dts::v1::Request::kListSessions: return sessions_.list(request.list_sessions());
+    case dts::v1::Request::kShowSession: return sessions_.show(request.show_session());
+    case dts::v1::Request::kGetAudit: return sessions_.audit(request.get_audit());
+    default: break;
+  }
+  std::optional<PendingStop> stop;
+  dts::v1::Response response = sessions_.stop(request.stop_session(), stop);
+  if (stop) pending = *stop;
+  return response;
+}
+
+std::optional<dts::v1::Response> CommandHandler::finish(const Pending& pending) {
+  if (const auto* stop = std::get_if<PendingStop>(&pending)) return sessions_.finish(*stop);
+  return finish_tare(std::get<PendingTare>(pending));
+}
+
+dts::v1::Response CommandHandler::give_up(const Pending& pending) {
+  if (const auto* stop = std::get_if<PendingStop>(&pending)) {
+    return error_response({ErrorCode::Timeout, "the recording of session " + stop->session_id + " is still being closed",
+                           "the disk is slow; look again: dtsctl session show " + stop->session_id});
+  }
+  const auto& tare = std::get<PendingTare>(pending);
+  supervisor_.cancel_tare(tare.rig, tare.request);
+  return error_response({ErrorCode::Timeout, "the tare did not finish within 10 s", "see dtsctl status"});
+}
+
+std::optional<dts::v1::Response> CommandHandler::finish_tare(const PendingTare& pending) {
   const auto report = supervisor_.tare_report(pending.rig);
   if (!report) return error_response(report.error());
   if (report->request < pending.request || report->outcome == pipeline::TareOutcome::Running) return std::nullopt;
@@ -77,28 +108,8 @@ dts::v1::StatusSnapshot CommandHandler::status() {
     for (const std::string& notice : rig->notices()) out.add_notices(notice);
   }
   out.set_rejected_requests_total(rejected_total_);
+  if (session::Recordings* recordings = supervisor_.recordings()) *out.mutable_disk() = disk_status(recordings->disk());
   return out;
-}
-
-dts::v1::Response CommandHandler::start_session(const dts::v1::StartSessionRequest& request) {
-  const session::SessionRequest asked{.protocol = request.protocol().empty() ? "free" : request.protocol(),
-                                      .subject = request.subject(),
-                                      .label = request.label(),
-                                      .duration_s = request.duration_s(),
-                                      .settle_s = request.settle_s()};
-  const auto started = supervisor_.start_session(request.rig(), asked);
-  if (!started) return error_response(started.error());
-  dts::v1::Response response;
-  *response.mutable_session() = session_info(request.rig(), *started);
-  return response;
-}
-
-dts::v1::Response CommandHandler::stop_session(const dts::v1::StopSessionRequest& request) {
-  const auto stopped = supervisor_.stop_session(request.rig());
-  if (!stopped) return error_response(stopped.error());
-  dts::v1::Response response;
-  *response.mutable_session() = session_info(stopped->first, stopped->second);
-  return response;
 }
 
 dts::v1::Response CommandHandler::mark(const dts::v1::MarkRequest& request) {
@@ -155,7 +166,7 @@ dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& 
   if (!tested) return error_response(tested.error());
   const session::Rig* rig = tested->rig;
   const session::StatisticsReport& statistics = tested->statistics;
-  const session::RigConfig& config = rig->config();
+  const pipeline::RigConfig& config = rig->config();
   dts::v1::Response response;
   auto& out = *response.mutable_device_test();
   out.set_scans(statistics.scans);

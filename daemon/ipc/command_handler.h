@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "dts/v1/control.pb.h"
 #include "ipc/encode.h"
+#include "ipc/session_commands.h"
 #include "session/supervisor.h"
 
 namespace dts::ipc {
@@ -18,6 +20,9 @@ struct PendingTare {
   std::uint64_t request = 0;  ///< Number given by the supervisor.
 };
 
+/// A command whose answer is not known yet.
+using Pending = std::variant<PendingTare, PendingStop>;
+
 /// Executes commands: wire messages in, calls on the supervisor, wire messages out. Knows no sockets.
 /// Thread: control.
 class CommandHandler {
@@ -26,20 +31,24 @@ class CommandHandler {
 
   struct Answer {
     dts::v1::Response response;
-    std::optional<PendingTare> pending;  ///< Set: `response` is not complete; ask `finish` until it is.
+    std::optional<Pending> pending{};  ///< Set: `response` is not complete; ask `finish` until it is.
   };
   /// Total: every request, however senseless, gets an answer.
   [[nodiscard]] Answer execute(const dts::v1::Request& request);
-  /// The answer to a pending tare, or nothing yet.
-  [[nodiscard]] std::optional<dts::v1::Response> finish(const PendingTare& pending);
+  /// The answer to a pending command, or nothing yet.
+  [[nodiscard]] std::optional<dts::v1::Response> finish(const Pending& pending);
+  /// The answer when nobody wants to wait any longer. A tare is withdrawn: it must not happen minutes later, unasked.
+  [[nodiscard]] dts::v1::Response give_up(const Pending& pending);
+  /// Enters a command with its answer into the audit trail, if it changes something.
+  void enter_audit(const dts::v1::Request& request, const dts::v1::Response& response) { sessions_.enter_audit(request, response); }
 
   [[nodiscard]] dts::v1::StatusSnapshot status();
   /// Counts a message that was no request at all; shown in the status.
   void count_rejected() noexcept { ++rejected_total_; }
 
  private:
-  dts::v1::Response start_session(const dts::v1::StartSessionRequest& request);
-  dts::v1::Response stop_session(const dts::v1::StopSessionRequest& request);
+  [[nodiscard]] dts::v1::Response execute_session(const dts::v1::Request& request, std::optional<Pending>& pending);
+  [[nodiscard]] std::optional<dts::v1::Response> finish_tare(const PendingTare& pending);
   dts::v1::Response mark(const dts::v1::MarkRequest& request);
   dts::v1::Response list_rigs();
   dts::v1::Response devices();
@@ -47,6 +56,7 @@ class CommandHandler {
   static void add_checks(const device::DeviceReport& report, dts::v1::TestDeviceResponse& out);
 
   session::Supervisor& supervisor_;
+  SessionCommands sessions_;
   core::Clock& clock_;
   Identity identity_;
   std::vector<std::string> notices_;

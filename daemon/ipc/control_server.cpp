@@ -16,7 +16,7 @@ constexpr std::size_t kMostFrames = 3;  // identity, delimiter, request
 constexpr std::size_t kRepliesKept = 256;
 constexpr int kRequestsPerTurn = 32;  // then sessions and devices get their turn
 constexpr std::size_t kMostWaiting = 64;
-constexpr std::int64_t kTareTimeoutNs = 10'000'000'000;
+constexpr std::int64_t kPendingTimeoutNs = 10'000'000'000;
 constexpr std::int64_t kTickNs = 50'000'000;
 constexpr std::int64_t kStatusNs = 1'000'000'000;
 constexpr int kHandshakeMs = 2000;
@@ -28,6 +28,8 @@ bool is_repeatable(const dts::v1::Request& request) {
     case dts::v1::Request::kStartSession:
     case dts::v1::Request::kStopSession:
     case dts::v1::Request::kMark:
+    case dts::v1::Request::kTrial:
+    case dts::v1::Request::kResumeSession:
     case dts::v1::Request::kTare: return false;
     default: return true;
   }
@@ -111,18 +113,20 @@ void ControlServer::answer(std::vector<std::string> envelope, const std::string&
   const std::string& id = request.request_id();
   if (id.empty() || id.size() > kLongestRequestId) return reject(envelope, "request_id must have 1..64 bytes");
   if (!is_repeatable(request) && answer_repeat(envelope, id, payload)) return;
-  if (request.has_tare() && waiting_.size() == kMostWaiting) {
-    return reject(envelope, "too many tares are being waited for");
+  if ((request.has_tare() || request.has_stop_session()) && waiting_.size() == kMostWaiting) {
+    return reject(envelope, "too many commands are being waited for");
   }
   CommandHandler::Answer result = handler_.execute(request);
   if (result.pending) {
     waiting_.push_back({.envelope = std::move(envelope),
-                        .request_id = id,
-                        .request = payload,
-                        .tare = *result.pending,
-                        .deadline_ns = clock_.now_ns() + kTareTimeoutNs});
+                        .request_id = request.request_id(),
+                        .payload = payload,
+                        .request = std::move(request),
+                        .pending = *result.pending,
+                        .deadline_ns = clock_.now_ns() + kPendingTimeoutNs});
     return;
   }
+  handler_.enter_audit(request, result.response);
   std::string bytes = result.response.SerializeAsString();
   reply(envelope, bytes);
   if (!is_repeatable(request)) replies_.store(id, {.request = payload, .reply = std::move(bytes)});
@@ -141,7 +145,7 @@ bool ControlServer::answer_repeat(std::vector<std::string>& envelope, const std:
   }
   const auto same = std::ranges::find(waiting_, id, &Waiting::request_id);
   if (same == waiting_.end()) return false;
-  if (same->request == payload) {
+  if (same->payload == payload) {
     same->envelope = std::move(envelope);  // the answer in the making goes to whoever asked last
   } else {
     refuse();
@@ -151,16 +155,14 @@ bool ControlServer::answer_repeat(std::vector<std::string>& envelope, const std:
 
 void ControlServer::answer_waiting() {
   std::erase_if(waiting_, [this](const Waiting& waiting) {
-    auto response = handler_.finish(waiting.tare);
-    if (!response && clock_.now_ns() > waiting.deadline_ns) {
-      supervisor_.cancel_tare(waiting.tare.rig, waiting.tare.request);  // it must not happen minutes later, unasked
-      response = error_response({core::ErrorCode::Timeout, "the tare did not finish within 10 s", "see dtsctl status"});
-    }
+    auto response = handler_.finish(waiting.pending);
+    if (!response && clock_.now_ns() > waiting.deadline_ns) response = handler_.give_up(waiting.pending);
     if (!response) return false;
+    handler_.enter_audit(waiting.request, *response);
     response->set_request_id(waiting.request_id);
     std::string bytes = response->SerializeAsString();
     reply(waiting.envelope, bytes);
-    replies_.store(waiting.request_id, {.request = waiting.request, .reply = std::move(bytes)});
+    replies_.store(waiting.request_id, {.request = waiting.payload, .reply = std::move(bytes)});
     return true;
   });
 }
@@ -184,7 +186,7 @@ void ControlServer::publish_notices() {
     std::string name;
     auto event = std::make_unique<dts::v1::Event>(notice_event(instance_id_, notice, name));
     // Where things stand is repeated for newcomers; a marker is news only once.
-    const bool is_state = name == "session" || name == "device";
+    const bool is_state = name == "session" || name == "device" || name == "trial";
     publisher_.post(notice.rig + "/" + name, std::move(event), is_state);
     next_status_ns_ = 0;
   }

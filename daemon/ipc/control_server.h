@@ -36,8 +36,9 @@ class ControlServer {
   struct Waiting {
     std::vector<std::string> envelope;
     std::string request_id;
-    std::string request;
-    PendingTare tare;
+    std::string payload;
+    dts::v1::Request request;
+    Pending pending;
     std::int64_t deadline_ns = 0;
   };
   ControlServer(zmq::socket_t socket, session::Supervisor& supervisor, CommandHandler& handler, PublishThread& publisher,

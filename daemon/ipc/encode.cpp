@@ -2,8 +2,6 @@
 #include "ipc/encode.h"
 
 #include <algorithm>
-#include <sstream>
-#include <type_traits>
 
 namespace dts::ipc {
 namespace {
@@ -11,16 +9,6 @@ namespace {
 void set_rate(dts::v1::Rate& out, const core::Rate& rate) {
   out.set_numerator(rate.numerator());
   out.set_denominator(rate.denominator());
-}
-
-std::string describe_stage(const pipeline::StageConfig& stage) {
-  std::ostringstream text;
-  text << stage.id;
-  for (const auto& [option, value] : stage.options) {
-    text << ' ' << option << '=';
-    std::visit([&](const auto& given) { text << given; }, value);
-  }
-  return text.str();
 }
 
 dts::v1::TareState tare_state(pipeline::TareOutcome outcome) {
@@ -35,15 +23,6 @@ dts::v1::TareState tare_state(pipeline::TareOutcome outcome) {
   return dts::v1::TARE_STATE_UNSPECIFIED;
 }
 
-dts::v1::SessionState session_state(session::SessionState state) {
-  return static_cast<dts::v1::SessionState>(state);  // same numbers, asserted below
-}
-static_assert(static_cast<int>(session::SessionState::Idle) == dts::v1::SESSION_STATE_IDLE);
-static_assert(static_cast<int>(session::SessionState::Starting) == dts::v1::SESSION_STATE_STARTING);
-static_assert(static_cast<int>(session::SessionState::Settling) == dts::v1::SESSION_STATE_SETTLING);
-static_assert(static_cast<int>(session::SessionState::Running) == dts::v1::SESSION_STATE_RUNNING);
-static_assert(static_cast<int>(session::SessionState::Stopping) == dts::v1::SESSION_STATE_STOPPING);
-static_assert(static_cast<int>(session::SessionState::Failed) == dts::v1::SESSION_STATE_FAILED);
 static_assert(static_cast<int>(core::GapReason::Integrity) == dts::v1::GAP_REASON_INTEGRITY);
 static_assert(static_cast<int>(device::DeviceCheck::Outcome::Skipped) == dts::v1::CHECK_OUTCOME_SKIPPED);
 static_assert(static_cast<int>(core::ErrorCode::Internal) == dts::v1::ERROR_CODE_INTERNAL);
@@ -69,6 +48,8 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   out.set_host_time_uncertainty_ns(state.acquisition.host_time_uncertainty_ns);
   out.set_tare(tare_state(state.tare.outcome));
   *out.mutable_session() = session_info(state.rig.config().name, state.session);
+  *out.mutable_session()->mutable_recording() = recording_status(state.recording, state.part);
+  if (state.trial) *out.mutable_session()->mutable_trial() = trial_status(*state.trial);
   return out;
 }
 
@@ -152,6 +133,9 @@ dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& no
     out.set_subject(change->request.subject);
     out.set_label(change->request.label);
     out.set_message(change->message);
+  } else if (const auto* trial = std::get_if<session::TrialNotice>(&notice.body)) {
+    topic_name = "trial";
+    *event.mutable_trial() = trial_change(*trial);
   }
   return event;
 }
@@ -172,7 +156,7 @@ dts::v1::StatusSnapshot status_snapshot(const Identity& identity, std::int64_t n
 
 dts::v1::RigInfo rig_info(const session::Rig& rig) {
   dts::v1::RigInfo out;
-  const session::RigConfig& config = rig.config();
+  const pipeline::RigConfig& config = rig.config();
   out.set_name(config.name);
   out.set_kind(config.kind);
   out.set_device_uri(config.device_uri);
@@ -203,23 +187,8 @@ dts::v1::RigInfo rig_info(const session::Rig& rig) {
       described.set_unit(channel.unit);
     }
   }
-  for (const pipeline::StageConfig& stage : config.stages) out.add_stages(describe_stage(stage));
+  for (const std::string& stage : rig.stage_texts()) out.add_stages(stage);
   for (const std::string& stream : config.published) out.add_published(stream);
-  return out;
-}
-
-dts::v1::SessionInfo session_info(const std::string& rig, const session::SessionView& view) {
-  dts::v1::SessionInfo out;
-  out.set_session_id(view.id);
-  out.set_rig(rig);
-  out.set_state(session_state(view.state));
-  out.set_protocol(view.id.empty() ? "" : view.request.protocol);
-  out.set_subject(view.request.subject);
-  out.set_label(view.request.label);
-  out.set_duration_s(view.request.duration_s);
-  out.set_settle_s(view.request.settle_s);
-  out.set_elapsed_s(view.elapsed_s);
-  out.set_message(view.message);
   return out;
 }
 

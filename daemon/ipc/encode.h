@@ -8,6 +8,7 @@
 #include "core/frame.h"
 #include "dts/v1/control.pb.h"
 #include "dts/v1/stream.pb.h"
+#include "ipc/encode_session.h"
 #include "session/supervisor.h"
 
 namespace dts::ipc {
@@ -46,7 +47,6 @@ struct Identity {
                                                       const std::vector<session::RigState>& states,
                                                       const std::vector<std::string>& notices);
 [[nodiscard]] dts::v1::RigInfo rig_info(const session::Rig& rig);
-[[nodiscard]] dts::v1::SessionInfo session_info(const std::string& rig, const session::SessionView& view);
 [[nodiscard]] dts::v1::DeviceState device_state(device::DeviceState state);
 [[nodiscard]] dts::v1::Error error_message(const core::Error& error);
 

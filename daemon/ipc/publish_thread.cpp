@@ -20,7 +20,7 @@ PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell&
                              core::Clock& clock, std::uint64_t instance_id)
     : socket_(std::move(socket)), bell_(bell), clock_(clock), instance_id_(instance_id) {
   for (session::Rig* rig : rigs) {
-    const session::RigConfig& config = rig->config();
+    const pipeline::RigConfig& config = rig->config();
     Source source{
         .rig = rig, .gap_topic = config.name + "/gap", .trigger_topic = config.name + "/trigger", .trigger_channel = {}, .streams = {}};
     if (config.trigger) source.trigger_channel = rig->device().channels.at(config.trigger->channel).name;

@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "pipeline/stage_state.h"
+
 namespace dts::pipeline {
 
 core::Status check(const TriggerInput& input) {
@@ -20,6 +22,14 @@ bool EdgeDetector::is_wanted(bool is_rising) const noexcept {
   return input_.edges == TriggerEdges::Both || (input_.edges == TriggerEdges::Rising) == is_rising;
 }
 
+void EdgeDetector::save(std::span<double> state) const noexcept { StateWriter(state).put_count(static_cast<std::uint64_t>(side_)); }
+
+bool EdgeDetector::restore(std::span<const double> state) noexcept {
+  StateReader reader(state, kStateSize);
+  side_ = static_cast<Side>(reader.count(static_cast<std::uint64_t>(Side::High)));
+  return reader.is_right();
+}
+
 void EdgeDetector::process(const core::Block& block, std::size_t column, core::TriggerEvents& out) noexcept {
   const auto volts = block.column(column);
   for (std::size_t i = 0; i < volts.size(); ++i) {
@@ -28,7 +38,9 @@ void EdgeDetector::process(const core::Block& block, std::size_t column, core::T
     side_ = now;
     if (!is_crossing || !is_wanted(now == Side::High)) continue;
     out.push({.segment = block.segment,
-              .scan = block.first_scan + i, .host_time_ns = block.host_time_ns + rate_.time_ns({i}), .is_rising = now == Side::High});
+              .scan = block.first_scan + i,
+              .host_time_ns = block.host_time_ns + rate_.time_ns({i}),
+              .is_rising = now == Side::High});
   }
 }
 

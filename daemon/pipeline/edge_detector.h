@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "core/frame.h"
 #include "core/result.h"
@@ -32,6 +33,11 @@ class EdgeDetector {
   /// Looks at column `column` of `block` and appends what it finds to `out`.
   void process(const core::Block& block, std::size_t column, core::TriggerEvents& out) noexcept;
   void reset() noexcept { side_ = Side::Unknown; }
+
+  /// As of a stage: one number.
+  static constexpr std::size_t kStateSize = 1;
+  void save(std::span<double> state) const noexcept;
+  [[nodiscard]] bool restore(std::span<const double> state) noexcept;
 
  private:
   enum class Side : std::uint8_t { Unknown, Low, High };

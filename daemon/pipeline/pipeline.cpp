@@ -107,6 +107,7 @@ core::Result<core::StreamFormat> Pipeline::append(const StageConfig& config, con
   output->name = stream;
   formats_.push_back(*output);
   stages_.push_back(std::move(*stage));
+  stage_texts_.push_back(stage_text(config));
   return output;
 }
 
@@ -152,6 +153,55 @@ void Pipeline::take(const core::Block& block) noexcept {
 void Pipeline::reset_stages() noexcept {
   if (trigger_) trigger_->reset();
   for (const auto& stage : stages_) stage->reset();
+}
+
+std::size_t Pipeline::state_size() const noexcept {
+  std::size_t numbers = trigger_ ? EdgeDetector::kStateSize : 0;
+  for (const auto& stage : stages_) numbers += stage->state_size();
+  return numbers;
+}
+
+void Pipeline::save(std::span<double> state) const noexcept {
+  if (state.size() != state_size()) return;
+  if (trigger_) {
+    trigger_->save(state.first(EdgeDetector::kStateSize));
+    state = state.subspan(EdgeDetector::kStateSize);
+  }
+  for (const auto& stage : stages_) {
+    stage->save(state.first(stage->state_size()));
+    state = state.subspan(stage->state_size());
+  }
+}
+
+core::Status Pipeline::restore(std::span<const double> state, std::uint32_t segment, core::ScanIndex next_scan) {
+  if (state.size() != state_size()) {
+    return core::fail(core::ErrorCode::DataDamaged, "the recorded state of the stages has " + std::to_string(state.size()) +
+                                                        " numbers; these stages have " + std::to_string(state_size()));
+  }
+  if (std::string refusing = take_up(state); !refusing.empty()) {
+    return core::fail(core::ErrorCode::DataDamaged, "the recorded state of " + refusing + " is impossible");
+  }
+  segment_ = segment;
+  next_scan_ = next_scan;
+  return {};
+}
+
+/// Who refuses its part of the state; empty when nobody does. Then everything is as fresh: a half restored pipeline is neither.
+std::string Pipeline::take_up(std::span<const double> state) {
+  std::string refusing;
+  if (trigger_) {
+    if (!trigger_->restore(state.first(EdgeDetector::kStateSize))) refusing = "the trigger";
+    state = state.subspan(EdgeDetector::kStateSize);
+  }
+  for (const auto& stage : stages_) {
+    const auto part = state.first(stage->state_size());
+    state = state.subspan(part.size());
+    if (!stage->restore(part)) refusing = "stage " + std::string(stage->describe().id);
+  }
+  if (refusing.empty()) return refusing;
+  if (trigger_) trigger_->reset();
+  for (const auto& stage : stages_) (void)stage->restore({});
+  return refusing;
 }
 
 void Pipeline::run_stages(core::Frame& frame) noexcept {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/frame.h"
@@ -47,6 +48,16 @@ class Pipeline {
   /// Thread: pipeline. Realtime-safe: yes.
   void process(const core::Acquired& acquired, core::Frame& frame) noexcept;
 
+  /// State of the trigger and of every stage as numbers, for a replay that begins in the middle of a stream. Fixed after `create`.
+  [[nodiscard]] std::size_t state_size() const noexcept;
+  /// Writes what the next block will find to `state`, of `state_size()`. Thread: pipeline. Realtime-safe: yes.
+  void save(std::span<double> state) const noexcept;
+  /// Takes it up: the block at `next_scan` of `segment` continues the stream. Fails with DataDamaged, naming the stage, when the numbers
+  /// are too few, too many or impossible; the pipeline is then as fresh. Thread: pipeline, or control before there is one.
+  [[nodiscard]] core::Status restore(std::span<const double> state, std::uint32_t segment, core::ScanIndex next_scan);
+  /// `stage_text` of every stage, in order.
+  [[nodiscard]] const std::vector<std::string>& stage_texts() const noexcept { return stage_texts_; }
+
   /// Blocks that were rejected. Thread: any. Realtime-safe: yes.
   [[nodiscard]] std::uint64_t rejected_blocks() const noexcept { return rejected_blocks_.load(std::memory_order_relaxed); }
 
@@ -58,6 +69,7 @@ class Pipeline {
   [[nodiscard]] bool is_acceptable(const core::Block& block) const noexcept;
   void take(const core::Block& block) noexcept;
   void reset_stages() noexcept;
+  [[nodiscard]] std::string take_up(std::span<const double> state);
   void run_stages(core::Frame& frame) noexcept;
   void fill_aux(core::Block& out) const noexcept;
 
@@ -65,6 +77,7 @@ class Pipeline {
   std::vector<std::size_t> channels_;  ///< Device channels of the columns of `device_`.
   std::size_t sensor_count_ = 0;
   std::vector<std::unique_ptr<Stage>> stages_;
+  std::vector<std::string> stage_texts_;
   std::vector<core::StreamFormat> formats_;
   std::vector<std::uint64_t> sequences_;  ///< Blocks made so far, per stream.
   std::optional<EdgeDetector> trigger_;

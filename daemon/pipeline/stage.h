@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -66,7 +68,8 @@ class StageOptions {
 /// One step of the pipeline: a block of one stream in, a block of the next out.
 ///
 /// Promises, checked by the contract test for every registered stage: the same result whatever the block size; finite
-/// output for finite, contact-making input; no allocation in `process`; `reset` equals fresh; bad options are refused.
+/// output for finite, contact-making input; no allocation in `process`; `reset` equals fresh; a fresh stage that takes up a saved
+/// state goes on as the other did; bad options and states are refused.
 class Stage {
  public:
   virtual ~Stage() = default;
@@ -82,6 +85,14 @@ class Stage {
   /// Forgets the signal's history: called between segments. What a command has set (a tare) stays.
   /// Thread: pipeline. Realtime-safe: yes.
   virtual void reset() noexcept = 0;
+
+  /// The signal's history as numbers, so that a replay can begin in the middle of a stream. How many there are; fixed after `prepare`.
+  [[nodiscard]] virtual std::size_t state_size() const noexcept = 0;
+  /// Writes them to `state`, of `state_size()`. Thread: pipeline. Realtime-safe: yes.
+  virtual void save(std::span<double> state) const noexcept = 0;
+  /// Goes on as the stage that saved them would have. They come from a file: false when their count is wrong or one is impossible; the
+  /// stage is then as fresh. Thread: pipeline, or control before there is one.
+  [[nodiscard]] virtual bool restore(std::span<const double> state) noexcept = 0;
 };
 
 }  // namespace dts::pipeline

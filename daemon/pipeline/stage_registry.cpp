@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <sstream>
 
@@ -39,6 +40,11 @@ std::string joined(std::span<const std::string_view> words) {
   std::string text;
   for (const std::string_view word : words) text += (text.empty() ? "" : ", ") + std::string(word);
   return text;
+}
+
+std::string shortest(double value) {
+  std::array<char, 32> digits{};
+  return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
 }
 
 /// "; did you mean 'x'?", or what there is.
@@ -103,6 +109,19 @@ std::vector<std::string> check_stage(const StageConfig& config) {
     if (!problem.empty()) problems.push_back(std::move(problem));
   }
   return problems;
+}
+
+std::string stage_text(const StageConfig& config) {
+  std::string text = config.id;
+  const StageEntry* const found = find_stage(config.id);
+  if (found == nullptr) return text;
+  for (const OptionDescription& option : found->describe().options) {
+    const auto given = config.options.find(option.name);
+    const OptionValue value = given != config.options.end() ? given->second : default_of(option);
+    const double* const number = std::get_if<double>(&value);
+    text += " " + std::string(option.name) + "=" + (number != nullptr ? shortest(*number) : std::get<std::string>(value));
+  }
+  return text;
 }
 
 core::Result<std::unique_ptr<Stage>> create_stage(const StageConfig& config, const StageContext& context) {

@@ -30,6 +30,11 @@ struct StageEntry {
 /// misspelt names; empty when it is fine.
 [[nodiscard]] std::vector<std::string> check_stage(const StageConfig& config);
 
+/// "window_filter window_scans=3 window_ms=0 shift_scans=1": the stage with all its options, given or by default, in the order of its
+/// description. Two equal texts mean stages that compute the same: numbers are the shortest that read back as the same double. For a
+/// config without problems; of an unknown stage only the id.
+[[nodiscard]] std::string stage_text(const StageConfig& config);
+
 /// Fails with InvalidArgument and the sentences of `check_stage`.
 [[nodiscard]] core::Result<std::unique_ptr<Stage>> create_stage(const StageConfig& config, const StageContext& context);
 

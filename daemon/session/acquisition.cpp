@@ -12,6 +12,7 @@ using core::kNanosecondsPerMillisecond;
 constexpr std::int64_t kShortestRetryNs = 250 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kLongestRetryNs = 4000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kStopLatencyNs = 50 * kNanosecondsPerMillisecond;
+constexpr std::int64_t kRoomPauseNs = core::kNanosecondsPerMillisecond;  // for the pipeline to make room: 20 blocks and more
 constexpr std::int64_t kReadPatienceNs = 100 * kNanosecondsPerMillisecond;
 constexpr double kProvenMs = 10'000.0;  // a stream that lasted for this long is worth starting again at once
 constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
@@ -105,6 +106,10 @@ void Acquisition::stream() noexcept {
   const std::int64_t block_ns = report_.rate.time_ns({block_scans_});
   while (!stop_requested_.load(std::memory_order_acquire)) {
     core::Acquired* slot = ring_.claim();
+    if (slot == nullptr && device_.describe().waits_for_reader) {
+      clock_.sleep_until_ns(clock_.now_ns() + kRoomPauseNs);
+      continue;
+    }
     core::Acquired& target = slot != nullptr ? *slot : spare_;
     const device::ReadResult result = device_.read(target.block, clock_.now_ns() + 2 * block_ns + kReadPatienceNs);
     switch (result.outcome) {

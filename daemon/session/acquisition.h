@@ -43,7 +43,8 @@ struct AcquisitionReport {
 ///     device --read--> [claimed slot] --SpscRing--> pipeline
 ///
 /// Owns the segments: any hole (device gap, unplug, silence, full ring) closes the segment, is counted, and stands as
-/// `gap_before` on the first block of the next one. A lost device is opened again with a growing pause (0.25 to 4 s), at once
+/// `gap_before` on the first block of the next one. A device whose scans wait for their reader loses none to a full ring: it is not read
+/// until there is room. A lost device is opened again with a growing pause (0.25 to 4 s), at once
 /// when something was plugged in; a stream that breaks after ten seconds or more is started again at once, with the same pause otherwise.
 class Acquisition {
  public:

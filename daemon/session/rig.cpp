@@ -5,62 +5,34 @@
 #include <future>
 
 #include "device/registry.h"
+#include "session/rig_pipeline.h"
 
 namespace dts::session {
 namespace {
 
 constexpr double kScansRingMs = 2000.0;   // how long the pipeline may stall before scans are lost
 constexpr double kFramesRingMs = 1000.0;  // how long the publisher may
+constexpr double kRecordRingMs = 8000.0;  // how long the disk may
 constexpr int kBellPatienceMs = 100;      // how soon a stop is seen on a silent rig
 
-std::size_t blocks_in(const RigConfig& config, double ms) {
+std::size_t blocks_in(const pipeline::RigConfig& config, double ms) {
   return std::max<std::size_t>(8, static_cast<std::size_t>(config.rate.scans_in_ms(ms)) / config.block_scans);
 }
 
-core::Result<pipeline::PipelineInput> describe_input(const RigConfig& config, const device::DeviceDescription& device) {
-  pipeline::PipelineInput input{.rate = config.rate,
-                                .sensor_channels = config.sensor_channels,
-                                .aux_channels = {},
-                                .aux_formats = {},
-                                .trigger = config.trigger,
-                                .max_block_scans = config.block_scans};
-  for (const std::size_t channel : config.sensor_channels) {
-    if (channel >= device.channels.size()) {
-      return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "': a sensor is on channel " + std::to_string(channel) +
-                                                              ", but " + device.uri + " has " + std::to_string(device.channels.size()) +
-                                                              " channels");
-    }
-  }
-  for (std::size_t channel = 0; channel < device.channels.size(); ++channel) {
-    if (std::ranges::find(config.sensor_channels, channel) != config.sensor_channels.end()) continue;
-    input.aux_channels.push_back(channel);
-    input.aux_formats.push_back({.name = device.channels[channel].name, .unit = device.channels[channel].unit});
-  }
-  return input;
-}
-
-std::vector<pipeline::StageContext::InputRange> input_ranges(const RigConfig& config, const device::DeviceDescription& device) {
-  std::vector<pipeline::StageContext::InputRange> ranges;
-  for (const std::size_t channel : config.sensor_channels) {
-    const auto& described = device.channels[channel];
-    ranges.push_back({.minimum_v = described.minimum, .maximum_v = described.maximum, .resolution_v = described.resolution});
-  }
-  return ranges;
-}
-
-core::Status check_published(const RigConfig& config, const pipeline::Pipeline& pipeline) {
-  for (const std::string& stream : config.published) {
+core::Status check_streams(const pipeline::RigConfig& config, const pipeline::Pipeline& pipeline, const std::vector<std::string>& wanted,
+                           const std::string& verb) {
+  for (const std::string& stream : wanted) {
     if (std::ranges::find(pipeline.formats(), stream, &core::StreamFormat::name) != pipeline.formats().end()) continue;
     if (stream == "aux") continue;  // a device without further channels simply has nothing to say there
     std::string known;
     for (const core::StreamFormat& format : pipeline.formats()) known += (known.empty() ? "" : ", ") + format.name;
-    return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "' has no stream '" + stream + "' to publish",
+    return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "' has no stream '" + stream + "' to " + verb,
                       "it has: " + known);
   }
   return {};
 }
 
-core::Status check_device(const RigConfig& config, const device::DeviceDescription& device) {
+core::Status check_device(const pipeline::RigConfig& config, const device::DeviceDescription& device) {
   const auto where = "rig '" + config.name + "': ";
   if (device.channels.size() > core::kMaxChannels) {
     return core::fail(core::ErrorCode::LimitExceeded, where + device.uri + " has " + std::to_string(device.channels.size()) +
@@ -70,7 +42,7 @@ core::Status check_device(const RigConfig& config, const device::DeviceDescripti
 }
 
 /// A trigger that can never be seen, a pulse that can never be sent: a mistake that would show when a trial is lost.
-core::Status check_sync(const RigConfig& config, const device::DeviceDescription& device) {
+core::Status check_sync(const pipeline::RigConfig& config, const device::DeviceDescription& device) {
   const auto refuse = [&](const std::string& what, const std::string& hint = {}) {
     return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "': " + what, hint);
   };
@@ -88,20 +60,20 @@ core::Status check_sync(const RigConfig& config, const device::DeviceDescription
 
 }  // namespace
 
-core::Result<std::unique_ptr<Rig>> Rig::create(RigConfig given, core::Clock& clock, core::Doorbell& publish_bell,
+core::Result<std::unique_ptr<Rig>> Rig::create(pipeline::RigConfig given, core::Clock& clock, core::Doorbell& publish_bell,
                                                device::usb::UsbBus* usb) {
-  auto config = std::make_unique<RigConfig>(std::move(given));
+  auto config = std::make_unique<pipeline::RigConfig>(std::move(given));
   auto device = device::create_device(config->device_uri, {.clock = clock, .rig = config->model, .usb = usb});
   if (!device) return tl::make_unexpected(device.error());
   return assemble(std::move(config), std::move(*device), clock, publish_bell);
 }
 
-core::Result<std::unique_ptr<Rig>> Rig::create(RigConfig config, std::unique_ptr<device::Device> device, core::Clock& clock,
+core::Result<std::unique_ptr<Rig>> Rig::create(pipeline::RigConfig config, std::unique_ptr<device::Device> device, core::Clock& clock,
                                                core::Doorbell& publish_bell) {
-  return assemble(std::make_unique<RigConfig>(std::move(config)), std::move(device), clock, publish_bell);
+  return assemble(std::make_unique<pipeline::RigConfig>(std::move(config)), std::move(device), clock, publish_bell);
 }
 
-core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<RigConfig> config, std::unique_ptr<device::Device> device,
+core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<pipeline::RigConfig> config, std::unique_ptr<device::Device> device,
                                                  core::Clock& clock, core::Doorbell& publish_bell) {
   const device::DeviceDescription& described = device->describe();
   if (auto checked = check_device(*config, described); !checked) return tl::make_unexpected(checked.error());
@@ -113,21 +85,17 @@ core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<RigConfig> conf
     return tl::make_unexpected(error);
   }
   config->rate = *exact_rate;  // of this every format, window and time is made
-  auto input = describe_input(*config, described);
-  if (!input) return tl::make_unexpected(input.error());
-  auto tare = std::make_unique<pipeline::Tare>();
-  auto pipeline = pipeline::Pipeline::create(config->stages, *input,
-                                             {.rig = config->model,
-                                              .input_ranges = input_ranges(*config, described),
-                                              .tare = *tare,
-                                              .cop_calibration = config->cop_calibration ? &*config->cop_calibration : nullptr});
-  if (!pipeline) return tl::make_unexpected(pipeline.error());
-  if (auto checked = check_published(*config, **pipeline); !checked) return tl::make_unexpected(checked.error());
-  return std::unique_ptr<Rig>(new Rig(std::move(config), clock, publish_bell, std::move(device), std::move(tare), std::move(*pipeline)));
+  auto made = make_rig_pipeline(*config, described);
+  if (!made) return tl::make_unexpected(made.error());
+  for (const auto& [streams, verb] : {std::pair{&config->published, "publish"}, std::pair{&config->recorded, "record"}}) {
+    if (auto checked = check_streams(*config, *made->pipeline, *streams, verb); !checked) return tl::make_unexpected(checked.error());
+  }
+  return std::unique_ptr<Rig>(
+      new Rig(std::move(config), clock, publish_bell, std::move(device), std::move(made->tare), std::move(made->pipeline)));
 }
 
-Rig::Rig(std::unique_ptr<const RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell, std::unique_ptr<device::Device> device,
-         std::unique_ptr<pipeline::Tare> tare, std::unique_ptr<pipeline::Pipeline> pipeline)
+Rig::Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell,
+         std::unique_ptr<device::Device> device, std::unique_ptr<pipeline::Tare> tare, std::unique_ptr<pipeline::Pipeline> pipeline)
     : config_(std::move(config)),
       clock_(clock),
       publish_bell_(publish_bell),
@@ -137,6 +105,7 @@ Rig::Rig(std::unique_ptr<const RigConfig> config, core::Clock& clock, core::Door
       scans_(blocks_in(*config_, kScansRingMs),
              core::Acquired{.block = core::Block(device_->describe().channels.size(), config_->block_scans)}),
       frames_(blocks_in(*config_, kFramesRingMs), pipeline_->make_frame()),
+      tap_(blocks_in(*config_, kRecordRingMs), *pipeline_),
       spare_frame_(pipeline_->make_frame()),
       acquisition_(*device_, clock, scans_, scans_bell_, config_->rate, config_->block_scans),
       statistics_(device_->describe().channels.size(), config_->rate.scans_in_ms(1000.0)) {}
@@ -172,7 +141,9 @@ void Rig::stop() noexcept {
 
 void Rig::run_pipeline(const std::stop_token& stop) noexcept {
   while (!stop.stop_requested()) {
+    tap_.follow();
     while (core::Acquired* acquired = scans_.front()) {
+      wait_for_recorder(stop);
       process(*acquired);
       scans_.release();
     }
@@ -180,11 +151,20 @@ void Rig::run_pipeline(const std::stop_token& stop) noexcept {
   }
 }
 
+/// A device that waits for its reader can be faster than any disk: then the recorder sets the pace.
+void Rig::wait_for_recorder(const std::stop_token& stop) noexcept {
+  while (device_->describe().waits_for_reader && tap_.is_blocked() && !stop.stop_requested()) {
+    clock_.sleep_until_ns(clock_.now_ns() + core::kNanosecondsPerMillisecond);
+  }
+}
+
 void Rig::process(const core::Acquired& acquired) noexcept {
   const std::int64_t started_ns = clock_.now_ns();
   core::Frame* slot = frames_.claim();
   core::Frame& frame = slot != nullptr ? *slot : spare_frame_;
+  tap_.follow();
   pipeline_->process(acquired, frame);
+  tap_.offer(frame);
   add_unpublished(frame);
   if (slot != nullptr) {
     unpublished_gap_ = {};

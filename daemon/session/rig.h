@@ -13,10 +13,11 @@
 #include "core/spsc_ring.h"
 #include "device/usb/usb_bus.h"
 #include "pipeline/pipeline.h"
+#include "pipeline/rig_config.h"
 #include "pipeline/tare.h"
 #include "session/acquisition.h"
 #include "session/channel_statistics.h"
-#include "session/rig_config.h"
+#include "session/record_tap.h"
 
 namespace dts::session {
 
@@ -30,16 +31,17 @@ struct PipelineReport {
 /// One rig at work: a device, its two sample threads and the rings between them.
 ///
 ///     acquire thread: device --> [scans ring] --> pipeline thread: stages --> [frames ring] --> publish thread
+///                                                                         --> [record tap] --> record thread
 ///
 /// Threads start with `start` and end with `stop` or the destructor; each has a name and, if permitted, SCHED_FIFO.
 class Rig {
  public:
   /// Creates device and pipeline; fails with what is wrong in `config`. `publish_bell` is rung for every frame; `clock`, the
   /// bell and `usb` (nullptr: simulated devices only) outlive the rig.
-  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(RigConfig config, core::Clock& clock, core::Doorbell& publish_bell,
-                                                                 device::usb::UsbBus* usb = nullptr);
+  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(pipeline::RigConfig config, core::Clock& clock,
+                                                                 core::Doorbell& publish_bell, device::usb::UsbBus* usb = nullptr);
   /// The same with a ready device instead of the one that `config.device_uri` names: for tests and benchmarks.
-  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(RigConfig config, std::unique_ptr<device::Device> device,
+  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(pipeline::RigConfig config, std::unique_ptr<device::Device> device,
                                                                  core::Clock& clock, core::Doorbell& publish_bell);
   ~Rig();
   Rig(const Rig&) = delete;
@@ -49,7 +51,7 @@ class Rig {
   void start(core::Log log);
   void stop() noexcept;
 
-  [[nodiscard]] const RigConfig& config() const noexcept { return *config_; }
+  [[nodiscard]] const pipeline::RigConfig& config() const noexcept { return *config_; }
   [[nodiscard]] const device::DeviceDescription& device() const noexcept { return device_->describe(); }
   /// What the device found at its unit. Thread: control; may wait for a control request.
   [[nodiscard]] device::DeviceReport device_report() const { return device_->report(); }
@@ -66,21 +68,26 @@ class Rig {
 
   /// Finished frames, oldest first. Thread: publish (the consumer).
   [[nodiscard]] core::SpscRing<core::Frame>& frames() noexcept { return frames_; }
+  /// Where recordings branch off.
+  [[nodiscard]] RecordTap& tap() noexcept { return tap_; }
+  /// "window_filter window_scans=3 shift_scans=1", in order.
+  [[nodiscard]] const std::vector<std::string>& stage_texts() const noexcept { return pipeline_->stage_texts(); }
   /// Frames dropped because the publisher was too slow. Thread: any.
   [[nodiscard]] std::uint64_t dropped_blocks() const noexcept { return frames_.dropped(); }
 
  private:
-  Rig(std::unique_ptr<const RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell, std::unique_ptr<device::Device> device,
-      std::unique_ptr<pipeline::Tare> tare, std::unique_ptr<pipeline::Pipeline> pipeline);
-  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> assemble(std::unique_ptr<RigConfig> config,
+  Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell,
+      std::unique_ptr<device::Device> device, std::unique_ptr<pipeline::Tare> tare, std::unique_ptr<pipeline::Pipeline> pipeline);
+  [[nodiscard]] static core::Result<std::unique_ptr<Rig>> assemble(std::unique_ptr<pipeline::RigConfig> config,
                                                                    std::unique_ptr<device::Device> device, core::Clock& clock,
                                                                    core::Doorbell& publish_bell);
   void run_pipeline(const std::stop_token& stop) noexcept;
   void process(const core::Acquired& acquired) noexcept;
+  void wait_for_recorder(const std::stop_token& stop) noexcept;
   void add_unpublished(core::Frame& frame) noexcept;
   void note_time(std::int64_t spent_ns, std::size_t scans) noexcept;
 
-  std::unique_ptr<const RigConfig> config_;  ///< On the heap: device and stages keep references into its model.
+  std::unique_ptr<const pipeline::RigConfig> config_;  ///< On the heap: device and stages keep references into its model.
   core::Clock& clock_;
   core::Doorbell& publish_bell_;
   std::unique_ptr<device::Device> device_;
@@ -88,6 +95,7 @@ class Rig {
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   core::SpscRing<core::Acquired> scans_;
   core::SpscRing<core::Frame> frames_;
+  RecordTap tap_;
   core::Frame spare_frame_;                   ///< Processed into when the publisher's ring is full: the stages must see every scan.
   core::Gap unpublished_gap_;                 ///< These two were in frames that found no room ...
   core::TriggerEvents unpublished_triggers_;  ///< ... and go with the next.

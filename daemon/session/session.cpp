@@ -39,9 +39,6 @@ core::Status check(const SessionRequest& request) {
     return core::fail(ErrorCode::InvalidArgument, "subject is not a pseudonym of up to 64 letters, digits, '_', '.' or '-'",
                       "use the clinic's pseudonym, never a name");
   }
-  if (request.protocol != "free") {
-    return core::fail(ErrorCode::InvalidArgument, "unknown protocol '" + request.protocol.substr(0, kLongestSubject) + "'", "known: free");
-  }
   if (request.label.size() > kLongestText) return core::fail(ErrorCode::InvalidArgument, "label is longer than 200 bytes");
   if (!std::isfinite(request.duration_s) || request.duration_s < 0 || request.duration_s > kLongestDurationS) {
     return core::fail(ErrorCode::InvalidArgument, "duration_s must be 0 (until stopped) or up to 604800 s");
@@ -52,16 +49,20 @@ core::Status check(const SessionRequest& request) {
   return {};
 }
 
+core::Status Session::check_free() const {
+  if (!is_under_way()) return {};
+  return core::fail(core::ErrorCode::WrongState, "rig '" + rig_ + "' already has session " + id_ + " (" + std::string(name(state_)) + ")",
+                    "stop it first: dtsctl session stop --rig " + rig_);
+}
+
 core::Status Session::start(std::string id, const SessionRequest& request, std::int64_t now_ns) {
-  if (is_under_way()) {
-    return core::fail(core::ErrorCode::WrongState, "rig '" + rig_ + "' already has session " + id_ + " (" + std::string(name(state_)) + ")",
-                      "stop it first: dtsctl session stop --rig " + rig_);
-  }
+  if (auto free = check_free(); !free) return free;
   id_ = std::move(id);
   request_ = request;
   has_scan_count_ = false;
   running_since_ns_ = 0;
   stopped_ns_ = 0;
+  failure_.clear();
   enter(SessionState::Starting, now_ns);
   return {};
 }
@@ -71,11 +72,22 @@ core::Status Session::stop(std::int64_t now_ns) {
     return core::fail(core::ErrorCode::WrongState, "rig '" + rig_ + "' has no session to stop",
                       "start one: dtsctl session start --rig " + rig_);
   }
+  if (state_ == SessionState::Stopping) {
+    return core::fail(core::ErrorCode::WrongState, "session " + id_ + " is stopping already: its recording is being closed");
+  }
   stopped_ns_ = now_ns;
   enter(SessionState::Stopping, now_ns);
-  // What Stopping waits for is the recorder's last write; nothing records yet, so it is over at once.
-  enter(SessionState::Idle, now_ns);
   return {};
+}
+
+void Session::fail(std::int64_t now_ns, std::string message) {
+  if (!is_under_way()) return;
+  failure_ = std::move(message);
+  if (state_ != SessionState::Stopping) static_cast<void>(stop(now_ns));  // cannot fail: it is under way
+}
+
+void Session::closed(std::int64_t now_ns) {
+  if (state_ == SessionState::Stopping) enter(failure_.empty() ? SessionState::Idle : SessionState::Failed, now_ns, failure_);
 }
 
 void Session::tick(std::int64_t now_ns, std::uint64_t scans_total) {
@@ -84,8 +96,7 @@ void Session::tick(std::int64_t now_ns, std::uint64_t scans_total) {
     if (scans_total > scans_at_start_) {
       enter(SessionState::Settling, now_ns);
     } else if (seconds_between(entered_ns_, now_ns) > kStartTimeoutS) {
-      stopped_ns_ = now_ns;
-      enter(SessionState::Failed, now_ns, "the device delivered no scan for 10 s; see dtsctl status");
+      fail(now_ns, "the device delivered no scan for 10 s; see dtsctl status");
     }
   }
   if (state_ == SessionState::Settling && seconds_between(entered_ns_, now_ns) >= request_.settle_s) {

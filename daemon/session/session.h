@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/result.h"
@@ -10,19 +11,20 @@
 namespace dts::session {
 
 /// Idle --start--> Starting --first scan--> Settling --settle_s--> Running --stop, duration--> Stopping --closed--> Idle
-/// Starting --no scans for 10 s--> Failed --start--> Starting. A lost device does not end a running session: it goes on
-/// in the next segment.
+/// Starting --no scans for 10 s--> Stopping --closed--> Failed, and so does a recording that breaks. A lost device does not end a running
+/// session: it goes on in the next segment.
 enum class SessionState : std::uint8_t { Idle = 1, Starting, Settling, Running, Stopping, Failed };
 
 [[nodiscard]] std::string_view name(SessionState state) noexcept;
 
-/// What a person asks for. Checked by `check`.
+/// What a person asks for. Checked by `check`, and against its protocol by `check_fields`.
 struct SessionRequest {
   std::string protocol = "free";
   std::string subject;      ///< Pseudonym given by the clinic: [A-Za-z0-9_.-], at most 64 characters; may be empty.
   std::string label;        ///< At most 200 bytes.
   double duration_s = 0.0;  ///< 0: until stopped; else up to 7 days, counted after settling.
   double settle_s = 0.0;    ///< 0..3600.
+  std::vector<std::pair<std::string, std::string>> fields{};  ///< What the protocol asks about the subject.
 };
 
 /// Fails with InvalidArgument, naming the field and its range.
@@ -42,10 +44,16 @@ class Session {
  public:
   explicit Session(std::string rig) : rig_(std::move(rig)) {}
 
+  /// WrongState when one is under way.
+  [[nodiscard]] core::Status check_free() const;
   /// Starts a session named `id`. WrongState when one is under way. The request must have passed `check`.
   [[nodiscard]] core::Status start(std::string id, const SessionRequest& request, std::int64_t now_ns);
-  /// WrongState when none is under way.
+  /// Goes to Stopping, where the recording is closed. WrongState when none is under way, or it is stopping already.
   [[nodiscard]] core::Status stop(std::int64_t now_ns);
+  /// The same, because something went wrong: it ends as Failed. No effect when none is under way.
+  void fail(std::int64_t now_ns, std::string message);
+  /// What was recorded is closed: Stopping ends.
+  void closed(std::int64_t now_ns);
   /// Lets time pass; `scans_total` is the rig's counter (a rising one means that it streams).
   void tick(std::int64_t now_ns, std::uint64_t scans_total);
 
@@ -62,6 +70,7 @@ class Session {
   SessionState state_ = SessionState::Idle;
   SessionRequest request_;
   std::string message_;
+  std::string failure_;  ///< Why it will end as Failed; empty: it will not.
   std::int64_t entered_ns_ = 0;
   std::int64_t running_since_ns_ = 0;
   std::int64_t stopped_ns_ = 0;

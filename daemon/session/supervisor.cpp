@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <limits>
 #include <utility>
 
@@ -15,6 +16,7 @@ namespace {
 
 constexpr std::int64_t kRateWindowNs = 2'000'000'000;
 constexpr std::size_t kLongestMark = 200;
+constexpr std::chrono::seconds kCloseLimit{10};  // a disk that hangs longer is left to the recovery at the next start
 constexpr std::int64_t kSyncRetryNs = 1'000'000'000;
 
 std::string_view name(device::DeviceState state) {
@@ -38,12 +40,15 @@ bool uses(const Rig& rig, const device::FoundUnit& unit) {
 
 core::Status Supervisor::add(std::unique_ptr<Rig> rig) {
   const std::string rig_name = rig->config().name;
-  const auto [position, is_new] = entries_.try_emplace(rig_name, Entry{.rig = std::move(rig), .session = Session(rig_name)});
+  Rig& added = *rig;
+  const bool is_new = entries_.try_emplace(rig_name, Entry{.rig = std::move(rig), .session = RigSession(added, services_)}).second;
   if (!is_new) return core::fail(core::ErrorCode::InvalidArgument, "two rigs are named '" + rig_name + "'", "rename one");
+  if (services_.recordings != nullptr) services_.recordings->add(added);
   return {};
 }
 
 void Supervisor::start() {
+  if (services_.recordings != nullptr) services_.recordings->start();
   for (auto& [rig_name, entry] : entries_) {
     entry.rig->start(log_);
     log_.info("rig '" + rig_name + "': " + entry.rig->device().model + " (" + entry.rig->config().device_uri + ")");
@@ -52,10 +57,15 @@ void Supervisor::start() {
 
 void Supervisor::stop() {
   for (auto& [rig_name, entry] : entries_) {
-    if (entry.session.is_under_way()) static_cast<void>(entry.session.stop(clock_.now_ns()));  // checked: under way
-    collect_session_changes(entry);
+    if (entry.session.is_under_way()) static_cast<void>(entry.session.stop(false, {}, moment(entry)));  // refused: it is stopping already
+  }
+  if (services_.recordings != nullptr) {
+    services_.recordings->wait_until_closed(kCloseLimit);
+    services_.recordings->stop();
+    finish_recordings();
   }
   for (auto& [rig_name, entry] : entries_) {
+    collect_session_changes(entry);
     end_sync_pulse(entry, std::numeric_limits<std::int64_t>::max());
     entry.rig->stop();
   }
@@ -69,6 +79,9 @@ std::vector<RigState> Supervisor::states() {
                       .pipeline = entry.rig->pipeline_report(),
                       .tare = entry.rig->tare().latest(),
                       .session = entry.session.view(clock_.now_ns()),
+                      .recording = services_.recordings != nullptr ? services_.recordings->view(rig_name) : RecordingView{},
+                      .part = services_.recordings != nullptr ? services_.recordings->part(rig_name) : 0,
+                      .trial = entry.session.trial_view(clock_.now_ns()),
                       .measured_rate_hz = entry.measured_rate_hz});
   }
   return states;
@@ -96,40 +109,79 @@ std::string Supervisor::new_session_id(const std::string& rig) {
   return std::string(stamp.data()) + "-" + rig + "-" + std::to_string(sessions_started_ + 1);
 }
 
+core::Result<SessionView> Supervisor::begun(Entry& entry, const core::Status& status) {
+  if (!status) return tl::make_unexpected(status.error());
+  entry.has_pulse_due = entry.rig->config().sync_pulse_ms > 0.0;
+  const SessionView view = entry.session.view(clock_.now_ns());
+  log_.info("session " + view.id + " starts on rig '" + entry.rig->config().name + "'");
+  collect_session_changes(entry);
+  return view;
+}
+
 core::Result<SessionView> Supervisor::start_session(const std::string& rig, const SessionRequest& request) {
   auto entry = find(rig);
   if (!entry) return tl::make_unexpected(entry.error());
-  Session& session = (*entry)->session;
-  const std::int64_t now_ns = clock_.now_ns();
-  if (auto checked = check(request); !checked) return tl::make_unexpected(checked.error());
-  if (auto started = session.start(new_session_id(rig), request, now_ns); !started) return tl::make_unexpected(started.error());
-  ++sessions_started_;
-  (*entry)->has_pulse_due = (*entry)->rig->config().sync_pulse_ms > 0.0;
-  log_.info("session " + session.view(now_ns).id + " starts on rig '" + rig + "'");
-  collect_session_changes(**entry);
-  return session.view(now_ns);
+  auto started = (*entry)->session.start(new_session_id(rig), request, moment(**entry));
+  if (started) ++sessions_started_;
+  return begun(**entry, started);
 }
 
-core::Result<std::pair<std::string, SessionView>> Supervisor::stop_session(const std::string& rig) {
-  std::string chosen = rig;
-  if (rig.empty()) {
-    for (const auto& [rig_name, entry] : entries_) {
-      if (!entry.session.is_under_way()) continue;
-      if (!chosen.empty()) {
-        return core::fail(core::ErrorCode::InvalidArgument, "several rigs have a session", "say which: --rig " + rig_name);
-      }
-      chosen = rig_name;
-    }
-    if (chosen.empty()) return core::fail(core::ErrorCode::WrongState, "no rig has a session to stop");
-  }
-  auto entry = find(chosen);
+core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(const std::string& id) {
+  if (services_.recordings == nullptr) return core::fail(core::ErrorCode::Unsupported, "this daemon records nothing");
+  const auto row = services_.recordings->catalogue().session(id);
+  if (!row) return tl::make_unexpected(row.error());
+  auto entry = find(row->rig);
   if (!entry) return tl::make_unexpected(entry.error());
-  const std::int64_t now_ns = clock_.now_ns();
-  if (auto stopped = (*entry)->session.stop(now_ns); !stopped) return tl::make_unexpected(stopped.error());
-  const SessionView view = (*entry)->session.view(now_ns);
-  log_.info("session " + view.id + " stopped");
+  auto view = begun(**entry, (*entry)->session.resume(*row, moment(**entry)));
+  if (!view) return tl::make_unexpected(view.error());
+  return std::pair{row->rig, *view};
+}
+
+core::Result<Supervisor::Entry*> Supervisor::find_with_session(const std::string& name) {
+  if (!name.empty()) return find(name);
+  Entry* only = nullptr;
+  for (auto& [rig_name, entry] : entries_) {
+    if (!entry.session.is_under_way()) continue;
+    if (only != nullptr) return core::fail(core::ErrorCode::InvalidArgument, "several rigs have a session", "say which: --rig " + rig_name);
+    only = &entry;
+  }
+  if (only == nullptr) return core::fail(core::ErrorCode::WrongState, "no rig has a session");
+  return only;
+}
+
+core::Result<std::pair<std::string, SessionView>> Supervisor::stop_session(const std::string& rig, bool is_abort,
+                                                                           const std::string& reason) {
+  auto entry = find_with_session(rig);
+  if (!entry) return tl::make_unexpected(entry.error());
+  if (auto stopped = (*entry)->session.stop(is_abort, reason, moment(**entry)); !stopped) return tl::make_unexpected(stopped.error());
+  const SessionView view = (*entry)->session.view(clock_.now_ns());
+  log_.info("session " + view.id + (is_abort ? " is aborted" : " stops"));
   collect_session_changes(**entry);
-  return std::pair{chosen, view};
+  return std::pair{(*entry)->rig->config().name, view};
+}
+
+core::Result<SessionView> Supervisor::session(const std::string& rig) {
+  auto entry = find(rig);
+  if (!entry) return tl::make_unexpected(entry.error());
+  return (*entry)->session.view(clock_.now_ns());
+}
+
+core::Result<TrialView> Supervisor::trial(const std::string& rig, TrialAction action) {
+  auto entry = find_with_session(rig);
+  if (!entry) return tl::make_unexpected(entry.error());
+  auto done = (*entry)->session.trial(action, moment(**entry));
+  collect_session_changes(**entry);
+  if (!done) return tl::make_unexpected(done.error());
+  return (*entry)->session.trial_view(clock_.now_ns()).value_or(TrialView{});
+}
+
+/// Recordings that came to their end: their sessions end with them.
+void Supervisor::finish_recordings() {
+  if (services_.recordings == nullptr) return;
+  for (const FinishedRecording& finished : services_.recordings->take_finished()) {
+    auto entry = find(finished.rig);
+    if (entry) (*entry)->session.recording_finished(finished, moment(**entry));
+  }
 }
 
 core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark(const std::string& rig, const std::string& text) {
@@ -154,7 +206,10 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
     marks.emplace_back(rig_name, position(**entry));
   }
   if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans that could be marked", "see dtsctl status");
-  for (const auto& [rig_name, at] : marks) notices_.push_back({.rig = rig_name, .at = at, .body = MarkerNotice{text}});
+  for (const auto& [rig_name, at] : marks) {
+    notices_.push_back({.rig = rig_name, .at = at, .body = MarkerNotice{text}});
+    find(rig_name).value()->session.note({.event = "marker", .values = {{"text", text}}}, at);
+  }
   return marks;
 }
 
@@ -163,6 +218,10 @@ core::Result<std::uint64_t> Supervisor::tare(const std::string& rig) {
   if (!entry) return tl::make_unexpected(entry.error());
   if ((*entry)->rig->acquisition().device != device::DeviceState::Streaming) {
     return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' is not streaming", "see dtsctl status");
+  }
+  if ((*entry)->session.is_under_way()) {
+    return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has a session: a tare would change what its figures mean",
+                      "tare before it starts, or after dtsctl session stop --rig " + rig);
   }
   const auto formats = (*entry)->rig->formats();
   if (std::ranges::find(formats, "deflection", &core::StreamFormat::name) == formats.end()) {
@@ -209,7 +268,7 @@ void Supervisor::begin_sync_pulse(Entry& entry, std::int64_t now_ns) {
   const bool has_scans = entry.session.view(now_ns).state != SessionState::Starting;
   if (!entry.has_pulse_due || !has_scans) return;
   entry.has_pulse_due = false;
-  const RigConfig& config = entry.rig->config();
+  const pipeline::RigConfig& config = entry.rig->config();
   if (!entry.session.is_under_way()) return;
   if (auto risen = entry.rig->set_sync_output(true); !risen) {
     const std::string message = "no sync pulse: " + core::to_string(risen.error());
@@ -245,13 +304,14 @@ core::Result<std::vector<device::FoundUnit>> Supervisor::unused_units() {
 
 void Supervisor::tick() {
   const std::int64_t now_ns = clock_.now_ns();
+  finish_recordings();
   for (auto& [rig_name, entry] : entries_) {
     const AcquisitionReport report = entry.rig->acquisition();
     measure_rate(entry, report, now_ns);
     notice_device_change(entry, report);
     log_gaps(entry, report);
     end_sync_pulse(entry, now_ns);
-    entry.session.tick(now_ns, report.scans_total);
+    entry.session.tick(moment(entry), report.scans_total);
     begin_sync_pulse(entry, now_ns);
     collect_session_changes(entry);
   }
@@ -276,8 +336,14 @@ DataPosition Supervisor::position(Entry& entry) {
 }
 
 void Supervisor::collect_session_changes(Entry& entry) {
+  const std::string& rig = entry.rig->config().name;
   for (SessionView& change : entry.session.take_changes()) {
-    notices_.push_back({.rig = entry.rig->config().name, .at = position(entry), .body = std::move(change)});
+    notices_.push_back({.rig = rig, .at = position(entry), .body = std::move(change)});
+  }
+  for (TrialEvent& event : entry.session.take_trial_events()) {
+    notices_.push_back({.rig = rig,
+                        .at = position(entry),
+                        .body = TrialNotice{.session_id = entry.session.view(clock_.now_ns()).id, .event = std::move(event)}});
   }
 }
 
@@ -295,6 +361,8 @@ void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& rep
   notices_.push_back({.rig = entry.rig->config().name,
                       .at = position(entry),
                       .body = DeviceNotice{.state = report.device, .uri = entry.rig->config().device_uri, .message = entry.told_message}});
+  entry.session.note({.event = "device", .values = {{"state", std::string(name(report.device))}, {"message", entry.told_message}}},
+                     position(entry));
 }
 
 void Supervisor::measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns) {

@@ -12,16 +12,9 @@
 #include "core/log.h"
 #include "device/found_units.h"
 #include "session/rig.h"
-#include "session/session.h"
+#include "session/rig_session.h"
 
 namespace dts::session {
-
-/// A position in a rig's data.
-struct DataPosition {
-  std::uint32_t segment = 0;
-  core::ScanIndex scan;
-  std::int64_t host_time_ns = 0;
-};
 
 struct DeviceTest {
   Rig* rig = nullptr;
@@ -39,11 +32,16 @@ struct DeviceNotice {
   std::string message;
 };
 
+struct TrialNotice {
+  std::string session_id;
+  TrialEvent event;
+};
+
 /// Something that the control thread has to tell the bus.
 struct Notice {
   std::string rig;
   DataPosition at;
-  std::variant<MarkerNotice, DeviceNotice, SessionView> body;
+  std::variant<MarkerNotice, DeviceNotice, SessionView, TrialNotice> body;
 };
 
 /// The state of one rig for status answers; references live as long as the supervisor and until its next call.
@@ -53,14 +51,24 @@ struct RigState {
   PipelineReport pipeline;
   pipeline::TareReport tare;
   SessionView session;
+  RecordingView recording;
+  std::uint32_t part = 0;  ///< Of the recording under way, or of the last.
+  std::optional<TrialView> trial;
   double measured_rate_hz = 0.0;  ///< Scans per host second over the last seconds; 0 until known.
 };
 
 /// Owns the rigs and their sessions and executes commands on them. Thread: control, all of it.
 class Supervisor {
  public:
-  /// `usb` (nullptr: none) outlives the supervisor.
-  Supervisor(core::Clock& clock, core::Log log, device::usb::UsbBus* usb = nullptr) : clock_(clock), log_(std::move(log)), usb_(usb) {}
+  /// `usb` (nullptr: none) and the recordings of `services` outlive the supervisor.
+  Supervisor(core::Clock& clock, core::Log log, device::usb::UsbBus* usb = nullptr, SessionServices services = {})
+      : clock_(clock), log_(std::move(log)), usb_(usb), services_(std::move(services)) {}
+
+  ~Supervisor() {
+    if (services_.recordings != nullptr) services_.recordings->stop();  // its thread reads from the rigs
+  }
+  Supervisor(const Supervisor&) = delete;
+  Supervisor& operator=(const Supervisor&) = delete;
 
   /// Takes a rig over; names must differ.
   [[nodiscard]] core::Status add(std::unique_ptr<Rig> rig);
@@ -71,11 +79,21 @@ class Supervisor {
   [[nodiscard]] std::vector<RigState> states();
   [[nodiscard]] std::vector<Rig*> rigs();
   [[nodiscard]] core::Result<SessionView> start_session(const std::string& rig, const SessionRequest& request);
-  /// An empty name means the only rig that has a session.
-  [[nodiscard]] core::Result<std::pair<std::string, SessionView>> stop_session(const std::string& rig);
+  /// Goes on with a session of the catalogue as a new part.
+  [[nodiscard]] core::Result<std::pair<std::string, SessionView>> resume_session(const std::string& id);
+  /// An empty name means the only rig that has a session. It is over when `session` says so: the recording is being closed.
+  [[nodiscard]] core::Result<std::pair<std::string, SessionView>> stop_session(const std::string& rig, bool is_abort = false,
+                                                                               const std::string& reason = {});
+  [[nodiscard]] core::Result<SessionView> session(const std::string& rig);
+  /// A step of a session with trials; an empty name as above.
+  [[nodiscard]] core::Result<TrialView> trial(const std::string& rig, TrialAction action);
+  [[nodiscard]] const std::vector<Protocol>& protocols() const noexcept { return services_.protocols; }
+  /// nullptr: nothing is recorded.
+  [[nodiscard]] Recordings* recordings() noexcept { return services_.recordings; }
   /// Marks the newest scan of one rig, or of every rig for an empty name.
   [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text);
-  /// Asks for a tare; compare the number with `RigState::tare.request` to see when it is answered.
+  /// Asks for a tare (WrongState during a session: what it recorded so far would mean something else); compare the number with
+  /// `RigState::tare.request` to see when it is answered.
   [[nodiscard]] core::Result<std::uint64_t> tare(const std::string& rig);
   /// Withdraws a tare that nobody waits for any more.
   void cancel_tare(const std::string& rig, std::uint64_t request);
@@ -96,7 +114,7 @@ class Supervisor {
  private:
   struct Entry {
     std::unique_ptr<Rig> rig;
-    Session session;
+    RigSession session;
     device::DeviceState told_state = device::DeviceState::Closed;
     std::string told_message{};
     std::uint64_t told_gaps = 0;
@@ -107,9 +125,14 @@ class Supervisor {
     std::int64_t sync_low_at_ns = 0;  ///< When the sync pulse ends; 0: none under way.
   };
   [[nodiscard]] core::Result<Entry*> find(const std::string& name);
+  /// The rig named, or for an empty name the only one with a session.
+  [[nodiscard]] core::Result<Entry*> find_with_session(const std::string& name);
   [[nodiscard]] static DataPosition position(Entry& entry);
-  void collect_session_changes(Entry& entry);
+  [[nodiscard]] Moment moment(Entry& entry) { return {.now_ns = clock_.now_ns(), .at = position(entry)}; }
+  [[nodiscard]] core::Result<SessionView> begun(Entry& entry, const core::Status& status);
+  void finish_recordings();
   void log_gaps(Entry& entry, const AcquisitionReport& report);
+  void collect_session_changes(Entry& entry);
   void begin_sync_pulse(Entry& entry, std::int64_t now_ns);
   void end_sync_pulse(Entry& entry, std::int64_t now_ns);
   void notice_device_change(Entry& entry, const AcquisitionReport& report);
@@ -119,6 +142,7 @@ class Supervisor {
   core::Clock& clock_;
   core::Log log_;
   device::usb::UsbBus* usb_;
+  SessionServices services_;
   std::map<std::string, Entry, std::less<>> entries_;
   std::vector<Notice> notices_;
   std::uint32_t sessions_started_ = 0;

@@ -77,9 +77,9 @@ int take_fifo_priority() {
   return parameters.sched_priority;
 }
 
-session::RigConfig rig_config(const Arguments& arguments, const Plan& plan, int fifo_priority) {
+pipeline::RigConfig rig_config(const Arguments& arguments, const Plan& plan, int fifo_priority) {
   const bool is_floor = arguments.text("load", "raw") == "floor";
-  session::RigConfig config{.name = kRig, .kind = "floor", .device_uri = "bench:schedule", .model = {}, .block_scans = plan.chunk};
+  pipeline::RigConfig config{.name = kRig, .kind = "floor", .device_uri = "bench:schedule", .model = {}, .block_scans = plan.chunk};
   config.rate = need(core::Rate::from_hz(plan.rate_hz));
   config.model.support = {.kind = physics::SupportKind::Corner, .inset = {10.75}};
   const std::size_t per_side = is_floor ? 2 : 4;
@@ -185,7 +185,7 @@ class Producer {
   }
 
   Plan plan_;
-  session::RigConfig config_;
+  pipeline::RigConfig config_;
   core::SystemClock clock_;
   core::Doorbell bell_;
   TimedSocket::Figures figures_;

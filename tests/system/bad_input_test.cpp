@@ -80,7 +80,9 @@ TEST(RuntimeDirectory, InUse_SecondDaemonEndsAndTheFirstGoesOn) {
   DaemonProcess first;
   ASSERT_TRUE(first.is_ready());
 
-  const Finished second = run_program({DTSD_PROGRAM, "--config", first.config_file()}, {"DTSD_RUNTIME_DIR=" + first.directory().string()});
+  const Finished second =
+      run_program({DTSD_PROGRAM, "--config", first.config_file()},
+                  {"DTSD_RUNTIME_DIR=" + first.directory().string(), "DTSD_STATE_DIR=" + first.state_directory().string()});
 
   EXPECT_EQ(second.status, 6);
   EXPECT_THAT(second.err, HasSubstr("another dtsd already runs"));
@@ -101,7 +103,8 @@ TEST(RuntimeDirectory, SocketOfAnotherDaemon_IsNotStolen) {
 TEST(RuntimeDirectory, CannotBeMade_EndsWithPathAndHint) {
   const DaemonProcess any;
 
-  const Finished finished = run_program({DTSD_PROGRAM, "--config", any.config_file()}, {"DTSD_RUNTIME_DIR=/proc/dtsd"});
+  const Finished finished = run_program({DTSD_PROGRAM, "--config", any.config_file()},
+                                        {"DTSD_RUNTIME_DIR=/proc/dtsd", "DTSD_STATE_DIR=" + any.state_directory().string()});
 
   EXPECT_EQ(finished.status, 1);
   EXPECT_THAT(finished.err, HasSubstr("/proc/dtsd"));

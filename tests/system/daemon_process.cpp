@@ -171,7 +171,9 @@ void DaemonProcess::restart() {
   exit_status_.reset();
   is_ready_ = false;
   pid_ = spawn({DTSD_PROGRAM, "--config", config_file(), "--foreground"},
-               {"DTSD_RUNTIME_DIR=" + directory_.string(), "NOTIFY_SOCKET=" + (directory_ / "notify").string()}, "", directory_ / "log");
+               {"DTSD_RUNTIME_DIR=" + directory_.string(), "DTSD_STATE_DIR=" + state_directory().string(),
+                "NOTIFY_SOCKET=" + (directory_ / "notify").string()},
+               "", directory_ / "log");
   static_cast<void>(eventually([&] {
     is_ready_ = is_ready_ || notify.says_ready(20);
     int raw = 0;

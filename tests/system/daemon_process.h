@@ -67,6 +67,8 @@ class DaemonProcess {
   void restart();
 
   [[nodiscard]] const std::filesystem::path& directory() const noexcept { return directory_; }
+  /// Recordings and catalogue.
+  [[nodiscard]] std::filesystem::path state_directory() const { return directory_ / "state"; }
   [[nodiscard]] std::string config_file() const { return directory_ / "dtsd.toml"; }
   [[nodiscard]] std::string control_endpoint() const { return "ipc://" + (directory_ / "control.sock").string(); }
   [[nodiscard]] std::string data_endpoint() const { return "ipc://" + (directory_ / "data.sock").string(); }

@@ -33,6 +33,31 @@ double BaselineAverage::mean(std::size_t channel) const noexcept {
   return sums_[channel].origin + sums_[channel].sum / static_cast<double>(scans_);
 }
 
+void BaselineAverage::save(StateWriter& writer, std::size_t channel_count) const noexcept {
+  writer.put_count(remaining_);
+  const bool has_sums = remaining_ > 0 && remaining_ < scans_;
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    const Sums sums = has_sums ? sums_[c] : Sums{};
+    writer.put(sums.origin);
+    writer.put(sums.sum);
+    writer.put(sums.squares);
+    writer.put_count(sums.bits);
+  }
+}
+
+void BaselineAverage::restore(StateReader& reader, std::size_t channel_count, std::uint64_t scans) noexcept {
+  start(scans);
+  remaining_ = reader.count(scans);
+  for (std::size_t c = 0; c < channel_count; ++c) {
+    Sums& sums = sums_[c];
+    sums.origin = reader.any();
+    sums.sum = reader.any();
+    sums.squares = reader.any();
+    sums.bits = reader.bits();
+    for (const double value : {sums.origin, sums.sum, sums.squares}) reader.check_explained(value, sums.bits);
+  }
+}
+
 TareOutcome BaselineAverage::judge(std::size_t channel_count, double limit_mm, double noise_mm) const noexcept {
   for (std::size_t c = 0; c < channel_count; ++c) {
     if ((sums_[c].bits & kFaultBits) != 0) return TareOutcome::BadSensor;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "core/block.h"
+#include "pipeline/stage_state.h"
 #include "pipeline/tare.h"
 
 namespace dts::pipeline {
@@ -24,6 +25,11 @@ class BaselineAverage {
   /// `noise_mm`; else the reason, the sensor's first. Meaningful when nothing remains.
   [[nodiscard]] TareOutcome judge(std::size_t channel_count, double limit_mm, double noise_mm) const noexcept;
   [[nodiscard]] double mean(std::size_t channel) const noexcept;
+
+  /// Numbers that `save` writes for so many columns, and `restore` takes. `scans`: what `start` was given, or would be.
+  [[nodiscard]] static constexpr std::size_t state_size(std::size_t channel_count) noexcept { return 1 + 4 * channel_count; }
+  void save(StateWriter& writer, std::size_t channel_count) const noexcept;
+  void restore(StateReader& reader, std::size_t channel_count, std::uint64_t scans) noexcept;
 
  private:
   /// Sums are kept around the first value: squares of the values themselves would lose a scatter of micrometres.

@@ -7,6 +7,7 @@
 
 #include "pipeline/fault.h"
 #include "pipeline/input_check.h"
+#include "pipeline/stage_state.h"
 
 namespace dts::pipeline {
 namespace {
@@ -98,6 +99,14 @@ std::array<Cop::Value, 3> Cop::evaluate(std::span<const double> deflection_mm, s
   const double ml_mm = estimate.x_mm - 0.5 * rig_->plate.a.value;
   const double ap_mm = estimate.y_mm - 0.5 * rig_->plate.b.value;
   return {Value{ml_mm, bits}, Value{ap_mm, bits}, Value{load_n, bits}};
+}
+
+void Cop::save(std::span<double> state) const noexcept { StateWriter(state).put(is_in_contact_ ? 1.0 : 0.0); }
+
+bool Cop::restore(std::span<const double> state) noexcept {
+  StateReader reader(state, state_size());
+  is_in_contact_ = reader.flag();
+  return reader.is_right();
 }
 
 bool Cop::update_contact(double load_n) noexcept {

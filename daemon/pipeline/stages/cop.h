@@ -30,6 +30,9 @@ class Cop final : public Stage {
   [[nodiscard]] core::Result<core::StreamFormat> prepare(const core::StreamFormat& input, std::size_t max_scans) override;
   void process(const core::Block& in, core::Block& out) noexcept override;
   void reset() noexcept override { is_in_contact_ = false; }
+  [[nodiscard]] std::size_t state_size() const noexcept override { return 1; }
+  void save(std::span<double> state) const noexcept override;
+  [[nodiscard]] bool restore(std::span<const double> state) noexcept override;
 
  private:
   struct Value {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pipeline/input_check.h"
+#include "pipeline/stage_state.h"
 
 namespace dts::pipeline {
 namespace {
@@ -118,6 +119,28 @@ void Guard::mark_rotation(std::span<const double> marker, core::Block& out) cons
 
 void Guard::reset() noexcept {
   for (Sensor& sensor : sensors_) sensor.last_v = kNaN;  // equals nothing: the count of repeats starts anew
+}
+
+std::size_t Guard::state_size() const noexcept { return 2 * sensors_.size(); }
+
+void Guard::save(std::span<double> state) const noexcept {
+  StateWriter writer(state);
+  for (const Sensor& sensor : sensors_) {
+    const bool is_number = std::isfinite(sensor.last_v);  // the stream says NaN for all others, and so will its replay
+    writer.put(is_number ? sensor.last_v : kNaN);
+    writer.put_count(is_number ? sensor.repeats : 0);
+  }
+}
+
+bool Guard::restore(std::span<const double> state) noexcept {
+  StateReader reader(state, state_size());
+  for (Sensor& sensor : sensors_) {
+    const double last_v = reader.any();
+    sensor.last_v = std::isfinite(last_v) ? last_v : kNaN;
+    sensor.repeats = reader.count(std::numeric_limits<std::uint64_t>::max());
+  }
+  if (!reader.is_right()) reset();
+  return reader.is_right();
 }
 
 }  // namespace dts::pipeline

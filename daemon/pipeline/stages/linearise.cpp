@@ -7,6 +7,7 @@
 
 #include "pipeline/fault.h"
 #include "pipeline/input_check.h"
+#include "pipeline/stage_state.h"
 
 namespace dts::pipeline {
 namespace {
@@ -67,10 +68,7 @@ core::Result<core::StreamFormat> Linearise::prepare(const core::StreamFormat& in
                                                             " sensors");
   }
   tare_scans_ = input.rate.scans_in_ms(tare_ms_);
-  baseline_mm_ = {};
-  is_tared_ = false;
-  average_.stop();
-  reset();
+  forget();
   core::StreamFormat output = input;
   for (std::size_t c = 0; c < output.channels.size(); ++c) output.channels[c] = {.name = rig_->sensors[c].label + "_mm", .unit = "mm"};
   return output;
@@ -119,6 +117,41 @@ void Linearise::subtract_baseline(core::Block& out, std::size_t first, std::size
 
 void Linearise::report(TareOutcome outcome) noexcept {
   tare_->report({.request = request_, .outcome = outcome, .channel_count = rig_->sensors.size(), .baseline_mm = baseline_mm_});
+}
+
+std::size_t Linearise::state_size() const noexcept {
+  const std::size_t sensors = rig_->sensors.size();
+  return 1 + sensors + BaselineAverage::state_size(sensors);
+}
+
+void Linearise::save(std::span<double> state) const noexcept {
+  const std::size_t sensors = rig_->sensors.size();
+  StateWriter writer(state);
+  writer.put(is_tared_ ? 1.0 : 0.0);
+  for (std::size_t c = 0; c < sensors; ++c) writer.put(baseline_mm_[c]);
+  average_.save(writer, sensors);
+}
+
+bool Linearise::restore(std::span<const double> state) noexcept {
+  const std::size_t sensors = rig_->sensors.size();
+  StateReader reader(state, state_size());
+  is_tared_ = reader.flag();
+  const double largest_mm = is_tared_ ? tare_limit_mm_ : 0.0;  // further off no tare is accepted
+  for (std::size_t c = 0; c < sensors; ++c) baseline_mm_[c] = reader.number(-largest_mm, largest_mm);
+  average_.restore(reader, sensors, tare_scans_);
+  if (!reader.is_right()) {
+    forget();
+    return false;
+  }
+  if (is_tared_) report(TareOutcome::Done);
+  return true;
+}
+
+void Linearise::forget() noexcept {
+  baseline_mm_ = {};
+  is_tared_ = false;
+  average_.stop();
+  reset();
 }
 
 void Linearise::reset() noexcept {

@@ -26,8 +26,12 @@ class Linearise final : public Stage {
   [[nodiscard]] core::Result<core::StreamFormat> prepare(const core::StreamFormat& input, std::size_t max_scans) override;
   void process(const core::Block& in, core::Block& out) noexcept override;
   void reset() noexcept override;
+  [[nodiscard]] std::size_t state_size() const noexcept override;
+  void save(std::span<double> state) const noexcept override;
+  [[nodiscard]] bool restore(std::span<const double> state) noexcept override;
 
  private:
+  void forget() noexcept;
   void take_request() noexcept;
   void finish_average() noexcept;
   void subtract_baseline(core::Block& out, std::size_t first, std::size_t scans) const noexcept;

@@ -2,10 +2,12 @@
 #include "pipeline/stages/window_filter.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "pipeline/fault.h"
 #include "pipeline/input_check.h"
+#include "pipeline/stage_state.h"
 
 namespace dts::pipeline {
 namespace {
@@ -123,6 +125,40 @@ void WindowFilter::reset() noexcept {
   }
   slot_ = 0;
   seen_scans_ = 0;
+}
+
+std::size_t WindowFilter::state_size() const noexcept { return 1 + channels_.size() * (2 + 2 * window_scans_); }
+
+void WindowFilter::save(std::span<double> state) const noexcept {
+  StateWriter writer(state);
+  writer.put_count(seen_scans_);
+  for (const Channel& channel : channels_) {
+    writer.put(channel.head_sum);
+    writer.put_count(channel.head_bits);
+    for (std::size_t slot = 0; slot < window_scans_; ++slot) {
+      const bool is_known = slot < seen_scans_;  // else it holds what was before the segment and is not looked at
+      writer.put(is_known ? channel.sums[slot] : 0.0);
+      writer.put_count(is_known ? channel.bits[slot] : 0);
+    }
+  }
+}
+
+bool WindowFilter::restore(std::span<const double> state) noexcept {
+  StateReader reader(state, state_size());
+  seen_scans_ = reader.count(std::numeric_limits<std::uint64_t>::max());
+  slot_ = static_cast<std::size_t>(seen_scans_ % window_scans_);
+  for (Channel& channel : channels_) {
+    channel.head_sum = reader.any();
+    channel.head_bits = reader.bits();
+    reader.check_explained(channel.head_sum, channel.head_bits);
+    for (std::size_t slot = 0; slot < window_scans_; ++slot) {
+      channel.sums[slot] = reader.any();
+      channel.bits[slot] = reader.bits();
+      reader.check_explained(channel.sums[slot], channel.bits[slot]);
+    }
+  }
+  if (!reader.is_right()) reset();
+  return reader.is_right();
 }
 
 }  // namespace dts::pipeline

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "app/rig_file.h"
+#include "files/rig_file.h"
 
 namespace dts::app {
 namespace {
@@ -61,7 +61,7 @@ TEST_F(ConfigFiles, Complete_HasNoProblemAndTheDefaults) {
 
   ASSERT_THAT(loaded.problems, IsEmpty());
   ASSERT_EQ(loaded.config.rigs.size(), 1U);
-  const session::RigConfig& rig = loaded.config.rigs[0].rig;
+  const pipeline::RigConfig& rig = loaded.config.rigs[0].rig;
   EXPECT_EQ(rig.device_uri, "sim:floor");
   EXPECT_EQ(rig.rate, core::Rate::create(100, 1).value());
   EXPECT_EQ(rig.block_scans, 2U);

@@ -55,15 +55,15 @@ TEST_F(Paths, DirectoryThatEverybodyMayWrite_IsRefused) {
 }
 
 TEST_F(Paths, SecondLock_IsRefusedUntilTheFirstEnds) {
-  auto first = std::make_unique<core::Result<RuntimeLock>>(RuntimeLock::take(folder_.string()));
+  auto first = std::make_unique<core::Result<DirectoryLock>>(DirectoryLock::take(folder_.string()));
   ASSERT_TRUE(first->has_value());
 
-  const auto second = RuntimeLock::take(folder_.string());
+  const auto second = DirectoryLock::take(folder_.string());
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, core::ErrorCode::WrongState);
 
   first.reset();
-  EXPECT_TRUE(RuntimeLock::take(folder_.string()));
+  EXPECT_TRUE(DirectoryLock::take(folder_.string()));
 }
 
 TEST_F(Paths, RuntimeDirectory_FollowsTheDocumentedOrder) {

@@ -75,7 +75,7 @@ TEST_F(DocumentsTest, ZshCompletion_QuotesDescriptions) {
   const std::string script = cli::zsh_completion(line());
 
   EXPECT_THAT(script, ::testing::StartsWith("#compdef dtsctl\n"));
-  EXPECT_THAT(script, HasSubstr("'session:Start and stop sessions'"));
+  EXPECT_THAT(script, HasSubstr("'session:Start and stop sessions, look after their recordings'"));
   EXPECT_THAT(script, HasSubstr("a rig'\\''s device"));
 }
 
@@ -90,7 +90,8 @@ TEST_F(DocumentsTest, Manual_HasNoEmptySectionAndNamesEveryCommand) {
     EXPECT_FALSE(is_empty_section || is_empty_command) << previous;
     EXPECT_FALSE(line.empty()) << "after: " << previous;
   }
-  for (const char* command : {"status", "rig show", "device test", "session start", "mark", "tare", "watch", "doctor", "completion"}) {
+  for (const char* command : {"status", "rig show", "device test", "session start", "session export", "protocol show", "audit", "mark",
+                              "tare", "watch", "doctor", "completion"}) {
     EXPECT_THAT(page, HasSubstr(std::string(".SS dtsctl ") + command));
   }
   for (const char* section : {"NAME", "SYNOPSIS", "EXAMPLES", "COMMANDS", "OPTIONS", "ENVIRONMENT", "EXIT STATUS", "FILES"}) {

@@ -40,7 +40,14 @@ TEST_F(RunTest, WrongUsage_ExitsWithTwoAndSaysWhatWasMeant) {
                                  {{"completion", "fish"}, "bash,zsh"},
                                  {{"watch", "--json"}, "--jsonl"},
                                  {{"status", "--endpoint", "nonsense"}, "is not an address"},
-                                 {{"session", "list"}, "unexpected command 'list'"}};
+                                 {{"session", "lsit"}, "did you mean list?"},
+                                 {{"session", "list", "--limit", "0"}, "from 1 to 1000"},
+                                 {{"session", "show"}, "ID is required"},
+                                 {{"session", "verify"}, "ID|FILE is required"},
+                                 {{"session", "export", "x.xdf"}, "--format is required"},
+                                 {{"session", "trial"}, "ACTION is required"},
+                                 {{"session", "abort", "--reason", std::string(201, 'x')}, "0 to 200 bytes"},
+                                 {{"audit", "--limit", "-1"}, "from 1 to 1000"}};
   for (const Wrong& wrong : cases) {
     EXPECT_EQ(run_bare(wrong.words), cli::kUsage) << ::testing::PrintToString(wrong.words);
     EXPECT_THAT(talk(), HasSubstr(wrong.says)) << ::testing::PrintToString(wrong.words);

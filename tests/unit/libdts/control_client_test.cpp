@@ -216,7 +216,20 @@ TEST_F(ControlClientTest, EveryCommand_CarriesItsArguments) {
         case v1::Request::kGetDevices: response.mutable_devices()->add_kinds("sim:floor"); break;
         case v1::Request::kTestDevice: response.mutable_device_test()->add_channels()->set_name(request.test_device().rig()); break;
         case v1::Request::kListRigs: response.mutable_rigs()->add_rigs()->set_name("floor"); break;
-        case v1::Request::kStopSession: response.mutable_session()->set_session_id(request.stop_session().rig()); break;
+        case v1::Request::kStopSession:
+          response.mutable_session()->set_session_id(request.stop_session().rig() + request.stop_session().reason());
+          break;
+        case v1::Request::kResumeSession: response.mutable_session()->set_session_id(request.resume_session().session_id()); break;
+        case v1::Request::kTrial:
+          response.mutable_trial()->set_trial(static_cast<std::uint32_t>(request.trial().action()));
+          response.mutable_trial()->set_condition(request.trial().rig());
+          break;
+        case v1::Request::kListSessions:
+          response.mutable_sessions()->add_sessions()->set_session_id(request.list_sessions().subject());
+          break;
+        case v1::Request::kShowSession: response.mutable_session_record()->set_session_id(request.show_session().session_id()); break;
+        case v1::Request::kListProtocols: response.mutable_protocols()->add_protocols()->set_name("free"); break;
+        case v1::Request::kGetAudit: response.mutable_audit()->set_verified_entries(request.get_audit().limit()); break;
         default: break;
       }
     })};
@@ -229,6 +242,19 @@ TEST_F(ControlClientTest, EveryCommand_CarriesItsArguments) {
   EXPECT_EQ(dts.test_device("chair")->channels(0).name(), "chair");
   EXPECT_EQ(dts.list_rigs()->rigs(0).name(), "floor");
   EXPECT_EQ(dts.stop_session("floor")->session_id(), "floor");
+  v1::StopSessionRequest abort;
+  abort.set_rig("floor");
+  abort.set_reason(" dizzy");
+  EXPECT_EQ(dts.stop_session(abort)->session_id(), "floor dizzy");
+  EXPECT_EQ(dts.resume_session("s1")->session_id(), "s1");
+  EXPECT_EQ(dts.trial(v1::TRIAL_ACTION_REDO, "chair")->trial(), 2U);
+  EXPECT_EQ(dts.trial(v1::TRIAL_ACTION_REDO, "chair")->condition(), "chair");
+  v1::ListSessionsRequest list;
+  list.set_subject("P017");
+  EXPECT_EQ(dts.list_sessions(list)->sessions(0).session_id(), "P017");
+  EXPECT_EQ(dts.show_session("s1")->session_id(), "s1");
+  EXPECT_EQ(dts.list_protocols()->protocols(0).name(), "free");
+  EXPECT_EQ(dts.audit(20)->verified_entries(), 20U);
 }
 
 TEST_F(ControlClientTest, TextThatIsNotUtf8_InvalidArgumentAndNothingIsSent) {
@@ -252,10 +278,22 @@ TEST_F(ControlClientTest, ReplyAfterRestartOfTheDaemon_Arrives) {
   EXPECT_TRUE(dts.status().has_value());
 }
 
+TEST_F(ControlClientTest, StopWaitsForTheRecordingToBeClosed_LongerThanOtherCommands) {
+  const FakeController daemon(endpoint_, [](const v1::Request& request, int number) {
+    if (number == 0) return std::vector<std::string>{};  // the first try of three
+    return std::vector{reply(request, [](v1::Response& response) { response.mutable_session()->set_session_id("s1"); })};
+  });
+  auto dts =
+      ControlClient::open({.endpoint = endpoint_, .timeout = std::chrono::milliseconds(30), .stop_timeout = testing::kDeadline / 10});
+
+  EXPECT_TRUE(dts->stop_session("floor").has_value());
+}
+
 TEST(ControlOptions, OutOfRange_AreRefused) {
   EXPECT_FALSE(ControlClient::open({.endpoint = ""}).has_value());
   EXPECT_FALSE(ControlClient::open({.endpoint = "ipc:///x", .timeout = std::chrono::milliseconds(0)}).has_value());
   EXPECT_FALSE(ControlClient::open({.endpoint = "ipc:///x", .timeout = std::chrono::hours(25)}).has_value());
+  EXPECT_FALSE(ControlClient::open({.endpoint = "ipc:///x", .stop_timeout = std::chrono::milliseconds(29)}).has_value());
   EXPECT_FALSE(ControlClient::open({.endpoint = "ipc:///x", .tries = 0}).has_value());
 }
 

@@ -19,6 +19,7 @@ TEST(TopicName, Stream_IsTakenApart) {
 
 TEST(TopicName, EventAndStatus_AreTold) {
   EXPECT_EQ(parse_topic("chair/reach")->kind, TopicKind::Event);
+  EXPECT_EQ(parse_topic("chair/trial")->kind, TopicKind::Event);
   EXPECT_EQ(parse_topic("dtsd/status")->kind, TopicKind::Status);
 }
 

@@ -46,6 +46,8 @@ TEST(Session, DurationOver_StopsByItselfAndKeepsElapsed) {
   session.tick(1 * kSecond, 1);
 
   session.tick(21 * kSecond, 2);
+  EXPECT_EQ(session.view(21 * kSecond).state, SessionState::Stopping);
+  session.closed(22 * kSecond);
 
   EXPECT_EQ(session.view(30 * kSecond).state, SessionState::Idle);
   EXPECT_DOUBLE_EQ(session.view(30 * kSecond).elapsed_s, 20.0);
@@ -57,6 +59,8 @@ TEST(Session, NoScanForTenSeconds_FailsAndCanBeStartedAgain) {
 
   session.tick(1 * kSecond, 7);
   session.tick(11 * kSecond, 7);
+  EXPECT_EQ(session.view(11 * kSecond).state, SessionState::Stopping);
+  session.closed(11 * kSecond);
 
   EXPECT_EQ(session.view(11 * kSecond).state, SessionState::Failed);
   EXPECT_FALSE(session.view(11 * kSecond).message.empty());
@@ -72,6 +76,30 @@ TEST(Session, StartTwice_IsRefusedAndTheFirstGoesOn) {
   ASSERT_FALSE(second);
   EXPECT_EQ(second.error().code, core::ErrorCode::WrongState);
   EXPECT_EQ(session.view(1).id, "first");
+}
+
+TEST(Session, StopWhileTheRecordingIsClosed_IsRefused) {
+  Session session("floor");
+  ASSERT_TRUE(session.start("id", {}, 0));
+  ASSERT_TRUE(session.stop(1));
+
+  const auto again = session.stop(2);
+
+  ASSERT_FALSE(again);
+  EXPECT_EQ(again.error().code, core::ErrorCode::WrongState);
+  EXPECT_FALSE(session.start("another", {}, 3));
+}
+
+TEST(Session, Failure_ShowsOnlyWhenEverythingIsClosed) {
+  Session session("floor");
+  ASSERT_TRUE(session.start("id", {}, 0));
+
+  session.fail(1, "disk full");
+  EXPECT_EQ(session.view(1).state, SessionState::Stopping);
+  session.closed(2);
+
+  EXPECT_EQ(session.view(2).state, SessionState::Failed);
+  EXPECT_EQ(session.view(2).message, "disk full");
 }
 
 TEST(Session, StopWhenIdle_IsRefused) {
@@ -93,7 +121,6 @@ TEST(SessionRequest, SenselessFields_AreRefused) {
   EXPECT_FALSE(check({.duration_s = std::numeric_limits<double>::quiet_NaN()}));
   EXPECT_FALSE(check({.duration_s = 1e9}));
   EXPECT_FALSE(check({.settle_s = std::numeric_limits<double>::infinity()}));
-  EXPECT_FALSE(check({.protocol = "unheard-of"}));
 }
 
 }  // namespace

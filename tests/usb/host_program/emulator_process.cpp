@@ -72,6 +72,7 @@ void EmulatorProcess::spawn(const Options& options) {
   pid_ = ::fork();
   if (pid_ == 0) {
     ::setenv("DTSD_RUNTIME_DIR", directory_.c_str(), 1);
+    ::setenv("DTSD_STATE_DIR", (directory_ / "state").c_str(), 1);
     ::dup2(to[0], STDIN_FILENO);
     ::dup2(from[1], STDOUT_FILENO);
     ::dup2(::open((directory_ / "log").c_str(), O_WRONLY | O_CREAT | O_APPEND, 0600), STDERR_FILENO);

@@ -15,6 +15,7 @@ struct ControlOptions {
   std::string endpoint;                           ///< `Endpoints::control`
   std::chrono::milliseconds timeout{3000};        ///< For a whole command, all tries together (30 ms..1 day).
   std::chrono::milliseconds tare_timeout{15000};  ///< The same for `tare`, which is answered when its average is complete.
+  std::chrono::milliseconds stop_timeout{20000};  ///< The same for `stop_session`, which is answered when the recording is closed.
   int tries = 3;                                  ///< 1..10
 };
 
@@ -22,7 +23,7 @@ struct ControlOptions {
 ///
 /// A request that is not answered within timeout / tries is sent again over a new socket with the same request id; the
 /// daemon executes it once (the "Lazy Pirate" of the ZeroMQ guide, chapter 4). Every answer is checked before it is
-/// returned: lists are within limits and rates positive. Each command fails with
+/// returned: lists are within limits, numbers finite, rates positive. Each command fails with
 ///   - Unreachable: nobody answers; says the endpoint and what to try,
 ///   - DataDamaged: the answer contradicts itself,
 ///   - or the code, reason and hint that the daemon gives.
@@ -44,8 +45,20 @@ class ControlClient {
   [[nodiscard]] Result<v1::TestDeviceResponse> test_device(const std::string& rig);
   /// WrongState when the rig already has a session.
   [[nodiscard]] Result<v1::SessionInfo> start_session(const v1::StartSessionRequest& request);
-  /// An empty rig means the only one that has a session.
+  /// Ends a session and waits until its recording is closed. An empty rig means the only one that has a session.
   [[nodiscard]] Result<v1::SessionInfo> stop_session(const std::string& rig);
+  /// The same, also for an abort with its reason.
+  [[nodiscard]] Result<v1::SessionInfo> stop_session(const v1::StopSessionRequest& request);
+  /// Goes on with a session that was interrupted, as a new part of its recording.
+  [[nodiscard]] Result<v1::SessionInfo> resume_session(const std::string& session_id);
+  /// One step of the protocol's trials. An empty rig means the only one that has a session.
+  [[nodiscard]] Result<v1::TrialStatus> trial(v1::TrialAction action, const std::string& rig);
+  /// Sessions of the catalogue, newest first, with their parts and without their trials.
+  [[nodiscard]] Result<v1::ListSessionsResponse> list_sessions(const v1::ListSessionsRequest& request = {});
+  [[nodiscard]] Result<v1::SessionRecord> show_session(const std::string& session_id);
+  [[nodiscard]] Result<v1::ListProtocolsResponse> list_protocols();
+  /// The newest entries of the audit trail (0: 100). That its chain is broken is no error here: see `problem`.
+  [[nodiscard]] Result<v1::GetAuditResponse> audit(std::uint32_t limit = 0);
   /// Marks the newest scan of a rig, or of every rig for an empty name. `text` has 1..200 bytes.
   [[nodiscard]] Result<v1::MarkResponse> mark(const std::string& text, const std::string& rig);
   /// Takes the present deflections as zero.

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/recording_view.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <string_view>
+
+#include "ctl/json.h"
+
+namespace dts::ctl {
+
+std::string bytes_text(std::uint64_t bytes) {
+  constexpr std::array<std::string_view, 5> kUnits{"B", "kB", "MB", "GB", "TB"};
+  double size = static_cast<double>(bytes);
+  std::size_t unit = 0;
+  for (; size >= 999.95 && unit + 1 < kUnits.size(); ++unit) size /= 1000.0;
+  return cli::decimal(size, unit == 0 ? 0 : 1) + " " + std::string(kUnits[unit]);
+}
+
+std::string utc_text(std::int64_t utc_ns) {
+  if (utc_ns == 0) return "-";
+  namespace time = std::chrono;
+  const time::sys_time<time::seconds> instant{time::floor<time::seconds>(time::nanoseconds(utc_ns))};
+  const auto day = time::floor<time::days>(instant);
+  const time::year_month_day date(day);
+  const time::hh_mm_ss clock(instant - day);
+  const auto two = [](auto number) { return (number < 10 ? "0" : "") + std::to_string(number); };
+  return std::to_string(static_cast<int>(date.year())) + "-" + two(static_cast<unsigned>(date.month())) + "-" +
+         two(static_cast<unsigned>(date.day())) + " " + two(clock.hours().count()) + ":" + two(clock.minutes().count()) + ":" +
+         two(clock.seconds().count());
+}
+
+std::string trial_line(const v1::TrialStatus& trial) {
+  const std::string phase = trial.phase() == 0 ? "-" : enumerator_word(*v1::TrialPhase_descriptor(), trial.phase());
+  std::string line = trial.trial() == 0 ? "no trial yet" : "trial " + std::to_string(trial.trial());
+  line += " of " + std::to_string(trial.of());
+  if (trial.attempt() > 1) line += ", attempt " + std::to_string(trial.attempt());
+  line += ", " + phase;
+  if (trial.remaining_s() > 0.0) line += ", " + cli::duration(trial.remaining_s()) + " left";
+  if (!trial.condition().empty()) line += ": " + trial.condition();
+  if (!trial.next_condition().empty()) line += "; next " + trial.next_condition();
+  if (trial.next_target_cm() > 0.0) line += " at " + cli::decimal(trial.next_target_cm(), 1) + " cm";
+  return cli::printable(line);
+}
+
+std::string disk_line(const v1::DiskStatus& disk) {
+  if (disk.state() == v1::DISK_STATE_UNSPECIFIED) return "";
+  std::string line = bytes_text(disk.free_bytes()) + " free";
+  if (!disk.directory().empty()) line += " in " + disk.directory();
+  if (disk.recordable_s() > 0.0) line += ", room for " + cli::duration(disk.recordable_s());
+  if (disk.state() != v1::DISK_STATE_FINE) line += ", " + enumerator_word(*v1::DiskState_descriptor(), disk.state());
+  if (!disk.problem().empty()) line += ": " + disk.problem();
+  return cli::printable(line);
+}
+
+cli::Cell state_cell(const std::string& word) {
+  if (word == "complete") return {word, cli::Style::Good};
+  return {word, word == "running" || word == "recording" ? cli::Style::Plain : cli::Style::Bad};
+}
+
+void print_recording(cli::Console& console, const v1::SessionInfo& session) {
+  const v1::RecordingStatus& recording = session.recording();
+  if (!recording.file().empty()) {
+    const std::string part = recording.part() > 1 ? "part " + std::to_string(recording.part()) + ", " : "";
+    console.out << cli::printable((recording.is_recording() ? "recording " : "recorded ") + part + bytes_text(recording.bytes()) + " in " +
+                                  recording.file())
+                << '\n';
+  }
+  const std::string lost =
+      recording.lost_scans_total() > 0 ? std::to_string(recording.lost_scans_total()) + " scans did not reach the file" : "";
+  for (const std::string& problem : {recording.problem(), lost}) {
+    if (problem.empty()) continue;
+    console.out << cli::styled(console, cli::Style::Bad, "the recording is incomplete: " + cli::printable(problem)) << '\n';
+  }
+}
+
+void print_recordings(cli::Console& console, const v1::StatusSnapshot& status) {
+  for (const v1::RigStatus& rig : status.rigs()) {
+    const v1::SessionInfo& session = rig.session();
+    const bool is_told = session.recording().is_recording() || !session.recording().problem().empty();
+    if (is_told) {
+      console.out << cli::printable(rig.rig().name()) << ": ";
+      print_recording(console, session);
+    }
+    if (session.has_trial() && session.state() == v1::SESSION_STATE_RUNNING) {
+      console.out << cli::printable(rig.rig().name()) << ": " << trial_line(session.trial()) << '\n';
+    }
+  }
+  if (const std::string disk = disk_line(status.disk()); !disk.empty()) {
+    const cli::Style style = status.disk().state() == v1::DISK_STATE_FINE ? cli::Style::Plain : cli::Style::Bad;
+    console.out << cli::styled(console, style, "disk: " + disk) << '\n';
+  }
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "cli/console.h"
+#include "cli/table.h"
+#include "dts/v1/control.pb.h"
+
+namespace dts::ctl {
+
+/// What people read about recordings, trials and the disk, in one line each.
+
+/// "12.3 MB"
+[[nodiscard]] std::string bytes_text(std::uint64_t bytes);
+/// "2026-11-21 14:45:25"; "-" for 0.
+[[nodiscard]] std::string utc_text(std::int64_t utc_ns);
+/// "trial 3 of 30, measuring, 12.0 s left: 120; next 150 at 85.2 cm"
+[[nodiscard]] std::string trial_line(const v1::TrialStatus& trial);
+/// "12.3 GB free in /var/lib/dtsd, room for 3 d 2 h"; empty when the daemon says nothing of a disk.
+[[nodiscard]] std::string disk_line(const v1::DiskStatus& disk);
+/// Everything but "complete" stands out.
+[[nodiscard]] cli::Cell state_cell(const std::string& word);
+
+/// Where the session is recorded, and loudly what is wrong with that.
+void print_recording(cli::Console& console, const v1::SessionInfo& session);
+/// Recordings and trials under way, and the disk.
+void print_recordings(cli::Console& console, const v1::StatusSnapshot& status);
+
+}  // namespace dts::ctl

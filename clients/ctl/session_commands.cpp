@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/session_commands.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "cli/suggestion.h"
+#include "ctl/ask.h"
+#include "ctl/recording_view.h"
+#include "ctl/session_view.h"
+#include "ctl/status_view.h"
+
+namespace dts::ctl {
+namespace {
+
+using client::ControlClient;
+using client::ErrorCode;
+using client::Result;
+
+/// KEY=VALUE into the request; a key that comes twice is a mistake, not a choice.
+Result<void> add_fields(const std::vector<std::string>& fields, v1::StartSessionRequest& request) {
+  for (const std::string& field : fields) {
+    const std::size_t equals = field.find('=');
+    const std::string key = field.substr(0, equals);
+    if (request.fields().contains(key)) return client::fail(ErrorCode::InvalidArgument, "field '" + key + "' is given twice");
+    (*request.mutable_fields())[key] = field.substr(equals + 1);
+  }
+  return {};
+}
+
+/// The id, and for people what may come next.
+void print_begun(cli::Console& console, const v1::SessionInfo& session) {
+  console.out << cli::printable(session.session_id()) << '\n';
+  if (session.has_trial()) cli::print_hint(console, "first trial: dtsctl session trial next --rig " + session.rig());
+  cli::print_hint(console, "stop it: dtsctl session stop --rig " + session.rig() + "   see it: dtsctl watch " + session.rig() + "/");
+}
+
+void print_ended(cli::Console& console, const v1::SessionInfo& session) {
+  console.out << session_line(session) << '\n';
+  print_recording(console, session);
+}
+
+Result<v1::ProtocolInfo> find_protocol(const v1::ListProtocolsResponse& protocols, const std::string& name) {
+  std::vector<std::string> known;
+  std::string list;
+  for (const v1::ProtocolInfo& protocol : protocols.protocols()) {
+    if (protocol.name() == name) return protocol;
+    known.push_back(protocol.name());
+    list += (list.empty() ? "" : ", ") + protocol.name();
+  }
+  const std::string meant = cli::nearest(name, known);
+  return client::fail(ErrorCode::NotFound, "no protocol '" + name + "'",
+                      meant.empty() ? "there are: " + list : "did you mean " + meant + "?");
+}
+
+v1::TrialAction action_of(const std::string& word) {
+  if (word == "next") return v1::TRIAL_ACTION_NEXT;
+  return word == "redo" ? v1::TRIAL_ACTION_REDO : v1::TRIAL_ACTION_REJECT;
+}
+
+}  // namespace
+
+int run_session_start(const Arguments& arguments, cli::Console& console) {
+  const SessionArguments& wishes = arguments.session;
+  v1::StartSessionRequest request;
+  request.set_rig(arguments.rig);
+  request.set_protocol(wishes.protocol);
+  request.set_subject(wishes.subject);
+  request.set_label(wishes.label);
+  request.set_duration_s(wishes.duration_s);
+  request.set_settle_s(wishes.settle_s);
+  if (auto added = add_fields(wishes.fields, request); !added) return cli::fail_with(console, added.error());
+  return ask_and_print(
+      arguments, console, [&](ControlClient& dts) { return dts.start_session(request); },
+      [&](const v1::SessionInfo& session) { print_begun(console, session); });
+}
+
+int run_session_stop(const Arguments& arguments, cli::Console& console) {
+  return ask_and_print(
+      arguments, console, [&](ControlClient& dts) { return dts.stop_session(arguments.rig); },
+      [&](const v1::SessionInfo& session) { print_ended(console, session); });
+}
+
+int run_session_abort(const Arguments& arguments, cli::Console& console) {
+  v1::StopSessionRequest request;
+  request.set_rig(arguments.rig);
+  request.set_is_abort(true);
+  request.set_reason(arguments.session.reason);
+  return ask_and_print(
+      arguments, console, [&](ControlClient& dts) { return dts.stop_session(request); },
+      [&](const v1::SessionInfo& session) { print_ended(console, session); });
+}
+
+int run_session_resume(const Arguments& arguments, cli::Console& console) {
+  return ask_and_print(
+      arguments, console, [&](ControlClient& dts) { return dts.resume_session(arguments.session.id); },
+      [&](const v1::SessionInfo& session) { print_begun(console, session); });
+}
+
+int run_session_list(const Arguments& arguments, cli::Console& console) {
+  v1::ListSessionsRequest request;
+  request.set_rig(arguments.rig);
+  request.set_subject(arguments.session.subject);
+  request.set_protocol(arguments.session.protocol);
+  request.set_limit(arguments.session.limit);
+  return ask_and_print(
+      arguments, console, [&](ControlClient& dts) { return dts.list_sessions(request); },
+      [&](const v1::ListSessionsResponse& sessions) {
+        print_sessions(console, sessions);
+        if (sessions.sessions_size() > 0) {
+          cli::print_hint(console, "details: dtsctl session show " + cli::printable(sessions.sessions(0).session_id()));
+        }
+      });
+}
+
+int run_session_show(const Arguments& arguments, cli::Console& console) {
+  return ask_and_print(
+      arguments, console, [&](ControlClient& dts) { return dts.show_session(arguments.session.id); },
+      [&](const v1::SessionRecord& session) { print_session(console, session); });
+}
+
+int run_session_trial(const Arguments& arguments, cli::Console& console) {
+  return ask_and_print(
+      arguments, console, [&](ControlClient& dts) { return dts.trial(action_of(arguments.session.action), arguments.rig); },
+      [&](const v1::TrialStatus& trial) { console.out << trial_line(trial) << '\n'; });
+}
+
+int run_protocol_list(const Arguments& arguments, cli::Console& console) {
+  return ask_and_print(
+      arguments, console, [](ControlClient& dts) { return dts.list_protocols(); },
+      [&](const v1::ListProtocolsResponse& protocols) {
+        print_protocols(console, protocols);
+        if (protocols.protocols_size() > 0) {
+          cli::print_hint(console, "details: dtsctl protocol show " + cli::printable(protocols.protocols(0).name()));
+        }
+      });
+}
+
+int run_protocol_show(const Arguments& arguments, cli::Console& console) {
+  const auto ask = [&](ControlClient& dts) {
+    return dts.list_protocols().and_then([&](const auto& protocols) { return find_protocol(protocols, arguments.session.protocol); });
+  };
+  return ask_and_print(arguments, console, ask, [&](const v1::ProtocolInfo& protocol) { print_protocol(console, protocol); });
+}
+
+int run_audit(const Arguments& arguments, cli::Console& console) {
+  std::string problem;
+  const auto ask = [&](ControlClient& dts) {
+    return dts.audit(arguments.session.limit).map([&](v1::GetAuditResponse&& audit) {
+      problem = audit.problem();
+      return std::move(audit);
+    });
+  };
+  const int status = ask_and_print(arguments, console, ask, [&](const v1::GetAuditResponse& audit) { print_audit(console, audit); });
+  if (status != cli::kOk || problem.empty()) return status;
+  return cli::fail_with(console, client::Error{ErrorCode::DataDamaged, "the audit trail was changed: " + problem,
+                                               "compare it with a backup of the catalogue; what is in the files is not affected"});
+}
+
+}  // namespace dts::ctl

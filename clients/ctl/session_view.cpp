@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/session_view.h"
+
+#include <string>
+
+#include "cli/table.h"
+#include "ctl/json.h"
+#include "ctl/recording_view.h"
+
+namespace dts::ctl {
+namespace {
+
+std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
+
+std::string state_word(v1::PartState state) { return enumerator_word(*v1::PartState_descriptor(), state); }
+
+/// The session's state, and in brackets those of its recordings that say more: "interrupted (recovered)".
+std::string state_of(const v1::SessionRecord& session) {
+  std::string more;
+  for (const v1::SessionPart& part : session.parts()) {
+    const std::string word = state_word(part.state());
+    const bool is_usual = part.state() == v1::PART_STATE_COMPLETE || part.state() == v1::PART_STATE_RECORDING;
+    if (is_usual || word == session.state() || more.find(word) != std::string::npos) continue;
+    more += (more.empty() ? "" : ", ") + word;
+  }
+  return or_dash(session.state()) + (more.empty() ? "" : " (" + more + ")");
+}
+
+double recorded_s(const v1::SessionRecord& session) {
+  double sum_s = 0.0;
+  for (const v1::SessionPart& part : session.parts()) sum_s += part.duration_s();
+  return sum_s;
+}
+
+void print_field(cli::Console& console, const std::string& label, const std::string& value) {
+  if (value.empty()) return;
+  console.out << cli::styled(console, cli::Style::Faint, label + std::string(label.size() < 12 ? 12 - label.size() : 1, ' '))
+              << cli::printable(value) << '\n';
+}
+
+void print_parts(cli::Console& console, const v1::SessionRecord& session) {
+  cli::Table parts({">PART", "STATE", ">LENGTH", ">SCANS", ">SIZE", "FILE"});
+  for (const v1::SessionPart& part : session.parts()) {
+    parts.add({{std::to_string(part.part())},
+               state_cell(state_word(part.state())),
+               {cli::duration(part.duration_s())},
+               {std::to_string(part.scans())},
+               {bytes_text(part.bytes())},
+               {or_dash(part.file())}});
+  }
+  if (session.parts_size() > 0) console.out << '\n';
+  parts.print(console);
+  for (const v1::SessionPart& part : session.parts()) {
+    if (part.reason().empty() && !(part.lost_s_at_most() > 0.0)) continue;
+    const std::string lost = part.lost_s_at_most() > 0.0 ? "at most " + cli::decimal(part.lost_s_at_most(), 2) + " s are lost" : "";
+    const std::string why = part.reason() + (part.reason().empty() || lost.empty() ? "" : "; ") + lost;
+    console.out << cli::styled(console, cli::Style::Bad, "part " + std::to_string(part.part()) + ": " + cli::printable(why)) << '\n';
+  }
+}
+
+void print_trials(cli::Console& console, const v1::SessionRecord& session) {
+  cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", ">PART", ">SEGMENT", ">SCANS"});
+  for (const v1::TrialRecord& trial : session.trials()) {
+    trials.add({{std::to_string(trial.trial())},
+                {std::to_string(trial.attempt())},
+                {std::to_string(trial.block())},
+                {trial.condition()},
+                {trial.outcome(), trial.outcome() == "done" ? cli::Style::Good : cli::Style::Warning},
+                {std::to_string(trial.part())},
+                {std::to_string(trial.segment())},
+                {std::to_string(trial.first_scan()) + " .. " + std::to_string(trial.last_scan())}});
+  }
+  if (session.trials_size() > 0) console.out << '\n';
+  trials.print(console);
+}
+
+}  // namespace
+
+void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessions) {
+  cli::Table table({"SESSION", "RIG", "PROTOCOL", "SUBJECT", "STARTED (UTC)", ">LENGTH", "STATE", "LABEL"});
+  for (const v1::SessionRecord& session : sessions.sessions()) {
+    cli::Cell state = state_cell(state_of(session));
+    table.add({{session.session_id(), cli::Style::Bold},
+               {session.rig()},
+               {or_dash(session.protocol())},
+               {or_dash(session.subject())},
+               {utc_text(session.started_utc_ns())},
+               {cli::duration(recorded_s(session))},
+               state,
+               {session.label()}});
+  }
+  if (sessions.sessions_size() == 0) console.out << "no session\n";
+  table.print(console);
+}
+
+void print_session(cli::Console& console, const v1::SessionRecord& session) {
+  print_field(console, "session", session.session_id());
+  print_field(console, "rig", session.rig());
+  print_field(console, "protocol", session.protocol());
+  print_field(console, "subject", session.subject());
+  print_field(console, "label", session.label());
+  print_field(console, "started", utc_text(session.started_utc_ns()) + " UTC");
+  if (session.ended_utc_ns() != 0) print_field(console, "ended", utc_text(session.ended_utc_ns()) + " UTC");
+  print_field(console, "recorded", cli::duration(recorded_s(session)));
+  print_field(console, "state", state_of(session) + (session.message().empty() ? "" : ": " + session.message()));
+  print_parts(console, session);
+  print_trials(console, session);
+}
+
+void print_protocols(cli::Console& console, const v1::ListProtocolsResponse& protocols) {
+  cli::Table table({"PROTOCOL", ">TRIALS", ">LENGTH", "WHAT"});
+  for (const v1::ProtocolInfo& protocol : protocols.protocols()) {
+    table.add({{protocol.name(), cli::Style::Bold},
+               {protocol.trials() > 0 ? std::to_string(protocol.trials()) : "-"},
+               {protocol.duration_s() > 0.0 ? cli::duration(protocol.duration_s()) : "-"},
+               {protocol.sentence()}});
+  }
+  if (protocols.protocols_size() == 0) console.out << "no protocol is configured\n";
+  table.print(console);
+}
+
+void print_protocol(cli::Console& console, const v1::ProtocolInfo& protocol) {
+  print_field(console, "protocol", protocol.name());
+  print_field(console, "what", protocol.sentence());
+  if (protocol.settle_s() > 0.0) print_field(console, "settling", cli::duration(protocol.settle_s()));
+  const std::string until = protocol.trials() > 0 ? "until all trials are done" : "until stopped";
+  print_field(console, "length", protocol.duration_s() > 0.0 ? cli::duration(protocol.duration_s()) : until);
+  if (protocol.trials() > 0) print_field(console, "trials", std::to_string(protocol.trials()));
+  std::string conditions;
+  for (const std::string& condition : protocol.conditions()) conditions += (conditions.empty() ? "" : " ") + condition;
+  print_field(console, "conditions", conditions);
+  cli::Table fields({"FIELD", "NEEDED", "VALUES", "WHAT"});
+  for (const v1::ProtocolField& field : protocol.fields()) {
+    std::string values;
+    for (const std::string& choice : field.choices()) values += (values.empty() ? "" : " or ") + choice;
+    if (values.empty()) values = cli::decimal(field.minimum(), 0) + " .. " + cli::decimal(field.maximum(), 0);
+    fields.add({{field.name(), cli::Style::Bold}, {field.is_required() ? "yes" : "no"}, {values}, {field.sentence()}});
+  }
+  if (protocol.fields_size() > 0) console.out << '\n';
+  fields.print(console);
+}
+
+void print_audit(cli::Console& console, const v1::GetAuditResponse& audit) {
+  cli::Table table({">NUMBER", "TIME (UTC)", "WHO", "WHAT", "ON", "RESULT"});
+  for (const v1::AuditEntry& entry : audit.entries()) {
+    table.add({{std::to_string(entry.number())},
+               {utc_text(entry.utc_ns())},
+               {entry.who()},
+               {entry.what()},
+               {or_dash(entry.target())},
+               {entry.result(), entry.result() == "ok" ? cli::Style::Plain : cli::Style::Warning}});
+  }
+  table.print(console);
+  if (!audit.problem().empty()) return;
+  console.out << audit.verified_entries() << " entries, the chain holds\n";
+}
+
+}  // namespace dts::ctl

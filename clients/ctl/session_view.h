@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cli/console.h"
+#include "dts/v1/control.pb.h"
+
+namespace dts::ctl {
+
+/// Tables of what the catalogue and the protocols say.
+void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessions);
+void print_session(cli::Console& console, const v1::SessionRecord& session);
+void print_protocols(cli::Console& console, const v1::ListProtocolsResponse& protocols);
+void print_protocol(cli::Console& console, const v1::ProtocolInfo& protocol);
+void print_audit(cli::Console& console, const v1::GetAuditResponse& audit);
+
+}  // namespace dts::ctl

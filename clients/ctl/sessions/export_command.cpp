@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/sessions/export_command.h"
+
+#include <iterator>
+#include <string>
+#include <utility>
+
+#include "cli/exit_status.h"
+#include "cli/json.h"
+#include "ctl/recording_view.h"
+#include "ctl/sessions/recorded_files.h"
+#include "ctl/sessions/work_bar.h"
+#include "record/export/export.h"
+
+namespace dts::ctl {
+namespace {
+
+core::Result<record::Exported> export_one(const RecordedFile& file, const SessionArguments& wishes, cli::Console& console, WorkBar& work) {
+  auto recording = record::Recording::open(file.path);
+  if (!recording) return tl::make_unexpected(recording.error());
+  if (!(*recording)->damage().empty()) {
+    console.talk << console.program << ": " << cli::printable(file.path + ": " + (*recording)->damage()) << "; what is whole is exported"
+                 << std::endl;
+  }
+  if (wishes.format == "csv") return record::export_csv(**recording, wishes.out.empty() ? "." : wishes.out, work.progress());
+  return record::export_bids(**recording, wishes.out.empty() ? "bids" : wishes.out, work.progress());
+}
+
+}  // namespace
+
+int run_session_export(const Arguments& arguments, cli::Console& console) {
+  const auto files = find_recordings(arguments);
+  if (!files) return cli::fail_with(console, files.error());
+  WorkBar work(console, "exporting");
+  record::Exported all;
+  for (const RecordedFile& file : *files) {
+    auto exported = export_one(file, arguments.session, console, work);
+    if (!exported) {
+      const int status = cli::fail_with(console, exported.error());
+      return work.is_interrupted() ? cli::kInterrupted : status;
+    }
+    std::ranges::move(exported->files, std::back_inserter(all.files));
+    all.rows += exported->rows;
+    all.bytes += exported->bytes;
+  }
+  if (arguments.is_json) {
+    console.out << cli::document({{"files", all.files}, {"rows", all.rows}, {"bytes", all.bytes}});
+  } else {
+    for (const std::string& name : all.files) console.out << cli::printable(name) << '\n';
+    cli::print_hint(console, std::to_string(all.rows) + " rows, " + bytes_text(all.bytes));
+  }
+  console.out.flush();
+  return cli::kOk;
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cli/console.h"
+#include "lab/arguments.h"
+
+namespace dts::lab {
+
+/// `dtslab replay`: returns 0 when everything recorded is what the rig computes, 1 when not.
+[[nodiscard]] int run_replay(const Arguments& arguments, cli::Console& console);
+
+}  // namespace dts::lab

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/simulated_rig.h"
+
+#include <sstream>
+
+#include "files/toml_text.h"
+#include "lab/thesis_setup.h"
+
+namespace dts::lab {
+namespace {
+
+constexpr double kCurveStepMm = 0.25;  // of the assumed curve's points
+
+std::string curve_text(const physics::SensorCurve& curve) {
+  std::ostringstream out;
+  out << "{ name = " << files::toml_quoted(curve.name()) << ", point = [ ";
+  const double first_mm = curve.minimum_gap().value;
+  const auto steps = static_cast<int>((curve.maximum_gap().value - first_mm) / kCurveStepMm + 0.5);
+  for (int step = 0; step <= steps; ++step) {
+    const core::Millimetres gap{first_mm + step * kCurveStepMm};
+    out << (step == 0 ? "" : ", ") << "{ gap_mm = " << files::toml_number(gap.value)
+        << ", volts = " << files::toml_number(curve.volts(gap).value) << " }";
+  }
+  out << " ] }";
+  return std::move(out).str();
+}
+
+}  // namespace
+
+std::string floor_definition(double rate_hz) {
+  const physics::RigModel rig = thesis_setup::floor_platform();
+  std::ostringstream out;
+  out << "kind = \"floor\"\n\n[plate]\na_mm = " << files::toml_number(rig.plate.a.value)
+      << "\nb_mm = " << files::toml_number(rig.plate.b.value) << "\nh_mm = " << files::toml_number(rig.plate.h.value)
+      << "\ne_pa = " << files::toml_number(rig.plate.e_pa) << "\nnu = " << files::toml_number(rig.plate.nu)
+      << "\n\n[support]\nkind = \"corner\"\ninset_mm = " << files::toml_number(rig.support.inset.value)
+      << "\n\n[acquire]\nrate_hz = " << files::toml_number(rate_hz) << '\n';
+  for (const physics::SensorModel& sensor : rig.sensors) {
+    out << "\n[[sensor]]\nlabel = " << files::toml_quoted(sensor.label) << "\nx_mm = " << files::toml_number(sensor.position.x.value)
+        << "\ny_mm = " << files::toml_number(sensor.position.y.value) << "\ncurve = " << curve_text(sensor.curve) << '\n';
+  }
+  out << "\n[[stage]]\nid = \"guard\"\n\n[[stage]]\nid = \"window_filter\"\nwindow_scans = 3\n\n"
+         "[[stage]]\nid = \"linearise\"\n\n[[stage]]\nid = \"cop\"\nestimator = \"poly3\"\n";
+  return std::move(out).str();
+}
+
+}  // namespace dts::lab

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <sstream>
+#include <utility>
+
+#include "files/rig_file.h"
+
+namespace dts::files {
+namespace {
+
+constexpr std::size_t kLargestDefinition = std::size_t{1} << 20U;  // the longest fact of a recording
+
+/// Puts the table of the file that `key` names in the place of its name.
+void embed(toml::table& table, std::string_view key, const std::filesystem::path& folder, Problems& problems) {
+  const toml::node* given = table.get(key);
+  if (given == nullptr || !given->is_string()) return;
+  const std::string name = given->value_or(std::string());
+  if (name.empty()) return;
+  auto named = parse_toml((folder / name).lexically_normal().string(), problems);
+  if (!named) return;
+  named->is_inline(true);
+  table.insert_or_assign(key, std::move(*named));
+}
+
+std::string text_of(const toml::table& table) {
+  std::ostringstream text;
+  text << toml::toml_formatter(table, toml::format_flags::none) << '\n';  // floats with 17 digits
+  return std::move(text).str();
+}
+
+tl::unexpected<core::Error> refuse(const std::string& file, const Problems& problems) {
+  return core::fail(core::ErrorCode::InvalidArgument, "no definition of the rig in " + file + ": " + to_string(problems.front()));
+}
+
+}  // namespace
+
+core::Result<std::string> rig_definition(const std::string& file) {
+  Problems problems;
+  (void)read_rig_file(file, problems);
+  if (!problems.empty()) return refuse(file, problems);
+  auto table = parse_toml(file, problems);
+  if (!table) return refuse(file, problems);
+  const auto folder = std::filesystem::path(file).parent_path();
+  embed(*table, "calibration", folder, problems);
+  if (toml::array* sensors = table->get_as<toml::array>("sensor")) {
+    sensors->for_each([&](toml::table& sensor) { embed(sensor, "curve", folder, problems); });
+  }
+  if (!problems.empty()) return refuse(file, problems);
+  std::string text = text_of(*table);
+  if (toml::table* calibration = table->get_as<toml::table>("calibration"); text.size() > kLargestDefinition && calibration != nullptr) {
+    calibration->erase("point");
+    text = text_of(*table);
+  }
+  if (text.size() <= kLargestDefinition) return text;
+  return core::fail(core::ErrorCode::LimitExceeded, "the rig in " + file +
+                                                        " is too large to be recorded with a session: " + std::to_string(text.size()) +
+                                                        " bytes of at most " + std::to_string(kLargestDefinition));
+}
+
+}  // namespace dts::files

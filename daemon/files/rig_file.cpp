@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "files/rig_file.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "files/cop_calibration_file.h"
+#include "files/rig_model_file.h"
+
+namespace dts::files {
+namespace {
+
+void read_acquisition(TomlReader reader, pipeline::RigConfig& config) {
+  const double rate_hz = reader.number("rate_hz", 100.0, 1.0, 20000.0);
+  config.rate = core::Rate::from_hz(rate_hz).value();  // in range by the line above
+  const double block_ms = reader.number("block_ms", 20.0, 0.05, 1000.0);
+  const bool is_low_latency = reader.boolean("low_latency", false);
+  config.block_scans = is_low_latency ? 1 : config.rate.scans_in_ms(block_ms);
+  if (config.block_scans > core::kMaxBlockScans) {
+    reader.report("block_ms", "a block would have " + std::to_string(config.block_scans) + " scans; at most " +
+                                  std::to_string(core::kMaxBlockScans) + " are supported: lower block_ms or rate_hz");
+  }
+  reader.finish();
+}
+
+/// `calibration = "file.toml"`, relative to the rig file: measured on this rig with `dtsctl calibrate cop` or `dtslab cop fit`. In a
+/// definition it is a table.
+void read_calibration(TomlReader& top, pipeline::RigConfig& config, References references, Problems& problems) {
+  std::optional<toml::table> parsed;
+  auto reader = top.table_or_file("calibration", references, parsed);
+  if (!reader) return;
+  config.cop_calibration = read_cop_calibration(*reader, problems);
+  if (!config.cop_calibration) return;
+  const std::size_t sensors = config.cop_calibration->estimator.sensor_count();
+  if (sensors == config.model.sensors.size()) return;
+  top.report("calibration", "calibration '" + config.cop_calibration->id + "' is for " + std::to_string(sensors) +
+                                " sensors, the rig has " + std::to_string(config.model.sensors.size()));
+}
+
+/// The cop stage computes with the rig's calibration when there is one: a word about the estimator has to say the same.
+void settle_estimator(TomlReader& reader, pipeline::StageConfig& stage, const pipeline::RigConfig& config) {
+  if (stage.id != "cop" || !config.cop_calibration) return;
+  const auto& [id, origin, estimator, points, residuals, cross_validated] = *config.cop_calibration;
+  const std::string method(physics::to_string(estimator.method()));
+  const auto [option, is_new] = stage.options.try_emplace("estimator", method);
+  if (is_new || option->second == pipeline::OptionValue(method)) return;
+  reader.report("estimator", "the rig's calibration '" + id + "' is for estimator \"" + method + "\"; leave estimator out or say the same");
+}
+
+void read_stages(TomlReader& top, pipeline::RigConfig& config) {
+  for (TomlReader& reader : top.tables("stage")) {
+    pipeline::StageConfig stage;
+    reader.require("id");
+    stage.id = reader.text("id", "");
+    for (const std::string& key : reader.remaining_keys()) {
+      const toml::node* value = reader.node(key);
+      if (value->is_string()) {
+        stage.options.emplace(key, *value->value<std::string>());
+      } else if (value->is_number()) {
+        stage.options.emplace(key, *value->value<double>());
+      } else {
+        reader.report(key, "an option is a number or a text in quotes");
+      }
+    }
+    settle_estimator(reader, stage, config);
+    for (const std::string& problem : pipeline::check_stage(stage)) reader.report("id", problem);
+    config.stages.push_back(std::move(stage));
+    reader.finish();
+  }
+  const bool has_cop = std::ranges::any_of(config.stages, [](const pipeline::StageConfig& stage) { return stage.id == "cop"; });
+  if (config.cop_calibration && !has_cop) top.report("calibration", "the rig has no [[stage]] \"cop\" that could use its calibration");
+  if (config.stages.empty()) top.report("", "the rig has no [[stage]]: at least \"guard\" is needed");
+}
+
+pipeline::TriggerEdges read_edges(TomlReader& reader) {
+  const std::string word = reader.choice("edges", {"rising", "falling", "both"});
+  if (word == "falling") return pipeline::TriggerEdges::Falling;
+  return word == "both" ? pipeline::TriggerEdges::Both : pipeline::TriggerEdges::Rising;
+}
+
+/// `[trigger]`: the device channel on which another instrument tells of itself.
+void read_trigger(TomlReader& top, pipeline::RigConfig& config, const Problems& problems) {
+  if (!top.has("trigger")) return;
+  TomlReader reader = top.table("trigger");
+  reader.require("channel");
+  pipeline::TriggerInput input;
+  const std::size_t problems_before = problems.size();
+  input.channel = static_cast<std::size_t>(reader.integer("channel", 0, 0, core::kMaxChannels - 1));
+  const bool is_channel = reader.has("channel") && problems.size() == problems_before;
+  input.level = reader.number("level", input.level, -1e6, 1e6);
+  input.hysteresis = reader.number("hysteresis", input.hysteresis, 0.0, 1e6);
+  input.edges = read_edges(reader);
+  const bool is_sensor = std::ranges::find(config.sensor_channels, input.channel) != config.sensor_channels.end();
+  if (is_channel && is_sensor) {
+    reader.report("channel", "channel " + std::to_string(input.channel) + " belongs to a sensor");
+  }
+  reader.finish();
+  config.trigger = input;
+}
+
+/// `[record] streams`: what a recording keeps. The raw stream makes all others again, so leaving some out loses nothing but time.
+void read_recorded(TomlReader& top, pipeline::RigConfig& config) {
+  TomlReader reader = top.table("record");
+  config.recorded = reader.texts("streams", {});
+  if (reader.has("streams") && config.recorded.empty()) {
+    reader.report("streams", "[record] streams is empty; leave it out to record all streams of the rig");
+  }
+  reader.finish();
+}
+
+pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, References references, Problems& problems) {
+  pipeline::RigConfig config;
+  TomlReader top(&table, "", name, problems);
+  config.kind = top.choice("kind", {"floor"});
+  auto [model, channels] = read_rig_model(top, problems, references);
+  config.model = std::move(model);
+  config.sensor_channels = std::move(channels);
+  read_acquisition(top.table("acquire"), config);
+  read_trigger(top, config, problems);
+  TomlReader sync = top.table("session");
+  config.sync_pulse_ms = sync.number("sync_pulse_ms", 0.0, 0.0, 10'000.0);
+  sync.finish();
+  read_calibration(top, config, references, problems);
+  read_stages(top, config);
+  TomlReader publish = top.table("publish");
+  config.published = publish.texts("streams", {"raw", "filtered", "deflection", "cop", "aux"});
+  publish.finish();
+  read_recorded(top, config);
+  top.finish();
+  return config;
+}
+
+}  // namespace
+
+pipeline::RigConfig read_rig_file(const std::string& file, Problems& problems) {
+  const auto table = parse_toml(file, problems);
+  return table ? read_rig(*table, file, References::Files, problems) : pipeline::RigConfig();
+}
+
+pipeline::RigConfig read_rig_text(const std::string& text, const std::string& name, Problems& problems) {
+  const auto table = parse_toml_text(text, name, problems);
+  return table ? read_rig(*table, name, References::None, problems) : pipeline::RigConfig();
+}
+
+}  // namespace dts::files

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/encode_session.h"
+
+namespace dts::ipc {
+
+using record::PartState;
+using session::SessionState;
+using session::TrialEventKind;
+using session::TrialPhase;
+
+// The enumerations of the daemon have the numbers of the wire.
+static_assert(static_cast<int>(SessionState::Idle) == dts::v1::SESSION_STATE_IDLE);
+static_assert(static_cast<int>(SessionState::Starting) == dts::v1::SESSION_STATE_STARTING);
+static_assert(static_cast<int>(SessionState::Settling) == dts::v1::SESSION_STATE_SETTLING);
+static_assert(static_cast<int>(SessionState::Running) == dts::v1::SESSION_STATE_RUNNING);
+static_assert(static_cast<int>(SessionState::Stopping) == dts::v1::SESSION_STATE_STOPPING);
+static_assert(static_cast<int>(SessionState::Failed) == dts::v1::SESSION_STATE_FAILED);
+static_assert(static_cast<int>(TrialPhase::Waiting) == dts::v1::TRIAL_PHASE_WAITING);
+static_assert(static_cast<int>(TrialPhase::Finished) == dts::v1::TRIAL_PHASE_FINISHED);
+static_assert(static_cast<int>(TrialEventKind::Ready) == dts::v1::TRIAL_EVENT_KIND_READY);
+static_assert(static_cast<int>(TrialEventKind::Done) == dts::v1::TRIAL_EVENT_KIND_DONE);
+static_assert(static_cast<int>(TrialEventKind::Finished) == dts::v1::TRIAL_EVENT_KIND_FINISHED);
+static_assert(static_cast<int>(PartState::Recording) == dts::v1::PART_STATE_RECORDING);
+static_assert(static_cast<int>(PartState::Missing) == dts::v1::PART_STATE_MISSING);
+static_assert(static_cast<int>(session::DiskState::Unusable) == dts::v1::DISK_STATE_UNUSABLE);
+
+dts::v1::SessionState session_state(SessionState state) { return static_cast<dts::v1::SessionState>(state); }
+
+dts::v1::SessionInfo session_info(const std::string& rig, const session::SessionView& view) {
+  dts::v1::SessionInfo out;
+  out.set_session_id(view.id);
+  out.set_rig(rig);
+  out.set_state(session_state(view.state));
+  out.set_protocol(view.id.empty() ? "" : view.request.protocol);
+  out.set_subject(view.request.subject);
+  out.set_label(view.request.label);
+  out.set_duration_s(view.request.duration_s);
+  out.set_settle_s(view.request.settle_s);
+  out.set_elapsed_s(view.elapsed_s);
+  out.set_message(view.message);
+  return out;
+}
+
+dts::v1::RecordingStatus recording_status(const session::RecordingView& view, std::uint32_t part) {
+  dts::v1::RecordingStatus out;
+  out.set_is_recording(view.is_recording);
+  out.set_part(part);
+  out.set_file(view.file);
+  out.set_bytes(view.bytes);
+  out.set_lost_scans_total(view.lost_scans);
+  out.set_problem(view.problem);
+  return out;
+}
+
+dts::v1::TrialStatus trial_status(const session::TrialView& view) {
+  dts::v1::TrialStatus out;
+  out.set_phase(static_cast<dts::v1::TrialPhase>(view.phase));
+  out.set_trial(view.trial);
+  out.set_attempt(view.attempt);
+  out.set_block(view.block);
+  out.set_of(view.of);
+  out.set_condition(view.condition);
+  out.set_next_condition(view.next_condition);
+  out.set_next_target_cm(view.next_target_cm.value_or(0.0));
+  out.set_remaining_s(view.remaining_s);
+  return out;
+}
+
+dts::v1::TrialChange trial_change(const session::TrialNotice& notice) {
+  dts::v1::TrialChange out;
+  out.set_session_id(notice.session_id);
+  out.set_kind(static_cast<dts::v1::TrialEventKind>(notice.event.kind));
+  out.set_trial(notice.event.trial);
+  out.set_attempt(notice.event.attempt);
+  out.set_block(notice.event.block);
+  out.set_condition(notice.event.condition);
+  for (const auto& [label, value] : notice.event.labels) (*out.mutable_labels())[label] = value;
+  out.set_target_cm(notice.event.target_cm.value_or(0.0));
+  out.set_rest_s(notice.event.rest_s);
+  return out;
+}
+
+dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol) {
+  dts::v1::ProtocolInfo out;
+  out.set_name(protocol.name);
+  out.set_sentence(protocol.sentence);
+  out.set_settle_s(protocol.settle_s);
+  out.set_duration_s(protocol.duration_s);
+  if (protocol.trials) {
+    out.set_trials(protocol.trials->trials_per_block * protocol.trials->blocks);
+    for (const session::Condition& condition : protocol.trials->conditions) out.add_conditions(condition.name);
+  }
+  for (const session::ProtocolField& field : protocol.fields) {
+    auto& described = *out.add_fields();
+    described.set_name(field.name);
+    described.set_sentence(field.sentence);
+    described.set_is_required(field.is_required);
+    described.set_minimum(field.minimum);
+    described.set_maximum(field.maximum);
+    for (const std::string& choice : field.choices) described.add_choices(choice);
+  }
+  return out;
+}
+
+namespace {
+
+void fill(dts::v1::SessionPart& out, const record::PartRow& part) {
+  out.set_part(part.part);
+  out.set_state(static_cast<dts::v1::PartState>(part.state));
+  out.set_file(part.file);
+  out.set_sha256(part.sha256);
+  out.set_bytes(part.bytes);
+  out.set_scans(part.scans);
+  out.set_duration_s(part.duration_s);
+  out.set_lost_s_at_most(part.lost_s_at_most);
+  out.set_reason(part.reason);
+}
+
+void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
+  out.set_part(trial.part);
+  out.set_trial(trial.trial);
+  out.set_attempt(trial.attempt);
+  out.set_block(trial.block);
+  out.set_condition(trial.condition);
+  out.set_outcome(trial.outcome);
+  out.set_segment(trial.segment);
+  out.set_first_scan(trial.first_scan);
+  out.set_last_scan(trial.last_scan);
+}
+
+}  // namespace
+
+dts::v1::SessionRecord session_record(const record::SessionRow& row) {
+  dts::v1::SessionRecord out;
+  out.set_session_id(row.id);
+  out.set_rig(row.rig);
+  out.set_protocol(row.protocol);
+  out.set_subject(row.subject);
+  out.set_label(row.label);
+  out.set_state(row.state);
+  out.set_message(row.message);
+  out.set_started_utc_ns(row.started_utc_ns);
+  out.set_ended_utc_ns(row.ended_utc_ns);
+  for (const record::PartRow& part : row.parts) fill(*out.add_parts(), part);
+  for (const record::TrialRow& trial : row.trials) fill(*out.add_trials(), trial);
+  return out;
+}
+
+dts::v1::AuditEntry audit_entry(const record::AuditEntry& entry) {
+  dts::v1::AuditEntry out;
+  out.set_number(entry.number);
+  out.set_utc_ns(entry.utc_ns);
+  out.set_who(entry.who);
+  out.set_what(entry.what);
+  out.set_target(entry.target);
+  out.set_result(entry.result);
+  out.set_hash(entry.hash);
+  return out;
+}
+
+dts::v1::DiskStatus disk_status(const session::DiskView& view) {
+  dts::v1::DiskStatus out;
+  out.set_state(static_cast<dts::v1::DiskState>(view.state));
+  out.set_free_bytes(view.free_bytes);
+  out.set_recordable_s(view.recordable_s);
+  out.set_directory(view.directory);
+  out.set_problem(view.problem);
+  return out;
+}
+
+}  // namespace dts::ipc

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "dts/v1/control.pb.h"
+#include "dts/v1/stream.pb.h"
+#include "record/catalogue/catalogue.h"
+#include "session/supervisor.h"
+
+namespace dts::ipc {
+
+[[nodiscard]] dts::v1::SessionInfo session_info(const std::string& rig, const session::SessionView& view);
+[[nodiscard]] dts::v1::SessionState session_state(session::SessionState state);
+[[nodiscard]] dts::v1::RecordingStatus recording_status(const session::RecordingView& view, std::uint32_t part);
+[[nodiscard]] dts::v1::TrialStatus trial_status(const session::TrialView& view);
+[[nodiscard]] dts::v1::TrialChange trial_change(const session::TrialNotice& notice);
+[[nodiscard]] dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol);
+[[nodiscard]] dts::v1::SessionRecord session_record(const record::SessionRow& row);
+[[nodiscard]] dts::v1::AuditEntry audit_entry(const record::AuditEntry& entry);
+[[nodiscard]] dts::v1::DiskStatus disk_status(const session::DiskView& view);
+
+}  // namespace dts::ipc

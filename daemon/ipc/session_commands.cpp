@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/session_commands.h"
+
+#include <algorithm>
+
+#include "ipc/command_handler.h"
+#include "ipc/encode_session.h"
+
+namespace dts::ipc {
+namespace {
+
+using core::ErrorCode;
+
+constexpr std::uint32_t kDefaultLimit = 100;
+constexpr std::uint32_t kLargestLimit = 1000;  // an answer stays below a few MB
+constexpr std::size_t kMostFields = 64;
+constexpr std::size_t kLongestTarget = 64;
+constexpr const char* kWho = "local";  // sockets of the machine itself: whoever the file system lets in
+
+std::size_t limit_of(std::uint32_t asked) { return std::clamp(asked == 0 ? kDefaultLimit : asked, 1U, kLargestLimit); }
+
+dts::v1::Response nothing_is_recorded() {
+  return error_response({ErrorCode::Unsupported, "this daemon records nothing", "it was started without storage"});
+}
+
+/// Name and target of a command that changes something; an empty name: it changes nothing.
+std::pair<std::string, std::string> named(const dts::v1::Request& request) {
+  switch (request.command_case()) {
+    case dts::v1::Request::kStartSession: return {"start_session", request.start_session().rig()};
+    case dts::v1::Request::kStopSession:
+      return {request.stop_session().is_abort() ? "abort_session" : "stop_session", request.stop_session().rig()};
+    case dts::v1::Request::kResumeSession: return {"resume_session", request.resume_session().session_id()};
+    case dts::v1::Request::kTrial:
+      switch (request.trial().action()) {
+        case dts::v1::TRIAL_ACTION_NEXT: return {"trial_next", request.trial().rig()};
+        case dts::v1::TRIAL_ACTION_REDO: return {"trial_redo", request.trial().rig()};
+        case dts::v1::TRIAL_ACTION_REJECT: return {"trial_reject", request.trial().rig()};
+        default: return {"trial", request.trial().rig()};
+      }
+    case dts::v1::Request::kMark: return {"mark", request.mark().rig()};
+    case dts::v1::Request::kTare: return {"tare", request.tare().rig()};
+    default: return {};
+  }
+}
+
+}  // namespace
+
+dts::v1::Response SessionCommands::start(const dts::v1::StartSessionRequest& request) {
+  session::SessionRequest asked{.protocol = request.protocol().empty() ? "free" : request.protocol(),
+                                .subject = request.subject(),
+                                .label = request.label(),
+                                .duration_s = request.duration_s(),
+                                .settle_s = request.settle_s()};
+  if (static_cast<std::size_t>(request.fields_size()) > kMostFields) {
+    return error_response({ErrorCode::LimitExceeded, "a session has at most 64 fields", "see dtsctl protocol show " + asked.protocol});
+  }
+  for (const auto& [field, value] : request.fields()) asked.fields.emplace_back(field, value);
+  std::ranges::sort(asked.fields);  // a map of the wire has no order
+  const auto started = supervisor_.start_session(request.rig(), asked);
+  if (!started) return error_response(started.error());
+  dts::v1::Response response;
+  *response.mutable_session() = session_info(request.rig(), *started);
+  return response;
+}
+
+dts::v1::Response SessionCommands::resume(const dts::v1::ResumeSessionRequest& request) {
+  const auto resumed = supervisor_.resume_session(request.session_id());
+  if (!resumed) return error_response(resumed.error());
+  dts::v1::Response response;
+  *response.mutable_session() = session_info(resumed->first, resumed->second);
+  return response;
+}
+
+dts::v1::Response SessionCommands::stop(const dts::v1::StopSessionRequest& request, std::optional<PendingStop>& pending) {
+  const auto stopped = supervisor_.stop_session(request.rig(), request.is_abort(), request.reason());
+  if (!stopped) return error_response(stopped.error());
+  const PendingStop asked{.rig = stopped->first, .session_id = stopped->second.id};
+  if (auto response = finish(asked)) return *response;
+  pending = asked;
+  return {};
+}
+
+std::optional<dts::v1::Response> SessionCommands::finish(const PendingStop& pending) {
+  const auto view = supervisor_.session(pending.rig);
+  if (!view) return error_response(view.error());
+  if (view->id == pending.session_id && view->state == session::SessionState::Stopping) return std::nullopt;
+  dts::v1::Response response;
+  *response.mutable_session() = session_info(pending.rig, *view);
+  if (session::Recordings* recordings = supervisor_.recordings()) {
+    *response.mutable_session()->mutable_recording() = recording_status(recordings->view(pending.rig), recordings->part(pending.rig));
+  }
+  return response;
+}
+
+dts::v1::Response SessionCommands::trial(const dts::v1::TrialRequest& request) {
+  session::TrialAction action{};
+  switch (request.action()) {
+    case dts::v1::TRIAL_ACTION_NEXT: action = session::TrialAction::Next; break;
+    case dts::v1::TRIAL_ACTION_REDO: action = session::TrialAction::Redo; break;
+    case dts::v1::TRIAL_ACTION_REJECT: action = session::TrialAction::Reject; break;
+    default: return error_response({ErrorCode::InvalidArgument, "unknown action on a trial", "next, redo or reject"});
+  }
+  const auto trial = supervisor_.trial(request.rig(), action);
+  if (!trial) return error_response(trial.error());
+  dts::v1::Response response;
+  *response.mutable_trial() = trial_status(*trial);
+  return response;
+}
+
+dts::v1::Response SessionCommands::list_protocols() const {
+  dts::v1::Response response;
+  auto& out = *response.mutable_protocols();
+  for (const session::Protocol& protocol : supervisor_.protocols()) *out.add_protocols() = protocol_info(protocol);
+  return response;
+}
+
+dts::v1::Response SessionCommands::list(const dts::v1::ListSessionsRequest& request) {
+  session::Recordings* recordings = supervisor_.recordings();
+  if (recordings == nullptr) return nothing_is_recorded();
+  const auto rows = recordings->catalogue().sessions(
+      {.rig = request.rig(), .subject = request.subject(), .protocol = request.protocol(), .limit = limit_of(request.limit())});
+  if (!rows) return error_response(rows.error());
+  dts::v1::Response response;
+  auto& out = *response.mutable_sessions();
+  for (const record::SessionRow& row : *rows) *out.add_sessions() = session_record(row);
+  return response;
+}
+
+dts::v1::Response SessionCommands::show(const dts::v1::ShowSessionRequest& request) {
+  session::Recordings* recordings = supervisor_.recordings();
+  if (recordings == nullptr) return nothing_is_recorded();
+  const auto row = recordings->catalogue().session(request.session_id());
+  if (!row) return error_response(row.error());
+  dts::v1::Response response;
+  *response.mutable_session_record() = session_record(*row);
+  return response;
+}
+
+dts::v1::Response SessionCommands::audit(const dts::v1::GetAuditRequest& request) {
+  session::Recordings* recordings = supervisor_.recordings();
+  if (recordings == nullptr) return nothing_is_recorded();
+  const auto entries = recordings->catalogue().audit(limit_of(request.limit()));
+  if (!entries) return error_response(entries.error());
+  dts::v1::Response response;
+  auto& out = *response.mutable_audit();
+  for (const record::AuditEntry& entry : *entries) *out.add_entries() = audit_entry(entry);
+  const auto verified = recordings->catalogue().verify_audit();
+  if (verified) {
+    out.set_verified_entries(*verified);
+  } else {
+    out.set_problem(core::to_string(verified.error()));
+  }
+  return response;
+}
+
+void SessionCommands::enter_audit(const dts::v1::Request& request, const dts::v1::Response& response) {
+  session::Recordings* recordings = supervisor_.recordings();
+  auto [what, target] = named(request);
+  if (recordings == nullptr || what.empty()) return;
+  if (response.has_session()) target = response.session().session_id();
+  const std::string result = response.has_error() ? std::string(core::name(static_cast<ErrorCode>(response.error().code()))) : "ok";
+  recordings->enter_audit({.utc_ns = clock_.now_ns() + core::utc_minus_monotonic_ns(),
+                           .who = kWho,
+                           .what = what,
+                           .target = target.substr(0, kLongestTarget),
+                           .result = result});
+}
+
+}  // namespace dts::ipc

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "dts/v1/control.pb.h"
+#include "session/supervisor.h"
+
+namespace dts::ipc {
+
+/// A session that was asked to stop and whose recording is not closed yet.
+struct PendingStop {
+  std::string rig;
+  std::string session_id;
+};
+
+/// Commands on sessions, protocols and the catalogue: wire messages in, calls on the supervisor, wire messages out.
+/// Thread: control.
+class SessionCommands {
+ public:
+  SessionCommands(session::Supervisor& supervisor, core::Clock& clock) : supervisor_(supervisor), clock_(clock) {}
+
+  [[nodiscard]] dts::v1::Response start(const dts::v1::StartSessionRequest& request);
+  [[nodiscard]] dts::v1::Response resume(const dts::v1::ResumeSessionRequest& request);
+  /// Fills `pending` when the answer has to wait; `response` is then incomplete.
+  [[nodiscard]] dts::v1::Response stop(const dts::v1::StopSessionRequest& request, std::optional<PendingStop>& pending);
+  [[nodiscard]] std::optional<dts::v1::Response> finish(const PendingStop& pending);
+  [[nodiscard]] dts::v1::Response trial(const dts::v1::TrialRequest& request);
+  [[nodiscard]] dts::v1::Response list_protocols() const;
+  [[nodiscard]] dts::v1::Response list(const dts::v1::ListSessionsRequest& request);
+  [[nodiscard]] dts::v1::Response show(const dts::v1::ShowSessionRequest& request);
+  [[nodiscard]] dts::v1::Response audit(const dts::v1::GetAuditRequest& request);
+
+  /// Enters a command that changes something into the audit trail with its answer: who, what, on what, how it ended. The texts of people
+  /// (labels, markers, fields) do not go there.
+  void enter_audit(const dts::v1::Request& request, const dts::v1::Response& response);
+
+ private:
+  session::Supervisor& supervisor_;
+  core::Clock& clock_;
+};
+
+}  // namespace dts::ipc

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/catalogue/audit_trail.h"
+
+#include <fcntl.h>
+#include <sodium.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <fstream>
+#include <limits>
+#include <string_view>
+
+namespace dts::record {
+namespace {
+
+constexpr std::size_t kLongestText = 1024;
+constexpr std::size_t kHashLetters = 2 * crypto_hash_sha256_BYTES;
+constexpr std::size_t kMostEntries = 10'000;
+constexpr std::uint64_t kLargestNumber = std::numeric_limits<std::int64_t>::max();
+
+constexpr const char* kColumns = "SELECT number, utc_ns, who, what, target, result, hash FROM audit ";
+
+/// What stands for the entry before the first.
+std::string first_hash() { return std::string(kHashLetters, '0'); }
+
+void add(crypto_hash_sha256_state& state, std::string_view bytes) {
+  crypto_hash_sha256_update(&state, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+}
+
+void add_field(crypto_hash_sha256_state& state, const std::string& text) {
+  std::array<char, 8> length{};
+  for (unsigned index = 0; index < length.size(); ++index) {
+    length[index] = static_cast<char>((std::uint64_t{text.size()} >> (8U * index)) & 0xffU);
+  }
+  add(state, {length.data(), length.size()});
+  add(state, text);
+}
+
+AuditEntry read_entry(Statement& row) {
+  AuditEntry entry;
+  entry.number = row.count(0);
+  entry.utc_ns = row.integer(1);
+  entry.who = row.text(2);
+  entry.what = row.text(3);
+  entry.target = row.text(4);
+  entry.result = row.text(5);
+  entry.hash = row.text(6);
+  return entry;
+}
+
+tl::unexpected<core::Error> broken(std::uint64_t number, const std::string& why) {
+  return core::fail(core::ErrorCode::DataDamaged, "audit trail: entry " + std::to_string(number) + " " + why,
+                    "somebody changed the catalogue, or its disk did; compare with a copy");
+}
+
+}  // namespace
+
+std::string audit_hash(const std::string& before, const AuditEntry& entry) {
+  crypto_hash_sha256_state state;
+  crypto_hash_sha256_init(&state);
+  add(state, before);
+  for (const std::string& text :
+       {std::to_string(entry.number), std::to_string(entry.utc_ns), entry.who, entry.what, entry.target, entry.result}) {
+    add_field(state, text);
+  }
+  std::array<unsigned char, crypto_hash_sha256_BYTES> digest{};
+  crypto_hash_sha256_final(&state, digest.data());
+  std::array<char, kHashLetters + 1> letters{};
+  sodium_bin2hex(letters.data(), letters.size(), digest.data(), digest.size());
+  return letters.data();
+}
+
+core::Result<AuditEntry> AuditTrail::last() const {
+  auto row = database_->prepare(std::string(kColumns) + "ORDER BY number DESC LIMIT 1");
+  if (!row) return tl::make_unexpected(row.error());
+  const auto found = row->step();
+  if (!found) return tl::make_unexpected(found.error());
+  if (!*found) return AuditEntry{.hash = first_hash()};
+  AuditEntry entry = read_entry(*row);
+  if (auto sound = row->sound(); !sound) return tl::make_unexpected(sound.error());
+  return entry;
+}
+
+core::Status AuditTrail::append(AuditEntry entry) const {
+  for (std::string* text : {&entry.who, &entry.what, &entry.target, &entry.result}) text->resize(std::min(text->size(), kLongestText));
+  auto transaction = Transaction::begin(*database_);
+  if (!transaction) return tl::make_unexpected(transaction.error());
+  const auto before = last();
+  if (!before) return tl::make_unexpected(before.error());
+  entry.number = before->number + 1;
+  entry.hash = audit_hash(before->hash, entry);
+  auto written = database_->run("INSERT INTO audit (number, utc_ns, who, what, target, result, hash) VALUES (?, ?, ?, ?, ?, ?, ?)",
+                                entry.number, entry.utc_ns, entry.who, entry.what, entry.target, entry.result, entry.hash);
+  if (!written) return written;
+  if (auto committed = transaction->commit(); !committed) return committed;
+  return append_second(entry);  // after the commit: a line without an entry would look like an entry cut off
+}
+
+core::Status AuditTrail::append_second(const AuditEntry& entry) const {
+  const std::string line = std::to_string(entry.number) + " " + entry.hash + "\n";
+  const int file = ::open(second_file_.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0640);
+  const ssize_t written = file < 0 ? -1 : ::write(file, line.data(), line.size());
+  const int error = errno;
+  if (file >= 0) ::close(file);
+  if (written == static_cast<ssize_t>(line.size())) return {};
+  return core::fail_errno(written < 0 ? error : ENOSPC,
+                          "entry " + std::to_string(entry.number) + " stands in the catalogue, but not in " + second_file_,
+                          "make room, or make the file writable for dtsd");
+}
+
+core::Result<std::vector<AuditEntry>> AuditTrail::newest(std::size_t count) const {
+  auto row = database_->query(std::string(kColumns) + "ORDER BY number DESC LIMIT ?", std::min(count, kMostEntries));
+  if (!row) return tl::make_unexpected(row.error());
+  std::vector<AuditEntry> entries;
+  while (true) {
+    const auto found = row->step();
+    if (!found) return tl::make_unexpected(found.error());
+    if (!*found) break;
+    entries.push_back(read_entry(*row));
+    if (auto sound = row->sound(); !sound) return tl::make_unexpected(sound.error());
+  }
+  std::ranges::reverse(entries);
+  return entries;
+}
+
+core::Result<std::uint64_t> AuditTrail::verify() const {
+  auto row = database_->prepare(std::string(kColumns) + "ORDER BY number");
+  if (!row) return tl::make_unexpected(row.error());
+  std::uint64_t entries = 0;
+  std::string before = first_hash();
+  while (true) {
+    const auto found = row->step();
+    if (!found) return tl::make_unexpected(found.error());
+    if (!*found) break;
+    const AuditEntry entry = read_entry(*row);
+    if (auto sound = row->sound(); !sound) return broken(entries + 1, "cannot be read");
+    if (entry.number != entries + 1) return broken(entries + 1, "is missing");
+    if (entry.hash != audit_hash(before, entry)) return broken(entry.number, "does not fit: it or the one before it was changed");
+    before = entry.hash;
+    ++entries;
+  }
+  if (auto agrees = verify_second(entries); !agrees) return tl::make_unexpected(agrees.error());
+  return entries;
+}
+
+core::Status AuditTrail::verify_second(std::uint64_t entries) const {
+  std::ifstream file(second_file_);
+  if (!file) {
+    if (entries == 0) return {};
+    return broken(entries, "may not be the last: the second trail " + second_file_ + " is gone");
+  }
+  auto find = database_->prepare("SELECT hash FROM audit WHERE number = ?");
+  if (!find) return tl::make_unexpected(find.error());
+  std::array<char, 128> buffer{};  // a line is at most 85 characters; longer ones are none of ours
+  while (file.getline(buffer.data(), buffer.size()) || (file.gcount() > 0 && !file.eof())) {
+    const bool is_cut = file.fail();
+    file.clear(file.rdstate() & ~std::ios::failbit);
+    if (is_cut) continue;
+    if (auto agrees = verify_line(*find, buffer.data()); !agrees) return agrees;
+  }
+  return {};
+}
+
+/// A line that is none (torn by a crash) says nothing.
+core::Status AuditTrail::verify_line(Statement& find, const std::string& line) const {
+  std::uint64_t number = 0;
+  const auto [stop, error] = std::from_chars(line.data(), line.data() + line.size(), number);
+  const auto digits = static_cast<std::size_t>(stop - line.data());
+  if (error != std::errc() || number > kLargestNumber || line.size() != digits + 1 + kHashLetters || line[digits] != ' ') return {};
+  find.reset();
+  const auto found = find.bind(number).step();
+  if (!found) return tl::make_unexpected(found.error());
+  if (!*found) return broken(number, "was cut off: the second trail " + second_file_ + " knows it");
+  if (find.text(0) == line.substr(digits + 1)) return {};
+  return broken(number, "is another than in the second trail " + second_file_);
+}
+
+}  // namespace dts::record

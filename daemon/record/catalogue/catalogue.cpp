@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/catalogue/catalogue.h"
+
+#include <sodium.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "record/catalogue/audit_trail.h"
+#include "record/catalogue/catalogue_rows.h"
+#include "record/catalogue/schema.h"
+#include "record/catalogue/sqlite.h"
+
+namespace dts::record {
+namespace {
+
+using core::ErrorCode;
+
+constexpr std::size_t kLongestId = 128;
+constexpr std::size_t kMostSessions = 10'000;
+constexpr std::array<std::string_view, 4> kEndStates{"complete", "incomplete", "interrupted", "aborted"};
+constexpr std::array<std::string_view, 4> kOutcomes{"done", "redone", "rejected", "aborted"};
+
+std::string sha256_of(const std::string& text) {
+  std::array<unsigned char, crypto_hash_sha256_BYTES> digest{};
+  crypto_hash_sha256(digest.data(), reinterpret_cast<const unsigned char*>(text.data()), text.size());
+  std::array<char, 2 * crypto_hash_sha256_BYTES + 1> letters{};
+  sodium_bin2hex(letters.data(), letters.size(), digest.data(), digest.size());
+  return letters.data();
+}
+
+tl::unexpected<core::Error> no_session(const std::string& id) {
+  return core::fail(ErrorCode::NotFound, "no session " + id.substr(0, kLongestId), "see dtsctl session list");
+}
+tl::unexpected<core::Error> no_part(const std::string& id, std::uint32_t part) {
+  return core::fail(ErrorCode::NotFound, "no part " + std::to_string(part) + " of session " + id.substr(0, kLongestId));
+}
+
+/// An id becomes part of file names.
+core::Status check_facts(const SessionFacts& facts) {
+  const bool is_word =
+      facts.session_id.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == std::string::npos;
+  if (facts.session_id.empty() || facts.session_id.size() > kLongestId || !is_word) {
+    return core::fail(ErrorCode::InvalidArgument, "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'");
+  }
+  if (facts.part == 0 || facts.rig.empty()) {
+    return core::fail(ErrorCode::InvalidArgument, "session " + facts.session_id + " names no rig, or part 0");
+  }
+  return {};
+}
+
+/// Whether the only row that a query may find is there; a statement that failed says why.
+core::Result<bool> has_row(core::Result<Statement> rows) {
+  if (!rows) return tl::make_unexpected(rows.error());
+  return rows->step();
+}
+
+}  // namespace
+
+std::string_view name(PartState state) noexcept {
+  switch (state) {
+    case PartState::Recording: return "recording";
+    case PartState::Complete: return "complete";
+    case PartState::Incomplete: return "incomplete";
+    case PartState::Interrupted: return "interrupted";
+    case PartState::Recovered: return "recovered";
+    case PartState::Missing: return "missing";
+  }
+  return "unknown";
+}
+
+class Catalogue::Implementation {
+ public:
+  explicit Implementation(Database opened) : database(std::move(opened)), audit(database) {}
+
+  [[nodiscard]] core::Status enter_session(const SessionFacts& facts) const;
+  [[nodiscard]] core::Status enter_part(const SessionFacts& facts, const std::string& file) const;
+  [[nodiscard]] core::Result<bool> has_part(const std::string& id, std::uint32_t part) const;
+  [[nodiscard]] core::Result<std::vector<PartRow>> parts_of(const std::string& id) const {
+    return rows_of(database.query(std::string(kPartColumns) + "WHERE session_id = ? ORDER BY part", id), read_part);
+  }
+
+  Database database;
+  AuditTrail audit;
+};
+
+/// The protocol and the subject, then the session: new, or running again.
+core::Status Catalogue::Implementation::enter_session(const SessionFacts& facts) const {
+  const std::string protocol_sha256 = sha256_of(facts.protocol_definition);
+  auto entered = database.run("INSERT OR IGNORE INTO protocols (name, sha256, definition) VALUES (?, ?, ?)", facts.protocol,
+                              protocol_sha256, facts.protocol_definition);
+  if (entered && !facts.subject.empty()) entered = database.run("INSERT OR IGNORE INTO subjects (pseudonym) VALUES (?)", facts.subject);
+  if (!entered) return entered;
+  const auto known = rows_of(database.query(std::string(kSessionColumns) + "WHERE sessions.id = ?", facts.session_id), read_session);
+  if (!known) return tl::make_unexpected(known.error());
+  if (known->empty()) {
+    return database.run(
+        "INSERT INTO sessions (id, rig, protocol_id, subject_id, label, state, message, started_utc_ns, ended_utc_ns) VALUES (?, ?,"
+        " (SELECT id FROM protocols WHERE name = ? AND sha256 = ?), (SELECT id FROM subjects WHERE pseudonym = ?), ?, 'running', '', ?, 0)",
+        facts.session_id, facts.rig, facts.protocol, protocol_sha256, facts.subject, facts.label, facts.started_utc_ns);
+  }
+  const SessionRow& session = known->front();
+  if (session.rig != facts.rig || session.protocol != facts.protocol || session.subject != facts.subject) {
+    return core::fail(ErrorCode::WrongState, "session " + facts.session_id + " is known with another rig, protocol or subject");
+  }
+  return database.run(
+      "UPDATE sessions SET state = 'running', message = '', ended_utc_ns = 0, started_utc_ns = min(started_utc_ns, ?) WHERE id = ?",
+      facts.started_utc_ns, facts.session_id);
+}
+
+core::Status Catalogue::Implementation::enter_part(const SessionFacts& facts, const std::string& file) const {
+  return database.run(
+      "INSERT INTO parts (session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns,"
+      " calibration_id) VALUES (?, ?, ?, ?, '', 0, 0, 0, 0, '', ?, ?)",
+      facts.session_id, facts.part, file, static_cast<int>(PartState::Recording), facts.started_utc_ns, facts.calibration_id);
+}
+
+core::Result<bool> Catalogue::Implementation::has_part(const std::string& id, std::uint32_t part) const {
+  return has_row(database.query("SELECT 1 FROM parts WHERE session_id = ? AND part = ?", id, part));
+}
+
+Catalogue::Catalogue(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
+Catalogue::~Catalogue() = default;
+
+core::Result<std::unique_ptr<Catalogue>> Catalogue::open(const std::string& file) {
+  auto database = Database::open(file);
+  if (!database) return tl::make_unexpected(database.error());
+  if (auto migrated = migrate(*database, catalogue_migrations()); !migrated) return tl::make_unexpected(migrated.error());
+  // After the migration: what is none of ours stays as it is.
+  if (auto logged = database->execute("PRAGMA journal_mode = WAL"); !logged) return tl::make_unexpected(logged.error());
+  return std::unique_ptr<Catalogue>(new Catalogue(std::make_unique<Implementation>(std::move(*database))));
+}
+
+core::Status Catalogue::begin_part(const SessionFacts& facts, const std::string& file) {
+  if (auto good = check_facts(facts); !good) return good;
+  auto transaction = Transaction::begin(implementation_->database);
+  if (!transaction) return tl::make_unexpected(transaction.error());
+  const auto is_known = implementation_->has_part(facts.session_id, facts.part);
+  if (!is_known) return tl::make_unexpected(is_known.error());
+  if (*is_known) {
+    return core::fail(ErrorCode::WrongState,
+                      "part " + std::to_string(facts.part) + " of session " + facts.session_id + " is known already");
+  }
+  if (auto entered = implementation_->enter_session(facts); !entered) return entered;
+  if (auto entered = implementation_->enter_part(facts, file); !entered) return entered;
+  return transaction->commit();
+}
+
+core::Status Catalogue::update_part(const PartRow& part) {
+  if (!std::isfinite(part.duration_s) || !std::isfinite(part.lost_s_at_most)) {
+    return core::fail(ErrorCode::InvalidArgument, "duration or loss of a recording is no number");
+  }
+  auto updated = implementation_->database.run(
+      "UPDATE parts SET file = ?, state = ?, sha256 = ?, bytes = ?, scans = ?, duration_s = ?, lost_s_at_most = ?, reason = ?"
+      " WHERE session_id = ? AND part = ?",
+      part.file, static_cast<int>(part.state), part.sha256, part.bytes, part.scans, part.duration_s, part.lost_s_at_most, part.reason,
+      part.session_id, part.part);
+  if (updated && implementation_->database.changes() == 0) return no_part(part.session_id, part.part);
+  return updated;
+}
+
+core::Status Catalogue::end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns) {
+  if (std::ranges::find(kEndStates, state) == kEndStates.end()) {
+    return core::fail(ErrorCode::InvalidArgument, "a session cannot end as '" + state.substr(0, kLongestId) + "'");
+  }
+  auto updated = implementation_->database.run("UPDATE sessions SET state = ?, message = ?, ended_utc_ns = ? WHERE id = ?", state, message,
+                                               utc_ns, id);
+  if (updated && implementation_->database.changes() == 0) return no_session(id);
+  return updated;
+}
+
+core::Status Catalogue::put_trial(const TrialRow& trial) {
+  if (std::ranges::find(kOutcomes, trial.outcome) == kOutcomes.end() || trial.trial == 0 || trial.attempt == 0) {
+    return core::fail(ErrorCode::InvalidArgument,
+                      "a trial has a number, an attempt and one of the outcomes done, redone, rejected, aborted");
+  }
+  auto transaction = Transaction::begin(implementation_->database);
+  if (!transaction) return tl::make_unexpected(transaction.error());
+  const auto is_known = implementation_->has_part(trial.session_id, trial.part);
+  if (!is_known) return tl::make_unexpected(is_known.error());
+  if (!*is_known) return no_part(trial.session_id, trial.part);
+  auto put = implementation_->database.run(
+      "INSERT OR REPLACE INTO trials (session_id, part, trial, attempt, block, condition, outcome, segment, first_scan, last_scan,"
+      " last_segment) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      trial.session_id, trial.part, trial.trial, trial.attempt, trial.block, trial.condition, trial.outcome, trial.segment,
+      trial.first_scan, trial.last_scan, std::max(trial.segment, trial.last_segment));
+  return put ? transaction->commit() : put;
+}
+
+core::Status Catalogue::put_calibration(const std::string& id, const std::string& rig, const std::string& kind, const std::string& text) {
+  return implementation_->database.run("INSERT OR REPLACE INTO calibrations (id, rig, kind, definition) VALUES (?, ?, ?, ?)", id, rig, kind,
+                                       text);
+}
+
+core::Status Catalogue::put_result(const ResultRow& result) {
+  if (!std::isfinite(result.value)) return core::fail(ErrorCode::InvalidArgument, "result '" + result.name + "' is no number");
+  auto transaction = Transaction::begin(implementation_->database);
+  if (!transaction) return tl::make_unexpected(transaction.error());
+  const auto is_known = has_row(implementation_->database.query("SELECT 1 FROM sessions WHERE id = ?", result.session_id));
+  if (!is_known) return tl::make_unexpected(is_known.error());
+  if (!*is_known) return no_session(result.session_id);
+  auto put = implementation_->database.run("INSERT OR REPLACE INTO results (session_id, name, value, unit, details) VALUES (?, ?, ?, ?, ?)",
+                                           result.session_id, result.name, result.value, result.unit, result.details);
+  return put ? transaction->commit() : put;
+}
+
+core::Status Catalogue::enter(const FoundRecording& found) {
+  auto transaction = Transaction::begin(implementation_->database);
+  if (!transaction) return tl::make_unexpected(transaction.error());
+  const auto before = session(found.facts.session_id);
+  if (!before && before.error().code != ErrorCode::NotFound) return tl::make_unexpected(before.error());
+  const bool is_newest = !before || before->parts.empty() || before->parts.back().part < found.facts.part;
+  const auto is_known = implementation_->has_part(found.facts.session_id, found.facts.part);
+  if (!is_known) return tl::make_unexpected(is_known.error());
+  core::Status done;
+  if (!*is_known) done = begin_part(found.facts, found.part.file);
+  if (done) done = update_part(found.part);
+  if (done) {
+    done = implementation_->database.run("DELETE FROM trials WHERE session_id = ? AND part = ?", found.part.session_id, found.part.part);
+  }
+  for (const TrialRow& trial : found.trials) {
+    if (done) done = put_trial(trial);
+  }
+  if (done && is_newest) {
+    done = end_session(found.facts.session_id, found.session_state, found.part.reason, found.ended_utc_ns);
+  } else if (done && before->state != "running") {  // an older part came to light
+    done = end_session(before->id, before->state, before->message, before->ended_utc_ns);
+  }
+  return done ? transaction->commit() : done;
+}
+
+core::Result<std::vector<SessionRow>> Catalogue::sessions(const SessionFilter& filter) const {
+  auto found = rows_of(implementation_->database.query(
+                           std::string(kSessionColumns) +
+                               "WHERE (?1 = '' OR sessions.rig = ?1) AND (?2 = '' OR subjects.pseudonym = ?2) AND"
+                               " (?3 = '' OR protocols.name = ?3) ORDER BY sessions.started_utc_ns DESC, sessions.id DESC LIMIT ?4",
+                           filter.rig, filter.subject, filter.protocol, std::min(filter.limit, kMostSessions)),
+                       read_session);
+  if (!found) return found;
+  for (SessionRow& session : *found) {
+    auto parts = implementation_->parts_of(session.id);
+    if (!parts) return tl::make_unexpected(parts.error());
+    session.parts = std::move(*parts);
+  }
+  return found;
+}
+
+core::Result<SessionRow> Catalogue::session(const std::string& id) const {
+  auto found = rows_of(implementation_->database.query(std::string(kSessionColumns) + "WHERE sessions.id = ?", id), read_session);
+  if (!found) return tl::make_unexpected(found.error());
+  if (found->empty()) return no_session(id);
+  SessionRow session = std::move(found->front());
+  auto parts = implementation_->parts_of(id);
+  if (!parts) return tl::make_unexpected(parts.error());
+  session.parts = std::move(*parts);
+  auto trials = rows_of(
+      implementation_->database.query(std::string(kTrialColumns) + "WHERE session_id = ? ORDER BY part, trial, attempt", id), read_trial);
+  if (!trials) return tl::make_unexpected(trials.error());
+  session.trials = std::move(*trials);
+  return session;
+}
+
+core::Result<std::vector<ResultRow>> Catalogue::results(const std::string& session_id) const {
+  return rows_of(implementation_->database.query(
+                     "SELECT session_id, name, value, unit, details FROM results WHERE session_id = ? ORDER BY name", session_id),
+                 read_result);
+}
+
+core::Result<std::vector<PartRow>> Catalogue::unfinished_parts() const {
+  return rows_of(implementation_->database.query(std::string(kPartColumns) + "WHERE state = ? ORDER BY session_id, part",
+                                                 static_cast<int>(PartState::Recording)),
+                 read_part);
+}
+
+core::Result<std::vector<PartRow>> Catalogue::parts() const {
+  return rows_of(implementation_->database.query(std::string(kPartColumns) + "ORDER BY session_id, part"), read_part);
+}
+
+core::Status Catalogue::append_audit(AuditEntry entry) { return implementation_->audit.append(std::move(entry)); }
+core::Result<std::vector<AuditEntry>> Catalogue::audit(std::size_t newest) const { return implementation_->audit.newest(newest); }
+core::Result<std::uint64_t> Catalogue::verify_audit() const { return implementation_->audit.verify(); }
+
+}  // namespace dts::record

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/catalogue/catalogue_rows.h"
+
+namespace dts::record {
+
+SessionRow read_session(Statement& row) {
+  SessionRow session;
+  session.id = row.text(0);
+  session.rig = row.text(1);
+  session.protocol = row.text(2);
+  session.subject = row.text(3);
+  session.label = row.text(4);
+  session.state = row.text(5);
+  session.message = row.text(6);
+  session.started_utc_ns = row.integer(7);
+  session.ended_utc_ns = row.integer(8);
+  return session;
+}
+
+PartRow read_part(Statement& row) {
+  PartRow part;
+  part.session_id = row.text(0);
+  part.part = row.count32(1);
+  part.file = row.text(2);
+  part.state = static_cast<PartState>(row.integer_in(3, static_cast<int>(PartState::Recording), static_cast<int>(PartState::Missing)));
+  part.sha256 = row.text(4);
+  part.bytes = row.count(5);
+  part.scans = row.count(6);
+  part.duration_s = row.number(7);
+  part.lost_s_at_most = row.number(8);
+  part.reason = row.text(9);
+  part.started_utc_ns = row.integer(10);
+  return part;
+}
+
+TrialRow read_trial(Statement& row) {
+  TrialRow trial;
+  trial.session_id = row.text(0);
+  trial.part = row.count32(1);
+  trial.trial = row.count32(2);
+  trial.attempt = row.count32(3);
+  trial.block = row.count32(4);
+  trial.condition = row.text(5);
+  trial.outcome = row.text(6);
+  trial.segment = row.count32(7);
+  trial.first_scan = row.count(8);
+  trial.last_scan = row.count(9);
+  trial.last_segment = row.count32(10);
+  return trial;
+}
+
+ResultRow read_result(Statement& row) {
+  ResultRow result;
+  result.session_id = row.text(0);
+  result.name = row.text(1);
+  result.value = row.number(2);
+  result.unit = row.text(3);
+  result.details = row.text(4);
+  return result;
+}
+
+}  // namespace dts::record

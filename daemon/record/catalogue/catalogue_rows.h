@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "record/catalogue/catalogue.h"
+#include "record/catalogue/sqlite.h"
+
+namespace dts::record {
+
+/// All rows, each made into a value by `read`.
+template <class Read>
+[[nodiscard]] auto rows_of(core::Result<Statement> rows, const Read& read) -> core::Result<std::vector<decltype(read(*rows))>> {
+  std::vector<decltype(read(*rows))> all;
+  while (rows) {
+    const auto found = rows->step();
+    if (!found) return tl::make_unexpected(found.error());
+    if (!*found) return all;
+    all.push_back(read(*rows));
+    if (auto sound = rows->sound(); !sound) return tl::make_unexpected(sound.error());
+  }
+  return tl::make_unexpected(rows.error());
+}
+
+inline constexpr const char* kSessionColumns =
+    "SELECT sessions.id, sessions.rig, protocols.name, COALESCE(subjects.pseudonym, ''), sessions.label, sessions.state, sessions.message,"
+    " sessions.started_utc_ns, sessions.ended_utc_ns FROM sessions JOIN protocols ON protocols.id = sessions.protocol_id"
+    " LEFT JOIN subjects ON subjects.id = sessions.subject_id ";
+inline constexpr const char* kPartColumns =
+    "SELECT session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns FROM parts ";
+inline constexpr const char* kTrialColumns =
+    "SELECT session_id, part, trial, attempt, block, condition, outcome, segment, first_scan, last_scan, last_segment FROM trials ";
+
+[[nodiscard]] SessionRow read_session(Statement& row);  ///< Of `kSessionColumns`; without parts and trials.
+[[nodiscard]] PartRow read_part(Statement& row);
+[[nodiscard]] TrialRow read_trial(Statement& row);
+[[nodiscard]] ResultRow read_result(Statement& row);  ///< session_id, name, value, unit, details
+
+}  // namespace dts::record

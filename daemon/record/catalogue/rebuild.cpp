@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "record/catalogue/catalogue.h"
+#include "record/catalogue/trial_collector.h"
+#include "record/recording.h"
+#include "record/xdf/recovery.h"
+#include "record/xdf/xdf_reader.h"
+
+namespace dts::record {
+namespace {
+
+namespace fs = std::filesystem;
+using core::ErrorCode;
+
+constexpr double kLongestRecordingS = 1e9;
+constexpr std::int64_t kLatestStartNs = 8'000'000'000'000'000'000;
+
+bool is_gone(const std::string& file) {
+  std::error_code error;
+  const auto status = fs::status(file, error);
+  return status.type() == fs::file_type::not_found;  // not when it may not be looked at
+}
+
+/// A recording that is being written may be known by the name that it gets when it is closed.
+bool is_gone(const PartRow& part) { return is_gone(part.file) && (part.state != PartState::Recording || is_gone(part.file + ".part")); }
+
+/// Of several files of one part the first in this order counts.
+int rank(std::string_view file) {
+  if (file.ends_with(".part")) return 2;
+  return file.ends_with(".recovered.xdf") ? 1 : 0;
+}
+
+core::Result<std::vector<std::string>> recordings_in(const std::string& folder) {
+  std::vector<std::string> files;
+  std::error_code error;
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied, error);
+  for (; !error && entry != fs::recursive_directory_iterator(); entry.increment(error)) {
+    const std::string file = entry->path().string();
+    std::error_code unknown;
+    const bool is_named_so = file.ends_with(".xdf") || file.ends_with(".xdf.part");
+    if (is_named_so && entry->is_regular_file(unknown)) files.push_back(file);  // opening a pipe would wait
+  }
+  if (error) return core::fail_errno(error.value(), "cannot look for recordings in " + folder, "is the disk with the recordings mounted?");
+  std::ranges::sort(files, {}, [](const std::string& file) { return std::pair{rank(file), file}; });
+  return files;
+}
+
+/// Of a recording of ours, from its header alone.
+core::Result<SessionFacts> facts_of(const std::string& file) {
+  auto reader = XdfReader::open(file);
+  if (!reader) return tl::make_unexpected(reader.error());
+  const auto chunk = (*reader)->next();
+  if (!chunk) return tl::make_unexpected(chunk.error());
+  const auto* header = *chunk ? std::get_if<FileHeader>(&(*chunk)->content) : nullptr;
+  if (header == nullptr) return core::fail(ErrorCode::DataDamaged, "it has no file header");
+  if (fact(header->facts, "session_id").empty()) return core::fail(ErrorCode::Unsupported, "it is no recording of dtsd");
+  return session_facts(header->facts);
+}
+
+void set_state(const Verification& verified, PartRow& part) {
+  part.bytes = verified.bytes;
+  part.scans = verified.scans;
+  part.duration_s = std::isfinite(verified.duration_s) ? verified.duration_s : 0.0;
+  part.lost_s_at_most = verified.lost_s_at_most;
+  part.reason = verified.incomplete;
+  if (!verified.is_closed) {
+    part.state = PartState::Interrupted;
+    part.reason = "it was not closed: the daemon or the power ended while it was written";
+    return;
+  }
+  part.sha256 = verified.sha256;
+  if (verified.is_recovered) {
+    part.state = PartState::Recovered;
+    if (part.reason.empty()) part.reason = "interrupted; this is the repaired copy";
+  } else {
+    part.state = verified.incomplete.empty() ? PartState::Complete : PartState::Incomplete;
+  }
+}
+
+/// What can be said of a file that does not pass verification.
+void set_damaged(const core::Error& error, const Recording& recording, PartRow& part) {
+  part.state = part.file.ends_with(".part") ? PartState::Interrupted : PartState::Incomplete;
+  part.reason = error.what;
+  std::error_code unknown;
+  const auto bytes = fs::file_size(part.file, unknown);
+  part.bytes = unknown ? 0 : bytes;
+  for (std::size_t stream = 0; stream < recording.streams().size(); ++stream) {
+    const auto& rate = recording.streams()[stream].rate;
+    if (!rate || recording.sample_count(stream) < part.scans) continue;
+    part.scans = recording.sample_count(stream);
+    part.duration_s = static_cast<double>(part.scans) / rate->hz();
+  }
+}
+
+std::string session_state(PartState state, bool is_aborted) {
+  if (is_aborted) return "aborted";
+  if (state == PartState::Complete) return "complete";
+  return state == PartState::Incomplete ? "incomplete" : "interrupted";
+}
+
+std::int64_t end_of(const PartRow& part) {
+  const bool is_sane =
+      part.started_utc_ns >= 0 && part.started_utc_ns <= kLatestStartNs && part.duration_s >= 0.0 && part.duration_s <= kLongestRecordingS;
+  return is_sane ? part.started_utc_ns + std::llround(part.duration_s * 1e9) : part.started_utc_ns;
+}
+
+core::Result<FoundRecording> read_whole(const std::string& file, const SessionFacts& facts) {
+  auto recording = Recording::open(file);
+  if (!recording) return tl::make_unexpected(recording.error());
+  TrialCollector trials((*recording)->find_stream("raw"));
+  bool is_aborted = false;
+  while (true) {
+    const auto item = (*recording)->next();
+    if (!item || !*item) break;  // what cannot be read is told by `verify`
+    trials.take(**item);
+    const auto* timed = std::get_if<TimedEvent>(&**item);
+    if (timed != nullptr && timed->event.event == "session") is_aborted = text_of(timed->event, "state") == "aborted";
+  }
+  FoundRecording found;
+  found.facts = facts;
+  found.trials = trials.rows();
+  found.part.session_id = facts.session_id;
+  found.part.part = facts.part;
+  found.part.file = file;
+  found.part.started_utc_ns = facts.started_utc_ns;
+  const auto verified = verify(file);
+  if (verified) {
+    set_state(*verified, found.part);
+  } else {
+    set_damaged(verified.error(), **recording, found.part);
+  }
+  for (TrialRow& trial : found.trials) {
+    trial.session_id = facts.session_id;
+    trial.part = facts.part;
+  }
+  found.session_state = session_state(found.part.state, is_aborted);
+  found.ended_utc_ns = end_of(found.part);
+  return found;
+}
+
+class Rebuild {
+ public:
+  Rebuild(Catalogue& catalogue, std::vector<PartRow> known) : catalogue_(catalogue) {
+    for (PartRow& part : known) {
+      if (part.state != PartState::Missing) files_.insert(part.file);
+      parts_.emplace(std::pair{part.session_id, part.part}, std::move(part));
+    }
+  }
+
+  [[nodiscard]] core::Status consider(const std::string& file);
+  [[nodiscard]] core::Status mark_missing();
+  [[nodiscard]] Rebuilt take_result() { return std::move(result_); }
+
+ private:
+  [[nodiscard]] bool is_better(const PartRow& known, const std::string& file) const;
+  [[nodiscard]] core::Status enter(const core::Result<FoundRecording>& found, const std::string& file, bool is_known);
+
+  Catalogue& catalogue_;
+  std::map<std::pair<std::string, std::uint32_t>, PartRow> parts_;
+  std::set<std::string> files_;
+  Rebuilt result_;
+};
+
+/// Whether a file serves for a part that the catalogue knows at another place.
+bool Rebuild::is_better(const PartRow& known, const std::string& file) const {
+  if (known.state == PartState::Missing || is_gone(known)) return true;
+  return known.state == PartState::Interrupted && rank(file) == 1;
+}
+
+/// Fails only for a reason of the catalogue's.
+core::Status Rebuild::consider(const std::string& file) {
+  if (files_.contains(file)) return {};
+  const auto facts = facts_of(file);
+  if (!facts) {
+    result_.unreadable.push_back(file + ": " + facts.error().what);
+    return {};
+  }
+  const auto known = parts_.find({facts->session_id, facts->part});
+  const bool is_known = known != parts_.end();
+  if (is_known && !is_better(known->second, file)) return {};
+  const auto found = read_whole(file, *facts);
+  const bool is_original_there = is_known && known->second.state == PartState::Interrupted && !is_gone(known->second);
+  if (is_original_there && (!found || found->part.state != PartState::Recovered)) return {};  // half a copy is none
+  return enter(found, file, is_known);
+}
+
+core::Status Rebuild::enter(const core::Result<FoundRecording>& found, const std::string& file, bool is_known) {
+  auto entered = found ? catalogue_.enter(*found) : core::Status(tl::make_unexpected(found.error()));
+  if (entered) {
+    ++(is_known ? result_.found_again : result_.added);
+    parts_.insert_or_assign({found->part.session_id, found->part.part}, found->part);
+    return {};
+  }
+  const ErrorCode code = entered.error().code;
+  const bool is_of_the_file =
+      !found || code == ErrorCode::InvalidArgument || code == ErrorCode::WrongState || code == ErrorCode::LimitExceeded;
+  if (!is_of_the_file) return entered;
+  result_.unreadable.push_back(file + ": " + entered.error().what);
+  return {};
+}
+
+core::Status Rebuild::mark_missing() {
+  for (auto& [key, part] : parts_) {
+    if (!is_gone(part)) continue;
+    ++result_.missing;
+    if (part.state == PartState::Missing) continue;
+    part.state = PartState::Missing;
+    part.reason = "the file is gone";
+    if (auto updated = catalogue_.update_part(part); !updated) return updated;
+  }
+  return {};
+}
+
+}  // namespace
+
+core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder) {
+  const auto files = recordings_in(folder);
+  if (!files) return tl::make_unexpected(files.error());
+  auto known = catalogue.parts();
+  if (!known) return tl::make_unexpected(known.error());
+  Rebuild rebuilding(catalogue, std::move(*known));
+  for (const std::string& file : *files) {
+    if (auto considered = rebuilding.consider(file); !considered) return tl::make_unexpected(considered.error());
+  }
+  if (auto marked = rebuilding.mark_missing(); !marked) return tl::make_unexpected(marked.error());
+  return rebuilding.take_result();
+}
+
+}  // namespace dts::record

@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/catalogue/schema.h"
+
+#include <array>
+#include <string>
+
+namespace dts::record {
+namespace {
+
+/// `state` of parts is PartState. Files, not rows, are the truth: nothing here is needed to read a recording.
+constexpr const char* kVersion1 = R"sql(
+CREATE TABLE subjects (
+  id INTEGER PRIMARY KEY,
+  pseudonym TEXT NOT NULL UNIQUE
+) STRICT;
+
+CREATE TABLE protocols (
+  id INTEGER PRIMARY KEY,
+  name TEXT NOT NULL,
+  sha256 TEXT NOT NULL,       -- of the definition
+  definition TEXT NOT NULL,
+  UNIQUE (name, sha256)
+) STRICT;
+
+CREATE TABLE calibrations (
+  id TEXT PRIMARY KEY,
+  rig TEXT NOT NULL,
+  kind TEXT NOT NULL,
+  definition TEXT NOT NULL
+) STRICT;
+
+CREATE TABLE sessions (
+  id TEXT PRIMARY KEY,
+  rig TEXT NOT NULL,
+  protocol_id INTEGER NOT NULL REFERENCES protocols (id),
+  subject_id INTEGER REFERENCES subjects (id),
+  label TEXT NOT NULL,
+  state TEXT NOT NULL CHECK (state IN ('running', 'complete', 'incomplete', 'interrupted', 'aborted')),
+  message TEXT NOT NULL,
+  started_utc_ns INTEGER NOT NULL,
+  ended_utc_ns INTEGER NOT NULL
+) STRICT;
+CREATE INDEX sessions_by_start ON sessions (started_utc_ns);
+CREATE INDEX sessions_by_subject ON sessions (subject_id);
+
+CREATE TABLE parts (
+  session_id TEXT NOT NULL REFERENCES sessions (id),
+  part INTEGER NOT NULL CHECK (part >= 1),
+  file TEXT NOT NULL,
+  state INTEGER NOT NULL CHECK (state BETWEEN 1 AND 6),
+  sha256 TEXT NOT NULL,
+  bytes INTEGER NOT NULL CHECK (bytes >= 0),
+  scans INTEGER NOT NULL CHECK (scans >= 0),
+  duration_s REAL NOT NULL,
+  lost_s_at_most REAL NOT NULL,
+  reason TEXT NOT NULL,
+  started_utc_ns INTEGER NOT NULL,
+  calibration_id TEXT NOT NULL,  -- no reference: recordings outlive what is entered here
+  PRIMARY KEY (session_id, part)
+) STRICT;
+
+CREATE TABLE trials (
+  session_id TEXT NOT NULL,
+  part INTEGER NOT NULL,
+  trial INTEGER NOT NULL CHECK (trial >= 1),
+  attempt INTEGER NOT NULL CHECK (attempt >= 1),
+  block INTEGER NOT NULL,
+  condition TEXT NOT NULL,
+  outcome TEXT NOT NULL CHECK (outcome IN ('done', 'redone', 'rejected', 'aborted')),
+  segment INTEGER NOT NULL CHECK (segment >= 0),
+  first_scan INTEGER NOT NULL CHECK (first_scan >= 0),
+  last_segment INTEGER NOT NULL CHECK (last_segment >= segment),
+  last_scan INTEGER NOT NULL CHECK (last_scan >= 0),
+  PRIMARY KEY (session_id, part, trial, attempt),
+  FOREIGN KEY (session_id, part) REFERENCES parts (session_id, part)
+) STRICT;
+
+CREATE TABLE results (
+  session_id TEXT NOT NULL REFERENCES sessions (id),
+  name TEXT NOT NULL,
+  value REAL NOT NULL,
+  unit TEXT NOT NULL,
+  details TEXT NOT NULL,
+  PRIMARY KEY (session_id, name)
+) STRICT;
+
+CREATE TABLE audit (
+  number INTEGER PRIMARY KEY,
+  utc_ns INTEGER NOT NULL,
+  who TEXT NOT NULL,
+  what TEXT NOT NULL,
+  target TEXT NOT NULL,
+  result TEXT NOT NULL,
+  hash TEXT NOT NULL
+) STRICT;
+-- Against mistakes; against intent there is the chain (audit_trail.h). INSERT OR REPLACE deletes without asking the trigger for deletes.
+CREATE TRIGGER audit_is_not_changed BEFORE UPDATE ON audit BEGIN SELECT RAISE(ABORT, 'the audit trail is append-only'); END;
+CREATE TRIGGER audit_is_not_deleted BEFORE DELETE ON audit BEGIN SELECT RAISE(ABORT, 'the audit trail is append-only'); END;
+CREATE TRIGGER audit_is_only_continued BEFORE INSERT ON audit
+  WHEN NEW.number IS NOT (SELECT COALESCE(MAX(number), 0) + 1 FROM audit)
+  BEGIN SELECT RAISE(ABORT, 'the audit trail is append-only'); END;
+)sql";
+
+constexpr std::array<const char*, 1> kMigrations{kVersion1};
+
+core::Status check_owner(const Database& database, std::int64_t version) {
+  const auto mark = database.number("PRAGMA application_id");
+  if (!mark) return tl::make_unexpected(mark.error());
+  if (*mark == kCatalogueMark) return {};
+  const auto tables = database.number("SELECT count(*) FROM sqlite_schema");
+  if (!tables) return tl::make_unexpected(tables.error());
+  if (*mark == 0 && version == 0 && *tables == 0) return {};  // just made
+  return core::fail(core::ErrorCode::DataDamaged, database.file() + " is no catalogue of dtsd but a database of another program",
+                    "move it away, or choose another state_dir in dtsd.toml");
+}
+
+core::Status apply(const Database& database, const char* migration, std::size_t version) {
+  auto transaction = Transaction::begin(database);
+  if (!transaction) return tl::make_unexpected(transaction.error());
+  if (auto applied = database.execute(migration); !applied) return applied;
+  // Numbers of this program, not of a caller: pragmas take no bound values.
+  const std::string marks =
+      "PRAGMA application_id = " + std::to_string(kCatalogueMark) + "; PRAGMA user_version = " + std::to_string(version);
+  if (auto marked = database.execute(marks); !marked) return marked;
+  return transaction->commit();
+}
+
+}  // namespace
+
+std::span<const char* const> catalogue_migrations() noexcept { return kMigrations; }
+
+core::Status migrate(const Database& database, std::span<const char* const> migrations) {
+  const auto version = database.number("PRAGMA user_version");
+  if (!version) return tl::make_unexpected(version.error());
+  if (auto ours = check_owner(database, *version); !ours) return ours;
+  if (*version < 0 || static_cast<std::uint64_t>(*version) > migrations.size()) {
+    return core::fail(core::ErrorCode::Unsupported,
+                      "the catalogue " + database.file() + " has version " + std::to_string(*version) + ", this dtsd knows up to " +
+                          std::to_string(migrations.size()),
+                      "install the newer dtsd again; it is not changed by this one");
+  }
+  for (auto done = static_cast<std::size_t>(*version); done < migrations.size(); ++done) {
+    if (auto applied = apply(database, migrations[done], done + 1); !applied) return applied;
+  }
+  return {};
+}
+
+}  // namespace dts::record

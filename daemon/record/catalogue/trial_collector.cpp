@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/catalogue/trial_collector.h"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <variant>
+
+namespace dts::record {
+namespace {
+
+constexpr std::size_t kMostTrials = 100'000;
+constexpr std::int64_t kLargestNumber = 1'000'000;
+constexpr std::size_t kLongestCondition = 64;
+
+std::optional<std::uint32_t> number_of(const RecordedEvent& event, std::string_view key) {
+  const auto found = std::ranges::find_if(event.values, [key](const auto& value) { return value.first == key; });
+  if (found == event.values.end()) return std::nullopt;
+  const auto* number = std::get_if<std::int64_t>(&found->second);
+  if (number == nullptr || *number < 1 || *number > kLargestNumber) return std::nullopt;
+  return static_cast<std::uint32_t>(*number);
+}
+
+bool is_end(std::string_view phase) { return phase == "done" || phase == "redone" || phase == "rejected" || phase == "aborted"; }
+
+}  // namespace
+
+void TrialCollector::take(const RecordedItem& item) {
+  if (const auto* scans = std::get_if<RecordedScans>(&item)) {
+    if (raw_ && scans->stream == *raw_ && scans->count > 0) {
+      newest_ = std::max(newest_, Place{scans->segment, scans->first_scan.value + (scans->count - 1)});
+    }
+  } else if (const auto* timed = std::get_if<TimedEvent>(&item)) {
+    newest_ = std::max(newest_, Place{timed->event.segment, timed->event.scan.value});
+    if (timed->event.event == "trial") take_event(timed->event);
+  }
+}
+
+void TrialCollector::take_event(const RecordedEvent& event) {
+  const std::string phase = text_of(event, "phase");
+  const auto trial = number_of(event, "trial");
+  const auto attempt = number_of(event, "attempt");
+  const bool is_start = phase == "ready" || phase == "go" || phase == "measure";
+  if (!trial || !attempt || !(is_start || is_end(phase))) return;
+  if (rows_.size() >= kMostTrials && !rows_.contains({*trial, *attempt})) return;
+  TrialRow& row = rows_[{*trial, *attempt}];
+  if (row.trial == 0) {  // the first that is heard of it, whatever it is
+    row.trial = *trial;
+    row.attempt = *attempt;
+    begin(event, row);
+  }
+  if (is_start) {
+    if (row.outcome.empty()) begin(event, row);
+  } else {
+    end(phase, event, row);
+  }
+}
+
+/// Counts from the last of ready, go and measure.
+void TrialCollector::begin(const RecordedEvent& event, TrialRow& row) const {
+  row.block = number_of(event, "block").value_or(1);
+  row.condition = text_of(event, "condition").substr(0, kLongestCondition);
+  row.segment = event.segment;
+  row.first_scan = event.scan.value;
+}
+
+/// A trial that was done and voided later keeps the place where it ended.
+void TrialCollector::end(const std::string& phase, const RecordedEvent& event, TrialRow& row) const {
+  if (row.outcome.empty()) {
+    row.last_segment = event.segment;
+    row.last_scan = event.scan.value;
+  }
+  row.outcome = phase;
+}
+
+std::vector<TrialRow> TrialCollector::rows() const {
+  std::vector<TrialRow> rows;
+  for (const auto& [key, row] : rows_) {
+    rows.push_back(row);
+    if (!row.outcome.empty()) continue;
+    rows.back().outcome = "aborted";
+    rows.back().last_segment = newest_.segment;
+    rows.back().last_scan = newest_.scan;
+  }
+  return rows;
+}
+
+}  // namespace dts::record

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "record/catalogue/catalogue.h"
+#include "record/event.h"
+#include "record/recording.h"
+
+namespace dts::record {
+
+/// Makes trial rows of the events of a recording, as the daemon made them when it was recorded: event "trial" with phase (ready, go,
+/// measure, done, redone, rejected, aborted), trial, attempt, block and condition. What makes no sense is passed over. A trial that the
+/// recording ends in the middle of was aborted there.
+class TrialCollector {
+ public:
+  /// `raw`: index of the stream that events count in; nothing: only events tell how far the recording went.
+  explicit TrialCollector(std::optional<std::size_t> raw) : raw_(raw) {}
+
+  void take(const RecordedItem& item);
+  /// In the order of trial and attempt. `session_id` and `part` are the caller's.
+  [[nodiscard]] std::vector<TrialRow> rows() const;
+
+ private:
+  struct Place {
+    std::uint32_t segment = 0;
+    std::uint64_t scan = 0;
+    friend auto operator<=>(const Place&, const Place&) = default;
+  };
+  void take_event(const RecordedEvent& event);
+  void begin(const RecordedEvent& event, TrialRow& row) const;
+  void end(const std::string& phase, const RecordedEvent& event, TrialRow& row) const;
+
+  std::optional<std::size_t> raw_;
+  Place newest_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, TrialRow> rows_;  ///< By trial and attempt; no outcome: still under way.
+};
+
+}  // namespace dts::record

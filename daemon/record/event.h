@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/result.h"
+#include "core/units.h"
+
+namespace dts::record {
+
+/// Values of an event: numbers stay numbers in JSON.
+using EventValue = std::variant<std::string, double, std::int64_t, bool>;
+
+/// Something that happened at one scan, as it stands in the stream "<rig>/events": one JSON object a sample,
+///
+///     {"event":"marker","segment":0,"scan":1250,"text":"eyes closed"}
+///
+/// | event   | further keys |
+/// |---------|--------------|
+/// | segment | host_time_ns, reason and missing_scans after a gap: stands at scan 0 (or the first recorded scan, first_scan) of a segment |
+/// | marker  | text |
+/// | trigger | edge ("rising", "falling"), channel |
+/// | session | state, message |
+/// | device  | state, message |
+/// | trial   | phase, trial, attempt, block, condition and its labels |
+/// | loss    | scans: the recorder was too slow; the next sample starts a segment |
+struct RecordedEvent {
+  std::string event;
+  std::uint32_t segment = 0;
+  core::ScanIndex scan;  ///< Of the rig's raw stream.
+  std::vector<std::pair<std::string, EventValue>> values{};
+
+  friend bool operator==(const RecordedEvent&, const RecordedEvent&) = default;
+};
+
+/// One line of JSON. Bytes that are not UTF-8 are replaced.
+[[nodiscard]] std::string to_json(const RecordedEvent& event);
+/// Fails with DataDamaged: no object, no "event", numbers out of range, more than 64 keys or 64 KiB. Nested values are kept as JSON texts.
+[[nodiscard]] core::Result<RecordedEvent> event_of_json(const std::string& text);
+
+/// The value of a key as text; empty when absent.
+[[nodiscard]] std::string text_of(const RecordedEvent& event, const std::string& key);
+
+}  // namespace dts::record

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "record/recording.h"
+
+namespace dts::record {
+
+/// What is known about a stream's file when it is whole.
+struct MotionFacts {
+  std::string tracking_system;  ///< "floorcop"
+  std::uint64_t scans = 0;
+  std::int64_t duration_ns = 0;  ///< From the first scan to the last, gaps included.
+  std::uint32_t gaps = 0;
+};
+
+/// The documents of a BIDS dataset beside its data (BIDS 1.9, "Motion").
+[[nodiscard]] std::string dataset_description(const std::string& software);
+/// Made by us: only then it is added to.
+[[nodiscard]] bool is_our_dataset(const std::string& description);
+[[nodiscard]] std::string dataset_readme();
+[[nodiscard]] std::string participants_description();
+[[nodiscard]] std::string channels_table(const StreamInfo& stream);
+[[nodiscard]] std::string channels_description();
+[[nodiscard]] std::string motion_description(const Recording& recording, const StreamInfo& stream, const MotionFacts& facts);
+[[nodiscard]] std::string events_description();
+
+/// "2026-11-21T14:45:25.125000Z": the form of BIDS.
+[[nodiscard]] std::string utc_text(std::int64_t utc_ns);
+
+}  // namespace dts::record

@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <atomic>
+#include <optional>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include "record/export/export.h"
+#include "record/export/output_files.h"
+#include "record/export/row_text.h"
+#include "record/export/walk.h"
+
+namespace dts::record {
+namespace {
+
+/// The file of one stream of numbers.
+struct Column {
+  OutputFile* file = nullptr;  ///< Not one of ours: a stream of texts, or one without samples.
+  ValueType type = ValueType::Double64;
+  std::size_t channels = 0;
+  std::optional<TimeAxis> times{};  ///< Absent: every sample has its own time.
+};
+
+/// t_s,segment,scan and as many values as there are channels.
+std::size_t longest_row(std::size_t channels) { return (channels + 3) * (kLongestNumber + 1) + 1; }
+
+char* put_values(char* at, const double* values, const Column& column) noexcept {
+  for (std::size_t channel = 0; channel < column.channels; ++channel) {
+    *at++ = ',';
+    at = put_value(at, values[channel], column.type, "");
+  }
+  *at++ = '\n';
+  return at;
+}
+
+char* put_place(char* at, std::int64_t time_ns, std::uint64_t segment, std::uint64_t scan) noexcept {
+  at = put_seconds(at, time_ns);
+  *at++ = ',';
+  at = put_count(at, segment);
+  *at++ = ',';
+  return put_count(at, scan);
+}
+
+class CsvSink : public ExportSink {
+ public:
+  CsvSink(const Recording& recording, double origin_s, OutputFiles& files)
+      : recording_(recording), origin_s_(origin_s), files_(files), columns_(recording.streams().size()) {}
+
+  [[nodiscard]] core::Status create_files();
+  [[nodiscard]] core::Status take(const RecordedScans& scans) override;
+  [[nodiscard]] core::Status take(const RecordedChange& change) override;
+  [[nodiscard]] core::Status take(const TimedEvent& event) override;
+  [[nodiscard]] std::uint64_t rows() const noexcept { return rows_.load(); }
+
+ private:
+  [[nodiscard]] core::Status create_file(std::size_t stream);
+  [[nodiscard]] std::string unused_name(const std::string& stream);
+
+  const Recording& recording_;
+  double origin_s_;
+  OutputFiles& files_;
+  std::vector<Column> columns_;
+  OutputFile* events_ = nullptr;
+  std::set<std::string> names_{"events"};
+  std::atomic<std::uint64_t> rows_ = 0;  ///< Of all streams, which come on several threads.
+};
+
+core::Status CsvSink::create_files() {
+  for (std::size_t stream = 0; stream < columns_.size(); ++stream) {
+    if (recording_.streams()[stream].value_type == ValueType::Text || recording_.sample_count(stream) == 0) continue;
+    if (auto created = create_file(stream); !created) return created;
+  }
+  auto events = files_.create(file_stem(recording_) + "_events.csv");
+  if (!events) return tl::make_unexpected(events.error());
+  events_ = *events;
+  events_->append("t_s,segment,scan,event,text,details\n");
+  return {};
+}
+
+core::Status CsvSink::create_file(std::size_t stream) {
+  const StreamInfo& info = recording_.streams()[stream];
+  auto file = files_.create(file_stem(recording_) + "_" + unused_name(info.name) + ".csv");
+  if (!file) return tl::make_unexpected(file.error());
+  Column& column = columns_[stream];
+  column.file = *file;
+  column.type = info.value_type;
+  column.channels = info.channels.size();
+  if (info.rate) column.times.emplace(origin_s_, *info.rate);
+  std::string header = "t_s,segment,scan";
+  for (const ChannelInfo& channel : info.channels) header += "," + csv_cell(name_with_unit(channel));
+  column.file->append(header + "\n");
+  return {};
+}
+
+/// Files of other programs may hold streams of the same name.
+std::string CsvSink::unused_name(const std::string& stream) {
+  const std::string wanted = fit_for_file_name(short_name(stream));
+  std::string name = wanted;
+  for (int number = 2; !names_.insert(name).second; ++number) name = wanted + "-" + std::to_string(number);
+  return name;
+}
+
+core::Status CsvSink::take(const RecordedScans& scans) {
+  Column& column = columns_[scans.stream];
+  if (column.file == nullptr || !column.times) return {};
+  column.times->begin(scans);
+  for (std::size_t scan = 0; scan < scans.count; ++scan) {
+    char* at = column.file->reserve(longest_row(column.channels));
+    at = put_place(at, column.times->time_ns(scan), scans.segment, scans.first_scan.value + scan);
+    column.file->advance(put_values(at, scans.values.data() + scan * column.channels, column));
+  }
+  rows_ += scans.count;
+  return column.file->status();
+}
+
+core::Status CsvSink::take(const RecordedChange& change) {
+  Column& column = columns_[change.stream];
+  if (column.file == nullptr) return {};
+  char* at = column.file->reserve(longest_row(column.channels));
+  at = put_place(at, to_ns(change.time_s - origin_s_), change.segment, change.scan.value);
+  column.file->advance(put_values(at, change.values.data(), column));
+  ++rows_;
+  return column.file->status();
+}
+
+core::Status CsvSink::take(const TimedEvent& timed) {
+  const RecordedEvent& event = timed.event;
+  char* at = events_->reserve(longest_row(0));
+  events_->advance(put_place(at, to_ns(timed.time_s - origin_s_), event.segment, event.scan.value));
+  events_->append("," + csv_cell(event.event) + "," + csv_cell(main_text(event)) + "," + csv_cell(further_details(event)) + "\n");
+  ++rows_;
+  return events_->status();
+}
+
+}  // namespace
+
+core::Result<Exported> export_csv(Recording& recording, const std::string& folder, const Progress& progress) {
+  const auto origin_s = find_origin(recording);
+  if (!origin_s) return tl::make_unexpected(origin_s.error());
+  OutputFiles files(folder);
+  CsvSink sink(recording, *origin_s, files);
+  if (auto created = sink.create_files(); !created) return tl::make_unexpected(created.error());
+  if (auto walked = walk(recording, sink, progress); !walked) return tl::make_unexpected(walked.error());
+  return files.commit().map([&](OutputFiles::Written&& written) {
+    return Exported{.files = std::move(written.files), .rows = sink.rows(), .bytes = written.bytes};
+  });
+}
+
+}  // namespace dts::record

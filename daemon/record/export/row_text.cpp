@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/export/row_text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace dts::record {
+namespace {
+
+constexpr std::int64_t kNsPerSecond = 1'000'000'000;
+/// More than the rounding of a time stamp in the order of the Unix time (0.24 us), less than any scan.
+constexpr std::int64_t kStampToleranceNs = 1'000;
+/// Keys that say the main thing about an event, the first that it has counts.
+constexpr std::array<std::string_view, 5> kMainKeys{"text", "phase", "state", "edge", "reason"};
+
+using Values = std::vector<std::pair<std::string, EventValue>>;
+
+Values::const_iterator find_main(const RecordedEvent& event) {
+  for (const std::string_view key : kMainKeys) {
+    const auto found = std::ranges::find(event.values, key, &Values::value_type::first);
+    if (found != event.values.end()) return found;
+  }
+  return event.values.end();
+}
+
+std::string as_text(const EventValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* is_so = std::get_if<bool>(&value)) return *is_so ? "true" : "false";
+  std::array<char, kLongestNumber> text{};
+  const auto* number = std::get_if<double>(&value);
+  const auto end = number != nullptr ? std::to_chars(text.begin(), text.end(), *number).ptr
+                                     : std::to_chars(text.begin(), text.end(), std::get<std::int64_t>(value)).ptr;
+  return {text.data(), end};
+}
+
+template <class Number>
+char* put_shortest(char* at, Number value) noexcept {
+  return std::to_chars(at, at + kLongestNumber, value).ptr;
+}
+
+/// Distance of two times; they may lie at both ends of what 64 bits hold.
+std::uint64_t distance(std::int64_t a, std::int64_t b) noexcept {
+  const auto difference = static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b);
+  return a >= b ? difference : 0 - difference;
+}
+
+/// Exactly `digits` decimals of a fraction, zeros in front.
+char* put_decimals(char* at, std::uint64_t fraction, int digits) noexcept {
+  for (int place = digits - 1; place >= 0; --place) {
+    at[place] = static_cast<char>('0' + fraction % 10);
+    fraction /= 10;
+  }
+  return at + digits;
+}
+
+}  // namespace
+
+char* put_count(char* at, std::uint64_t count) noexcept { return put_shortest(at, count); }
+
+char* put_seconds(char* at, std::int64_t time_ns) noexcept {
+  const std::uint64_t magnitude = distance(time_ns, 0);
+  if (time_ns < 0) *at++ = '-';
+  at = put_count(at, magnitude / kNsPerSecond);
+  const std::uint64_t fraction = magnitude % kNsPerSecond;
+  if (fraction == 0) return at;
+  *at++ = '.';
+  at = put_decimals(at, fraction, 9);
+  while (at[-1] == '0') --at;
+  return at;
+}
+
+char* put_microseconds(char* at, std::int64_t time_ns) noexcept {
+  const std::uint64_t microseconds = (distance(time_ns, 0) + 500) / 1000;
+  if (time_ns < 0 && microseconds > 0) *at++ = '-';
+  at = put_count(at, microseconds / 1'000'000);
+  *at++ = '.';
+  return put_decimals(at, microseconds % 1'000'000, 6);
+}
+
+char* put_value(char* at, double value, ValueType type, std::string_view undefined) noexcept {
+  if (std::isnan(value)) return std::copy(undefined.begin(), undefined.end(), at);
+  if (type == ValueType::Float32) return put_shortest(at, static_cast<float>(value));
+  constexpr double kLargestExact = 9007199254740992.0;  // 2^53: beyond, doubles have no ones
+  const bool is_whole = type != ValueType::Double64 && std::abs(value) <= kLargestExact;
+  return is_whole ? put_shortest(at, static_cast<std::int64_t>(value)) : put_shortest(at, value);
+}
+
+std::string name_with_unit(const ChannelInfo& channel) {
+  if (channel.unit.empty()) return channel.label;
+  std::string suffix = "_" + channel.unit;
+  std::ranges::transform(suffix, suffix.begin(),
+                         [](char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter; });
+  return channel.label.ends_with(suffix) ? channel.label : channel.label + suffix;
+}
+
+std::string csv_cell(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string cell = "\"";
+  for (const char letter : text) {
+    if (letter == '"') cell += '"';
+    cell += letter;
+  }
+  return cell + '"';
+}
+
+std::string tsv_cell(std::string_view text) {
+  if (text.empty()) return "n/a";
+  std::string cell(text);
+  std::ranges::replace_if(
+      cell, [](char letter) { return letter == '\t' || letter == '\n' || letter == '\r'; }, ' ');
+  return cell;
+}
+
+std::string main_text(const RecordedEvent& event) {
+  const auto found = find_main(event);
+  return found != event.values.end() ? as_text(found->second) : std::string();
+}
+
+std::string further_details(const RecordedEvent& event) {
+  const auto main = find_main(event);
+  nlohmann::ordered_json details = nlohmann::ordered_json::object();
+  for (auto value = event.values.begin(); value != event.values.end(); ++value) {
+    if (value == main) continue;
+    std::visit([&](const auto& held) { details[value->first] = held; }, value->second);
+  }
+  return details.empty() ? std::string() : details.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+std::string value_text(const RecordedEvent& event, std::string_view key) {
+  const auto found = std::ranges::find(event.values, key, &Values::value_type::first);
+  return found != event.values.end() ? as_text(found->second) : std::string();
+}
+
+std::int64_t to_ns(double seconds) noexcept {
+  constexpr double kLargest = 9.2e9;  // of what 64 bits of nanoseconds hold
+  if (std::isnan(seconds)) return 0;
+  return static_cast<std::int64_t>(std::llround(std::clamp(seconds, -kLargest, kLargest) * 1e9));
+}
+
+void TimeAxis::begin(const RecordedScans& scans) noexcept {
+  first_scan_ = scans.first_scan.value;
+  const std::int64_t stamp_ns = to_ns(scans.first_time_s - origin_s_);
+  const bool follows = anchor_ && anchor_->segment == scans.segment && anchor_->scan <= first_scan_;
+  if (follows && distance(predicted_ns(first_scan_), stamp_ns) <= static_cast<std::uint64_t>(kStampToleranceNs)) return;
+  anchor_ = Anchor{.segment = scans.segment, .scan = first_scan_, .time_ns = stamp_ns};
+}
+
+std::int64_t TimeAxis::time_ns(std::size_t place) const noexcept { return predicted_ns(first_scan_ + place); }
+
+std::int64_t TimeAxis::predicted_ns(std::uint64_t scan) const noexcept {
+  std::int64_t time_ns = 0;
+  const bool is_beyond = __builtin_add_overflow(anchor_->time_ns, rate_.time_ns({scan - anchor_->scan}), &time_ns);
+  return is_beyond ? std::numeric_limits<std::int64_t>::max() : time_ns;
+}
+
+}  // namespace dts::record

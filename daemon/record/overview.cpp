@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/overview.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "record/event.h"
+#include "record/xdf/xdf_reader.h"
+
+namespace dts::record {
+namespace {
+
+class Looker {
+ public:
+  void take(const Chunk& chunk) {
+    std::visit([this](const auto& content) { take(content); }, chunk.content);
+    overview_.end = chunk.offset + chunk.length;
+  }
+  /// `torn`: why reading ended early, or empty.
+  Overview finish(const std::string& torn);
+
+ private:
+  struct SegmentEvent {
+    std::uint32_t segment;
+    core::ScanIndex scan;
+    double time_s;
+  };
+  /// What only this look needs of a stream.
+  struct Traits {
+    std::optional<GridTracker> grid;
+    SegmentTable segments{};
+    bool has_footer = false;
+    bool holds_events = false;
+  };
+
+  void take(const FileHeader& header);
+  void take(const StreamHeader& header);
+  void take(const Samples& samples);
+  void take(const StreamFooter& footer);
+  void take(const ClockOffset&) {}
+  void take(const Boundary&) {}
+  void take(const UnknownChunk&) {}
+
+  void take_events(const Samples& samples);
+  [[nodiscard]] std::optional<std::size_t> reference() const;
+  void say(const std::string& damage);
+
+  Overview overview_;
+  std::vector<Traits> traits_;
+  std::vector<SegmentEvent> segment_events_;
+  std::string incomplete_;
+  std::string recovered_;
+};
+
+void Looker::say(const std::string& damage) { overview_.damage += (overview_.damage.empty() ? "" : "; ") + damage; }
+
+void Looker::take(const FileHeader& header) {
+  if (fact(header.facts, "format_version").empty()) return;  // another program's
+  auto session = session_facts(header.facts);
+  if (session) {
+    overview_.session = std::move(*session);
+  } else {
+    say(session.error().what);
+  }
+}
+
+void Looker::take(const StreamHeader& header) {
+  const auto& info = header.info;
+  Traits traits{.grid = std::nullopt};
+  const bool is_text = info.value_type == ValueType::Text;
+  if (info.rate && !is_text) traits.grid.emplace(*info.rate);
+  traits.holds_events = is_text && short_name(info.name) == "events";
+  overview_.index_of_number.emplace(header.stream, overview_.streams.size());
+  overview_.streams.push_back(info);
+  overview_.sample_counts.push_back(0);
+  traits_.push_back(std::move(traits));
+}
+
+void Looker::take(const Samples& samples) {
+  const std::size_t index = overview_.index_of_number.at(samples.stream);
+  overview_.sample_counts[index] += samples.times_s.size();
+  Traits& traits = traits_[index];
+  if (traits.holds_events) take_events(samples);
+  if (!traits.grid) return;
+  for (const double time_s : samples.times_s)
+    if (traits.grid->take(time_s)) traits.segments.add({traits.grid->place().segment, time_s, time_s});
+}
+
+void Looker::take_events(const Samples& samples) {
+  const std::size_t channels = samples.texts.size() / std::max<std::size_t>(samples.times_s.size(), 1);
+  for (std::size_t text = 0; text < samples.texts.size(); ++text) {
+    const auto event = event_of_json(samples.texts[text]);
+    if (event && event->event == "segment") segment_events_.push_back({event->segment, event->scan, samples.times_s[text / channels]});
+  }
+}
+
+void Looker::take(const StreamFooter& footer) {
+  traits_[overview_.index_of_number.at(footer.stream)].has_footer = true;
+  if (incomplete_.empty()) incomplete_ = fact(footer.facts, "incomplete");
+  if (recovered_.empty() && !fact(footer.facts, "recovered").empty()) recovered_ = fact(footer.facts, "lost_s_at_most");
+}
+
+/// Events count in scans of the raw stream; where that is not recorded, in those of the fastest one.
+std::optional<std::size_t> Looker::reference() const {
+  std::optional<std::size_t> best;
+  for (std::size_t index = 0; index < traits_.size(); ++index) {
+    const auto& info = overview_.streams[index];
+    if (!traits_[index].grid) continue;
+    if (short_name(info.name) == "raw") return index;
+    if (!best || info.rate->hz() > overview_.streams[*best].rate->hz()) best = index;
+  }
+  return best;
+}
+
+Overview Looker::finish(const std::string& torn) {
+  if (!torn.empty()) say(torn);
+  if (torn.empty() && !std::ranges::all_of(traits_, &Traits::has_footer)) say("no footer: it was never closed");
+  if (!incomplete_.empty()) say("incomplete: " + incomplete_);
+  if (!recovered_.empty()) say("recovered, at most " + recovered_ + " s are lost");
+  if (const auto index = reference()) {
+    overview_.reference_rate = overview_.streams[*index].rate;
+    overview_.segments = std::move(traits_[*index].segments);
+  }
+  overview_.has_segment_events = overview_.reference_rate && !segment_events_.empty();
+  if (!overview_.has_segment_events) segment_events_.clear();
+  if (overview_.has_segment_events) overview_.segments = {};
+  for (const auto& [segment, scan, time_s] : segment_events_)
+    overview_.segments.add({segment, time_s, time_s - static_cast<double>(scan.value) / overview_.reference_rate->hz()});
+  overview_.segments.sort();
+  return std::move(overview_);
+}
+
+}  // namespace
+
+core::Result<Overview> look_through(const std::string& file) {
+  const auto reader = XdfReader::open(file);
+  if (!reader) return tl::make_unexpected(reader.error());
+  Looker looker;
+  bool has_header = false;
+  while (true) {
+    const auto chunk = (*reader)->next();
+    if (!chunk && !has_header) return tl::make_unexpected(chunk.error());
+    if (!chunk) return looker.finish(chunk.error().what);
+    if (!*chunk && !has_header) return core::fail(core::ErrorCode::DataDamaged, file + " ends before its file header");
+    if (!*chunk) return looker.finish({});
+    looker.take(**chunk);
+    has_header = true;
+  }
+}
+
+}  // namespace dts::record

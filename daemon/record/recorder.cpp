@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/recorder.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+
+#include "record/xdf/recovery.h"
+
+namespace dts::record {
+namespace {
+
+constexpr double kChunkMs = 0.8 * 1000.0 * kLongestUnwrittenS;  // the rest is for the way here
+constexpr std::int64_t kOffsetEveryNs = 5'000'000'000;
+constexpr std::int64_t kBoundaryEveryNs = 2'000'000'000;
+constexpr std::int64_t kRoundingNs = 2;  // of two conversions: no drift of a clock
+constexpr std::size_t kMostWaitingEvents = 10'000;
+
+double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
+
+std::string numbers_text(std::span<const double> values) {
+  std::string text;
+  std::array<char, 32> digits{};
+  for (const double value : values) {
+    const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr;
+    if (!text.empty()) text += ' ';
+    text.append(digits.data(), end);
+  }
+  return text;
+}
+
+StreamInfo quality_info(const std::string& rig, const std::vector<RecordedStream>& streams) {
+  StreamInfo info{.name = rig + "/quality", .content = "Quality", .value_type = ValueType::Int8, .rate = {}, .channels = {}};
+  for (const RecordedStream& stream : streams) {
+    const std::string name = short_name(stream.info.name);
+    if (name != "raw" && name != "aux") continue;
+    for (const ChannelInfo& channel : stream.info.channels)
+      info.channels.push_back({.label = channel.label, .unit = {}, .type = "Quality"});
+  }
+  return info;
+}
+
+StreamInfo events_info(const std::string& rig) {
+  return {.name = rig + "/events",
+          .content = "Markers",
+          .value_type = ValueType::Text,
+          .rate = {},
+          .channels = {{.label = "event", .unit = {}, .type = "Marker"}}};
+}
+
+}  // namespace
+
+core::Result<std::unique_ptr<Recorder>> Recorder::create(const std::string& file, const SessionFacts& facts,
+                                                         std::vector<RecordedStream> streams) {
+  if (streams.empty() || short_name(streams.front().info.name) != "raw" || !streams.front().info.rate) {
+    return core::fail(core::ErrorCode::InvalidArgument, "recording " + file + ": its first stream is not \"raw\"");
+  }
+  auto writer = XdfWriter::create(file, to_facts(facts));
+  if (!writer) return tl::make_unexpected(writer.error());
+  std::unique_ptr<Recorder> recorder(new Recorder(std::move(*writer)));
+  recorder->rate_ = *streams.front().info.rate;
+  recorder->events_number_ = recorder->writer_->add_stream(events_info(facts.rig));
+  StreamInfo quality = quality_info(facts.rig, streams);
+  recorder->last_quality_.resize(quality.channels.size());
+  recorder->quality_number_ = recorder->writer_->add_stream(std::move(quality));
+  for (RecordedStream& stream : streams) {
+    const std::string name = short_name(stream.info.name);
+    if (name == "raw" || name == "aux") recorder->quality_sources_.push_back(stream.frame_index);
+    const std::size_t chunk_scans = stream.info.rate ? stream.info.rate->scans_in_ms(kChunkMs) : 1;
+    const std::uint32_t number = recorder->writer_->add_stream(stream.info);
+    recorder->columns_.push_back({.recorded = std::move(stream), .number = number, .chunk_scans = chunk_scans});
+    recorder->columns_.back().pending.reserve(chunk_scans * recorder->columns_.back().recorded.info.channels.size());
+  }
+  return recorder;
+}
+
+void Recorder::set_stage_state(std::span<const double> state) {
+  writer_->add_fact(columns_.front().number, "stage_state", numbers_text(state));
+}
+
+std::optional<double> Recorder::time_s(std::uint32_t segment, core::ScanIndex scan) const noexcept {
+  const auto origin = origins_ns_.find(segment);
+  if (origin == origins_ns_.end()) return std::nullopt;
+  return seconds(origin->second + rate_.time_ns(scan));
+}
+
+double Recorder::duration_s() const noexcept { return static_cast<double>(scans_) / rate_.hz(); }
+
+core::Status Recorder::take(const core::Frame& frame) {
+  if (frame.gap_before.reason != core::GapReason::None) gap_ = frame.gap_before;
+  const core::Block& raw = frame.streams[columns_.front().recorded.frame_index];
+  if (raw.count() == 0) return {};
+  if (!origins_ns_.contains(raw.segment)) {
+    if (auto begun = begin_segment(frame); !begun) return begun;
+  } else {
+    note_jump(raw);
+  }
+  offset_ns_ = raw.host_time_ns - (origins_ns_[segment_] + rate_.time_ns(raw.first_scan));
+  if (std::abs(offset_ns_) <= kRoundingNs) offset_ns_ = 0;
+  take_quality(frame);
+  take_triggers(frame.triggers);
+  next_raw_ = raw.first_scan + raw.count();
+  scans_ += raw.count();
+  for (Column& column : columns_) {
+    if (auto taken = take_block(column, frame.streams[column.recorded.frame_index], raw); !taken) return taken;
+  }
+  return write_offsets(raw);
+}
+
+/// Everything of the segment before goes to the file first, then the event that says where the new one lies: readers find the place of
+/// samples by it.
+core::Status Recorder::begin_segment(const core::Frame& frame) {
+  if (auto flushed = flush(); !flushed) return flushed;
+  const core::Block& raw = frame.streams[columns_.front().recorded.frame_index];
+  segment_ = raw.segment;
+  origins_ns_[segment_] = raw.host_time_ns - offset_ns_ - rate_.time_ns(raw.first_scan);
+  for (Column& column : columns_) column.has_origin = false;
+  is_quality_due_ = true;
+  RecordedEvent event{.event = "segment", .segment = segment_, .scan = raw.first_scan};
+  event.values.emplace_back("host_time_ns", raw.host_time_ns);
+  if (gap_.reason != core::GapReason::None) {
+    event.values.emplace_back("reason", std::string(core::name(gap_.reason)));
+    event.values.emplace_back("missing_scans", static_cast<std::int64_t>(gap_.missing_scans));
+    event.values.emplace_back("is_exact", gap_.is_exact);
+  }
+  gap_ = {};
+  next_raw_ = raw.first_scan;
+  if (auto taken = take(event); !taken) return taken;
+  for (const RecordedEvent& waiting : std::exchange(waiting_events_, {})) {
+    if (auto taken = take(waiting); !taken) return taken;
+  }
+  return write_events();
+}
+
+void Recorder::note_jump(const core::Block& raw) {
+  if (raw.segment != segment_ || raw.first_scan == next_raw_) return;
+  const std::uint64_t lost = raw.first_scan.value > next_raw_.value ? raw.first_scan.value - next_raw_.value : 0;
+  lost_scans_ += lost;
+  RecordedEvent event{.event = "loss", .segment = segment_, .scan = raw.first_scan};
+  event.values.emplace_back("scans", static_cast<std::int64_t>(lost));
+  if (const auto at_s = time_s(segment_, raw.first_scan)) events_.emplace_back(*at_s, to_json(event));
+  is_quality_due_ = true;
+}
+
+core::Status Recorder::take_block(Column& column, const core::Block& block, const core::Block& raw) {
+  if (block.count() == 0) return {};
+  const core::Rate& rate = *column.recorded.info.rate;
+  if (!column.has_origin) {  // by the same frame as the raw stream's, so that all streams of a segment have one time axis
+    const std::int64_t raw_zero_ns = raw.host_time_ns - rate_.time_ns(raw.first_scan);
+    column.origin_ns = origins_ns_[segment_] + (block.host_time_ns - rate.time_ns(block.first_scan) - raw_zero_ns);
+    column.has_origin = true;
+  }
+  if (!column.pending.empty() && block.first_scan != column.next) {
+    if (auto written = write_pending(column); !written) return written;
+  }
+  const std::size_t channels = std::min(block.channel_count(), column.recorded.info.channels.size());
+  for (std::size_t scan = 0; scan < block.count(); ++scan) {
+    if (column.pending.empty()) column.first_pending = block.first_scan + scan;
+    for (std::size_t channel = 0; channel < channels; ++channel) column.pending.push_back(block.column(channel)[scan]);
+    column.next = block.first_scan + (scan + 1);
+    if (column.pending.size() < column.chunk_scans * channels) continue;
+    if (auto written = write_pending(column); !written) return written;
+  }
+  return {};
+}
+
+void Recorder::take_quality(const core::Frame& frame) {
+  const core::Block& raw = frame.streams[columns_.front().recorded.frame_index];
+  for (std::size_t scan = 0; scan < raw.count(); ++scan) {
+    bool has_changed = std::exchange(is_quality_due_, false);
+    std::size_t bits = 0;
+    for (const std::size_t source : quality_sources_) {
+      const core::Block& block = frame.streams[source];
+      for (std::size_t channel = 0; channel < block.channel_count() && bits < last_quality_.size(); ++channel, ++bits) {
+        const std::uint8_t quality = scan < block.count() ? block.quality(channel)[scan] : std::uint8_t{0};
+        has_changed = has_changed || quality != last_quality_[bits];
+        last_quality_[bits] = quality;
+      }
+    }
+    if (!has_changed) continue;
+    quality_times_s_.push_back(time_s(segment_, raw.first_scan + scan).value_or(0.0));
+    quality_values_.insert(quality_values_.end(), last_quality_.begin(), last_quality_.end());
+  }
+}
+
+void Recorder::take_triggers(const core::TriggerEvents& triggers) {
+  for (const core::TriggerEvent& trigger : std::span(triggers.events).first(triggers.count)) {
+    RecordedEvent event{.event = "trigger", .segment = trigger.segment, .scan = trigger.scan};
+    event.values.emplace_back("edge", std::string(trigger.is_rising ? "rising" : "falling"));
+    if (const auto at_s = time_s(trigger.segment, trigger.scan)) events_.emplace_back(*at_s, to_json(event));
+  }
+}
+
+core::Status Recorder::take(const RecordedEvent& event) {
+  if (const auto at_s = time_s(event.segment, event.scan)) {
+    events_.emplace_back(*at_s, to_json(event));
+  } else if (waiting_events_.size() < kMostWaitingEvents) {
+    waiting_events_.push_back(event);
+  }
+  return {};
+}
+
+core::Status Recorder::write_pending(Column& column) {
+  if (column.pending.empty()) return {};
+  const double first_s = seconds(column.origin_ns + column.recorded.info.rate->time_ns(column.first_pending));
+  auto written = writer_->write_samples(column.number, first_s, column.pending, {.segment = segment_, .first_scan = column.first_pending});
+  column.pending.clear();
+  if (!written || &column != &columns_.front()) return written;
+  if (auto events = write_events(); !events) return events;
+  return write_quality();
+}
+
+core::Status Recorder::write_events() {
+  if (events_.empty()) return {};
+  std::ranges::stable_sort(events_, {}, &std::pair<double, std::string>::first);
+  auto written = writer_->write_texts(events_number_, events_, position());
+  events_.clear();
+  return written;
+}
+
+core::Status Recorder::write_quality() {
+  if (quality_times_s_.empty()) return {};
+  auto written = writer_->write_timed(quality_number_, quality_times_s_, quality_values_, position());
+  quality_times_s_.clear();
+  quality_values_.clear();
+  return written;
+}
+
+core::Status Recorder::write_offsets(const core::Block& raw) {
+  const std::int64_t stream_ns = origins_ns_[segment_] + rate_.time_ns(raw.first_scan);
+  if (stream_ns >= next_boundary_ns_) {
+    if (auto written = writer_->write_boundary(); !written) return written;
+    next_boundary_ns_ = stream_ns + kBoundaryEveryNs;
+  }
+  if (stream_ns < next_offset_ns_ || writer_->sample_count(columns_.front().number) == 0) return {};
+  next_offset_ns_ = stream_ns + kOffsetEveryNs;
+  const auto write = [&](std::uint32_t number) -> core::Status {
+    if (writer_->sample_count(number) == 0) return {};
+    return writer_->write_clock_offset(number, seconds(stream_ns), seconds(offset_ns_));
+  };
+  for (const Column& column : columns_) {
+    if (auto written = write(column.number); !written) return written;
+  }
+  for (const std::uint32_t number : {events_number_, quality_number_}) {
+    if (auto written = write(number); !written) return written;
+  }
+  return {};
+}
+
+core::Status Recorder::flush() {
+  for (Column& column : columns_) {
+    if (auto written = write_pending(column); !written) return written;
+  }
+  if (auto written = write_events(); !written) return written;
+  return write_quality();
+}
+
+core::Result<XdfWriter::Closed> Recorder::close(const std::string& incomplete) {
+  if (!incomplete.empty()) return writer_->close_incomplete(incomplete);
+  if (lost_scans_ > 0) return writer_->close_incomplete(std::to_string(lost_scans_) + " scans found no room on the way to the file");
+  return writer_->close();
+}
+
+}  // namespace dts::record

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/session_facts.h"
+
+#include <charconv>
+#include <optional>
+#include <string_view>
+
+#include "record/stream_info.h"
+
+namespace dts::record {
+namespace {
+
+using Facts = std::vector<std::pair<std::string, std::string>>;
+
+constexpr std::size_t kMaxTextBytes = 1U << 20U;
+constexpr std::size_t kMaxListed = 256;  ///< Stages, and fields.
+constexpr std::string_view kField = "field.";
+constexpr const char* kVersion = "format_version";
+
+struct TextFact {
+  const char* name;
+  std::string SessionFacts::*member;
+};
+constexpr TextFact kTexts[] = {{"session_id", &SessionFacts::session_id},
+                               {"rig", &SessionFacts::rig},
+                               {"kind", &SessionFacts::kind},
+                               {"protocol", &SessionFacts::protocol},
+                               {"subject", &SessionFacts::subject},
+                               {"label", &SessionFacts::label},
+                               {"boot_id", &SessionFacts::boot_id},
+                               {"software", &SessionFacts::software},
+                               {"device_uri", &SessionFacts::device_uri},
+                               {"device_model", &SessionFacts::device_model},
+                               {"device_serial", &SessionFacts::device_serial},
+                               {"firmware", &SessionFacts::firmware},
+                               {"calibration_id", &SessionFacts::calibration_id},
+                               {"rig_definition", &SessionFacts::rig_definition},
+                               {"protocol_definition", &SessionFacts::protocol_definition},
+                               {"model_sha256", &SessionFacts::model_sha256}};
+
+template <class Number>
+core::Status read_number(const Facts& facts, const char* name, Number& number) {
+  const std::string text = fact(facts, name);
+  if (text.empty()) return {};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc{} && end == text.data() + text.size()) return {};
+  return core::fail(core::ErrorCode::DataDamaged,
+                    std::string("the fact ") + name + " is no number that fits: '" + text.substr(0, 40) + "'");
+}
+
+core::Status read_version(const Facts& facts) {
+  int version = 0;
+  if (auto status = read_number(facts, kVersion, version); !status) return status;
+  if (version == kFormatVersion) return {};
+  return core::fail(core::ErrorCode::DataDamaged, std::string("the fact ") + kVersion + " is '" + fact(facts, kVersion).substr(0, 40) +
+                                                      "', only " + std::to_string(kFormatVersion) + " is known");
+}
+
+core::Status read_stages(const Facts& facts, SessionFacts& session) {
+  std::uint64_t count = 0;
+  if (auto status = read_number(facts, "stages", count); !status) return status;
+  if (count > kMaxListed)
+    return core::fail(core::ErrorCode::DataDamaged, "the fact stages says " + std::to_string(count) + ", at most 256");
+  for (std::uint64_t stage = 1; stage <= count; ++stage) session.stages.push_back(fact(facts, "stage." + std::to_string(stage)));
+  return {};
+}
+
+core::Status read_fields(const Facts& facts, SessionFacts& session) {
+  for (const auto& [name, text] : facts)
+    if (name.starts_with(kField)) session.fields.emplace_back(name.substr(kField.size()), text);
+  if (session.fields.size() <= kMaxListed) return {};
+  return core::fail(core::ErrorCode::DataDamaged, "there are " + std::to_string(session.fields.size()) + " facts field.*, at most 256");
+}
+
+}  // namespace
+
+Facts to_facts(const SessionFacts& session) {
+  Facts facts = {{kVersion, std::to_string(kFormatVersion)}};
+  for (const auto& [name, member] : kTexts)
+    if (const std::string& text = session.*member; !text.empty()) facts.emplace_back(name, text);
+  facts.emplace_back("part", std::to_string(session.part));
+  facts.emplace_back("started_utc_ns", std::to_string(session.started_utc_ns));
+  facts.emplace_back("utc_minus_monotonic_ns", std::to_string(session.utc_minus_monotonic_ns));
+  facts.emplace_back("plan_seed", std::to_string(session.plan_seed));
+  for (const auto& [name, text] : session.fields) facts.emplace_back(std::string(kField) + name, text);
+  facts.emplace_back("stages", std::to_string(session.stages.size()));
+  for (std::size_t stage = 0; stage < session.stages.size(); ++stage)
+    facts.emplace_back("stage." + std::to_string(stage + 1), session.stages[stage]);
+  return facts;
+}
+
+core::Result<SessionFacts> session_facts(const Facts& facts) {
+  for (const auto& [name, text] : facts)
+    if (text.size() > kMaxTextBytes)
+      return core::fail(core::ErrorCode::DataDamaged, "the fact " + name.substr(0, 40) + " is longer than 1 MiB");
+  SessionFacts session;
+  for (const auto& [name, member] : kTexts) session.*member = fact(facts, name);
+  for (const auto& status :
+       {read_version(facts), read_number(facts, "part", session.part), read_number(facts, "started_utc_ns", session.started_utc_ns),
+        read_number(facts, "utc_minus_monotonic_ns", session.utc_minus_monotonic_ns), read_number(facts, "plan_seed", session.plan_seed),
+        read_stages(facts, session), read_fields(facts, session)})
+    if (!status) return tl::make_unexpected(status.error());
+  return session;
+}
+
+}  // namespace dts::record

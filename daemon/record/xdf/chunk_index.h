@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/result.h"
+
+namespace dts::record {
+
+/// One line of the index beside a recording: what a chunk must be like when it is whole.
+///
+///     offset length crc32c stream segment first_scan samples time_s
+///     1824 3022 9f3c2a11 1 0 375 375 8123.251000000
+///
+/// `stream` is 0 for chunks without samples; then the last four are 0. CRC32C (Castagnoli) is of the whole chunk with its length prefix.
+struct ChunkNote {
+  std::uint64_t offset = 0;
+  std::uint64_t length = 0;
+  std::uint32_t crc32c = 0;
+  std::uint32_t stream = 0;
+  std::uint32_t segment = 0;
+  std::uint64_t first_scan = 0;
+  std::uint64_t samples = 0;
+  double time_s = 0.0;
+
+  friend bool operator==(const ChunkNote&, const ChunkNote&) = default;
+};
+
+/// Without the line's end.
+[[nodiscard]] std::string to_line(const ChunkNote& note);
+/// Nothing when the line is not of that form.
+[[nodiscard]] std::optional<ChunkNote> note_of_line(std::string_view line);
+/// The notes of a file up to the first line that is torn or does not continue the one before (offset = offset + length). NotFound when
+/// there is no file. Hours of recording are tens of megabytes of notes: `IndexReader` needs none.
+[[nodiscard]] core::Result<std::vector<ChunkNote>> read_index(const std::string& file);
+
+/// The same, one note after the other.
+class IndexReader {
+ public:
+  explicit IndexReader(const std::string& file);
+  [[nodiscard]] bool is_open() const noexcept { return file_.is_open(); }
+  /// Nothing at the end, and for ever after the first line that is torn or does not continue.
+  [[nodiscard]] std::optional<ChunkNote> next();
+
+ private:
+  std::ifstream file_;
+  std::uint64_t next_offset_ = 4;  ///< After the magic bytes.
+  bool is_over_ = false;
+};
+
+/// "x.xdf" or "x.xdf.part" -> "x.xdf.idx"
+[[nodiscard]] std::string index_name(const std::string& recording);
+
+[[nodiscard]] std::uint32_t crc32c(std::string_view bytes) noexcept;
+
+}  // namespace dts::record

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/xdf/chunk_stream.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+
+#include "record/xdf/byte_codec.h"
+
+namespace dts::record {
+namespace {
+
+constexpr auto kDamaged = core::ErrorCode::DataDamaged;
+constexpr std::size_t kReadBytes = 256U << 10U;
+
+}  // namespace
+
+core::Result<std::unique_ptr<ChunkStream>> ChunkStream::open(const std::string& file) {
+  // Not to block on a pipe that somebody put there under a recording's name.
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (descriptor < 0) return core::fail_errno(errno, "cannot open " + file);
+  struct stat there {};
+  const bool is_file = ::fstat(descriptor, &there) == 0 && S_ISREG(there.st_mode);
+  std::unique_ptr<ChunkStream> stream(new ChunkStream(descriptor, is_file ? static_cast<std::uint64_t>(there.st_size) : 0));
+  if (!is_file) return core::fail(core::ErrorCode::Failed, file + " is no file that can be read");
+  if (auto status = stream->append_bytes(kMagic.size()); !status || stream->chunk_ != kMagic)
+    return core::fail(kDamaged, file + " is no XDF file", "XDF files start with 'XDF:'");
+  stream->offset_ = kMagic.size();
+  return stream;
+}
+
+ChunkStream::~ChunkStream() { ::close(descriptor_); }
+
+tl::unexpected<core::Error> ChunkStream::damaged(const std::string& why) const {
+  return core::fail(kDamaged, why + " at byte " + std::to_string(offset_));
+}
+
+/// Appends to the chunk. The caller has checked that the file is long enough; it may have been cut meanwhile.
+core::Status ChunkStream::append_bytes(std::size_t count) {
+  while (count > 0) {
+    if (buffer_used_ == buffer_.size()) {
+      buffer_.resize(kReadBytes);
+      buffer_used_ = 0;
+      ssize_t received = ::read(descriptor_, buffer_.data(), buffer_.size());
+      while (received < 0 && errno == EINTR) received = ::read(descriptor_, buffer_.data(), buffer_.size());
+      const int error = errno;
+      buffer_.resize(static_cast<std::size_t>(std::max<ssize_t>(received, 0)));
+      if (received < 0) return core::fail_errno(error, "cannot read on at byte " + std::to_string(offset_));
+      if (received == 0) return damaged("chunk torn");
+    }
+    const std::size_t taken = std::min(count, buffer_.size() - buffer_used_);
+    chunk_.append(buffer_, buffer_used_, taken);
+    buffer_used_ += taken;
+    count -= taken;
+  }
+  return {};
+}
+
+/// The length of tag and content; the prefix stands in `chunk_` afterwards.
+core::Result<std::uint64_t> ChunkStream::read_length() {
+  if (auto status = append_bytes(1); !status) return tl::make_unexpected(status.error());
+  const auto length_bytes = static_cast<unsigned char>(chunk_.front());
+  if (length_bytes != 1 && length_bytes != 4 && length_bytes != 8) return damaged("no chunk");
+  if (size_ - offset_ < 1U + length_bytes) return damaged("chunk torn");
+  if (auto status = append_bytes(length_bytes); !status) return tl::make_unexpected(status.error());
+  std::uint64_t length = 0;
+  if (!ByteCursor(chunk_).take_length(length) || length < sizeof(std::uint16_t)) return damaged("chunk without a tag");
+  if (length > kMaxChunkBytes) return damaged("chunk of " + std::to_string(length) + " bytes, at most 64 MiB are read,");
+  if (length > size_ - offset_ - chunk_.size()) return damaged("chunk torn");
+  return length;
+}
+
+core::Result<std::optional<RawChunk>> ChunkStream::next() {
+  if (offset_ >= size_) return std::optional<RawChunk>();
+  chunk_.clear();
+  const auto length = read_length();
+  if (!length) return tl::make_unexpected(length.error());
+  const std::size_t prefix_bytes = chunk_.size();
+  if (auto status = append_bytes(static_cast<std::size_t>(*length)); !status) return tl::make_unexpected(status.error());
+  RawChunk raw{.offset = offset_, .bytes = chunk_};
+  ByteCursor cursor(raw.bytes.substr(prefix_bytes));
+  if (!cursor.take(raw.tag)) return damaged("chunk without a tag");
+  raw.content = cursor.left();
+  offset_ += chunk_.size();
+  return std::optional(raw);
+}
+
+}  // namespace dts::record

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/xdf/recovery.h"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "record/xdf/byte_codec.h"
+#include "record/xdf/chunk_decoder.h"
+#include "record/xdf/chunk_index.h"
+#include "record/xdf/chunk_stream.h"
+#include "record/xdf/durable_file.h"
+#include "record/xdf/header_xml.h"
+#include "record/xdf/number_text.h"
+#include "record/xdf/survey.h"
+
+namespace dts::record {
+namespace {
+
+constexpr std::string_view kPart = ".part";
+constexpr std::string_view kRecording = ".xdf";
+constexpr std::string_view kRecovered = ".recovered.xdf";
+
+/// What is written into the copy beside what was whole.
+struct Ending {
+  std::string reason;
+  std::string incomplete;
+  double lost_s_at_most = 0.0;
+};
+
+/// Dropped bytes as time, by the mean of those kept; and what had not reached the file, or not the disk.
+Ending ending_of(const Survey& found) {
+  const std::string told = found.footer_fact("incomplete");
+  if (found.is_closed()) return {.reason = "closed, but not renamed", .incomplete = told};
+  Ending ending{.reason = found.fault ? found.fault->what : "no footer"};
+  ending.incomplete = told.empty() ? ending.reason : told + "; " + ending.reason;
+  const auto lost_bytes = static_cast<double>(std::max(found.size, found.indexed_end) - found.end);
+  const double lost_s = lost_bytes * found.duration_s() / static_cast<double>(std::max<std::uint64_t>(found.end, 1));
+  ending.lost_s_at_most = kLongestUnwrittenS + kLongestUnsynchronisedS + (std::isfinite(lost_s) ? lost_s : 0.0);
+  return ending;
+}
+
+class Copier {
+ public:
+  Copier(const Survey& found, const std::string& index) : found_(found), index_(index) {}
+
+  core::Status copy_chunks(ChunkStream& stream, const std::string& copy, const Progress& progress);
+  core::Status close(const Ending& ending);
+  void discard() noexcept {
+    if (file_) file_->discard();
+  }
+  [[nodiscard]] const DurableFile& file() const noexcept { return *file_; }
+
+ private:
+  core::Status take(const RawChunk& raw, const std::string& copy);
+  [[nodiscard]] ChunkNote note_of(const RawChunk& raw, const Chunk& chunk);
+  [[nodiscard]] ChunkNote continued_note(const Samples& samples) const;
+  [[nodiscard]] bool is_left_out(const Chunk& chunk) const;
+
+  const Survey& found_;
+  IndexReader index_;
+  ChunkDecoder decoder_;
+  std::unique_ptr<DurableFile> file_;
+  std::map<std::uint32_t, ChunkNote> last_notes_;
+  std::map<std::uint32_t, std::vector<std::pair<double, double>>> offsets_;
+};
+
+/// Footers are written anew. Regular streams without samples would crash libxdf.
+bool Copier::is_left_out(const Chunk& chunk) const {
+  const auto is_empty = [this](std::uint32_t number) {
+    const auto stream = found_.streams.find(number);
+    return stream == found_.streams.end() || (stream->second.is_regular && stream->second.samples == 0);
+  };
+  if (std::holds_alternative<StreamFooter>(chunk.content)) return true;
+  if (const auto* header = std::get_if<StreamHeader>(&chunk.content)) return is_empty(header->stream);
+  if (const auto* offset = std::get_if<ClockOffset>(&chunk.content)) return is_empty(offset->stream);
+  if (const auto* samples = std::get_if<Samples>(&chunk.content)) return is_empty(samples->stream);
+  return false;
+}
+
+/// Where the index does not say it, scans are counted on from the chunk before.
+ChunkNote Copier::continued_note(const Samples& samples) const {
+  ChunkNote note{.stream = samples.stream, .samples = samples.times_s.size()};
+  if (!samples.times_s.empty()) note.time_s = samples.times_s.front();
+  const auto last = last_notes_.find(samples.stream);
+  if (last == last_notes_.end()) return note;
+  note.segment = last->second.segment;
+  note.first_scan = last->second.first_scan + last->second.samples;
+  return note;
+}
+
+ChunkNote Copier::note_of(const RawChunk& raw, const Chunk& chunk) {
+  const auto told = index_.next();
+  const auto* samples = std::get_if<Samples>(&chunk.content);
+  if (samples == nullptr) return {};
+  const bool is_told = told && told->offset == raw.offset && told->length == raw.bytes.size() && told->stream == samples->stream;
+  const ChunkNote note = is_told ? *told : continued_note(*samples);
+  last_notes_[samples->stream] = note;
+  return note;
+}
+
+core::Status Copier::take(const RawChunk& raw, const std::string& copy) {
+  const auto chunk = decoder_.decode(raw);
+  if (!chunk) return tl::make_unexpected(chunk.error());
+  NotedChunk noted{.bytes = std::string(raw.bytes), .note = note_of(raw, *chunk)};
+  if (!file_) {
+    auto file = DurableFile::create(copy, std::move(noted));
+    if (!file) return tl::make_unexpected(file.error());
+    file_ = std::move(*file);
+    return {};
+  }
+  if (is_left_out(*chunk)) return {};
+  if (const auto* offset = std::get_if<ClockOffset>(&chunk->content)) {
+    auto& offsets = offsets_[offset->stream];
+    if (offsets.size() < kMaxFooterOffsets) offsets.emplace_back(offset->stream_time_s, offset->offset_s);
+  }
+  return file_->append({&noted, 1});
+}
+
+core::Status Copier::copy_chunks(ChunkStream& stream, const std::string& copy, const Progress& progress) {
+  ProgressMeter meter(progress, found_.end);
+  while (stream.offset() < found_.end) {
+    const auto raw = stream.next();
+    if (!raw) return tl::make_unexpected(raw.error());
+    if (!*raw) return core::fail(core::ErrorCode::Failed, "the file was cut while it was copied");
+    if (auto status = take(**raw, copy); !status) return status;
+    if (auto status = meter.advance(stream.offset()); !status) return status;
+  }
+  return {};
+}
+
+core::Status Copier::close(const Ending& ending) {
+  std::vector<NotedChunk> footers;
+  for (const auto& [number, stream] : found_.streams) {
+    if (stream.is_regular && stream.samples == 0) continue;
+    StreamSummary summary{.first_time_s = stream.first_time_s, .last_time_s = stream.last_time_s, .sample_count = stream.samples};
+    summary.clock_offsets = offsets_[number];
+    summary.facts = {{"recovered", "yes"}, {"lost_s_at_most", shortest_text(ending.lost_s_at_most)}};
+    if (!ending.incomplete.empty()) summary.facts.emplace_back("incomplete", ending.incomplete);
+    std::string content;
+    put(content, number);
+    footers.push_back({.bytes = make_chunk(ChunkTag::StreamFooter, content.append(stream_footer_xml(summary)))});
+  }
+  if (auto status = file_->append(footers); !status) return status;
+  return file_->publish();
+}
+
+/// What a recovery that was interrupted itself left behind. Only ours: nobody records under such a name.
+void remove_leftovers(const std::string& copy) {
+  struct stat there {};
+  if (!copy.ends_with(kRecovered) || ::lstat(copy.c_str(), &there) == 0) return;
+  ::unlink((copy + std::string(kPart)).c_str());
+  ::unlink(index_name(copy).c_str());
+}
+
+core::Status check_recoverable(const std::string& file, const Survey& found) {
+  if (!found.has_file_header) {
+    const core::Error why = found.fault.value_or(core::Error{core::ErrorCode::DataDamaged, "it ends before its file header", {}});
+    return core::fail(why.code, file + " cannot be recovered: " + why.what, why.hint);
+  }
+  if (!found.is_closed() || file.ends_with(kPart)) return {};
+  return core::fail(core::ErrorCode::WrongState, file + " is whole and closed", "there is nothing to recover");
+}
+
+}  // namespace
+
+std::string recovered_name(const std::string& file) {
+  std::string_view stem = file;
+  if (stem.ends_with(kPart)) stem.remove_suffix(kPart.size());
+  if (stem.ends_with(kRecording)) stem.remove_suffix(kRecording.size());
+  return std::string(stem) + std::string(kRecovered);
+}
+
+core::Result<Recovery> recover(const std::string& file, const std::string& copy, const Progress& progress) {
+  // Two passes, each half of the work: what is kept is known only at the end of the first.
+  const auto first_half = [&progress](std::uint64_t done, std::uint64_t of) { return !progress || progress(done, 2 * of); };
+  const auto second_half = [&progress](std::uint64_t done, std::uint64_t of) { return !progress || progress(of + done, 2 * of); };
+  const auto found = survey(file, first_half);
+  if (!found) return tl::make_unexpected(found.error());
+  if (auto status = check_recoverable(file, *found); !status) return tl::make_unexpected(status.error());
+  auto stream = ChunkStream::open(file);
+  if (!stream) return tl::make_unexpected(stream.error());
+  remove_leftovers(copy);
+  Copier copier(*found, index_name(file));
+  const Ending ending = ending_of(*found);
+  auto status = copier.copy_chunks(**stream, copy, second_half);
+  if (status) status = copier.close(ending);
+  if (!status) {
+    copier.discard();
+    return tl::make_unexpected(status.error());
+  }
+  return Recovery{.file = copy,
+                  .sha256 = copier.file().sha256(),
+                  .kept_bytes = found->end,
+                  .dropped_bytes = found->size - found->end,
+                  .chunks = found->chunks,
+                  .duration_s = found->duration_s(),
+                  .lost_s_at_most = ending.lost_s_at_most,
+                  .reason = ending.reason};
+}
+
+}  // namespace dts::record

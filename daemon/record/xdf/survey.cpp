@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/xdf/survey.h"
+
+#include <sodium.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "record/xdf/byte_codec.h"
+#include "record/xdf/chunk_decoder.h"
+#include "record/xdf/chunk_index.h"
+#include "record/xdf/chunk_stream.h"
+#include "record/xdf/durable_file.h"
+
+namespace dts::record {
+namespace {
+
+constexpr std::uint64_t kProgressBytes = 8U << 20U;
+
+core::Error damaged(const std::string& what, std::uint64_t offset) {
+  return {core::ErrorCode::DataDamaged, what + " at byte " + std::to_string(offset), {}};
+}
+
+class Surveyor {
+ public:
+  Surveyor(std::unique_ptr<ChunkStream> stream, const std::string& index) : stream_(std::move(stream)), index_(index) {
+    crypto_hash_sha256_init(&hash_);
+    hash(kMagic);
+    survey_.size = stream_->size();
+    survey_.end = stream_->offset();
+    survey_.is_all_indexed = index_.is_open();
+  }
+
+  core::Result<Survey> run(const Progress& progress);
+
+ private:
+  /// False when the file ends here, one way or the other.
+  bool step();
+  bool fits_index(const RawChunk& raw);
+  void finish_index();
+  void take(const Chunk& chunk);
+  void take_samples(const Samples& samples);
+  void hash(std::string_view bytes) noexcept {
+    crypto_hash_sha256_update(&hash_, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size());
+  }
+
+  std::unique_ptr<ChunkStream> stream_;
+  IndexReader index_;
+  ChunkDecoder decoder_;
+  crypto_hash_sha256_state hash_{};
+  Survey survey_;
+};
+
+core::Result<Survey> Surveyor::run(const Progress& progress) {
+  ProgressMeter meter(progress, survey_.size);
+  while (step())
+    if (auto status = meter.advance(survey_.end); !status) return tl::make_unexpected(status.error());
+  finish_index();
+  survey_.sha256 = hexadecimal_sha256(hash_);
+  return std::move(survey_);
+}
+
+bool Surveyor::step() {
+  const auto raw = stream_->next();
+  if (!raw) survey_.fault = raw.error();
+  if (!raw || !*raw) return false;
+  if (!fits_index(**raw)) return false;
+  const auto chunk = decoder_.decode(**raw);
+  if (!chunk) {
+    survey_.fault = chunk.error();
+    return false;
+  }
+  take(*chunk);
+  hash((*raw)->bytes);
+  survey_.end = stream_->offset();
+  ++survey_.chunks;
+  return true;
+}
+
+/// A wrong checksum condemns the chunk. A wrong length condemns the index: content that is damaged so would make no sense either.
+bool Surveyor::fits_index(const RawChunk& raw) {
+  const auto note = index_.next();
+  if (!note) {
+    survey_.is_all_indexed = false;
+    return true;
+  }
+  survey_.indexed_end = note->offset + note->length;
+  if (survey_.index_fault) return true;
+  if (note->offset != raw.offset || note->length != raw.bytes.size()) {
+    survey_.index_fault = damaged("the index does not fit the file", raw.offset);
+    survey_.is_all_indexed = false;
+    return true;
+  }
+  if (note->crc32c == crc32c(raw.bytes)) return true;
+  survey_.fault = damaged("checksum wrong", raw.offset);
+  return false;
+}
+
+void Surveyor::finish_index() {
+  while (const auto note = index_.next()) survey_.indexed_end = note->offset + note->length;
+  if (survey_.index_fault) survey_.indexed_end = 0;  // it tells nothing that could be believed
+  const bool is_longer = survey_.indexed_end > survey_.size;
+  if (is_longer && !survey_.fault)
+    survey_.index_fault = damaged("the index tells of " + std::to_string(survey_.indexed_end - survey_.size) + " bytes more", survey_.size);
+}
+
+void Surveyor::take(const Chunk& chunk) {
+  if (std::holds_alternative<FileHeader>(chunk.content)) survey_.has_file_header = true;
+  if (const auto* header = std::get_if<StreamHeader>(&chunk.content)) {
+    const auto& info = header->info;
+    survey_.streams[header->stream] = {.name = info.name, .is_regular = info.rate.has_value()};
+  }
+  if (const auto* footer = std::get_if<StreamFooter>(&chunk.content)) survey_.streams[footer->stream].footer = *footer;
+  if (const auto* samples = std::get_if<Samples>(&chunk.content)) take_samples(*samples);
+}
+
+void Surveyor::take_samples(const Samples& samples) {
+  if (samples.times_s.empty()) return;
+  auto& stream = survey_.streams[samples.stream];
+  if (stream.samples == 0) stream.first_time_s = samples.times_s.front();
+  stream.last_time_s = samples.times_s.back();
+  stream.samples += samples.times_s.size();
+}
+
+}  // namespace
+
+bool Survey::is_closed() const noexcept {
+  return has_file_header && !fault && indexed_end <= size && std::ranges::all_of(streams, [](const auto& stream) { return stream.second.footer.has_value(); });
+}
+
+double Survey::duration_s() const noexcept {
+  double first_s = std::numeric_limits<double>::infinity();
+  double last_s = -first_s;
+  for (const auto& [number, stream] : streams) {
+    if (stream.samples == 0) continue;
+    first_s = std::min(first_s, stream.first_time_s);
+    last_s = std::max(last_s, stream.last_time_s);
+  }
+  const double duration_s = last_s - first_s;
+  return std::isfinite(duration_s) && duration_s > 0.0 ? duration_s : 0.0;
+}
+
+std::string Survey::footer_fact(const std::string& name) const {
+  for (const auto& [number, stream] : streams) {
+    if (!stream.footer) continue;
+    if (auto text = fact(stream.footer->facts, name); !text.empty()) return text;
+  }
+  return {};
+}
+
+core::Status ProgressMeter::advance(std::uint64_t done) {
+  if (!progress_ || (done < of_ && done - told_ < kProgressBytes)) return {};
+  told_ = done;
+  if (progress_(done, of_)) return {};
+  return core::fail(core::ErrorCode::Failed, "stopped at " + std::to_string(done) + " of " + std::to_string(of_) + " bytes");
+}
+
+core::Result<Survey> survey(const std::string& file, const Progress& progress) {
+  auto stream = ChunkStream::open(file);
+  if (!stream) return tl::make_unexpected(stream.error());
+  return Surveyor(std::move(*stream), index_name(file)).run(progress);
+}
+
+}  // namespace dts::record

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+
+#include "record/xdf/number_text.h"
+#include "record/xdf/recovery.h"
+#include "record/xdf/survey.h"
+
+namespace dts::record {
+namespace {
+
+constexpr double kTimeToleranceS = 1e-3;  ///< Other programs write fewer digits into their footers.
+
+tl::unexpected<core::Error> contradiction(const StreamSurvey& stream, const std::string& what) {
+  return core::fail(core::ErrorCode::DataDamaged, "the footer of stream " + stream.name + " contradicts its samples: " + what);
+}
+
+core::Status check_footer(const StreamSurvey& stream) {
+  if (!stream.footer) return {};
+  const auto& footer = *stream.footer;
+  if (footer.sample_count && *footer.sample_count != stream.samples)
+    return contradiction(stream, std::to_string(*footer.sample_count) + " told, " + std::to_string(stream.samples) + " found");
+  if (stream.samples == 0) return {};
+  const auto fits = [](std::optional<double> told_s, double found_s) {
+    return !told_s || *told_s == found_s || std::abs(*told_s - found_s) <= kTimeToleranceS;
+  };
+  if (!fits(footer.first_time_s, stream.first_time_s)) return contradiction(stream, "the first time stamp is another");
+  if (!fits(footer.last_time_s, stream.last_time_s)) return contradiction(stream, "the last time stamp is another");
+  return {};
+}
+
+core::Status check(const Survey& found) {
+  if (found.fault) return tl::make_unexpected(*found.fault);
+  if (!found.has_file_header) return core::fail(core::ErrorCode::DataDamaged, "the file ends before its file header");
+  if (found.index_fault) return tl::make_unexpected(*found.index_fault);
+  for (const auto& [number, stream] : found.streams)
+    if (auto status = check_footer(stream); !status) return status;
+  return {};
+}
+
+/// Of the regular stream that has most; of any when none is regular.
+std::uint64_t most_scans(const Survey& found) {
+  std::uint64_t regular = 0;
+  std::uint64_t any = 0;
+  for (const auto& [number, stream] : found.streams) {
+    any = std::max(any, stream.samples);
+    if (stream.is_regular) regular = std::max(regular, stream.samples);
+  }
+  return regular > 0 ? regular : any;
+}
+
+}  // namespace
+
+core::Result<Verification> verify(const std::string& file, const Progress& progress) {
+  const auto found = survey(file, progress);
+  if (!found) return tl::make_unexpected(found.error());
+  if (auto status = check(*found); !status) return core::fail(status.error().code, file + ": " + status.error().what, status.error().hint);
+  Verification verification{.sha256 = found->sha256, .bytes = found->size, .chunks = found->chunks, .scans = most_scans(*found)};
+  verification.duration_s = found->duration_s();
+  verification.has_index = found->is_all_indexed;
+  verification.is_closed = found->is_closed();
+  verification.incomplete = found->footer_fact("incomplete");
+  verification.is_recovered = !found->footer_fact("recovered").empty();
+  const double lost_s = number_of<double>(found->footer_fact("lost_s_at_most")).value_or(0.0);
+  verification.lost_s_at_most = std::isfinite(lost_s) ? std::max(lost_s, 0.0) : 0.0;
+  return verification;
+}
+
+}  // namespace dts::record

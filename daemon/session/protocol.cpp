@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/protocol.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <locale>
+#include <sstream>
+#include <string_view>
+
+#include "core/suggest.h"
+
+namespace dts::session {
+namespace {
+
+using Fields = std::vector<std::pair<std::string, std::string>>;
+
+constexpr const char* kArmLength = "arm_length_cm";
+constexpr const char* kMaximumReach = "max_reach_cm";
+/// Arm and reach are measured to half a centimetre (thesis Table 6.1): a target is not refused for less.
+constexpr double kReachToleranceCm = 0.5;
+
+tl::unexpected<core::Error> wrong(std::string what, std::string hint) {
+  return core::fail(core::ErrorCode::InvalidArgument, std::move(what), std::move(hint));
+}
+
+std::optional<double> number_of(const std::string& text) {
+  double value = 0.0;
+  const char* end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);  // whatever the locale
+  if (error != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+std::string shown(double value) {
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text << value;
+  return text.str();
+}
+
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
+}
+
+core::Status check_known(const Protocol& protocol, const Fields& fields) {
+  std::vector<std::string> names;
+  for (const ProtocolField& field : protocol.fields) names.push_back(field.name);
+  const std::vector<std::string_view> known(names.begin(), names.end());
+  for (std::size_t index = 0; index < fields.size(); ++index) {
+    if (std::ranges::find(names, fields[index].first) != names.end()) continue;
+    const std::string near = core::suggest(fields[index].first, known);
+    return wrong("field " + std::to_string(index + 1) + " of " + std::to_string(fields.size()) + " is none that protocol '" +
+                     protocol.name + "' asks for",
+                 names.empty() ? "it asks for none" : (near.empty() ? "known: " + listed(names) : "did you mean '" + near + "'?"));
+  }
+  return {};
+}
+
+core::Status check_value(const ProtocolField& field, const std::string& value) {
+  if (!field.choices.empty()) {
+    if (std::ranges::find(field.choices, value) != field.choices.end()) return {};
+    return wrong("field '" + field.name + "' is none of its choices", "choices: " + listed(field.choices));
+  }
+  const auto number = number_of(value);
+  if (!number) return wrong("field '" + field.name + "' is no number", "write it as 65.5, without a unit");
+  if (*number >= field.minimum && *number <= field.maximum) return {};
+  return wrong("field '" + field.name + "' is out of range", "allowed: " + shown(field.minimum) + " .. " + shown(field.maximum));
+}
+
+core::Status check_field(const ProtocolField& field, const Fields& fields) {
+  const auto is_named = [&field](const auto& given) { return given.first == field.name; };
+  const auto found = std::ranges::find_if(fields, is_named);
+  if (found == fields.end()) {
+    if (!field.is_required) return {};
+    return wrong("field '" + field.name + "' is missing", field.sentence);
+  }
+  if (std::ranges::count_if(fields, is_named) > 1) return wrong("field '" + field.name + "' is given twice", "give it once");
+  return check_value(field, found->second);
+}
+
+core::Status check_target(const Condition& condition, const Fields& fields) {
+  const auto needs = [&](const char* field) {
+    return wrong("field '" + std::string(field) + "' is missing: target '" + condition.name + "' depends on it", "measure it, in cm");
+  };
+  const auto maximum_reach_cm = field_number(fields, kMaximumReach);
+  if (condition.is_maximum_reach) {
+    if (!maximum_reach_cm) return needs(kMaximumReach);
+    return {};
+  }
+  if (!condition.target_percent) return {};
+  const auto distance_cm = target_cm(condition, fields);
+  if (!distance_cm) return needs(kArmLength);
+  if (!maximum_reach_cm || *distance_cm <= *maximum_reach_cm + kReachToleranceCm) return {};
+  return wrong("target '" + condition.name + "' stands beyond the subject's maximum reach (max_reach_cm)",
+               "use a protocol without this target: copy the file and take the condition out");
+}
+
+}  // namespace
+
+Protocol free_protocol() {
+  Protocol protocol;
+  protocol.sentence = "Records until it is stopped";
+  protocol.definition = "name = \"" + protocol.name + "\"\nsentence = \"" + protocol.sentence + "\"\n";
+  return protocol;
+}
+
+core::Status check_fields(const Protocol& protocol, const Fields& fields) {
+  if (auto known = check_known(protocol, fields); !known) return known;
+  for (const ProtocolField& field : protocol.fields) {
+    if (auto good = check_field(field, fields); !good) return good;
+  }
+  if (!protocol.trials) return {};
+  for (const Condition& condition : protocol.trials->conditions) {
+    if (auto good = check_target(condition, fields); !good) return good;
+  }
+  return {};
+}
+
+std::optional<double> field_number(const Fields& fields, const std::string& name) {
+  const auto found = std::ranges::find_if(fields, [&name](const auto& given) { return given.first == name; });
+  return found == fields.end() ? std::nullopt : number_of(found->second);
+}
+
+std::optional<double> target_cm(const Condition& condition, const Fields& fields) {
+  if (condition.is_maximum_reach) return field_number(fields, kMaximumReach);
+  const auto arm_length_cm = field_number(fields, kArmLength);
+  if (!condition.target_percent || !arm_length_cm) return std::nullopt;
+  return *condition.target_percent * *arm_length_cm / 100.0;
+}
+
+}  // namespace dts::session

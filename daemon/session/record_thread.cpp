@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/record_thread.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "record/xdf/recovery.h"
+
+namespace dts::session {
+namespace {
+
+constexpr std::int64_t kTurnNs = 40'000'000;  // two turns and kFlushNs: written within kLongestUnwrittenS
+constexpr auto kSynchroniseNs = static_cast<std::int64_t>(record::kLongestUnsynchronisedS * 0.9e9);
+constexpr auto kFlushNs = static_cast<std::int64_t>(record::kLongestUnwrittenS * 0.6e9);
+constexpr std::int64_t kLookAtDiskNs = 1'000'000'000;
+constexpr int kSlotsPerTurn = 256;  // then the other rigs get their turn
+
+}  // namespace
+
+void RecordThread::add(const std::string& rig, RecordTap& tap) { lines_[rig].tap = &tap; }
+
+void RecordThread::start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    static_cast<void>(core::configure_this_thread("record", {}));  // asks for nothing that could be refused
+    run(stop);
+  });
+}
+
+void RecordThread::stop() noexcept {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+void RecordThread::begin(const std::string& rig, std::unique_ptr<record::Recorder> recorder, std::string file, std::uint64_t take) {
+  const std::lock_guard lock(mutex_);
+  Line& line = lines_.at(rig);
+  line.view = {.is_recording = true, .file = file + ".part"};
+  line.next_recorder = std::move(recorder);
+  line.next_file = std::move(file);
+  line.next_take = take;
+  line.events.clear();
+}
+
+void RecordThread::post(const std::string& rig, record::RecordedEvent event) {
+  const std::lock_guard lock(mutex_);
+  Line& line = lines_.at(rig);
+  if (line.view.is_recording) line.events.push_back(std::move(event));
+}
+
+std::vector<FinishedRecording> RecordThread::take_finished() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(finished_, {});
+}
+
+RecordingView RecordThread::view(const std::string& rig) {
+  const std::lock_guard lock(mutex_);
+  return lines_.at(rig).view;
+}
+
+void RecordThread::run(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    const std::int64_t turn_ns = clock_.now_ns();
+    for (auto& [rig, line] : lines_) serve(rig, line);
+    watch_disk();
+    clock_.sleep_until_ns(turn_ns + kTurnNs);
+  }
+  for (auto& [rig, line] : lines_) {
+    serve(rig, line);
+    if (line.recorder) finish(rig, line, "the daemon stopped before the recording ended");
+  }
+}
+
+/// Takes what the control thread has left here: a new recording, and events.
+void RecordThread::receive(const std::string& rig, Line& line) {
+  for (const record::RecordedEvent& event : take_orders(line)) {
+    if (!line.recorder) return;
+    if (auto taken = line.recorder->take(event); !taken) finish(rig, line, core::to_string(taken.error()));
+  }
+}
+
+std::vector<record::RecordedEvent> RecordThread::take_orders(Line& line) {
+  const std::lock_guard lock(mutex_);
+  if (line.next_recorder) {
+    line.recorder = std::move(line.next_recorder);
+    line.file = std::move(line.next_file);
+    line.take = line.next_take;
+    line.has_frames = false;
+    line.flushed_ns = line.synchronised_ns = clock_.now_ns();
+  }
+  if (line.recorder) {
+    line.view.bytes = line.recorder->bytes();
+    line.view.lost_scans = line.recorder->lost_scans();
+  }
+  return std::exchange(line.events, {});
+}
+
+void RecordThread::serve(const std::string& rig, Line& line) {
+  receive(rig, line);
+  while (drain(rig, line)) keep_up(rig, line);  // a full turn: there may be more
+  keep_up(rig, line);
+}
+
+/// true when there may be more.
+bool RecordThread::drain(const std::string& rig, Line& line) {
+  for (int turn = 0; turn < kSlotsPerTurn; ++turn) {
+    const RecordTap::Slot* slot = line.tap->front();
+    if (slot == nullptr) return false;
+    take_slot(rig, line, *slot);
+    line.tap->release();
+  }
+  return true;
+}
+
+void RecordThread::take_slot(const std::string& rig, Line& line, const RecordTap::Slot& slot) {
+  if (slot.take != line.take || slot.is_end) receive(rig, line);
+  if (!line.recorder || slot.take != line.take) return;  // of a recording that has failed: thrown away
+  if (slot.is_end) return finish(rig, line, "");
+  if (!std::exchange(line.has_frames, true)) line.recorder->set_stage_state(line.tap->state());
+  if (auto taken = line.recorder->take(slot.frame); !taken) finish(rig, line, core::to_string(taken.error()));
+}
+
+void RecordThread::keep_up(const std::string& rig, Line& line) {
+  if (!line.recorder) return;
+  const std::int64_t now_ns = clock_.now_ns();
+  core::Status kept;
+  if (now_ns - line.flushed_ns >= kFlushNs) {
+    line.flushed_ns = now_ns;
+    kept = line.recorder->flush();
+  }
+  if (kept && now_ns - line.synchronised_ns >= kSynchroniseNs) {
+    line.synchronised_ns = now_ns;
+    kept = line.recorder->synchronise();
+  }
+  if (!kept) finish(rig, line, core::to_string(kept.error()));
+  if (kept && is_disk_full_) finish(rig, line, "the disk is nearly full");
+}
+
+void RecordThread::finish(const std::string& rig, Line& line, const std::string& incomplete) {
+  const auto recorder = std::move(line.recorder);
+  std::string reason = incomplete;
+  if (reason.empty()) {
+    if (auto flushed = recorder->flush(); !flushed) reason = core::to_string(flushed.error());
+  }
+  if (reason.empty() && recorder->lost_scans() > 0) {
+    reason = std::to_string(recorder->lost_scans()) + " scans found no room on the way to the file";
+  }
+  if (reason.empty() && recorder->scans() == 0) reason = "the device delivered no scan";
+  FinishedRecording finished{.rig = rig, .file = line.file + ".part", .scans = recorder->scans(), .duration_s = recorder->duration_s()};
+  auto closed = recorder->close(reason);
+  if (closed) {
+    finished.file = closed->file;
+    finished.sha256 = closed->sha256;
+    finished.bytes = closed->bytes;
+    finished.is_closed = true;
+  } else if (reason.empty()) {
+    reason = core::to_string(closed.error());
+  }
+  finished.incomplete = reason;
+  const std::lock_guard lock(mutex_);
+  line.view = {
+      .is_recording = false, .file = finished.file, .bytes = finished.bytes, .lost_scans = recorder->lost_scans(), .problem = reason};
+  finished_.push_back(std::move(finished));
+  one_closed_.notify_all();
+}
+
+void RecordThread::wait_until_closed(std::chrono::milliseconds limit) {
+  std::unique_lock lock(mutex_);
+  one_closed_.wait_for(lock, limit,
+                       [this] { return std::ranges::none_of(lines_, [](const auto& line) { return line.second.view.is_recording; }); });
+}
+
+void RecordThread::watch_disk() {
+  const std::int64_t now_ns = clock_.now_ns();
+  if (now_ns - looked_at_disk_ns_ < kLookAtDiskNs) return;
+  looked_at_disk_ns_ = now_ns;
+  const DiskView disk = look_at_disk(storage_, 0.0);
+  is_disk_full_ = disk.state != DiskState::Unusable && static_cast<double>(disk.free_bytes) < storage_.stop_below_mib * 1024.0 * 1024.0;
+}
+
+}  // namespace dts::session

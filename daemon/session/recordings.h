@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/clock.h"
+#include "core/log.h"
+#include "record/catalogue/catalogue.h"
+#include "session/record_thread.h"
+#include "session/rig.h"
+#include "session/storage.h"
+
+namespace dts::session {
+
+/// All recordings of a daemon: the folder, the catalogue, the record thread, and the recovery of what an earlier daemon left behind.
+///
+///     open: folder, catalogue, rebuild --> begin (file on the disk) --> note ... note --> end --> take_finished
+///                       interrupted parts --> recovery thread --> catalogue
+///
+/// Thread: control, all of it.
+class Recordings {
+ public:
+  /// Prepares folder and catalogue, enters recordings that the catalogue does not know, and lists what was interrupted. Fails with what is
+  /// wrong and what to do. `clock` outlives the object.
+  [[nodiscard]] static core::Result<std::unique_ptr<Recordings>> open(const StorageConfig& config, core::Clock& clock, core::Log log);
+  ~Recordings() { stop(); }
+  Recordings(const Recordings&) = delete;
+  Recordings& operator=(const Recordings&) = delete;
+
+  /// Before `start`; the rig outlives the object or its `stop`.
+  void add(Rig& rig);
+  /// Starts the record thread and the recovery of interrupted recordings.
+  void start();
+  void stop() noexcept;
+
+  /// Creates the file of a session's (next) part. It is on the disk when this returns. LimitExceeded: too little room. `facts.part` is set
+  /// here.
+  [[nodiscard]] core::Status begin(Rig& rig, record::SessionFacts facts);
+  /// Ends it: what is on its way is written, then it is closed.
+  void end(Rig& rig);
+  void note(const std::string& rig, record::RecordedEvent event) { thread_.post(rig, std::move(event)); }
+
+  /// Into the catalogue; what it refuses is logged: the recording says the same, and the next start reads it there.
+  void enter_trial(const record::TrialRow& trial) { complain(catalogue_->put_trial(trial)); }
+  void enter_audit(record::AuditEntry entry) { complain(catalogue_->append_audit(std::move(entry))); }
+  void end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns) {
+    complain(catalogue_->end_session(id, state, message, utc_ns));
+  }
+
+  /// Waits until no recording is open any more, or for `limit`.
+  void wait_until_closed(std::chrono::milliseconds limit) { thread_.wait_until_closed(limit); }
+  /// Recordings that ended since the last call, entered into the catalogue already.
+  [[nodiscard]] std::vector<FinishedRecording> take_finished();
+  [[nodiscard]] RecordingView view(const std::string& rig) { return thread_.view(rig); }
+  [[nodiscard]] DiskView disk() const { return look_at_disk(config_, bytes_per_s_); }
+  [[nodiscard]] record::Catalogue& catalogue() noexcept { return *catalogue_; }
+  /// Part of the recording under way, or of the last.
+  [[nodiscard]] std::uint32_t part(const std::string& rig) const;
+
+ private:
+  Recordings(StorageConfig config, core::Clock& clock, core::Log log, std::unique_ptr<record::Catalogue> catalogue)
+      : config_(std::move(config)), log_(std::move(log)), catalogue_(std::move(catalogue)), thread_(clock, config_) {}
+  core::Status enter_interrupted();
+  void recover_all(const std::stop_token& stop);
+  void collect_recovered();
+  void enter(const FinishedRecording& finished);
+  void complain(const core::Status& status);
+
+  StorageConfig config_;
+  core::Log log_;
+  std::unique_ptr<record::Catalogue> catalogue_;
+  RecordThread thread_;
+  double bytes_per_s_ = 0.0;                          ///< Of all rigs together.
+  std::map<std::string, record::PartRow> under_way_;  ///< By rig; the last one stays.
+
+  std::vector<record::PartRow> interrupted_;  ///< The recovery thread's, once it runs.
+  std::mutex recovered_mutex_;
+  std::vector<record::PartRow> recovered_;
+  std::jthread recovery_thread_;
+};
+
+/// What is recorded of a rig: the streams its configuration names, or all.
+[[nodiscard]] std::vector<record::RecordedStream> recorded_streams(const Rig& rig);
+
+}  // namespace dts::session

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/rig_pipeline.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace dts::session {
+namespace {
+
+core::Result<pipeline::PipelineInput> describe_input(const pipeline::RigConfig& config, const device::DeviceDescription& device) {
+  pipeline::PipelineInput input{.rate = config.rate,
+                                .sensor_channels = config.sensor_channels,
+                                .aux_channels = {},
+                                .aux_formats = {},
+                                .trigger = config.trigger,
+                                .max_block_scans = config.block_scans};
+  for (const std::size_t channel : config.sensor_channels) {
+    if (channel >= device.channels.size()) {
+      return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "': a sensor is on channel " + std::to_string(channel) +
+                                                              ", but " + device.uri + " has " + std::to_string(device.channels.size()) +
+                                                              " channels");
+    }
+  }
+  for (std::size_t channel = 0; channel < device.channels.size(); ++channel) {
+    if (std::ranges::find(config.sensor_channels, channel) != config.sensor_channels.end()) continue;
+    input.aux_channels.push_back(channel);
+    input.aux_formats.push_back({.name = device.channels[channel].name, .unit = device.channels[channel].unit});
+  }
+  return input;
+}
+
+std::vector<pipeline::StageContext::InputRange> input_ranges(const pipeline::RigConfig& config, const device::DeviceDescription& device) {
+  std::vector<pipeline::StageContext::InputRange> ranges;
+  for (const std::size_t channel : config.sensor_channels) {
+    const auto& described = device.channels[channel];
+    ranges.push_back({.minimum_v = described.minimum, .maximum_v = described.maximum, .resolution_v = described.resolution});
+  }
+  return ranges;
+}
+
+/// XDF wiki: what a channel measures.
+std::string channel_type(const std::string& unit) {
+  if (unit == "V") return "Voltage";
+  if (unit == "mm") return "Position";
+  return unit == "N" ? "Force" : "Misc";
+}
+
+record::ChannelInfo device_channel(const core::ChannelFormat& format, const device::DeviceDescription& device, std::size_t channel) {
+  const device::ChannelDescription& described = device.channels.at(channel);
+  return {.label = format.name,
+          .unit = format.unit,
+          .type = channel_type(format.unit),
+          .device_channel = static_cast<int>(channel),
+          .minimum = described.minimum,
+          .maximum = described.maximum,
+          .resolution = described.resolution,
+          .is_sensor = described.role == device::ChannelRole::Sensor,
+          .is_marker = described.role == device::ChannelRole::Marker};
+}
+
+/// Device channels of the columns of "raw" and "aux", in order: the sensors as configured, then the rest as they come.
+std::vector<std::size_t> device_channels(const pipeline::RigConfig& config, const device::DeviceDescription& device,
+                                         const std::string& stream) {
+  if (stream == "raw") return config.sensor_channels;
+  std::vector<std::size_t> others;
+  for (std::size_t channel = 0; stream == "aux" && channel < device.channels.size(); ++channel) {
+    if (std::ranges::find(config.sensor_channels, channel) == config.sensor_channels.end()) others.push_back(channel);
+  }
+  return others;
+}
+
+record::StreamInfo stream_info(const pipeline::RigConfig& config, const device::DeviceDescription& device,
+                               const core::StreamFormat& format) {
+  const bool is_measured = format.name == "raw" || format.name == "aux";
+  record::StreamInfo info{.name = config.name + "/" + format.name,
+                          .content = "DTS",
+                          .value_type = is_measured ? record::ValueType::Double64 : record::ValueType::Float32,
+                          .rate = format.rate,
+                          .channels = {},
+                          .delay_ns = format.delay_ns};
+  const std::vector<std::size_t> channels = device_channels(config, device, format.name);
+  for (std::size_t c = 0; c < format.channels.size(); ++c) {
+    const core::ChannelFormat& channel = format.channels[c];
+    info.channels.push_back(is_measured && c < channels.size()
+                                ? device_channel(channel, device, channels[c])
+                                : record::ChannelInfo{.label = channel.name, .unit = channel.unit, .type = channel_type(channel.unit)});
+  }
+  return info;
+}
+
+}  // namespace
+
+std::vector<record::RecordedStream> recorded_streams(const pipeline::RigConfig& config, const device::DeviceDescription& device,
+                                                     std::span<const core::StreamFormat> formats) {
+  std::vector<record::RecordedStream> streams;
+  for (std::size_t index = 0; index < formats.size(); ++index) {
+    const std::string& name = formats[index].name;
+    const bool is_needed = name == "raw" || name == "aux";
+    if (!is_needed && !config.recorded.empty() && std::ranges::find(config.recorded, name) == config.recorded.end()) continue;
+    streams.push_back({.frame_index = index, .info = stream_info(config, device, formats[index])});
+  }
+  return streams;
+}
+
+core::Result<RigPipeline> make_rig_pipeline(const pipeline::RigConfig& config, const device::DeviceDescription& device) {
+  const auto input = describe_input(config, device);
+  if (!input) return tl::make_unexpected(input.error());
+  auto tare = std::make_unique<pipeline::Tare>();
+  auto pipeline = pipeline::Pipeline::create(config.stages, *input,
+                                             {.rig = config.model,
+                                              .input_ranges = input_ranges(config, device),
+                                              .tare = *tare,
+                                              .cop_calibration = config.cop_calibration ? &*config.cop_calibration : nullptr});
+  if (!pipeline) return tl::make_unexpected(pipeline.error());
+  return RigPipeline{.tare = std::move(tare), .pipeline = std::move(*pipeline)};
+}
+
+core::Result<Restored> restore_recorded(pipeline::Pipeline& pipeline, const device::DeviceDescription& device, std::uint32_t segment,
+                                        core::ScanIndex next_scan) {
+  const device::RecordedPipeline& recorded = device.recorded_pipeline;
+  if (recorded.stages.empty() || recorded.state.empty()) return Restored::NoRecording;
+  if (recorded.stages != pipeline.stage_texts()) return Restored::OtherStages;
+  if (auto restored = pipeline.restore(recorded.state, segment, next_scan); !restored) {
+    return core::fail(restored.error().code, device.uri + ": " + restored.error().what);
+  }
+  return Restored::Done;
+}
+
+}  // namespace dts::session

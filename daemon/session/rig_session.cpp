@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/rig_session.h"
+
+#include <algorithm>
+#include <variant>
+
+#include "record/xdf/xdf_reader.h"
+
+namespace dts::session {
+namespace {
+
+using core::ErrorCode;
+
+constexpr std::size_t kLongestReason = 200;
+
+/// FNV-1a: the same order of trials for the same session on every machine.
+std::uint64_t seed_of(const std::string& id) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (const char c : id) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  return hash;
+}
+
+/// What a recording says of itself: its first chunk, nothing more is read.
+core::Result<record::SessionFacts> facts_of(const std::string& file) {
+  auto reader = record::XdfReader::open(file);
+  if (!reader) return tl::make_unexpected(reader.error());
+  auto chunk = (*reader)->next();
+  if (!chunk) return tl::make_unexpected(chunk.error());
+  const auto* header = *chunk ? std::get_if<record::FileHeader>(&(*chunk)->content) : nullptr;
+  if (header == nullptr) return core::fail(ErrorCode::DataDamaged, file + " does not begin with a file header");
+  return record::session_facts(header->facts);
+}
+
+/// Places of the plan that need no repetition: done, or rejected with the plan going on.
+std::vector<std::uint32_t> places_done(const record::SessionRow& row) {
+  std::map<std::uint32_t, const record::TrialRow*> last;
+  for (const record::TrialRow& trial : row.trials) {
+    const record::TrialRow*& newest = last[trial.trial];
+    if (newest == nullptr || trial.part > newest->part || (trial.part == newest->part && trial.attempt > newest->attempt)) newest = &trial;
+  }
+  std::vector<std::uint32_t> done;
+  for (const auto& [place, trial] : last) {
+    if (trial->outcome == "done" || trial->outcome == "rejected") done.push_back(place);
+  }
+  return done;
+}
+
+record::RecordedEvent recorded(const TrialEvent& event) {
+  record::RecordedEvent out{.event = "trial"};
+  out.values.emplace_back("phase", std::string(name(event.kind)));
+  out.values.emplace_back("trial", std::int64_t{event.trial});
+  out.values.emplace_back("attempt", std::int64_t{event.attempt});
+  out.values.emplace_back("block", std::int64_t{event.block});
+  out.values.emplace_back("condition", event.condition);
+  for (const auto& [label, value] : event.labels) out.values.emplace_back(label, value);
+  if (event.target_cm) out.values.emplace_back("target_cm", *event.target_cm);
+  if (event.rest_s > 0.0) out.values.emplace_back("rest_s", event.rest_s);
+  return out;
+}
+
+}  // namespace
+
+core::Result<const Protocol*> RigSession::find_protocol(const std::string& wanted) const {
+  const auto found = std::ranges::find(services_.protocols, wanted, &Protocol::name);
+  if (found != services_.protocols.end()) return &*found;
+  std::string known;
+  for (const Protocol& protocol : services_.protocols) known += (known.empty() ? "" : ", ") + protocol.name;
+  return core::fail(ErrorCode::InvalidArgument, "unknown protocol '" + wanted.substr(0, 64) + "'", "known: " + known);
+}
+
+record::SessionFacts RigSession::facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
+                                       std::int64_t now_ns) const {
+  const pipeline::RigConfig& config = rig_.config();
+  const device::DeviceReport report = rig_.device_report();
+  record::SessionFacts facts{.session_id = id,
+                             .part = 1,
+                             .rig = config.name,
+                             .kind = config.kind,
+                             .protocol = protocol.name,
+                             .subject = request.subject,
+                             .label = request.label,
+                             .fields = request.fields};
+  facts.utc_minus_monotonic_ns = core::utc_minus_monotonic_ns();
+  facts.started_utc_ns = now_ns + facts.utc_minus_monotonic_ns;
+  facts.boot_id = services_.boot_id;
+  facts.software = services_.software;
+  facts.device_uri = config.device_uri;
+  facts.device_model = rig_.device().model;
+  facts.device_serial = report.serial.empty() ? rig_.device().serial : report.serial;
+  facts.firmware = report.firmware;
+  facts.calibration_id = config.cop_calibration ? config.cop_calibration->id : "";
+  facts.stages = rig_.stage_texts();
+  facts.rig_definition = config.definition;
+  facts.protocol_definition = protocol.definition;
+  facts.plan_seed = seed_of(id);
+  return facts;
+}
+
+core::Status RigSession::start(std::string id, const SessionRequest& request, const Moment& moment) {
+  if (auto checked = check(request); !checked) return checked;
+  const auto protocol = find_protocol(request.protocol);
+  if (!protocol) return tl::make_unexpected(protocol.error());
+  if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
+  return begin(facts(id, request, **protocol, moment.now_ns), request, **protocol, {}, moment);
+}
+
+core::Status RigSession::resume(const record::SessionRow& row, const Moment& moment) {
+  if (row.state == "complete") {
+    return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: there is nothing to resume", "start a new one");
+  }
+  if (row.parts.empty()) return core::fail(ErrorCode::NotFound, "session " + row.id + " has no recording to go on from");
+  auto earlier = facts_of(row.parts.back().file);
+  if (!earlier) return tl::make_unexpected(earlier.error());
+  const auto protocol = find_protocol(earlier->protocol);
+  if (!protocol) return tl::make_unexpected(protocol.error());
+  if ((*protocol)->definition != earlier->protocol_definition) {
+    return core::fail(ErrorCode::WrongState, "protocol '" + earlier->protocol + "' has changed since session " + row.id + " began",
+                      "start a new session");
+  }
+  const SessionRequest request{
+      .protocol = earlier->protocol, .subject = earlier->subject, .label = earlier->label, .fields = earlier->fields};
+  if (auto checked = check(request); !checked) return checked;
+  if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
+  record::SessionFacts next = facts(row.id, request, **protocol, moment.now_ns);
+  next.plan_seed = earlier->plan_seed;
+  next.part = row.parts.back().part + 1;
+  return begin(next, request, **protocol, places_done(row), moment);
+}
+
+core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
+                               const std::vector<std::uint32_t>& done, const Moment& moment) {
+  if (request.settle_s == 0.0) request.settle_s = protocol.settle_s;
+  if (request.duration_s == 0.0) request.duration_s = protocol.duration_s;
+  if (auto free = session_.check_free(); !free) return free;
+  if (services_.recordings != nullptr) {
+    if (auto begun = services_.recordings->begin(rig_, facts); !begun) return begun;
+    is_recording_ = true;
+  }
+  is_aborted_ = false;
+  abort_reason_.clear();
+  trial_rows_.clear();
+  trials_.reset();
+  if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
+  auto started = session_.start(facts.session_id, request, moment.now_ns);
+  collect(moment.at);
+  return started;
+}
+
+core::Status RigSession::stop(bool is_abort, const std::string& reason, const Moment& moment) {
+  if (auto stopped = session_.stop(moment.now_ns); !stopped) return stopped;
+  is_aborted_ = is_abort;
+  abort_reason_ = reason.substr(0, kLongestReason);
+  end_recording(moment);
+  return {};
+}
+
+/// What happened until now goes to the recording before it is told to end.
+void RigSession::end_recording(const Moment& moment) {
+  if (trials_) trials_->abort(moment.now_ns);
+  collect(moment.at);
+  if (is_recording_) return services_.recordings->end(rig_);
+  session_.closed(moment.now_ns);
+  collect(moment.at);
+}
+
+core::Status RigSession::trial(TrialAction action, const Moment& moment) {
+  const SessionState state = session_.view(moment.now_ns).state;
+  if (!trials_ || !session_.is_under_way()) {
+    return core::fail(ErrorCode::WrongState, "rig '" + rig_.config().name + "' has no session with trials",
+                      "start one: dtsctl session start --rig " + rig_.config().name + " --protocol NAME; see dtsctl protocol list");
+  }
+  if (state != SessionState::Running) {
+    return core::fail(ErrorCode::WrongState, "the session is " + std::string(name(state)) + ", not running", "wait for it: dtsctl status");
+  }
+  core::Status done = core::fail(ErrorCode::InvalidArgument, "unknown trial action");
+  switch (action) {
+    case TrialAction::Next: done = trials_->next(moment.now_ns); break;
+    case TrialAction::Redo: done = trials_->redo(moment.now_ns); break;
+    case TrialAction::Reject: done = trials_->reject(moment.now_ns); break;
+  }
+  collect(moment.at);
+  return done;
+}
+
+std::optional<TrialView> RigSession::trial_view(std::int64_t now_ns) const {
+  if (!trials_) return std::nullopt;
+  return trials_->view(now_ns);
+}
+
+void RigSession::tick(const Moment& moment, std::uint64_t scans_total) {
+  const bool was_stopping = session_.view(moment.now_ns).state == SessionState::Stopping;
+  session_.tick(moment.now_ns, scans_total);
+  const SessionState state = session_.view(moment.now_ns).state;
+  if (trials_ && state == SessionState::Running) trials_->tick(moment.now_ns);
+  collect(moment.at);
+  if (!was_stopping && state == SessionState::Stopping) end_recording(moment);
+}
+
+void RigSession::recording_finished(const FinishedRecording& finished, const Moment& moment) {
+  is_recording_ = false;
+  if (session_.is_under_way() && session_.view(moment.now_ns).state != SessionState::Stopping) {
+    session_.fail(moment.now_ns, "the recording stopped: " + finished.incomplete);  // what is not recorded is no session
+    if (trials_) trials_->abort(moment.now_ns);
+    services_.recordings->end(rig_);
+  }
+  session_.closed(moment.now_ns);
+  collect(moment.at);
+  enter_end(finished, moment.now_ns);
+}
+
+void RigSession::note(record::RecordedEvent event, const DataPosition& at) {
+  if (!is_recording_) return;
+  event.segment = at.segment;
+  event.scan = at.scan;
+  services_.recordings->note(rig_.config().name, std::move(event));
+}
+
+/// What the state machines have to tell: into the recording and the catalogue, and kept for the bus.
+void RigSession::collect(const DataPosition& at) {
+  for (SessionView& change : session_.take_changes()) {
+    record::RecordedEvent event{.event = "session"};
+    event.values.emplace_back("state", std::string(name(change.state)));
+    if (!change.message.empty()) event.values.emplace_back("message", change.message);
+    note(std::move(event), at);
+    changes_.push_back(std::move(change));
+  }
+  if (!trials_) return;
+  for (TrialEvent& event : trials_->take_events()) {
+    note(recorded(event), at);
+    enter_trial(event, at);
+    trial_events_.push_back(std::move(event));
+  }
+}
+
+void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
+  record::TrialRow& row = trial_rows_[{event.trial, event.attempt}];
+  switch (event.kind) {
+    case TrialEventKind::Ready:
+    case TrialEventKind::Go:
+    case TrialEventKind::Measure:
+      row.trial = event.trial;
+      row.attempt = event.attempt;
+      row.block = event.block;
+      row.condition = event.condition;
+      row.segment = at.segment;
+      row.first_scan = at.scan.value;
+      return;
+    case TrialEventKind::Rest:
+    case TrialEventKind::Finished: return;
+    case TrialEventKind::Done: row.last_scan = at.scan.value; break;
+    case TrialEventKind::Redone:
+    case TrialEventKind::Rejected:
+    case TrialEventKind::Aborted:
+      if (row.last_scan == 0) row.last_scan = at.scan.value;  // voided under way
+      break;
+  }
+  row.outcome = name(event.kind);
+  if (services_.recordings == nullptr) return;
+  row.session_id = session_.view(0).id;
+  row.part = services_.recordings->part(rig_.config().name);
+  services_.recordings->enter_trial(row);
+}
+
+void RigSession::enter_end(const FinishedRecording& finished, std::int64_t now_ns) {
+  const SessionView view = session_.view(now_ns);
+  std::string state = finished.incomplete.empty() ? "complete" : "incomplete";
+  std::string message = finished.incomplete.empty() ? view.message : finished.incomplete;
+  if (is_aborted_) {
+    state = "aborted";
+    message = abort_reason_;
+  }
+  services_.recordings->end_session(view.id, state, message, now_ns + core::utc_minus_monotonic_ns());
+}
+
+}  // namespace dts::session

@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/log.h"
+#include "record/catalogue/catalogue.h"
+#include "session/protocol.h"
+#include "session/recordings.h"
+#include "session/rig.h"
+#include "session/session.h"
+#include "session/trial_run.h"
+
+namespace dts::session {
+
+/// A position in a rig's data.
+struct DataPosition {
+  std::uint32_t segment = 0;
+  core::ScanIndex scan;
+  std::int64_t host_time_ns = 0;
+};
+
+/// When something happens, and at which scan: the newest.
+struct Moment {
+  std::int64_t now_ns = 0;
+  DataPosition at;
+};
+
+enum class TrialAction : std::uint8_t { Next = 1, Redo, Reject };
+
+/// What a session needs besides its rig; outlives it.
+struct SessionServices {
+  Recordings* recordings = nullptr;  ///< Without: sessions label the stream and write nothing. For tests and benchmarks.
+  std::vector<Protocol> protocols{Protocol{}};
+  std::string software{};  ///< "dtsd 0.1.0"
+  std::string boot_id{};
+};
+
+/// One rig's session with all that belongs to it: its state, its recording, its trials. Thread: control.
+class RigSession {
+ public:
+  RigSession(Rig& rig, SessionServices& services) : rig_(rig), services_(services), session_(rig.config().name) {}
+
+  /// Starts; the recording is safe on the disk when this returns. InvalidArgument: request, protocol or fields; WrongState; or what the
+  /// disk says.
+  [[nodiscard]] core::Status start(std::string id, const SessionRequest& request, const Moment& moment);
+  /// Goes on with an interrupted, incomplete or aborted session of this rig as a further part; trials that count are not repeated.
+  [[nodiscard]] core::Status resume(const record::SessionRow& row, const Moment& moment);
+  /// Goes to Stopping; `view` says when the recording is closed. An abort is listed as one.
+  [[nodiscard]] core::Status stop(bool is_abort, const std::string& reason, const Moment& moment);
+  /// WrongState: no session, none with trials, not running yet, or what TrialRun says.
+  [[nodiscard]] core::Status trial(TrialAction action, const Moment& moment);
+
+  /// Lets time pass; `scans_total` is the rig's counter.
+  void tick(const Moment& moment, std::uint64_t scans_total);
+  /// The rig's recording ended, for whatever reason.
+  void recording_finished(const FinishedRecording& finished, const Moment& moment);
+  /// Something happened on the rig: goes to the recording.
+  void note(record::RecordedEvent event, const DataPosition& at);
+
+  [[nodiscard]] bool is_under_way() const noexcept { return session_.is_under_way(); }
+  [[nodiscard]] SessionView view(std::int64_t now_ns) const { return session_.view(now_ns); }
+  /// Nothing when the protocol has no trials.
+  [[nodiscard]] std::optional<TrialView> trial_view(std::int64_t now_ns) const;
+  /// What happened since the last call, oldest first: it stands in the recording already.
+  [[nodiscard]] std::vector<SessionView> take_changes() { return std::exchange(changes_, {}); }
+  [[nodiscard]] std::vector<TrialEvent> take_trial_events() { return std::exchange(trial_events_, {}); }
+
+ private:
+  [[nodiscard]] core::Result<const Protocol*> find_protocol(const std::string& name) const;
+  [[nodiscard]] record::SessionFacts facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
+                                           std::int64_t now_ns) const;
+  core::Status begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
+                     const std::vector<std::uint32_t>& done, const Moment& moment);
+  void end_recording(const Moment& moment);
+  void collect(const DataPosition& at);
+  void enter_end(const FinishedRecording& finished, std::int64_t now_ns);
+  void enter_trial(const TrialEvent& event, const DataPosition& at);
+
+  Rig& rig_;
+  SessionServices& services_;
+  Session session_;
+  std::optional<TrialRun> trials_;
+  std::map<std::pair<std::uint32_t, std::uint32_t>, record::TrialRow> trial_rows_;  ///< By trial and attempt.
+  bool is_recording_ = false;
+  bool is_aborted_ = false;
+  std::string abort_reason_;
+  std::vector<SessionView> changes_;
+  std::vector<TrialEvent> trial_events_;
+};
+
+}  // namespace dts::session

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/trial_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace dts::session {
+namespace {
+
+constexpr double kLongestPhaseS = 7.0 * 86400.0;
+
+/// Whole numbers of a time that may be anything: plans are checked where they are read, but nothing here depends on it.
+std::int64_t whole(double seconds, double per_second) {
+  if (!(seconds > 0.0)) return 0;
+  return std::llround(std::min(seconds, kLongestPhaseS) * per_second);
+}
+std::int64_t nanoseconds(double seconds) { return whole(seconds, 1e9); }
+std::int64_t milliseconds(double seconds) { return whole(seconds, 1e3); }
+
+class SplitMix64 {
+ public:
+  explicit SplitMix64(std::uint64_t seed) noexcept : state_(seed) {}
+
+  std::uint64_t next() noexcept {
+    std::uint64_t mixed = (state_ += 0x9E3779B97F4A7C15U);
+    mixed = (mixed ^ (mixed >> 30U)) * 0xBF58476D1CE4E5B9U;
+    mixed = (mixed ^ (mixed >> 27U)) * 0x94D049BB133111EBU;
+    return mixed ^ (mixed >> 31U);
+  }
+  /// Evenly in [0, bound): draws that would favour the small numbers are rejected. `bound` is at least 1.
+  std::uint64_t below(std::uint64_t bound) noexcept {
+    const std::uint64_t first_fair = (0 - bound) % bound;  // 2^64 modulo bound
+    std::uint64_t drawn = next();
+    while (drawn < first_fair) drawn = next();
+    return drawn % bound;
+  }
+  template <class Iterator>
+  void shuffle(Iterator first, Iterator last) noexcept {
+    for (auto left = last - first; left > 1; --left) {
+      const auto drawn = static_cast<std::ptrdiff_t>(below(static_cast<std::uint64_t>(left)));
+      std::iter_swap(first + (left - 1), first + drawn);
+    }
+  }
+
+ private:
+  std::uint64_t state_;
+};
+
+/// Each attempt has a delay of its own, whatever was drawn for others: who did a trial again must not know it.
+double cue_delay_s(const TrialPlan& plan, std::uint64_t seed, std::uint32_t trial, std::uint32_t attempt) {
+  const std::int64_t shortest_ms = milliseconds(plan.cue_delay_min_s);
+  const std::int64_t longest_ms = std::max(shortest_ms, milliseconds(plan.cue_delay_max_s));
+  SplitMix64 place_and_attempt((std::uint64_t{trial} << 32U) | attempt);
+  SplitMix64 random(seed ^ place_and_attempt.next());
+  const auto drawn_ms = static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(longest_ms - shortest_ms) + 1));
+  return static_cast<double>(shortest_ms + drawn_ms) / 1000.0;
+}
+
+/// Conditions in turn, cut into blocks: any stretch of it holds each as often as any other, give or take one. Randomised: in a random turn,
+/// so that chance decides who comes more often, and every block shuffled.
+std::vector<std::size_t> condition_order(const TrialPlan& plan, std::size_t trials, SplitMix64& random) {
+  std::vector<std::size_t> turn(plan.conditions.size());
+  std::iota(turn.begin(), turn.end(), std::size_t{0});
+  const bool is_random = plan.order == TrialOrder::Randomised;
+  if (is_random) random.shuffle(turn.begin(), turn.end());
+  std::vector<std::size_t> order(trials);
+  for (std::size_t index = 0; index < trials; ++index) order[index] = turn[index % turn.size()];
+  for (std::size_t first = 0; is_random && first < trials; first += plan.trials_per_block) {
+    const std::size_t last = std::min<std::size_t>(first + plan.trials_per_block, trials);
+    random.shuffle(order.begin() + static_cast<std::ptrdiff_t>(first), order.begin() + static_cast<std::ptrdiff_t>(last));
+  }
+  return order;
+}
+
+tl::unexpected<core::Error> wrong_state(std::string what, std::string hint = {}) {
+  return core::fail(core::ErrorCode::WrongState, std::move(what), std::move(hint));
+}
+
+}  // namespace
+
+std::vector<PlannedTrial> make_plan(const TrialPlan& plan, std::uint64_t seed) {
+  const std::uint64_t wanted = std::uint64_t{plan.trials_per_block} * plan.blocks;
+  if (plan.conditions.empty() || wanted == 0) return {};
+  SplitMix64 random(seed);
+  const auto order = condition_order(plan, std::min<std::uint64_t>(wanted, kMostTrials), random);
+  std::vector<PlannedTrial> places;
+  for (std::uint32_t index = 0; index < order.size(); ++index) {
+    places.push_back({.trial = index + 1,
+                      .block = index / plan.trials_per_block + 1,
+                      .condition = order[index],
+                      .cue_delay_s = cue_delay_s(plan, seed, index + 1, 1)});
+  }
+  return places;
+}
+
+std::string_view name(TrialPhase phase) noexcept {
+  switch (phase) {
+    case TrialPhase::Waiting: return "waiting";
+    case TrialPhase::Ready: return "ready";
+    case TrialPhase::Settling: return "settling";
+    case TrialPhase::Measuring: return "measuring";
+    case TrialPhase::Resting: return "resting";
+    case TrialPhase::Finished: return "finished";
+  }
+  return "unknown";
+}
+
+std::string_view name(TrialEventKind kind) noexcept {
+  switch (kind) {
+    case TrialEventKind::Ready: return "ready";
+    case TrialEventKind::Go: return "go";
+    case TrialEventKind::Measure: return "measure";
+    case TrialEventKind::Done: return "done";
+    case TrialEventKind::Redone: return "redone";
+    case TrialEventKind::Rejected: return "rejected";
+    case TrialEventKind::Aborted: return "aborted";
+    case TrialEventKind::Rest: return "rest";
+    case TrialEventKind::Finished: return "finished";
+  }
+  return "unknown";
+}
+
+TrialRun::TrialRun(const TrialPlan& plan, std::uint64_t seed, const std::vector<std::pair<std::string, std::string>>& fields,
+                   const std::vector<std::uint32_t>& done)
+    : plan_(plan), seed_(seed), places_(make_plan(plan, seed)), is_done_before_(places_.size(), false) {
+  for (const Condition& condition : plan_.conditions) targets_cm_.push_back(target_cm(condition, fields));
+  for (const std::uint32_t trial : done) {
+    if (trial >= 1 && trial <= places_.size()) is_done_before_[trial - 1] = true;
+  }
+  upcoming_ = first_open_from(0);
+  if (upcoming_ == places_.size()) enter(TrialPhase::Finished, 0, std::nullopt);
+}
+
+core::Status TrialRun::next(std::int64_t now_ns) {
+  tick(now_ns);
+  if (has_ended_) return wrong_state("the session has ended");
+  if (phase_ == TrialPhase::Finished) return wrong_state("all " + std::to_string(places_.size()) + " trials of the plan are done");
+  if (phase_ == TrialPhase::Waiting || phase_ == TrialPhase::Resting) {
+    start(upcoming_, 1, now_ns);
+  } else if (phase_ == TrialPhase::Measuring && !phase_ends_ns_) {
+    tell(TrialEventKind::Done, now_ns);
+    go_on(now_ns);
+  } else {
+    return wrong_state("trial " + std::to_string(places_[*current_].trial) + " is under way (" + std::string(name(phase_)) + ")",
+                       "it ends by itself; redo or reject it when it went wrong");
+  }
+  return {};
+}
+
+core::Status TrialRun::redo(std::int64_t now_ns) {
+  tick(now_ns);
+  if (auto voidable = check_voidable(); !voidable) return voidable;
+  tell(TrialEventKind::Redone, now_ns);
+  start(*current_, attempt_ + 1, now_ns);
+  return {};
+}
+
+core::Status TrialRun::reject(std::int64_t now_ns) {
+  tick(now_ns);
+  if (auto voidable = check_voidable(); !voidable) return voidable;
+  tell(TrialEventKind::Rejected, now_ns);
+  is_void_ = true;
+  if (is_under_way()) go_on(now_ns);
+  return {};
+}
+
+void TrialRun::abort(std::int64_t now_ns) {
+  tick(now_ns);
+  if (is_under_way()) tell(TrialEventKind::Aborted, now_ns);
+  has_ended_ = true;
+  if (phase_ != TrialPhase::Finished) enter(TrialPhase::Waiting, now_ns, std::nullopt);
+}
+
+void TrialRun::tick(std::int64_t now_ns) {
+  // Ends: every turn leads on in a plan of at most kMostTrials places, and a trial without a duration has no end to be reached.
+  while (phase_ends_ns_ && *phase_ends_ns_ <= now_ns) leave_phase(*phase_ends_ns_);
+}
+
+TrialView TrialRun::view(std::int64_t now_ns) const {
+  TrialView view{.phase = phase_, .of = static_cast<std::uint32_t>(places_.size())};
+  const bool has_upcoming = upcoming_ < places_.size();
+  if (current_ || has_upcoming) view.block = places_[current_.value_or(upcoming_)].block;
+  if (current_) {
+    view.trial = places_[*current_].trial;
+    view.attempt = attempt_;
+    view.condition = plan_.conditions[places_[*current_].condition].name;
+  }
+  if (has_upcoming) {
+    view.next_condition = plan_.conditions[places_[upcoming_].condition].name;
+    view.next_target_cm = targets_cm_[places_[upcoming_].condition];
+  }
+  if (phase_ends_ns_) view.remaining_s = std::max(0.0, static_cast<double>(*phase_ends_ns_ - now_ns) * 1e-9);
+  return view;
+}
+
+std::vector<TrialEvent> TrialRun::take_events() { return std::exchange(events_, {}); }
+
+bool TrialRun::is_under_way() const noexcept {
+  return phase_ == TrialPhase::Ready || phase_ == TrialPhase::Settling || phase_ == TrialPhase::Measuring;
+}
+
+core::Status TrialRun::check_voidable() const {
+  if (has_ended_) return wrong_state("the session has ended");
+  if (!current_) return wrong_state("no trial has been started in this part of the session", "start one: dtsctl session trial next");
+  if (!is_void_) return {};
+  return wrong_state("trial " + std::to_string(places_[*current_].trial) + " is rejected already", "go on: dtsctl session trial next");
+}
+
+std::size_t TrialRun::first_open_from(std::size_t place) const noexcept {
+  while (place < places_.size() && is_done_before_[place]) ++place;
+  return place;
+}
+
+double TrialRun::rest_after_current_s() const noexcept {
+  return places_[upcoming_].block != places_[*current_].block ? plan_.block_rest_s : plan_.rest_s;
+}
+
+void TrialRun::start(std::size_t place, std::uint32_t attempt, std::int64_t at_ns) {
+  current_ = place;
+  upcoming_ = first_open_from(place + 1);
+  attempt_ = attempt;
+  is_void_ = false;
+  tell(TrialEventKind::Ready, at_ns);
+  enter(TrialPhase::Ready, at_ns, cue_delay_s(plan_, seed_, places_[place].trial, attempt));
+}
+
+void TrialRun::settle(std::int64_t at_ns) {
+  tell(TrialEventKind::Go, at_ns);
+  enter(TrialPhase::Settling, at_ns, plan_.settle_s);
+}
+
+void TrialRun::measure(std::int64_t at_ns) {
+  tell(TrialEventKind::Measure, at_ns);
+  // At least 1 ns: a duration that rounds to none would nest all trials of the plan in one call.
+  enter(TrialPhase::Measuring, at_ns, plan_.duration_s > 0.0 ? std::optional(std::max(plan_.duration_s, 1e-9)) : std::nullopt);
+}
+
+/// After a trial that is over, for good or void.
+void TrialRun::go_on(std::int64_t at_ns) {
+  if (upcoming_ == places_.size()) {
+    enter(TrialPhase::Finished, at_ns, std::nullopt);
+    return;
+  }
+  const double rest_s = rest_after_current_s();
+  if (nanoseconds(rest_s) == 0) {
+    stop_resting(at_ns);
+    return;
+  }
+  tell(TrialEventKind::Rest, at_ns);
+  events_.back().rest_s = rest_s;
+  enter(TrialPhase::Resting, at_ns, rest_s);
+}
+
+void TrialRun::stop_resting(std::int64_t at_ns) {
+  if (plan_.starts_by_itself) {
+    start(upcoming_, 1, at_ns);
+  } else {
+    enter(TrialPhase::Waiting, at_ns, std::nullopt);
+  }
+}
+
+void TrialRun::leave_phase(std::int64_t at_ns) {
+  switch (phase_) {
+    case TrialPhase::Ready: return settle(at_ns);
+    case TrialPhase::Settling: return measure(at_ns);
+    case TrialPhase::Measuring: tell(TrialEventKind::Done, at_ns); return go_on(at_ns);
+    case TrialPhase::Resting: return stop_resting(at_ns);
+    case TrialPhase::Waiting:
+    case TrialPhase::Finished: break;
+  }
+  phase_ends_ns_.reset();
+}
+
+/// Phases without length are passed through at once: `tick` need not be called for them.
+void TrialRun::enter(TrialPhase phase, std::int64_t at_ns, std::optional<double> length_s) {
+  phase_ = phase;
+  phase_ends_ns_.reset();
+  if (phase == TrialPhase::Finished) events_.push_back({.kind = TrialEventKind::Finished, .at_ns = at_ns});
+  if (!length_s) return;
+  phase_ends_ns_ = at_ns + nanoseconds(*length_s);
+  if (*phase_ends_ns_ == at_ns) leave_phase(at_ns);
+}
+
+void TrialRun::tell(TrialEventKind kind, std::int64_t at_ns) {
+  const PlannedTrial& place = places_[*current_];
+  const Condition& condition = plan_.conditions[place.condition];
+  events_.push_back({.kind = kind,
+                     .trial = place.trial,
+                     .attempt = attempt_,
+                     .block = place.block,
+                     .condition = condition.name,
+                     .labels = condition.labels,
+                     .target_cm = targets_cm_[place.condition],
+                     .at_ns = at_ns});
+}
+
+}  // namespace dts::session

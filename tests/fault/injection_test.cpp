@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// One call to the disk fails, somewhere in a little session. `scripts/fault inject` does it for every call.
+#include "fault/injection.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace dts::fault {
+namespace {
+
+constexpr std::size_t kFaultsOfAKind = 6;  // some seconds in all
+
+/// The first calls, the last ones, and some between: `count` of them.
+std::vector<std::uint64_t> spread(std::uint64_t calls, std::size_t count) {
+  std::vector<std::uint64_t> chosen;
+  for (std::size_t i = 0; i < count && calls > 0; ++i) {
+    const std::uint64_t nth = 1 + i * (calls - 1) / (count - 1);
+    if (chosen.empty() || chosen.back() != nth) chosen.push_back(nth);
+  }
+  return chosen;
+}
+
+class Injection : public ::testing::TestWithParam<Operation> {};
+
+TEST_P(Injection, SpreadOverASession_NothingIsListedAsWhatItIsNot) {
+  const Reference reference = little_reference();
+  const CallCounts counts = count_calls(reference);
+  ASSERT_EQ(counts.problem, "");
+  const std::uint64_t calls = counts.calls[static_cast<std::size_t>(GetParam())];
+
+  std::size_t struck = 0;
+  std::size_t turn = 0;
+  for (const std::uint64_t nth : spread(calls, kFaultsOfAKind)) {
+    const Fault fault{.operation = GetParam(),
+                      .nth = nth,
+                      .error = kErrors[turn % kErrors.size()],
+                      .is_lasting = (turn / kErrors.size() + turn) % 2 == 1};
+    ++turn;
+    const Injected injected = inject(fault, reference);
+    EXPECT_EQ(injected.problem, "") << to_text(fault) << ", recording " << injected.outcome;
+    struck += injected.has_struck ? 1 : 0;
+  }
+
+  EXPECT_TRUE(calls == 0 || struck > 0) << "no fault was reached: the session does not go through the faulty disk";
+}
+
+INSTANTIATE_TEST_SUITE_P(, Injection, ::testing::ValuesIn(kOperations), [](const auto& named) { return std::string(name(named.param)); });
+
+}  // namespace
+}  // namespace dts::fault

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/catalogue/schema.h"
+
+#include <gmock/gmock.h>
+
+#include <array>
+#include <fstream>
+
+#include "unit/record/catalogue/catalogue_fixture.h"
+
+namespace dts::record {
+namespace {
+
+using catalogue_test::code;
+using catalogue_test::what;
+using testing::HasSubstr;
+
+class CatalogueSchema : public catalogue_test::CatalogueFixture {
+ protected:
+  [[nodiscard]] Database open() const {
+    auto opened = Database::open(path());
+    if (!opened) throw std::runtime_error(core::to_string(opened.error()));
+    return std::move(*opened);
+  }
+};
+
+constexpr std::array<const char*, 3> kMade{"CREATE TABLE a (x TEXT) STRICT", "ALTER TABLE a ADD COLUMN y INTEGER NOT NULL DEFAULT 7",
+                                           "CREATE TABLE b (z TEXT) STRICT"};
+
+TEST_F(CatalogueSchema, OlderVersion_IsLedForwardAndKeepsItsRows) {
+  {
+    const Database old = open();
+    ASSERT_TRUE(migrate(old, std::span(kMade).first(1)));
+    ASSERT_TRUE(old.run("INSERT INTO a (x) VALUES (?)", std::string_view("kept")));
+  }
+  const Database database = open();
+  ASSERT_TRUE(migrate(database, kMade));
+  EXPECT_EQ(database.number("PRAGMA user_version").value_or(0), 3);
+  EXPECT_EQ(database.number("SELECT y FROM a WHERE x = 'kept'").value_or(0), 7);
+  EXPECT_EQ(database.number("SELECT count(*) FROM b").value_or(-1), 0);
+}
+
+TEST_F(CatalogueSchema, NothingToDo_IsDoneAgainWithoutHarm) {
+  const Database database = open();
+  ASSERT_TRUE(migrate(database, kMade));
+  EXPECT_TRUE(migrate(database, kMade));
+}
+
+TEST_F(CatalogueSchema, MigrationThatFails_LeavesTheVersionBefore) {
+  constexpr std::array<const char*, 2> kBroken{"CREATE TABLE a (x TEXT) STRICT", "CREATE TABLE c (y TEXT) STRICT; CREATE TABLE a (x TEXT)"};
+  const Database database = open();
+  EXPECT_FALSE(migrate(database, kBroken));
+  EXPECT_EQ(database.number("PRAGMA user_version").value_or(0), 1);
+  EXPECT_EQ(database.number("SELECT count(*) FROM sqlite_schema WHERE name = 'c'").value_or(-1), 0);
+  EXPECT_TRUE(migrate(database, kMade));  // a program whose migrations work goes on from there
+}
+
+TEST_F(CatalogueSchema, NewerVersion_IsRefusedAndNotTouched) {
+  static_cast<void>(catalogue());
+  close();
+  ASSERT_TRUE(meddle("PRAGMA user_version = 99"));
+  const auto opened = Catalogue::open(path());
+  EXPECT_EQ(code(opened), core::ErrorCode::Unsupported);
+  EXPECT_THAT(what(opened), HasSubstr("version 99, this dtsd knows up to 1"));
+  EXPECT_EQ(open().number("PRAGMA user_version").value_or(0), 99);
+}
+
+TEST_F(CatalogueSchema, NegativeVersion_IsRefused) {
+  static_cast<void>(catalogue());
+  close();
+  ASSERT_TRUE(meddle("PRAGMA user_version = -1"));
+  EXPECT_EQ(code(Catalogue::open(path())), core::ErrorCode::Unsupported);
+}
+
+TEST_F(CatalogueSchema, DatabaseOfAnotherProgram_IsRefusedAndNotTouched) {
+  ASSERT_TRUE(meddle("CREATE TABLE theirs (x); PRAGMA journal_mode = DELETE"));
+  const auto opened = Catalogue::open(path());
+  EXPECT_EQ(code(opened), core::ErrorCode::DataDamaged);
+  EXPECT_THAT(what(opened), HasSubstr("database of another program"));
+  EXPECT_EQ(open().number("SELECT count(*) FROM sqlite_schema").value_or(0), 1);
+}
+
+TEST_F(CatalogueSchema, MarkOfAnotherProgram_IsRefusedEvenWithoutTables) {
+  ASSERT_TRUE(meddle("PRAGMA application_id = 12345"));
+  EXPECT_EQ(code(Catalogue::open(path())), core::ErrorCode::DataDamaged);
+}
+
+TEST_F(CatalogueSchema, EveryTable_RefusesTextInANumber) {
+  static_cast<void>(catalogue());
+  ASSERT_TRUE(catalogue().begin_part(catalogue_test::facts(), "f"));
+  EXPECT_FALSE(meddle("UPDATE parts SET scans = 'many'"));
+  EXPECT_FALSE(meddle("UPDATE parts SET state = 7"));
+  EXPECT_FALSE(meddle("UPDATE sessions SET state = 'odd'"));
+  EXPECT_TRUE(meddle("UPDATE parts SET scans = 5"));
+}
+
+}  // namespace
+}  // namespace dts::record

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "export_fixture.h"
+#include "record/export/bids_documents.h"
+
+namespace dts::record {
+namespace {
+
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string kStem = "sub-P017/ses-20261121T144525Zfloor1/motion/sub-P017_ses-20261121T144525Zfloor1_task-quietstanding_tracksys-";
+
+class BidsExportTest : public ExportTest {
+ protected:
+  [[nodiscard]] core::Result<Exported> run(FakeRecording& recording, const Progress& progress = {}) const {
+    return export_bids(recording, folder_.string(), progress);
+  }
+  [[nodiscard]] nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(text(name)); }
+};
+
+TEST_F(BidsExportTest, Session_BecomesADatasetWithTheNamesOfTheSpecification) {
+  FakeRecording recording = floor_recording();
+
+  const auto exported = run(recording);
+
+  ASSERT_TRUE(exported.has_value()) << exported.error().what;
+  EXPECT_THAT(files(),
+              ElementsAre("README", "dataset_description.json", "participants.json", "participants.tsv", kStem + "floorcop_channels.json",
+                          kStem + "floorcop_channels.tsv", kStem + "floorcop_events.json", kStem + "floorcop_events.tsv",
+                          kStem + "floorcop_motion.json", kStem + "floorcop_motion.tsv", kStem + "floorraw_channels.json",
+                          kStem + "floorraw_channels.tsv", kStem + "floorraw_motion.json", kStem + "floorraw_motion.tsv",
+                          "sub-P017/ses-20261121T144525Zfloor1/sub-P017_ses-20261121T144525Zfloor1_scans.tsv"));
+  EXPECT_EQ(json("dataset_description.json").at("DatasetType"), "raw");
+  EXPECT_EQ(json("dataset_description.json").at("BIDSVersion"), "1.9.0");
+  EXPECT_EQ(json("dataset_description.json").at("GeneratedBy").at(0).at("Version"), "0.1.0");
+  EXPECT_THAT(lines("participants.tsv"), ElementsAre("participant_id\tpseudonym", "sub-P017\tP-017"));
+}
+
+TEST_F(BidsExportTest, Samples_HaveNoHeaderAndBeginWithTheLatency) {
+  FakeRecording recording = floor_recording();
+  std::get<RecordedScans>(recording.items[3]).values[0] = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_THAT(lines(kStem + "floorcop_motion.tsv"),
+              ElementsAre("0.000000\tn/a\t0.1\t0.2", "0.010000\t0.3\t0.4\t0.5", "0.020000\t0.6\t0.7\t0.8", "0.030000\t0\t0.1\t0.2",
+                          "0.040000\t0.3\t0.4\t0.5", "1.050000\t0\t0.1\t0.2", "1.060000\t0.3\t0.4\t0.5"));
+}
+
+TEST_F(BidsExportTest, Channels_AsManyRowsAsColumnsWithTheRequiredColumnsFirst) {
+  FakeRecording recording = floor_recording();
+  ASSERT_TRUE(run(recording).has_value());
+
+  const auto rows = lines(kStem + "floorcop_channels.tsv");
+  EXPECT_THAT(rows.front(), ::testing::StartsWith("name\tcomponent\ttype\ttracked_point\tunits\t"));
+  ASSERT_EQ(rows.size() - 1, cells(lines(kStem + "floorcop_motion.tsv").front(), '\t').size());
+  for (const std::string& row : rows) EXPECT_EQ(cells(row, '\t').size(), cells(rows.front(), '\t').size());
+  EXPECT_THAT(rows[1], ::testing::StartsWith("latency\tn/a\tLATENCY\tn/a\ts\t100\t"));
+  EXPECT_THAT(rows[2], ::testing::StartsWith("ml_mm\tx\tPOS\tcop\tmm\t100\t"));
+  EXPECT_THAT(rows[3], ::testing::StartsWith("ap_mm\ty\tPOS\tcop\tmm\t100\t"));
+  EXPECT_THAT(rows[4], ::testing::StartsWith("load_n\tn/a\tMISC\tn/a\tN\t100\t"));
+  EXPECT_EQ(json(kStem + "floorcop_channels.json").at("reference_frame").at("Levels").at("plate").at("SpatialAxes"), "RAI");
+}
+
+TEST_F(BidsExportTest, Sidecar_HasTheRequiredFieldsAndCountsOfEveryType) {
+  FakeRecording recording = floor_recording();
+  recording.facts->fields = {{"arm_length_cm", "71"}};
+  recording.damaged = "torn";
+  ASSERT_TRUE(run(recording).has_value());
+
+  const auto sidecar = json(kStem + "floorcop_motion.json");
+  EXPECT_EQ(sidecar.at("TaskName"), "quiet-standing");
+  EXPECT_EQ(sidecar.at("SamplingFrequency"), 100.0);
+  EXPECT_EQ(sidecar.at("TrackingSystemName"), "floorcop");
+  EXPECT_EQ(sidecar.at("MotionChannelCount"), 4);
+  EXPECT_EQ(sidecar.at("POSChannelCount"), 2);
+  EXPECT_EQ(sidecar.at("MISCChannelCount"), 1);
+  EXPECT_EQ(sidecar.at("LATENCYChannelCount"), 1);
+  EXPECT_EQ(sidecar.at("TrackedPointsCount"), 1);
+  EXPECT_NEAR(sidecar.at("RecordingDuration").get<double>(), 1.06, 1e-9);
+  EXPECT_EQ(sidecar.at("DeviceSerialNumber"), "SIM0001");
+  EXPECT_EQ(sidecar.at("DtsRecording").at("Gaps"), 1);
+  EXPECT_EQ(sidecar.at("DtsRecording").at("SampleCount"), 7);
+  EXPECT_EQ(sidecar.at("DtsRecording").at("SubjectFields").at("arm_length_cm"), "71");
+  EXPECT_EQ(sidecar.at("DtsRecording").at("Damage"), "torn");
+}
+
+TEST_F(BidsExportTest, Events_HaveOnsetDurationAndType) {
+  FakeRecording recording = floor_recording();
+  recording.items.emplace_back(
+      TimedEvent{.time_s = 8123.261,
+                 .event = {.event = "trial", .scan = {1}, .values = {{"phase", std::string("go")}, {"condition", std::string("120\t%")}}}});
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_THAT(lines(kStem + "floorcop_events.tsv"), ElementsAre("onset\tduration\ttrial_type\tvalue\tcondition\tsegment\tscan\tdetails",
+                                                                "0.000000\tn/a\tsegment\tn/a\tn/a\t0\t0\t{\"host_time_ns\":8123251000000}",
+                                                                "0.020000\t0\tmarker\teyes \"closed\", now\tn/a\t0\t2\tn/a",
+                                                                "1.050000\tn/a\tsegment\tunplugged\tn/a\t1\t0\t{\"missing_scans\":100}",
+                                                                "0.010000\tn/a\ttrial\tgo\t120 %\t0\t1\t{\"condition\":\"120\\t%\"}"));
+}
+
+TEST_F(BidsExportTest, Scans_SayWhenTheRecordingBegan) {
+  FakeRecording recording = floor_recording();
+  ASSERT_TRUE(run(recording).has_value());
+
+  const auto rows = lines("sub-P017/ses-20261121T144525Zfloor1/sub-P017_ses-20261121T144525Zfloor1_scans.tsv");
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0], "filename\tacq_time");
+  for (std::size_t row = 1; row < rows.size(); ++row) {
+    const auto row_cells = cells(rows[row], '\t');
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "sub-P017/ses-20261121T144525Zfloor1" / row_cells[0])) << rows[row];
+    EXPECT_EQ(row_cells[1], utc_text(1'795'272'000'000'000'000 + 8'123'251'000'000));
+  }
+}
+
+TEST_F(BidsExportTest, LabelSomebodyTyped_IsNowhere) {
+  FakeRecording recording = floor_recording();
+  ASSERT_TRUE(run(recording).has_value());
+
+  for (const std::string& file : files()) {
+    EXPECT_THAT(file, Not(HasSubstr("Jane")));
+    EXPECT_THAT(text(file), Not(HasSubstr("Jane"))) << file;
+  }
+}
+
+TEST_F(BidsExportTest, SecondSubjectAndSecondPart_AreAddedToTheDataset) {
+  FakeRecording recording = floor_recording();
+  ASSERT_TRUE(run(recording).has_value());
+  recording.facts->part = 2;
+  ASSERT_TRUE(run(recording).has_value());
+  recording.facts->subject = "P-018";
+  recording.facts->part = 1;
+
+  const auto exported = run(recording);
+
+  ASSERT_TRUE(exported.has_value()) << exported.error().what;
+  EXPECT_THAT(files(), Contains(kStem + "floorcop_run-2_motion.tsv"));
+  EXPECT_THAT(lines("participants.tsv"), ElementsAre("participant_id\tpseudonym", "sub-P017\tP-017", "sub-P018\tP-018"));
+  EXPECT_EQ(lines("sub-P017/ses-20261121T144525Zfloor1/sub-P017_ses-20261121T144525Zfloor1_scans.tsv").size(), 5U);
+}
+
+TEST_F(BidsExportTest, TheSameAgain_WrongStateAndTheDatasetStaysAsItWas) {
+  FakeRecording recording = floor_recording();
+  ASSERT_TRUE(run(recording).has_value());
+  const auto before = files();
+
+  const auto exported = run(recording);
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
+  EXPECT_EQ(files(), before);
+  EXPECT_EQ(lines("participants.tsv").size(), 2U);
+}
+
+TEST_F(BidsExportTest, PseudonymsThatBecomeOneLabel_AreToldNotMixed) {
+  FakeRecording recording = floor_recording();
+  ASSERT_TRUE(run(recording).has_value());
+  recording.facts->subject = "P017";
+  recording.facts->session_id = "another";
+
+  const auto exported = run(recording);
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
+  EXPECT_THAT(exported.error().what, HasSubstr("sub-P017"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "sub-P017/ses-another"));
+}
+
+TEST_F(BidsExportTest, FolderOfSomethingElse_IsLeftAlone) {
+  FakeRecording recording = floor_recording();
+  write("holiday.txt", "mine");
+  EXPECT_EQ(run(recording).error().code, core::ErrorCode::WrongState);
+  EXPECT_THAT(files(), ElementsAre("holiday.txt"));
+
+  write("dataset_description.json", R"({"Name": "of somebody else", "BIDSVersion": "1.9.0"})");
+  EXPECT_EQ(run(recording).error().code, core::ErrorCode::WrongState);
+  EXPECT_THAT(files(), ElementsAre("dataset_description.json", "holiday.txt"));
+}
+
+TEST_F(BidsExportTest, Stopped_LeavesNothing) {
+  FakeRecording recording = floor_recording();
+
+  const auto exported = run(recording, [](std::uint64_t, std::uint64_t) { return false; });
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
+TEST_F(BidsExportTest, NoSubjectAndForeignFile_HaveLabelsAllTheSame) {
+  FakeRecording recording = floor_recording();
+  recording.facts.reset();
+  for (StreamInfo& info : recording.infos) info.name = "../x";
+
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_THAT(files(), Contains("sub-unknown/ses-unknown/motion/sub-unknown_ses-unknown_task-free_tracksys-x2_motion.tsv"));
+  EXPECT_THAT(lines("participants.tsv"), ElementsAre("participant_id\tpseudonym", "sub-unknown\tn/a"));
+}
+
+TEST_F(BidsExportTest, RecordingWithoutScans_SaysSo) {
+  FakeRecording recording = floor_recording();
+  recording.items.resize(1);
+
+  const auto exported = run(recording);
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_EQ(exported.error().code, core::ErrorCode::InvalidArgument);
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
+TEST(UtcText, KnownInstants) {
+  EXPECT_EQ(utc_text(0), "1970-01-01T00:00:00.000000Z");
+  EXPECT_EQ(utc_text(1'709'210'096'000'007'000), "2024-02-29T12:34:56.000007Z");
+}
+
+}  // namespace
+}  // namespace dts::record

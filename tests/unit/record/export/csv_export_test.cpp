@@ -1,0 +1,337 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <sys/resource.h>
+
+#include <cmath>
+#include <csignal>
+#include <limits>
+
+#include "export_fixture.h"
+
+namespace dts::record {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+constexpr std::size_t kBlocks = 2000;
+
+/// 200,000 scans of two streams.
+FakeRecording long_recording() {
+  FakeRecording recording = floor_recording();
+  recording.items.clear();
+  for (std::uint64_t block = 0; block < kBlocks; ++block) {
+    const double time_s = 1.0 + static_cast<double>(block);
+    recording.items.emplace_back(RecordedScans{.stream = 0,
+                                               .segment = 0,
+                                               .first_scan = {block * 100},
+                                               .first_time_s = time_s,
+                                               .count = 100,
+                                               .values = std::vector<double>(200, 0.25)});
+    recording.items.emplace_back(RecordedScans{.stream = 1,
+                                               .segment = 0,
+                                               .first_scan = {block * 100},
+                                               .first_time_s = time_s,
+                                               .count = 100,
+                                               .values = std::vector<double>(300, 0.5)});
+  }
+  return recording;
+}
+
+class CsvExportTest : public ExportTest {
+ protected:
+  [[nodiscard]] core::Result<Exported> run(FakeRecording& recording, const Progress& progress = {}) const {
+    return export_csv(recording, folder_.string(), progress);
+  }
+};
+
+TEST_F(CsvExportTest, Session_OneFilePerStreamAndTheEvents) {
+  FakeRecording recording = floor_recording();
+
+  const auto exported = run(recording);
+
+  ASSERT_TRUE(exported.has_value()) << exported.error().what;
+  EXPECT_THAT(files(), ElementsAre("20261121T144525Z-floor-1_cop.csv", "20261121T144525Z-floor-1_events.csv",
+                                   "20261121T144525Z-floor-1_quality.csv", "20261121T144525Z-floor-1_raw.csv"));
+  EXPECT_EQ(exported->files.size(), 4U);
+  EXPECT_EQ(exported->rows, 7U + 7U + 2U + 3U);
+  std::uint64_t bytes = 0;
+  for (const std::string& file : exported->files) bytes += std::filesystem::file_size(file);
+  EXPECT_EQ(exported->bytes, bytes);
+}
+
+TEST_F(CsvExportTest, Rows_HaveTimeSegmentScanAndValues) {
+  FakeRecording recording = floor_recording();
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_THAT(lines("20261121T144525Z-floor-1_cop.csv"),
+              ElementsAre("t_s,segment,scan,ml_mm,ap_mm,load_n", "0,0,0,0,0.1,0.2", "0.01,0,1,0.3,0.4,0.5", "0.02,0,2,0.6,0.7,0.8",
+                          "0.03,0,3,0,0.1,0.2", "0.04,0,4,0.3,0.4,0.5", "1.05,1,0,0,0.1,0.2", "1.06,1,1,0.3,0.4,0.5"));
+  EXPECT_THAT(lines("20261121T144525Z-floor-1_quality.csv"), ElementsAre("t_s,segment,scan,w1_v", "0,0,0,0", "1.06,1,1,8"));
+}
+
+TEST_F(CsvExportTest, Events_TextAndDetailsAreQuotedAsCsvAsksFor) {
+  FakeRecording recording = floor_recording();
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_THAT(lines("20261121T144525Z-floor-1_events.csv"),
+              ElementsAre("t_s,segment,scan,event,text,details", "0,0,0,segment,,\"{\"\"host_time_ns\"\":8123251000000}\"",
+                          "0.02,0,2,marker,\"eyes \"\"closed\"\", now\",", "1.05,1,0,segment,unplugged,\"{\"\"missing_scans\"\":100}\""));
+}
+
+TEST_F(CsvExportTest, EveryNumber_ReadsBackAsExactlyTheRecordedOne) {
+  const std::vector<double> hard{0.1,           1.0 / 3.0, -2.5e-308,         5e-324, 1.7976931348623157e308,
+                                 123456789.125, -0.0,      65504.0 / 32768.0, 1e21,   9.999999999999999e22};
+  FakeRecording recording = floor_recording();
+  recording.infos = {recording.infos[0], recording.infos[1]};
+  recording.items.clear();
+  RecordedScans doubles{.stream = 0, .segment = 0, .first_scan = {0}, .first_time_s = 5.0, .count = hard.size() / 2, .values = hard};
+  RecordedScans floats{.stream = 1, .segment = 0, .first_scan = {0}, .first_time_s = 5.0, .count = 1, .values = {}};
+  for (const float value : {0.1F, 1.17549435e-38F, 3.40282347e38F}) floats.values.push_back(static_cast<double>(value));
+  recording.items = {doubles, floats};
+
+  ASSERT_TRUE(run(recording).has_value());
+
+  const auto rows = lines("20261121T144525Z-floor-1_raw.csv");
+  ASSERT_EQ(rows.size(), 1 + hard.size() / 2);
+  for (std::size_t value = 0; value < hard.size(); ++value) {
+    const std::string cell = cells(rows[1 + value / 2], ',')[3 + value % 2];
+    const double read = std::strtod(cell.c_str(), nullptr);
+    EXPECT_EQ(std::signbit(read), std::signbit(hard[value])) << cell;
+    EXPECT_EQ(read, hard[value]) << cell;
+  }
+  const auto row = cells(lines("20261121T144525Z-floor-1_cop.csv")[1], ',');
+  EXPECT_EQ(std::strtof(row[3].c_str(), nullptr), 0.1F);
+  EXPECT_EQ(std::strtof(row[4].c_str(), nullptr), 1.17549435e-38F);
+  EXPECT_EQ(std::strtof(row[5].c_str(), nullptr), 3.40282347e38F);
+}
+
+TEST_F(CsvExportTest, UndefinedValue_IsAnEmptyCell) {
+  FakeRecording recording = floor_recording();
+  std::get<RecordedScans>(recording.items[3]).values[0] = std::numeric_limits<double>::quiet_NaN();
+  std::get<RecordedScans>(recording.items[3]).values[2] = std::numeric_limits<double>::quiet_NaN();
+
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_EQ(lines("20261121T144525Z-floor-1_cop.csv")[1], "0,0,0,,0.1,");
+}
+
+TEST_F(CsvExportTest, TimesOfManyScans_FollowTheExactRateNotTheStamps) {
+  FakeRecording recording = floor_recording();
+  recording.infos = {recording.infos[0]};
+  recording.infos[0].rate = *core::Rate::create(1500, 1);
+  recording.infos[0].channels.resize(1);
+  recording.items.clear();
+  for (std::uint64_t block = 0; block < 100; ++block) {
+    const double time_s = 8123.251 + static_cast<double>(block * 10) / 1500.0 + (block % 2 == 0 ? 3e-7 : -3e-7);  // rounded stamps
+    recording.items.emplace_back(RecordedScans{
+        .stream = 0, .segment = 0, .first_scan = {block * 10}, .first_time_s = time_s, .count = 10, .values = std::vector<double>(10)});
+  }
+
+  ASSERT_TRUE(run(recording).has_value());
+
+  const auto rows = lines("20261121T144525Z-floor-1_raw.csv");
+  EXPECT_EQ(rows[2].substr(0, rows[2].find(',')), "0.000666667");
+  EXPECT_EQ(rows[751].substr(0, rows[751].find(',')), "0.5");
+  EXPECT_EQ(rows[1000].substr(0, rows[1000].find(',')), "0.666");
+}
+
+TEST_F(CsvExportTest, EventBeforeTheFirstScan_HasANegativeTime) {
+  FakeRecording recording = floor_recording();
+  std::get<TimedEvent>(recording.items[0]).time_s -= 0.25;
+
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_THAT(lines("20261121T144525Z-floor-1_events.csv")[1], ::testing::StartsWith("-0.25,0,0,segment"));
+}
+
+TEST_F(CsvExportTest, ChannelWithoutUnitInItsName_GetsIt) {
+  FakeRecording recording = floor_recording();
+  recording.infos[0].channels[0] = {.label = "Fz, left", .unit = "N"};
+
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_EQ(lines("20261121T144525Z-floor-1_raw.csv")[0], "t_s,segment,scan,\"Fz, left_n\",w2_v");
+}
+
+TEST_F(CsvExportTest, SecondPart_HasNamesOfItsOwn) {
+  FakeRecording recording = floor_recording();
+  ASSERT_TRUE(run(recording).has_value());
+  recording.facts->part = 2;
+
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_THAT(files(), ::testing::Contains("20261121T144525Z-floor-1.2_cop.csv"));
+}
+
+TEST_F(CsvExportTest, HostileNames_StayInTheFolder) {
+  FakeRecording recording = floor_recording();
+  recording.facts->session_id = "../../etc/x";
+  recording.infos[0].name = "floor/..";
+  recording.infos[1].name = "../cop\n";
+
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_THAT(files(), ElementsAre("_._.._etc_x__..csv", "_._.._etc_x_cop_.csv", "_._.._etc_x_events.csv", "_._.._etc_x_quality.csv"));
+}
+
+TEST_F(CsvExportTest, ForeignRecordingWithEqualStreamNames_NothingIsLost) {
+  FakeRecording recording = floor_recording();
+  recording.facts.reset();
+  for (StreamInfo& info : recording.infos) info.name = "EEG";
+
+  const auto exported = run(recording);
+
+  ASSERT_TRUE(exported.has_value());
+  EXPECT_THAT(files(), ElementsAre("recording_EEG-2.csv", "recording_EEG-3.csv", "recording_EEG.csv", "recording_events.csv"));
+}
+
+TEST_F(CsvExportTest, FileThatExists_WrongStateAndNothingIsTouched) {
+  FakeRecording recording = floor_recording();
+  write("20261121T144525Z-floor-1_events.csv", "mine");
+
+  const auto exported = run(recording);
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
+  EXPECT_THAT(exported.error().what, HasSubstr("_events.csv"));
+  EXPECT_THAT(files(), ElementsAre("20261121T144525Z-floor-1_events.csv"));
+  EXPECT_EQ(text("20261121T144525Z-floor-1_events.csv"), "mine");
+}
+
+TEST_F(CsvExportTest, FileThatAppearsMeanwhile_IsNotOverwritten) {
+  FakeRecording recording = floor_recording();
+  const auto intrude = [&](std::uint64_t, std::uint64_t) {
+    write("20261121T144525Z-floor-1_raw.csv", "mine");
+    return true;
+  };
+
+  const auto exported = run(recording, intrude);
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
+  EXPECT_EQ(text("20261121T144525Z-floor-1_raw.csv"), "mine");
+  EXPECT_THAT(files(), ElementsAre("20261121T144525Z-floor-1_raw.csv"));
+}
+
+TEST_F(CsvExportTest, Stopped_LeavesNothingNotEvenTheFolder) {
+  FakeRecording recording = floor_recording();
+  int calls = 0;
+
+  const auto exported = run(recording, [&](std::uint64_t done, std::uint64_t of) {
+    EXPECT_LE(done, of);
+    return ++calls < 3;
+  });
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_EQ(calls, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
+TEST_F(CsvExportTest, RecordingThatCannotBeReadOn_FailsAndLeavesNothing) {
+  FakeRecording recording = floor_recording();
+  recording.fails_at = 5;
+
+  const auto exported = run(recording);
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_EQ(exported.error().code, core::ErrorCode::DataDamaged);
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
+TEST_F(CsvExportTest, AnotherExportUnderWay_WrongStateAndSaysWhatToDo) {
+  FakeRecording recording = floor_recording();
+  write(".20261121T144525Z-floor-1_raw.csv.part", "half");
+
+  const auto exported = run(recording);
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
+  EXPECT_THAT(exported.error().hint, HasSubstr("remove"));
+  EXPECT_THAT(files(), ElementsAre(".20261121T144525Z-floor-1_raw.csv.part"));
+}
+
+/// While it lives, no file of this process grows beyond a limit: a disk that is full.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    before_handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit small{.rlim_cur = bytes, .rlim_max = before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, before_handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*before_handler_)(int) = nullptr;
+};
+
+TEST_F(CsvExportTest, DiskFullOnTheWay_FailsWithTheFileAndLeavesNothing) {
+  FakeRecording recording = long_recording();
+
+  const auto exported = [&] {
+    const FullDisk full(1U << 20U);
+    return run(recording);
+  }();
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_EQ(exported.error().code, core::ErrorCode::Failed);
+  EXPECT_THAT(exported.error().what, HasSubstr(".csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
+TEST_F(CsvExportTest, DiskFullAtTheEnd_FailsAndLeavesNothing) {
+  FakeRecording recording = floor_recording();
+
+  const auto exported = [&] {
+    const FullDisk full(100);
+    return run(recording);
+  }();
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
+TEST_F(CsvExportTest, RecordingWithoutAnything_IsAnEmptyListOfEvents) {
+  FakeRecording recording;
+
+  const auto exported = run(recording);
+
+  ASSERT_TRUE(exported.has_value());
+  EXPECT_THAT(files(), ElementsAre("recording_events.csv"));
+  EXPECT_EQ(exported->rows, 0U);
+}
+
+TEST_F(CsvExportTest, FolderThatCannotBeMade_FailsAndSaysWhich) {
+  FakeRecording recording = floor_recording();
+  std::ofstream(base_ / "file") << "x";
+
+  const auto exported = export_csv(recording, (base_ / "file" / "below").string());
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_THAT(exported.error().what, HasSubstr("file"));
+}
+
+TEST_F(CsvExportTest, LongRecording_EveryRowIsThereInOrder) {
+  FakeRecording recording = long_recording();
+
+  ASSERT_TRUE(run(recording).has_value());
+
+  for (const auto& [name, columns] : {std::pair{"raw", 5U}, std::pair{"cop", 6U}}) {
+    const auto rows = lines(std::string("20261121T144525Z-floor-1_") + name + ".csv");
+    ASSERT_EQ(rows.size(), 1 + kBlocks * 100);
+    for (std::size_t scan = 0; scan < kBlocks * 100; ++scan) {
+      const auto row = cells(rows[1 + scan], ',');
+      ASSERT_EQ(row.size(), columns);
+      ASSERT_EQ(row[2], std::to_string(scan)) << name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace dts::record

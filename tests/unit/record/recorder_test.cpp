@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+// Frames in, a recording out: read back as scans and events.
+#include "record/recorder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+
+#include "record/recording.h"
+#include "record/xdf/recovery.h"
+#include "record/xdf/xdf_reader.h"
+
+namespace dts::record {
+namespace {
+
+constexpr std::int64_t kStartNs = 8'000'000'000'123;  // monotonic, of the first scan
+constexpr std::size_t kRaw = 0;
+constexpr std::size_t kCop = 1;
+constexpr std::size_t kAux = 2;
+
+/// A rig of two sensors at 1000 Hz, a computed stream at half the rate, one further channel.
+class RecorderTest : public testing::Test {
+ protected:
+  RecorderTest() {
+    std::string name = (std::filesystem::temp_directory_path() / "dts-recorder-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    file_ = folder_ / "x.xdf";
+    for (const std::size_t channels : {2, 1, 1}) frame_.streams.emplace_back(channels, 50);
+  }
+  ~RecorderTest() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] static std::vector<RecordedStream> streams() {
+    const core::Rate full = core::Rate::create(1000, 1).value();
+    const core::Rate half = core::Rate::create(500, 1).value();
+    const auto info = [](const std::string& name, ValueType type, core::Rate rate, std::vector<ChannelInfo> channels) {
+      return StreamInfo{.name = "floor/" + name, .content = "DTS", .value_type = type, .rate = rate, .channels = std::move(channels)};
+    };
+    return {{.frame_index = kRaw,
+             .info = info("raw", ValueType::Double64, full, {{.label = "w1_v", .unit = "V"}, {.label = "w2_v", .unit = "V"}})},
+            {.frame_index = kCop, .info = info("cop", ValueType::Float32, half, {{.label = "ml_mm", .unit = "mm"}})},
+            {.frame_index = kAux, .info = info("aux", ValueType::Double64, full, {{.label = "ch3", .unit = "V"}})}};
+  }
+  [[nodiscard]] std::unique_ptr<Recorder> recorder() const {
+    return Recorder::create(file_, {.session_id = "s", .rig = "floor"}, streams()).value();
+  }
+
+  /// The frame of `scans` scans from `first` of a segment, with values that say where they belong.
+  core::Frame& frame(std::uint32_t segment, std::uint64_t first, std::size_t scans, std::int64_t host_ns) {
+    frame_.segment = segment;
+    frame_.gap_before = {};
+    frame_.triggers.count = 0;
+    for (std::size_t stream = 0; stream < frame_.streams.size(); ++stream) {
+      core::Block& block = frame_.streams[stream];
+      const std::size_t every = stream == kCop ? 2 : 1;
+      block.segment = segment;
+      block.first_scan = {first / every};
+      block.host_time_ns = host_ns;
+      block.set_count(scans / every);
+      for (std::size_t channel = 0; channel < block.channel_count(); ++channel) {
+        for (std::size_t i = 0; i < block.count(); ++i) {
+          block.column(channel)[i] = value(stream, channel, segment, first / every + i);
+          block.quality(channel)[i] = 0;
+        }
+      }
+    }
+    return frame_;
+  }
+  [[nodiscard]] static std::int64_t host_ns(std::uint64_t scan) { return kStartNs + static_cast<std::int64_t>(scan) * 1'000'000; }
+  [[nodiscard]] static double value(std::size_t stream, std::size_t channel, std::uint32_t segment, std::uint64_t scan) {
+    return static_cast<double>(stream * 1000 + channel * 100 + segment * 10) + static_cast<double>(scan) / 1024.0;
+  }
+
+  /// Everything in the closed file, by kind.
+  struct Contents {
+    std::vector<RecordedScans> scans;
+    std::vector<RecordedChange> changes;
+    std::vector<TimedEvent> events;
+    std::vector<RecordedOffset> offsets;
+  };
+  [[nodiscard]] static Contents read(const std::string& file) {
+    Contents contents;
+    auto recording = Recording::open(file).value();
+    EXPECT_EQ(recording->damage(), "");
+    while (auto item = recording->next().value()) {
+      if (auto* scans = std::get_if<RecordedScans>(&*item)) contents.scans.push_back(std::move(*scans));
+      if (auto* change = std::get_if<RecordedChange>(&*item)) contents.changes.push_back(std::move(*change));
+      if (auto* event = std::get_if<TimedEvent>(&*item)) contents.events.push_back(std::move(*event));
+      if (auto* offset = std::get_if<RecordedOffset>(&*item)) contents.offsets.push_back(*offset);
+    }
+    return contents;
+  }
+  [[nodiscard]] std::string close(Recorder& recorder) const {
+    EXPECT_TRUE(recorder.flush());
+    return recorder.close("").value().file;
+  }
+
+  std::filesystem::path folder_;
+  std::string file_;
+  core::Frame frame_;
+};
+
+TEST_F(RecorderTest, Frames_EveryScanComesBackAtItsPlaceWithItsValue) {
+  auto recorder = this->recorder();
+  for (std::uint64_t first = 100; first < 1100; first += 20) ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first))));
+
+  const Contents contents = read(close(*recorder));
+
+  std::array<std::uint64_t, 3> next{100, 50, 100};
+  for (const RecordedScans& scans : contents.scans) {
+    const std::size_t stream = scans.values.size() / scans.count == 2 ? kRaw : (scans.values[0] >= 2000.0 ? kAux : kCop);
+    ASSERT_EQ(scans.first_scan.value, next[stream]);
+    const double rate_hz = stream == kCop ? 500.0 : 1000.0;
+    EXPECT_NEAR(scans.first_time_s, 8000.000000123 + static_cast<double>(next[stream] - (stream == kCop ? 50 : 100)) / rate_hz + 0.1, 0.11);
+    EXPECT_LE(static_cast<double>(scans.count) / rate_hz, kLongestUnwrittenS);
+    for (std::size_t i = 0; i < scans.values.size(); ++i) {
+      const std::size_t channels = stream == kRaw ? 2 : 1;
+      ASSERT_EQ(scans.values[i], static_cast<double>(static_cast<float>(value(stream, i % channels, 0, next[stream] + i / channels))));
+    }
+    next[stream] += scans.count;
+  }
+  EXPECT_EQ(next, (std::array<std::uint64_t, 3>{1100, 550, 1100}));
+}
+
+TEST_F(RecorderTest, DriftingClock_TimeAxisHasNoJitterAndOffsetsTellTheDrift) {
+  auto recorder = this->recorder();
+  for (std::uint64_t first = 0; first < 12'000; first += 20) {
+    const auto drift_ns = static_cast<std::int64_t>(first) * 50;  // 50 ppm, with jitter of the host's estimate
+    ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first) + drift_ns + static_cast<std::int64_t>(first % 7) * 1000)));
+  }
+
+  const Contents contents = read(close(*recorder));
+
+  const double start_s = contents.scans.front().first_time_s;
+  for (const RecordedScans& scans : contents.scans) {
+    const double rate_hz = scans.values.size() == scans.count && scans.values[0] < 2000.0 ? 500.0 : 1000.0;
+    EXPECT_NEAR(scans.first_time_s, start_s + static_cast<double>(scans.first_scan.value) / rate_hz, 2e-9);
+  }
+  ASSERT_GE(contents.offsets.size(), 3U);
+  EXPECT_NEAR(contents.offsets.back().offset_s, (contents.offsets.back().time_s - start_s) * 50e-6, 8e-6);
+}
+
+TEST_F(RecorderTest, Gap_StartsASegmentWhoseEventSaysWhy) {
+  auto recorder = this->recorder();
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
+  core::Frame& after = frame(1, 0, 40, host_ns(540));
+  after.gap_before = {.reason = core::GapReason::Overrun, .missing_scans = 500, .is_exact = true};
+  ASSERT_TRUE(recorder->take(after));
+
+  const Contents contents = read(close(*recorder));
+
+  ASSERT_EQ(contents.events.size(), 2U);
+  const TimedEvent& gap = contents.events[1];
+  EXPECT_EQ(gap.event.event, "segment");
+  EXPECT_EQ(gap.event.segment, 1U);
+  EXPECT_EQ(text_of(gap.event, "reason"), "overrun");
+  EXPECT_EQ(text_of(gap.event, "missing_scans"), "500");
+  EXPECT_NEAR(gap.time_s - contents.events[0].time_s, 0.54, 1e-9);
+  for (const RecordedScans& scans : contents.scans) {
+    EXPECT_EQ(scans.first_scan.value, 0U);
+    EXPECT_EQ(std::lround(std::floor(scans.values[0] / 10.0)) % 10, static_cast<long>(scans.segment));
+  }
+}
+
+TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScan) {
+  auto recorder = this->recorder();
+  const RecordedEvent early{
+      .event = "marker", .segment = 0, .scan = {15}, .values = {{"text", std::string("before anything was recorded")}}};
+  ASSERT_TRUE(recorder->take(early));
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
+  core::Frame& next = frame(0, 40, 20, host_ns(40));
+  next.triggers.push({.segment = 0, .scan = {47}, .is_rising = true});
+  ASSERT_TRUE(recorder->take(next));
+
+  const Contents contents = read(close(*recorder));
+
+  ASSERT_EQ(contents.events.size(), 3U);
+  EXPECT_EQ(contents.events[1].event, early);
+  EXPECT_NEAR(contents.events[1].time_s, 8000.000000123 + 0.015, 1e-9);
+  EXPECT_EQ(contents.events[2].event.event, "trigger");
+  EXPECT_NEAR(contents.events[2].time_s, 8000.000000123 + 0.047, 1e-9);
+}
+
+TEST_F(RecorderTest, Quality_StandsInTheFileWhereverItChanges) {
+  auto recorder = this->recorder();
+  core::Frame& bad = frame(0, 0, 40, host_ns(0));
+  for (std::size_t i = 10; i < 13; ++i) bad.streams[kRaw].quality(1)[i] = core::quality::kRail;
+  bad.streams[kAux].quality(0)[39] = core::quality::kNoContact;
+  ASSERT_TRUE(recorder->take(bad));
+
+  const Contents contents = read(close(*recorder));
+
+  std::vector<std::pair<std::uint64_t, std::vector<double>>> seen;
+  for (const RecordedChange& change : contents.changes) seen.emplace_back(change.scan.value, change.values);
+  EXPECT_THAT(seen,
+              testing::ElementsAre(testing::Pair(0, testing::ElementsAre(0, 0, 0)), testing::Pair(10, testing::ElementsAre(0, 1, 0)),
+                                   testing::Pair(13, testing::ElementsAre(0, 0, 0)), testing::Pair(39, testing::ElementsAre(0, 0, 16))));
+}
+
+TEST_F(RecorderTest, FramesThatNeverCame_AreALossThatTheFileTells) {
+  auto recorder = this->recorder();
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
+  ASSERT_TRUE(recorder->take(frame(0, 100, 40, host_ns(100))));
+  ASSERT_TRUE(recorder->flush());
+
+  EXPECT_EQ(recorder->lost_scans(), 60U);
+  const std::string file = recorder->close("").value().file;
+
+  EXPECT_THAT(verify(file).value().incomplete, testing::HasSubstr("60 scans"));
+}
+
+TEST_F(RecorderTest, UndefinedValues_ComeBackAsNaN) {
+  auto recorder = this->recorder();
+  core::Frame& nobody = frame(0, 0, 40, host_ns(0));
+  nobody.streams[kCop].column(0)[3] = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(recorder->take(nobody));
+
+  const Contents contents = read(close(*recorder));
+
+  EXPECT_TRUE(std::ranges::any_of(contents.scans, [](const RecordedScans& scans) { return std::isnan(scans.values[3]); }));
+}
+
+TEST_F(RecorderTest, StageState_StandsInTheRawStreamsHeader) {
+  auto recorder = this->recorder();
+  recorder->set_stage_state(std::array{0.1, -3.0, std::numeric_limits<double>::quiet_NaN()});
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
+
+  const auto recording = Recording::open(close(*recorder)).value();
+
+  EXPECT_EQ(fact(recording->streams()[recording->find_stream("raw").value()].facts, "stage_state"), "0.1 -3 nan");
+}
+
+}  // namespace
+}  // namespace dts::record

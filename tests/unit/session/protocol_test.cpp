@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/protocol.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <utility>
+
+namespace dts::session {
+namespace {
+
+using Fields = std::vector<std::pair<std::string, std::string>>;
+using testing::HasSubstr;
+using testing::Not;
+
+/// As thesis Table 6.1, with the targets given.
+Protocol reaching(std::vector<Condition> conditions = {}) {
+  Protocol protocol;
+  protocol.name = "reach";
+  protocol.fields = {{.name = "age_years", .minimum = 3, .maximum = 120},
+                     {.name = "arm_length_cm", .minimum = 20, .maximum = 120},
+                     {.name = "max_reach_cm", .minimum = 10, .maximum = 250},
+                     {.name = "side", .sentence = "The arm that reaches", .is_required = true, .choices = {"left", "right"}}};
+  if (!conditions.empty()) protocol.trials = TrialPlan{.conditions = std::move(conditions), .trials_per_block = 15};
+  return protocol;
+}
+
+/// The error's one line; "" when the fields pass.
+std::string refusal(const Protocol& protocol, const Fields& fields) {
+  const auto checked = check_fields(protocol, fields);
+  if (checked) return "";
+  EXPECT_EQ(checked.error().code, core::ErrorCode::InvalidArgument);
+  return core::to_string(checked.error());
+}
+
+TEST(ProtocolFields, AllInRange_Pass) {
+  EXPECT_EQ(refusal(reaching(), {{"side", "left"}, {"age_years", "120"}, {"arm_length_cm", "65.5"}}), "");
+}
+
+TEST(ProtocolFields, OptionalOnesLeftOut_Pass) { EXPECT_EQ(refusal(reaching(), {{"side", "right"}}), ""); }
+
+TEST(ProtocolFields, RequiredOneMissing_IsNamedWithItsSentence) {
+  EXPECT_THAT(refusal(reaching(), {{"age_years", "30"}}), testing::AllOf(HasSubstr("'side'"), HasSubstr("The arm that reaches")));
+}
+
+TEST(ProtocolFields, UnknownOne_IsNotRepeatedSinceItMightBeAName) {
+  const auto text = refusal(reaching(), {{"side", "left"}, {"Jane Doe", "Baker Street"}});
+  EXPECT_THAT(text, testing::AllOf(HasSubstr("field 2 of 2"), Not(HasSubstr("Jane")), Not(HasSubstr("Baker"))));
+}
+
+TEST(ProtocolFields, UnknownOneNearAKnown_IsSuggested) {
+  EXPECT_THAT(refusal(reaching(), {{"side", "left"}, {"arm_lenght_cm", "60"}}), HasSubstr("did you mean 'arm_length_cm'?"));
+}
+
+TEST(ProtocolFields, GivenToAProtocolThatAsksForNone_IsRefused) {
+  EXPECT_THAT(refusal(free_protocol(), {{"age_years", "30"}}), HasSubstr("it asks for none"));
+}
+
+TEST(ProtocolFields, GivenTwice_IsRefusedEvenWhenBothAgree) {
+  EXPECT_THAT(refusal(reaching(), {{"side", "left"}, {"side", "left"}}), HasSubstr("'side' is given twice"));
+}
+
+TEST(ProtocolFields, NoneOfTheChoices_ListsThemAndHidesWhatWasGiven) {
+  EXPECT_THAT(refusal(reaching(), {{"side", "Mister"}}), testing::AllOf(HasSubstr("left, right"), Not(HasSubstr("Mister"))));
+}
+
+TEST(ProtocolFields, NotANumber_IsRefused) {
+  for (const char* text : {"", "tall", "65,5", "65 cm", " 65", "65x", "nan", "inf", "1e999", "0x41", "+65"}) {
+    EXPECT_THAT(refusal(reaching(), {{"side", "left"}, {"arm_length_cm", text}}), HasSubstr("'arm_length_cm' is no number")) << text;
+  }
+}
+
+TEST(ProtocolFields, OutOfRange_SaysTheRange) {
+  for (const char* text : {"19.9", "120.1", "-65"}) {
+    EXPECT_THAT(refusal(reaching(), {{"side", "left"}, {"arm_length_cm", text}}), HasSubstr("20 .. 120")) << text;
+  }
+  EXPECT_EQ(refusal(reaching(), {{"side", "left"}, {"arm_length_cm", "20"}}), "");
+}
+
+TEST(ProtocolFields, TargetInPercent_NeedsTheArm) {
+  const auto protocol = reaching({{.name = "120", .target_percent = 120}});
+  EXPECT_THAT(refusal(protocol, {{"side", "left"}}), testing::AllOf(HasSubstr("'arm_length_cm' is missing"), HasSubstr("'120'")));
+  EXPECT_EQ(refusal(protocol, {{"side", "left"}, {"arm_length_cm", "70"}}), "");
+}
+
+TEST(ProtocolFields, TargetAtMaximumReach_NeedsTheReach) {
+  const auto protocol = reaching({{.name = "max", .is_maximum_reach = true}});
+  EXPECT_THAT(refusal(protocol, {{"side", "left"}, {"arm_length_cm", "70"}}), HasSubstr("'max_reach_cm' is missing"));
+  EXPECT_EQ(refusal(protocol, {{"side", "left"}, {"max_reach_cm", "132"}}), "");
+}
+
+TEST(ProtocolFields, TargetBeyondTheMaximumReach_IsRefusedAsInTheThesis) {
+  const auto protocol = reaching({{.name = "80", .target_percent = 80}, {.name = "max", .is_maximum_reach = true}});
+  // Table 6.1: S1 reaches 43 cm with an arm of 68 cm, H1 132 cm with 71 cm.
+  EXPECT_THAT(refusal(protocol, {{"side", "right"}, {"arm_length_cm", "68"}, {"max_reach_cm", "43"}}),
+              HasSubstr("target '80' stands beyond"));
+  EXPECT_EQ(refusal(protocol, {{"side", "right"}, {"arm_length_cm", "71"}, {"max_reach_cm", "132"}}), "");
+}
+
+TEST(TargetDistance, ComesFromTheSubjectsMeasures) {
+  const Fields fields{{"arm_length_cm", "65.5"}, {"max_reach_cm", "121"}};
+  EXPECT_DOUBLE_EQ(target_cm({.name = "120", .target_percent = 120}, fields).value_or(0), 78.6);
+  EXPECT_DOUBLE_EQ(target_cm({.name = "max", .is_maximum_reach = true}, fields).value_or(0), 121.0);
+  EXPECT_FALSE(target_cm({.name = "eyes-open"}, fields).has_value());
+  EXPECT_FALSE(target_cm({.name = "120", .target_percent = 120}, {{"arm_length_cm", "long"}}).has_value());
+}
+
+}  // namespace
+}  // namespace dts::session

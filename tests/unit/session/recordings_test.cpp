@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sessions of a real rig (simulated floor, real threads) with their recordings, catalogue and recovery.
+#include "session/recordings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <thread>
+
+#include "core/doorbell.h"
+#include "record/recording.h"
+#include "record/xdf/recovery.h"
+#include "session/supervisor.h"
+
+namespace dts::session {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+class RecordingsTest : public testing::Test {
+ protected:
+  RecordingsTest() {
+    std::string name = (std::filesystem::temp_directory_path() / "dts-recordings-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    storage_ = {.directory = folder_.string(), .refuse_below_min = 0.0, .warn_below_min = 0.0, .stop_below_mib = 0.0};
+  }
+  ~RecordingsTest() override {
+    supervisor_.reset();
+    recordings_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  /// The daemon's session part on the test's folder.
+  void start(std::vector<Protocol> protocols = {Protocol{}}) {
+    recordings_ = Recordings::open(storage_, clock_, core::Log()).value();
+    supervisor_ = std::make_unique<Supervisor>(
+        clock_, core::Log(), nullptr,
+        SessionServices{.recordings = recordings_.get(), .protocols = std::move(protocols), .software = "test"});
+    ASSERT_TRUE(supervisor_->add(Rig::create(floor_config(), clock_, bell_).value()));
+    supervisor_->start();
+    ASSERT_TRUE(eventually([&] { return supervisor_->states().at(0).acquisition.scans_total > 0; }));
+  }
+  void end() {
+    supervisor_->stop();
+    supervisor_.reset();
+    recordings_.reset();
+  }
+
+  [[nodiscard]] static pipeline::RigConfig floor_config() {
+    pipeline::RigConfig config;
+    config.name = "floor";
+    config.kind = "floor";
+    config.device_uri = "sim:floor?seed=3&step_on_s=0.2";
+    for (const auto& [x, y] : {std::pair{86.0, 86.0}, {344.0, 86.0}, {86.0, 344.0}, {344.0, 344.0}}) {
+      config.sensor_channels.push_back(config.sensor_channels.size());
+      config.model.sensors.push_back({.label = "w" + std::to_string(config.sensor_channels.size()),
+                                      .position = {.x = {x}, .y = {y}},
+                                      .curve = physics::SensorCurve::hoa1405_assumed()});
+    }
+    config.rate = core::Rate::create(1500, 1).value();
+    config.block_scans = 15;
+    for (const char* id : {"guard", "window_filter", "linearise", "cop"}) config.stages.push_back({.id = id, .options = {}});
+    return config;
+  }
+
+  [[nodiscard]] bool eventually(const std::function<bool()>& condition) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (std::chrono::steady_clock::now() < deadline) {
+      if (supervisor_) supervisor_->tick();
+      if (condition()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    return false;
+  }
+  [[nodiscard]] bool is_in(SessionState state) {
+    return eventually([&] { return supervisor_->states().at(0).session.state == state; });
+  }
+  /// Starts a session and waits until it has recorded `scans`.
+  [[nodiscard]] std::string record(std::uint64_t scans, const SessionRequest& request = {}) {
+    const auto started = supervisor_->start_session("floor", request);
+    EXPECT_TRUE(started) << started.error().what;
+    const std::uint64_t before = supervisor_->states().at(0).acquisition.scans_total;
+    EXPECT_TRUE(eventually([&] { return supervisor_->states().at(0).acquisition.scans_total > before + scans; }));
+    return started->id;
+  }
+  [[nodiscard]] record::SessionRow row(const std::string& id) { return recordings_->catalogue().session(id).value(); }
+
+  std::filesystem::path folder_;
+  StorageConfig storage_;
+  core::SystemClock clock_;
+  core::Doorbell bell_;
+  std::unique_ptr<Recordings> recordings_;
+  std::unique_ptr<Supervisor> supervisor_;
+};
+
+TEST_F(RecordingsTest, Session_IsOnTheDiskFromItsStartAndWholeAtItsEnd) {
+  start();
+  const std::string id = record(600, {.subject = "P017", .label = "first"});
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "sessions" / (id + ".xdf.part")));
+
+  ASSERT_TRUE(supervisor_->stop_session("floor"));
+  ASSERT_TRUE(is_in(SessionState::Idle));
+
+  const record::SessionRow session = row(id);
+  EXPECT_EQ(session.state, "complete");
+  ASSERT_EQ(session.parts.size(), 1U);
+  EXPECT_EQ(session.parts[0].state, record::PartState::Complete);
+  const auto verified = record::verify(session.parts[0].file).value();
+  EXPECT_EQ(verified.sha256, session.parts[0].sha256);
+  EXPECT_TRUE(verified.is_closed);
+  EXPECT_GE(verified.scans, 600U);
+  const auto facts = record::Recording::open(session.parts[0].file).value()->session().value();
+  EXPECT_EQ(facts.subject, "P017");
+  EXPECT_THAT(facts.stages, testing::Contains(HasSubstr("window_filter")));
+}
+
+TEST_F(RecordingsTest, MarksAndStates_StandInTheFile) {
+  start();
+  const std::string id = record(200);
+  const auto marks = supervisor_->mark("floor", "eyes closed").value();
+  ASSERT_TRUE(supervisor_->stop_session("floor"));
+  ASSERT_TRUE(is_in(SessionState::Idle));
+
+  auto recording = record::Recording::open(row(id).parts[0].file).value();
+  std::vector<std::string> states;
+  std::optional<record::TimedEvent> mark;
+  double first_s = 0.0;
+  while (auto item = recording->next().value()) {
+    if (auto* scans = std::get_if<record::RecordedScans>(&*item); scans != nullptr && first_s == 0.0) {
+      first_s = scans->first_time_s - static_cast<double>(scans->first_scan.value) / 1500.0;
+    }
+    auto* event = std::get_if<record::TimedEvent>(&*item);
+    if (event != nullptr && event->event.event == "session") states.push_back(text_of(event->event, "state"));
+    if (event != nullptr && event->event.event == "marker") mark = *event;
+  }
+
+  EXPECT_THAT(states, ElementsAre("starting", "settling", "running", "stopping"));
+  ASSERT_TRUE(mark);
+  EXPECT_EQ(mark->event.scan, marks[0].second.scan);
+  EXPECT_NEAR(mark->time_s, first_s + static_cast<double>(mark->event.scan.value) / 1500.0, 1e-8);
+}
+
+TEST_F(RecordingsTest, DaemonDies_TheNextOneListsAndRecoversWhatItWrote) {
+  start();
+  const std::string id = record(1500);
+  // What a killed daemon leaves: the files as they are now.
+  const std::filesystem::path left = folder_.string() + "-left";
+  std::filesystem::copy(folder_, left, std::filesystem::copy_options::recursive);
+  end();
+  std::filesystem::remove_all(folder_);
+  std::filesystem::rename(left, folder_);
+
+  start();
+  EXPECT_EQ(row(id).state, "interrupted");
+  ASSERT_TRUE(eventually([&] { return row(id).parts.at(0).state == record::PartState::Recovered; }));
+
+  const record::PartRow part = row(id).parts.at(0);
+  EXPECT_GT(part.lost_s_at_most, 0.0);
+  EXPECT_LE(part.lost_s_at_most, 1.0);
+  EXPECT_EQ(record::verify(part.file).value().sha256, part.sha256);
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "sessions" / (id + ".xdf.part"))) << "the original stays";
+}
+
+TEST_F(RecordingsTest, Resume_GoesOnAsTheNextPartOfTheSameSession) {
+  start();
+  const std::string id = record(300, {.subject = "P1"});
+  ASSERT_TRUE(supervisor_->stop_session("floor", true, "fire alarm"));
+  ASSERT_TRUE(is_in(SessionState::Idle));
+  EXPECT_EQ(row(id).state, "aborted");
+
+  const auto resumed = supervisor_->resume_session(id);
+  ASSERT_TRUE(resumed) << resumed.error().what;
+  EXPECT_EQ(resumed->second.id, id);
+  EXPECT_EQ(resumed->second.request.subject, "P1");
+  ASSERT_TRUE(is_in(SessionState::Running));
+  ASSERT_TRUE(supervisor_->stop_session("floor"));
+  ASSERT_TRUE(is_in(SessionState::Idle));
+
+  EXPECT_THAT(row(id).parts, ElementsAre(testing::Field(&record::PartRow::part, 1U), testing::Field(&record::PartRow::part, 2U)));
+  EXPECT_EQ(row(id).state, "complete");
+  EXPECT_FALSE(supervisor_->resume_session(id)) << "a complete session is over";
+}
+
+TEST_F(RecordingsTest, NoRoom_NoSessionStarts) {
+  storage_.refuse_below_min = storage_.warn_below_min = 1e12;
+  start();
+
+  const auto started = supervisor_->start_session("floor", {});
+
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().code, core::ErrorCode::LimitExceeded);
+  EXPECT_FALSE(supervisor_->states().at(0).session.state == SessionState::Starting);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "sessions"));
+}
+
+TEST_F(RecordingsTest, DiskNearlyFull_ClosesInOrderWhileTheStreamGoesOn) {
+  start();
+  const std::string id = record(200);
+  end();
+
+  storage_.stop_below_mib = 1e9;  // more than any disk has
+  storage_.refuse_below_min = 0.0;
+  start();
+  const auto started = supervisor_->start_session("floor", {});
+  if (started) {  // with so little room it may be refused at once
+    ASSERT_TRUE(is_in(SessionState::Failed));
+    EXPECT_EQ(row(started->id).state, "incomplete");
+    EXPECT_THAT(row(started->id).parts.at(0).reason, HasSubstr("nearly full"));
+  }
+  const std::uint64_t before = supervisor_->states().at(0).acquisition.scans_total;
+  EXPECT_TRUE(eventually([&] { return supervisor_->states().at(0).acquisition.scans_total > before + 100; }));
+}
+
+TEST_F(RecordingsTest, TareDuringASession_IsRefused) {
+  start();
+  static_cast<void>(record(100));
+
+  const auto tare = supervisor_->tare("floor");
+
+  ASSERT_FALSE(tare);
+  EXPECT_EQ(tare.error().code, core::ErrorCode::WrongState);
+}
+
+TEST_F(RecordingsTest, Trials_StandInTheCatalogueWithTheirScans) {
+  Protocol protocol{.name = "steps", .trials = TrialPlan{}};
+  protocol.trials->conditions = {{.name = "open"}, {.name = "closed"}};
+  protocol.trials->trials_per_block = 2;
+  start({Protocol{}, protocol});
+  const std::string id = record(50, {.protocol = "steps"});
+  ASSERT_TRUE(is_in(SessionState::Running));
+
+  for (const TrialAction action : {TrialAction::Next, TrialAction::Next, TrialAction::Redo, TrialAction::Next}) {
+    const auto stepped = supervisor_->trial("", action);
+    ASSERT_TRUE(stepped) << stepped.error().what;
+    const std::uint64_t before = supervisor_->states().at(0).acquisition.scans_total;
+    ASSERT_TRUE(eventually([&] { return supervisor_->states().at(0).acquisition.scans_total > before + 50; }));
+  }
+  ASSERT_TRUE(supervisor_->stop_session("floor"));
+  ASSERT_TRUE(is_in(SessionState::Idle));
+
+  std::vector<std::string> outcomes;
+  for (const record::TrialRow& trial : row(id).trials) {
+    outcomes.push_back(std::to_string(trial.trial) + "." + std::to_string(trial.attempt) + " " + trial.condition + " " + trial.outcome);
+    EXPECT_GT(trial.last_scan, trial.first_scan);
+  }
+  EXPECT_THAT(outcomes, ElementsAre("1.1 open redone", "1.2 open done"));
+}
+
+}  // namespace
+}  // namespace dts::session

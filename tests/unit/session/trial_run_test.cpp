@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/trial_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <sstream>
+
+namespace dts::session {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000'000;
+
+/// Two conditions in turn, two blocks of two. Ready for 2 s, settling for 5 s, measuring for 20 s, rest of 10 s, between blocks 60 s.
+TrialPlan timed() {
+  return {.conditions = {{.name = "a", .labels = {{"eyes", "open"}}}, {.name = "b", .target_percent = 150}},
+          .trials_per_block = 2,
+          .blocks = 2,
+          .cue_delay_min_s = 2,
+          .cue_delay_max_s = 2,
+          .settle_s = 5,
+          .duration_s = 20,
+          .rest_s = 10,
+          .block_rest_s = 60};
+}
+/// No times at all: every trial lasts from one `next` to the following.
+TrialPlan untimed() { return {.conditions = {{.name = "a"}, {.name = "b"}}, .trials_per_block = 2}; }
+
+/// "ready 1.1@0 go 1.1@2": kind, trial.attempt, second at which it was due.
+std::string told(TrialRun& run) {
+  std::ostringstream text;
+  for (const TrialEvent& event : run.take_events()) {
+    text << (text.tellp() > 0 ? " " : "") << name(event.kind);
+    if (event.trial != 0) text << ' ' << event.trial << '.' << event.attempt;
+    text << '@' << static_cast<double>(event.at_ns) / kSecond;
+  }
+  return text.str();
+}
+
+core::ErrorCode code(const core::Status& status) { return status ? core::ErrorCode{} : status.error().code; }
+constexpr auto kWrongState = core::ErrorCode::WrongState;
+
+TrialPhase phase_at(const TrialRun& run, std::int64_t now_ns) { return run.view(now_ns).phase; }
+
+TEST(TrialRun, Next_LeadsThroughAllPhases) {
+  TrialRun run(timed(), 1, {});
+  run.tick(100 * kSecond);
+  EXPECT_EQ(told(run), "");  // waits
+  ASSERT_TRUE(run.next(0));
+  run.tick(2 * kSecond - 1);
+  EXPECT_EQ(told(run), "ready 1.1@0");
+  run.tick(2 * kSecond);
+  EXPECT_EQ(phase_at(run, 2 * kSecond), TrialPhase::Settling);
+  run.tick(7 * kSecond);
+  EXPECT_EQ(phase_at(run, 7 * kSecond), TrialPhase::Measuring);
+  run.tick(27 * kSecond);
+  EXPECT_EQ(phase_at(run, 27 * kSecond), TrialPhase::Resting);
+  run.tick(37 * kSecond);
+  EXPECT_EQ(phase_at(run, 37 * kSecond), TrialPhase::Waiting);
+  EXPECT_EQ(told(run), "go 1.1@2 measure 1.1@7 done 1.1@27 rest 1.1@27");
+}
+
+TEST(TrialRun, Events_SayEverythingAboutTheTrial) {
+  TrialRun run(timed(), 1, {{"arm_length_cm", "70"}});
+  ASSERT_TRUE(run.next(0));
+  run.tick(40 * kSecond);
+  ASSERT_TRUE(run.next(40 * kSecond));
+  const auto events = run.take_events();
+  EXPECT_EQ(events[0].condition, "a");
+  EXPECT_EQ(events[0].labels, (std::vector<std::pair<std::string, std::string>>{{"eyes", "open"}}));
+  EXPECT_FALSE(events[0].target_cm.has_value());
+  EXPECT_EQ(events[4].kind, TrialEventKind::Rest);
+  EXPECT_EQ(events[4].rest_s, 10.0);
+  EXPECT_EQ(events[5].condition, "b");
+  EXPECT_DOUBLE_EQ(events[5].target_cm.value_or(0), 105.0);
+  EXPECT_TRUE(run.take_events().empty());
+}
+
+TEST(TrialRun, BlockOver_RestsForTheBlock) {
+  TrialRun run(timed(), 1, {});
+  ASSERT_TRUE(run.next(0));
+  ASSERT_TRUE(run.next(30 * kSecond));
+  run.tick(57 * kSecond);
+  EXPECT_DOUBLE_EQ(run.view(57 * kSecond).remaining_s, 60.0);
+  EXPECT_EQ(run.take_events().back().rest_s, 60.0);
+}
+
+TEST(TrialRun, LateTick_PassesThroughSeveralPhasesWithoutDrift) {
+  TrialRun run(timed(), 1, {});
+  ASSERT_TRUE(run.next(0));
+  run.tick(1000 * kSecond);
+  EXPECT_EQ(told(run), "ready 1.1@0 go 1.1@2 measure 1.1@7 done 1.1@27 rest 1.1@27");
+  EXPECT_EQ(phase_at(run, 1000 * kSecond), TrialPhase::Waiting);
+}
+
+TEST(TrialRun, LateTickOfAPlanThatStartsByItself_RunsToTheEnd) {
+  auto plan = timed();
+  plan.starts_by_itself = true;
+  TrialRun run(plan, 1, {});
+  run.tick(500 * kSecond);
+  EXPECT_EQ(told(run), "");  // the first trial waits all the same
+  ASSERT_TRUE(run.next(500 * kSecond));
+  run.tick(5000 * kSecond);
+  EXPECT_TRUE(run.is_finished());
+  EXPECT_THAT(told(run), testing::EndsWith("done 3.1@651 rest 3.1@651 ready 4.1@661 go 4.1@663 measure 4.1@668 done 4.1@688 finished@688"));
+}
+
+TEST(TrialRun, ManySmallTicks_TellTheSameAsOneLate) {
+  auto plan = timed();
+  plan.starts_by_itself = true;
+  TrialRun patient(plan, 1, {});
+  TrialRun late(plan, 1, {});
+  ASSERT_TRUE(patient.next(0));
+  ASSERT_TRUE(late.next(0));
+  for (std::int64_t now_ns = 0; now_ns <= 300 * kSecond; now_ns += 7'000'003) patient.tick(now_ns);
+  patient.tick(300 * kSecond);
+  late.tick(300 * kSecond);
+  EXPECT_EQ(told(patient), told(late));
+}
+
+TEST(TrialRun, NoTimes_EveryNextEndsOrStartsATrial) {
+  TrialRun run(untimed(), 1, {});
+  ASSERT_TRUE(run.next(1 * kSecond));
+  EXPECT_EQ(phase_at(run, kSecond), TrialPhase::Measuring);
+  EXPECT_EQ(run.view(kSecond).remaining_s, 0.0);
+  run.tick(1000 * kSecond);
+  ASSERT_TRUE(run.next(1001 * kSecond));
+  EXPECT_EQ(phase_at(run, 1001 * kSecond), TrialPhase::Waiting);
+  ASSERT_TRUE(run.next(1002 * kSecond));
+  ASSERT_TRUE(run.next(1003 * kSecond));
+  EXPECT_EQ(told(run),
+            "ready 1.1@1 go 1.1@1 measure 1.1@1 done 1.1@1001 ready 2.1@1002 go 2.1@1002 measure 2.1@1002 done 2.1@1003 finished@1003");
+  EXPECT_TRUE(run.is_finished());
+  EXPECT_EQ(code(run.next(1004 * kSecond)), kWrongState);
+}
+
+TEST(TrialRun, NoTimesAndStartingByItself_TheEndOfATrialIsTheStartOfTheNext) {
+  auto plan = untimed();
+  plan.starts_by_itself = true;
+  TrialRun run(plan, 1, {});
+  ASSERT_TRUE(run.next(0));
+  ASSERT_TRUE(run.next(kSecond));
+  EXPECT_EQ(told(run), "ready 1.1@0 go 1.1@0 measure 1.1@0 done 1.1@1 ready 2.1@1 go 2.1@1 measure 2.1@1");
+}
+
+TEST(TrialRun, DurationBelowANanosecond_EndsAWholePlanWithoutNesting) {
+  TrialPlan plan{.conditions = {{.name = "a"}}, .trials_per_block = kMostTrials, .starts_by_itself = true, .duration_s = 1e-15};
+  TrialRun run(plan, 1, {});
+  ASSERT_TRUE(run.next(0));
+  run.tick(kSecond);
+  EXPECT_TRUE(run.is_finished());
+  EXPECT_EQ(run.take_events().size(), std::size_t{4} * kMostTrials + 1);
+}
+
+TEST(TrialRun, NextInEachPhase_WorksOnlyWhereNothingIsCut) {
+  TrialRun run(timed(), 1, {});
+  ASSERT_TRUE(run.next(0));
+  EXPECT_EQ(code(run.next(1 * kSecond)), kWrongState);   // ready
+  EXPECT_EQ(code(run.next(3 * kSecond)), kWrongState);   // settling
+  EXPECT_EQ(code(run.next(10 * kSecond)), kWrongState);  // measuring for a fixed time
+  ASSERT_TRUE(run.next(28 * kSecond));                   // resting: cut short
+  EXPECT_EQ(run.view(28 * kSecond).trial, 2U);
+  EXPECT_EQ(phase_at(run, 28 * kSecond), TrialPhase::Ready);
+}
+
+struct Moment {
+  const char* phase;
+  std::int64_t second;
+};
+class TrialRunVoided : public testing::TestWithParam<Moment> {};
+
+TEST_P(TrialRunVoided, Redo_StartsTheSamePlaceAgainAsAnotherAttempt) {
+  TrialRun run(timed(), 1, {});
+  ASSERT_TRUE(run.next(0));
+  const std::int64_t now_ns = GetParam().second * kSecond;
+  run.tick(now_ns);
+  ASSERT_EQ(name(phase_at(run, now_ns)), GetParam().phase);
+  static_cast<void>(run.take_events());
+
+  ASSERT_TRUE(run.redo(now_ns));
+
+  const std::string at = "@" + std::to_string(GetParam().second);
+  EXPECT_EQ(told(run), "redone 1.1" + at + " ready 1.2" + at);
+  EXPECT_EQ(phase_at(run, now_ns), TrialPhase::Ready);
+  run.tick(now_ns + 1000 * kSecond);
+  ASSERT_TRUE(run.next(now_ns + 1000 * kSecond));
+  EXPECT_EQ(run.view(now_ns + 1000 * kSecond).trial, 2U);
+  EXPECT_EQ(run.view(now_ns + 1000 * kSecond).attempt, 1U);
+}
+
+TEST_P(TrialRunVoided, Reject_GoesOnWithTheNextPlace) {
+  TrialRun run(timed(), 1, {});
+  ASSERT_TRUE(run.next(0));
+  const std::int64_t now_ns = GetParam().second * kSecond;
+  run.tick(now_ns);
+  static_cast<void>(run.take_events());
+
+  ASSERT_TRUE(run.reject(now_ns));
+
+  EXPECT_THAT(told(run), testing::StartsWith("rejected 1.1@" + std::to_string(GetParam().second)));
+  EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
+  EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
+  ASSERT_TRUE(run.next(now_ns));
+  EXPECT_EQ(told(run), "ready 2.1@" + std::to_string(GetParam().second));
+}
+
+TEST_P(TrialRunVoided, Abort_TellsOnlyATrialUnderWayAndEndsEverything) {
+  TrialRun run(timed(), 1, {});
+  ASSERT_TRUE(run.next(0));
+  const std::int64_t now_ns = GetParam().second * kSecond;
+  run.tick(now_ns);
+  static_cast<void>(run.take_events());
+
+  run.abort(now_ns);
+  run.abort(now_ns);
+
+  const bool is_under_way = GetParam().second < 27;
+  EXPECT_EQ(told(run), is_under_way ? "aborted 1.1@" + std::to_string(GetParam().second) : "");
+  EXPECT_EQ(code(run.next(now_ns)), kWrongState);
+  EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
+  EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
+  run.tick(now_ns + 1000 * kSecond);
+  EXPECT_EQ(told(run), "");
+  EXPECT_FALSE(run.is_finished());
+}
+
+INSTANTIATE_TEST_SUITE_P(EachPhase, TrialRunVoided,
+                         testing::Values(Moment{"ready", 1}, Moment{"settling", 3}, Moment{"measuring", 10}, Moment{"resting", 30},
+                                         Moment{"waiting", 50}),
+                         [](const auto& moment) { return moment.param.phase; });
+
+TEST(TrialRun, NothingStartedYet_CannotBeVoidedOrAborted) {
+  TrialRun run(timed(), 1, {});
+  EXPECT_EQ(code(run.redo(0)), kWrongState);
+  EXPECT_EQ(code(run.reject(0)), kWrongState);
+  run.abort(0);
+  EXPECT_EQ(told(run), "");
+}
+
+TEST(TrialRun, RejectedUnderWay_RestsBeforeTheNext) {
+  auto plan = timed();
+  plan.starts_by_itself = true;
+  TrialRun run(plan, 1, {});
+  ASSERT_TRUE(run.next(0));
+  ASSERT_TRUE(run.reject(3 * kSecond));
+  run.tick(13 * kSecond);
+  EXPECT_EQ(told(run), "ready 1.1@0 go 1.1@2 rejected 1.1@3 rest 1.1@3 ready 2.1@13");
+}
+
+TEST(TrialRun, RejectedWhileResting_TheRestGoesOn) {
+  TrialRun run(timed(), 1, {});
+  ASSERT_TRUE(run.next(0));
+  ASSERT_TRUE(run.reject(30 * kSecond));
+  EXPECT_EQ(phase_at(run, 30 * kSecond), TrialPhase::Resting);
+  EXPECT_DOUBLE_EQ(run.view(30 * kSecond).remaining_s, 7.0);
+}
+
+TEST(TrialRun, RedoTwice_CountsAttempts) {
+  TrialRun run(untimed(), 1, {});
+  ASSERT_TRUE(run.next(0));
+  ASSERT_TRUE(run.redo(0));
+  ASSERT_TRUE(run.redo(0));
+  EXPECT_EQ(run.view(0).attempt, 3U);
+  ASSERT_TRUE(run.next(0));
+  ASSERT_TRUE(run.next(0));
+  EXPECT_EQ(run.view(0).trial, 2U);
+  EXPECT_EQ(run.view(0).attempt, 1U);
+}
+
+TEST(TrialRun, Redo_DrawsAnotherDelayOfTheCue) {
+  auto plan = timed();
+  plan.cue_delay_max_s = 3600;  // that two of 3.6 million are the same is not what this seed gives
+  TrialRun run(plan, 5, {});
+  ASSERT_TRUE(run.next(0));
+  const double first_s = run.view(0).remaining_s;
+  EXPECT_DOUBLE_EQ(first_s, make_plan(plan, 5)[0].cue_delay_s);
+  ASSERT_TRUE(run.redo(0));
+  EXPECT_NE(run.view(0).remaining_s, first_s);
+}
+
+TEST(TrialRun, LastTrialDone_CanStillBeRedone) {
+  TrialRun run(untimed(), 1, {});
+  for (int call = 0; call < 4; ++call) ASSERT_TRUE(run.next(0));
+  ASSERT_TRUE(run.is_finished());
+  ASSERT_TRUE(run.redo(kSecond));
+  EXPECT_FALSE(run.is_finished());
+  EXPECT_EQ(run.view(kSecond).trial, 2U);
+  ASSERT_TRUE(run.next(2 * kSecond));
+  EXPECT_TRUE(run.is_finished());
+}
+
+TEST(TrialRun, LastTrialRejected_StaysFinishedAndIsToldOnce) {
+  TrialRun run(untimed(), 1, {});
+  for (int call = 0; call < 4; ++call) ASSERT_TRUE(run.next(0));
+  static_cast<void>(run.take_events());
+  ASSERT_TRUE(run.reject(kSecond));
+  EXPECT_EQ(told(run), "rejected 2.1@1");
+  EXPECT_TRUE(run.is_finished());
+}
+
+TEST(TrialRun, AbortAfterTheTimeWasOver_TheTrialIsDone) {
+  TrialRun run(timed(), 1, {});
+  ASSERT_TRUE(run.next(0));
+  run.abort(28 * kSecond);  // nobody called tick since
+  EXPECT_THAT(told(run), testing::EndsWith("done 1.1@27 rest 1.1@27"));
+}
+
+TEST(TrialRun, DoneInEarlierParts_IsPassedOver) {
+  TrialRun run(timed(), 1, {}, {1, 3, 0, 99, 4'000'000'000U});
+  EXPECT_EQ(run.view(0).trial, 0U);
+  EXPECT_EQ(run.view(0).of, 4U);
+  EXPECT_EQ(run.view(0).next_condition, "b");
+  EXPECT_EQ(code(run.redo(0)), kWrongState);  // what an earlier part recorded is not this one's to void
+  ASSERT_TRUE(run.next(0));
+  EXPECT_EQ(run.view(0).trial, 2U);
+  run.tick(27 * kSecond);
+  EXPECT_EQ(run.take_events().back().rest_s, 60.0);  // the next place lies in another block
+  ASSERT_TRUE(run.next(30 * kSecond));
+  EXPECT_EQ(run.view(30 * kSecond).trial, 4U);
+  run.tick(100 * kSecond);
+  EXPECT_TRUE(run.is_finished());
+}
+
+TEST(TrialRun, AllDoneInEarlierParts_IsFinishedFromTheStart) {
+  TrialRun run(untimed(), 1, {}, {2, 1});
+  EXPECT_TRUE(run.is_finished());
+  EXPECT_EQ(told(run), "finished@0");
+  EXPECT_EQ(code(run.next(0)), kWrongState);
+}
+
+TEST(TrialRun, EmptyPlan_IsFinishedFromTheStart) {
+  TrialRun run({}, 1, {});
+  EXPECT_TRUE(run.is_finished());
+  EXPECT_EQ(run.view(0).of, 0U);
+  run.tick(kSecond);
+  run.abort(kSecond);
+}
+
+TEST(TrialRun, View_KnowsWhatComesNext) {
+  TrialRun run(timed(), 1, {{"arm_length_cm", "70"}});
+  EXPECT_EQ(run.view(0).next_condition, "a");
+  EXPECT_EQ(run.view(0).block, 1U);
+  ASSERT_TRUE(run.next(0));
+  const auto view = run.view(kSecond);
+  EXPECT_EQ(view.condition, "a");
+  EXPECT_EQ(view.next_condition, "b");
+  EXPECT_DOUBLE_EQ(view.next_target_cm.value_or(0), 105.0);
+  EXPECT_DOUBLE_EQ(view.remaining_s, 1.0);
+  EXPECT_EQ(run.view(100 * kSecond).remaining_s, 0.0);  // never negative, even before tick
+}
+
+TEST(TrialRun, TimeGoingBack_ChangesNothing) {
+  TrialRun run(timed(), 1, {});
+  ASSERT_TRUE(run.next(10 * kSecond));
+  run.tick(0);
+  EXPECT_EQ(phase_at(run, 0), TrialPhase::Ready);
+}
+
+}  // namespace
+}  // namespace dts::session

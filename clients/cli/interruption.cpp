@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/interruption.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace dts::cli {
 namespace {
 
-volatile std::sig_atomic_t is_interrupted = 0;  // all that a signal handler may touch
+std::atomic<bool> is_interrupted = false;  // a signal handler may touch it, on whatever thread
+static_assert(std::atomic<bool>::is_always_lock_free);
 
-extern "C" void note_interruption(int /*signal*/) { is_interrupted = 1; }
+extern "C" void note_interruption(int /*signal*/) { is_interrupted.store(true); }
 
 }  // namespace
 
 Interruption::Interruption() {
-  is_interrupted = 0;
+  is_interrupted.store(false);
   before_ = std::signal(SIGINT, note_interruption);
 }
 
 Interruption::~Interruption() { std::signal(SIGINT, before_); }
 
-bool Interruption::is_asked_for() const noexcept { return is_interrupted != 0; }
+bool Interruption::is_asked_for() const noexcept { return is_interrupted.load(); }
 
 }  // namespace dts::cli

@@ -5,7 +5,9 @@ namespace dts::ctl {
 
 cli::Manual make_manual() {
   return {.summary = "command line of the distributive tactile sensing daemon",
-          .description = "Talks to a running\n.BR dtsd (8):\nshows its state and its live data, starts and stops sessions, sets markers.",
+          .description =
+              "Talks to a running\n.BR dtsd (8):\nshows its state and its live data, starts and stops sessions, sets markers.\nVerifies, "
+              "repairs and exports recordings; files need no daemon.",
           .environment = {{"DTSD_CONTROL, DTSD_DATA", "Addresses of the daemon's control and data sockets."},
                           {"DTSD_RUNTIME_DIR", "Directory of the daemon's sockets, control.sock and data.sock."},
                           {"XDG_RUNTIME_DIR", "Its subdirectory dtsd is looked into when there is no daemon of the system."},

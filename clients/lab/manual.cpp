@@ -47,9 +47,14 @@ constexpr auto kTables =
     "deflection at each sensor in the order of the rig file. For\n.B cop estimate\nload and position may be missing; est_x_mm, "
     "est_y_mm, est_p_n and flags are added. The flags, joined by a bar, are no_contact, outside_area and outside_load; nothing: a good "
     "estimate.\n"
+    ".TP\n.B t_s, true_ml_mm, true_ap_mm, true_load_n\nThe truth beside a recording of\n.BR \"dtslab simulate\" ;\n"
+    "empty while nobody is on the plate.\n"
     ".TP\n.B t_s, x_mm, y_mm, trigger, marker\nRecordings of\n.BR \"dtslab compare\" :\ntime that rises, position of the centre of "
     "pressure, "
     "and, if there, a trigger level or texts at the scan they belong to.\n"
+    ".SH RECORDINGS\nXDF files of\n.BR dtsd .\n.B dtslab replay\nexits with 0 when every derived stream is what the recorded raw stream "
+    "gives, or when there is none; with 1 when one differs; with 2 when the file is no recording of dtsd; with 7 when it is damaged.\n"
+    ".B dtslab compare\ntakes the stream cop of a recording, with its rising triggers and its markers.\n"
     ".SH JSON\nNumbers are numbers. What is undefined is absent. Units are in the names.\n";
 
 }  // namespace
@@ -58,9 +63,9 @@ cli::Manual make_manual() {
   return {.summary = "offline laboratory of the distributive tactile sensing daemon",
           .description =
               "Bends plates, computes the tables of the founding thesis anew, calibrates and evaluates estimators of the centre of "
-              "pressure. Needs no running\n.BR dtsd (8).",
+              "pressure, records simulated people, and computes recordings again bit for bit. Needs no running\n.BR dtsd (8).",
           .environment = {{"NO_COLOR", "Set: no colours."}},
-          .exit_statuses = {0, 1, 2, 4, 130},
+          .exit_statuses = {0, 1, 2, 4, 6, 7, 130},
           .further_sections = std::string(kPlateCase) + kTables,
           .files = {},
           .see_also = {{"dtsctl", 1}, {"dtsd", 8}, {"gnuplot", 1}}};

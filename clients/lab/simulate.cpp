@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/simulate.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -105,6 +106,21 @@ core::Result<std::unique_ptr<device::Device>> start_device(const Simulation& sim
   return device;
 }
 
+core::Status record_scans(device::Device& device, pipeline::Pipeline& pipeline, record::Recorder& recorder, TruthFile* truth,
+                          std::uint64_t scans, const std::function<void(double)>& progress) {
+  core::Acquired acquired{.block = core::Block(device.describe().channels.size(), kBlockScans)};
+  core::Frame frame = pipeline.make_frame();
+  for (std::uint64_t done = 0; done < scans; done += acquired.block.count()) {
+    (void)device.read(acquired.block, kNever);
+    acquired.block.set_count(static_cast<std::size_t>(std::min<std::uint64_t>(acquired.block.count(), scans - done)));
+    pipeline.process(acquired, frame);
+    if (auto taken = recorder.take(frame); !taken) return taken;
+    if (truth != nullptr) truth->add(acquired.block);
+    progress(static_cast<double>(done) / static_cast<double>(scans));
+  }
+  return {};
+}
+
 }  // namespace
 
 core::Result<Simulated> simulate_floor(Simulation simulation, const std::function<void(double)>& progress) {
@@ -125,16 +141,8 @@ core::Result<Simulated> simulate_floor(Simulation simulation, const std::functio
   if (!recorder) return tl::make_unexpected(recorder.error());
 
   const std::uint64_t scans = simulation.config.rate.scans_in_ms(simulation.duration_s * 1000.0);
-  core::Acquired acquired{.block = core::Block((*device)->describe().channels.size(), kBlockScans)};
-  core::Frame frame = rig->pipeline->make_frame();
-  for (std::uint64_t done = 0; done < scans; done += acquired.block.count()) {
-    (void)(*device)->read(acquired.block, kNever);
-    acquired.block.set_count(static_cast<std::size_t>(std::min<std::uint64_t>(acquired.block.count(), scans - done)));
-    rig->pipeline->process(acquired, frame);
-    if (auto taken = (*recorder)->take(frame); !taken) return tl::make_unexpected(taken.error());
-    if (truth) truth->add(acquired.block);
-    progress(static_cast<double>(done) / static_cast<double>(scans));
-  }
+  auto recorded = record_scans(**device, *rig->pipeline, **recorder, truth ? &*truth : nullptr, scans, progress);
+  if (!recorded) return tl::make_unexpected(recorded.error());
   if (auto flushed = (*recorder)->flush(); !flushed) return tl::make_unexpected(flushed.error());
   const auto closed = (*recorder)->close("");
   if (!closed) return tl::make_unexpected(closed.error());

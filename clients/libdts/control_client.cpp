@@ -18,7 +18,7 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kSocketMaxBytes = 4 * static_cast<std::int64_t>(kMaxMessageBytes);
+constexpr std::int64_t kSocketMaxBytes = 4 * static_cast<std::int64_t>(kMaxAnswerBytes);
 constexpr std::size_t kLongestText = 2000;
 
 /// 128 random bits: no two commands of any client share it.
@@ -136,7 +136,7 @@ std::optional<v1::Response> ControlClient::Implementation::take(const std::strin
     if (frame.more()) has_envelope = has_envelope && frame.size() == 0;
   } while (frame.more());
   v1::Response response;
-  const bool is_response = frames <= 2 && has_envelope && frame.size() <= kMaxMessageBytes &&
+  const bool is_response = frames <= 2 && has_envelope && frame.size() <= kMaxAnswerBytes &&
                            response.ParseFromArray(frame.data(), static_cast<int>(frame.size()));
   // A daemon that cannot read a request refuses it without its id.
   const bool is_refusal = is_response && response.request_id().empty() && response.has_error();

@@ -10,8 +10,11 @@
 
 namespace dts::client {
 
-/// Nothing the daemon sends is larger; a block of its largest size has 512 KiB.
+/// Nothing the daemon publishes is larger; a block of its largest size has 512 KiB.
 inline constexpr std::size_t kMaxMessageBytes = 1U << 20U;
+
+/// An answer may hold a whole list: a thousand sessions, ten thousand trials.
+inline constexpr std::size_t kMaxAnswerBytes = 4 * kMaxMessageBytes;
 
 /// The daemon is checked like any other peer: everything that is used as a size, a divisor or a name must make sense.
 /// Each fails with DataDamaged and what is wrong.

@@ -14,7 +14,6 @@ using core::ErrorCode;
 constexpr std::uint32_t kDefaultLimit = 100;
 constexpr std::uint32_t kLargestLimit = 1000;  // an answer stays below a few MB
 constexpr std::size_t kMostFields = 64;
-constexpr std::size_t kLongestTarget = 64;
 constexpr const char* kWho = "local";  // sockets of the machine itself: whoever the file system lets in
 
 std::size_t limit_of(std::uint32_t asked) { return std::clamp(asked == 0 ? kDefaultLimit : asked, 1U, kLargestLimit); }
@@ -157,13 +156,16 @@ void SessionCommands::enter_audit(const dts::v1::Request& request, const dts::v1
   session::Recordings* recordings = supervisor_.recordings();
   auto [what, target] = named(request);
   if (recordings == nullptr || what.empty()) return;
-  if (response.has_session()) target = response.session().session_id();
+  const auto rigs = supervisor_.rigs();
+  const bool is_rig = std::ranges::any_of(rigs, [&](const session::Rig* rig) { return rig->config().name == target; });
+  if (response.has_session()) {
+    target = response.session().session_id();
+  } else if (!is_rig) {
+    target.clear();  // whatever somebody typed there does not belong into a trail that nobody can erase
+  }
   const std::string result = response.has_error() ? std::string(core::name(static_cast<ErrorCode>(response.error().code()))) : "ok";
-  recordings->enter_audit({.utc_ns = clock_.now_ns() + core::utc_minus_monotonic_ns(),
-                           .who = kWho,
-                           .what = what,
-                           .target = target.substr(0, kLongestTarget),
-                           .result = result});
+  recordings->enter_audit(
+      {.utc_ns = clock_.now_ns() + core::utc_minus_monotonic_ns(), .who = kWho, .what = what, .target = target, .result = result});
 }
 
 }  // namespace dts::ipc

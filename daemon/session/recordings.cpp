@@ -6,66 +6,18 @@
 #include <utility>
 
 #include "record/xdf/recovery.h"
+#include "session/rig_pipeline.h"
 
 namespace dts::session {
 namespace {
 
 constexpr double kScalarBytes = 8.0;
 
-/// XDF wiki: what a channel measures.
-std::string channel_type(const std::string& unit) {
-  if (unit == "V") return "Voltage";
-  if (unit == "mm") return "Position";
-  return unit == "N" ? "Force" : "Misc";
-}
-
-record::ChannelInfo device_channel(const core::ChannelFormat& format, const device::DeviceDescription& device, std::size_t channel) {
-  const device::ChannelDescription& described = device.channels.at(channel);
-  return {.label = format.name,
-          .unit = format.unit,
-          .type = channel_type(format.unit),
-          .device_channel = static_cast<int>(channel),
-          .minimum = described.minimum,
-          .maximum = described.maximum,
-          .resolution = described.resolution,
-          .is_sensor = described.role == device::ChannelRole::Sensor,
-          .is_marker = described.role == device::ChannelRole::Marker};
-}
-
-/// Device channels of the columns of "raw" and "aux", in order: the sensors as configured, then the rest as they come.
-std::vector<std::size_t> device_channels(const Rig& rig, const std::string& stream) {
-  const std::vector<std::size_t>& sensors = rig.config().sensor_channels;
-  if (stream == "raw") return sensors;
-  std::vector<std::size_t> others;
-  for (std::size_t channel = 0; stream == "aux" && channel < rig.device().channels.size(); ++channel) {
-    if (std::ranges::find(sensors, channel) == sensors.end()) others.push_back(channel);
-  }
-  return others;
-}
-
-record::RecordedStream recorded_stream(const Rig& rig, std::size_t index) {
-  const core::StreamFormat& format = rig.formats()[index];
-  // What the device gave is kept to the bit, so that everything else can be computed again; what was computed, as it is published.
-  const bool is_measured = format.name == "raw" || format.name == "aux";
-  record::StreamInfo info{.name = rig.config().name + "/" + format.name,
-                          .content = "DTS",
-                          .value_type = is_measured ? record::ValueType::Double64 : record::ValueType::Float32,
-                          .rate = format.rate,
-                          .channels = {},
-                          .delay_ns = format.delay_ns};
-  const std::vector<std::size_t> channels = device_channels(rig, format.name);
-  for (std::size_t c = 0; c < format.channels.size(); ++c) {
-    const core::ChannelFormat& channel = format.channels[c];
-    info.channels.push_back(is_measured && c < channels.size()
-                                ? device_channel(channel, rig.device(), channels[c])
-                                : record::ChannelInfo{.label = channel.name, .unit = channel.unit, .type = channel_type(channel.unit)});
-  }
-  return {.frame_index = index, .info = std::move(info)};
-}
+std::vector<record::RecordedStream> streams_of(const Rig& rig) { return recorded_streams(rig.config(), rig.device(), rig.formats()); }
 
 double bytes_per_second(const Rig& rig) {
   double sum = 0.0;
-  for (const record::RecordedStream& stream : recorded_streams(rig)) {
+  for (const record::RecordedStream& stream : streams_of(rig)) {
     const double bytes = stream.info.value_type == record::ValueType::Float32 ? kScalarBytes / 2.0 : kScalarBytes;
     sum += stream.info.rate->hz() * static_cast<double>(stream.info.channels.size()) * bytes;
   }
@@ -94,18 +46,6 @@ bool is_closed_already(record::PartRow& part) {
 }
 
 }  // namespace
-
-std::vector<record::RecordedStream> recorded_streams(const Rig& rig) {
-  const std::vector<std::string>& wanted = rig.config().recorded;
-  std::vector<record::RecordedStream> streams;
-  for (std::size_t index = 0; index < rig.formats().size(); ++index) {
-    const std::string& name = rig.formats()[index].name;
-    const bool is_needed = name == "raw" || name == "aux";  // without them nothing could be computed again
-    if (!is_needed && !wanted.empty() && std::ranges::find(wanted, name) == wanted.end()) continue;
-    streams.push_back(recorded_stream(rig, index));
-  }
-  return streams;
-}
 
 core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& config, core::Clock& clock, core::Log log) {
   if (auto prepared = prepare_storage(config); !prepared) return tl::make_unexpected(prepared.error());
@@ -208,7 +148,7 @@ core::Status Recordings::begin(Rig& rig, record::SessionFacts facts) {
   if (view.state == DiskState::Unusable) return core::fail(core::ErrorCode::Failed, "no session can start: " + view.problem);
   if (view.state == DiskState::Low) log_.warning(view.problem);
   const std::string file = file_of(config_, facts);
-  auto recorder = record::Recorder::create(file, facts, recorded_streams(rig));
+  auto recorder = record::Recorder::create(file, facts, streams_of(rig));
   if (!recorder) return tl::make_unexpected(recorder.error());
   if (auto entered = catalogue_->begin_part(facts, file + ".part"); !entered) {
     static_cast<void>((*recorder)->close("the catalogue cannot be written"));  // nothing is in it; the error that counts is returned

@@ -86,7 +86,4 @@ class Recordings {
   std::jthread recovery_thread_;
 };
 
-/// What is recorded of a rig: the streams its configuration names, or all.
-[[nodiscard]] std::vector<record::RecordedStream> recorded_streams(const Rig& rig);
-
 }  // namespace dts::session

@@ -87,6 +87,7 @@ core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<pipeline::RigCo
   config->rate = *exact_rate;  // of this every format, window and time is made
   auto made = make_rig_pipeline(*config, described);
   if (!made) return tl::make_unexpected(made.error());
+  if (auto restored = restore_recorded(*made->pipeline, described); !restored) return tl::make_unexpected(restored.error());
   for (const auto& [streams, verb] : {std::pair{&config->published, "publish"}, std::pair{&config->recorded, "record"}}) {
     if (auto checked = check_streams(*config, *made->pipeline, *streams, verb); !checked) return tl::make_unexpected(checked.error());
   }

@@ -19,6 +19,7 @@
 
 #include "core/clock.h"
 #include "device/registry.h"
+#include "unit/device/replay/made_recording.h"
 #include "unit/device/sim_rig.h"
 #include "usb/emulator/fs_plus_emulator.h"
 #include "usb/emulator/u6_emulator.h"
@@ -39,6 +40,7 @@ struct DeviceUnderTest {
   const char* unplugging_uri;
   const char* gapping_uri;
   Units (*make_units)() = [] { return Units(); };  ///< What must be plugged in; then the plug is pulled, and no URI does it.
+  bool comes_back = true;                          ///< A lost one can be opened again later; a recording that has ended cannot.
 };
 
 inline void PrintTo(const DeviceUnderTest& tested, std::ostream* out) { *out << tested.name; }
@@ -92,12 +94,43 @@ inline const char* fpga_image() {
   return uri.c_str();
 }
 
+/// Recordings to play, made once: a minute, half a second, and one with a gap.
+struct Recordings {
+  Recordings() {
+    std::string name = testing::TempDir() + "dts_contract_replay_XXXXXX";
+    folder = mkdtemp(name.data());
+    const core::Gap gap{.reason = core::GapReason::Overrun, .missing_scans = 70, .is_exact = true};
+    const auto make = [&](const char* file, std::vector<test::MadeSegment> segments) {
+      return "replay:" + test::make_recording({.sensors = 3, .aux = 0, .segments = std::move(segments)}, folder + file);
+    };
+    whole = make("/whole.xdf", {{.scans = 6000}});
+    ending = make("/ending.xdf", {{.scans = 50}});
+    gapping = make("/gapping.xdf", {{.scans = 50}, {.scans = 6000, .gap = gap}});
+  }
+  ~Recordings() { std::filesystem::remove_all(folder); }
+
+  std::string folder;
+  std::string whole;
+  std::string ending;
+  std::string gapping;
+};
+
+inline const Recordings& recordings() {
+  static const Recordings made;
+  return made;
+}
+
 inline const std::array kDevices = {
     DeviceUnderTest{"sim_floor", "sim:floor", "sim:floor?fault=unplug&fault_at_s=0.5&fault_for_s=1",
                     "sim:floor?fault=overrun&fault_at_s=0.5&fault_for_s=0.7"},
     DeviceUnderTest{"sim_floor_16", "sim:floor?extra=12&clock_ppm=80&contact=point",
                     "sim:floor?extra=12&fault=unplug&fault_at_s=0&fault_for_s=0.001",
                     "sim:floor?extra=12&fault=silence&fault_at_s=0.2&fault_for_s=3"},
+    DeviceUnderTest{.name = "replay",
+                    .uri = recordings().whole.c_str(),
+                    .unplugging_uri = recordings().ending.c_str(),
+                    .gapping_uri = recordings().gapping.c_str(),
+                    .comes_back = false},
     DeviceUnderTest{"mcc_1608fs_plus", "mcc:1608fs-plus?serial=01A2B3C4&channels=0,1,2,3", "", "", fs_plus<emulator::FsPlusKind::Usb1608>},
     DeviceUnderTest{"mcc_1208fs_plus", "mcc:1208fs-plus?serial=01A2B3C4", "", "", fs_plus<emulator::FsPlusKind::Usb1208>},
     DeviceUnderTest{"mcc_usb_205", "mcc:usb-205?serial=01A2B3C4&channels=1,2,5", "", "", fs_plus<emulator::FsPlusKind::Usb205>},

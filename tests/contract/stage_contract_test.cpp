@@ -1,114 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // What every stage promises (daemon/pipeline/stage.h), for all stages of the registry with synthetic input. A new stage is
 // done when it passes here; nothing in this file names one.
+#include "contract/stage_contract.h"
+
 #include <gmock/gmock.h>
 
-#include <bit>
-#include <cmath>
-#include <limits>
-#include <map>
 #include <random>
 #include <set>
 
 #include "support/allocation_counter.h"
-#include "unit/pipeline/floor_rig.h"
-#include "unit/pipeline/stage_runner.h"
-#include "unit/pipeline/standing_signal.h"
 
-namespace dts::pipeline {
+namespace dts::pipeline::contract {
 namespace {
 
 using testing::HasSubstr;
-
-constexpr std::size_t kLargestBlock = 64;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-using Options = std::map<std::string, OptionValue, std::less<>>;
-
-/// A stage with its surroundings, prepared for the first kind of input that it takes.
-class PreparedStage {
- public:
-  PreparedStage(const std::string& id, const Options& options) : stage_(surroundings_.make({.id = id, .options = options})) { prepare(); }
-
-  void prepare() {
-    for (const auto maker : {&standing_volts, &standing_millimetres}) {
-      const auto format = stage_->prepare(maker(0, 1, Faults::None).format, kLargestBlock);
-      if (!format) continue;
-      make_signal_ = maker;
-      format_ = *format;
-      return;
-    }
-    // An option at the end of its range may ask for more than this input has: a marker channel, say.
-  }
-  [[nodiscard]] bool is_prepared() const { return make_signal_ != nullptr; }
-  [[nodiscard]] Signal signal(std::size_t scans, std::uint64_t seed, Faults faults) const { return make_signal_(scans, seed, faults); }
-  Output run(const Signal& signal, std::vector<std::size_t> block_sizes = {kLargestBlock}) {
-    return pipeline::run(*stage_, format_.channels.size(), signal, block_sizes);
-  }
-  Stage& operator*() { return *stage_; }
-  Stage* operator->() { return stage_.get(); }
-  [[nodiscard]] const core::StreamFormat& format() const { return format_; }
-
- private:
-  StageSurroundings surroundings_;
-  std::unique_ptr<Stage> stage_;
-  Signal (*make_signal_)(std::size_t, std::uint64_t, Faults) = nullptr;
-  core::StreamFormat format_;
-};
-
-/// Bit by bit; all NaNs are one.
-void expect_same(const Output& expected, const Output& actual, const std::string& what) {
-  ASSERT_EQ(expected.scan, actual.scan) << what;
-  ASSERT_EQ(expected.bits, actual.bits) << what;
-  for (std::size_t c = 0; c < expected.values.size(); ++c) {
-    for (std::size_t i = 0; i < expected.values[c].size(); ++i) {
-      const double a = expected.values[c][i];
-      const double b = actual.values[c][i];
-      const bool is_same = std::isnan(a) ? std::isnan(b) : std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
-      ASSERT_TRUE(is_same) << what << ", channel " << c << ", scan " << expected.scan[i] << ": " << a << " and " << b;
-    }
-  }
-}
-
-/// The defaults, and each option once at each end of its range or at each word.
-std::vector<Options> option_sets(const StageDescription& description) {
-  std::vector<Options> sets{{}};
-  for (const OptionDescription& option : description.options) {
-    const std::string name(option.name);
-    for (const std::string_view word : option.choices) sets.push_back({{name, std::string(word)}});
-    if (!option.choices.empty()) continue;
-    sets.push_back({{name, option.minimum}});
-    sets.push_back({{name, option.maximum}});
-  }
-  return sets;
-}
-
-std::string text_of(const Options& options) {
-  std::string text = "options:";
-  for (const auto& [name, value] : options) {
-    const double* const number = std::get_if<double>(&value);
-    text += " " + name + " = " + (number != nullptr ? std::to_string(*number) : std::get<std::string>(value));
-  }
-  return text;
-}
-
-/// [a-z][a-z0-9_]*
-bool is_name(std::string_view text) {
-  const auto is_allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
-  return !text.empty() && text[0] >= 'a' && text[0] <= 'z' && std::ranges::all_of(text, is_allowed);
-}
-
-bool is_sentence(std::string_view text) { return text.size() > 1 && text.front() != ' ' && text.back() == '.'; }
-
-class StageContract : public testing::TestWithParam<std::string> {
- protected:
-  [[nodiscard]] static const StageDescription& description() {
-    for (const StageEntry& entry : stage_registry()) {
-      if (entry.describe().id == GetParam()) return entry.describe();
-    }
-    throw std::logic_error("no such stage");
-  }
-};
 
 TEST_P(StageContract, Description_IsComplete) {
   EXPECT_TRUE(is_name(description().id));
@@ -232,119 +137,6 @@ TEST_P(StageContract, ResetAndPrepare_EqualFresh) {
   }
 }
 
-/// What `stage` gives for the scans of `signal` from `first` on.
-Output run_from(PreparedStage& stage, const Signal& signal, std::size_t first, std::size_t block_size) {
-  Signal rest = signal;
-  for (std::size_t c = 0; c < signal.values.size(); ++c) {
-    rest.values[c].erase(rest.values[c].begin(), rest.values[c].begin() + static_cast<std::ptrdiff_t>(first));
-    rest.bits[c].erase(rest.bits[c].begin(), rest.bits[c].begin() + static_cast<std::ptrdiff_t>(first));
-  }
-  rest.first_scan = signal.first_scan + first;
-  return stage.run(rest, {block_size});
-}
-
-Signal first_of(Signal signal, std::size_t scans) {
-  for (auto& column : signal.values) column.resize(scans);
-  for (auto& column : signal.bits) column.resize(scans);
-  return signal;
-}
-
-std::vector<double> saved(Stage& stage) {
-  std::vector<double> state(stage.state_size(), 12345.0);
-  stage.save(state);
-  return state;
-}
-
-TEST_P(StageContract, StateSavedAnywhere_GoesOnInAFreshStageBitForBit) {
-  for (const Options& options : option_sets(description())) {
-    if (!PreparedStage(GetParam(), options).is_prepared()) continue;
-    const Signal signal = PreparedStage(GetParam(), options).signal(500, 21, Faults::Some);
-    const bool is_default = options.empty();  // the others only twice: calibrating an estimator takes its time
-    for (const std::size_t scans :
-         is_default ? std::vector<std::size_t>{0, 1, 2, 3, 50, 99, 137, 300, 499} : std::vector<std::size_t>{3, 137}) {
-      SCOPED_TRACE(text_of(options) + ", saved before scan " + std::to_string(scans));
-      PreparedStage original(GetParam(), options);
-      original.run(original.signal(150, 77, Faults::Some));  // a segment before, which must leave no trace
-      original->reset();
-      original.run(first_of(signal, scans), {7});
-      const std::vector<double> state = saved(*original);
-      PreparedStage fresh(GetParam(), options);
-
-      ASSERT_TRUE(fresh->restore(state));
-
-      expect_same(run_from(original, signal, scans, 11), run_from(fresh, signal, scans, 64), "after restore");
-      if (HasFatalFailure()) return;
-      // What is behind it comes along too: both go on alike in the next segment.
-      original->reset();
-      fresh->reset();
-      expect_same(original.run(first_of(signal, 200)), fresh.run(first_of(signal, 200)), "after the next reset");
-      if (HasFatalFailure()) return;
-    }
-  }
-}
-
-TEST_P(StageContract, ImpossibleState_IsRefusedAndLeavesAFreshStage) {
-  PreparedStage fresh(GetParam(), {});
-  const Signal signal = fresh.signal(400, 3, Faults::Some);
-  const Output expected = fresh.run(signal);
-  PreparedStage used(GetParam(), {});
-  used.run(signal);
-  const std::vector<double> good = saved(*used);
-  std::vector<std::vector<double>> impossible{{}, std::vector<double>(good.size() + 1, 0.0)};
-  for (const double value : {kNaN, -1.0, 1e300, -kInfinity, 0.5}) impossible.emplace_back(good.size(), value);
-
-  for (const std::vector<double>& state : impossible) {
-    PreparedStage stage(GetParam(), {});
-    stage.run(signal);
-    EXPECT_FALSE(stage->restore(state)) << testing::PrintToString(state);
-    expect_same(expected, stage.run(signal), "after an impossible state");
-  }
-}
-
-/// Every number of a good state replaced by every kind of nonsense: taken or not, the stage goes on and keeps its promises.
-TEST_P(StageContract, DamagedState_NeverGivesAnUnexplainedValue) {
-  PreparedStage used(GetParam(), {});
-  const Signal signal = used.signal(60, 3, Faults::None);
-  used.run(signal);
-  const std::vector<double> good = saved(*used);
-  for (std::size_t number = 0; number < good.size(); ++number) {
-    for (const double value : {kNaN, kInfinity, -kInfinity, -1.0, 0.0, 3.0, 255.0, 256.0, 1e18, 1e300, -1e-300}) {
-      PreparedStage stage(GetParam(), {});
-      std::vector<double> state = good;
-      state[number] = value;
-      (void)stage->restore(state);
-      const Output output = stage.run(signal);
-      for (std::size_t c = 0; c < output.values.size(); ++c) {
-        for (std::size_t i = 0; i < output.values[c].size(); ++i) {
-          ASSERT_TRUE(std::isfinite(output.values[c][i]) || output.bits[c][i] != 0) << "number " << number << " = " << value;
-        }
-      }
-    }
-  }
-}
-
-TEST_P(StageContract, SaveIsDeterministic_AndSaysNothingOfABlocksSize) {
-  for (const Options& options : option_sets(description())) {
-    PreparedStage one(GetParam(), options);
-    PreparedStage other(GetParam(), options);
-    if (!one.is_prepared()) continue;
-    const Signal signal = one.signal(333, 9, Faults::Some);
-    one.run(signal, {64});
-    other.run(other.signal(100, 1, Faults::None));
-    other.prepare();
-    other.run(signal, {1, 5, 13});
-
-    const std::vector<double> state = saved(*one);
-    const std::vector<double> same = saved(*other);
-
-    ASSERT_EQ(state.size(), same.size());
-    for (std::size_t number = 0; number < state.size(); ++number) {
-      const bool is_same = std::isnan(state[number]) ? std::isnan(same[number]) : state[number] == same[number];
-      ASSERT_TRUE(is_same) << text_of(options) << ", number " << number << ": " << state[number] << " and " << same[number];
-    }
-  }
-}
-
 TEST_P(StageContract, ProcessAndReset_DoNotTouchTheHeap) {
   PreparedStage stage(GetParam(), {});
   const Signal signal = stage.signal(640, 11, Faults::Some);
@@ -425,4 +217,4 @@ std::vector<std::string> all_stages() {
 INSTANTIATE_TEST_SUITE_P(Registry, StageContract, testing::ValuesIn(all_stages()), [](const auto& stage) { return stage.param; });
 
 }  // namespace
-}  // namespace dts::pipeline
+}  // namespace dts::pipeline::contract

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "fault/rigs.h"
 #include "record/xdf/recovery.h"
 
 namespace dts::fault {
@@ -28,13 +29,15 @@ std::string check_file(const record::PartRow& part) {
   if (!verified) return where(part) + core::to_string(verified.error());
   if (!verified->is_closed) return where(part) + "listed as closed, and has no footers";
   if (verified->sha256 != part.sha256) return where(part) + "the SHA-256 in the catalogue is not the file's";
+  const bool can_say = verified->scans > 0;  // it stands in the footers of streams: without any there is no place for it
   if (part.state == PartState::Complete && !verified->incomplete.empty()) {
     return where(part) + "the file says that it is incomplete: " + verified->incomplete;
   }
-  if (part.state == PartState::Incomplete && verified->incomplete.empty() && verified->scans > 0) {
+  if (part.state == PartState::Incomplete && verified->incomplete.empty() && can_say) {
     return where(part) + "the file does not say that it is incomplete";
   }
-  if (part.state == PartState::Recovered && !verified->is_recovered) return where(part) + "the file does not say that it is recovered";
+  if (part.state == PartState::Recovered && can_say && !verified->is_recovered)
+    return where(part) + "the file does not say that it is recovered";
   if (part.state != PartState::Recovered && verified->scans < part.scans) return where(part) + "fewer scans in the file than listed";
   return {};
 }
@@ -165,6 +168,8 @@ Afterwards look_afterwards(const std::string& folder, const Reference& reference
     clock.sleep_until_ns(clock.now_ns() + 50'000'000);
   }
   (*recordings)->stop();
+  // The second trail is not synchronised: a fault or a power cut may have taken it, and the next entry makes it anew.
+  (*recordings)->enter_audit({.utc_ns = 2, .who = "local", .what = "look", .target = "floor", .result = "ok", .hash = {}});
   if (const auto audited = catalogue.verify_audit(); !audited) return {.problem = core::to_string(audited.error())};
   auto sessions = catalogue.sessions({.limit = 10'000});
   if (!sessions) return {.problem = core::to_string(sessions.error())};

@@ -20,7 +20,7 @@ bool is_same(std::span<const double> a, std::span<const double> b) noexcept {
 Reference Reference::compute(const pipeline::RigConfig& rig, double seconds) {
   core::VirtualClock clock(1'000'000'000);
   auto device = device::create_device(rig.device_uri, {.clock = clock, .rig = rig.model}).value();
-  device->open().value();
+  if (!device->open()) throw std::runtime_error("the simulated device cannot be opened");
   const std::size_t block_scans = 64;
   const core::Rate rate = device->start({.rate = rig.rate, .max_block_scans = block_scans}).value();
   core::Block block(device->describe().channels.size(), block_scans);
@@ -38,9 +38,17 @@ Reference Reference::compute(const pipeline::RigConfig& rig, double seconds) {
   return reference;
 }
 
-std::optional<std::size_t> Reference::find(std::span<const double> wanted, std::size_t from) const noexcept {
-  for (std::size_t scan = from; scan < scans(); ++scan) {
-    if (is_same(row(scan), wanted)) return scan;
+std::size_t Reference::same_from(std::size_t start, std::span<const double> run) const noexcept {
+  std::size_t scan = 0;
+  for (; (scan + 1) * channels_ <= run.size() && start + scan < scans(); ++scan) {
+    if (!is_same(row(start + scan), run.subspan(scan * channels_, channels_))) break;
+  }
+  return scan;
+}
+
+std::optional<std::size_t> Reference::find(std::span<const double> run, std::size_t from) const noexcept {
+  for (std::size_t start = from; start < scans(); ++start) {
+    if (same_from(start, run) * channels_ == run.size()) return start;
   }
   return std::nullopt;
 }
@@ -49,17 +57,14 @@ std::string Reference::difference(const RecordedRaw& recorded) const {
   std::size_t next = 0;  // scan since the device's start
   for (const RecordedRaw::Run& run : recorded.runs) {
     if (recorded.channels != channels_) return "the recording has " + std::to_string(recorded.channels) + " channels";
-    const std::span<const double> all(run.values);
-    // Indices of the first segment count from the device's start; where a later one begins, its first scan shows.
-    const std::optional<std::size_t> start = run.segment == 0 ? std::optional(run.first_scan) : find(all.first(channels_), next);
     const std::string where = "segment " + std::to_string(run.segment) + " from scan " + std::to_string(run.first_scan);
-    if (!start) return where + " is nowhere in what the simulator gives";
-    const std::size_t count = all.size() / channels_;
+    const std::size_t count = run.values.size() / channels_;
+    // Indices of the first segment count from the device's start; where a later one begins, its scans show.
+    const std::optional<std::size_t> start = run.segment == 0 ? std::optional(run.first_scan) : find(run.values, next);
+    if (!start) return where + ": " + std::to_string(count) + " scans that are nowhere in what the simulator gives";
     if (*start < next || *start + count > scans()) return where + " overlaps, or goes beyond the reference";
-    for (std::size_t scan = 0; scan < count; ++scan) {
-      if (is_same(row(*start + scan), all.subspan(scan * channels_, channels_))) continue;
-      return where + ": scan " + std::to_string(run.first_scan + scan) + " differs from the simulator's";
-    }
+    const std::size_t same = same_from(*start, run.values);
+    if (same < count) return where + ": scan " + std::to_string(run.first_scan + same) + " differs from the simulator's";
     next = *start + count;
   }
   return {};

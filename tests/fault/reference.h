@@ -27,7 +27,10 @@ class Reference {
     return std::span(values_).subspan(scan * channels_, channels_);
   }
   [[nodiscard]] std::size_t scans() const noexcept { return channels_ == 0 ? 0 : values_.size() / channels_; }
-  [[nodiscard]] std::optional<std::size_t> find(std::span<const double> wanted, std::size_t from) const noexcept;
+  /// Scans of `run` that are the simulator's from scan `start` on, before one differs.
+  [[nodiscard]] std::size_t same_from(std::size_t start, std::span<const double> run) const noexcept;
+  /// Where the whole run stands, at `from` or later. An unloaded plate gives the same scan many times.
+  [[nodiscard]] std::optional<std::size_t> find(std::span<const double> run, std::size_t from) const noexcept;
 
   std::size_t channels_ = 0;
   std::vector<double> values_;

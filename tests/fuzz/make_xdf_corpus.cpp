@@ -27,17 +27,11 @@ StreamInfo stream(const std::string& name, ValueType type, bool is_regular) {
   return info;
 }
 
-/// All calls succeed on a disk with room; when one does not, a seed is missing, which shows.
-template <class... Outcomes>
-bool all(const Outcomes&... outcomes) {
-  return (static_cast<bool>(outcomes) && ...);
-}
-
 bool write_type(const fs::path& folder, const std::string& name, ValueType type) {
   auto writer = XdfWriter::create(folder / (name + ".xdf"), {});
   if (!writer) return false;
   const auto number = (*writer)->add_stream(stream("x/raw", type, true));
-  return all((*writer)->write_samples(number, 5.0, kValues, {}), (*writer)->write_samples(number, 5.04, kValues, {}), (*writer)->close());
+  return (*writer)->write_samples(number, 5.0, kValues, {}) && (*writer)->write_samples(number, 5.04, kValues, {}) && (*writer)->close();
 }
 
 std::unique_ptr<XdfWriter> session(const fs::path& file) {
@@ -49,19 +43,19 @@ std::unique_ptr<XdfWriter> session(const fs::path& file) {
   const std::vector<std::pair<double, std::string>> second = {{19.0, to_json({.event = "segment", .segment = 1})}, {19.5, "press"}};
   const std::vector<double> times_s = {9.01};
   const std::vector<double> bits = {3};
-  const bool is_written =
-      all(writer->write_texts(events, first, {}), writer->write_samples(raw, 9.0, kValues, {}),
-          writer->write_timed(quality, times_s, bits, {}), writer->write_clock_offset(raw, 9.02, 1e-6), writer->write_boundary(),
-          writer->write_texts(events, second, {}), writer->write_samples(raw, 19.0, kValues, {}));
+  const bool is_written = writer->write_texts(events, first, {}) && writer->write_samples(raw, 9.0, kValues, {}) &&
+                          writer->write_timed(quality, times_s, bits, {}) && writer->write_clock_offset(raw, 9.02, 1e-6) &&
+                          writer->write_boundary() && writer->write_texts(events, second, {}) &&
+                          writer->write_samples(raw, 19.0, kValues, {});
   return is_written ? std::move(writer) : nullptr;
 }
 
 bool write_sessions(const fs::path& folder) {
   const fs::path killed = folder / "killed.xdf";
   session(killed)->abandon();
-  const bool is_recovered = all(recover(killed.string() + ".part", folder / "recovered.xdf"));
+  const bool is_recovered = recover(killed.string() + ".part", folder / "recovered.xdf").has_value();
   fs::rename(killed.string() + ".part", killed);
-  return is_recovered && all(session(folder / "closed.xdf")->close(), session(folder / "incomplete.xdf")->close_incomplete("disk full"));
+  return is_recovered && session(folder / "closed.xdf")->close() && session(folder / "incomplete.xdf")->close_incomplete("disk full");
 }
 
 std::string chunk(std::uint16_t tag, const std::string& content) {
@@ -104,7 +98,11 @@ int main(int count, char** arguments) {
   for (const auto& [name, type] : kTypes) is_written = write_type(folder, name, type) && is_written;
   write_foreign(folder / "foreign.xdf");
   for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() == ".idx") fs::remove(entry.path());
+    if (entry.path().extension() == ".idx") {
+      fs::remove(entry.path());
+    } else {
+      fs::permissions(entry.path(), fs::perms{0644});
+    }
   if (!is_written) std::fprintf(stderr, "a seed could not be written: are there old ones in %s?\n", folder.c_str());
   return is_written ? 0 : 1;
 }

@@ -37,6 +37,7 @@ int run_session_export(const Arguments& arguments, cli::Console& console) {
     auto exported = export_one(file, arguments.session, console, work);
     if (!exported) {
       const int status = cli::fail_with(console, exported.error());
+      for (const std::string& name : all.files) console.talk << "  exported before: " << cli::printable(name) << std::endl;
       return work.is_interrupted() ? cli::kInterrupted : status;
     }
     std::ranges::move(exported->files, std::back_inserter(all.files));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "core/thread.h"
 #include "device/replay/scan_merger.h"
 
 namespace dts::device::replay {
@@ -24,7 +25,10 @@ core::Status PlayQueue::start(bool loops) {
   while (ring_.front() != nullptr) ring_.release();
   item_bell_.clear();
   if (auto rewound = recording_.rewind(); !rewound) return rewound;
-  thread_ = std::jthread([this, loops](const std::stop_token& stop) { run(stop, loops); });
+  thread_ = std::jthread([this, loops](const std::stop_token& stop) {
+    (void)core::configure_this_thread("replay-ahead", {});
+    run(stop, loops);
+  });
   while (front(kRoomPatienceMs) == nullptr) {
   }
   return {};

@@ -10,7 +10,7 @@ namespace dts::device::replay {
 namespace {
 
 constexpr double kLagMs = 1000.0;
-constexpr std::size_t kMostWaitingValues = std::size_t{1} << 26U;  // half a GB: a file that has raw but no aux scans
+constexpr std::size_t kMostWaitingValues = std::size_t{1} << 23U;  // 64 MB, of a file that has raw but no aux scans
 constexpr std::size_t kMostWaitingEvents = 1'000'000;
 constexpr std::uint64_t kMostMissingScans = 1'000'000'000'000'000;
 

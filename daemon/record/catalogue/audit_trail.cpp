@@ -17,7 +17,7 @@ namespace dts::record {
 namespace {
 
 constexpr std::size_t kLongestText = 1024;
-constexpr std::size_t kHashLetters = 2 * crypto_hash_sha256_BYTES;
+constexpr std::size_t kHashLetters = std::size_t{2} * crypto_hash_sha256_BYTES;
 constexpr std::size_t kMostEntries = 10'000;
 constexpr std::uint64_t kLargestNumber = std::numeric_limits<std::int64_t>::max();
 

@@ -124,6 +124,8 @@ class Catalogue {
   ~Catalogue();
   Catalogue(const Catalogue&) = delete;
   Catalogue& operator=(const Catalogue&) = delete;
+  Catalogue(Catalogue&&) = delete;
+  Catalogue& operator=(Catalogue&&) = delete;
 
   /// A new session with its first part, or a further part of a known one, which is running again; the subject and the protocol are entered
   /// too. WrongState: the part is known already, or the session is one of another rig, subject or protocol.

@@ -110,6 +110,8 @@ class Transaction {
   [[nodiscard]] static core::Result<Transaction> begin(const Database& database);
   ~Transaction();
   Transaction(Transaction&& other) noexcept : database_(std::exchange(other.database_, nullptr)) {}
+  Transaction(const Transaction&) = delete;
+  Transaction& operator=(const Transaction&) = delete;
   Transaction& operator=(Transaction&&) = delete;
   [[nodiscard]] core::Status commit();
 

@@ -79,8 +79,8 @@ std::vector<TrialRow> TrialCollector::rows() const {
     rows.push_back(row);
     if (!row.outcome.empty()) continue;
     rows.back().outcome = "aborted";
-    rows.back().last_segment = newest_.segment;
-    rows.back().last_scan = newest_.scan;
+    rows.back().last_segment = newest_.first;
+    rows.back().last_scan = newest_.second;
   }
   return rows;
 }

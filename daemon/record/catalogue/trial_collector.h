@@ -27,11 +27,7 @@ class TrialCollector {
   [[nodiscard]] std::vector<TrialRow> rows() const;
 
  private:
-  struct Place {
-    std::uint32_t segment = 0;
-    std::uint64_t scan = 0;
-    friend auto operator<=>(const Place&, const Place&) = default;
-  };
+  using Place = std::pair<std::uint32_t, std::uint64_t>;  ///< Segment, scan.
   void take_event(const RecordedEvent& event);
   void begin(const RecordedEvent& event, TrialRow& row) const;
   void end(const std::string& phase, const RecordedEvent& event, TrialRow& row) const;

@@ -144,7 +144,7 @@ std::string motion_description(const Recording& recording, const StreamInfo& str
             {"TrackedPointsCount", points.size()},
             {"RecordingDuration", static_cast<double>(facts.duration_ns) * 1e-9},
             {"MissingValues", "n/a"}};
-  for (const char* type : {"ACCEL", "ANGACCEL", "GYRO", "JNTANG", "MAGN", "ORNT", "VEL"}) json[std::string(type) + "ChannelCount"] = 0;
+  for (const char* type : {"ACCEL", "ANGACC", "GYRO", "JNTANG", "MAGN", "ORNT", "VEL"}) json[std::string(type) + "ChannelCount"] = 0;
   if (!session.device_model.empty()) json["ManufacturersModelName"] = session.device_model;
   if (!session.device_serial.empty()) json["DeviceSerialNumber"] = session.device_serial;
   if (!session.software.empty()) json["SoftwareVersions"] = session.software;

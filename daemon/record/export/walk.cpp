@@ -129,7 +129,8 @@ core::Status walk(Recording& recording, ExportSink& sink, const Progress& progre
     lanes.give(lane_of(**item, shares), std::move(**item));
     if (!progress || recording.offset() - reported < kReportEveryBytes) continue;
     reported = recording.offset();
-    if (!progress(reported, recording.size())) return core::fail(core::ErrorCode::Failed, "stopped: nothing was exported");
+    if (!progress(reported, recording.size()))
+      return core::fail(core::ErrorCode::Failed, "stopped: nothing of this recording was exported");
   }
   return lanes.finish();
 }

@@ -29,8 +29,9 @@ using Progress = std::function<bool(std::uint64_t done, std::uint64_t of)>;
 
 /// Copies what is whole of `file` to `copy` and closes it properly: up to the last chunk whose length prefix, content and (where the index
 /// has it) CRC are right; then a footer per stream with the facts `recovered` and `lost_s_at_most`. The original is not touched. Without an
-/// index the lengths and contents alone decide. Fails with WrongState when `file` is whole and closed (nothing to recover), with
-/// DataDamaged when not even the file header is whole, and when `copy` exists.
+/// index the lengths and contents alone decide. Fails with WrongState when `file` is whole, closed and has its final name (nothing to
+/// recover; one that is still called .part is copied with nothing lost), and when `copy` exists; with DataDamaged when not even the file
+/// header is whole. Nothing is left behind when it fails. A header of a regular stream without samples is left out: libxdf crashes on it.
 [[nodiscard]] core::Result<Recovery> recover(const std::string& file, const std::string& copy, const Progress& progress = {});
 
 /// "x.xdf.part" -> "x.recovered.xdf", beside it.

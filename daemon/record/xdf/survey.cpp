@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "record/xdf/byte_codec.h"
@@ -24,7 +25,8 @@ core::Error damaged(const std::string& what, std::uint64_t offset) {
 
 class Surveyor {
  public:
-  Surveyor(std::unique_ptr<ChunkStream> stream, const std::string& index) : stream_(std::move(stream)), index_(index) {
+  Surveyor(std::unique_ptr<ChunkStream> stream, std::string file)
+      : stream_(std::move(stream)), file_(std::move(file)), index_(index_name(file_)) {
     crypto_hash_sha256_init(&hash_);
     hash(kMagic);
     survey_.size = stream_->size();
@@ -46,6 +48,7 @@ class Surveyor {
   }
 
   std::unique_ptr<ChunkStream> stream_;
+  std::string file_;
   IndexReader index_;
   ChunkDecoder decoder_;
   crypto_hash_sha256_state hash_{};
@@ -100,6 +103,10 @@ bool Surveyor::fits_index(const RawChunk& raw) {
 void Surveyor::finish_index() {
   while (const auto note = index_.next()) survey_.indexed_end = note->offset + note->length;
   if (survey_.index_fault) survey_.indexed_end = 0;  // it tells nothing that could be believed
+  std::error_code unknown;
+  const std::uint64_t size_now = std::filesystem::file_size(file_, unknown);
+  if (!unknown && size_now >= survey_.indexed_end)
+    survey_.indexed_end = std::min(survey_.indexed_end, survey_.size);  // it is being written
   const bool is_longer = survey_.indexed_end > survey_.size;
   if (is_longer && !survey_.fault)
     survey_.index_fault = damaged("the index tells of " + std::to_string(survey_.indexed_end - survey_.size) + " bytes more", survey_.size);
@@ -126,7 +133,8 @@ void Surveyor::take_samples(const Samples& samples) {
 }  // namespace
 
 bool Survey::is_closed() const noexcept {
-  return has_file_header && !fault && indexed_end <= size && std::ranges::all_of(streams, [](const auto& stream) { return stream.second.footer.has_value(); });
+  return has_file_header && !fault && indexed_end <= size &&
+         std::ranges::all_of(streams, [](const auto& stream) { return stream.second.footer.has_value(); });
 }
 
 double Survey::duration_s() const noexcept {
@@ -159,7 +167,7 @@ core::Status ProgressMeter::advance(std::uint64_t done) {
 core::Result<Survey> survey(const std::string& file, const Progress& progress) {
   auto stream = ChunkStream::open(file);
   if (!stream) return tl::make_unexpected(stream.error());
-  return Surveyor(std::move(*stream), index_name(file)).run(progress);
+  return Surveyor(std::move(*stream), file).run(progress);
 }
 
 }  // namespace dts::record

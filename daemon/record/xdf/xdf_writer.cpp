@@ -45,7 +45,7 @@ class XdfWriter::Implementation {
   Stream* find(std::uint32_t stream) noexcept { return stream >= 1 && stream <= streams_.size() ? &streams_[stream - 1] : nullptr; }
 
   core::Result<Stream*> usable(std::uint32_t number, bool is_text);
-  core::Status write_samples(std::uint32_t number, std::string content, std::size_t count, double first_s, double last_s,
+  core::Status write_samples(std::uint32_t number, const std::string& content, std::size_t count, double first_s, double last_s,
                              Position position);
   core::Status write_clock_offset(std::uint32_t number, double stream_time_s, double offset_s);
   core::Status write_chunk(std::string chunk);
@@ -98,7 +98,7 @@ NotedChunk XdfWriter::Implementation::header_of(Stream& stream, std::uint32_t nu
 }
 
 /// A stream's header goes with its first samples in one write: a crash between them would leave what libxdf crashes on.
-core::Status XdfWriter::Implementation::write_samples(std::uint32_t number, std::string content, std::size_t count, double first_s,
+core::Status XdfWriter::Implementation::write_samples(std::uint32_t number, const std::string& content, std::size_t count, double first_s,
                                                       double last_s, Position position) {
   Stream& stream = *find(number);
   NotedChunk samples{.bytes = make_chunk(ChunkTag::Samples, content)};

@@ -24,7 +24,8 @@ namespace dts::record {
 ///     NAME.idx       one line per chunk, see `ChunkNote`; stays
 ///
 /// After an error the writer is broken: every call but `abandon` and `close_incomplete` fails with the first error. A chunk that was
-/// torn by it is cut off again, so that the file always ends with a whole chunk as far as the disk lets it.
+/// torn by it is cut off again, so that the file always ends with a whole chunk as far as the disk lets it. A wrong call (InvalidArgument,
+/// WrongState, LimitExceeded: half a scan, a time that is not finite, a chunk of more than 64 MiB) writes nothing and breaks nothing.
 /// Thread: one at a time.
 class XdfWriter {
  public:

@@ -38,6 +38,16 @@ TEST(ToJson, LargeNumbers_AreExactNumbers) {
   EXPECT_EQ(json.at("host_time_ns").get<std::int64_t>(), std::numeric_limits<std::int64_t>::min());
 }
 
+TEST(ToJson, MapOfTexts_IsAnObject) {
+  v1::TrialChange change;
+  (*change.mutable_labels())["eyes"] = "open";
+
+  const cli::Json json = to_json(change);
+
+  EXPECT_EQ(json.at("labels").dump(), R"({"eyes":"open"})");
+  EXPECT_FALSE(json.contains("target_cm"));
+}
+
 TEST(ToJson, NoSessionYet_OnlyItsState) {
   v1::SessionInfo session;
   session.set_rig("floor");

@@ -181,6 +181,23 @@ TEST_F(LiveViewTest, EventLine_EveryKindForPeople) {
                    event.mutable_session()->set_session_id("s1");
                  }),
             "session: s1 running");
+  EXPECT_EQ(line("trial",
+                 [](v1::Event& event) {
+                   event.mutable_trial()->set_kind(v1::TRIAL_EVENT_KIND_GO);
+                   event.mutable_trial()->set_trial(3);
+                   event.mutable_trial()->set_attempt(2);
+                   event.mutable_trial()->set_condition("120");
+                   event.mutable_trial()->set_target_cm(85.2);
+                 }),
+            "trial: go, trial 3 attempt 2: 120 at 85.2 cm");
+  EXPECT_EQ(line("trial",
+                 [](v1::Event& event) {
+                   event.mutable_trial()->set_kind(v1::TRIAL_EVENT_KIND_REST);
+                   event.mutable_trial()->set_rest_s(20.0);
+                 }),
+            "trial: rest for 20.0 s");
+  EXPECT_EQ(line("trial", [](v1::Event& event) { event.mutable_trial()->set_kind(v1::TRIAL_EVENT_KIND_FINISHED); }),
+            "trial: all trials are done");
   EXPECT_EQ(line("reach", [](v1::Event&) {}), "reach: (of a later version of dtsd)");
 }
 

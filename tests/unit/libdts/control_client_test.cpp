@@ -121,9 +121,26 @@ TEST_F(ControlClientTest, OnlyGarbage_ErrorSaysThatSomethingElseListens) {
   EXPECT_NE(status.error().what.find("no proper answer"), std::string::npos);
 }
 
+TEST_F(ControlClientTest, LongListOfSessions_Arrives) {
+  const FakeController daemon(endpoint_, [](const v1::Request& request, int) {
+    return std::vector{reply(request, [](v1::Response& response) {
+      for (int session = 0; session < 1000; ++session) {
+        v1::SessionRecord& record = *response.mutable_sessions()->add_sessions();
+        record.set_session_id("s" + std::to_string(session));
+        record.set_label(std::string(2000, 'x'));
+      }
+    })};
+  });
+
+  const auto sessions = client().list_sessions();
+
+  ASSERT_TRUE(sessions.has_value()) << sessions.error().what;
+  EXPECT_EQ(sessions->sessions_size(), 1000);
+}
+
 TEST_F(ControlClientTest, OversizedReply_IsIgnored) {
   const FakeController daemon(endpoint_, [](const v1::Request& request, int number) {
-    const std::string padding(2U << 20U, 'x');
+    const std::string padding(5U << 20U, 'x');
     auto large = reply(request, [&](v1::Response& response) { response.mutable_error()->set_what(padding); });
     return std::vector{large, answer_status(request, number).front()};
   });
@@ -134,7 +151,7 @@ TEST_F(ControlClientTest, OversizedReply_IsIgnored) {
 }
 
 TEST_F(ControlClientTest, ReplyBeyondTheSocketsLimit_PeerIsDroppedAndUnreachable) {
-  const FakeController daemon(endpoint_, [](const v1::Request&, int) { return std::vector{std::string(8U << 20U, 'x')}; });
+  const FakeController daemon(endpoint_, [](const v1::Request&, int) { return std::vector{std::string(20U << 20U, 'x')}; });
 
   const auto status = client(std::chrono::milliseconds(600)).status();
 

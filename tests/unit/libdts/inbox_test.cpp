@@ -201,6 +201,23 @@ TEST_F(InboxTest, RetainedEventSentAgainForAnotherSubscriber_IsHandedOutOnce) {
   EXPECT_TRUE(all.next(kNowNs).has_value());
 }
 
+TEST_F(InboxTest, SameStepOfATrialTwice_IsHandedOutTwiceAndOnlyUnderItsTopic) {
+  Inbox all = inbox(Mode::All);
+  v1::Event step;
+  step.set_instance_id(7);
+  step.mutable_trial()->set_kind(v1::TRIAL_EVENT_KIND_GO);
+  for (int time = 0; time < 2; ++time) {
+    give(all, "floor/trial", step);
+    EXPECT_TRUE(all.next(kNowNs).has_value());
+  }
+
+  give(all, "floor/marker", step);
+  give(all, "floor/trial", marker("in the wrong topic"));
+
+  EXPECT_FALSE(all.next(kNowNs).has_value());
+  EXPECT_EQ(all.statistics().malformed, 2U);
+}
+
 TEST_F(InboxTest, SameMarkerTwice_IsHandedOutTwice) {
   Inbox all = inbox(Mode::All);
   give(all, "floor/marker", marker("step"));

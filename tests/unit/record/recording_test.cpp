@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "record/xdf/recovery.h"
 #include "unit/record/xdf_fixture.h"
 
 namespace dts::record::xdf_test {
@@ -214,6 +215,60 @@ TEST(Recording, ForeignFile_StampsOffTheGridStartSegments) {
   EXPECT_EQ(items.events[0].event,
             (RecordedEvent{.event = "marker", .segment = 1, .scan = {2}, .values = {{"text", std::string("press\uFFFD")}}}));
   EXPECT_EQ(items.events[1].event.event, "trigger");
+}
+
+/// As LabRecorder writes: pretty-printed XML, headers first, a boundary, clock offsets per stream, chunks whose first sample alone has a
+/// stamp, footers with few digits.
+std::string lab_recorder_file() {
+  const auto header = [](std::uint32_t stream, const std::string& name, const std::string& rate, const std::string& format) {
+    return raw_chunk(
+        2, number_bytes(stream) + "<?xml version=\"1.0\"?>\n<info>\n\t<name>" + name + "</name>\n\t<type>EEG</type>\n\t<channel_count>1" +
+               "</channel_count>\n\t<nominal_srate>" + rate + "</nominal_srate>\n\t<channel_format>" + format +
+               "</channel_format>\n\t<source_id>x</source_id>\n\t<desc>\n\t\t<channels>\n\t\t\t<channel>\n\t\t\t\t<label>C3</label>\n" +
+               "\t\t\t\t<unit>microvolts</unit>\n\t\t\t</channel>\n\t\t</channels>\n\t</desc>\n</info>\n");
+  };
+  std::string bytes = std::string(kMagic) + raw_chunk(1, "<?xml version=\"1.0\"?>\n  <info>\n    <version>1.0</version>\n  </info>", 4);
+  bytes += header(1, "ActiChamp-0", "100.0000000000000", "float32") + header(2, "Keyboard", "0.000000000000000", "string");
+  bytes += raw_chunk(5, std::string(kBoundaryMark));
+  for (const double first_s : {100.0, 100.03}) {
+    std::string content = number_bytes(1) + std::string("\x04\x03\x00\x00\x00", 5);
+    for (int sample = 0; sample < 3; ++sample) {
+      content += sample == 0 ? '\x08' : '\x00';
+      if (sample == 0) put(content, first_s);
+      put(content, static_cast<float>(sample));
+    }
+    bytes += raw_chunk(3, content);
+    std::string offset = number_bytes(1);
+    put(offset, first_s);
+    put(offset, 0.25);
+    bytes += raw_chunk(4, offset);
+  }
+  bytes += foreign_marker(2, 100.02, "SPACE pressed");
+  for (const auto& [stream, count] : {std::pair{1U, "6"}, std::pair{2U, "1"}})
+    bytes += raw_chunk(6, number_bytes(stream) + "<?xml version=\"1.0\"?><info><first_timestamp>" + (stream == 1 ? "100" : "100.02") +
+                              "</first_timestamp><last_timestamp>" + (stream == 1 ? "100.05" : "100.02") +
+                              "</last_timestamp><sample_count>" + count + "</sample_count><clock_offsets></clock_offsets></info>");
+  return bytes;
+}
+
+TEST(Recording, FileOfLabRecorder_IsReadAndVerified) {
+  const Folder folder;
+  put_file(folder / "a.xdf", lab_recorder_file());
+
+  const auto recording = open(folder / "a.xdf");
+  const Items items = items_of(*recording);
+
+  EXPECT_EQ(recording->damage(), "");
+  EXPECT_EQ(recording->streams().at(0).channels.at(0).label, "C3");
+  EXPECT_EQ(recording->streams().at(0).channels.at(0).unit, "microvolts");
+  EXPECT_EQ(items.kinds, "sosoe");
+  EXPECT_EQ(items.scans.at(1).segment, 0U);
+  EXPECT_EQ(items.scans.at(1).first_scan.value, 3U);
+  EXPECT_EQ(items.events.at(0).event, (RecordedEvent{.event = "marker", .segment = 0, .scan = {2}, .values = {{"text", "SPACE pressed"}}}));
+  const auto checked = verify(folder / "a.xdf");
+  ASSERT_TRUE(checked) << checked.error().what;
+  EXPECT_TRUE(checked->is_closed);
+  EXPECT_FALSE(checked->has_index);
 }
 
 TEST(Recording, ForeignClockALittleOff_IsNoHole) {

@@ -203,6 +203,7 @@ TEST_P(TrialRunVoided, Reject_GoesOnWithTheNextPlace) {
   EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
   ASSERT_TRUE(run.next(now_ns));
   EXPECT_EQ(told(run), "ready 2.1@" + std::to_string(GetParam().second));
+  EXPECT_TRUE(run.redo(now_ns));  // the new one is not void
 }
 
 TEST_P(TrialRunVoided, Abort_TellsOnlyATrialUnderWayAndEndsEverything) {

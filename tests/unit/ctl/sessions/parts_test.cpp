@@ -71,6 +71,16 @@ TEST_F(PartsTest, ExportOfASession_AllPartsAreExported) {
   EXPECT_TRUE(fs::exists(path("tables/20261121T144525Z-floor-1.2_raw.csv")));
 }
 
+TEST_F(PartsTest, ExportThatFailsAtTheSecondPart_SaysWhatIsThereAlready) {
+  add_part(make_recording(path("a.xdf")));
+  add_part(make_recording(path("b.xdf")));  // claims to be the first part too: its files exist by then
+
+  EXPECT_EQ(run_with({"session", "export", "s1", "--format", "csv", "--out", path("tables")}), 6);
+
+  EXPECT_THAT(talk(), HasSubstr("exported before: " + path("tables/20261121T144525Z-floor-1_raw.csv")));
+  EXPECT_EQ(out(), "");
+}
+
 TEST_F(PartsTest, FileThatIsNotHere_SaysThatItLiesOnTheDaemonsHost) {
   add_part(path("elsewhere.xdf"));
 

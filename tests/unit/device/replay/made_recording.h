@@ -12,7 +12,7 @@
 #include "core/frame.h"
 #include "record/recorder.h"
 
-namespace dts::test {
+namespace dts::device::test {
 
 /// What stands before the scans of a segment.
 struct MadeSegment {
@@ -134,4 +134,4 @@ class WithFolder : public testing::Test {
   std::filesystem::path folder_;
 };
 
-}  // namespace dts::test
+}  // namespace dts::device::test

@@ -236,6 +236,17 @@ TEST_F(CatalogueSessions, Found_IsEnteredWholeOrNotAtAll) {
   EXPECT_EQ(catalogue().session("s1")->trials.size(), 1U);
 }
 
+TEST_F(CatalogueSessions, FoundAgain_HasTheTrialsOfTheFileOnly) {
+  FoundRecording found{.facts = facts(), .session_state = "complete"};
+  found.part = {.session_id = "s1", .file = "f", .state = PartState::Complete};
+  found.trials = {{.session_id = "s1", .trial = 1, .outcome = "done"}, {.session_id = "s1", .trial = 2, .outcome = "done"}};
+  ASSERT_TRUE(catalogue().enter(found));
+  found.trials.erase(found.trials.begin());
+  ASSERT_TRUE(catalogue().enter(found));
+  ASSERT_EQ(catalogue().session("s1")->trials.size(), 1U);
+  EXPECT_EQ(catalogue().session("s1")->trials[0].trial, 2U);
+}
+
 TEST_F(CatalogueSessions, FoundOlderPart_LeavesTheSessionAsItIs) {
   ASSERT_TRUE(catalogue().begin_part(facts("s1", 2, 3000), "b"));
   ASSERT_TRUE(catalogue().end_session("s1", "aborted", "fell ill", 4000));

@@ -2,9 +2,11 @@
 #include "record/xdf/xdf_writer.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <limits>
 
@@ -278,6 +280,93 @@ TEST(XdfWriter, CloseIncompleteAfterAFailedClose_WritesFootersOnce) {
   EXPECT_EQ(checked->sha256, closed->sha256);
   EXPECT_TRUE(checked->has_index);
   EXPECT_EQ(contents<StreamFooter>(read_all(folder / "a.xdf")).size(), 4U);
+}
+
+/// A full disk, as far as the writer can tell: no file of this process grows beyond the limit. The write that reaches it is a short one.
+class FullDisk {
+ public:
+  explicit FullDisk(std::uint64_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit full = before_;
+    full.rlim_cur = bytes;
+    ::setrlimit(RLIMIT_FSIZE, &full);
+  }
+  ~FullDisk() {
+    ::setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+  FullDisk(const FullDisk&) = delete;
+  FullDisk& operator=(const FullDisk&) = delete;
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int);
+};
+
+TEST(XdfWriter, DiskFull_TornChunkIsCutOffAndTheRestCanStillBeClosed) {
+  const Folder folder;
+  auto writer = small_recording(folder / "a.xdf");
+  const std::uint64_t whole = writer->bytes();
+  const std::vector<double> values(2000, 1.0);
+  {
+    const FullDisk full(whole + 100);
+    const auto first = writer->write_samples(1, 1001.0, values, {});
+    ASSERT_FALSE(first);
+    EXPECT_EQ(std::filesystem::file_size(folder / "a.xdf.part"), whole) << "the torn chunk is cut off";
+    EXPECT_EQ(writer->write_samples(1, 1001.0, values, {}).error(), first.error());
+    EXPECT_EQ(writer->synchronise().error(), first.error());
+    EXPECT_EQ(writer->close().error(), first.error());
+    EXPECT_FALSE(writer->close_incomplete("disk full")) << "no room for footers";
+    EXPECT_EQ(std::filesystem::file_size(folder / "a.xdf.part"), whole);
+  }
+
+  const auto closed = writer->close_incomplete("disk full");  // somebody made room
+
+  ASSERT_TRUE(closed) << closed.error().what;
+  EXPECT_EQ(writer->sample_count(1), 12U);
+  const auto checked = verify(folder / "a.xdf");
+  ASSERT_TRUE(checked) << checked.error().what;
+  EXPECT_EQ(checked->incomplete, "disk full");
+  EXPECT_EQ(checked->sha256, closed->sha256);
+  EXPECT_TRUE(checked->has_index);
+}
+
+TEST(XdfWriter, DiskFullAtAStreamsFirstSamples_LeavesNoHeaderWithoutSamples) {
+  const Folder folder;
+  auto writer = small_recording(folder / "a.xdf");
+  const auto late = writer->add_stream(regular_stream("floor/late", {"a_v"}, rate_of(100)));
+  const std::vector<double> values(2000, 1.0);
+  {
+    const FullDisk full(writer->bytes() + 2000);  // room for the header
+    ASSERT_FALSE(writer->write_samples(late, 1001.0, values, {}));
+  }
+  ASSERT_TRUE(writer->close_incomplete("disk full"));
+
+  EXPECT_EQ(contents<StreamHeader>(read_all(folder / "a.xdf")).size(), 4U);
+}
+
+TEST(XdfWriter, DiskFullForTheIndexOnly_IndexIsMadeWholeAtClose) {
+  const Folder folder;
+  auto writer = XdfWriter::create(folder / "a.xdf", {});
+  ASSERT_TRUE(writer);
+  const auto stream = (*writer)->add_stream(regular_stream("r", {"a"}, rate_of(100), ValueType::Int8));
+  const std::vector<double> one = {1.0};
+  std::uint64_t index_bytes = 0;
+  for (int chunk = 0; index_bytes <= (*writer)->bytes(); ++chunk) {  // until the index is the longer of the two
+    ASSERT_TRUE((*writer)->write_samples(stream, 1e9 + chunk, one, {.segment = 4'000'000'000U, .first_scan = {1ULL << 60U}}));
+    index_bytes = std::filesystem::file_size(folder / "a.xdf.idx");
+  }
+  {
+    const FullDisk full(index_bytes + 10);
+    ASSERT_FALSE((*writer)->write_samples(stream, 2e9, one, {}));
+  }
+  EXPECT_EQ(std::filesystem::file_size(folder / "a.xdf.idx"), index_bytes);
+  ASSERT_TRUE((*writer)->close_incomplete("disk full"));
+
+  const auto checked = verify(folder / "a.xdf");
+
+  ASSERT_TRUE(checked) << checked.error().what;
+  EXPECT_TRUE(checked->has_index);
 }
 
 TEST(XdfWriter, Closed_EveryCallFails) {

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the stage contract is checked on and with.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "unit/pipeline/floor_rig.h"
+#include "unit/pipeline/stage_runner.h"
+#include "unit/pipeline/standing_signal.h"
+
+namespace dts::pipeline::contract {
+
+inline constexpr std::size_t kLargestBlock = 64;
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using Options = std::map<std::string, OptionValue, std::less<>>;
+
+/// A stage with its surroundings, prepared for the first kind of input that it takes.
+class PreparedStage {
+ public:
+  PreparedStage(const std::string& id, const Options& options) : stage_(surroundings_.make({.id = id, .options = options})) { prepare(); }
+
+  void prepare() {
+    for (const auto maker : {&standing_volts, &standing_millimetres}) {
+      const auto format = stage_->prepare(maker(0, 1, Faults::None).format, kLargestBlock);
+      if (!format) continue;
+      make_signal_ = maker;
+      format_ = *format;
+      return;
+    }
+    // An option at the end of its range may ask for more than this input has: a marker channel, say.
+  }
+  [[nodiscard]] bool is_prepared() const { return make_signal_ != nullptr; }
+  [[nodiscard]] Signal signal(std::size_t scans, std::uint64_t seed, Faults faults) const { return make_signal_(scans, seed, faults); }
+  Output run(const Signal& signal, std::vector<std::size_t> block_sizes = {kLargestBlock}) {
+    return pipeline::run(*stage_, format_.channels.size(), signal, block_sizes);
+  }
+  Stage& operator*() { return *stage_; }
+  Stage* operator->() { return stage_.get(); }
+  [[nodiscard]] const core::StreamFormat& format() const { return format_; }
+
+ private:
+  StageSurroundings surroundings_;
+  std::unique_ptr<Stage> stage_;
+  Signal (*make_signal_)(std::size_t, std::uint64_t, Faults) = nullptr;
+  core::StreamFormat format_;
+};
+
+/// Bit by bit; all NaNs are one.
+inline void expect_same(const Output& expected, const Output& actual, const std::string& what) {
+  ASSERT_EQ(expected.scan, actual.scan) << what;
+  ASSERT_EQ(expected.bits, actual.bits) << what;
+  for (std::size_t c = 0; c < expected.values.size(); ++c) {
+    for (std::size_t i = 0; i < expected.values[c].size(); ++i) {
+      const double a = expected.values[c][i];
+      const double b = actual.values[c][i];
+      const bool is_same = std::isnan(a) ? std::isnan(b) : std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+      ASSERT_TRUE(is_same) << what << ", channel " << c << ", scan " << expected.scan[i] << ": " << a << " and " << b;
+    }
+  }
+}
+
+/// The defaults, and each option once at each end of its range or at each word.
+inline std::vector<Options> option_sets(const StageDescription& description) {
+  std::vector<Options> sets{{}};
+  for (const OptionDescription& option : description.options) {
+    const std::string name(option.name);
+    for (const std::string_view word : option.choices) sets.push_back({{name, std::string(word)}});
+    if (!option.choices.empty()) continue;
+    sets.push_back({{name, option.minimum}});
+    sets.push_back({{name, option.maximum}});
+  }
+  return sets;
+}
+
+inline std::string text_of(const Options& options) {
+  std::string text = "options:";
+  for (const auto& [name, value] : options) {
+    const double* const number = std::get_if<double>(&value);
+    text += " " + name + " = " + (number != nullptr ? std::to_string(*number) : std::get<std::string>(value));
+  }
+  return text;
+}
+
+/// [a-z][a-z0-9_]*
+inline bool is_name(std::string_view text) {
+  const auto is_allowed = [](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_'; };
+  return !text.empty() && text[0] >= 'a' && text[0] <= 'z' && std::ranges::all_of(text, is_allowed);
+}
+
+inline bool is_sentence(std::string_view text) { return text.size() > 1 && text.front() != ' ' && text.back() == '.'; }
+
+class StageContract : public testing::TestWithParam<std::string> {
+ protected:
+  [[nodiscard]] static const StageDescription& description() {
+    for (const StageEntry& entry : stage_registry()) {
+      if (entry.describe().id == GetParam()) return entry.describe();
+    }
+    throw std::logic_error("no such stage");
+  }
+};
+
+}  // namespace dts::pipeline::contract

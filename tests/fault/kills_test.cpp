@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// SIGKILL at random moments of a recording. `scripts/fault kills 1000` is the long form.
+#include "fault/kills.h"
+
+#include <gtest/gtest.h>
+
+#include "fault/rigs.h"
+
+namespace dts::fault {
+namespace {
+
+TEST(Kill, AtRandomMoments_LosesAtMostASecondAndNothingBeforeIt) {
+  const Reference reference = Reference::compute(floor16_rig(), 60.0);
+  KillLine line(reference, std::random_device()());
+
+  for (int round = 0; round < 6; ++round) {
+    const Killed killed = line.run_round(2.0);
+    EXPECT_EQ(killed.problem, "") << "round " << round << ": " << killed.recorded_s << " s recorded, " << killed.lost_s
+                                  << " s lost, of which " << killed.published_lost_s << " s had been published";
+  }
+}
+
+}  // namespace
+}  // namespace dts::fault

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fault/power_cut.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <random>
+#include <stdexcept>
+#include <thread>
+
+#include "fault/child_process.h"
+#include "fault/durable_model.h"
+#include "fault/recorded_session.h"
+#include "fault/rigs.h"
+
+namespace dts::fault {
+namespace {
+
+constexpr double kPromisedS = 1.0;
+
+struct Moment {
+  std::int64_t at_ns = 0;
+  DurableModel::Survivors survivors{};
+};
+
+/// Cuts at the moments given, on a thread of its own: the session does not know of it.
+void take_cuts(const DurableModel& model, core::Clock& clock, std::vector<Moment>& moments) {
+  for (Moment& moment : moments) {
+    clock.sleep_until_ns(moment.at_ns);
+    moment.at_ns = clock.now_ns();  // before the copy: what becomes durable in between must not count against the promise
+    moment.survivors = model.cut();
+  }
+}
+
+std::vector<Moment> random_moments(std::int64_t from_ns, double seconds, std::size_t count, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> within(0.0, seconds);
+  std::vector<Moment> moments(count);
+  for (Moment& moment : moments) moment.at_ns = from_ns + static_cast<std::int64_t>(within(random) * 1e9);
+  std::ranges::sort(moments, {}, &Moment::at_ns);
+  return moments;
+}
+
+/// What has survived takes the place of what was there: the catalogue names its files by their whole path.
+PowerCut judge(const Moment& moment, const std::string& folder, std::int64_t started_ns, const Reference& reference) {
+  PowerCut cut{.recorded_s = static_cast<double>(moment.at_ns - started_ns) * 1e-9};
+  std::filesystem::remove_all(folder);
+  put(moment.survivors, folder);
+  const Afterwards after = look_afterwards(folder, reference);
+  cut.problem = after.problem;
+  if (!cut.problem.empty()) return cut;
+  if (after.sessions.size() != 1 || after.sessions.front().parts.size() != 1) {
+    cut.problem = "the catalogue lists " + std::to_string(after.sessions.size()) + " sessions instead of one";
+    return cut;
+  }
+  const record::PartRow& part = after.sessions.front().parts.front();
+  if (part.state != record::PartState::Recovered) cut.problem = "listed as " + std::string(record::name(part.state));
+  const auto raw = read_raw(part.file);
+  if (!raw) cut.problem = core::to_string(raw.error());
+  if (!cut.problem.empty()) return cut;
+  const double last_s = raw->scans > 0 ? raw->last_time_s : static_cast<double>(started_ns) * 1e-9;
+  cut.lost_s = static_cast<double>(moment.at_ns) * 1e-9 - last_s;
+  cut.told_lost_s_at_most = part.lost_s_at_most;
+  if (cut.lost_s > kPromisedS) cut.problem = std::to_string(cut.lost_s) + " s are lost";
+  return cut;
+}
+
+}  // namespace
+
+std::vector<PowerCut> cut_power(double seconds, std::size_t cuts, std::uint32_t seed, const Reference& reference) {
+  const TemporaryFolder folder;
+  const std::string state = folder.path() + "/state";
+  DurableModel model(state);
+  FaultyDisk disk(state);
+  disk.on_synchronise = [&](int descriptor, const std::string& path) { return model.synchronising(descriptor, path); };
+  core::SystemClock clock;
+  std::vector<Moment> moments;
+  std::int64_t started_ns = 0;
+  {
+    auto session = RecordedSession::open(state, floor16_rig(), clock);
+    if (!session) throw std::runtime_error(core::to_string(session.error()));
+    SessionCourse course = (*session)->start();
+    if (!course.has_started) throw std::runtime_error("no session starts: " + course.refusal + course.hang);
+    started_ns = clock.now_ns();
+    moments = random_moments(started_ns, seconds, cuts, seed);
+    const std::jthread cutter([&] { take_cuts(model, clock, moments); });
+    (*session)->run_for(seconds + 0.2);
+    (*session)->stop(course);
+  }
+  disk.on_synchronise = {};
+  std::vector<PowerCut> results;
+  for (const Moment& moment : moments) results.push_back(judge(moment, state, started_ns, reference));
+  return results;
+}
+
+}  // namespace dts::fault

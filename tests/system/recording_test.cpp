@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// Recordings through the real programs: dtsd writes, an independent reader, dtsctl and dtslab read.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <xdf.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <zmq.hpp>
+
+#include "daemon_process.h"
+
+namespace dts::test {
+namespace {
+
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// Starts a session with dtsctl, lets it run until `scans` more scans have come, and returns its id.
+std::string record(const DaemonProcess& daemon, std::uint64_t scans, const std::vector<std::string>& options = {}) {
+  std::vector<std::string> words{"session", "start", "--rig", "floor", "--json"};
+  words.insert(words.end(), options.begin(), options.end());
+  const Finished started = daemon.ctl(words);
+  EXPECT_EQ(started.status, 0) << started.err;
+  auto control = daemon.control();
+  const std::uint64_t before = control.status()->rigs(0).scans_total();
+  EXPECT_TRUE(eventually([&] { return control.status()->rigs(0).scans_total() > before + scans; }));
+  return json::parse(started.out).at("session_id");
+}
+
+json shown(const DaemonProcess& daemon, const std::string& id) {
+  const Finished shown = daemon.ctl({"session", "show", id, "--json"});
+  EXPECT_EQ(shown.status, 0) << shown.err;
+  return json::parse(shown.out);
+}
+
+/// The file of the session's first part.
+std::string file_of(const DaemonProcess& daemon, const std::string& id) { return shown(daemon, id).at("parts").at(0).at("file"); }
+
+const Xdf::Stream* find(const Xdf& xdf, const std::string& name) {
+  for (const Xdf::Stream& stream : xdf.streams) {
+    if (stream.info.name == name) return &stream;
+  }
+  return nullptr;
+}
+
+std::string slurp(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(Recording, OfTheShippedConfiguration_OpensInLibxdfWithNamesUnitsRatesAndStampsOnTheGrid) {
+  DaemonProcess daemon;
+  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
+  const std::string id = record(daemon, 150);
+  const Finished marked = daemon.ctl({"mark", "eyes closed", "--json"});
+  const auto mark_scan = json::parse(marked.out).at("marks").at(0).at("scan").get<double>();
+  ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);
+
+  Xdf xdf;
+  ASSERT_EQ(xdf.load_xdf(file_of(daemon, id)), 0);
+
+  const Xdf::Stream* raw = find(xdf, "floor/raw");
+  const Xdf::Stream* cop = find(xdf, "floor/cop");
+  ASSERT_NE(raw, nullptr);
+  ASSERT_NE(cop, nullptr);
+  ASSERT_EQ(raw->info.channels.size(), 4U);
+  EXPECT_EQ(raw->info.channels[0].at("label"), "w1_v");
+  EXPECT_EQ(raw->info.channels[0].at("unit"), "V");
+  ASSERT_EQ(cop->info.channels.size(), 3U);
+  EXPECT_EQ(cop->info.channels[1].at("label"), "ap_mm");
+  EXPECT_EQ(cop->info.channels[1].at("unit"), "mm");
+  EXPECT_EQ(raw->info.nominal_srate, 100.0);
+  ASSERT_GT(raw->time_stamps.size(), 150U);
+  for (std::size_t i = 1; i < raw->time_stamps.size(); ++i) {
+    ASSERT_NEAR(raw->time_stamps[i] - raw->time_stamps[0], static_cast<double>(i) / 100.0, 1e-9);
+  }
+  const auto mark =
+      std::ranges::find_if(xdf.eventMap, [](const auto& event) { return event.first.first.find("eyes closed") != std::string::npos; });
+  ASSERT_NE(mark, xdf.eventMap.end());
+  const double scans_after_start = (mark->first.second - raw->time_stamps[0]) * 100.0;
+  EXPECT_NEAR(scans_after_start, std::round(scans_after_start), 1e-6) << "the event falls on a scan";
+  EXPECT_EQ(json::parse(mark->first.first).at("scan").get<double>(), mark_scan);
+}
+
+TEST(Recording, Replayed_GivesTheRecordedStreamsBitForBit) {
+  DaemonProcess daemon({.acquire = "rate_hz = 500.0\n"});
+  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
+  const std::string id = record(daemon, 1500);
+  ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);
+  const std::string file = file_of(daemon, id);
+
+  const Finished replayed = run_program({DTSLAB_PROGRAM, "replay", file, "--json"});
+
+  EXPECT_EQ(replayed.status, 0) << replayed.out << replayed.err;
+
+  // And through a whole daemon, recorded a second time.
+  DaemonProcess second({.device = "replay:" + file, .acquire = "rate_hz = 500.0\n"});
+  ASSERT_TRUE(second.is_ready()) << second.log();
+  const std::string again = record(second, 200);
+  ASSERT_EQ(second.ctl({"session", "stop"}).status, 0);
+  const Finished replayed_again = run_program({DTSLAB_PROGRAM, "replay", file_of(second, again), "--json"});
+  EXPECT_EQ(replayed_again.status, 0) << replayed_again.out << replayed_again.err;
+}
+
+TEST(Recording, VerifyAndExport_WorkById) {
+  DaemonProcess daemon;
+  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
+  const std::string id = record(daemon, 100, {"--subject", "P017"});
+  ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);
+
+  const Finished verified = daemon.ctl({"session", "verify", id});
+  EXPECT_EQ(verified.status, 0) << verified.err;
+  const std::string out = daemon.directory() / "csv";
+  const Finished exported = daemon.ctl({"session", "export", id, "--format", "csv", "--out", out});
+  EXPECT_EQ(exported.status, 0) << exported.err;
+  EXPECT_THAT(slurp(std::filesystem::path(out) / (id + "_cop.csv")), testing::StartsWith("t_s,segment,scan,ml_mm,ap_mm,load_n\n"));
+  EXPECT_NE(daemon.ctl({"session", "export", id, "--format", "csv", "--out", out}).status, 0) << "nothing is overwritten";
+  EXPECT_EQ(daemon.ctl({"session", "export", id, "--format", "bids", "--out", daemon.directory() / "bids"}).status, 0);
+
+  const std::string file = file_of(daemon, id);
+  std::filesystem::permissions(file, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
+  std::fstream damage(file, std::ios::in | std::ios::out | std::ios::binary);
+  damage.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file) / 2));
+  damage.put('\x55').put('\xaa').put('\x55');
+  damage.close();
+  EXPECT_EQ(daemon.ctl({"session", "verify", id}).status, 7);
+}
+
+TEST(Recording, DaemonKilled_ListsTheSessionAsInterruptedAndResumesIt) {
+  DaemonProcess daemon;
+  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
+  const std::string id = record(daemon, 150, {"--subject", "P1"});
+  daemon.signal(SIGKILL);
+  static_cast<void>(daemon.wait());
+
+  daemon.restart();
+  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
+  EXPECT_EQ(shown(daemon, id).at("state"), "interrupted");
+  EXPECT_TRUE(eventually([&] { return shown(daemon, id).at("parts").at(0).at("state") == "recovered"; }));
+  ASSERT_EQ(daemon.ctl({"session", "resume", id}).status, 0);
+  EXPECT_TRUE(eventually([&] { return daemon.control().status()->rigs(0).session().recording().bytes() > 0; }));
+  ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);
+
+  const json session = shown(daemon, id);
+  EXPECT_EQ(session.at("parts").size(), 2U);
+  EXPECT_EQ(session.at("parts").at(1).at("state"), "complete");
+  EXPECT_EQ(session.at("subject"), "P1");
+}
+
+TEST(Recording, EndedBySigterm_IsComplete) {
+  DaemonProcess daemon;
+  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
+  const std::string id = record(daemon, 100);
+  daemon.signal(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0);
+
+  daemon.restart();
+  EXPECT_EQ(shown(daemon, id).at("state"), "complete");
+}
+
+/// Somebody tries to write a patient's name and date of birth wherever the daemon takes a text that is not free by design.
+TEST(Recording, NothingIdentifying_ReachesFilesLogsOrTheBus) {
+  DaemonProcess daemon;
+  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
+  zmq::context_t context;
+  zmq::socket_t bus(context, zmq::socket_type::sub);
+  bus.set(zmq::sockopt::subscribe, "");
+  bus.connect(daemon.data_endpoint());
+  const std::vector<std::string> secrets{"Jane", "Doe", "1958-03-07"};
+
+  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--subject", "Jane Doe"}).status, 2);
+  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--field", "name=Jane Doe"}).status, 2);
+  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--field", "Jane=Doe"}).status, 2);
+  EXPECT_EQ(daemon.ctl({"session", "start", "--rig", "floor", "--field", "date_of_birth=1958-03-07"}).status, 2);
+  EXPECT_NE(daemon.ctl({"session", "start", "--rig", "Jane", "--subject", "P1"}).status, 0);
+  const std::string id = record(daemon, 100, {"--subject", "P017"});
+  ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);
+
+  std::string seen = daemon.log();
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(daemon.state_directory())) {
+    seen += entry.path().string();
+    if (entry.is_regular_file()) seen += slurp(entry.path());
+  }
+  for (zmq::message_t frame; bus.recv(frame, zmq::recv_flags::dontwait);) seen += frame.to_string();
+  EXPECT_THAT(seen, HasSubstr("P017")) << "the search looks where subjects are";
+  EXPECT_THAT(daemon.log(), Not(HasSubstr("P017"))) << "not even pseudonyms belong into a log";
+  for (const std::string& secret : secrets) EXPECT_THAT(seen, Not(HasSubstr(secret)));
+}
+
+}  // namespace
+}  // namespace dts::test

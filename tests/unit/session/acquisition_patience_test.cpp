@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// A device whose scans wait for their reader, as a replay's do: a slow pipeline loses nothing.
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <vector>
+
+#include "session/acquisition.h"
+
+namespace dts::session {
+namespace {
+
+constexpr std::size_t kScans = 4;
+
+/// Time passes when somebody sleeps, and then something else happens too.
+class VisitedClock final : public core::Clock {
+ public:
+  [[nodiscard]] std::int64_t now_ns() const noexcept override { return clock_.now_ns(); }
+  void sleep_until_ns(std::int64_t deadline_ns) noexcept override {
+    clock_.sleep_until_ns(deadline_ns);
+    on_sleep();
+  }
+
+  std::function<void()> on_sleep = [] {};
+
+ private:
+  core::VirtualClock clock_{1'000'000'000};
+};
+
+/// Gives `blocks` blocks as fast as they are read, then runs `on_end`.
+class PatientDevice final : public device::Device {
+ public:
+  explicit PatientDevice(std::size_t blocks) : left_(blocks) {
+    description_.channels.resize(1);
+    description_.waits_for_reader = true;
+  }
+
+  std::function<void()> on_end = [] {};
+
+  const device::DeviceDescription& describe() const noexcept override { return description_; }
+  device::DeviceState state() const noexcept override { return state_; }
+  core::Result<core::Rate> exact_rate(core::Rate wanted) const override { return wanted; }
+  device::DeviceReport report() const override { return {}; }
+  core::Status open() override { return {}; }
+  core::Result<core::Rate> start(const device::StartOptions& options) override {
+    state_ = device::DeviceState::Streaming;
+    return options.rate;
+  }
+  device::ReadResult read(core::Block& block, std::int64_t) noexcept override {
+    if (left_ == 0) {
+      on_end();
+      return {.outcome = device::ReadOutcome::Timeout, .gap = {}};
+    }
+    --left_;
+    block.set_count(kScans);
+    block.first_scan = {next_};
+    block.host_time_ns = static_cast<std::int64_t>(next_) * 10'000'000;
+    next_ += kScans;
+    return {.outcome = device::ReadOutcome::Scans, .gap = {}};
+  }
+  void interrupt() noexcept override {}
+  core::Status set_sync_output(bool) override { return {}; }
+  core::Status stop() override { return {}; }
+  core::Status close() override { return {}; }
+
+ private:
+  device::DeviceDescription description_;
+  device::DeviceState state_ = device::DeviceState::Closed;
+  std::size_t left_;
+  std::uint64_t next_ = 0;
+};
+
+struct Bench {
+  explicit Bench(std::size_t blocks) : device(blocks) {}
+
+  PatientDevice device;
+  VisitedClock clock;
+  core::Doorbell bell;
+  core::SpscRing<core::Acquired> ring{2, core::Acquired{.block = core::Block(1, kScans)}};
+  Acquisition acquisition{device, clock, ring, bell, core::Rate::create(100, 1).value(), kScans};
+};
+
+TEST(AcquisitionOfAPatientDevice, SlowPipeline_LosesNothing) {
+  Bench bench(50);
+  std::vector<std::uint64_t> seen;
+  const auto take_one = [&] {
+    const core::Acquired* acquired = bench.ring.front();
+    if (acquired == nullptr) return false;
+    EXPECT_EQ(acquired->gap_before.reason, core::GapReason::None);
+    seen.push_back(acquired->block.first_scan.value);
+    bench.ring.release();
+    return true;
+  };
+  bench.clock.on_sleep = [&] { (void)take_one(); };
+  bench.device.on_end = [&] { bench.acquisition.request_stop(); };
+
+  bench.acquisition.run();
+  while (take_one()) {
+  }
+
+  ASSERT_EQ(seen.size(), 50U);
+  for (std::size_t block = 0; block < seen.size(); ++block) EXPECT_EQ(seen[block], block * kScans);
+  EXPECT_EQ(bench.ring.dropped(), 0U);
+  EXPECT_EQ(bench.acquisition.report().gaps_total, 0U);
+}
+
+TEST(AcquisitionOfAPatientDevice, StopWhileItWaitsForRoom_IsSeenWithin100Milliseconds) {
+  Bench bench(50);
+  std::int64_t stopped_at_ns = 0;
+  int sleeps = 0;
+  bench.clock.on_sleep = [&] {
+    if (++sleeps != 5) return;
+    stopped_at_ns = bench.clock.now_ns();
+    bench.acquisition.request_stop();
+  };
+
+  bench.acquisition.run();
+
+  EXPECT_GT(stopped_at_ns, 0);
+  EXPECT_LE(bench.clock.now_ns() - stopped_at_ns, 100'000'000);
+}
+
+}  // namespace
+}  // namespace dts::session

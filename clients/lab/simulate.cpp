@@ -111,7 +111,9 @@ core::Status record_scans(device::Device& device, pipeline::Pipeline& pipeline, 
   core::Acquired acquired{.block = core::Block(device.describe().channels.size(), kBlockScans)};
   core::Frame frame = pipeline.make_frame();
   for (std::uint64_t done = 0; done < scans; done += acquired.block.count()) {
-    (void)device.read(acquired.block, kNever);
+    if (device.read(acquired.block, kNever).outcome != device::ReadOutcome::Scans) {
+      return core::fail(core::ErrorCode::Internal, device.describe().uri + " stopped giving scans");
+    }
     acquired.block.set_count(static_cast<std::size_t>(std::min<std::uint64_t>(acquired.block.count(), scans - done)));
     pipeline.process(acquired, frame);
     if (auto taken = recorder.take(frame); !taken) return taken;

@@ -20,6 +20,7 @@ constexpr int kSlotsPerTurn = 256;  // then the other rigs get their turn
 void RecordThread::add(const std::string& rig, RecordTap& tap) { lines_[rig].tap = &tap; }
 
 void RecordThread::start() {
+  sync_.start();
   thread_ = std::jthread([this](const std::stop_token& stop) {
     static_cast<void>(core::configure_this_thread("record", {}));  // asks for nothing that could be refused
     run(stop);
@@ -29,6 +30,7 @@ void RecordThread::start() {
 void RecordThread::stop() noexcept {
   thread_.request_stop();
   if (thread_.joinable()) thread_.join();
+  sync_.stop();
 }
 
 void RecordThread::begin(const std::string& rig, std::unique_ptr<record::Recorder> recorder, std::string file, std::uint64_t take) {
@@ -72,7 +74,9 @@ void RecordThread::run(const std::stop_token& stop) {
 
 /// Takes what the control thread has left here: a new recording, and events.
 void RecordThread::receive(const std::string& rig, Line& line) {
-  for (const record::RecordedEvent& event : take_orders(line)) {
+  const auto events = take_orders(line);
+  if (std::exchange(line.is_new, false)) line.is_synced_aside = sync_.add(rig, line.file).has_value();
+  for (const record::RecordedEvent& event : events) {
     if (!line.recorder) return;
     if (auto taken = line.recorder->take(event); !taken) finish(rig, line, core::to_string(taken.error()));
   }
@@ -85,6 +89,7 @@ std::vector<record::RecordedEvent> RecordThread::take_orders(Line& line) {
     line.file = std::move(line.next_file);
     line.take = line.next_take;
     line.has_frames = false;
+    line.is_new = true;
     line.flushed_ns = line.synchronised_ns = clock_.now_ns();
   }
   if (line.recorder) {
@@ -129,13 +134,14 @@ void RecordThread::keep_up(const std::string& rig, Line& line) {
   }
   if (kept && now_ns - line.synchronised_ns >= kSynchroniseNs) {
     line.synchronised_ns = now_ns;
-    kept = line.recorder->synchronise();
+    kept = line.is_synced_aside ? sync_.request(rig) : line.recorder->synchronise();
   }
   if (!kept) finish(rig, line, core::to_string(kept.error()));
   if (kept && is_disk_full_) finish(rig, line, "the disk is nearly full");
 }
 
 void RecordThread::finish(const std::string& rig, Line& line, const std::string& incomplete) {
+  sync_.remove(rig);
   const auto recorder = std::move(line.recorder);
   std::string reason = incomplete;
   if (reason.empty()) {

@@ -14,6 +14,7 @@
 #include "core/clock.h"
 #include "core/thread.h"
 #include "record/recorder.h"
+#include "session/record_sync.h"
 #include "session/record_tap.h"
 #include "session/storage.h"
 
@@ -40,9 +41,9 @@ struct RecordingView {
   std::string problem;
 };
 
-/// The record thread: takes frames from the taps of all rigs, writes chunks, synchronises twice a second, and closes recordings. It may
-/// wait for the disk as long as the taps hold; nobody waits for it. A recording that fails, or that meets a disk nearly full, is closed as
-/// incomplete at once; its frames are then thrown away until the control thread ends the take.
+/// The record thread: takes frames from the taps of all rigs, writes chunks, has them synchronised twice a second, and closes recordings.
+/// It may wait for the disk as long as the taps hold; nobody waits for it. A recording that fails, or that meets a disk nearly full, is
+/// closed as incomplete at once; its frames are then thrown away until the control thread ends the take.
 class RecordThread {
  public:
   /// `stop_below_mib` of `storage` is watched every second.
@@ -75,6 +76,8 @@ class RecordThread {
     std::string file;
     std::uint64_t take = 0;
     bool has_frames = false;
+    bool is_new = false;           ///< Its files are not known to the synchronising thread yet.
+    bool is_synced_aside = false;  ///< They are; otherwise this thread does it.
     std::int64_t flushed_ns = 0;
     std::int64_t synchronised_ns = 0;
 
@@ -102,6 +105,7 @@ class RecordThread {
   std::vector<FinishedRecording> finished_;
   std::int64_t looked_at_disk_ns_ = 0;
   bool is_disk_full_ = false;
+  RecordSync sync_;
   std::jthread thread_;
 };
 

@@ -135,7 +135,7 @@ void Recordings::collect_recovered() {
     complain(catalogue_->update_part(part));
     const std::string which = "session " + part.session_id + " part " + std::to_string(part.part) + ": ";
     if (part.state == record::PartState::Recovered) {
-      log_.info(which + "recovered, " + std::to_string(part.duration_s) + " s; lost at most " + std::to_string(part.lost_s_at_most) + " s");
+      log_.info(which + "recovered in " + part.file);
     } else {
       log_.error(which + "not recovered: " + part.reason);
     }

@@ -158,6 +158,9 @@ core::Status RigSession::stop(bool is_abort, const std::string& reason, const Mo
 void RigSession::end_recording(const Moment& moment) {
   if (trials_) trials_->abort(moment.now_ns);
   collect(moment.at);
+  if (is_aborted_) {  // the recording says so itself: the catalogue may have to be made from it again
+    note({.event = "session", .values = {{"state", std::string("aborted")}, {"message", abort_reason_}}}, moment.at);
+  }
   if (is_recording_) return services_.recordings->end(rig_);
   session_.closed(moment.now_ns);
   collect(moment.at);
@@ -247,12 +250,14 @@ void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
       return;
     case TrialEventKind::Rest:
     case TrialEventKind::Finished: return;
-    case TrialEventKind::Done: row.last_scan = at.scan.value; break;
+    case TrialEventKind::Done:
     case TrialEventKind::Redone:
     case TrialEventKind::Rejected:
-    case TrialEventKind::Aborted:
-      if (row.last_scan == 0) row.last_scan = at.scan.value;  // voided under way
-      break;
+    case TrialEventKind::Aborted: break;
+  }
+  if (row.outcome.empty()) {  // a trial that was done already and is voided now ended where it ended
+    row.last_segment = at.segment;
+    row.last_scan = at.scan.value;
   }
   row.outcome = name(event.kind);
   if (services_.recordings == nullptr) return;

@@ -59,6 +59,11 @@ std::string run_with(const Fault& fault, const Reference& reference) {
 
 }  // namespace
 
+std::string record_little_session(const std::string& folder) {
+  const Run run = run_session(folder);
+  return run.refusal + run.course.refusal + run.course.hang;
+}
+
 Reference little_reference() { return Reference::compute(floor4_rig(), 600.0); }
 
 CallCounts count_calls(const Reference& reference) {

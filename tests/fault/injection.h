@@ -32,6 +32,9 @@ struct Injected {
 /// Every n of every operation, each with one error in turn, once and lasting.
 [[nodiscard]] std::vector<Fault> all_faults(const CallCounts& counts);
 
+/// The little session alone, on whatever disk `folder` is on. What went wrong, or nothing.
+[[nodiscard]] std::string record_little_session(const std::string& folder);
+
 /// What the little session's device gives.
 [[nodiscard]] Reference little_reference();
 

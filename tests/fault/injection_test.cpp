@@ -2,9 +2,15 @@
 // One call to the disk fails, somewhere in a little session. `scripts/fault inject` does it for every call.
 #include "fault/injection.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "fault/child_process.h"
+#include "fault/recorded_session.h"
+#include "fault/rigs.h"
 
 namespace dts::fault {
 namespace {
@@ -19,6 +25,39 @@ std::vector<std::uint64_t> spread(std::uint64_t calls, std::size_t count) {
     if (chosen.empty() || chosen.back() != nth) chosen.push_back(nth);
   }
   return chosen;
+}
+
+std::string only_recording(const std::string& folder) {
+  for (const auto& entry : std::filesystem::directory_iterator(folder + "/sessions")) {
+    if (entry.path().extension() == ".xdf") return entry.path();
+  }
+  return {};
+}
+
+/// Whoever looks afterwards must be able to find something.
+TEST(Afterwards, OneByteOfACompleteRecordingChanged_IsFound) {
+  const TemporaryFolder folder;
+  const Reference reference = little_reference();
+  ASSERT_EQ(record_little_session(folder.path()), "");
+  ASSERT_EQ(look_afterwards(folder.path(), reference).problem, "");
+  const std::string file = only_recording(folder.path());
+  std::filesystem::permissions(file, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
+
+  std::fstream bytes(file, std::ios::binary | std::ios::in | std::ios::out);
+  bytes.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file) / 2));
+  bytes.put('x');
+  bytes.close();
+
+  EXPECT_NE(look_afterwards(folder.path(), reference).problem, "");
+}
+
+TEST(Afterwards, OtherDevice_IsFound) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(record_little_session(folder.path()), "");
+  pipeline::RigConfig other = floor4_rig();
+  other.device_uri = "sim:floor?seed=8";
+
+  EXPECT_THAT(look_afterwards(folder.path(), Reference::compute(other, 60.0)).problem, ::testing::HasSubstr("simulator"));
 }
 
 class Injection : public ::testing::TestWithParam<Operation> {};

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/record_sync.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+
+#include "core/thread.h"
+
+namespace dts::session {
+
+/// The two files of a recording; closed with the last who uses them.
+struct RecordSync::Files {
+  ~Files() {
+    for (const int descriptor : descriptors) {
+      if (descriptor >= 0) ::close(descriptor);
+    }
+  }
+  [[nodiscard]] core::Status open() {
+    for (std::size_t i = 0; i < descriptors.size(); ++i) {
+      // An error of writing back is told once to every descriptor that was open by then: these learn of it like the writer's.
+      descriptors[i] = ::open(names[i].c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+      if (descriptors[i] < 0) return core::fail_errno(errno, "cannot open " + names[i] + " to synchronise it");
+    }
+    return {};
+  }
+  [[nodiscard]] core::Status synchronise() const {
+    for (std::size_t i = 0; i < descriptors.size(); ++i) {
+      if (::fdatasync(descriptors[i]) != 0) return core::fail_errno(errno, "cannot synchronise " + names[i]);
+    }
+    return {};
+  }
+
+  std::array<std::string, 2> names{};  ///< The recording, then its index.
+  std::array<int, 2> descriptors{-1, -1};
+  bool is_due = false;
+  std::optional<core::Error> error{};
+};
+
+void RecordSync::start() {
+  thread_ = std::jthread([this](const std::stop_token& stop) {
+    static_cast<void>(core::configure_this_thread("record-sync", {}));  // asks for nothing that could be refused
+    run(stop);
+  });
+}
+
+void RecordSync::stop() noexcept {
+  thread_.request_stop();
+  if (thread_.joinable()) thread_.join();
+}
+
+core::Status RecordSync::add(const std::string& rig, const std::string& name) {
+  auto files = std::make_shared<Files>();
+  files->names = {name + ".part", name + ".idx"};
+  if (auto opened = files->open(); !opened) return opened;
+  const std::lock_guard lock(mutex_);
+  files_[rig] = std::move(files);
+  return {};
+}
+
+void RecordSync::remove(const std::string& rig) {
+  std::shared_ptr<Files> last;  // closed after the lock
+  const std::lock_guard lock(mutex_);
+  const auto found = files_.find(rig);
+  if (found == files_.end()) return;
+  last = std::move(found->second);
+  files_.erase(found);
+}
+
+core::Status RecordSync::request(const std::string& rig) {
+  const std::lock_guard lock(mutex_);
+  const auto found = files_.find(rig);
+  if (found == files_.end()) return core::fail(core::ErrorCode::WrongState, "nobody synchronises the recording of rig '" + rig + "'");
+  if (found->second->error) return tl::make_unexpected(*found->second->error);
+  found->second->is_due = true;
+  is_asked_.notify_one();
+  return {};
+}
+
+std::shared_ptr<RecordSync::Files> RecordSync::next_due() const {
+  for (const auto& [rig, files] : files_) {
+    if (files->is_due) return files;
+  }
+  return nullptr;
+}
+
+void RecordSync::run(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (!stop.stop_requested()) {
+    auto files = next_due();
+    if (!files) {
+      is_asked_.wait(lock, stop, [this] { return next_due() != nullptr; });
+      continue;
+    }
+    files->is_due = false;
+    lock.unlock();
+    const auto synchronised = files->synchronise();
+    lock.lock();
+    if (!synchronised && !files->error) files->error = synchronised.error();
+  }
+}
+
+}  // namespace dts::session

@@ -101,6 +101,9 @@ void remove_meaningless(const Message& message, cli::Json& json) {
       for (const char* key : {"elapsed_s", "settle_s"}) json.erase(key);
     }
   }
+  if (const auto* asked = dynamic_cast<const v1::ProtocolField*>(&message); asked != nullptr && asked->choices_size() > 0) {
+    for (const char* key : {"minimum", "maximum"}) json.erase(key);  // a word has no range
+  }
 }
 
 }  // namespace

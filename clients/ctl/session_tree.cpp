@@ -47,7 +47,7 @@ void add_start(CommandTree& tree, CLI::App& session) {
           "dtsctl session start --rig floor | until stopped\n"
           "dtsctl session start --rig floor --duration 25 --settle 5 | 5 s to settle, then 25 s\n"
           "dtsctl session start --rig chair --subject P017 --label \"eyes closed\" | with a pseudonym and a note\n"
-          "dtsctl session start --rig chair --protocol reaching --subject P017 --field arm_length_cm=71 | as a protocol asks\n",
+          "dtsctl session start --rig floor --protocol quiet-standing --subject P017 --field weight_kg=71.5 | as a protocol asks\n",
           run_session_start);
   start->add_option("--rig", tree.arguments.rig, "Rig to use")->option_text("RIG")->required();
   start->add_option("--protocol", wishes.protocol, "Protocol to follow (free)")->option_text("NAME");
@@ -134,7 +134,7 @@ void add_protocols_and_audit(CommandTree& tree) {
       cli::add_group(tree.line.app, "protocol", "What a session can follow", "dtsctl protocol list | the protocols there are\n");
   add(tree, *protocol, "list", "List the protocols", "dtsctl protocol list | name, trials and length of each\n", run_protocol_list);
   CLI::App* show = add(tree, *protocol, "show", "Show one protocol: conditions, and what it asks about the subject",
-                       "dtsctl protocol show reaching | before starting a session with it\n", run_protocol_show);
+                       "dtsctl protocol show quiet-standing | before starting a session with it\n", run_protocol_show);
   show->add_option("NAME", tree.arguments.session.protocol, "Name of the protocol")->required()->option_text(" ");
   CLI::App* audit = add(tree, tree.line.app, "audit", "Who did what; verifies that nothing was changed or removed",
                         "dtsctl audit --limit 20 | the newest entries\n", run_audit);

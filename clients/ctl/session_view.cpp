@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/session_view.h"
 
+#include <array>
+#include <charconv>
 #include <string>
 
 #include "cli/table.h"
@@ -9,6 +11,12 @@
 
 namespace dts::ctl {
 namespace {
+
+/// As it was written: a limit of 0.5 is not 0.
+std::string shortest(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
 
 std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
 
@@ -50,6 +58,11 @@ void print_parts(cli::Console& console, const v1::SessionRecord& session) {
   }
   if (session.parts_size() > 0) console.out << '\n';
   parts.print(console);
+  for (const v1::SessionPart& part : session.parts()) {
+    if (part.sha256().empty()) continue;
+    const std::string sum = "part " + std::to_string(part.part()) + ": SHA-256 " + cli::printable(part.sha256());
+    console.out << cli::styled(console, cli::Style::Faint, sum) << '\n';
+  }
   for (const v1::SessionPart& part : session.parts()) {
     if (part.reason().empty() && !(part.lost_s_at_most() > 0.0)) continue;
     const std::string lost = part.lost_s_at_most() > 0.0 ? "at most " + cli::decimal(part.lost_s_at_most(), 2) + " s are lost" : "";
@@ -123,8 +136,7 @@ void print_protocol(cli::Console& console, const v1::ProtocolInfo& protocol) {
   print_field(console, "protocol", protocol.name());
   print_field(console, "what", protocol.sentence());
   if (protocol.settle_s() > 0.0) print_field(console, "settling", cli::duration(protocol.settle_s()));
-  const std::string until = protocol.trials() > 0 ? "until all trials are done" : "until stopped";
-  print_field(console, "length", protocol.duration_s() > 0.0 ? cli::duration(protocol.duration_s()) : until);
+  print_field(console, "length", protocol.duration_s() > 0.0 ? cli::duration(protocol.duration_s()) : std::string("until stopped"));
   if (protocol.trials() > 0) print_field(console, "trials", std::to_string(protocol.trials()));
   std::string conditions;
   for (const std::string& condition : protocol.conditions()) conditions += (conditions.empty() ? "" : " ") + condition;
@@ -133,7 +145,7 @@ void print_protocol(cli::Console& console, const v1::ProtocolInfo& protocol) {
   for (const v1::ProtocolField& field : protocol.fields()) {
     std::string values;
     for (const std::string& choice : field.choices()) values += (values.empty() ? "" : " or ") + choice;
-    if (values.empty()) values = cli::decimal(field.minimum(), 0) + " .. " + cli::decimal(field.maximum(), 0);
+    if (values.empty()) values = shortest(field.minimum()) + " .. " + shortest(field.maximum());
     fields.add({{field.name(), cli::Style::Bold}, {field.is_required() ? "yes" : "no"}, {values}, {field.sentence()}});
   }
   if (protocol.fields_size() > 0) console.out << '\n';

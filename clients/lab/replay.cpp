@@ -16,7 +16,8 @@ namespace {
 using device::replay::RecordedDevice;
 using device::replay::ScanMerger;
 
-constexpr std::size_t kBlockScans = 256;  // results do not depend on it: the stages' contract
+constexpr std::size_t kBlockScans = 256;                      // results do not depend on it: the stages' contract
+constexpr std::int64_t kFarthestNs = std::int64_t{1} << 61U;  // 73 years: an index out of a file overflows nothing
 
 /// Mean and last value of each channel of one stream.
 class Summary {
@@ -160,7 +161,7 @@ core::Status Replay::begin(const core::Block& block) {
 
 void Replay::process() {
   const core::Block& block = acquired_.block;
-  acquired_.block.host_time_ns = device_.rate.time_ns(block.first_scan);
+  acquired_.block.host_time_ns = std::min(device_.rate.time_ns(block.first_scan), kFarthestNs);
   rig_.pipeline->process(acquired_, frame_);
   acquired_.gap_before = {};
   report_.scans += block.count();
@@ -179,13 +180,16 @@ ReplayReport Replay::finish() {
   for (auto& summary : summaries_) {
     if (summary) report_.cop = summary->finish();
   }
+  if (!report_.is_identical()) report_.notes.emplace_back("no scan of a derived stream was recorded: there is nothing to compare");
   return std::move(report_);
 }
 
 }  // namespace
 
-bool ReplayReport::is_identical() const {
-  return std::ranges::none_of(streams, [](const ComparedStream& stream) { return stream.difference.has_value(); });
+std::optional<bool> ReplayReport::is_identical() const {
+  if (std::ranges::any_of(streams, [](const ComparedStream& stream) { return stream.difference.has_value(); })) return false;
+  const bool has_compared = std::ranges::any_of(streams, [](const ComparedStream& stream) { return stream.scans > 0; });
+  return has_compared ? std::optional(true) : std::nullopt;
 }
 
 core::Result<pipeline::RigConfig> rig_of(const record::Recording& recording, const std::string& name) {

@@ -38,7 +38,8 @@ struct ReplayReport {
   std::vector<ChannelSummary> cop;
   std::vector<std::string> notes;  ///< What limits the comparison.
 
-  [[nodiscard]] bool is_identical() const;
+  /// Whatever was compared is the same bit for bit; nothing when nothing was compared.
+  [[nodiscard]] std::optional<bool> is_identical() const;
   [[nodiscard]] double scans_per_s() const { return duration_s > 0.0 ? static_cast<double>(scans) / duration_s : 0.0; }
 };
 

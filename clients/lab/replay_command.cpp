@@ -17,7 +17,8 @@ namespace {
 using cli::decimal;
 
 cli::Json to_json(const ComparedStream& stream) {
-  cli::Json json{{"stream", stream.name}, {"scans", stream.scans}, {"is_identical", !stream.difference.has_value()}};
+  cli::Json json{{"stream", stream.name}, {"scans", stream.scans}};
+  if (stream.difference || stream.scans > 0) json["is_identical"] = !stream.difference;
   if (!stream.difference) return json;
   json["first_difference"] = {{"segment", stream.difference->segment},
                               {"scan", stream.difference->scan},
@@ -31,11 +32,11 @@ cli::Json to_json(const ReplayReport& report, const std::string& file, const std
   cli::Json json{{"file", file},
                  {"scans", report.scans},
                  {"segments", report.segments},
-                 {"is_identical", report.is_identical()},
                  {"is_state_restored", report.is_restored},
                  {"replay_s", report.duration_s},
                  {"scans_per_s", report.scans_per_s()},
                  {"streams", cli::Json::array()}};
+  if (const auto is_identical = report.is_identical()) json["is_identical"] = *is_identical;
   for (const ComparedStream& stream : report.streams) json["streams"].push_back(to_json(stream));
   cli::Json last = cli::Json::object();
   cli::Json mean = cli::Json::object();
@@ -101,7 +102,7 @@ int run_replay(const Arguments& arguments, cli::Console& console) {
   }
   for (const std::string& note : report->notes) warn(console, note);
   if (!damage.empty()) warn(console, file + ": " + damage);
-  if (!report->is_identical()) return cli::kFailed;
+  if (!report->is_identical().value_or(true)) return cli::kFailed;
   return is_sound(damage) ? cli::kOk : cli::exit_status(core::ErrorCode::DataDamaged);
 }
 

@@ -35,7 +35,8 @@ class TruthFile {
     }
     if (std::filesystem::exists(file)) return core::fail(core::ErrorCode::WrongState, file + " exists already", "choose another name");
     truth.out_.open(file, std::ios::binary);
-    truth.out_ << "t_s,true_ml_mm,true_ap_mm,true_load_n\n";
+    truth.out_ << "t_s,true_ml_mm,true_ap_mm,true_load_n\n" << std::flush;
+    if (!truth.out_) return truth.failure();  // now, not after hours
     return truth;
   }
 
@@ -53,11 +54,15 @@ class TruthFile {
   core::Status close() {
     out_.close();
     if (out_) return {};
-    return core::fail(core::ErrorCode::Failed, "cannot write " + file_, "does the folder exist, is there room?");
+    return failure();
   }
 
  private:
   TruthFile(std::string file, core::Rate rate) : file_(std::move(file)), rate_(rate) {}
+
+  [[nodiscard]] tl::unexpected<core::Error> failure() const {
+    return core::fail(core::ErrorCode::Failed, "cannot write " + file_, "does the folder exist, is there room?");
+  }
 
   std::string file_;
   core::Rate rate_;
@@ -140,7 +145,11 @@ core::Result<Simulated> simulate_floor(Simulation simulation, const std::functio
     truth = std::move(*created);
   }
   auto recorder = begin_recording(simulation, **device, *rig->pipeline);
-  if (!recorder) return tl::make_unexpected(recorder.error());
+  if (!recorder) {
+    std::error_code ignored;
+    if (truth) std::filesystem::remove(simulation.truth, ignored);  // it tells of nothing
+    return tl::make_unexpected(recorder.error());
+  }
 
   const std::uint64_t scans = simulation.config.rate.scans_in_ms(simulation.duration_s * 1000.0);
   auto recorded = record_scans(**device, *rig->pipeline, **recorder, truth ? &*truth : nullptr, scans, progress);

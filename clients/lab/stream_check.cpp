@@ -10,7 +10,9 @@
 namespace dts::lab {
 namespace {
 
-constexpr std::size_t kMostWaitingRuns = 100'000;  // of a file whose streams do not belong together
+// Of a file whose streams do not belong together. Recorders keep them within a quarter of a second.
+constexpr std::size_t kMostWaitingRuns = 100'000;
+constexpr std::size_t kMostWaitingValues = std::size_t{1} << 23U;  // 64 MB
 
 template <class Number>
 std::string shortest(Number value) {
@@ -35,6 +37,7 @@ std::string StreamCheck::text_of(double value) const {
 void StreamCheck::add_recorded(const record::RecordedScans& scans) {
   if (is_stopped_ || difference_ || scans.count == 0) return;
   recorded_.push_back({.next = {scans.segment, scans.first_scan.value}, .left = scans.count, .values = scans.values});
+  waiting_values_ += scans.values.size();
   match();
 }
 
@@ -46,6 +49,7 @@ void StreamCheck::add_computed(const core::Block& block) {
     const auto column = block.column(c);
     for (std::size_t i = 0; i < column.size(); ++i) run.values[i * width + c] = column[i];
   }
+  waiting_values_ += run.values.size();
   computed_.push_back(std::move(run));
   match();
 }
@@ -54,12 +58,15 @@ void StreamCheck::note(Place at, const std::string& channel, const std::string& 
   difference_ = {.segment = at.segment, .scan = at.scan, .channel = channel, .recorded = recorded, .computed = computed};
   recorded_.clear();
   computed_.clear();
+  waiting_values_ = 0;
 }
 
 void StreamCheck::drop(std::deque<Run>& runs, std::size_t scans) {
   runs.front().next.scan += scans;
   runs.front().left -= scans;
-  if (runs.front().left == 0) runs.pop_front();
+  if (runs.front().left > 0) return;
+  waiting_values_ -= runs.front().values.size();
+  runs.pop_front();
 }
 
 void StreamCheck::match() {
@@ -74,7 +81,8 @@ void StreamCheck::match() {
       note(computed, "", "nothing", "there");
     }
   }
-  if (recorded_.size() <= kMostWaitingRuns && computed_.size() <= kMostWaitingRuns) return;
+  if (std::max(recorded_.size(), computed_.size()) <= kMostWaitingRuns && waiting_values_ <= kMostWaitingValues) return;
+  if (recorded_.empty() && computed_.empty()) return;
   const bool is_recorded = !recorded_.empty();
   note((is_recorded ? recorded_ : computed_).front().next, "", is_recorded ? "there" : "nothing", is_recorded ? "nothing" : "there");
 }

@@ -56,11 +56,12 @@ class StreamCheck {
   void note(Place at, const std::string& channel, const std::string& recorded, const std::string& computed);
   [[nodiscard]] bool is_same(double recorded, double computed) const noexcept;
   [[nodiscard]] std::string text_of(double value) const;
-  static void drop(std::deque<Run>& runs, std::size_t scans);
+  void drop(std::deque<Run>& runs, std::size_t scans);
 
   record::StreamInfo info_;
   std::deque<Run> recorded_;
   std::deque<Run> computed_;
+  std::size_t waiting_values_ = 0;  ///< Of both, with what was compared of a run that is not through.
   std::uint64_t compared_scans_ = 0;
   bool is_stopped_ = false;
   std::optional<Difference> difference_;

@@ -57,12 +57,20 @@ RealtimeConfig read_realtime(files::TomlReader reader) {
   return realtime;
 }
 
+std::string absolute_name(const std::filesystem::path& path) {
+  std::error_code error;
+  const auto whole = std::filesystem::absolute(path, error);  // fails where there is no working directory
+  return (error ? path : whole).lexically_normal().string();
+}
+
 session::StorageConfig read_storage(files::TomlReader reader) {
   session::StorageConfig storage;
   const std::string given = reader.text("directory", "");
   const auto folder = std::filesystem::path(reader.file()).parent_path();
-  const bool is_overridden = std::getenv("DTSD_STATE_DIR") != nullptr;
-  storage.directory = given.empty() || is_overridden ? state_directory() : (folder / given).lexically_normal().string();
+  const char* const state_dir = std::getenv("DTSD_STATE_DIR");
+  const bool is_overridden = state_dir != nullptr && *state_dir != '\0';
+  // Absolute: the catalogue and its clients keep the names of recordings, and work in other folders than this daemon.
+  storage.directory = absolute_name(given.empty() || is_overridden ? std::filesystem::path(state_directory()) : folder / given);
   storage.refuse_below_min = reader.number("refuse_below_min", storage.refuse_below_min, 0.0, 100'000.0);
   storage.warn_below_min = reader.number("warn_below_min", storage.warn_below_min, 0.0, 100'000.0);
   storage.stop_below_mib = reader.number("stop_below_mib", storage.stop_below_mib, 0.0, 1e6);

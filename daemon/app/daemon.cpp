@@ -138,6 +138,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   if (config.realtime.locks_memory) {
     if (auto locked = core::lock_memory(); !locked) notices.push_back(core::to_string(locked.error()));
   }
+  ::umask(0007);  // sockets, catalogue and recordings: for owner and group
   auto recordings = session::Recordings::open(config.storage, clock, log);
   if (!recordings) return tl::make_unexpected(recordings.error());
   const std::string boot = boot_id();
@@ -150,7 +151,6 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   const ipc::Identity identity{
       .instance_id = random_id(), .version = std::string(version()), .boot_id = boot, .started_ns = clock.now_ns()};
 
-  ::umask(0007);  // sockets: for owner and group
   zmq::context_t context(1);
   schedule_zmq(context, config.realtime.policy(3));
   auto data = ipc::XpubSocket::bind(context, config.data_endpoint, subscriber_queue(supervisor.rigs()));
@@ -171,6 +171,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   log.info("stopping");
   supervisor.stop();
   (*server)->publish_notices();
+  (*server)->answer_waiting();
   publisher.stop();
   for (const std::string& endpoint : {config.control_endpoint, config.data_endpoint}) ipc::remove_socket_file(endpoint);
   return {};

@@ -32,6 +32,7 @@ struct ChannelDescription {
 struct RecordedPipeline {
   std::vector<std::string> stages{};  ///< As `pipeline::stage_text` names them; empty: nothing is known.
   std::vector<double> state{};        ///< Of the pipeline before the first scan of the recording.
+  std::uint64_t first_scan = 0;       ///< Index that this scan had in its segment: stages that keep every n-th go by it.
 };
 
 /// Known before anything is opened (libiio v1 learned this late: describe first, open later).

@@ -4,13 +4,16 @@
 #include <algorithm>
 #include <utility>
 
+#include "record/utf8_text.h"
+
 namespace dts::ipc {
 
 using core::ErrorCode;
 
 dts::v1::Response error_response(const core::Error& error) {
   dts::v1::Response response;
-  *response.mutable_error() = error_message(error);
+  // What is wrong may quote what somebody sent, cut: one byte that is no UTF-8 would make the answer unreadable.
+  *response.mutable_error() = error_message({error.code, record::clean_text(error.what), record::clean_text(error.hint)});
   return response;
 }
 

@@ -186,7 +186,7 @@ void ControlServer::publish_notices() {
     std::string name;
     auto event = std::make_unique<dts::v1::Event>(notice_event(instance_id_, notice, name));
     // Where things stand is repeated for newcomers; a marker is news only once.
-    const bool is_state = name == "session" || name == "device" || name == "trial";
+    const bool is_state = name == "session" || name == "device";
     publisher_.post(notice.rig + "/" + name, std::move(event), is_state);
     next_status_ns_ = 0;
   }

@@ -31,6 +31,8 @@ class ControlServer {
   void serve(int ms);
   /// Hands what the supervisor noticed to the bus; also called once more when all sessions were stopped.
   void publish_notices();
+  /// Answers the commands that were waited for, as far as there is an answer now; also called once more when all sessions were stopped.
+  void answer_waiting();
 
  private:
   struct Waiting {
@@ -47,7 +49,6 @@ class ControlServer {
   void answer(std::vector<std::string> envelope, const std::string& payload);
   /// Serves a repeat of a known request, or refuses another request under its id; true when it did either.
   [[nodiscard]] bool answer_repeat(std::vector<std::string>& envelope, const std::string& id, const std::string& payload);
-  void answer_waiting();
   void reply(const std::vector<std::string>& envelope, const std::string& bytes);
   void reject(const std::vector<std::string>& envelope, const std::string& why);
   void publish_status();

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ipc/encode_session.h"
 
+#include "record/utf8_text.h"
+
 namespace dts::ipc {
 
+using record::clean_text;
 using record::PartState;
 using session::SessionState;
 using session::TrialEventKind;
@@ -24,6 +27,9 @@ static_assert(static_cast<int>(PartState::Recording) == dts::v1::PART_STATE_RECO
 static_assert(static_cast<int>(PartState::Missing) == dts::v1::PART_STATE_MISSING);
 static_assert(static_cast<int>(session::DiskState::Unusable) == dts::v1::DISK_STATE_UNUSABLE);
 
+// Texts are cleaned where they may come from files, of whatever origin, or may have been cut: one byte that is no UTF-8 makes a whole
+// answer unreadable.
+
 dts::v1::SessionState session_state(SessionState state) { return static_cast<dts::v1::SessionState>(state); }
 
 dts::v1::SessionInfo session_info(const std::string& rig, const session::SessionView& view) {
@@ -37,7 +43,7 @@ dts::v1::SessionInfo session_info(const std::string& rig, const session::Session
   out.set_duration_s(view.request.duration_s);
   out.set_settle_s(view.request.settle_s);
   out.set_elapsed_s(view.elapsed_s);
-  out.set_message(view.message);
+  out.set_message(clean_text(view.message));
   return out;
 }
 
@@ -45,10 +51,10 @@ dts::v1::RecordingStatus recording_status(const session::RecordingView& view, st
   dts::v1::RecordingStatus out;
   out.set_is_recording(view.is_recording);
   out.set_part(part);
-  out.set_file(view.file);
+  out.set_file(clean_text(view.file));
   out.set_bytes(view.bytes);
   out.set_lost_scans_total(view.lost_scans);
-  out.set_problem(view.problem);
+  out.set_problem(clean_text(view.problem));
   return out;
 }
 
@@ -107,13 +113,13 @@ namespace {
 void fill(dts::v1::SessionPart& out, const record::PartRow& part) {
   out.set_part(part.part);
   out.set_state(static_cast<dts::v1::PartState>(part.state));
-  out.set_file(part.file);
+  out.set_file(clean_text(part.file));
   out.set_sha256(part.sha256);
   out.set_bytes(part.bytes);
   out.set_scans(part.scans);
   out.set_duration_s(part.duration_s);
   out.set_lost_s_at_most(part.lost_s_at_most);
-  out.set_reason(part.reason);
+  out.set_reason(clean_text(part.reason));
 }
 
 void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
@@ -121,8 +127,8 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_trial(trial.trial);
   out.set_attempt(trial.attempt);
   out.set_block(trial.block);
-  out.set_condition(trial.condition);
-  out.set_outcome(trial.outcome);
+  out.set_condition(clean_text(trial.condition));
+  out.set_outcome(clean_text(trial.outcome));
   out.set_segment(trial.segment);
   out.set_first_scan(trial.first_scan);
   out.set_last_scan(trial.last_scan);
@@ -133,12 +139,12 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
 dts::v1::SessionRecord session_record(const record::SessionRow& row) {
   dts::v1::SessionRecord out;
   out.set_session_id(row.id);
-  out.set_rig(row.rig);
-  out.set_protocol(row.protocol);
-  out.set_subject(row.subject);
-  out.set_label(row.label);
+  out.set_rig(clean_text(row.rig));
+  out.set_protocol(clean_text(row.protocol));
+  out.set_subject(clean_text(row.subject));
+  out.set_label(clean_text(row.label));
   out.set_state(row.state);
-  out.set_message(row.message);
+  out.set_message(clean_text(row.message));
   out.set_started_utc_ns(row.started_utc_ns);
   out.set_ended_utc_ns(row.ended_utc_ns);
   for (const record::PartRow& part : row.parts) fill(*out.add_parts(), part);
@@ -150,10 +156,10 @@ dts::v1::AuditEntry audit_entry(const record::AuditEntry& entry) {
   dts::v1::AuditEntry out;
   out.set_number(entry.number);
   out.set_utc_ns(entry.utc_ns);
-  out.set_who(entry.who);
-  out.set_what(entry.what);
-  out.set_target(entry.target);
-  out.set_result(entry.result);
+  out.set_who(clean_text(entry.who));
+  out.set_what(clean_text(entry.what));
+  out.set_target(clean_text(entry.target));
+  out.set_result(clean_text(entry.result));
   out.set_hash(entry.hash);
   return out;
 }
@@ -163,8 +169,8 @@ dts::v1::DiskStatus disk_status(const session::DiskView& view) {
   out.set_state(static_cast<dts::v1::DiskState>(view.state));
   out.set_free_bytes(view.free_bytes);
   out.set_recordable_s(view.recordable_s);
-  out.set_directory(view.directory);
-  out.set_problem(view.problem);
+  out.set_directory(clean_text(view.directory));
+  out.set_problem(clean_text(view.problem));
   return out;
 }
 

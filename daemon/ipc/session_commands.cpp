@@ -121,7 +121,7 @@ dts::v1::Response SessionCommands::list(const dts::v1::ListSessionsRequest& requ
   if (!rows) return error_response(rows.error());
   dts::v1::Response response;
   auto& out = *response.mutable_sessions();
-  for (const record::SessionRow& row : *rows) *out.add_sessions() = session_record(row);
+  for (const record::SessionRow& row : *rows) *out.add_sessions() = session_record(recordings->corrected(row));
   return response;
 }
 
@@ -131,7 +131,7 @@ dts::v1::Response SessionCommands::show(const dts::v1::ShowSessionRequest& reque
   const auto row = recordings->catalogue().session(request.session_id());
   if (!row) return error_response(row.error());
   dts::v1::Response response;
-  *response.mutable_session_record() = session_record(*row);
+  *response.mutable_session_record() = session_record(recordings->corrected(*row));
   return response;
 }
 
@@ -152,17 +152,24 @@ dts::v1::Response SessionCommands::audit(const dts::v1::GetAuditRequest& request
   return response;
 }
 
+/// The session under way on the rig named, or on the only rig that has one; else the rig. Whatever else somebody typed there does not
+/// belong into a trail that nobody can erase.
+std::string SessionCommands::audited_target(const std::string& rig) {
+  std::string target;
+  for (const session::RigState& state : supervisor_.states()) {
+    const bool is_meant = rig.empty() || state.rig.config().name == rig;
+    const bool is_under_way = state.session.state != session::SessionState::Idle && state.session.state != session::SessionState::Failed;
+    if (is_meant && !rig.empty()) target = state.rig.config().name;
+    if (is_meant && is_under_way) target = state.session.id;
+  }
+  return target;
+}
+
 void SessionCommands::enter_audit(const dts::v1::Request& request, const dts::v1::Response& response) {
   session::Recordings* recordings = supervisor_.recordings();
   auto [what, target] = named(request);
   if (recordings == nullptr || what.empty()) return;
-  const auto rigs = supervisor_.rigs();
-  const bool is_rig = std::ranges::any_of(rigs, [&](const session::Rig* rig) { return rig->config().name == target; });
-  if (response.has_session()) {
-    target = response.session().session_id();
-  } else if (!is_rig) {
-    target.clear();  // whatever somebody typed there does not belong into a trail that nobody can erase
-  }
+  target = response.has_session() ? response.session().session_id() : audited_target(target);
   const std::string result = response.has_error() ? std::string(core::name(static_cast<ErrorCode>(response.error().code()))) : "ok";
   recordings->enter_audit(
       {.utc_ns = clock_.now_ns() + core::utc_minus_monotonic_ns(), .who = kWho, .what = what, .target = target, .result = result});

@@ -39,6 +39,8 @@ class SessionCommands {
   void enter_audit(const dts::v1::Request& request, const dts::v1::Response& response);
 
  private:
+  [[nodiscard]] std::string audited_target(const std::string& rig);
+
   session::Supervisor& supervisor_;
   core::Clock& clock_;
 };

@@ -56,10 +56,14 @@ core::Result<std::unique_ptr<Recorder>> Recorder::create(const std::string& file
   if (streams.empty() || short_name(streams.front().info.name) != "raw" || !streams.front().info.rate) {
     return core::fail(core::ErrorCode::InvalidArgument, "recording " + file + ": its first stream is not \"raw\"");
   }
+  if (!std::ranges::all_of(streams, [](const RecordedStream& stream) { return stream.info.rate.has_value(); })) {
+    return core::fail(core::ErrorCode::InvalidArgument, "recording " + file + ": one of its streams has no rate");
+  }
   auto writer = XdfWriter::create(file, to_facts(facts));
   if (!writer) return tl::make_unexpected(writer.error());
   std::unique_ptr<Recorder> recorder(new Recorder(std::move(*writer)));
   recorder->rate_ = *streams.front().info.rate;
+  recorder->created_at_s_ = seconds(facts.started_utc_ns - facts.utc_minus_monotonic_ns);
   recorder->events_number_ = recorder->writer_->add_stream(events_info(facts.rig));
   StreamInfo quality = quality_info(facts.rig, streams);
   recorder->last_quality_.resize(quality.channels.size());
@@ -85,7 +89,7 @@ std::optional<double> Recorder::time_s(std::uint32_t segment, core::ScanIndex sc
   return seconds(origin->second + rate_.time_ns(scan));
 }
 
-double Recorder::duration_s() const noexcept { return static_cast<double>(scans_) / rate_.hz(); }
+double Recorder::duration_s() const noexcept { return static_cast<double>(scans()) / rate_.hz(); }
 
 core::Status Recorder::take(const core::Frame& frame) {
   if (frame.gap_before.reason != core::GapReason::None) gap_ = frame.gap_before;
@@ -101,7 +105,6 @@ core::Status Recorder::take(const core::Frame& frame) {
   take_quality(frame);
   take_triggers(frame.triggers);
   next_raw_ = raw.first_scan + raw.count();
-  scans_ += raw.count();
   for (Column& column : columns_) {
     if (auto taken = take_block(column, frame.streams[column.recorded.frame_index], raw); !taken) return taken;
   }
@@ -127,7 +130,11 @@ core::Status Recorder::begin_segment(const core::Frame& frame) {
   gap_ = {};
   next_raw_ = raw.first_scan;
   if (auto taken = take(event); !taken) return taken;
-  for (const RecordedEvent& waiting : std::exchange(waiting_events_, {})) {
+  for (RecordedEvent& waiting : std::exchange(waiting_events_, {})) {
+    if (waiting.segment < segment_) {  // of a segment before the recording
+      waiting.segment = segment_;
+      waiting.scan = raw.first_scan;
+    }
     if (auto taken = take(waiting); !taken) return taken;
   }
   return write_events();
@@ -256,9 +263,18 @@ core::Status Recorder::flush() {
   return write_quality();
 }
 
+/// Events for which no scan came. They are also what tells of a recording without any: only streams with samples have a footer.
+core::Status Recorder::write_waiting() {
+  const double at_s = time_s(segment_, next_raw_).value_or(created_at_s_);
+  for (const RecordedEvent& waiting : std::exchange(waiting_events_, {})) events_.emplace_back(at_s, to_json(waiting));
+  return write_events();
+}
+
 core::Result<XdfWriter::Closed> Recorder::close(const std::string& incomplete) {
+  const auto told = write_waiting();
   if (!incomplete.empty()) return writer_->close_incomplete(incomplete);
   if (lost_scans_ > 0) return writer_->close_incomplete(std::to_string(lost_scans_) + " scans found no room on the way to the file");
+  if (!told) return tl::make_unexpected(told.error());
   return writer_->close();
 }
 

@@ -43,7 +43,8 @@ class Recorder {
   void set_stage_state(std::span<const double> state);
   /// Buffers a frame; writes what has become a chunk.
   [[nodiscard]] core::Status take(const core::Frame& frame);
-  /// Of a segment that is not known yet (nothing was recorded): it waits for the first frame.
+  /// Of a segment that is not known yet (nothing was recorded): it waits for its first frame. When none comes, the event goes to the start
+  /// of the next segment, or to the end of the recording.
   [[nodiscard]] core::Status take(const RecordedEvent& event);
   /// Writes all that is buffered.
   [[nodiscard]] core::Status flush();
@@ -52,7 +53,8 @@ class Recorder {
   [[nodiscard]] core::Result<XdfWriter::Closed> close(const std::string& incomplete);
 
   [[nodiscard]] std::uint64_t bytes() const noexcept { return writer_->bytes(); }
-  [[nodiscard]] std::uint64_t scans() const noexcept { return scans_; }
+  /// Scans that stand in the file: what is buffered, or was lost to an error, is not counted.
+  [[nodiscard]] std::uint64_t scans() const noexcept { return writer_->sample_count(columns_.front().number); }
   [[nodiscard]] double duration_s() const noexcept;
   /// Scans that were lost between the pipeline and here.
   [[nodiscard]] std::uint64_t lost_scans() const noexcept { return lost_scans_; }
@@ -79,6 +81,7 @@ class Recorder {
   core::Status write_events();
   core::Status write_quality();
   core::Status write_offsets(const core::Block& raw);
+  core::Status write_waiting();
   [[nodiscard]] std::optional<double> time_s(std::uint32_t segment, core::ScanIndex scan) const noexcept;
   [[nodiscard]] XdfWriter::Position position() const noexcept { return {.segment = segment_, .first_scan = next_raw_}; }
 
@@ -88,6 +91,7 @@ class Recorder {
   std::uint32_t events_number_ = 0;
   std::uint32_t quality_number_ = 0;
   core::Rate rate_;
+  double created_at_s_ = 0.0;  ///< Host clock.
 
   std::uint32_t segment_ = 0;
   std::map<std::uint32_t, std::int64_t> origins_ns_;  ///< Stream time of scan 0 of the raw stream, by segment.
@@ -96,7 +100,6 @@ class Recorder {
   std::int64_t next_boundary_ns_ = 0;
   core::ScanIndex next_raw_;
   core::Gap gap_;  ///< Stands before the next scan.
-  std::uint64_t scans_ = 0;
   std::uint64_t lost_scans_ = 0;
 
   std::vector<RecordedEvent> waiting_events_;  ///< Of segments that are not known yet.

@@ -2,6 +2,7 @@
 #include "record/recording.h"
 
 #include <algorithm>
+#include <variant>
 
 #include "record/overview.h"
 #include "record/utf8_text.h"
@@ -157,6 +158,17 @@ core::Result<std::unique_ptr<Recording>> Recording::open(const std::string& file
   auto recording = std::make_unique<FileRecording>(file, std::move(*overview));
   if (auto status = recording->rewind(); !status) return tl::make_unexpected(status.error());
   return recording;
+}
+
+core::Result<SessionFacts> read_session_facts(const std::string& file) {
+  const auto reader = XdfReader::open(file);
+  if (!reader) return tl::make_unexpected(reader.error());
+  const auto chunk = (*reader)->next();
+  if (!chunk) return tl::make_unexpected(chunk.error());
+  const auto* header = *chunk ? std::get_if<FileHeader>(&(*chunk)->content) : nullptr;
+  if (header == nullptr) return core::fail(core::ErrorCode::DataDamaged, "it has no file header");
+  if (fact(header->facts, "session_id").empty()) return core::fail(core::ErrorCode::Unsupported, "it is no recording of dtsd");
+  return session_facts(header->facts);
 }
 
 }  // namespace dts::record

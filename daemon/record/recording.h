@@ -72,4 +72,7 @@ class Recording {
   [[nodiscard]] virtual std::uint64_t size() const noexcept = 0;
 };
 
+/// What a recording of ours says of its session: its first chunk, nothing more is read. Unsupported: it is another program's.
+[[nodiscard]] core::Result<SessionFacts> read_session_facts(const std::string& file);
+
 }  // namespace dts::record

@@ -203,7 +203,8 @@ void Acquisition::open_segment(core::Acquired& acquired) noexcept {
   }
   acquired.gap_before = pending_gap_;
   pending_gap_ = {};
-  segment_base_ = acquired.block.first_scan.value;
+  // A replay begins at the index at which its recording did. The difference may wrap, as whatever it is taken from does again.
+  segment_base_ = acquired.block.first_scan.value - (has_streamed_ ? 0 : device_.describe().recorded_pipeline.first_scan);
   report_.next_scan = 0;
   needs_segment_ = false;
 }

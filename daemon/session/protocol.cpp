@@ -70,13 +70,24 @@ core::Status check_value(const ProtocolField& field, const std::string& value) {
   return wrong("field '" + field.name + "' is out of range", "allowed: " + shown(field.minimum) + " .. " + shown(field.maximum));
 }
 
+/// What one would have to add, for every required field that was not given: "--field sex=female|male --field age_years=1..120".
+std::string missing(const Protocol& protocol, const Fields& fields) {
+  std::string options;
+  for (const ProtocolField& field : protocol.fields) {
+    const bool is_given = std::ranges::any_of(fields, [&field](const auto& given) { return given.first == field.name; });
+    if (is_given || !field.is_required) continue;
+    std::string allowed;
+    for (const std::string& choice : field.choices) allowed += (allowed.empty() ? "" : "|") + choice;
+    if (field.choices.empty()) allowed = shown(field.minimum) + ".." + shown(field.maximum);
+    options += (options.empty() ? "" : " ") + ("--field " + field.name) + "=" + allowed;
+  }
+  return options;
+}
+
 core::Status check_field(const ProtocolField& field, const Fields& fields) {
   const auto is_named = [&field](const auto& given) { return given.first == field.name; };
   const auto found = std::ranges::find_if(fields, is_named);
-  if (found == fields.end()) {
-    if (!field.is_required) return {};
-    return wrong("field '" + field.name + "' is missing", field.sentence);
-  }
+  if (found == fields.end()) return {};  // all that are missing are told together
   if (std::ranges::count_if(fields, is_named) > 1) return wrong("field '" + field.name + "' is given twice", "give it once");
   return check_value(field, found->second);
 }
@@ -94,7 +105,8 @@ core::Status check_target(const Condition& condition, const Fields& fields) {
   const auto distance_cm = target_cm(condition, fields);
   if (!distance_cm) return needs(kArmLength);
   if (!maximum_reach_cm || *distance_cm <= *maximum_reach_cm + kReachToleranceCm) return {};
-  return wrong("target '" + condition.name + "' stands beyond the subject's maximum reach (max_reach_cm)",
+  return wrong("target '" + condition.name + "' stands at " + shown(*distance_cm) + " cm, beyond the subject's maximum reach of " +
+                   shown(*maximum_reach_cm) + " cm",
                "use a protocol without this target: copy the file and take the condition out");
 }
 
@@ -111,6 +123,9 @@ core::Status check_fields(const Protocol& protocol, const Fields& fields) {
   if (auto known = check_known(protocol, fields); !known) return known;
   for (const ProtocolField& field : protocol.fields) {
     if (auto good = check_field(field, fields); !good) return good;
+  }
+  if (const std::string options = missing(protocol, fields); !options.empty()) {
+    return wrong("protocol '" + protocol.name + "' asks for more about the subject", "add " + options);
   }
   if (!protocol.trials) return {};
   for (const Condition& condition : protocol.trials->conditions) {

@@ -4,6 +4,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 
@@ -79,21 +80,26 @@ core::Status RecordSync::request(const std::string& rig) {
   return {};
 }
 
-std::shared_ptr<RecordSync::Files> RecordSync::next_due() const {
-  for (const auto& [rig, files] : files_) {
-    if (files->is_due) return files;
-  }
-  return nullptr;
+/// In turn: on a slow disk every rig is due again by the time that another is done.
+std::map<std::string, std::shared_ptr<RecordSync::Files>>::iterator RecordSync::next_due() {
+  const auto is_due = [](const auto& entry) { return entry.second->is_due; };
+  const auto after = files_.upper_bound(last_);
+  const auto found = std::find_if(after, files_.end(), is_due);
+  if (found != files_.end()) return found;
+  const auto wrapped = std::find_if(files_.begin(), after, is_due);
+  return wrapped != after ? wrapped : files_.end();
 }
 
 void RecordSync::run(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   while (!stop.stop_requested()) {
-    auto files = next_due();
-    if (!files) {
-      is_asked_.wait(lock, stop, [this] { return next_due() != nullptr; });
+    const auto due = next_due();
+    if (due == files_.end()) {
+      is_asked_.wait(lock, stop, [this] { return next_due() != files_.end(); });
       continue;
     }
+    last_ = due->first;
+    const std::shared_ptr<Files> files = due->second;
     files->is_due = false;
     lock.unlock();
     const auto synchronised = files->synchronise();

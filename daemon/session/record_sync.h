@@ -38,11 +38,12 @@ class RecordSync {
  private:
   struct Files;
   void run(const std::stop_token& stop);
-  [[nodiscard]] std::shared_ptr<Files> next_due() const;
+  [[nodiscard]] std::map<std::string, std::shared_ptr<Files>>::iterator next_due();
 
   std::mutex mutex_;  ///< Never held across I/O.
   std::condition_variable_any is_asked_;
   std::map<std::string, std::shared_ptr<Files>> files_;  ///< By rig.
+  std::string last_;                                     ///< The rig whose turn it was.
   std::jthread thread_;
 };
 

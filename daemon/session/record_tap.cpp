@@ -7,26 +7,43 @@ RecordTap::RecordTap(std::size_t slots, const pipeline::Pipeline& pipeline)
     : pipeline_(pipeline), ring_(slots, Slot{.frame = pipeline.make_frame()}), state_(pipeline.state_size()) {}
 
 void RecordTap::follow() noexcept {
-  const std::uint64_t wanted = wanted_.load(std::memory_order_acquire);  // pairs with open() and close()
-  if (wanted == current_) return;
-  if (current_ != 0) {
-    Slot* const slot = ring_.claim();
-    if (slot == nullptr) return;  // full: the end mark comes when there is room
-    slot->take = current_;
-    slot->is_end = true;
-    ring_.commit();
-  }
-  if (wanted != 0) pipeline_.save(state_);
-  current_ = wanted;
+  if (!end_closed()) return;
+  const std::uint64_t opened = opened_.load(std::memory_order_acquire);  // pairs with open()
+  if (current_ != 0 || opened == begun_) return;
+  pipeline_.save(state_);
+  lost_scans_ = 0;
+  lost_gap_ = {};
+  current_ = begun_ = opened;
+  static_cast<void>(end_closed());  // a take may be over before it was seen; without room its end mark comes later
+}
+
+/// false: the end mark found no room.
+bool RecordTap::end_closed() noexcept {
+  if (current_ == 0 || closed_.load(std::memory_order_acquire) < current_) return true;  // pairs with close()
+  Slot* const slot = ring_.claim();
+  if (slot == nullptr) return false;
+  slot->take = current_;
+  slot->is_end = true;
+  slot->lost_scans = lost_scans_;
+  ring_.commit();
+  current_ = 0;
+  return true;
 }
 
 void RecordTap::offer(const core::Frame& frame) noexcept {
   if (current_ == 0) return;
   Slot* const slot = ring_.claim();
-  if (slot == nullptr) return ring_.drop();
+  if (slot == nullptr) {
+    lost_scans_ += frame.streams.empty() ? 0 : frame.streams.front().count();
+    if (frame.gap_before.reason != core::GapReason::None) lost_gap_ = frame.gap_before;
+    return ring_.drop();
+  }
   slot->frame.copy_from(frame);
+  if (frame.gap_before.reason == core::GapReason::None) slot->frame.gap_before = lost_gap_;
+  lost_gap_ = {};
   slot->take = current_;
   slot->is_end = false;
+  slot->lost_scans = lost_scans_;
   ring_.commit();
 }
 

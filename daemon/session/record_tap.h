@@ -19,13 +19,15 @@ namespace dts::session {
 ///     record:                           take 3: state, then frames, until the end mark
 ///
 /// A take is one recording. The state of the stages is saved just before its first frame, so that a replay can start from there. A frame
-/// that finds the ring full is dropped and counted: the recorder sees it by the scan indices, and the recording is incomplete.
+/// that finds the ring full is dropped; every later slot of the take says how many scans were lost so, the end mark too: also a loss that
+/// no later scan index shows (at the end, or before a new segment) makes the recording incomplete.
 class RecordTap {
  public:
   struct Slot {
     core::Frame frame;
     std::uint64_t take = 0;
-    bool is_end = false;  ///< No frame: the take is over.
+    bool is_end = false;           ///< No frame: the take is over.
+    std::uint64_t lost_scans = 0;  ///< Of the take, that found no room before this slot.
   };
 
   RecordTap(std::size_t slots, const pipeline::Pipeline& pipeline);
@@ -33,9 +35,9 @@ class RecordTap {
   /// Number of the take that `open` will begin. Thread: control.
   [[nodiscard]] std::uint64_t next_take() const noexcept { return takes_ + 1; }
   /// Begins a take. The one before must have been closed and read to its end. Thread: control.
-  void open() noexcept { wanted_.store(++takes_, std::memory_order_release); }  // pairs with follow()
-  /// Ends it: an end mark follows its last frame. Thread: control.
-  void close() noexcept { wanted_.store(0, std::memory_order_release); }  // pairs with follow()
+  void open() noexcept { opened_.store(++takes_, std::memory_order_release); }  // pairs with follow()
+  /// Ends it: an end mark follows its last frame, also when the pipeline thread has not seen it begin. Thread: control.
+  void close() noexcept { closed_.store(takes_, std::memory_order_release); }  // pairs with follow()
 
   /// Does what `open` and `close` asked for. Call it before every frame, and now and then while there is none.
   /// Thread: pipeline. Realtime-safe: yes.
@@ -52,14 +54,22 @@ class RecordTap {
   [[nodiscard]] std::span<const double> state() const noexcept { return state_; }
   /// Frames that found no room, ever. Thread: any.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return ring_.dropped(); }
+  /// Slots in all. Thread: any.
+  [[nodiscard]] std::size_t capacity() const noexcept { return ring_.capacity(); }
 
  private:
+  [[nodiscard]] bool end_closed() noexcept;
+
   const pipeline::Pipeline& pipeline_;
   core::SpscRing<Slot> ring_;
   std::vector<double> state_;  ///< Written by the pipeline thread before the take's first commit, which the record thread sees first.
-  std::atomic<std::uint64_t> wanted_{0};
-  std::uint64_t takes_ = 0;    ///< Control's.
-  std::uint64_t current_ = 0;  ///< The pipeline thread's.
+  std::atomic<std::uint64_t> opened_{0};  ///< Newest take that was begun.
+  std::atomic<std::uint64_t> closed_{0};  ///< Newest take that was ended.
+  std::uint64_t takes_ = 0;               ///< Control's.
+  std::uint64_t current_ = 0;             ///< The pipeline thread's; 0: none.
+  std::uint64_t begun_ = 0;               ///< The same; the newest that was current.
+  std::uint64_t lost_scans_ = 0;          ///< The same; of the current take.
+  core::Gap lost_gap_;                    ///< The same; stood before a frame that found no room.
 };
 
 }  // namespace dts::session

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/record_thread.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <utility>
 
 #include "record/xdf/recovery.h"
@@ -13,7 +16,22 @@ constexpr std::int64_t kTurnNs = 40'000'000;  // two turns and kFlushNs: written
 constexpr auto kSynchroniseNs = static_cast<std::int64_t>(record::kLongestUnsynchronisedS * 0.9e9);
 constexpr auto kFlushNs = static_cast<std::int64_t>(record::kLongestUnwrittenS * 0.6e9);
 constexpr std::int64_t kLookAtDiskNs = 1'000'000'000;
-constexpr int kSlotsPerTurn = 256;  // then the other rigs get their turn
+constexpr std::size_t kSlotsPerTurn = 256;  // then the other rigs get their turn
+
+/// A name that leads nowhere: what is written now is lost with the last descriptor.
+core::Status check_there(const std::string& file) {
+  if (::access(file.c_str(), F_OK) == 0 || errno != ENOENT) return {};
+  return core::fail(core::ErrorCode::NotFound, file + " is gone", "somebody removed or moved it while it was written");
+}
+
+/// Closed as what it is: when a whole recording cannot be closed as whole, `reason` says why, and it is tried again with that in its
+/// footers.
+core::Result<record::XdfWriter::Closed> close(record::Recorder& recorder, std::string& reason) {
+  auto closed = recorder.close(reason);
+  if (closed || !reason.empty()) return closed;
+  reason = core::to_string(closed.error());
+  return recorder.close(reason);
+}
 
 }  // namespace
 
@@ -49,6 +67,12 @@ void RecordThread::post(const std::string& rig, record::RecordedEvent event) {
   if (line.view.is_recording) line.events.push_back(std::move(event));
 }
 
+void RecordThread::mark_incomplete(const std::string& rig, std::string reason) {
+  const std::lock_guard lock(mutex_);
+  RecordingView& view = lines_.at(rig).view;
+  if (view.is_recording) view.problem = std::move(reason);
+}
+
 std::vector<FinishedRecording> RecordThread::take_finished() {
   const std::lock_guard lock(mutex_);
   return std::exchange(finished_, {});
@@ -62,14 +86,19 @@ RecordingView RecordThread::view(const std::string& rig) {
 void RecordThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     const std::int64_t turn_ns = clock_.now_ns();
-    for (auto& [rig, line] : lines_) serve(rig, line);
+    bool has_more = false;
+    for (auto& [rig, line] : lines_) has_more |= serve(rig, line);
     watch_disk();
-    clock_.sleep_until_ns(turn_ns + kTurnNs);
+    if (!has_more) clock_.sleep_until_ns(turn_ns + kTurnNs);
   }
-  for (auto& [rig, line] : lines_) {
-    serve(rig, line);
-    if (line.recorder) finish(rig, line, "the daemon stopped before the recording ended");
-  }
+  for (auto& [rig, line] : lines_) serve_rest(rig, line);
+}
+
+/// What is in the tap by now, and no more: a rig that goes on must not keep the daemon from ending.
+void RecordThread::serve_rest(const std::string& rig, Line& line) {
+  receive(rig, line);
+  for (std::size_t taken = 0; taken <= line.tap->capacity() && drain(rig, line);) taken += kSlotsPerTurn;
+  if (line.recorder) finish(rig, line, "the daemon stopped before the recording ended");
 }
 
 /// Takes what the control thread has left here: a new recording, and events.
@@ -89,25 +118,28 @@ std::vector<record::RecordedEvent> RecordThread::take_orders(Line& line) {
     line.file = std::move(line.next_file);
     line.take = line.next_take;
     line.has_frames = false;
+    line.lost_scans = 0;
     line.is_new = true;
     line.flushed_ns = line.synchronised_ns = clock_.now_ns();
   }
   if (line.recorder) {
     line.view.bytes = line.recorder->bytes();
-    line.view.lost_scans = line.recorder->lost_scans();
+    line.view.lost_scans = std::max(line.lost_scans, line.recorder->lost_scans());
   }
   return std::exchange(line.events, {});
 }
 
-void RecordThread::serve(const std::string& rig, Line& line) {
+/// true when there may be more.
+bool RecordThread::serve(const std::string& rig, Line& line) {
   receive(rig, line);
-  while (drain(rig, line)) keep_up(rig, line);  // a full turn: there may be more
+  const bool has_more = drain(rig, line);
   keep_up(rig, line);
+  return has_more;
 }
 
 /// true when there may be more.
 bool RecordThread::drain(const std::string& rig, Line& line) {
-  for (int turn = 0; turn < kSlotsPerTurn; ++turn) {
+  for (std::size_t taken = 0; taken < kSlotsPerTurn; ++taken) {
     const RecordTap::Slot* slot = line.tap->front();
     if (slot == nullptr) return false;
     take_slot(rig, line, *slot);
@@ -119,6 +151,7 @@ bool RecordThread::drain(const std::string& rig, Line& line) {
 void RecordThread::take_slot(const std::string& rig, Line& line, const RecordTap::Slot& slot) {
   if (slot.take != line.take || slot.is_end) receive(rig, line);
   if (!line.recorder || slot.take != line.take) return;  // of a recording that has failed: thrown away
+  line.lost_scans = slot.lost_scans;
   if (slot.is_end) return finish(rig, line, "");
   if (!std::exchange(line.has_frames, true)) line.recorder->set_stage_state(line.tap->state());
   if (auto taken = line.recorder->take(slot.frame); !taken) finish(rig, line, core::to_string(taken.error()));
@@ -135,6 +168,7 @@ void RecordThread::keep_up(const std::string& rig, Line& line) {
   if (kept && now_ns - line.synchronised_ns >= kSynchroniseNs) {
     line.synchronised_ns = now_ns;
     kept = line.is_synced_aside ? sync_.request(rig) : line.recorder->synchronise();
+    if (kept) kept = check_there(line.file + ".part");
   }
   if (!kept) finish(rig, line, core::to_string(kept.error()));
   if (kept && is_disk_full_) finish(rig, line, "the disk is nearly full");
@@ -144,27 +178,26 @@ void RecordThread::finish(const std::string& rig, Line& line, const std::string&
   sync_.remove(rig);
   const auto recorder = std::move(line.recorder);
   std::string reason = incomplete;
+  const auto flushed = recorder->flush();
+  if (reason.empty() && !flushed) reason = core::to_string(flushed.error());
+  const std::uint64_t lost_scans = std::max(line.lost_scans, recorder->lost_scans());
+  if (reason.empty() && lost_scans > 0) reason = std::to_string(lost_scans) + " scans found no room on the way to the file";
   if (reason.empty()) {
-    if (auto flushed = recorder->flush(); !flushed) reason = core::to_string(flushed.error());
-  }
-  if (reason.empty() && recorder->lost_scans() > 0) {
-    reason = std::to_string(recorder->lost_scans()) + " scans found no room on the way to the file";
+    const std::lock_guard lock(mutex_);
+    reason = line.view.problem;
   }
   if (reason.empty() && recorder->scans() == 0) reason = "the device delivered no scan";
   FinishedRecording finished{.rig = rig, .file = line.file + ".part", .scans = recorder->scans(), .duration_s = recorder->duration_s()};
-  auto closed = recorder->close(reason);
+  const auto closed = close(*recorder, reason);
   if (closed) {
     finished.file = closed->file;
     finished.sha256 = closed->sha256;
     finished.bytes = closed->bytes;
     finished.is_closed = true;
-  } else if (reason.empty()) {
-    reason = core::to_string(closed.error());
   }
   finished.incomplete = reason;
   const std::lock_guard lock(mutex_);
-  line.view = {
-      .is_recording = false, .file = finished.file, .bytes = finished.bytes, .lost_scans = recorder->lost_scans(), .problem = reason};
+  line.view = {.is_recording = false, .file = finished.file, .bytes = finished.bytes, .lost_scans = lost_scans, .problem = reason};
   finished_.push_back(std::move(finished));
   one_closed_.notify_all();
 }

@@ -43,7 +43,7 @@ struct RecordingView {
 
 /// The record thread: takes frames from the taps of all rigs, writes chunks, has them synchronised twice a second, and closes recordings.
 /// It may wait for the disk as long as the taps hold; nobody waits for it. A recording that fails, or that meets a disk nearly full, is
-/// closed as incomplete at once; its frames are then thrown away until the control thread ends the take.
+/// closed as incomplete at once; its frames are then thrown away until the control thread ends the take. So is one whose file was removed.
 class RecordThread {
  public:
   /// `stop_below_mib` of `storage` is watched every second.
@@ -62,6 +62,8 @@ class RecordThread {
   void begin(const std::string& rig, std::unique_ptr<record::Recorder> recorder, std::string file, std::uint64_t take);
   /// Something that happened during the recording. Thread: control.
   void post(const std::string& rig, record::RecordedEvent event);
+  /// The recording under way lacks something that its frames do not show: it will be closed as incomplete. Thread: control.
+  void mark_incomplete(const std::string& rig, std::string reason);
   /// Thread: control.
   [[nodiscard]] std::vector<FinishedRecording> take_finished();
   [[nodiscard]] RecordingView view(const std::string& rig);
@@ -76,6 +78,7 @@ class RecordThread {
     std::string file;
     std::uint64_t take = 0;
     bool has_frames = false;
+    std::uint64_t lost_scans = 0;  ///< As the tap says.
     bool is_new = false;           ///< Its files are not known to the synchronising thread yet.
     bool is_synced_aside = false;  ///< They are; otherwise this thread does it.
     std::int64_t flushed_ns = 0;
@@ -90,7 +93,8 @@ class RecordThread {
   void run(const std::stop_token& stop);
   void receive(const std::string& rig, Line& line);
   [[nodiscard]] std::vector<record::RecordedEvent> take_orders(Line& line);
-  void serve(const std::string& rig, Line& line);
+  [[nodiscard]] bool serve(const std::string& rig, Line& line);
+  void serve_rest(const std::string& rig, Line& line);
   [[nodiscard]] bool drain(const std::string& rig, Line& line);
   void take_slot(const std::string& rig, Line& line, const RecordTap::Slot& slot);
   void keep_up(const std::string& rig, Line& line);

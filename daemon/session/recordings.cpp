@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/recordings.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 #include "record/xdf/recovery.h"
@@ -10,6 +14,9 @@
 
 namespace dts::session {
 namespace {
+
+constexpr std::size_t kMostOwed = 1000;
+constexpr int kCallsToRetry = 20;  // about a second
 
 constexpr double kScalarBytes = 8.0;
 
@@ -30,19 +37,14 @@ std::string file_of(const StorageConfig& config, const record::SessionFacts& fac
 }
 
 /// A daemon that died between closing a file and saying so in the catalogue left a whole recording.
-bool is_closed_already(record::PartRow& part) {
+std::optional<record::FoundRecording> closed_already(const record::PartRow& part) {
   const std::string closed = part.file.substr(0, part.file.rfind(".part"));
-  if (std::filesystem::exists(part.file) || !std::filesystem::exists(closed)) return false;
-  const auto verified = record::verify(closed);
-  if (!verified || !verified->is_closed) return false;
-  part.file = closed;
-  part.sha256 = verified->sha256;
-  part.bytes = verified->bytes;
-  part.scans = verified->scans;
-  part.duration_s = verified->duration_s;
-  part.reason = verified->incomplete;
-  part.state = verified->incomplete.empty() ? record::PartState::Complete : record::PartState::Incomplete;
-  return true;
+  std::error_code unknown;
+  if (std::filesystem::exists(part.file, unknown) || !std::filesystem::exists(closed, unknown)) return std::nullopt;
+  auto found = record::read_recording(closed);
+  if (!found || found->part.session_id != part.session_id || found->part.part != part.part) return std::nullopt;
+  if (found->part.state != record::PartState::Complete && found->part.state != record::PartState::Incomplete) return std::nullopt;
+  return *found;
 }
 
 }  // namespace
@@ -61,12 +63,10 @@ core::Status Recordings::enter_interrupted() {
   auto unfinished = catalogue_->unfinished_parts();
   if (!unfinished) return tl::make_unexpected(unfinished.error());
   for (record::PartRow& part : *unfinished) {
-    if (!is_closed_already(part)) {
-      part.state = record::PartState::Interrupted;
-      part.reason = "the daemon or the power ended while it was written";
-    }
+    if (const auto closed = closed_already(part); closed && enter(*closed)) continue;
+    part.state = record::PartState::Interrupted;
+    part.reason = "the daemon or the power ended while it was written";
     if (auto updated = catalogue_->update_part(part); !updated) return updated;
-    complain(catalogue_->end_session(part.session_id, "interrupted", "the daemon or the power ended", part.started_utc_ns));
   }
   const auto rebuilt = record::rebuild(*catalogue_, sessions_directory(config_));
   if (!rebuilt) return tl::make_unexpected(rebuilt.error());
@@ -74,12 +74,40 @@ core::Status Recordings::enter_interrupted() {
   if (rebuilt->added > 0) log_.info(std::to_string(rebuilt->added) + " recordings entered into the catalogue");
   auto sessions = catalogue_->sessions({.limit = 10'000});
   if (!sessions) return tl::make_unexpected(sessions.error());
-  for (const record::SessionRow& session : *sessions) {
-    for (const record::PartRow& part : session.parts) {
-      if (part.state == record::PartState::Interrupted) interrupted_.push_back(part);
+  for (const record::SessionRow& session : *sessions) end_left_running(session);
+  auto parts = catalogue_->parts();
+  if (!parts) return tl::make_unexpected(parts.error());
+  std::ranges::copy_if(*parts, std::back_inserter(interrupted_),
+                       [](const record::PartRow& part) { return part.state == record::PartState::Interrupted; });
+  return {};
+}
+
+/// As the file says it, and with it the session when this is how it ended.
+core::Status Recordings::enter(const record::FoundRecording& found) {
+  const record::PartRow& part = found.part;
+  if (auto entered = catalogue_->enter(found); !entered) return entered;
+  const auto session = catalogue_->session(part.session_id);
+  if (!session) return tl::make_unexpected(session.error());
+  const bool is_open = session->state == "interrupted" || (session->state == "running" && !under_way_.contains(session->rig));
+  if (!is_open || session->parts.back().part != part.part) return {};
+  return catalogue_->end_session(part.session_id, found.session_state, part.reason, found.ended_utc_ns);
+}
+
+/// No session runs before the daemon does: one that is listed so ended with its newest part, and the catalogue was not told.
+void Recordings::end_left_running(const record::SessionRow& session) {
+  if (session.state != "running") return;
+  std::string state = "interrupted";
+  std::string message = "the daemon or the power ended";
+  std::int64_t ended_utc_ns = session.started_utc_ns;
+  if (!session.parts.empty()) {
+    const record::PartRow& part = session.parts.back();
+    ended_utc_ns = part.started_utc_ns + static_cast<std::int64_t>(part.duration_s * 1e9);
+    if (part.state == record::PartState::Complete || part.state == record::PartState::Incomplete) {
+      state = record::name(part.state);
+      message = part.reason;
     }
   }
-  return {};
+  complain(catalogue_->end_session(session.id, state, message, ended_utc_ns));
 }
 
 void Recordings::add(Rig& rig) {
@@ -103,40 +131,58 @@ void Recordings::stop() noexcept {
   thread_.stop();
 }
 
+/// Why a copy of the part would leave sessions without the room that they start with; empty: it would not.
+std::string Recordings::lacks_room(const record::PartRow& part) const {
+  std::error_code unknown;
+  const auto size = std::filesystem::file_size(part.file, unknown);
+  const DiskView view = disk();
+  const double left = static_cast<double>(view.free_bytes) - (unknown ? 0.0 : static_cast<double>(size));
+  if (left >= config_.stop_below_mib * 1024.0 * 1024.0 + config_.refuse_below_min * 60.0 * bytes_per_s_) return {};
+  return "no room for a repaired copy on the disk of " + view.directory + "; tried again at the next start";
+}
+
 /// Thread: recovery. Hours of data take a while, and the daemon is to be up at once.
 void Recordings::recover_all(const std::stop_token& stop) {
-  for (record::PartRow part : interrupted_) {
-    const std::string copy = record::recovered_name(part.file);
-    auto recovered = record::recover(part.file, copy, [&](std::uint64_t, std::uint64_t) { return !stop.stop_requested(); });
-    if (stop.stop_requested()) return;
-    if (recovered) {
-      part.state = record::PartState::Recovered;
-      part.file = recovered->file;
-      part.sha256 = recovered->sha256;
-      part.bytes = recovered->kept_bytes;
-      part.duration_s = recovered->duration_s;
-      part.lost_s_at_most = recovered->lost_s_at_most;
-      part.reason = recovered->reason;
-    } else {
-      part.reason = core::to_string(recovered.error());
+  for (const record::PartRow& part : interrupted_) {
+    record::FoundRecording found;
+    found.part = part;
+    found.part.reason = lacks_room(part);
+    if (found.part.reason.empty()) {
+      const std::string copy = record::recovered_name(part.file);
+      const auto recovered = record::recover(part.file, copy, [&](std::uint64_t, std::uint64_t) { return !stop.stop_requested(); });
+      if (stop.stop_requested() && !recovered) return;
+      auto read = recovered ? record::read_recording(copy) : tl::make_unexpected(recovered.error());
+      if (read) {
+        found = std::move(*read);
+        found.part.state = record::PartState::Recovered;  // also a copy without any stream: no footer tells of it
+        found.part.lost_s_at_most = recovered->lost_s_at_most;
+        found.part.reason = recovered->reason;
+      } else {
+        found.part.reason = core::to_string(read.error());
+      }
     }
     const std::lock_guard lock(recovered_mutex_);
-    recovered_.push_back(std::move(part));
+    recovered_.push_back(std::move(found));
   }
 }
 
 void Recordings::collect_recovered() {
-  std::vector<record::PartRow> recovered;
+  std::vector<record::FoundRecording> recovered;
   {
     const std::lock_guard lock(recovered_mutex_);
     recovered = std::exchange(recovered_, {});
   }
-  for (const record::PartRow& part : recovered) {
-    complain(catalogue_->update_part(part));
+  for (const record::FoundRecording& found : recovered) {
+    const record::PartRow& part = found.part;
     const std::string which = "session " + part.session_id + " part " + std::to_string(part.part) + ": ";
     if (part.state == record::PartState::Recovered) {
+      if (const auto entered = enter(found); !entered) {
+        complain(entered);
+        complain(catalogue_->update_part(part));
+      }
       log_.info(which + "recovered in " + part.file);
     } else {
+      complain(catalogue_->update_part(part));
       log_.error(which + "not recovered: " + part.reason);
     }
   }
@@ -151,10 +197,10 @@ core::Status Recordings::begin(Rig& rig, record::SessionFacts facts) {
   auto recorder = record::Recorder::create(file, facts, streams_of(rig));
   if (!recorder) return tl::make_unexpected(recorder.error());
   if (auto entered = catalogue_->begin_part(facts, file + ".part"); !entered) {
-    static_cast<void>((*recorder)->close("the catalogue cannot be written"));  // nothing is in it; the error that counts is returned
+    recorder->reset();  // nothing is in it, and a file without a session would be entered as one
+    for (const char* ending : {".part", ".idx"}) ::unlink((file + ending).c_str());
     return entered;
   }
-  if (!facts.calibration_id.empty()) complain(catalogue_->put_calibration(facts.calibration_id, facts.rig, "cop", facts.rig_definition));
   under_way_[facts.rig] = {
       .session_id = facts.session_id, .part = facts.part, .file = file + ".part", .started_utc_ns = facts.started_utc_ns};
   thread_.begin(facts.rig, std::move(*recorder), file, rig.tap().next_take());
@@ -162,7 +208,13 @@ core::Status Recordings::begin(Rig& rig, record::SessionFacts facts) {
   return {};
 }
 
-void Recordings::end(Rig& rig) { rig.tap().close(); }
+void Recordings::end(Rig& rig) {
+  const AcquisitionReport& report = rig.acquisition();
+  if (report.device != device::DeviceState::Streaming && report.scans_total > 0) {
+    thread_.mark_incomplete(rig.config().name, "the device was away when the session ended: " + std::string(report.text()));
+  }
+  rig.tap().close();
+}
 
 std::uint32_t Recordings::part(const std::string& rig) const {
   const auto found = under_way_.find(rig);
@@ -170,6 +222,7 @@ std::uint32_t Recordings::part(const std::string& rig) const {
 }
 
 std::vector<FinishedRecording> Recordings::take_finished() {
+  enter_owed();
   collect_recovered();
   std::vector<FinishedRecording> finished = thread_.take_finished();
   for (const FinishedRecording& recording : finished) enter(recording);
@@ -186,8 +239,45 @@ void Recordings::enter(const FinishedRecording& finished) {
   part.reason = finished.incomplete;
   part.state = finished.incomplete.empty() ? record::PartState::Complete : record::PartState::Incomplete;
   if (!finished.is_closed) part.state = record::PartState::Interrupted;  // the next start makes a repaired copy
-  complain(catalogue_->update_part(part));
+  enter_or_owe([this, part] { return catalogue_->update_part(part); });
   if (!finished.incomplete.empty()) log_.error("recording " + finished.file + " is incomplete: " + finished.incomplete);
+}
+
+/// A full disk refuses the catalogue too; once there is room again it has to say what happened. In order: a later entry may stand on an
+/// earlier.
+void Recordings::enter_or_owe(std::function<core::Status()> entry) {
+  core::Status entered;
+  if (owed_.empty()) entered = entry();
+  complain(entered);
+  if (entered && owed_.empty()) return;
+  if (owed_.size() == kMostOwed) owed_.pop_front();
+  owed_.push_back(std::move(entry));
+}
+
+void Recordings::enter_owed() {
+  if (owed_.empty() || --calls_to_retry_ > 0) return;
+  calls_to_retry_ = kCallsToRetry;
+  while (!owed_.empty() && owed_.front()()) owed_.pop_front();
+  if (owed_.empty()) owed_ends_.clear();
+}
+
+void Recordings::end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns) {
+  enter_or_owe([=, this] { return catalogue_->end_session(id, state, message, utc_ns); });
+  if (!owed_.empty()) owed_ends_[id] = {.id = id, .state = state, .message = message, .ended_utc_ns = utc_ns};
+}
+
+record::SessionRow Recordings::corrected(record::SessionRow row) const {
+  const auto end = owed_ends_.find(row.id);
+  if (end == owed_ends_.end()) return row;
+  row.state = end->second.state;
+  row.message = end->second.message;
+  row.ended_utc_ns = end->second.ended_utc_ns;
+  for (const auto& [rig, newest] : under_way_) {
+    for (record::PartRow& part : row.parts) {
+      if (part.session_id == newest.session_id && part.part == newest.part) part = newest;
+    }
+  }
+  return row;
 }
 
 /// The file is the truth and stays; that the catalogue does not know is mended at the next start.

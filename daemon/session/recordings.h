@@ -2,6 +2,8 @@
 #pragma once
 
 #include <chrono>
+#include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -40,19 +42,20 @@ class Recordings {
   void start();
   void stop() noexcept;
 
-  /// Creates the file of a session's (next) part. It is on the disk when this returns. LimitExceeded: too little room. `facts.part` is set
-  /// here.
+  /// Creates the file of a session's (next) part. It is on the disk when this returns. LimitExceeded: too little room.
   [[nodiscard]] core::Status begin(Rig& rig, record::SessionFacts facts);
-  /// Ends it: what is on its way is written, then it is closed.
+  /// Ends it: what is on its way is written, then it is closed; as incomplete when the device is away at that moment.
   void end(Rig& rig);
   void note(const std::string& rig, record::RecordedEvent event) { thread_.post(rig, std::move(event)); }
 
-  /// Into the catalogue; what it refuses is logged: the recording says the same, and the next start reads it there.
-  void enter_trial(const record::TrialRow& trial) { complain(catalogue_->put_trial(trial)); }
-  void enter_audit(record::AuditEntry entry) { complain(catalogue_->append_audit(std::move(entry))); }
-  void end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns) {
-    complain(catalogue_->end_session(id, state, message, utc_ns));
+  /// Into the catalogue; what it refuses is logged and tried again every second or so. The recording says the same.
+  void enter_trial(const record::TrialRow& trial) {
+    enter_or_owe([this, trial] { return catalogue_->put_trial(trial); });
   }
+  void enter_audit(record::AuditEntry entry) { complain(catalogue_->append_audit(std::move(entry))); }
+  void end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
+  /// What the catalogue says of a session, and what it could not be told yet.
+  [[nodiscard]] record::SessionRow corrected(record::SessionRow row) const;
 
   /// Waits until no recording is open any more, or for `limit`.
   void wait_until_closed(std::chrono::milliseconds limit) { thread_.wait_until_closed(limit); }
@@ -68,21 +71,29 @@ class Recordings {
   Recordings(StorageConfig config, core::Clock& clock, core::Log log, std::unique_ptr<record::Catalogue> catalogue)
       : config_(std::move(config)), log_(std::move(log)), catalogue_(std::move(catalogue)), thread_(clock, config_) {}
   core::Status enter_interrupted();
+  void end_left_running(const record::SessionRow& session);
   void recover_all(const std::stop_token& stop);
+  [[nodiscard]] std::string lacks_room(const record::PartRow& part) const;
   void collect_recovered();
+  [[nodiscard]] core::Status enter(const record::FoundRecording& found);
   void enter(const FinishedRecording& finished);
   void complain(const core::Status& status);
+  void enter_or_owe(std::function<core::Status()> entry);
+  void enter_owed();
 
   StorageConfig config_;
   core::Log log_;
   std::unique_ptr<record::Catalogue> catalogue_;
   RecordThread thread_;
-  double bytes_per_s_ = 0.0;                          ///< Of all rigs together.
-  std::map<std::string, record::PartRow> under_way_;  ///< By rig; the last one stays.
+  double bytes_per_s_ = 0.0;                             ///< Of all rigs together.
+  std::deque<std::function<core::Status()>> owed_;       ///< Entries that the catalogue has refused, oldest first.
+  int calls_to_retry_ = 0;                               ///< Of `take_finished`, until they are tried again.
+  std::map<std::string, record::SessionRow> owed_ends_;  ///< Ends of sessions among them, by id.
+  std::map<std::string, record::PartRow> under_way_;     ///< By rig; the last one stays.
 
   std::vector<record::PartRow> interrupted_;  ///< The recovery thread's, once it runs.
   std::mutex recovered_mutex_;
-  std::vector<record::PartRow> recovered_;
+  std::vector<record::FoundRecording> recovered_;  ///< A part that could not be recovered has no facts.
   std::jthread recovery_thread_;
 };
 

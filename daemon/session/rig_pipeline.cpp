@@ -127,4 +127,8 @@ core::Result<Restored> restore_recorded(pipeline::Pipeline& pipeline, const devi
   return Restored::Done;
 }
 
+core::Result<Restored> restore_recorded(pipeline::Pipeline& pipeline, const device::DeviceDescription& device) {
+  return restore_recorded(pipeline, device, 0, {device.recorded_pipeline.first_scan});
+}
+
 }  // namespace dts::session

@@ -30,14 +30,15 @@ struct RigPipeline {
 enum class Restored : std::uint8_t {
   NoRecording,  ///< The device plays none, or one without the state of its stages: nothing to restore.
   OtherStages,  ///< The recording was made by other stages or with other options: their state means nothing here.
-  Done,         ///< The next block at segment 0, scan 0 continues the recorded stream.
+  Done,         ///< The next block continues the recorded stream.
 };
 
 /// Takes up the state that the device's recording holds, so that its replay gives what was recorded bit for bit from the first scan on.
-/// Before the pipeline's first block. Fails with DataDamaged, naming the stage, when the state is impossible; the pipeline is then as
-/// fresh.
+/// Before the pipeline's first block, which comes at `next_scan` of `segment`; acquisition lets a replay begin at the recorded index. Fails
+/// with DataDamaged, naming the stage, when the state is impossible; the pipeline is then as fresh.
 [[nodiscard]] core::Result<Restored> restore_recorded(pipeline::Pipeline& pipeline, const device::DeviceDescription& device,
-                                                      std::uint32_t segment = 0, core::ScanIndex next_scan = {});
+                                                      std::uint32_t segment, core::ScanIndex next_scan);
+[[nodiscard]] core::Result<Restored> restore_recorded(pipeline::Pipeline& pipeline, const device::DeviceDescription& device);
 
 /// What is recorded of a rig: the streams that its configuration names, or all; "raw" and "aux" always, since everything else can be
 /// computed from them again. They keep every bit that the device gave, what was computed stands as it is published.

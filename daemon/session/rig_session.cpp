@@ -2,9 +2,10 @@
 #include "session/rig_session.h"
 
 #include <algorithm>
-#include <variant>
+#include <cmath>
+#include <ranges>
 
-#include "record/xdf/xdf_reader.h"
+#include "record/recording.h"
 
 namespace dts::session {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 using core::ErrorCode;
 
 constexpr std::size_t kLongestReason = 200;
+constexpr double kFurthestS = 1.0;  // between what happened and the newest scan, in either direction
 
 /// FNV-1a: the same order of trials for the same session on every machine.
 std::uint64_t seed_of(const std::string& id) {
@@ -20,15 +22,15 @@ std::uint64_t seed_of(const std::string& id) {
   return hash;
 }
 
-/// What a recording says of itself: its first chunk, nothing more is read.
-core::Result<record::SessionFacts> facts_of(const std::string& file) {
-  auto reader = record::XdfReader::open(file);
-  if (!reader) return tl::make_unexpected(reader.error());
-  auto chunk = (*reader)->next();
-  if (!chunk) return tl::make_unexpected(chunk.error());
-  const auto* header = *chunk ? std::get_if<record::FileHeader>(&(*chunk)->content) : nullptr;
-  if (header == nullptr) return core::fail(ErrorCode::DataDamaged, file + " does not begin with a file header");
-  return record::session_facts(header->facts);
+/// What the session's newest recording says of itself; its parts agree on all that is taken over, and one that is missing holds nothing up.
+core::Result<record::SessionFacts> facts_of(const record::SessionRow& row) {
+  core::Result<record::SessionFacts> facts = core::fail(ErrorCode::NotFound, "session " + row.id + " has no recording to go on from");
+  for (const record::PartRow& part : std::views::reverse(row.parts)) {
+    auto read = record::read_session_facts(part.file);
+    if (read) return read;
+    if (&part == &row.parts.back()) facts = core::fail(read.error().code, part.file + ": " + read.error().what, read.error().hint);
+  }
+  return facts;
 }
 
 /// Places of the plan that need no repetition: done, or rejected with the plan going on.
@@ -105,11 +107,7 @@ core::Status RigSession::start(std::string id, const SessionRequest& request, co
 }
 
 core::Status RigSession::resume(const record::SessionRow& row, const Moment& moment) {
-  if (row.state == "complete") {
-    return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: there is nothing to resume", "start a new one");
-  }
-  if (row.parts.empty()) return core::fail(ErrorCode::NotFound, "session " + row.id + " has no recording to go on from");
-  auto earlier = facts_of(row.parts.back().file);
+  const auto earlier = facts_of(row);
   if (!earlier) return tl::make_unexpected(earlier.error());
   const auto protocol = find_protocol(earlier->protocol);
   if (!protocol) return tl::make_unexpected(protocol.error());
@@ -121,10 +119,15 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
       .protocol = earlier->protocol, .subject = earlier->subject, .label = earlier->label, .fields = earlier->fields};
   if (auto checked = check(request); !checked) return checked;
   if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
+  const std::vector<std::uint32_t> done = places_done(row);
+  const bool has_open_trials = (*protocol)->trials && done.size() < make_plan(*(*protocol)->trials, earlier->plan_seed).size();
+  if (row.state == "complete" && row.message.empty() && !has_open_trials) {  // a message: it ended, but not because it was over
+    return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: there is nothing to resume", "start a new one");
+  }
   record::SessionFacts next = facts(row.id, request, **protocol, moment.now_ns);
   next.plan_seed = earlier->plan_seed;
   next.part = row.parts.back().part + 1;
-  return begin(next, request, **protocol, places_done(row), moment);
+  return begin(next, request, **protocol, done, moment);
 }
 
 core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
@@ -137,7 +140,7 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
     is_recording_ = true;
   }
   is_aborted_ = false;
-  abort_reason_.clear();
+  end_reason_.clear();
   trial_rows_.clear();
   trials_.reset();
   if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
@@ -149,7 +152,7 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
 core::Status RigSession::stop(bool is_abort, const std::string& reason, const Moment& moment) {
   if (auto stopped = session_.stop(moment.now_ns); !stopped) return stopped;
   is_aborted_ = is_abort;
-  abort_reason_ = reason.substr(0, kLongestReason);
+  end_reason_ = reason.substr(0, kLongestReason);
   end_recording(moment);
   return {};
 }
@@ -159,7 +162,7 @@ void RigSession::end_recording(const Moment& moment) {
   if (trials_) trials_->abort(moment.now_ns);
   collect(moment.at);
   if (is_aborted_) {  // the recording says so itself: the catalogue may have to be made from it again
-    note({.event = "session", .values = {{"state", std::string("aborted")}, {"message", abort_reason_}}}, moment.at);
+    note({.event = "session", .values = {{"state", std::string("aborted")}, {"message", end_reason_}}}, moment.at);
   }
   if (is_recording_) return services_.recordings->end(rig_);
   session_.closed(moment.now_ns);
@@ -225,14 +228,24 @@ void RigSession::collect(const DataPosition& at) {
     event.values.emplace_back("state", std::string(name(change.state)));
     if (!change.message.empty()) event.values.emplace_back("message", change.message);
     note(std::move(event), at);
-    changes_.push_back(std::move(change));
+    changes_.push_back({.view = std::move(change), .at = at});
   }
   if (!trials_) return;
   for (TrialEvent& event : trials_->take_events()) {
-    note(recorded(event), at);
-    enter_trial(event, at);
-    trial_events_.push_back(std::move(event));
+    const DataPosition due = position_at(event.at_ns, at);
+    note(recorded(event), due);
+    enter_trial(event, due);
+    trial_changes_.push_back({.event = std::move(event), .at = due});
   }
+}
+
+/// Phases are as long as they are meant to be, however late they were noticed: their scans are counted from the newest by the exact rate.
+DataPosition RigSession::position_at(std::int64_t host_ns, const DataPosition& newest) const {
+  const double scans = std::round(static_cast<double>(host_ns - newest.host_time_ns) * 1e-9 * rig_.config().rate.hz());
+  if (newest.host_time_ns == 0 || std::abs(scans) > kFurthestS * rig_.config().rate.hz()) return newest;  // no data for a while
+  const double scan = static_cast<double>(newest.scan.value) + scans;
+  if (scan < 0.0) return newest;  // before this segment
+  return {.segment = newest.segment, .scan = {static_cast<std::uint64_t>(scan)}, .host_time_ns = host_ns};
 }
 
 void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
@@ -270,10 +283,8 @@ void RigSession::enter_end(const FinishedRecording& finished, std::int64_t now_n
   const SessionView view = session_.view(now_ns);
   std::string state = finished.incomplete.empty() ? "complete" : "incomplete";
   std::string message = finished.incomplete.empty() ? view.message : finished.incomplete;
-  if (is_aborted_) {
-    state = "aborted";
-    message = abort_reason_;
-  }
+  if (is_aborted_) state = "aborted";
+  if (!end_reason_.empty()) message = end_reason_;
   services_.recordings->end_session(view.id, state, message, now_ns + core::utc_minus_monotonic_ns());
 }
 

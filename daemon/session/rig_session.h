@@ -31,6 +31,16 @@ struct Moment {
   DataPosition at;
 };
 
+/// What happened, and at which scan.
+struct SessionChange {
+  SessionView view;
+  DataPosition at;
+};
+struct TrialChange {
+  TrialEvent event;
+  DataPosition at;
+};
+
 enum class TrialAction : std::uint8_t { Next = 1, Redo, Reject };
 
 /// What a session needs besides its rig; outlives it.
@@ -51,7 +61,7 @@ class RigSession {
   [[nodiscard]] core::Status start(std::string id, const SessionRequest& request, const Moment& moment);
   /// Goes on with an interrupted, incomplete or aborted session of this rig as a further part; trials that count are not repeated.
   [[nodiscard]] core::Status resume(const record::SessionRow& row, const Moment& moment);
-  /// Goes to Stopping; `view` says when the recording is closed. An abort is listed as one.
+  /// Goes to Stopping; `view` says when the recording is closed. An abort is listed as one; `reason` says why it ended in either case.
   [[nodiscard]] core::Status stop(bool is_abort, const std::string& reason, const Moment& moment);
   /// WrongState: no session, none with trials, not running yet, or what TrialRun says.
   [[nodiscard]] core::Status trial(TrialAction action, const Moment& moment);
@@ -68,8 +78,8 @@ class RigSession {
   /// Nothing when the protocol has no trials.
   [[nodiscard]] std::optional<TrialView> trial_view(std::int64_t now_ns) const;
   /// What happened since the last call, oldest first: it stands in the recording already.
-  [[nodiscard]] std::vector<SessionView> take_changes() { return std::exchange(changes_, {}); }
-  [[nodiscard]] std::vector<TrialEvent> take_trial_events() { return std::exchange(trial_events_, {}); }
+  [[nodiscard]] std::vector<SessionChange> take_changes() { return std::exchange(changes_, {}); }
+  [[nodiscard]] std::vector<TrialChange> take_trial_changes() { return std::exchange(trial_changes_, {}); }
 
  private:
   [[nodiscard]] core::Result<const Protocol*> find_protocol(const std::string& name) const;
@@ -79,6 +89,7 @@ class RigSession {
                      const std::vector<std::uint32_t>& done, const Moment& moment);
   void end_recording(const Moment& moment);
   void collect(const DataPosition& at);
+  [[nodiscard]] DataPosition position_at(std::int64_t host_ns, const DataPosition& newest) const;
   void enter_end(const FinishedRecording& finished, std::int64_t now_ns);
   void enter_trial(const TrialEvent& event, const DataPosition& at);
 
@@ -89,9 +100,9 @@ class RigSession {
   std::map<std::pair<std::uint32_t, std::uint32_t>, record::TrialRow> trial_rows_;  ///< By trial and attempt.
   bool is_recording_ = false;
   bool is_aborted_ = false;
-  std::string abort_reason_;
-  std::vector<SessionView> changes_;
-  std::vector<TrialEvent> trial_events_;
+  std::string end_reason_;
+  std::vector<SessionChange> changes_;
+  std::vector<TrialChange> trial_changes_;
 };
 
 }  // namespace dts::session

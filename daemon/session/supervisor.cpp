@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "device/registry.h"
+#include "session/device_state_name.h"
 
 namespace dts::session {
 namespace {
@@ -18,16 +19,6 @@ constexpr std::int64_t kRateWindowNs = 2'000'000'000;
 constexpr std::size_t kLongestMark = 200;
 constexpr std::chrono::seconds kCloseLimit{10};  // a disk that hangs longer is left to the recovery at the next start
 constexpr std::int64_t kSyncRetryNs = 1'000'000'000;
-
-std::string_view name(device::DeviceState state) {
-  switch (state) {
-    case device::DeviceState::Closed: return "closed";
-    case device::DeviceState::Open: return "open";
-    case device::DeviceState::Streaming: return "streaming";
-    case device::DeviceState::Gone: return "gone";
-  }
-  return "unknown";
-}
 
 /// The rig has opened this unit, or would open it if it could.
 bool uses(const Rig& rig, const device::FoundUnit& unit) {
@@ -57,7 +48,8 @@ void Supervisor::start() {
 
 void Supervisor::stop() {
   for (auto& [rig_name, entry] : entries_) {
-    if (entry.session.is_under_way()) static_cast<void>(entry.session.stop(false, {}, moment(entry)));  // refused: it is stopping already
+    if (entry.session.is_under_way())
+      static_cast<void>(entry.session.stop(false, "the daemon was stopped", moment(entry)));  // refused: it is stopping already
   }
   if (services_.recordings != nullptr) {
     services_.recordings->wait_until_closed(kCloseLimit);
@@ -106,7 +98,26 @@ std::string Supervisor::new_session_id(const std::string& rig) {
   gmtime_r(&now_s, &utc);
   std::array<char, 32> stamp{};
   std::strftime(stamp.data(), stamp.size(), "%Y%m%dT%H%M%SZ", &utc);
-  return std::string(stamp.data()) + "-" + rig + "-" + std::to_string(sessions_started_ + 1);
+  const auto id = [&] { return std::string(stamp.data()) + "-" + rig + "-" + std::to_string(sessions_started_ + 1); };
+  // A daemon that was started again in the same second, or after the clock was set back, has used it before.
+  while (services_.recordings != nullptr && services_.recordings->catalogue().session(id())) ++sessions_started_;
+  return id();
+}
+
+/// A tare under way would take effect within the recording: what it records, and what a replay makes of it, would change in the middle.
+core::Status Supervisor::check_not_taring(Entry& entry) {
+  const pipeline::TareReport& report = entry.rig->tare().latest();
+  const bool is_taring = report.request < entry.tare_request || report.outcome == pipeline::TareOutcome::Running;
+  if (entry.tare_request == 0 || !is_taring) return {};
+  return core::fail(core::ErrorCode::WrongState, "rig '" + entry.rig->config().name + "' is being tared", "wait for its answer");
+}
+
+/// A device that is opened just now is waited for; one that is known to be away would cost a subject the way here.
+core::Status Supervisor::check_present(Entry& entry) {
+  const AcquisitionReport& report = entry.rig->acquisition();
+  if (report.device == device::DeviceState::Streaming || report.text().empty()) return {};
+  return core::fail(core::ErrorCode::WrongState, "rig '" + entry.rig->config().name + "' delivers nothing: " + std::string(report.text()),
+                    "mend that first; see dtsctl status");
 }
 
 core::Result<SessionView> Supervisor::begun(Entry& entry, const core::Status& status) {
@@ -121,6 +132,8 @@ core::Result<SessionView> Supervisor::begun(Entry& entry, const core::Status& st
 core::Result<SessionView> Supervisor::start_session(const std::string& rig, const SessionRequest& request) {
   auto entry = find(rig);
   if (!entry) return tl::make_unexpected(entry.error());
+  if (auto free = check_not_taring(**entry); !free) return tl::make_unexpected(free.error());
+  if (auto present = check_present(**entry); !present) return tl::make_unexpected(present.error());
   auto started = (*entry)->session.start(new_session_id(rig), request, moment(**entry));
   if (started) ++sessions_started_;
   return begun(**entry, started);
@@ -132,6 +145,7 @@ core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(con
   if (!row) return tl::make_unexpected(row.error());
   auto entry = find(row->rig);
   if (!entry) return tl::make_unexpected(entry.error());
+  if (auto free = check_not_taring(**entry); !free) return tl::make_unexpected(free.error());
   auto view = begun(**entry, (*entry)->session.resume(*row, moment(**entry)));
   if (!view) return tl::make_unexpected(view.error());
   return std::pair{row->rig, *view};
@@ -228,11 +242,14 @@ core::Result<std::uint64_t> Supervisor::tare(const std::string& rig) {
     return core::fail(core::ErrorCode::Unsupported, "rig '" + rig + "' has no stage that tares",
                       "add [[stage]] id = \"linearise\" to its file");
   }
-  return (*entry)->rig->tare().request();
+  return (*entry)->tare_request = (*entry)->rig->tare().request();
 }
 
 void Supervisor::cancel_tare(const std::string& rig, std::uint64_t request) {
-  if (const auto entry = find(rig)) (*entry)->rig->tare().cancel(request);
+  const auto entry = find(rig);
+  if (!entry) return;
+  (*entry)->rig->tare().cancel(request);
+  if ((*entry)->tare_request == request) (*entry)->tare_request = 0;
 }
 
 core::Result<pipeline::TareReport> Supervisor::tare_report(const std::string& rig) {
@@ -337,13 +354,13 @@ DataPosition Supervisor::position(Entry& entry) {
 
 void Supervisor::collect_session_changes(Entry& entry) {
   const std::string& rig = entry.rig->config().name;
-  for (SessionView& change : entry.session.take_changes()) {
-    notices_.push_back({.rig = rig, .at = position(entry), .body = std::move(change)});
+  for (SessionChange& change : entry.session.take_changes()) {
+    notices_.push_back({.rig = rig, .at = change.at, .body = std::move(change.view)});
   }
-  for (TrialEvent& event : entry.session.take_trial_events()) {
+  for (TrialChange& change : entry.session.take_trial_changes()) {
     notices_.push_back({.rig = rig,
-                        .at = position(entry),
-                        .body = TrialNotice{.session_id = entry.session.view(clock_.now_ns()).id, .event = std::move(event)}});
+                        .at = change.at,
+                        .body = TrialNotice{.session_id = entry.session.view(clock_.now_ns()).id, .event = std::move(change.event)}});
   }
 }
 

@@ -123,6 +123,7 @@ class Supervisor {
     std::uint64_t rate_since_scans = 0;
     double measured_rate_hz = 0.0;
     std::int64_t sync_low_at_ns = 0;  ///< When the sync pulse ends; 0: none under way.
+    std::uint64_t tare_request = 0;   ///< The newest that was not withdrawn.
   };
   [[nodiscard]] core::Result<Entry*> find(const std::string& name);
   /// The rig named, or for an empty name the only one with a session.
@@ -138,6 +139,8 @@ class Supervisor {
   void notice_device_change(Entry& entry, const AcquisitionReport& report);
   void measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns);
   [[nodiscard]] std::string new_session_id(const std::string& rig);
+  [[nodiscard]] static core::Status check_not_taring(Entry& entry);
+  [[nodiscard]] static core::Status check_present(Entry& entry);
 
   core::Clock& clock_;
   core::Log log_;

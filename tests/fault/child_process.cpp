@@ -73,7 +73,8 @@ std::string run_in_child(const std::function<std::string()>& work, std::chrono::
   return text;
 }
 
-TemporaryFolder::TemporaryFolder() : path_("/tmp/dts-fault-XXXXXX") {
+TemporaryFolder::TemporaryFolder(const std::string& parent)
+    : path_((!parent.empty() && ::access(parent.c_str(), W_OK | X_OK) == 0 ? parent : "/tmp") + "/dts-fault-XXXXXX") {
   if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error("no temporary folder");
 }
 TemporaryFolder::~TemporaryFolder() {

@@ -15,7 +15,8 @@ namespace dts::fault {
 /// A folder of its own below /tmp, removed with this object.
 class TemporaryFolder {
  public:
-  TemporaryFolder();
+  /// In the system's folder for temporary files, or in `parent` when that can be written.
+  explicit TemporaryFolder(const std::string& parent = {});
   ~TemporaryFolder();
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;

@@ -4,10 +4,23 @@
 
 #include <gtest/gtest.h>
 
+#include "fault/child_process.h"
+#include "fault/recorded_session.h"
 #include "fault/rigs.h"
 
 namespace dts::fault {
 namespace {
+
+/// A daemon that was killed at once and is back within the second: the next session must not get the name of the last.
+TEST(Restart, SeveralWithinASecond_EverySessionStarts) {
+  const TemporaryFolder folder;
+  core::SystemClock clock;
+  for (int start = 0; start < 6; ++start) {  // some tens of milliseconds each
+    auto session = RecordedSession::open(folder.path(), floor4_rig(), clock);
+    ASSERT_TRUE(session);
+    EXPECT_EQ((*session)->start().refusal, "");
+  }
+}
 
 TEST(Kill, AtRandomMoments_LosesAtMostASecondAndNothingBeforeIt) {
   const Reference reference = Reference::compute(floor16_rig(), 60.0);

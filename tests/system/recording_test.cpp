@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <zmq.hpp>
 
@@ -53,7 +54,27 @@ std::string slurp(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// The values of a stream by the index of their scan, as an export writes them.
+std::map<std::uint64_t, std::string> rows_by_scan(const DaemonProcess& daemon, const std::string& id, const std::string& stream) {
+  const std::string folder = (daemon.directory() / ("csv-" + stream)).string();
+  const Finished exported = daemon.ctl({"session", "export", id, "--format", "csv", "--out", folder});
+  EXPECT_EQ(exported.status, 0) << exported.err;
+  std::ifstream table(folder + "/" + id + "_" + stream + ".csv");
+  std::map<std::uint64_t, std::string> rows;
+  std::string line;
+  std::getline(table, line);
+  while (std::getline(table, line)) {  // t_s,segment,scan,values
+    const std::size_t scan = line.find(',', line.find(',') + 1) + 1;
+    const std::size_t values = line.find(',', scan) + 1;
+    rows.emplace(std::stoull(line.substr(scan)), line.substr(values));
+  }
+  return rows;
+}
+
 TEST(Recording, OfTheShippedConfiguration_OpensInLibxdfWithNamesUnitsRatesAndStampsOnTheGrid) {
+#if defined(__SANITIZE_ADDRESS__)
+  GTEST_SKIP() << "libxdf 0.99.8 reads beyond the buffers of its headers";
+#endif
   DaemonProcess daemon;
   ASSERT_TRUE(daemon.is_ready()) << daemon.log();
   const std::string id = record(daemon, 150);
@@ -88,7 +109,11 @@ TEST(Recording, OfTheShippedConfiguration_OpensInLibxdfWithNamesUnitsRatesAndSta
 }
 
 TEST(Recording, Replayed_GivesTheRecordedStreamsBitForBit) {
-  DaemonProcess daemon({.acquire = "rate_hz = 500.0\n"});
+  // A filter that keeps every third scan: which ones depends on the index at which the recording began.
+  const std::string stages =
+      "[[stage]]\nid = \"guard\"\n\n[[stage]]\nid = \"window_filter\"\nwindow_scans = 5\nshift_scans = 3\n\n"
+      "[[stage]]\nid = \"linearise\"\n\n[[stage]]\nid = \"cop\"\n";
+  DaemonProcess daemon({.acquire = "rate_hz = 500.0\n", .stages = stages});
   ASSERT_TRUE(daemon.is_ready()) << daemon.log();
   const std::string id = record(daemon, 1500);
   ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);
@@ -99,12 +124,23 @@ TEST(Recording, Replayed_GivesTheRecordedStreamsBitForBit) {
   EXPECT_EQ(replayed.status, 0) << replayed.out << replayed.err;
 
   // And through a whole daemon, recorded a second time.
-  DaemonProcess second({.device = "replay:" + file, .acquire = "rate_hz = 500.0\n"});
+  DaemonProcess second({.device = "replay:" + file, .acquire = "rate_hz = 500.0\n", .stages = stages});
   ASSERT_TRUE(second.is_ready()) << second.log();
   const std::string again = record(second, 200);
   ASSERT_EQ(second.ctl({"session", "stop"}).status, 0);
   const Finished replayed_again = run_program({DTSLAB_PROGRAM, "replay", file_of(second, again), "--json"});
   EXPECT_EQ(replayed_again.status, 0) << replayed_again.out << replayed_again.err;
+  for (const std::string stream : {"raw", "filtered", "deflection", "cop"}) {
+    SCOPED_TRACE(stream);
+    const auto first_rows = rows_by_scan(daemon, id, stream);
+    const auto second_rows = rows_by_scan(second, again, stream);
+    EXPECT_GT(second_rows.size(), 50U);
+    for (const auto& [scan, values] : second_rows) {
+      const auto found = first_rows.find(scan);
+      ASSERT_TRUE(found != first_rows.end()) << "scan " << scan << " was never recorded";
+      ASSERT_EQ(values, found->second) << "scan " << scan;
+    }
+  }
 }
 
 TEST(Recording, VerifyAndExport_WorkById) {
@@ -143,7 +179,9 @@ TEST(Recording, DaemonKilled_ListsTheSessionAsInterruptedAndResumesIt) {
   EXPECT_EQ(shown(daemon, id).at("state"), "interrupted");
   EXPECT_TRUE(eventually([&] { return shown(daemon, id).at("parts").at(0).at("state") == "recovered"; }));
   ASSERT_EQ(daemon.ctl({"session", "resume", id}).status, 0);
-  EXPECT_TRUE(eventually([&] { return daemon.control().status()->rigs(0).session().recording().bytes() > 0; }));
+  auto control = daemon.control();
+  const std::uint64_t before = control.status()->rigs(0).scans_total();
+  EXPECT_TRUE(eventually([&] { return control.status()->rigs(0).scans_total() > before + 100; }));
   ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);
 
   const json session = shown(daemon, id);

@@ -84,9 +84,11 @@ void print_verified(cli::Console& console, const Verified& verified) {
   }
   std::string word = state_of(found);
   std::string facts = cli::duration(found.duration_s) + ", " + std::to_string(found.scans) + " scans, " + bytes_text(found.bytes);
-  facts += ", " + std::to_string(found.chunks) + (found.has_index ? " chunks as the index has them" : " chunks, no index to compare with");
+  facts += ", " + std::to_string(found.chunks) +
+           (found.has_index ? " chunks as the index has them" : " chunks; no .idx beside it: the values were not checked");
   if (word == "complete") {
-    console.out << cli::styled(console, cli::Style::Good, "sound") << "  " << name << ": complete, " << facts << '\n';
+    console.out << cli::styled(console, cli::Style::Good, found.has_index ? "sound" : "readable") << "  " << name << ": complete, " << facts
+                << '\n';
   } else {
     std::ranges::transform(word, word.begin(), [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
     const std::string lost = found.lost_s_at_most > 0.0 ? "; at most " + cli::decimal(found.lost_s_at_most, 2) + " s are lost" : "";

@@ -2,6 +2,7 @@
 #include "device/replay/play_queue.h"
 
 #include <algorithm>
+#include <exception>
 
 #include "core/thread.h"
 #include "device/replay/scan_merger.h"
@@ -11,7 +12,8 @@ namespace {
 
 constexpr std::size_t kBlockScans = 256;
 constexpr std::size_t kBlocks = 64;
-constexpr int kRoomPatienceMs = 50;  // how soon a stop is seen
+constexpr int kRoomPatienceMs = 50;     // how soon a stop is seen
+constexpr int kFirstPatienceMs = 1000;  // a slower disk is waited for by whoever reads: he can be interrupted
 
 }  // namespace
 
@@ -27,10 +29,13 @@ core::Status PlayQueue::start(bool loops) {
   if (auto rewound = recording_.rewind(); !rewound) return rewound;
   thread_ = std::jthread([this, loops](const std::stop_token& stop) {
     (void)core::configure_this_thread("replay-ahead", {});
-    run(stop, loops);
+    try {
+      run(stop, loops);
+    } catch (const std::exception& error) {  // memory may run out
+      end(error.what(), stop);
+    }
   });
-  while (front(kRoomPatienceMs) == nullptr) {
-  }
+  (void)front(kFirstPatienceMs);
   return {};
 }
 
@@ -62,14 +67,17 @@ PlayedItem* PlayQueue::slot(const std::stop_token& stop) {
 }
 
 void PlayQueue::hand_over() noexcept {
+  ++handed_over_;
   ring_.commit();
   item_bell_.ring();
 }
 
 void PlayQueue::run(const std::stop_token& stop, bool loops) {
   do {
+    const std::uint64_t before = handed_over_;
     if (const auto played = play_once(stop); !played) return end(core::to_string(played.error()), stop);
     if (!loops) return end("", stop);
+    if (handed_over_ == before) return end("it has no scan that could be played again and again", stop);
     if (const auto rewound = recording_.rewind(); !rewound) return end(core::to_string(rewound.error()), stop);
     PlayedItem* again = slot(stop);
     if (again == nullptr) return;

@@ -37,7 +37,7 @@ class PlayQueue {
   PlayQueue(const PlayQueue&) = delete;
   PlayQueue& operator=(const PlayQueue&) = delete;
 
-  /// From the beginning; with `loops` again and again, with a gap without missing scans between. Returns when the first item is there.
+  /// From the beginning; with `loops` again and again, with a gap without missing scans between. Waits a moment for the first item.
   /// Fails as the recording's `rewind`. Thread: control.
   [[nodiscard]] core::Status start(bool loops);
   void stop() noexcept;
@@ -59,6 +59,7 @@ class PlayQueue {
   core::SpscRing<PlayedItem> ring_;
   core::Doorbell item_bell_;
   core::Doorbell room_bell_;
+  std::uint64_t handed_over_ = 0;  ///< Items; the play-ahead thread's.
   std::jthread thread_;
 };
 

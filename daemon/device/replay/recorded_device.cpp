@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <charconv>
+#include <string>
 #include <utility>
+#include <variant>
 
 namespace dts::device::replay {
 namespace {
@@ -11,6 +13,7 @@ namespace {
 constexpr double kRateTolerance = 0.005;  // a rig asks for 1500 Hz and its DAQ gave 1501.5: the recording's rate is meant
 constexpr double kUnknownRange = 1e6;     // no value reaches its end: what is not known marks nothing as rail
 constexpr std::size_t kMostNumbers = 1U << 24U;
+constexpr std::int64_t kFarthestNs = std::int64_t{1} << 61U;  // 73 years
 
 tl::unexpected<core::Error> refuse(const std::string& uri, const std::string& why) {
   return core::fail(core::ErrorCode::InvalidArgument, uri + " cannot be replayed: " + why,
@@ -111,6 +114,24 @@ core::Result<RecordedDevice> find_device(const record::Recording& recording, con
   if (!state) return core::fail(state.error().code, uri + ": " + state.error().what);
   found.description.recorded_pipeline.state = std::move(*state);
   return found;
+}
+
+core::Status find_first_scan(record::Recording& recording, RecordedDevice& device) {
+  if (auto begun = recording.rewind(); !begun) return begun;
+  while (true) {
+    const auto item = recording.next();
+    if (!item) return tl::make_unexpected(item.error());
+    if (!*item) break;
+    const auto* scans = std::get_if<record::RecordedScans>(&**item);
+    if (scans == nullptr || scans->stream != device.raw_stream) continue;
+    if (device.rate.time_ns(scans->first_scan) > kFarthestNs) {
+      return core::fail(core::ErrorCode::DataDamaged,
+                        device.description.uri + ": its first scan has the impossible index " + std::to_string(scans->first_scan.value));
+    }
+    device.description.recorded_pipeline.first_scan = scans->first_scan.value;
+    break;
+  }
+  return recording.rewind();
 }
 
 }  // namespace dts::device::replay

@@ -27,6 +27,10 @@ struct RecordedDevice {
 /// columns where the device had them: another program's file, a channel missing, two on one place.
 [[nodiscard]] core::Result<RecordedDevice> find_device(const record::Recording& recording, const std::string& uri);
 
+/// Looks for the recorded index of the first scan of `device` and writes it into its description; goes back to the recording's beginning.
+/// DataDamaged when no clock can show it.
+[[nodiscard]] core::Status find_first_scan(record::Recording& recording, RecordedDevice& device);
+
 /// Numbers of a text, separated by spaces, as `Pipeline::save` gave them; DataDamaged when one is none or there are more than 16 million.
 [[nodiscard]] core::Result<std::vector<double>> parse_state(const std::string& text);
 

@@ -46,6 +46,7 @@ core::Result<std::unique_ptr<Device>> create_replay(const DeviceUri& uri, const 
   }
   auto recorded = find_device(**recording, uri.text);
   if (!recorded) return tl::make_unexpected(recorded.error());
+  if (auto found = find_first_scan(**recording, *recorded); !found) return tl::make_unexpected(found.error());
   return std::make_unique<ReplayDevice>(std::move(*recorded), std::move(*recording),
                                         PlayOptions{.speed = *speed, .loops = options->text("loop") == "1"}, context.clock);
 }

@@ -10,7 +10,8 @@ namespace dts::device::replay {
 namespace {
 
 constexpr double kLagMs = 1000.0;
-constexpr std::size_t kMostWaitingValues = std::size_t{1} << 23U;  // 64 MB, of a file that has raw but no aux scans
+constexpr std::uint64_t kMostWaitingValues = std::uint64_t{1} << 23U;  // 64 MB, of a file that has raw or aux scans alone
+constexpr std::size_t kMostWaitingRuns = std::size_t{1} << 17U;        // of a file whose chunks hold one scan each
 constexpr std::size_t kMostWaitingEvents = 1'000'000;
 constexpr std::uint64_t kMostMissingScans = 1'000'000'000'000'000;
 
@@ -36,8 +37,8 @@ std::uint64_t count_of(const record::RecordedEvent& event, const std::string& ke
 ScanMerger::ScanMerger(const RecordedDevice& device)
     : device_(device),
       lag_scans_(static_cast<std::size_t>(device.rate.scans_in_ms(kLagMs))),
-      raw_{.channels = device.raw_channels, .runs = {}},
-      aux_{.channels = device.aux_channels, .runs = {}},
+      raw_{.channels = device.raw_channels},
+      aux_{.channels = device.aux_channels},
       bits_(device.description.channels.size()) {}
 
 core::Status ScanMerger::add(const record::RecordedItem& item) {
@@ -65,10 +66,15 @@ core::Status ScanMerger::add_scans(const record::RecordedScans& scans, Column& c
   }
   column.runs.push_back(
       {.first = first, .first_time_s = scans.first_time_s, .count = scans.count, .left = scans.count, .values = scans.values});
-  if (&column == &raw_) waiting_scans_ += scans.count;
+  column.waiting_scans += scans.count;
   if (auto aligned = align_aux(); !aligned) return aligned;
-  if (waiting_scans_ * bits_.size() <= kMostWaitingValues) return {};
-  return damaged("the stream \"aux\" does not belong to the stream \"raw\"");
+  if (is_too_much()) return damaged("the stream \"aux\" does not belong to the stream \"raw\"");
+  return {};
+}
+
+bool ScanMerger::is_too_much() const noexcept {
+  const std::uint64_t values = raw_.waiting_scans * raw_.channels.size() + aux_.waiting_scans * aux_.channels.size();
+  return values > kMostWaitingValues || raw_.runs.size() + aux_.runs.size() > kMostWaitingRuns;
 }
 
 /// A recording begins and ends anywhere: aux scans before the first raw scan are left out. The other way round a channel is missing.
@@ -78,11 +84,10 @@ core::Status ScanMerger::align_aux() {
   while (!aux_.runs.empty() && aux_.runs.front().next() < next) {
     Run& run = aux_.runs.front();
     const bool reaches_it = run.first.segment == next.segment && run.first.scan + run.count > next.scan;
-    if (reaches_it) {
-      run.left = static_cast<std::size_t>(run.first.scan + run.count - next.scan);
-    } else {
-      aux_.runs.pop_front();
-    }
+    const std::size_t left = reaches_it ? static_cast<std::size_t>(run.first.scan + run.count - next.scan) : 0;
+    aux_.waiting_scans -= run.left - left;
+    run.left = left;
+    if (left == 0) aux_.runs.pop_front();
   }
   if (aux_.runs.empty() || aux_.runs.front().next() == next) return {};
   return damaged("the stream \"aux\" lacks scan " + std::to_string(next.scan) + " of segment " + std::to_string(next.segment));
@@ -120,7 +125,7 @@ std::size_t ScanMerger::ready_scans() const noexcept {
   if (raw_.runs.empty()) return 0;
   std::size_t ready = raw_.runs.front().left;
   if (!is_finished_) {
-    const std::uint64_t allowed = waiting_scans_ > lag_scans_ ? waiting_scans_ - lag_scans_ : 0;
+    const std::uint64_t allowed = raw_.waiting_scans > lag_scans_ ? raw_.waiting_scans - lag_scans_ : 0;
     ready = static_cast<std::size_t>(std::min<std::uint64_t>(ready, allowed));
   }
   if (!device_.aux_stream) return ready;
@@ -163,6 +168,7 @@ void ScanMerger::copy(Column& column, core::Block& block, std::size_t at, std::s
     for (std::size_t i = 0; i < scans; ++i) out[i] = values[i * width + c];
   }
   run.left -= scans;
+  column.waiting_scans -= scans;
   if (run.left == 0) column.runs.pop_front();
 }
 
@@ -201,7 +207,6 @@ void ScanMerger::fill(core::Block& block) {
     set_bits(block, filled, scans);
     copy(raw_, block, filled, scans);
     if (device_.aux_stream) copy(aux_, block, filled, scans);
-    waiting_scans_ -= scans;
     filled += scans;
     at.scan += scans;
   }

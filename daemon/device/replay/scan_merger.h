@@ -64,11 +64,13 @@ class ScanMerger {
   };
   struct Column {
     std::vector<std::size_t> channels;  ///< Of the device.
-    std::deque<Run> runs;
+    std::deque<Run> runs{};
+    std::uint64_t waiting_scans = 0;  ///< Have not been taken.
   };
 
   core::Status add_scans(const record::RecordedScans& scans, Column& column);
   core::Status align_aux();
+  [[nodiscard]] bool is_too_much() const noexcept;
   core::Status add_change(const record::RecordedChange& change);
   void add_segment(const record::RecordedEvent& event);
   [[nodiscard]] std::size_t ready_scans() const noexcept;
@@ -84,7 +86,6 @@ class ScanMerger {
   std::size_t lag_scans_ = 0;
   Column raw_;
   Column aux_;
-  std::uint64_t waiting_scans_ = 0;  ///< Raw scans that have not been taken.
   std::deque<Change> changes_;
   std::vector<std::uint8_t> bits_;  ///< Per device channel, in force.
   std::map<std::uint32_t, core::Gap> gaps_;

@@ -76,7 +76,7 @@ void WindowFilter::process(const core::Block& in, core::Block& out) noexcept {
   out.set_count(first_kept < scans ? (scans - 1 - first_kept) / shift_scans_ + 1 : 0);
   const core::ScanIndex completing = in.first_scan + first_kept;
   out.first_scan = core::ScanIndex{completing.value / shift_scans_};
-  if (first_kept > 0) out.host_time_ns = in.host_time_ns + rate_.time_ns(completing) - rate_.time_ns(in.first_scan);
+  if (first_kept > 0) out.host_time_ns = in.host_time_ns + (rate_.time_ns(completing) - rate_.time_ns(in.first_scan));
   for (std::size_t c = 0; c < channels_.size(); ++c) {
     filter_channel(channels_[c], in.column(c), in.quality(c), first_kept, out.column(c), out.quality(c));
   }

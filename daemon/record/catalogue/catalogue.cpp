@@ -77,6 +77,8 @@ class Catalogue::Implementation {
 
   [[nodiscard]] core::Status enter_session(const SessionFacts& facts) const;
   [[nodiscard]] core::Status enter_part(const SessionFacts& facts, const std::string& file) const;
+  [[nodiscard]] core::Status put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
+                                             const std::string& text) const;
   [[nodiscard]] core::Result<bool> has_part(const std::string& id, std::uint32_t part) const;
   [[nodiscard]] core::Result<std::vector<PartRow>> parts_of(const std::string& id) const {
     return rows_of(database.query(std::string(kPartColumns) + "WHERE session_id = ? ORDER BY part", id), read_part);
@@ -111,6 +113,9 @@ core::Status Catalogue::Implementation::enter_session(const SessionFacts& facts)
 }
 
 core::Status Catalogue::Implementation::enter_part(const SessionFacts& facts, const std::string& file) const {
+  if (!facts.calibration_id.empty()) {
+    if (auto put = put_calibration(facts.calibration_id, facts.rig, "cop", facts.rig_definition); !put) return put;
+  }
   return database.run(
       "INSERT INTO parts (session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns,"
       " calibration_id) VALUES (?, ?, ?, ?, '', 0, 0, 0, 0, '', ?, ?)",
@@ -190,8 +195,12 @@ core::Status Catalogue::put_trial(const TrialRow& trial) {
 }
 
 core::Status Catalogue::put_calibration(const std::string& id, const std::string& rig, const std::string& kind, const std::string& text) {
-  return implementation_->database.run("INSERT OR REPLACE INTO calibrations (id, rig, kind, definition) VALUES (?, ?, ?, ?)", id, rig, kind,
-                                       text);
+  return implementation_->put_calibration(id, rig, kind, text);
+}
+
+core::Status Catalogue::Implementation::put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
+                                                        const std::string& text) const {
+  return database.run("INSERT OR REPLACE INTO calibrations (id, rig, kind, definition) VALUES (?, ?, ?, ?)", id, rig, kind, text);
 }
 
 core::Status Catalogue::put_result(const ResultRow& result) {

@@ -127,8 +127,8 @@ class Catalogue {
   Catalogue(Catalogue&&) = delete;
   Catalogue& operator=(Catalogue&&) = delete;
 
-  /// A new session with its first part, or a further part of a known one, which is running again; the subject and the protocol are entered
-  /// too. WrongState: the part is known already, or the session is one of another rig, subject or protocol.
+  /// A new session with its first part, or a further part of a known one, which is running again; the subject, the protocol and the
+  /// calibration are entered too. WrongState: the part is known already, or the session is one of another rig, subject or protocol.
   [[nodiscard]] core::Status begin_part(const SessionFacts& facts, const std::string& file);
   /// All but when it started. NotFound when there is no such part.
   [[nodiscard]] core::Status update_part(const PartRow& part);
@@ -163,6 +163,9 @@ class Catalogue {
   explicit Catalogue(std::unique_ptr<Implementation> implementation);
   std::unique_ptr<Implementation> implementation_;
 };
+
+/// All that a recording says of itself, for `Catalogue::enter`: how it stands, and its trials. Reads the whole file, twice. Thread: any.
+[[nodiscard]] core::Result<FoundRecording> read_recording(const std::string& file);
 
 struct Rebuilt {
   std::size_t added = 0;                ///< Parts that the catalogue did not know.

@@ -11,7 +11,6 @@
 #include "record/catalogue/trial_collector.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
-#include "record/xdf/xdf_reader.h"
 
 namespace dts::record {
 namespace {
@@ -52,18 +51,6 @@ core::Result<std::vector<std::string>> recordings_in(const std::string& folder) 
   return files;
 }
 
-/// Of a recording of ours, from its header alone.
-core::Result<SessionFacts> facts_of(const std::string& file) {
-  auto reader = XdfReader::open(file);
-  if (!reader) return tl::make_unexpected(reader.error());
-  const auto chunk = (*reader)->next();
-  if (!chunk) return tl::make_unexpected(chunk.error());
-  const auto* header = *chunk ? std::get_if<FileHeader>(&(*chunk)->content) : nullptr;
-  if (header == nullptr) return core::fail(ErrorCode::DataDamaged, "it has no file header");
-  if (fact(header->facts, "session_id").empty()) return core::fail(ErrorCode::Unsupported, "it is no recording of dtsd");
-  return session_facts(header->facts);
-}
-
 void set_state(const Verification& verified, PartRow& part) {
   part.bytes = verified.bytes;
   part.scans = verified.scans;
@@ -80,7 +67,8 @@ void set_state(const Verification& verified, PartRow& part) {
     part.state = PartState::Recovered;
     if (part.reason.empty()) part.reason = "interrupted; this is the repaired copy";
   } else {
-    part.state = verified.incomplete.empty() ? PartState::Complete : PartState::Incomplete;
+    if (verified.scans == 0 && part.reason.empty()) part.reason = "it holds no scan";
+    part.state = part.reason.empty() ? PartState::Complete : PartState::Incomplete;
   }
 }
 
@@ -177,7 +165,7 @@ bool Rebuild::is_better(const PartRow& known, const std::string& file) const {
 /// Fails only for a reason of the catalogue's.
 core::Status Rebuild::consider(const std::string& file) {
   if (files_.contains(file)) return {};
-  const auto facts = facts_of(file);
+  const auto facts = read_session_facts(file);
   if (!facts) {
     result_.unreadable.push_back(file + ": " + facts.error().what);
     return {};
@@ -219,6 +207,12 @@ core::Status Rebuild::mark_missing() {
 }
 
 }  // namespace
+
+core::Result<FoundRecording> read_recording(const std::string& file) {
+  const auto facts = read_session_facts(file);
+  if (!facts) return tl::make_unexpected(facts.error());
+  return read_whole(file, *facts);
+}
 
 core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder) {
   const auto files = recordings_in(folder);

@@ -98,7 +98,8 @@ std::string dataset_readme() {
          "load.\n"
          "Each table of samples begins with a LATENCY channel: seconds since the recording's first scan. Where it jumps, scans are\n"
          "missing; nothing is interpolated. Undefined values (nobody on the plate) are n/a. The events tell of gaps, markers, trials.\n"
-         "Subjects are pseudonyms given by the clinic.\n";
+         "Subjects are pseudonyms given by the clinic. sub-unknown holds the sessions that were recorded without one: they may be of\n"
+         "several people.\n";
 }
 
 std::string participants_description() {
@@ -144,7 +145,6 @@ std::string motion_description(const Recording& recording, const StreamInfo& str
             {"TrackedPointsCount", points.size()},
             {"RecordingDuration", static_cast<double>(facts.duration_ns) * 1e-9},
             {"MissingValues", "n/a"}};
-  for (const char* type : {"ACCEL", "ANGACC", "GYRO", "JNTANG", "MAGN", "ORNT", "VEL"}) json[std::string(type) + "ChannelCount"] = 0;
   if (!session.device_model.empty()) json["ManufacturersModelName"] = session.device_model;
   if (!session.device_serial.empty()) json["DeviceSerialNumber"] = session.device_serial;
   if (!session.software.empty()) json["SoftwareVersions"] = session.software;

@@ -33,7 +33,7 @@ struct Ending {
 /// Dropped bytes as time, by the mean of those kept; and what had not reached the file, or not the disk.
 Ending ending_of(const Survey& found) {
   const std::string told = found.footer_fact("incomplete");
-  if (found.is_closed()) return {.reason = "closed, but not renamed", .incomplete = told};
+  if (found.is_closed() && !found.streams.empty()) return {.reason = "closed, but not renamed", .incomplete = told};
   Ending ending{.reason = found.fault ? found.fault->what : "no footer"};
   ending.incomplete = told.empty() ? ending.reason : told + "; " + ending.reason;
   const auto lost_bytes = static_cast<double>(std::max(found.size, found.indexed_end) - found.end);

@@ -56,6 +56,16 @@ class ConfigFiles : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(ConfigFiles, StorageNamedRelativeToAFileNamedRelatively_IsAbsolute) {
+  write("dtsd.toml", std::string(kRig) + "[storage]\ndirectory = \"state\"\n");
+  const auto before = std::filesystem::current_path();
+  std::filesystem::current_path(folder_);
+  const LoadedConfig loaded = load_config("dtsd.toml");
+  std::filesystem::current_path(before);
+
+  EXPECT_EQ(loaded.config.storage.directory, (std::filesystem::canonical(folder_) / "state").string());
+}
+
 TEST_F(ConfigFiles, Complete_HasNoProblemAndTheDefaults) {
   const LoadedConfig loaded = load_config(write("dtsd.toml", kRig));
 

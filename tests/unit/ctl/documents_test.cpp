@@ -4,7 +4,9 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
+#include <regex>
 
 #include "ctl/command_tree.h"
 #include "unit/ctl/run_fixture.h"
@@ -97,6 +99,17 @@ TEST_F(DocumentsTest, Manual_HasNoEmptySectionAndNamesEveryCommand) {
   for (const char* section : {"NAME", "SYNOPSIS", "EXAMPLES", "COMMANDS", "OPTIONS", "ENVIRONMENT", "EXIT STATUS", "FILES"}) {
     EXPECT_THAT(page, HasSubstr(std::string(".SH ") + section + "\n"));
   }
+}
+
+TEST_F(DocumentsTest, Examples_NameProtocolsThatAreShipped) {
+  const std::string page = cli::manual_page(line());
+  const std::regex named(R"((?:\\-\\-protocol|protocol show) ([a-z]+(?:\\?-[a-z]+)*))");
+  std::size_t count = 0;
+  for (std::sregex_iterator match(page.begin(), page.end(), named); match != std::sregex_iterator(); ++match, ++count) {
+    const std::string name = std::regex_replace((*match)[1].str(), std::regex(R"(\\)"), "");
+    EXPECT_TRUE(std::filesystem::exists(std::string(DTS_SOURCE_DIR) + "/config/protocols/" + name + ".toml")) << name;
+  }
+  EXPECT_GE(count, 2U);
 }
 
 TEST_F(DocumentsTest, Manual_IsCleanForGroff) {

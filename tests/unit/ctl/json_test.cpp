@@ -48,6 +48,16 @@ TEST(ToJson, MapOfTexts_IsAnObject) {
   EXPECT_FALSE(json.contains("target_cm"));
 }
 
+TEST(ToJson, FieldOfWords_HasNoRange) {
+  v1::ProtocolField field;
+  field.set_name("side");
+  EXPECT_TRUE(to_json(field).contains("minimum")) << "0 is a limit of a number";
+
+  field.add_choices("left");
+  EXPECT_FALSE(to_json(field).contains("minimum"));
+  EXPECT_FALSE(to_json(field).contains("maximum"));
+}
+
 TEST(ToJson, NoSessionYet_OnlyItsState) {
   v1::SessionInfo session;
   session.set_rig("floor");

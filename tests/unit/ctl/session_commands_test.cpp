@@ -23,6 +23,7 @@ v1::SessionRecord interrupted_session() {
   part.set_part(1);
   part.set_state(v1::PART_STATE_RECOVERED);
   part.set_file("/data/a.recovered.xdf");
+  part.set_sha256("0123abcd");
   part.set_duration_s(61.0);
   part.set_lost_s_at_most(0.75);
   part.set_reason("no footer");
@@ -44,6 +45,13 @@ v1::ProtocolInfo reaching() {
   field.set_is_required(true);
   field.set_minimum(30.0);
   field.set_maximum(100.0);
+  v1::ProtocolField& shoes = *protocol.add_fields();
+  shoes.set_name("heel_cm");
+  shoes.set_minimum(0.5);
+  shoes.set_maximum(12.25);
+  v1::ProtocolField& side = *protocol.add_fields();
+  side.set_name("side");
+  for (const char* choice : {"left", "right"}) side.add_choices(choice);
   return protocol;
 }
 
@@ -163,6 +171,7 @@ TEST_F(SessionCommandsTest, Show_PartsReasonsAndTrials) {
 
   EXPECT_THAT(out(), HasSubstr("/data/a.recovered.xdf"));
   EXPECT_THAT(out(), HasSubstr("no footer; at most 0.75 s are lost"));
+  EXPECT_THAT(out(), HasSubstr("part 1: SHA-256 0123abcd"));
   EXPECT_THAT(out(), HasSubstr("rejected"));
   EXPECT_EQ(request().show_session().session_id(), "20261121T144525Z-floor-1");
 }
@@ -186,6 +195,8 @@ TEST_F(SessionCommandsTest, Protocols_AreListedAndShown) {
   EXPECT_EQ(run_with({"protocol", "show", "reaching"}), cli::kOk);
   EXPECT_THAT(out(), HasSubstr("arm_length_cm"));
   EXPECT_THAT(out(), HasSubstr("30 .. 100"));
+  EXPECT_THAT(out(), HasSubstr("0.5 .. 12.25"));
+  EXPECT_THAT(out(), HasSubstr("left or right"));
 
   EXPECT_EQ(run_with({"protocol", "show", "reachin"}), 5);
   EXPECT_THAT(talk(), HasSubstr("did you mean reaching?"));

@@ -155,6 +155,17 @@ TEST_F(RunTest, ReplayOfASpoiltValue_NamesSegmentScanChannelAndBothValues) {
   EXPECT_THAT(out(), HasSubstr("differs at segment 0, scan "));
 }
 
+TEST_F(RunTest, ReplayWithNothingToCompare_DoesNotCallItIdentical) {
+  record_middle({.definition = floor_definition(100.0) + "[record]\nstreams = [\"raw\"]\n"}, path("raw.xdf"));
+
+  EXPECT_EQ(run_with({"replay", path("raw.xdf"), "--json"}), cli::kOk) << talk();
+
+  EXPECT_FALSE(json().contains("is_identical"));
+  EXPECT_EQ(json()["streams"].size(), 0U);
+  EXPECT_GT(json()["scans"], 1000);
+  EXPECT_THAT(talk(), HasSubstr("nothing to compare"));
+}
+
 TEST_F(RunTest, ReplayAfterScansWereLost_ComparesUpToThere) {
   record_middle({.lost_at = 1200}, path("lost.xdf"));
 

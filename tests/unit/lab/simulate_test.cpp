@@ -69,6 +69,18 @@ TEST_F(RunTest, SimulateWhatIsThereOrCannotBe_IsRefused) {
   EXPECT_FALSE(std::filesystem::exists(path("c.xdf")));
 }
 
+TEST_F(RunTest, SimulateThatCannotBegin_LeavesNoTruthWithoutARecordingAndNoRecordingWithoutItsTruth) {
+  write("there.xdf", "somebody's");
+
+  EXPECT_NE(run_with({"simulate", "floor", "--duration", "1", "--out", path("there.xdf"), "--truth", path("truth.csv")}), cli::kOk);
+  EXPECT_FALSE(std::filesystem::exists(path("truth.csv")));
+
+  EXPECT_EQ(run_with({"simulate", "floor", "--duration", "1", "--out", path("b.xdf"), "--truth", path("none/truth.csv")}), cli::kFailed);
+  EXPECT_THAT(talk(), HasSubstr("truth.csv"));
+  EXPECT_FALSE(std::filesystem::exists(path("b.xdf")));
+  EXPECT_FALSE(std::filesystem::exists(path("b.xdf.part")));
+}
+
 TEST_F(RunTest, SimulateARigFile_RecordsItsDefinition) {
   const std::string rig = std::string(DTS_SOURCE_DIR) + "/config/rigs/floor16-sim.toml";
 

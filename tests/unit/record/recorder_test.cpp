@@ -184,6 +184,45 @@ TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScan) {
   EXPECT_NEAR(contents.events[2].time_s, 8000.000000123 + 0.047, 1e-9);
 }
 
+TEST_F(RecorderTest, EventOfASegmentBeforeTheRecording_StandsAtItsFirstScan) {
+  auto recorder = this->recorder();
+  ASSERT_TRUE(recorder->take({.event = "session", .segment = 3, .scan = {900}, .values = {{"state", std::string("starting")}}}));
+  ASSERT_TRUE(recorder->take(frame(4, 20, 40, host_ns(20))));
+
+  const Contents contents = read(close(*recorder));
+
+  ASSERT_EQ(contents.events.size(), 2U);
+  EXPECT_EQ(contents.events[1].event.event, "session");
+  EXPECT_EQ(contents.events[1].event.segment, 4U);
+  EXPECT_EQ(contents.events[1].event.scan.value, 20U);
+  EXPECT_EQ(contents.events[1].time_s, contents.scans.front().first_time_s);
+}
+
+TEST_F(RecorderTest, NoScanAtAll_TheFileSaysSoWithItsEvents) {
+  auto recorder = Recorder::create(file_, {.session_id = "s", .rig = "floor", .started_utc_ns = 9'000'000'000}, streams()).value();
+  ASSERT_TRUE(recorder->take({.event = "session", .segment = 0, .scan = {0}, .values = {{"state", std::string("starting")}}}));
+  ASSERT_TRUE(recorder->flush());
+  ASSERT_TRUE(recorder->close("the device delivered no scan"));
+
+  EXPECT_EQ(verify(file_).value().incomplete, "the device delivered no scan");
+  auto recording = Recording::open(file_).value();
+  const auto item = recording->next().value();
+  ASSERT_TRUE(item && std::holds_alternative<TimedEvent>(*item));
+  EXPECT_EQ(std::get<TimedEvent>(*item).time_s, 9.0);
+}
+
+TEST_F(RecorderTest, EventOfASegmentThatNeverCame_StandsAtTheEnd) {
+  auto recorder = this->recorder();
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
+  ASSERT_TRUE(recorder->take({.event = "device", .segment = 1, .scan = {0}, .values = {{"state", std::string("gone")}}}));
+
+  const Contents contents = read(close(*recorder));
+
+  ASSERT_EQ(contents.events.size(), 2U);
+  EXPECT_EQ(contents.events[1].event.event, "device");
+  EXPECT_NEAR(contents.events[1].time_s, 8000.000000123 + 0.04, 1e-9);
+}
+
 TEST_F(RecorderTest, Quality_StandsInTheFileWhereverItChanges) {
   auto recorder = this->recorder();
   core::Frame& bad = frame(0, 0, 40, host_ns(0));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "session/acquisition.h"
@@ -36,6 +37,9 @@ class PatientDevice final : public device::Device {
   }
 
   std::function<void()> on_end = [] {};
+  std::size_t gap_before_left = 0;  ///< A gap comes when so many blocks are left; 0: none.
+
+  void begin_at(std::uint64_t scan) { description_.recorded_pipeline.first_scan = scan; }
 
   const device::DeviceDescription& describe() const noexcept override { return description_; }
   device::DeviceState state() const noexcept override { return state_; }
@@ -50,6 +54,11 @@ class PatientDevice final : public device::Device {
     if (left_ == 0) {
       on_end();
       return {.outcome = device::ReadOutcome::Timeout, .gap = {}};
+    }
+    if (left_ == gap_before_left) {
+      gap_before_left = 0;
+      next_ = 0;
+      return {.outcome = device::ReadOutcome::Gap, .gap = {.reason = core::GapReason::Silence, .missing_scans = 3, .is_exact = true}};
     }
     --left_;
     block.set_count(kScans);
@@ -102,6 +111,30 @@ TEST(AcquisitionOfAPatientDevice, SlowPipeline_LosesNothing) {
   for (std::size_t block = 0; block < seen.size(); ++block) EXPECT_EQ(seen[block], block * kScans);
   EXPECT_EQ(bench.ring.dropped(), 0U);
   EXPECT_EQ(bench.acquisition.report().gaps_total, 0U);
+}
+
+TEST(AcquisitionOfAPatientDevice, RecordingFromTheMiddleOfASegment_BeginsAtItsIndexAndSegmentsBehindItAtZero) {
+  Bench bench(4);
+  bench.device.begin_at(77);
+  bench.device.gap_before_left = 2;
+  std::vector<std::pair<std::uint32_t, std::uint64_t>> seen;
+  const auto take_one = [&] {
+    const core::Acquired* acquired = bench.ring.front();
+    if (acquired == nullptr) return false;
+    seen.emplace_back(acquired->block.segment, acquired->block.first_scan.value);
+    bench.ring.release();
+    return true;
+  };
+  bench.clock.on_sleep = [&] { (void)take_one(); };
+  bench.device.on_end = [&] { bench.acquisition.request_stop(); };
+
+  bench.acquisition.run();
+  while (take_one()) {
+  }
+
+  const std::vector<std::pair<std::uint32_t, std::uint64_t>> expected{{0, 77}, {0, 77 + kScans}, {1, 0}, {1, kScans}};
+  EXPECT_EQ(seen, expected);
+  EXPECT_EQ(bench.acquisition.report().gaps_total, 1U);
 }
 
 TEST(AcquisitionOfAPatientDevice, StopWhileItWaitsForRoom_IsSeenWithin100Milliseconds) {

@@ -39,8 +39,10 @@ TEST(ProtocolFields, AllInRange_Pass) {
 
 TEST(ProtocolFields, OptionalOnesLeftOut_Pass) { EXPECT_EQ(refusal(reaching(), {{"side", "right"}}), ""); }
 
-TEST(ProtocolFields, RequiredOneMissing_IsNamedWithItsSentence) {
-  EXPECT_THAT(refusal(reaching(), {{"age_years", "30"}}), testing::AllOf(HasSubstr("'side'"), HasSubstr("The arm that reaches")));
+TEST(ProtocolFields, RequiredOnesMissing_AreToldTogetherAsWhatToAdd) {
+  Protocol protocol = reaching();
+  protocol.fields.push_back({.name = "weight_kg", .is_required = true, .minimum = 20.0, .maximum = 250.0});
+  EXPECT_THAT(refusal(protocol, {{"age_years", "30"}}), HasSubstr("add --field side=left|right --field weight_kg=20..250"));
 }
 
 TEST(ProtocolFields, UnknownOne_IsNotRepeatedSinceItMightBeAName) {
@@ -93,7 +95,7 @@ TEST(ProtocolFields, TargetBeyondTheMaximumReach_IsRefusedAsInTheThesis) {
   const auto protocol = reaching({{.name = "80", .target_percent = 80}, {.name = "max", .is_maximum_reach = true}});
   // Table 6.1: S1 reaches 43 cm with an arm of 68 cm, H1 132 cm with 71 cm.
   EXPECT_THAT(refusal(protocol, {{"side", "right"}, {"arm_length_cm", "68"}, {"max_reach_cm", "43"}}),
-              HasSubstr("target '80' stands beyond"));
+              HasSubstr("target '80' stands at 54.4 cm, beyond the subject's maximum reach of 43 cm"));
   EXPECT_EQ(refusal(protocol, {{"side", "right"}, {"arm_length_cm", "71"}, {"max_reach_cm", "132"}}), "");
 }
 

@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -50,6 +52,15 @@ class RecordingsTest : public testing::Test {
     supervisor_->stop();
     supervisor_.reset();
     recordings_.reset();
+  }
+
+  /// What a killed daemon leaves: the files as they are now.
+  void leave() {
+    const std::filesystem::path left = folder_.string() + "-left";
+    std::filesystem::copy(folder_, left, std::filesystem::copy_options::recursive);
+    end();
+    std::filesystem::remove_all(folder_);
+    std::filesystem::rename(left, folder_);
   }
 
   [[nodiscard]] static pipeline::RigConfig floor_config() {
@@ -149,12 +160,7 @@ TEST_F(RecordingsTest, MarksAndStates_StandInTheFile) {
 TEST_F(RecordingsTest, DaemonDies_TheNextOneListsAndRecoversWhatItWrote) {
   start();
   const std::string id = record(1500);
-  // What a killed daemon leaves: the files as they are now.
-  const std::filesystem::path left = folder_.string() + "-left";
-  std::filesystem::copy(folder_, left, std::filesystem::copy_options::recursive);
-  end();
-  std::filesystem::remove_all(folder_);
-  std::filesystem::rename(left, folder_);
+  leave();
 
   start();
   EXPECT_EQ(row(id).state, "interrupted");
@@ -163,8 +169,96 @@ TEST_F(RecordingsTest, DaemonDies_TheNextOneListsAndRecoversWhatItWrote) {
   const record::PartRow part = row(id).parts.at(0);
   EXPECT_GT(part.lost_s_at_most, 0.0);
   EXPECT_LE(part.lost_s_at_most, 1.0);
-  EXPECT_EQ(record::verify(part.file).value().sha256, part.sha256);
+  const auto verified = record::verify(part.file).value();
+  EXPECT_EQ(verified.sha256, part.sha256);
+  EXPECT_EQ(verified.scans, part.scans);
+  EXPECT_EQ(std::filesystem::file_size(part.file), part.bytes);
+  EXPECT_GE(row(id).ended_utc_ns - row(id).started_utc_ns, static_cast<std::int64_t>(part.duration_s * 1e9));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "sessions" / (id + ".xdf.part"))) << "the original stays";
+}
+
+TEST_F(RecordingsTest, TrialWhoseEndWasLost_DoesNotCountAfterRecovery) {
+  Protocol protocol{.name = "steps", .trials = TrialPlan{}};
+  protocol.trials->conditions = {{.name = "open"}, {.name = "closed"}};
+  protocol.trials->trials_per_block = 2;
+  start({Protocol{}, protocol});
+  const std::string id = record(50, {.protocol = "steps"});
+  ASSERT_TRUE(is_in(SessionState::Running));
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  const std::string part = (folder_ / "sessions" / (id + ".xdf.part")).string();
+  ASSERT_TRUE(eventually([&] {
+    std::ifstream file(part, std::ios::binary);
+    return std::string(std::istreambuf_iterator<char>(file), {}).find("\"measure\"") != std::string::npos;
+  }));
+  const auto kept = std::filesystem::file_size(part);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));  // done: the catalogue knows at once, the file a moment later
+  ASSERT_EQ(row(id).trials.at(0).outcome, "done");
+  leave();
+  std::filesystem::resize_file(part, kept);
+
+  start({Protocol{}, protocol});
+  ASSERT_TRUE(eventually([&] { return row(id).parts.at(0).state == record::PartState::Recovered; }));
+
+  EXPECT_EQ(row(id).trials.at(0).outcome, "aborted");
+}
+
+TEST_F(RecordingsTest, NoRoomForACopy_TheInterruptedPartWaitsForIt) {
+  start();
+  const std::string id = record(300);
+  leave();
+
+  storage_.refuse_below_min = storage_.warn_below_min = 1e12;
+  start();
+
+  ASSERT_TRUE(eventually([&] { return row(id).parts.at(0).reason.find("no room") != std::string::npos; }));
+  EXPECT_EQ(row(id).parts.at(0).state, record::PartState::Interrupted);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "sessions" / (id + ".recovered.xdf")));
+}
+
+TEST_F(RecordingsTest, Resume_PassesOverAPartWhoseFileIsGone) {
+  start();
+  const std::string id = record(100, {.subject = "P1"});
+  ASSERT_TRUE(supervisor_->stop_session("floor", true));
+  ASSERT_TRUE(is_in(SessionState::Idle));
+  ASSERT_TRUE(supervisor_->resume_session(id));
+  ASSERT_TRUE(is_in(SessionState::Running));
+  ASSERT_TRUE(supervisor_->stop_session("floor", true));
+  ASSERT_TRUE(is_in(SessionState::Idle));
+  std::filesystem::remove(row(id).parts.at(1).file);
+
+  const auto resumed = supervisor_->resume_session(id);
+
+  ASSERT_TRUE(resumed) << resumed.error().what;
+  EXPECT_EQ(resumed->second.request.subject, "P1");
+  EXPECT_EQ(row(id).parts.size(), 3U);
+}
+
+TEST_F(RecordingsTest, IdUsedByAnEarlierDaemon_IsNotUsedAgain) {
+  start();
+  const std::int64_t now_s = (clock_.now_ns() + core::utc_minus_monotonic_ns()) / 1'000'000'000;
+  for (std::int64_t second = now_s; second < now_s + 30; ++second) {
+    const auto stamp = static_cast<std::time_t>(second);
+    std::array<char, 32> text{};
+    std::tm utc{};
+    std::strftime(text.data(), text.size(), "%Y%m%dT%H%M%SZ-floor-1", gmtime_r(&stamp, &utc));
+    ASSERT_TRUE(recordings_->catalogue().begin_part({.session_id = text.data(), .rig = "floor"}, "elsewhere.xdf"));
+  }
+
+  const auto started = supervisor_->start_session("floor", {});
+
+  ASSERT_TRUE(started) << started.error().what;
+  EXPECT_THAT(started->id, testing::EndsWith("-floor-2"));
+}
+
+TEST_F(RecordingsTest, CatalogueThatRefuses_LeavesNoFileBehind) {
+  Protocol huge{.name = "huge"};
+  huge.definition.assign(std::size_t{5} << 20U, ' ');  // more than the catalogue takes, less than a recording does
+  start({Protocol{}, huge});
+
+  EXPECT_FALSE(supervisor_->start_session("floor", {.protocol = "huge"}));
+
+  EXPECT_EQ(supervisor_->states().at(0).session.state, SessionState::Idle);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "sessions"));
 }
 
 TEST_F(RecordingsTest, Resume_GoesOnAsTheNextPartOfTheSameSession) {
@@ -185,6 +279,28 @@ TEST_F(RecordingsTest, Resume_GoesOnAsTheNextPartOfTheSameSession) {
   EXPECT_THAT(row(id).parts, ElementsAre(testing::Field(&record::PartRow::part, 1U), testing::Field(&record::PartRow::part, 2U)));
   EXPECT_EQ(row(id).state, "complete");
   EXPECT_FALSE(supervisor_->resume_session(id)) << "a complete session is over";
+}
+
+TEST_F(RecordingsTest, StoppedAtOnce_IsClosedThoughThePipelineNeverSawItBegin) {
+  start();
+  for (int round = 0; round < 5; ++round) {
+    const auto started = supervisor_->start_session("floor", {});
+    ASSERT_TRUE(started) << started.error().what;
+    ASSERT_TRUE(supervisor_->stop_session("floor"));
+    ASSERT_TRUE(eventually([&] { return supervisor_->states().at(0).session.state != SessionState::Stopping; }));
+    EXPECT_FALSE(row(started->id).state == "running");
+  }
+}
+
+TEST_F(RecordingsTest, StoppedByTheDaemon_CanBeResumed) {
+  start();
+  const std::string id = record(100);
+  end();
+
+  start();
+  EXPECT_EQ(row(id).state, "complete");
+  EXPECT_THAT(row(id).message, HasSubstr("the daemon was stopped"));
+  EXPECT_TRUE(supervisor_->resume_session(id));
 }
 
 TEST_F(RecordingsTest, NoRoom_NoSessionStarts) {
@@ -225,6 +341,17 @@ TEST_F(RecordingsTest, TareDuringASession_IsRefused) {
 
   ASSERT_FALSE(tare);
   EXPECT_EQ(tare.error().code, core::ErrorCode::WrongState);
+}
+
+TEST_F(RecordingsTest, SessionDuringATare_IsRefusedUntilItIsAnswered) {
+  start();
+  ASSERT_TRUE(supervisor_->tare("floor"));
+
+  const auto early = supervisor_->start_session("floor", {});
+
+  ASSERT_FALSE(early);
+  EXPECT_EQ(early.error().code, core::ErrorCode::WrongState);
+  EXPECT_TRUE(eventually([&] { return supervisor_->start_session("floor", {}).has_value(); }));
 }
 
 TEST_F(RecordingsTest, Trials_StandInTheCatalogueWithTheirScans) {

@@ -13,6 +13,7 @@ namespace dts::ctl {
 namespace {
 
 namespace fs = std::filesystem;
+using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -35,6 +36,25 @@ TEST_F(FilesTest, Verify_WholeRecordingIsSound) {
 
   EXPECT_THAT(out(), HasSubstr("sound  " + file + ": complete, 2.5 s, 250 scans"));
   EXPECT_EQ(talk(), "");
+}
+
+TEST_F(FilesTest, VerifyWithoutIndex_DoesNotCallTheValuesSound) {
+  const std::string file = make_recording(path("a.xdf"));
+  fs::remove(file + ".idx");
+
+  EXPECT_EQ(run_bare({"session", "verify", file}), cli::kOk);
+
+  EXPECT_THAT(out(), AllOf(HasSubstr("readable  " + file), HasSubstr("the values were not checked"), Not(HasSubstr("sound"))));
+}
+
+TEST_F(FilesTest, ExportOfDamagedValues_IsRefused) {
+  const std::string file = make_recording(path("a.xdf"));
+  damage(file);
+
+  EXPECT_EQ(run_bare({"session", "export", file, "--format", "csv", "--out", path("csv")}), 7);
+
+  EXPECT_THAT(talk(), HasSubstr("dtsctl session recover"));
+  EXPECT_FALSE(fs::exists(path("csv")));
 }
 
 TEST_F(FilesTest, VerifyJson_SaysEverything) {
@@ -163,6 +183,16 @@ TEST_F(FilesTest, ExportOfKilledRecording_ExportsWhatIsWholeAndSaysSo) {
 
   EXPECT_THAT(talk(), HasSubstr(file));
   EXPECT_TRUE(fs::exists(path("tables/20261121T144525Z-floor-1_raw.csv")));
+}
+
+TEST_F(FilesTest, ExportJson_NamesWhatIsNotWhole) {
+  const std::string incomplete = make_recording(path("a.xdf"), Ending::Incomplete);
+  EXPECT_EQ(run_bare({"session", "export", incomplete, "--format", "csv", "--out", path("tables"), "--json"}), cli::kOk);
+  EXPECT_EQ(json().at("damaged").at(0).at("file"), incomplete);
+  EXPECT_THAT(json().at("damaged").at(0).at("damage").get<std::string>(), HasSubstr("disk full"));
+
+  EXPECT_EQ(run_bare({"session", "export", make_recording(path("b.xdf")), "--format", "csv", "--out", path("b"), "--json"}), cli::kOk);
+  EXPECT_FALSE(json().contains("damaged"));
 }
 
 TEST_F(FilesTest, ExportInAnUnknownFormat_UsageError) {

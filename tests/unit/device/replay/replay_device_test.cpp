@@ -6,6 +6,7 @@
 
 #include "core/clock.h"
 #include "device/registry.h"
+#include "record/xdf/xdf_reader.h"
 #include "unit/device/replay/made_recording.h"
 #include "unit/device/sim_rig.h"
 
@@ -58,6 +59,17 @@ ReadResult expect_scans(Device& device, std::uint64_t n, std::uint64_t scans, st
     }
     next += block.count();
   }
+}
+
+/// Where the header of a stream ends, before any of its samples.
+std::uint64_t end_of_header(const std::string& file, const std::string& stream) {
+  const auto reader = record::XdfReader::open(file).value();
+  while (auto chunk = reader->next().value()) {
+    const auto* header = std::get_if<record::StreamHeader>(&chunk->content);
+    if (header != nullptr && header->info.name == stream) return chunk->offset + chunk->length;
+  }
+  ADD_FAILURE() << "no stream " << stream;
+  return 0;
 }
 
 TEST_F(ReplayDevice, Description_PutsTheColumnsWhereTheDeviceHadThem) {
@@ -143,6 +155,30 @@ TEST_F(ReplayDevice, Loop_StartsAgainAfterAGapWithoutLoss) {
     EXPECT_NE(again.gap.reason, core::GapReason::None);
     EXPECT_EQ(again.gap.missing_scans, 0U);
   }
+}
+
+TEST_F(ReplayDevice, BeginningInTheMiddleOfASegment_IsDescribedWithItsIndex) {
+  const auto device = create("replay:" + test::make_recording({.segments = {{.scans = 300}}, .first_scan = 1234}, path("a.xdf")));
+
+  ASSERT_TRUE(device) << core::to_string(device.error());
+  EXPECT_EQ((*device)->describe().recorded_pipeline.first_scan, 1234U);
+  EXPECT_EQ((*device)->report().checks.front().outcome, DeviceCheck::Outcome::Passed);
+}
+
+TEST_F(ReplayDevice, LoopOfARecordingWithoutScans_EndsInsteadOfSpinning) {
+  const auto file = test::make_recording({.sensors = 1, .aux = 0, .segments = {{.scans = 10}}, .is_closed = false}, path("empty.xdf"));
+  std::filesystem::resize_file(file, end_of_header(file, "floor/raw"));
+  const auto device = create("replay:" + file + "?speed=max&loop=1");
+  ASSERT_TRUE(device) << core::to_string(device.error());
+  ASSERT_TRUE((*device)->open());
+  ASSERT_TRUE((*device)->start({.rate = test::rate_of(100.0), .max_block_scans = 64}));
+
+  core::Block block(1, 64);
+  EXPECT_EQ((*device)->read(block, kFar).outcome, ReadOutcome::Gone);
+  ASSERT_TRUE((*device)->close());
+  const auto again = (*device)->open();
+  ASSERT_FALSE(again);
+  EXPECT_THAT(again.error().what, HasSubstr("no scan"));
 }
 
 TEST_F(ReplayDevice, Speed_PacesByTheClockAndKeepsTheRecordedTimeAxis) {

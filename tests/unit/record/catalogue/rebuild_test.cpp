@@ -113,6 +113,22 @@ TEST_F(CatalogueRebuild, Trials_AreReadFromTheEvents) {
   EXPECT_EQ(trials[1].last_scan, 199U);
 }
 
+TEST_F(CatalogueRebuild, RecordingWithoutAnyScan_IsNotComplete) {
+  ASSERT_TRUE(XdfWriter::create(file("empty.xdf"), to_facts(facts())).value()->close());
+  static_cast<void>(rebuilt());
+  EXPECT_EQ(only_part().state, PartState::Incomplete);
+  EXPECT_EQ(session().state, "incomplete");
+}
+
+TEST_F(CatalogueRebuild, Calibration_ComesBackWithItsRecording) {
+  SessionFacts calibrated = facts();
+  calibrated.calibration_id = "cop-7";
+  record("a.xdf", calibrated);
+  static_cast<void>(rebuilt());
+  EXPECT_FALSE(meddle("INSERT INTO calibrations VALUES ('cop-7', '', '', '')")) << "the id is not taken";
+  EXPECT_TRUE(meddle("INSERT INTO calibrations VALUES ('cop-8', '', '', '')"));
+}
+
 TEST_F(CatalogueRebuild, Again_FindsNothingNew) {
   record("a.xdf", facts());
   static_cast<void>(rebuilt());

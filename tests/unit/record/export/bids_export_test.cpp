@@ -51,6 +51,27 @@ TEST_F(BidsExportTest, Samples_HaveNoHeaderAndBeginWithTheLatency) {
                           "0.040000\t0.3\t0.4\t0.5", "1.050000\t0\t0.1\t0.2", "1.060000\t0.3\t0.4\t0.5"));
 }
 
+TEST_F(BidsExportTest, SessionWithoutAPseudonym_IsUnknownAndTheReadmeWarnsOfTakingThemForOnePerson) {
+  FakeRecording recording = floor_recording();
+  recording.facts->subject.clear();
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_THAT(lines("participants.tsv"), ElementsAre("participant_id\tpseudonym", "sub-unknown\tn/a"));
+  EXPECT_THAT(text("README"), HasSubstr("sub-unknown holds the sessions that were recorded without one"));
+}
+
+TEST_F(BidsExportTest, Gaps_CountWhatTheRecorderLostWithinASegmentToo) {
+  FakeRecording recording = floor_recording();
+  auto late = std::get<RecordedScans>(recording.items[6]);  // the second chunk of cop: scans 3 and 4
+  late.first_scan = {13};
+  late.first_time_s += 0.1;
+  recording.items[6] = late;
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_EQ(json(kStem + "floorcop_motion.json").at("DtsRecording").at("Gaps"), 2);
+  EXPECT_EQ(json(kStem + "floorraw_motion.json").at("DtsRecording").at("Gaps"), 1);
+}
+
 TEST_F(BidsExportTest, Channels_AsManyRowsAsColumnsWithTheRequiredColumnsFirst) {
   FakeRecording recording = floor_recording();
   ASSERT_TRUE(run(recording).has_value());

@@ -157,6 +157,17 @@ TEST(Recover, ClosedButNotRenamed_LosesNothing) {
   EXPECT_EQ(verify(folder / "b.xdf")->incomplete, "");
 }
 
+TEST(Recover, KilledBeforeTheFirstChunk_MayHaveLostSomething) {
+  const Folder folder;
+  XdfWriter::create(folder / "a.xdf", {{"session_id", "s"}}).value()->abandon();
+
+  const auto recovery = recover(folder / "a.xdf.part", folder / "b.xdf");
+
+  ASSERT_TRUE(recovery) << recovery.error().what;
+  EXPECT_EQ(recovery->reason, "no footer");
+  EXPECT_GT(recovery->lost_s_at_most, 0.0);
+}
+
 TEST(Recover, CopyExists_IsNotTouched) {
   const Folder folder;
   const std::string file = killed(folder);

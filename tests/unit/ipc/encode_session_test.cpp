@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/encode_session.h"
+
+#include <gtest/gtest.h>
+
+#include "ipc/command_handler.h"
+
+namespace dts::ipc {
+namespace {
+
+constexpr const char* kCut = "Stromausf\xC3";  // in the middle of a character, as a limit of bytes cuts it
+
+/// What a client understands of an answer.
+dts::v1::Response received(const dts::v1::Response& sent) {
+  dts::v1::Response response;
+  EXPECT_TRUE(response.ParseFromString(sent.SerializeAsString()));
+  return response;
+}
+
+TEST(EncodeSession, TextsThatAreNoUtf8_LeaveTheAnswerReadable) {
+  record::SessionRow row{
+      .id = "s1", .rig = "floor", .protocol = "free", .subject = kCut, .label = kCut, .state = "aborted", .message = kCut};
+  row.parts.emplace_back();
+  row.parts.back().file = std::string("/state/\xFF") + "/s1.xdf";
+  row.parts.back().reason = kCut;
+  row.trials.emplace_back();
+  row.trials.back().condition = kCut;
+  dts::v1::Response response;
+  *response.mutable_session_record() = session_record(row);
+
+  const dts::v1::Response seen = received(response);
+
+  EXPECT_EQ(seen.session_record().message(), "Stromausf\xEF\xBF\xBD");
+  EXPECT_EQ(seen.session_record().parts_size(), 1);
+}
+
+TEST(EncodeSession, ErrorThatQuotesACutText_StaysReadable) {
+  const dts::v1::Response seen = received(error_response({core::ErrorCode::InvalidArgument, kCut, kCut}));
+
+  EXPECT_EQ(seen.error().code(), static_cast<int>(core::ErrorCode::InvalidArgument));
+}
+
+}  // namespace
+}  // namespace dts::ipc

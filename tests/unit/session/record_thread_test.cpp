@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// The way from the pipeline thread to the file, with frames made by hand: what is lost on it, and what happens to the file meanwhile.
+#include "session/record_thread.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <thread>
+
+#include "core/doorbell.h"
+#include "record/xdf/recovery.h"
+#include "session/rig.h"
+#include "session/rig_pipeline.h"
+
+namespace dts::session {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr std::size_t kBlockScans = 30;
+
+pipeline::RigConfig floor_config() {
+  pipeline::RigConfig config;
+  config.name = "floor";
+  config.kind = "floor";
+  config.device_uri = "sim:floor?truth=0";
+  for (const auto& [x, y] : {std::pair{86.0, 86.0}, {344.0, 86.0}, {86.0, 344.0}, {344.0, 344.0}}) {
+    config.sensor_channels.push_back(config.sensor_channels.size());
+    config.model.sensors.push_back({.label = "w" + std::to_string(config.sensor_channels.size()),
+                                    .position = {.x = {x}, .y = {y}},
+                                    .curve = physics::SensorCurve::hoa1405_assumed()});
+  }
+  config.rate = core::Rate::create(1500, 1).value();
+  config.block_scans = kBlockScans;
+  for (const char* id : {"guard", "window_filter", "linearise", "cop"}) config.stages.push_back({.id = id, .options = {}});
+  return config;
+}
+
+class RecordThreadTest : public testing::Test {
+ protected:
+  RecordThreadTest() : rig_(Rig::create(floor_config(), clock_, bell_).value()) {
+    std::string name = (std::filesystem::temp_directory_path() / "dts-record-XXXXXX").string();
+    folder_ = mkdtemp(name.data());
+    auto made = make_rig_pipeline(rig_->config(), rig_->device());
+    pipeline_ = std::move(made->pipeline);
+    tare_ = std::move(made->tare);
+    frame_ = pipeline_->make_frame();
+    storage_ = {.directory = folder_.string(), .refuse_below_min = 0.0, .warn_below_min = 0.0, .stop_below_mib = 0.0};
+    std::filesystem::create_directory(sessions_directory(storage_));
+  }
+  ~RecordThreadTest() override { std::filesystem::remove_all(folder_); }
+
+  [[nodiscard]] std::string file(const std::string& name) const { return sessions_directory(storage_) + "/" + name + ".xdf"; }
+
+  /// Begins a recording of what is offered to the tap from now on.
+  void begin(RecordThread& thread, const std::string& rig, RecordTap& tap) {
+    auto recorder = record::Recorder::create(file(rig), {.session_id = rig, .rig = rig},
+                                             recorded_streams(rig_->config(), rig_->device(), pipeline_->formats()));
+    ASSERT_TRUE(recorder);
+    thread.begin(rig, std::move(*recorder), file(rig), tap.next_take());
+    tap.open();
+    tap.follow();
+  }
+  static core::Frame& at(core::Frame& frame, std::uint32_t segment, std::uint64_t first) {
+    frame.segment = segment;
+    for (core::Block& block : frame.streams) {
+      block.segment = segment;
+      block.first_scan = {first};
+      block.host_time_ns = 1'000'000'000 + static_cast<std::int64_t>(segment) * 60'000'000'000 + static_cast<std::int64_t>(first) * 666'667;
+      block.set_count(kBlockScans);
+    }
+    return frame;
+  }
+  [[nodiscard]] static FinishedRecording wait(RecordThread& thread) {
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (std::chrono::steady_clock::now() < deadline) {
+      if (auto finished = thread.take_finished(); !finished.empty()) return finished.front();
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    ADD_FAILURE() << "no recording has ended";
+    return {};
+  }
+
+  core::SystemClock clock_;
+  core::Doorbell bell_;
+  std::unique_ptr<Rig> rig_;
+  std::unique_ptr<pipeline::Tare> tare_;
+  std::unique_ptr<pipeline::Pipeline> pipeline_;
+  core::Frame frame_;
+  std::filesystem::path folder_;
+  StorageConfig storage_;
+};
+
+TEST_F(RecordThreadTest, EndThatFoundNoRoom_IsALossAlthoughNoScanFollows) {
+  RecordTap tap(4, *pipeline_);
+  RecordThread thread(clock_, storage_);
+  thread.add("floor", tap);
+  begin(thread, "floor", tap);
+  for (std::uint64_t block = 0; block < 6; ++block) tap.offer(at(frame_, 1, block * kBlockScans));  // room for four
+  tap.close();
+  thread.start();
+  while (thread.view("floor").is_recording) tap.follow();  // as the pipeline thread does: the end mark goes when there is room
+  const FinishedRecording finished = wait(thread);
+
+  EXPECT_THAT(finished.incomplete, HasSubstr("60 scans"));
+  EXPECT_EQ(thread.view("floor").lost_scans, 60U);
+  EXPECT_THAT(record::verify(finished.file).value().incomplete, HasSubstr("60 scans"));
+}
+
+TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsALossAlthoughScansStartAnew) {
+  RecordTap tap(4, *pipeline_);
+  RecordThread thread(clock_, storage_);
+  thread.add("floor", tap);
+  begin(thread, "floor", tap);
+  for (std::uint64_t block = 0; block < 5; ++block) tap.offer(at(frame_, 1, block * kBlockScans));
+  thread.start();
+  while (tap.is_blocked()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  tap.offer(at(frame_, 2, 0));
+  tap.close();
+  while (thread.view("floor").is_recording) tap.follow();
+
+  EXPECT_THAT(wait(thread).incomplete, HasSubstr("30 scans"));
+}
+
+TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {
+  RecordTap tap(64, *pipeline_);
+  RecordThread thread(clock_, storage_);
+  thread.add("floor", tap);
+  begin(thread, "floor", tap);
+  thread.start();
+  tap.offer(at(frame_, 1, 0));
+  std::filesystem::remove_all(sessions_directory(storage_));
+
+  const FinishedRecording finished = wait(thread);  // nobody has ended the take
+
+  EXPECT_FALSE(finished.is_closed);
+  EXPECT_THAT(finished.incomplete, HasSubstr("is gone"));
+}
+
+TEST_F(RecordThreadTest, NameTakenMeanwhile_WhatStaysSaysThatItIsIncomplete) {
+  RecordTap tap(64, *pipeline_);
+  RecordThread thread(clock_, storage_);
+  thread.add("floor", tap);
+  begin(thread, "floor", tap);
+  tap.offer(at(frame_, 1, 0));
+  std::filesystem::create_directory(file("floor"));
+  tap.close();
+  tap.follow();
+  thread.start();
+
+  const FinishedRecording finished = wait(thread);
+
+  EXPECT_FALSE(finished.is_closed);
+  EXPECT_THAT(record::verify(finished.file).value().incomplete, HasSubstr("exists already"));
+}
+
+TEST_F(RecordThreadTest, RigThatNeverRests_LeavesTheOthersTheirTurn) {
+  RecordTap busy(512, *pipeline_);
+  RecordTap calm(64, *pipeline_);
+  RecordThread thread(clock_, storage_);
+  thread.add("busy", busy);
+  thread.add("calm", calm);
+  begin(thread, "busy", busy);
+  begin(thread, "calm", calm);
+  std::atomic<bool> is_over = false;
+  std::jthread producer([&] {
+    core::Frame frame = pipeline_->make_frame();
+    for (std::uint64_t first = 0; !is_over; first += kBlockScans) {
+      while (busy.is_blocked() && !is_over) std::this_thread::yield();
+      busy.offer(at(frame, 1, first));
+    }
+  });
+  while (!busy.is_blocked()) std::this_thread::yield();
+  thread.start();
+  calm.offer(at(frame_, 1, 0));
+  calm.close();
+  calm.follow();
+
+  EXPECT_EQ(wait(thread).rig, "calm");
+
+  thread.stop();  // also ends while that rig goes on
+  is_over = true;
+}
+
+TEST_F(RecordThreadTest, RecordingEndedByTheDaemon_HoldsWhatWasStillBuffered) {
+  RecordTap tap(64, *pipeline_);
+  RecordThread thread(clock_, storage_);
+  thread.add("floor", tap);
+  begin(thread, "floor", tap);
+  tap.offer(at(frame_, 1, 0));
+  thread.start();
+  thread.stop();
+
+  const FinishedRecording finished = wait(thread);
+
+  EXPECT_TRUE(finished.is_closed);
+  EXPECT_EQ(finished.scans, kBlockScans);
+  EXPECT_THAT(finished.incomplete, HasSubstr("daemon stopped"));
+}
+
+}  // namespace
+}  // namespace dts::session

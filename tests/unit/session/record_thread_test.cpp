@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "core/doorbell.h"
+#include "floor_config.h"
 #include "record/xdf/recovery.h"
 #include "session/rig.h"
 #include "session/rig_pipeline.h"
@@ -21,26 +22,9 @@ using ::testing::HasSubstr;
 
 constexpr std::size_t kBlockScans = 30;
 
-pipeline::RigConfig floor_config() {
-  pipeline::RigConfig config;
-  config.name = "floor";
-  config.kind = "floor";
-  config.device_uri = "sim:floor?truth=0";
-  for (const auto& [x, y] : {std::pair{86.0, 86.0}, {344.0, 86.0}, {86.0, 344.0}, {344.0, 344.0}}) {
-    config.sensor_channels.push_back(config.sensor_channels.size());
-    config.model.sensors.push_back({.label = "w" + std::to_string(config.sensor_channels.size()),
-                                    .position = {.x = {x}, .y = {y}},
-                                    .curve = physics::SensorCurve::hoa1405_assumed()});
-  }
-  config.rate = core::Rate::create(1500, 1).value();
-  config.block_scans = kBlockScans;
-  for (const char* id : {"guard", "window_filter", "linearise", "cop"}) config.stages.push_back({.id = id, .options = {}});
-  return config;
-}
-
 class RecordThreadTest : public testing::Test {
  protected:
-  RecordThreadTest() : rig_(Rig::create(floor_config(), clock_, bell_).value()) {
+  RecordThreadTest() : rig_(Rig::create(floor_config("sim:floor?truth=0", kBlockScans), clock_, bell_).value()) {
     std::string name = (std::filesystem::temp_directory_path() / "dts-record-XXXXXX").string();
     folder_ = mkdtemp(name.data());
     auto made = make_rig_pipeline(rig_->config(), rig_->device());

@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "core/doorbell.h"
+#include "floor_config.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "session/supervisor.h"
@@ -44,7 +45,7 @@ class RecordingsTest : public testing::Test {
     supervisor_ = std::make_unique<Supervisor>(
         clock_, core::Log(), nullptr,
         SessionServices{.recordings = recordings_.get(), .protocols = std::move(protocols), .software = "test"});
-    ASSERT_TRUE(supervisor_->add(Rig::create(floor_config(), clock_, bell_).value()));
+    ASSERT_TRUE(supervisor_->add(Rig::create(floor_config("sim:floor?seed=3&step_on_s=0.2", 15), clock_, bell_).value()));
     supervisor_->start();
     ASSERT_TRUE(eventually([&] { return supervisor_->states().at(0).acquisition.scans_total > 0; }));
   }
@@ -61,23 +62,6 @@ class RecordingsTest : public testing::Test {
     end();
     std::filesystem::remove_all(folder_);
     std::filesystem::rename(left, folder_);
-  }
-
-  [[nodiscard]] static pipeline::RigConfig floor_config() {
-    pipeline::RigConfig config;
-    config.name = "floor";
-    config.kind = "floor";
-    config.device_uri = "sim:floor?seed=3&step_on_s=0.2";
-    for (const auto& [x, y] : {std::pair{86.0, 86.0}, {344.0, 86.0}, {86.0, 344.0}, {344.0, 344.0}}) {
-      config.sensor_channels.push_back(config.sensor_channels.size());
-      config.model.sensors.push_back({.label = "w" + std::to_string(config.sensor_channels.size()),
-                                      .position = {.x = {x}, .y = {y}},
-                                      .curve = physics::SensorCurve::hoa1405_assumed()});
-    }
-    config.rate = core::Rate::create(1500, 1).value();
-    config.block_scans = 15;
-    for (const char* id : {"guard", "window_filter", "linearise", "cop"}) config.stages.push_back({.id = id, .options = {}});
-    return config;
   }
 
   [[nodiscard]] bool eventually(const std::function<bool()>& condition) {

@@ -8,31 +8,13 @@
 #include <chrono>
 #include <functional>
 
+#include "floor_config.h"
 #include "support/allocation_counter.h"
 
 namespace dts::session {
 namespace {
 
 using ::testing::HasSubstr;
-
-pipeline::RigConfig floor_config(const std::string& device) {
-  pipeline::RigConfig config;
-  config.name = "floor";
-  config.kind = "floor";
-  config.device_uri = device;
-  config.model.support.inset = {10.75};
-  for (const auto& [x, y] : {std::pair{86.0, 86.0}, {344.0, 86.0}, {86.0, 344.0}, {344.0, 344.0}}) {
-    config.sensor_channels.push_back(config.sensor_channels.size());
-    config.model.sensors.push_back({.label = "w" + std::to_string(config.sensor_channels.size()),
-                                    .position = {.x = {x}, .y = {y}},
-                                    .curve = physics::SensorCurve::hoa1405_assumed()});
-  }
-  config.rate = core::Rate::create(1500, 1).value();
-  config.block_scans = 8;
-  for (const char* id : {"guard", "window_filter", "linearise", "cop"}) config.stages.push_back({.id = id, .options = {}});
-  config.published = {"raw", "cop"};
-  return config;
-}
 
 /// Consumes frames of a started rig until `wanted` returns true, waiting on the bell; false after 30 s.
 bool consume_until(Rig& rig, core::Doorbell& bell, const std::function<bool(const core::Frame&)>& wanted) {

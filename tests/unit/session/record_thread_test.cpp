@@ -148,15 +148,19 @@ TEST_F(RecordThreadTest, RigThatNeverRests_LeavesTheOthersTheirTurn) {
   thread.add("calm", calm);
   begin(thread, "busy", busy);
   begin(thread, "calm", calm);
+  std::atomic<bool> is_full = false;
   std::atomic<bool> is_over = false;
   std::jthread producer([&] {
     core::Frame frame = pipeline_->make_frame();
     for (std::uint64_t first = 0; !is_over; first += kBlockScans) {
-      while (busy.is_blocked() && !is_over) std::this_thread::yield();
+      while (busy.is_blocked() && !is_over) {
+        is_full = true;
+        std::this_thread::yield();
+      }
       busy.offer(at(frame, 1, first));
     }
   });
-  while (!busy.is_blocked()) std::this_thread::yield();
+  while (!is_full) std::this_thread::yield();
   thread.start();
   calm.offer(at(frame_, 1, 0));
   calm.close();

@@ -192,14 +192,7 @@ std::optional<toml::table> parse_text(const std::string& text, const std::string
     problems.push_back({.file = name, .text = "is larger than 256 KiB: that is no protocol"});
     return std::nullopt;
   }
-  try {
-    return toml::parse(text, name);
-  } catch (const toml::parse_error& error) {
-    const auto& at = error.source().begin;
-    problems.push_back(
-        {name, static_cast<std::uint32_t>(at.line), static_cast<std::uint32_t>(at.column), std::string(error.description())});
-    return std::nullopt;
-  }
+  return parse_toml_text(text, name, problems);
 }
 
 /// The files of a folder in the order of their names, so that problems come in the same order everywhere.

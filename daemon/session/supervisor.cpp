@@ -104,20 +104,19 @@ std::string Supervisor::new_session_id(const std::string& rig) {
   return id();
 }
 
-/// A tare under way would take effect within the recording: what it records, and what a replay makes of it, would change in the middle.
-core::Status Supervisor::check_not_taring(Entry& entry) {
-  const pipeline::TareReport& report = entry.rig->tare().latest();
-  const bool is_taring = report.request < entry.tare_request || report.outcome == pipeline::TareOutcome::Running;
+/// A device that is opened just now is waited for; one that is known to be away would cost a subject the way here. A tare under way would
+/// take effect within the recording: what it records, and what a replay makes of it, would change in the middle.
+core::Status Supervisor::check_startable(Entry& entry) {
+  const std::string where = "rig '" + entry.rig->config().name + "' ";
+  const AcquisitionReport& acquisition = entry.rig->acquisition();
+  if (acquisition.device != device::DeviceState::Streaming && !acquisition.text().empty()) {
+    return core::fail(core::ErrorCode::WrongState, where + "delivers nothing: " + std::string(acquisition.text()),
+                      "mend that first; see dtsctl status");
+  }
+  const pipeline::TareReport& tare = entry.rig->tare().latest();
+  const bool is_taring = tare.request < entry.tare_request || tare.outcome == pipeline::TareOutcome::Running;
   if (entry.tare_request == 0 || !is_taring) return {};
-  return core::fail(core::ErrorCode::WrongState, "rig '" + entry.rig->config().name + "' is being tared", "wait for its answer");
-}
-
-/// A device that is opened just now is waited for; one that is known to be away would cost a subject the way here.
-core::Status Supervisor::check_present(Entry& entry) {
-  const AcquisitionReport& report = entry.rig->acquisition();
-  if (report.device == device::DeviceState::Streaming || report.text().empty()) return {};
-  return core::fail(core::ErrorCode::WrongState, "rig '" + entry.rig->config().name + "' delivers nothing: " + std::string(report.text()),
-                    "mend that first; see dtsctl status");
+  return core::fail(core::ErrorCode::WrongState, where + "is being tared", "wait for its answer");
 }
 
 core::Result<SessionView> Supervisor::begun(Entry& entry, const core::Status& status) {
@@ -132,8 +131,7 @@ core::Result<SessionView> Supervisor::begun(Entry& entry, const core::Status& st
 core::Result<SessionView> Supervisor::start_session(const std::string& rig, const SessionRequest& request) {
   auto entry = find(rig);
   if (!entry) return tl::make_unexpected(entry.error());
-  if (auto free = check_not_taring(**entry); !free) return tl::make_unexpected(free.error());
-  if (auto present = check_present(**entry); !present) return tl::make_unexpected(present.error());
+  if (auto startable = check_startable(**entry); !startable) return tl::make_unexpected(startable.error());
   auto started = (*entry)->session.start(new_session_id(rig), request, moment(**entry));
   if (started) ++sessions_started_;
   return begun(**entry, started);
@@ -145,7 +143,7 @@ core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(con
   if (!row) return tl::make_unexpected(row.error());
   auto entry = find(row->rig);
   if (!entry) return tl::make_unexpected(entry.error());
-  if (auto free = check_not_taring(**entry); !free) return tl::make_unexpected(free.error());
+  if (auto startable = check_startable(**entry); !startable) return tl::make_unexpected(startable.error());
   auto view = begun(**entry, (*entry)->session.resume(*row, moment(**entry)));
   if (!view) return tl::make_unexpected(view.error());
   return std::pair{row->rig, *view};

@@ -139,8 +139,7 @@ class Supervisor {
   void notice_device_change(Entry& entry, const AcquisitionReport& report);
   void measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns);
   [[nodiscard]] std::string new_session_id(const std::string& rig);
-  [[nodiscard]] static core::Status check_not_taring(Entry& entry);
-  [[nodiscard]] static core::Status check_present(Entry& entry);
+  [[nodiscard]] static core::Status check_startable(Entry& entry);
 
   core::Clock& clock_;
   core::Log log_;

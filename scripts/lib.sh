@@ -7,11 +7,13 @@ DTS_PACKAGES=(
   g++ cmake ninja-build ccache pkg-config git          # build
   protobuf-compiler libprotobuf-dev libzmq3-dev cppzmq-dev libspdlog-dev libfmt-dev libexpected-dev
   libtomlplusplus-dev libsystemd-dev libusb-1.0-0-dev libeigen3-dev libcli11-dev nlohmann-json3-dev
+  libonnx-dev                                          # dtslab reach export and import: the schema of ONNX
   libsqlite3-dev libsodium-dev libpugixml-dev libboost-dev # recordings: catalogue, SHA-256, XML headers, CRC32C
   libgtest-dev libgmock-dev librapidcheck-dev relacy-dev # tests
   libumockdev-dev umockdev                             # emulated USB under the real libusb
   libxdf-dev                                           # an independent reader of our recordings
   libreaderwriterqueue-dev                             # a peer in the ring benchmark
+  python3-onnx                                         # an independent reader of exported networks
   gnuplot-nox                                          # dtslab --plot
   python3
 )

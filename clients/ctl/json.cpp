@@ -101,6 +101,10 @@ void remove_meaningless(const Message& message, cli::Json& json) {
       for (const char* key : {"elapsed_s", "settle_s"}) json.erase(key);
     }
   }
+  if (const auto* reach = dynamic_cast<const v1::Reach*>(&message)) json["flags"] = bit_words(*v1::ReachFlag_descriptor(), reach->flags());
+  if (const auto* movement = dynamic_cast<const v1::TrunkMovement*>(&message)) {
+    json["reasons"] = bit_words(*v1::ClassReason_descriptor(), movement->reasons());
+  }
   if (const auto* asked = dynamic_cast<const v1::ProtocolField*>(&message); asked != nullptr && asked->choices_size() > 0) {
     for (const char* key : {"minimum", "maximum"}) json.erase(key);  // a word has no range
   }
@@ -140,12 +144,14 @@ std::string enumerator_word(const google::protobuf::EnumDescriptor& type, int nu
   return word;
 }
 
-std::vector<std::string> quality_words(std::uint8_t bits) {
+std::vector<std::string> bit_words(const google::protobuf::EnumDescriptor& type, std::uint32_t bits) {
   std::vector<std::string> words;
-  for (unsigned bit = 1; bit < 256; bit <<= 1U) {
-    if ((bits & bit) != 0) words.push_back(enumerator_word(*v1::Quality_descriptor(), static_cast<int>(bit)));
+  for (std::uint32_t bit = 1; bit != 0; bit <<= 1U) {
+    if ((bits & bit) != 0) words.push_back(enumerator_word(type, static_cast<int>(bit)));
   }
   return words;
 }
+
+std::vector<std::string> quality_words(std::uint8_t bits) { return bit_words(*v1::Quality_descriptor(), bits); }
 
 }  // namespace dts::ctl

@@ -24,6 +24,8 @@ namespace dts::ctl {
 [[nodiscard]] std::string enumerator_word(const google::protobuf::EnumDescriptor& type, int number);
 
 /// The bits of v1::Quality as words: {"rail", "untared"}.
+/// The same of any enumeration of bits.
+[[nodiscard]] std::vector<std::string> bit_words(const google::protobuf::EnumDescriptor& type, std::uint32_t bits);
 [[nodiscard]] std::vector<std::string> quality_words(std::uint8_t bits);
 
 }  // namespace dts::ctl

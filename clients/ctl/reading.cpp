@@ -9,6 +9,7 @@
 #include "cli/console.h"
 #include "cli/table.h"
 #include "ctl/json.h"
+#include "ctl/reach_reading.h"
 
 namespace dts::ctl {
 namespace {
@@ -66,6 +67,9 @@ std::string body_text(const v1::Event& event) {
       return change_text(enumerator_word(*v1::SessionState_descriptor(), event.session().state()), event.session().session_id(),
                          event.session().message());
     case v1::Event::kTrial: return trial_text(event.trial());
+    case v1::Event::kReach: return reach_text(event.reach());
+    case v1::Event::kMovement: return movement_text(event.movement());
+    case v1::Event::kTrialResult: return trial_result_text(event.trial_result());
     case v1::Event::BODY_NOT_SET: break;
   }
   return "(of a later version of dtsd)";

@@ -3,10 +3,13 @@
 
 #include <array>
 #include <charconv>
+#include <cmath>
+#include <limits>
 #include <string>
 
 #include "cli/table.h"
 #include "ctl/json.h"
+#include "ctl/reach_reading.h"
 #include "ctl/recording_view.h"
 
 namespace dts::ctl {
@@ -71,14 +74,39 @@ void print_parts(cli::Console& console, const v1::SessionRecord& session) {
   }
 }
 
+/// What a trial of the reaching task came to; a class other than the target takes stands out.
+cli::Cell trunk_cell(const v1::TrialResult& result) {
+  if (!result.has_movement()) return {"-"};
+  const int found = result.movement().trunk_class();
+  if (found < 0) return {class_word(found), cli::Style::Faint};
+  if (result.expected_class() < 0 || result.expected_class() == found) return {class_word(found)};
+  return {class_word(found) + " (takes " + class_word(result.expected_class()) + ")", cli::Style::Warning};
+}
+
+std::string degrees_text(const v1::TrialResult& result) {
+  const double trunk_deg = result.has_movement() ? result.movement().trunk_deg() : std::numeric_limits<double>::quiet_NaN();
+  return std::isfinite(trunk_deg) ? cli::decimal(trunk_deg, 1) : "-";
+}
+
+void print_results(cli::Console& console, const v1::SessionRecord& session) {
+  cli::Table results({"RESULT", ">VALUE", "UNIT"});
+  for (const v1::SessionResult& result : session.results()) {
+    results.add({{result.name()}, {cli::decimal(result.value(), 3)}, {result.unit()}});
+  }
+  if (session.results_size() > 0) console.out << '\n';
+  if (session.results_size() > 0) results.print(console);
+}
+
 void print_trials(cli::Console& console, const v1::SessionRecord& session) {
-  cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", ">PART", ">SEGMENT", ">SCANS"});
+  cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", "TRUNK", ">DEG", ">PART", ">SEGMENT", ">SCANS"});
   for (const v1::TrialRecord& trial : session.trials()) {
     trials.add({{std::to_string(trial.trial())},
                 {std::to_string(trial.attempt())},
                 {std::to_string(trial.block())},
                 {trial.condition()},
                 {trial.outcome(), trial.outcome() == "done" ? cli::Style::Good : cli::Style::Warning},
+                trunk_cell(trial.result()),
+                {degrees_text(trial.result())},
                 {std::to_string(trial.part())},
                 {std::to_string(trial.segment())},
                 {std::to_string(trial.first_scan()) + " .. " + std::to_string(trial.last_scan())}});
@@ -118,6 +146,7 @@ void print_session(cli::Console& console, const v1::SessionRecord& session) {
   print_field(console, "state", state_of(session) + (session.message().empty() ? "" : ": " + session.message()));
   print_parts(console, session);
   print_trials(console, session);
+  print_results(console, session);
 }
 
 void print_protocols(cli::Console& console, const v1::ListProtocolsResponse& protocols) {

@@ -43,6 +43,15 @@ struct Arguments {
   std::optional<double> rate_hz;  ///< Absent: the rig's.
   std::uint32_t seed = 1;
   std::string truth;  ///< CSV to write.
+
+  std::string folder;                 ///< Of reaching trials.
+  std::string model;                  ///< Of trunk movement.
+  std::string net = "recommended";    ///< Or "raw5".
+  std::vector<std::string> subjects;  ///< To train on; empty: all healthy ones.
+  bool has_simulated_people = false;  ///< Train on simulated people too, or alone.
+  bool is_recorded_only = false;      ///< Train without simulated people.
+  bool is_rejecting = true;           ///< Doubtful reaches get no class.
+  std::string calibrate;              ///< "max:3": each subject's first three trials at that target; empty: none.
 };
 
 }  // namespace dts::lab

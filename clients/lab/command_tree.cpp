@@ -9,6 +9,7 @@
 #include "lab/manual.h"
 #include "lab/place_command.h"
 #include "lab/plate_command.h"
+#include "lab/reach_tree.h"
 #include "lab/replay_command.h"
 #include "lab/simulate_command.h"
 #include "lab/thesis_command.h"
@@ -65,9 +66,12 @@ void add_thesis(CommandTree& tree) {
   CLI::App* thesis = add(tree, tree.line.app, "thesis", "Compute a table of the thesis anew and show it beside what is printed",
                          "dtslab thesis 3.2 | deflections of the acrylic plate\n"
                          "dtslab thesis 4.1 | where fifteen loads are seen\n"
+                         "dtslab thesis 6.2 | ten healthy volunteers by two networks, with simulated people\n"
                          "dtslab thesis all --json | all tables, for a program\n",
                          run_thesis);
-  thesis->add_option("TABLE", tree.arguments.table, "3.2, 3.3, 3.4, 3.5, 3.6, 4.1 or all")->required()->option_text(" ");
+  thesis->add_option("TABLE", tree.arguments.table, "3.2, 3.3, 3.4, 3.5, 3.6, 4.1, 5.2, 6.2, 6.3, 6.4 or all")
+      ->required()
+      ->option_text(" ");
   add_json(*thesis, tree.arguments);
 }
 
@@ -161,9 +165,10 @@ void add_simulate(CommandTree& tree) {
   CLI::App* simulate = add(tree, tree.line.app, "simulate", "Record a simulated person: synthetic data with known truth",
                            "dtslab simulate floor --duration 60 --out standing.xdf | a minute of quiet standing\n"
                            "dtslab simulate floor --duration 60 --rate 100 --seed 7 --out standing.xdf --truth truth.csv | and where the "
-                           "centre of pressure really was\n",
+                           "centre of pressure really was\n"
+                           "dtslab simulate chair --duration 60 --out reaching.xdf --truth reaches.csv | somebody who reaches now and then\n",
                            run_simulate);
-  simulate->add_option("KIND", arguments.kind, "floor (chair: a later part)")
+  simulate->add_option("KIND", arguments.kind, "floor or chair")
       ->required()
       ->option_text(" ")
       ->check(CLI::IsMember({"floor", "chair"}));
@@ -171,15 +176,15 @@ void add_simulate(CommandTree& tree) {
       ->option_text("S")
       ->required()
       ->check(cli::number_between(0.1, 86400.0, "seconds"));
-  simulate->add_option("--rate", arguments.rate_hz, "Scans per second; default: the rig's, 100")
+  simulate->add_option("--rate", arguments.rate_hz, "Scans per second; default: the rig's, floor 100, chair 1500")
       ->option_text("HZ")
       ->check(cli::number_between(1.0, 20000.0, "hertz"));
   simulate->add_option("--seed", arguments.seed, "The same seed gives the same data; default: 1")
       ->option_text("N")
       ->check(cli::whole_number_between(0, 4294967295));
   simulate->add_option("--out", arguments.out, "Recording to write")->option_text("FILE.xdf")->required();
-  simulate->add_option("--truth", arguments.truth, "Write t_s,true_ml_mm,true_ap_mm,true_load_n too")->option_text("TRUTH.csv");
-  simulate->add_option("--rig", arguments.rig, "Rig file; default: the thesis's floor platform")->option_text("FILE");
+  simulate->add_option("--truth", arguments.truth, "Write the truth too. Floor: t_s,true_ml_mm,true_ap_mm,true_load_n; chair: one row a reach")->option_text("TRUTH.csv");
+  simulate->add_option("--rig", arguments.rig, "Rig file; default: the thesis's floor platform or chair")->option_text("FILE");
   add_json(*simulate, arguments);
 }
 
@@ -210,6 +215,7 @@ std::unique_ptr<CommandTree> make_command_tree() {
   add_place(tree);
   add_replay(tree);
   add_simulate(tree);
+  add_reach(tree);
   cli::add_common(tree.line);
   return owner;
 }

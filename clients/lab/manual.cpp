@@ -52,9 +52,19 @@ constexpr auto kTables =
     ".TP\n.B t_s, x_mm, y_mm, trigger, marker\nRecordings of\n.BR \"dtslab compare\" :\ntime that rises, position of the centre of "
     "pressure, "
     "and, if there, a trigger level or texts at the scan they belong to.\n"
+    ".TP\n.B subject, trial, t_p1, t_p2, t_p3, p1_mm, p2_mm, p3_mm, class, p_class, trunk_deg, trunk_lo_deg, trunk_hi_deg\n"
+    "What\n.B dtslab reach events\nand\n.B dtslab reach classify\nwrite: times in s from the first sample of each trial, levels of the "
+    "transient, degree of trunk movement (1 minor, 2 moderate, 3 maximum, 0 none, \\-1 rejected), its probability, trunk flexion with its "
+    "90 % interval. Empty: not found, or not known.\n"
+    ".TP\n.B subjects.csv, trials.csv, sensors.csv, calibration.csv\nA folder of reaching trials. subjects: subject, group, weight_kg, "
+    "height_cm, arm_cm, max_reach_cm; trials: subject, trial, condition (the target asked for: 80, 100, 120, 150 or max), rate_hz, file; "
+    "the volts of all trials of a file in rows of trial,v1,v2,v3,v4.\n"
     ".SH RECORDINGS\nXDF files of\n.BR dtsd .\n.B dtslab replay\nexits with 0 when every derived stream is what the recorded raw stream "
     "gives, or when there is none; with 1 when one differs; with 2 when the file is no recording of dtsd; with 7 when it is damaged.\n"
     ".B dtslab compare\ntakes the stream cop of a recording, with its rising triggers and its markers.\n"
+    ".B dtslab reach results\ntakes the events reach, class and trial, the subject's measures and the model of trunk movement; exits with "
+    "1 when a result that "
+    "was recorded is not the one computed.\n"
     ".SH JSON\nNumbers are numbers. What is undefined is absent. Units are in the names.\n";
 
 }  // namespace
@@ -63,7 +73,8 @@ cli::Manual make_manual() {
   return {.summary = "offline laboratory of the distributive tactile sensing daemon",
           .description =
               "Bends plates, computes the tables of the founding thesis anew, calibrates and evaluates estimators of the centre of "
-              "pressure, records simulated people, and computes recordings again bit for bit. Needs no running\n.BR dtsd (8).",
+              "pressure, finds and judges reaches on the chair, records simulated people, and computes recordings again bit for bit. "
+              "Needs no running\n.BR dtsd (8).",
           .environment = {{"NO_COLOR", "Set: no colours."}},
           .exit_statuses = {0, 1, 2, 4, 6, 7, 130},
           .further_sections = std::string(kPlateCase) + kTables,

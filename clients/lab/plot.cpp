@@ -98,11 +98,26 @@ std::string map_script(const PlateMap& map) {
 
 core::Status draw_map(const PlateMap& map, const std::string& file) { return draw(map_script(map), file); }
 
+namespace {
+
+/// Of the curve number `k`: black and white paper keeps them apart.
+std::string style_of(CurveStyle style, std::size_t k) {
+  switch (style) {
+    case CurveStyle::LinesPoints: return "linespoints lw 2 pt " + std::to_string(k + 4) + " dt " + std::to_string(k + 1);
+    case CurveStyle::Lines: return "lines lw 2";
+    case CurveStyle::Points: return "points pt 7 ps 1.2 lc rgb '#d1495b'";
+  }
+  return "lines";
+}
+
+}  // namespace
+
 core::Status draw_curves(const CurvePlot& plot, const std::string& file) {
   std::ostringstream script;
   script.precision(9);
   script << "set title " << quoted(plot.title) << " noenhanced\nset xlabel " << quoted(plot.x_label) << "\nset ylabel "
-         << quoted(plot.y_label) << "\nset key below\nset grid\nset yrange [0:*]\n";
+         << quoted(plot.y_label) << "\nset key below\nset grid\n"
+         << (plot.is_from_zero ? "set yrange [0:*]\n" : "");
   for (std::size_t k = 0; k < plot.curves.size(); ++k) {
     script << "$curve" << k << " << END\n";
     for (const auto& [x, y] : plot.curves[k].points) script << x << ' ' << y << '\n';
@@ -110,7 +125,7 @@ core::Status draw_curves(const CurvePlot& plot, const std::string& file) {
   }
   script << "plot ";
   for (std::size_t k = 0; k < plot.curves.size(); ++k) {
-    script << (k == 0 ? "" : ", ") << "$curve" << k << " using 1:2 with linespoints lw 2 pt " << k + 4 << " dt " << k + 1 << " title "
+    script << (k == 0 ? "" : ", ") << "$curve" << k << " using 1:2 with " << style_of(plot.curves[k].style, k) << " title "
            << quoted(plot.curves[k].name);
   }
   script << '\n';

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -37,16 +38,20 @@ struct PlateMap {
 /// The script for gnuplot, without the terminal; for tests.
 [[nodiscard]] std::string map_script(const PlateMap& map);
 
+enum class CurveStyle : std::uint8_t { LinesPoints, Lines, Points };
+
 /// A curve of an XY plot, with its word in the legend.
 struct Curve {
   std::string name;
   std::vector<std::pair<double, double>> points;
+  CurveStyle style = CurveStyle::LinesPoints;
 };
 struct CurvePlot {
   std::string title;
   std::string x_label;
   std::string y_label;
   std::vector<Curve> curves;
+  bool is_from_zero = true;  ///< The y axis.
 };
 [[nodiscard]] core::Status draw_curves(const CurvePlot& plot, const std::string& file);
 

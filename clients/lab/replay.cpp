@@ -8,6 +8,7 @@
 #include "device/replay/recorded_device.h"
 #include "device/replay/scan_merger.h"
 #include "files/rig_file.h"
+#include "lab/event_check.h"
 #include "session/rig_pipeline.h"
 
 namespace dts::lab {
@@ -76,6 +77,7 @@ class Replay {
   std::optional<std::uint32_t> segment_;
   std::vector<std::unique_ptr<StreamCheck>> checks_by_stream_;  ///< Of the recording; nullptr: not derived.
   std::vector<StreamCheck*> checks_by_frame_;
+  EventCheck events_;
   std::vector<std::optional<Summary>> summaries_;
   ReplayReport report_;
 };
@@ -119,6 +121,7 @@ core::Status Replay::take(const record::RecordedItem& item) {
   if (const auto* scans = std::get_if<record::RecordedScans>(&item)) {
     if (StreamCheck* check = checks_by_stream_[scans->stream].get()) check->add_recorded(*scans);
   }
+  if (const auto* timed = std::get_if<record::TimedEvent>(&item)) events_.add_recorded(timed->event);
   if (auto added = merger_.add(item); !added) return added;
   return process_ready();
 }
@@ -153,6 +156,7 @@ core::Status Replay::begin(const core::Block& block) {
     for (const auto& check : checks_by_stream_) {
       if (check) check->stop();
     }
+    events_.stop();
   }
   if (segment_ != block.segment) ++report_.segments;
   segment_ = block.segment;
@@ -163,6 +167,7 @@ void Replay::process() {
   const core::Block& block = acquired_.block;
   acquired_.block.host_time_ns = std::min(device_.rate.time_ns(block.first_scan), kFarthestNs);
   rig_.pipeline->process(acquired_, frame_);
+  events_.add_computed(frame_.events);
   acquired_.gap_before = {};
   report_.scans += block.count();
   for (std::size_t s = 0; s < frame_.streams.size(); ++s) {
@@ -176,6 +181,10 @@ ReplayReport Replay::finish() {
     if (check == nullptr) continue;
     check->finish(!recording_.damage().empty());
     report_.streams.push_back({.name = check->name(), .scans = check->compared_scans(), .difference = check->difference()});
+  }
+  events_.finish(!recording_.damage().empty());
+  if (events_.compared() > 0 || events_.difference()) {
+    report_.streams.push_back({.name = "reaches and classes", .scans = events_.compared(), .difference = events_.difference()});
   }
   for (auto& summary : summaries_) {
     if (summary) report_.cop = summary->finish();

@@ -7,11 +7,11 @@
 #include <fstream>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <vector>
 
 #include "core/clock.h"
 #include "device/registry.h"
+#include "device/sim/chair/chair.h"
 #include "files/toml_text.h"
 #include "record/recorder.h"
 #include "session/rig_pipeline.h"
@@ -23,24 +23,43 @@ constexpr std::size_t kBlockScans = 64;
 constexpr std::int64_t kStartNs = 1'000'000'000;  // of the virtual clock: the recording's time axis
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
-/// The true centre of pressure beside the recording: columns t_s,true_ml_mm,true_ap_mm,true_load_n; empty cells while nobody is there.
-class TruthFile {
+tl::unexpected<core::Error> cannot_write(const std::string& file) {
+  return core::fail(core::ErrorCode::Failed, "cannot write " + file, "does the folder exist, is there room?");
+}
+
+/// A CSV file that was not there before.
+core::Result<std::ofstream> new_csv(const std::string& file, const char* header) {
+  if (std::filesystem::exists(file)) return core::fail(core::ErrorCode::WrongState, file + " exists already", "choose another name");
+  std::ofstream out(file, std::ios::binary);
+  out << header << std::flush;
+  if (!out) return cannot_write(file);  // now, not after hours
+  return out;
+}
+
+/// What was true, beside the recording.
+class Truth {
  public:
-  static core::Result<TruthFile> create(const std::string& file, const device::DeviceDescription& device, core::Rate rate) {
-    TruthFile truth(file, rate);
+  virtual ~Truth() = default;
+  virtual void add(const core::Block& block) = 0;
+  virtual core::Status close() = 0;
+};
+
+/// The true centre of pressure: columns t_s,true_ml_mm,true_ap_mm,true_load_n; empty cells while nobody is there.
+class CopTruth final : public Truth {
+ public:
+  static core::Result<std::unique_ptr<Truth>> create(const Simulation& simulation, const device::DeviceDescription& device) {
+    auto out = new_csv(simulation.truth, "t_s,true_ml_mm,true_ap_mm,true_load_n\n");
+    if (!out) return tl::make_unexpected(out.error());
+    auto truth = std::unique_ptr<CopTruth>(new CopTruth(simulation.truth, simulation.config.rate, std::move(*out)));
     for (const char* name : {"true_ml_mm", "true_ap_mm", "true_load_n"}) {
       for (std::size_t channel = 0; channel < device.channels.size(); ++channel) {
-        if (device.channels[channel].name == name) truth.channels_.push_back(channel);
+        if (device.channels[channel].name == name) truth->channels_.push_back(channel);
       }
     }
-    if (std::filesystem::exists(file)) return core::fail(core::ErrorCode::WrongState, file + " exists already", "choose another name");
-    truth.out_.open(file, std::ios::binary);
-    truth.out_ << "t_s,true_ml_mm,true_ap_mm,true_load_n\n" << std::flush;
-    if (!truth.out_) return truth.failure();  // now, not after hours
     return truth;
   }
 
-  void add(const core::Block& block) {
+  void add(const core::Block& block) override {
     for (std::size_t i = 0; i < block.count(); ++i) {
       const auto seconds = static_cast<double>((block.first_scan.value + i) * static_cast<std::uint64_t>(rate_.denominator()));
       out_ << files::toml_number(seconds / static_cast<double>(rate_.numerator()));
@@ -51,18 +70,14 @@ class TruthFile {
       out_ << '\n';
     }
   }
-  core::Status close() {
+  core::Status close() override {
     out_.close();
     if (out_) return {};
-    return failure();
+    return cannot_write(file_);
   }
 
  private:
-  TruthFile(std::string file, core::Rate rate) : file_(std::move(file)), rate_(rate) {}
-
-  [[nodiscard]] tl::unexpected<core::Error> failure() const {
-    return core::fail(core::ErrorCode::Failed, "cannot write " + file_, "does the folder exist, is there room?");
-  }
+  CopTruth(std::string file, core::Rate rate, std::ofstream out) : file_(std::move(file)), rate_(rate), out_(std::move(out)) {}
 
   std::string file_;
   core::Rate rate_;
@@ -70,10 +85,65 @@ class TruthFile {
   std::ofstream out_;
 };
 
+/// The reaches that were completed, one per row.
+class ReachTruth final : public Truth {
+ public:
+  static core::Result<std::unique_ptr<Truth>> create(const Simulation& simulation) {
+    const auto uri = device::DeviceUri::parse(simulation.config.device_uri);
+    if (!uri) return tl::make_unexpected(uri.error());
+    const auto person = device::sim::chair_person(*uri, simulation.config.model);
+    if (!person) return tl::make_unexpected(person.error());
+    auto out = new_csv(simulation.truth, "number,condition,target_cm,t_on_s,t_hit_s,t_back_s,t_end_s,trunk_deg\n");
+    if (!out) return tl::make_unexpected(out.error());
+    return std::unique_ptr<Truth>(new ReachTruth(simulation.truth, simulation.duration_s, *person, std::move(*out)));
+  }
+
+  void add(const core::Block&) override {}
+  /// The person does the same again, without a chair.
+  core::Status close() override {
+    physics::SeatedPerson person(person_);
+    physics::ReachPlan last;
+    for (double time_s = 0.0; time_s <= duration_s_; time_s += kStepS) {
+      const physics::ReachPlan* const reach = person.at(time_s).reach;
+      if (last.number > 0 && (reach == nullptr || reach->number != last.number)) write(last);
+      last = reach != nullptr ? *reach : physics::ReachPlan{};
+    }
+    if (last.number > 0 && last.end_s <= duration_s_) write(last);
+    out_.close();
+    if (out_) return {};
+    return cannot_write(file_);
+  }
+
+ private:
+  static constexpr double kStepS = 0.01;
+
+  ReachTruth(std::string file, double duration_s, const physics::SeatedPersonOptions& person, std::ofstream out)
+      : file_(std::move(file)), duration_s_(duration_s), person_(person), out_(std::move(out)) {}
+
+  void write(const physics::ReachPlan& reach) {
+    out_ << reach.number << ',' << reach.condition;
+    for (const double value : {reach.target_cm, reach.on_s, reach.hit_s, reach.back_s, reach.end_s, reach.trunk_deg}) {
+      out_ << ',' << files::toml_number(value);
+    }
+    out_ << '\n';
+  }
+
+  std::string file_;
+  double duration_s_;
+  physics::SeatedPersonOptions person_;
+  std::ofstream out_;
+};
+
+/// nullptr: none is wanted.
+core::Result<std::unique_ptr<Truth>> create_truth(const Simulation& simulation, const device::DeviceDescription& device) {
+  if (simulation.truth.empty()) return nullptr;
+  return simulation.config.kind == "chair" ? ReachTruth::create(simulation) : CopTruth::create(simulation, device);
+}
+
 record::SessionFacts facts_of(const Simulation& simulation, const device::Device& device, const pipeline::Pipeline& pipeline) {
   const std::int64_t utc_minus_monotonic_ns = core::utc_minus_monotonic_ns();
   const core::SystemClock clock;
-  record::SessionFacts facts{.session_id = "simulated-floor-" + std::to_string(simulation.seed),
+  record::SessionFacts facts{.session_id = "simulated-" + simulation.config.kind + "-" + std::to_string(simulation.seed),
                              .rig = simulation.config.name,
                              .kind = simulation.config.kind,
                              .protocol = "free",
@@ -111,7 +181,7 @@ core::Result<std::unique_ptr<device::Device>> start_device(const Simulation& sim
   return device;
 }
 
-core::Status record_scans(device::Device& device, pipeline::Pipeline& pipeline, record::Recorder& recorder, TruthFile* truth,
+core::Status record_scans(device::Device& device, pipeline::Pipeline& pipeline, record::Recorder& recorder, Truth* truth,
                           std::uint64_t scans, const std::function<void(double)>& progress) {
   core::Acquired acquired{.block = core::Block(device.describe().channels.size(), kBlockScans)};
   core::Frame frame = pipeline.make_frame();
@@ -130,35 +200,31 @@ core::Status record_scans(device::Device& device, pipeline::Pipeline& pipeline, 
 
 }  // namespace
 
-core::Result<Simulated> simulate_floor(Simulation simulation, const std::function<void(double)>& progress) {
-  simulation.config.device_uri = "sim:floor?seed=" + std::to_string(simulation.seed);
+core::Result<Simulated> simulate_rig(Simulation simulation, const std::function<void(double)>& progress) {
+  simulation.config.device_uri = "sim:" + simulation.config.kind + "?seed=" + std::to_string(simulation.seed);
   simulation.config.block_scans = kBlockScans;
   core::VirtualClock clock(kStartNs);
   auto device = start_device(simulation, clock);
   if (!device) return tl::make_unexpected(device.error());
   auto rig = session::make_rig_pipeline(simulation.config, (*device)->describe());
   if (!rig) return tl::make_unexpected(rig.error());
-  std::optional<TruthFile> truth;
-  if (!simulation.truth.empty()) {
-    auto created = TruthFile::create(simulation.truth, (*device)->describe(), simulation.config.rate);
-    if (!created) return tl::make_unexpected(created.error());
-    truth = std::move(*created);
-  }
+  auto truth = create_truth(simulation, (*device)->describe());
+  if (!truth) return tl::make_unexpected(truth.error());
   auto recorder = begin_recording(simulation, **device, *rig->pipeline);
   if (!recorder) {
     std::error_code ignored;
-    if (truth) std::filesystem::remove(simulation.truth, ignored);  // it tells of nothing
+    if (*truth) std::filesystem::remove(simulation.truth, ignored);  // it tells of nothing
     return tl::make_unexpected(recorder.error());
   }
 
   const std::uint64_t scans = simulation.config.rate.scans_in_ms(simulation.duration_s * 1000.0);
-  auto recorded = record_scans(**device, *rig->pipeline, **recorder, truth ? &*truth : nullptr, scans, progress);
+  auto recorded = record_scans(**device, *rig->pipeline, **recorder, truth->get(), scans, progress);
   if (!recorded) return tl::make_unexpected(recorded.error());
   if (auto flushed = (*recorder)->flush(); !flushed) return tl::make_unexpected(flushed.error());
   const auto closed = (*recorder)->close("");
   if (!closed) return tl::make_unexpected(closed.error());
-  if (truth) {
-    if (auto written = truth->close(); !written) return tl::make_unexpected(written.error());
+  if (*truth) {
+    if (auto written = (*truth)->close(); !written) return tl::make_unexpected(written.error());
   }
   return Simulated{.file = closed->file, .sha256 = closed->sha256, .scans = scans, .bytes = closed->bytes};
 }

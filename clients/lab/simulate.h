@@ -17,7 +17,7 @@ struct Simulation {
   double duration_s = 0.0;
   std::uint64_t seed = 1;
   std::string out;    ///< New recording.
-  std::string truth;  ///< New CSV file of the true centre of pressure; empty: none.
+  std::string truth;  ///< New CSV file of what was true: the centre of pressure, or the reaches; empty: none.
 };
 
 struct Simulated {
@@ -27,8 +27,9 @@ struct Simulated {
   std::uint64_t bytes = 0;
 };
 
-/// Records the simulated floor platform (`sim:floor?seed=N`) through the rig's stages into a file, as fast as it can be computed. The same
-/// simulation gives the same file but for its dates. Fails as device, pipeline and recorder do; what exists is never overwritten.
-[[nodiscard]] core::Result<Simulated> simulate_floor(Simulation simulation, const std::function<void(double)>& progress);
+/// Records the simulated rig of that kind (`sim:floor?seed=N`, `sim:chair?seed=N`) through the rig's stages into a file, as fast as it can
+/// be computed. The same simulation gives the same file but for its dates. Fails as device, pipeline and recorder do; what exists is never
+/// overwritten.
+[[nodiscard]] core::Result<Simulated> simulate_rig(Simulation simulation, const std::function<void(double)>& progress);
 
 }  // namespace dts::lab

@@ -12,13 +12,16 @@
 namespace dts::lab {
 namespace {
 
-constexpr double kUsualRateHz = 100.0;  // thesis 4.6
+constexpr double kFloorRateHz = 100.0;   // thesis 4.6
+constexpr double kChairRateHz = 1500.0;  // thesis 6.3.2
 
 core::Result<Simulation> make_simulation(const Arguments& arguments, files::Problems& problems) {
   Simulation simulation{.duration_s = arguments.duration_s, .seed = arguments.seed, .out = arguments.out, .truth = arguments.truth};
+  const bool is_chair = arguments.kind == "chair";
   if (arguments.rig.empty()) {
-    simulation.definition = floor_definition(arguments.rate_hz.value_or(kUsualRateHz));
-    simulation.config = files::read_rig_text(simulation.definition, "the thesis's floor platform", problems);
+    simulation.definition =
+        is_chair ? chair_definition(arguments.rate_hz.value_or(kChairRateHz)) : floor_definition(arguments.rate_hz.value_or(kFloorRateHz));
+    simulation.config = files::read_rig_text(simulation.definition, is_chair ? "the chair" : "the thesis's floor platform", problems);
   } else {
     simulation.config = files::read_rig_file(arguments.rig, problems);
     if (!problems.empty()) return simulation;
@@ -26,7 +29,11 @@ core::Result<Simulation> make_simulation(const Arguments& arguments, files::Prob
     if (!definition) return tl::make_unexpected(definition.error());
     simulation.definition = std::move(*definition);
   }
-  simulation.config.name = "floor";
+  if (simulation.config.kind != arguments.kind) {
+    return core::fail(core::ErrorCode::InvalidArgument, arguments.rig + " is a rig of the kind " + simulation.config.kind,
+                      "dtslab simulate " + simulation.config.kind);
+  }
+  simulation.config.name = arguments.kind;
   if (!arguments.rate_hz) return simulation;
   auto rate = core::Rate::from_hz(*arguments.rate_hz);
   if (!rate) return tl::make_unexpected(rate.error());
@@ -37,9 +44,6 @@ core::Result<Simulation> make_simulation(const Arguments& arguments, files::Prob
 }  // namespace
 
 int run_simulate(const Arguments& arguments, cli::Console& console) {
-  if (arguments.kind == "chair") {
-    return fail_with(console, core::Error{.code = core::ErrorCode::Failed, .what = "not built yet: the chair is a later part"});
-  }
   files::Problems problems;
   auto simulation = make_simulation(arguments, problems);
   if (!problems.empty()) return report_problems(console, problems);
@@ -47,7 +51,7 @@ int run_simulate(const Arguments& arguments, cli::Console& console) {
   core::Result<Simulated> simulated;
   {
     cli::Progress progress(console, "simulating");
-    simulated = simulate_floor(std::move(*simulation), [&progress](double done) { progress.report(done); });
+    simulated = simulate_rig(std::move(*simulation), [&progress](double done) { progress.report(done); });
   }
   if (!simulated) return fail_with(console, simulated.error());
   if (arguments.is_json) {

@@ -9,4 +9,7 @@ namespace dts::lab {
 /// rig file is given.
 [[nodiscard]] std::string floor_definition(double rate_hz);
 
+/// The chair of physics::chair_rig with the stages that find reaches; which trunk movement they were needs a model, and so a rig file.
+[[nodiscard]] std::string chair_definition(double rate_hz);
+
 }  // namespace dts::lab

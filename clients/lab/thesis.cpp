@@ -18,7 +18,11 @@ const std::vector<std::pair<std::string_view, Maker>>& makers() {
                                                                      {"3.4", [] { return thesis_proportions(false); }},
                                                                      {"3.5", [] { return thesis_proportions(true); }},
                                                                      {"3.6", thesis_line_errors},
-                                                                     {"4.1", thesis_loci}};
+                                                                     {"4.1", thesis_loci},
+                                                                     {"5.2", thesis_teachers},
+                                                                     {"6.2", thesis_healthy},
+                                                                     {"6.3", thesis_trunk_angles},
+                                                                     {"6.4", thesis_stroke}};
   return known;
 }
 

@@ -15,6 +15,14 @@ namespace dts::lab {
 [[nodiscard]] core::Result<ThesisTable> thesis_line_errors();
 /// Table 4.1.
 [[nodiscard]] core::Result<ThesisTable> thesis_loci();
+/// Table 5.2.
+[[nodiscard]] core::Result<ThesisTable> thesis_teachers();
+/// Table 6.2.
+[[nodiscard]] core::Result<ThesisTable> thesis_healthy();
+/// Table 6.3.
+[[nodiscard]] core::Result<ThesisTable> thesis_trunk_angles();
+/// Table 6.4.
+[[nodiscard]] core::Result<ThesisTable> thesis_stroke();
 
 /// (ours - printed) / printed, %; NaN where 0 is printed.
 [[nodiscard]] double deviation_percent(double ours, double printed) noexcept;

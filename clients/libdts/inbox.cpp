@@ -38,7 +38,10 @@ bool has_body_of(const v1::Event& event, std::string_view kind) noexcept {
     case v1::Event::kDevice: return kind == "device";
     case v1::Event::kSession: return kind == "session";
     case v1::Event::kTrial: return kind == "trial";
-    case v1::Event::BODY_NOT_SET: return kind == "reach" || kind == "class" || kind == "sway";
+    case v1::Event::kTrialResult: return kind == "trial";
+    case v1::Event::kReach: return kind == "reach";
+    case v1::Event::kMovement: return kind == "class";
+    case v1::Event::BODY_NOT_SET: return kind == "sway";
   }
   return false;
 }

@@ -25,6 +25,7 @@ inline constexpr std::uint8_t kRotation = 1U << 3;      ///< The marker channel 
 inline constexpr std::uint8_t kNoContact = 1U << 4;     ///< Nobody on the plate: there is no centre of pressure.
 inline constexpr std::uint8_t kUncalibrated = 1U << 5;  ///< Outside the area or load range of the calibration.
 inline constexpr std::uint8_t kUntared = 1U << 6;       ///< No tare yet: the nominal unloaded gap is the baseline.
+inline constexpr std::uint8_t kSubstituted = 1U << 7;   ///< A bad sensor was replaced by the change of the others.
 }  // namespace quality
 
 struct ChannelFormat {

@@ -59,7 +59,9 @@ class VirtualClock final : public Clock {
     if (step_ns > 0) advance_ns(step_ns);
   }
   /// The machine sleeps: no clock but this one moves.
-  void suspend_ns(std::int64_t step_ns) noexcept { suspended_ns_.fetch_add(step_ns, std::memory_order_acq_rel); }  // pairs with suspended_ns()
+  void suspend_ns(std::int64_t step_ns) noexcept {
+    suspended_ns_.fetch_add(step_ns, std::memory_order_acq_rel);
+  }  // pairs with suspended_ns()
   /// `step_ns` must not be negative.
   void advance_ns(std::int64_t step_ns) noexcept { now_ns_.fetch_add(step_ns, std::memory_order_acq_rel); }  // pairs with now_ns()
 

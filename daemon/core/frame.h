@@ -4,10 +4,12 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "core/block.h"
+#include "core/reach.h"
 
 namespace dts::core {
 
@@ -56,20 +58,56 @@ struct TriggerEvent {
   bool is_rising = true;
 };
 
-inline constexpr std::size_t kMaxTriggersPerFrame = 16;
-
-/// The trigger events of one frame; of a signal that chatters faster the rest is counted only.
-struct TriggerEvents {
-  std::array<TriggerEvent, kMaxTriggersPerFrame> events{};
+/// The events of one kind in one frame; of more than there is room for the rest is counted only.
+template <class Event, std::size_t kCapacity>
+struct BoundedEvents {
+  std::array<Event, kCapacity> events{};
   std::size_t count = 0;
   std::uint64_t lost = 0;  ///< Found no room.
 
-  void push(const TriggerEvent& event) noexcept {
+  void push(const Event& event) noexcept {
     if (count < events.size()) {
       events[count++] = event;
     } else {
       ++lost;
     }
+  }
+  void clear() noexcept {
+    count = 0;
+    lost = 0;
+  }
+  /// Those of `earlier` before these.
+  void prepend(const BoundedEvents& earlier) noexcept {
+    BoundedEvents all = earlier;
+    all.lost += lost;
+    for (const Event& event : all_of()) all.push(event);
+    *this = all;
+  }
+  [[nodiscard]] std::span<const Event> all_of() const noexcept { return std::span(events).first(count); }
+};
+
+inline constexpr std::size_t kMaxTriggersPerFrame = 16;
+inline constexpr std::size_t kMaxReachesPerFrame = 8;
+
+using TriggerEvents = BoundedEvents<TriggerEvent, kMaxTriggersPerFrame>;
+
+/// What the pipeline noticed while it made one frame.
+struct FrameEvents {
+  TriggerEvents triggers{};
+  BoundedEvents<ReachEvent, kMaxReachesPerFrame> reaches{};
+  BoundedEvents<ClassEvent, kMaxReachesPerFrame> classes{};
+
+  [[nodiscard]] std::uint64_t lost() const noexcept { return triggers.lost + reaches.lost + classes.lost; }
+  [[nodiscard]] bool empty() const noexcept { return triggers.count + reaches.count + classes.count == 0; }
+  void clear() noexcept {
+    triggers.clear();
+    reaches.clear();
+    classes.clear();
+  }
+  void prepend(const FrameEvents& earlier) noexcept {
+    triggers.prepend(earlier.triggers);
+    reaches.prepend(earlier.reaches);
+    classes.prepend(earlier.classes);
   }
 };
 
@@ -77,7 +115,7 @@ struct TriggerEvents {
 /// says nothing (a window that is not full yet).
 struct Frame {
   std::vector<Block> streams{};
-  TriggerEvents triggers{};
+  FrameEvents events{};
   Gap gap_before{};
   std::uint32_t segment = 0;
   std::int64_t host_time_ns = 0;
@@ -86,7 +124,7 @@ struct Frame {
   /// Takes everything that `other`, made for the same pipeline, says, into the memory that is there. Realtime-safe: yes.
   void copy_from(const Frame& other) noexcept {
     for (std::size_t s = 0; s < std::min(streams.size(), other.streams.size()); ++s) streams[s].copy_from(other.streams[s]);
-    triggers = other.triggers;
+    events = other.events;
     gap_before = other.gap_before;
     segment = other.segment;
     host_time_ns = other.host_time_ns;

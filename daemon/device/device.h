@@ -69,6 +69,13 @@ struct DeviceReport {
   std::vector<DeviceCheck> checks;
 };
 
+/// What the person at the device is told.
+struct Cue {
+  bool is_go = false;      ///< Reach now; else: get ready, hand on the thigh.
+  std::int64_t at_ns = 0;  ///< Host monotonic: when it is given.
+  double target_cm = 0.0;  ///< From the acromion; 0: no target.
+};
+
 /// Closed --open--> Open --start--> Streaming --stop--> Open --close--> Closed; a lost device is Gone until close.
 enum class DeviceState : std::uint8_t { Closed, Open, Streaming, Gone };
 
@@ -101,9 +108,10 @@ struct ReadResult {
 /// | report     | ok            | ok              | ok                | ok                  |
 /// | has_arrived| ok            | ok              | ok                | ok                  |
 /// | set_sync_output | WrongState | ok            | ok                | DeviceGone          |
+/// | hear       | no effect     | no effect       | ok                | no effect           |
 ///
 /// Thread: open, start, stop, close and has_arrived on one owner thread; `read` on one thread, between start and stop;
-/// `interrupt`, `exact_rate`, `report` and `set_sync_output` on any. The destructor closes.
+/// `interrupt`, `exact_rate`, `report`, `hear` and `set_sync_output` on any. The destructor closes.
 class Device {
  public:
   virtual ~Device() = default;
@@ -132,6 +140,8 @@ class Device {
   virtual void interrupt() noexcept = 0;
   /// Drives the digital line that tells other instruments that a session begins. Unsupported: there is none. WrongState: or busy starting.
   [[nodiscard]] virtual core::Status set_sync_output(bool is_high) = 0;
+  /// Simulated people hear it and obey; at hardware a therapist says it. Thread: any. Realtime-safe: yes.
+  virtual void hear(const Cue& cue) noexcept { static_cast<void>(cue); }
   /// Returns within 250 ms when the device answers.
   virtual core::Status stop() = 0;
   virtual core::Status close() = 0;

@@ -8,6 +8,7 @@
 #include "device/mcc/entries.h"
 #include "device/nidaqmx/ni_daqmx.h"
 #include "device/replay/replay_device.h"
+#include "device/sim/chair/chair.h"
 #include "device/sim/floor.h"
 
 namespace dts::device {
@@ -41,6 +42,7 @@ std::vector<RegistryEntry> with_mcc(std::vector<RegistryEntry> entries) {
 const std::vector<RegistryEntry>& registry() {
   static const std::vector<RegistryEntry> entries = with_mcc({
       {"sim:floor", "Simulated floor platform with a person or a weight on it.", sim::create_floor},
+      {"sim:chair", "Simulated chair with a person who reaches.", sim::create_chair},
       {"replay:", "A recording played again: replay:FILE.xdf?speed=1&loop=0.", replay::create_replay},
       {"labjack:u6", "LabJack U6 or U6-Pro: 14 inputs, one converter.", labjack::create_u6, labjack::u6_models()},
       {"ni:", "A device of National Instruments through NI-DAQmx, when that is installed: ni:Dev1.", nidaqmx::create_ni_daqmx},

@@ -42,6 +42,7 @@ core::Result<std::string> rig_definition(const std::string& file) {
   if (!table) return refuse(file, problems);
   const auto folder = std::filesystem::path(file).parent_path();
   embed(*table, "calibration", folder, problems);
+  embed(*table, "model", folder, problems);
   if (toml::array* sensors = table->get_as<toml::array>("sensor")) {
     sensors->for_each([&](toml::table& sensor) { embed(sensor, "curve", folder, problems); });
   }

@@ -2,11 +2,13 @@
 #include "files/rig_file.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <utility>
 
 #include "files/cop_calibration_file.h"
 #include "files/rig_model_file.h"
+#include "files/trunk_model_file.h"
 
 namespace dts::files {
 namespace {
@@ -48,6 +50,42 @@ void settle_estimator(TomlReader& reader, pipeline::StageConfig& stage, const pi
   reader.report("estimator", "the rig's calibration '" + id + "' is for estimator \"" + method + "\"; leave estimator out or say the same");
 }
 
+/// `model = "file.toml"`: what tells trunk movement, as `dtslab reach train` writes it. In a definition it is a table.
+void read_model(TomlReader& top, pipeline::RigConfig& config, References references, Problems& problems) {
+  std::optional<toml::table> parsed;
+  auto reader = top.table_or_file("model", references, parsed);
+  if (!reader) return;
+  config.trunk_model = read_trunk_model(*reader, problems);
+  if (config.trunk_model) config.trunk_model_text = trunk_model_text(*config.trunk_model);
+}
+
+bool has_stage(const pipeline::RigConfig& config, std::string_view id) {
+  return std::ranges::any_of(config.stages, [id](const pipeline::StageConfig& stage) { return stage.id == id; });
+}
+
+/// `transient_sensors = ["2", "5", "10", "13"]`: rear left, rear right, front left, front right (thesis 5.3.2).
+void read_transient_sensors(TomlReader& top, pipeline::RigConfig& config) {
+  constexpr std::string_view kKey = "transient_sensors";
+  const std::vector<std::string> labels = top.texts(std::string(kKey), {});
+  if (!top.has(kKey)) return;
+  physics::RigModel::TransientSensors chosen;
+  const std::array places{&chosen.rear[0], &chosen.rear[1], &chosen.front[0], &chosen.front[1]};
+  if (labels.size() != places.size()) return top.report(kKey, "name four sensors: rear left, rear right, front left, front right");
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    const auto found = std::ranges::find(config.model.sensors, labels[k], &physics::SensorModel::label);
+    if (found == config.model.sensors.end()) return top.report(kKey, "there is no sensor labelled '" + labels[k] + "'");
+    if (std::ranges::count(labels, labels[k]) > 1) return top.report(kKey, "sensor '" + labels[k] + "' is named twice");
+    *places[k] = static_cast<std::size_t>(found - config.model.sensors.begin());
+  }
+  const auto at = [&config](std::size_t index) { return config.model.sensors[index].position; };
+  const bool is_behind =
+      std::max(at(chosen.rear[0]).y.value, at(chosen.rear[1]).y.value) < std::min(at(chosen.front[0]).y.value, at(chosen.front[1]).y.value);
+  const bool is_left = at(chosen.rear[0]).x.value < at(chosen.rear[1]).x.value && at(chosen.front[0]).x.value < at(chosen.front[1]).x.value;
+  if (!is_behind || !is_left)
+    return top.report(kKey, "the order is rear left, rear right, front left, front right; y grows to the front, x to the right");
+  config.model.transient_sensors = chosen;
+}
+
 void read_stages(TomlReader& top, pipeline::RigConfig& config) {
   for (TomlReader& reader : top.tables("stage")) {
     pipeline::StageConfig stage;
@@ -68,8 +106,15 @@ void read_stages(TomlReader& top, pipeline::RigConfig& config) {
     config.stages.push_back(std::move(stage));
     reader.finish();
   }
-  const bool has_cop = std::ranges::any_of(config.stages, [](const pipeline::StageConfig& stage) { return stage.id == "cop"; });
-  if (config.cop_calibration && !has_cop) top.report("calibration", "the rig has no [[stage]] \"cop\" that could use its calibration");
+  if (config.cop_calibration && !has_stage(config, "cop")) {
+    top.report("calibration", "the rig has no [[stage]] \"cop\" that could use its calibration");
+  }
+  if (config.trunk_model && !has_stage(config, "classify")) {
+    top.report("model", "the rig has no [[stage]] \"classify\" that could use its model");
+  }
+  if (!config.trunk_model && !top.has("model") && has_stage(config, "classify")) {
+    top.report("", "[[stage]] \"classify\" needs a model: add model = \"FILE.toml\", see dtslab reach train");
+  }
   if (config.stages.empty()) top.report("", "the rig has no [[stage]]: at least \"guard\" is needed");
 }
 
@@ -112,19 +157,23 @@ void read_recorded(TomlReader& top, pipeline::RigConfig& config) {
 pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, References references, Problems& problems) {
   pipeline::RigConfig config;
   TomlReader top(&table, "", name, problems);
-  config.kind = top.choice("kind", {"floor"});
+  config.kind = top.choice("kind", {"floor", "chair"});
   auto [model, channels] = read_rig_model(top, problems, references);
   config.model = std::move(model);
   config.sensor_channels = std::move(channels);
+  read_transient_sensors(top, config);
   read_acquisition(top.table("acquire"), config);
   read_trigger(top, config, problems);
   TomlReader sync = top.table("session");
   config.sync_pulse_ms = sync.number("sync_pulse_ms", 0.0, 0.0, 10'000.0);
   sync.finish();
   read_calibration(top, config, references, problems);
+  read_model(top, config, references, problems);
   read_stages(top, config);
   TomlReader publish = top.table("publish");
-  config.published = publish.texts("streams", {"raw", "filtered", "deflection", "cop", "aux"});
+  config.published =
+      publish.texts("streams", config.kind == "chair" ? std::vector<std::string>{"raw", "deflection", "transient", "aux"}
+                                                      : std::vector<std::string>{"raw", "filtered", "deflection", "cop", "aux"});
   publish.finish();
   read_recorded(top, config);
   top.finish();

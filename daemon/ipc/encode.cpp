@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "ipc/encode_reach.h"
+
 namespace dts::ipc {
 namespace {
 
@@ -26,6 +28,7 @@ dts::v1::TareState tare_state(pipeline::TareOutcome outcome) {
 static_assert(static_cast<int>(core::GapReason::Integrity) == dts::v1::GAP_REASON_INTEGRITY);
 static_assert(static_cast<int>(device::DeviceCheck::Outcome::Skipped) == dts::v1::CHECK_OUTCOME_SKIPPED);
 static_assert(static_cast<int>(core::ErrorCode::Internal) == dts::v1::ERROR_CODE_INTERNAL);
+static_assert(core::quality::kSubstituted == dts::v1::QUALITY_SUBSTITUTED);
 static_assert(core::quality::kUntared == dts::v1::QUALITY_UNTARED && core::quality::kNoContact == dts::v1::QUALITY_NO_CONTACT);
 
 dts::v1::RigStatus rig_status(const session::RigState& state) {
@@ -41,7 +44,7 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   out.set_dropped_blocks_total(state.pipeline.dropped_blocks_total);
   out.set_nominal_rate_hz(state.acquisition.rate.hz());
   out.set_measured_rate_hz(state.measured_rate_hz);
-  out.set_lost_triggers_total(state.pipeline.lost_triggers_total);
+  out.set_lost_events_total(state.pipeline.lost_events_total);
   out.set_pipeline_us_per_scan(state.pipeline.us_per_scan);
   out.set_restarts_total(state.acquisition.restarts_total);
   out.set_clock_drift_ppm(state.acquisition.clock_drift_ppm);
@@ -136,6 +139,9 @@ dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& no
   } else if (const auto* trial = std::get_if<session::TrialNotice>(&notice.body)) {
     topic_name = "trial";
     *event.mutable_trial() = trial_change(*trial);
+  } else if (const auto* result = std::get_if<session::TrialResultNotice>(&notice.body)) {
+    topic_name = "trial";
+    *event.mutable_trial_result() = trial_result(*result);
   }
   return event;
 }

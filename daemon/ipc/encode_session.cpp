@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ipc/encode_session.h"
 
+#include <algorithm>
+#include <limits>
+
+#include "record/event.h"
 #include "record/utf8_text.h"
 
 namespace dts::ipc {
@@ -122,6 +126,38 @@ void fill(dts::v1::SessionPart& out, const record::PartRow& part) {
   out.set_reason(clean_text(part.reason));
 }
 
+double number_of(const record::RecordedEvent& event, const std::string& key, double otherwise) {
+  const auto found = std::ranges::find(event.values, key, &std::pair<std::string, record::EventValue>::first);
+  if (found == event.values.end()) return otherwise;
+  if (const auto* number = std::get_if<double>(&found->second)) return *number;
+  const auto* whole = std::get_if<std::int64_t>(&found->second);
+  return whole != nullptr ? static_cast<double>(*whole) : otherwise;
+}
+
+/// From -1 to 3; anything else is -1: it comes from a file.
+int class_of(const record::RecordedEvent& event, const std::string& key) {
+  const double number = number_of(event, key, -1.0);
+  return number >= -1.0 && number <= 3.0 ? static_cast<int>(number) : -1;
+}
+
+void fill(dts::v1::TrialResult& out, const record::TrialRow& trial) {
+  const auto event = record::event_of_json(trial.result);
+  if (!event) return;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  out.set_trial(trial.trial);
+  out.set_attempt(trial.attempt);
+  out.set_condition(clean_text(trial.condition));
+  out.set_target_cm(number_of(*event, "target_cm", 0.0));
+  out.set_expected_class(class_of(*event, "expected_class"));
+  if (record::text_of(*event, "class").empty()) return;
+  auto& movement = *out.mutable_movement();
+  movement.set_trunk_class(class_of(*event, "class"));
+  movement.set_trunk_deg(number_of(*event, "trunk_deg", kUnknown));
+  movement.set_trunk_lo_deg(number_of(*event, "trunk_lo_deg", kUnknown));
+  movement.set_trunk_hi_deg(number_of(*event, "trunk_hi_deg", kUnknown));
+  movement.set_reasons(static_cast<std::uint32_t>(std::clamp(number_of(*event, "reasons", 0.0), 0.0, 65535.0)));
+}
+
 void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_part(trial.part);
   out.set_trial(trial.trial);
@@ -132,6 +168,7 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_segment(trial.segment);
   out.set_first_scan(trial.first_scan);
   out.set_last_scan(trial.last_scan);
+  if (!trial.result.empty()) fill(*out.mutable_result(), trial);
 }
 
 }  // namespace
@@ -149,6 +186,15 @@ dts::v1::SessionRecord session_record(const record::SessionRow& row) {
   out.set_ended_utc_ns(row.ended_utc_ns);
   for (const record::PartRow& part : row.parts) fill(*out.add_parts(), part);
   for (const record::TrialRow& trial : row.trials) fill(*out.add_trials(), trial);
+  return out;
+}
+
+dts::v1::SessionResult session_result(const record::ResultRow& row) {
+  dts::v1::SessionResult out;
+  out.set_name(clean_text(row.name));
+  out.set_value(row.value);
+  out.set_unit(clean_text(row.unit));
+  out.set_details(clean_text(row.details));
   return out;
 }
 

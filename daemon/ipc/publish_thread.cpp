@@ -5,6 +5,8 @@
 #include <future>
 #include <utility>
 
+#include "ipc/encode_reach.h"
+
 namespace dts::ipc {
 namespace {
 
@@ -21,8 +23,13 @@ PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell&
     : socket_(std::move(socket)), bell_(bell), clock_(clock), instance_id_(instance_id) {
   for (session::Rig* rig : rigs) {
     const pipeline::RigConfig& config = rig->config();
-    Source source{
-        .rig = rig, .gap_topic = config.name + "/gap", .trigger_topic = config.name + "/trigger", .trigger_channel = {}, .streams = {}};
+    Source source{.rig = rig,
+                  .gap_topic = config.name + "/gap",
+                  .trigger_topic = config.name + "/trigger",
+                  .reach_topic = config.name + "/reach",
+                  .class_topic = config.name + "/class",
+                  .trigger_channel = {},
+                  .streams = {}};
     if (config.trigger) source.trigger_channel = rig->device().channels.at(config.trigger->channel).name;
     for (std::size_t index = 0; index < rig->formats().size(); ++index) {
       const core::StreamFormat& format = rig->formats()[index];
@@ -80,17 +87,35 @@ void PublishThread::publish(Source& source) {
     core::Frame* frame = frames.front();
     if (frame == nullptr) return;
     if (frame->gap_before.reason != core::GapReason::None) socket_->send(source.gap_topic, gap_event(instance_id_, *frame));
-    for (const core::TriggerEvent& trigger : std::span(frame->triggers.events).first(frame->triggers.count)) {
+    for (const core::TriggerEvent& trigger : frame->events.triggers.all_of()) {
       socket_->send(source.trigger_topic, trigger_event(instance_id_, trigger, source.trigger_channel));
     }
-    for (auto& [index, encoder] : source.streams) {
-      const core::Block& block = frame->streams[index];
-      if (block.count() == 0) continue;
-      socket_->send(encoder.topic(), encoder.encode(block, frame->lost_scans_total, source.rig->dropped_blocks()));
-    }
+    send_streams(source, *frame);
+    send_reaches(source, frame->events);
     frames.release();
   }
   bell_.ring();  // more is waiting: come back after the others had their turn
+}
+
+void PublishThread::send_streams(Source& source, const core::Frame& frame) {
+  for (auto& [index, encoder] : source.streams) {
+    const core::Block& block = frame.streams[index];
+    if (block.count() == 0) continue;
+    socket_->send(encoder.topic(), encoder.encode(block, frame.lost_scans_total, source.rig->dropped_blocks()));
+  }
+}
+
+/// After the scans in which they were found; every class right after its reach.
+void PublishThread::send_reaches(const Source& source, const core::FrameEvents& events) {
+  const auto classes = events.classes.all_of();
+  auto next = classes.begin();
+  for (const core::ReachEvent& reach : events.reaches.all_of()) {
+    while (next != classes.end() && next->scan < reach.scan) socket_->send(source.class_topic, class_event(instance_id_, *next++));
+    socket_->send(source.reach_topic, reach_event(instance_id_, reach));
+    const bool is_next = next != classes.end() && next->number == reach.number && next->scan == reach.scan;
+    if (is_next && reach.step == core::ReachStep::Final) socket_->send(source.class_topic, class_event(instance_id_, *next++));
+  }
+  while (next != classes.end()) socket_->send(source.class_topic, class_event(instance_id_, *next++));
 }
 
 void PublishThread::send_outbox() {

@@ -51,11 +51,15 @@ class PublishThread {
     session::Rig* rig;
     std::string gap_topic;
     std::string trigger_topic;
+    std::string reach_topic;
+    std::string class_topic;
     std::string trigger_channel;                                 ///< Its name.
     std::vector<std::pair<std::size_t, StreamEncoder>> streams;  ///< Index in the frame, encoder; published streams only.
   };
   void run(const std::stop_token& stop);
   void publish(Source& source);
+  void send_streams(Source& source, const core::Frame& frame);
+  void send_reaches(const Source& source, const core::FrameEvents& events);
   void send_outbox();
   void send_retained();
 

@@ -130,8 +130,11 @@ dts::v1::Response SessionCommands::show(const dts::v1::ShowSessionRequest& reque
   if (recordings == nullptr) return nothing_is_recorded();
   const auto row = recordings->catalogue().session(request.session_id());
   if (!row) return error_response(row.error());
+  const auto results = recordings->catalogue().results(request.session_id());
+  if (!results) return error_response(results.error());
   dts::v1::Response response;
   *response.mutable_session_record() = session_record(recordings->corrected(*row));
+  for (const record::ResultRow& result : *results) *response.mutable_session_record()->add_results() = session_result(result);
   return response;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +26,12 @@ struct RigModel {
   Plate plate;
   Support support;
   std::vector<SensorModel> sensors;
+  /// Chair: which sensors make the transient, the rear ones (smaller y) first; pairs lie symmetrically to the middle (thesis 5.3.2).
+  struct TransientSensors {
+    std::array<std::size_t, 2> rear{};  ///< Indices into `sensors`: left, right.
+    std::array<std::size_t, 2> front{};
+  };
+  std::optional<TransientSensors> transient_sensors{};
 };
 
 }  // namespace dts::physics

@@ -67,6 +67,7 @@ core::Result<std::unique_ptr<Pipeline>> Pipeline::create(std::span<const StageCo
     format = std::move(*output);
   }
   if (!input.aux_channels.empty()) {
+    pipeline->has_aux_ = true;
     pipeline->formats_.push_back({.name = std::string(kAuxStream), .rate = input.rate, .channels = input.aux_formats});
   }
   pipeline->sequences_.resize(pipeline->formats_.size());
@@ -95,19 +96,22 @@ core::Result<core::StreamFormat> Pipeline::append(const StageConfig& config, con
   auto stage = create_stage(config, context);
   if (!stage) return tl::make_unexpected(stage.error());
   const std::string_view stream = (*stage)->describe().output_stream;
+  const bool has_stream = !stream.empty();
   if (formats_.empty() && stream != kFirstStream) {
     return refuse("the first stage is '" + config.id + "', which makes stream '" + std::string(stream) +
                   "'; it must make 'raw', as 'guard' does");
   }
-  if (stream == kAuxStream || std::ranges::find(formats_, stream, &core::StreamFormat::name) != formats_.end()) {
+  if (has_stream && (stream == kAuxStream || std::ranges::find(formats_, stream, &core::StreamFormat::name) != formats_.end())) {
     return refuse("stage '" + config.id + "' makes stream '" + std::string(stream) + "', which exists already");
   }
   auto output = (*stage)->prepare(input, max_block_scans_);
   if (!output) return tl::make_unexpected(output.error());
-  output->name = stream;
-  formats_.push_back(*output);
-  stages_.push_back(std::move(*stage));
+  stages_.push_back({.stage = std::move(*stage), .stream = std::nullopt});
   stage_texts_.push_back(stage_text(config));
+  if (!has_stream) return input;
+  output->name = stream;
+  stages_.back().stream = formats_.size();
+  formats_.push_back(*output);
   return output;
 }
 
@@ -129,10 +133,9 @@ void Pipeline::process(const core::Acquired& acquired, core::Frame& frame) noexc
   frame.host_time_ns = block.host_time_ns;
   frame.lost_scans_total = acquired.lost_scans_total;
   if (acquired.gap_before.reason != core::GapReason::None) reset_stages();
-  frame.triggers.count = 0;
-  frame.triggers.lost = 0;
+  frame.events.clear();
   take(block);
-  if (trigger_) trigger_->process(device_, trigger_column_, frame.triggers);
+  if (trigger_) trigger_->process(device_, trigger_column_, frame.events.triggers);
   run_stages(frame);
 }
 
@@ -152,12 +155,12 @@ void Pipeline::take(const core::Block& block) noexcept {
 
 void Pipeline::reset_stages() noexcept {
   if (trigger_) trigger_->reset();
-  for (const auto& stage : stages_) stage->reset();
+  for (const auto& [stage, stream] : stages_) stage->reset();
 }
 
 std::size_t Pipeline::state_size() const noexcept {
   std::size_t numbers = trigger_ ? EdgeDetector::kStateSize : 0;
-  for (const auto& stage : stages_) numbers += stage->state_size();
+  for (const auto& [stage, stream] : stages_) numbers += stage->state_size();
   return numbers;
 }
 
@@ -167,7 +170,7 @@ void Pipeline::save(std::span<double> state) const noexcept {
     trigger_->save(state.first(EdgeDetector::kStateSize));
     state = state.subspan(EdgeDetector::kStateSize);
   }
-  for (const auto& stage : stages_) {
+  for (const auto& [stage, stream] : stages_) {
     stage->save(state.first(stage->state_size()));
     state = state.subspan(stage->state_size());
   }
@@ -193,26 +196,29 @@ std::string Pipeline::take_up(std::span<const double> state) {
     if (!trigger_->restore(state.first(EdgeDetector::kStateSize))) refusing = "the trigger";
     state = state.subspan(EdgeDetector::kStateSize);
   }
-  for (const auto& stage : stages_) {
+  for (const auto& [stage, stream] : stages_) {
     const auto part = state.first(stage->state_size());
     state = state.subspan(part.size());
     if (!stage->restore(part)) refusing = "stage " + std::string(stage->describe().id);
   }
   if (refusing.empty()) return refusing;
   if (trigger_) trigger_->reset();
-  for (const auto& stage : stages_) (void)stage->restore({});
+  for (const auto& [stage, stream] : stages_) (void)stage->restore({});
   return refusing;
 }
 
 void Pipeline::run_stages(core::Frame& frame) noexcept {
   const core::Block* in = &device_;
-  for (std::size_t s = 0; s < stages_.size(); ++s) {
-    core::Block& out = frame.streams[s];
+  for (const auto& [stage, stream] : stages_) {
+    core::Block& out = stream ? frame.streams[*stream] : no_stream_;
     out.copy_position(*in);
-    if (in->count() > 0) stages_[s]->process(*in, out);
-    in = &out;
+    if (in->count() > 0) {
+      stage->process(*in, out);
+      stage->tell(frame.events);
+    }
+    if (stream) in = &out;
   }
-  if (formats_.size() > stages_.size()) fill_aux(frame.streams.back());
+  if (has_aux_) fill_aux(frame.streams.back());
   for (std::size_t s = 0; s < formats_.size(); ++s) {
     frame.streams[s].sequence = sequences_[s];
     if (frame.streams[s].count() > 0) ++sequences_[s];

@@ -37,7 +37,7 @@ class Pipeline {
   [[nodiscard]] static core::Result<std::unique_ptr<Pipeline>> create(std::span<const StageConfig> stages, const PipelineInput& input,
                                                                       const StageContext& context);
 
-  /// Formats of the streams, in the order of `Frame::streams`: one per stage, then "aux" when there are such channels.
+  /// Formats of the streams, in the order of `Frame::streams`: one per stage that makes one, then "aux" when there are such channels.
   [[nodiscard]] std::span<const core::StreamFormat> formats() const noexcept { return formats_; }
   /// A frame with memory for blocks of the largest size; make as many as the rings have slots.
   [[nodiscard]] core::Frame make_frame() const;
@@ -76,9 +76,15 @@ class Pipeline {
   std::size_t max_block_scans_ = 0;
   std::vector<std::size_t> channels_;  ///< Device channels of the columns of `device_`.
   std::size_t sensor_count_ = 0;
-  std::vector<std::unique_ptr<Stage>> stages_;
+  struct Link {
+    std::unique_ptr<Stage> stage;
+    std::optional<std::size_t> stream;  ///< Which of the frame it makes; none: it only watches.
+  };
+  std::vector<Link> stages_;
   std::vector<std::string> stage_texts_;
   std::vector<core::StreamFormat> formats_;
+  bool has_aux_ = false;
+  core::Block no_stream_;                 ///< What a stage that only watches is given for output.
   std::vector<std::uint64_t> sequences_;  ///< Blocks made so far, per stream.
   std::optional<EdgeDetector> trigger_;
   std::size_t trigger_column_ = 0;  ///< In `device_`.

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "classifier/trunk_model.h"
 #include "core/rate.h"
 #include "core/thread.h"
 #include "physics/cop/cop_calibration.h"
@@ -17,11 +18,14 @@ namespace dts::pipeline {
 /// One rig as configured: checked values only.
 struct RigConfig {
   std::string name;        ///< [a-z0-9_-], unique; first part of every topic.
-  std::string kind;        ///< "floor"
+  std::string kind;        ///< "floor", "chair"
   std::string device_uri;  ///< "sim:floor?seed=7"
   physics::RigModel model;
   /// The rig's own calibration of the centre of pressure; absent: its plate model stands in for it.
   std::optional<physics::CopCalibration> cop_calibration;
+  /// What tells trunk movement from a reach; absent: the rig classifies nothing.
+  std::optional<classifier::TrunkModel> trunk_model;
+  std::string trunk_model_text{};            ///< The same as text: its hash names the model in recordings.
   std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the model.
   core::Rate rate;                           ///< Wanted; a rig holds the exact rate that its device answers with.
   std::size_t block_scans = 1;               ///< Scans per block from device to socket: the publishing granularity.

@@ -9,7 +9,9 @@
 #include <variant>
 #include <vector>
 
+#include "classifier/trunk_model.h"
 #include "core/block.h"
+#include "core/frame.h"
 #include "core/result.h"
 #include "physics/cop/cop_calibration.h"
 #include "physics/rig_model.h"
@@ -33,7 +35,7 @@ struct OptionDescription {
 struct StageDescription {
   std::string_view id;  ///< [a-z0-9_]
   std::string_view sentence;
-  std::string_view output_stream;  ///< Name of the stream it makes: "filtered".
+  std::string_view output_stream;  ///< Name of the stream it makes: "filtered". Empty: it only watches, the next stage gets the same input.
   std::vector<OptionDescription> options;
 };
 
@@ -50,6 +52,8 @@ struct StageContext {
   Tare& tare;
   /// The rig's own calibration of the centre of pressure; nullptr: the rig's plate model stands in for it.
   const physics::CopCalibration* cop_calibration = nullptr;
+  /// What tells trunk movement from a reach; nullptr: the rig has none.
+  const classifier::TrunkModel* trunk_model = nullptr;
 };
 
 /// Option values by name, complete and in range: `create_stage` checks them against the description and fills in the
@@ -81,7 +85,11 @@ class Stage {
   /// Fills `out` from `in`. `out` arrives with the position and count of `in` and capacity for as many scans; a stage that gives fewer
   /// scans sets count, first scan and host time itself. Values may be NaN only where a quality bit says why. Thread: pipeline.
   /// Realtime-safe: yes.
+  /// A stage that makes no stream gets an `out` without channels.
   virtual void process(const core::Block& in, core::Block& out) noexcept = 0;
+  /// Adds what the last `process` noticed to `events`, where the stages before it have put theirs: told in the order of scans, the same
+  /// whatever the block size. Called once after each `process`. Thread: pipeline. Realtime-safe: yes.
+  virtual void tell(core::FrameEvents& events) noexcept { static_cast<void>(events); }
   /// Forgets the signal's history: called between segments. What a command has set (a tare) stays.
   /// Thread: pipeline. Realtime-safe: yes.
   virtual void reset() noexcept = 0;

@@ -8,9 +8,12 @@
 #include <sstream>
 
 #include "core/suggest.h"
+#include "pipeline/stages/classify.h"
 #include "pipeline/stages/cop.h"
 #include "pipeline/stages/guard.h"
 #include "pipeline/stages/linearise.h"
+#include "pipeline/stages/reach.h"
+#include "pipeline/stages/transient.h"
 #include "pipeline/stages/window_filter.h"
 
 namespace dts::pipeline {
@@ -29,6 +32,9 @@ constexpr std::array kStages = {
     entry<WindowFilter>(),
     entry<Linearise>(),
     entry<Cop>(),
+    entry<Transient>(),
+    entry<Reach>(),
+    entry<Classify>(),
 };
 
 const StageEntry* find_stage(std::string_view id) {

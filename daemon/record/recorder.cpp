@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstdlib>
 
+#include "record/reach_record.h"
 #include "record/xdf/recovery.h"
 
 namespace dts::record {
@@ -103,7 +104,7 @@ core::Status Recorder::take(const core::Frame& frame) {
   offset_ns_ = raw.host_time_ns - (origins_ns_[segment_] + rate_.time_ns(raw.first_scan));
   if (std::abs(offset_ns_) <= kRoundingNs) offset_ns_ = 0;
   take_quality(frame);
-  take_triggers(frame.triggers);
+  take_events(frame.events);
   next_raw_ = raw.first_scan + raw.count();
   for (Column& column : columns_) {
     if (auto taken = take_block(column, frame.streams[column.recorded.frame_index], raw); !taken) return taken;
@@ -191,12 +192,18 @@ void Recorder::take_quality(const core::Frame& frame) {
   }
 }
 
-void Recorder::take_triggers(const core::TriggerEvents& triggers) {
-  for (const core::TriggerEvent& trigger : std::span(triggers.events).first(triggers.count)) {
+void Recorder::take_events(const core::FrameEvents& events) {
+  for (const core::TriggerEvent& trigger : events.triggers.all_of()) {
     RecordedEvent event{.event = "trigger", .segment = trigger.segment, .scan = trigger.scan};
     event.values.emplace_back("edge", std::string(trigger.is_rising ? "rising" : "falling"));
-    if (const auto at_s = time_s(trigger.segment, trigger.scan)) events_.emplace_back(*at_s, to_json(event));
+    keep(event);
   }
+  for (const core::ReachEvent& reach : events.reaches.all_of()) keep(to_record(reach));
+  for (const core::ClassEvent& movement : events.classes.all_of()) keep(to_record(movement));
+}
+
+void Recorder::keep(const RecordedEvent& event) {
+  if (const auto at_s = time_s(event.segment, event.scan)) events_.emplace_back(*at_s, to_json(event));
 }
 
 core::Status Recorder::take(const RecordedEvent& event) {

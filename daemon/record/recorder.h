@@ -76,7 +76,8 @@ class Recorder {
   void note_jump(const core::Block& raw);
   core::Status take_block(Column& column, const core::Block& block, const core::Block& raw);
   void take_quality(const core::Frame& frame);
-  void take_triggers(const core::TriggerEvents& triggers);
+  void take_events(const core::FrameEvents& events);
+  void keep(const RecordedEvent& event);
   core::Status write_pending(Column& column);
   core::Status write_events();
   core::Status write_quality();

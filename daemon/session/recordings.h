@@ -52,6 +52,9 @@ class Recordings {
   void enter_trial(const record::TrialRow& trial) {
     enter_or_owe([this, trial] { return catalogue_->put_trial(trial); });
   }
+  void enter_result(const record::ResultRow& result) {
+    enter_or_owe([this, result] { return catalogue_->put_result(result); });
+  }
   void enter_audit(record::AuditEntry entry) { complain(catalogue_->append_audit(std::move(entry))); }
   void end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
   /// What the catalogue says of a session, and what it could not be told yet.

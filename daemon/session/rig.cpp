@@ -10,10 +10,11 @@
 namespace dts::session {
 namespace {
 
-constexpr double kScansRingMs = 2000.0;   // how long the pipeline may stall before scans are lost
-constexpr double kFramesRingMs = 1000.0;  // how long the publisher may
-constexpr double kRecordRingMs = 8000.0;  // how long the disk may
-constexpr int kBellPatienceMs = 100;      // how soon a stop is seen on a silent rig
+constexpr double kScansRingMs = 2000.0;    // how long the pipeline may stall before scans are lost
+constexpr double kFramesRingMs = 1000.0;   // how long the publisher may
+constexpr std::size_t kReachFrames = 256;  // a person reaches once in some seconds, and control looks 20 times in one
+constexpr double kRecordRingMs = 8000.0;   // how long the disk may
+constexpr int kBellPatienceMs = 100;       // how soon a stop is seen on a silent rig
 
 std::size_t blocks_in(const pipeline::RigConfig& config, double ms) {
   return std::max<std::size_t>(8, static_cast<std::size_t>(config.rate.scans_in_ms(ms)) / config.block_scans);
@@ -106,6 +107,7 @@ Rig::Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, 
       scans_(blocks_in(*config_, kScansRingMs),
              core::Acquired{.block = core::Block(device_->describe().channels.size(), config_->block_scans)}),
       frames_(blocks_in(*config_, kFramesRingMs), pipeline_->make_frame()),
+      reaches_(kReachFrames),
       tap_(blocks_in(*config_, kRecordRingMs), *pipeline_),
       spare_frame_(pipeline_->make_frame()),
       acquisition_(*device_, clock, scans_, scans_bell_, config_->rate, config_->block_scans),
@@ -166,32 +168,27 @@ void Rig::process(const core::Acquired& acquired) noexcept {
   tap_.follow();
   pipeline_->process(acquired, frame);
   tap_.offer(frame);
+  offer_reaches(frame.events);
   add_unpublished(frame);
   if (slot != nullptr) {
     unpublished_gap_ = {};
-    pipeline_state_.lost_triggers_total += frame.triggers.lost;
-    unpublished_triggers_.count = 0;
-    unpublished_triggers_.lost = 0;
+    pipeline_state_.lost_events_total += frame.events.lost();
+    unpublished_events_.clear();
     frames_.commit();
     publish_bell_.ring();
   } else {
     unpublished_gap_ = frame.gap_before;
-    unpublished_triggers_ = frame.triggers;
+    unpublished_events_ = frame.events;
     frames_.drop();
   }
   if (acquired.gap_before.reason != core::GapReason::None) statistics_.reset();
   statistics_.add(acquired.block);
-  note_time(clock_.now_ns() - started_ns, acquired.block.count());
+  note_progress(acquired.block, clock_.now_ns() - started_ns);
 }
 
 /// What dropped frames said besides their samples must not be lost.
 void Rig::add_unpublished(core::Frame& frame) noexcept {
-  if (unpublished_triggers_.count > 0) {
-    core::TriggerEvents all = unpublished_triggers_;
-    all.lost += frame.triggers.lost;
-    for (std::size_t i = 0; i < frame.triggers.count; ++i) all.push(frame.triggers.events[i]);
-    frame.triggers = all;
-  }
+  if (!unpublished_events_.empty()) frame.events.prepend(unpublished_events_);
   if (unpublished_gap_.reason == core::GapReason::None) return;
   if (frame.gap_before.reason == core::GapReason::None) {
     frame.gap_before = unpublished_gap_;
@@ -201,12 +198,20 @@ void Rig::add_unpublished(core::Frame& frame) noexcept {
   }
 }
 
-void Rig::note_time(std::int64_t spent_ns, std::size_t scans) noexcept {
-  if (scans == 0) return;
+void Rig::offer_reaches(const core::FrameEvents& events) noexcept {
+  if (events.reaches.count + events.classes.count == 0) return;
+  if (!reaches_.push(events)) pipeline_state_.lost_events_total += events.reaches.count + events.classes.count;
+}
+
+/// After everything that the block brought stands in the rings: who reads this first misses nothing before it.
+void Rig::note_progress(const core::Block& block, std::int64_t spent_ns) noexcept {
+  if (block.count() == 0) return;
   constexpr double kWeight = 0.02;  // about the last 50 blocks
-  const double us_per_scan = static_cast<double>(spent_ns) * 1e-3 / static_cast<double>(scans);
+  const double us_per_scan = static_cast<double>(spent_ns) * 1e-3 / static_cast<double>(block.count());
   pipeline_state_.us_per_scan += kWeight * (us_per_scan - pipeline_state_.us_per_scan);
   pipeline_state_.dropped_blocks_total = frames_.dropped();
+  pipeline_state_.segment = block.segment;
+  pipeline_state_.next_scan = block.first_scan + block.count();
   pipeline_report_.store(pipeline_state_);
 }
 

@@ -24,8 +24,10 @@ namespace dts::session {
 /// What the pipeline thread tells about itself.
 struct PipelineReport {
   std::uint64_t dropped_blocks_total = 0;  ///< Frames that found the publisher's ring full.
-  std::uint64_t lost_triggers_total = 0;   ///< Trigger events that no frame had room for.
+  std::uint64_t lost_events_total = 0;     ///< Triggers, reaches and classes that no frame had room for.
   double us_per_scan = 0.0;                ///< Time spent in the stages, moving mean.
+  std::uint32_t segment = 0;               ///< Of what was processed last: everything up to there is in the rings.
+  core::ScanIndex next_scan;
 };
 
 /// One rig at work: a device, its two sample threads and the rings between them.
@@ -68,6 +70,10 @@ class Rig {
 
   /// Finished frames, oldest first. Thread: publish (the consumer).
   [[nodiscard]] core::SpscRing<core::Frame>& frames() noexcept { return frames_; }
+  /// What was noticed in frames with reaches, oldest first: for the results of a session. Thread: control (the consumer).
+  [[nodiscard]] core::SpscRing<core::FrameEvents>& reaches() noexcept { return reaches_; }
+  /// Thread: control.
+  void hear(const device::Cue& cue) noexcept { device_->hear(cue); }
   /// Where recordings branch off.
   [[nodiscard]] RecordTap& tap() noexcept { return tap_; }
   /// "window_filter window_scans=3 shift_scans=1", in order.
@@ -85,7 +91,8 @@ class Rig {
   void process(const core::Acquired& acquired) noexcept;
   void wait_for_recorder(const std::stop_token& stop) noexcept;
   void add_unpublished(core::Frame& frame) noexcept;
-  void note_time(std::int64_t spent_ns, std::size_t scans) noexcept;
+  void offer_reaches(const core::FrameEvents& events) noexcept;
+  void note_progress(const core::Block& block, std::int64_t spent_ns) noexcept;
 
   std::unique_ptr<const pipeline::RigConfig> config_;  ///< On the heap: device and stages keep references into its model.
   core::Clock& clock_;
@@ -95,10 +102,11 @@ class Rig {
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   core::SpscRing<core::Acquired> scans_;
   core::SpscRing<core::Frame> frames_;
+  core::SpscRing<core::FrameEvents> reaches_;
   RecordTap tap_;
-  core::Frame spare_frame_;                   ///< Processed into when the publisher's ring is full: the stages must see every scan.
-  core::Gap unpublished_gap_;                 ///< These two were in frames that found no room ...
-  core::TriggerEvents unpublished_triggers_;  ///< ... and go with the next.
+  core::Frame spare_frame_;               ///< Processed into when the publisher's ring is full: the stages must see every scan.
+  core::Gap unpublished_gap_;             ///< These two were in frames that found no room ...
+  core::FrameEvents unpublished_events_;  ///< ... and go with the next.
   core::Doorbell scans_bell_;
   Acquisition acquisition_;
   StatisticsCollector statistics_;

@@ -111,7 +111,8 @@ core::Result<RigPipeline> make_rig_pipeline(const pipeline::RigConfig& config, c
                                              {.rig = config.model,
                                               .input_ranges = input_ranges(config, device),
                                               .tare = *tare,
-                                              .cop_calibration = config.cop_calibration ? &*config.cop_calibration : nullptr});
+                                              .cop_calibration = config.cop_calibration ? &*config.cop_calibration : nullptr,
+                                              .trunk_model = config.trunk_model ? &*config.trunk_model : nullptr});
   if (!pipeline) return tl::make_unexpected(pipeline.error());
   return RigPipeline{.tare = std::move(tare), .pipeline = std::move(*pipeline)};
 }

@@ -6,6 +6,7 @@
 #include <ranges>
 
 #include "record/recording.h"
+#include "record/sha256.h"
 
 namespace dts::session {
 namespace {
@@ -60,6 +61,23 @@ record::RecordedEvent recorded(const TrialEvent& event) {
   return out;
 }
 
+record::RecordedEvent recorded(const ReachTrialResult& result) {
+  record::RecordedEvent out{.event = "result"};
+  out.values.emplace_back("trial", std::int64_t{result.trial});
+  out.values.emplace_back("attempt", std::int64_t{result.attempt});
+  out.values.emplace_back("condition", result.condition);
+  if (result.target_cm) out.values.emplace_back("target_cm", *result.target_cm);
+  if (result.expected) out.values.emplace_back("expected_class", std::int64_t{static_cast<std::int8_t>(*result.expected)});
+  if (result.reach) out.values.emplace_back("number", std::int64_t{result.reach->number});
+  if (!result.movement) return out;
+  out.values.emplace_back("class", std::int64_t{static_cast<std::int8_t>(result.movement->trunk_class)});
+  out.values.emplace_back("trunk_deg", result.movement->trunk_deg);
+  out.values.emplace_back("trunk_lo_deg", result.movement->trunk_lo_deg);
+  out.values.emplace_back("trunk_hi_deg", result.movement->trunk_hi_deg);
+  out.values.emplace_back("reasons", std::int64_t{result.movement->reasons});
+  return out;
+}
+
 }  // namespace
 
 core::Result<const Protocol*> RigSession::find_protocol(const std::string& wanted) const {
@@ -95,6 +113,7 @@ record::SessionFacts RigSession::facts(const std::string& id, const SessionReque
   facts.rig_definition = config.definition;
   facts.protocol_definition = protocol.definition;
   facts.plan_seed = seed_of(id);
+  if (!config.trunk_model_text.empty()) facts.model_sha256 = record::sha256_of(config.trunk_model_text);
   return facts;
 }
 
@@ -143,7 +162,13 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
   end_reason_.clear();
   trial_rows_.clear();
   trials_.reset();
-  if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
+  results_.reset();
+  if (protocol.trials) {
+    trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
+    const auto& model = rig_.config().trunk_model;
+    results_.emplace(person_of(facts.fields), model ? &*model : nullptr);
+    while (rig_.reaches().front() != nullptr) rig_.reaches().release();  // from before the session
+  }
   auto started = session_.start(facts.session_id, request, moment.now_ns);
   collect(moment.at);
   return started;
@@ -161,6 +186,7 @@ core::Status RigSession::stop(bool is_abort, const std::string& reason, const Mo
 void RigSession::end_recording(const Moment& moment) {
   if (trials_) trials_->abort(moment.now_ns);
   collect(moment.at);
+  conclude(moment.at);
   if (is_aborted_) {  // the recording says so itself: the catalogue may have to be made from it again
     note({.event = "session", .values = {{"state", std::string("aborted")}, {"message", end_reason_}}}, moment.at);
   }
@@ -199,6 +225,7 @@ void RigSession::tick(const Moment& moment, std::uint64_t scans_total) {
   const SessionState state = session_.view(moment.now_ns).state;
   if (trials_ && state == SessionState::Running) trials_->tick(moment.now_ns);
   collect(moment.at);
+  follow_reaches(moment.at);
   if (!was_stopping && state == SessionState::Stopping) end_recording(moment);
 }
 
@@ -207,6 +234,8 @@ void RigSession::recording_finished(const FinishedRecording& finished, const Mom
   if (session_.is_under_way() && session_.view(moment.now_ns).state != SessionState::Stopping) {
     session_.fail(moment.now_ns, "the recording stopped: " + finished.incomplete);  // what is not recorded is no session
     if (trials_) trials_->abort(moment.now_ns);
+    collect(moment.at);
+    conclude(moment.at);
     services_.recordings->end(rig_);
   }
   session_.closed(moment.now_ns);
@@ -235,8 +264,62 @@ void RigSession::collect(const DataPosition& at) {
     const DataPosition due = position_at(event.at_ns, at);
     note(recorded(event), due);
     enter_trial(event, due);
+    if (results_) results_->take(event, due.segment, due.scan);
+    give_cue(event);
     trial_changes_.push_back({.event = std::move(event), .at = due});
   }
+}
+
+void RigSession::give_cue(const TrialEvent& event) {
+  if (event.kind != TrialEventKind::Ready && event.kind != TrialEventKind::Go) return;
+  rig_.hear({.is_go = event.kind == TrialEventKind::Go, .at_ns = event.at_ns, .target_cm = event.target_cm.value_or(0.0)});
+}
+
+/// Takes what the pipeline noticed since the last time. The position is read first: everything before it is in the ring by then.
+void RigSession::follow_reaches(const DataPosition& at) {
+  const PipelineReport processed = rig_.pipeline_report();
+  while (const core::FrameEvents* events = rig_.reaches().front()) {
+    if (results_) {
+      for (const core::ReachEvent& reach : events->reaches.all_of()) results_->take(reach);
+      for (const core::ClassEvent& movement : events->classes.all_of()) results_->take(movement);
+    }
+    rig_.reaches().release();
+  }
+  if (!results_) return;
+  results_->advance(processed.segment, processed.next_scan);
+  tell_outcomes(at);
+}
+
+void RigSession::tell_outcomes(const DataPosition& at) {
+  for (ReachTrialResult& result : results_->take_decided()) {
+    record::RecordedEvent event = recorded(result);
+    event.segment = at.segment;
+    event.scan = at.scan;
+    if (const auto row = trial_rows_.find({result.trial, result.attempt}); row != trial_rows_.end()) {
+      row->second.result = record::to_json(event);
+      put_trial(row->second);
+    }
+    note(std::move(event), at);
+    outcomes_.push_back({.result = std::move(result), .at = at});
+  }
+}
+
+/// The session's trials are over: what came of them as a whole.
+void RigSession::conclude(const DataPosition& at) {
+  if (!results_) return;
+  follow_reaches(at);
+  results_->finish();
+  tell_outcomes(at);
+  const std::string id = session_.view(0).id;
+  for (const ReachFigure& figure : results_->summary()) {
+    note(
+        {.event = "figure", .values = {{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}, {"details", figure.details}}},
+        at);
+    if (services_.recordings == nullptr) continue;
+    services_.recordings->enter_result(
+        {.session_id = id, .name = figure.name, .value = figure.value, .unit = figure.unit, .details = figure.details});
+  }
+  results_.reset();
 }
 
 /// Phases are as long as they are meant to be, however late they were noticed: their scans are counted from the newest by the exact rate.
@@ -273,7 +356,11 @@ void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
     row.last_scan = at.scan.value;
   }
   row.outcome = name(event.kind);
-  if (services_.recordings == nullptr) return;
+  put_trial(row);
+}
+
+void RigSession::put_trial(record::TrialRow& row) {
+  if (services_.recordings == nullptr || row.outcome.empty()) return;  // one under way is entered when it ends
   row.session_id = session_.view(0).id;
   row.part = services_.recordings->part(rig_.config().name);
   services_.recordings->enter_trial(row);

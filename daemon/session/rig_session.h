@@ -11,6 +11,7 @@
 #include "core/log.h"
 #include "record/catalogue/catalogue.h"
 #include "session/protocol.h"
+#include "session/reach_results.h"
 #include "session/recordings.h"
 #include "session/rig.h"
 #include "session/session.h"
@@ -38,6 +39,12 @@ struct SessionChange {
 };
 struct TrialChange {
   TrialEvent event;
+  DataPosition at;
+};
+
+/// A trial of the reaching task was decided.
+struct TrialOutcome {
+  ReachTrialResult result;
   DataPosition at;
 };
 
@@ -80,6 +87,7 @@ class RigSession {
   /// What happened since the last call, oldest first: it stands in the recording already.
   [[nodiscard]] std::vector<SessionChange> take_changes() { return std::exchange(changes_, {}); }
   [[nodiscard]] std::vector<TrialChange> take_trial_changes() { return std::exchange(trial_changes_, {}); }
+  [[nodiscard]] std::vector<TrialOutcome> take_outcomes() { return std::exchange(outcomes_, {}); }
 
  private:
   [[nodiscard]] core::Result<const Protocol*> find_protocol(const std::string& name) const;
@@ -92,6 +100,11 @@ class RigSession {
   [[nodiscard]] DataPosition position_at(std::int64_t host_ns, const DataPosition& newest) const;
   void enter_end(const FinishedRecording& finished, std::int64_t now_ns);
   void enter_trial(const TrialEvent& event, const DataPosition& at);
+  void put_trial(record::TrialRow& row);
+  void give_cue(const TrialEvent& event);
+  void follow_reaches(const DataPosition& at);
+  void tell_outcomes(const DataPosition& at);
+  void conclude(const DataPosition& at);
 
   Rig& rig_;
   SessionServices& services_;
@@ -103,6 +116,8 @@ class RigSession {
   std::string end_reason_;
   std::vector<SessionChange> changes_;
   std::vector<TrialChange> trial_changes_;
+  std::optional<ReachResults> results_;  ///< Of a session with trials on a rig that finds reaches.
+  std::vector<TrialOutcome> outcomes_;
 };
 
 }  // namespace dts::session

@@ -18,14 +18,6 @@ namespace {
 constexpr std::int64_t kRateWindowNs = 2'000'000'000;
 constexpr std::size_t kLongestMark = 200;
 constexpr std::chrono::seconds kCloseLimit{10};  // a disk that hangs longer is left to the recovery at the next start
-constexpr std::int64_t kSyncRetryNs = 1'000'000'000;
-
-/// The rig has opened this unit, or would open it if it could.
-bool uses(const Rig& rig, const device::FoundUnit& unit) {
-  const std::vector<std::string> nodes = rig.device_report().nodes;
-  if (!nodes.empty()) return std::ranges::find(nodes, unit.unit.node()) != nodes.end();
-  return device::is_meant_by(unit, rig.config().device_uri);
-}
 
 }  // namespace
 
@@ -256,67 +248,6 @@ core::Result<pipeline::TareReport> Supervisor::tare_report(const std::string& ri
   return (*entry)->rig->tare().latest();
 }
 
-core::Result<DeviceTest> Supervisor::test_device(const std::string& rig) {
-  auto entry = find(rig);
-  if (!entry) return tl::make_unexpected(entry.error());
-  const AcquisitionReport& acquisition = (*entry)->rig->acquisition();
-  DeviceTest test{.rig = (*entry)->rig.get(), .statistics = {}, .report = (*entry)->rig->device_report(), .problem = {}};
-  if (acquisition.device != device::DeviceState::Streaming || acquisition.is_armed) {
-    test.problem = acquisition.text();
-    if (!test.report.checks.empty()) return test;  // they say what failed
-    return core::fail(core::ErrorCode::DeviceGone, "rig '" + rig + "' is not streaming: " + test.problem);
-  }
-  test.statistics = (*entry)->rig->statistics();
-  if (test.statistics.scans > 0) return test;
-  return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has not streamed for a second yet", "try again");
-}
-
-std::vector<std::string> Supervisor::device_kinds() {
-  std::vector<std::string> kinds;
-  for (const device::RegistryEntry& entry : device::registry()) kinds.push_back(entry.scheme_and_name + "  " + entry.sentence);
-  return kinds;
-}
-
-/// Tells other instruments that a session starts: they record the line, or it is looped back into an input of the scan. At the
-/// first scan, so that the pulse is in the data.
-void Supervisor::begin_sync_pulse(Entry& entry, std::int64_t now_ns) {
-  const bool has_scans = entry.session.view(now_ns).state != SessionState::Starting;
-  if (!entry.has_pulse_due || !has_scans) return;
-  entry.has_pulse_due = false;
-  const pipeline::RigConfig& config = entry.rig->config();
-  if (!entry.session.is_under_way()) return;
-  if (auto risen = entry.rig->set_sync_output(true); !risen) {
-    const std::string message = "no sync pulse: " + core::to_string(risen.error());
-    log_.warning("rig '" + config.name + "': " + message);
-    notices_.push_back({.rig = config.name,
-                        .at = position(entry),
-                        .body = DeviceNotice{.state = entry.told_state, .uri = config.device_uri, .message = message}});
-    return;
-  }
-  entry.sync_low_at_ns = now_ns + static_cast<std::int64_t>(config.sync_pulse_ms * core::kNanosecondsPerMillisecond);
-}
-
-void Supervisor::end_sync_pulse(Entry& entry, std::int64_t now_ns) {
-  if (entry.sync_low_at_ns == 0 || now_ns < entry.sync_low_at_ns) return;
-  entry.sync_low_at_ns = 0;
-  const auto fallen = entry.rig->set_sync_output(false);
-  if (fallen) return;
-  log_.warning("rig '" + entry.rig->config().name + "': the sync pulse did not end: " + core::to_string(fallen.error()));
-  // A line that stays high has no edge at the next session. A device that is not there forgets its outputs.
-  const bool is_there = fallen.error().code != core::ErrorCode::DeviceGone && entry.told_state != device::DeviceState::Closed;
-  if (is_there) entry.sync_low_at_ns = now_ns + kSyncRetryNs;
-}
-
-core::Result<std::vector<device::FoundUnit>> Supervisor::unused_units() {
-  if (usb_ == nullptr) return std::vector<device::FoundUnit>{};
-  auto found = device::find_units(*usb_);
-  if (!found) return found;
-  std::erase_if(*found, [&](const device::FoundUnit& candidate) {
-    return std::ranges::any_of(entries_, [&](const auto& entry) { return uses(*entry.second.rig, candidate); });
-  });
-  return found;
-}
-
 void Supervisor::tick() {
   const std::int64_t now_ns = clock_.now_ns();
   finish_recordings();
@@ -359,6 +290,12 @@ void Supervisor::collect_session_changes(Entry& entry) {
     notices_.push_back({.rig = rig,
                         .at = change.at,
                         .body = TrialNotice{.session_id = entry.session.view(clock_.now_ns()).id, .event = std::move(change.event)}});
+  }
+  for (TrialOutcome& outcome : entry.session.take_outcomes()) {
+    notices_.push_back(
+        {.rig = rig,
+         .at = outcome.at,
+         .body = TrialResultNotice{.session_id = entry.session.view(clock_.now_ns()).id, .result = std::move(outcome.result)}});
   }
 }
 

@@ -37,11 +37,16 @@ struct TrialNotice {
   TrialEvent event;
 };
 
+struct TrialResultNotice {
+  std::string session_id;
+  ReachTrialResult result;
+};
+
 /// Something that the control thread has to tell the bus.
 struct Notice {
   std::string rig;
   DataPosition at;
-  std::variant<MarkerNotice, DeviceNotice, SessionView, TrialNotice> body;
+  std::variant<MarkerNotice, DeviceNotice, SessionView, TrialNotice, TrialResultNotice> body;
 };
 
 /// The state of one rig for status answers; references live as long as the supervisor and until its next call.

@@ -126,6 +126,8 @@ inline const std::array kDevices = {
     DeviceUnderTest{"sim_floor_16", "sim:floor?extra=12&clock_ppm=80&contact=point",
                     "sim:floor?extra=12&fault=unplug&fault_at_s=0&fault_for_s=0.001",
                     "sim:floor?extra=12&fault=silence&fault_at_s=0.2&fault_for_s=3"},
+    DeviceUnderTest{"sim_chair", "sim:chair?aux=emg&clock_ppm=-30&sit_down_s=0.1", "sim:chair?fault=unplug&fault_at_s=0.5&fault_for_s=1",
+                    "sim:chair?fault=overrun&fault_at_s=0.5&fault_for_s=0.7"},
     DeviceUnderTest{.name = "replay",
                     .uri = recordings().whole.c_str(),
                     .unplugging_uri = recordings().ending.c_str(),

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "unit/pipeline/floor_rig.h"
+#include "unit/pipeline/reaching_signal.h"
 #include "unit/pipeline/stage_runner.h"
 #include "unit/pipeline/standing_signal.h"
 
@@ -31,7 +32,7 @@ class PreparedStage {
   PreparedStage(const std::string& id, const Options& options) : stage_(surroundings_.make({.id = id, .options = options})) { prepare(); }
 
   void prepare() {
-    for (const auto maker : {&standing_volts, &standing_millimetres}) {
+    for (const auto maker : {&standing_volts, &standing_millimetres, &reaching_transient}) {
       const auto format = stage_->prepare(maker(0, 1, Faults::None).format, kLargestBlock);
       if (!format) continue;
       make_signal_ = maker;
@@ -43,11 +44,13 @@ class PreparedStage {
   [[nodiscard]] bool is_prepared() const { return make_signal_ != nullptr; }
   [[nodiscard]] Signal signal(std::size_t scans, std::uint64_t seed, Faults faults) const { return make_signal_(scans, seed, faults); }
   Output run(const Signal& signal, std::vector<std::size_t> block_sizes = {kLargestBlock}) {
-    return pipeline::run(*stage_, format_.channels.size(), signal, block_sizes);
+    return pipeline::run(*stage_, output_channels(), signal, block_sizes);
   }
   Stage& operator*() { return *stage_; }
   Stage* operator->() { return stage_.get(); }
   [[nodiscard]] const core::StreamFormat& format() const { return format_; }
+  /// None of a stage that only watches.
+  [[nodiscard]] std::size_t output_channels() const { return stage_->describe().output_stream.empty() ? 0 : format_.channels.size(); }
 
  private:
   StageSurroundings surroundings_;
@@ -57,6 +60,58 @@ class PreparedStage {
 };
 
 /// Bit by bit; all NaNs are one.
+inline bool is_same(double a, double b) {
+  return std::isnan(a) ? std::isnan(b) : std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
+
+/// All that a reach says, as numbers.
+inline std::vector<double> numbers_of(const core::ReachEvent& event) {
+  const core::ReachFeatures& of = event.features;
+  const auto whole = [](auto value) { return static_cast<double>(value); };
+  return {whole(event.step),
+          whole(event.number),
+          whole(event.segment),
+          whole(event.scan.value),
+          whole(event.host_time_ns),
+          whole(event.p1.scan.value),
+          event.p1.value_mm,
+          whole(event.p2.scan.value),
+          event.p2.value_mm,
+          whole(event.p3.scan.value),
+          event.p3.value_mm,
+          of.p1_mm,
+          of.p2_mm,
+          of.p3_mm,
+          of.hold_mm,
+          of.rise_s,
+          of.rest_ratio,
+          of.ratio_change,
+          of.twist,
+          of.smoothness,
+          whole(event.flags),
+          whole(event.resumed)};
+}
+
+inline std::vector<double> numbers_of(const core::ClassEvent& event) {
+  const core::TrunkMovement& of = event.movement;
+  const auto whole = [](auto value) { return static_cast<double>(value); };
+  return {whole(event.number),   whole(event.segment), whole(event.scan.value), whole(event.host_time_ns),
+          whole(of.trunk_class), of.probability[0],    of.probability[1],       of.probability[2],
+          of.trunk_deg,          of.trunk_lo_deg,      of.trunk_hi_deg,         whole(of.reasons)};
+}
+
+template <class Event>
+void expect_same_events(const std::vector<Event>& expected, const std::vector<Event>& actual, const std::string& what) {
+  ASSERT_EQ(expected.size(), actual.size()) << what;
+  for (std::size_t k = 0; k < expected.size(); ++k) {
+    const std::vector<double> a = numbers_of(expected[k]);
+    const std::vector<double> b = numbers_of(actual[k]);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      ASSERT_TRUE(is_same(a[i], b[i])) << what << ", event " << k << ", number " << i << ": " << a[i] << " and " << b[i];
+    }
+  }
+}
+
 inline void expect_same(const Output& expected, const Output& actual, const std::string& what) {
   ASSERT_EQ(expected.scan, actual.scan) << what;
   ASSERT_EQ(expected.bits, actual.bits) << what;
@@ -64,10 +119,11 @@ inline void expect_same(const Output& expected, const Output& actual, const std:
     for (std::size_t i = 0; i < expected.values[c].size(); ++i) {
       const double a = expected.values[c][i];
       const double b = actual.values[c][i];
-      const bool is_same = std::isnan(a) ? std::isnan(b) : std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
-      ASSERT_TRUE(is_same) << what << ", channel " << c << ", scan " << expected.scan[i] << ": " << a << " and " << b;
+      ASSERT_TRUE(is_same(a, b)) << what << ", channel " << c << ", scan " << expected.scan[i] << ": " << a << " and " << b;
     }
   }
+  expect_same_events(expected.reaches, actual.reaches, what);
+  expect_same_events(expected.classes, actual.classes, what);
 }
 
 /// The defaults, and each option once at each end of its range or at each word.

@@ -111,7 +111,8 @@ std::string adapted(std::string text, const DaemonProcess::FurtherRig& rig) {
     text.replace(begin, end - begin, replacement);
   };
   if (!rig.acquire.empty()) cut("[acquire]", "[[sensor]]", "[acquire]\n" + rig.acquire + "\n");
-  cut("[[stage]]", "[publish]", rig.stages.empty() ? kDefaultStages : rig.stages + "\n");
+  const bool is_floor = rig.file == "floor-sim.toml";
+  if (is_floor || !rig.stages.empty()) cut("[[stage]]", "[publish]", rig.stages.empty() ? kDefaultStages : rig.stages + "\n");
   return text;
 }
 
@@ -153,7 +154,7 @@ DaemonProcess::~DaemonProcess() {
 
 void DaemonProcess::write_files(const Options& options) const {
   const auto source = std::filesystem::path(DTS_SOURCE_DIR) / "config";
-  std::filesystem::copy(source / "sensors", directory_ / "sensors");
+  for (const char* folder : {"sensors", "models"}) std::filesystem::copy(source / folder, directory_ / folder);
   std::filesystem::create_directory(directory_ / "rigs");
   std::vector<FurtherRig> rigs{{.name = "floor", .device = options.device, .acquire = options.acquire, .stages = options.stages}};
   rigs.insert(rigs.end(), options.further_rigs.begin(), options.further_rigs.end());
@@ -161,7 +162,7 @@ void DaemonProcess::write_files(const Options& options) const {
   daemon_file << options.daemon << "\n";
   for (const FurtherRig& rig : rigs) {
     const std::string file = "rigs/" + rig.name + ".toml";
-    std::ofstream(directory_ / file) << adapted(read_file(source / "rigs" / "floor-sim.toml"), rig);
+    std::ofstream(directory_ / file) << adapted(read_file(source / "rigs" / rig.file), rig);
     daemon_file << "[[rig]]\nname = \"" << rig.name << "\"\nfile = \"" << file << "\"\ndevice = \"" << rig.device << "\"\n";
   }
 }

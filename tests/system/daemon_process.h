@@ -34,12 +34,13 @@ struct Finished {
 /// dtsd as a child process in a runtime directory of its own; ended and removed with this object.
 class DaemonProcess {
  public:
-  /// One more rig, like the shipped floor platform where a field is empty.
+  /// One more rig, like the shipped one where a field is empty.
   struct FurtherRig {
     std::string name;
     std::string device;
     std::string acquire{};  ///< As in `Options`.
     std::string stages{};
+    std::string file = "floor-sim.toml";  ///< Of config/rigs.
   };
   struct Options {
     std::string device = "sim:floor?seed=7";

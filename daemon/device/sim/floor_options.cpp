@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/block.h"
+#include "device/sim/option_checks.h"
 
 namespace dts::device::sim {
 namespace {
@@ -49,13 +50,6 @@ constexpr std::array kTable = {
 constexpr double kMillivolt = 1e-3;
 constexpr std::size_t kTruthChannels = 3;
 
-/// An option that would silently do nothing unless another one is set is refused: it is probably a mistake.
-struct Dependency {
-  std::string_view option;
-  std::string_view needs;
-  std::string_view values;  ///< Any of these, separated by '|'.
-};
-
 constexpr std::array kDependencies = {
     Dependency{"weight_n", "contact", "feet"},
     Dependency{"stance_width_mm", "contact", "feet"},
@@ -74,20 +68,8 @@ constexpr std::array kDependencies = {
     Dependency{"fault_channel", "fault", "stuck"},
 };
 
-bool is_one_of(std::string_view values, std::string_view value) {
-  return ("|" + std::string(values) + "|").find("|" + std::string(value) + "|") != std::string::npos;
-}
-
-tl::unexpected<core::Error> refuse(const DeviceUri& uri, ErrorCode code, const std::string& why) {
-  return core::fail(code, "device \"" + uri.text + "\": " + why);
-}
-
-core::Status check_dependencies(const DeviceUri& uri, const UriOptions& options) {
-  for (const auto& [option, needs, values] : kDependencies) {
-    if (!options.is_given(option) || is_one_of(values, options.text(needs))) continue;
-    return refuse(uri, ErrorCode::InvalidArgument,
-                  std::string(option) + " has a meaning only with " + std::string(needs) + "=" + std::string(values));
-  }
+core::Status check_contact(const DeviceUri& uri, const UriOptions& options) {
+  if (auto checked = check_dependencies(uri, options, kDependencies); !checked) return checked;
   const std::string& contact = options.text("contact");
   for (const auto& [kind, option] : {std::pair{"weights", "weights"}, std::pair{"gaps", "gaps_mm"}}) {
     if (contact != kind || options.is_given(option)) continue;
@@ -96,10 +78,6 @@ core::Status check_dependencies(const DeviceUri& uri, const UriOptions& options)
   const bool has_end = !options.text("cop").empty() || is_one_of("weights|gaps", contact);
   if (options.is_given("loop") && !has_end) {
     return refuse(uri, ErrorCode::InvalidArgument, "loop has a meaning only with cop=FILE or contact=weights|gaps");
-  }
-  for (const std::string_view option : {"fault_at_s", "fault_for_s"}) {
-    if (!options.is_given(option) || options.text("fault") != "none") continue;
-    return refuse(uri, ErrorCode::InvalidArgument, std::string(option) + " has a meaning only with fault=...");
   }
   return {};
 }
@@ -122,13 +100,6 @@ PlacementTimes placement(const UriOptions& options) {
 core::Status check_placement(const DeviceUri& uri, const PlacementTimes& times) {
   if (2.0 * times.ramp_s + times.hold_s + times.pause_s >= 0.001) return {};
   return refuse(uri, ErrorCode::InvalidArgument, "ramp_s, hold_s and pause_s together are shorter than 1 ms");
-}
-
-FaultKind fault_kind(const std::string& word) {
-  if (word == "unplug") return FaultKind::Unplug;
-  if (word == "overrun") return FaultKind::Overrun;
-  if (word == "stuck") return FaultKind::Stuck;
-  return word == "silence" ? FaultKind::Silence : FaultKind::None;
 }
 
 physics::Stance stance(const UriOptions& options, std::uint64_t seed) {
@@ -156,11 +127,6 @@ core::Status check_channels(const DeviceUri& uri, const FloorOptions& options, s
     return refuse(uri, ErrorCode::LimitExceeded,
                   std::to_string(channels) + " channels with sensors, extra and truth; at most " + std::to_string(core::kMaxChannels));
   }
-  if (options.fault.kind == FaultKind::Stuck && options.fault.channel >= options.converted_channels()) {
-    return refuse(uri, ErrorCode::InvalidArgument,
-                  "fault_channel = " + std::to_string(options.fault.channel) + ", but there are " +
-                      std::to_string(options.converted_channels()) + " converted channels, counted from 0");
-  }
   return {};
 }
 
@@ -172,7 +138,7 @@ core::Result<FloorOptions> read_floor_options(const DeviceUri& uri, std::size_t 
   auto read = UriOptions::read(uri, kTable);
   if (!read) return tl::make_unexpected(read.error());
   const UriOptions& options = *read;
-  if (auto checked = check_dependencies(uri, options); !checked) return tl::make_unexpected(checked.error());
+  if (auto checked = check_contact(uri, options); !checked) return tl::make_unexpected(checked.error());
 
   FloorOptions result;
   result.seed = static_cast<std::uint64_t>(options.number("seed"));
@@ -193,9 +159,10 @@ core::Result<FloorOptions> read_floor_options(const DeviceUri& uri, std::size_t 
   if (result.sensors == 0) result.sensors = rig_sensors;
   result.extra = static_cast<std::size_t>(options.number("extra"));
   result.has_truth = options.number("truth") == 1.0;
-  result.fault = {fault_kind(options.text("fault")), options.number("fault_at_s"), options.number("fault_for_s"),
-                  static_cast<std::size_t>(options.number("fault_channel"))};
   if (auto checked = check_channels(uri, result, rig_sensors); !checked) return tl::make_unexpected(checked.error());
+  const auto fault = read_fault(uri, options, result.converted_channels());
+  if (!fault) return tl::make_unexpected(fault.error());
+  result.fault = *fault;
   return result;
 }
 

@@ -20,6 +20,10 @@ class Pacer {
   [[nodiscard]] std::int64_t instant_ns(std::uint64_t scan) const noexcept;
   /// How many scans have been taken by `now_ns`.
   [[nodiscard]] std::uint64_t taken_by(std::int64_t now_ns) const noexcept;
+  /// What the device's clock has counted since start when the host's shows `host_ns`; negative before.
+  [[nodiscard]] double device_time_s(std::int64_t host_ns) const noexcept {
+    return static_cast<double>(host_ns - start_ns_) * 1e-9 / (1.0 - clock_error_);
+  }
 
  private:
   std::int64_t start_ns_ = 0;

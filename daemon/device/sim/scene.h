@@ -4,6 +4,7 @@
 #include <span>
 
 #include "core/result.h"
+#include "device/device.h"
 
 namespace dts::device::sim {
 
@@ -20,6 +21,11 @@ class Scene {
   /// Value of every channel at `time_s` of the device, in the channel's unit; ideal volts where a converter follows. NaN: there
   /// is no value (nobody on the plate). `time_s` never goes back between two restarts. Realtime-safe: yes.
   virtual void evaluate(double time_s, std::span<double> values) noexcept = 0;
+  /// The person is told something at `time_s` of the device; between two evaluations. Realtime-safe: yes.
+  virtual void hear(double time_s, const Cue& cue) noexcept {
+    static_cast<void>(time_s);
+    static_cast<void>(cue);
+  }
 };
 
 }  // namespace dts::device::sim

@@ -16,6 +16,7 @@ using core::GapReason;
 
 constexpr std::int64_t kSliceNs = 50 * core::kNanosecondsPerMillisecond;  // interrupt() must be noticed within 100 ms
 constexpr double kNanosecondsPerSecond = 1e9;
+constexpr double kHeardWithinS = 0.15;  // less than any reaction time: a reader may be as late as this
 
 }  // namespace
 
@@ -51,6 +52,8 @@ core::Result<core::Rate> SimDevice::start(const StartOptions& options) {
   if (auto checked = check_start(parts_.description, options); !checked) return tl::make_unexpected(checked.error());
 
   parts_.scene->restart();
+  for (Cue old; cues_.pop(old);) {
+  }
   window_ = parts_.fault.kind == FaultKind::Unplug && was_unplugged_ ? FaultWindow{} : fault_window(parts_.fault, options.rate);
   max_block_scans_ = options.max_block_scans;
   buffer_scans_ = std::max(options.rate.scans_in_ms(1000.0), static_cast<std::uint64_t>(max_block_scans_));
@@ -141,12 +144,29 @@ void SimDevice::fill(core::Block& block, std::size_t count) noexcept {
 void SimDevice::compute_scan(std::uint64_t scan) noexcept {
   const core::Rate rate = pacer_.rate();
   const double time_s = static_cast<double>(scan) * static_cast<double>(rate.denominator()) / static_cast<double>(rate.numerator());
+  tell_scene(scan, time_s);
   parts_.scene->evaluate(time_s, row_);
   parts_.daq.convert({row_.data(), parts_.converted_channels}, scan);
   if (parts_.fault.kind != FaultKind::Stuck || !window_.contains(scan)) return;
   double& value = row_[parts_.fault.channel];
   if (!std::exchange(is_stuck_, true)) stuck_value_ = value;
   value = stuck_value_;
+}
+
+void SimDevice::hear(const Cue& cue) noexcept {
+  if (state() != DeviceState::Streaming) return;
+  while (is_hearing_.test_and_set(std::memory_order_acquire)) {  // pairs with clear()
+  }
+  (void)cues_.push(cue);                         // full: nobody reads, so nobody hears
+  is_hearing_.clear(std::memory_order_release);  // pairs with test_and_set()
+}
+
+void SimDevice::tell_scene(std::uint64_t scan, double time_s) noexcept {
+  for (const Cue* cue = cues_.front(); cue != nullptr && cue->at_ns <= pacer_.instant_ns(scan); cue = cues_.front()) {
+    // Who is told late is late: what has been measured already does not change.
+    parts_.scene->hear(std::max(pacer_.device_time_s(cue->at_ns), time_s - kHeardWithinS), *cue);
+    cues_.release();
+  }
 }
 
 void SimDevice::interrupt() noexcept { is_interrupted_.store(true, std::memory_order_release); }  // pairs with wait_for

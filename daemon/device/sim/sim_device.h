@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/clock.h"
+#include "core/spsc_ring.h"
 #include "device/device.h"
 #include "device/sim/daq.h"
 #include "device/sim/fault.h"
@@ -51,13 +52,16 @@ class SimDevice final : public Device {
   [[nodiscard]] core::Result<core::Rate> start(const StartOptions& options) override;
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
   void interrupt() noexcept override;
+  void hear(const Cue& cue) noexcept override;
   [[nodiscard]] core::Status set_sync_output(bool is_high) override;
   core::Status stop() override;
   core::Status close() override;
 
  private:
+  static constexpr std::size_t kMostCues = 16;
+
   void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
-    [[nodiscard]] std::uint64_t wait_for(std::uint64_t scans, std::int64_t deadline_ns) noexcept;
+  [[nodiscard]] std::uint64_t wait_for(std::uint64_t scans, std::int64_t deadline_ns) noexcept;
   [[nodiscard]] ReadResult read_scans(core::Block& block, std::uint64_t break_at, std::int64_t deadline_ns) noexcept;
   [[nodiscard]] ReadResult read_break(std::int64_t deadline_ns) noexcept;
   [[nodiscard]] ReadResult continue_at(std::uint64_t scan, const core::Gap& gap) noexcept;
@@ -65,11 +69,14 @@ class SimDevice final : public Device {
   [[nodiscard]] bool is_break_ahead() const noexcept;
   void fill(core::Block& block, std::size_t count) noexcept;
   void compute_scan(std::uint64_t scan) noexcept;
+  void tell_scene(std::uint64_t scan, double time_s) noexcept;
 
   SimParts parts_;
   core::Clock& clock_;
   std::atomic<DeviceState> state_{DeviceState::Closed};
   std::atomic<bool> is_interrupted_{false};
+  core::SpscRing<Cue> cues_{kMostCues};
+  std::atomic_flag is_hearing_;  ///< The ring has one producer: who speaks at the same time waits for the length of a copy.
 
   Pacer pacer_;
   FaultWindow window_;

@@ -35,7 +35,8 @@ Linearise::Linearise(const StageOptions& options, const StageContext& context)
       tare_ms_(options.number("tare_ms")),
       tare_limit_mm_(options.number("tare_limit_mm")),
       tare_noise_mm_(options.number("tare_noise_mm")),
-      tares_at_start_(options.word("tare_at_start") == "if_empty") {}
+      tares_at_start_(options.word("tare_at_start") == "if_empty"),
+      is_nominal_(options.word("baseline") == "nominal") {}
 
 const StageDescription& Linearise::description() {
   static const StageDescription described{
@@ -56,7 +57,10 @@ const StageDescription& Linearise::description() {
            .maximum = 10.0},
           {.name = "tare_at_start",
            .sentence = "Whether a segment that begins with an empty plate tares it, unless a tare is in use.",
-           .choices = {"if_empty", "no"}}}};
+           .choices = {"if_empty", "no"}},
+          {.name = "baseline",
+           .sentence = "What counts as unloaded before any tare: nothing, or the rig's unloaded gaps, measured on this very plate.",
+           .choices = {"tare", "nominal"}}}};
   return described;
 }
 
@@ -135,7 +139,7 @@ void Linearise::save(std::span<double> state) const noexcept {
 bool Linearise::restore(std::span<const double> state) noexcept {
   const std::size_t sensors = rig_->sensors.size();
   StateReader reader(state, state_size());
-  is_tared_ = reader.flag();
+  is_tared_ = reader.flag() || is_nominal_;
   const double largest_mm = is_tared_ ? tare_limit_mm_ : 0.0;  // further off no tare is accepted
   for (std::size_t c = 0; c < sensors; ++c) baseline_mm_[c] = reader.number(-largest_mm, largest_mm);
   average_.restore(reader, sensors, tare_scans_);
@@ -149,7 +153,7 @@ bool Linearise::restore(std::span<const double> state) noexcept {
 
 void Linearise::forget() noexcept {
   baseline_mm_ = {};
-  is_tared_ = false;
+  is_tared_ = is_nominal_;
   average_.stop();
   reset();
 }

@@ -16,7 +16,8 @@ namespace dts::pipeline {
 /// The baseline is 0 (and every value kUntared) until a tare is done: on a request in the `Tare` letter box, taken up at the
 /// next block, and with `tare_at_start` by itself over the first `tare_ms` of every segment until one succeeds, so that a
 /// plate that is empty when the daemon starts needs no command. The baseline counts from the scan after the average;
-/// a refused tare changes nothing, and neither does a new segment.
+/// a refused tare changes nothing, and neither does a new segment. With `baseline` nominal the rig's unloaded gaps were measured on this
+/// very plate and are the baseline from the start; a commanded tare still replaces them.
 class Linearise final : public Stage {
  public:
   Linearise(const StageOptions& options, const StageContext& context);
@@ -43,6 +44,7 @@ class Linearise final : public Stage {
   double tare_limit_mm_;
   double tare_noise_mm_;
   bool tares_at_start_;
+  bool is_nominal_;  ///< The rig's unloaded gaps count as a tare.
 
   std::uint64_t tare_scans_ = 1;
   std::uint64_t request_ = 0;  ///< The newest one taken up; 0 while the start's own tare runs.

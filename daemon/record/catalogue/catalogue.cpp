@@ -12,6 +12,7 @@
 #include "record/catalogue/catalogue_rows.h"
 #include "record/catalogue/schema.h"
 #include "record/catalogue/sqlite.h"
+#include "record/sha256.h"
 
 namespace dts::record {
 namespace {
@@ -22,14 +23,6 @@ constexpr std::size_t kLongestId = 128;
 constexpr std::size_t kMostSessions = 10'000;
 constexpr std::array<std::string_view, 4> kEndStates{"complete", "incomplete", "interrupted", "aborted"};
 constexpr std::array<std::string_view, 4> kOutcomes{"done", "redone", "rejected", "aborted"};
-
-std::string sha256_of(const std::string& text) {
-  std::array<unsigned char, crypto_hash_sha256_BYTES> digest{};
-  crypto_hash_sha256(digest.data(), reinterpret_cast<const unsigned char*>(text.data()), text.size());
-  std::array<char, 2 * crypto_hash_sha256_BYTES + 1> letters{};
-  sodium_bin2hex(letters.data(), letters.size(), digest.data(), digest.size());
-  return letters.data();
-}
 
 tl::unexpected<core::Error> no_session(const std::string& id) {
   return core::fail(ErrorCode::NotFound, "no session " + id.substr(0, kLongestId), "see dtsctl session list");
@@ -188,9 +181,9 @@ core::Status Catalogue::put_trial(const TrialRow& trial) {
   if (!*is_known) return no_part(trial.session_id, trial.part);
   auto put = implementation_->database.run(
       "INSERT OR REPLACE INTO trials (session_id, part, trial, attempt, block, condition, outcome, segment, first_scan, last_scan,"
-      " last_segment) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      " last_segment, result) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       trial.session_id, trial.part, trial.trial, trial.attempt, trial.block, trial.condition, trial.outcome, trial.segment,
-      trial.first_scan, trial.last_scan, std::max(trial.segment, trial.last_segment));
+      trial.first_scan, trial.last_scan, std::max(trial.segment, trial.last_segment), trial.result);
   return put ? transaction->commit() : put;
 }
 
@@ -231,6 +224,9 @@ core::Status Catalogue::enter(const FoundRecording& found) {
   }
   for (const TrialRow& trial : found.trials) {
     if (done) done = put_trial(trial);
+  }
+  for (const ResultRow& result : found.results) {
+    if (done && is_newest) done = put_result(result);
   }
   if (done && is_newest) {
     done = end_session(found.facts.session_id, found.session_state, found.part.reason, found.ended_utc_ns);

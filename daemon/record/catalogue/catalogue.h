@@ -53,6 +53,7 @@ struct TrialRow {
   std::uint64_t first_scan = 0;  ///< Where it begins to count; where it began, if it never came so far.
   std::uint64_t last_scan = 0;
   std::uint32_t last_segment = 0;  ///< Of `last_scan`. Stored as `segment` when it is less; more: a gap lies within the trial.
+  std::string result{};            ///< What came of it: the event "result" as JSON; empty: nothing.
 
   friend bool operator==(const TrialRow&, const TrialRow&) = default;
 };
@@ -87,6 +88,7 @@ struct FoundRecording {
   SessionFacts facts{};
   PartRow part{};  ///< Names the same session and part as `facts`.
   std::vector<TrialRow> trials{};
+  std::vector<ResultRow> results{};
   std::string session_state;  ///< What the session is when this is its newest part.
   std::int64_t ended_utc_ns = 0;
 };
@@ -113,7 +115,7 @@ struct AuditEntry {
 };
 
 /// The index of everything recorded: SQLite (WAL, synchronous = FULL) in the state folder. The files are the truth, this is how one finds
-/// them: it can be rebuilt from them, all but the audit trail and the results. Schema versions migrate forward when it is opened; one of a
+/// them: it can be rebuilt from them, all but the audit trail. Schema versions migrate forward when it is opened; one of a
 /// newer program is refused. Thread: control.
 class Catalogue {
  public:

@@ -46,6 +46,7 @@ TrialRow read_trial(Statement& row) {
   trial.first_scan = row.count(8);
   trial.last_scan = row.count(9);
   trial.last_segment = row.count32(10);
+  trial.result = row.text(11);
   return trial;
 }
 

@@ -31,7 +31,8 @@ inline constexpr const char* kSessionColumns =
 inline constexpr const char* kPartColumns =
     "SELECT session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns FROM parts ";
 inline constexpr const char* kTrialColumns =
-    "SELECT session_id, part, trial, attempt, block, condition, outcome, segment, first_scan, last_scan, last_segment FROM trials ";
+    "SELECT session_id, part, trial, attempt, block, condition, outcome, segment, first_scan, last_scan, last_segment, result"
+    " FROM trials ";
 
 [[nodiscard]] SessionRow read_session(Statement& row);  ///< Of `kSessionColumns`; without parts and trials.
 [[nodiscard]] PartRow read_part(Statement& row);

@@ -128,6 +128,8 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
     trial.session_id = facts.session_id;
     trial.part = facts.part;
   }
+  found.results = trials.figures();
+  for (ResultRow& result : found.results) result.session_id = facts.session_id;
   found.session_state = session_state(found.part.state, is_aborted);
   found.ended_utc_ns = end_of(found.part);
   return found;

@@ -101,7 +101,10 @@ CREATE TRIGGER audit_is_only_continued BEFORE INSERT ON audit
   BEGIN SELECT RAISE(ABORT, 'the audit trail is append-only'); END;
 )sql";
 
-constexpr std::array<const char*, 1> kMigrations{kVersion1};
+/// What came of a trial of the reaching task: its event "result" as JSON; empty: nothing did.
+constexpr const char* kVersion2 = "ALTER TABLE trials ADD COLUMN result TEXT NOT NULL DEFAULT '';";
+
+constexpr std::array<const char*, 2> kMigrations{kVersion1, kVersion2};
 
 core::Status check_owner(const Database& database, std::int64_t version) {
   const auto mark = database.number("PRAGMA application_id");

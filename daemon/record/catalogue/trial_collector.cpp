@@ -2,6 +2,7 @@
 #include "record/catalogue/trial_collector.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string_view>
 #include <variant>
@@ -11,6 +12,7 @@ namespace {
 
 constexpr std::size_t kMostTrials = 100'000;
 constexpr std::int64_t kLargestNumber = 1'000'000;
+constexpr std::size_t kMostFigures = 10'000;
 constexpr std::size_t kLongestCondition = 64;
 
 std::optional<std::uint32_t> number_of(const RecordedEvent& event, std::string_view key) {
@@ -33,6 +35,8 @@ void TrialCollector::take(const RecordedItem& item) {
   } else if (const auto* timed = std::get_if<TimedEvent>(&item)) {
     newest_ = std::max(newest_, Place{timed->event.segment, timed->event.scan.value});
     if (timed->event.event == "trial") take_event(timed->event);
+    if (timed->event.event == "result") take_result(timed->event);
+    if (timed->event.event == "figure") take_figure(timed->event);
   }
 }
 
@@ -54,6 +58,25 @@ void TrialCollector::take_event(const RecordedEvent& event) {
   } else {
     end(phase, event, row);
   }
+}
+
+void TrialCollector::take_result(const RecordedEvent& event) {
+  const auto row = rows_.find({number_of(event, "trial").value_or(0), number_of(event, "attempt").value_or(0)});
+  if (row != rows_.end()) row->second.result = to_json(event);
+}
+
+void TrialCollector::take_figure(const RecordedEvent& event) {
+  const auto value = std::ranges::find_if(event.values, [](const auto& held) { return held.first == "value"; });
+  const auto* number = value != event.values.end() ? std::get_if<double>(&value->second) : nullptr;
+  const std::string name = text_of(event, "name");
+  if (number == nullptr || !std::isfinite(*number) || name.empty() || figures_.size() >= kMostFigures) return;
+  figures_[name] = {.session_id = {}, .name = name, .value = *number, .unit = text_of(event, "unit"), .details = text_of(event, "details")};
+}
+
+std::vector<ResultRow> TrialCollector::figures() const {
+  std::vector<ResultRow> rows;
+  for (const auto& [name, row] : figures_) rows.push_back(row);
+  return rows;
 }
 
 /// Counts from the last of ready, go and measure.

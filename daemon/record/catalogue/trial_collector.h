@@ -25,16 +25,21 @@ class TrialCollector {
   void take(const RecordedItem& item);
   /// In the order of trial and attempt. `session_id` and `part` are the caller's.
   [[nodiscard]] std::vector<TrialRow> rows() const;
+  /// Figures of the whole session. `session_id` is the caller's.
+  [[nodiscard]] std::vector<ResultRow> figures() const;
 
  private:
   using Place = std::pair<std::uint32_t, std::uint64_t>;  ///< Segment, scan.
   void take_event(const RecordedEvent& event);
+  void take_result(const RecordedEvent& event);
+  void take_figure(const RecordedEvent& event);
   void begin(const RecordedEvent& event, TrialRow& row) const;
   void end(const std::string& phase, const RecordedEvent& event, TrialRow& row) const;
 
   std::optional<std::size_t> raw_;
   Place newest_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, TrialRow> rows_;  ///< By trial and attempt; no outcome: still under way.
+  std::map<std::string, ResultRow> figures_;
 };
 
 }  // namespace dts::record

@@ -76,7 +76,11 @@ TEST(EnumeratorWord, KnownAndUnknownNumbers) {
 TEST(QualityWords, EachBit_IsAWord) {
   EXPECT_TRUE(quality_words(0).empty());
   EXPECT_EQ(quality_words(v1::QUALITY_RAIL | v1::QUALITY_UNTARED), (std::vector<std::string>{"rail", "untared"}));
-  EXPECT_EQ(quality_words(128), std::vector<std::string>{"unknown"});
+  EXPECT_EQ(quality_words(128), std::vector<std::string>{"substituted"});
+}
+
+TEST(BitWords, OfALaterVersion_AreUnknown) {
+  EXPECT_EQ(bit_words(*v1::ReachFlag_descriptor(), 1U | 1U << 31U), (std::vector<std::string>{"minor", "unknown"}));
 }
 
 }  // namespace

@@ -62,7 +62,7 @@ constexpr const char* kCondition = "[[trials.condition]]\nname = \"a\"\n";
 
 TEST_F(ProtocolFiles, Shipped_AreAllGood) {
   Problems problems;
-  EXPECT_THAT(names(read_protocols(kShipped, problems)), ElementsAre("free", "quiet-standing", "reaching-task"));
+  EXPECT_THAT(names(read_protocols(kShipped, problems)), ElementsAre("free", "quiet-standing", "reaching-short", "reaching-task"));
   EXPECT_EQ(all(problems), "");
 }
 

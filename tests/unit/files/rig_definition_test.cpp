@@ -49,7 +49,8 @@ class Fed {
         {.rig = config_.model,
          .input_ranges = std::vector<pipeline::StageContext::InputRange>(config_.sensor_channels.size(), {-10.0, 10.0, 0.0003}),
          .tare = tare_,
-         .cop_calibration = config_.cop_calibration ? &*config_.cop_calibration : nullptr});
+         .cop_calibration = config_.cop_calibration ? &*config_.cop_calibration : nullptr,
+         .trunk_model = config_.trunk_model ? &*config_.trunk_model : nullptr});
     EXPECT_TRUE(made) << (made ? "" : core::to_string(made.error()));
     if (!made) return;
     pipeline_ = std::move(*made);
@@ -107,6 +108,12 @@ void expect_equal(const pipeline::RigConfig& one, const pipeline::RigConfig& oth
     EXPECT_EQ(a.unloaded_gap, b.unloaded_gap);
     EXPECT_EQ(a.curve.name(), b.curve.name());
     for (double gap_mm = 4.0; gap_mm < 13.0; gap_mm += 0.037) EXPECT_EQ(a.curve.volts({gap_mm}), b.curve.volts({gap_mm}));
+  }
+  EXPECT_EQ(one.trunk_model_text, other.trunk_model_text);
+  ASSERT_EQ(one.model.transient_sensors.has_value(), other.model.transient_sensors.has_value());
+  if (one.model.transient_sensors) {
+    EXPECT_EQ(one.model.transient_sensors->rear, other.model.transient_sensors->rear);
+    EXPECT_EQ(one.model.transient_sensors->front, other.model.transient_sensors->front);
   }
   ASSERT_EQ(one.cop_calibration.has_value(), other.cop_calibration.has_value());
   if (!one.cop_calibration) return;

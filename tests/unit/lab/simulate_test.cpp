@@ -5,6 +5,7 @@
 #include "lab/recording.h"
 #include "lab/simulated_rig.h"
 #include "lab/thesis_setup.h"
+#include "physics/body/chair_rig.h"
 #include "record/recording.h"
 #include "unit/lab/run_fixture.h"
 
@@ -61,8 +62,10 @@ TEST_F(RunTest, SimulateWhatIsThereOrCannotBe_IsRefused) {
   ASSERT_EQ(run_with({"simulate", "floor", "--duration", "1", "--out", path("a.xdf")}), cli::kOk) << talk();
 
   EXPECT_NE(run_with({"simulate", "floor", "--duration", "1", "--out", path("a.xdf")}), cli::kOk) << "it exists";
-  EXPECT_EQ(run_with({"simulate", "chair", "--duration", "1", "--out", path("c.xdf")}), cli::kFailed);
-  EXPECT_THAT(talk(), HasSubstr("not built yet: the chair is a later part"));
+  EXPECT_NE(run_with({"simulate", "chair", "--duration", "1", "--out", path("a.xdf")}), cli::kOk) << "it exists";
+  const std::string rig = std::string(DTS_SOURCE_DIR) + "/config/rigs/floor16-sim.toml";
+  EXPECT_NE(run_with({"simulate", "chair", "--duration", "1", "--rig", rig, "--out", path("c.xdf")}), cli::kOk) << "no chair";
+  EXPECT_THAT(talk(), HasSubstr("of the kind floor"));
   EXPECT_EQ(run_with({"simulate", "table", "--duration", "1", "--out", path("c.xdf")}), cli::kUsage);
   EXPECT_EQ(run_with({"simulate", "floor", "--duration", "0", "--out", path("c.xdf")}), cli::kUsage);
   EXPECT_EQ(run_with({"simulate", "floor", "--duration", "1", "--seed", "-1", "--out", path("c.xdf")}), cli::kUsage);
@@ -90,6 +93,27 @@ TEST_F(RunTest, SimulateARigFile_RecordsItsDefinition) {
   EXPECT_EQ(recording->session()->rig_definition, files::rig_definition(rig).value());
   EXPECT_EQ(recording->streams()[recording->find_stream("raw").value()].channels.size(), 16U);
   EXPECT_EQ(run_with({"replay", path("a.xdf")}), cli::kOk) << talk();
+}
+
+TEST_F(RunTest, SimulateTheChair_RecordsReachesAndTheirTruth) {
+  ASSERT_EQ(
+      run_with({"simulate", "chair", "--duration", "45", "--rate", "100", "--seed", "3", "--out", path("a.xdf"), "--truth", path("a.csv")}),
+      cli::kOk)
+      << talk();
+
+  const auto recording = record::Recording::open(path("a.xdf")).value();
+  EXPECT_EQ(recording->streams()[recording->find_stream("raw").value()].channels.size(), 16U);
+  EXPECT_TRUE(recording->find_stream("transient").has_value());
+  const std::string truth = text_of(path("a.csv"));
+  EXPECT_THAT(truth, StartsWith("number,condition,target_cm,t_on_s,t_hit_s,t_back_s,t_end_s,trunk_deg\n1,80,"));
+  EXPECT_THAT(truth, HasSubstr("\n5,max,125"));
+  EXPECT_EQ(run_with({"replay", path("a.xdf")}), cli::kOk) << talk();
+}
+
+TEST_F(RunTest, SimulateTheChairForASecond_HasNoReachToTellOf) {
+  ASSERT_EQ(run_with({"simulate", "chair", "--duration", "1", "--out", path("a.xdf"), "--truth", path("a.csv")}), cli::kOk) << talk();
+
+  EXPECT_EQ(text_of(path("a.csv")), "number,condition,target_cm,t_on_s,t_hit_s,t_back_s,t_end_s,trunk_deg\n");
 }
 
 TEST_F(RunTest, CompareARecordingWithItsTruth_FindsTheFilterDelayAccountedFor) {
@@ -128,6 +152,48 @@ TEST(FloorDefinition, OfTheDefaultRig_IsTheThesissPlatform) {
       EXPECT_NEAR(config.model.sensors[s].curve.volts({gap_mm}).value, thesis.sensors[s].curve.volts({gap_mm}).value, 1e-5);
     }
   }
+}
+
+void expect_chair(const pipeline::RigConfig& config) {
+  const physics::RigModel chair = physics::chair_rig();
+  EXPECT_EQ(config.kind, "chair");
+  EXPECT_EQ(config.model.plate.a, chair.plate.a);
+  EXPECT_EQ(config.model.plate.b, chair.plate.b);
+  EXPECT_EQ(config.model.plate.h, chair.plate.h);
+  EXPECT_EQ(config.model.plate.e_pa, chair.plate.e_pa);
+  EXPECT_EQ(config.model.plate.nu, chair.plate.nu);
+  EXPECT_EQ(config.model.support.kind, chair.support.kind);
+  ASSERT_TRUE(config.model.transient_sensors.has_value());
+  EXPECT_EQ(config.model.transient_sensors->rear, chair.transient_sensors->rear);
+  EXPECT_EQ(config.model.transient_sensors->front, chair.transient_sensors->front);
+  ASSERT_EQ(config.model.sensors.size(), chair.sensors.size());
+  for (std::size_t s = 0; s < chair.sensors.size(); ++s) {
+    EXPECT_EQ(config.model.sensors[s].label, chair.sensors[s].label);
+    EXPECT_EQ(config.model.sensors[s].position, chair.sensors[s].position);
+    EXPECT_EQ(config.model.sensors[s].unloaded_gap, chair.sensors[s].unloaded_gap);
+    for (double gap_mm = 0.5; gap_mm <= 12.0; gap_mm += 0.1) {
+      EXPECT_NEAR(config.model.sensors[s].curve.volts({gap_mm}).value, chair.sensors[s].curve.volts({gap_mm}).value, 1e-5);
+    }
+  }
+}
+
+TEST(ChairDefinition, OfTheDefaultRig_IsTheChair) {
+  files::Problems problems;
+
+  const auto config = files::read_rig_text(chair_definition(1500.0), "default", problems);
+
+  EXPECT_TRUE(problems.empty()) << files::to_string(problems.front());
+  EXPECT_EQ(config.rate.hz(), 1500.0);
+  expect_chair(config);
+}
+
+TEST(ChairDefinition, OfTheConfiguredRig_IsTheSameChair) {
+  files::Problems problems;
+
+  const auto config = files::read_rig_file(std::string(DTS_SOURCE_DIR) + "/config/rigs/chair-sim.toml", problems);
+
+  EXPECT_TRUE(problems.empty()) << files::to_string(problems.front());
+  expect_chair(config);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "physics/cop/sensed_plate.h"
 #include "physics/rig_model.h"
 #include "pipeline/stage_registry.h"
+#include "unit/classifier/hand_made_model.h"
 
 namespace dts::pipeline {
 
@@ -46,13 +47,15 @@ struct StageSurroundings {
     return {.rig = rig,
             .input_ranges = std::vector(rig.sensors.size(), kConverter),
             .tare = tare,
-            .cop_calibration = cop_calibration ? &*cop_calibration : nullptr};
+            .cop_calibration = cop_calibration ? &*cop_calibration : nullptr,
+            .trunk_model = trunk_model ? &*trunk_model : nullptr};
   }
   [[nodiscard]] std::unique_ptr<Stage> make(const StageConfig& config) { return create_stage(config, context()).value(); }
 
   physics::RigModel rig;
   Tare tare;
   std::optional<physics::CopCalibration> cop_calibration;
+  std::optional<classifier::TrunkModel> trunk_model = classifier::TrunkModel::create(classifier::hand_made_form()).value();
 };
 
 }  // namespace dts::pipeline

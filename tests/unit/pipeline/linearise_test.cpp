@@ -217,6 +217,28 @@ TEST_F(LineariseTest, LoadedPlateAtStart_StaysUntaredUntilAnEmptySegment) {
   EXPECT_EQ(report().outcome, TareOutcome::Done);
 }
 
+TEST_F(LineariseTest, NominalBaseline_IsTaredFromTheStart) {
+  prepare({{"baseline", "nominal"}, {"tare_at_start", "if_empty"}});
+
+  const Output output = run(resting(200, 0.2, 3.0));  // loaded or not: nothing tares itself
+
+  EXPECT_NEAR(output.values[0][199], 0.2, kTableMm);
+  EXPECT_NEAR(output.values[1][199], 3.0, kTableMm);
+  EXPECT_THAT(output.bits[0], Each(0));
+  EXPECT_EQ(report().outcome, TareOutcome::None);
+}
+
+TEST_F(LineariseTest, NominalBaseline_GivesWayToACommandedTare) {
+  prepare({{"baseline", "nominal"}});
+  (void)surroundings_.tare.request();
+  run(resting(100, 0.2, 0.1));
+
+  const Output output = run(resting(10, 0.2, 0.1));
+
+  EXPECT_NEAR(output.values[0][9], 0.0, kTableMm);
+  EXPECT_EQ(report().outcome, TareOutcome::Done);
+}
+
 TEST_F(LineariseTest, NewSegment_KeepsTheBaseline) {
   prepare({});
   run(resting(100, 0.3, 0.3));

@@ -42,6 +42,8 @@ struct Output {
   std::vector<std::uint64_t> block_first_scan;   ///< ... and that scan.
   std::vector<std::vector<double>> values;
   std::vector<std::vector<std::uint8_t>> bits;
+  std::vector<core::ReachEvent> reaches;  ///< Told ...
+  std::vector<core::ClassEvent> classes;  ///< ... as well.
 };
 
 /// Scans [first, first + scans) of `signal` as one block.
@@ -68,6 +70,29 @@ inline void append(Output& output, const core::Block& block) {
   }
 }
 
+/// What a stage before this one could have told of these scans: a reach now and then.
+inline core::FrameEvents events_before(const Signal& signal, std::size_t first, std::size_t scans) {
+  constexpr std::uint64_t kEvery = 40;
+  core::FrameEvents events;
+  for (std::uint64_t scan = signal.first_scan + first; scan < signal.first_scan + first + scans; ++scan) {
+    if (scan % kEvery != kEvery - 1) continue;
+    const double part = static_cast<double>(scan % 700) / 1000.0;
+    core::ReachEvent event{.step = core::ReachStep::Final, .number = static_cast<std::uint32_t>(scan / kEvery), .scan = {scan}};
+    event.host_time_ns = host_time_ns(signal.format.rate, scan);
+    event.features = {.p1_mm = 3.5,
+                      .p2_mm = 3.2,
+                      .p3_mm = 3.5 * (1.0 + part),
+                      .hold_mm = 3.0 * part,
+                      .rise_s = 0.8,
+                      .rest_ratio = -0.2,
+                      .ratio_change = part / 4.0,
+                      .twist = 0.0,
+                      .smoothness = -2.0};
+    events.reaches.push(event);
+  }
+  return events;
+}
+
 /// Sends `signal` through a prepared stage in blocks of the given sizes, which repeat. The output block holds rubbish before
 /// each call, as a used frame does.
 inline Output run(Stage& stage, std::size_t output_channels, const Signal& signal, std::span<const std::size_t> block_sizes) {
@@ -88,6 +113,11 @@ inline Output run(Stage& stage, std::size_t output_channels, const Signal& signa
     }
     stage.process(in, out);
     append(output, out);
+    core::FrameEvents events = events_before(signal, first, scans);
+    const std::size_t given = events.reaches.count;
+    stage.tell(events);
+    for (const core::ReachEvent& event : events.reaches.all_of().subspan(given)) output.reaches.push_back(event);
+    for (const core::ClassEvent& event : events.classes.all_of()) output.classes.push_back(event);
     first += scans;
   }
   return output;
@@ -96,7 +126,8 @@ inline Output run(Stage& stage, std::size_t output_channels, const Signal& signa
 /// The same, prepared for the signal first.
 inline Output prepare_and_run(Stage& stage, const Signal& signal, std::size_t block_size = 64) {
   const core::StreamFormat output_format = stage.prepare(signal.format, block_size).value();
-  return run(stage, output_format.channels.size(), signal, std::span(&block_size, 1));
+  const std::size_t channels = stage.describe().output_stream.empty() ? 0 : output_format.channels.size();
+  return run(stage, channels, signal, std::span(&block_size, 1));
 }
 
 }  // namespace dts::pipeline

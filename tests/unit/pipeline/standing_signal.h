@@ -60,6 +60,9 @@ inline void add_faults(Signal& signal, std::mt19937_64& random) {
       signal.values[c][i] = quantised_v(rig.sensors[c].curve.volts(gap).value + (c == 0 ? 0.0 : 0.003 * noise(random)));
     }
     if (is_end) continue;
+    if (uniform(random) < 0.01) {  // a whole scan, as the guard marks one
+      for (auto& bits : signal.bits) bits[i] = core::quality::kRotation;
+    }
     const std::size_t c = random() % 4;
     if (uniform(random) < 0.01) signal.values[c][i] = std::numeric_limits<double>::quiet_NaN();
     if (uniform(random) < 0.01) signal.values[c][i] = uniform(random) < 0.5 ? 5.0 : -5.0;

@@ -52,7 +52,7 @@ class RecorderTest : public testing::Test {
   core::Frame& frame(std::uint32_t segment, std::uint64_t first, std::size_t scans, std::int64_t host_ns) {
     frame_.segment = segment;
     frame_.gap_before = {};
-    frame_.triggers.count = 0;
+    frame_.events.clear();
     for (std::size_t stream = 0; stream < frame_.streams.size(); ++stream) {
       core::Block& block = frame_.streams[stream];
       const std::size_t every = stream == kCop ? 2 : 1;
@@ -172,7 +172,7 @@ TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScan) {
   ASSERT_TRUE(recorder->take(early));
   ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
   core::Frame& next = frame(0, 40, 20, host_ns(40));
-  next.triggers.push({.segment = 0, .scan = {47}, .is_rising = true});
+  next.events.triggers.push({.segment = 0, .scan = {47}, .is_rising = true});
   ASSERT_TRUE(recorder->take(next));
 
   const Contents contents = read(close(*recorder));
@@ -182,6 +182,24 @@ TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScan) {
   EXPECT_NEAR(contents.events[1].time_s, 8000.000000123 + 0.015, 1e-9);
   EXPECT_EQ(contents.events[2].event.event, "trigger");
   EXPECT_NEAR(contents.events[2].time_s, 8000.000000123 + 0.047, 1e-9);
+}
+
+TEST_F(RecorderTest, ReachesAndClasses_StandInTheirOrder) {
+  auto recorder = this->recorder();
+  core::Frame& next = frame(0, 0, 40, host_ns(0));
+  next.events.reaches.push({.step = core::ReachStep::P3, .number = 2, .scan = {10}});
+  next.events.reaches.push({.step = core::ReachStep::Final, .number = 2, .scan = {30}});
+  next.events.classes.push({.number = 2, .scan = {30}, .movement = {.trunk_class = core::TrunkClass::Moderate}});
+  ASSERT_TRUE(recorder->take(next));
+
+  const Contents contents = read(close(*recorder));
+
+  ASSERT_EQ(contents.events.size(), 4U);
+  EXPECT_EQ(text_of(contents.events[1].event, "step"), "p3");
+  EXPECT_EQ(text_of(contents.events[2].event, "step"), "final");
+  EXPECT_EQ(contents.events[3].event.event, "class");
+  EXPECT_EQ(text_of(contents.events[3].event, "class"), "2");
+  EXPECT_NEAR(contents.events[3].time_s, 8000.000000123 + 0.030, 1e-9);
 }
 
 TEST_F(RecorderTest, EventOfASegmentBeforeTheRecording_StandsAtItsFirstScan) {

@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace dts::record {
 namespace {
 
@@ -83,6 +85,29 @@ TEST(TrialCollector, NonsenseOfAStranger_IsPassedOver) {
   EXPECT_THAT(collected({event("ready", 0, 1, 1), event("ready", -5, 1, 1), event("ready", 1, 0, 1), event("ready", 1LL << 40, 1, 1),
                          event("dance", 1, 1, 1), texts, TimedEvent{.event = {.event = "trial"}}}),
               ElementsAre());
+}
+
+TEST(TrialCollector, ResultAndFigures_AreKeptAsTold) {
+  TrialCollector trials(0);
+  RecordedEvent result{.event = "result", .scan = {120}};
+  result.values = {{"trial", std::int64_t{1}}, {"attempt", std::int64_t{1}}, {"class", std::int64_t{2}}};
+  RecordedEvent stray = result;
+  stray.values[0].second = std::int64_t{9};
+  RecordedEvent figure{.event = "figure", .scan = {130}};
+  figure.values = {{"name", std::string("rejected_share")}, {"value", 0.25}, {"unit", std::string("1")}, {"details", std::string()}};
+  RecordedEvent undefined = figure;
+  undefined.values[0].second = std::string("other");
+  undefined.values[1].second = std::numeric_limits<double>::quiet_NaN();
+
+  trials.take(event("measure", 1, 1, 20));
+  trials.take(event("done", 1, 1, 99));
+  for (const RecordedEvent& told : {result, stray, figure, undefined}) trials.take(TimedEvent{.event = told});
+
+  ASSERT_EQ(trials.rows().size(), 1U);
+  EXPECT_EQ(trials.rows()[0].result, to_json(result));
+  ASSERT_EQ(trials.figures().size(), 1U);
+  EXPECT_EQ(trials.figures()[0].name, "rejected_share");
+  EXPECT_EQ(trials.figures()[0].value, 0.25);
 }
 
 }  // namespace

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/reach_reading.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "cli/table.h"
+#include "ctl/json.h"
+
+namespace dts::ctl {
+namespace {
+
+std::string number_text(double value, int decimals) { return std::isfinite(value) ? cli::decimal(value, decimals) : "-"; }
+
+std::string in_brackets(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "  [" : " ") + word;
+  return text.empty() ? text : text + "]";
+}
+
+/// "moderate trunk movement, p 0.97, trunk 25.2 deg (18.1 .. 32.4)"
+std::string judgement(const v1::TrunkMovement& movement) {
+  std::string text = class_word(movement.trunk_class()) + (movement.trunk_class() < 0 ? "" : " trunk movement");
+  if (movement.probability_size() > 0 && movement.trunk_class() > 0) {
+    text += ", p " + number_text(*std::ranges::max_element(movement.probability()), 2);
+  }
+  if (std::isfinite(movement.trunk_deg())) {
+    text += ", trunk " + number_text(movement.trunk_deg(), 1) + " deg (" + number_text(movement.trunk_lo_deg(), 1) + " .. " +
+            number_text(movement.trunk_hi_deg(), 1) + ")";
+  }
+  return text + in_brackets(bit_words(*v1::ClassReason_descriptor(), movement.reasons()));
+}
+
+}  // namespace
+
+std::string class_word(int trunk_class) {
+  switch (trunk_class) {
+    case 0: return "no";
+    case 1: return "minor";
+    case 2: return "moderate";
+    case 3: return "maximum";
+    default: return "rejected";
+  }
+}
+
+std::string reach_text(const v1::Reach& reach) {
+  std::string text = "reach " + std::to_string(reach.number()) + " " + enumerator_word(*v1::ReachStep_descriptor(), reach.step());
+  if (reach.step() == v1::REACH_STEP_CANCELLED) return text;
+  text += ": P1 " + number_text(reach.p1().value_mm(), 2) + "  P2 " + number_text(reach.p2().value_mm(), 2) + "  P3 " +
+          number_text(reach.p3().value_mm(), 2) + " mm";
+  return text + in_brackets(bit_words(*v1::ReachFlag_descriptor(), reach.flags()));
+}
+
+std::string movement_text(const v1::TrunkMovement& movement) {
+  return "reach " + std::to_string(movement.number()) + ": " + judgement(movement);
+}
+
+std::string trial_result_text(const v1::TrialResult& result) {
+  const std::string trial = "result of trial " + std::to_string(result.trial()) + " (" + result.condition() + "): ";
+  if (!result.has_movement()) return trial + (result.has_reach() ? "a reach, not classified" : "no reach found");
+  const bool is_comparable = result.expected_class() >= 0 && result.movement().trunk_class() >= 0;
+  const bool agrees = result.expected_class() == result.movement().trunk_class();
+  const std::string expected = !is_comparable ? ""
+                               : agrees       ? "; as the target takes"
+                                              : "; the target takes " + class_word(result.expected_class());
+  return trial + judgement(result.movement()) + expected;
+}
+
+}  // namespace dts::ctl

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "dts/v1/stream.pb.h"
+
+namespace dts::ctl {
+
+/// "reach 3 final: P1 3.35  P2 2.87  P3 4.80 mm  [resumed]"
+[[nodiscard]] std::string reach_text(const dts::v1::Reach& reach);
+/// "reach 3: moderate trunk movement, p 0.97, trunk 25.2 deg (18.1 .. 32.4)  [calibrated]"
+[[nodiscard]] std::string movement_text(const dts::v1::TrunkMovement& movement);
+/// "result of trial 4 (150): moderate trunk movement ..., as expected"
+[[nodiscard]] std::string trial_result_text(const dts::v1::TrialResult& result);
+/// "moderate": what the numbers of the classes mean.
+[[nodiscard]] std::string class_word(int trunk_class);
+
+}  // namespace dts::ctl

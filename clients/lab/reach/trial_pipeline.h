@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/rate.h"
+#include "core/reach.h"
+#include "core/result.h"
+#include "physics/rig_model.h"
+#include "pipeline/pipeline.h"
+
+namespace dts::lab::reach {
+
+/// What the chair's stages make of one recording.
+struct Watched {
+  std::vector<core::ReachEvent> events;
+  std::vector<std::pair<double, double>> transient;  ///< s, mm; where it is known.
+};
+
+/// The daemon's own stages (guard, linearise, transient, reach) for recordings of one chair at one rate.
+class TrialPipeline {
+ public:
+  /// `rig` outlives it.
+  [[nodiscard]] static core::Result<std::unique_ptr<TrialPipeline>> create(const physics::RigModel& rig, const core::Rate& rate);
+  /// Each recording is a segment of its own: nothing is known of earlier ones.
+  [[nodiscard]] Watched watch(std::span<const std::array<double, 4>> volts);
+
+ private:
+  TrialPipeline() = default;
+  void process(std::span<const std::array<double, 4>> volts, Watched& watched);
+
+  core::Rate rate_;
+  pipeline::Tare tare_;
+  std::unique_ptr<pipeline::Pipeline> pipeline_;
+  core::Frame frame_;
+  core::Acquired acquired_;
+  std::uint32_t segment_ = 0;
+  std::uint64_t next_scan_ = 0;
+  std::size_t transient_ = 0;  ///< Which stream.
+};
+
+}  // namespace dts::lab::reach

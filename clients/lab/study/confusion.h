@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+
+#include "core/reach.h"
+
+namespace dts::lab::study {
+
+/// What reaches of a known class were taken for.
+class Confusion {
+ public:
+  /// Columns: rejected or no reach found, none, minor, moderate, maximum.
+  static constexpr std::size_t kAnswers = 5;
+  static constexpr std::size_t kWanted = 4;  ///< Rows: none, minor, moderate, maximum.
+
+  void add(core::TrunkClass wanted, core::TrunkClass answer) noexcept;
+  void add(const Confusion& other) noexcept;
+
+  [[nodiscard]] std::size_t count(core::TrunkClass wanted, core::TrunkClass answer) const noexcept;
+  [[nodiscard]] std::size_t of(core::TrunkClass wanted) const noexcept;
+  [[nodiscard]] std::size_t correct(core::TrunkClass wanted) const noexcept { return count(wanted, wanted); }
+  [[nodiscard]] std::size_t correct() const noexcept;
+  [[nodiscard]] std::size_t total() const noexcept;
+  /// Without the reaches of the arm alone, which the thesis's networks know nothing of.
+  [[nodiscard]] Confusion of_trunk() const noexcept;
+  /// That got an answer.
+  [[nodiscard]] std::size_t kept() const noexcept;
+  /// Correct part; NaN of none.
+  [[nodiscard]] double accuracy() const noexcept;
+  [[nodiscard]] double kept_share() const noexcept;
+  [[nodiscard]] double kept_accuracy() const noexcept;
+
+ private:
+  std::array<std::array<std::size_t, kAnswers>, kWanted> counts_{};
+};
+
+}  // namespace dts::lab::study

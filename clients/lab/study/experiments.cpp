@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/study/experiments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "classifier/trunk_model.h"
+#include "classifier/trunk_model_parts.h"
+#include "lab/study/left_out.h"
+#include "lab/training/model_fit.h"
+#include "lab/training/model_training.h"
+#include "lab/training/simulated_people.h"
+
+namespace dts::lab::study {
+namespace {
+
+using core::TrunkClass;
+
+/// Correlation coefficient of pairs.
+class Correlation {
+ public:
+  void add(double x, double y) noexcept {
+    ++count_;
+    const double off_x = x - mean_x_;
+    const double off_y = y - mean_y_;
+    mean_x_ += off_x / static_cast<double>(count_);
+    mean_y_ += off_y / static_cast<double>(count_);
+    xx_ += off_x * (x - mean_x_);
+    yy_ += off_y * (y - mean_y_);
+    xy_ += off_x * (y - mean_y_);
+  }
+  [[nodiscard]] double value() const noexcept { return xx_ > 0.0 && yy_ > 0.0 ? xy_ / std::sqrt(xx_ * yy_) : kUnknown; }
+
+ private:
+  std::size_t count_ = 0;
+  double mean_x_ = 0.0;
+  double mean_y_ = 0.0;
+  double xx_ = 0.0;
+  double yy_ = 0.0;
+  double xy_ = 0.0;
+};
+
+/// Thesis Fig. 5.8: outputs against targets, all three outputs of all reaches.
+double regression_r(const classifier::TrunkModel& model, const training::TrainingSet& set) {
+  const classifier::Ensemble& ensemble = model.form().general;
+  Correlation correlation;
+  for (const training::TrainingReach& reach : set.reaches) {
+    if (!training::is_usable(reach) || reach.wanted < TrunkClass::Minor) continue;
+    const auto scaled = classifier::scale(ensemble.inputs, reach.features, nullptr, false);
+    if (!scaled.is_known) continue;
+    const auto outputs = ensemble.networks.front().outputs(std::span(scaled.values).first(ensemble.inputs.size()));
+    for (std::size_t k = 0; k < outputs.size(); ++k) {
+      correlation.add(static_cast<std::size_t>(reach.wanted) == k + 1 ? 1.0 : 0.0, outputs[k]);
+    }
+  }
+  return correlation.value();
+}
+
+std::size_t of_trunk(const training::TrainingSet& set) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      set.reaches, [](const auto& reach) { return training::is_usable(reach) && reach.wanted >= TrunkClass::Minor; }));
+}
+
+/// A reach that was not found counts as rejected; the thesis has none, since the points were checked by eye (5.3.3).
+std::vector<Confusion> judge(const classifier::TrunkModel& model, const StudyGroup& group) {
+  std::vector<Confusion> answers(group.volunteers.size());
+  for (const StudyReach& one : group.reaches) {
+    if (one.wanted == TrunkClass::None) continue;
+    const auto answer = one.reach ? model.best_guess(one.reach->features, one.reach->flags).trunk_class : TrunkClass::Rejected;
+    answers[one.volunteer].add(one.wanted, answer);
+  }
+  return answers;
+}
+
+struct People {
+  StudyGroup teachers;
+  StudyGroup healthy;
+  StudyGroup stroke;
+};
+
+core::Result<NetworkResult> teach(const StudyGroup& lessons, const People& people, std::uint64_t seed) {
+  const training::TrainingSet set = training_set({&lessons});
+  auto form = training::fit_model(set, {.kind = classifier::ModelKind::Raw5, .networks = 1, .seed = seed});
+  if (!form) return tl::make_unexpected(form.error());
+  const auto model = classifier::TrunkModel::create(std::move(*form));
+  if (!model) return tl::make_unexpected(model.error());
+  return NetworkResult{.trained_on = of_trunk(set),
+                       .own_r = regression_r(*model, set),
+                       .teachers = judge(*model, people.teachers),
+                       .healthy = judge(*model, people.healthy),
+                       .stroke = judge(*model, people.stroke)};
+}
+
+core::Result<People> draw_people(const StudyOptions& options, std::uint64_t seed, const Progress& progress) {
+  const Targets targets = options.has_recommended ? Targets::All : Targets::BeyondReach;
+  People people;
+  auto of_teachers = natural_reaches(teachers(), targets, seed, [&](double done) { progress(0.15 * done); });
+  if (!of_teachers) return tl::make_unexpected(of_teachers.error());
+  people.teachers = std::move(*of_teachers);
+  if (options.has_healthy) {
+    auto of_healthy = natural_reaches(healthy(), targets, seed, [&](double done) { progress(0.15 + 0.7 * done); });
+    if (!of_healthy) return tl::make_unexpected(of_healthy.error());
+    people.healthy = std::move(*of_healthy);
+  }
+  if (options.has_stroke) {
+    auto of_stroke = boundary_reaches(stroke(), seed, [&](double done) { progress(0.85 + 0.15 * done); });
+    if (!of_stroke) return tl::make_unexpected(of_stroke.error());
+    people.stroke = std::move(*of_stroke);
+  }
+  return people;
+}
+
+struct Lessons {
+  StudyGroup one_pace;
+  StudyGroup four_paces;
+  std::optional<classifier::TrunkModel> invented;
+};
+
+/// The model that dtsd ships is made like this, so that these figures are what to expect of it.
+core::Result<classifier::TrunkModel> model_of_invented_people() {
+  const auto set = training::simulated_people(kInventedPeople, kInventedTrials, 1, [](double) {});
+  if (!set) return tl::make_unexpected(set.error());
+  return training::train_model(*set, {.seed = 1}, [](double) {});
+}
+
+core::Result<Lessons> make_lessons(const StudyOptions& options) {
+  auto one_pace = ideal_reaches(teachers(), kThesisPaces, kIdealRepetitions);
+  if (!one_pace) return tl::make_unexpected(one_pace.error());
+  auto four_paces = ideal_reaches(teachers(), kPaces, kIdealRepetitions);
+  if (!four_paces) return tl::make_unexpected(four_paces.error());
+  Lessons lessons{.one_pace = std::move(*one_pace), .four_paces = std::move(*four_paces), .invented = {}};
+  if (!options.has_recommended) return lessons;
+  auto model = model_of_invented_people();
+  if (!model) return tl::make_unexpected(model.error());
+  lessons.invented = std::move(*model);
+  return lessons;
+}
+
+core::Result<Draw> run_draw(const Lessons& lessons, const StudyOptions& options, std::uint64_t seed, const Progress& progress) {
+  const auto people = draw_people(options, seed, [&](double done) { progress(0.5 * done); });
+  if (!people) return tl::make_unexpected(people.error());
+  Draw draw{.seed = seed};
+  for (const auto& [lesson, result] : {std::pair(&people->teachers, &draw.nn1), std::pair(&lessons.one_pace, &draw.nn2_one_pace),
+                                       std::pair(&lessons.four_paces, &draw.nn2)}) {
+    auto taught = teach(*lesson, *people, seed);
+    if (!taught) return tl::make_unexpected(taught.error());
+    *result = std::move(*taught);
+  }
+  if (!options.has_recommended || !options.has_healthy) return draw;
+  auto left_out = judge_volunteers_left_out({&people->teachers, &people->healthy}, seed, [&](double done) { progress(0.5 + 0.5 * done); });
+  if (!left_out) return tl::make_unexpected(left_out.error());
+  draw.recommended = std::move(*left_out);
+  draw.invented = judge_by_model(*lessons.invented, {&people->teachers, &people->healthy});
+  return draw;
+}
+
+}  // namespace
+
+core::Result<std::vector<Draw>> run_study(const StudyOptions& options, const Progress& progress) {
+  const auto lessons = make_lessons(options);
+  if (!lessons) return tl::make_unexpected(lessons.error());
+  std::vector<Draw> draws;
+  for (std::size_t k = 0; k < options.draws; ++k) {
+    const auto part = [&](double done) { progress((static_cast<double>(k) + done) / static_cast<double>(options.draws)); };
+    auto draw = run_draw(*lessons, options, options.seed + k, part);
+    if (!draw) return tl::make_unexpected(draw.error());
+    draws.push_back(std::move(*draw));
+  }
+  return draws;
+}
+
+Confusion sum(const std::vector<Confusion>& all) {
+  Confusion total;
+  for (const Confusion& one : all) total.add(one);
+  return total;
+}
+
+const Draw& middle_draw(const std::vector<Draw>& draws) {
+  const auto right = [](const Draw* draw) {
+    std::size_t correct = 0;
+    for (const NetworkResult* network : {&draw->nn1, &draw->nn2}) {
+      correct += sum(network->teachers).correct() + sum(network->healthy).correct() + sum(network->stroke).correct();
+    }
+    return correct;
+  };
+  std::vector<const Draw*> order;
+  for (const Draw& draw : draws) order.push_back(&draw);
+  std::ranges::stable_sort(order, {}, right);
+  return *order[order.size() / 2];
+}
+
+}  // namespace dts::lab::study

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/study/left_out.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "classifier/trunk_model_parts.h"
+#include "lab/training/fits.h"
+#include "lab/training/model_training.h"
+
+namespace dts::lab::study {
+namespace {
+
+using classifier::kClasses;
+using core::TrunkClass;
+using training::LeftOutReach;
+
+constexpr double kIntervalPart = 0.9;
+constexpr double kRejectBelow = 0.9;
+/// Unsure and disagreeing is judged anew, with temperature and interval.
+constexpr std::uint16_t kRejecting = core::class_reason::kOutOfRange | core::class_reason::kBadReach;
+
+double off_deg(const AngleError& error) { return std::abs(error.estimated_deg - error.true_deg); }
+
+double rms_deg(const std::vector<AngleError>& errors) {
+  double squares = 0.0;
+  for (const AngleError& error : errors) squares += off_deg(error) * off_deg(error);
+  return errors.empty() ? kUnknown : std::sqrt(squares / static_cast<double>(errors.size()));
+}
+
+/// Half widths by the class of the estimated angle, without one volunteer.
+std::array<double, kClasses> widths_without(const std::vector<AngleError>& errors, std::size_t volunteer) {
+  std::array<std::vector<double>, kClasses> off;
+  for (const AngleError& error : errors) {
+    if (error.volunteer != volunteer) off[classifier::class_index(error.estimated_deg)].push_back(off_deg(error));
+  }
+  std::array<double, kClasses> widths{};
+  for (std::size_t k = 0; k < kClasses; ++k) {
+    widths[k] = off[k].empty() ? 0.0 : training::conformal_quantile(std::move(off[k]), kIntervalPart);
+  }
+  return widths;
+}
+
+/// A judgement that is to be tempered, and rejected or not, by what is known of the other volunteers only.
+struct Judged {
+  const training::TrainingReach* reach = nullptr;
+  core::TrunkMovement movement;
+};
+
+double temperature_without(const std::vector<Judged>& judged, std::size_t volunteer) {
+  std::vector<training::Forecast> forecasts;
+  for (const auto& [reach, movement] : judged) {
+    const bool is_others = reach->subject != volunteer && reach->wanted >= TrunkClass::Minor;
+    if (is_others) forecasts.push_back({movement.probability, static_cast<std::size_t>(reach->wanted) - 1});
+  }
+  return forecasts.empty() ? 1.0 : training::fit_temperature(forecasts);
+}
+
+void temper(core::TrunkMovement& movement, double temperature) {
+  double total = 0.0;
+  for (double& value : movement.probability) total += value = std::pow(value, 1.0 / temperature);
+  for (double& value : movement.probability) value /= total;
+}
+
+TrunkClass true_class(double flexion_deg) {
+  return flexion_deg > 0.0 ? static_cast<TrunkClass>(classifier::class_index(flexion_deg) + 1) : TrunkClass::None;
+}
+
+/// As TrunkModel::classify, with the interval that the other volunteers' errors make.
+bool is_kept(const core::TrunkMovement& movement, const std::array<double, kClasses>& widths) {
+  if ((movement.reasons & kRejecting) != 0 || std::ranges::max(movement.probability) < kRejectBelow) return false;
+  if (!std::isfinite(movement.trunk_deg)) return true;
+  const auto guess = static_cast<std::size_t>(std::max(1, static_cast<int>(movement.trunk_class)) - 1);
+  const double width_deg = widths[classifier::class_index(movement.trunk_deg)];
+  return classifier::class_index(movement.trunk_deg - width_deg) <= guess &&
+         classifier::class_index(movement.trunk_deg + width_deg) >= guess;
+}
+
+std::vector<AngleError> errors_of(const std::vector<Judged>& judged) {
+  std::vector<AngleError> errors;
+  for (const auto& [reach, movement] : judged) {
+    const bool counts = reach->wanted >= TrunkClass::Minor && std::isfinite(movement.trunk_deg);
+    if (counts) errors.push_back({reach->subject, movement.trunk_deg, reach->flexion_deg});
+  }
+  return errors;
+}
+
+LeftOutFigures figures_of(const training::TrainingSet& set, const std::vector<LeftOutReach>& left_out,
+                          core::TrunkMovement LeftOutReach::*view) {
+  std::vector<Judged> judged;
+  for (const LeftOutReach& one : left_out) judged.push_back({&set.reaches[one.reach], one.*view});
+  const std::vector<AngleError> errors = errors_of(judged);
+  LeftOutFigures figures{.answers = std::vector<Confusion>(set.subjects.size())};
+  std::vector<training::Forecast> forecasts;
+  for (std::size_t volunteer = 0; volunteer < set.subjects.size(); ++volunteer) {
+    const double temperature = temperature_without(judged, volunteer);
+    const auto widths = widths_without(errors, volunteer);
+    for (auto [reach, movement] : judged) {
+      if (reach->subject != volunteer) continue;
+      figures.answers[volunteer].add(reach->wanted, movement.trunk_class);
+      temper(movement, temperature);
+      const TrunkClass answer = is_kept(movement, widths) ? movement.trunk_class : TrunkClass::Rejected;
+      figures.kept.add(reach->wanted, answer);
+      if (reach->wanted < TrunkClass::Minor) continue;
+      figures.kept_by_angle.add(true_class(reach->flexion_deg), answer);
+      forecasts.push_back({movement.probability, static_cast<std::size_t>(reach->wanted) - 1});
+    }
+  }
+  figures.calibration_error = forecasts.empty() ? kUnknown : training::calibration_error(forecasts);
+  figures.angle_rms_deg = rms_deg(errors);
+  figures.angle_coverage = coverage_left_out(errors, set.subjects.size());
+  return figures;
+}
+
+/// Nobody's reach is lost: what was not found, or is unfit, was not judged and counts as rejected.
+void add_unjudged(const std::vector<const StudyGroup*>& groups, LeftOutFigures& figures) {
+  std::size_t first = 0;
+  for (const StudyGroup* group : groups) {
+    for (const StudyReach& one : group->reaches) {
+      const bool is_unfit = !one.reach || !training::is_usable({.subject = first + one.volunteer,
+                                                                .features = one.reach->features,
+                                                                .flags = one.reach->flags,
+                                                                .wanted = one.wanted,
+                                                                .flexion_deg = one.flexion_deg});
+      if (!is_unfit) continue;
+      figures.answers[first + one.volunteer].add(one.wanted, TrunkClass::Rejected);
+      figures.kept.add(one.wanted, TrunkClass::Rejected);
+    }
+    first += group->volunteers.size();
+  }
+}
+
+}  // namespace
+
+double coverage_left_out(const std::vector<AngleError>& errors, std::size_t volunteers) {
+  if (volunteers < 2 || errors.empty()) return kUnknown;
+  std::size_t covered = 0;
+  for (std::size_t volunteer = 0; volunteer < volunteers; ++volunteer) {
+    const auto widths = widths_without(errors, volunteer);
+    covered += static_cast<std::size_t>(std::ranges::count_if(errors, [&](const AngleError& error) {
+      return error.volunteer == volunteer && off_deg(error) <= widths[classifier::class_index(error.estimated_deg)];
+    }));
+  }
+  return static_cast<double>(covered) / static_cast<double>(errors.size());
+}
+
+core::Result<RecommendedResult> judge_volunteers_left_out(const std::vector<const StudyGroup*>& groups, std::uint64_t seed,
+                                                          const Progress& progress) {
+  const training::TrainingSet set = training_set(groups);
+  const auto judged = training::judge_left_out(set, {.seed = seed}, progress);
+  if (!judged) return tl::make_unexpected(judged.error());
+  RecommendedResult result{.general = figures_of(set, *judged, &LeftOutReach::general),
+                           .own = figures_of(set, *judged, &LeftOutReach::own)};
+  for (const training::TrainingSubject& subject : set.subjects) result.names.push_back(subject.name);
+  add_unjudged(groups, result.general);
+  add_unjudged(groups, result.own);
+  return result;
+}
+
+}  // namespace dts::lab::study

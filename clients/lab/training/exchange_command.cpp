@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+#include <string>
+#include <utility>
+
+#include "cli/exit_status.h"
+#include "files/trunk_model_file.h"
+#include "files/whole_file.h"
+#include "lab/problems.h"
+#include "lab/training/onnx_file.h"
+#include "lab/training/training_commands.h"
+
+namespace dts::lab::training {
+namespace {
+
+/// The model that `like` becomes with networks trained elsewhere.
+core::Result<classifier::TrunkModel> with_networks(const classifier::TrunkModel& like, ForeignNetworks foreign, const std::string& file) {
+  classifier::TrunkModelForm form = like.form();
+  const std::size_t hidden = form.general.networks.front().hidden_count();
+  for (const classifier::Network& network : foreign.networks) {
+    if (network.input_count() == form.general.inputs.size() && network.hidden_count() == hidden) continue;
+    return core::fail(core::ErrorCode::InvalidArgument,
+                      file + ": a network is " + std::to_string(network.input_count()) + "-" + std::to_string(network.hidden_count()) +
+                          "-3, the model's are " + std::to_string(form.general.inputs.size()) + "-" + std::to_string(hidden) + "-3",
+                      "a network of the same shape");
+  }
+  if (!foreign.inputs.empty()) {
+    for (std::size_t k = 0; k < foreign.inputs.size(); ++k) {
+      if (foreign.inputs[k].feature == form.general.inputs[k].feature) continue;
+      return core::fail(core::ErrorCode::InvalidArgument, file + ": input " + std::to_string(k + 1) + " is not the model's",
+                        "the features of the model, in its order");
+    }
+    form.general.inputs = std::move(foreign.inputs);
+  }
+  form.general.networks = std::move(foreign.networks);
+  // What was measured of the old networks does not hold for these; the validation accuracy stays as the model's own claim of its task.
+  const double validation_accuracy = form.figures.validation_accuracy;
+  form.figures = {.validation_accuracy = validation_accuracy};
+  form.facts.software = ("networks imported from " + std::filesystem::path(file).filename().string()).substr(0, 150);
+  return classifier::TrunkModel::create(std::move(form));
+}
+
+}  // namespace
+
+int run_reach_export(const Arguments& arguments, cli::Console& console) {
+  files::Problems problems;
+  const auto model = files::load_trunk_model(arguments.model, problems);
+  if (!model) return report_problems(console, problems);
+  const auto written = files::write_whole_file(arguments.out, onnx_text(*model));
+  return written ? cli::kOk : fail_with(console, written.error());
+}
+
+int run_reach_import(const Arguments& arguments, cli::Console& console) {
+  files::Problems problems;
+  const auto like = files::load_trunk_model(arguments.model, problems);
+  if (!like) return report_problems(console, problems);
+  const bool is_json = std::filesystem::path(arguments.first).extension() == ".json";
+  auto foreign = is_json ? read_network_json(arguments.first) : read_onnx(arguments.first);
+  if (!foreign) return fail_with(console, foreign.error());
+  const auto model = with_networks(*like, std::move(*foreign), arguments.first);
+  if (!model) return fail_with(console, model.error());
+  if (const auto saved = files::save_trunk_model(arguments.out, *model); !saved) return fail_with(console, saved.error());
+  warn(console, "the figures of " + arguments.out + " are not measured: try it on trials before use");
+  return cli::kOk;
+}
+
+}  // namespace dts::lab::training

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "classifier/trunk_model.h"
+#include "core/result.h"
+#include "lab/training/fits.h"
+#include "lab/training/model_fit.h"
+#include "lab/training/training_set.h"
+
+namespace dts::lab::training {
+
+/// A reach judged by a model that never saw its subject.
+struct LeftOutReach {
+  std::size_t reach = 0;  ///< Index into TrainingSet::reaches.
+  core::TrunkMovement general;
+  core::TrunkMovement own;  ///< By the subject's first three maximum reaches; as `general` when these do not serve.
+  bool has_own = false;
+  double arm_alone = core::ReachFeatures::kUnknown;  ///< Probability that the trunk did not move.
+};
+
+/// The honest figure: each person by a model of all others (reach-model section 6). Subjects whose fold cannot be trained fail it all.
+[[nodiscard]] core::Result<std::vector<LeftOutReach>> judge_left_out(const TrainingSet& set, const ModelOptions& options,
+                                                                     const std::function<void(double)>& progress);
+
+/// Trains a model: fits it, then sets temperatures, intervals and figures from people left out. Figures are of the recorded people when
+/// there are at least two of these, those of the angle of the simulated ones if any. Fails when the networks do not learn their task (then
+/// nobody gets a model that guesses).
+[[nodiscard]] core::Result<classifier::TrunkModel> train_model(const TrainingSet& set, const ModelOptions& options,
+                                                               const std::function<void(double)>& progress);
+
+}  // namespace dts::lab::training

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/training/small_file.h"
+
+#include <filesystem>
+#include <fstream>
+
+namespace dts::lab::training {
+
+core::Result<std::string> read_small_file(const std::string& file) {
+  constexpr std::size_t kMostBytes = std::size_t{16} << 20U;
+  std::error_code unknown;
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream || std::filesystem::is_directory(file, unknown)) {
+    return core::fail(core::ErrorCode::InvalidArgument, file + " cannot be read", "a file that exists");
+  }
+  std::string text(kMostBytes + 1, '\0');
+  stream.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(stream.gcount()));
+  if (text.size() <= kMostBytes) return text;
+  return core::fail(core::ErrorCode::InvalidArgument, file + " is larger than 16 MiB: that is no network of this kind", "another file");
+}
+
+}  // namespace dts::lab::training

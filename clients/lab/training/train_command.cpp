@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "cli/exit_status.h"
+#include "cli/json.h"
+#include "cli/progress.h"
+#include "cli/table.h"
+#include "files/trunk_model_file.h"
+#include "lab/problems.h"
+#include "lab/reach/trial_set.h"
+#include "lab/training/gather.h"
+#include "lab/training/model_training.h"
+#include "lab/training/simulated_people.h"
+#include "lab/training/training_commands.h"
+
+namespace dts::lab::training {
+namespace {
+
+using classifier::ModelFigures;
+using classifier::TrunkModelForm;
+
+struct Figure {
+  const char* key;
+  const char* text;
+  double ModelFigures::*member;
+};
+
+constexpr Figure kFigures[] = {
+    {"validation_accuracy", "right, same people", &ModelFigures::validation_accuracy},
+    {"left_out_accuracy", "right, people left out", &ModelFigures::left_out_accuracy},
+    {"left_out_own_accuracy", "right by own scale, left out", &ModelFigures::left_out_own_accuracy},
+    {"left_out_kept", "kept, left out", &ModelFigures::left_out_kept},
+    {"left_out_kept_accuracy", "right of the kept, left out", &ModelFigures::left_out_kept_accuracy},
+    {"left_out_angle_rms_deg", "angle, rms deg, left out", &ModelFigures::left_out_angle_rms_deg},
+    {"left_out_angle_coverage", "90 % intervals that hold, left out", &ModelFigures::left_out_angle_coverage},
+    {"expected_calibration_error", "error of the probabilities, left out", &ModelFigures::expected_calibration_error},
+};
+
+cli::Json to_json(const TrunkModelForm& form, const std::string& file) {
+  cli::Json json{{"file", file},
+                 {"kind", form.kind == classifier::ModelKind::Raw5 ? "raw5" : "recommended"},
+                 {"networks", form.general.networks.size()},
+                 {"subjects", form.facts.subjects},
+                 {"simulated_subjects", form.facts.simulated_subjects},
+                 {"trials", form.facts.trials},
+                 {"seed", form.facts.seed},
+                 {"data_sha256", form.facts.data_sha256}};
+  json["figures"] = cli::Json::object();
+  for (const Figure& figure : kFigures) cli::set_number(json["figures"], figure.key, form.figures.*figure.member);
+  return json;
+}
+
+void print_model(const TrunkModelForm& form, const Arguments& arguments, cli::Console& console) {
+  if (arguments.is_json) {
+    console.out << cli::document(to_json(form, arguments.out));
+    return;
+  }
+  cli::Table table({"FIGURE", ">VALUE"});
+  table.add({{"reaches"}, {std::to_string(form.facts.trials)}});
+  table.add({{"people"}, {std::to_string(form.facts.subjects.size())}});
+  if (form.facts.simulated_subjects > 0) table.add({{"simulated people"}, {std::to_string(form.facts.simulated_subjects)}});
+  for (const Figure& figure : kFigures) {
+    const double value = form.figures.*figure.member;
+    if (std::isfinite(value)) table.add({{figure.text}, {cli::decimal(value, 3)}});
+  }
+  table.print(console);
+  cli::print_hint(console, "use it: dtslab reach classify " + arguments.out + " DIR --out PRED.csv");
+}
+
+// Enough that another draw of as many changes the figures of people left out by less than their own spread.
+constexpr std::size_t kSimulatedPeople = 60;
+constexpr int kSimulatedTrials = 10;  ///< To each target.
+
+core::Result<TrainingSet> recorded(const Arguments& arguments, files::Problems& problems, cli::Console& console) {
+  const auto set = reach::read_trial_set(arguments.folder, problems);
+  if (!problems.empty()) return TrainingSet{};
+  cli::Progress progress(console, "finding reaches");
+  return gather(set, reach::find_reaches(set, [&](double part) { progress.report(part); }), arguments.subjects);
+}
+
+/// The recommended model learns from simulated people too: four recorded ones do not show how people differ.
+bool is_simulating(const Arguments& arguments) {
+  return arguments.has_simulated_people || (arguments.net != "raw5" && !arguments.is_recorded_only);
+}
+
+core::Result<TrainingSet> training_set(const Arguments& arguments, files::Problems& problems, cli::Console& console) {
+  if (arguments.folder.empty() && !arguments.has_simulated_people) {
+    return core::fail(core::ErrorCode::InvalidArgument, "there is nothing to train on", "a folder of trials, or --simulated");
+  }
+  core::Result<TrainingSet> set = arguments.folder.empty() ? TrainingSet{} : recorded(arguments, problems, console);
+  if (!set || !problems.empty() || !is_simulating(arguments)) return set;
+  cli::Progress progress(console, "simulating people");
+  const auto simulated = simulated_people(kSimulatedPeople, kSimulatedTrials, arguments.seed, [&](double part) { progress.report(part); });
+  if (!simulated) return tl::make_unexpected(simulated.error());
+  return joined(std::move(*set), *simulated);
+}
+
+}  // namespace
+
+int run_reach_train(const Arguments& arguments, cli::Console& console) {
+  files::Problems problems;
+  const auto set = training_set(arguments, problems, console);
+  if (!problems.empty()) return report_problems(console, problems);
+  if (!set) return fail_with(console, set.error());
+  const ModelOptions options{.kind = arguments.net == "raw5" ? classifier::ModelKind::Raw5 : classifier::ModelKind::Recommended,
+                             .seed = arguments.seed};
+  core::Result<classifier::TrunkModel> model = [&] {
+    cli::Progress progress(console, "training");
+    return train_model(*set, options, [&](double part) { progress.report(part); });
+  }();
+  if (!model) return fail_with(console, model.error());
+  if (const auto saved = files::save_trunk_model(arguments.out, *model); !saved) return fail_with(console, saved.error());
+  print_model(model->form(), arguments, console);
+  return cli::kOk;
+}
+
+}  // namespace dts::lab::training

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "classifier/trunk_model_form.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace dts::classifier {
+namespace {
+
+core::Status wrong(const std::string& what) {
+  return core::fail(core::ErrorCode::InvalidArgument, "trunk model: " + what, "a model that dtslab reach train wrote, unchanged");
+}
+
+bool are_finite(std::span<const double> values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
+}
+
+core::Status check_inputs(const std::string& part, const std::vector<FeatureRange>& inputs, bool may_be_own) {
+  if (inputs.empty() || inputs.size() > Network::kMaxInputs) return wrong(part + " has " + std::to_string(inputs.size()) + " features");
+  for (const auto& [feature, minimum, maximum] : inputs) {
+    const std::string name(name_of(feature));
+    if (!std::isfinite(minimum) || !std::isfinite(maximum) || !(minimum < maximum))
+      return wrong(part + ": the range of " + name + " is empty");
+    if (is_own(feature) && !may_be_own) return wrong(part + " cannot know " + name);
+    const auto same = [&feature = feature](const FeatureRange& other) { return other.feature == feature; };
+    if (std::count_if(inputs.begin(), inputs.end(), same) > 1) return wrong(part + " has " + name + " twice");
+  }
+  return {};
+}
+
+core::Status check_ensemble(const std::string& part, const Ensemble& ensemble, bool is_of_own) {
+  if (auto status = check_inputs(part, ensemble.inputs, is_of_own); !status) return status;
+  if (ensemble.networks.empty() || ensemble.networks.size() > Ensemble::kMaxNetworks) {
+    return wrong(part + " has " + std::to_string(ensemble.networks.size()) + " networks");
+  }
+  for (const Network& network : ensemble.networks) {
+    if (network.input_count() != ensemble.inputs.size()) return wrong(part + ": a network has not as many inputs as there are features");
+  }
+  if (!(ensemble.temperature >= 0.05 && ensemble.temperature <= 20.0)) return wrong(part + ": the temperature is not in 0.05 to 20");
+  return {};
+}
+
+core::Status check_quadratic(const std::string& part, const Quadratic& quadratic, bool is_of_own) {
+  if (auto status = check_inputs(part, quadratic.inputs, is_of_own); !status) return status;
+  if (quadratic.coefficients.size() != Quadratic::term_count(quadratic.inputs.size()))
+    return wrong(part + " has a wrong count of coefficients");
+  return are_finite(quadratic.coefficients) ? core::Status{} : wrong(part + ": a coefficient is not finite");
+}
+
+core::Status check_angle(const std::string& part, const AngleModel& angle, bool is_of_own) {
+  if (auto status = check_quadratic(part, angle.sine, is_of_own); !status) return status;
+  for (const double residual_deg : angle.residual_deg) {
+    if (!(residual_deg > 0.0 && residual_deg <= 90.0)) return wrong(part + ": a residual is not in 0 to 90 degrees");
+  }
+  return {};
+}
+
+core::Status check_arm_alone(const ArmAloneRule& rule) {
+  if (auto status = check_quadratic("arm_alone", rule.logit, false); !status) return status;
+  if (!(rule.none_from > 0.5 && rule.none_from <= 1.0)) return wrong("arm_alone: none_from is not in 0.5 to 1");
+  return {};
+}
+
+core::Status check_raw5(const TrunkModelForm& form) {
+  constexpr std::array kRaw = {ReachFeature::D1, ReachFeature::D2, ReachFeature::P1, ReachFeature::P2, ReachFeature::P3};
+  const auto same = [](const FeatureRange& range, ReachFeature feature) { return range.feature == feature; };
+  if (!std::equal(form.general.inputs.begin(), form.general.inputs.end(), kRaw.begin(), kRaw.end(), same)) {
+    return wrong("raw5 looks at d1_mm, d2_mm, p1_mm, p2_mm, p3_mm");
+  }
+  if (form.general.networks.size() != 1) return wrong("raw5 is one network");
+  if (form.own || form.angle || form.own_angle || form.arm_alone) return wrong("raw5 is a network and nothing else");
+  return {};
+}
+
+}  // namespace
+
+core::Status check(const TrunkModelForm& form) {
+  if (form.kind != ModelKind::Raw5 && form.kind != ModelKind::Recommended) return wrong("unknown kind");
+  if (!(form.reject_below >= 0.0 && form.reject_below <= 1.0)) return wrong("reject_below is not in 0 to 1");
+  if (!(form.p1_minimum_mm > 0.0 && form.p1_minimum_mm < form.p1_maximum_mm && form.p1_maximum_mm < 1e3))
+    return wrong("the range of P1 is empty");
+  if (auto status = check_ensemble("general", form.general, false); !status) return status;
+  if (form.own) {
+    if (auto status = check_ensemble("own", *form.own, true); !status) return status;
+  }
+  if (form.angle) {
+    if (auto status = check_angle("angle", *form.angle, false); !status) return status;
+  }
+  if (form.own_angle) {
+    if (auto status = check_angle("own_angle", *form.own_angle, true); !status) return status;
+  }
+  if (form.arm_alone) {
+    if (auto status = check_arm_alone(*form.arm_alone); !status) return status;
+  }
+  if (form.kind == ModelKind::Raw5) {
+    if (auto status = check_raw5(form); !status) return status;
+  }
+  if (!(form.figures.validation_accuracy >= TrunkModelForm::kLowestValidationAccuracy && form.figures.validation_accuracy <= 1.0)) {
+    return wrong("its validation accuracy is below " + std::to_string(TrunkModelForm::kLowestValidationAccuracy).substr(0, 3) +
+                 ": the training failed");
+  }
+  return {};
+}
+
+}  // namespace dts::classifier

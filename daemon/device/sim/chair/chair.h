@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+
+#include "core/result.h"
+#include "device/registry.h"
+#include "physics/body/seated_person.h"
+
+namespace dts::device::sim {
+
+/// `sim:chair`: a person who performs the reaching task on the chair of `context.rig`. Fails when an option is wrong or the rig's plate
+/// cannot be a seat.
+[[nodiscard]] core::Result<std::unique_ptr<Device>> create_chair(const DeviceUri& uri, const DeviceContext& context);
+
+/// The person that the options of a `sim:chair` URI describe, for those who want to know what it will do. Fails as `create_chair`.
+[[nodiscard]] core::Result<physics::SeatedPersonOptions> chair_person(const DeviceUri& uri, const physics::RigModel& rig);
+
+}  // namespace dts::device::sim

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device/sim/chair/chair_options.h"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include "core/block.h"
+#include "device/sim/option_checks.h"
+
+namespace dts::device::sim {
+namespace {
+
+using core::ErrorCode;
+using enum OptionKind;
+
+constexpr std::array kTable = {
+    UriOption{"seed", Integer, "1", 0, 4294967295.0, "", "Chooses habits, noise, gains and gaps; the same seed gives the same data."},
+    UriOption{"weight_kg", Number, "70", 10, 250, "", "Of the person."},
+    UriOption{"height_cm", Number, "175", 80, 230, "", "Of the person."},
+    UriOption{"arm_length_cm", Number, "68", 25, 110, "", "From the acromion to the third metacarpal head."},
+    UriOption{"max_reach_cm", Number, "125", 20, 220, "",
+              "From the acromion to the farthest target reached without lifting from the seat."},
+    UriOption{"group", Word, "healthy", 0, 0, "healthy|stroke", "After a stroke: slower, jerky, the trunk helps within the arm's reach."},
+    UriOption{"people_spread", Number, "1", 0, 1, "", "How much the habits of two seeds differ; 0: everybody is the same."},
+    UriOption{"reaches", Word, "auto", 0, 0, "auto|cued|none", "By itself until the first cue, on cues only, or never."},
+    UriOption{"pace_s", Number, "0", 0, 10, "", "Duration of one phase, there or back; 0: as it comes naturally."},
+    UriOption{"double_reach", Integer, "0", 0, 1, "", "1: every reach goes most of the way back and out again."},
+    UriOption{"sit_down_s", Number, "2.5", 0, 86400, "", "First touch; the chair is empty before, so that it can be tared."},
+    UriOption{"stand_up_s", Number, "never", 0, kNever, "", "Begins to leave, whatever it is doing."},
+    UriOption{"fidgets", Integer, "1", 0, 1, "", "1: now and then the person fidgets or shifts."},
+    UriOption{"back_rest", Integer, "1", 0, 1, "", "0: the person sits upright and leans on nothing."},
+    UriOption{"load_model", Word, "cop", 0, 0, "cop|thesis", "How the body loads the seat (reach-model section 4)."},
+    UriOption{"noise_mv", Number, "3", 0, 1000, "", "White noise of every converted channel, rms."},
+    UriOption{"bits", Integer, "16", 11, 16, "", "Resolution of the converter."},
+    UriOption{"range_v", Number, "5", 1, 10, "", "Range of the converter, to both sides of 0 V."},
+    UriOption{"clock_ppm", Number, "0", -1000, 1000, "", "Error of the device's clock; positive runs fast."},
+    UriOption{"gain_spread", Number, "0", 0, 0.5, "", "Sensor gains differ from 1 by up to this."},
+    UriOption{"gap_spread_mm", Number, "0.1", 0, 1, "", "Unloaded gaps differ from the nominal one by up to this."},
+    UriOption{"drift", Number, "0", 0, 20, "", "Sensor gains drift by up to this, percent in an hour."},
+    UriOption{"sensors", Integer, "0", 0, 32, "", "The first so many sensors of the rig; 0: all of them."},
+    UriOption{"aux", Word, "none", 0, 0, "none|emg", "Six channels as of surface electrodes on arm and back."},
+    UriOption{"truth", Integer, "1", 0, 1, "", "1: auxiliary channels true_trunk_deg, true_y_mm and true_load_n."},
+    UriOption{"dead", Numbers, "", 0, 31, "", "Sensors, counted from 0, that give 0 V."},
+    UriOption{"saturated", Numbers, "", 0, 31, "", "Sensors, counted from 0, at the end of the converter's range."},
+    UriOption{"sensor_fault_at_s", Number, "0", 0, 1e6, "", "From when they are dead or saturated."},
+    UriOption{"swapped", Text, "", 0, 0, "", "Two sensors, counted from 0, whose cables are exchanged: I:J."},
+    UriOption{"fault", Word, "none", 0, 0, "none|unplug|overrun|stuck|silence", "What goes wrong."},
+    UriOption{"fault_at_s", Number, "10", 0, 1e6, "", "Device time since start at which it goes wrong."},
+    UriOption{"fault_for_s", Number, "2", 0.001, 86400, "", "For how long."},
+    UriOption{"fault_channel", Integer, "0", 0, 31, "", "Channel that fault=stuck holds."},
+};
+
+constexpr std::array kDependencies = {
+    Dependency{"pace_s", "reaches", "auto|cued"},
+    Dependency{"double_reach", "reaches", "auto|cued"},
+    Dependency{"back_rest", "load_model", "cop"},
+    Dependency{"fault_channel", "fault", "stuck"},
+};
+
+constexpr double kMillivolt = 1e-3;
+constexpr std::size_t kTruthChannels = 3;
+
+physics::ReachMode reach_mode(const std::string& word) {
+  if (word == "cued") return physics::ReachMode::Cued;
+  return word == "none" ? physics::ReachMode::Never : physics::ReachMode::Auto;
+}
+
+physics::SeatedPersonOptions person(const UriOptions& options, std::uint64_t seed) {
+  physics::SeatedPersonOptions result;
+  result.person = {.weight_kg = options.number("weight_kg"),
+                   .height_cm = options.number("height_cm"),
+                   .arm_length_cm = options.number("arm_length_cm"),
+                   .max_reach_cm = options.number("max_reach_cm")};
+  const bool is_thesis = options.text("load_model") == "thesis";
+  const auto model = is_thesis ? physics::SeatLoadModel::Thesis : physics::SeatLoadModel::Cop;
+  result.habits = physics::natural_habits(result.person, options.text("group") == "healthy", model, seed, options.number("people_spread"));
+  if (options.number("pace_s") > 0.0) {
+    result.habits.phase_s = options.number("pace_s");
+    result.habits.phase_growth_per_deg = 0.0;
+  }
+  if (options.number("back_rest") == 0.0) result.habits.load.lean_back_deg = 0.0;
+  result.mode = reach_mode(options.text("reaches"));
+  result.has_fidgets = options.number("fidgets") == 1.0;
+  result.has_double_reaches = options.number("double_reach") == 1.0;
+  result.sit_down_s = options.number("sit_down_s");
+  result.stand_up_s = options.number("stand_up_s");
+  result.seed = seed;
+  return result;
+}
+
+/// Whole channel numbers below `sensors`.
+core::Result<std::vector<std::size_t>> channel_list(const DeviceUri& uri, const UriOptions& options, const std::string& name,
+                                                    std::size_t sensors) {
+  std::vector<std::size_t> channels;
+  if (!options.is_given(name)) return channels;
+  for (const double number : options.numbers(name)) {
+    if (number != std::floor(number) || number >= static_cast<double>(sensors)) {
+      return refuse(uri, ErrorCode::InvalidArgument, name + " takes whole numbers 0 .. " + std::to_string(sensors - 1));
+    }
+    channels.push_back(static_cast<std::size_t>(number));
+  }
+  return channels;
+}
+
+core::Result<std::pair<std::size_t, std::size_t>> channel_pair(const DeviceUri& uri, const std::string& text, std::size_t sensors) {
+  std::pair<std::size_t, std::size_t> pair;
+  const char* const end = text.data() + text.size();
+  const auto first = std::from_chars(text.data(), end, pair.first);
+  const bool has_colon = first.ec == std::errc() && first.ptr != end && *first.ptr == ':';
+  const auto second = has_colon ? std::from_chars(first.ptr + 1, end, pair.second) : first;
+  const bool is_pair = has_colon && second.ec == std::errc() && second.ptr == end;
+  if (is_pair && pair.first < sensors && pair.second < sensors && pair.first != pair.second) return pair;
+  return refuse(uri, ErrorCode::InvalidArgument,
+                "swapped = " + text + "; it takes two different sensors I:J, 0 .. " + std::to_string(sensors - 1));
+}
+
+core::Result<SensorFaults> sensor_faults(const DeviceUri& uri, const UriOptions& options, std::size_t sensors) {
+  SensorFaults faults{.from_s = options.number("sensor_fault_at_s")};
+  for (const auto& [name, list] : {std::pair{"dead", &faults.dead}, std::pair{"saturated", &faults.saturated}}) {
+    auto channels = channel_list(uri, options, name, sensors);
+    if (!channels) return tl::make_unexpected(channels.error());
+    *list = std::move(*channels);
+  }
+  if (options.is_given("sensor_fault_at_s") && faults.dead.empty() && faults.saturated.empty()) {
+    return refuse(uri, ErrorCode::InvalidArgument, "sensor_fault_at_s has a meaning only with dead=... or saturated=...");
+  }
+  if (!options.is_given("swapped")) return faults;
+  auto pair = channel_pair(uri, options.text("swapped"), sensors);
+  if (!pair) return tl::make_unexpected(pair.error());
+  faults.swapped = *pair;
+  return faults;
+}
+
+core::Status check_channels(const DeviceUri& uri, const ChairOptions& options, std::size_t rig_sensors) {
+  if (options.sensors < 1 || options.sensors > rig_sensors) {
+    return refuse(uri, ErrorCode::InvalidArgument,
+                  "sensors = " + std::to_string(options.sensors) + ", but the rig has " + std::to_string(rig_sensors));
+  }
+  const std::size_t channels = options.converted_channels() + (options.has_truth ? kTruthChannels : 0);
+  if (channels <= core::kMaxChannels) return {};
+  return refuse(uri, ErrorCode::LimitExceeded,
+                std::to_string(channels) + " channels with sensors, aux and truth; at most " + std::to_string(core::kMaxChannels));
+}
+
+core::Status check_stay(const DeviceUri& uri, const physics::SeatedPersonOptions& person) {
+  if (person.stand_up_s >= person.sit_down_s + physics::SeatedPerson::kSettlingS) return {};
+  return refuse(uri, ErrorCode::InvalidArgument, "stand_up_s is less than 2 s after sit_down_s");
+}
+
+}  // namespace
+
+std::span<const UriOption> chair_option_table() { return kTable; }
+
+core::Result<ChairOptions> read_chair_options(const DeviceUri& uri, std::size_t rig_sensors) {
+  auto read = UriOptions::read(uri, kTable);
+  if (!read) return tl::make_unexpected(read.error());
+  const UriOptions& options = *read;
+  if (auto checked = check_dependencies(uri, options, kDependencies); !checked) return tl::make_unexpected(checked.error());
+
+  ChairOptions result;
+  result.seed = static_cast<std::uint64_t>(options.number("seed"));
+  result.person = person(options, result.seed);
+  if (auto checked = check_stay(uri, result.person); !checked) return tl::make_unexpected(checked.error());
+  result.daq = {options.number("range_v"), static_cast<int>(options.number("bits")), options.number("noise_mv") * kMillivolt, result.seed};
+  result.clock_error_ppm = options.number("clock_ppm");
+  result.gain_spread = options.number("gain_spread");
+  result.gap_spread_mm = options.number("gap_spread_mm");
+  result.drift_percent_per_h = options.number("drift");
+  result.sensors = static_cast<std::size_t>(options.number("sensors"));
+  if (result.sensors == 0) result.sensors = rig_sensors;
+  result.has_emg = options.text("aux") == "emg";
+  result.has_truth = options.number("truth") == 1.0;
+  if (auto checked = check_channels(uri, result, rig_sensors); !checked) return tl::make_unexpected(checked.error());
+  auto faults = sensor_faults(uri, options, result.sensors);
+  if (!faults) return tl::make_unexpected(faults.error());
+  result.sensor_faults = std::move(*faults);
+  const auto fault = read_fault(uri, options, result.converted_channels());
+  if (!fault) return tl::make_unexpected(fault.error());
+  result.fault = *fault;
+  return result;
+}
+
+}  // namespace dts::device::sim

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/result.h"
+#include "device/sim/daq.h"
+#include "device/sim/fault.h"
+#include "device/uri_options.h"
+#include "physics/body/seated_person.h"
+
+namespace dts::device::sim {
+
+inline constexpr std::size_t kEmgChannels = 6;
+
+/// What is wrong with the sensors of a chair; channels count from 0.
+struct SensorFaults {
+  std::vector<std::size_t> dead;                               ///< Give 0 V.
+  std::vector<std::size_t> saturated;                          ///< Give more than the converter can say.
+  std::optional<std::pair<std::size_t, std::size_t>> swapped;  ///< Their cables were exchanged.
+  double from_s = 0.0;                                         ///< Dead and saturated ones have worked before.
+};
+
+/// What the URI of a simulated chair asks for.
+struct ChairOptions {
+  physics::SeatedPersonOptions person;
+  std::uint64_t seed = 1;
+  DaqParameters daq;
+  double clock_error_ppm = 0.0;
+  double gain_spread = 0.0;
+  double gap_spread_mm = 0.1;
+  double drift_percent_per_h = 0.0;
+  std::size_t sensors = 16;
+  bool has_emg = false;
+  bool has_truth = true;
+  SensorFaults sensor_faults;
+  Fault fault;
+
+  [[nodiscard]] std::size_t converted_channels() const noexcept { return sensors + (has_emg ? kEmgChannels : 0); }
+};
+
+/// Every option of `sim:chair`, with defaults and ranges.
+[[nodiscard]] std::span<const UriOption> chair_option_table();
+
+/// Fails with InvalidArgument or LimitExceeded naming the option; also for options that contradict each other.
+[[nodiscard]] core::Result<ChairOptions> read_chair_options(const DeviceUri& uri, std::size_t rig_sensors);
+
+}  // namespace dts::device::sim

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "files/trunk_model_file.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "files/whole_file.h"
+
+namespace dts::files {
+namespace {
+
+using classifier::Ensemble;
+using classifier::FeatureRange;
+using classifier::ModelKind;
+using classifier::Network;
+using classifier::TrunkModelForm;
+
+constexpr std::int64_t kFormat = 1;
+constexpr std::size_t kLongestText = 200;
+constexpr std::size_t kMostSubjects = 1000;
+constexpr std::int64_t kMostTrials = 100'000'000;
+constexpr std::size_t kSha256Digits = 64;
+constexpr double kHuge = 1e30;
+constexpr double kLargestLevelMm = 1e3;
+
+std::string text_of(TomlReader& reader, std::string_view key) {
+  std::string text = reader.text(key, "");
+  if (text.size() > kLongestText) {
+    reader.report(key, std::string(key) + " is longer than " + std::to_string(kLongestText) + " characters");
+    text.clear();
+  }
+  return text;
+}
+
+double required_number(TomlReader& reader, std::string_view key, double fallback, double minimum, double maximum) {
+  reader.require(key);
+  return reader.number(key, fallback, minimum, maximum);
+}
+
+std::vector<double> read_numbers(TomlReader& reader, std::string_view key, std::size_t count) {
+  const toml::node* const found = reader.node(key);
+  const toml::array* const list = found == nullptr ? nullptr : found->as_array();
+  if (list == nullptr || list->size() != count) {
+    reader.report(list == nullptr ? "" : key, std::string(key) + " must be a list of " + std::to_string(count) + " numbers");
+    return {};
+  }
+  std::vector<double> values;
+  for (const toml::node& element : *list) {
+    const auto value = element.value<double>();
+    if (!element.is_number() || !value || !(std::abs(*value) <= kHuge)) {
+      reader.report(key, std::string(key) + ": number " + std::to_string(values.size() + 1) + " of the list is not a finite number");
+      return {};
+    }
+    values.push_back(*value);
+  }
+  return values;
+}
+
+std::vector<FeatureRange> read_inputs(TomlReader& reader) {
+  reader.require("features");
+  const auto names = reader.texts("features", {});
+  if (names.empty() || names.size() > Network::kMaxInputs) {
+    reader.report("features", "features must be a list of 1 to " + std::to_string(Network::kMaxInputs) + " names");
+    return {};
+  }
+  const auto minima = read_numbers(reader, "minimum", names.size());
+  const auto maxima = read_numbers(reader, "maximum", names.size());
+  std::vector<FeatureRange> inputs;
+  for (std::size_t k = 0; k < names.size() && minima.size() == maxima.size() && !minima.empty(); ++k) {
+    const auto feature = classifier::parse_reach_feature(names[k]);
+    if (!feature) {
+      reader.report("features", "feature \"" + names[k].substr(0, kLongestText) + "\" is not known");
+      continue;
+    }
+    if (!(minima[k] < maxima[k])) reader.report("minimum", names[k] + ": the minimum is not below the maximum");
+    inputs.push_back({*feature, minima[k], maxima[k]});
+  }
+  return inputs;
+}
+
+void read_network(TomlReader& reader, std::size_t inputs, std::vector<Network>& networks) {
+  reader.require("hidden");
+  const auto hidden = static_cast<std::size_t>(reader.integer("hidden", 1, 1, static_cast<std::int64_t>(Network::kMaxHidden)));
+  const auto output =
+      reader.choice("output", {"logistic", "softmax"}) == "softmax" ? classifier::OutputKind::Softmax : classifier::OutputKind::Logistic;
+  auto weights = read_numbers(reader, "weights", Network::weight_count(inputs, hidden));
+  reader.finish();
+  if (weights.empty()) return;
+  auto network = Network::create(inputs, hidden, output, std::move(weights));
+  if (network) {
+    networks.push_back(std::move(*network));
+  } else {
+    reader.report("weights", network.error().what);
+  }
+}
+
+Ensemble read_ensemble(TomlReader reader) {
+  Ensemble ensemble{.inputs = read_inputs(reader), .networks = {}};
+  ensemble.temperature = reader.number("temperature", 1.0, 0.05, 20.0);
+  auto networks = reader.tables("network");
+  if (networks.empty() || networks.size() > Ensemble::kMaxNetworks) {
+    reader.report("network",
+                  "there must be 1 to " + std::to_string(Ensemble::kMaxNetworks) + " networks, not " + std::to_string(networks.size()));
+  } else if (!ensemble.inputs.empty()) {
+    for (TomlReader& network : networks) read_network(network, ensemble.inputs.size(), ensemble.networks);
+  }
+  reader.finish();
+  return ensemble;
+}
+
+classifier::Quadratic read_quadratic(TomlReader& reader) {
+  classifier::Quadratic quadratic{.inputs = read_inputs(reader), .coefficients = {}};
+  if (!quadratic.inputs.empty()) {
+    quadratic.coefficients = read_numbers(reader, "coefficients", classifier::Quadratic::term_count(quadratic.inputs.size()));
+  }
+  return quadratic;
+}
+
+classifier::AngleModel read_angle(TomlReader reader) {
+  classifier::AngleModel angle{.sine = read_quadratic(reader)};
+  const auto residuals = read_numbers(reader, "residual_deg", angle.residual_deg.size());
+  std::copy(residuals.begin(), residuals.end(), angle.residual_deg.begin());
+  reader.finish();
+  return angle;
+}
+
+classifier::ArmAloneRule read_arm_alone(TomlReader reader) {
+  classifier::ArmAloneRule rule{.logit = read_quadratic(reader)};
+  rule.none_from = required_number(reader, "none_from", 0.9, 0.5, 1.0);
+  reader.finish();
+  return rule;
+}
+
+/// A 64-bit number, which TOML's integers cannot hold.
+std::uint64_t read_seed(TomlReader& reader) {
+  const std::string text = text_of(reader, "seed");
+  std::uint64_t seed = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (error != std::errc() || end != text.data() + text.size()) reader.report("seed", "seed must be a whole number in quotes");
+  return seed;
+}
+
+classifier::TrainingFacts read_training(TomlReader reader) {
+  for (const char* key : {"data_sha256", "trials", "seed", "software"}) reader.require(key);
+  classifier::TrainingFacts facts;
+  facts.data_sha256 = text_of(reader, "data_sha256");
+  const bool is_hash =
+      facts.data_sha256.size() == kSha256Digits && facts.data_sha256.find_first_not_of("0123456789abcdef") == std::string::npos;
+  if (!is_hash) reader.report("data_sha256", "data_sha256 must be 64 hexadecimal digits");
+  facts.subjects = reader.texts("subjects", {});
+  if (facts.subjects.size() > kMostSubjects)
+    reader.report("subjects", "there are more than " + std::to_string(kMostSubjects) + " subjects");
+  facts.simulated_subjects =
+      static_cast<std::uint32_t>(reader.integer("simulated_subjects", 0, 0, std::int64_t{std::numeric_limits<std::int32_t>::max()}));
+  facts.trials = static_cast<std::uint32_t>(reader.integer("trials", 0, 1, kMostTrials));
+  facts.seed = read_seed(reader);
+  facts.software = text_of(reader, "software");
+  facts.created_utc = text_of(reader, "created_utc");
+  reader.finish();
+  return facts;
+}
+
+double optional_figure(TomlReader& reader, std::string_view key, double maximum) {
+  return reader.has(key) ? reader.number(key, 0.0, 0.0, maximum) : classifier::ModelFigures::kUnknown;
+}
+
+classifier::ModelFigures read_figures(TomlReader reader) {
+  classifier::ModelFigures figures;
+  figures.validation_accuracy = required_number(reader, "validation_accuracy", 1.0, 0.0, 1.0);
+  if (figures.validation_accuracy < TrunkModelForm::kLowestValidationAccuracy) {
+    reader.report("validation_accuracy", "validation_accuracy is below 0.9: the training failed, this model is not to be used");
+  }
+  figures.left_out_accuracy = optional_figure(reader, "left_out_accuracy", 1.0);
+  figures.left_out_own_accuracy = optional_figure(reader, "left_out_own_accuracy", 1.0);
+  figures.left_out_kept = optional_figure(reader, "left_out_kept", 1.0);
+  figures.left_out_kept_accuracy = optional_figure(reader, "left_out_kept_accuracy", 1.0);
+  figures.left_out_angle_rms_deg = optional_figure(reader, "left_out_angle_rms_deg", 180.0);
+  figures.left_out_angle_coverage = optional_figure(reader, "left_out_angle_coverage", 1.0);
+  figures.expected_calibration_error = optional_figure(reader, "expected_calibration_error", 1.0);
+  reader.finish();
+  return figures;
+}
+
+TrunkModelForm read_form(TomlReader& top) {
+  TrunkModelForm form;
+  for (const char* key : {"format", "kind", "training", "figures", "general"}) top.require(key);
+  if (const auto format = top.integer("format", kFormat, 0, 1'000'000); format != kFormat) {
+    top.report("format", "format " + std::to_string(format) + " is not known; this program reads format " + std::to_string(kFormat));
+  }
+  form.kind = top.choice("kind", {"raw5", "recommended"}) == "raw5" ? ModelKind::Raw5 : ModelKind::Recommended;
+  form.reject_below = required_number(top, "reject_below", 0.9, 0.0, 1.0);
+  form.p1_minimum_mm = required_number(top, "p1_minimum_mm", 1.0, 0.0, kLargestLevelMm);
+  form.p1_maximum_mm = required_number(top, "p1_maximum_mm", 1.0, 0.0, kLargestLevelMm);
+  form.facts = read_training(top.table("training"));
+  form.figures = read_figures(top.table("figures"));
+  form.general = read_ensemble(top.table("general"));
+  if (top.has("own")) form.own = read_ensemble(top.table("own"));
+  if (top.has("angle")) form.angle = read_angle(top.table("angle"));
+  if (top.has("own_angle")) form.own_angle = read_angle(top.table("own_angle"));
+  if (top.has("arm_alone")) form.arm_alone = read_arm_alone(top.table("arm_alone"));
+  top.finish();
+  return form;
+}
+
+}  // namespace
+
+core::Status save_trunk_model(const std::string& file, const classifier::TrunkModel& model) {
+  return write_whole_file(file, trunk_model_text(model));
+}
+
+std::optional<classifier::TrunkModel> load_trunk_model(const std::string& file, Problems& problems) {
+  const auto table = parse_toml(file, problems);
+  if (!table) return std::nullopt;
+  TomlReader top(&*table, "", file, problems);
+  return read_trunk_model(top, problems);
+}
+
+std::optional<classifier::TrunkModel> read_trunk_model(TomlReader& top, Problems& problems) {
+  const std::size_t known_problems = problems.size();
+  auto form = read_form(top);
+  if (problems.size() > known_problems) return std::nullopt;
+  auto model = classifier::TrunkModel::create(std::move(form));
+  if (!model) {
+    top.report("kind", core::to_string(model.error()));
+    return std::nullopt;
+  }
+  return std::move(*model);
+}
+
+}  // namespace dts::files

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/result.h"
+#include "physics/body/seat_load.h"
+#include "physics/plate/plate.h"
+
+namespace dts::physics {
+
+/// Where a body touches the seat; reach-model section 4.
+struct SeatContact {
+  double off_centre_mm = 0.0;  ///< Of the middle of the patch, to the right.
+  double width_mm = 240.0;
+  double depth_mm = 200.0;
+};
+
+/// Deflection of a chair's plate at its sensors, tabulated over the depth at which the body sits: no plate is solved afterwards.
+/// With all edges supported by the series of Navier, else by the house's finite differences. The part of the load beyond an edge rests on
+/// the frame. Const methods: Thread: any. Realtime-safe: yes.
+class SeatPlate {
+ public:
+  static constexpr double kStepMm = 1.0;
+
+  /// Fails with InvalidArgument when plate, support, a probe or the contact make no sense.
+  [[nodiscard]] static core::Result<SeatPlate> create(const Plate& plate, const Support& support, std::span<const Point> probes,
+                                                      const SeatContact& contact);
+
+  [[nodiscard]] std::size_t probe_count() const noexcept { return uniform_mm_per_n_.size(); }
+  /// `mm` has room for every probe.
+  void deflect(const SeatLoad& load, std::span<double> mm) const noexcept;
+
+ private:
+  SeatPlate() = default;
+  void tabulate_series(const Plate& plate, std::span<const Point> probes, const SeatContact& contact);
+  core::Status tabulate_grid(const Plate& plate, const Support& support, std::span<const Point> probes, const SeatContact& contact);
+
+  double first_mm_ = 0.0;         ///< Depth of row 0: the patch has just not reached the plate.
+  std::size_t rows_ = 0;          ///< One per kStepMm.
+  std::vector<double> mm_per_n_;  ///< Per row, all probes.
+  std::vector<double> uniform_mm_per_n_;
+};
+
+}  // namespace dts::physics

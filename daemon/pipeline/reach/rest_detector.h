@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "pipeline/reach/smoother.h"
+
+namespace dts::pipeline {
+
+/// Where the transient rests and how much it wanders there: states SETTLE and QUIET of reach-model section 5.
+///
+/// Settling ends when a window of 0.6 s is steady and its level lies near the session's baseline, the median of the last reaches'. A level
+/// that is steady but elsewhere for half a second is the plateau of a movement or a new posture: the session's baseline then stands in,
+/// and `is_uncertain` says so. Quiet, baseline and spread follow the older half of the window only, so that the beginning of a reach does
+/// not pull them along.
+class RestDetector {
+ public:
+  static constexpr std::size_t kWindow = 60;  ///< 0.6 s at 100 Hz.
+  static constexpr std::size_t kSession = 9;
+  static constexpr std::size_t kStateSize = 3 * kWindow + kSession + 11;
+
+  /// Peak to peak of a transient at rest, at most.
+  [[nodiscard]] static double steady_mm(double level_mm) noexcept;
+  void prepare(double rate_hz) noexcept { rate_hz_ = rate_hz; }
+  /// Settling begins.
+  void restart() noexcept;
+  /// Forgets where earlier reaches began: the person sits otherwise now.
+  void forget_session() noexcept { session_count_ = session_next_ = 0; }
+  /// While settling; true: at rest from now on. Realtime-safe: yes.
+  bool settle(const ReachSample& sample) noexcept;
+  /// While quiet. Realtime-safe: yes.
+  void track(const ReachSample& sample) noexcept;
+  /// A reach has begun at this baseline.
+  void remember() noexcept;
+
+  [[nodiscard]] double level_mm() const noexcept { return level_mm_; }
+  [[nodiscard]] double spread_mm() const noexcept { return spread_mm_; }
+  [[nodiscard]] double threshold_mm() const noexcept;
+  [[nodiscard]] double ratio() const noexcept { return ratio_; }
+  [[nodiscard]] double twist() const noexcept { return twist_; }
+  [[nodiscard]] bool is_uncertain() const noexcept { return is_uncertain_; }
+
+  void reset() noexcept;
+  void save(StateWriter& writer) const noexcept;
+  void restore(StateReader& reader) noexcept;
+
+ private:
+  struct Entry {
+    double mm = 0.0;
+    double ratio = 0.0;
+    double twist = 0.0;
+  };
+  void put(const ReachSample& sample) noexcept;
+  [[nodiscard]] double median_mm() const noexcept;
+  [[nodiscard]] double session_mm() const noexcept;
+  [[nodiscard]] double range_mm() const noexcept;
+  void begin(double level_mm) noexcept;
+  template <class Self, class Archive>
+  static void exchange(Self& self, Archive& archive) noexcept;
+
+  double rate_hz_ = 100.0;
+  std::array<Entry, kWindow> window_{};
+  std::size_t next_ = 0;
+  std::size_t filled_ = 0;
+  std::uint64_t settling_ = 0;   ///< Samples since settling began.
+  std::uint64_t elsewhere_ = 0;  ///< Steady samples in a row away from the session's baseline.
+  std::array<double, kSession> session_{};
+  std::size_t session_next_ = 0;
+  std::size_t session_count_ = 0;
+  double level_mm_ = 0.0;
+  double spread_mm_ = 0.0;
+  double ratio_ = 0.0;
+  double twist_ = 0.0;
+  bool is_uncertain_ = false;
+};
+
+}  // namespace dts::pipeline

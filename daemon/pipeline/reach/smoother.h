@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/rate.h"
+#include "pipeline/reach/state_exchange.h"
+
+namespace dts::pipeline {
+
+/// The transient as the extractor looks at it: at 100 Hz, averaged over 50 ms.
+struct ReachSample {
+  double mm = 0.0;
+  double ratio = 0.0;
+  double twist = 0.0;
+  bool is_known = false;  ///< false: the sensors have said nothing for a while.
+  bool is_substituted = false;
+  bool is_at_end = false;  ///< A sensor was at the end of its range.
+  bool is_untared = false;
+};
+
+/// From scans of any rate to `ReachSample`s: block means to 100 Hz or the nearest rate that divides, then a moving average of 50 ms
+/// (reach-model section 5). The thesis's window of three scans is 30 ms at 100 Hz and 2 ms at 1500: windows are times here.
+/// Values that are missing for up to 250 ms are bridged by the last one.
+class Smoother {
+ public:
+  static constexpr double kRateHz = 100.0;
+  static constexpr std::size_t kWindow = 5;
+  static constexpr std::size_t kStateSize = 11 + kWindow * 6;
+
+  void prepare(const core::Rate& rate) noexcept;
+  /// Scans per sample.
+  [[nodiscard]] std::uint64_t divisor() const noexcept { return divisor_; }
+  /// Between the middle of what a sample describes and the scan that completes it.
+  [[nodiscard]] std::uint64_t delay_scans() const noexcept { return (divisor_ * kWindow) / 2; }
+  /// Takes one scan; true when it completes `sample()`. Realtime-safe: yes.
+  bool add(double mm, double ratio, double twist, std::uint8_t bits) noexcept;
+  [[nodiscard]] const ReachSample& sample() const noexcept { return sample_; }
+  void reset() noexcept;
+  void save(StateWriter& writer) const noexcept;
+  void restore(StateReader& reader) noexcept;
+
+ private:
+  struct Entry {
+    double mm = 0.0;
+    double ratio = 0.0;
+    double twist = 0.0;
+    bool is_substituted = false;
+    bool is_at_end = false;
+    bool is_untared = false;
+  };
+  template <class Self, class Archive>
+  static void exchange(Self& self, Archive& archive) noexcept;
+  [[nodiscard]] bool finish_block() noexcept;
+
+  std::uint64_t divisor_ = 1;
+  std::uint64_t bridged_limit_ = 1;
+
+  double sum_mm_ = 0.0;
+  double sum_ratio_ = 0.0;
+  double sum_twist_ = 0.0;
+  std::uint64_t scans_ = 0;  ///< Of the block so far ...
+  std::uint64_t known_ = 0;  ///< ... of these with a value.
+  std::uint64_t substituted_ = 0;
+  std::uint64_t at_end_ = 0;
+  bool is_untared_ = false;
+
+  std::array<Entry, kWindow> window_{};
+  std::size_t next_ = 0;
+  std::uint64_t bridged_ = 0;  ///< Blocks in a row without a value.
+  std::size_t filled_ = 0;
+  ReachSample sample_;
+};
+
+}  // namespace dts::pipeline

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace dts::record {
+
+/// SHA-256 of a text, 64 lower-case hexadecimal digits: names a calibration, a model, a set of training data.
+[[nodiscard]] std::string sha256_of(std::string_view text);
+
+}  // namespace dts::record

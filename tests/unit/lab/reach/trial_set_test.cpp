@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/reach/trial_set.h"
+
+#include <gmock/gmock.h>
+
+#include "unit/lab/reach/trial_folder.h"
+
+namespace dts::lab::reach {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+std::vector<std::string> problems_of(const TrialFolder& folder) {
+  files::Problems problems;
+  (void)read_trial_set(folder.path(), problems);
+  std::vector<std::string> texts;
+  for (const files::Problem& problem : problems) texts.push_back(files::to_string(problem));
+  return texts;
+}
+
+TEST(TrialSet, GoodFolder_IsReadWhole) {
+  const TrialFolder folder;
+  files::Problems problems;
+
+  const TrialSet set = read_trial_set(folder.path(), problems);
+
+  ASSERT_TRUE(problems.empty()) << files::to_string(problems.front());
+  ASSERT_EQ(set.subjects.size(), 2U);
+  EXPECT_TRUE(set.subjects[0].is_healthy);
+  EXPECT_FALSE(set.subjects[1].is_healthy);
+  EXPECT_EQ(set.subjects[1].person.max_reach_cm, 115.0);
+  ASSERT_EQ(set.trials.size(), 3U);
+  EXPECT_EQ(set.trials[1].condition, "80");
+  EXPECT_EQ(set.trials[2].subject, 1U);
+  EXPECT_EQ(set.trials[2].volts.size(), 600U);
+  ASSERT_EQ(set.rig.sensors.size(), 4U);
+  EXPECT_NEAR(set.rig.sensors[0].unloaded_gap.value, 8.388, 0.01);
+}
+
+TEST(TrialSet, WithoutAFileColumn_TakesTheSubjectsOwn) {
+  const TrialFolder folder;
+  folder.write("trials.csv", "subject,trial,rate_hz,condition\nP,1,100,150\n");
+  files::Problems problems;
+
+  const TrialSet set = read_trial_set(folder.path(), problems);
+
+  ASSERT_EQ(set.trials.size(), 1U);
+  EXPECT_EQ(set.trials[0].volts.size(), 600U);
+}
+
+TEST(TrialSet, MissingFolderOrFiles_AreNamed) {
+  files::Problems problems;
+  (void)read_trial_set("/nowhere/at/all", problems);
+  ASSERT_EQ(problems.size(), 1U);
+  EXPECT_THAT(files::to_string(problems[0]), HasSubstr("/nowhere/at/all"));
+
+  for (const char* name : {"subjects.csv", "trials.csv", "sensors.csv", "calibration.csv", "Q.csv"}) {
+    const TrialFolder folder;
+    folder.remove(name);
+    EXPECT_THAT(problems_of(folder), testing::Contains(AllOf(HasSubstr(name), HasSubstr("no such file")))) << name;
+  }
+}
+
+TEST(TrialSet, UnknownSubject_IsNamedWithItsLine) {
+  const TrialFolder folder;
+  folder.write("trials.csv", "subject,trial,rate_hz,condition\nP,1,100,150\nX,1,100,150\n");
+
+  EXPECT_THAT(problems_of(folder), testing::ElementsAre(AllOf(HasSubstr("trials.csv:3:1"), HasSubstr("'X'"))));
+}
+
+TEST(TrialSet, TrialWithoutRows_IsNamedWithItsLine) {
+  const TrialFolder folder;
+  folder.write("trials.csv", "subject,trial,rate_hz,condition\nP,7,100,150\n");
+
+  EXPECT_THAT(problems_of(folder), testing::ElementsAre(AllOf(HasSubstr("trials.csv:2:1"), HasSubstr("trial 7"))));
+}
+
+TEST(TrialSet, TwoSensors_AreTooFew) {
+  const TrialFolder folder;
+  folder.write("sensors.csv", "channel,x_mm,y_mm,tare_v\n1,140,120,0.6\n2,260,120,0.6\n");
+
+  EXPECT_THAT(problems_of(folder), testing::Contains(AllOf(HasSubstr("sensors.csv"), HasSubstr("2 sensors"))));
+}
+
+TEST(TrialSet, VoltsOfThreeSensors_MissAColumn) {
+  const TrialFolder folder;
+  folder.write("P.csv", "trial,v1,v2,v3\n1,1,1,1\n");
+
+  EXPECT_THAT(problems_of(folder), testing::ElementsAre(AllOf(HasSubstr("P.csv:1:1"), HasSubstr("'v4'"))));
+}
+
+TEST(TrialSet, ScatteredRows_AreRefused) {
+  const TrialFolder folder;
+  folder.write("Q.csv", "trial,v1,v2,v3,v4\n1,1,1,1,1\n2,1,1,1,1\n1,1,1,1,1\n");
+
+  EXPECT_THAT(problems_of(folder), testing::ElementsAre(HasSubstr("Q.csv:4:1")));
+}
+
+TEST(TrialSet, FileOutsideTheFolder_IsRefused) {
+  const TrialFolder folder;
+  folder.write("trials.csv", "subject,trial,file,rate_hz,condition\nP,1,../P.csv,100,150\n");
+
+  EXPECT_THAT(problems_of(folder), testing::ElementsAre(HasSubstr("is not a name in this folder")));
+}
+
+TEST(TrialSet, CurveThatTurns_IsRefused) {
+  const TrialFolder folder;
+  folder.write("calibration.csv", "d_mm,v1,v2,v3,v4\n1,4,4,4,4\n2,3,3,3,3\n3,3.5,2,2,2\n9,0.5,0.5,0.5,0.5\n");
+
+  EXPECT_THAT(problems_of(folder), testing::Contains(HasSubstr("calibration.csv:1:1")));
+}
+
+TEST(TrialSet, TareOutsideTheCurve_IsNamedWithItsLine) {
+  const TrialFolder folder;
+  folder.write("sensors.csv", "channel,x_mm,y_mm,tare_v\n1,140,120,0.6\n2,260,120,0.01\n3,140,220,0.6\n4,260,220,0.6\n");
+
+  EXPECT_THAT(problems_of(folder), testing::ElementsAre(HasSubstr("sensors.csv:3:1")));
+}
+
+TEST(ClassOfCondition, Targets_HaveTheirClass) {
+  EXPECT_EQ(class_of_condition("80"), core::TrunkClass::None);
+  EXPECT_EQ(class_of_condition("100"), core::TrunkClass::None);
+  EXPECT_EQ(class_of_condition("120"), core::TrunkClass::Minor);
+  EXPECT_EQ(class_of_condition("150"), core::TrunkClass::Moderate);
+  EXPECT_EQ(class_of_condition("max"), core::TrunkClass::Maximum);
+  EXPECT_FALSE(class_of_condition("110"));
+}
+
+TEST(TargetCm, PartsOfTheArm_AndTheMaximum) {
+  const physics::Person person{.arm_length_cm = 70.0, .max_reach_cm = 120.0};
+
+  EXPECT_NEAR(target_cm(person, "150").value(), 105.0, 1e-9);
+  EXPECT_EQ(target_cm(person, "max"), 120.0);
+  for (const char* nonsense : {"", "far", "150cm", "-20", "0", "nan", "1e9"}) EXPECT_FALSE(target_cm(person, nonsense)) << nonsense;
+}
+
+TEST(FindReaches, EachTrial_HasItsOwnOrNone) {
+  const TrialFolder folder;
+  files::Problems problems;
+  const TrialSet set = read_trial_set(folder.path(), problems);
+  double done = 0.0;
+
+  const auto reaches = find_reaches(set, [&done](double part) { done = part; });
+
+  ASSERT_EQ(reaches.size(), 3U);
+  ASSERT_TRUE(reaches[0]);
+  EXPECT_FALSE(reaches[1]);  // sits still
+  ASSERT_TRUE(reaches[2]);
+  EXPECT_NEAR(reaches[0]->features.d2_mm(), 1.5, 0.1);
+  EXPECT_NEAR(static_cast<double>(reaches[0]->p2.scan.value), 167.0, 6.0);
+  EXPECT_EQ(reaches[0]->flags, 0);
+  EXPECT_EQ(done, 1.0);
+}
+
+/// Trials are recordings of their own: their order and their neighbours must not matter.
+TEST(FindReaches, OrderOfTrials_DoesNotMatter) {
+  const TrialFolder folder;
+  files::Problems problems;
+  TrialSet set = read_trial_set(folder.path(), problems);
+  const auto forward = find_reaches(set, nullptr);
+  std::ranges::reverse(set.trials);
+
+  const auto backward = find_reaches(set, nullptr);
+
+  EXPECT_EQ(forward[0]->p3, backward[2]->p3);
+  EXPECT_EQ(forward[0]->features.p1_mm, backward[2]->features.p1_mm);
+}
+
+}  // namespace
+}  // namespace dts::lab::reach

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "lab/thesis.h"
+#include "lab/thesis_reach_tables.h"
+
+namespace dts::lab {
+namespace {
+
+double figure(const Figures& figures, std::string_view name) {
+  const auto found = std::ranges::find(figures, name, &Figure::name);
+  EXPECT_NE(found, figures.end()) << name;
+  return found == figures.end() ? -1.0 : found->value;
+}
+
+int sum(const printed::ByTarget& counts) { return std::accumulate(counts.begin(), counts.end(), 0); }
+
+/// The sheet's note: rows of table 6.2 and the totals under it disagree.
+TEST(PrintedReachTables, RowsSum_AsTheNoteSays) {
+  int nn1 = 0;
+  int nn2 = 0;
+  for (const auto& row : printed::kHealthy) {
+    nn1 += sum(row.nn1);
+    nn2 += sum(row.nn2);
+  }
+  EXPECT_EQ(nn1, 424);
+  EXPECT_EQ(nn2, 438);
+  EXPECT_NE(nn1, printed::kHealthyTotalNn1);
+  EXPECT_NE(nn2, printed::kHealthyTotalNn2);
+  int teachers = 0;
+  for (const auto& row : printed::kTeachersByNn2) teachers += sum(row);
+  EXPECT_EQ(teachers, 134);
+  int stroke_nn1 = 0;
+  int stroke_nn2 = 0;
+  for (const auto& row : printed::kStroke) {
+    stroke_nn1 += row.nn1;
+    stroke_nn2 += row.nn2;
+  }
+  EXPECT_EQ(stroke_nn1, 70);
+  EXPECT_EQ(stroke_nn2, 71);
+}
+
+TEST(ThesisReachTables, TrunkAngles_ComeFromTheTargetAlone) {
+  const auto table = thesis_table("6.3");
+  ASSERT_TRUE(table) << table.error().what;
+  ASSERT_EQ(table->rows.size(), 30U);
+  EXPECT_EQ(table->rows[0].label, "H1, 120");
+  EXPECT_EQ(figure(table->rows[0].printed, "deg"), 0.4);
+  EXPECT_NEAR(figure(table->summary, "bias_150_deg"), -3.5, 0.06);
+  EXPECT_NEAR(figure(table->summary, "rms_max_deg"), 6.7, 0.06);
+}
+
+TEST(ThesisReachTables, Teachers_AreComputedBesideWhatIsPrinted) {
+  const auto table = thesis_table("5.2");
+  ASSERT_TRUE(table) << table.error().what;
+  ASSERT_EQ(table->rows.size(), 9U);
+  EXPECT_EQ(table->rows[1].label, "A, 150");
+  EXPECT_EQ(figure(table->rows[1].printed, "correct"), 14.0);
+  double ours = 0.0;
+  for (const ThesisRow& row : table->rows) ours += figure(row.ours, "correct");
+  EXPECT_GE(figure(table->summary, "ours_nn2_four_paces_of_135_median"), 130.0);
+  EXPECT_GE(ours, figure(table->summary, "ours_nn2_four_paces_of_135_least"));
+  EXPECT_LE(ours, figure(table->summary, "ours_nn2_four_paces_of_135_most"));
+  EXPECT_LT(figure(table->summary, "ours_nn2_one_pace_of_135_most"), figure(table->summary, "ours_nn2_four_paces_of_135_least"));
+}
+
+TEST(ThesisReachTables, Stroke_HasARowPerPerson) {
+  const auto table = thesis_table("6.4");
+  ASSERT_TRUE(table) << table.error().what;
+  ASSERT_EQ(table->rows.size(), 5U);
+  EXPECT_EQ(table->rows[0].label, "S1, condition 2");
+  EXPECT_EQ(table->rows[1].label, "S2, condition 1");
+  EXPECT_GE(figure(table->summary, "ours_nn1_of_75_median"), 60.0);
+}
+
+}  // namespace
+}  // namespace dts::lab

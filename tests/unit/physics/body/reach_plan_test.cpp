@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "physics/body/reach_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace dts::physics {
+namespace {
+
+constexpr Person kA{.weight_kg = 68.0, .height_cm = 175.0, .arm_length_cm = 67.0, .max_reach_cm = 124.0};
+constexpr double kWithinReachCm = 0.8 * 67.0;
+
+ReachPlan planned(const SittingHabits& habits, double target_cm, std::uint32_t number = 1, bool is_double = false) {
+  return plan_reach(kA, habits, {.number = number, .start_s = 2.0, .target_cm = target_cm, .is_double = is_double}, CounterRandom(7));
+}
+
+SittingHabits natural(bool is_healthy, double between_people = 1.0) {
+  return natural_habits(kA, is_healthy, SeatLoadModel::Cop, 5, between_people);
+}
+
+TEST(ReachPlan, Ideal_IsTheThesissMovement) {
+  const ReachPlan plan = planned(ideal_habits(kA, SeatLoadModel::Cop, 0.75), kA.max_reach_cm);
+
+  EXPECT_NEAR(plan.trunk_deg, trunk_flexion_deg(kA, kA.max_reach_cm), 1e-12);
+  EXPECT_DOUBLE_EQ(plan.hit_s, 2.75);
+  EXPECT_DOUBLE_EQ(plan.back_s, 2.75);
+  EXPECT_DOUBLE_EQ(plan.end_s, 3.5);
+  for (double t = 0.0; t < 2.0; t += 0.01) {
+    EXPECT_NEAR(plan.progress(2.0 + t).position, there_and_back(t, 0.75).position, 1e-12);
+    EXPECT_NEAR(plan.progress(2.0 + t).acceleration, there_and_back(t, 0.75).acceleration, 1e-9);
+  }
+}
+
+// Rates and accelerations go into the dynamics: they must be those of the positions.
+TEST(ReachPlan, OfAnybody_RatesAreDerivativesAndTheWayLeadsBack) {
+  for (std::uint32_t number = 1; number <= 40; ++number) {
+    SCOPED_TRACE(number);
+    const ReachPlan plan = planned(natural(number % 2 == 0), kA.max_reach_cm, number, number % 5 == 0);
+    ASSERT_LE(plan.move_count, ReachPlan::kMostMoves);
+    EXPECT_LT(plan.on_s, plan.hit_s);
+    EXPECT_LT(plan.hit_s, plan.back_s);
+    EXPECT_LT(plan.back_s, plan.end_s);
+    EXPECT_NEAR(plan.progress(plan.hit_s).position, 1.0, 1e-9);
+    EXPECT_NEAR(plan.progress(plan.end_s + 1.0).position, 0.0, 1e-9);
+    for (double t = plan.on_s + 0.05; t < plan.end_s; t += 0.05) {
+      constexpr double kStepS = 1e-5;
+      const Travel before = plan.progress(t - kStepS);
+      const Travel after = plan.progress(t + kStepS);
+      EXPECT_NEAR(plan.progress(t).rate, (after.position - before.position) / (2.0 * kStepS), 1e-5);
+      EXPECT_NEAR(plan.progress(t).acceleration, (after.rate - before.rate) / (2.0 * kStepS), 0.02);
+    }
+  }
+}
+
+TEST(ReachPlan, WithinTheArmsReach_HealthyUseTheArmAloneOthersTheTrunk) {
+  for (std::uint32_t number = 1; number <= 20; ++number) {
+    const ReachPlan healthy = planned(natural(true), kWithinReachCm, number);
+    EXPECT_FALSE(healthy.moves_trunk);
+    EXPECT_EQ(healthy.trunk_deg, 0.0);
+    EXPECT_EQ(healthy.lift(healthy.hit_s, 1.5), 0.0);
+    SittingHabits stroke = natural(false, 0.0);
+    stroke.arm_use = 0.6;
+    EXPECT_GT(planned(stroke, kWithinReachCm, number).trunk_deg, 2.0);
+  }
+}
+
+TEST(ReachPlan, AfterAStroke_SlowerAndWithCorrections) {
+  double healthy_s = 0.0;
+  double stroke_s = 0.0;
+  std::size_t healthy_moves = 0;
+  std::size_t stroke_moves = 0;
+  for (std::uint32_t number = 1; number <= 30; ++number) {
+    const ReachPlan healthy = planned(natural(true, 0.0), kA.max_reach_cm, number);
+    const ReachPlan stroke = planned(natural(false, 0.0), kA.max_reach_cm, number);
+    healthy_s += healthy.end_s - healthy.on_s;
+    stroke_s += stroke.end_s - stroke.on_s;
+    healthy_moves += healthy.move_count;
+    stroke_moves += stroke.move_count;
+  }
+  EXPECT_GT(stroke_s, 1.4 * healthy_s);
+  EXPECT_GT(stroke_moves, 2 * healthy_moves);
+}
+
+TEST(ReachPlan, Double_GoesOutTwice) {
+  const ReachPlan plan = planned(ideal_habits(kA, SeatLoadModel::Cop, 0.75), kA.max_reach_cm, 1, true);
+  int maxima = 0;
+  for (double t = plan.on_s; t < plan.end_s; t += 0.01) {
+    maxima += plan.progress(t).rate > 0.0 && plan.progress(t + 0.01).rate <= 0.0 ? 1 : 0;
+  }
+  EXPECT_EQ(maxima, 2);
+  EXPECT_NEAR(plan.progress(plan.back_s).position, 1.0, 1e-9);
+}
+
+TEST(ReachPlan, SameSeedAndNumber_SameReach) {
+  EXPECT_EQ(planned(natural(true), 100.0, 3).end_s, planned(natural(true), 100.0, 3).end_s);
+  EXPECT_NE(planned(natural(true), 100.0, 3).end_s, planned(natural(true), 100.0, 4).end_s);
+}
+
+TEST(SittingHabits, WithoutSpread_AreTheSameForEverySeed) {
+  const auto of = [](std::uint64_t seed, double spread) { return natural_habits(kA, true, SeatLoadModel::Cop, seed, spread); };
+  EXPECT_EQ(of(1, 0.0).load.rest_y_mm, of(2, 0.0).load.rest_y_mm);
+  EXPECT_EQ(of(1, 0.0).flexion_factor, 1.0);
+  EXPECT_NE(of(1, 1.0).load.rest_y_mm, of(2, 1.0).load.rest_y_mm);
+  EXPECT_EQ(of(1, 1.0).load.rest_y_mm, of(1, 1.0).load.rest_y_mm);
+}
+
+}  // namespace
+}  // namespace dts::physics

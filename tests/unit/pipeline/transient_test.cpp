@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "pipeline/stages/transient.h"
+
+#include <gmock/gmock.h>
+
+#include "unit/pipeline/chair_chain.h"
+
+namespace dts::pipeline {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+/// Deflections that wobble by more than a code of the converter, so that no channel stands still.
+Signal steady(std::vector<double> levels_mm, std::size_t scans) {
+  std::vector<std::vector<double>> columns;
+  for (const double level_mm : levels_mm) {
+    columns.emplace_back();
+    for (std::size_t i = 0; i < scans; ++i) columns.back().push_back(level_mm + (i % 2 == 0 ? 0.001 : -0.001));
+  }
+  return make_signal(100.0, "mm", columns);
+}
+
+TEST(Transient, FourGoodSensors_GiveMeanRatioAndTwist) {
+  const Signal out = transient_from(steady({4.0, 4.4, 3.0, 3.2}, 20));
+
+  EXPECT_NEAR(out.values[0][10], 3.65, 0.002);
+  EXPECT_NEAR(out.values[1][10], (3.1 - 4.2) / 3.65, 0.001);
+  EXPECT_NEAR(out.values[2][10], ((4.0 - 4.4) - (3.0 - 3.2)) / 3.65, 0.001);
+  EXPECT_EQ(out.bits[0][10], 0);
+  EXPECT_EQ(out.format.channels[1].unit, "1");
+}
+
+TEST(Transient, EmptySeat_IsFiniteWithoutContact) {
+  const Signal out = transient_from(steady({0.0, 0.0, 0.0, 0.0}, 20));
+
+  EXPECT_TRUE(std::isfinite(out.values[1][10]));
+  EXPECT_EQ(out.bits[0][10], core::quality::kNoContact);
+}
+
+TEST(Transient, OneWildValue_LeavesNoTrace) {
+  Signal in = steady({4.0, 4.0, 3.0, 3.0}, 40);
+  in.values[2][20] = -3.3;
+
+  const Signal out = transient_from(in);
+
+  for (std::size_t i = 10; i < 40; ++i) EXPECT_NEAR(out.values[0][i], 3.5, 0.002) << i;
+  EXPECT_EQ(out.bits[0][20], 0);
+}
+
+TEST(Transient, StepOfTheSeat_IsFollowedWithinThreeScans) {
+  Signal in = steady({4.0, 4.0, 3.0, 3.0}, 40);
+  for (auto& column : in.values) std::for_each(column.begin() + 20, column.end(), [](double& mm) { mm += 1.0; });
+
+  const Signal out = transient_from(in);
+
+  EXPECT_NEAR(out.values[0][23], 4.5, 0.002);
+}
+
+TEST(Transient, SensorThatDies_IsReplacedByItsPartnersChange) {
+  Signal in = steady({4.0, 4.2, 3.0, 3.1}, 400);
+  for (std::size_t i = 200; i < 400; ++i) {
+    in.values[0][i] = kNaN;
+    in.bits[0][i] = core::quality::kRail;
+    for (std::size_t c = 1; c < 4; ++c) in.values[c][i] += c == 1 ? 0.4 : 0.8;  // the rows move by different amounts
+  }
+
+  const Signal out = transient_from(in);
+
+  EXPECT_NEAR(out.values[0][199], 3.575, 0.002);
+  EXPECT_NEAR(out.values[0][300], 3.575 + (0.4 + 0.4 + 0.8 + 0.8) / 4.0, 0.005);
+  EXPECT_EQ(out.bits[0][300], core::quality::kSubstituted | core::quality::kUncalibrated);
+}
+
+TEST(Transient, SensorThatStandsStill_IsReplacedAfterFiftyMilliseconds) {
+  Signal in = steady({4.0, 4.0, 3.0, 3.0}, 400);
+  for (std::size_t i = 200; i < 400; ++i) in.values[3][i] = 3.0;
+
+  const Signal out = transient_from(in);
+
+  // The converter of the test has 11 bit: by chance it gives the same code 27 times before anything is wrong.
+  EXPECT_EQ(out.bits[0][210], 0);
+  EXPECT_EQ(out.bits[0][230], core::quality::kSubstituted);
+}
+
+TEST(Transient, SensorDeadFromTheBeginning_FollowsItsPartner) {
+  Signal in = steady({4.0, 4.2, 3.0, 3.1}, 50);
+  std::ranges::fill(in.bits[0], core::quality::kOutOfRange);
+
+  const Signal out = transient_from(in);
+
+  EXPECT_NEAR(out.values[0][20], (4.2 + 4.2 + 3.0 + 3.1) / 4.0, 0.002);
+  EXPECT_NE(out.bits[0][20] & core::quality::kSubstituted, 0);
+}
+
+TEST(Transient, WholeRowDeadFromTheBeginning_IsNaNWithTheReason) {
+  Signal in = steady({4.0, 4.2, 3.0, 3.1}, 50);
+  for (const std::size_t c : {0U, 1U}) std::ranges::fill(in.bits[c], core::quality::kRail);
+
+  const Signal out = transient_from(in);
+
+  EXPECT_TRUE(std::isnan(out.values[0][20]));
+  EXPECT_NE(out.bits[0][20] & core::quality::kRail, 0);
+}
+
+TEST(Transient, ThreeDead_IsNaN) {
+  Signal in = steady({4.0, 4.2, 3.0, 3.1}, 100);
+  for (const std::size_t c : {0U, 1U, 2U}) std::fill(in.bits[c].begin() + 50, in.bits[c].end(), core::quality::kRail);
+
+  const Signal out = transient_from(in);
+
+  EXPECT_TRUE(std::isfinite(out.values[0][40]));
+  EXPECT_TRUE(std::isnan(out.values[0][60]));
+}
+
+TEST(Transient, Untared_PassesThrough) {
+  Signal in = steady({4.0, 4.0, 3.0, 3.0}, 20);
+  for (auto& bits : in.bits) std::ranges::fill(bits, core::quality::kUntared);
+
+  EXPECT_EQ(transient_from(in).bits[0][10], core::quality::kUntared);
+}
+
+TEST(Transient, SensorsInAnyOrder_AreSortedByPlace) {
+  physics::RigModel rig = chair_rig();
+  std::swap(rig.sensors[0], rig.sensors[3]);  // the front right one comes first now
+  StageSurroundings surroundings(std::move(rig));
+  const auto stage = surroundings.make({.id = "transient", .options = {}});
+
+  const Output out = prepare_and_run(*stage, steady({3.0, 4.0, 3.0, 4.0}, 20));
+
+  EXPECT_NEAR(out.values[1][10], -1.0 / 3.5, 0.001);
+}
+
+TEST(Transient, RigThatNamesItsSensors_UsesThese) {
+  physics::RigModel rig = chair_rig();
+  rig.sensors.push_back(rig.sensors.front());
+  rig.transient_sensors = {.rear = {1, 4}, .front = {2, 3}};
+  StageSurroundings surroundings(std::move(rig));
+  const auto stage = surroundings.make({.id = "transient", .options = {}});
+
+  const Output out = prepare_and_run(*stage, steady({9.0, 4.0, 3.0, 3.0, 4.0}, 20));
+
+  EXPECT_NEAR(out.values[0][10], 3.5, 0.002);
+}
+
+TEST(Transient, FiveSensorsWithoutAChoice_AreRefused) {
+  physics::RigModel rig = chair_rig();
+  rig.sensors.push_back(rig.sensors.front());
+  StageSurroundings surroundings(std::move(rig));
+  const auto stage = surroundings.make({.id = "transient", .options = {}});
+
+  const auto refused = stage->prepare(steady({1.0, 1.0, 1.0, 1.0, 1.0}, 0).format, 64);
+
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().what, testing::HasSubstr("stage transient: the rig has 5 sensors"));
+}
+
+TEST(Transient, RigThatNamesASensorTwice_IsRefused) {
+  physics::RigModel rig = chair_rig();
+  rig.transient_sensors = {.rear = {0, 0}, .front = {2, 3}};
+  StageSurroundings surroundings(std::move(rig));
+
+  EXPECT_FALSE(surroundings.make({.id = "transient", .options = {}})->prepare(steady({1.0, 1.0, 1.0, 1.0}, 0).format, 64));
+}
+
+}  // namespace
+}  // namespace dts::pipeline

@@ -45,6 +45,7 @@ std::optional<physics::Person> person_of(const std::vector<std::pair<std::string
     if (!number || !std::isfinite(*number) || *number <= 0.0) return std::nullopt;
     *measure = *number;
   }
+  person.has_stroke = std::ranges::find(fields, std::pair<std::string, std::string>("group", "stroke")) != fields.end();
   return person;
 }
 
@@ -151,7 +152,7 @@ bool ReachResults::is_at_maximum(const Attempt& attempt) const {
 /// Of the first three maximum reaches in a row that agree: one that went wrong does not spoil the session, and later ones do not change
 /// what was said already.
 std::optional<classifier::SubjectCalibration> ReachResults::own_scale() const {
-  if (!person_ || model_ == nullptr) return std::nullopt;
+  if (!person_ || person_->has_stroke || model_ == nullptr) return std::nullopt;  // geometry is their scale, and it fails them
   const double flexion_deg = physics::trunk_flexion_deg(*person_, person_->max_reach_cm);
   std::vector<core::ReachFeatures> maxima;
   for (const Attempt* attempt : counting()) {

@@ -41,7 +41,7 @@ struct ReachFigure {
   std::string details{};  ///< JSON; may be empty.
 };
 
-/// The subject of a session by the fields of its protocol (thesis Table 6.1): weight_kg, height_cm, arm_length_cm, max_reach_cm. Nothing
+/// The subject of a session by the fields of its protocol (thesis Table 6.1): weight_kg, height_cm, arm_length_cm, max_reach_cm, group. Nothing
 /// when one is missing or no positive number.
 [[nodiscard]] std::optional<physics::Person> person_of(const std::vector<std::pair<std::string, std::string>>& fields);
 

@@ -304,20 +304,22 @@ void RigSession::tell_outcomes(const DataPosition& at) {
   }
 }
 
-/// The session's trials are over: what came of them as a whole.
+/// The session's trials are over: what came of them as a whole. A resumed session has figures for each of its parts.
 void RigSession::conclude(const DataPosition& at) {
   if (!results_) return;
   follow_reaches(at);
   results_->finish();
   tell_outcomes(at);
-  const std::string id = session_.view(0).id;
+  const std::uint32_t part = services_.recordings != nullptr ? services_.recordings->part(rig_.config().name) : 1;
+  const std::string suffix = part > 1 ? "_part_" + std::to_string(part) : "";
   for (const ReachFigure& figure : results_->summary()) {
-    note(
-        {.event = "figure", .values = {{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}, {"details", figure.details}}},
-        at);
-    if (services_.recordings == nullptr) continue;
-    services_.recordings->enter_result(
-        {.session_id = id, .name = figure.name, .value = figure.value, .unit = figure.unit, .details = figure.details});
+    const record::ResultRow row{.session_id = session_.view(0).id,
+                                .name = figure.name + suffix,
+                                .value = figure.value,
+                                .unit = figure.unit,
+                                .details = figure.details};
+    note({.event = "figure", .values = {{"name", row.name}, {"value", row.value}, {"unit", row.unit}, {"details", row.details}}}, at);
+    if (services_.recordings != nullptr) services_.recordings->enter_result(row);
   }
   results_.reset();
 }

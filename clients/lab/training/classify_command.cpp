@@ -50,6 +50,11 @@ std::vector<std::optional<SubjectCalibration>> calibrations_of(const reach::Tria
   std::vector<std::optional<SubjectCalibration>> calibrations;
   for (std::size_t subject = 0; subject < set.subjects.size(); ++subject) {
     const physics::Person& person = set.subjects[subject].person;
+    if (!set.subjects[subject].is_healthy) {
+      warn(console, "subject " + set.subjects[subject].name + " without own scale: after a stroke, distance says little about flexion");
+      calibrations.emplace_back();
+      continue;
+    }
     const auto calibration = classifier::calibrate_subject(maximum[subject], physics::trunk_flexion_deg(person, person.max_reach_cm));
     if (!calibration)
       warn(console, "subject " + set.subjects[subject].name + " without own scale: " + core::to_string(calibration.error()));

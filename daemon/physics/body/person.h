@@ -9,6 +9,8 @@ struct Person {
   double height_cm = 175.0;
   double arm_length_cm = 68.0;  ///< Acromion to third metacarpal head.
   double max_reach_cm = 125.0;  ///< Acromion to the farthest target reached without lifting from the seat.
+  /// After a stroke the trunk helps where the arm alone would reach: distance then says little about flexion.
+  bool has_stroke = false;
 };
 
 /// Trunk flexion, deg, that a reach to a target at `target_cm` from the acromion at shoulder height takes: 0 within 1.15 arm lengths, from

@@ -262,9 +262,11 @@ TEST(ReachResults, EndlessAttempts_StopBeingKept) {
 }
 
 /// Told: the class of the pipeline's model. The model here rejects everything: what it said shows.
-std::vector<core::TrunkClass> classes_after(const std::vector<core::ReachEvent>& maxima) {
+std::vector<core::TrunkClass> classes_after(const std::vector<core::ReachEvent>& maxima, bool has_stroke = false) {
   const classifier::TrunkModel model;
-  ReachResults results(made::volunteer(), &model);
+  physics::Person person = made::volunteer();
+  person.has_stroke = has_stroke;
+  ReachResults results(person, &model);
   std::uint32_t trial = 0;
   for (const core::ReachEvent& event : maxima) {
     ++trial;
@@ -283,6 +285,10 @@ TEST(ReachResults, ThreeMaximumReaches_BringTheSubjectsOwnScale) {
   using testing::Each;
   EXPECT_THAT(classes_after({reach(1, 1050, 2.0), reach(2, 2050, 2.1)}), Each(TrunkClass::Maximum));
   EXPECT_THAT(classes_after({reach(1, 1050, 2.0), reach(2, 2050, 2.1), reach(3, 3050, 1.9)}), Each(TrunkClass::Rejected));
+}
+
+TEST(ReachResults, AfterAStroke_ThereIsNoOwnScale) {
+  EXPECT_THAT(classes_after({reach(1, 1050, 2.0), reach(2, 2050, 2.1), reach(3, 3050, 1.9)}, true), testing::Each(TrunkClass::Maximum));
 }
 
 TEST(ReachResults, DoubtfulMaximumReach_SetsNoScale) {
@@ -316,6 +322,10 @@ TEST(ReachResults, PersonOf_NeedsAllFourMeasures) {
   const auto person = person_of(whole);
   ASSERT_TRUE(person.has_value());
   EXPECT_EQ(person->max_reach_cm, 124.5);
+  EXPECT_FALSE(person->has_stroke);
+  auto stroke = whole;
+  stroke.emplace_back("group", "stroke");
+  EXPECT_TRUE(person_of(stroke)->has_stroke);
   for (std::size_t k = 1; k < whole.size(); ++k) {
     auto fields = whole;
     fields[k].second = k % 2 == 0 ? "0" : "tall";

@@ -82,7 +82,9 @@ std::string reading(const client::StreamFormat& format, std::span<const float> s
   std::uint8_t doubts = 0;
   for (std::size_t channel = 0; channel < format.channels.size(); ++channel) {
     const client::ChannelFormat& described = format.channels[channel];
-    text += (channel == 0 ? "" : "  ") + label(described) + " " + value_text(scan[channel]) + " " + cli::printable(described.unit);
+    const bool has_unit = described.unit != "1";  // as UCUM writes a pure number
+    text += (channel == 0 ? "" : "  ") + label(described) + " " + value_text(scan[channel]) +
+            (has_unit ? " " + cli::printable(described.unit) : "");
     doubts = static_cast<std::uint8_t>(doubts | quality[channel]);
   }
   std::string words;

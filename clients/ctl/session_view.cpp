@@ -91,7 +91,7 @@ std::string degrees_text(const v1::TrialResult& result) {
 void print_results(cli::Console& console, const v1::SessionRecord& session) {
   cli::Table results({"RESULT", ">VALUE", "UNIT"});
   for (const v1::SessionResult& result : session.results()) {
-    results.add({{result.name()}, {cli::decimal(result.value(), 3)}, {result.unit()}});
+    results.add({{result.name()}, {cli::decimal(result.value(), 3)}, {result.unit() == "1" ? "" : result.unit()}});
   }
   if (session.results_size() > 0) console.out << '\n';
   if (session.results_size() > 0) results.print(console);

@@ -81,7 +81,14 @@ core::Status add(const record::RecordedEvent& event, std::vector<PlacedStep>& st
   return {};
 }
 
-void add_told(const record::RecordedEvent& event, ToldResults& told) {
+/// What the daemon told when a trial was decided, and once more at the end of the session, when the subject's own scale was known.
+struct Told {
+  ToldResults decided;
+  ToldResults at_end;
+};
+
+void add_told(const record::RecordedEvent& event, Told& both) {
+  ToldResults& told = find(event, "is_at_end") != nullptr ? both.at_end : both.decided;
   const auto trial = whole_of(event, "trial");
   const auto attempt = whole_of(event, "attempt");
   if (event.event != "result" || !trial || !attempt || told.size() >= session::ReachResults::kMostAttempts) return;
@@ -100,9 +107,8 @@ ToldResult told_of(const session::ReachTrialResult& result) {
   return told;
 }
 
-/// Takes what was decided just now.
-void compare(session::ReachResults& results, const ToldResults& told, RecordedReaches& recorded) {
-  for (const session::ReachTrialResult& result : results.take_decided()) {
+void compare(const std::vector<session::ReachTrialResult>& results, const ToldResults& told, RecordedReaches& recorded) {
+  for (const session::ReachTrialResult& result : results) {
     const auto found = told.find({result.trial, result.attempt});
     if (found == told.end()) continue;
     ++recorded.told;
@@ -110,8 +116,7 @@ void compare(session::ReachResults& results, const ToldResults& told, RecordedRe
   }
 }
 
-core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, ToldResults& told,
-                                                 const std::function<void(double)>& progress) {
+core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, Told& told, const std::function<void(double)>& progress) {
   std::vector<PlacedStep> steps;
   while (true) {
     auto item = recording.next();
@@ -170,7 +175,7 @@ core::Result<session::TrialEvent> trial_of(const record::RecordedEvent& event) {
 
 core::Result<RecordedReaches> read_recorded_reaches(record::Recording& recording, const classifier::TrunkModel* model,
                                                     const std::function<void(double)>& progress) {
-  ToldResults told;
+  Told told;
   const auto steps = read_steps(recording, told, progress);
   if (!steps) return tl::make_unexpected(steps.error());
   RecordedReaches recorded;
@@ -178,13 +183,14 @@ core::Result<RecordedReaches> read_recorded_reaches(record::Recording& recording
   session::ReachResults results(recorded.person, model);
   for (const PlacedStep& step : *steps) {
     results.advance(step.segment, step.scan);
-    compare(results, told, recorded);  // by what was known then
+    compare(results.take_decided(), told.decided, recorded);  // by what was known then
     take(step, results);
   }
   results.finish();
-  compare(results, told, recorded);
+  compare(results.take_decided(), told.decided, recorded);
   recorded.reaches = count_reaches(*steps);
   recorded.trials = results.results();
+  compare(recorded.trials, told.at_end, recorded);
   recorded.summary = results.summary();
   return recorded;
 }

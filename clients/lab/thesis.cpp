@@ -19,10 +19,10 @@ const std::vector<std::pair<std::string_view, Maker>>& makers() {
                                                                      {"3.5", [] { return thesis_proportions(true); }},
                                                                      {"3.6", thesis_line_errors},
                                                                      {"4.1", thesis_loci},
-                                                                     {"5.2", thesis_teachers},
-                                                                     {"6.2", thesis_healthy},
+                                                                     {"5.2", [] { return thesis_teachers(); }},
+                                                                     {"6.2", [] { return thesis_healthy(); }},
                                                                      {"6.3", thesis_trunk_angles},
-                                                                     {"6.4", thesis_stroke}};
+                                                                     {"6.4", [] { return thesis_stroke(); }}};
   return known;
 }
 

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+
 #include "lab/thesis.h"
 
 namespace dts::lab {
 
 // One function per kind of table; `thesis_table` chooses.
+
+/// Draws of people behind tables 5.2, 6.2 and 6.4.
+inline constexpr std::size_t kReachDraws = 5;
 
 /// Tables 3.2 (acrylic) and 3.3 (steel).
 [[nodiscard]] core::Result<ThesisTable> thesis_deflections(bool is_steel);
@@ -16,13 +21,13 @@ namespace dts::lab {
 /// Table 4.1.
 [[nodiscard]] core::Result<ThesisTable> thesis_loci();
 /// Table 5.2.
-[[nodiscard]] core::Result<ThesisTable> thesis_teachers();
+[[nodiscard]] core::Result<ThesisTable> thesis_teachers(std::size_t draws = kReachDraws);
 /// Table 6.2.
-[[nodiscard]] core::Result<ThesisTable> thesis_healthy();
+[[nodiscard]] core::Result<ThesisTable> thesis_healthy(std::size_t draws = kReachDraws);
 /// Table 6.3.
 [[nodiscard]] core::Result<ThesisTable> thesis_trunk_angles();
 /// Table 6.4.
-[[nodiscard]] core::Result<ThesisTable> thesis_stroke();
+[[nodiscard]] core::Result<ThesisTable> thesis_stroke(std::size_t draws = kReachDraws);
 
 /// (ours - printed) / printed, %; NaN where 0 is printed.
 [[nodiscard]] double deviation_percent(double ours, double printed) noexcept;

@@ -14,16 +14,15 @@ namespace {
 using core::TrunkClass;
 using study::Confusion;
 
-constexpr std::size_t kDraws = 5;
 constexpr std::array<TrunkClass, 3> kClasses = {TrunkClass::Minor, TrunkClass::Moderate, TrunkClass::Maximum};
 constexpr std::array<const char*, 3> kTargets = {"120", "150", "max"};
 constexpr auto kSynthetic =
     "Ours: simulated people of the printed measures, found and judged as dtsd does it; synthetic, no clinical claim. The rows are of the "
-    "one in the middle of five draws of people; another draw is other people, and the spread is that of a study repeated.";
+    "one in the middle of several draws of people; another draw is other people, and the spread is that of a study repeated.";
 
-core::Result<std::vector<study::Draw>> draws(bool has_healthy, bool has_stroke) {
+core::Result<std::vector<study::Draw>> draw_people(std::size_t draws, bool has_healthy, bool has_stroke) {
   const study::StudyOptions options{
-      .seed = 1, .draws = kDraws, .has_healthy = has_healthy, .has_stroke = has_stroke, .has_recommended = false};
+      .seed = 1, .draws = draws, .has_healthy = has_healthy, .has_stroke = has_stroke, .has_recommended = false};
   return study::run_study(options, [](double) {});
 }
 
@@ -51,8 +50,8 @@ void add_row(const std::string& label, Figures printed, Figures ours, ThesisTabl
 
 }  // namespace
 
-core::Result<ThesisTable> thesis_teachers() {
-  const auto all = draws(false, false);
+core::Result<ThesisTable> thesis_teachers(std::size_t draws) {
+  const auto all = draw_people(draws, false, false);
   if (!all) return tl::make_unexpected(all.error());
   ThesisTable table{.name = "5.2",
                     .title = "Volunteers A, B and C by a network taught with simulated reaches (NN2); correct of 15",
@@ -71,7 +70,7 @@ core::Result<ThesisTable> thesis_teachers() {
               {{"correct", count(draw.nn2.teachers[person], kClasses[k])}}, table);
     }
   }
-  table.summary = {{"rows_of_seed", static_cast<double>(draw.seed)}, {"printed_nn2_of_135", 134.0}};
+  table.summary = {{"draws", static_cast<double>(draws)}, {"rows_of_seed", static_cast<double>(draw.seed)}, {"printed_nn2_of_135", 134.0}};
   add_spread(
       "ours_nn2_four_paces_of_135", *all, [](const study::Draw& one) { return correct(one.nn2.teachers); }, table.summary);
   add_spread(
@@ -80,8 +79,8 @@ core::Result<ThesisTable> thesis_teachers() {
   return table;
 }
 
-core::Result<ThesisTable> thesis_healthy() {
-  const auto all = draws(true, false);
+core::Result<ThesisTable> thesis_healthy(std::size_t draws) {
+  const auto all = draw_people(draws, true, false);
   if (!all) return tl::make_unexpected(all.error());
   ThesisTable table{.name = "6.2",
                     .title = "Ten healthy volunteers by NN1 and NN2; correct of 15",
@@ -106,7 +105,8 @@ core::Result<ThesisTable> thesis_healthy() {
               {{"nn1", count(draw.nn1.healthy[person], kClasses[k])}, {"nn2", count(draw.nn2.healthy[person], kClasses[k])}}, table);
     }
   }
-  table.summary = {{"rows_of_seed", static_cast<double>(draw.seed)},
+  table.summary = {{"draws", static_cast<double>(draws)},
+                   {"rows_of_seed", static_cast<double>(draw.seed)},
                    {"printed_nn1_of_450", static_cast<double>(printed::kHealthyTotalNn1)},
                    {"printed_rows_nn1_of_450", sum_nn1},
                    {"printed_nn2_of_450", static_cast<double>(printed::kHealthyTotalNn2)},
@@ -118,8 +118,8 @@ core::Result<ThesisTable> thesis_healthy() {
   return table;
 }
 
-core::Result<ThesisTable> thesis_stroke() {
-  const auto all = draws(false, true);
+core::Result<ThesisTable> thesis_stroke(std::size_t draws) {
+  const auto all = draw_people(draws, false, true);
   if (!all) return tl::make_unexpected(all.error());
   ThesisTable table{.name = "6.4",
                     .title = "Five volunteers after a stroke at the critical boundary, by NN1 and NN2; correct of 15",
@@ -141,7 +141,10 @@ core::Result<ThesisTable> thesis_stroke() {
              {"trunk_deg", volunteer.boundary_deg.value_or(study::kUnknown), false}},
             table);
   }
-  table.summary = {{"rows_of_seed", static_cast<double>(draw.seed)}, {"printed_nn1_of_75", 70.0}, {"printed_nn2_of_75", 71.0}};
+  table.summary = {{"draws", static_cast<double>(draws)},
+                   {"rows_of_seed", static_cast<double>(draw.seed)},
+                   {"printed_nn1_of_75", 70.0},
+                   {"printed_nn2_of_75", 71.0}};
   add_spread(
       "ours_nn1_of_75", *all, [](const study::Draw& one) { return correct(one.nn1.stroke); }, table.summary);
   add_spread(

@@ -19,7 +19,10 @@ using core::TrunkMovement;
 constexpr double kLightestPart = 0.7;              ///< Of the lowest P1 of training: a child is not judged by adults.
 constexpr double kHeaviestPart = 1.35;             ///< Of the highest.
 constexpr double kLargestContradictionDeg = 18.0;  ///< Twice what geometry (6.7 deg rms, reach-model section 3) and a model miss together.
-constexpr double kSubstitutedLimit = 0.98;  ///< With a replaced sensor d2 is wrong by up to a tenth: only what is far from a border stands.
+/// With a replaced sensor d2 is wrong by up to a tenth, after a pause the second movement is quicker than a reach, and a rest that was not
+/// seen is a guess: only what is far from a border stands.
+constexpr std::uint16_t kDoubtfulFlags = flag::kSubstituted | flag::kResumed | flag::kBaselineUncertain;
+constexpr double kDoubtfulLimit = 0.98;
 
 /// What is known before anything is rejected.
 struct Judgement {
@@ -131,8 +134,8 @@ Judgement judge(const TrunkModel& model, const core::ReachFeatures& features, st
     movement.reasons |= reason::kOutOfRange;
   }
   if ((flags & kUnfitFlags) != 0) movement.reasons |= reason::kBadReach;
-  const double limit = (flags & flag::kSubstituted) != 0 ? std::max(form.reject_below, kSubstitutedLimit) : form.reject_below;
-  if (judgement.probability < limit) movement.reasons |= reason::kUnsure;
+  const double limit = (flags & kDoubtfulFlags) != 0 ? std::max(form.reject_below, kDoubtfulLimit) : form.reject_below;
+  if (!(judgement.probability >= limit)) movement.reasons |= reason::kUnsure;
   if (contradicts(judgement.guess, movement)) movement.reasons |= reason::kDisagreement;
   return judgement;
 }

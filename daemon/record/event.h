@@ -28,7 +28,8 @@ using EventValue = std::variant<std::string, double, std::int64_t, bool>;
 /// | device  | state, message |
 /// | trial   | phase, trial, attempt, block, condition and its labels |
 /// | reach, class | see reach_record.h |
-/// | result  | trial, attempt, condition and, if known, target_cm, expected_class, number, class, trunk_deg ...: of a reaching trial |
+/// | result  | trial, attempt, condition and, if known, target_cm, expected_class, number, class, trunk_deg ...: of a reaching trial; once
+/// |         | when it is decided and once, with is_at_end, when the session ends |
 /// | figure  | name, value, unit, details: of the whole session |
 /// | loss    | scans: the recorder was too slow; the next sample starts a segment |
 struct RecordedEvent {

@@ -290,26 +290,34 @@ void RigSession::follow_reaches(const DataPosition& at) {
   tell_outcomes(at);
 }
 
+/// Into the recording, and beside the trial in the catalogue.
+void RigSession::enter_result(const ReachTrialResult& result, bool is_at_end, const DataPosition& at) {
+  record::RecordedEvent event = recorded(result);
+  if (is_at_end) event.values.emplace_back("is_at_end", true);
+  event.segment = at.segment;
+  event.scan = at.scan;
+  if (const auto row = trial_rows_.find({result.trial, result.attempt}); row != trial_rows_.end()) {
+    row->second.result = record::to_json(event);
+    put_trial(row->second);
+  }
+  note(std::move(event), at);
+}
+
 void RigSession::tell_outcomes(const DataPosition& at) {
   for (ReachTrialResult& result : results_->take_decided()) {
-    record::RecordedEvent event = recorded(result);
-    event.segment = at.segment;
-    event.scan = at.scan;
-    if (const auto row = trial_rows_.find({result.trial, result.attempt}); row != trial_rows_.end()) {
-      row->second.result = record::to_json(event);
-      put_trial(row->second);
-    }
-    note(std::move(event), at);
+    enter_result(result, false, at);
     outcomes_.push_back({.result = std::move(result), .at = at});
   }
 }
 
-/// The session's trials are over: what came of them as a whole. A resumed session has figures for each of its parts.
+/// The session's trials are over: each is judged once more, by the subject's own scale if there is one now; and what came of them as a
+/// whole. A resumed session has figures for each of its parts.
 void RigSession::conclude(const DataPosition& at) {
   if (!results_) return;
   follow_reaches(at);
   results_->finish();
   tell_outcomes(at);
+  for (const ReachTrialResult& result : results_->results()) enter_result(result, true, at);
   const std::uint32_t part = services_.recordings != nullptr ? services_.recordings->part(rig_.config().name) : 1;
   const std::string suffix = part > 1 ? "_part_" + std::to_string(part) : "";
   for (const ReachFigure& figure : results_->summary()) {

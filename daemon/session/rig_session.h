@@ -103,6 +103,7 @@ class RigSession {
   void put_trial(record::TrialRow& row);
   void give_cue(const TrialEvent& event);
   void follow_reaches(const DataPosition& at);
+  void enter_result(const ReachTrialResult& result, bool is_at_end, const DataPosition& at);
   void tell_outcomes(const DataPosition& at);
   void conclude(const DataPosition& at);
 

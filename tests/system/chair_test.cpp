@@ -109,8 +109,7 @@ class ChairExamination : public testing::Test {
 /// "reach 3 at 1234", "class 2 of 3 at 1234": finals and classes in their order.
 std::string told(const v1::Event& event) {
   const std::string at = " at " + std::to_string(event.segment()) + ":" + std::to_string(event.scan());
-  if (event.has_reach() && event.reach().step() == v1::REACH_STEP_FINAL)
-    return "reach " + std::to_string(event.reach().number()) + at;
+  if (event.has_reach() && event.reach().step() == v1::REACH_STEP_FINAL) return "reach " + std::to_string(event.reach().number()) + at;
   if (!event.has_movement()) return {};
   return "class " + std::to_string(event.movement().trunk_class()) + " of " + std::to_string(event.movement().number()) + at;
 }
@@ -178,6 +177,17 @@ TEST_F(ChairExamination, LiveRecordedReplayedAndInTheLaboratory_AreTheSame) {
   const Finished offline = run_program({DTSLAB_PROGRAM, "reach", "results", file, "--json"});
   ASSERT_EQ(offline.status, 0) << offline.err;
   const json results = json::parse(offline.out);
+  EXPECT_EQ(results.at("differing_results"), 0);
+  EXPECT_EQ(results.at("recorded_results"), 12) << "when each trial was decided, and when the session ended";
+  ASSERT_EQ(results.at("trials").size(), 6U);
+  for (std::size_t k = 0; k < 6; ++k) {
+    const json& live_result = session.at("trials").at(k).at("result");
+    const json& own = results.at("trials").at(k);
+    ASSERT_EQ(live_result.contains("movement"), own.contains("movement"));
+    if (!own.contains("movement")) continue;
+    EXPECT_EQ(live_result.at("movement").at("trunk_class"), own.at("movement").at("class"));
+    EXPECT_EQ(live_result.at("movement").at("trunk_deg"), own.at("movement").at("trunk_deg"));
+  }
   for (const json& figure : session.at("results")) {
     EXPECT_THAT(results.at("summary"),
                 testing::Contains(testing::AllOf(testing::ResultOf([](const json& own) { return own.at("name"); }, figure.at("name")),

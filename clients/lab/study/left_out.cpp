@@ -7,6 +7,7 @@
 
 #include "classifier/trunk_model_parts.h"
 #include "lab/training/fits.h"
+#include "lab/training/left_out_parts.h"
 #include "lab/training/model_training.h"
 
 namespace dts::lab::study {
@@ -14,12 +15,11 @@ namespace {
 
 using classifier::kClasses;
 using core::TrunkClass;
+using training::JudgedReach;
 using training::LeftOutReach;
 
 constexpr double kIntervalPart = 0.9;
 constexpr double kRejectBelow = 0.9;
-/// Unsure and disagreeing is judged anew, with temperature and interval.
-constexpr std::uint16_t kRejecting = core::class_reason::kOutOfRange | core::class_reason::kBadReach;
 
 double off_deg(const AngleError& error) { return std::abs(error.estimated_deg - error.true_deg); }
 
@@ -42,65 +42,34 @@ std::array<double, kClasses> widths_without(const std::vector<AngleError>& error
   return widths;
 }
 
-/// A judgement that is to be tempered, and rejected or not, by what is known of the other volunteers only.
-struct Judged {
-  const training::TrainingReach* reach = nullptr;
-  core::TrunkMovement movement;
-};
-
-double temperature_without(const std::vector<Judged>& judged, std::size_t volunteer) {
-  std::vector<training::Forecast> forecasts;
-  for (const auto& [reach, movement] : judged) {
-    const bool is_others = reach->subject != volunteer && reach->wanted >= TrunkClass::Minor;
-    if (is_others) forecasts.push_back({movement.probability, static_cast<std::size_t>(reach->wanted) - 1});
-  }
-  return forecasts.empty() ? 1.0 : training::fit_temperature(forecasts);
-}
-
-void temper(core::TrunkMovement& movement, double temperature) {
-  double total = 0.0;
-  for (double& value : movement.probability) total += value = std::pow(value, 1.0 / temperature);
-  for (double& value : movement.probability) value /= total;
-}
-
 TrunkClass true_class(double flexion_deg) {
   return flexion_deg > 0.0 ? static_cast<TrunkClass>(classifier::class_index(flexion_deg) + 1) : TrunkClass::None;
 }
 
-/// As TrunkModel::classify, with the interval that the other volunteers' errors make.
-bool is_kept(const core::TrunkMovement& movement, const std::array<double, kClasses>& widths) {
-  if ((movement.reasons & kRejecting) != 0 || std::ranges::max(movement.probability) < kRejectBelow) return false;
-  if (!std::isfinite(movement.trunk_deg)) return true;
-  const auto guess = static_cast<std::size_t>(std::max(1, static_cast<int>(movement.trunk_class)) - 1);
-  const double width_deg = widths[classifier::class_index(movement.trunk_deg)];
-  return classifier::class_index(movement.trunk_deg - width_deg) <= guess &&
-         classifier::class_index(movement.trunk_deg + width_deg) >= guess;
-}
-
-std::vector<AngleError> errors_of(const std::vector<Judged>& judged) {
+std::vector<AngleError> errors_of(const std::vector<JudgedReach>& judged) {
   std::vector<AngleError> errors;
-  for (const auto& [reach, movement] : judged) {
+  for (const auto& [reach, movement, volunteer] : judged) {
     const bool counts = reach->wanted >= TrunkClass::Minor && std::isfinite(movement.trunk_deg);
-    if (counts) errors.push_back({reach->subject, movement.trunk_deg, reach->flexion_deg});
+    if (counts) errors.push_back({volunteer, movement.trunk_deg, reach->flexion_deg});
   }
   return errors;
 }
 
 LeftOutFigures figures_of(const training::TrainingSet& set, const std::vector<LeftOutReach>& left_out,
                           core::TrunkMovement LeftOutReach::*view) {
-  std::vector<Judged> judged;
-  for (const LeftOutReach& one : left_out) judged.push_back({&set.reaches[one.reach], one.*view});
+  std::vector<JudgedReach> judged;
+  for (const LeftOutReach& one : left_out) judged.push_back({&set.reaches[one.reach], one.*view, set.reaches[one.reach].subject});
   const std::vector<AngleError> errors = errors_of(judged);
   LeftOutFigures figures{.answers = std::vector<Confusion>(set.subjects.size())};
   std::vector<training::Forecast> forecasts;
   for (std::size_t volunteer = 0; volunteer < set.subjects.size(); ++volunteer) {
-    const double temperature = temperature_without(judged, volunteer);
+    const double temperature = training::fit_temperature(training::forecasts_of(judged, volunteer));
     const auto widths = widths_without(errors, volunteer);
-    for (auto [reach, movement] : judged) {
-      if (reach->subject != volunteer) continue;
+    for (auto [reach, movement, group] : judged) {
+      if (group != volunteer) continue;
       figures.answers[volunteer].add(reach->wanted, movement.trunk_class);
-      temper(movement, temperature);
-      const TrunkClass answer = is_kept(movement, widths) ? movement.trunk_class : TrunkClass::Rejected;
+      movement.probability = training::tempered(movement.probability, temperature);
+      const TrunkClass answer = training::is_kept(movement, widths, kRejectBelow) ? movement.trunk_class : TrunkClass::Rejected;
       figures.kept.add(reach->wanted, answer);
       if (reach->wanted < TrunkClass::Minor) continue;
       figures.kept_by_angle.add(true_class(reach->flexion_deg), answer);

@@ -66,13 +66,15 @@ class Sitter {
         plan.is_ideal ? physics::ideal_habits(subject.person, plan.load_model, kModelPhaseS)
                       : physics::natural_habits(subject.person, subject.is_healthy, plan.load_model, seed, plan.between_people);
     std::vector<physics::Point> probes;
-    for (const physics::SensorModel& sensor : rig.sensors) probes.push_back(sensor.position);
+    for (const physics::SensorModel& sensor : rig.sensors) {
+      if (plan.has_volts) probes.push_back(sensor.position);
+    }
     auto plate = physics::SeatPlate::create(rig.plate, rig.support, probes, habits.contact);
     if (!plate) return tl::make_unexpected(plate.error());
     return Sitter(subject, seed, plan, rig, habits, std::move(*plate));
   }
 
-  /// Fills the volts of `trial`, whose number and rate stand; returns the trunk's flexion.
+  /// Fills the volts of `trial`, whose number and rate stand, if the plan has any; returns the trunk's flexion.
   double perform(reach::Trial& trial, double target_cm, double pace_s) {
     const physics::CounterRandom random(seed_ + trial.number);
     physics::SittingHabits habits = habits_;
@@ -91,6 +93,7 @@ class Sitter {
     const double after_s = plan_.is_ideal ? kIdealRestAfterS : 1.0 + 0.4 * random.uniform(5);
     person.plan({.number = trial.number, .start_s = before_s, .target_cm = target_cm});
     const physics::ReachPlan reach = *person.at(0.0).reach;
+    if (!plan_.has_volts) return reach.trunk_deg;
     const auto scans = static_cast<std::size_t>((reach.end_s + after_s) * trial.rate.hz());
     const device::sim::Daq daq({.bits = 16, .noise_v = kNoiseV, .seed = seed_ + trial.number});
     for (std::size_t scan = 0; scan < scans; ++scan) {

@@ -22,6 +22,7 @@ struct TrialPlan {
   physics::SeatLoadModel load_model = physics::SeatLoadModel::Cop;
   double rate_hz = 100.0;
   std::uint64_t seed = 1;
+  bool has_volts = true;  ///< false: only what the trunk will do, which takes a thousandth of the time.
 };
 
 struct SimulatedTrials {

@@ -33,6 +33,11 @@ std::vector<reach::Subject> subjects_of(std::span<const Volunteer> volunteers) {
   return subjects;
 }
 
+/// After a stroke it is the angle that tells, also where the target happens to be one of the others' targets.
+TrunkClass wanted_of(const reach::Trial& trial, const Volunteer& volunteer) {
+  return volunteer.is_healthy ? reach::class_of_condition(trial.condition).value_or(TrunkClass::None) : volunteer.boundary_class;
+}
+
 /// The daemon's stages over simulated volts.
 StudyGroup found(std::span<const Volunteer> volunteers, const SimulatedTrials& simulated, const Progress& progress) {
   StudyGroup group{.volunteers = {volunteers.begin(), volunteers.end()}, .reaches = {}};
@@ -41,7 +46,7 @@ StudyGroup found(std::span<const Volunteer> volunteers, const SimulatedTrials& s
     const reach::Trial& trial = simulated.set.trials[k];
     group.reaches.push_back({.volunteer = trial.subject,
                              .condition = trial.condition,
-                             .wanted = reach::class_of_condition(trial.condition).value_or(volunteers[trial.subject].boundary_class),
+                             .wanted = wanted_of(trial, volunteers[trial.subject]),
                              .flexion_deg = simulated.trunk_deg[k],
                              .reach = reaches[k]});
   }
@@ -57,7 +62,7 @@ core::Result<StudyGroup> simulate(std::span<const Volunteer> volunteers, const T
 /// Mean flexion in `trials` reaches to each target, percent of the arm.
 core::Result<std::vector<double>> probe_deg(const reach::Subject& subject, const std::vector<int>& percents, int trials,
                                             std::uint64_t seed) {
-  TrialPlan plan{.conditions = {}, .trials_per_condition = trials, .seed = seed};
+  TrialPlan plan{.conditions = {}, .trials_per_condition = trials, .seed = seed, .has_volts = false};
   for (const int percent : percents) plan.conditions.push_back(std::to_string(percent));
   const auto probes = simulate_trials({subject}, plan, [](double) {});
   if (!probes) return tl::make_unexpected(probes.error());

@@ -165,11 +165,10 @@ core::Status fit_own_scale(classifier::TrunkModelForm& form, const TrainingSet& 
     largest_deg[reach.subject] += reach.flexion_deg;
     ++count[reach.subject];
   }
-  auto angle = fit_angle(ranges_of(std::array{ReachFeature::OwnD2, ReachFeature::OwnHold, ReachFeature::OwnRatioChange}, rows, kTail), rows,
-                         [&](const Row& row) {
-                           const std::size_t subject = row.reach->subject;
-                           return sine_of(row.reach->flexion_deg) / sine_of(largest_deg[subject] / count[subject]);
-                         });
+  auto angle = fit_angle(ranges_of(kOwnFeatures, rows, kTail), rows, [&](const Row& row) {
+    const std::size_t subject = row.reach->subject;
+    return sine_of(row.reach->flexion_deg) / sine_of(largest_deg[subject] / count[subject]);
+  });
   if (!angle) return tl::make_unexpected(angle.error());
   form.own_angle = std::move(*angle);
   return {};

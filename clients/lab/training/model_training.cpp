@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "classifier/trunk_model_parts.h"
+#include "lab/training/left_out_parts.h"
 
 namespace dts::lab::training {
 namespace {
@@ -19,16 +22,8 @@ using core::TrunkClass;
 using core::TrunkMovement;
 
 constexpr std::size_t kNetworksLeftOut = 5;  ///< Of an ensemble trained to be thrown away: eleven say nearly the same.
-constexpr double kIntervalPart = 0.9;
-constexpr std::size_t kEnoughResiduals = 20;  ///< Fewer in a band: all bands together.
 constexpr std::size_t kEnoughFolds = 8;
 constexpr std::size_t kLeastPeople = 3;  ///< To leave one out.
-
-/// A movement with the truth.
-struct Judged {
-  const TrainingReach* reach = nullptr;
-  TrunkMovement movement;
-};
 
 std::optional<classifier::SubjectCalibration> first_calibration(const TrainingSet& set, std::size_t subject) {
   const auto calibrations = calibrations_of(set, subject);
@@ -59,43 +54,22 @@ std::vector<double> arm_alone_of_minor(const TrainingSet& set, const std::vector
   return probabilities;
 }
 
-std::vector<Forecast> forecasts_of(const std::vector<Judged>& judged) {
-  std::vector<Forecast> forecasts;
-  for (const auto& [reach, movement] : judged) {
-    if (reach->wanted >= TrunkClass::Minor) forecasts.push_back({movement.probability, static_cast<std::size_t>(reach->wanted) - 1});
-  }
-  return forecasts;
-}
-
-/// Half widths by the class of the angle that was estimated, from reaches that moved the trunk.
-std::array<double, kClasses> residuals_of(const std::vector<Judged>& judged) {
-  std::array<std::vector<double>, kClasses> by_class;
-  std::vector<double> all;
-  for (const auto& [reach, movement] : judged) {
-    if (reach->wanted < TrunkClass::Minor || !std::isfinite(movement.trunk_deg)) continue;
-    const double residual_deg = std::abs(movement.trunk_deg - reach->flexion_deg);
-    by_class[classifier::class_index(movement.trunk_deg)].push_back(residual_deg);
-    all.push_back(residual_deg);
-  }
-  std::array<double, kClasses> residuals{};
-  for (std::size_t k = 0; k < kClasses; ++k) {
-    residuals[k] = std::max(0.5, conformal_quantile(by_class[k].size() < kEnoughResiduals ? all : by_class[k], kIntervalPart));
-  }
-  return residuals;
-}
-
 struct Views {
-  std::vector<Judged> general;
-  std::vector<Judged> own;
+  std::vector<JudgedReach> general;
+  std::vector<JudgedReach> own;
 };
 
-Views views_of(const TrainingSet& set, const std::vector<LeftOutReach>& judged, const std::set<std::size_t>& subjects) {
+Views views_of(const TrainingSet& set, const std::vector<LeftOutReach>& judged) {
+  std::vector<std::size_t> group_of(set.subjects.size());
+  const auto folds = folds_of(set);
+  for (std::size_t fold = 0; fold < folds.size(); ++fold) {
+    for (const std::size_t subject : folds[fold]) group_of[subject] = fold;
+  }
   Views views;
   for (const LeftOutReach& one : judged) {
     const TrainingReach& reach = set.reaches[one.reach];
-    if (!subjects.empty() && subjects.count(reach.subject) == 0) continue;
-    views.general.push_back({&reach, one.general});
-    if (one.has_own) views.own.push_back({&reach, one.own});
+    views.general.push_back({&reach, one.general, group_of[reach.subject]});
+    if (one.has_own) views.own.push_back({&reach, one.own, group_of[reach.subject]});
   }
   return views;
 }
@@ -108,58 +82,72 @@ std::set<std::size_t> subjects_of(const TrainingSet& set, bool is_simulated) {
   return subjects;
 }
 
-double accuracy_of(const std::vector<Judged>& judged, double reject_below, double temperature, double& kept_part) {
-  std::size_t all = 0;
-  std::size_t kept = 0;
-  std::size_t right = 0;
-  for (const Forecast& forecast : forecasts_of(judged)) {
-    auto probability = forecast.probability;
-    double total = 0.0;
-    for (double& value : probability) total += value = std::pow(value, 1.0 / temperature);
-    const auto best = std::max_element(probability.begin(), probability.end());
-    ++all;
-    if (*best / total < reject_below) continue;
-    ++kept;
-    right += static_cast<std::size_t>(best - probability.begin()) == forecast.wanted ? 1 : 0;
+/// What temperature and intervals that were fitted to all other groups make of each group's reaches.
+class LeftOutTally {
+ public:
+  LeftOutTally(std::span<const JudgedReach> judged, double coldest, double reject_below)
+      : judged_(judged), coldest_(coldest), reject_below_(reject_below) {
+    std::set<std::size_t> groups;
+    for (const JudgedReach& one : judged) groups.insert(one.group);
+    for (const std::size_t group : groups) {
+      temperatures_[group] = std::max(coldest_, fit_temperature(forecasts_of(judged, group)));
+      half_widths_deg_[group] = residuals_of(judged, group);
+    }
   }
-  kept_part = all == 0 ? 0.0 : static_cast<double>(kept) / static_cast<double>(all);
-  return kept == 0 ? 0.0 : static_cast<double>(right) / static_cast<double>(kept);
-}
 
-std::vector<Forecast> tempered(std::vector<Forecast> forecasts, double temperature) {
-  for (Forecast& forecast : forecasts) {
-    double total = 0.0;
-    for (double& value : forecast.probability) total += value = std::pow(value, 1.0 / temperature);
-    for (double& value : forecast.probability) value /= total;
+  /// Of the reaches of `subjects`; empty: of all.
+  void set_classes(const std::set<std::size_t>& subjects, classifier::ModelFigures& figures) const {
+    std::vector<Forecast> forecasts;
+    double right = 0.0;
+    double kept = 0.0;
+    double kept_right = 0.0;
+    for (const JudgedReach& one : judged_) {
+      if (!counts(one, subjects)) continue;
+      TrunkMovement movement = one.movement;
+      movement.probability = tempered(movement.probability, temperatures_.at(one.group));
+      const auto wanted = static_cast<std::size_t>(one.reach->wanted) - 1;
+      const auto best = std::ranges::max_element(movement.probability) - movement.probability.begin();
+      const double is_right = static_cast<std::size_t>(best) == wanted ? 1.0 : 0.0;
+      forecasts.push_back({movement.probability, wanted});
+      right += is_right;
+      if (!is_kept(movement, half_widths_deg_.at(one.group), reject_below_)) continue;
+      kept += 1.0;
+      kept_right += movement.trunk_class == one.reach->wanted ? 1.0 : 0.0;
+    }
+    if (forecasts.empty()) return;
+    figures.left_out_accuracy = right / static_cast<double>(forecasts.size());
+    figures.left_out_kept = kept / static_cast<double>(forecasts.size());
+    figures.left_out_kept_accuracy = kept > 0.0 ? kept_right / kept : 0.0;
+    figures.expected_calibration_error = calibration_error(forecasts);
   }
-  return forecasts;
-}
 
-void set_angle_figures(const std::vector<Judged>& judged, const std::array<double, kClasses>& residual_deg,
-                       classifier::ModelFigures& figures) {
-  double square = 0.0;
-  std::size_t count = 0;
-  std::size_t covered = 0;
-  for (const auto& [reach, movement] : judged) {
-    if (reach->wanted < TrunkClass::Minor || !std::isfinite(movement.trunk_deg)) continue;
-    const double difference_deg = movement.trunk_deg - reach->flexion_deg;
-    square += difference_deg * difference_deg;
-    ++count;
-    covered += std::abs(difference_deg) <= residual_deg[classifier::class_index(movement.trunk_deg)] ? 1 : 0;
+  void set_angles(const std::set<std::size_t>& subjects, classifier::ModelFigures& figures) const {
+    double square = 0.0;
+    double count = 0.0;
+    double covered = 0.0;
+    for (const JudgedReach& one : judged_) {
+      if (!counts(one, subjects) || !std::isfinite(one.movement.trunk_deg)) continue;
+      const double off_deg = std::abs(one.movement.trunk_deg - one.reach->flexion_deg);
+      square += off_deg * off_deg;
+      count += 1.0;
+      covered += off_deg <= half_widths_deg_.at(one.group)[classifier::class_index(one.movement.trunk_deg)] ? 1.0 : 0.0;
+    }
+    if (count == 0.0) return;
+    figures.left_out_angle_rms_deg = std::sqrt(square / count);
+    figures.left_out_angle_coverage = covered / count;
   }
-  if (count == 0) return;
-  figures.left_out_angle_rms_deg = std::sqrt(square / static_cast<double>(count));
-  figures.left_out_angle_coverage = static_cast<double>(covered) / static_cast<double>(count);
-}
 
-void set_figures(TrunkModelForm& form, const Views& views) {
-  double kept = 0.0;
-  form.figures.left_out_accuracy = accuracy_of(views.general, 0.0, 1.0, kept);
-  form.figures.left_out_kept_accuracy = accuracy_of(views.general, form.reject_below, form.general.temperature, kept);
-  form.figures.left_out_kept = kept;
-  form.figures.expected_calibration_error = calibration_error(tempered(forecasts_of(views.general), form.general.temperature));
-  if (!views.own.empty()) form.figures.left_out_own_accuracy = accuracy_of(views.own, 0.0, 1.0, kept);
-}
+ private:
+  static bool counts(const JudgedReach& one, const std::set<std::size_t>& subjects) {
+    return one.reach->wanted >= TrunkClass::Minor && (subjects.empty() || subjects.count(one.reach->subject) > 0);
+  }
+
+  std::span<const JudgedReach> judged_;
+  double coldest_;
+  double reject_below_;
+  std::map<std::size_t, double> temperatures_;
+  std::map<std::size_t, std::array<double, kClasses>> half_widths_deg_;
+};
 
 /// Class 0 only from a probability that at most two in a hundred reaches of class 1 have: these must not get lost to it.
 double none_from_of(const std::vector<double>& of_minor) {
@@ -169,21 +157,27 @@ double none_from_of(const std::vector<double>& of_minor) {
 
 /// What takes people left out.
 void calibrate(TrunkModelForm& form, const TrainingSet& set, const std::vector<LeftOutReach>& judged) {
-  const Views all = views_of(set, judged, {});
-  if (form.kind == classifier::ModelKind::Recommended) {
-    // Few people who are all told apart would make a model as sure as can be of everybody.
-    const double coldest = folds_of(set).size() < kEnoughFolds ? 1.0 : 0.0;
-    form.general.temperature = std::max(coldest, fit_temperature(forecasts_of(all.general)));
-    if (form.angle) form.angle->residual_deg = residuals_of(all.general);
+  const Views views = views_of(set, judged);
+  const bool is_recommended = form.kind == classifier::ModelKind::Recommended;
+  // Few people who are all told apart would make a model as sure as can be of everybody.
+  const double coldest = folds_of(set).size() < kEnoughFolds ? 1.0 : 0.0;
+  if (is_recommended) {
+    form.general.temperature = std::max(coldest, fit_temperature(forecasts_of(views.general)));
+    if (form.angle) form.angle->residual_deg = residuals_of(views.general);
     if (form.arm_alone) form.arm_alone->none_from = none_from_of(arm_alone_of_minor(set, judged));
-    if (form.own && !all.own.empty()) form.own->temperature = std::max(coldest, fit_temperature(forecasts_of(all.own)));
-    if (form.own_angle && !all.own.empty()) form.own_angle->residual_deg = residuals_of(all.own);
+    if (form.own && !views.own.empty()) form.own->temperature = std::max(coldest, fit_temperature(forecasts_of(views.own)));
+    if (form.own_angle && !views.own.empty()) form.own_angle->residual_deg = residuals_of(views.own);
   }
-  const auto real = subjects_of(set, false);
-  set_figures(form, real.size() < 2 ? all : views_of(set, judged, real));
-  if (!form.angle) return;
-  const auto simulated = subjects_of(set, true);  // whose true angles are known; geometry misses those of others by some 5 degrees
-  set_angle_figures(simulated.empty() ? all.general : views_of(set, judged, simulated).general, form.angle->residual_deg, form.figures);
+  auto recorded = subjects_of(set, false);
+  if (recorded.size() < 2) recorded.clear();
+  const LeftOutTally tally(views.general, coldest, form.reject_below);
+  tally.set_classes(recorded, form.figures);
+  // True angles of simulated people are known; geometry misses those of others by some 5 degrees.
+  if (form.angle) tally.set_angles(subjects_of(set, true), form.figures);
+  if (views.own.empty()) return;
+  classifier::ModelFigures own;
+  LeftOutTally(views.own, coldest, form.reject_below).set_classes(recorded, own);
+  form.figures.left_out_own_accuracy = own.left_out_accuracy;
 }
 
 void set_facts(TrunkModelForm& form, const TrainingSet& set, const ModelOptions& options) {

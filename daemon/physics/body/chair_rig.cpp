@@ -2,6 +2,7 @@
 #include "physics/body/chair_rig.h"
 
 #include <array>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,19 +13,13 @@ namespace {
 constexpr core::Millimetres kTareGap{8.5};
 constexpr std::array kColumnsMm = {80.0, 140.0, 180.0, 220.0, 260.0, 320.0};
 
-void add_sensor(RigModel& rig, double x_mm, double y_mm) {
-  rig.sensors.push_back({.label = std::to_string(rig.sensors.size() + 1),
-                         .position = {core::Millimetres{x_mm}, core::Millimetres{y_mm}},
-                         .curve = cny70_assumed(),
-                         .unloaded_gap = kTareGap});
-}
-
-void add_row_of_six(RigModel& rig, double y_mm) {
-  for (const double x_mm : kColumnsMm) add_sensor(rig, x_mm, y_mm);
-}
-
-void add_row_of_two(RigModel& rig, double y_mm) {
-  for (const double x_mm : {kColumnsMm[1], kColumnsMm[4]}) add_sensor(rig, x_mm, y_mm);
+void add_row(RigModel& rig, const SensorCurve& curve, std::span<const double> columns_mm, double y_mm) {
+  for (const double x_mm : columns_mm) {
+    rig.sensors.push_back({.label = std::to_string(rig.sensors.size() + 1),
+                           .position = {core::Millimetres{x_mm}, core::Millimetres{y_mm}},
+                           .curve = curve,
+                           .unloaded_gap = kTareGap});
+  }
 }
 
 }  // namespace
@@ -47,10 +42,12 @@ RigModel chair_rig() {
   RigModel rig;
   rig.plate = {.a = core::Millimetres{400.0}, .b = core::Millimetres{360.0}, .h = core::Millimetres{6.0}, .e_pa = 3.3e9, .nu = 0.35};
   rig.support = {.kind = SupportKind::Edges};
-  add_row_of_six(rig, 120.0);
-  add_row_of_two(rig, 170.0);
-  add_row_of_six(rig, 220.0);
-  add_row_of_two(rig, 290.0);
+  const SensorCurve curve = cny70_assumed();  // takes milliseconds: once for all
+  constexpr std::array kTwoColumnsMm = {kColumnsMm[1], kColumnsMm[4]};
+  add_row(rig, curve, kColumnsMm, 120.0);
+  add_row(rig, curve, kTwoColumnsMm, 170.0);
+  add_row(rig, curve, kColumnsMm, 220.0);
+  add_row(rig, curve, kTwoColumnsMm, 290.0);
   rig.transient_sensors = RigModel::TransientSensors{.rear = {1, 4}, .front = {9, 12}};
   return rig;
 }

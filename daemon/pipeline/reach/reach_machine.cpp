@@ -30,6 +30,7 @@ constexpr double kTellPart = 0.005;
 constexpr double kDoubtfulS = 0.05;  // of substituted values; a dropped sample does no harm
 constexpr double kRememberedS = 0.6;
 constexpr double kSteadyS = 1.0;
+constexpr double kPauseS = 0.15;  // at rest for as long: what was before belongs to the reach before
 
 }  // namespace
 
@@ -46,7 +47,7 @@ void ReachMachine::step(const ReachSample& sample, Events& events) noexcept {
   if (state_ != State::Absent && has_left(sample)) return leave(sample, events);
   switch (state_) {
     case State::Absent:
-      if (sample.is_known && sample.mm > kSeatedMm) enter(State::Settle);
+      if (sample.is_known && sample.mm > kSeatedMm) sit_down();
       break;
     case State::Settle: settle(sample, events); break;
     case State::Quiet: watch_rest(sample, events); break;
@@ -56,8 +57,13 @@ void ReachMachine::step(const ReachSample& sample, Events& events) noexcept {
   }
 }
 
+void ReachMachine::sit_down() noexcept {
+  history_.begin();
+  enter(State::Settle);
+}
+
 void ReachMachine::enter(State state) noexcept {
-  if (state == State::Settle) rest_.restart();
+  if (state == State::Settle) rest_.restart(state_ == State::Absent);
   state_ = state;
   below_ = above_ = back_ = light_ = 0;
   is_told_ = false;
@@ -99,7 +105,8 @@ void ReachMachine::leave(const ReachSample& sample, Events& events) noexcept {
 /// Who reaches again at once gives no rest to learn from: the rest before the first reach then stands in, for a rise that no wobble makes.
 void ReachMachine::settle(const ReachSample& sample, Events& events) noexcept {
   if (is_between_) {
-    if (sample.mm < between_.mm) between_ = {.tick = now(), .mm = sample.mm};
+    const bool is_at_rest = is_back(sample, reach_.threshold_mm, kPauseS);
+    if (is_at_rest || sample.mm < between_.mm) between_ = {.tick = now(), .mm = sample.mm};
     const double limit_mm = std::max(4.0 * reach_.threshold_mm, 2.0 * kMinorPart * reach_.rest_mm);
     const double from_mm = std::max(between_.mm, reach_.rest_mm);
     above_ = sample.mm > from_mm + limit_mm ? above_ + 1 : 0;

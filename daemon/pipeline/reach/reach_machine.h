@@ -36,6 +36,7 @@ class ReachMachine {
   enum class State : std::uint8_t { Absent, Settle, Quiet, Ris, Rise, Return };
 
   [[nodiscard]] std::uint64_t ticks(double seconds) const noexcept { return static_cast<std::uint64_t>(seconds * rate_hz_ + 0.5); }
+  void sit_down() noexcept;
   void enter(State state) noexcept;
   void count_doubts(const ReachSample& sample) noexcept;
   [[nodiscard]] bool has_left(const ReachSample& sample) noexcept;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace dts::pipeline {
 namespace {
@@ -14,6 +15,9 @@ constexpr double kSteadyPart = 0.02;   // of the level, peak to peak
 constexpr double kRelaxS = 0.4;        // nobody sits still forever: the limit grows by itself once in this time
 constexpr double kSessionPart = 0.06;  // how far a rest may lie from the session's
 constexpr double kElsewhereS = 0.5;
+constexpr double kShortS = 0.2;   // rest of this length before a movement is a rest ...
+constexpr double kOnsetS = 0.08;  // ... of which the end may belong to the movement already ...
+constexpr double kLeftS = 0.06;   // ... and that has been left for this long
 constexpr std::size_t kLeastSession = 3;
 constexpr double kLevelS = 0.5;
 constexpr double kSpreadS = 1.0;
@@ -35,12 +39,14 @@ double median_of(std::array<double, kSize> values, std::size_t count) noexcept {
 
 double RestDetector::steady_mm(double level_mm) noexcept { return std::max(3.0 * kNoiseMm, kSteadyPart * level_mm); }
 
-void RestDetector::restart() noexcept {
+void RestDetector::restart(bool is_first) noexcept {
+  is_first_ = is_first;
   filled_ = 0;
   next_ = 0;
   settling_ = 0;
+  calm_ = 0;
   elsewhere_ = 0;
-  is_uncertain_ = false;
+  is_uncertain_ = is_short_ = false;
 }
 
 void RestDetector::put(const ReachSample& sample) noexcept {
@@ -49,55 +55,79 @@ void RestDetector::put(const ReachSample& sample) noexcept {
   filled_ = std::min(filled_ + 1, kWindow);
 }
 
-double RestDetector::median_mm() const noexcept {
+double RestDetector::median_mm(std::span<const Entry> rest) noexcept {
   std::array<double, kWindow> values{};
-  std::ranges::transform(window_, values.begin(), &Entry::mm);
-  return median_of(values, kWindow);
+  std::ranges::transform(rest, values.begin(), &Entry::mm);
+  return median_of(values, rest.size());
 }
 
 double RestDetector::session_mm() const noexcept { return median_of(session_, session_count_); }
 
 double RestDetector::range_mm() const noexcept {
-  const auto [lowest, highest] = std::ranges::minmax_element(window_, {}, &Entry::mm);
+  const auto [lowest, highest] = std::ranges::minmax_element(std::span(window_).first(filled_), {}, &Entry::mm);
   return highest->mm - lowest->mm;
 }
 
 bool RestDetector::settle(const ReachSample& sample) noexcept {
   put(sample);
   ++settling_;
+  if (settle_shortly(sample)) return true;
   if (filled_ < kWindow) return false;
   const double relaxed = 1.0 + static_cast<double>(settling_ - kWindow) / (kRelaxS * rate_hz_);
-  const double level_mm = median_mm();
+  const double level_mm = median_mm(window_);
   if (range_mm() > relaxed * steady_mm(level_mm)) {
     elsewhere_ = 0;
     return false;
   }
   const bool has_session = session_count_ >= kLeastSession;
   if (!has_session || std::abs(level_mm - session_mm()) <= kSessionPart * session_mm()) {
-    begin(level_mm);
+    begin(level_mm, window_);
     return true;
   }
   if (static_cast<double>(++elsewhere_) < kElsewhereS * rate_hz_) return false;
   is_uncertain_ = true;
-  begin(session_mm());
+  begin(session_mm(), window_);
   return true;
 }
 
-void RestDetector::begin(double level_mm) noexcept {
+/// True when it was steady at first and has been left since, before the window was full of rest.
+bool RestDetector::settle_shortly(const ReachSample& sample) noexcept {
+  const auto ticks = [this](double seconds) { return static_cast<std::uint64_t>(seconds * rate_hz_ + 0.5); };
+  if (!is_first_ || settling_ > kWindow + ticks(kLeftS)) return false;
+  if (calm_ + 1 == settling_ && range_mm() <= steady_mm(sample.mm)) {
+    calm_ = settling_;
+    return false;
+  }
+  if (calm_ < ticks(kShortS) || settling_ < calm_ + ticks(kLeftS)) return false;
+  const auto overwritten = static_cast<std::size_t>(settling_ - filled_);
+  const auto end = static_cast<std::size_t>(calm_ - ticks(kOnsetS));
+  const auto rest = std::span<const Entry>(window_).first(end).subspan(overwritten);
+  begin(median_mm(rest), rest);
+  if (std::abs(sample.mm - level_mm_) <= threshold_mm()) return false;
+  is_short_ = true;
+  calm_ = 0;
+  window_.fill({level_mm_, ratio_, twist_});
+  filled_ = kWindow;
+  return true;
+}
+
+void RestDetector::begin(double level_mm, std::span<const Entry> rest) noexcept {
   level_mm_ = level_mm;
   double square = 0.0;
   ratio_ = twist_ = 0.0;
-  const double middle_mm = median_mm();
-  for (const Entry& entry : window_) {
-    square += (entry.mm - middle_mm) * (entry.mm - middle_mm) / kWindow;
-    ratio_ += entry.ratio / kWindow;
-    twist_ += entry.twist / kWindow;
+  const double middle_mm = median_mm(rest);
+  const auto count = static_cast<double>(rest.size());
+  for (const Entry& entry : rest) {
+    square += (entry.mm - middle_mm) * (entry.mm - middle_mm) / count;
+    ratio_ += entry.ratio / count;
+    twist_ += entry.twist / count;
   }
   spread_mm_ = std::sqrt(square);
 }
 
 void RestDetector::track(const ReachSample& sample) noexcept {
   put(sample);
+  if (is_short_ && ++calm_ > kWindow) is_short_ = false;
   const Entry& old = window_[(next_ + kWindow / 2) % kWindow];
   const double gain = 1.0 - std::exp(-1.0 / (kLevelS * rate_hz_));
   const double spread_gain = 1.0 - std::exp(-1.0 / (kSpreadS * rate_hz_));
@@ -109,7 +139,7 @@ void RestDetector::track(const ReachSample& sample) noexcept {
 }
 
 void RestDetector::remember() noexcept {
-  if (is_uncertain_) return;
+  if (is_uncertain()) return;
   session_[session_next_] = level_mm_;
   session_next_ = (session_next_ + 1) % kSession;
   session_count_ = std::min(session_count_ + 1, kSession);
@@ -136,6 +166,7 @@ void RestDetector::exchange(Self& self, Archive& archive) noexcept {
   archive.count(self.next_, kWindow - 1);
   archive.count(self.filled_, kWindow);
   archive.count(self.settling_, kAnyCount);
+  archive.count(self.calm_, kAnyCount);
   archive.count(self.elsewhere_, kAnyCount);
   for (auto& level_mm : self.session_) archive.number(level_mm, -kMostStateMm, kMostStateMm);
   archive.count(self.session_next_, kSession - 1);
@@ -144,6 +175,8 @@ void RestDetector::exchange(Self& self, Archive& archive) noexcept {
   archive.number(self.spread_mm_, 0.0, kMostStateMm);
   archive.number(self.ratio_, -kMostStateMm, kMostStateMm);
   archive.number(self.twist_, -kMostStateMm, kMostStateMm);
+  archive.flag(self.is_first_);
+  archive.flag(self.is_short_);
   archive.flag(self.is_uncertain_);
 }
 

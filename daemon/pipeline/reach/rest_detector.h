@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 #include "pipeline/reach/smoother.h"
 
@@ -15,17 +16,20 @@ namespace dts::pipeline {
 /// that is steady but elsewhere for half a second is the plateau of a movement or a new posture: the session's baseline then stands in,
 /// and `is_uncertain` says so. Quiet, baseline and spread follow the older half of the window only, so that the beginning of a reach does
 /// not pull them along.
+///
+/// Who is at rest for a fifth of a second when all begins and then moves gives no whole window: that short rest is taken, and is
+/// uncertain, too.
 class RestDetector {
  public:
   static constexpr std::size_t kWindow = 60;  ///< 0.6 s at 100 Hz.
   static constexpr std::size_t kSession = 9;
-  static constexpr std::size_t kStateSize = 3 * kWindow + kSession + 11;
+  static constexpr std::size_t kStateSize = 3 * kWindow + kSession + 14;
 
   /// Peak to peak of a transient at rest, at most.
   [[nodiscard]] static double steady_mm(double level_mm) noexcept;
   void prepare(double rate_hz) noexcept { rate_hz_ = rate_hz; }
-  /// Settling begins.
-  void restart() noexcept;
+  /// Settling begins; `is_first`: a short rest will do, since somebody has just sat down, or the recording has just begun.
+  void restart(bool is_first) noexcept;
   /// Forgets where earlier reaches began: the person sits otherwise now.
   void forget_session() noexcept { session_count_ = session_next_ = 0; }
   /// While settling; true: at rest from now on. Realtime-safe: yes.
@@ -40,7 +44,7 @@ class RestDetector {
   [[nodiscard]] double threshold_mm() const noexcept;
   [[nodiscard]] double ratio() const noexcept { return ratio_; }
   [[nodiscard]] double twist() const noexcept { return twist_; }
-  [[nodiscard]] bool is_uncertain() const noexcept { return is_uncertain_; }
+  [[nodiscard]] bool is_uncertain() const noexcept { return is_uncertain_ || is_short_; }
 
   void reset() noexcept;
   void save(StateWriter& writer) const noexcept;
@@ -53,10 +57,12 @@ class RestDetector {
     double twist = 0.0;
   };
   void put(const ReachSample& sample) noexcept;
-  [[nodiscard]] double median_mm() const noexcept;
+  [[nodiscard]] static double median_mm(std::span<const Entry> rest) noexcept;
   [[nodiscard]] double session_mm() const noexcept;
+  /// Of the first `filled_`.
   [[nodiscard]] double range_mm() const noexcept;
-  void begin(double level_mm) noexcept;
+  void begin(double level_mm, std::span<const Entry> rest) noexcept;
+  [[nodiscard]] bool settle_shortly(const ReachSample& sample) noexcept;
   template <class Self, class Archive>
   static void exchange(Self& self, Archive& archive) noexcept;
 
@@ -65,6 +71,7 @@ class RestDetector {
   std::size_t next_ = 0;
   std::size_t filled_ = 0;
   std::uint64_t settling_ = 0;   ///< Samples since settling began.
+  std::uint64_t calm_ = 0;       ///< Of these how many in a row were steady from the first on; counted at first only.
   std::uint64_t elsewhere_ = 0;  ///< Steady samples in a row away from the session's baseline.
   std::array<double, kSession> session_{};
   std::size_t session_next_ = 0;
@@ -73,6 +80,8 @@ class RestDetector {
   double spread_mm_ = 0.0;
   double ratio_ = 0.0;
   double twist_ = 0.0;
+  bool is_first_ = false;
+  bool is_short_ = false;  ///< All the rest there was is shorter than a window.
   bool is_uncertain_ = false;
 };
 

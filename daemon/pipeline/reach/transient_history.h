@@ -13,12 +13,14 @@ namespace dts::pipeline {
 class TransientHistory {
  public:
   static constexpr std::uint64_t kTicks = 1024;
-  static constexpr std::size_t kStateSize = 1 + kTicks;
+  static constexpr std::size_t kStateSize = 2 + kTicks;
 
   void push(double mm) noexcept { values_[++now_ % kTicks] = mm; }
+  /// The newest is the first that counts: what was before is of an empty seat, or of silent sensors.
+  void begin() noexcept { first_ = now_; }
   /// The newest; the first has number 1.
   [[nodiscard]] std::uint64_t now() const noexcept { return now_; }
-  [[nodiscard]] std::uint64_t oldest() const noexcept { return now_ < kTicks ? 1 : now_ - kTicks + 1; }
+  [[nodiscard]] std::uint64_t oldest() const noexcept { return std::max(first_, now_ < kTicks ? 1 : now_ - kTicks + 1); }
   /// What is not kept any more (or not yet) reads as the nearest that is.
   [[nodiscard]] double at(std::uint64_t tick) const noexcept {
     return values_[std::clamp(tick, oldest(), std::max(now_, oldest())) % kTicks];
@@ -26,16 +28,19 @@ class TransientHistory {
   void reset() noexcept {
     values_ = {};
     now_ = 0;
+    first_ = 1;
   }
   template <class Self, class Archive>
   static void exchange(Self& self, Archive& archive) noexcept {
     archive.count(self.now_, std::uint64_t{1} << 52U);
+    archive.count(self.first_, std::uint64_t{1} << 52U);
     for (auto& value : self.values_) archive.number(value, -kMostStateMm, kMostStateMm);
   }
 
  private:
   std::array<double, kTicks> values_{};
   std::uint64_t now_ = 0;
+  std::uint64_t first_ = 1;
 };
 
 }  // namespace dts::pipeline

@@ -78,12 +78,14 @@ TEST(TrunkModel, FlagsThatOnlyWarn_DoNotReject) {
   }
 }
 
-TEST(TrunkModel, ReplacedSensor_OnlyWhatIsFarFromABorderStands) {
-  const double doubtful = 0.203;  // sure enough with all sensors, not with three
+TEST(TrunkModel, DoubtfulLevels_OnlyWhatIsFarFromABorderStands) {
+  const double near_border = 0.203;  // sure enough with all sensors, not with three
 
-  EXPECT_EQ(model().classify(reach_of(doubtful), 0).trunk_class, TrunkClass::Moderate);
-  EXPECT_EQ(model().classify(reach_of(doubtful), flag::kSubstituted).trunk_class, TrunkClass::Rejected);
-  EXPECT_EQ(model().classify(reach_of(0.3), flag::kSubstituted).trunk_class, TrunkClass::Moderate);
+  EXPECT_EQ(model().classify(reach_of(near_border), 0).trunk_class, TrunkClass::Moderate);
+  for (const std::uint16_t flags : {flag::kSubstituted, flag::kResumed, flag::kBaselineUncertain}) {
+    EXPECT_EQ(model().classify(reach_of(near_border), flags).trunk_class, TrunkClass::Rejected) << flags;
+    EXPECT_EQ(model().classify(reach_of(0.3), flags).trunk_class, TrunkClass::Moderate) << flags;
+  }
 }
 
 TEST(TrunkModel, BodyFarFromThoseOfTheTraining_RejectedAsOutOfRange) {

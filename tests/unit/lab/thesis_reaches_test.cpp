@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "lab/thesis.h"
+#include "lab/thesis_parts.h"
 #include "lab/thesis_reach_tables.h"
 
 namespace dts::lab {
@@ -54,7 +54,7 @@ TEST(ThesisReachTables, TrunkAngles_ComeFromTheTargetAlone) {
 }
 
 TEST(ThesisReachTables, Teachers_AreComputedBesideWhatIsPrinted) {
-  const auto table = thesis_table("5.2");
+  const auto table = thesis_teachers(2);
   ASSERT_TRUE(table) << table.error().what;
   ASSERT_EQ(table->rows.size(), 9U);
   EXPECT_EQ(table->rows[1].label, "A, 150");
@@ -68,7 +68,7 @@ TEST(ThesisReachTables, Teachers_AreComputedBesideWhatIsPrinted) {
 }
 
 TEST(ThesisReachTables, Stroke_HasARowPerPerson) {
-  const auto table = thesis_table("6.4");
+  const auto table = thesis_stroke(1);
   ASSERT_TRUE(table) << table.error().what;
   ASSERT_EQ(table->rows.size(), 5U);
   EXPECT_EQ(table->rows[0].label, "S1, condition 2");

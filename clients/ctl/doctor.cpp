@@ -11,6 +11,7 @@
 #include "ctl/commands.h"
 #include "ctl/json.h"
 #include "ctl/recording_view.h"
+#include "ctl/status_view.h"
 #include "dts/subscriber.h"
 
 namespace dts::ctl {
@@ -126,7 +127,12 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
     const std::string why = rig.device_message().empty() ? "" : ": " + rig.device_message();
     return {bad(name, state + why, "is it plugged in and powered? see dtsctl device list and journalctl -u dtsd")};
   }
-  return {good(name, state), check_rate(rig), check_losses(rig)};
+  std::vector<Check> checks{good(name, state), check_rate(rig), check_losses(rig)};
+  if (needs_tare(rig)) {
+    checks.push_back(bad(rig.rig().name() + " tare", "not tared: no reach can be judged",
+                         "let everybody stand up, then dtsctl tare --rig " + rig.rig().name()));
+  }
+  return checks;
 }
 
 std::vector<Check> check_disk(const v1::DiskStatus& disk) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <utility>
 
 namespace dts::ctl {
 namespace {
@@ -14,13 +15,19 @@ using google::protobuf::Message;
 using google::protobuf::Reflection;
 
 /// Fields whose 0 says that there is no such value (see the comments in the .proto files).
-constexpr std::array<std::string_view, 12> kZeroMeansUnknown{
-    "dts.v1.RigStatus.clock_drift_ppm",           "dts.v1.SessionInfo.duration_s",
-    "dts.v1.RigStatus.measured_rate_hz",          "dts.v1.RigStatus.pipeline_us_per_scan",
-    "dts.v1.DeviceInfo.minimum_rate_hz",          "dts.v1.DeviceInfo.maximum_rate_hz",
-    "dts.v1.TestDeviceResponse.measured_rate_hz", "dts.v1.ProtocolInfo.duration_s",
-    "dts.v1.SessionRecord.ended_utc_ns",          "dts.v1.TrialChange.target_cm",
-    "dts.v1.TrialStatus.next_target_cm",          "dts.v1.TrialStatus.remaining_s"};
+constexpr std::array<std::string_view, 13> kZeroMeansUnknown{"dts.v1.RigStatus.clock_drift_ppm",
+                                                             "dts.v1.SessionInfo.duration_s",
+                                                             "dts.v1.RigStatus.measured_rate_hz",
+                                                             "dts.v1.RigStatus.pipeline_us_per_scan",
+                                                             "dts.v1.DeviceInfo.minimum_rate_hz",
+                                                             "dts.v1.DeviceInfo.maximum_rate_hz",
+                                                             "dts.v1.TestDeviceResponse.measured_rate_hz",
+                                                             "dts.v1.ProtocolInfo.duration_s",
+                                                             "dts.v1.SessionRecord.ended_utc_ns",
+                                                             "dts.v1.TrialChange.target_cm",
+                                                             "dts.v1.TrialStatus.next_target_cm",
+                                                             "dts.v1.TrialStatus.remaining_s",
+                                                             "dts.v1.TrialResult.target_cm"};
 
 bool means_unknown_at_zero(const FieldDescriptor& field) {
   return std::ranges::find(kZeroMeansUnknown, field.full_name()) != kZeroMeansUnknown.end();
@@ -101,7 +108,17 @@ void remove_meaningless(const Message& message, cli::Json& json) {
       for (const char* key : {"elapsed_s", "settle_s"}) json.erase(key);
     }
   }
-  if (const auto* reach = dynamic_cast<const v1::Reach*>(&message)) json["flags"] = bit_words(*v1::ReachFlag_descriptor(), reach->flags());
+  if (const auto* reach = dynamic_cast<const v1::Reach*>(&message)) {
+    json["flags"] = bit_words(*v1::ReachFlag_descriptor(), reach->flags());
+    const std::array<std::pair<const char*, const v1::ReachPoint*>, 3> points{
+        {{"p1", &reach->p1()}, {"p2", &reach->p2()}, {"p3", &reach->p3()}}};
+    for (const auto& [name, point] : points) {
+      if (!std::isfinite(point->value_mm())) json.erase(name);  // not known yet: it has no scan either
+    }
+  }
+  if (const auto* result = dynamic_cast<const v1::TrialResult*>(&message); result != nullptr && result->expected_class() < 0) {
+    json.erase("expected_class");
+  }
   if (const auto* movement = dynamic_cast<const v1::TrunkMovement*>(&message)) {
     json["reasons"] = bit_words(*v1::ClassReason_descriptor(), movement->reasons());
   }

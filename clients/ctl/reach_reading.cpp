@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/reach_reading.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "cli/table.h"
@@ -21,8 +20,8 @@ std::string in_brackets(const std::vector<std::string>& words) {
 /// "moderate trunk movement, p 0.97, trunk 25.2 deg (18.1 .. 32.4)"
 std::string judgement(const v1::TrunkMovement& movement) {
   std::string text = class_word(movement.trunk_class()) + (movement.trunk_class() < 0 ? "" : " trunk movement");
-  if (movement.probability_size() > 0 && movement.trunk_class() > 0) {
-    text += ", p " + number_text(*std::ranges::max_element(movement.probability()), 2);
+  if (movement.trunk_class() > 0 && movement.trunk_class() <= movement.probability_size()) {  // of a minor reach not the highest
+    text += ", p " + number_text(movement.probability(movement.trunk_class() - 1), 2);
   }
   if (std::isfinite(movement.trunk_deg())) {
     text += ", trunk " + number_text(movement.trunk_deg(), 1) + " deg (" + number_text(movement.trunk_lo_deg(), 1) + " .. " +

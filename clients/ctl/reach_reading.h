@@ -11,7 +11,7 @@ namespace dts::ctl {
 [[nodiscard]] std::string reach_text(const dts::v1::Reach& reach);
 /// "reach 3: moderate trunk movement, p 0.97, trunk 25.2 deg (18.1 .. 32.4)  [calibrated]"
 [[nodiscard]] std::string movement_text(const dts::v1::TrunkMovement& movement);
-/// "result of trial 4 (150): moderate trunk movement ..., as expected"
+/// "result of trial 4 (150): moderate trunk movement ...; as the target takes"
 [[nodiscard]] std::string trial_result_text(const dts::v1::TrialResult& result);
 /// "moderate": what the numbers of the classes mean.
 [[nodiscard]] std::string class_word(int trunk_class);

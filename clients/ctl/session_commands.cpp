@@ -60,6 +60,15 @@ v1::TrialAction action_of(const std::string& word) {
 
 }  // namespace
 
+/// A whole examination without a class would be the price.
+void warn_untared(const v1::StatusSnapshot& status, const std::string& name, cli::Console& console) {
+  for (const v1::RigStatus& rig : status.rigs()) {
+    if (rig.rig().name() != name || !needs_tare(rig)) continue;
+    console.talk << "dtsctl: warning: chair '" << cli::printable(name) << "' is not tared: no reach can be judged\n"
+                << "  try: stop the session, let everybody stand up, then dtsctl tare --rig " << cli::printable(name) << '\n';
+  }
+}
+
 int run_session_start(const Arguments& arguments, cli::Console& console) {
   const SessionArguments& wishes = arguments.session;
   v1::StartSessionRequest request;
@@ -71,7 +80,12 @@ int run_session_start(const Arguments& arguments, cli::Console& console) {
   request.set_settle_s(wishes.settle_s);
   if (auto added = add_fields(wishes.fields, request); !added) return cli::fail_with(console, added.error());
   return ask_and_print(
-      arguments, console, [&](ControlClient& dts) { return dts.start_session(request); },
+      arguments, console,
+      [&](ControlClient& dts) {
+        const auto status = dts.status();
+        if (status) warn_untared(*status, arguments.rig, console);
+        return dts.start_session(request);
+      },
       [&](const v1::SessionInfo& session) { print_begun(console, session); });
 }
 

@@ -80,6 +80,15 @@ void print_streams(cli::Console& console, const v1::RigInfo& rig) {
 
 }  // namespace
 
+bool needs_tare(const v1::RigStatus& rig) {
+  const auto& stages = rig.rig().stages();
+  const bool has_own_zero =
+      std::ranges::any_of(stages, [](const std::string& stage) { return stage.find("baseline=nominal") != std::string::npos; });
+  const bool is_replayed = rig.rig().device_uri().starts_with("replay:");
+  return rig.rig().kind() == "chair" && rig.device() == v1::DEVICE_STATE_STREAMING && rig.tare() != v1::TARE_STATE_DONE && !has_own_zero &&
+         !is_replayed;
+}
+
 std::string session_line(const v1::SessionInfo& session) {
   if (session.session_id().empty()) return "-";
   const bool is_over = session.state() == v1::SESSION_STATE_IDLE;

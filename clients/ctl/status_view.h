@@ -15,6 +15,8 @@ void print_rig(cli::Console& console, const v1::RigStatus& rig);
 void print_devices(cli::Console& console, const v1::GetDevicesResponse& devices);
 void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test);
 
+/// A chair whose zero is not known: no reach on it can be judged. A replay brings its zero along, and a rig may have it in its file.
+[[nodiscard]] bool needs_tare(const v1::RigStatus& rig);
 /// "floor-7 running for 12.0 s of 25.0 s"; "-" when there has been no session.
 [[nodiscard]] std::string session_line(const v1::SessionInfo& session);
 /// "floor: zero is now at 0.012 -0.003 mm"

@@ -162,16 +162,14 @@ void add_replay(CommandTree& tree) {
 
 void add_simulate(CommandTree& tree) {
   Arguments& arguments = tree.arguments;
-  CLI::App* simulate = add(tree, tree.line.app, "simulate", "Record a simulated person: synthetic data with known truth",
-                           "dtslab simulate floor --duration 60 --out standing.xdf | a minute of quiet standing\n"
-                           "dtslab simulate floor --duration 60 --rate 100 --seed 7 --out standing.xdf --truth truth.csv | and where the "
-                           "centre of pressure really was\n"
-                           "dtslab simulate chair --duration 60 --out reaching.xdf --truth reaches.csv | somebody who reaches now and then\n",
-                           run_simulate);
-  simulate->add_option("KIND", arguments.kind, "floor or chair")
-      ->required()
-      ->option_text(" ")
-      ->check(CLI::IsMember({"floor", "chair"}));
+  CLI::App* simulate =
+      add(tree, tree.line.app, "simulate", "Record a simulated person: synthetic data with known truth",
+          "dtslab simulate floor --duration 60 --out standing.xdf | a minute of quiet standing\n"
+          "dtslab simulate floor --duration 60 --rate 100 --seed 7 --out standing.xdf --truth truth.csv | and where the "
+          "centre of pressure really was\n"
+          "dtslab simulate chair --duration 60 --out reaching.xdf --truth reaches.csv | somebody who reaches now and then\n",
+          run_simulate);
+  simulate->add_option("KIND", arguments.kind, "floor or chair")->required()->option_text(" ")->check(CLI::IsMember({"floor", "chair"}));
   simulate->add_option("--duration", arguments.duration_s, "Length of the recording")
       ->option_text("S")
       ->required()
@@ -183,7 +181,9 @@ void add_simulate(CommandTree& tree) {
       ->option_text("N")
       ->check(cli::whole_number_between(0, 4294967295));
   simulate->add_option("--out", arguments.out, "Recording to write")->option_text("FILE.xdf")->required();
-  simulate->add_option("--truth", arguments.truth, "Write the truth too. Floor: t_s,true_ml_mm,true_ap_mm,true_load_n; chair: one row a reach")->option_text("TRUTH.csv");
+  simulate
+      ->add_option("--truth", arguments.truth, "Write the truth too. Floor: t_s,true_ml_mm,true_ap_mm,true_load_n; chair: one row a reach")
+      ->option_text("TRUTH.csv");
   simulate->add_option("--rig", arguments.rig, "Rig file; default: the thesis's floor platform or chair")->option_text("FILE");
   add_json(*simulate, arguments);
 }

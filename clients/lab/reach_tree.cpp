@@ -52,7 +52,9 @@ void add_study(CommandTree& tree, CLI::App& reach) {
   study->add_option("--seed", arguments.seed, "Of the first draw; the same seed gives the same people; default: 1")
       ->option_text("N")
       ->check(cli::whole_number_between(0, 4294967295));
-  study->add_option("--plot", arguments.plot, "Draw the first draw's confusions and the trunk angles; .svg or .png (needs gnuplot)")
+  study
+      ->add_option("--plot", arguments.plot,
+                   "Draw the confusions of the draw in the middle and the trunk angles; .svg or .png (needs gnuplot)")
       ->option_text("FILE");
   add_json(*study, arguments);
 }

@@ -41,6 +41,13 @@ void add_spread(const std::string& name, const std::vector<study::Draw>& draws, 
 
 double correct(const std::vector<Confusion>& answers) { return static_cast<double>(study::sum(answers).correct()); }
 
+/// Of the draw that the rows show.
+Figures correct_of(const std::vector<Confusion>& nn1, const std::vector<Confusion>& nn2) {
+  return {{"nn1_correct", correct(nn1)}, {"nn2_correct", correct(nn2)}, {"of", static_cast<double>(study::sum(nn2).total())}};
+}
+
+void append(Figures more, Figures& summary) { summary.insert(summary.end(), more.begin(), more.end()); }
+
 void add_row(const std::string& label, Figures printed, Figures ours, ThesisTable& table) {
   ThesisRow row{.label = label, .printed = std::move(printed), .ours = std::move(ours), .deviation = {}};
   for (std::size_t k = 0; k < row.printed.size(); ++k)
@@ -70,7 +77,9 @@ core::Result<ThesisTable> thesis_teachers(std::size_t draws) {
               {{"correct", count(draw.nn2.teachers[person], kClasses[k])}}, table);
     }
   }
-  table.summary = {{"draws", static_cast<double>(draws)}, {"rows_of_seed", static_cast<double>(draw.seed)}, {"printed_nn2_of_135", 134.0}};
+  table.summary = correct_of(draw.nn1.teachers, draw.nn2.teachers);
+  append({{"draws", static_cast<double>(draws)}, {"rows_of_seed", static_cast<double>(draw.seed)}, {"printed_nn2_of_135", 134.0}},
+         table.summary);
   add_spread(
       "ours_nn2_four_paces_of_135", *all, [](const study::Draw& one) { return correct(one.nn2.teachers); }, table.summary);
   add_spread(
@@ -105,12 +114,14 @@ core::Result<ThesisTable> thesis_healthy(std::size_t draws) {
               {{"nn1", count(draw.nn1.healthy[person], kClasses[k])}, {"nn2", count(draw.nn2.healthy[person], kClasses[k])}}, table);
     }
   }
-  table.summary = {{"draws", static_cast<double>(draws)},
-                   {"rows_of_seed", static_cast<double>(draw.seed)},
-                   {"printed_nn1_of_450", static_cast<double>(printed::kHealthyTotalNn1)},
-                   {"printed_rows_nn1_of_450", sum_nn1},
-                   {"printed_nn2_of_450", static_cast<double>(printed::kHealthyTotalNn2)},
-                   {"printed_rows_nn2_of_450", sum_nn2}};
+  table.summary = correct_of(draw.nn1.healthy, draw.nn2.healthy);
+  append({{"draws", static_cast<double>(draws)},
+          {"rows_of_seed", static_cast<double>(draw.seed)},
+          {"printed_nn1_of_450", static_cast<double>(printed::kHealthyTotalNn1)},
+          {"printed_rows_nn1_of_450", sum_nn1},
+          {"printed_nn2_of_450", static_cast<double>(printed::kHealthyTotalNn2)},
+          {"printed_rows_nn2_of_450", sum_nn2}},
+         table.summary);
   add_spread(
       "ours_nn1_of_450", *all, [](const study::Draw& one) { return correct(one.nn1.healthy); }, table.summary);
   add_spread(
@@ -141,10 +152,12 @@ core::Result<ThesisTable> thesis_stroke(std::size_t draws) {
              {"trunk_deg", volunteer.boundary_deg.value_or(study::kUnknown), false}},
             table);
   }
-  table.summary = {{"draws", static_cast<double>(draws)},
-                   {"rows_of_seed", static_cast<double>(draw.seed)},
-                   {"printed_nn1_of_75", 70.0},
-                   {"printed_nn2_of_75", 71.0}};
+  table.summary = correct_of(draw.nn1.stroke, draw.nn2.stroke);
+  append({{"draws", static_cast<double>(draws)},
+          {"rows_of_seed", static_cast<double>(draw.seed)},
+          {"printed_nn1_of_75", 70.0},
+          {"printed_nn2_of_75", 71.0}},
+         table.summary);
   add_spread(
       "ours_nn1_of_75", *all, [](const study::Draw& one) { return correct(one.nn1.stroke); }, table.summary);
   add_spread(

@@ -74,7 +74,7 @@ struct ModelFigures {
   double left_out_kept = kUnknown;               ///< Part of these that are not rejected,
   double left_out_kept_accuracy = kUnknown;      ///< and how many of them are right.
   double left_out_angle_rms_deg = kUnknown;      ///< Against simulated people, else the geometry of the target.
-  double left_out_angle_coverage = kUnknown;     ///< Part of the intervals that hold it.
+  double left_out_angle_coverage = kUnknown;     ///< Part of the intervals that hold it; each by the residuals of other people.
   double expected_calibration_error = kUnknown;  ///< Of the probabilities, left out.
 };
 

@@ -219,6 +219,7 @@ Protocol read_protocol_text(const std::string& text, const std::string& name, Pr
   TomlReader reader(&*table, "", name, problems);
   protocol.name = word(reader, "name", kNameLetters);
   protocol.sentence = sentence(reader);
+  if (reader.has("rig_kind")) protocol.rig_kind = reader.choice("rig_kind", {"floor", "chair"});
   read_fields(reader, protocol);
   if (reader.node("trials") != nullptr) {
     protocol.trials = read_trials(reader.table("trials"));

@@ -2,10 +2,12 @@
 #include "files/toml_reader.h"
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <system_error>
 #include <utility>
 
 #include "core/suggest.h"
@@ -30,11 +32,13 @@ std::optional<std::string> read_bounded(const std::string& file, Problems& probl
     problems.push_back({.file = file, .text = "is a folder, not a file"});
     return std::nullopt;
   }
+  errno = 0;
   std::ifstream stream(file, std::ios::binary);
+  const int error = errno;
   std::string text(kMostBytes + 1, '\0');
   if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream && stream.gcount() == 0 && !stream.eof()) {
-    problems.push_back({.file = file, .text = "cannot be read"});
+    problems.push_back({.file = file, .text = "cannot be read" + (error == 0 ? "" : ": " + std::generic_category().message(error))});
     return std::nullopt;
   }
   text.resize(static_cast<std::size_t>(stream.gcount()));

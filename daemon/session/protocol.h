@@ -59,6 +59,7 @@ struct TrialPlan {
 struct Protocol {
   std::string name = "free";  ///< [a-z0-9-], at most 32
   std::string sentence;
+  std::string rig_kind{};   ///< "floor", "chair"; empty: any.
   double settle_s = 0.0;    ///< Of the whole session; protocols with trials have it there.
   double duration_s = 0.0;  ///< 0: until stopped.
   std::vector<ProtocolField> fields{};

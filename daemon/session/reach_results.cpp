@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "pipeline/main_reach.h"
 #include "session/reach_summary.h"
@@ -111,7 +112,7 @@ void ReachResults::decide(const Key& key, Attempt& attempt) {
   attempt.is_decided = true;
   attempt.reach = reach_of(attempt);
   if (attempt.reach) attempt.told = class_of(*attempt.reach, *attempt.done);
-  fresh_.push_back(key);
+  fresh_.push_back(result_of(key, attempt, own_scale()));
 }
 
 std::optional<core::ReachEvent> ReachResults::reach_of(const Attempt& attempt) const {
@@ -189,14 +190,8 @@ ReachTrialResult ReachResults::result_of(const Key& key, const Attempt& attempt,
 }
 
 std::vector<ReachTrialResult> ReachResults::take_decided() {
-  std::vector<ReachTrialResult> decided;
-  if (fresh_.empty()) return decided;
-  const auto scale = own_scale();
-  for (const Key& key : fresh_) {
-    const Attempt& attempt = attempts_[key];
-    if (!attempt.is_void) decided.push_back(result_of(key, attempt, scale));
-  }
-  fresh_.clear();
+  std::vector<ReachTrialResult> decided = std::exchange(fresh_, {});
+  std::erase_if(decided, [this](const ReachTrialResult& result) { return attempts_.at({result.trial, result.attempt}).is_void; });
   std::ranges::stable_sort(decided, {}, [](const ReachTrialResult& result) { return Place{result.segment, result.go}; });
   return decided;
 }

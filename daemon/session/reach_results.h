@@ -41,8 +41,8 @@ struct ReachFigure {
   std::string details{};  ///< JSON; may be empty.
 };
 
-/// The subject of a session by the fields of its protocol (thesis Table 6.1): weight_kg, height_cm, arm_length_cm, max_reach_cm, group. Nothing
-/// when one is missing or no positive number.
+/// The subject of a session by the fields of its protocol (thesis Table 6.1): weight_kg, height_cm, arm_length_cm, max_reach_cm, group.
+/// Nothing when one is missing or no positive number.
 [[nodiscard]] std::optional<physics::Person> person_of(const std::vector<std::pair<std::string, std::string>>& fields);
 
 /// The class of a reach to a target `target_cm` away, by the trunk flexion that it takes; nothing when that is not known.
@@ -74,7 +74,8 @@ class ReachResults {
   /// The session is over: so is everything.
   void finish();
 
-  /// Of trials that were decided since the last call, oldest first. A trial that is redone or rejected later is void in the summary.
+  /// Of trials that were decided since the last call, oldest first; how often it is called changes nothing. A trial that is redone or
+  /// rejected later is void in the summary.
   [[nodiscard]] std::vector<ReachTrialResult> take_decided();
   /// All trials that count, judged with everything that is known now.
   [[nodiscard]] std::vector<ReachTrialResult> results() const;
@@ -115,7 +116,7 @@ class ReachResults {
   const classifier::TrunkModel* model_;
   std::map<Key, Attempt> attempts_;
   std::vector<Key> undecided_;
-  std::vector<Key> fresh_;  ///< Decided since `take_decided` was called.
+  std::vector<ReachTrialResult> fresh_;  ///< Decided since `take_decided` was called, each by what was known when it was.
   std::deque<core::ReachEvent> reaches_;
   std::deque<core::ClassEvent> classes_;
   std::optional<Place> told_until_;

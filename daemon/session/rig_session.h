@@ -70,7 +70,8 @@ class RigSession {
   [[nodiscard]] core::Status resume(const record::SessionRow& row, const Moment& moment);
   /// Goes to Stopping; `view` says when the recording is closed. An abort is listed as one; `reason` says why it ended in either case.
   [[nodiscard]] core::Status stop(bool is_abort, const std::string& reason, const Moment& moment);
-  /// WrongState: no session, none with trials, not running yet, or what TrialRun says.
+  /// `Next` before the session runs counts as soon as it does. WrongState: no session, none with trials, not running yet, or what TrialRun
+  /// says.
   [[nodiscard]] core::Status trial(TrialAction action, const Moment& moment);
 
   /// Lets time pass; `scans_total` is the rig's counter.
@@ -114,6 +115,7 @@ class RigSession {
   std::map<std::pair<std::uint32_t, std::uint32_t>, record::TrialRow> trial_rows_;  ///< By trial and attempt.
   bool is_recording_ = false;
   bool is_aborted_ = false;
+  bool is_next_wanted_ = false;  ///< The first trial begins as soon as the session runs.
   std::string end_reason_;
   std::vector<SessionChange> changes_;
   std::vector<TrialChange> trial_changes_;

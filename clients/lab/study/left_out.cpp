@@ -48,7 +48,7 @@ TrunkClass true_class(double flexion_deg) {
 
 std::vector<AngleError> errors_of(const std::vector<JudgedReach>& judged) {
   std::vector<AngleError> errors;
-  for (const auto& [reach, movement, volunteer] : judged) {
+  for (const auto& [reach, movement, volunteer, arm_alone] : judged) {
     const bool counts = reach->wanted >= TrunkClass::Minor && std::isfinite(movement.trunk_deg);
     if (counts) errors.push_back({volunteer, movement.trunk_deg, reach->flexion_deg});
   }
@@ -58,15 +58,20 @@ std::vector<AngleError> errors_of(const std::vector<JudgedReach>& judged) {
 LeftOutFigures figures_of(const training::TrainingSet& set, const std::vector<LeftOutReach>& left_out,
                           core::TrunkMovement LeftOutReach::*view) {
   std::vector<JudgedReach> judged;
-  for (const LeftOutReach& one : left_out) judged.push_back({&set.reaches[one.reach], one.*view, set.reaches[one.reach].subject});
+  for (const LeftOutReach& one : left_out)
+    judged.push_back({&set.reaches[one.reach], one.*view, set.reaches[one.reach].subject, one.arm_alone});
   const std::vector<AngleError> errors = errors_of(judged);
   LeftOutFigures figures{.answers = std::vector<Confusion>(set.subjects.size())};
   std::vector<training::Forecast> forecasts;
   for (std::size_t volunteer = 0; volunteer < set.subjects.size(); ++volunteer) {
     const double temperature = training::fit_temperature(training::forecasts_of(judged, volunteer));
     const auto widths = widths_without(errors, volunteer);
-    for (auto [reach, movement, group] : judged) {
-      if (group != volunteer) continue;
+    const double none_from = training::none_from_of(judged, volunteer);
+    for (const JudgedReach& one : judged) {
+      if (one.group != volunteer) continue;
+      const training::TrainingReach* const reach = one.reach;
+      core::TrunkMovement movement = one.movement;
+      movement.trunk_class = training::guess_of(one, none_from);
       figures.answers[volunteer].add(reach->wanted, movement.trunk_class);
       movement.probability = training::tempered(movement.probability, temperature);
       const TrunkClass answer = training::is_kept(movement, widths, kRejectBelow) ? movement.trunk_class : TrunkClass::Rejected;

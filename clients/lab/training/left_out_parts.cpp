@@ -50,6 +50,22 @@ std::array<double, kClasses> residuals_of(std::span<const JudgedReach> judged, s
   return residuals;
 }
 
+double none_from_of(std::span<const JudgedReach> judged, std::optional<std::size_t> without) {
+  constexpr double kLostPart = 0.02;
+  std::vector<double> of_minor;
+  for (const JudgedReach& one : judged) {
+    const bool is_minor = one.group != without && one.reach->wanted == TrunkClass::Minor;
+    if (is_minor && std::isfinite(one.arm_alone)) of_minor.push_back(one.arm_alone);
+  }
+  return std::clamp(conformal_quantile(of_minor, 1.0 - kLostPart) + 1e-6, 0.5 + 1e-6, 1.0);
+}
+
+TrunkClass guess_of(const JudgedReach& judged, double none_from) {
+  const TrunkClass guess = judged.movement.trunk_class;
+  if (guess != TrunkClass::None && guess != TrunkClass::Minor) return guess;
+  return judged.arm_alone >= none_from ? TrunkClass::None : TrunkClass::Minor;
+}
+
 classifier::Network::Outputs tempered(classifier::Network::Outputs probability, double temperature) {
   double total = 0.0;
   for (double& value : probability) total += value = std::pow(value, 1.0 / temperature);

@@ -45,15 +45,6 @@ void judge_fold(const TrunkModel& model, const TrainingSet& set, const std::vect
   }
 }
 
-/// How probable the arm alone is held to be where the trunk moved a little.
-std::vector<double> arm_alone_of_minor(const TrainingSet& set, const std::vector<LeftOutReach>& judged) {
-  std::vector<double> probabilities;
-  for (const LeftOutReach& one : judged) {
-    if (set.reaches[one.reach].wanted == TrunkClass::Minor && std::isfinite(one.arm_alone)) probabilities.push_back(one.arm_alone);
-  }
-  return probabilities;
-}
-
 struct Views {
   std::vector<JudgedReach> general;
   std::vector<JudgedReach> own;
@@ -68,8 +59,9 @@ Views views_of(const TrainingSet& set, const std::vector<LeftOutReach>& judged) 
   Views views;
   for (const LeftOutReach& one : judged) {
     const TrainingReach& reach = set.reaches[one.reach];
-    views.general.push_back({&reach, one.general, group_of[reach.subject]});
-    if (one.has_own) views.own.push_back({&reach, one.own, group_of[reach.subject]});
+    const std::size_t group = group_of[reach.subject];
+    views.general.push_back({&reach, one.general, group, one.arm_alone});
+    if (one.has_own) views.own.push_back({&reach, one.own, group, one.arm_alone});
   }
   return views;
 }
@@ -92,6 +84,7 @@ class LeftOutTally {
     for (const std::size_t group : groups) {
       temperatures_[group] = std::max(coldest_, fit_temperature(forecasts_of(judged, group)));
       half_widths_deg_[group] = residuals_of(judged, group);
+      none_from_[group] = none_from_of(judged, group);
     }
   }
 
@@ -112,7 +105,7 @@ class LeftOutTally {
       right += is_right;
       if (!is_kept(movement, half_widths_deg_.at(one.group), reject_below_)) continue;
       kept += 1.0;
-      kept_right += movement.trunk_class == one.reach->wanted ? 1.0 : 0.0;
+      kept_right += guess_of(one, none_from_.at(one.group)) == one.reach->wanted ? 1.0 : 0.0;
     }
     if (forecasts.empty()) return;
     figures.left_out_accuracy = right / static_cast<double>(forecasts.size());
@@ -146,14 +139,9 @@ class LeftOutTally {
   double coldest_;
   double reject_below_;
   std::map<std::size_t, double> temperatures_;
+  std::map<std::size_t, double> none_from_;
   std::map<std::size_t, std::array<double, kClasses>> half_widths_deg_;
 };
-
-/// Class 0 only from a probability that at most two in a hundred reaches of class 1 have: these must not get lost to it.
-double none_from_of(const std::vector<double>& of_minor) {
-  constexpr double kLostPart = 0.02;
-  return std::clamp(conformal_quantile(of_minor, 1.0 - kLostPart) + 1e-6, 0.5 + 1e-6, 1.0);
-}
 
 /// What takes people left out.
 void calibrate(TrunkModelForm& form, const TrainingSet& set, const std::vector<LeftOutReach>& judged) {
@@ -164,7 +152,7 @@ void calibrate(TrunkModelForm& form, const TrainingSet& set, const std::vector<L
   if (is_recommended) {
     form.general.temperature = std::max(coldest, fit_temperature(forecasts_of(views.general)));
     if (form.angle) form.angle->residual_deg = residuals_of(views.general);
-    if (form.arm_alone) form.arm_alone->none_from = none_from_of(arm_alone_of_minor(set, judged));
+    if (form.arm_alone) form.arm_alone->none_from = none_from_of(views.general);
     if (form.own && !views.own.empty()) form.own->temperature = std::max(coldest, fit_temperature(forecasts_of(views.own)));
     if (form.own_angle && !views.own.empty()) form.own_angle->residual_deg = residuals_of(views.own);
   }

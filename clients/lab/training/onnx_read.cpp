@@ -15,7 +15,8 @@ namespace {
 using classifier::Network;
 using classifier::OutputKind;
 
-constexpr std::int64_t kMostNumbers = 100'000;
+constexpr std::int64_t kMostNumbers = 4096;  // of one tensor; the largest network has 32 x 12 weights
+constexpr int kMostNodes = 2000;             // each may hold a copy of a tensor; 64 networks have some 400
 
 struct Tensor {
   std::vector<std::size_t> dimensions;
@@ -165,6 +166,7 @@ core::Result<ForeignNetworks> read_onnx(const std::string& file) {
   onnx::ModelProto model;
   if (!model.ParseFromString(*text) || !model.has_graph()) return refused("is not an ONNX model");
   ForeignNetworks result;
+  if (model.graph().node_size() > kMostNodes) return refused("has " + std::to_string(model.graph().node_size()) + " nodes");
   if (const auto why = Reader(model.graph()).read(result.networks)) return refused(*why);
   return result;
 }

@@ -47,7 +47,7 @@ void ReachMachine::step(const ReachSample& sample, Events& events) noexcept {
   if (state_ != State::Absent && has_left(sample)) return leave(sample, events);
   switch (state_) {
     case State::Absent:
-      if (sample.is_known && sample.mm > kSeatedMm) sit_down();
+      if (sample.is_known && sample.mm > kSeatedMm) enter(State::Settle);
       break;
     case State::Settle: settle(sample, events); break;
     case State::Quiet: watch_rest(sample, events); break;
@@ -55,11 +55,6 @@ void ReachMachine::step(const ReachSample& sample, Events& events) noexcept {
     case State::Rise: find_highest(sample, events); break;
     case State::Return: await_return(sample, events); break;
   }
-}
-
-void ReachMachine::sit_down() noexcept {
-  history_.begin();
-  enter(State::Settle);
 }
 
 void ReachMachine::enter(State state) noexcept {
@@ -112,7 +107,13 @@ void ReachMachine::settle(const ReachSample& sample, Events& events) noexcept {
     above_ = sample.mm > from_mm + limit_mm ? above_ + 1 : 0;
     if (above_ >= ticks(kCrossS)) return open_again(events, sample);
   }
-  if (rest_.settle(sample)) enter(State::Quiet);
+  if (rest_.settle(sample)) rest_until(now());
+}
+
+/// The rest is known. Nothing of the next reach lies before it: there may be an empty seat, or another movement.
+void ReachMachine::rest_until(std::uint64_t tick) noexcept {
+  history_.forget_before(tick - std::min(tick, rest_.length()) + 1);
+  enter(State::Quiet);
 }
 
 void ReachMachine::open_again(Events& events, const ReachSample& sample) noexcept {
@@ -178,7 +179,8 @@ void ReachMachine::find_lowest(const ReachSample& sample, Events& events) noexce
   if (now() - started_ > ticks(kLongestDipS) || (now() - started_ > ticks(kSteadyS) && is_steady())) {
     reach_.highest = {.tick = now(), .mm = sample.mm};
     reach_.ratio_at_highest = sample.ratio;
-    finish(flag::kDipOnly, events);
+    const bool was_at_rest = (reach_.flags & flag::kBaselineUncertain) == 0;  // else what fell may be the end of a movement
+    was_at_rest ? finish(flag::kDipOnly, events) : cancel(events);
     return rest_anew(sample);
   }
   const bool has_stopped = now() - reach_.lowest.tick == ticks(kStoppedS) && reach_.dip_mm() > reach_.threshold_mm;
@@ -287,7 +289,7 @@ void ReachMachine::rest_anew(const ReachSample& sample) noexcept {
   ReachSample past = sample;
   for (std::uint64_t ago = RestDetector::kWindow; ago-- > 0 && state_ == State::Settle;) {
     past.mm = history_.at(history_.now() - std::min(ago, history_.now()));
-    if (rest_.settle(past)) enter(State::Quiet);
+    if (rest_.settle(past)) rest_until(now() - std::min(ago, now()));
   }
 }
 

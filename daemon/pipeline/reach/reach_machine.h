@@ -36,13 +36,13 @@ class ReachMachine {
   enum class State : std::uint8_t { Absent, Settle, Quiet, Ris, Rise, Return };
 
   [[nodiscard]] std::uint64_t ticks(double seconds) const noexcept { return static_cast<std::uint64_t>(seconds * rate_hz_ + 0.5); }
-  void sit_down() noexcept;
   void enter(State state) noexcept;
   void count_doubts(const ReachSample& sample) noexcept;
   [[nodiscard]] bool has_left(const ReachSample& sample) noexcept;
   void leave(const ReachSample& sample, Events& events) noexcept;
 
   void settle(const ReachSample& sample, Events& events) noexcept;
+  void rest_until(std::uint64_t tick) noexcept;
   void open_again(Events& events, const ReachSample& sample) noexcept;
 
   void watch_rest(const ReachSample& sample, Events& events) noexcept;

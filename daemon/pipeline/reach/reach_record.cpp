@@ -54,7 +54,8 @@ void find_shallow_dip(ReachRecord& reach, const TransientHistory& history, doubl
   if ((reach.flags & core::reach_flag::kNoInitiation) == 0) return;
   const auto back = static_cast<std::uint64_t>(kShallowDipS * rate_hz);
   TickPoint lowest{.tick = reach.p1_tick, .mm = reach.rest_mm};
-  for (std::uint64_t tick = reach.p1_tick > back ? reach.p1_tick - back : 1; tick <= reach.p1_tick; ++tick) {
+  const std::uint64_t earliest = reach.p1_tick > back ? reach.p1_tick - back : 1;
+  for (std::uint64_t tick = std::max(earliest, history.oldest()); tick <= reach.p1_tick; ++tick) {
     if (history.at(tick) < lowest.mm) lowest = {.tick = tick, .mm = history.at(tick)};
   }
   if (reach.rest_mm - lowest.mm < std::max(kLeastDipMm, kDipSpreads * reach.spread_mm)) return;

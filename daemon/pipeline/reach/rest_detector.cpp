@@ -99,8 +99,9 @@ bool RestDetector::settle_shortly(const ReachSample& sample) noexcept {
     return false;
   }
   if (calm_ < ticks(kShortS) || settling_ < calm_ + ticks(kLeftS)) return false;
-  const auto overwritten = static_cast<std::size_t>(settling_ - filled_);
-  const auto end = static_cast<std::size_t>(calm_ - ticks(kOnsetS));
+  const std::uint64_t overwritten = settling_ - filled_;
+  const std::uint64_t end = calm_ - ticks(kOnsetS);
+  if (end > kWindow || overwritten >= end) return false;
   const auto rest = std::span<const Entry>(window_).first(end).subspan(overwritten);
   begin(median_mm(rest), rest);
   if (std::abs(sample.mm - level_mm_) <= threshold_mm()) return false;

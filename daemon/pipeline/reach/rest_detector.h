@@ -34,6 +34,8 @@ class RestDetector {
   void forget_session() noexcept { session_count_ = session_next_ = 0; }
   /// While settling; true: at rest from now on. Realtime-safe: yes.
   bool settle(const ReachSample& sample) noexcept;
+  /// Of the rest that was found, in samples until now.
+  [[nodiscard]] std::uint64_t length() const noexcept { return is_short_ ? settling_ : kWindow; }
   /// While quiet. Realtime-safe: yes.
   void track(const ReachSample& sample) noexcept;
   /// A reach has begun at this baseline.

@@ -16,8 +16,8 @@ class TransientHistory {
   static constexpr std::size_t kStateSize = 2 + kTicks;
 
   void push(double mm) noexcept { values_[++now_ % kTicks] = mm; }
-  /// The newest is the first that counts: what was before is of an empty seat, or of silent sensors.
-  void begin() noexcept { first_ = now_; }
+  /// What was before does not count any more: an empty seat, silent sensors, or another movement.
+  void forget_before(std::uint64_t tick) noexcept { first_ = std::max(first_, tick); }
   /// The newest; the first has number 1.
   [[nodiscard]] std::uint64_t now() const noexcept { return now_; }
   [[nodiscard]] std::uint64_t oldest() const noexcept { return std::max(first_, now_ < kTicks ? 1 : now_ - kTicks + 1); }

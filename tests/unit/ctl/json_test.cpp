@@ -5,6 +5,8 @@
 
 #include <limits>
 
+#include "ctl/reach_reading.h"
+
 namespace dts::ctl {
 namespace {
 
@@ -56,6 +58,43 @@ TEST(ToJson, FieldOfWords_HasNoRange) {
   field.add_choices("left");
   EXPECT_FALSE(to_json(field).contains("minimum"));
   EXPECT_FALSE(to_json(field).contains("maximum"));
+}
+
+TEST(ToJson, ReachThatHasJustBegun_HasNoPointsOfLater) {
+  v1::Reach reach;
+  reach.mutable_p1()->set_scan(1200);
+  reach.mutable_p1()->set_value_mm(3.25);
+  for (v1::ReachPoint* point : {reach.mutable_p2(), reach.mutable_p3()}) point->set_value_mm(std::numeric_limits<double>::quiet_NaN());
+
+  const cli::Json json = to_json(reach);
+
+  EXPECT_EQ(json.at("p1").dump(), R"({"scan":1200,"value_mm":3.25})");
+  EXPECT_FALSE(json.contains("p2"));
+  EXPECT_FALSE(json.contains("p3"));
+}
+
+TEST(ToJson, TrialWithoutATarget_ExpectsNothing) {
+  v1::TrialResult result;
+  result.set_expected_class(-1);
+
+  EXPECT_FALSE(to_json(result).contains("target_cm"));
+  EXPECT_FALSE(to_json(result).contains("expected_class"));
+
+  result.set_target_cm(80.4);
+  result.set_expected_class(0);
+  EXPECT_EQ(to_json(result).at("target_cm"), 80.4);
+  EXPECT_EQ(to_json(result).at("expected_class"), 0);
+}
+
+/// A minor reach is at most class 1, whatever is the most probable.
+TEST(MovementText, Probability_IsThatOfTheClass) {
+  v1::TrunkMovement movement;
+  movement.set_number(3);
+  movement.set_trunk_class(1);
+  for (const double probability : {0.25, 0.75, 0.0}) movement.add_probability(probability);
+  movement.set_trunk_deg(std::numeric_limits<double>::quiet_NaN());
+
+  EXPECT_EQ(movement_text(movement), "reach 3: minor trunk movement, p 0.25");
 }
 
 TEST(ToJson, NoSessionYet_OnlyItsState) {

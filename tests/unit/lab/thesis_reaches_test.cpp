@@ -62,6 +62,8 @@ TEST(ThesisReachTables, Teachers_AreComputedBesideWhatIsPrinted) {
   double ours = 0.0;
   for (const ThesisRow& row : table->rows) ours += figure(row.ours, "correct");
   EXPECT_GE(figure(table->summary, "ours_nn2_four_paces_of_135_median"), 130.0);
+  EXPECT_EQ(ours, figure(table->summary, "nn2_correct"));
+  EXPECT_EQ(figure(table->summary, "of"), 135.0);
   EXPECT_GE(ours, figure(table->summary, "ours_nn2_four_paces_of_135_least"));
   EXPECT_LE(ours, figure(table->summary, "ours_nn2_four_paces_of_135_most"));
   EXPECT_LT(figure(table->summary, "ours_nn2_one_pace_of_135_most"), figure(table->summary, "ours_nn2_four_paces_of_135_least"));
@@ -74,6 +76,10 @@ TEST(ThesisReachTables, Stroke_HasARowPerPerson) {
   EXPECT_EQ(table->rows[0].label, "S1, condition 2");
   EXPECT_EQ(table->rows[1].label, "S2, condition 1");
   EXPECT_GE(figure(table->summary, "ours_nn1_of_75_median"), 60.0);
+  EXPECT_EQ(figure(table->summary, "of"), 75.0);
+  double nn1 = 0.0;
+  for (const ThesisRow& row : table->rows) nn1 += figure(row.ours, "nn1");
+  EXPECT_EQ(figure(table->summary, "nn1_correct"), nn1);
 }
 
 }  // namespace

@@ -177,61 +177,6 @@ TEST(Reach, TwoReaches_AreTwo) {
   EXPECT_EQ(finals[1].number, finals[0].number + 1);
 }
 
-TEST(Reach, SecondReachWithoutAPause_IsFoundFromTheRestBefore) {
-  const MadeReach first{.start_s = 2.0, .rise_mm = 1.5};
-  const MadeReach second{.start_s = first.end_s() + 0.25, .rise_mm = 1.2};
-
-  const auto finals = finals_of(reaches_of(transient_of({.reaches = {first, second}}, 9.0)));
-
-  ASSERT_EQ(finals.size(), 2U);
-  EXPECT_EQ(finals[1].number, 2U);
-  EXPECT_EQ(finals[1].flags, flag::kBaselineUncertain);
-  EXPECT_NEAR(finals[1].features.d2_mm(), 1.2, 0.06);
-  EXPECT_NEAR(finals[1].p2.value_mm, 3.32, 0.06);
-  EXPECT_NEAR(seconds(finals[1].p2.scan), second.start_s + 0.17, 0.06);
-  EXPECT_NEAR(seconds(finals[1].p1.scan), second.start_s, 0.15);
-}
-
-/// What the first reach ends with is not taken for the beginning of the second.
-TEST(Reach, SecondReachAfterAShortPause_BeginsAfterThePause) {
-  const MadeReach first{.start_s = 2.0, .rise_mm = 1.5};
-  const MadeReach second{.start_s = first.end_s() + 0.2, .dip_mm = 0.0, .rise_mm = 1.2};
-
-  const auto finals = finals_of(reaches_of(transient_of({.reaches = {first, second}}, 9.0)));
-
-  ASSERT_EQ(finals.size(), 2U);
-  EXPECT_NEAR(seconds(finals[1].p1.scan), second.start_s + 0.3, 0.12);
-}
-
-/// A recording that begins just before the reach.
-TEST(Reach, ShortRestAtTheBeginning_IsARest) {
-  for (const double start_s : {0.25, 0.35, 0.45, 0.55, 0.65}) {
-    const auto finals = finals_of(reaches_of(transient_of({.reaches = {{.start_s = start_s}}}, 5.0)));
-
-    ASSERT_EQ(finals.size(), 1U) << start_s;
-    EXPECT_EQ(finals[0].flags & ~flag::kBaselineUncertain, 0) << start_s;
-    EXPECT_NEAR(seconds(finals[0].p1.scan), start_s + 0.05, 0.06) << start_s;
-    EXPECT_NEAR(finals[0].p1.value_mm, 3.7, 0.03) << start_s;
-    EXPECT_NEAR(finals[0].p2.value_mm, 3.32, 0.04) << start_s;
-    EXPECT_NEAR(finals[0].features.d2_mm(), 1.5, 0.05) << start_s;
-  }
-}
-
-/// The search for a weak dip ends where somebody sat down: an empty seat is no dip.
-TEST(Reach, RiseSoonAfterTheBeginning_HasNoDipFromBeforeIt) {
-  for (const double start_s : {0.3, 0.4, 0.5, 0.6}) {
-    const MadeReach made{.start_s = start_s, .dip_mm = 0.0, .forward_s = 0.5};
-
-    const auto from_first_sample = finals_of(reaches_of(transient_of({.reaches = {made}}, 5.0)));
-    const auto after_sitting_down =
-        finals_of(reaches_of(transient_of({.reaches = {{.start_s = 2.0 + start_s, .dip_mm = 0.0}}, .sits_down_s = 2.0}, 7.0)));
-
-    ASSERT_EQ(from_first_sample.size(), 1U) << start_s;
-    EXPECT_GT(from_first_sample[0].p2.value_mm, 3.6) << start_s;
-    for (const ReachEvent& reach : after_sitting_down) EXPECT_GT(reach.p2.value_mm, 3.6) << start_s;
-  }
-}
-
 TEST(Reach, ShiftOfPostureUpwards_EndsAndTheNextReachStartsFromThere) {
   const double shift_mm = 0.25;  // more than a minor reach, less than a twentieth of the largest
   MadeReach shift{.start_s = 3.0, .dip_mm = 0.0, .rise_mm = shift_mm, .forward_s = 0.5, .hold_s = 100.0};

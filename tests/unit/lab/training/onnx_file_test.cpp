@@ -47,6 +47,18 @@ TEST_F(OnnxFile, NoModelAtAll_Refused) {
   EXPECT_FALSE(read_onnx(write_bytes("empty.onnx", "")));
 }
 
+// Every node may hold a copy of a tensor: a small file of many nodes would fill the memory.
+TEST_F(OnnxFile, FarMoreNodesThanNetworksHave_Refused) {
+  const std::string whole = onnx_text(model());
+  std::string many;
+  for (int k = 0; k < 500; ++k) many += whole;  // messages written one after the other are one message with the nodes of all
+
+  const auto read = read_onnx(write_bytes("many.onnx", many));
+
+  ASSERT_FALSE(read);
+  EXPECT_THAT(read.error().what, testing::HasSubstr("nodes"));
+}
+
 TEST_F(OnnxFile, DamagedAnywhere_RefusedOrReadWithoutACrash) {
   const std::string whole = onnx_text(model());
   for (std::size_t place = 0; place < whole.size(); place += 7) {

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where a reach begins: after a short rest, at once after another one, soon after somebody sat down.
+#include <gmock/gmock.h>
+
+#include "pipeline/stages/reach.h"
+#include "unit/pipeline/chair_chain.h"
+
+namespace dts::pipeline {
+namespace {
+
+namespace flag = core::reach_flag;
+using core::ReachEvent;
+
+double seconds(core::ScanIndex scan) { return static_cast<double>(scan.value) / 100.0; }
+
+TEST(ReachRest, SecondReachWithoutAPause_IsFoundFromTheRestBefore) {
+  const MadeReach first{.start_s = 2.0, .rise_mm = 1.5};
+  const MadeReach second{.start_s = first.end_s() + 0.25, .rise_mm = 1.2};
+
+  const auto finals = finals_of(reaches_of(transient_of({.reaches = {first, second}}, 9.0)));
+
+  ASSERT_EQ(finals.size(), 2U);
+  EXPECT_EQ(finals[1].number, 2U);
+  EXPECT_EQ(finals[1].flags, flag::kBaselineUncertain);
+  EXPECT_NEAR(finals[1].features.d2_mm(), 1.2, 0.06);
+  EXPECT_NEAR(finals[1].p2.value_mm, 3.32, 0.06);
+  EXPECT_NEAR(seconds(finals[1].p2.scan), second.start_s + 0.17, 0.06);
+  EXPECT_NEAR(seconds(finals[1].p1.scan), second.start_s, 0.15);
+}
+
+/// The dip with which many a reach ends (reach-model section 4: the mirror image) is not the beginning of the next.
+TEST(ReachRest, SecondReachAfterAShortPause_BeginsAfterThePause) {
+  const MadeReach first{.start_s = 2.0, .rise_mm = 1.5};
+  const MadeReach dip{.start_s = first.end_s() + 0.1, .dip_mm = 0.2, .rise_mm = 0.0};
+  const MadeReach second{.start_s = first.end_s() + 0.75, .dip_mm = 0.0, .rise_mm = 1.2};
+
+  const auto finals = finals_of(reaches_of(transient_of({.reaches = {first, dip, second}}, 9.0)));
+
+  ASSERT_EQ(finals.size(), 2U);
+  EXPECT_NEAR(seconds(finals[1].p1.scan), second.start_s + 0.3, 0.15);
+  EXPECT_NEAR(finals[1].features.d1_mm(), 0.0, 0.03);
+}
+
+/// A recording that begins just before the reach.
+TEST(ReachRest, ShortRestAtTheBeginning_IsARest) {
+  for (const double start_s : {0.25, 0.35, 0.45, 0.55, 0.65}) {
+    const auto finals = finals_of(reaches_of(transient_of({.reaches = {{.start_s = start_s}}}, 5.0)));
+
+    ASSERT_EQ(finals.size(), 1U) << start_s;
+    EXPECT_EQ(finals[0].flags & ~flag::kBaselineUncertain, 0) << start_s;
+    EXPECT_NEAR(seconds(finals[0].p1.scan), start_s + 0.05, 0.06) << start_s;
+    EXPECT_NEAR(finals[0].p1.value_mm, 3.7, 0.03) << start_s;
+    EXPECT_NEAR(finals[0].p2.value_mm, 3.32, 0.04) << start_s;
+    EXPECT_NEAR(finals[0].features.d2_mm(), 1.5, 0.05) << start_s;
+  }
+}
+
+/// The search for a weak dip ends where somebody sat down: an empty seat is no dip.
+TEST(ReachRest, RiseSoonAfterTheBeginning_HasNoDipFromBeforeIt) {
+  for (const double start_s : {0.3, 0.4, 0.5, 0.6}) {
+    const MadeReach made{.start_s = start_s, .dip_mm = 0.0, .forward_s = 0.5};
+
+    const auto from_first_sample = finals_of(reaches_of(transient_of({.reaches = {made}}, 5.0)));
+    const auto after_sitting_down =
+        finals_of(reaches_of(transient_of({.reaches = {{.start_s = 2.0 + start_s, .dip_mm = 0.0}}, .sits_down_s = 2.0}, 7.0)));
+
+    ASSERT_EQ(from_first_sample.size(), 1U) << start_s;
+    EXPECT_GT(from_first_sample[0].p2.value_mm, 3.6) << start_s;
+    for (const ReachEvent& reach : after_sitting_down) EXPECT_GT(reach.p2.value_mm, 3.6) << start_s;
+  }
+}
+
+/// A recording that begins while the trunk is bent: its return is no reach, and no shift of posture either.
+TEST(ReachRest, RecordingThatBeginsAtTheTarget_TellsNothingOfIt) {
+  const MadeReach whole{.start_s = 2.0, .hold_s = 0.3};
+  const auto signal = transient_of({.reaches = {whole, {.start_s = 8.0}}}, 12.0);
+  const auto from = static_cast<std::size_t>(whole.highest_s() * 100.0);
+  Signal late = signal;
+  for (std::size_t c = 0; c < 3; ++c) {
+    late.values[c].erase(late.values[c].begin(), late.values[c].begin() + static_cast<std::ptrdiff_t>(from));
+    late.bits[c].erase(late.bits[c].begin(), late.bits[c].begin() + static_cast<std::ptrdiff_t>(from));
+  }
+
+  const auto finals = finals_of(reaches_of(late));
+
+  ASSERT_EQ(finals.size(), 1U);
+  EXPECT_NEAR(seconds(finals[0].p2.scan) + whole.highest_s(), 8.17, 0.06);
+  EXPECT_NEAR(finals[0].features.d2_mm(), 1.5, 0.05);
+}
+
+}  // namespace
+}  // namespace dts::pipeline

@@ -92,16 +92,6 @@ std::string estimates_text(const CopPoints& points, const physics::CopEstimator&
   return text;
 }
 
-/// Writing over what is read would destroy measurements, by whatever name or link.
-core::Status check_out(const std::string& out, const std::vector<std::string>& inputs) {
-  for (const std::string& input : inputs) {
-    std::error_code error;
-    if (!std::filesystem::equivalent(out, input, error) || error) continue;
-    return core::fail(core::ErrorCode::InvalidArgument, "--out " + out + " is the input file " + input, "another --out");
-  }
-  return {};
-}
-
 core::Status check_is_new(const std::string& out) {
   std::error_code error;
   if (!std::filesystem::exists(std::filesystem::symlink_status(out, error))) return {};

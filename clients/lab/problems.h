@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "cli/console.h"
 #include "core/result.h"
@@ -15,6 +16,10 @@ namespace dts::lab {
 
 /// Prints an error and returns its exit status. A file or folder that is not there is bad input: 5 is for rigs, devices and sessions.
 [[nodiscard]] int fail_with(cli::Console& console, const core::Error& error);
+
+/// Writing over what is read would destroy measurements, by whatever name or link: InvalidArgument when `out` would destroy what is read: it is one of `inputs`, or belongs to a folder of reaching trials among
+/// them.
+[[nodiscard]] core::Status check_out(const std::string& out, const std::vector<std::string>& inputs);
 
 /// "warning: text" to `talk`: the result stands, but not without a doubt.
 void warn(cli::Console& console, const std::string& text);

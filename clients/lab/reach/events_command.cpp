@@ -64,6 +64,7 @@ int run_events(const Arguments& arguments, cli::Console& console) {
   if (!arguments.plot.empty()) {
     if (const auto status = check_plot_name(arguments.plot); !status) return fail_with(console, status.error());
   }
+  if (const auto free = check_out(arguments.out, {arguments.folder}); !free) return fail_with(console, free.error());
   files::Problems problems;
   const TrialSet set = read_trial_set(arguments.folder, problems);
   if (!problems.empty()) return report_problems(console, problems);

@@ -91,6 +91,7 @@ void print_counts(const std::vector<reach::Prediction>& predictions, const Argum
 int run_reach_classify(const Arguments& arguments, cli::Console& console) {
   const auto own = own_scale_of(arguments.calibrate);
   if (!own) return fail_with(console, own.error());
+  if (const auto free = check_out(arguments.out, {arguments.folder, arguments.model}); !free) return fail_with(console, free.error());
   files::Problems problems;
   const auto model = files::load_trunk_model(arguments.model, problems);
   const auto set = reach::read_trial_set(arguments.folder, problems);

@@ -43,6 +43,7 @@ core::Result<classifier::TrunkModel> with_networks(const classifier::TrunkModel&
 }  // namespace
 
 int run_reach_export(const Arguments& arguments, cli::Console& console) {
+  if (const auto free = check_out(arguments.out, {arguments.model}); !free) return fail_with(console, free.error());
   files::Problems problems;
   const auto model = files::load_trunk_model(arguments.model, problems);
   if (!model) return report_problems(console, problems);
@@ -51,6 +52,7 @@ int run_reach_export(const Arguments& arguments, cli::Console& console) {
 }
 
 int run_reach_import(const Arguments& arguments, cli::Console& console) {
+  if (const auto free = check_out(arguments.out, {arguments.model, arguments.first}); !free) return fail_with(console, free.error());
   files::Problems problems;
   const auto like = files::load_trunk_model(arguments.model, problems);
   if (!like) return report_problems(console, problems);

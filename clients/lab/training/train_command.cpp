@@ -100,6 +100,7 @@ core::Result<TrainingSet> training_set(const Arguments& arguments, files::Proble
 }  // namespace
 
 int run_reach_train(const Arguments& arguments, cli::Console& console) {
+  if (const auto free = check_out(arguments.out, {arguments.folder}); !free) return fail_with(console, free.error());
   files::Problems problems;
   const auto set = training_set(arguments, problems, console);
   if (!problems.empty()) return report_problems(console, problems);

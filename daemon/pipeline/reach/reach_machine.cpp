@@ -101,6 +101,7 @@ void ReachMachine::leave(const ReachSample& sample, Events& events) noexcept {
 void ReachMachine::settle(const ReachSample& sample, Events& events) noexcept {
   if (is_between_) {
     const bool is_at_rest = is_back(sample, reach_.threshold_mm, kPauseS);
+    if (is_at_rest) history_.forget_before(now() - ticks(kPauseS) + 1);
     if (is_at_rest || sample.mm < between_.mm) between_ = {.tick = now(), .mm = sample.mm};
     const double limit_mm = std::max(4.0 * reach_.threshold_mm, 2.0 * kMinorPart * reach_.rest_mm);
     const double from_mm = std::max(between_.mm, reach_.rest_mm);

@@ -32,11 +32,12 @@ TEST(ReachRest, SecondReachWithoutAPause_IsFoundFromTheRestBefore) {
 TEST(ReachRest, SecondReachAfterAShortPause_BeginsAfterThePause) {
   const MadeReach first{.start_s = 2.0, .rise_mm = 1.5};
   const MadeReach dip{.start_s = first.end_s() + 0.1, .dip_mm = 0.2, .rise_mm = 0.0};
-  const MadeReach second{.start_s = first.end_s() + 0.75, .dip_mm = 0.0, .rise_mm = 1.2};
+  const MadeReach second{.start_s = first.end_s() + 0.45, .dip_mm = 0.0, .rise_mm = 1.2};
 
   const auto finals = finals_of(reaches_of(transient_of({.reaches = {first, dip, second}}, 9.0)));
 
   ASSERT_EQ(finals.size(), 2U);
+  EXPECT_NE(finals[1].flags & flag::kBaselineUncertain, 0);
   EXPECT_NEAR(seconds(finals[1].p1.scan), second.start_s + 0.3, 0.15);
   EXPECT_NEAR(finals[1].features.d1_mm(), 0.0, 0.03);
 }

@@ -18,8 +18,8 @@ std::string in_brackets(const std::vector<std::string>& words) {
 }
 
 /// "moderate trunk movement, p 0.97, trunk 25.2 deg (18.1 .. 32.4)"
-std::string judgement(const v1::TrunkMovement& movement) {
-  std::string text = class_word(movement.trunk_class()) + (movement.trunk_class() < 0 ? "" : " trunk movement");
+std::string judgement(const v1::TrunkMovement& movement, std::uint32_t reach_flags) {
+  std::string text = class_words(movement, reach_flags) + (movement.trunk_class() < 0 ? "" : " trunk movement");
   if (movement.trunk_class() > 0 && movement.trunk_class() <= movement.probability_size()) {  // of a minor reach not the highest
     text += ", p " + number_text(movement.probability(movement.trunk_class() - 1), 2);
   }
@@ -42,6 +42,18 @@ std::string class_word(int trunk_class) {
   }
 }
 
+std::string class_words(const v1::TrunkMovement& movement, std::uint32_t reach_flags) {
+  const std::uint32_t reasons = movement.reasons();
+  if (movement.trunk_class() == 1 && (reasons & v1::CLASS_REASON_MINOR) != 0) return "none or minor";
+  if (movement.trunk_class() >= 0) return class_word(movement.trunk_class());
+  const bool is_of_the_reach = (reasons & v1::CLASS_REASON_BAD_REACH) != 0 && reach_flags != 0;
+  const auto words = is_of_the_reach ? bit_words(*v1::ReachFlag_descriptor(), reach_flags)
+                                     : bit_words(*v1::ClassReason_descriptor(), reasons & ~std::uint32_t{v1::CLASS_REASON_CALIBRATED});
+  std::string why;
+  for (const std::string& word : words) why += (why.empty() ? "" : ", ") + word;
+  return class_word(movement.trunk_class()) + (why.empty() ? "" : " (" + why + ")");
+}
+
 std::string reach_text(const v1::Reach& reach) {
   std::string text = "reach " + std::to_string(reach.number()) + " " + enumerator_word(*v1::ReachStep_descriptor(), reach.step());
   if (reach.step() == v1::REACH_STEP_CANCELLED) return text;
@@ -51,7 +63,7 @@ std::string reach_text(const v1::Reach& reach) {
 }
 
 std::string movement_text(const v1::TrunkMovement& movement) {
-  return "reach " + std::to_string(movement.number()) + ": " + judgement(movement);
+  return "reach " + std::to_string(movement.number()) + ": " + judgement(movement, 0);
 }
 
 std::string trial_result_text(const v1::TrialResult& result) {
@@ -62,7 +74,7 @@ std::string trial_result_text(const v1::TrialResult& result) {
   const std::string expected = !is_comparable ? ""
                                : agrees       ? "; as the target takes"
                                               : "; the target takes " + class_word(result.expected_class());
-  return trial + judgement(result.movement()) + expected;
+  return trial + judgement(result.movement(), result.reach().flags()) + expected;
 }
 
 }  // namespace dts::ctl

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "dts/v1/stream.pb.h"
@@ -15,5 +16,7 @@ namespace dts::ctl {
 [[nodiscard]] std::string trial_result_text(const dts::v1::TrialResult& result);
 /// "moderate": what the numbers of the classes mean.
 [[nodiscard]] std::string class_word(int trunk_class);
+/// The same of a judgement: a minor reach may be the arm alone, and a rejected one says why: "rejected (untared)".
+[[nodiscard]] std::string class_words(const dts::v1::TrunkMovement& movement, std::uint32_t reach_flags);
 
 }  // namespace dts::ctl

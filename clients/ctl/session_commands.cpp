@@ -65,7 +65,7 @@ void warn_untared(const v1::StatusSnapshot& status, const std::string& name, cli
   for (const v1::RigStatus& rig : status.rigs()) {
     if (rig.rig().name() != name || !needs_tare(rig)) continue;
     console.talk << "dtsctl: warning: chair '" << cli::printable(name) << "' is not tared: no reach can be judged\n"
-                << "  try: stop the session, let everybody stand up, then dtsctl tare --rig " << cli::printable(name) << '\n';
+                 << "  try: stop the session, let everybody stand up, then dtsctl tare --rig " << cli::printable(name) << '\n';
   }
 }
 

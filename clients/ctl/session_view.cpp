@@ -78,13 +78,16 @@ void print_parts(cli::Console& console, const v1::SessionRecord& session) {
 cli::Cell trunk_cell(const v1::TrialResult& result) {
   if (!result.has_movement()) return {"-"};
   const int found = result.movement().trunk_class();
-  if (found < 0) return {class_word(found), cli::Style::Faint};
-  if (result.expected_class() < 0 || result.expected_class() == found) return {class_word(found)};
-  return {class_word(found) + " (takes " + class_word(result.expected_class()) + ")", cli::Style::Warning};
+  const std::string words = class_words(result.movement(), result.reach().flags());
+  if (found < 0) return {words, cli::Style::Faint};
+  const bool is_arm_alone = found == 1 && result.expected_class() == 0 && words != class_word(found);
+  if (result.expected_class() < 0 || result.expected_class() == found || is_arm_alone) return {words};
+  return {words + " (takes " + class_word(result.expected_class()) + ")", cli::Style::Warning};
 }
 
 std::string degrees_text(const v1::TrialResult& result) {
-  const double trunk_deg = result.has_movement() ? result.movement().trunk_deg() : std::numeric_limits<double>::quiet_NaN();
+  const double trunk_deg = result.has_movement() && result.movement().trunk_class() >= 0 ? result.movement().trunk_deg()
+                                                                                         : std::numeric_limits<double>::quiet_NaN();
   return std::isfinite(trunk_deg) ? cli::decimal(trunk_deg, 1) : "-";
 }
 

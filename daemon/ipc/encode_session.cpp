@@ -149,13 +149,17 @@ void fill(dts::v1::TrialResult& out, const record::TrialRow& trial) {
   out.set_condition(clean_text(trial.condition));
   out.set_target_cm(number_of(*event, "target_cm", 0.0));
   out.set_expected_class(class_of(*event, "expected_class"));
+  const auto bits_of = [&event](const char* key) {
+    return static_cast<std::uint32_t>(std::clamp(number_of(*event, key, 0.0), 0.0, 65535.0));
+  };
+  if (!record::text_of(*event, "number").empty()) out.mutable_reach()->set_flags(bits_of("flags"));
   if (record::text_of(*event, "class").empty()) return;
   auto& movement = *out.mutable_movement();
   movement.set_trunk_class(class_of(*event, "class"));
   movement.set_trunk_deg(number_of(*event, "trunk_deg", kUnknown));
   movement.set_trunk_lo_deg(number_of(*event, "trunk_lo_deg", kUnknown));
   movement.set_trunk_hi_deg(number_of(*event, "trunk_hi_deg", kUnknown));
-  movement.set_reasons(static_cast<std::uint32_t>(std::clamp(number_of(*event, "reasons", 0.0), 0.0, 65535.0)));
+  movement.set_reasons(bits_of("reasons"));
 }
 
 void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {

@@ -14,7 +14,10 @@ record::RecordedEvent recorded(const ReachTrialResult& result) {
   out.values.emplace_back("condition", result.condition);
   if (result.target_cm) out.values.emplace_back("target_cm", *result.target_cm);
   if (result.expected) out.values.emplace_back("expected_class", std::int64_t{static_cast<std::int8_t>(*result.expected)});
-  if (result.reach) out.values.emplace_back("number", std::int64_t{result.reach->number});
+  if (result.reach) {
+    out.values.emplace_back("number", std::int64_t{result.reach->number});
+    out.values.emplace_back("flags", std::int64_t{result.reach->flags});
+  }
   if (!result.movement) return out;
   out.values.emplace_back("class", std::int64_t{static_cast<std::int8_t>(result.movement->trunk_class)});
   out.values.emplace_back("trunk_deg", result.movement->trunk_deg);

@@ -115,10 +115,13 @@ std::vector<Subject> read_subjects(const std::string& file, files::Problems& pro
   return subjects;
 }
 
-/// The file that a trial's volts are in: as named, else the subject's own.
-std::string volts_file(const CsvTable& table, std::size_t row) {
+/// The file that a trial's volts are in: as named, else the subject's own of that rate (A_1500.csv), else the subject's own.
+std::string volts_file(const std::string& folder, const CsvTable& table, std::size_t row) {
   if (table.has("file") && !table.texts("file")[row].empty()) return table.texts("file")[row];
-  return table.texts("subject")[row] + ".csv";
+  const std::string subject = table.texts("subject")[row];
+  const std::string with_rate = subject + "_" + std::to_string(std::lround(table.numbers("rate_hz")[row])) + ".csv";
+  std::error_code none;
+  return std::filesystem::exists(path_of(folder, with_rate), none) ? with_rate : subject + ".csv";
 }
 
 /// A name that does not lead out of the folder.
@@ -157,7 +160,7 @@ class TrialReader {
     const auto rate = core::Rate::from_hz(table.numbers("rate_hz")[row]);
     if (!rate) return report(problems_, file_, line, rate.error().what);
     trial.rate = *rate;
-    const std::string name = volts_file(table, row);
+    const std::string name = volts_file(folder_, table, row);
     if (!is_plain_name(name)) return report(problems_, file_, line, "file '" + name + "' is not a name in this folder");
     const auto* volts = file_of(name).find(trial.number);
     if (volts != nullptr) {

@@ -25,6 +25,7 @@ constexpr double kReturnedS = 0.3;
 constexpr double kStoppedS = 0.03;  // without a new extreme: worth telling
 constexpr double kFallPart = 0.25;
 constexpr double kResumePart = 0.10;
+constexpr double kWentBackPart = 0.5;
 constexpr double kHigherPart = 0.02;  // a later hump that is higher by less is the same one
 constexpr double kTellPart = 0.005;
 constexpr double kDoubtfulS = 0.05;  // of substituted values; a dropped sample does no harm
@@ -247,7 +248,8 @@ bool ReachMachine::has_passed_highest(const ReachSample& sample) const noexcept 
 void ReachMachine::await_return(const ReachSample& sample, Events& events) noexcept {
   const double higher_mm = sample.mm - reach_.highest.mm;
   if (higher_mm > std::max(kHigherPart * reach_.swing_mm(), 0.3 * reach_.threshold_mm)) {
-    if (higher_mm > kResumePart * reach_.swing_mm() || now() - reach_.highest.tick > ticks(kNoHigherS)) {
+    const bool went_back = reach_.highest.mm - lowest_since(reach_.highest.tick) > kWentBackPart * reach_.swing_mm();
+    if (went_back || higher_mm > kResumePart * reach_.swing_mm() || now() - reach_.highest.tick > ticks(kNoHigherS)) {
       reach_.flags |= flag::kResumed;
       if (reach_.resumed < std::numeric_limits<std::uint16_t>::max()) ++reach_.resumed;
     }
@@ -271,6 +273,12 @@ void ReachMachine::await_return(const ReachSample& sample, Events& events) noexc
   if (now() - reach_.highest.tick <= ticks(kLongestReturnS)) return;
   finish(flag::kTimeout, events);
   rest_anew(sample);
+}
+
+double ReachMachine::lowest_since(std::uint64_t tick) const noexcept {
+  double lowest_mm = history_.at(now());
+  for (std::uint64_t k = std::max(tick, history_.oldest()); k < now(); ++k) lowest_mm = std::min(lowest_mm, history_.at(k));
+  return lowest_mm;
 }
 
 bool ReachMachine::is_steady() const noexcept {

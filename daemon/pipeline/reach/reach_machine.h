@@ -58,6 +58,7 @@ class ReachMachine {
 
   /// True when the transient has stayed at one level for a second: a new posture, not a movement.
   [[nodiscard]] bool is_steady() const noexcept;
+  [[nodiscard]] double lowest_since(std::uint64_t tick) const noexcept;
   void rest_anew(const ReachSample& sample) noexcept;
 
   void cancel(Events& events) noexcept;

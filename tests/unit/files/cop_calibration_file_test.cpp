@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <bit>
 #include <cmath>
@@ -58,7 +59,8 @@ class CopCalibrationFile : public testing::TestWithParam<CopMethod> {
     return problems;
   }
 
-  std::string file_ = testing::TempDir() + "/cop_calibration_" + std::to_string(static_cast<int>(GetParam())) + ".toml";
+  std::string file_ =
+      testing::TempDir() + "/cop_calibration_" + std::to_string(static_cast<int>(GetParam())) + "_" + std::to_string(::getpid()) + ".toml";
 };
 
 INSTANTIATE_TEST_SUITE_P(Methods, CopCalibrationFile,

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <array>
 #include <filesystem>
@@ -39,7 +40,7 @@ TEST(RigModelFile, LeavesTheRestOfTheFileAlone) {
 }
 
 TEST(RigModelFile, ReportsAWrongValueWithItsPlaceAndRange) {
-  const std::string file = testing::TempDir() + "/wrong_rig.toml";
+  const std::string file = testing::TempDir() + "/wrong_rig_" + std::to_string(::getpid()) + ".toml";
   std::ofstream(file) << "[plate]\na_mm = 430.0\nb_mm = 430.0\nh_mm = -3.0\ne_pa = 2e11\nnu = 0.3\n[support]\nkind = \"corner\"\n";
   Problems problems;
   (void)read(file, problems);

@@ -79,11 +79,11 @@ void print_counts(const std::vector<reach::Prediction>& predictions, const Argum
     console.out << cli::document(json);
     return;
   }
-  std::string text = std::to_string(predictions.size()) + " trials in " + arguments.out + ": ";
+  std::string text = arguments.out + ": " + std::to_string(predictions.size()) + " trials, ";
   for (int trunk_class = 0; trunk_class <= 3; ++trunk_class) {
     text += std::to_string(counts[trunk_class]) + " of class " + std::to_string(trunk_class) + ", ";
   }
-  cli::print_hint(console, text + std::to_string(counts[-1]) + " rejected, " + std::to_string(missing) + " without a reach");
+  console.out << text << counts[-1] << " rejected, " << missing << " without a reach\n";
 }
 
 }  // namespace

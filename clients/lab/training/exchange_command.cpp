@@ -48,7 +48,9 @@ int run_reach_export(const Arguments& arguments, cli::Console& console) {
   const auto model = files::load_trunk_model(arguments.model, problems);
   if (!model) return report_problems(console, problems);
   const auto written = files::write_whole_file(arguments.out, onnx_text(*model));
-  return written ? cli::kOk : fail_with(console, written.error());
+  if (!written) return fail_with(console, written.error());
+  console.out << arguments.out << ": " << model->form().general.networks.size() << " networks as ONNX\n";
+  return cli::kOk;
 }
 
 int run_reach_import(const Arguments& arguments, cli::Console& console) {

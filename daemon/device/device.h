@@ -111,7 +111,7 @@ struct ReadResult {
 /// | hear       | no effect     | no effect       | ok                | no effect           |
 ///
 /// Thread: open, start, stop, close and has_arrived on one owner thread; `read` on one thread, between start and stop;
-/// `interrupt`, `exact_rate`, `report`, `hear` and `set_sync_output` on any. The destructor closes.
+/// `interrupt`, `exact_rate`, `report` and `set_sync_output` on any; `hear` on one of any. The destructor closes.
 class Device {
  public:
   virtual ~Device() = default;
@@ -140,7 +140,7 @@ class Device {
   virtual void interrupt() noexcept = 0;
   /// Drives the digital line that tells other instruments that a session begins. Unsupported: there is none. WrongState: or busy starting.
   [[nodiscard]] virtual core::Status set_sync_output(bool is_high) = 0;
-  /// Simulated people hear it and obey; at hardware a therapist says it. Thread: any. Realtime-safe: yes.
+  /// Simulated people hear it and obey; at hardware a therapist says it. Thread: one, as a rule control. Realtime-safe: yes.
   virtual void hear(const Cue& cue) noexcept { static_cast<void>(cue); }
   /// Returns within 250 ms when the device answers.
   virtual core::Status stop() = 0;

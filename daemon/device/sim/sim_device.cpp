@@ -154,11 +154,7 @@ void SimDevice::compute_scan(std::uint64_t scan) noexcept {
 }
 
 void SimDevice::hear(const Cue& cue) noexcept {
-  if (state() != DeviceState::Streaming) return;
-  while (is_hearing_.test_and_set(std::memory_order_acquire)) {  // pairs with clear()
-  }
-  (void)cues_.push(cue);                         // full: nobody reads, so nobody hears
-  is_hearing_.clear(std::memory_order_release);  // pairs with test_and_set()
+  if (state() == DeviceState::Streaming) (void)cues_.push(cue);  // full: nobody reads, so nobody hears
 }
 
 void SimDevice::tell_scene(std::uint64_t scan, double time_s) noexcept {

@@ -76,7 +76,6 @@ class SimDevice final : public Device {
   std::atomic<DeviceState> state_{DeviceState::Closed};
   std::atomic<bool> is_interrupted_{false};
   core::SpscRing<Cue> cues_{kMostCues};
-  std::atomic_flag is_hearing_;  ///< The ring has one producer: who speaks at the same time waits for the length of a copy.
 
   Pacer pacer_;
   FaultWindow window_;

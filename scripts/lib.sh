@@ -9,14 +9,19 @@ DTS_PACKAGES=(
   libtomlplusplus-dev libsystemd-dev libusb-1.0-0-dev libeigen3-dev libcli11-dev nlohmann-json3-dev
   libonnx-dev                                          # dtslab reach export and import: the schema of ONNX
   libsqlite3-dev libsodium-dev libpugixml-dev libboost-dev # recordings: catalogue, SHA-256, XML headers, CRC32C
+  libkissfft-dev                                       # spectra of sway: a template of double, BSD licence (FFTW is GPL)
+  libkainjow-mustache-dev                              # reports: the page is a template, not pasted strings
+  libssl-dev libarchive-dev                            # dts-gateway: TLS; zip files of exports
+  prometheus-cpp-dev                                   # dts-gateway /metrics: the text format and its escapes, not their HTTP server
   libgtest-dev libgmock-dev librapidcheck-dev relacy-dev # tests
   libumockdev-dev umockdev                             # emulated USB under the real libusb
   libxdf-dev                                           # an independent reader of our recordings
   libreaderwriterqueue-dev                             # a peer in the ring benchmark
   python3-onnx                                         # an independent reader of exported networks
   gnuplot-nox                                          # dtslab --plot
-  python3
+  python3 python3-zmq python3-protobuf python3-numpy   # clients/python
 )
+command -v npm >/dev/null || DTS_PACKAGES+=(nodejs npm) # the dashboard; node 18 or newer of another source will do
 
 say() { printf '\033[1m%s\033[0m\n' "$*" >&2; }
 

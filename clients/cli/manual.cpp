@@ -52,7 +52,7 @@ void describe(const CLI::App& command, std::string& text) {
   text += ".PP\nExamples:\n" + example_text(command);
 }
 
-std::string section(const std::string& title, const std::vector<Manual::Entry>& entries) {
+std::string manual_section(const std::string& title, const std::vector<Manual::Entry>& entries) {
   if (entries.empty()) return {};
   std::string text = ".SH " + title + "\n";
   for (const auto& [name, meaning] : entries) text += tagged(name, meaning);
@@ -64,7 +64,7 @@ std::string exit_statuses(const std::vector<int>& known) {
   for (const auto& [status, meaning] : kExitMeanings) {
     if (std::ranges::find(known, status) != known.end()) entries.emplace_back(std::to_string(status), std::string(meaning) + ".");
   }
-  return section("EXIT STATUS", entries);
+  return manual_section("EXIT STATUS", entries);
 }
 
 std::string see_also(const std::vector<std::pair<std::string, int>>& pages) {
@@ -91,8 +91,8 @@ std::string manual_page(const CommandLine& line) {
   describe(line.app, text);
   text += ".SH OPTIONS\nThey may stand before or after the command.\n";
   for (const CLI::Option* option : options(line.app)) text += option_text(*option);
-  text += section("ENVIRONMENT", line.manual.environment) + exit_statuses(line.manual.exit_statuses) + line.manual.further_sections;
-  return text + section("FILES", line.manual.files) + see_also(line.manual.see_also);
+  text += manual_section("ENVIRONMENT", line.manual.environment) + exit_statuses(line.manual.exit_statuses) + line.manual.further_sections;
+  return text + manual_section("FILES", line.manual.files) + see_also(line.manual.see_also);
 }
 
 int print_manual(const CommandLine& line, Console& console) {

@@ -11,11 +11,20 @@
 
 namespace dts::ctl {
 
+/// What only `dtsctl key` says.
+struct KeyArguments {
+  std::string name;
+  std::string role;
+  std::string out;   ///< Empty: NAME.key
+  std::string host;  ///< By which other machines reach this one; empty: its host name.
+};
+
 /// Everything that the command line can say, checked for syntax and range.
 struct Arguments {
   // Of every command.
   std::string endpoint;             ///< Empty: find the daemon.
   std::string data;                 ///< Empty: beside the control socket.
+  std::string key_file;             ///< Empty: DTSD_KEY, else none.
   std::optional<double> timeout_s;  ///< Absent: each command's default.
   bool is_json = false;
 
@@ -25,6 +34,7 @@ struct Arguments {
   std::optional<std::uint64_t> count;
   bool is_jsonl = false;
   bool is_latest = false;
+  KeyArguments key;
   SessionArguments session;
   CalibrateArguments calibrate;
 };

@@ -8,8 +8,10 @@
 #include "ctl/calibrate/commands.h"
 #include "ctl/commands.h"
 #include "ctl/doctor.h"
+#include "ctl/key_commands.h"
 #include "ctl/manual.h"
 #include "ctl/session_tree.h"
+#include "ctl/top.h"
 #include "ctl/watch.h"
 #include "dts/error.h"
 
@@ -36,6 +38,8 @@ void add_globals(CommandTree& tree) {
   app.add_option("--endpoint", tree.arguments.endpoint, "Control address of the daemon, ipc:///path/control.sock or tcp://host:port")
       ->option_text("URI");
   app.add_option("--data", tree.arguments.data, "Data address; found beside the control socket when not given")->option_text("URI");
+  app.add_option("--key", tree.arguments.key_file, "Key of this machine for a daemon on another one (dtsctl key new); it knows the addresses")
+      ->option_text("FILE");
   app.add_option("--timeout", tree.arguments.timeout_s,
                  "Give up after S seconds: a command without answer (3), a stream without data (never)")
       ->option_text("S")
@@ -73,6 +77,26 @@ void add_actions(CommandTree& tree) {
   add_rig(*tare, arguments.rig, "Rig to tare")->required();
 }
 
+void add_keys(CommandTree& tree) {
+  KeyArguments& wishes = tree.arguments.key;
+  CLI::App* group = cli::add_group(tree.line.app, "key", "Who may connect from other machines", "dtsctl key list | who may, and what\n");
+  CLI::App* made = add(tree, *group, "new", "Make a key for another machine, and print the name of its file",
+                       "dtsctl key new ward-3 --role viewer | writes ward-3.key, to be carried there\n"
+                       "dtsctl --key ward-3.key watch floor/cop | over there\n",
+                       run_key_new);
+  made->add_option("NAME", wishes.name, "Whom it is for: 1..32 of a-z 0-9 . _ -")->required()->option_text(" ")->check(text_of(1, 32));
+  made->add_option("--role", wishes.role, "viewer looks, operator runs sessions, engineer changes devices and keys")
+      ->required()
+      ->option_text("ROLE")
+      ->check(CLI::IsMember({"viewer", "operator", "engineer"}));
+  made->add_option("--out", wishes.out, "File to write (NAME.key)")->option_text("FILE");
+  made->add_option("--host", wishes.host, "Name or address of the daemon's machine as others reach it (as it was reached now, or its host name)")->option_text("HOST");
+  add(tree, *group, "list", "List the keys that the daemon knows", "dtsctl key list | name, role and date of each\n", run_key_list);
+  CLI::App* revoked = add(tree, *group, "revoke", "End the rights and the connections of a key", "dtsctl key revoke ward-3 | a machine was lost\n",
+                          run_key_revoke);
+  revoked->add_option("NAME", wishes.name, "Name of the key")->required()->option_text(" ")->check(text_of(1, 32));
+}
+
 void add_watch(CommandTree& tree) {
   Arguments& arguments = tree.arguments;
   CLI::App* watch = add(tree, tree.line.app, "watch", "Show live samples and events",
@@ -89,6 +113,16 @@ void add_watch(CommandTree& tree) {
   watch->add_flag("--latest", arguments.is_latest, "After a pause show only the newest block of each stream");
 }
 
+void add_top(CommandTree& tree) {
+  Arguments& arguments = tree.arguments;
+  CLI::App* top = add(tree, tree.line.app, "top", "Show the daemon's health once a second: rates, losses by cause, queues, latency, recordings",
+                      "dtsctl top | redrawn in place until Ctrl-C\n"
+                      "dtsctl top --jsonl --count 60 > health.jsonl | a minute for a program\n",
+                      run_top);
+  top->add_option("--count", arguments.count, "End after N statuses")->option_text("N")->check(count_from_one());
+  top->add_flag("--jsonl", arguments.is_jsonl, "One JSON object per line, as into a pipe");
+}
+
 }  // namespace
 
 std::unique_ptr<CommandTree> make_command_tree() {
@@ -102,7 +136,9 @@ std::unique_ptr<CommandTree> make_command_tree() {
   add_sessions(tree);
   add_actions(tree);
   add_watch(tree);
+  add_top(tree);
   add_calibrate(tree);
+  add_keys(tree);
   add(tree, tree.line.app, "doctor", "Check daemon, rigs and this machine; say how to mend what is wrong",
       "dtsctl doctor | one line per check\n", run_doctor);
   cli::add_common(tree.line);

@@ -25,14 +25,33 @@ Result<v1::RigStatus> find_rig(const v1::StatusSnapshot& status, const std::stri
   return client::fail(client::ErrorCode::NotFound, "no rig '" + name + "'", known.empty() ? "no rig is configured" : hint);
 }
 
-Result<client::Endpoints> endpoints(const Arguments& arguments) {
-  return client::find_endpoints({.control = arguments.endpoint, .data = arguments.data});
+Result<Target> target(const Arguments& arguments) {
+  Target found;
+  client::EndpointWishes wishes{.control = arguments.endpoint, .data = arguments.data};
+  const char* const environment = client::process_environment("DTSD_KEY");
+  const std::string file = !arguments.key_file.empty() || environment == nullptr ? arguments.key_file : environment;
+  if (!file.empty()) {
+    auto key = client::read_key(file);
+    if (!key) return tl::make_unexpected(key.error());
+    if (wishes.control.empty() && wishes.data.empty()) {
+      if (key->control.empty()) {
+        return client::fail(client::ErrorCode::InvalidArgument, file + " names no address: the daemon listened on its own machine only when it was made",
+                            "give --endpoint tcp://HOST:PORT, or put [network] into the daemon's configuration and make the key anew");
+      }
+      wishes = {.control = key->control, .data = key->data};
+    }
+    found.key = std::move(*key);
+  }
+  auto endpoints = client::find_endpoints(wishes);
+  if (!endpoints) return tl::make_unexpected(endpoints.error());
+  found.endpoints = std::move(*endpoints);
+  return found;
 }
 
 Result<ControlClient> connect(const Arguments& arguments) {
-  const auto where = endpoints(arguments);
+  const auto where = target(arguments);
   if (!where) return tl::make_unexpected(where.error());
-  client::ControlOptions options{.endpoint = where->control};
+  client::ControlOptions options{.endpoint = where->endpoints.control, .key = where->key};
   if (arguments.timeout_s) {
     options.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(*arguments.timeout_s * 1000.0));
     options.tare_timeout = options.timeout;

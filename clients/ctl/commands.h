@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "cli/console.h"
 #include "ctl/arguments.h"
 #include "dts/control_client.h"
 #include "dts/endpoints.h"
+#include "dts/key.h"
 
 namespace dts::ctl {
 
@@ -19,8 +21,13 @@ namespace dts::ctl {
 [[nodiscard]] int run_mark(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_tare(const Arguments& arguments, cli::Console& console);
 
-/// The addresses that the arguments and the environment give.
-[[nodiscard]] client::Result<client::Endpoints> endpoints(const Arguments& arguments);
+/// Where the daemon is, and with which key to come.
+struct Target {
+  client::Endpoints endpoints;
+  std::optional<client::Key> key;
+};
+/// What the arguments and the environment give. The addresses in a key file count unless others are given.
+[[nodiscard]] client::Result<Target> target(const Arguments& arguments);
 /// A client with the time-outs of the arguments.
 [[nodiscard]] client::Result<client::ControlClient> connect(const Arguments& arguments);
 

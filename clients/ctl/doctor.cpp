@@ -10,6 +10,7 @@
 #include "cli/table.h"
 #include "ctl/commands.h"
 #include "ctl/json.h"
+#include "ctl/latency.h"
 #include "ctl/recording_view.h"
 #include "ctl/status_view.h"
 #include "dts/subscriber.h"
@@ -21,6 +22,9 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kDataDeadline{2000};
 constexpr double kRateTolerance = 0.01;
+constexpr double kFullestPercent = 50.0;
+constexpr double kMostLatencyMs = 50.0;  // a picture of 20 per second is late then
+constexpr double kNearlyAllBlocks = 0.95;
 constexpr std::uint64_t kLockableBytes = 64ULL << 20U;
 
 Check good(std::string name, std::string finding) { return {std::move(name), true, std::move(finding), {}}; }
@@ -49,11 +53,32 @@ Check check_losses(const v1::RigStatus& rig) {
   return bad(name, finding, "the reasons are in journalctl -u dtsd; check cable and USB hub, allow SCHED_FIFO");
 }
 
-Check check_data(const std::string& endpoint) {
+Check check_queues(const v1::RigStatus& rig) {
+  const std::string name = rig.rig().name() + " queues";
+  const v1::RingFill& fill = rig.ring_fill();
+  const std::string finding = "at most " + cli::decimal(fill.scans_percent(), 0) + " % before the pipeline, " +
+                              cli::decimal(fill.frames_percent(), 0) + " % before the data socket, " +
+                              cli::decimal(fill.record_percent(), 0) + " % before the recorder within half a minute";
+  if (std::max({fill.scans_percent(), fill.frames_percent(), fill.record_percent()}) < kFullestPercent) return good(name, finding);
+  return bad(name, finding, "what else runs on this machine? allow SCHED_FIFO; when it is the recorder: is the disk slow?");
+}
+
+/// Of a replay nothing: its scans are as old as its recording.
+std::optional<Check> check_latency(const v1::RigStatus& rig) {
+  const auto latency_ms = latency_quantile_ms(rig.latency(), kNearlyAllBlocks);
+  if (!latency_ms || rig.rig().device_uri().starts_with("replay:")) return std::nullopt;
+  const std::string name = rig.rig().name() + " latency";
+  const std::string finding = "95 % of the blocks since the start were published within " + cli::decimal(*latency_ms, 1) + " ms";
+  if (*latency_ms <= kMostLatencyMs) return good(name, finding);
+  return bad(name, finding, "is the machine overloaded? allow SCHED_FIFO; dtsctl top shows the last seconds");
+}
+
+Check check_data(const Target& where) {
   const std::string name = "data";
+  const std::string& endpoint = where.endpoints.data;
   if (endpoint.empty()) return bad(name, "the data address is not known", "give it: --data URI or DTSD_DATA");
   if (auto somebody = client::probe(endpoint); !somebody) return bad(name, somebody.error());
-  auto subscriber = client::Subscriber::open({.endpoint = endpoint, .topics = {""}});
+  auto subscriber = client::Subscriber::open({.endpoint = endpoint, .topics = {""}, .key = where.key});
   if (!subscriber) return bad(name, subscriber.error());
   const auto begin = std::chrono::steady_clock::now();
   const auto spent = [&] { return std::chrono::ceil<milliseconds>(std::chrono::steady_clock::now() - begin); };
@@ -109,6 +134,7 @@ std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::ve
   for (const v1::RigStatus& rig : status->rigs()) std::ranges::move(check_rig(rig), std::back_inserter(checks));
   if (status->rigs_size() == 0) checks.push_back(bad("rigs", "none is configured", "add a [[rig]] to the daemon's configuration"));
   std::ranges::move(check_disk(status->disk()), std::back_inserter(checks));
+  checks.push_back(check_network(*status));
   return std::move(*status);
 }
 
@@ -127,12 +153,19 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
     const std::string why = rig.device_message().empty() ? "" : ": " + rig.device_message();
     return {bad(name, state + why, "is it plugged in and powered? see dtsctl device list and journalctl -u dtsd")};
   }
-  std::vector<Check> checks{good(name, state), check_rate(rig), check_losses(rig)};
+  std::vector<Check> checks{good(name, state), check_rate(rig), check_losses(rig), check_queues(rig)};
+  if (auto latency = check_latency(rig)) checks.push_back(std::move(*latency));
   if (needs_tare(rig)) {
     checks.push_back(bad(rig.rig().name() + " tare", "not tared: no reach can be judged",
                          "let everybody stand up, then dtsctl tare --rig " + rig.rig().name()));
   }
   return checks;
+}
+
+Check check_network(const v1::StatusSnapshot& status) {
+  if (!status.has_network()) return good("network", "off: this machine only");
+  return good("network", "on for clients with keys: " + std::to_string(status.accepted_handshakes_total()) + " connections let in, " +
+                             std::to_string(status.refused_handshakes_total()) + " refused since the start");
 }
 
 std::vector<Check> check_disk(const v1::DiskStatus& disk) {
@@ -170,10 +203,11 @@ std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1
 int run_doctor(const Arguments& arguments, cli::Console& console) {
   std::vector<Check> checks;
   std::optional<v1::StatusSnapshot> status;
-  if (const auto where = endpoints(arguments); where) {
-    checks.push_back(good("address", where->control + " (from " + where->origin + ")"));
+  if (const auto where = target(arguments); where) {
+    const std::string origin = where->key && arguments.endpoint.empty() ? "key '" + where->key->name + "'" : where->endpoints.origin;
+    checks.push_back(good("address", where->endpoints.control + " (from " + origin + ")"));
     status = ask_daemon(arguments, checks);
-    if (status) checks.push_back(check_data(where->data));
+    if (status) checks.push_back(check_data(*where));
   } else {
     checks.push_back(bad("address", where.error()));
   }

@@ -24,6 +24,8 @@ struct Check {
 /// Each makes checks from what was found out; nothing here asks or waits.
 [[nodiscard]] Check check_version(const std::string& daemon_version);
 [[nodiscard]] std::vector<Check> check_rig(const v1::RigStatus& rig);
+/// Whether other machines can connect, and whether they did.
+[[nodiscard]] Check check_network(const v1::StatusSnapshot& status);
 /// Nothing when the daemon says nothing of a disk.
 [[nodiscard]] std::vector<Check> check_disk(const v1::DiskStatus& disk);
 /// `status`: absent when the daemon did not answer. A daemon that runs without complaints about scheduling has what it

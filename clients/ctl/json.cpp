@@ -15,10 +15,11 @@ using google::protobuf::Message;
 using google::protobuf::Reflection;
 
 /// Fields whose 0 says that there is no such value (see the comments in the .proto files).
-constexpr std::array<std::string_view, 13> kZeroMeansUnknown{"dts.v1.RigStatus.clock_drift_ppm",
+constexpr std::array<std::string_view, 14> kZeroMeansUnknown{"dts.v1.RigStatus.clock_drift_ppm",
                                                              "dts.v1.SessionInfo.duration_s",
                                                              "dts.v1.RigStatus.measured_rate_hz",
                                                              "dts.v1.RigStatus.pipeline_us_per_scan",
+                                                             "dts.v1.RigStatus.record_lag_s",
                                                              "dts.v1.DeviceInfo.minimum_rate_hz",
                                                              "dts.v1.DeviceInfo.maximum_rate_hz",
                                                              "dts.v1.TestDeviceResponse.measured_rate_hz",
@@ -73,9 +74,10 @@ cli::Json element(const Message& message, const FieldDescriptor& field, int inde
   }
 }
 
-/// A map of texts by texts: the protocol has no others.
+/// A map of texts by texts: the protocol has no others. Null for an empty one, as for an empty text.
 cli::Json map_of(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
+  if (reflection.FieldSize(message, &field) == 0) return nullptr;
   cli::Json object = cli::Json::object();
   for (int index = 0; index < reflection.FieldSize(message, &field); ++index) {
     const Message& entry = reflection.GetRepeatedMessage(message, &field, index);
@@ -121,6 +123,13 @@ void remove_meaningless(const Message& message, cli::Json& json) {
   }
   if (const auto* movement = dynamic_cast<const v1::TrunkMovement*>(&message)) {
     json["reasons"] = bit_words(*v1::ClassReason_descriptor(), movement->reasons());
+  }
+  if (const auto* sway = dynamic_cast<const v1::Sway*>(&message)) {
+    json["flags"] = bit_words(*v1::SwayFlag_descriptor(), sway->flags());
+    if (sway->is_preliminary()) json.erase("attempt");  // a stage knows trials, not attempts
+    if (!sway->problem().empty()) {
+      for (const char* key : {"rate_hz", "samples", "duration_s", "is_valid", "flags"}) json.erase(key);
+    }
   }
   if (const auto* asked = dynamic_cast<const v1::ProtocolField*>(&message); asked != nullptr && asked->choices_size() > 0) {
     for (const char* key : {"minimum", "maximum"}) json.erase(key);  // a word has no range

@@ -5,6 +5,8 @@
 
 #include "cli/table.h"
 #include "ctl/reading.h"
+#include "ctl/screen.h"
+#include "ctl/sway_reading.h"
 #include "ctl/text_lines.h"
 
 namespace dts::ctl {
@@ -18,16 +20,6 @@ constexpr std::size_t kHeadAndFoot = 3;  ///< Headline, "and n more", the cursor
 std::string padded(const std::string& text, std::size_t columns, bool is_right) {
   const std::string padding(columns > cli::width(text) ? columns - cli::width(text) : 0, ' ');
   return is_right ? padding + text : text + padding;
-}
-
-/// The first `columns` columns of UTF-8 text.
-std::string cut(const std::string& text, std::size_t columns) {
-  std::size_t bytes = 0;
-  for (std::size_t shown = 0; bytes < text.size(); ++bytes) {
-    const bool is_start = (static_cast<unsigned char>(text[bytes]) & 0xC0U) != 0x80U;
-    if (is_start && ++shown > columns) break;
-  }
-  return text.substr(0, bytes);
 }
 
 }  // namespace
@@ -53,7 +45,13 @@ void LiveTable::show(const client::Block& block, std::size_t scans, Time now) {
   row.scans_since = 0;
 }
 
-void LiveTable::show(const client::Event& event) { put(std::string(event.rig) + "  " + event_line(event)); }
+void LiveTable::show(const client::Event& event) {
+  if (event.body->has_sway() && event.body->sway().is_preliminary()) {
+    running_[std::string(event.topic)] = {.text = sway_text(event.body->sway()), .seen = drawn_};
+  } else {
+    put(std::string(event.rig) + "  " + event_line(event));
+  }
+}
 
 void LiveTable::show(const client::Status& status) { put(status_line(*status.snapshot)); }
 
@@ -77,7 +75,11 @@ void LiveTable::erase() {
 
 void LiveTable::draw(Time now) {
   drawn_ = now;
-  if (rows_.empty()) return;
+  if (rows_.empty() && running_.empty()) return;
+  if (rows_.empty()) {
+    lines_drawn_ = draw_running(now);
+    return;
+  }
   std::size_t topic_columns = 5;
   for (const auto& [topic, row] : rows_) topic_columns = std::max(topic_columns, cli::width(topic));
   const auto line = [&](const std::string& topic, const std::string& rate, const std::string& age, const std::string& lost) {
@@ -99,6 +101,19 @@ void LiveTable::draw(Time now) {
   }
   if (shown < rows_.size()) console_.out << "and " << rows_.size() - shown << " more: choose with a topic prefix\n";
   lines_drawn_ = 1 + shown + (shown < rows_.size() ? 1 : 0);
+  lines_drawn_ += draw_running(now);
+}
+
+/// As far as there is room on the screen; returns how many lines it took.
+std::size_t LiveTable::draw_running(Time now) {
+  std::erase_if(running_, [now](const auto& entry) { return now - entry.second.seen > kFrozen; });
+  std::size_t drawn = 0;
+  for (const auto& [topic, running] : running_) {
+    if (lines_drawn_ + drawn + 1 >= console_.lines) break;
+    console_.out << cut(cli::printable(topic + ": " + running.text), console_.columns) << '\n';
+    ++drawn;
+  }
+  return drawn;
 }
 
 /// Of what is looked at now, not of what it was on arrival: a frozen picture must not look alive.

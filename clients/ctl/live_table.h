@@ -13,11 +13,13 @@
 
 namespace dts::ctl {
 
-/// A table of streams that is redrawn in place ten times per second; events scroll by above it.
+/// A table of streams that is redrawn in place ten times per second; events scroll by above it, but for running values of sway, which
+/// stand below it.
 ///
 ///     12.4 s  floor  marker: eyes closed
 ///     TOPIC      RATE (Hz)     AGE  LOST  VALUES
 ///     floor/cop      100.1  1.2 ms     0  ml 1.2300 mm  ap -4.5600 mm  load 701.20 N
+///     floor/sway: preliminary, 12.5 s: MVELO 8.12 mm/s
 class LiveTable final : public WatchSink {
  public:
   explicit LiveTable(cli::Console& console) : console_(console) {}
@@ -25,7 +27,10 @@ class LiveTable final : public WatchSink {
   void show(const client::Block& block, std::size_t scans, Time now) override;
   void show(const client::Event& event) override;
   void show(const client::Status& status) override;
-  void forget() override { rows_.clear(); }
+  void forget() override {
+    rows_.clear();
+    running_.clear();
+  }
   void make_room() override { lines_drawn_ = 0; }
   void refresh(Time now) override;
 
@@ -42,6 +47,12 @@ class LiveTable final : public WatchSink {
     std::uint64_t scans_since = 0;
     double rate_hz = std::numeric_limits<double>::quiet_NaN();
   };
+  /// What is told again and again, by topic.
+  struct Running {
+    std::string text;
+    Time seen{};
+  };
+  [[nodiscard]] std::size_t draw_running(Time now);
   [[nodiscard]] static std::string age_text(const Row& row, Time now);
   void erase();
   void draw(Time now);
@@ -49,6 +60,7 @@ class LiveTable final : public WatchSink {
 
   cli::Console& console_;
   std::map<std::string, Row, std::less<>> rows_;
+  std::map<std::string, Running, std::less<>> running_;
   std::size_t lines_drawn_ = 0;
   Time drawn_{};
 };

@@ -9,6 +9,7 @@ cli::Manual make_manual() {
               "Talks to a running\n.BR dtsd (8):\nshows its state and its live data, starts and stops sessions, sets markers.\nVerifies, "
               "repairs and exports recordings; files need no daemon.",
           .environment = {{"DTSD_CONTROL, DTSD_DATA", "Addresses of the daemon's control and data sockets."},
+                          {"DTSD_KEY", "Key file of this machine, as \\-\\-key."},
                           {"DTSD_RUNTIME_DIR", "Directory of the daemon's sockets, control.sock and data.sock."},
                           {"XDG_RUNTIME_DIR", "Its subdirectory dtsd is looked into when there is no daemon of the system."},
                           {"NO_COLOR", "Set: no colours."}},

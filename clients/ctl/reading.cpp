@@ -10,6 +10,7 @@
 #include "cli/table.h"
 #include "ctl/json.h"
 #include "ctl/reach_reading.h"
+#include "ctl/sway_reading.h"
 
 namespace dts::ctl {
 namespace {
@@ -70,6 +71,7 @@ std::string body_text(const v1::Event& event) {
     case v1::Event::kReach: return reach_text(event.reach());
     case v1::Event::kMovement: return movement_text(event.movement());
     case v1::Event::kTrialResult: return trial_result_text(event.trial_result());
+    case v1::Event::kSway: return sway_text(event.sway());
     case v1::Event::BODY_NOT_SET: break;
   }
   return "(of a later version of dtsd)";

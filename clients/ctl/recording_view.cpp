@@ -75,6 +75,12 @@ void print_recording(cli::Console& console, const v1::SessionInfo& session) {
   }
 }
 
+void print_field(cli::Console& console, const std::string& label, const std::string& value) {
+  if (value.empty()) return;
+  console.out << cli::styled(console, cli::Style::Faint, label + std::string(label.size() < 12 ? 12 - label.size() : 1, ' '))
+              << cli::printable(value) << '\n';
+}
+
 void print_recordings(cli::Console& console, const v1::StatusSnapshot& status) {
   for (const v1::RigStatus& rig : status.rigs()) {
     const v1::SessionInfo& session = rig.session();

@@ -23,6 +23,8 @@ namespace dts::ctl {
 /// Everything but "complete" stands out.
 [[nodiscard]] cli::Cell state_cell(const std::string& word);
 
+/// "label   value" with the labels in one column; nothing at all without a value.
+void print_field(cli::Console& console, const std::string& label, const std::string& value);
 /// Where the session is recorded, and loudly what is wrong with that.
 void print_recording(cli::Console& console, const v1::SessionInfo& session);
 /// Recordings and trials under way, and the disk.

@@ -4,9 +4,11 @@
 #include <string>
 
 #include "cli/validators.h"
+#include "ctl/compare_sessions.h"
 #include "ctl/session_commands.h"
 #include "ctl/sessions/export_command.h"
 #include "ctl/sessions/recover_command.h"
+#include "ctl/sessions/report_command.h"
 #include "ctl/sessions/verify_command.h"
 
 namespace dts::ctl {
@@ -106,6 +108,14 @@ void add_catalogue(CommandTree& tree, CLI::App& session) {
   CLI::App* show = add(tree, session, "show", "Show a session: its recordings and trials",
                        "dtsctl session show 20261121T144525Z-floor-1 | state, files and trials\n", run_session_show);
   add_id(*show, tree, "ID", "Id of the session");
+  CLI::App* compare =
+      add(tree, session, "compare", "Figures of several sessions side by side, oldest first",
+          "dtsctl session compare --subject P017 | the newest dozen sessions of one subject\n"
+          "dtsctl session compare 20261121T144525Z-floor-1 20261128T150211Z-floor-1 | two, with the change in units and percent\n",
+          run_session_compare);
+  compare->add_option("ID", wishes.ids, "Ids of sessions")->option_text("...")->check(text_of(1, 200));
+  compare->add_option("--subject", wishes.subject, "All of this pseudonym")->option_text("PSEUDONYM");
+  compare->add_option("--protocol", wishes.protocol, "Of these, only of this protocol")->option_text("NAME");
 }
 
 void add_files(CommandTree& tree, CLI::App& session) {
@@ -127,6 +137,17 @@ void add_files(CommandTree& tree, CLI::App& session) {
   add_id(*exported, tree, "ID|FILE", "Session, or a file of one: what exists, has a '/', or ends in .xdf or .part");
   exported->add_option("--format", wishes.format, "csv or bids")->option_text("NAME")->required()->check(CLI::IsMember({"csv", "bids"}));
   exported->add_option("--out", wishes.out, "Folder to write into (csv: here; bids: bids)")->option_text("DIR");
+}
+
+void add_report(CommandTree& tree) {
+  SessionArguments& wishes = tree.arguments.session;
+  CLI::App* report = add(tree, tree.line.app, "report", "Write pages about a session of quiet standing: one of it, one of every trial",
+                         "dtsctl report 20261121T144525Z-floor-1 | HTML and SVG pages into 20261121T144525Z-floor-1-report\n"
+                         "dtsctl report floor.xdf --format html --out pages | of a file; needs no daemon\n",
+                         run_report);
+  add_id(*report, tree, "ID|FILE", "Session, or a file of one: what exists, has a '/', or ends in .xdf or .part");
+  report->add_option("--format", wishes.format, "html, svg or all (all)")->option_text("NAME")->check(CLI::IsMember({"html", "svg", "all"}));
+  report->add_option("--out", wishes.out, "Folder to write into (ID-report); pages of ours are replaced")->option_text("DIR");
 }
 
 void add_protocols_and_audit(CommandTree& tree) {
@@ -154,6 +175,7 @@ void add_sessions(CommandTree& tree) {
   add_trial(tree, *session);
   add_catalogue(tree, *session);
   add_files(tree, *session);
+  add_report(tree);
   add_protocols_and_audit(tree);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/session_view.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -11,6 +12,7 @@
 #include "ctl/json.h"
 #include "ctl/reach_reading.h"
 #include "ctl/recording_view.h"
+#include "ctl/sway_reading.h"
 
 namespace dts::ctl {
 namespace {
@@ -41,12 +43,6 @@ double recorded_s(const v1::SessionRecord& session) {
   double sum_s = 0.0;
   for (const v1::SessionPart& part : session.parts()) sum_s += part.duration_s();
   return sum_s;
-}
-
-void print_field(cli::Console& console, const std::string& label, const std::string& value) {
-  if (value.empty()) return;
-  console.out << cli::styled(console, cli::Style::Faint, label + std::string(label.size() < 12 ? 12 - label.size() : 1, ' '))
-              << cli::printable(value) << '\n';
 }
 
 void print_parts(cli::Console& console, const v1::SessionRecord& session) {
@@ -100,7 +96,35 @@ void print_results(cli::Console& console, const v1::SessionRecord& session) {
   if (session.results_size() > 0) results.print(console);
 }
 
+/// Of trials of quiet standing.
+void print_standing(cli::Console& console, const v1::SessionRecord& session) {
+  cli::Table trials(
+      {">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">MVELO mm/s", ">RDIST mm", ">ELLIPSE mm2", "FLAGS", ">PART", ">SCANS"});
+  const auto value = [](const v1::Sway& sway, const char* symbol, int decimals) {
+    return cli::decimal(measure_value(sway, symbol).value_or(std::numeric_limits<double>::quiet_NaN()), decimals);
+  };
+  for (const v1::TrialRecord& trial : session.trials()) {
+    const v1::Sway& sway = trial.sway();
+    const bool has_values = trial.has_sway() && sway.problem().empty();
+    trials.add({{std::to_string(trial.trial())},
+                {std::to_string(trial.attempt())},
+                {trial.condition()},
+                {trial.outcome(), trial.outcome() == "done" ? cli::Style::Good : cli::Style::Warning},
+                {has_values ? cli::duration(sway.duration_s()) : "-"},
+                {value(sway, "MVELO", 2)},
+                {value(sway, "RDIST", 2)},
+                {value(sway, "PEA95_F", 1)},
+                {sway.problem().empty() ? sway_flag_words(sway) : sway.problem(),
+                 has_values && sway.is_valid() ? cli::Style::Plain : cli::Style::Warning},
+                {std::to_string(trial.part())},
+                {std::to_string(trial.first_scan()) + " .. " + std::to_string(trial.last_scan())}});
+  }
+  console.out << '\n';
+  trials.print(console);
+}
+
 void print_trials(cli::Console& console, const v1::SessionRecord& session) {
+  if (std::ranges::any_of(session.trials(), &v1::TrialRecord::has_sway)) return print_standing(console, session);
   cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", "TRUNK", ">DEG", ">PART", ">SEGMENT", ">SCANS"});
   for (const v1::TrialRecord& trial : session.trials()) {
     trials.add({{std::to_string(trial.trial())},

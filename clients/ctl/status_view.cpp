@@ -36,13 +36,6 @@ std::string joined(const List& list, const char* separator = " ") {
   return text;
 }
 
-/// "label   value" with the labels in one column.
-void print_field(cli::Console& console, const std::string& label, const std::string& value) {
-  if (value.empty()) return;
-  console.out << cli::styled(console, cli::Style::Faint, label + std::string(label.size() < 12 ? 12 - label.size() : 1, ' '))
-              << cli::printable(value) << '\n';
-}
-
 void print_messages(cli::Console& console, const v1::StatusSnapshot& status) {
   for (const v1::RigStatus& rig : status.rigs()) {
     if (rig.device_message().empty()) continue;

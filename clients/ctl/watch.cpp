@@ -132,14 +132,17 @@ int run_watch(const Arguments& arguments, cli::Console& console) {
     return cli::fail_with(
         console, client::Error{client::ErrorCode::InvalidArgument, "watch prints a stream, not one document", "--jsonl instead of --json"});
   }
-  const auto where = endpoints(arguments);
+  const auto where = target(arguments);
   if (!where) return cli::fail_with(console, where.error());
-  if (auto somebody = client::probe(where->data); !somebody) return cli::fail_with(console, somebody.error());
+  const std::string& address = where->endpoints.data;
+  if (auto somebody = client::probe(address); !somebody) return cli::fail_with(console, somebody.error());
   const std::vector<std::string> topics = arguments.topics.empty() ? std::vector<std::string>{""} : arguments.topics;
-  auto subscriber = client::Subscriber::open(
-      {.endpoint = where->data, .topics = topics, .mode = arguments.is_latest ? client::Mode::Latest : client::Mode::All});
+  auto subscriber = client::Subscriber::open({.endpoint = address,
+                                              .topics = topics,
+                                              .mode = arguments.is_latest ? client::Mode::Latest : client::Mode::All,
+                                              .key = where->key});
   if (!subscriber) return cli::fail_with(console, subscriber.error());
-  return Watch(arguments, topics, where->data, std::move(*subscriber), console).run();
+  return Watch(arguments, topics, address, std::move(*subscriber), console).run();
 }
 
 }  // namespace dts::ctl

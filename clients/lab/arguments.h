@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "lab/sway/sway_arguments.h"
+
 namespace dts::lab {
 
 /// Everything that the command line can say, checked for syntax and range.
@@ -52,6 +54,9 @@ struct Arguments {
   bool is_recorded_only = false;      ///< Train without simulated people.
   bool is_rejecting = true;           ///< Doubtful reaches get no class.
   std::string calibrate;              ///< "max:3": each subject's first three trials at that target; empty: none.
+
+  steadiness::SwayArguments sway;
+  steadiness::SteadinessArguments steadiness;
 };
 
 }  // namespace dts::lab

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "cli/command_line.h"
 #include "lab/arguments.h"
@@ -20,10 +21,18 @@ struct CommandTree {
                                      "dtslab cop evaluate --noise realistic | what to expect of it\n"
                                      "dtslab compare plate.csv force_plate.csv | two instruments, one person\n"
                                      "dtslab place | where sensors belong\n"
+                                     "dtslab sway standing.csv | how steadily somebody stood\n"
                                      "dtslab simulate floor --duration 60 --out standing.xdf | synthetic data\n"
                                      "dtslab replay standing.xdf | is what was recorded what the stages compute?\n",
                          .takes_files = true}};
 };
+
+using Command = int (*)(const Arguments& arguments, cli::Console& console);
+
+/// Adds a command of dtslab: `handler` gets the arguments of the command line.
+CLI::App* add_command(CommandTree& tree, CLI::App& parent, const std::string& name, const std::string& description,
+                      const std::string& examples, Command handler);
+void add_json(CLI::App& command, Arguments& arguments);
 
 /// Bound to itself by pointers: stays where it is made.
 [[nodiscard]] std::unique_ptr<CommandTree> make_command_tree();

@@ -34,7 +34,7 @@ constexpr double kUsualLoadN = 490.0;  ///< Thesis 4.5.
 constexpr double kLightPersonN = 300.0;
 constexpr double kHeavyPersonN = 900.0;
 
-struct Task {
+struct EvaluationTask {
   RigModel rig;
   std::string estimator_name;
   physics::CopEvaluationOptions options;
@@ -55,8 +55,8 @@ core::Result<CopEstimator> make_estimator(const Arguments& arguments, const RigM
   return CopEstimator::from_model(*method, rig, behaviour);
 }
 
-core::Result<Task> make_task(const Arguments& arguments, RigModel rig) {
-  Task task{.rig = std::move(rig), .estimator_name = arguments.estimator, .loads_n = arguments.loads_n};
+core::Result<EvaluationTask> make_task(const Arguments& arguments, RigModel rig) {
+  EvaluationTask task{.rig = std::move(rig), .estimator_name = arguments.estimator, .loads_n = arguments.loads_n};
   const auto noise = physics::parse_cop_noise(arguments.noise);
   if (!noise) return tl::make_unexpected(noise.error());
   task.options = {.behaviour = arguments.is_linear ? physics::PlateBehaviour::Linear : physics::PlateBehaviour::Stiffening,
@@ -86,7 +86,7 @@ CopErrorFigures figures_where(const CopEvaluation& evaluation, const std::functi
 std::string load_name(double load_n) { return cli::decimal(load_n, 0) + " N"; }
 
 /// Everything, and for point loads each load over the sensor square and its central 200 mm.
-std::vector<Part> parts_of(const Task& task, const CopEvaluation& evaluation) {
+std::vector<Part> parts_of(const EvaluationTask& task, const CopEvaluation& evaluation) {
   std::vector<Part> parts;
   if (!task.is_grid || task.loads_n.size() > 1) parts.push_back({"all", evaluation.figures});
   if (!task.is_grid) return parts;
@@ -113,7 +113,7 @@ void set_figures(cli::Json& json, const CopErrorFigures& figures) {
   cli::set_number(json, "load_rms_percent", figures.load_rms_percent);
 }
 
-cli::Json to_json(const Arguments& arguments, const Task& task, const CopEvaluation& evaluation) {
+cli::Json to_json(const Arguments& arguments, const EvaluationTask& task, const CopEvaluation& evaluation) {
   cli::Json json{{"estimator", task.estimator_name},
                  {"noise", arguments.noise},
                  {"plate", arguments.is_linear ? "linear" : "stiffening"},
@@ -142,7 +142,7 @@ cli::Json to_json(const Arguments& arguments, const Task& task, const CopEvaluat
 }
 
 /// Error in mm at every fourth position of the grid, first load, as the plate is seen from above.
-void print_map(const Task& task, const CopEvaluation& evaluation, cli::Console& console) {
+void print_map(const EvaluationTask& task, const CopEvaluation& evaluation, cli::Console& console) {
   constexpr std::size_t kStep = 4;
   std::vector<std::string> headers{">y (mm) \\ x (mm)"};
   for (std::size_t i = 0; i < kGrid; i += kStep) {
@@ -159,7 +159,7 @@ void print_map(const Task& task, const CopEvaluation& evaluation, cli::Console& 
   map.print(console);
 }
 
-void print(const Task& task, const CopEvaluation& evaluation, cli::Console& console) {
+void print(const EvaluationTask& task, const CopEvaluation& evaluation, cli::Console& console) {
   cli::Table table({"PART", ">RMS X (mm)", ">RMS Y (mm)", ">RMS TOTAL (mm)", ">LARGEST (mm)", ">LOAD RMS (%)"});
   for (const auto& [name, figures] : parts_of(task, evaluation)) {
     table.add({{name},
@@ -177,7 +177,7 @@ void print(const Task& task, const CopEvaluation& evaluation, cli::Console& cons
   if (task.is_grid) print_map(task, evaluation, console);
 }
 
-core::Status plot(const Task& task, const CopEvaluation& evaluation, const std::string& file) {
+core::Status plot(const EvaluationTask& task, const CopEvaluation& evaluation, const std::string& file) {
   if (!task.is_grid) return core::fail(core::ErrorCode::InvalidArgument, "an error map needs point loads", "--contact points");
   const auto area = SensorRectangle::of(task.rig);
   Marks sensors{.name = "sensor", .symbol = 7, .points = {}};

@@ -62,12 +62,22 @@ constexpr auto kTables =
     ".TP\n.B subjects.csv, trials.csv, sensors.csv, calibration.csv\nA folder of reaching trials. subjects: subject, group, weight_kg, "
     "height_cm, arm_cm, max_reach_cm; trials: subject, trial, condition (the target asked for: 80, 100, 120, 150 or max), rate_hz, file; "
     "the volts of all trials of a file in rows of trial,v1,v2,v3,v4.\n"
+    ".TP\n.B t_s, x_mm, y_mm, load_n\nQuiet standing for\n.BR \"dtslab sway\" :\nx to the subject's right, y forward; an empty cell is a "
+    "missing sample, the load may be left out.\n"
+    ".TP\n.B file, session, subject, trial, attempt, condition, LABELS, profile, fs_hz, n, duration_s, flags, MEASURES\n"
+    "What\n.B dtslab sway \\-\\-table\nwrites, one row for each trial, and\n.B dtslab steadiness\nreads: flags joined by a bar, measures "
+    "by their symbols (MVELO, PEA95_F, ...). Empty: not known, or not defined.\n"
+    ".TP\n.B file, session, subject, trial, label, p_LABEL ..., outside\nWhat\n.B dtslab steadiness classify\nwrites: the label, its "
+    "probability and that of each other one, the measures beyond the range that the model was trained on.\n"
     ".SH RECORDINGS\nXDF files of\n.BR dtsd .\n.B dtslab replay\nexits with 0 when every derived stream is what the recorded raw stream "
     "gives, or when there is none; with 1 when one differs; with 2 when the file is no recording of dtsd; with 7 when it is damaged.\n"
     ".B dtslab compare\ntakes the stream cop of a recording, with its rising triggers and its markers.\n"
     ".B dtslab reach results\ntakes the events reach, class and trial, the subject's measures and the model of trunk movement; exits with "
     "1 when a result that "
     "was recorded is not the one computed.\n"
+    ".B dtslab sway\ntakes the stream cop and the trials of a recording; without trials, each stretch in which somebody stands for 10 s. "
+    "By "
+    "the report's definition (profile lp10, 100 Hz) it exits with 1 when a result that was recorded is not the one computed.\n"
     ".SH JSON\nNumbers are numbers. What is undefined is absent. Units are in the names.\n";
 
 }  // namespace
@@ -76,7 +86,8 @@ cli::Manual make_manual() {
   return {.summary = "offline laboratory of the distributive tactile sensing daemon",
           .description =
               "Bends plates, computes the tables of the founding thesis anew, calibrates and evaluates estimators of the centre of "
-              "pressure, finds and judges reaches on the chair, records simulated people, and computes recordings again bit for bit. "
+              "pressure, finds and judges reaches on the chair, measures how steadily people stand, records simulated people, and computes "
+              "recordings again bit for bit. "
               "Needs no running\n.BR dtsd (8).",
           .environment = {{"NO_COLOR", "Set: no colours."}},
           .exit_statuses = {0, 1, 2, 4, 6, 7, 130},

@@ -26,10 +26,10 @@ constexpr double kLoadN = 490.0;
 constexpr double kNoiseV = 0.003;
 constexpr double kStepV = 10.0 / 2048.0;
 constexpr double kWindowScans = 3.0;
-constexpr int kGrid = 17;
+constexpr int kPlacementGrid = 17;
 constexpr double kMargin = 0.2;  ///< Of the plate, at each side: 86..344 mm of the thesis's.
-constexpr std::size_t kStances = 200;
-constexpr std::uint64_t kSeed = 4;
+constexpr std::size_t kPlacementStances = 200;
+constexpr std::uint64_t kPlacementSeed = 4;
 constexpr physics::Interval kPersonN{300.0, 900.0};
 
 /// Noise of a sensor in mm of deflection where its plate is bent so far.
@@ -63,19 +63,19 @@ core::Result<double> noise_limit_mm(const RigModel& rig) {
   const auto plate = InfluenceTable::create(rig.plate, rig.support, sensors);
   if (!plate) return tl::make_unexpected(plate.error());
   double sum_mm2 = 0.0;
-  for (int j = 0; j < kGrid; ++j) {
-    for (int i = 0; i < kGrid; ++i) {
-      const auto part = [](int index) { return kMargin + (1.0 - 2.0 * kMargin) * index / (kGrid - 1); };
+  for (int j = 0; j < kPlacementGrid; ++j) {
+    for (int i = 0; i < kPlacementGrid; ++i) {
+      const auto part = [](int index) { return kMargin + (1.0 - 2.0 * kMargin) * index / (kPlacementGrid - 1); };
       sum_mm2 += least_variance_mm2(rig, *plate, {rig.plate.a * part(i), rig.plate.b * part(j)});
     }
   }
-  return std::sqrt(sum_mm2 / (kGrid * kGrid));
+  return std::sqrt(sum_mm2 / (kPlacementGrid * kPlacementGrid));
 }
 
 /// Under random stances, noise-free.
 core::Result<double> foot_error_mm(const RigModel& rig, const physics::CopEstimator& estimator, std::size_t feet,
                                    physics::PlateBehaviour behaviour) {
-  const auto trials = physics::foot_trials(rig.plate, feet, kStances, kPersonN, kSeed + feet);
+  const auto trials = physics::foot_trials(rig.plate, feet, kPlacementStances, kPersonN, kPlacementSeed + feet);
   if (trials.empty()) return core::fail(core::ErrorCode::InvalidArgument, "no foot has room on this plate");
   const auto evaluation = physics::evaluate_cop(rig, estimator, trials, {.behaviour = behaviour});
   if (!evaluation) return tl::make_unexpected(evaluation.error());

@@ -26,7 +26,7 @@ using physics::PlateMethod;
 using physics::PlateSolution;
 
 /// A case with everything decided that file and command line left open.
-struct Task {
+struct PlateTask {
   PlateCase plate_case;
   PlateMethod method;
   physics::SolveOptions options;
@@ -40,8 +40,8 @@ struct Solved {
 };
 
 /// The command line wins over the file.
-Task make_task(PlateCaseFile file, const Arguments& arguments) {
-  Task task{.plate_case = std::move(file.plate_case), .method = file.method};
+PlateTask make_task(PlateCaseFile file, const Arguments& arguments) {
+  PlateTask task{.plate_case = std::move(file.plate_case), .method = file.method};
   if (arguments.method) task.method = *arguments.method == "fem" ? PlateMethod::Fem : PlateMethod::Fdm;
   task.options.is_nonlinear = file.is_nonlinear || arguments.is_nonlinear;
   task.options.spreads_point_loads = file.spreads_point_loads;
@@ -50,7 +50,7 @@ Task make_task(PlateCaseFile file, const Arguments& arguments) {
   return task;
 }
 
-core::Result<Solved> solve(Task& task, cli::Console& console) {
+core::Result<Solved> solve(PlateTask& task, cli::Console& console) {
   cli::Progress progress(console, "solving");
   task.options.report_progress = [&](double fraction) { progress.report(fraction); };
   const auto begun = std::chrono::steady_clock::now();
@@ -65,7 +65,7 @@ double total_load_n(const PlateCase& plate_case) {
                          [](double sum, const physics::PlateLoad& load) { return sum + load.force.value; });
 }
 
-cli::Json to_json(const Task& task, const Solved& solved) {
+cli::Json to_json(const PlateTask& task, const Solved& solved) {
   cli::Json json{{"method", task.method_name()}, {"divisions", task.options.divisions}, {"nonlinear", task.options.is_nonlinear}};
   json["probes"] = cli::Json::array();
   for (std::size_t k = 0; k < task.plate_case.probes.size(); ++k) {
@@ -97,7 +97,7 @@ std::vector<std::string> support_names(physics::SupportKind kind) {
 }
 
 /// Of the whole plate: at grid points, loads and probes.
-double largest_deflection_mm(const Task& task, const PlateSolution& solution) {
+double largest_deflection_mm(const PlateTask& task, const PlateSolution& solution) {
   constexpr int kPlaces = 40;  // along each side
   double largest_mm = 0.0;
   const auto look = [&](const physics::Point& at) { largest_mm = std::max(largest_mm, std::abs(solution.deflection_mm(at))); };
@@ -112,7 +112,7 @@ double largest_deflection_mm(const Task& task, const PlateSolution& solution) {
 
 /// Plate-model section 6: the linear plate is right while it bends less than half its thickness. Any plate theory takes slopes for
 /// small: a tenth of the side is a slope of a fifth and more.
-void warn_of_large_deflection(const Task& task, const Solved& solved, cli::Console& console) {
+void warn_of_large_deflection(const PlateTask& task, const Solved& solved, cli::Console& console) {
   const physics::Plate& plate = task.plate_case.plate;
   const double largest_mm = largest_deflection_mm(task, solved.solution);
   const double side_mm = std::min(plate.a.value, plate.b.value);
@@ -126,7 +126,7 @@ void warn_of_large_deflection(const Task& task, const Solved& solved, cli::Conso
 }
 
 /// A point support of the model holds the plate down too; a real one only carries it.
-void warn_of_lifting(const Task& task, const Solved& solved, cli::Console& console) {
+void warn_of_lifting(const PlateTask& task, const Solved& solved, cli::Console& console) {
   if (task.plate_case.support.kind != physics::SupportKind::Corner) return;
   double scale_n = 0.0;
   for (const physics::PlateLoad& load : task.plate_case.loads) scale_n += std::abs(load.force.value);
@@ -139,7 +139,7 @@ void warn_of_lifting(const Task& task, const Solved& solved, cli::Console& conso
   }
 }
 
-void print(const Task& task, const Solved& solved, cli::Console& console) {
+void print(const PlateTask& task, const Solved& solved, cli::Console& console) {
   cli::Table probes({">PROBE", ">X (mm)", ">Y (mm)", ">DEFLECTION (mm)", ">ERROR ESTIMATE (mm)"});
   for (std::size_t k = 0; k < task.plate_case.probes.size(); ++k) {
     const physics::Point& at = task.plate_case.probes[k];
@@ -173,7 +173,7 @@ int run_plate_solve(const Arguments& arguments, cli::Console& console) {
   files::Problems problems;
   PlateCaseFile file = read_plate_case(arguments.case_file, problems);
   if (!problems.empty()) return report_problems(console, problems);
-  Task task = make_task(std::move(file), arguments);
+  PlateTask task = make_task(std::move(file), arguments);
   const auto solved = solve(task, console);
   if (!solved) return fail_with(console, solved.error());
   if (!arguments.plot.empty()) {

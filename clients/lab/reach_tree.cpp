@@ -12,28 +12,18 @@
 namespace dts::lab {
 namespace {
 
-using Command = int (*)(const Arguments& arguments, cli::Console& console);
-
-CLI::App* add(CommandTree& tree, CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
-              Command handler) {
-  return cli::add_command(tree.line, parent, name, description, examples,
-                          [&tree, handler](cli::Console& console) { return handler(tree.arguments, console); });
-}
-
 void add_folder(CLI::App& command, Arguments& arguments) {
   command.add_option("DIR", arguments.folder, "Folder of trials: subjects.csv, trials.csv, sensors.csv, calibration.csv and their volts")
       ->required()
       ->option_text(" ");
 }
 
-void add_json(CLI::App& command, Arguments& arguments) { command.add_flag("--json", arguments.is_json, "Print one JSON document"); }
-
 void add_events(CommandTree& tree, CLI::App& reach) {
   Arguments& arguments = tree.arguments;
-  CLI::App* events = add(tree, reach, "events", "Find the reach of each trial: P1, P2 and P3 of its transient",
-                         "dtslab reach events trials/ --out pred.csv | times in s from each trial's first sample\n"
-                         "dtslab reach events trials/ --out pred.csv --plot reaches.svg | and a picture of one of each condition\n",
-                         reach::run_events);
+  CLI::App* events = add_command(tree, reach, "events", "Find the reach of each trial: P1, P2 and P3 of its transient",
+                                 "dtslab reach events trials/ --out pred.csv | times in s from each trial's first sample\n"
+                                 "dtslab reach events trials/ --out pred.csv --plot reaches.svg | and a picture of one of each condition\n",
+                                 reach::run_events);
   add_folder(*events, arguments);
   events->add_option("--out", arguments.out, "File to write; the columns of class and trunk stay empty")
       ->option_text("PRED.csv")
@@ -44,11 +34,12 @@ void add_events(CommandTree& tree, CLI::App& reach) {
 
 void add_study(CommandTree& tree, CLI::App& reach) {
   Arguments& arguments = tree.arguments;
-  CLI::App* study = add(tree, reach, "study", "The thesis's experiments of chapters 5 and 6 with simulated people, beside what it prints",
-                        "dtslab reach study | five draws of eighteen people; half a minute\n"
-                        "dtslab reach study --seed 7 --plot study.svg | others, and a picture of confusions and trunk angles\n"
-                        "dtslab reach study --json | every confusion of every draw, for a program\n",
-                        run_reach_study);
+  CLI::App* study =
+      add_command(tree, reach, "study", "The thesis's experiments of chapters 5 and 6 with simulated people, beside what it prints",
+                  "dtslab reach study | five draws of eighteen people; half a minute\n"
+                  "dtslab reach study --seed 7 --plot study.svg | others, and a picture of confusions and trunk angles\n"
+                  "dtslab reach study --json | every confusion of every draw, for a program\n",
+                  run_reach_study);
   study->add_option("--seed", arguments.seed, "Of the first draw; the same seed gives the same people; default: 1")
       ->option_text("N")
       ->check(cli::whole_number_between(0, 4294967295));
@@ -61,21 +52,21 @@ void add_study(CommandTree& tree, CLI::App& reach) {
 
 void add_results(CommandTree& tree, CLI::App& reach) {
   Arguments& arguments = tree.arguments;
-  CLI::App* results = add(tree, reach, "results", "What came of the reaching trials of a recording: of each, and of the session",
-                          "dtslab reach results session.xdf | class and trunk angle of each trial\n"
-                          "dtslab reach results session.xdf --json | with all figures, for a program\n",
-                          run_reach_results);
+  CLI::App* results = add_command(tree, reach, "results", "What came of the reaching trials of a recording: of each, and of the session",
+                                  "dtslab reach results session.xdf | class and trunk angle of each trial\n"
+                                  "dtslab reach results session.xdf --json | with all figures, for a program\n",
+                                  run_reach_results);
   results->add_option("FILE.xdf", arguments.first, "Recording of dtsd")->required()->option_text(" ");
   add_json(*results, arguments);
 }
 
 void add_train(CommandTree& tree, CLI::App& reach) {
   Arguments& arguments = tree.arguments;
-  CLI::App* train = add(tree, reach, "train", "Train a model that tells from a reach how much the trunk bent",
-                        "dtslab reach train trials/ --out model.toml | on all healthy people and on simulated ones\n"
-                        "dtslab reach train trials/ --out nn1.toml --net raw5 --subjects A,B,C | the network of the thesis\n"
-                        "dtslab reach train --simulated --out model.toml | on simulated people alone\n",
-                        training::run_reach_train);
+  CLI::App* train = add_command(tree, reach, "train", "Train a model that tells from a reach how much the trunk bent",
+                                "dtslab reach train trials/ --out model.toml | on all healthy people and on simulated ones\n"
+                                "dtslab reach train trials/ --out nn1.toml --net raw5 --subjects A,B,C | the network of the thesis\n"
+                                "dtslab reach train --simulated --out model.toml | on simulated people alone\n",
+                                training::run_reach_train);
   train->add_option("DIR", arguments.folder, "Folder of trials: subjects.csv, trials.csv, sensors.csv, calibration.csv and their volts")
       ->option_text(" ");
   train->add_option("--out", arguments.out, "File to write")->option_text("MODEL")->required();
@@ -96,10 +87,11 @@ void add_train(CommandTree& tree, CLI::App& reach) {
 
 void add_classify(CommandTree& tree, CLI::App& reach) {
   Arguments& arguments = tree.arguments;
-  CLI::App* classify = add(tree, reach, "classify", "Tell from each trial how much the trunk bent",
-                           "dtslab reach classify model.toml trials/ --out pred.csv | class, probability, trunk angle\n"
-                           "dtslab reach classify model.toml trials/ --out pred.csv --calibrate max:3 | by each person's own scale\n",
-                           training::run_reach_classify);
+  CLI::App* classify =
+      add_command(tree, reach, "classify", "Tell from each trial how much the trunk bent",
+                  "dtslab reach classify model.toml trials/ --out pred.csv | class, probability, trunk angle\n"
+                  "dtslab reach classify model.toml trials/ --out pred.csv --calibrate max:3 | by each person's own scale\n",
+                  training::run_reach_classify);
   classify->add_option("MODEL", arguments.model, "Made by dtslab reach train")->required()->option_text(" ");
   add_folder(*classify, arguments);
   classify->add_option("--out", arguments.out, "File to write")->option_text("PRED.csv")->required();
@@ -114,14 +106,14 @@ void add_classify(CommandTree& tree, CLI::App& reach) {
 void add_exchange(CommandTree& tree, CLI::App& reach) {
   Arguments& arguments = tree.arguments;
   CLI::App* to_others =
-      add(tree, reach, "export", "Write a model's networks as ONNX, for other programs to run",
-          "dtslab reach export model.toml --onnx model.onnx | features in, probabilities out\n", training::run_reach_export);
+      add_command(tree, reach, "export", "Write a model's networks as ONNX, for other programs to run",
+                  "dtslab reach export model.toml --onnx model.onnx | features in, probabilities out\n", training::run_reach_export);
   to_others->add_option("MODEL", arguments.model, "Made by dtslab reach train")->required()->option_text(" ");
   to_others->add_option("--onnx", arguments.out, "File to write")->option_text("FILE")->required();
-  CLI::App* from_others = add(tree, reach, "import", "Make a model of networks that were trained elsewhere",
-                              "dtslab reach import net.onnx --like model.toml --out model2.toml | of the same shape\n"
-                              "dtslab reach import net.json --like nn1.toml --out nn2.toml | weights as JSON\n",
-                              training::run_reach_import);
+  CLI::App* from_others = add_command(tree, reach, "import", "Make a model of networks that were trained elsewhere",
+                                      "dtslab reach import net.onnx --like model.toml --out model2.toml | of the same shape\n"
+                                      "dtslab reach import net.json --like nn1.toml --out nn2.toml | weights as JSON\n",
+                                      training::run_reach_import);
   from_others->add_option("FILE", arguments.first, "Networks as .onnx or .json")->required()->option_text(" ");
   from_others->add_option("--like", arguments.model, "Model that has all the rest: features, scaling, rules")
       ->option_text("MODEL")

@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "record/reach_record.h"
+#include "session/trial_record.h"
 
 namespace dts::lab {
 namespace {
@@ -36,13 +37,6 @@ const record::EventValue* find(const record::RecordedEvent& event, const std::st
   return found == event.values.end() ? nullptr : &found->second;
 }
 
-auto damaged(const record::RecordedEvent& event, const std::string& key) {
-  return core::fail(core::ErrorCode::DataDamaged,
-                    "event \"" + event.event + "\" at segment " + std::to_string(event.segment) + ", scan " +
-                        std::to_string(event.scan.value) + ": '" + key + "' is missing or out of range",
-                    "the recording was changed, or another program wrote it");
-}
-
 std::optional<std::uint32_t> whole_of(const record::RecordedEvent& event, const std::string& key) {
   const record::EventValue* value = find(event, key);
   const auto* number = value == nullptr ? nullptr : std::get_if<std::int64_t>(value);
@@ -59,14 +53,6 @@ std::optional<double> number_of(const record::RecordedEvent& event, const std::s
   return std::nullopt;
 }
 
-std::optional<session::TrialEventKind> kind_of(const std::string& phase) {
-  using enum session::TrialEventKind;
-  for (const auto kind : {Ready, Go, Measure, Done, Redone, Rejected, Aborted, Rest, Finished}) {
-    if (phase == session::name(kind)) return kind;
-  }
-  return std::nullopt;
-}
-
 template <class Event>
 core::Status add(core::Result<Event> event, const record::RecordedEvent& at, std::vector<PlacedStep>& steps) {
   if (!event) return tl::make_unexpected(event.error());
@@ -77,7 +63,7 @@ core::Status add(core::Result<Event> event, const record::RecordedEvent& at, std
 core::Status add(const record::RecordedEvent& event, std::vector<PlacedStep>& steps) {
   if (event.event == "reach") return add(record::reach_of(event), event, steps);
   if (event.event == "class") return add(record::class_of(event), event, steps);
-  if (event.event == "trial") return add(trial_of(event), event, steps);
+  if (event.event == "trial") return add(session::trial_of(event), event, steps);
   return {};
 }
 
@@ -156,22 +142,6 @@ std::uint64_t count_reaches(const std::vector<PlacedStep>& steps) {
 }
 
 }  // namespace
-
-core::Result<session::TrialEvent> trial_of(const record::RecordedEvent& event) {
-  const auto kind = kind_of(record::text_of(event, "phase"));
-  if (!kind) return damaged(event, "phase");
-  const auto trial = whole_of(event, "trial");
-  if (!trial) return damaged(event, "trial");
-  const auto attempt = whole_of(event, "attempt");
-  if (!attempt) return damaged(event, "attempt");
-  return session::TrialEvent{.kind = *kind,
-                             .trial = *trial,
-                             .attempt = *attempt,
-                             .block = whole_of(event, "block").value_or(1),
-                             .condition = record::text_of(event, "condition"),
-                             .target_cm = number_of(event, "target_cm"),
-                             .rest_s = number_of(event, "rest_s").value_or(0.0)};
-}
 
 core::Result<RecordedReaches> read_recorded_reaches(record::Recording& recording, const classifier::TrunkModel* model,
                                                     const std::function<void(double)>& progress) {

@@ -20,7 +20,7 @@ struct RecordedReaches {
   std::optional<physics::Person> person;  ///< By the fields of the session; nothing: not all were given.
   std::uint64_t reaches = 0;              ///< That became final and were not cancelled, in trials or not.
   std::vector<session::ReachTrialResult> trials;
-  std::vector<session::ReachFigure> summary;
+  std::vector<session::SessionFigure> summary;
   std::uint64_t told = 0;       ///< Results of trials that the daemon recorded when it told them,
   std::uint64_t differing = 0;  ///< and how many of them are not what is computed here for that moment.
 };
@@ -32,8 +32,5 @@ inline constexpr std::size_t kMostRecordedSteps = 1'000'000;
 /// `kMostRecordedSteps`.
 [[nodiscard]] core::Result<RecordedReaches> read_recorded_reaches(record::Recording& recording, const classifier::TrunkModel* model,
                                                                   const std::function<void(double)>& progress);
-
-/// The step of a protocol that an event "trial" tells of. Fails with DataDamaged, naming the key.
-[[nodiscard]] core::Result<session::TrialEvent> trial_of(const record::RecordedEvent& event);
 
 }  // namespace dts::lab

@@ -2,12 +2,12 @@
 #include "lab/recorded_reaches_command.h"
 
 #include <cmath>
-#include <limits>
 
 #include "cli/exit_status.h"
 #include "cli/json.h"
 #include "cli/progress.h"
 #include "cli/table.h"
+#include "core/special_numbers.h"
 #include "lab/problems.h"
 #include "lab/recorded_reaches.h"
 #include "lab/replay.h"
@@ -16,15 +16,14 @@ namespace dts::lab {
 namespace {
 
 using cli::decimal;
+using core::kNaN;
 using core::TrunkClass;
-
-constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
 
 int number(TrunkClass trunk_class) { return static_cast<int>(trunk_class); }
 
 cli::Json to_json(const session::ReachTrialResult& result) {
   cli::Json json{{"trial", result.trial}, {"attempt", result.attempt}, {"condition", result.condition}};
-  cli::set_number(json, "target_cm", result.target_cm.value_or(kUndefined));
+  cli::set_number(json, "target_cm", result.target_cm.value_or(kNaN));
   json["segment"] = result.segment;
   json["go_scan"] = result.go.value;
   json["has_gap"] = result.has_gap;
@@ -48,7 +47,7 @@ cli::Json to_json(const session::ReachTrialResult& result) {
   return json;
 }
 
-cli::Json to_json(const session::ReachFigure& figure) {
+cli::Json to_json(const session::SessionFigure& figure) {
   cli::Json json{{"name", figure.name}, {"value", figure.value}, {"unit", figure.unit}};
   if (!figure.details.empty()) json["details"] = cli::Json::parse(figure.details);
   return json;
@@ -62,7 +61,7 @@ cli::Json to_json(const RecordedReaches& recorded, const std::string& file, cons
                  {"trials", cli::Json::array()},
                  {"summary", cli::Json::array()}};
   for (const session::ReachTrialResult& result : recorded.trials) json["trials"].push_back(to_json(result));
-  for (const session::ReachFigure& figure : recorded.summary) json["summary"].push_back(to_json(figure));
+  for (const session::SessionFigure& figure : recorded.summary) json["summary"].push_back(to_json(figure));
   if (!damage.empty()) json["damage"] = damage;
   return json;
 }
@@ -87,11 +86,11 @@ std::vector<cli::Cell> row_of(const session::ReachTrialResult& result) {
   const bool is_window = movement && std::isfinite(movement->trunk_lo_deg);
   return {{std::to_string(result.trial)},
           {cli::printable(result.condition)},
-          {decimal(result.target_cm.value_or(kUndefined), 1)},
-          {decimal(result.reach ? result.reach->features.d2_mm() : kUndefined, 3)},
+          {decimal(result.target_cm.value_or(kNaN), 1)},
+          {decimal(result.reach ? result.reach->features.d2_mm() : kNaN, 3)},
           {words, agrees ? cli::Style::Good : cli::Style::Plain},
           {class_word(result.expected)},
-          {decimal(movement ? movement->trunk_deg : kUndefined, 1)},
+          {decimal(movement ? movement->trunk_deg : kNaN, 1)},
           {is_window ? decimal(movement->trunk_lo_deg, 1) + " .. " + decimal(movement->trunk_hi_deg, 1) : "-"}};
 }
 
@@ -101,7 +100,7 @@ void print(const RecordedReaches& recorded, cli::Console& console) {
   trials.print(console);
   if (!recorded.trials.empty()) console.out << '\n';
   cli::Table summary({"SUMMARY", ">VALUE", "UNIT"});
-  for (const session::ReachFigure& figure : recorded.summary) {
+  for (const session::SessionFigure& figure : recorded.summary) {
     summary.add({{figure.name}, {decimal(figure.value, 3)}, {figure.unit == "1" ? "" : figure.unit}});
   }
   summary.print(console);

@@ -17,7 +17,7 @@ namespace {
 using device::replay::RecordedDevice;
 using device::replay::ScanMerger;
 
-constexpr std::size_t kBlockScans = 256;                      // results do not depend on it: the stages' contract
+constexpr std::size_t kReplayedScans = 256;                   // results do not depend on it: the stages' contract
 constexpr std::int64_t kFarthestNs = std::int64_t{1} << 61U;  // 73 years: an index out of a file overflows nothing
 
 /// Mean and last value of each channel of one stream.
@@ -87,7 +87,7 @@ Replay::Replay(record::Recording& recording, const RecordedDevice& device, sessi
       device_(device),
       rig_(rig),
       merger_(device),
-      acquired_{.block = core::Block(device.description.channels.size(), kBlockScans)},
+      acquired_{.block = core::Block(device.description.channels.size(), kReplayedScans)},
       frame_(rig.pipeline->make_frame()),
       checks_by_stream_(recording.streams().size()) {
   for (const core::StreamFormat& format : rig.pipeline->formats()) {
@@ -219,7 +219,7 @@ core::Result<ReplayReport> replay(record::Recording& recording, pipeline::RigCon
   const auto device = device::replay::find_device(recording, name);
   if (!device) return tl::make_unexpected(device.error());
   config.rate = device->rate;
-  config.block_scans = kBlockScans;
+  config.block_scans = kReplayedScans;
   auto rig = session::make_rig_pipeline(config, device->description);
   if (!rig) return tl::make_unexpected(rig.error());
   const std::int64_t begun_ns = clock.now_ns();

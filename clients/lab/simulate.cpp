@@ -19,7 +19,7 @@
 namespace dts::lab {
 namespace {
 
-constexpr std::size_t kBlockScans = 64;
+constexpr std::size_t kSimulatedScans = 64;
 constexpr std::int64_t kStartNs = 1'000'000'000;  // of the virtual clock: the recording's time axis
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
@@ -176,14 +176,14 @@ core::Result<std::unique_ptr<device::Device>> start_device(const Simulation& sim
   auto device = device::create_device(simulation.config.device_uri, {.clock = clock, .rig = simulation.config.model});
   if (!device) return device;
   if (auto opened = (*device)->open(); !opened) return tl::make_unexpected(opened.error());
-  auto started = (*device)->start({.rate = simulation.config.rate, .max_block_scans = kBlockScans});
+  auto started = (*device)->start({.rate = simulation.config.rate, .max_block_scans = kSimulatedScans});
   if (!started) return tl::make_unexpected(started.error());
   return device;
 }
 
 core::Status record_scans(device::Device& device, pipeline::Pipeline& pipeline, record::Recorder& recorder, Truth* truth,
                           std::uint64_t scans, const std::function<void(double)>& progress) {
-  core::Acquired acquired{.block = core::Block(device.describe().channels.size(), kBlockScans)};
+  core::Acquired acquired{.block = core::Block(device.describe().channels.size(), kSimulatedScans)};
   core::Frame frame = pipeline.make_frame();
   for (std::uint64_t done = 0; done < scans; done += acquired.block.count()) {
     if (device.read(acquired.block, kNever).outcome != device::ReadOutcome::Scans) {
@@ -202,7 +202,7 @@ core::Status record_scans(device::Device& device, pipeline::Pipeline& pipeline, 
 
 core::Result<Simulated> simulate_rig(Simulation simulation, const std::function<void(double)>& progress) {
   simulation.config.device_uri = "sim:" + simulation.config.kind + "?seed=" + std::to_string(simulation.seed);
-  simulation.config.block_scans = kBlockScans;
+  simulation.config.block_scans = kSimulatedScans;
   core::VirtualClock clock(kStartNs);
   auto device = start_device(simulation, clock);
   if (!device) return tl::make_unexpected(device.error());

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dts/control_client.h"
 
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -9,6 +12,7 @@
 #include <utility>
 #include <zmq.hpp>
 
+#include "curve.h"
 #include "dts/endpoints.h"
 #include "wire_check.h"
 
@@ -18,8 +22,9 @@ namespace {
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::int64_t kSocketMaxBytes = 4 * static_cast<std::int64_t>(kMaxAnswerBytes);
+constexpr std::int64_t kAnswerSocketBytes = 4 * static_cast<std::int64_t>(kMaxAnswerBytes);
 constexpr std::size_t kLongestText = 2000;
+constexpr milliseconds kLookForStop{50};
 
 /// 128 random bits: no two commands of any client share it.
 std::string new_request_id() {
@@ -28,6 +33,18 @@ std::string new_request_id() {
   std::string id;
   for (int digit = 0; digit < 32; ++digit) id += kDigits[random() % kDigits.size()];
   return id;
+}
+
+/// The same bytes for the same request: of a repeat the daemon compares them with those it knows, and maps have no order otherwise.
+std::string bytes_of(const v1::Request& request) {
+  std::string bytes;
+  {
+    google::protobuf::io::StringOutputStream stream(&bytes);
+    google::protobuf::io::CodedOutputStream out(&stream);
+    out.SetSerializationDeterministic(true);
+    request.SerializeToCodedStream(&out);
+  }
+  return bytes;
 }
 
 Error to_error(const v1::Error& wire) {
@@ -62,8 +79,8 @@ class ControlClient::Implementation {
  public:
   explicit Implementation(ControlOptions options) : options_(std::move(options)) {}
 
-  /// Fills in the request id, sends, waits; fails unless the answer has `wanted`.
-  Result<v1::Response> exchange(v1::Request&& request, v1::Response::ResultCase wanted, milliseconds timeout);
+  /// Fills in the request id when there is none, sends, waits; fails unless the answer has `wanted`.
+  Result<v1::Response> exchange(v1::Request&& request, v1::Response::ResultCase wanted, milliseconds timeout, const std::stop_token& stop);
 
   [[nodiscard]] const ControlOptions& options() const noexcept { return options_; }
   [[nodiscard]] std::uint64_t ignored_replies() const noexcept { return ignored_replies_; }
@@ -71,7 +88,8 @@ class ControlClient::Implementation {
  private:
   void reopen();
   void send(const std::string& request);
-  [[nodiscard]] std::optional<v1::Response> wait_for(const std::string& request_id, Clock::time_point deadline);
+  [[nodiscard]] std::optional<v1::Response> wait_for(const std::string& request_id, Clock::time_point deadline,
+                                                     const std::stop_token& stop);
   [[nodiscard]] std::optional<v1::Response> take(const std::string& request_id);
   [[nodiscard]] tl::unexpected<Error> unreachable(milliseconds timeout, std::uint64_t ignored) const;
 
@@ -81,17 +99,19 @@ class ControlClient::Implementation {
   std::uint64_t ignored_replies_ = 0;
 };
 
-Result<v1::Response> ControlClient::Implementation::exchange(v1::Request&& request, v1::Response::ResultCase wanted, milliseconds timeout) {
+Result<v1::Response> ControlClient::Implementation::exchange(v1::Request&& request, v1::Response::ResultCase wanted, milliseconds timeout,
+                                                             const std::stop_token& stop) {
   if (auto somebody = probe(options_.endpoint); !somebody) return tl::make_unexpected(somebody.error());
-  request.set_request_id(new_request_id());
-  const std::string bytes = request.SerializeAsString();
+  if (request.request_id().empty()) request.set_request_id(new_request_id());
+  const std::string bytes = bytes_of(request);
   // Serialising lets text through that no peer can parse; such a request would never be answered.
   if (v1::Request echo; !echo.ParseFromString(bytes)) return fail(ErrorCode::InvalidArgument, "the text is not valid UTF-8");
   const std::uint64_t ignored_before = ignored_replies_;
   for (int attempt = 0; attempt < options_.tries; ++attempt) {
     if (attempt > 0 || !socket_) reopen();
     send(bytes);
-    auto response = wait_for(request.request_id(), Clock::now() + timeout / options_.tries);
+    auto response = wait_for(request.request_id(), Clock::now() + timeout / options_.tries, stop);
+    if (stop.stop_requested()) return fail(ErrorCode::Failed, "the answer is not waited for any more: this program ends");
     if (!response) continue;
     if (response->has_error()) return tl::make_unexpected(to_error(response->error()));
     if (response->result_case() == wanted) return std::move(*response);
@@ -105,7 +125,8 @@ Result<v1::Response> ControlClient::Implementation::exchange(v1::Request&& reque
 void ControlClient::Implementation::reopen() {
   socket_ = zmq::socket_t(context_, zmq::socket_type::dealer);
   socket_.set(zmq::sockopt::linger, 0);
-  socket_.set(zmq::sockopt::maxmsgsize, kSocketMaxBytes);
+  socket_.set(zmq::sockopt::maxmsgsize, kAnswerSocketBytes);
+  if (options_.key) use(socket_, *options_.key);
   socket_.connect(options_.endpoint);
 }
 
@@ -115,11 +136,14 @@ void ControlClient::Implementation::send(const std::string& request) {
   socket_.send(zmq::buffer(request), zmq::send_flags::dontwait);
 }
 
-std::optional<v1::Response> ControlClient::Implementation::wait_for(const std::string& request_id, Clock::time_point deadline) {
-  for (auto now = Clock::now(); now < deadline; now = Clock::now()) {
+std::optional<v1::Response> ControlClient::Implementation::wait_for(const std::string& request_id, Clock::time_point deadline,
+                                                                    const std::stop_token& stop) {
+  for (auto now = Clock::now(); now < deadline && !stop.stop_requested(); now = Clock::now()) {
+    const milliseconds left = std::chrono::ceil<milliseconds>(deadline - now);
+    const milliseconds turn = stop.stop_possible() ? std::min(left, kLookForStop) : left;
     zmq::pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
     // A signal ends the wait early; the deadline decides whether to go on.
-    if (zmq_poll(&item, 1, static_cast<long>(std::chrono::ceil<milliseconds>(deadline - now).count())) <= 0) continue;
+    if (zmq_poll(&item, 1, static_cast<long>(turn.count())) <= 0) continue;
     if (auto response = take(request_id)) return response;
   }
   return std::nullopt;
@@ -151,6 +175,11 @@ tl::unexpected<Error> ControlClient::Implementation::unreachable(milliseconds ti
     return fail(ErrorCode::Unreachable, "no proper answer from " + where + "; " + std::to_string(ignored) + " messages came that are none",
                 "is it dtsd that listens there? check --endpoint; compare the versions");
   }
+  if (options_.key) {
+    return fail(ErrorCode::Unreachable, "no answer from " + where,
+                "is dtsd running there, does it listen ([network] of its configuration), and does it know the key '" + options_.key->name +
+                    "'? ask there: dtsctl key list");
+  }
   return fail(ErrorCode::Unreachable, "no answer from " + where,
               "is dtsd running? systemctl status dtsd; is the address right? give --endpoint");
 }
@@ -168,16 +197,11 @@ std::uint64_t ControlClient::ignored_replies() const noexcept { return implement
 
 namespace {
 
-/// Runs one command and takes the checked payload out of its answer.
-template <class Payload, class Client>
-Result<Payload> call(Client& client, v1::Request&& request, v1::Response::ResultCase wanted, Payload* (v1::Response::*mutable_payload)(),
-                     milliseconds timeout) {
+template <class Client>
+Result<v1::Response> exchange(Client& client, v1::Request&& request, v1::Response::ResultCase wanted, milliseconds timeout,
+                              const std::stop_token& stop = {}) {
   try {
-    auto response = client.exchange(std::move(request), wanted, timeout);
-    if (!response) return tl::make_unexpected(response.error());
-    Payload payload = std::move(*((*response).*mutable_payload)());
-    if (auto valid = check(payload); !valid) return tl::make_unexpected(valid.error());
-    return payload;
+    return client.exchange(std::move(request), wanted, timeout, stop);
   } catch (const zmq::error_t& error) {
     const bool is_address = error.num() == EINVAL || error.num() == EPROTONOSUPPORT || error.num() == ENODEV;
     return fail(is_address ? ErrorCode::InvalidArgument : ErrorCode::Internal,
@@ -185,7 +209,77 @@ Result<Payload> call(Client& client, v1::Request&& request, v1::Response::Result
   }
 }
 
+/// Runs one command and takes the checked payload out of its answer.
+template <class Payload, class Client>
+Result<Payload> call(Client& client, v1::Request&& request, v1::Response::ResultCase wanted, Payload* (v1::Response::*mutable_payload)(),
+                     milliseconds timeout) {
+  auto response = exchange(client, std::move(request), wanted, timeout);
+  if (!response) return tl::make_unexpected(response.error());
+  Payload payload = std::move(*((*response).*mutable_payload)());
+  if (auto valid = check(payload); !valid) return tl::make_unexpected(valid.error());
+  return payload;
+}
+
+/// What answers a command, and how long that may take.
+struct Expectation {
+  v1::Response::ResultCase answer = v1::Response::RESULT_NOT_SET;
+  milliseconds timeout{};
+};
+
+Expectation expectation(const v1::Request& request, const ControlOptions& options) {
+  switch (request.command_case()) {
+    case v1::Request::kStatus: return {v1::Response::kStatus, options.timeout};
+    case v1::Request::kListRigs: return {v1::Response::kRigs, options.timeout};
+    case v1::Request::kStartSession:
+    case v1::Request::kResumeSession: return {v1::Response::kSession, options.timeout};
+    case v1::Request::kStopSession: return {v1::Response::kSession, options.stop_timeout};
+    case v1::Request::kMark: return {v1::Response::kMark, options.timeout};
+    case v1::Request::kTare: return {v1::Response::kTare, options.tare_timeout};
+    case v1::Request::kGetDevices: return {v1::Response::kDevices, options.timeout};
+    case v1::Request::kTestDevice: return {v1::Response::kDeviceTest, options.timeout};
+    case v1::Request::kListSessions: return {v1::Response::kSessions, options.timeout};
+    case v1::Request::kShowSession: return {v1::Response::kSessionRecord, options.timeout};
+    case v1::Request::kListProtocols: return {v1::Response::kProtocols, options.timeout};
+    case v1::Request::kTrial: return {v1::Response::kTrial, options.timeout};
+    case v1::Request::kGetAudit: return {v1::Response::kAudit, options.timeout};
+    case v1::Request::kListKeys:
+    case v1::Request::kAddKey:
+    case v1::Request::kRevokeKey: return {v1::Response::kKeys, options.timeout};
+    case v1::Request::COMMAND_NOT_SET: break;
+  }
+  return {};
+}
+
 }  // namespace
+
+Result<v1::Response> ControlClient::forward(const v1::Request& request, const std::stop_token& stop) {
+  const Expectation expected = expectation(request, implementation_->options());
+  if (expected.answer == v1::Response::RESULT_NOT_SET) {
+    return fail(ErrorCode::InvalidArgument, "a request without a command, or with one that this version does not know");
+  }
+  auto response = exchange(*implementation_, v1::Request(request), expected.answer, expected.timeout, stop);
+  if (!response) return response;
+  if (auto valid = check(*response); !valid) return tl::make_unexpected(valid.error());
+  return response;
+}
+
+Result<v1::ListKeysResponse> ControlClient::list_keys() {
+  v1::Request request;
+  request.mutable_list_keys();
+  return call(*implementation_, std::move(request), v1::Response::kKeys, &v1::Response::mutable_keys, implementation_->options().timeout);
+}
+
+Result<v1::ListKeysResponse> ControlClient::add_key(const v1::AddKeyRequest& wanted) {
+  v1::Request request;
+  *request.mutable_add_key() = wanted;
+  return call(*implementation_, std::move(request), v1::Response::kKeys, &v1::Response::mutable_keys, implementation_->options().timeout);
+}
+
+Result<v1::ListKeysResponse> ControlClient::revoke_key(const std::string& name) {
+  v1::Request request;
+  request.mutable_revoke_key()->set_name(name);
+  return call(*implementation_, std::move(request), v1::Response::kKeys, &v1::Response::mutable_keys, implementation_->options().timeout);
+}
 
 Result<v1::StatusSnapshot> ControlClient::status() {
   v1::Request request;

@@ -41,7 +41,8 @@ bool has_body_of(const v1::Event& event, std::string_view kind) noexcept {
     case v1::Event::kTrialResult: return kind == "trial";
     case v1::Event::kReach: return kind == "reach";
     case v1::Event::kMovement: return kind == "class";
-    case v1::Event::BODY_NOT_SET: return kind == "sway";
+    case v1::Event::kSway: return kind == "sway";
+    case v1::Event::BODY_NOT_SET: return false;
   }
   return false;
 }
@@ -289,6 +290,7 @@ Block Inbox::block_view(Topic& topic, std::int64_t now_ns) {
   block.dropped_blocks_total = wire.dropped_blocks_total();
   block.values = {wire.values().data(), static_cast<std::size_t>(wire.values_size())};
   block.quality = {reinterpret_cast<const std::uint8_t*>(wire.quality().data()), wire.quality().size()};
+  block.body = &wire;
   topic.usual_delay_ns = std::min(topic.usual_delay_ns.value_or(topic.delay_ns), topic.delay_ns);
   topic.is_pending = false;
   topic.is_queued = false;

@@ -29,6 +29,8 @@ class Inbox {
   /// `boot_id`: of this host; a status with the same one makes block ages meaningful.
   Inbox(Mode mode, bool hands_out_status, std::string boot_id);
 
+  void hand_out_status(bool is_wanted) noexcept { hands_out_status_ = is_wanted; }
+
   /// Takes one message from the wire. Mode All: call `next` until it has nothing before accepting more.
   void accept(std::string_view topic, std::span<const std::byte> body, std::int64_t now_ns);
   /// The next message to hand out; its views are valid until the next `accept` or `next`.

@@ -7,6 +7,7 @@
 #include <utility>
 #include <zmq.hpp>
 
+#include "curve.h"
 #include "inbox.h"
 #include "wire_check.h"
 
@@ -27,7 +28,7 @@ constexpr int kHeartbeatTimeoutMs = 5000;
 constexpr int kReconnectMs = 100;
 constexpr int kReconnectMaxMs = 1000;
 /// Socket-level guard against a peer that announces gigabytes; what is merely too large for us is counted by the inbox.
-constexpr std::int64_t kSocketMaxBytes = 4 * static_cast<std::int64_t>(kMaxMessageBytes);
+constexpr std::int64_t kDataSocketBytes = 4 * static_cast<std::int64_t>(kMaxMessageBytes);
 /// Messages handled per call even if the deadline has passed, so that polling with timeout 0 gets somewhere.
 constexpr int kMessagesPerCall = 256;
 /// Bounds one drain in mode Latest against a publisher faster than this reader.
@@ -48,14 +49,19 @@ bool asks_for_status(const std::vector<std::string>& prefixes) {
   return std::ranges::any_of(prefixes, [](const std::string& prefix) { return kStatusTopic.starts_with(prefix); });
 }
 
+Result<void> check_topics(const std::vector<std::string>& topics) {
+  if (topics.empty()) return fail(ErrorCode::InvalidArgument, "no topic to subscribe to", "\"\" means everything");
+  if (std::ranges::any_of(topics, [](const std::string& prefix) { return prefix.size() > kLongestPrefix; })) {
+    return fail(ErrorCode::InvalidArgument, "a topic prefix has at most " + std::to_string(kLongestPrefix) + " bytes");
+  }
+  return {};
+}
+
 Result<void> check_options(const SubscriberOptions& options) {
   if (options.endpoint.empty()) {
     return fail(ErrorCode::InvalidArgument, "the daemon's data address is not known", "give it: --data URI or DTSD_DATA");
   }
-  if (options.topics.empty()) return fail(ErrorCode::InvalidArgument, "no topic to subscribe to", "\"\" means everything");
-  if (std::ranges::any_of(options.topics, [](const std::string& prefix) { return prefix.size() > kLongestPrefix; })) {
-    return fail(ErrorCode::InvalidArgument, "a topic prefix has at most " + std::to_string(kLongestPrefix) + " bytes");
-  }
+  if (auto valid = check_topics(options.topics); !valid) return valid;
   if (options.queue_messages < 1 || options.queue_messages > kMaxQueue) {
     return fail(ErrorCode::InvalidArgument, "queue_messages must be 1.." + std::to_string(kMaxQueue));
   }
@@ -75,6 +81,7 @@ class Subscriber::Implementation {
     const auto deadline = Clock::now() + std::clamp<milliseconds>(timeout, milliseconds::zero(), kLongestWait);
     return options_.mode == Mode::All ? receive_all(deadline) : receive_latest(deadline);
   }
+  void set_topics(const std::vector<std::string>& topics);
   [[nodiscard]] const Inbox& inbox() const noexcept { return inbox_; }
 
  private:
@@ -109,15 +116,24 @@ void Subscriber::Implementation::connect() {
   socket_ = zmq::socket_t(context_, zmq::socket_type::sub);
   socket_.set(zmq::sockopt::linger, 0);
   socket_.set(zmq::sockopt::rcvhwm, options_.queue_messages);
-  socket_.set(zmq::sockopt::maxmsgsize, kSocketMaxBytes);
+  socket_.set(zmq::sockopt::maxmsgsize, kDataSocketBytes);
   socket_.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
   socket_.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
   socket_.set(zmq::sockopt::reconnect_ivl, kReconnectMs);
   socket_.set(zmq::sockopt::reconnect_ivl_max, kReconnectMaxMs);
   socket_.set(zmq::sockopt::subscribe, kStatusTopic);
   for (const std::string& prefix : options_.topics) socket_.set(zmq::sockopt::subscribe, prefix);
+  if (options_.key) use(socket_, *options_.key);
   socket_.connect(options_.endpoint);
   note_life();
+}
+
+/// The new ones first: what both lists have is never unsubscribed in between (libzmq counts subscriptions).
+void Subscriber::Implementation::set_topics(const std::vector<std::string>& topics) {
+  for (const std::string& prefix : topics) socket_.set(zmq::sockopt::subscribe, prefix);
+  for (const std::string& prefix : options_.topics) socket_.set(zmq::sockopt::unsubscribe, prefix);
+  options_.topics = topics;
+  inbox_.hand_out_status(asks_for_status(topics));
 }
 
 std::optional<Message> Subscriber::Implementation::receive_all(Clock::time_point deadline) {
@@ -205,6 +221,16 @@ Result<std::optional<Message>> Subscriber::receive(milliseconds timeout) {
     return implementation_->receive(timeout);
   } catch (const zmq::error_t& error) {
     if (error.num() == EINTR) return std::optional<Message>();
+    return fail(ErrorCode::Internal, std::string("the data socket failed: ") + error.what());
+  }
+}
+
+Result<void> Subscriber::set_topics(const std::vector<std::string>& topics) {
+  if (auto valid = check_topics(topics); !valid) return valid;
+  try {
+    implementation_->set_topics(topics);
+    return {};
+  } catch (const zmq::error_t& error) {
     return fail(ErrorCode::Internal, std::string("the data socket failed: ") + error.what());
   }
 }

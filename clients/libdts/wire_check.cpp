@@ -81,6 +81,8 @@ Result<void> check(const v1::StatusSnapshot& status) {
   if (auto few = check_count(status.notices_size(), kMaxTexts, "notices"); !few) return few;
   for (const v1::RigStatus& rig : status.rigs()) {
     if (auto valid = check(rig.rig()); !valid) return valid;
+    if (auto few = check_count(rig.losses_size(), kMaxTexts, "causes of losses"); !few) return few;
+    if (auto few = check_count(rig.latency().buckets_size(), kMaxTexts, "latency buckets"); !few) return few;
     if (!rig.session().has_trial()) continue;
     if (auto valid = check(rig.session().trial()); !valid) return valid;
   }
@@ -172,5 +174,28 @@ Result<void> check(const v1::ListProtocolsResponse& protocols) {
 }
 
 Result<void> check(const v1::GetAuditResponse& audit) { return check_count(audit.entries_size(), kMaxSessions, "entries"); }
+
+Result<void> check(const v1::ListKeysResponse& keys) { return check_count(keys.keys_size(), kMaxSessions, "keys"); }
+
+Result<void> check(const v1::Response& response) {
+  switch (response.result_case()) {
+    case v1::Response::kStatus: return check(response.status());
+    case v1::Response::kRigs: return check(response.rigs());
+    case v1::Response::kSession: return check(response.session());
+    case v1::Response::kMark: return check(response.mark());
+    case v1::Response::kTare: return check(response.tare());
+    case v1::Response::kDevices: return check(response.devices());
+    case v1::Response::kDeviceTest: return check(response.device_test());
+    case v1::Response::kSessions: return check(response.sessions());
+    case v1::Response::kSessionRecord: return check(response.session_record());
+    case v1::Response::kProtocols: return check(response.protocols());
+    case v1::Response::kTrial: return check(response.trial());
+    case v1::Response::kAudit: return check(response.audit());
+    case v1::Response::kKeys: return check(response.keys());
+    case v1::Response::kError:
+    case v1::Response::RESULT_NOT_SET: break;
+  }
+  return {};
+}
 
 }  // namespace dts::client

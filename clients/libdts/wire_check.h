@@ -31,6 +31,9 @@ inline constexpr std::size_t kMaxAnswerBytes = 4 * kMaxMessageBytes;
 [[nodiscard]] Result<void> check(const v1::ListSessionsResponse& sessions);
 [[nodiscard]] Result<void> check(const v1::ListProtocolsResponse& protocols);
 [[nodiscard]] Result<void> check(const v1::GetAuditResponse& audit);
+[[nodiscard]] Result<void> check(const v1::ListKeysResponse& keys);
+/// Whatever it answers.
+[[nodiscard]] Result<void> check(const v1::Response& response);
 
 /// No error text: this one runs per block.
 [[nodiscard]] bool is_well_formed(const v1::StreamBlock& block) noexcept;

@@ -43,6 +43,23 @@ void read_endpoints(files::TomlReader reader, DaemonConfig& config) {
   reader.finish();
 }
 
+std::string read_remote_endpoint(files::TomlReader& reader, std::string_view key) {
+  reader.require(key);
+  const std::string endpoint = reader.text(key, "");
+  if (!reader.has(key)) return endpoint;
+  if (auto valid = ipc::check_remote_endpoint(endpoint); !valid) reader.report(key, core::to_string(valid.error()));
+  return endpoint;
+}
+
+std::optional<NetworkConfig> read_network(files::TomlReader& top) {
+  if (!top.has("network")) return std::nullopt;
+  files::TomlReader reader = top.table("network");
+  NetworkConfig network{.control_endpoint = read_remote_endpoint(reader, "control"), .data_endpoint = read_remote_endpoint(reader, "data")};
+  if (reader.has("data") && network.control_endpoint == network.data_endpoint) reader.report("data", "control and data need different ports");
+  reader.finish();
+  return network;
+}
+
 RealtimeConfig read_realtime(files::TomlReader reader) {
   RealtimeConfig realtime;
   realtime.fifo_priority = static_cast<int>(reader.integer("fifo_priority", realtime.fifo_priority, 0, 95));
@@ -73,6 +90,7 @@ session::StorageConfig read_storage(files::TomlReader reader) {
   storage.directory = absolute_name(given.empty() || is_overridden ? std::filesystem::path(state_directory()) : folder / given);
   storage.refuse_below_min = reader.number("refuse_below_min", storage.refuse_below_min, 0.0, 100'000.0);
   storage.warn_below_min = reader.number("warn_below_min", storage.warn_below_min, 0.0, 100'000.0);
+  storage.resume_within_min = reader.number("resume_within_min", storage.resume_within_min, 0.0, 1440.0);
   storage.stop_below_mib = reader.number("stop_below_mib", storage.stop_below_mib, 0.0, 1e6);
   if (storage.warn_below_min < storage.refuse_below_min) {
     reader.report("warn_below_min", "warn_below_min is less than refuse_below_min: the warning would come after the refusal");
@@ -134,11 +152,11 @@ LoadedConfig load_config(const std::string& file) {
   config.log_level = read_log_level(top.table("log"));
   read_endpoints(top.table("endpoints"), config);
   config.realtime = read_realtime(top.table("realtime"));
+  config.network = read_network(top);
   config.storage = read_storage(top.table("storage"));
+  config.key_directory = config.storage.directory + "/keys";
   config.protocols = read_protocols(top.table("protocols"), loaded.problems);
-  auto rigs = top.tables("rig");
-  if (rigs.empty()) top.report("rig", "no [[rig]]: a daemon without a rig has nothing to do");
-  for (files::TomlReader& rig : rigs) read_rig(rig, config, loaded.problems);
+  for (files::TomlReader& rig : top.tables("rig")) read_rig(rig, config, loaded.problems);
   top.finish();
   return loaded;
 }

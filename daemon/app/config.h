@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,12 @@ struct RealtimeConfig {
   [[nodiscard]] core::ThreadPolicy policy(int steps_below) const;
 };
 
+/// Addresses for clients on other machines, which need keys.
+struct NetworkConfig {
+  std::string control_endpoint;
+  std::string data_endpoint;
+};
+
 /// A rig whose own files are fine, and where the daemon's file names it.
 struct ConfiguredRig {
   pipeline::RigConfig rig;
@@ -34,6 +41,8 @@ struct DaemonConfig {
   std::string runtime_directory;
   std::string control_endpoint;
   std::string data_endpoint;
+  std::optional<NetworkConfig> network;  ///< Absent: this machine only.
+  std::string key_directory;             ///< Of the daemon's own key and its clients' (daemon/access).
   core::LogLevel log_level = core::LogLevel::Info;
   RealtimeConfig realtime;
   session::StorageConfig storage;

@@ -13,13 +13,14 @@
 #include <zmq.hpp>
 
 #include "app/paths.h"
+#include "app/progress_watch.h"
 #include "app/service_manager.h"
+#include "app/sockets.h"
 #include "core/thread.h"
 #include "device/registry.h"
 #include "ipc/control_server.h"
 #include "ipc/endpoint.h"
 #include "ipc/publish_thread.h"
-#include "ipc/xpub_socket.h"
 #include "session/supervisor.h"
 
 namespace dts::app {
@@ -71,16 +72,54 @@ int pending_signal() {
   return std::max(0, sigtimedwait(&wanted, nullptr, &at_once));
 }
 
-void serve_until_signal(ipc::ControlServer& server, ServiceManager& manager, const core::Clock& clock, const core::Log& log) {
+/// On SIGHUP. A damaged file leaves everything as it was.
+void reload_keys(access::KeyStore* keys, ipc::ControlServer& server, const core::Log& log) {
+  if (keys == nullptr) return log.error("SIGHUP: the keys could not be read at the start; restart the daemon");
+  if (auto reloaded = keys->reload(); !reloaded) return log.error("SIGHUP: " + core::to_string(reloaded.error()));
+  const bool has_less = keys->take_losses();
+  if (has_less) server.drop_remote_peers();
+  log.info("SIGHUP: " + std::to_string(keys->keys().size()) + " client key(s)" + (has_less ? "; remote connections are ended, good ones return" : ""));
+}
+
+/// Feeds systemd's watchdog while everything moves; says once what does not.
+class WatchdogFeeder {
+ public:
+  WatchdogFeeder(ServiceManager& manager, session::Supervisor& supervisor, const ipc::PublishThread& publisher, const core::Log& log)
+      : manager_(manager), supervisor_(supervisor), publisher_(publisher), log_(log) {}
+
+  void feed(std::int64_t now_ns) {
+    if (now_ns - looked_ns_ < kLookNs) return;
+    looked_ns_ = now_ns;
+    const std::string stuck = watch_.stuck_part(supervisor_.states(), publisher_.turns(), now_ns);
+    if (!stuck.empty() && told_.empty()) log_.error(stuck + " stands still: systemd's watchdog is not fed any more");
+    told_ = stuck;
+    if (stuck.empty() && manager_.is_keep_alive_due(now_ns)) manager_.keep_alive(now_ns);
+  }
+
+ private:
+  static constexpr std::int64_t kLookNs = 1'000'000'000;
+  static constexpr std::int64_t kPatienceNs = 4'000'000'000;  // longer than any pause of a sound machine, shorter than WatchdogSec
+
+  ServiceManager& manager_;
+  session::Supervisor& supervisor_;
+  const ipc::PublishThread& publisher_;
+  const core::Log& log_;
+  ProgressWatch watch_{kPatienceNs};
+  std::int64_t looked_ns_ = 0;
+  std::string told_;
+};
+
+void serve_until_signal(ipc::ControlServer& server, access::KeyStore* keys, ServiceManager& manager, WatchdogFeeder feeder,
+                        const core::Clock& clock, const core::Log& log) {
   while (true) {
     server.serve(kServeMs);
-    manager.keep_alive(clock.now_ns());
+    feeder.feed(clock.now_ns());
     switch (pending_signal()) {
       case SIGTERM:
       case SIGINT: return;
       case SIGHUP:
         manager.reloading(clock.now_ns());
-        log.info("SIGHUP: no client keys are configured, nothing to reload");
+        reload_keys(keys, server, log);
         manager.ready("serving");
         break;
       default: break;
@@ -125,19 +164,41 @@ std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& confi
   return rigs;
 }
 
+namespace {
+
+/// Both folders are this daemon's alone while the locks are held.
+struct Folders {
+  DirectoryLock runtime;
+  DirectoryLock state;
+};
+
+core::Result<Folders> take_folders(const DaemonConfig& config) {
+  if (auto made = prepare_directory(config.runtime_directory); !made) return tl::make_unexpected(made.error());
+  auto runtime = DirectoryLock::take(config.runtime_directory);
+  if (!runtime) return tl::make_unexpected(runtime.error());
+  if (auto made = prepare_directory(config.storage.directory, "DTSD_STATE_DIR"); !made) return tl::make_unexpected(made.error());
+  auto state = DirectoryLock::take(config.storage.directory, "DTSD_STATE_DIR");
+  if (!state) return tl::make_unexpected(state.error());
+  return Folders{std::move(*runtime), std::move(*state)};
+}
+
+/// What was wished for and cannot be had; each a sentence for log and status.
+std::vector<std::string> first_notices(const DaemonConfig& config, bool has_rigs) {
+  std::vector<std::string> notices;
+  // As installed: it serves dtsctl device list, which says what to write there.
+  if (!has_rigs) notices.emplace_back("no rig is configured: see dtsctl device list, then add a [[rig]] to the configuration");
+  if (!config.realtime.locks_memory) return notices;
+  if (auto locked = core::lock_memory(); !locked) notices.push_back(core::to_string(locked.error()));
+  return notices;
+}
+
+}  // namespace
+
 core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, core::Clock& clock,
                         core::Doorbell& bell, device::usb::UsbBus& usb, core::Log log) {
-  if (auto made = prepare_directory(config.runtime_directory); !made) return made;
-  const auto lock = DirectoryLock::take(config.runtime_directory);
-  if (!lock) return tl::make_unexpected(lock.error());
-  if (auto made = prepare_directory(config.storage.directory, "DTSD_STATE_DIR"); !made) return made;
-  const auto state_lock = DirectoryLock::take(config.storage.directory, "DTSD_STATE_DIR");
-  if (!state_lock) return tl::make_unexpected(state_lock.error());
-
-  std::vector<std::string> notices;
-  if (config.realtime.locks_memory) {
-    if (auto locked = core::lock_memory(); !locked) notices.push_back(core::to_string(locked.error()));
-  }
+  const auto folders = take_folders(config);
+  if (!folders) return tl::make_unexpected(folders.error());
+  std::vector<std::string> notices = first_notices(config, !rigs.empty());
   ::umask(0007);  // sockets, catalogue and recordings: for owner and group
   auto recordings = session::Recordings::open(config.storage, clock, log);
   if (!recordings) return tl::make_unexpected(recordings.error());
@@ -151,27 +212,34 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   const ipc::Identity identity{
       .instance_id = random_id(), .version = std::string(version()), .boot_id = boot, .started_ns = clock.now_ns()};
 
-  zmq::context_t context(1);
-  schedule_zmq(context, config.realtime.policy(3));
-  auto data = ipc::XpubSocket::bind(context, config.data_endpoint, subscriber_queue(supervisor.rigs()));
-  if (!data) return tl::make_unexpected(data.error());
-  ipc::PublishThread publisher(std::move(*data), bell, supervisor.rigs(), clock, identity.instance_id);
+  auto opened_keys = access::KeyStore::open(config.key_directory);
+  if (!opened_keys && config.network) return tl::make_unexpected(opened_keys.error());
+  if (!opened_keys) notices.push_back(core::to_string(opened_keys.error()));  // nobody needs one
+  access::KeyStore* const keys = opened_keys ? opened_keys->get() : nullptr;
+  zmq::context_t context(config.network ? 2 : 1);  // network threads: the second for other machines (ipc::bind_remote)
+  // Not with a network: the policy is that of all its threads, and what strangers let one compute must not go before the recorder.
+  if (!config.network) schedule_zmq(context, config.realtime.policy(3));
+  auto sockets = Sockets::bind(context, config, keys, clock, subscriber_queue(supervisor.rigs()));
+  if (!sockets) return tl::make_unexpected(sockets.error());
+  ipc::PublishThread publisher(std::move(sockets->data), bell, supervisor.rigs(), clock, identity.instance_id);
   for (std::string& refused : publisher.start(config.realtime.policy(2))) notices.push_back(std::move(refused));
   for (const std::string& notice : notices) log.warning(notice);
-  ipc::CommandHandler handler(supervisor, clock, identity, notices);
-  auto server = ipc::ControlServer::bind(context, config.control_endpoint, supervisor, handler, publisher, clock, identity.instance_id);
-  if (!server) return tl::make_unexpected(server.error());
+  ipc::CommandHandler handler(supervisor, clock, identity, notices, {keys, clock, addresses_of(config), opened_keys ? core::Error{} : opened_keys.error()},
+                              sockets->authenticator.get());
+  ipc::ControlServer server(std::move(sockets->control), access::Gate(keys), supervisor, handler, publisher, clock, identity.instance_id);
 
   supervisor.start();
+  supervisor.resume_interrupted();
   ServiceManager manager;
   manager.ready("serving " + std::to_string(supervisor.rigs().size()) + " rig(s)");
   log.info("dtsd " + identity.version + " serves control on " + config.control_endpoint + " and data on " + config.data_endpoint);
-  serve_until_signal(**server, manager, clock, log);
+  if (config.network) log_network(*config.network, *keys, log);
+  serve_until_signal(server, keys, manager, {manager, supervisor, publisher, log}, clock, log);
   manager.stopping();
   log.info("stopping");
   supervisor.stop();
-  (*server)->publish_notices();
-  (*server)->answer_waiting();
+  server.publish_notices();
+  server.answer_waiting();
   publisher.stop();
   for (const std::string& endpoint : {config.control_endpoint, config.data_endpoint}) ipc::remove_socket_file(endpoint);
   return {};

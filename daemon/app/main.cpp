@@ -39,6 +39,7 @@ void raise_descriptor_limit() {
 
 int exit_status(const dts::core::Error& error) {
   switch (error.code) {
+    case dts::core::ErrorCode::InvalidArgument: return kBadInput;
     case dts::core::ErrorCode::NotAllowed: return 4;
     case dts::core::ErrorCode::WrongState: return 6;
     default: return 1;

@@ -18,8 +18,11 @@ void ServiceManager::reloading(std::int64_t monotonic_ns) {
   sd_notifyf(0, "RELOADING=1\nMONOTONIC_USEC=%lld", static_cast<long long>(monotonic_ns / 1000));
 }
 
+bool ServiceManager::is_keep_alive_due(std::int64_t now_ns) const noexcept {
+  return watchdog_ns_ > 0 && now_ns - last_alive_ns_ >= watchdog_ns_ / 2;
+}
+
 void ServiceManager::keep_alive(std::int64_t now_ns) {
-  if (watchdog_ns_ == 0 || now_ns - last_alive_ns_ < watchdog_ns_ / 2) return;
   sd_notify(0, "WATCHDOG=1");
   last_alive_ns_ = now_ns;
 }

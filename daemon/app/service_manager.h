@@ -14,7 +14,8 @@ class ServiceManager {
   void ready(const std::string& status);
   void stopping();
   void reloading(std::int64_t monotonic_ns);
-  /// Sends the keep-alive when half of the watchdog's time has passed since the last one. Call it often.
+  /// Whether half of the watchdog's time has passed since the last keep-alive; false where systemd wants none.
+  [[nodiscard]] bool is_keep_alive_due(std::int64_t now_ns) const noexcept;
   void keep_alive(std::int64_t now_ns);
 
  private:

@@ -9,8 +9,6 @@
 namespace dts::core {
 namespace {
 
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
-
 std::int64_t read_ns(clockid_t id) noexcept {
   timespec now{};
   clock_gettime(id, &now);

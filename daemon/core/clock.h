@@ -7,6 +7,7 @@
 namespace dts::core {
 
 inline constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
+inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 /// Source of time, injected everywhere: no other file reads a system clock.
 /// Thread: any. Realtime-safe: yes.

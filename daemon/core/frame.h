@@ -10,6 +10,7 @@
 
 #include "core/block.h"
 #include "core/reach.h"
+#include "core/sway.h"
 
 namespace dts::core {
 
@@ -22,6 +23,8 @@ enum class GapReason : std::uint8_t {
   RingFull = 4,   ///< The pipeline was too slow; the count is exact.
   Integrity = 5,  ///< The device's data failed a check (marker, checksum, counter).
 };
+
+inline constexpr std::size_t kGapReasons = 6;
 
 /// One word, for logs: "overrun".
 [[nodiscard]] constexpr std::string_view name(GapReason reason) noexcept {
@@ -88,6 +91,7 @@ struct BoundedEvents {
 
 inline constexpr std::size_t kMaxTriggersPerFrame = 16;
 inline constexpr std::size_t kMaxReachesPerFrame = 8;
+inline constexpr std::size_t kMaxSwaysPerFrame = 2;  // told twice a second
 
 using TriggerEvents = BoundedEvents<TriggerEvent, kMaxTriggersPerFrame>;
 
@@ -96,18 +100,21 @@ struct FrameEvents {
   TriggerEvents triggers{};
   BoundedEvents<ReachEvent, kMaxReachesPerFrame> reaches{};
   BoundedEvents<ClassEvent, kMaxReachesPerFrame> classes{};
+  BoundedEvents<SwayEvent, kMaxSwaysPerFrame> sways{};  ///< Preliminary: of those that find no room the next says more.
 
   [[nodiscard]] std::uint64_t lost() const noexcept { return triggers.lost + reaches.lost + classes.lost; }
-  [[nodiscard]] bool empty() const noexcept { return triggers.count + reaches.count + classes.count == 0; }
+  [[nodiscard]] bool empty() const noexcept { return triggers.count + reaches.count + classes.count + sways.count == 0; }
   void clear() noexcept {
     triggers.clear();
     reaches.clear();
     classes.clear();
+    sways.clear();
   }
   void prepend(const FrameEvents& earlier) noexcept {
     triggers.prepend(earlier.triggers);
     reaches.prepend(earlier.reaches);
     classes.prepend(earlier.classes);
+    sways.prepend(earlier.sways);
   }
 };
 

@@ -6,11 +6,12 @@
 #include <limits>
 #include <string>
 
+#include "core/clock.h"
+
 namespace dts::core {
 namespace {
 
 __extension__ using Wide = __int128;  // index * 1e9 * denominator passes 64 bit after three hours at 1500 Hz
-constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
 }  // namespace
 

@@ -57,6 +57,11 @@ class SpscRing {
   /// Copies up to `out.size()` elements; returns how many. Thread: consumer. Realtime-safe: yes when copying T is.
   std::size_t pop(std::span<T> out) noexcept;
 
+  /// Elements that wait; an estimate unless producer or consumer asks. Thread: any. Realtime-safe: yes.
+  [[nodiscard]] std::size_t waiting() const noexcept {
+    const std::uint64_t tail = tail_.load(std::memory_order_acquire);  // pairs with release() and pop(): head is not behind it then
+    return static_cast<std::size_t>(std::min<std::uint64_t>(head_.load(std::memory_order_relaxed) - tail, capacity()));
+  }
   /// Elements dropped since construction. Thread: any. Realtime-safe: yes.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 

@@ -16,22 +16,12 @@ using physics::CopMethod;
 using physics::Interval;
 using physics::SumPolynomial;
 
-constexpr std::int64_t kFormat = 1;
+constexpr std::int64_t kCalibrationFormat = 1;
 constexpr std::size_t kMostPoints = 10'000;
-constexpr std::size_t kLongestText = 200;
 constexpr double kHuge = 1e30;
 constexpr double kLargestPositionMm = 1e5;
 constexpr double kLargestLoadN = 1e6;
 constexpr double kLargestDeflectionMm = 1e3;
-
-std::string text_of(TomlReader& reader, std::string_view key) {
-  std::string text = reader.text(key, "");
-  if (text.size() > kLongestText) {
-    reader.report(key, std::string(key) + " is longer than " + std::to_string(kLongestText) + " characters");
-    text.clear();
-  }
-  return text;
-}
 
 /// Numbers of a list; a problem and nothing unless there are `minimum_count` to `maximum_count`, all finite and at most `largest`.
 std::vector<double> read_list(TomlReader& reader, std::string_view key, const toml::node* found, std::size_t minimum_count,
@@ -70,7 +60,7 @@ Interval read_range(TomlReader& reader, std::string_view key, double largest = k
   return interval_of(reader, key, read_numbers(reader, key, 2, largest));
 }
 
-physics::CopErrorFigures read_figures(TomlReader reader) {
+physics::CopErrorFigures read_cop_figures(TomlReader reader) {
   physics::CopErrorFigures figures;
   for (const auto& [key, target] : {std::pair{"rms_x_mm", &figures.rms_x_mm}, std::pair{"rms_y_mm", &figures.rms_y_mm},
                                     std::pair{"rms_total_mm", &figures.rms_total_mm}, std::pair{"max_total_mm", &figures.max_total_mm},
@@ -200,15 +190,16 @@ struct Head {
 
 Head read_head(TomlReader& top) {
   for (const char* key : {"format", "id", "created_utc", "method", "sensors"}) top.require(key);
-  if (const auto format = top.integer("format", kFormat, 0, 1'000'000); format != kFormat) {
-    top.report("format", "format " + std::to_string(format) + " is not known; this program reads format " + std::to_string(kFormat));
+  if (const auto format = top.integer("format", kCalibrationFormat, 0, 1'000'000); format != kCalibrationFormat) {
+    top.report("format",
+               "format " + std::to_string(format) + " is not known; this program reads format " + std::to_string(kCalibrationFormat));
   }
   Head head;
-  head.id = text_of(top, "id");
-  head.origin = {.created_utc = text_of(top, "created_utc"),
-                 .rig = text_of(top, "rig"),
-                 .daq_model = text_of(top, "daq_model"),
-                 .daq_serial = text_of(top, "daq_serial")};
+  head.id = top.short_text("id");
+  head.origin = {.created_utc = top.short_text("created_utc"),
+                 .rig = top.short_text("rig"),
+                 .daq_model = top.short_text("daq_model"),
+                 .daq_serial = top.short_text("daq_serial")};
   if (!physics::is_utc_time(head.origin.created_utc)) top.report("created_utc", "created_utc must be like \"2026-01-31T12:00:00Z\"");
   head.method = physics::parse_cop_method(top.choice("method", {"poly3", "thesis", "thesis_per_pair", "moment"})).value();
   const bool is_moment = head.method == CopMethod::Moment;
@@ -239,9 +230,9 @@ std::optional<physics::CopCalibration> read_cop_calibration(TomlReader& top, Pro
                                       .y_mm = read_range(valid, "y_mm", kLargestPositionMm),
                                       .load_n = read_range(valid, "load_n", kLargestLoadN)};
   valid.finish();
-  const auto residuals = read_figures(top.table("residuals"));
+  const auto residuals = read_cop_figures(top.table("residuals"));
   std::optional<physics::CopErrorFigures> cross_validated;
-  if (top.has("cross_validated")) cross_validated = read_figures(top.table("cross_validated"));
+  if (top.has("cross_validated")) cross_validated = read_cop_figures(top.table("cross_validated"));
   auto form = read_form(top, head.method, head.sensors);
   auto points = read_points(top, head.sensors);
   top.finish();

@@ -13,7 +13,7 @@ using physics::CopCalibration;
 using physics::Interval;
 using physics::Quintic;
 
-constexpr std::string_view kHead =
+constexpr std::string_view kCalibrationHead =
     R"(# Calibration of the centre of pressure of a plate, made by fitting known loads. Do not edit: measure again instead.
 #
 # w1..wn are the sensors' deflections in mm (positive towards the sensors, unloaded plate 0), S their sum. Results x_mm and y_mm count
@@ -39,7 +39,7 @@ constexpr std::string_view kMomentHelp = R"(# load_n = sum of load_n_per_mm[i] w
 # without: x_mm = x_centre_mm + (sum of x_moment_n[i] s_i) / (sum of load_n_per_mm[i] s_i). y likewise.
 )";
 
-class Writer {
+class CalibrationWriter {
  public:
   void text(std::string_view key, std::string_view value) { out_ << key << " = " << toml_quoted(value) << '\n'; }
   void number(std::string_view key, double value) { out_ << key << " = " << toml_number(value) << '\n'; }
@@ -135,8 +135,8 @@ class Writer {
 }  // namespace
 
 std::string cop_calibration_text(const CopCalibration& calibration) {
-  Writer writer;
-  writer.raw(kHead);
+  CalibrationWriter writer;
+  writer.raw(kCalibrationHead);
   writer.raw("format = 1\n");
   writer.text("id", calibration.id);
   writer.text("created_utc", calibration.origin.created_utc);

@@ -17,7 +17,7 @@ using session::Protocol;
 using session::ProtocolField;
 using session::TrialPlan;
 
-constexpr std::size_t kMostBytes = std::size_t{256} << 10U;  // stands in the header of every recording
+constexpr std::size_t kMostProtocolBytes = std::size_t{256} << 10U;  // stands in the header of every recording
 constexpr std::size_t kMostFiles = 1000;
 constexpr std::size_t kLongestWord = 32;
 constexpr std::size_t kLongestSentence = 200;
@@ -188,7 +188,7 @@ void read_session_times(TomlReader& reader, Protocol& protocol) {
 }
 
 std::optional<toml::table> parse_text(const std::string& text, const std::string& name, Problems& problems) {
-  if (text.size() > kMostBytes) {
+  if (text.size() > kMostProtocolBytes) {
     problems.push_back({.file = name, .text = "is larger than 256 KiB: that is no protocol"});
     return std::nullopt;
   }
@@ -234,7 +234,7 @@ Protocol read_protocol_text(const std::string& text, const std::string& name, Pr
 Protocol read_protocol(const std::string& file, Problems& problems) {
   std::error_code unknown;
   std::ifstream stream;
-  std::string text(kMostBytes + 1, '\0');
+  std::string text(kMostProtocolBytes + 1, '\0');
   if (std::filesystem::is_regular_file(file, unknown)) stream.open(file, std::ios::binary);  // opening a pipe would wait
   if (stream.is_open()) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.is_open() || stream.bad()) {

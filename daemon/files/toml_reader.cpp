@@ -24,7 +24,7 @@ std::string shown(double value) {
 std::string range_text(const std::string& minimum, const std::string& maximum) { return "; allowed: " + minimum + " .. " + maximum; }
 
 /// Far more than any file people write; a parsed file takes twenty times its size.
-constexpr std::size_t kMostBytes = std::size_t{4} << 20U;
+constexpr std::size_t kMostTomlBytes = std::size_t{4} << 20U;
 
 std::optional<std::string> read_bounded(const std::string& file, Problems& problems) {
   std::error_code unknown;
@@ -35,16 +35,54 @@ std::optional<std::string> read_bounded(const std::string& file, Problems& probl
   errno = 0;
   std::ifstream stream(file, std::ios::binary);
   const int error = errno;
-  std::string text(kMostBytes + 1, '\0');
+  std::string text(kMostTomlBytes + 1, '\0');
   if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream && stream.gcount() == 0 && !stream.eof()) {
     problems.push_back({.file = file, .text = "cannot be read" + (error == 0 ? "" : ": " + std::generic_category().message(error))});
     return std::nullopt;
   }
   text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() <= kMostBytes) return text;
+  if (text.size() <= kMostTomlBytes) return text;
   problems.push_back({.file = file, .text = "is larger than 4 MiB: that is no file of dtsd"});
   return std::nullopt;
+}
+
+/// Of a dotted key. toml++ 3.3 bounds how deep values nest, but not this: it makes a table of each part and takes tables apart by recursion,
+/// so that a hundred thousand parts, which fit into a definition, end the stack.
+constexpr std::size_t kMostKeyParts = 16;
+
+/// Behind the string whose opening quote stands at `at`.
+std::size_t end_of_string(std::string_view text, std::size_t at) {
+  const char quote = text[at];
+  const std::string closing(text.substr(at, 3) == std::string(3, quote) ? 3 : 1, quote);
+  for (at += closing.size(); at < text.size(); ++at) {
+    if (quote == '"' && text[at] == '\\') {
+      ++at;
+    } else if (text.substr(at, closing.size()) == closing) {
+      at += closing.size();
+      for (int own = 0; closing.size() == 3 && own < 2 && at < text.size() && text[at] == quote; ++own) ++at;  // """a""""" is a""
+      return at;
+    }
+  }
+  return text.size();
+}
+
+/// Where a key has more parts than that; npos: nowhere. Strings and comments may hold any dots, numbers have one each.
+std::size_t find_deep_key(std::string_view text) {
+  std::size_t parts = 1;
+  for (std::size_t at = 0; at < text.size();) {
+    const char letter = text[at];
+    if (letter == '"' || letter == '\'') {
+      at = end_of_string(text, at);
+    } else if (letter == '#') {
+      at = std::min(text.find('\n', at), text.size());
+    } else {
+      if (letter == '.' && ++parts > kMostKeyParts) return at;
+      if (std::string_view(",=[]{}\n").find(letter) != std::string_view::npos) parts = 1;
+      ++at;
+    }
+  }
+  return std::string_view::npos;
 }
 
 }  // namespace
@@ -60,8 +98,13 @@ std::optional<toml::table> parse_toml(const std::string& file, Problems& problem
 }
 
 std::optional<toml::table> parse_toml_text(std::string_view text, const std::string& name, Problems& problems) {
-  if (text.size() > kMostBytes) {
+  if (text.size() > kMostTomlBytes) {
     problems.push_back({.file = name, .text = "is larger than 4 MiB: that is no file of dtsd"});
+    return std::nullopt;
+  }
+  if (const std::size_t deep = find_deep_key(text); deep != std::string_view::npos) {
+    const auto line = static_cast<std::uint32_t>(1 + std::ranges::count(text.substr(0, deep), '\n'));
+    problems.push_back({.file = name, .line = line, .column = 1, .text = "a key has more than 16 parts"});
     return std::nullopt;
   }
   try {
@@ -133,6 +176,15 @@ std::string TomlReader::text(std::string_view key, std::string_view fallback) {
   if (found->is_string()) return *found->value<std::string>();
   report(key, named(key) + " must be a text in quotes");
   return std::string(fallback);
+}
+
+std::string TomlReader::short_text(std::string_view key) {
+  std::string found = text(key, "");
+  if (found.size() > kLongestText) {
+    report(key, std::string(key) + " is longer than " + std::to_string(kLongestText) + " characters");
+    found.clear();
+  }
+  return found;
 }
 
 std::string TomlReader::choice(std::string_view key, const std::vector<std::string_view>& choices) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <toml++/toml.h>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <set>
@@ -34,6 +35,8 @@ using Problems = std::vector<Problem>;
 /// anybody read files of this machine).
 enum class References : std::uint8_t { Files, None };
 
+inline constexpr std::size_t kLongestText = 200;  ///< Of a name, a serial number, a time.
+
 /// Reads one table and keeps the books: what is missing, of the wrong type or out of range becomes a problem with its
 /// position, and `finish` reports every key that nobody asked for. Reading goes on after a problem, so that one run
 /// shows them all; the value returned then is the default.
@@ -47,6 +50,7 @@ class TomlReader {
   [[nodiscard]] std::int64_t integer(std::string_view key, std::int64_t fallback, std::int64_t minimum, std::int64_t maximum);
   [[nodiscard]] bool boolean(std::string_view key, bool fallback);
   [[nodiscard]] std::string text(std::string_view key, std::string_view fallback);
+  [[nodiscard]] std::string short_text(std::string_view key);  ///< At most `kLongestText` characters; empty when absent.
   [[nodiscard]] std::string choice(std::string_view key, const std::vector<std::string_view>& choices);  ///< First is the default.
   [[nodiscard]] std::vector<std::int64_t> integers(std::string_view key, std::int64_t minimum, std::int64_t maximum);
   [[nodiscard]] std::vector<std::string> texts(std::string_view key, std::vector<std::string> fallback);

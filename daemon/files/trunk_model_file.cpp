@@ -19,29 +19,19 @@ using classifier::ModelKind;
 using classifier::Network;
 using classifier::TrunkModelForm;
 
-constexpr std::int64_t kFormat = 1;
-constexpr std::size_t kLongestText = 200;
+constexpr std::int64_t kModelFormat = 1;
 constexpr std::size_t kMostSubjects = 1000;
 constexpr std::int64_t kMostTrials = 100'000'000;
 constexpr std::size_t kSha256Digits = 64;
-constexpr double kHuge = 1e30;
+constexpr double kLargestWeight = 1e30;
 constexpr double kLargestLevelMm = 1e3;
-
-std::string text_of(TomlReader& reader, std::string_view key) {
-  std::string text = reader.text(key, "");
-  if (text.size() > kLongestText) {
-    reader.report(key, std::string(key) + " is longer than " + std::to_string(kLongestText) + " characters");
-    text.clear();
-  }
-  return text;
-}
 
 double required_number(TomlReader& reader, std::string_view key, double fallback, double minimum, double maximum) {
   reader.require(key);
   return reader.number(key, fallback, minimum, maximum);
 }
 
-std::vector<double> read_numbers(TomlReader& reader, std::string_view key, std::size_t count) {
+std::vector<double> read_finite(TomlReader& reader, std::string_view key, std::size_t count) {
   const toml::node* const found = reader.node(key);
   const toml::array* const list = found == nullptr ? nullptr : found->as_array();
   if (list == nullptr || list->size() != count) {
@@ -51,7 +41,7 @@ std::vector<double> read_numbers(TomlReader& reader, std::string_view key, std::
   std::vector<double> values;
   for (const toml::node& element : *list) {
     const auto value = element.value<double>();
-    if (!element.is_number() || !value || !(std::abs(*value) <= kHuge)) {
+    if (!element.is_number() || !value || !(std::abs(*value) <= kLargestWeight)) {
       reader.report(key, std::string(key) + ": number " + std::to_string(values.size() + 1) + " of the list is not a finite number");
       return {};
     }
@@ -67,8 +57,8 @@ std::vector<FeatureRange> read_inputs(TomlReader& reader) {
     reader.report("features", "features must be a list of 1 to " + std::to_string(Network::kMaxInputs) + " names");
     return {};
   }
-  const auto minima = read_numbers(reader, "minimum", names.size());
-  const auto maxima = read_numbers(reader, "maximum", names.size());
+  const auto minima = read_finite(reader, "minimum", names.size());
+  const auto maxima = read_finite(reader, "maximum", names.size());
   std::vector<FeatureRange> inputs;
   for (std::size_t k = 0; k < names.size() && minima.size() == maxima.size() && !minima.empty(); ++k) {
     const auto feature = classifier::parse_reach_feature(names[k]);
@@ -87,7 +77,7 @@ void read_network(TomlReader& reader, std::size_t inputs, std::vector<Network>& 
   const auto hidden = static_cast<std::size_t>(reader.integer("hidden", 1, 1, static_cast<std::int64_t>(Network::kMaxHidden)));
   const auto output =
       reader.choice("output", {"logistic", "softmax"}) == "softmax" ? classifier::OutputKind::Softmax : classifier::OutputKind::Logistic;
-  auto weights = read_numbers(reader, "weights", Network::weight_count(inputs, hidden));
+  auto weights = read_finite(reader, "weights", Network::weight_count(inputs, hidden));
   reader.finish();
   if (weights.empty()) return;
   auto network = Network::create(inputs, hidden, output, std::move(weights));
@@ -115,14 +105,14 @@ Ensemble read_ensemble(TomlReader reader) {
 classifier::Quadratic read_quadratic(TomlReader& reader) {
   classifier::Quadratic quadratic{.inputs = read_inputs(reader), .coefficients = {}};
   if (!quadratic.inputs.empty()) {
-    quadratic.coefficients = read_numbers(reader, "coefficients", classifier::Quadratic::term_count(quadratic.inputs.size()));
+    quadratic.coefficients = read_finite(reader, "coefficients", classifier::Quadratic::term_count(quadratic.inputs.size()));
   }
   return quadratic;
 }
 
 classifier::AngleModel read_angle(TomlReader reader) {
   classifier::AngleModel angle{.sine = read_quadratic(reader)};
-  const auto residuals = read_numbers(reader, "residual_deg", angle.residual_deg.size());
+  const auto residuals = read_finite(reader, "residual_deg", angle.residual_deg.size());
   std::copy(residuals.begin(), residuals.end(), angle.residual_deg.begin());
   reader.finish();
   return angle;
@@ -137,7 +127,7 @@ classifier::ArmAloneRule read_arm_alone(TomlReader reader) {
 
 /// A 64-bit number, which TOML's integers cannot hold.
 std::uint64_t read_seed(TomlReader& reader) {
-  const std::string text = text_of(reader, "seed");
+  const std::string text = reader.short_text("seed");
   std::uint64_t seed = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
   if (error != std::errc() || end != text.data() + text.size()) reader.report("seed", "seed must be a whole number in quotes");
@@ -147,7 +137,7 @@ std::uint64_t read_seed(TomlReader& reader) {
 classifier::TrainingFacts read_training(TomlReader reader) {
   for (const char* key : {"data_sha256", "trials", "seed", "software"}) reader.require(key);
   classifier::TrainingFacts facts;
-  facts.data_sha256 = text_of(reader, "data_sha256");
+  facts.data_sha256 = reader.short_text("data_sha256");
   const bool is_hash =
       facts.data_sha256.size() == kSha256Digits && facts.data_sha256.find_first_not_of("0123456789abcdef") == std::string::npos;
   if (!is_hash) reader.report("data_sha256", "data_sha256 must be 64 hexadecimal digits");
@@ -158,8 +148,8 @@ classifier::TrainingFacts read_training(TomlReader reader) {
       static_cast<std::uint32_t>(reader.integer("simulated_subjects", 0, 0, std::int64_t{std::numeric_limits<std::int32_t>::max()}));
   facts.trials = static_cast<std::uint32_t>(reader.integer("trials", 0, 1, kMostTrials));
   facts.seed = read_seed(reader);
-  facts.software = text_of(reader, "software");
-  facts.created_utc = text_of(reader, "created_utc");
+  facts.software = reader.short_text("software");
+  facts.created_utc = reader.short_text("created_utc");
   reader.finish();
   return facts;
 }
@@ -168,7 +158,7 @@ double optional_figure(TomlReader& reader, std::string_view key, double maximum)
   return reader.has(key) ? reader.number(key, 0.0, 0.0, maximum) : classifier::ModelFigures::kUnknown;
 }
 
-classifier::ModelFigures read_figures(TomlReader reader) {
+classifier::ModelFigures read_model_figures(TomlReader reader) {
   classifier::ModelFigures figures;
   figures.validation_accuracy = required_number(reader, "validation_accuracy", 1.0, 0.0, 1.0);
   if (figures.validation_accuracy < TrunkModelForm::kLowestValidationAccuracy) {
@@ -188,15 +178,15 @@ classifier::ModelFigures read_figures(TomlReader reader) {
 TrunkModelForm read_form(TomlReader& top) {
   TrunkModelForm form;
   for (const char* key : {"format", "kind", "training", "figures", "general"}) top.require(key);
-  if (const auto format = top.integer("format", kFormat, 0, 1'000'000); format != kFormat) {
-    top.report("format", "format " + std::to_string(format) + " is not known; this program reads format " + std::to_string(kFormat));
+  if (const auto format = top.integer("format", kModelFormat, 0, 1'000'000); format != kModelFormat) {
+    top.report("format", "format " + std::to_string(format) + " is not known; this program reads format " + std::to_string(kModelFormat));
   }
   form.kind = top.choice("kind", {"raw5", "recommended"}) == "raw5" ? ModelKind::Raw5 : ModelKind::Recommended;
   form.reject_below = required_number(top, "reject_below", 0.9, 0.0, 1.0);
   form.p1_minimum_mm = required_number(top, "p1_minimum_mm", 1.0, 0.0, kLargestLevelMm);
   form.p1_maximum_mm = required_number(top, "p1_maximum_mm", 1.0, 0.0, kLargestLevelMm);
   form.facts = read_training(top.table("training"));
-  form.figures = read_figures(top.table("figures"));
+  form.figures = read_model_figures(top.table("figures"));
   form.general = read_ensemble(top.table("general"));
   if (top.has("own")) form.own = read_ensemble(top.table("own"));
   if (top.has("angle")) form.angle = read_angle(top.table("angle"));

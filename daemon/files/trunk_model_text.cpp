@@ -12,7 +12,7 @@ namespace {
 using classifier::FeatureRange;
 using classifier::TrunkModelForm;
 
-constexpr std::string_view kHead =
+constexpr std::string_view kModelHead =
     R"(# Model of trunk movement, made by dtslab reach train. Do not edit: train again instead.
 #
 # A feature x is scaled to 2 (x - minimum) / (maximum - minimum) - 1 (kind "recommended": then clipped to -1..1). A network has one hidden
@@ -22,7 +22,7 @@ constexpr std::string_view kHead =
 # ([own_angle]: its part of the sine at the person's own maximum). residual_deg is half of the 90 % interval for angles of class 1, 2, 3.
 )";
 
-class Writer {
+class ModelWriter {
  public:
   void raw(std::string_view text) { out_ << text; }
   void text(std::string_view key, std::string_view value) { out_ << key << " = " << toml_quoted(value) << '\n'; }
@@ -116,8 +116,8 @@ class Writer {
 
 std::string trunk_model_text(const classifier::TrunkModel& model) {
   const TrunkModelForm& form = model.form();
-  Writer writer;
-  writer.raw(kHead);
+  ModelWriter writer;
+  writer.raw(kModelHead);
   writer.raw("format = 1\n");
   writer.text("kind", form.kind == classifier::ModelKind::Raw5 ? "raw5" : "recommended");
   writer.number("reject_below", form.reject_below);

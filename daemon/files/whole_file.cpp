@@ -43,9 +43,9 @@ bool write_through(const std::string& path, std::string_view text) noexcept {
   return file.get() >= 0 && write_all(file.get(), text);
 }
 
-/// A new file beside `path`, with the rights of the file that it will replace, if there is one, else those of any new file.
-int open_temporary(const std::string& temporary, const struct stat* replaced) noexcept {
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+/// A new file beside `path`, with the rights of the file that it will replace, if there is one, else those of `new_mode`.
+int open_temporary(const std::string& temporary, const struct stat* replaced, mode_t new_mode) noexcept {
+  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, new_mode);
   if (file < 0 || replaced == nullptr || ::fchmod(file, replaced->st_mode & 07777U) == 0) return file;
   ::close(file);
   return -1;
@@ -53,7 +53,7 @@ int open_temporary(const std::string& temporary, const struct stat* replaced) no
 
 }  // namespace
 
-core::Status write_whole_file(const std::string& path, std::string_view text) {
+core::Status write_whole_file(const std::string& path, std::string_view text, mode_t new_mode) {
   const auto failed = [&path](int error) {
     return core::fail_errno(error, "cannot write " + path, "does the folder exist, may you write there, is there room?");
   };
@@ -67,7 +67,7 @@ core::Status write_whole_file(const std::string& path, std::string_view text) {
   const auto resolved = std::filesystem::weakly_canonical(path, unresolved);  // a link stays, the file it leads to is replaced
   const std::string target = unresolved ? path : resolved.string();
   const std::string temporary = target + "." + std::to_string(::getpid()) + ".part";
-  const Descriptor file(open_temporary(temporary, exists ? &there : nullptr));
+  const Descriptor file(open_temporary(temporary, exists ? &there : nullptr, new_mode));
   if (file.get() < 0) return failed(errno);
   if (!write_all(file.get(), text) || ::fsync(file.get()) != 0 || ::rename(temporary.c_str(), target.c_str()) != 0) {
     const int error = errno;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <sys/types.h>
+
 #include <string>
 #include <string_view>
 
@@ -9,8 +11,8 @@
 namespace dts::files {
 
 /// Writes `path` whole or not at all, also when the power fails: a temporary file beside it, synchronised, renamed over it, the folder
-/// synchronised. Links are followed, rights kept. What is no ordinary file (a pipe, a device) is written to instead of replaced.
+/// synchronised. Links are followed, rights kept; a new file gets `new_mode` less the umask. What is no ordinary file (a pipe, a device) is written to instead of replaced.
 /// Fails with Failed or NotAllowed, naming the file and why; then the old file is untouched.
-[[nodiscard]] core::Status write_whole_file(const std::string& path, std::string_view text);
+[[nodiscard]] core::Status write_whole_file(const std::string& path, std::string_view text, mode_t new_mode = 0666);
 
 }  // namespace dts::files

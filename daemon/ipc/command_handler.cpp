@@ -17,8 +17,15 @@ dts::v1::Response error_response(const core::Error& error) {
   return response;
 }
 
-CommandHandler::CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices)
-    : supervisor_(supervisor), sessions_(supervisor, clock), clock_(clock), identity_(std::move(identity)), notices_(std::move(notices)) {}
+CommandHandler::CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices,
+                               KeyCommands keys, const access::Authenticator* authenticator)
+    : supervisor_(supervisor),
+      sessions_(supervisor, clock),
+      keys_(std::move(keys)),
+      authenticator_(authenticator),
+      clock_(clock),
+      identity_(std::move(identity)),
+      notices_(std::move(notices)) {}
 
 CommandHandler::Answer CommandHandler::execute(const dts::v1::Request& request) {
   Answer answer;
@@ -36,6 +43,9 @@ CommandHandler::Answer CommandHandler::execute(const dts::v1::Request& request) 
       break;
     }
     case dts::v1::Request::kGetDevices: answer.response = devices(); break;
+    case dts::v1::Request::kListKeys: answer.response = keys_.list(); break;
+    case dts::v1::Request::kAddKey: answer.response = keys_.add(request.add_key()); break;
+    case dts::v1::Request::kRevokeKey: answer.response = keys_.revoke(request.revoke_key()); break;
     case dts::v1::Request::kTestDevice: answer.response = test_device(request.test_device()); break;
     case dts::v1::Request::COMMAND_NOT_SET:
       answer.response = error_response({ErrorCode::InvalidArgument, "the request holds no command this daemon knows",
@@ -110,7 +120,13 @@ dts::v1::StatusSnapshot CommandHandler::status() {
   for (const session::Rig* rig : supervisor_.rigs()) {
     for (const std::string& notice : rig->notices()) out.add_notices(notice);
   }
+  if (has_remote_problem_) out.add_notices("other machines cannot connect: another program has taken the port of [network]; it is tried again");
   out.set_rejected_requests_total(rejected_total_);
+  if (authenticator_ != nullptr) {
+    out.set_has_network(true);
+    out.set_accepted_handshakes_total(authenticator_->accepted_total());
+    out.set_refused_handshakes_total(authenticator_->refused_total());
+  }
   if (session::Recordings* recordings = supervisor_.recordings()) *out.mutable_disk() = disk_status(recordings->disk());
   return out;
 }

@@ -7,8 +7,10 @@
 #include <variant>
 #include <vector>
 
+#include "access/authenticator.h"
 #include "dts/v1/control.pb.h"
 #include "ipc/encode.h"
+#include "ipc/key_commands.h"
 #include "ipc/session_commands.h"
 #include "session/supervisor.h"
 
@@ -27,7 +29,9 @@ using Pending = std::variant<PendingTare, PendingStop>;
 /// Thread: control.
 class CommandHandler {
  public:
-  CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices);
+  /// `authenticator` (nullptr: there is no network) outlives the handler.
+  CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices, KeyCommands keys,
+                 const access::Authenticator* authenticator = nullptr);
 
   struct Answer {
     dts::v1::Response response;
@@ -40,7 +44,17 @@ class CommandHandler {
   /// The answer when nobody wants to wait any longer. A tare is withdrawn: it must not happen minutes later, unasked.
   [[nodiscard]] dts::v1::Response give_up(const Pending& pending);
   /// Enters a command with its answer into the audit trail, if it changes something.
-  void enter_audit(const dts::v1::Request& request, const dts::v1::Response& response) { sessions_.enter_audit(request, response); }
+  void enter_audit(const std::string& sender, const dts::v1::Request& request, const dts::v1::Response& response) {
+    sessions_.enter_audit(sender, request, response);
+  }
+  /// Whether `enter_audit` would enter anything: what changes something, and what an engineer alone may see when it was refused.
+  [[nodiscard]] static bool is_audited(const dts::v1::Request& request, const dts::v1::Response& response) {
+    return SessionCommands::is_audited(request, response);
+  }
+  /// Whether, since the last call, a client's key has gone or changed.
+  [[nodiscard]] bool has_lost_keys() noexcept { return keys_.has_lost(); }
+  /// Other machines cannot connect any more, or can again; shown in the status.
+  void note_remote_problem(bool is_there) noexcept { has_remote_problem_ = is_there; }
 
   [[nodiscard]] dts::v1::StatusSnapshot status();
   /// Counts a message that was no request at all; shown in the status.
@@ -57,10 +71,13 @@ class CommandHandler {
 
   session::Supervisor& supervisor_;
   SessionCommands sessions_;
+  KeyCommands keys_;
+  const access::Authenticator* authenticator_;
   core::Clock& clock_;
   Identity identity_;
   std::vector<std::string> notices_;
   std::uint64_t rejected_total_ = 0;
+  bool has_remote_problem_ = false;
 };
 
 /// A response that carries `error`.

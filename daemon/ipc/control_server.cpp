@@ -2,26 +2,18 @@
 #include "ipc/control_server.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
-
-#include "ipc/endpoint.h"
 
 namespace dts::ipc {
 namespace {
 
-constexpr std::int64_t kLongestRequestBytes = 16 * 1024;  // our largest is under 1 kB
 constexpr std::size_t kLongestRequestId = 64;
-constexpr std::size_t kMostFrames = 3;  // identity, delimiter, request
 constexpr std::size_t kRepliesKept = 256;
-constexpr int kRequestsPerTurn = 32;  // then sessions and devices get their turn
+constexpr int kRequestsPerTurn = 32;  // of a socket; then the others, sessions and devices get their turn
 constexpr std::size_t kMostWaiting = 64;
 constexpr std::int64_t kPendingTimeoutNs = 10'000'000'000;
 constexpr std::int64_t kTickNs = 50'000'000;
 constexpr std::int64_t kStatusNs = 1'000'000'000;
-constexpr int kHandshakeMs = 2000;
-constexpr int kQueueMessages = 100;
-
 /// Commands that change something are remembered by id; looking twice does no harm.
 bool is_repeatable(const dts::v1::Request& request) {
   switch (request.command_case()) {
@@ -30,35 +22,22 @@ bool is_repeatable(const dts::v1::Request& request) {
     case dts::v1::Request::kMark:
     case dts::v1::Request::kTrial:
     case dts::v1::Request::kResumeSession:
+    case dts::v1::Request::kAddKey:
+    case dts::v1::Request::kRevokeKey:
     case dts::v1::Request::kTare: return false;
     default: return true;
   }
 }
 
+/// Nobody gets the answer to what somebody else asked, or keeps another from using an id.
+std::string known_as(const access::Peer& peer, const std::string& request_id) { return peer.who + '\n' + request_id; }
+
 }  // namespace
 
-core::Result<std::unique_ptr<ControlServer>> ControlServer::bind(zmq::context_t& context, const std::string& endpoint,
-                                                                 session::Supervisor& supervisor, CommandHandler& handler,
-                                                                 PublishThread& publisher, core::Clock& clock, std::uint64_t instance_id) {
-  if (auto valid = check_endpoint(endpoint); !valid) return tl::make_unexpected(valid.error());
-  if (auto free = check_not_in_use(endpoint); !free) return tl::make_unexpected(free.error());
-  try {
-    zmq::socket_t socket(context, zmq::socket_type::router);
-    socket.set(zmq::sockopt::linger, 200);  // the last answers still get out at shutdown
-    socket.set(zmq::sockopt::maxmsgsize, kLongestRequestBytes);
-    socket.set(zmq::sockopt::rcvhwm, kQueueMessages);
-    socket.set(zmq::sockopt::sndhwm, kQueueMessages);
-    socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
-    socket.bind(endpoint);
-    return std::unique_ptr<ControlServer>(new ControlServer(std::move(socket), supervisor, handler, publisher, clock, instance_id));
-  } catch (const zmq::error_t& error) {
-    return core::fail_errno(error.num(), "control socket " + endpoint + " cannot be bound");
-  }
-}
-
-ControlServer::ControlServer(zmq::socket_t socket, session::Supervisor& supervisor, CommandHandler& handler, PublishThread& publisher,
-                             core::Clock& clock, std::uint64_t instance_id)
-    : socket_(std::move(socket)),
+ControlServer::ControlServer(std::vector<ControlSocket> sockets, access::Gate gate, session::Supervisor& supervisor,
+                             CommandHandler& handler, PublishThread& publisher, core::Clock& clock, std::uint64_t instance_id)
+    : sockets_(std::move(sockets)),
+      gate_(std::move(gate)),
       supervisor_(supervisor),
       handler_(handler),
       publisher_(publisher),
@@ -67,6 +46,8 @@ ControlServer::ControlServer(zmq::socket_t socket, session::Supervisor& supervis
       replies_(kRepliesKept) {}
 
 void ControlServer::serve(int ms) {
+  std::vector<zmq::pollitem_t> items;
+  for (ControlSocket& socket : sockets_) items.push_back({.socket = socket.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0});
   const std::int64_t until_ns = clock_.now_ns() + ms * core::kNanosecondsPerMillisecond;
   for (std::int64_t now_ns = clock_.now_ns(); now_ns < until_ns; now_ns = clock_.now_ns()) {
     if (now_ns >= next_tick_ns_) {
@@ -74,111 +55,126 @@ void ControlServer::serve(int ms) {
       publish_notices();
       answer_waiting();
       if (now_ns >= next_status_ns_) publish_status();
+      if (now_ns >= next_drop_ns_) renew_remote(now_ns);
       next_tick_ns_ = now_ns + kTickNs;
     }
     const std::int64_t sleep_ns = std::min(until_ns, next_tick_ns_) - clock_.now_ns();
-    zmq::pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
-    zmq_poll(&item, 1, static_cast<long>(std::max<std::int64_t>(0, sleep_ns / core::kNanosecondsPerMillisecond + 1)));
-    receive();
+    zmq_poll(items.data(), static_cast<int>(items.size()),
+             static_cast<long>(std::max<std::int64_t>(0, sleep_ns / core::kNanosecondsPerMillisecond + 1)));
+    for (ControlSocket& socket : sockets_) receive(socket);
   }
 }
 
-void ControlServer::receive() {
+void ControlServer::drop_remote_peers() {
+  is_drop_due_ = true;  // at the next tick: the answer to whoever revoked a key leaves first
+  next_drop_ns_ = 0;
+  publisher_.drop_remote_peers();
+}
+
+/// An address that somebody else took while it was free for a moment is tried again once a second.
+void ControlServer::renew_remote(std::int64_t now_ns) {
+  next_drop_ns_ = now_ns + kStatusNs;
+  if (publisher_.is_remote_down()) publisher_.drop_remote_peers();
+  if (std::exchange(is_drop_due_, false)) {
+    for (ControlSocket& socket : sockets_) is_drop_due_ = !socket.drop_peers() || is_drop_due_;
+  }
+  handler_.note_remote_problem(is_drop_due_ || publisher_.is_remote_down());
+}
+
+void ControlServer::receive(ControlSocket& socket) {
   for (int turn = 0; turn < kRequestsPerTurn; ++turn) {
-    std::vector<std::string> frames;
-    bool is_too_long = false;
-    bool has_more = true;
-    while (has_more) {
-      zmq::message_t frame;
-      if (!socket_.recv(frame, zmq::recv_flags::dontwait)) return;  // parts of a message arrive together: only the first can be absent
-      has_more = frame.more();
-      is_too_long = is_too_long || frames.size() == kMostFrames;
-      if (!is_too_long) frames.push_back(frame.to_string());
+    auto incoming = socket.receive();
+    if (!incoming) return;
+    if (incoming->is_well_formed) {
+      answer(socket, std::move(*incoming));
+    } else {
+      reject(socket, *incoming, "a request is one frame, or an empty one and then one");
     }
-    const bool has_delimiter = frames.size() == 3 && frames[1].empty();
-    if (is_too_long || (frames.size() != 2 && !has_delimiter)) {
-      frames.resize(1);
-      reject(frames, "a request is one frame, or an empty one and then one");
-      continue;
-    }
-    const std::string payload = std::move(frames.back());
-    frames.pop_back();
-    answer(std::move(frames), payload);
   }
 }
 
-void ControlServer::answer(std::vector<std::string> envelope, const std::string& payload) {
+void ControlServer::answer(ControlSocket& socket, Incoming asked) {
   dts::v1::Request request;
-  if (!request.ParseFromString(payload)) return reject(envelope, "the message is not a dts.v1.Request");
-  const std::string& id = request.request_id();
-  if (id.empty() || id.size() > kLongestRequestId) return reject(envelope, "request_id must have 1..64 bytes");
-  if (!is_repeatable(request) && answer_repeat(envelope, id, payload)) return;
+  if (!request.ParseFromString(asked.payload)) return reject(socket, asked, "the message is not a dts.v1.Request");
+  const std::string id = request.request_id();
+  if (id.empty() || id.size() > kLongestRequestId) return reject(socket, asked, "request_id must have 1..64 bytes");
+  access::Peer peer = asked.public_key ? gate_.remote(*asked.public_key) : access::Gate::local();
+  if (auto allowed = gate_.check(peer, request, clock_.now_ns()); !allowed) return refuse(socket, asked, peer, request, allowed.error());
+  if (!is_repeatable(request) && answer_repeat(socket, asked, peer, id)) return;
   if ((request.has_tare() || request.has_stop_session()) && waiting_.size() == kMostWaiting) {
-    return reject(envelope, "too many commands are being waited for");
+    return reject(socket, asked, "too many commands are being waited for");
   }
   CommandHandler::Answer result = handler_.execute(request);
   if (result.pending) {
-    waiting_.push_back({.envelope = std::move(envelope),
-                        .request_id = request.request_id(),
-                        .payload = payload,
+    waiting_.push_back({.asked = std::move(asked),
+                        .peer = std::move(peer),
                         .request = std::move(request),
                         .pending = *result.pending,
-                        .deadline_ns = clock_.now_ns() + kPendingTimeoutNs});
+                        .deadline_ns = clock_.now_ns() + kPendingTimeoutNs,
+                        .socket = &socket});
     return;
   }
-  handler_.enter_audit(request, result.response);
+  enter_audit(peer, request, result.response);
+  if (handler_.has_lost_keys()) drop_remote_peers();
   std::string bytes = result.response.SerializeAsString();
-  reply(envelope, bytes);
-  if (!is_repeatable(request)) replies_.store(id, {.request = payload, .reply = std::move(bytes)});
+  socket.reply(asked.envelope, bytes);
+  if (!is_repeatable(request)) replies_.store(known_as(peer, id), {.request = std::move(asked.payload), .reply = std::move(bytes)});
   publish_notices();
 }
 
-bool ControlServer::answer_repeat(std::vector<std::string>& envelope, const std::string& id, const std::string& payload) {
-  const auto refuse = [&] { reject(envelope, "request_id was used for another request; it must be unique per command"); };
-  if (const ReplyCache::Entry* known = replies_.find(id)) {
-    if (known->request == payload) {
-      reply(envelope, known->reply);
+bool ControlServer::answer_repeat(ControlSocket& socket, Incoming& asked, const access::Peer& peer, const std::string& id) {
+  const auto refuse_id = [&] { reject(socket, asked, "request_id was used for another request; it must be unique per command"); };
+  if (const ReplyCache::Entry* known = replies_.find(known_as(peer, id))) {
+    if (known->request == asked.payload) {
+      socket.reply(asked.envelope, known->reply);
     } else {
-      refuse();
+      refuse_id();
     }
     return true;
   }
-  const auto same = std::ranges::find(waiting_, id, &Waiting::request_id);
+  const auto same = std::ranges::find_if(waiting_, [&](const Waiting& waiting) { return waiting.request.request_id() == id && waiting.peer.who == peer.who; });
   if (same == waiting_.end()) return false;
-  if (same->payload == payload) {
-    same->envelope = std::move(envelope);  // the answer in the making goes to whoever asked last
+  if (same->asked.payload == asked.payload) {
+    same->asked.envelope = std::move(asked.envelope);  // the answer in the making goes to whoever asked last
+    same->socket = &socket;
   } else {
-    refuse();
+    refuse_id();
   }
   return true;
 }
 
 void ControlServer::answer_waiting() {
-  std::erase_if(waiting_, [this](const Waiting& waiting) {
+  std::erase_if(waiting_, [this](Waiting& waiting) {
     auto response = handler_.finish(waiting.pending);
     if (!response && clock_.now_ns() > waiting.deadline_ns) response = handler_.give_up(waiting.pending);
     if (!response) return false;
-    handler_.enter_audit(waiting.request, *response);
-    response->set_request_id(waiting.request_id);
+    enter_audit(waiting.peer, waiting.request, *response);
+    response->set_request_id(waiting.request.request_id());
     std::string bytes = response->SerializeAsString();
-    reply(waiting.envelope, bytes);
-    replies_.store(waiting.request_id, {.request = waiting.payload, .reply = std::move(bytes)});
+    waiting.socket->reply(waiting.asked.envelope, bytes);
+    replies_.store(known_as(waiting.peer, waiting.request.request_id()), {.request = std::move(waiting.asked.payload), .reply = std::move(bytes)});
     return true;
   });
 }
 
-void ControlServer::reply(const std::vector<std::string>& envelope, const std::string& bytes) {
-  try {
-    for (const std::string& frame : envelope) socket_.send(zmq::buffer(frame), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
-    socket_.send(zmq::buffer(bytes), zmq::send_flags::dontwait);
-  } catch (const zmq::error_t&) {
-    // The client left or does not read: it asks again if it still wants to know.
-  }
+void ControlServer::refuse(ControlSocket& socket, const Incoming& asked, const access::Peer& peer, const dts::v1::Request& request,
+                           const core::Error& why) {
+  dts::v1::Response response = error_response(why);
+  response.set_request_id(request.request_id());
+  socket.reply(asked.envelope, response.SerializeAsString());
+  enter_audit(peer, request, response);
 }
 
-void ControlServer::reject(const std::vector<std::string>& envelope, const std::string& why) {
+/// Each entry is a write to the disk: a flood of commands that fail must neither fill it nor keep this thread busy.
+void ControlServer::enter_audit(const access::Peer& peer, const dts::v1::Request& request, const dts::v1::Response& response) {
+  if (!handler_.is_audited(request, response)) return;
+  if (response.has_error() && !gate_.is_worth_a_note(peer, clock_.now_ns())) return;
+  handler_.enter_audit(peer.who, request, response);
+}
+
+void ControlServer::reject(ControlSocket& socket, const Incoming& asked, const std::string& why) {
   handler_.count_rejected();
-  reply(envelope, error_response({core::ErrorCode::InvalidArgument, why, "client and daemon may differ in version"}).SerializeAsString());
+  socket.reply(asked.envelope, error_response({core::ErrorCode::InvalidArgument, why, "client and daemon may differ in version"}).SerializeAsString());
 }
 
 void ControlServer::publish_notices() {

@@ -21,6 +21,8 @@ class DataSocket {
   /// Handles a bounded number of subscribers' messages, if the last `wait` saw any; true when somebody newly subscribed to
   /// something.
   [[nodiscard]] virtual bool take_subscriptions() = 0;
+  /// Ends all connections from other machines; those that still may come again at once. False: nobody can, try again.
+  [[nodiscard]] virtual bool drop_remote_peers() noexcept = 0;
 };
 
 }  // namespace dts::ipc

@@ -2,8 +2,10 @@
 #include "ipc/encode.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "ipc/encode_reach.h"
+#include "ipc/encode_sway.h"
 
 namespace dts::ipc {
 namespace {
@@ -26,10 +28,27 @@ dts::v1::TareState tare_state(pipeline::TareOutcome outcome) {
 }
 
 static_assert(static_cast<int>(core::GapReason::Integrity) == dts::v1::GAP_REASON_INTEGRITY);
+static_assert(core::kGapReasons == dts::v1::GapReason_ARRAYSIZE);
 static_assert(static_cast<int>(device::DeviceCheck::Outcome::Skipped) == dts::v1::CHECK_OUTCOME_SKIPPED);
 static_assert(static_cast<int>(core::ErrorCode::Internal) == dts::v1::ERROR_CODE_INTERNAL);
 static_assert(core::quality::kSubstituted == dts::v1::QUALITY_SUBSTITUTED);
 static_assert(core::quality::kUntared == dts::v1::QUALITY_UNTARED && core::quality::kNoContact == dts::v1::QUALITY_NO_CONTACT);
+
+void add_health(const session::RigState& state, dts::v1::RigStatus& out) {
+  for (std::size_t reason = 0; reason < state.acquisition.losses.size(); ++reason) {
+    const session::LossCount& count = state.acquisition.losses[reason];
+    if (count.gaps_total == 0) continue;
+    auto& loss = *out.add_losses();
+    loss.set_reason(static_cast<dts::v1::GapReason>(reason));
+    loss.set_gaps_total(count.gaps_total);
+    loss.set_lost_scans_total(count.lost_scans_total);
+  }
+  out.mutable_ring_fill()->set_scans_percent(state.ring_fill.scans_percent);
+  out.mutable_ring_fill()->set_frames_percent(state.ring_fill.frames_percent);
+  out.mutable_ring_fill()->set_record_percent(state.ring_fill.record_percent);
+  *out.mutable_latency() = latency_histogram(state.latency);
+  out.set_record_lag_s(state.recording.lag_s);
+}
 
 dts::v1::RigStatus rig_status(const session::RigState& state) {
   dts::v1::RigStatus out;
@@ -50,6 +69,7 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   out.set_clock_drift_ppm(state.acquisition.clock_drift_ppm);
   out.set_host_time_uncertainty_ns(state.acquisition.host_time_uncertainty_ns);
   out.set_tare(tare_state(state.tare.outcome));
+  add_health(state, out);
   *out.mutable_session() = session_info(state.rig.config().name, state.session);
   *out.mutable_session()->mutable_recording() = recording_status(state.recording, state.part);
   if (state.trial) *out.mutable_session()->mutable_trial() = trial_status(*state.trial);
@@ -142,6 +162,9 @@ dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& no
   } else if (const auto* result = std::get_if<session::TrialResultNotice>(&notice.body)) {
     topic_name = "trial";
     *event.mutable_trial_result() = trial_result(*result);
+  } else if (const auto* standing = std::get_if<session::SwayNotice>(&notice.body)) {
+    topic_name = "sway";
+    *event.mutable_sway() = sway(standing->result, standing->session_id, standing->software);
   }
   return event;
 }
@@ -157,6 +180,19 @@ dts::v1::StatusSnapshot status_snapshot(const Identity& identity, std::int64_t n
   out.set_boot_id(identity.boot_id);
   for (const std::string& notice : notices) out.add_notices(notice);
   for (const session::RigState& state : states) *out.add_rigs() = rig_status(state);
+  return out;
+}
+
+dts::v1::LatencyHistogram latency_histogram(const session::LatencyReport& report) {
+  dts::v1::LatencyHistogram out;
+  std::uint64_t total = 0;
+  for (std::size_t index = 0; index < report.blocks.size(); ++index) {
+    auto& bucket = *out.add_buckets();
+    const bool is_last = index == session::LatencyReport::kUpperMs.size();
+    bucket.set_upper_ms(is_last ? std::numeric_limits<double>::infinity() : session::LatencyReport::kUpperMs[index]);
+    bucket.set_blocks_total(total += report.blocks[index]);
+  }
+  out.set_sum_ms(report.sum_ms);
   return out;
 }
 

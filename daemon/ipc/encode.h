@@ -46,6 +46,8 @@ struct Identity {
 [[nodiscard]] dts::v1::StatusSnapshot status_snapshot(const Identity& identity, std::int64_t now_ns,
                                                       const std::vector<session::RigState>& states,
                                                       const std::vector<std::string>& notices);
+/// With its buckets adding up, and an infinite last one.
+[[nodiscard]] dts::v1::LatencyHistogram latency_histogram(const session::LatencyReport& report);
 [[nodiscard]] dts::v1::RigInfo rig_info(const session::Rig& rig);
 [[nodiscard]] dts::v1::DeviceState device_state(device::DeviceState state);
 [[nodiscard]] dts::v1::Error error_message(const core::Error& error);

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <limits>
 
+#include "ipc/encode_sway.h"
 #include "record/event.h"
 #include "record/utf8_text.h"
+#include "session/sway_record.h"
 
 namespace dts::ipc {
 
@@ -48,6 +50,7 @@ dts::v1::SessionInfo session_info(const std::string& rig, const session::Session
   out.set_settle_s(view.request.settle_s);
   out.set_elapsed_s(view.elapsed_s);
   out.set_message(clean_text(view.message));
+  for (const auto& [name, value] : view.request.fields) (*out.mutable_fields())[clean_text(name)] = clean_text(value);
   return out;
 }
 
@@ -94,6 +97,7 @@ dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol) {
   dts::v1::ProtocolInfo out;
   out.set_name(protocol.name);
   out.set_sentence(protocol.sentence);
+  out.set_rig_kind(protocol.rig_kind);
   out.set_settle_s(protocol.settle_s);
   out.set_duration_s(protocol.duration_s);
   if (protocol.trials) {
@@ -140,9 +144,8 @@ int class_of(const record::RecordedEvent& event, const std::string& key) {
   return number >= -1.0 && number <= 3.0 ? static_cast<int>(number) : -1;
 }
 
-void fill(dts::v1::TrialResult& out, const record::TrialRow& trial) {
-  const auto event = record::event_of_json(trial.result);
-  if (!event) return;
+void fill(dts::v1::TrialResult& out, const record::TrialRow& trial, const record::RecordedEvent& told) {
+  const record::RecordedEvent* const event = &told;
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   out.set_trial(trial.trial);
   out.set_attempt(trial.attempt);
@@ -172,7 +175,13 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_segment(trial.segment);
   out.set_first_scan(trial.first_scan);
   out.set_last_scan(trial.last_scan);
-  if (!trial.result.empty()) fill(*out.mutable_result(), trial);
+  if (trial.result.empty()) return;
+  const auto event = record::event_of_json(trial.result);
+  if (event && event->event == "result") fill(*out.mutable_result(), trial, *event);
+  if (!event || event->event != "sway") return;
+  if (const auto standing = session::sway_of(*event)) {
+    *out.mutable_sway() = sway(*standing, trial.session_id, record::text_of(*event, "software"));
+  }
 }
 
 }  // namespace

@@ -25,24 +25,25 @@ core::Status check_tcp(const std::string& endpoint) {
   if (colon == std::string_view::npos) {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' has no port", "write tcp://127.0.0.1:5555");
   }
-  const std::string_view host = address.substr(0, colon);
   const std::string_view digits = address.substr(colon + 1);
   unsigned port = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
   if (error != std::errc{} || end != digits.data() + digits.size() || port == 0 || port > 65535) {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "': the port must be 1..65535");
   }
-  if (host != "127.0.0.1") {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is reachable from other machines, which needs client keys",
-                      "this version binds to 127.0.0.1 and ipc:// only");
-  }
   return {};
 }
+
+std::string_view host_of(std::string_view endpoint) { return endpoint.substr(kTcp.size(), endpoint.rfind(':') - kTcp.size()); }
 
 }  // namespace
 
 core::Status check_endpoint(const std::string& endpoint) {
-  if (endpoint.starts_with(kTcp)) return check_tcp(endpoint);
+  if (endpoint.starts_with(kTcp)) {
+    if (auto checked = check_tcp(endpoint); !checked || host_of(endpoint) == "127.0.0.1") return checked;
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is reachable from other machines, which needs client keys",
+                      "write it under [network], where clients need keys; here only ipc:// and 127.0.0.1 are allowed");
+  }
   if (!endpoint.starts_with(kIpc)) {
     return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is neither ipc:// nor tcp://");
   }
@@ -56,6 +57,18 @@ core::Status check_endpoint(const std::string& endpoint) {
                       "choose a shorter runtime directory");
   }
   return {};
+}
+
+core::Status check_remote_endpoint(const std::string& endpoint) {
+  if (!endpoint.starts_with(kTcp)) {
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is not tcp://", "write tcp://*:5555, or one address of this machine");
+  }
+  if (auto checked = check_tcp(endpoint); !checked) return checked;
+  const std::string_view host = host_of(endpoint);
+  const bool is_host = host == "*" || (!host.empty() && host.find_first_not_of("0123456789.") == std::string_view::npos);
+  if (is_host) return {};
+  return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' names no address of this machine",
+                    "write tcp://*:5555, or the IPv4 address in digits: a name could come to mean another");
 }
 
 core::Status check_not_in_use(const std::string& endpoint) {

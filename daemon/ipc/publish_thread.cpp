@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "ipc/encode_reach.h"
+#include "ipc/encode_sway.h"
 
 namespace dts::ipc {
 namespace {
@@ -28,6 +29,7 @@ PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell&
                   .trigger_topic = config.name + "/trigger",
                   .reach_topic = config.name + "/reach",
                   .class_topic = config.name + "/class",
+                  .sway_topic = config.name + "/sway",
                   .trigger_channel = {},
                   .streams = {}};
     if (config.trigger) source.trigger_channel = rig->device().channels.at(config.trigger->channel).name;
@@ -68,10 +70,18 @@ void PublishThread::post(std::string topic, std::unique_ptr<google::protobuf::Me
   bell_.ring();
 }
 
+void PublishThread::drop_remote_peers() {
+  is_drop_due_.store(true, std::memory_order_release);  // pairs with run()
+  bell_.ring();
+}
+
 void PublishThread::run(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     socket_->wait(bell_.fd(), is_retained_due_ ? kRetainedMs : kWaitMs);
     bell_.clear();
+    turns_.fetch_add(1, std::memory_order_relaxed);
+    // Once an order: where it fails, the control thread gives it again.
+    if (is_drop_due_.exchange(false, std::memory_order_acq_rel)) is_remote_down_.store(!socket_->drop_remote_peers(), std::memory_order_relaxed);
     for (Source& source : sources_) publish(source);
     send_outbox();
     is_retained_due_ = socket_->take_subscriptions() || is_retained_due_;
@@ -91,7 +101,9 @@ void PublishThread::publish(Source& source) {
       socket_->send(source.trigger_topic, trigger_event(instance_id_, trigger, source.trigger_channel));
     }
     send_streams(source, *frame);
+    note_latency(source, *frame);
     send_reaches(source, frame->events);
+    for (const core::SwayEvent& sway : frame->events.sways.all_of()) socket_->send(source.sway_topic, sway_event(instance_id_, sway));
     frames.release();
   }
   bell_.ring();  // more is waiting: come back after the others had their turn
@@ -103,6 +115,15 @@ void PublishThread::send_streams(Source& source, const core::Frame& frame) {
     if (block.count() == 0) continue;
     socket_->send(encoder.topic(), encoder.encode(block, frame.lost_scans_total, source.rig->dropped_blocks()));
   }
+}
+
+/// Of the device's own stream, the first: it has no delay of filters, and a block in every frame.
+void PublishThread::note_latency(Source& source, const core::Frame& frame) {
+  const core::Block& raw = frame.streams.front();
+  if (raw.count() == 0) return;
+  const std::int64_t newest_ns = raw.host_time_ns + source.rig->formats().front().rate.time_ns({raw.count() - 1});
+  source.latency.add(static_cast<double>(clock_.now_ns() - newest_ns) * 1e-6);
+  source.rig->note_latency(source.latency);
 }
 
 /// After the scans in which they were found; every class right after its reach.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -40,6 +41,12 @@ class PublishThread {
   /// Queues a message; a retained one is repeated for new subscribers until another replaces it. Bounded: beyond 1000
   /// queued messages the oldest that is not retained is dropped. Thread: any but the sample threads.
   void post(std::string topic, std::unique_ptr<google::protobuf::MessageLite> message, bool is_retained);
+  /// Ends all connections from other machines soon: a key was revoked. Thread: any but the sample threads.
+  void drop_remote_peers();
+  /// They cannot come again, since their address could not be bound. Thread: any.
+  [[nodiscard]] bool is_remote_down() const noexcept { return is_remote_down_.load(std::memory_order_relaxed); }
+  /// Counts up several times a second while the thread lives. Thread: any.
+  [[nodiscard]] std::uint64_t turns() const noexcept { return turns_.load(std::memory_order_relaxed); }
 
  private:
   struct Outgoing {
@@ -53,12 +60,15 @@ class PublishThread {
     std::string trigger_topic;
     std::string reach_topic;
     std::string class_topic;
+    std::string sway_topic;
     std::string trigger_channel;                                 ///< Its name.
     std::vector<std::pair<std::size_t, StreamEncoder>> streams;  ///< Index in the frame, encoder; published streams only.
+    session::LatencyReport latency{};
   };
   void run(const std::stop_token& stop);
   void publish(Source& source);
   void send_streams(Source& source, const core::Frame& frame);
+  void note_latency(Source& source, const core::Frame& frame);
   void send_reaches(const Source& source, const core::FrameEvents& events);
   void send_outbox();
   void send_retained();
@@ -68,6 +78,9 @@ class PublishThread {
   std::vector<Source> sources_;
   core::Clock& clock_;
   std::uint64_t instance_id_;
+  std::atomic<bool> is_drop_due_{false};
+  std::atomic<bool> is_remote_down_{false};
+  std::atomic<std::uint64_t> turns_{0};
   bool is_retained_due_ = false;
   std::int64_t retained_sent_ns_ = 0;
   std::mutex outbox_mutex_;  ///< Held for moving pointers only, never across a send.

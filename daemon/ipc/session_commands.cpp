@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "access/client_key.h"
 #include "ipc/command_handler.h"
 #include "ipc/encode_session.h"
 
@@ -14,7 +15,6 @@ using core::ErrorCode;
 constexpr std::uint32_t kDefaultLimit = 100;
 constexpr std::uint32_t kLargestLimit = 1000;  // an answer stays below a few MB
 constexpr std::size_t kMostFields = 64;
-constexpr const char* kWho = "local";  // sockets of the machine itself: whoever the file system lets in
 
 std::size_t limit_of(std::uint32_t asked) { return std::clamp(asked == 0 ? kDefaultLimit : asked, 1U, kLargestLimit); }
 
@@ -22,7 +22,7 @@ dts::v1::Response nothing_is_recorded() {
   return error_response({ErrorCode::Unsupported, "this daemon records nothing", "it was started without storage"});
 }
 
-/// Name and target of a command that changes something; an empty name: it changes nothing.
+/// Name and target of a command; an empty name: it changes nothing, and everybody may look.
 std::pair<std::string, std::string> named(const dts::v1::Request& request) {
   switch (request.command_case()) {
     case dts::v1::Request::kStartSession: return {"start_session", request.start_session().rig()};
@@ -38,6 +38,11 @@ std::pair<std::string, std::string> named(const dts::v1::Request& request) {
       }
     case dts::v1::Request::kMark: return {"mark", request.mark().rig()};
     case dts::v1::Request::kTare: return {"tare", request.tare().rig()};
+    case dts::v1::Request::kTestDevice: return {"device_test", request.test_device().rig()};
+    case dts::v1::Request::kGetAudit: return {"audit", ""};
+    case dts::v1::Request::kListKeys: return {"key_list", ""};
+    case dts::v1::Request::kAddKey: return {"key_new", request.add_key().name()};
+    case dts::v1::Request::kRevokeKey: return {"key_revoke", request.revoke_key().name()};
     default: return {};
   }
 }
@@ -168,14 +173,37 @@ std::string SessionCommands::audited_target(const std::string& rig) {
   return target;
 }
 
-void SessionCommands::enter_audit(const dts::v1::Request& request, const dts::v1::Response& response) {
+namespace {
+
+/// "local", or "local:anna": what a gateway says of whom it logged in is as good as the gateway, hence both.
+std::string who(const std::string& sender, const dts::v1::Request& request) {
+  return access::is_key_name(request.on_behalf_of()) ? sender + ":" + request.on_behalf_of() : sender;
+}
+
+/// What a command on keys is about; what is no name was typed by somebody and stays out of the trail.
+std::optional<std::string> key_of(const dts::v1::Request& request) {
+  if (!request.has_add_key() && !request.has_revoke_key()) return std::nullopt;
+  const std::string& name = request.has_add_key() ? request.add_key().name() : request.revoke_key().name();
+  if (!access::is_key_name(name)) return "";
+  return request.has_add_key() ? name + ":" + std::string(access::role_word(request.add_key().role())) : name;
+}
+
+}  // namespace
+
+bool SessionCommands::is_audited(const dts::v1::Request& request, const dts::v1::Response& response) {
+  const bool is_look = request.has_test_device() || request.has_get_audit() || request.has_list_keys();
+  return !named(request).first.empty() && (!is_look || response.has_error());
+}
+
+void SessionCommands::enter_audit(const std::string& sender, const dts::v1::Request& request, const dts::v1::Response& response) {
   session::Recordings* recordings = supervisor_.recordings();
   auto [what, target] = named(request);
-  if (recordings == nullptr || what.empty()) return;
-  target = response.has_session() ? response.session().session_id() : audited_target(target);
+  if (recordings == nullptr || !is_audited(request, response)) return;
+  const auto key = key_of(request);
+  target = response.has_session() ? response.session().session_id() : key ? *key : audited_target(target);
   const std::string result = response.has_error() ? std::string(core::name(static_cast<ErrorCode>(response.error().code()))) : "ok";
   recordings->enter_audit(
-      {.utc_ns = clock_.now_ns() + core::utc_minus_monotonic_ns(), .who = kWho, .what = what, .target = target, .result = result});
+      {.utc_ns = clock_.now_ns() + core::utc_minus_monotonic_ns(), .who = who(sender, request), .what = what, .target = target, .result = result});
 }
 
 }  // namespace dts::ipc

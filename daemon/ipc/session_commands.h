@@ -34,9 +34,11 @@ class SessionCommands {
   [[nodiscard]] dts::v1::Response show(const dts::v1::ShowSessionRequest& request);
   [[nodiscard]] dts::v1::Response audit(const dts::v1::GetAuditRequest& request);
 
-  /// Enters a command that changes something into the audit trail with its answer: who, what, on what, how it ended. The texts of people
-  /// (labels, markers, fields) do not go there.
-  void enter_audit(const dts::v1::Request& request, const dts::v1::Response& response);
+  /// Enters a command that changes something into the audit trail with its answer: who, what, on what, how it ended. `sender` is "local" or
+  /// "key:NAME". The texts of people (labels, markers, fields) do not go there.
+  /// Whether a command with this answer is entered at all: what changes something, and what only an engineer may look at, when it failed.
+  [[nodiscard]] static bool is_audited(const dts::v1::Request& request, const dts::v1::Response& response);
+  void enter_audit(const std::string& sender, const dts::v1::Request& request, const dts::v1::Response& response);
 
  private:
   [[nodiscard]] std::string audited_target(const std::string& rig);

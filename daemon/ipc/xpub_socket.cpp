@@ -14,15 +14,17 @@ namespace {
 constexpr int kLongestSubscriptionBytes = 512;
 // Draining all subscription messages at once would silence the publisher during a flood of them.
 constexpr int kSubscriptionsPerTurn = 64;
-constexpr int kHandshakeMs = 2000;
-constexpr int kHeartbeatMs = 1000;
-constexpr int kHeartbeatTimeoutMs = 5000;
 
 }  // namespace
 
-core::Result<std::unique_ptr<XpubSocket>> XpubSocket::bind(zmq::context_t& context, const std::string& endpoint, int queue_messages) {
+core::Result<std::unique_ptr<XpubSocket>> XpubSocket::bind(zmq::context_t& context, const std::string& endpoint, int queue_messages,
+                                                           const std::optional<RemoteEndpoint>& remote) {
   if (auto valid = check_endpoint(endpoint); !valid) return tl::make_unexpected(valid.error());
   if (auto free = check_not_in_use(endpoint); !free) return tl::make_unexpected(free.error());
+  if (remote) {
+    if (auto valid = check_remote_endpoint(remote->endpoint); !valid) return tl::make_unexpected(valid.error());
+  }
+  std::string trying = endpoint;
   try {
     zmq::socket_t socket(context, zmq::socket_type::xpub);
     socket.set(zmq::sockopt::linger, 200);  // the last events still get out at shutdown
@@ -32,10 +34,16 @@ core::Result<std::unique_ptr<XpubSocket>> XpubSocket::bind(zmq::context_t& conte
     socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
     socket.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
     socket.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
+    use_local_thread(socket);
     socket.bind(endpoint);
-    return std::unique_ptr<XpubSocket>(new XpubSocket(std::move(socket)));
+    std::string bound;
+    if (remote) {
+      trying = remote->endpoint;
+      bound = bind_remote(socket, *remote);
+    }
+    return std::unique_ptr<XpubSocket>(new XpubSocket(std::move(socket), std::move(bound)));
   } catch (const zmq::error_t& error) {
-    return core::fail_errno(error.num(), "data socket " + endpoint + " cannot be bound");
+    return core::fail_errno(error.num(), "data socket " + trying + " cannot be bound");
   }
 }
 

@@ -2,30 +2,36 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <zmq.hpp>
 
 #include "core/result.h"
 #include "ipc/data_socket.h"
+#include "ipc/remote_endpoint.h"
 
 namespace dts::ipc {
 
 /// DataSocket over a libzmq XPUB socket.
 class XpubSocket final : public DataSocket {
  public:
-  /// Binds. `queue_messages` bounds what is kept for each slow subscriber. Fails with the endpoint and the reason.
+  /// Binds, at `remote` too if there is one. `queue_messages` bounds what is kept for each slow subscriber. Fails with the endpoint and
+  /// the reason.
   [[nodiscard]] static core::Result<std::unique_ptr<XpubSocket>> bind(zmq::context_t& context, const std::string& endpoint,
-                                                                      int queue_messages);
+                                                                      int queue_messages, const std::optional<RemoteEndpoint>& remote = {});
 
   void send(std::string_view topic, const google::protobuf::MessageLite& message) override;
   void wait(int bell_fd, int timeout_ms) override;
   [[nodiscard]] bool take_subscriptions() override;
+  [[nodiscard]] bool drop_remote_peers() noexcept override { return bound_.empty() || drop_connections(socket_, bound_); }
 
  private:
-  explicit XpubSocket(zmq::socket_t socket) : socket_(std::move(socket)), socket_fd_(socket_.get(zmq::sockopt::fd)) {}
+  XpubSocket(zmq::socket_t socket, std::string bound)
+      : socket_(std::move(socket)), bound_(std::move(bound)), socket_fd_(socket_.get(zmq::sockopt::fd)) {}
   [[nodiscard]] bool has_input();
 
   zmq::socket_t socket_;
+  std::string bound_;       ///< The remote address; empty: there is none.
   int socket_fd_;           ///< Readable when libzmq has something for this socket; belongs to it.
   bool has_input_ = false;  ///< Of the last wait.
 };

@@ -7,6 +7,8 @@
 #include <random>
 #include <string>
 
+#include "physics/body/reach_motion.h"
+
 namespace dts::physics {
 namespace {
 
@@ -21,15 +23,9 @@ constexpr core::Millimetres kForefootLength{70.0};
 
 // Assumed small movements of a body's weight on a plate that does not move: breathing and heart beat.
 constexpr double kBreathingPart = 0.0015;
-constexpr double kBreathingHz = 0.25;
+constexpr double kBreathsHz = 0.25;
 constexpr double kHeartPart = 0.002;
-constexpr double kHeartHz = 1.1;
-
-/// 0 before 0, 1 after 1, with no speed at either end.
-double smooth_step(double part) noexcept {
-  const double t = std::clamp(part, 0.0, 1.0);
-  return t * t * (3.0 - 2.0 * t);
-}
+constexpr double kHeartBeatsHz = 1.1;
 
 bool is_on_plate(const Patch& patch, const Plate& plate) noexcept {
   const double half_width = patch.width.value / 2.0;
@@ -109,8 +105,8 @@ StepPhase StandingPerson::phase(double time_s) const noexcept {
 }
 
 double StandingPerson::weight_n(double time_s) const noexcept {
-  const double breathing = kBreathingPart * std::sin(2.0 * std::numbers::pi * kBreathingHz * time_s + breathing_phase_);
-  const double heart = kHeartPart * std::sin(2.0 * std::numbers::pi * kHeartHz * time_s + heart_phase_);
+  const double breathing = kBreathingPart * std::sin(2.0 * std::numbers::pi * kBreathsHz * time_s + breathing_phase_);
+  const double heart = kHeartPart * std::sin(2.0 * std::numbers::pi * kHeartBeatsHz * time_s + heart_phase_);
   return stance_.load.value * (1.0 + breathing + heart);
 }
 

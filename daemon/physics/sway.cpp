@@ -5,13 +5,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "physics/conversions.h"
+
 namespace dts::physics {
 namespace {
 
-constexpr double kGravityMPerS2 = 9.81;
+constexpr double kStandardGravityMPerS2 = 9.81;
 constexpr double kStepS = 1e-3;
 constexpr double kStepsPerSecond = 1000.0;
-constexpr double kMillimetresPerMetre = 1000.0;
 constexpr int kWarmUpSteps = 30'000;
 constexpr std::uint64_t kSecondAxisSeed = 0x9e3779b97f4a7c15ULL;  // Keeps the axes' random numbers apart for every seed.
 
@@ -21,7 +22,7 @@ std::size_t delay_steps(double delay_s) { return static_cast<std::size_t>(std::m
 
 SwayAxis::SwayAxis(const SwayModel& model, std::uint64_t seed)
     : model_(model),
-      gravity_torque_nm_per_rad_(model.mass_kg * kGravityMPerS2 * model.centre_height_m),
+      gravity_torque_nm_per_rad_(model.mass_kg * kStandardGravityMPerS2 * model.centre_height_m),
       random_(seed),
       past_(delay_steps(model.delay_s)) {
   for (int i = 0; i < kWarmUpSteps; ++i) next_mm();
@@ -39,7 +40,7 @@ double SwayAxis::next_mm() noexcept {
   const double acceleration = (falling_torque_nm - ankle_torque_nm) / model_.inertia_kg_m2;
   state_.angle_rad += kStepS * state_.speed_rad_per_s;
   state_.speed_rad_per_s += kStepS * acceleration;
-  return kMillimetresPerMetre * ankle_torque_nm / (model_.mass_kg * kGravityMPerS2);
+  return kMillimetresPerMetre * ankle_torque_nm / (model_.mass_kg * kStandardGravityMPerS2);
 }
 
 double SwayAxis::command_torque_nm(const State& delayed) const noexcept {

@@ -61,8 +61,10 @@ core::Result<std::unique_ptr<Pipeline>> Pipeline::create(std::span<const StageCo
   pipeline->max_block_scans_ = input.max_block_scans;
   core::StreamFormat format = device_format(input, context.rig);
   const std::size_t columns = format.channels.size();
+  StageContext told = context;
+  told.raw_rate = input.rate;
   for (const StageConfig& config : stages) {
-    auto output = pipeline->append(config, format, context);
+    auto output = pipeline->append(config, format, told);
     if (!output) return tl::make_unexpected(output.error());
     format = std::move(*output);
   }

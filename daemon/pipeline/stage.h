@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "core/result.h"
 #include "physics/cop/cop_calibration.h"
 #include "physics/rig_model.h"
+#include "pipeline/steadiness_window.h"
 #include "pipeline/tare.h"
 
 namespace dts::pipeline {
@@ -39,7 +41,7 @@ struct StageDescription {
   std::vector<OptionDescription> options;
 };
 
-/// What a stage may use besides its input. `rig`, `tare` and the calibration outlive the stage; the context itself need not.
+/// What a stage may use besides its input. `rig`, `tare`, `windows` and the calibration outlive the stage; the context itself need not.
 struct StageContext {
   const physics::RigModel& rig;
   /// Range of each sensor channel of the device, V: for rail detection.
@@ -50,6 +52,9 @@ struct StageContext {
   };
   std::vector<InputRange> input_ranges;
   Tare& tare;
+  SteadinessWindows& windows;
+  /// Of the rig's raw stream, whose scans windows and events name; the pipeline fills it in. Without: a stage's input counts as raw.
+  std::optional<core::Rate> raw_rate{};
   /// The rig's own calibration of the centre of pressure; nullptr: the rig's plate model stands in for it.
   const physics::CopCalibration* cop_calibration = nullptr;
   /// What tells trunk movement from a reach; nullptr: the rig has none.

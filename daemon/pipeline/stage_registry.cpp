@@ -13,6 +13,7 @@
 #include "pipeline/stages/guard.h"
 #include "pipeline/stages/linearise.h"
 #include "pipeline/stages/reach.h"
+#include "pipeline/stages/steadiness.h"
 #include "pipeline/stages/transient.h"
 #include "pipeline/stages/window_filter.h"
 
@@ -32,6 +33,7 @@ constexpr std::array kStages = {
     entry<WindowFilter>(),
     entry<Linearise>(),
     entry<Cop>(),
+    entry<Steadiness>(),
     entry<Transient>(),
     entry<Reach>(),
     entry<Classify>(),

@@ -5,7 +5,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <type_traits>
 
+#include "record/damaged.h"
 #include "record/xdf/number_text.h"
 
 namespace dts::record {
@@ -13,7 +15,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr auto kDamaged = core::ErrorCode::DataDamaged;
 constexpr std::size_t kMaxKeys = 64;
 constexpr std::size_t kMaxBytes = 64U << 10U;
 constexpr int kMaxDepth = 32;
@@ -48,7 +49,20 @@ EventValue value_of(const Json& value) {
   if (value.is_number_integer()) return value.get<std::int64_t>();
   if (value.is_number_float()) return value.get<double>();
   if (value.is_null()) return std::numeric_limits<double>::quiet_NaN();  // JSON has no other way to write an undefined number
-  return value.dump();
+  return JsonText{value.dump()};
+}
+
+void add(Json& object, const std::string& key, const EventValue& value) {
+  if (const auto* nested = std::get_if<JsonText>(&value)) {
+    object[key] = Json::parse(nested->text, nullptr, false);
+    if (object[key].is_discarded()) object[key] = nullptr;
+    return;
+  }
+  std::visit(
+      [&](const auto& held) {
+        if constexpr (!std::is_same_v<std::decay_t<decltype(held)>, JsonText>) object[key] = held;
+      },
+      value);
 }
 
 /// A number that counts something; absent: 0.
@@ -76,7 +90,7 @@ core::Result<RecordedEvent> event_of_object(const Json& object) {
 std::string to_json(const RecordedEvent& event) {
   Json object = {{"event", event.event}, {"segment", event.segment}, {"scan", event.scan.value}};
   for (const auto& [key, value] : event.values)
-    if (!is_own_key(key)) std::visit([&object, &name = key](const auto& held) { object[name] = held; }, value);
+    if (!is_own_key(key)) add(object, key, value);
   return object.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -89,13 +103,24 @@ core::Result<RecordedEvent> event_of_json(const std::string& text) {
   return event_of_object(object);
 }
 
+std::string values_json(const RecordedEvent& event, const std::string& without) {
+  Json object = Json::object();
+  for (const auto& [key, value] : event.values)
+    if (key != without) add(object, key, value);
+  return object.empty() ? std::string() : object.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string text_of(const EventValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  if (const auto* number = std::get_if<double>(&value)) return shortest_text(*number);
+  if (const auto* number = std::get_if<std::int64_t>(&value)) return std::to_string(*number);
+  if (const auto* nested = std::get_if<JsonText>(&value)) return nested->text;
+  return std::get<bool>(value) ? "true" : "false";
+}
+
 std::string text_of(const RecordedEvent& event, const std::string& key) {
   const auto found = std::ranges::find(event.values, key, &std::pair<std::string, EventValue>::first);
-  if (found == event.values.end()) return {};
-  if (const auto* text = std::get_if<std::string>(&found->second)) return *text;
-  if (const auto* number = std::get_if<double>(&found->second)) return shortest_text(*number);
-  if (const auto* number = std::get_if<std::int64_t>(&found->second)) return std::to_string(*number);
-  return std::get<bool>(found->second) ? "true" : "false";
+  return found == event.values.end() ? std::string() : text_of(found->second);
 }
 
 }  // namespace dts::record

@@ -3,63 +3,19 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
+#include <string>
 #include <string_view>
+
+#include "record/event_values.h"
 
 namespace dts::record {
 namespace {
 
 constexpr std::array<std::string_view, 5> kSteps{"p1", "p2", "p3", "final", "cancelled"};  // ReachStep counts from 1
 
-/// Takes values out of an event; remembers the first key that was not as it should be.
-class Values {
- public:
-  explicit Values(const RecordedEvent& event) : event_(event) {}
-
-  double number(const std::string& key) {
-    const EventValue* const value = find(key);
-    if (value == nullptr) return 0.0;
-    if (const auto* number = std::get_if<double>(value)) return *number;
-    if (const auto* number = std::get_if<std::int64_t>(value)) return static_cast<double>(*number);
-    refuse(key);
-    return 0.0;
-  }
-  std::int64_t whole(const std::string& key, std::int64_t minimum, std::int64_t maximum) {
-    const EventValue* const value = find(key);
-    const auto* const number = value == nullptr ? nullptr : std::get_if<std::int64_t>(value);
-    if (number != nullptr && *number >= minimum && *number <= maximum) return *number;
-    refuse(key);
-    return minimum;
-  }
-  template <class Number>
-  Number count(const std::string& key) {
-    constexpr auto kLargest = std::min<std::uint64_t>(std::numeric_limits<Number>::max(), std::numeric_limits<std::int64_t>::max());
-    return static_cast<Number>(whole(key, 0, static_cast<std::int64_t>(kLargest)));
-  }
-  core::ReachPoint point(const std::string& name) {
-    return {.scan = {count<std::uint64_t>(name + "_scan")}, .value_mm = number(name + "_mm")};
-  }
-  void refuse(const std::string& key) {
-    if (problem_.empty()) problem_ = key;
-  }
-  [[nodiscard]] core::Status check() const {
-    if (problem_.empty()) return {};
-    return core::fail(core::ErrorCode::DataDamaged, "event \"" + event_.event + "\" at scan " + std::to_string(event_.scan.value) + ": \"" +
-                                                        problem_ + "\" is missing or impossible");
-  }
-
- private:
-  const EventValue* find(const std::string& key) {
-    const auto found = std::ranges::find(event_.values, key, &std::pair<std::string, EventValue>::first);
-    if (found != event_.values.end()) return &found->second;
-    refuse(key);
-    return nullptr;
-  }
-
-  const RecordedEvent& event_;
-  std::string problem_;
-};
+core::ReachPoint point_of(EventValues& values, const std::string& name) {
+  return {.scan = {values.count<std::uint64_t>(name + "_scan")}, .value_mm = values.number(name + "_mm")};
+}
 
 void add_point(RecordedEvent& out, const std::string& name, const core::ReachPoint& point) {
   out.values.emplace_back(name + "_scan", static_cast<std::int64_t>(point.scan.value));
@@ -89,7 +45,7 @@ RecordedEvent to_record(const core::ReachEvent& event) {
 }
 
 core::Result<core::ReachEvent> reach_of(const RecordedEvent& event) {
-  Values values(event);
+  EventValues values(event);
   core::ReachEvent reach{.segment = event.segment, .scan = event.scan};
   const auto step = std::ranges::find(kSteps, text_of(event, "step"));
   if (step == kSteps.end()) {
@@ -98,9 +54,9 @@ core::Result<core::ReachEvent> reach_of(const RecordedEvent& event) {
     reach.step = static_cast<core::ReachStep>(step - kSteps.begin() + 1);
   }
   reach.number = values.count<std::uint32_t>("number");
-  reach.p1 = values.point("p1");
-  reach.p2 = values.point("p2");
-  reach.p3 = values.point("p3");
+  reach.p1 = point_of(values, "p1");
+  reach.p2 = point_of(values, "p2");
+  reach.p3 = point_of(values, "p3");
   reach.features = {.p1_mm = reach.p1.value_mm,
                     .p2_mm = reach.p2.value_mm,
                     .p3_mm = reach.p3.value_mm,
@@ -132,7 +88,7 @@ RecordedEvent to_record(const core::ClassEvent& event) {
 }
 
 core::Result<core::ClassEvent> class_of(const RecordedEvent& event) {
-  Values values(event);
+  EventValues values(event);
   core::ClassEvent out{.number = values.count<std::uint32_t>("number"), .segment = event.segment, .scan = event.scan};
   core::TrunkMovement& movement = out.movement;
   movement.trunk_class = static_cast<core::TrunkClass>(values.whole("class", -1, 3));

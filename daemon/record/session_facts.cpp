@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record/session_facts.h"
 
+#include <array>
 #include <charconv>
 #include <optional>
 #include <string_view>
@@ -48,6 +49,11 @@ core::Status read_number(const Facts& facts, const char* name, Number& number) {
                     std::string("the fact ") + name + " is no number that fits: '" + text.substr(0, 40) + "'");
 }
 
+std::string shortest(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
 core::Status read_version(const Facts& facts) {
   int version = 0;
   if (auto status = read_number(facts, kVersion, version); !status) return status;
@@ -82,6 +88,8 @@ Facts to_facts(const SessionFacts& session) {
   facts.emplace_back("started_utc_ns", std::to_string(session.started_utc_ns));
   facts.emplace_back("utc_minus_monotonic_ns", std::to_string(session.utc_minus_monotonic_ns));
   facts.emplace_back("plan_seed", std::to_string(session.plan_seed));
+  if (session.duration_s > 0.0) facts.emplace_back("duration_s", shortest(session.duration_s));
+  if (session.settle_s > 0.0) facts.emplace_back("settle_s", shortest(session.settle_s));
   for (const auto& [name, text] : session.fields) facts.emplace_back(std::string(kField) + name, text);
   facts.emplace_back("stages", std::to_string(session.stages.size()));
   for (std::size_t stage = 0; stage < session.stages.size(); ++stage)
@@ -98,6 +106,7 @@ core::Result<SessionFacts> session_facts(const Facts& facts) {
   for (const auto& status :
        {read_version(facts), read_number(facts, "part", session.part), read_number(facts, "started_utc_ns", session.started_utc_ns),
         read_number(facts, "utc_minus_monotonic_ns", session.utc_minus_monotonic_ns), read_number(facts, "plan_seed", session.plan_seed),
+        read_number(facts, "duration_s", session.duration_s), read_number(facts, "settle_s", session.settle_s),
         read_stages(facts, session), read_fields(facts, session)})
     if (!status) return tl::make_unexpected(status.error());
   return session;

@@ -36,6 +36,8 @@ struct SessionFacts {
   std::string rig_definition;         ///< The rig file with all it refers to, as one TOML text.
   std::string protocol_definition;    ///< The protocol's TOML text.
   std::uint64_t plan_seed = 0;        ///< Of the trials' order.
+  double duration_s = 0.0;            ///< As asked for at the start; 0: as the protocol says.
+  double settle_s = 0.0;              ///< Likewise.
   std::string model_sha256;           ///< Of the classifier; empty: none.
 
   friend bool operator==(const SessionFacts&, const SessionFacts&) = default;

@@ -167,6 +167,8 @@ void Acquisition::lose_to_full_ring(const core::Block& block) noexcept {
   scans_since_start_ += block.count();
   ring_.drop();
   note_gap({.reason = core::GapReason::RingFull, .missing_scans = block.count(), .is_exact = true});
+  report_.ring_blocks.note(ring_.capacity(), clock_.now_ns());
+  publish_report();
 }
 
 void Acquisition::note_timeout(std::int64_t now_ns) noexcept {
@@ -198,6 +200,9 @@ void Acquisition::open_segment(core::Acquired& acquired) noexcept {
     }
     report_.lost_scans_total += pending_gap_.missing_scans;
     ++report_.gaps_total;
+    LossCount& cause = report_.losses[static_cast<std::size_t>(pending_gap_.reason) % core::kGapReasons];
+    ++cause.gaps_total;
+    cause.lost_scans_total += pending_gap_.missing_scans;
     report_.last_gap = pending_gap_;
     ++report_.segment;
   }
@@ -230,6 +235,7 @@ void Acquisition::take(core::Acquired& acquired) noexcept {
   scans_since_start_ += block.count();
   has_streamed_ = true;
   ring_.commit();
+  report_.ring_blocks.note(ring_.waiting(), quiet_since_ns_);
   bell_.ring();
   publish_report();
 }

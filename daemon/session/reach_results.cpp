@@ -206,6 +206,6 @@ std::vector<ReachTrialResult> ReachResults::results() const {
   return all;
 }
 
-std::vector<ReachFigure> ReachResults::summary() const { return summarize(results(), person_); }
+std::vector<SessionFigure> ReachResults::summary() const { return summarize(results(), person_); }
 
 }  // namespace dts::session

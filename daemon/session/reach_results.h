@@ -14,6 +14,7 @@
 #include "classifier/trunk_model.h"
 #include "core/reach.h"
 #include "physics/body/person.h"
+#include "session/figure.h"
 #include "session/trial_run.h"
 
 namespace dts::session {
@@ -31,14 +32,6 @@ struct ReachTrialResult {
   std::optional<core::TrunkMovement> movement;  ///< By the subject's own scale as soon as there is one; nothing without a reach or a model.
   /// Of the trunk flexion that the target takes by the subject's measures; nothing without these or a target.
   std::optional<core::TrunkClass> expected;
-};
-
-/// A figure of the whole session.
-struct ReachFigure {
-  std::string name;  ///< "trunk_at_critical_boundary_deg"
-  double value = 0.0;
-  std::string unit;
-  std::string details{};  ///< JSON; may be empty.
 };
 
 /// The subject of a session by the fields of its protocol (thesis Table 6.1): weight_kg, height_cm, arm_length_cm, max_reach_cm, group.
@@ -81,7 +74,7 @@ class ReachResults {
   [[nodiscard]] std::vector<ReachTrialResult> results() const;
   /// Trunk contribution at the critical boundary, classes per target, agreement with what the target takes, consistency, smoothness:
   /// see reach_summary.h. Empty when no trial counts.
-  [[nodiscard]] std::vector<ReachFigure> summary() const;
+  [[nodiscard]] std::vector<SessionFigure> summary() const;
 
  private:
   struct Place {

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "session/reach_json.h"
+#include "session/json_object.h"
 
 namespace dts::session {
 namespace {
@@ -175,14 +175,14 @@ std::string json_of(const Target& target) {
   return json.text();
 }
 
-ReachFigure share(const std::string& name, std::size_t part, const char* part_name, std::size_t whole, const char* whole_name) {
+SessionFigure share(const std::string& name, std::size_t part, const char* part_name, std::size_t whole, const char* whole_name) {
   JsonObject details;
   details.add(part_name, part);
   details.add(whole_name, whole);
   return {.name = name, .value = static_cast<double>(part) / static_cast<double>(whole), .unit = "1", .details = details.text()};
 }
 
-void add_shares(const Counts& all, std::vector<ReachFigure>& figures) {
+void add_shares(const Counts& all, std::vector<SessionFigure>& figures) {
   figures.push_back({.name = "trials", .value = static_cast<double>(all.trials), .unit = "1", .details = {}});
   if (all.trials > all.gaps) {
     figures.push_back(share("reaches_detected_share", all.found, "detected", all.trials - all.gaps, "trials_without_gap"));
@@ -192,7 +192,7 @@ void add_shares(const Counts& all, std::vector<ReachFigure>& figures) {
 }
 
 void add_critical_boundary(const std::vector<Target>& targets, const std::optional<physics::Person>& person,
-                           std::vector<ReachFigure>& figures) {
+                           std::vector<SessionFigure>& figures) {
   const Target* target = person ? at_critical_boundary(targets, *person) : nullptr;
   if (target == nullptr || !target->trunk_deg.mean()) return;
   JsonObject details;
@@ -208,8 +208,8 @@ void add_critical_boundary(const std::vector<Target>& targets, const std::option
 
 }  // namespace
 
-std::vector<ReachFigure> summarize(std::span<const ReachTrialResult> results, const std::optional<physics::Person>& person) {
-  std::vector<ReachFigure> figures;
+std::vector<SessionFigure> summarize(std::span<const ReachTrialResult> results, const std::optional<physics::Person>& person) {
+  std::vector<SessionFigure> figures;
   if (results.empty()) return figures;
   const std::vector<Target> targets = by_target(results);
   add_shares(total(targets), figures);

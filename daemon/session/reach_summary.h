@@ -25,6 +25,6 @@ namespace dts::session {
 /// The critical boundary is how far the finger tips come without the trunk: 1.15 arm lengths (thesis 5.3). Trials to the one target nearest
 /// to it count, whatever is nearest within it for a person who reaches less far (thesis 6.4.2.1: S1), but none beyond 1.2 arm lengths,
 /// where the target itself makes the trunk bend. A rejected reach gives an angle only when no more than its class is unsure.
-[[nodiscard]] std::vector<ReachFigure> summarize(std::span<const ReachTrialResult> results, const std::optional<physics::Person>& person);
+[[nodiscard]] std::vector<SessionFigure> summarize(std::span<const ReachTrialResult> results, const std::optional<physics::Person>& person);
 
 }  // namespace dts::session

@@ -37,6 +37,8 @@ struct RecordSync::Files {
   std::array<std::string, 2> names{};  ///< The recording, then its index.
   std::array<int, 2> descriptors{-1, -1};
   bool is_due = false;
+  std::int64_t asked_ns = 0;
+  std::int64_t done_ns = 0;
   std::optional<core::Error> error{};
 };
 
@@ -70,14 +72,21 @@ void RecordSync::remove(const std::string& rig) {
   files_.erase(found);
 }
 
-core::Status RecordSync::request(const std::string& rig) {
+core::Status RecordSync::request(const std::string& rig, std::int64_t taken_ns) {
   const std::lock_guard lock(mutex_);
   const auto found = files_.find(rig);
   if (found == files_.end()) return core::fail(core::ErrorCode::WrongState, "nobody synchronises the recording of rig '" + rig + "'");
   if (found->second->error) return tl::make_unexpected(*found->second->error);
   found->second->is_due = true;
+  found->second->asked_ns = taken_ns;
   is_asked_.notify_one();
   return {};
+}
+
+std::int64_t RecordSync::done_ns(const std::string& rig) {
+  const std::lock_guard lock(mutex_);
+  const auto found = files_.find(rig);
+  return found == files_.end() ? 0 : found->second->done_ns;
 }
 
 /// In turn: on a slow disk every rig is due again by the time that another is done.
@@ -101,10 +110,12 @@ void RecordSync::run(const std::stop_token& stop) {
     last_ = due->first;
     const std::shared_ptr<Files> files = due->second;
     files->is_due = false;
+    const std::int64_t asked_ns = files->asked_ns;
     lock.unlock();
     const auto synchronised = files->synchronise();
     lock.lock();
     if (!synchronised && !files->error) files->error = synchronised.error();
+    if (synchronised) files->done_ns = asked_ns;
   }
 }
 

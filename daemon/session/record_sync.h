@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -32,8 +33,11 @@ class RecordSync {
   [[nodiscard]] core::Status add(const std::string& rig, const std::string& name);
   /// Waits for nothing. No effect for a rig that is not known.
   void remove(const std::string& rig);
-  /// Asks for a synchronisation of what has been written by now; fails with the first error of those before.
-  [[nodiscard]] core::Status request(const std::string& rig);
+  /// Asks for a synchronisation of what has been written by now: all that was taken up to `taken_ns`. Fails with the first error of those
+  /// before.
+  [[nodiscard]] core::Status request(const std::string& rig, std::int64_t taken_ns);
+  /// `taken_ns` of the newest that is done; 0: none is, or the rig is not known.
+  [[nodiscard]] std::int64_t done_ns(const std::string& rig);
 
  private:
   struct Files;

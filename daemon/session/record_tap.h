@@ -54,6 +54,8 @@ class RecordTap {
   [[nodiscard]] std::span<const double> state() const noexcept { return state_; }
   /// Frames that found no room, ever. Thread: any.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return ring_.dropped(); }
+  /// Slots that wait for the recorder. Thread: any.
+  [[nodiscard]] std::size_t waiting() const noexcept { return ring_.waiting(); }
   /// Slots in all. Thread: any.
   [[nodiscard]] std::size_t capacity() const noexcept { return ring_.capacity(); }
 

@@ -59,6 +59,7 @@ void RecordThread::begin(const std::string& rig, std::unique_ptr<record::Recorde
   line.next_file = std::move(file);
   line.next_take = take;
   line.events.clear();
+  line.safe_until_ns = clock_.now_ns();
 }
 
 void RecordThread::post(const std::string& rig, record::RecordedEvent event) {
@@ -80,7 +81,10 @@ std::vector<FinishedRecording> RecordThread::take_finished() {
 
 RecordingView RecordThread::view(const std::string& rig) {
   const std::lock_guard lock(mutex_);
-  return lines_.at(rig).view;
+  const Line& line = lines_.at(rig);
+  RecordingView view = line.view;
+  if (view.is_recording) view.lag_s = std::max(0.0, static_cast<double>(clock_.now_ns() - line.safe_until_ns) * 1e-9);
+  return view;
 }
 
 void RecordThread::run(const std::stop_token& stop) {
@@ -103,7 +107,7 @@ void RecordThread::serve_rest(const std::string& rig, Line& line) {
 
 /// Takes what the control thread has left here: a new recording, and events.
 void RecordThread::receive(const std::string& rig, Line& line) {
-  const auto events = take_orders(line);
+  const auto events = take_orders(rig, line);
   if (std::exchange(line.is_new, false)) line.is_synced_aside = sync_.add(rig, line.file).has_value();
   for (const record::RecordedEvent& event : events) {
     if (!line.recorder) return;
@@ -111,7 +115,7 @@ void RecordThread::receive(const std::string& rig, Line& line) {
   }
 }
 
-std::vector<record::RecordedEvent> RecordThread::take_orders(Line& line) {
+std::vector<record::RecordedEvent> RecordThread::take_orders(const std::string& rig, Line& line) {
   const std::lock_guard lock(mutex_);
   if (line.next_recorder) {
     line.recorder = std::move(line.next_recorder);
@@ -120,11 +124,12 @@ std::vector<record::RecordedEvent> RecordThread::take_orders(Line& line) {
     line.has_frames = false;
     line.lost_scans = 0;
     line.is_new = true;
-    line.flushed_ns = line.synchronised_ns = clock_.now_ns();
+    line.flushed_ns = line.synchronised_ns = line.on_disk_ns = clock_.now_ns();
   }
   if (line.recorder) {
     line.view.bytes = line.recorder->bytes();
     line.view.lost_scans = std::max(line.lost_scans, line.recorder->lost_scans());
+    line.safe_until_ns = std::max(line.on_disk_ns, line.is_synced_aside ? sync_.done_ns(rig) : 0);
   }
   return std::exchange(line.events, {});
 }
@@ -167,7 +172,8 @@ void RecordThread::keep_up(const std::string& rig, Line& line) {
   }
   if (kept && now_ns - line.synchronised_ns >= kSynchroniseNs) {
     line.synchronised_ns = now_ns;
-    kept = line.is_synced_aside ? sync_.request(rig) : line.recorder->synchronise();
+    kept = line.is_synced_aside ? sync_.request(rig, line.flushed_ns) : line.recorder->synchronise();
+    if (kept && !line.is_synced_aside) line.on_disk_ns = line.flushed_ns;
     if (kept) kept = check_there(line.file + ".part");
   }
   if (!kept) finish(rig, line, core::to_string(kept.error()));

@@ -39,6 +39,7 @@ struct RecordingView {
   std::uint64_t bytes = 0;
   std::uint64_t lost_scans = 0;
   std::string problem;
+  double lag_s = 0.0;  ///< What a power cut now would take; 0: nothing is recorded.
 };
 
 /// The record thread: takes frames from the taps of all rigs, writes chunks, has them synchronised twice a second, and closes recordings.
@@ -83,16 +84,18 @@ class RecordThread {
     bool is_synced_aside = false;  ///< They are; otherwise this thread does it.
     std::int64_t flushed_ns = 0;
     std::int64_t synchronised_ns = 0;
+    std::int64_t on_disk_ns = 0;  ///< What was taken up to then is on the disk, but for what `sync_` knows better.
 
     std::unique_ptr<record::Recorder> next_recorder;
     std::string next_file;
     std::uint64_t next_take = 0;
     std::vector<record::RecordedEvent> events;
     RecordingView view;
+    std::int64_t safe_until_ns = 0;  ///< What was taken up to then is on the disk.
   };
   void run(const std::stop_token& stop);
   void receive(const std::string& rig, Line& line);
-  [[nodiscard]] std::vector<record::RecordedEvent> take_orders(Line& line);
+  [[nodiscard]] std::vector<record::RecordedEvent> take_orders(const std::string& rig, Line& line);
   [[nodiscard]] bool serve(const std::string& rig, Line& line);
   void serve_rest(const std::string& rig, Line& line);
   [[nodiscard]] bool drain(const std::string& rig, Line& line);

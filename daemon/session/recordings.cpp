@@ -108,6 +108,29 @@ void Recordings::end_left_running(const record::SessionRow& session) {
     }
   }
   complain(catalogue_->end_session(session.id, state, message, ended_utc_ns));
+  if (state != "interrupted" || session.parts.empty() || !is_recent(session.parts.back())) return;
+  if (is_suspicious(session)) {
+    return log_.error("session " + session.id + " was interrupted again and again and does not go on by itself: dtsctl session resume " + session.id);
+  }
+  resumable_.push_back(session.id);
+}
+
+/// Three parts in a row that were cut off within a minute: the session itself may be what ends the daemon.
+bool Recordings::is_suspicious(const record::SessionRow& session) {
+  constexpr std::size_t kMostShortParts = 3;
+  constexpr std::int64_t kShortNs = 60'000'000'000;
+  if (session.parts.size() < kMostShortParts) return false;
+  const auto begin = session.parts.end() - static_cast<std::ptrdiff_t>(kMostShortParts);
+  return session.parts.back().started_utc_ns - begin->started_utc_ns < static_cast<std::int64_t>(kMostShortParts) * kShortNs;
+}
+
+/// By its file, which is written several times a second.
+bool Recordings::is_recent(const record::PartRow& part) const {
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(part.file, error);
+  if (error) return false;
+  const auto age = std::filesystem::file_time_type::clock::now() - written;
+  return std::abs(std::chrono::duration<double, std::ratio<60>>(age).count()) < config_.resume_within_min;
 }
 
 void Recordings::add(Rig& rig) {

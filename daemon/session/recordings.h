@@ -62,6 +62,8 @@ class Recordings {
 
   /// Waits until no recording is open any more, or for `limit`.
   void wait_until_closed(std::chrono::milliseconds limit) { thread_.wait_until_closed(limit); }
+  /// Sessions that ran when the last daemon ended without a word, no longer ago than the configuration says; newest first.
+  [[nodiscard]] std::vector<std::string> take_resumable() { return std::exchange(resumable_, {}); }
   /// Recordings that ended since the last call, entered into the catalogue already.
   [[nodiscard]] std::vector<FinishedRecording> take_finished();
   [[nodiscard]] RecordingView view(const std::string& rig) { return thread_.view(rig); }
@@ -75,6 +77,8 @@ class Recordings {
       : config_(std::move(config)), log_(std::move(log)), catalogue_(std::move(catalogue)), thread_(clock, config_) {}
   core::Status enter_interrupted();
   void end_left_running(const record::SessionRow& session);
+  [[nodiscard]] bool is_recent(const record::PartRow& part) const;
+  [[nodiscard]] static bool is_suspicious(const record::SessionRow& session);
   void recover_all(const std::stop_token& stop);
   [[nodiscard]] std::string lacks_room(const record::PartRow& part) const;
   void collect_recovered();
@@ -87,6 +91,7 @@ class Recordings {
   StorageConfig config_;
   core::Log log_;
   std::unique_ptr<record::Catalogue> catalogue_;
+  std::vector<std::string> resumable_;
   RecordThread thread_;
   double bytes_per_s_ = 0.0;                             ///< Of all rigs together.
   std::deque<std::function<core::Status()>> owed_;       ///< Entries that the catalogue has refused, oldest first.

@@ -5,7 +5,6 @@
 #include <future>
 
 #include "device/registry.h"
-#include "session/rig_pipeline.h"
 
 namespace dts::session {
 namespace {
@@ -13,6 +12,7 @@ namespace {
 constexpr double kScansRingMs = 2000.0;    // how long the pipeline may stall before scans are lost
 constexpr double kFramesRingMs = 1000.0;   // how long the publisher may
 constexpr std::size_t kReachFrames = 256;  // a person reaches once in some seconds, and control looks 20 times in one
+constexpr double kCopRingMs = 4000.0;      // how long the control thread may be busy before a trial of standing is spoilt
 constexpr double kRecordRingMs = 8000.0;   // how long the disk may
 constexpr int kBellPatienceMs = 100;       // how soon a stop is seen on a silent rig
 
@@ -31,6 +31,14 @@ core::Status check_streams(const pipeline::RigConfig& config, const pipeline::Pi
                       "it has: " + known);
   }
   return {};
+}
+
+constexpr std::size_t kCopChannels = 3;  // ml_mm, ap_mm, load_n
+
+std::optional<std::size_t> cop_stream_of(const pipeline::Pipeline& pipeline) {
+  const auto found = std::ranges::find(pipeline.formats(), std::string_view("cop"), &core::StreamFormat::name);
+  if (found == pipeline.formats().end() || found->channels.size() != kCopChannels) return std::nullopt;
+  return static_cast<std::size_t>(found - pipeline.formats().begin());
 }
 
 core::Status check_device(const pipeline::RigConfig& config, const device::DeviceDescription& device) {
@@ -92,22 +100,24 @@ core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<pipeline::RigCo
   for (const auto& [streams, verb] : {std::pair{&config->published, "publish"}, std::pair{&config->recorded, "record"}}) {
     if (auto checked = check_streams(*config, *made->pipeline, *streams, verb); !checked) return tl::make_unexpected(checked.error());
   }
-  return std::unique_ptr<Rig>(
-      new Rig(std::move(config), clock, publish_bell, std::move(device), std::move(made->tare), std::move(made->pipeline)));
+  return std::unique_ptr<Rig>(new Rig(std::move(config), clock, publish_bell, std::move(device), std::move(*made)));
 }
 
 Rig::Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell,
-         std::unique_ptr<device::Device> device, std::unique_ptr<pipeline::Tare> tare, std::unique_ptr<pipeline::Pipeline> pipeline)
+         std::unique_ptr<device::Device> device, RigPipeline made)
     : config_(std::move(config)),
       clock_(clock),
       publish_bell_(publish_bell),
       device_(std::move(device)),
-      tare_(std::move(tare)),
-      pipeline_(std::move(pipeline)),
+      tare_(std::move(made.tare)),
+      windows_(std::move(made.windows)),
+      pipeline_(std::move(made.pipeline)),
       scans_(blocks_in(*config_, kScansRingMs),
              core::Acquired{.block = core::Block(device_->describe().channels.size(), config_->block_scans)}),
       frames_(blocks_in(*config_, kFramesRingMs), pipeline_->make_frame()),
       reaches_(kReachFrames),
+      cop_stream_(cop_stream_of(*pipeline_)),
+      cops_(cop_stream_ ? blocks_in(*config_, kCopRingMs) : 1, core::Block(kCopChannels, cop_stream_ ? config_->block_scans : 0)),
       tap_(blocks_in(*config_, kRecordRingMs), *pipeline_),
       spare_frame_(pipeline_->make_frame()),
       acquisition_(*device_, clock, scans_, scans_bell_, config_->rate, config_->block_scans),
@@ -163,18 +173,21 @@ void Rig::wait_for_recorder(const std::stop_token& stop) noexcept {
 
 void Rig::process(const core::Acquired& acquired) noexcept {
   const std::int64_t started_ns = clock_.now_ns();
+  std::size_t frames_waiting = frames_.capacity();
   core::Frame* slot = frames_.claim();
   core::Frame& frame = slot != nullptr ? *slot : spare_frame_;
   tap_.follow();
   pipeline_->process(acquired, frame);
   tap_.offer(frame);
   offer_reaches(frame.events);
+  offer_cop(frame);
   add_unpublished(frame);
   if (slot != nullptr) {
     unpublished_gap_ = {};
     pipeline_state_.lost_events_total += frame.events.lost();
     unpublished_events_.clear();
     frames_.commit();
+    frames_waiting = frames_.waiting();  // before anybody is woken up to take them
     publish_bell_.ring();
   } else {
     unpublished_gap_ = frame.gap_before;
@@ -183,7 +196,10 @@ void Rig::process(const core::Acquired& acquired) noexcept {
   }
   if (acquired.gap_before.reason != core::GapReason::None) statistics_.reset();
   statistics_.add(acquired.block);
-  note_progress(acquired.block, clock_.now_ns() - started_ns);
+  const std::int64_t ended_ns = clock_.now_ns();
+  pipeline_state_.frames_waiting.note(frames_waiting, ended_ns);
+  pipeline_state_.slots_waiting.note(tap_.waiting(), ended_ns);
+  note_progress(acquired.block, ended_ns - started_ns);
 }
 
 /// What dropped frames said besides their samples must not be lost.
@@ -201,6 +217,30 @@ void Rig::add_unpublished(core::Frame& frame) noexcept {
 void Rig::offer_reaches(const core::FrameEvents& events) noexcept {
   if (events.reaches.count + events.classes.count == 0) return;
   if (!reaches_.push(events)) pipeline_state_.lost_events_total += events.reaches.count + events.classes.count;
+}
+
+void Rig::offer_cop(const core::Frame& frame) noexcept {
+  if (!cop_stream_ || frame.streams[*cop_stream_].count() == 0) return;
+  core::Block* const slot = cops_.claim();
+  if (slot == nullptr) return cops_.drop();
+  slot->copy_from(frame.streams[*cop_stream_]);
+  cops_.commit();
+}
+
+std::optional<core::Rate> Rig::cop_rate() const noexcept {
+  if (!cop_stream_) return std::nullopt;
+  return pipeline_->formats()[*cop_stream_].rate;
+}
+
+RingFill Rig::ring_fill() noexcept {
+  const std::int64_t now_ns = clock_.now_ns();
+  const auto percent = [now_ns](const RecentPeak& peak, std::size_t capacity) {
+    return 100.0 * static_cast<double>(peak.at(now_ns)) / static_cast<double>(capacity);
+  };
+  const PipelineReport& pipeline = pipeline_report();
+  return {.scans_percent = percent(acquisition().ring_blocks, scans_.capacity()),
+          .frames_percent = percent(pipeline.frames_waiting, frames_.capacity()),
+          .record_percent = percent(pipeline.slots_waiting, tap_.capacity())};
 }
 
 /// After everything that the block brought stands in the rings: who reads this first misses nothing before it.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -14,10 +15,13 @@
 #include "device/usb/usb_bus.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rig_config.h"
+#include "pipeline/steadiness_window.h"
 #include "pipeline/tare.h"
 #include "session/acquisition.h"
 #include "session/channel_statistics.h"
+#include "session/latency_report.h"
 #include "session/record_tap.h"
+#include "session/rig_pipeline.h"
 
 namespace dts::session {
 
@@ -28,6 +32,15 @@ struct PipelineReport {
   double us_per_scan = 0.0;                ///< Time spent in the stages, moving mean.
   std::uint32_t segment = 0;               ///< Of what was processed last: everything up to there is in the rings.
   core::ScanIndex next_scan;
+  RecentPeak frames_waiting;  ///< For the publisher.
+  RecentPeak slots_waiting;   ///< For the recorder.
+};
+
+/// How full the rings were at their fullest lately (RecentPeak).
+struct RingFill {
+  double scans_percent = 0.0;
+  double frames_percent = 0.0;
+  double record_percent = 0.0;
 };
 
 /// One rig at work: a device, its two sample threads and the rings between them.
@@ -67,11 +80,23 @@ class Rig {
   [[nodiscard]] const PipelineReport& pipeline_report() noexcept { return pipeline_report_.load(); }
   [[nodiscard]] const StatisticsReport& statistics() noexcept { return statistics_.latest(); }
   [[nodiscard]] pipeline::Tare& tare() noexcept { return *tare_; }
+  [[nodiscard]] RingFill ring_fill() noexcept;
+  [[nodiscard]] const LatencyReport& latency() noexcept { return latency_.load(); }
+
+  /// Thread: publish (the one writer).
+  void note_latency(const LatencyReport& report) noexcept { latency_.store(report); }
 
   /// Finished frames, oldest first. Thread: publish (the consumer).
   [[nodiscard]] core::SpscRing<core::Frame>& frames() noexcept { return frames_; }
   /// What was noticed in frames with reaches, oldest first: for the results of a session. Thread: control (the consumer).
   [[nodiscard]] core::SpscRing<core::FrameEvents>& reaches() noexcept { return reaches_; }
+  /// Blocks of the stream "cop", oldest first, of a rig that has one: for the results of a session. Some seconds fit; more is lost, which
+  /// shows in the scan indices. Thread: control (the consumer).
+  [[nodiscard]] core::SpscRing<core::Block>& cops() noexcept { return cops_; }
+  /// Rate of the stream "cop"; nothing when the rig has none.
+  [[nodiscard]] std::optional<core::Rate> cop_rate() const noexcept;
+  /// Where the measuring time of trials is told to the stage `steadiness`. Thread: control.
+  [[nodiscard]] pipeline::SteadinessWindows& windows() noexcept { return *windows_; }
   /// Thread: control.
   void hear(const device::Cue& cue) noexcept { device_->hear(cue); }
   /// Where recordings branch off.
@@ -83,7 +108,7 @@ class Rig {
 
  private:
   Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, core::Doorbell& publish_bell,
-      std::unique_ptr<device::Device> device, std::unique_ptr<pipeline::Tare> tare, std::unique_ptr<pipeline::Pipeline> pipeline);
+      std::unique_ptr<device::Device> device, RigPipeline made);
   [[nodiscard]] static core::Result<std::unique_ptr<Rig>> assemble(std::unique_ptr<pipeline::RigConfig> config,
                                                                    std::unique_ptr<device::Device> device, core::Clock& clock,
                                                                    core::Doorbell& publish_bell);
@@ -92,6 +117,7 @@ class Rig {
   void wait_for_recorder(const std::stop_token& stop) noexcept;
   void add_unpublished(core::Frame& frame) noexcept;
   void offer_reaches(const core::FrameEvents& events) noexcept;
+  void offer_cop(const core::Frame& frame) noexcept;
   void note_progress(const core::Block& block, std::int64_t spent_ns) noexcept;
 
   std::unique_ptr<const pipeline::RigConfig> config_;  ///< On the heap: device and stages keep references into its model.
@@ -99,10 +125,13 @@ class Rig {
   core::Doorbell& publish_bell_;
   std::unique_ptr<device::Device> device_;
   std::unique_ptr<pipeline::Tare> tare_;
+  std::unique_ptr<pipeline::SteadinessWindows> windows_;
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   core::SpscRing<core::Acquired> scans_;
   core::SpscRing<core::Frame> frames_;
   core::SpscRing<core::FrameEvents> reaches_;
+  std::optional<std::size_t> cop_stream_;  ///< Which of the frame's streams is "cop".
+  core::SpscRing<core::Block> cops_;
   RecordTap tap_;
   core::Frame spare_frame_;               ///< Processed into when the publisher's ring is full: the stages must see every scan.
   core::Gap unpublished_gap_;             ///< These two were in frames that found no room ...
@@ -112,6 +141,7 @@ class Rig {
   StatisticsCollector statistics_;
   PipelineReport pipeline_state_;
   core::LatestValue<PipelineReport> pipeline_report_;
+  core::LatestValue<LatencyReport> latency_;
   std::vector<std::string> notices_;
   std::jthread acquire_thread_;
   std::jthread pipeline_thread_;

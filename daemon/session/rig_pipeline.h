@@ -10,14 +10,16 @@
 #include "device/device.h"
 #include "pipeline/pipeline.h"
 #include "pipeline/rig_config.h"
+#include "pipeline/steadiness_window.h"
 #include "pipeline/tare.h"
 #include "record/recorder.h"
 
 namespace dts::session {
 
-/// The pipeline of a rig with the letter box that its stages refer to, which therefore lives longer.
+/// The pipeline of a rig with the letter boxes that its stages refer to, which therefore live longer.
 struct RigPipeline {
   std::unique_ptr<pipeline::Tare> tare;
+  std::unique_ptr<pipeline::SteadinessWindows> windows;
   std::unique_ptr<pipeline::Pipeline> pipeline;
 };
 

@@ -2,11 +2,14 @@
 #include "session/rig_session.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <ranges>
 
 #include "record/recording.h"
 #include "record/sha256.h"
+#include "session/trial_record.h"
 
 namespace dts::session {
 namespace {
@@ -34,6 +37,22 @@ core::Result<record::SessionFacts> facts_of(const record::SessionRow& row) {
   return facts;
 }
 
+/// Length of all parts without their settling. Of one that is not repaired yet: from its beginning to the last write to its file.
+double recorded_s(const record::SessionRow& row, double settle_s) {
+  double sum_s = 0.0;
+  for (const record::PartRow& part : row.parts) {
+    double length_s = part.duration_s;
+    std::error_code error;
+    const auto written = std::filesystem::last_write_time(part.file, error);
+    if (length_s == 0.0 && !error) {
+      const auto utc = std::chrono::file_clock::to_sys(written).time_since_epoch();
+      length_s = std::chrono::duration<double>(utc).count() - static_cast<double>(part.started_utc_ns) * 1e-9;
+    }
+    sum_s += std::max(0.0, length_s - settle_s);
+  }
+  return sum_s;
+}
+
 /// Places of the plan that need no repetition: done, or rejected with the plan going on.
 std::vector<std::uint32_t> places_done(const record::SessionRow& row) {
   std::map<std::uint32_t, const record::TrialRow*> last;
@@ -46,19 +65,6 @@ std::vector<std::uint32_t> places_done(const record::SessionRow& row) {
     if (trial->outcome == "done" || trial->outcome == "rejected") done.push_back(place);
   }
   return done;
-}
-
-record::RecordedEvent recorded(const TrialEvent& event) {
-  record::RecordedEvent out{.event = "trial"};
-  out.values.emplace_back("phase", std::string(name(event.kind)));
-  out.values.emplace_back("trial", std::int64_t{event.trial});
-  out.values.emplace_back("attempt", std::int64_t{event.attempt});
-  out.values.emplace_back("block", std::int64_t{event.block});
-  out.values.emplace_back("condition", event.condition);
-  for (const auto& [label, value] : event.labels) out.values.emplace_back(label, value);
-  if (event.target_cm) out.values.emplace_back("target_cm", *event.target_cm);
-  if (event.rest_s > 0.0) out.values.emplace_back("rest_s", event.rest_s);
-  return out;
 }
 
 }  // namespace
@@ -82,7 +88,9 @@ record::SessionFacts RigSession::facts(const std::string& id, const SessionReque
                              .protocol = protocol.name,
                              .subject = request.subject,
                              .label = request.label,
-                             .fields = request.fields};
+                             .fields = request.fields,
+                             .duration_s = request.duration_s,
+                             .settle_s = request.settle_s};
   facts.utc_minus_monotonic_ns = core::utc_minus_monotonic_ns();
   facts.started_utc_ns = now_ns + facts.utc_minus_monotonic_ns;
   facts.boot_id = services_.boot_id;
@@ -121,8 +129,11 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
     return core::fail(ErrorCode::WrongState, "protocol '" + earlier->protocol + "' has changed since session " + row.id + " began",
                       "start a new session");
   }
-  const SessionRequest request{
-      .protocol = earlier->protocol, .subject = earlier->subject, .label = earlier->label, .fields = earlier->fields};
+  SessionRequest request{.protocol = earlier->protocol,
+                         .subject = earlier->subject,
+                         .label = earlier->label,
+                         .settle_s = earlier->settle_s,
+                         .fields = earlier->fields};
   if (auto checked = check(request); !checked) return checked;
   if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
   const std::vector<std::uint32_t> done = places_done(row);
@@ -130,7 +141,15 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   if (row.state == "complete" && row.message.empty() && !has_open_trials) {  // a message: it ended, but not because it was over
     return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: there is nothing to resume", "start a new one");
   }
+  // Asked for or the protocol's; what was recorded of it is not recorded again.
+  if (const double whole_s = earlier->duration_s > 0.0 ? earlier->duration_s : (*protocol)->duration_s; whole_s > 0.0) {
+    request.duration_s = whole_s - recorded_s(row, earlier->settle_s > 0.0 ? earlier->settle_s : (*protocol)->settle_s);
+    if (request.duration_s < 1.0) {
+      return core::fail(ErrorCode::WrongState, "session " + row.id + " was over but for its last second: there is nothing to resume", "start a new one");
+    }
+  }
   record::SessionFacts next = facts(row.id, request, **protocol, moment.now_ns);
+  next.duration_s = earlier->duration_s;
   next.plan_seed = earlier->plan_seed;
   next.part = row.parts.back().part + 1;
   return begin(next, request, **protocol, done, moment);
@@ -150,13 +169,8 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
   end_reason_.clear();
   trial_rows_.clear();
   trials_.reset();
-  results_.reset();
-  if (protocol.trials) {
-    trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
-    const auto& model = rig_.config().trunk_model;
-    results_.emplace(person_of(facts.fields), model ? &*model : nullptr);
-    while (rig_.reaches().front() != nullptr) rig_.reaches().release();  // from before the session
-  }
+  if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
+  prepare_results(protocol, facts);
   auto started = session_.start(facts.session_id, request, moment.now_ns);
   collect(moment.at);
   return started;
@@ -178,7 +192,13 @@ void RigSession::end_recording(const Moment& moment) {
   if (is_aborted_) {  // the recording says so itself: the catalogue may have to be made from it again
     note({.event = "session", .values = {{"state", std::string("aborted")}, {"message", end_reason_}}}, moment.at);
   }
-  if (is_recording_) return services_.recordings->end(rig_);
+  if (is_recording_) {
+    // Should the daemon end before the file is closed: this one was not interrupted, and must not go on by itself.
+    services_.recordings->end_session(session_.view(moment.now_ns).id, is_aborted_ ? "aborted" : "incomplete",
+                                      is_aborted_ ? end_reason_ : "it was stopped, and its recording was being closed",
+                                      moment.now_ns + core::utc_minus_monotonic_ns());
+    return services_.recordings->end(rig_);
+  }
   session_.closed(moment.now_ns);
   collect(moment.at);
 }
@@ -221,7 +241,7 @@ void RigSession::tick(const Moment& moment, std::uint64_t scans_total) {
     if (std::exchange(is_next_wanted_, false)) static_cast<void>(trials_->next(moment.now_ns));  // a fresh plan waits for it
   }
   collect(moment.at);
-  follow_reaches(moment.at);
+  follow(moment.at);
   if (!was_stopping && state == SessionState::Stopping) end_recording(moment);
 }
 
@@ -258,9 +278,11 @@ void RigSession::collect(const DataPosition& at) {
   if (!trials_) return;
   for (TrialEvent& event : trials_->take_events()) {
     const DataPosition due = position_at(event.at_ns, at);
-    note(recorded(event), due);
+    note(to_record(event), due);
     enter_trial(event, due);
-    if (results_) results_->take(event, due.segment, due.scan);
+    if (reaches_) reaches_->take(event, due.segment, due.scan);
+    if (sways_) sways_->take(event, due.segment, due.scan);
+    open_window(event, due);
     give_cue(event);
     trial_changes_.push_back({.event = std::move(event), .at = due});
   }

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "core/log.h"
@@ -15,6 +16,7 @@
 #include "session/recordings.h"
 #include "session/rig.h"
 #include "session/session.h"
+#include "session/sway_results.h"
 #include "session/trial_run.h"
 
 namespace dts::session {
@@ -42,9 +44,9 @@ struct TrialChange {
   DataPosition at;
 };
 
-/// A trial of the reaching task was decided.
+/// A trial was decided.
 struct TrialOutcome {
-  ReachTrialResult result;
+  std::variant<ReachTrialResult, SwayTrialResult> result;
   DataPosition at;
 };
 
@@ -103,10 +105,14 @@ class RigSession {
   void enter_trial(const TrialEvent& event, const DataPosition& at);
   void put_trial(record::TrialRow& row);
   void give_cue(const TrialEvent& event);
-  void follow_reaches(const DataPosition& at);
-  void enter_result(const ReachTrialResult& result, bool is_at_end, const DataPosition& at);
+  void prepare_results(const Protocol& protocol, const record::SessionFacts& facts);
+  void drain();
+  void follow(const DataPosition& at);
+  void open_window(const TrialEvent& event, const DataPosition& at);
+  void enter_result(record::RecordedEvent event, std::uint32_t trial, std::uint32_t attempt, const DataPosition& at);
   void tell_outcomes(const DataPosition& at);
   void conclude(const DataPosition& at);
+  void enter_figures(const std::vector<SessionFigure>& figures, const DataPosition& at);
 
   Rig& rig_;
   SessionServices& services_;
@@ -119,7 +125,9 @@ class RigSession {
   std::string end_reason_;
   std::vector<SessionChange> changes_;
   std::vector<TrialChange> trial_changes_;
-  std::optional<ReachResults> results_;  ///< Of a session with trials on a rig that finds reaches.
+  std::optional<ReachResults> reaches_;  ///< Of a session with trials on a rig that finds reaches.
+  std::optional<SwayResults> sways_;     ///< The same, on a rig with a centre of pressure.
+  TrialPlan plan_;                       ///< Of the session's protocol.
   std::vector<TrialOutcome> outcomes_;
 };
 

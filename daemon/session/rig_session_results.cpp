@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // What a session with trials makes of reaches: cues to the subject, a result for each trial, figures at the end.
+#include <algorithm>
+#include <iterator>
+#include <limits>
 #include <utility>
 
 #include "session/rig_session.h"
+#include "session/sway_record.h"
 
 namespace dts::session {
 namespace {
@@ -34,28 +38,67 @@ void RigSession::give_cue(const TrialEvent& event) {
   rig_.hear({.is_go = event.kind == TrialEventKind::Go, .at_ns = event.at_ns, .target_cm = event.target_cm.value_or(0.0)});
 }
 
-/// Takes what the pipeline noticed since the last time. The position is read first: everything before it is in the ring by then.
-void RigSession::follow_reaches(const DataPosition& at) {
-  const PipelineReport processed = rig_.pipeline_report();
+/// What the session's trials are judged by. What the rings hold is from before the session.
+void RigSession::prepare_results(const Protocol& protocol, const record::SessionFacts& facts) {
+  reaches_.reset();
+  sways_.reset();
+  drain();
+  if (!protocol.trials) return;
+  plan_ = *protocol.trials;
+  const auto& stages = rig_.config().stages;
+  if (std::ranges::find(stages, "reach", &pipeline::StageConfig::id) != stages.end()) {
+    const auto& model = rig_.config().trunk_model;
+    reaches_.emplace(person_of(facts.fields), model ? &*model : nullptr);
+  }
+  if (const auto cop_rate = rig_.cop_rate()) sways_.emplace(rig_.config().rate, *cop_rate);
+}
+
+/// Empties the rings from the pipeline: into the results of the session, if there are any.
+void RigSession::drain() {
   while (const core::FrameEvents* events = rig_.reaches().front()) {
-    if (results_) {
-      for (const core::ReachEvent& reach : events->reaches.all_of()) results_->take(reach);
-      for (const core::ClassEvent& movement : events->classes.all_of()) results_->take(movement);
+    if (reaches_) {
+      for (const core::ReachEvent& reach : events->reaches.all_of()) reaches_->take(reach);
+      for (const core::ClassEvent& movement : events->classes.all_of()) reaches_->take(movement);
     }
     rig_.reaches().release();
   }
-  if (!results_) return;
-  results_->advance(processed.segment, processed.next_scan);
+  while (const core::Block* cop = rig_.cops().front()) {
+    if (sways_) sways_->take(*cop);
+    rig_.cops().release();
+  }
+}
+
+/// Takes what the pipeline noticed since the last time. The position is read first: everything before it is in the rings by then.
+void RigSession::follow(const DataPosition& at) {
+  const PipelineReport processed = rig_.pipeline_report();
+  drain();
+  if (reaches_) reaches_->advance(processed.segment, processed.next_scan);
   tell_outcomes(at);
 }
 
+/// The stage `steadiness` is told when a trial will be measured as soon as that is known.
+void RigSession::open_window(const TrialEvent& event, const DataPosition& at) {
+  if (!sways_) return;
+  using enum TrialEventKind;
+  if (event.kind == Go) {
+    const auto scans = [this](double s) { return s > 0.0 ? rig_.config().rate.scans_in_ms(s * 1e3) : 0; };
+    const core::ScanIndex first = at.scan + scans(plan_.settle_s);
+    const bool is_open_ended = plan_.duration_s <= 0.0;
+    const core::ScanIndex end =
+        is_open_ended ? core::ScanIndex{std::numeric_limits<std::uint64_t>::max()} : first + scans(plan_.duration_s);
+    rig_.windows().open(event.trial, at.segment, first, end);
+  } else if (event.kind == Done) {
+    rig_.windows().end_at(at.segment, at.scan);
+  } else if (event.kind == Redone || event.kind == Rejected || event.kind == Aborted) {
+    rig_.windows().close();
+  }
+}
+
 /// Into the recording, and beside the trial in the catalogue.
-void RigSession::enter_result(const ReachTrialResult& result, bool is_at_end, const DataPosition& at) {
-  record::RecordedEvent event = recorded(result);
-  if (is_at_end) event.values.emplace_back("is_at_end", true);
+void RigSession::enter_result(record::RecordedEvent event, std::uint32_t trial, std::uint32_t attempt, const DataPosition& at) {
   event.segment = at.segment;
   event.scan = at.scan;
-  if (const auto row = trial_rows_.find({result.trial, result.attempt}); row != trial_rows_.end()) {
+  if (const auto row = trial_rows_.find({trial, attempt}); row != trial_rows_.end()) {
     row->second.result = record::to_json(event);
     put_trial(row->second);
   }
@@ -63,23 +106,49 @@ void RigSession::enter_result(const ReachTrialResult& result, bool is_at_end, co
 }
 
 void RigSession::tell_outcomes(const DataPosition& at) {
-  for (ReachTrialResult& result : results_->take_decided()) {
-    enter_result(result, false, at);
-    outcomes_.push_back({.result = std::move(result), .at = at});
+  if (reaches_) {
+    for (ReachTrialResult& result : reaches_->take_decided()) {
+      enter_result(recorded(result), result.trial, result.attempt, at);
+      outcomes_.push_back({.result = std::move(result), .at = at});
+    }
+  }
+  if (sways_) {
+    for (SwayTrialResult& result : sways_->take_decided()) {
+      enter_result(to_record(result, services_.software), result.trial, result.attempt, at);
+      outcomes_.push_back({.result = std::move(result), .at = at});
+    }
   }
 }
 
-/// The session's trials are over: each is judged once more, by the subject's own scale if there is one now; and what came of them as a
-/// whole. A resumed session has figures for each of its parts.
+/// The session's trials are over: each reach is judged once more, by the subject's own scale if there is one now; and what came of them
+/// as a whole. A resumed session has figures for each of its parts.
 void RigSession::conclude(const DataPosition& at) {
-  if (!results_) return;
-  follow_reaches(at);
-  results_->finish();
-  tell_outcomes(at);
-  for (const ReachTrialResult& result : results_->results()) enter_result(result, true, at);
+  follow(at);
+  std::vector<SessionFigure> figures;
+  if (reaches_) {
+    reaches_->finish();
+    tell_outcomes(at);
+    for (const ReachTrialResult& result : reaches_->results()) {
+      record::RecordedEvent event = recorded(result);
+      event.values.emplace_back("is_at_end", true);
+      enter_result(std::move(event), result.trial, result.attempt, at);
+    }
+    figures = reaches_->summary();
+  }
+  if (sways_) {
+    sways_->finish();
+    tell_outcomes(at);
+    std::ranges::move(sways_->summary(), std::back_inserter(figures));
+  }
+  enter_figures(figures, at);
+  reaches_.reset();
+  sways_.reset();
+}
+
+void RigSession::enter_figures(const std::vector<SessionFigure>& figures, const DataPosition& at) {
   const std::uint32_t part = services_.recordings != nullptr ? services_.recordings->part(rig_.config().name) : 1;
   const std::string suffix = part > 1 ? "_part_" + std::to_string(part) : "";
-  for (const ReachFigure& figure : results_->summary()) {
+  for (const SessionFigure& figure : figures) {
     const record::ResultRow row{.session_id = session_.view(0).id,
                                 .name = figure.name + suffix,
                                 .value = figure.value,
@@ -88,7 +157,6 @@ void RigSession::conclude(const DataPosition& at) {
     note({.event = "figure", .values = {{"name", row.name}, {"value", row.value}, {"unit", row.unit}, {"details", row.details}}}, at);
     if (services_.recordings != nullptr) services_.recordings->enter_result(row);
   }
-  results_.reset();
 }
 
 }  // namespace dts::session

@@ -13,6 +13,7 @@ struct StorageConfig {
   std::string directory;           ///< State folder: catalogue.sqlite, and sessions/ with the recordings.
   double refuse_below_min = 10.0;  ///< No session starts with room for less.
   double warn_below_min = 60.0;
+  double resume_within_min = 0.0;  ///< A session that a crash interrupted is gone on with at start when it is not older; 0: never.
   double stop_below_mib = 64.0;  ///< Recordings are closed in order before the disk is full to the last byte.
 };
 

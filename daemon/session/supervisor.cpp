@@ -66,7 +66,9 @@ std::vector<RigState> Supervisor::states() {
                       .recording = services_.recordings != nullptr ? services_.recordings->view(rig_name) : RecordingView{},
                       .part = services_.recordings != nullptr ? services_.recordings->part(rig_name) : 0,
                       .trial = entry.session.trial_view(clock_.now_ns()),
-                      .measured_rate_hz = entry.measured_rate_hz});
+                      .measured_rate_hz = entry.measured_rate_hz,
+                      .ring_fill = entry.rig->ring_fill(),
+                      .latency = entry.rig->latency()});
   }
   return states;
 }
@@ -115,6 +117,7 @@ core::Result<SessionView> Supervisor::begun(Entry& entry, const core::Status& st
   if (!status) return tl::make_unexpected(status.error());
   entry.has_pulse_due = entry.rig->config().sync_pulse_ms > 0.0;
   const SessionView view = entry.session.view(clock_.now_ns());
+  forget_resumable(entry.rig->config().name);
   log_.info("session " + view.id + " starts on rig '" + entry.rig->config().name + "'");
   collect_session_changes(entry);
   return view;
@@ -251,6 +254,7 @@ core::Result<pipeline::TareReport> Supervisor::tare_report(const std::string& ri
 void Supervisor::tick() {
   const std::int64_t now_ns = clock_.now_ns();
   finish_recordings();
+  try_resumes(now_ns);
   for (auto& [rig_name, entry] : entries_) {
     const AcquisitionReport report = entry.rig->acquisition();
     measure_rate(entry, report, now_ns);
@@ -292,10 +296,13 @@ void Supervisor::collect_session_changes(Entry& entry) {
                         .body = TrialNotice{.session_id = entry.session.view(clock_.now_ns()).id, .event = std::move(change.event)}});
   }
   for (TrialOutcome& outcome : entry.session.take_outcomes()) {
-    notices_.push_back(
-        {.rig = rig,
-         .at = outcome.at,
-         .body = TrialResultNotice{.session_id = entry.session.view(clock_.now_ns()).id, .result = std::move(outcome.result)}});
+    const std::string id = entry.session.view(clock_.now_ns()).id;
+    if (auto* reach = std::get_if<ReachTrialResult>(&outcome.result)) {
+      notices_.push_back({.rig = rig, .at = outcome.at, .body = TrialResultNotice{.session_id = id, .result = std::move(*reach)}});
+    } else if (auto* sway = std::get_if<SwayTrialResult>(&outcome.result)) {
+      notices_.push_back(
+          {.rig = rig, .at = outcome.at, .body = SwayNotice{.session_id = id, .software = services_.software, .result = std::move(*sway)}});
+    }
   }
 }
 

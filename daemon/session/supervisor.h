@@ -42,11 +42,17 @@ struct TrialResultNotice {
   ReachTrialResult result;
 };
 
+struct SwayNotice {
+  std::string session_id;
+  std::string software;  ///< Who computed it.
+  SwayTrialResult result;
+};
+
 /// Something that the control thread has to tell the bus.
 struct Notice {
   std::string rig;
   DataPosition at;
-  std::variant<MarkerNotice, DeviceNotice, SessionView, TrialNotice, TrialResultNotice> body;
+  std::variant<MarkerNotice, DeviceNotice, SessionView, TrialNotice, TrialResultNotice, SwayNotice> body;
 };
 
 /// The state of one rig for status answers; references live as long as the supervisor and until its next call.
@@ -60,6 +66,8 @@ struct RigState {
   std::uint32_t part = 0;  ///< Of the recording under way, or of the last.
   std::optional<TrialView> trial;
   double measured_rate_hz = 0.0;  ///< Scans per host second over the last seconds; 0 until known.
+  RingFill ring_fill;
+  LatencyReport latency;
 };
 
 /// Owns the rigs and their sessions and executes commands on them. Thread: control, all of it.
@@ -86,6 +94,9 @@ class Supervisor {
   [[nodiscard]] core::Result<SessionView> start_session(const std::string& rig, const SessionRequest& request);
   /// Goes on with a session of the catalogue as a new part.
   [[nodiscard]] core::Result<std::pair<std::string, SessionView>> resume_session(const std::string& id);
+  /// Goes on with what a crash interrupted, if the configuration says so: tried until it succeeds or the time that it gives has passed.
+  /// Call it once, after `start`.
+  void resume_interrupted();
   /// An empty name means the only rig that has a session. It is over when `session` says so: the recording is being closed.
   [[nodiscard]] core::Result<std::pair<std::string, SessionView>> stop_session(const std::string& rig, bool is_abort = false,
                                                                                const std::string& reason = {});
@@ -145,6 +156,9 @@ class Supervisor {
   void measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns);
   [[nodiscard]] std::string new_session_id(const std::string& rig);
   [[nodiscard]] static core::Status check_startable(Entry& entry);
+  void try_resumes(std::int64_t now_ns);
+  /// Somebody decided what happens on this rig now.
+  void forget_resumable(const std::string& rig);
 
   core::Clock& clock_;
   core::Log log_;
@@ -153,6 +167,9 @@ class Supervisor {
   std::map<std::string, Entry, std::less<>> entries_;
   std::vector<Notice> notices_;
   std::uint32_t sessions_started_ = 0;
+  std::vector<std::string> resumable_;
+  std::int64_t resume_until_ns_ = 0;
+  std::int64_t next_resume_ns_ = 0;
 };
 
 }  // namespace dts::session

@@ -150,10 +150,12 @@ class Producer {
     auto timed = std::make_unique<TimedSocket>(std::move(xpub), plan.warm_scans(), config_.rate, clock_, figures_);
     publisher_.emplace(std::move(timed), bell_, supervisor_.rigs(), clock_, kInstance);
     for (const std::string& refused : publisher_->start(policy(arguments, fifo_priority, 2))) std::fprintf(stderr, "%s\n", refused.c_str());
+    keys_ = need(access::KeyStore::open(directory_.path() + "/keys"));
     handler_.emplace(supervisor_, clock_, ipc::Identity{.instance_id = kInstance, .boot_id = boot_id(), .started_ns = clock_.now_ns()},
-                     std::vector<std::string>{});
-    server_ = need(ipc::ControlServer::bind(context_, "ipc://" + directory_.path() + "/control.sock", supervisor_, *handler_, *publisher_,
-                                            clock_, kInstance));
+                     std::vector<std::string>{}, ipc::KeyCommands(keys_.get(), clock_, {}));
+    std::vector<ipc::ControlSocket> sockets;
+    sockets.push_back(need(ipc::ControlSocket::bind(context_, "ipc://" + directory_.path() + "/control.sock")));
+    server_.emplace(std::move(sockets), access::Gate(keys_.get()), supervisor_, *handler_, *publisher_, clock_, kInstance);
     supervisor_.start();
   }
 
@@ -195,8 +197,9 @@ class Producer {
   session::Supervisor supervisor_{clock_, core::Log()};
   zmq::context_t context_{1};
   std::optional<ipc::PublishThread> publisher_;
+  std::unique_ptr<access::KeyStore> keys_;
   std::optional<ipc::CommandHandler> handler_;
-  std::unique_ptr<ipc::ControlServer> server_;
+  std::optional<ipc::ControlServer> server_;
 };
 
 JsonLine Producer::report() {

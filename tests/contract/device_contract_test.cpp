@@ -45,7 +45,7 @@ TEST_P(DeviceContract, Closed_EveryOperationAsTheTableSays) {
   core::Block block = block_for(*device, 8);
 
   EXPECT_EQ(code(device->start(usual(*device))), core::ErrorCode::WrongState);
-  EXPECT_EQ(device->read(block, test::kNever).outcome, ReadOutcome::NotStreaming);
+  EXPECT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::NotStreaming);
   EXPECT_TRUE(device->stop().has_value());
   EXPECT_TRUE(device->close().has_value());
   EXPECT_EQ(device->state(), DeviceState::Closed);
@@ -59,7 +59,7 @@ TEST_P(DeviceContract, Open_EveryOperationAsTheTableSays) {
   core::Block block = block_for(*device, 8);
 
   EXPECT_TRUE(device->open().has_value());
-  EXPECT_EQ(device->read(block, test::kNever).outcome, ReadOutcome::NotStreaming);
+  EXPECT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::NotStreaming);
   EXPECT_EQ(block.count(), 0U);
   EXPECT_TRUE(device->stop().has_value());
   EXPECT_EQ(device->state(), DeviceState::Open);
@@ -73,7 +73,7 @@ TEST_P(DeviceContract, Streaming_EveryOperationAsTheTableSays) {
 
   EXPECT_TRUE(device->open().has_value());
   EXPECT_EQ(code(device->start(usual(*device))), core::ErrorCode::WrongState);
-  EXPECT_EQ(device->read(block, test::kNever).outcome, ReadOutcome::Scans);
+  EXPECT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
   EXPECT_EQ(device->state(), DeviceState::Streaming);
   EXPECT_TRUE(device->stop().has_value());
   EXPECT_EQ(device->state(), DeviceState::Open);
@@ -91,7 +91,7 @@ TEST_P(DeviceContract, Gone_EveryOperationAsTheTableSays) {
   EXPECT_FALSE(device->describe().channels.empty());
   EXPECT_EQ(code(device->open()), core::ErrorCode::WrongState);
   EXPECT_EQ(code(device->start(usual(*device))), core::ErrorCode::DeviceGone);
-  EXPECT_EQ(device->read(block, test::kNever).outcome, ReadOutcome::Gone);
+  EXPECT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::Gone);
   EXPECT_TRUE(device->stop().has_value());
   EXPECT_EQ(device->state(), DeviceState::Gone);
   EXPECT_TRUE(device->close().has_value());
@@ -120,7 +120,7 @@ TEST_P(DeviceContract, Report_NamesTheUnitInEveryStateAfterOpen) {
   EXPECT_FALSE(serial.empty());
   ASSERT_TRUE(device->start(usual(*device)).has_value());
   core::Block block = block_for(*device, 8);
-  ASSERT_EQ(device->read(block, test::kNever).outcome, ReadOutcome::Scans);
+  ASSERT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
   EXPECT_EQ(device->report().serial, serial);
   for (const DeviceCheck& check : device->report().checks) {
     EXPECT_NE(check.outcome, DeviceCheck::Outcome::Failed) << check.name << ": " << check.detail;
@@ -153,7 +153,7 @@ TEST_P(DeviceContract, PluggedInAgain_StreamsFromIndexZero) {
   ASSERT_TRUE(device->open().has_value());
   ASSERT_TRUE(device->start(usual(*device)).has_value());
 
-  EXPECT_EQ(device->read(block, test::kNever).outcome, ReadOutcome::Scans);
+  EXPECT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
   EXPECT_EQ(block.first_scan.value, 0U);
 }
 
@@ -192,9 +192,9 @@ TEST_P(DeviceContract, BothEndsOfTheRate_ExactRateAndInstants) {
     ASSERT_TRUE(rate.has_value());
     EXPECT_NEAR(rate->hz(), rate_hz, 0.01 * rate_hz);
     core::Block block = block_for(*device, 16);
-    ASSERT_EQ(device->read(block, test::kNever).outcome, ReadOutcome::Scans);
+    ASSERT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
     const std::int64_t first_ns = block.host_time_ns;
-    ASSERT_EQ(device->read(block, test::kNever).outcome, ReadOutcome::Scans);
+    ASSERT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
     const auto expected_ns = static_cast<double>(rate->time_ns(block.first_scan));
     const auto doubt_ns = static_cast<double>(block.host_time_uncertainty_ns);  // 0 for a device that knows
     EXPECT_NEAR(static_cast<double>(block.host_time_ns - first_ns), expected_ns, 1e-3 * expected_ns + doubt_ns);
@@ -253,7 +253,7 @@ TEST_P(DeviceContract, ConvertedValues_WithinTheDescribedRange) {
   const auto device = streaming(GetParam().uri);
   core::Block block = block_for(*device, 64);
   for (int i = 0; i < 20; ++i) {
-    ASSERT_EQ(device->read(block, test::kNever).outcome, ReadOutcome::Scans);
+    ASSERT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
     for (std::size_t channel = 0; channel < block.channel_count(); ++channel) {
       const ChannelDescription& described = device->describe().channels[channel];
       for (std::size_t scan = 0; scan < block.count(); ++scan) {
@@ -310,7 +310,7 @@ TEST_P(DeviceContract, InterruptWhileWaiting_ReturnsWithin100Milliseconds) {
     device->interrupt();
   };
 
-  (void)device->read(block, test::kNever);
+  (void)device->read(block, test::kNoDeadline);
 
   ASSERT_GT(interrupted_at_ns, 0);
   EXPECT_LE(clock.now_ns(), interrupted_at_ns + 100 * kMillisecond);
@@ -326,7 +326,7 @@ TEST_P(DeviceContract, InterruptFromAnotherThread_EndsTheRead) {
 
   std::jthread reader([&] {
     core::Block block = block_for(*device, 64);
-    (void)device->read(block, test::kNever);
+    (void)device->read(block, test::kNoDeadline);
     has_returned.store(true, std::memory_order_release);
   });
   while (!has_returned.load(std::memory_order_acquire)) {

@@ -17,6 +17,8 @@
 #include "unit/pipeline/floor_rig.h"
 #include "unit/pipeline/reaching_signal.h"
 #include "unit/pipeline/stage_runner.h"
+
+#include "unit/pipeline/standing_cop.h"
 #include "unit/pipeline/standing_signal.h"
 
 namespace dts::pipeline::contract {
@@ -29,10 +31,13 @@ using Options = std::map<std::string, OptionValue, std::less<>>;
 /// A stage with its surroundings, prepared for the first kind of input that it takes.
 class PreparedStage {
  public:
-  PreparedStage(const std::string& id, const Options& options) : stage_(surroundings_.make({.id = id, .options = options})) { prepare(); }
+  PreparedStage(const std::string& id, const Options& options) : stage_(surroundings_.make({.id = id, .options = options})) {
+    surroundings_.windows.open(1, 0, {10}, {310});  // a trial, for who wants to know
+    prepare();
+  }
 
   void prepare() {
-    for (const auto maker : {&standing_volts, &standing_millimetres, &reaching_transient}) {
+    for (const auto maker : {&standing_volts, &standing_millimetres, &reaching_transient, &standing_cop}) {
       const auto format = stage_->prepare(maker(0, 1, Faults::None).format, kLargestBlock);
       if (!format) continue;
       make_signal_ = maker;
@@ -100,6 +105,32 @@ inline std::vector<double> numbers_of(const core::ClassEvent& event) {
           of.trunk_deg,          of.trunk_lo_deg,      of.trunk_hi_deg,         whole(of.reasons)};
 }
 
+inline std::vector<double> numbers_of(const core::SwayEvent& event) {
+  const core::RunningSway& of = event.values;
+  const auto whole = [](auto value) { return static_cast<double>(value); };
+  return {whole(event.segment),
+          whole(event.scan.value),
+          whole(event.host_time_ns),
+          whole(event.first_scan.value),
+          whole(event.trial),
+          whole(of.samples),
+          of.rate_hz,
+          of.mean_ml_mm,
+          of.mean_ap_mm,
+          of.rdist_mm,
+          of.rdist_ap_mm,
+          of.rdist_ml_mm,
+          of.totex_mm,
+          of.totex_ap_mm,
+          of.totex_ml_mm,
+          of.range_ap_mm,
+          of.range_ml_mm,
+          of.ellipse_sd1_mm,
+          of.ellipse_sd2_mm,
+          of.ellipse_angle_deg,
+          of.pea95_f_mm2};
+}
+
 template <class Event>
 void expect_same_events(const std::vector<Event>& expected, const std::vector<Event>& actual, const std::string& what) {
   ASSERT_EQ(expected.size(), actual.size()) << what;
@@ -124,6 +155,8 @@ inline void expect_same(const Output& expected, const Output& actual, const std:
   }
   expect_same_events(expected.reaches, actual.reaches, what);
   expect_same_events(expected.classes, actual.classes, what);
+  expect_same_events(expected.sways, actual.sways, what);
+  ASSERT_EQ(expected.lost_sways + actual.lost_sways, 0U) << what << ": how many find room depends on the size of blocks";
 }
 
 /// The defaults, and each option once at each end of its range or at each word.

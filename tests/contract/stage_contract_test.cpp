@@ -129,7 +129,7 @@ TEST_P(StageContract, StageWithoutAStream_TellsSomething) {
 
   const Output output = stage.run(stage.signal(500, 21, Faults::None));
 
-  EXPECT_GT(output.reaches.size() + output.classes.size(), 0U);
+  EXPECT_GT(output.reaches.size() + output.classes.size() + output.sways.size(), 0U);
 }
 
 TEST_P(StageContract, EventsTold_BelongToTheBlockThatToldThem) {
@@ -140,6 +140,12 @@ TEST_P(StageContract, EventsTold_BelongToTheBlockThatToldThem) {
   std::uint64_t last = 0;
   for (const core::ReachEvent& event : output.reaches) {
     EXPECT_GE(event.scan.value, last);  // in the order of scans
+    EXPECT_EQ(event.host_time_ns, host_time_ns(stage.format().rate, event.scan.value));
+    last = event.scan.value;
+  }
+  last = 0;
+  for (const core::SwayEvent& event : output.sways) {
+    EXPECT_GE(event.scan.value, last);
     EXPECT_EQ(event.host_time_ns, host_time_ns(stage.format().rate, event.scan.value));
     last = event.scan.value;
   }

@@ -15,7 +15,7 @@
 namespace dts::fault {
 namespace {
 
-constexpr double kPromisedS = 1.0;
+constexpr double kPromisedAtPowerCutS = 1.0;
 
 struct Moment {
   std::int64_t at_ns = 0;
@@ -60,7 +60,7 @@ PowerCut judge(const Moment& moment, const std::string& folder, std::int64_t sta
   const double last_s = raw->scans > 0 ? raw->last_time_s : static_cast<double>(started_ns) * 1e-9;
   cut.lost_s = static_cast<double>(moment.at_ns) * 1e-9 - last_s;
   cut.told_lost_s_at_most = part.lost_s_at_most;
-  if (cut.lost_s > kPromisedS) cut.problem = std::to_string(cut.lost_s) + " s are lost";
+  if (cut.lost_s > kPromisedAtPowerCutS) cut.problem = std::to_string(cut.lost_s) + " s are lost";
   return cut;
 }
 

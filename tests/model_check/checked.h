@@ -118,6 +118,8 @@ struct Search {
   unsigned preemptions = 0;              ///< Of the bounded search, which is complete within the bound.
 };
 
+inline constexpr Search kAtRandom{.kind = rl::sched_random, .iterations = 200'000};
+
 struct Verdict {
   rl::test_result_e result = rl::test_result_success;
   std::string report;  ///< What the checker wrote, with the history of the failing run.

@@ -46,7 +46,6 @@ class LatestValueSuite : public rl::test_suite<LatestValueSuite<weakening>, 2> {
   std::uint64_t newest_ = 0;  // of the reader, until after()
 };
 
-constexpr Search kAtRandom{.kind = rl::sched_random, .iterations = 200'000};
 constexpr Search kAll{.kind = rl::sched_full};
 
 TEST(LatestValueModel, AsShipped_PassesEveryInterleaving) {

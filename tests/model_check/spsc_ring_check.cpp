@@ -122,7 +122,6 @@ struct Blocks {
   }
 };
 
-constexpr Search kAtRandom{.kind = rl::sched_random, .iterations = 200'000};
 constexpr Search kAllWithFourPreemptions{.kind = rl::sched_bound, .preemptions = 4};
 
 template <class Sides>

@@ -18,7 +18,7 @@ namespace {
 using nlohmann::json;
 
 /// Four reaches as far as possible, one to half of the arm's length beyond it, one within reach: short, at a brisk pace.
-constexpr const char* kProtocol = R"(name = "examination"
+constexpr const char* kExamination = R"(name = "examination"
 sentence = "Six brisk reaches"
 [[field]]
 name = "weight_kg"
@@ -73,7 +73,7 @@ class ChairExamination : public testing::Test {
   ChairExamination() {
     const std::filesystem::path folder = daemon_.directory() / "protocols";
     std::filesystem::create_directory(folder);
-    std::ofstream(folder / "examination.toml") << kProtocol;
+    std::ofstream(folder / "examination.toml") << kExamination;
     daemon_.signal(SIGTERM);  // it has to see the protocol
     EXPECT_EQ(daemon_.wait(), 0);
     daemon_.restart();
@@ -116,7 +116,7 @@ std::string told(const v1::Event& event) {
 }
 
 /// What has come until now.
-std::vector<std::string> heard(client::Subscriber& subscriber) {
+std::vector<std::string> heard_events(client::Subscriber& subscriber) {
   std::vector<std::string> events;
   while (true) {
     const auto message = subscriber.receive(std::chrono::milliseconds(200));
@@ -148,7 +148,7 @@ TEST_F(ChairExamination, LiveRecordedReplayedAndInTheLaboratory_AreTheSame) {
   client::Subscriber subscriber = daemon_.subscribe({"chair/reach", "chair/class"});
   static_cast<void>(subscriber.receive(std::chrono::milliseconds(200)));
   const std::string id = examine();
-  const auto live = heard(subscriber);
+  const auto live = heard_events(subscriber);
   const json session = shown(id);
   const std::string file = session.at("parts").at(0).at("file");
 

@@ -119,8 +119,8 @@ TEST_F(LabProgram, GoodCase_IsOneJsonDocument) {
   const Finished finished = solve(std::string(kPlate) + kSupport + kLoad + kProbe, {"--json"});
 
   ASSERT_EQ(finished.status, 0) << finished.err;
-  const auto json = nlohmann::json::parse(finished.out);
-  EXPECT_NEAR(json.at("probes").at(0).at("deflection_mm").get<double>(), 2.466, 0.0197);
+  const auto answer = nlohmann::json::parse(finished.out);
+  EXPECT_NEAR(answer.at("probes").at(0).at("deflection_mm").get<double>(), 2.466, 0.0197);
   EXPECT_THAT(finished.err, HasSubstr("--nonlinear")) << "2.5 mm of 3, and not among the results";
 }
 

@@ -22,11 +22,10 @@ using client::Result;
 using physics::CopMethod;
 
 /// A deflection with any of these doubts is not averaged into a point.
-constexpr std::uint8_t kRefusedQuality =
+constexpr std::uint8_t kRefusedDeflectionQuality =
     v1::QUALITY_RAIL | v1::QUALITY_STUCK | v1::QUALITY_OUT_OF_RANGE | v1::QUALITY_ROTATION | v1::QUALITY_UNTARED;
-constexpr double kDriftMm = 0.01;  // moves the estimate by about 0.1 mm at 490 N
-constexpr double kNoiseMm = 0.1;   // as the tare: more means that something moves
-constexpr double kPatienceS = 10.0;
+constexpr double kDriftMm = 0.01;       // moves the estimate by about 0.1 mm at 490 N
+constexpr double kNoiseMm = 0.1;        // as the tare: more means that something moves
 constexpr double kThesisLoadN = 490.0;  // thesis 4.5: 50 kgf
 constexpr double kLeastRatio = 2.0;     // of the loads of poly3: less tells too little about how its coefficients depend on the load
 constexpr std::size_t kGoodGrid = 6;    // plate-model 5.2: 6 x 6 places are ten times better than 5 x 5
@@ -105,7 +104,7 @@ void warn(const Job& job, cli::Console& console) {
 }
 
 /// What a doubt about a deflection means at the plate.
-std::string advice(const std::string& label, std::uint8_t quality) {
+std::string deflection_advice(const std::string& label, std::uint8_t quality) {
   if ((quality & v1::QUALITY_UNTARED) != 0) return "the zero of the plate is lost; quit and begin again with --resume";
   if ((quality & v1::QUALITY_RAIL) != 0) return "the converter is at its end; use a lighter weight or a wider input range";
   if ((quality & v1::QUALITY_OUT_OF_RANGE) != 0) {
@@ -241,11 +240,11 @@ MeasureOptions deflections(const Job& job, std::size_t scans, const std::functio
   return {.labels = job.plate.labels,
           .unit = "mm",
           .limits = {.window_scans = scans, .drift = kDriftMm, .noise = kNoiseMm},
-          .refused_quality = kRefusedQuality,
+          .refused_quality = kRefusedDeflectionQuality,
           .patience_scans = static_cast<std::size_t>(kPatienceS * job.rate_hz) + scans,
           .say = say,
           .sees = load_text,
-          .advise = advice,
+          .advise = deflection_advice,
           .is_stopped = is_stopped};
 }
 
@@ -292,7 +291,7 @@ int work(const Arguments& arguments, client::ControlClient& dts, const Job& job,
 int run_calibrate_cop(const Arguments& arguments, cli::Console& console) {
   auto dts = connect(arguments);
   if (!dts) return cli::fail_with(console, dts.error());
-  const auto where = endpoints(arguments);
+  const auto where = target(arguments);
   if (!where) return cli::fail_with(console, where.error());
   const auto wishes = completed(arguments);
   if (!wishes) return cli::fail_with(console, wishes.error());
@@ -302,7 +301,7 @@ int run_calibrate_cop(const Arguments& arguments, cli::Console& console) {
   if (!scans) return cli::fail_with(console, scans.error());
   std::vector<std::string> channels;
   for (const std::string& label : job->plate.labels) channels.push_back(label + "_mm");
-  auto feed = LiveFeed::open(where->data, arguments.rig, "deflection", channels);
+  auto feed = LiveFeed::open(*where, arguments.rig, "deflection", channels);
   if (!feed) return cli::fail_with(console, feed.error());
   auto progress = open_progress(arguments.calibrate, *job);
   if (!progress) return cli::fail_with(console, progress.error());

@@ -12,8 +12,8 @@ namespace {
 using client::ErrorCode;
 using client::Result;
 
-constexpr std::chrono::milliseconds kLook{100};
-constexpr std::chrono::seconds kSilence{10};
+constexpr std::chrono::milliseconds kFeedLook{100};
+constexpr std::chrono::seconds kFeedSilence{10};
 
 tl::unexpected<client::Error> restarted() {
   return client::fail(ErrorCode::WrongState, "the daemon was restarted during the calibration: the zero of the plate is lost",
@@ -22,17 +22,18 @@ tl::unexpected<client::Error> restarted() {
 
 }  // namespace
 
-Result<LiveFeed> LiveFeed::open(const std::string& endpoint, const std::string& rig, const std::string& stream,
+Result<LiveFeed> LiveFeed::open(const Target& where, const std::string& rig, const std::string& stream,
                                 std::vector<std::string> channels) {
+  const std::string& endpoint = where.endpoints.data;
   if (auto somebody = client::probe(endpoint); !somebody) return tl::make_unexpected(somebody.error());
   const std::string topic = rig + "/" + stream;
-  auto subscriber = client::Subscriber::open({.endpoint = endpoint, .topics = {topic, rig + "/gap", rig + "/device"}});
+  auto subscriber = client::Subscriber::open({.endpoint = endpoint, .topics = {topic, rig + "/gap", rig + "/device"}, .key = where.key});
   if (!subscriber) return tl::make_unexpected(subscriber.error());
   return LiveFeed(std::move(*subscriber), endpoint, topic, std::move(channels));
 }
 
 Result<std::optional<FeedBlock>> LiveFeed::next() {
-  auto block = receive(kLook);
+  auto block = receive(kFeedLook);
   if (!block || *block) return block;
   if (auto heard = check_silence(); !heard) return tl::make_unexpected(heard.error());
   return std::nullopt;
@@ -74,7 +75,7 @@ Result<FeedBlock> LiveFeed::take(const client::Block& block) {
 }
 
 Result<void> LiveFeed::check_silence() const {
-  if (std::chrono::steady_clock::now() - heard_ < kSilence) return {};
+  if (std::chrono::steady_clock::now() - heard_ < kFeedSilence) return {};
   return tl::make_unexpected(explain_silence(subscriber_.status(), {topic_}, endpoint_));
 }
 

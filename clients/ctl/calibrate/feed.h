@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "ctl/commands.h"
 #include "dts/error.h"
 #include "dts/subscriber.h"
 
@@ -32,8 +33,8 @@ class Feed {
 /// One stream of one rig of a running daemon.
 class LiveFeed final : public Feed {
  public:
-  /// `endpoint`: the data socket; `channels`: names, in the order wanted. Contacts nobody yet.
-  [[nodiscard]] static client::Result<LiveFeed> open(const std::string& endpoint, const std::string& rig, const std::string& stream,
+  /// `where`: its data socket; `channels`: names, in the order wanted. Contacts nobody yet.
+  [[nodiscard]] static client::Result<LiveFeed> open(const Target& where, const std::string& rig, const std::string& stream,
                                                      std::vector<std::string> channels);
 
   [[nodiscard]] client::Result<std::optional<FeedBlock>> next() override;

@@ -14,6 +14,8 @@
 
 namespace dts::ctl {
 
+inline constexpr double kPatienceS = 10.0;  ///< Then it is said again what is still moving.
+
 /// What a measurement needs to know about its channels.
 struct MeasureOptions {
   std::vector<std::string> labels;  ///< Of the channels, for messages.

@@ -25,10 +25,9 @@ using cli::Json;
 using client::ErrorCode;
 using client::Result;
 
-constexpr std::uint8_t kRefusedQuality = v1::QUALITY_RAIL | v1::QUALITY_STUCK | v1::QUALITY_ROTATION;
+constexpr std::uint8_t kRefusedVoltageQuality = v1::QUALITY_RAIL | v1::QUALITY_STUCK | v1::QUALITY_ROTATION;
 constexpr double kDriftV = 0.005;  // one code of 11 bit over +-5 V
 constexpr double kNoiseV = 0.05;
-constexpr double kPatienceS = 10.0;
 constexpr const char* kAll = "all";
 
 /// One sensor's way from readings to a file.
@@ -79,7 +78,7 @@ Result<std::vector<SensorJob>> choose_sensors(const Arguments& arguments, const 
 }
 
 /// What a doubt about a voltage means at the sensor.
-std::string advice(const std::string& label, std::uint8_t quality) {
+std::string voltage_advice(const std::string& label, std::uint8_t quality) {
   if ((quality & v1::QUALITY_RAIL) != 0) return "the converter is at its end; leave this gap out (--gaps) or use a wider input range";
   if ((quality & v1::QUALITY_STUCK) != 0) return "the voltage of " + label + " does not move at all; look at its cable and supply";
   return "the channels may be rotated; look at the marker channel, dtsctl doctor";
@@ -93,11 +92,11 @@ Result<std::vector<SteadyReading>> measure(const Arguments& arguments, const std
   const auto say = [&console](const std::string& line) { console.talk << line << std::endl; };
   MeasureOptions options{.unit = "V",
                          .limits = {.window_scans = *scans, .drift = kDriftV, .noise = kNoiseV},
-                         .refused_quality = kRefusedQuality,
+                         .refused_quality = kRefusedVoltageQuality,
                          .patience_scans = static_cast<std::size_t>(kPatienceS * rate_hz) + *scans,
                          .say = say,
                          .sees = {},
-                         .advise = advice};
+                         .advise = voltage_advice};
   for (const SensorJob& job : jobs) options.labels.push_back(job.sensor.label());
   const std::vector<std::string> labels = options.labels;
   const Prompt prompt(console.talk, standard_input(), has_standard_input);
@@ -111,13 +110,13 @@ Result<std::vector<SteadyReading>> measure(const Arguments& arguments, const std
 /// Fills in the readings; false when the person quit.
 Result<bool> measure_jobs(const Arguments& arguments, const RigFacts& facts, std::vector<SensorJob>& jobs, cli::Console& console) {
   if (auto idle = facts.check_idle(); !idle) return tl::make_unexpected(idle.error());
-  const auto where = endpoints(arguments);
+  const auto where = target(arguments);
   if (!where) return tl::make_unexpected(where.error());
   const auto rate_hz = facts.rate_hz("raw");
   if (!rate_hz) return tl::make_unexpected(rate_hz.error());
   std::vector<std::string> channels;
   for (const SensorJob& job : jobs) channels.push_back(job.sensor.label() + "_v");  // as the pipeline names the columns of its input
-  auto feed = LiveFeed::open(where->data, arguments.rig, "raw", channels);
+  auto feed = LiveFeed::open(*where, arguments.rig, "raw", channels);
   if (!feed) return tl::make_unexpected(feed.error());
   const auto levels = measure(arguments, jobs, *rate_hz, *feed, console);
   if (!levels) return tl::make_unexpected(levels.error());

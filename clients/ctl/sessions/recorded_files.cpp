@@ -20,7 +20,9 @@ using client::Result;
 Result<RecordedFile> file_of(const v1::SessionRecord& session, const v1::SessionPart& part) {
   const std::string what = "part " + std::to_string(part.part()) + " of session '" + session.session_id() + "'";
   if (part.state() == v1::PART_STATE_RECORDING) {
-    return client::fail(ErrorCode::WrongState, what + " is still being recorded", "dtsctl session stop --rig " + session.rig());
+    return client::fail(
+        ErrorCode::WrongState, what + " is still being recorded",
+        "dtsctl session stop --rig " + session.rig() + " once it is over; or name the file: dtsctl session show " + session.session_id());
   }
   if (part.state() == v1::PART_STATE_MISSING || part.file().empty()) {
     return client::fail(ErrorCode::DataDamaged, what + " is gone: there is no file '" + part.file() + "'", "restore it from a backup");

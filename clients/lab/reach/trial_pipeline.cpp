@@ -26,7 +26,7 @@ core::Result<std::unique_ptr<TrialPipeline>> TrialPipeline::create(const physics
   pipeline::PipelineInput input{
       .rate = rate, .sensor_channels = {}, .aux_channels = {}, .aux_formats = {}, .trigger = std::nullopt, .max_block_scans = kBlockScans};
   for (std::size_t c = 0; c < rig.sensors.size(); ++c) input.sensor_channels.push_back(c);
-  const pipeline::StageContext context{.rig = rig, .input_ranges = std::vector(rig.sensors.size(), kConverter), .tare = owner->tare_};
+  const pipeline::StageContext context{.rig = rig, .input_ranges = std::vector(rig.sensors.size(), kConverter), .tare = owner->tare_, .windows = owner->windows_};
   auto created = pipeline::Pipeline::create(stages(), input, context);
   if (!created) return tl::make_unexpected(created.error());
   owner->pipeline_ = std::move(*created);

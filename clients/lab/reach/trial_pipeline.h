@@ -36,6 +36,7 @@ class TrialPipeline {
 
   core::Rate rate_;
   pipeline::Tare tare_;
+  pipeline::SteadinessWindows windows_;
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   core::Frame frame_;
   core::Acquired acquired_;

@@ -8,9 +8,9 @@
 namespace dts::lab::reach {
 
 VoltsFile VoltsFile::read(const std::string& file, files::Problems& problems) {
-  constexpr double kMostVolts = 100.0;
+  constexpr double kLargestV = 100.0;
   std::vector<CsvColumn> columns{{.name = "trial", .minimum = 0.0, .maximum = 4294967295.0}};
-  for (const char* name : {"v1", "v2", "v3", "v4"}) columns.push_back({.name = name, .minimum = -kMostVolts, .maximum = kMostVolts});
+  for (const char* name : {"v1", "v2", "v3", "v4"}) columns.push_back({.name = name, .minimum = -kLargestV, .maximum = kLargestV});
   const std::size_t before = problems.size();
   const CsvTable table = CsvTable::read(file, columns, problems);
   VoltsFile result;

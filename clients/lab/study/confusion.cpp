@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "classifier/trunk_model_parts.h"
+
 namespace dts::lab::study {
 namespace {
 
@@ -20,6 +22,10 @@ double share(std::size_t part, std::size_t whole) noexcept {
 }
 
 }  // namespace
+
+TrunkClass true_class(double flexion_deg) noexcept {
+  return flexion_deg > 0.0 ? static_cast<TrunkClass>(classifier::class_index(flexion_deg) + 1) : TrunkClass::None;
+}
 
 void Confusion::add(TrunkClass wanted, TrunkClass answer) noexcept { ++counts_[row(wanted)][column(answer)]; }
 

@@ -9,6 +9,9 @@
 
 namespace dts::lab::study {
 
+/// The class of a reach with so much flexion of the trunk.
+[[nodiscard]] core::TrunkClass true_class(double flexion_deg) noexcept;
+
 /// What reaches of a known class were taken for.
 class Confusion {
  public:
@@ -36,5 +39,8 @@ class Confusion {
  private:
   std::array<std::array<std::size_t, kAnswers>, kWanted> counts_{};
 };
+
+inline constexpr std::array<core::TrunkClass, Confusion::kAnswers> kEveryAnswer = {
+    core::TrunkClass::Rejected, core::TrunkClass::None, core::TrunkClass::Minor, core::TrunkClass::Moderate, core::TrunkClass::Maximum};
 
 }  // namespace dts::lab::study

@@ -12,12 +12,6 @@ using classifier::SubjectCalibration;
 using classifier::TrunkModel;
 using core::TrunkClass;
 
-TrunkClass true_class(double flexion_deg) {
-  if (!(flexion_deg > 0.0)) return TrunkClass::None;
-  if (flexion_deg < classifier::kModerateFromDeg) return TrunkClass::Minor;
-  return flexion_deg < classifier::kMaximumFromDeg ? TrunkClass::Moderate : TrunkClass::Maximum;
-}
-
 /// Figures as they come in.
 class Tally {
  public:

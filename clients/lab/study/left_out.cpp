@@ -42,10 +42,6 @@ std::array<double, kClasses> widths_without(const std::vector<AngleError>& error
   return widths;
 }
 
-TrunkClass true_class(double flexion_deg) {
-  return flexion_deg > 0.0 ? static_cast<TrunkClass>(classifier::class_index(flexion_deg) + 1) : TrunkClass::None;
-}
-
 std::vector<AngleError> errors_of(const std::vector<JudgedReach>& judged) {
   std::vector<AngleError> errors;
   for (const auto& [reach, movement, volunteer, arm_alone] : judged) {

@@ -12,16 +12,14 @@ namespace {
 using core::TrunkClass;
 
 // Words on axes are formats to gnuplot: %% is a percent sign.
-constexpr std::array<TrunkClass, 3> kWanted = {TrunkClass::Minor, TrunkClass::Moderate, TrunkClass::Maximum};
-constexpr std::array<TrunkClass, 5> kAnswers = {TrunkClass::Rejected, TrunkClass::None, TrunkClass::Minor, TrunkClass::Moderate,
-                                                TrunkClass::Maximum};
+constexpr std::array<TrunkClass, 3> kDrawnClasses = {TrunkClass::Minor, TrunkClass::Moderate, TrunkClass::Maximum};
 
 /// Rows from below: 120 %, 150 %, maximum.
 void write_confusion(std::ostream& script, const std::string& name, const Confusion& answers) {
   script << "$" << name << " << END\n";
-  for (std::size_t row = 0; row < kWanted.size(); ++row) {
-    for (std::size_t column = 0; column < kAnswers.size(); ++column) {
-      script << column << ' ' << row << ' ' << answers.count(kWanted[row], kAnswers[column]) << '\n';
+  for (std::size_t row = 0; row < kDrawnClasses.size(); ++row) {
+    for (std::size_t column = 0; column < kEveryAnswer.size(); ++column) {
+      script << column << ' ' << row << ' ' << answers.count(kDrawnClasses[row], kEveryAnswer[column]) << '\n';
     }
   }
   script << "END\n";

@@ -12,8 +12,6 @@ using cli::decimal;
 using core::TrunkClass;
 
 constexpr std::array<TrunkClass, 4> kWanted = {TrunkClass::None, TrunkClass::Minor, TrunkClass::Moderate, TrunkClass::Maximum};
-constexpr std::array<TrunkClass, 5> kAnswers = {TrunkClass::Rejected, TrunkClass::None, TrunkClass::Minor, TrunkClass::Moderate,
-                                                TrunkClass::Maximum};
 
 const char* word(TrunkClass trunk_class) {
   switch (trunk_class) {
@@ -30,7 +28,7 @@ cli::Json to_json(const Confusion& answers) {
   cli::Json json = cli::Json::object();
   for (const TrunkClass wanted : kWanted) {
     if (answers.of(wanted) == 0) continue;
-    for (const TrunkClass answer : kAnswers) json[word(wanted)][word(answer)] = answers.count(wanted, answer);
+    for (const TrunkClass answer : kEveryAnswer) json[word(wanted)][word(answer)] = answers.count(wanted, answer);
   }
   return json;
 }
@@ -148,7 +146,7 @@ void print_windows(cli::Console& console) {
 std::string cell_text(const Confusion& answers, TrunkClass wanted) {
   if (answers.of(wanted) == 0) return "-";
   std::string others;
-  for (const TrunkClass answer : kAnswers) {
+  for (const TrunkClass answer : kEveryAnswer) {
     const std::size_t count = answers.count(wanted, answer);
     const std::string what = answer == TrunkClass::Rejected ? "no answer" : word(answer);  // not found, or unfit
     if (answer != wanted && count > 0) others += (others.empty() ? "" : ", ") + std::to_string(count) + " " + what;

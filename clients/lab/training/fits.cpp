@@ -68,13 +68,13 @@ std::vector<double> fit_quadratic(const Samples& samples, double ridge) {
 }
 
 std::vector<double> fit_logistic(const Samples& samples, double ridge) {
-  constexpr int kMostSteps = 50;
+  constexpr int kMostNewtonSteps = 50;
   const Index terms = term_count(samples);
   Eigen::VectorXd weights = Eigen::VectorXd::Zero(terms);
   double ones = 0.0;
   double zeros = 0.0;
   for (std::size_t k = 0; k < samples.size(); ++k) (samples.targets[k] > 0.5 ? ones : zeros) += samples.weights[k];
-  for (int iteration = 0; iteration < kMostSteps; ++iteration) {
+  for (int iteration = 0; iteration < kMostNewtonSteps; ++iteration) {
     Eigen::MatrixXd hessian = Eigen::MatrixXd::Identity(terms, terms) * ridge;
     Eigen::VectorXd slope = -ridge * weights;
     for (std::size_t k = 0; k < samples.size(); ++k) {

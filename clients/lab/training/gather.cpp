@@ -7,7 +7,7 @@
 namespace dts::lab::training {
 namespace {
 
-using Reaches = std::span<const std::optional<core::ReachEvent>>;
+using ReachSpan = std::span<const std::optional<core::ReachEvent>>;
 
 core::Status check_names(const reach::TrialSet& set, const std::vector<std::string>& names) {
   for (const std::string& name : names) {
@@ -36,7 +36,7 @@ std::optional<TrainingReach> reach_of(const reach::Trial& trial, const reach::Su
 
 }  // namespace
 
-core::Result<TrainingSet> gather(const reach::TrialSet& set, Reaches reaches, const std::vector<std::string>& names) {
+core::Result<TrainingSet> gather(const reach::TrialSet& set, ReachSpan reaches, const std::vector<std::string>& names) {
   if (const auto status = check_names(set, names); !status) return tl::make_unexpected(status.error());
   TrainingSet result;
   for (const reach::Subject& subject : set.subjects) {

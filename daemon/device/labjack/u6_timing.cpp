@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/clock.h"
+
 namespace dts::device::labjack {
 namespace {
 
@@ -12,7 +14,6 @@ __extension__ using Wide = __int128;
 constexpr std::int64_t kLongestInterval = 65'535;
 constexpr std::uint8_t kFastClock = 0x08;
 constexpr std::uint8_t kDividedClock = 0x02;
-constexpr double kNanosecondsPerSecond = 1e9;
 constexpr std::int64_t kShortestPacketNs = 1'000'000;  // more than one packet per USB frame would only make work
 constexpr double kMostPacketsPerTransfer = 16.0;
 
@@ -49,7 +50,7 @@ ScanClock nearest_clock(core::Rate wanted) noexcept {
 }
 
 Packing pack(core::Rate rate, std::size_t channels, std::int64_t latency_ns, bool must_use_large_packets) noexcept {
-  const double latency_s = static_cast<double>(std::max(latency_ns, kShortestPacketNs)) / kNanosecondsPerSecond;
+  const double latency_s = static_cast<double>(std::max(latency_ns, kShortestPacketNs)) / core::kNanosecondsPerSecond;
   const double scans = latency_s * rate.hz();
   const double packets = scans * static_cast<double>(channels) / static_cast<double>(kMaximumSamplesPerPacket);
   Packing packing;
@@ -61,7 +62,7 @@ Packing pack(core::Rate rate, std::size_t channels, std::int64_t latency_ns, boo
     packing.samples_per_packet = std::min(wanted_scans * channels, kMaximumSamplesPerPacket);
   }
   const auto samples = static_cast<double>(packing.samples_per_packet * packing.packets_per_transfer);
-  packing.transfer_period_ns = static_cast<std::int64_t>(samples / static_cast<double>(channels) / rate.hz() * kNanosecondsPerSecond);
+  packing.transfer_period_ns = static_cast<std::int64_t>(samples / static_cast<double>(channels) / rate.hz() * core::kNanosecondsPerSecond);
   return packing;
 }
 

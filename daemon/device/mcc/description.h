@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <string_view>
 
 #include "device/device.h"
@@ -8,6 +9,7 @@
 
 namespace dts::device::mcc {
 
+inline constexpr std::uint16_t kVendor = 0x09DB;
 inline constexpr double kMinimumScanHz = 1.0;  ///< Below that a broken device cannot be told from a slow one in good time.
 
 /// What is known of a unit before it is plugged in: one channel per position of the scan, named by its input; the marker is

@@ -13,7 +13,7 @@ namespace {
 
 using core::ErrorCode;
 
-constexpr std::uint8_t kStatus = 0x40;
+constexpr std::uint8_t kFpgaStatus = 0x40;
 constexpr std::uint8_t kFpgaCommand = 0x50;
 constexpr std::uint8_t kFpgaData = 0x51;
 constexpr std::array<std::uint8_t, 1> kEnterLoading = {0xAD};
@@ -76,7 +76,7 @@ core::Result<std::vector<std::uint8_t>> read_fpga_image(const std::string& path,
 }
 
 core::Result<GStatus> read_g_status(usb::UsbPort& port, int timeout_ms) {
-  return get_word(port, {.request = kStatus}, "reading the status", timeout_ms).map([](std::uint16_t status) {
+  return get_word(port, {.request = kFpgaStatus}, "reading the status", timeout_ms).map([](std::uint16_t status) {
     return GStatus{.is_running = (status & 1U << 1) != 0,
                    .is_overrun = (status & 1U << 2) != 0,
                    .is_fpga_loaded = (status & 1U << 8) != 0,

@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <array>
 
+#include "device/mcc/description.h"
+
 namespace dts::device::mcc {
 namespace {
 
 __extension__ using Wide = __int128;
-
-constexpr std::uint16_t kVendor = 0x09DB;
 
 constexpr std::array kFourRangesV = {5.0, 10.0, 2.0, 1.0};
 constexpr std::array<std::uint8_t, 4> kFourRangeCodes = {1, 0, 3, 5};

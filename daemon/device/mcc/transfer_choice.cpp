@@ -5,12 +5,12 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/clock.h"
 #include "device/mcc/control.h"
 
 namespace dts::device::mcc {
 namespace {
 
-constexpr double kNanosecondsPerSecond = 1e9;
 constexpr double kBlockNs = 10e6;                      // as uldaq: transfers of 10 ms
 constexpr double kHeadroomNs = 500e6;                  // the host may be away for this long
 constexpr double kLargestImmediateHz = 1000.0;         // as uldaq; beyond that one transfer per scan costs more than it brings
@@ -22,7 +22,7 @@ constexpr std::size_t kBufferSeconds = 2;
 /// Time in which a packet fills.
 double packet_ns(const StreamLoad& load) {
   const double bytes_per_second = static_cast<double>(kCodeBytes * load.channels) * load.scan_hz;
-  return static_cast<double>(load.packet_bytes) / bytes_per_second * kNanosecondsPerSecond;
+  return static_cast<double>(load.packet_bytes) / bytes_per_second * core::kNanosecondsPerSecond;
 }
 
 std::size_t count_for(double period_ns) {
@@ -32,7 +32,7 @@ std::size_t count_for(double period_ns) {
 }  // namespace
 
 TransferChoice immediate_transfers(std::size_t packet_bytes, double packet_hz) {
-  const double period_ns = kNanosecondsPerSecond / packet_hz;
+  const double period_ns = core::kNanosecondsPerSecond / packet_hz;
   return {.is_immediate = true,
           .transfer_bytes = packet_bytes,
           .transfer_count = count_for(period_ns),
@@ -62,7 +62,7 @@ usb::ScanPlan plan_of(const TransferChoice& choice, std::uint8_t endpoint) {
   plan.shape.endpoint = endpoint;
   plan.shape.transfer_bytes = choice.transfer_bytes;
   plan.shape.transfer_count = choice.transfer_count;
-  const double per_second = kNanosecondsPerSecond / static_cast<double>(choice.transfer_period_ns);
+  const double per_second = core::kNanosecondsPerSecond / static_cast<double>(choice.transfer_period_ns);
   plan.shape.buffer_chunks = std::max<std::size_t>(2 * kFewestTransfers, static_cast<std::size_t>(std::ceil(per_second)) * kBufferSeconds);
   plan.packet_period_ns = choice.transfer_period_ns;
   char text[128];

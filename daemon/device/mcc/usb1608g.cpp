@@ -15,16 +15,16 @@ namespace {
 
 using core::ErrorCode;
 
-constexpr std::uint8_t kDataEndpoint = 0x86;
+constexpr std::uint8_t kGDataEndpoint = 0x86;
 constexpr std::int64_t kClockHz = 64'000'000;
 constexpr unsigned kBits = 16;
 
 // Vendor requests (uldaq: src/usb/ai/AiUsb1608g.h; Linux_Drivers: usb-1608G.c). Start, stop and status differ from the FS-Plus.
-constexpr std::uint8_t kReadInput = 0x10;
-constexpr std::uint8_t kScanStart = 0x12;
-constexpr std::uint8_t kScanStop = 0x13;
+constexpr std::uint8_t kGReadInput = 0x10;
+constexpr std::uint8_t kGScanStart = 0x12;
+constexpr std::uint8_t kGScanStop = 0x13;
 constexpr std::uint8_t kScanList = 0x14;
-constexpr std::uint8_t kClearFifo = 0x15;
+constexpr std::uint8_t kGClearFifo = 0x15;
 constexpr std::uint8_t kMemory = 0x30;
 constexpr std::uint8_t kMemoryAddress = 0x31;
 constexpr std::uint8_t kTriggerConfig = 0x43;
@@ -81,7 +81,7 @@ core::Status Usb1608g::connect(usb::UsbPort& port, std::vector<DeviceCheck>& che
   const auto loaded = ensure_fpga(port);
   if (!loaded) return tl::make_unexpected(loaded.error());
   checks.push_back({.name = "FPGA image", .outcome = DeviceCheck::Outcome::Passed, .detail = *loaded ? "loaded" : "was there already"});
-  if (auto stopped = put(port, {.request = kScanStop}, "stopping an earlier scan"); !stopped) return stopped;
+  if (auto stopped = put(port, {.request = kGScanStop}, "stopping an earlier scan"); !stopped) return stopped;
   if (auto read = read_calibration(port); !read) return read;
   checks.push_back({.name = "calibration", .outcome = DeviceCheck::Outcome::Passed, .detail = "read from the device, believable"});
   if (!settings_.sync_output_bit) return {};
@@ -120,10 +120,10 @@ core::Status Usb1608g::read_calibration(usb::UsbPort& port) {
 }
 
 core::Status Usb1608g::make_quiet(usb::UsbPort& port, std::size_t packet_bytes) {
-  if (auto stopped = put(port, {.request = kScanStop}, "stopping the scan"); !stopped) return stopped;
-  if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
-  if (auto drained = drain(port, kDataEndpoint, packet_bytes); !drained) return drained;
-  return clear_halt(port, kDataEndpoint);
+  if (auto stopped = put(port, {.request = kGScanStop}, "stopping the scan"); !stopped) return stopped;
+  if (auto cleared = put(port, {.request = kGClearFifo}, "clearing the FIFO"); !cleared) return cleared;
+  if (auto drained = drain(port, kGDataEndpoint, packet_bytes); !drained) return drained;
+  return clear_halt(port, kGDataEndpoint);
 }
 
 core::Status Usb1608g::set_trigger(usb::UsbPort& port) {
@@ -143,7 +143,7 @@ core::Status Usb1608g::set_scan_list(usb::UsbPort& port) {
 }
 
 core::Result<usb::ScanPlan> Usb1608g::configure(usb::UsbPort& port, const usb::ScanRequest& request) {
-  const auto packet_bytes = port.max_packet_bytes(kDataEndpoint);
+  const auto packet_bytes = port.max_packet_bytes(kGDataEndpoint);
   if (!packet_bytes) return tl::make_unexpected(packet_bytes.error());
   const StreamLoad load{.scan_hz = request.rate.hz(), .channels = lines_.size(), .packet_bytes = *packet_bytes};
   const GPackets packets = choose_g_packets(load, request);
@@ -156,14 +156,14 @@ core::Result<usb::ScanPlan> Usb1608g::configure(usb::UsbPort& port, const usb::S
   if (auto quiet = make_quiet(port, *packet_bytes); !quiet) return tl::make_unexpected(quiet.error());
   if (auto set = set_trigger(port); !set) return tl::make_unexpected(set.error());
   if (auto set = set_scan_list(port); !set) return tl::make_unexpected(set.error());
-  return plan_of(packets.transfers, kDataEndpoint);
+  return plan_of(packets.transfers, kGDataEndpoint);
 }
 
 core::Result<std::uint16_t> Usb1608g::convert(usb::UsbPort& port, std::size_t input, double range_v) {
   const auto list = encode_scan_list({&input, 1}, {&range_v, 1});
   if (auto sent = put(port, {.request = kScanList}, list, "setting a scan list of one input"); !sent)
     return tl::make_unexpected(sent.error());
-  return get_word(port, {.request = kReadInput, .value = static_cast<std::uint16_t>(input)}, "reading ch" + std::to_string(input));
+  return get_word(port, {.request = kGReadInput, .value = static_cast<std::uint16_t>(input)}, "reading ch" + std::to_string(input));
 }
 
 core::Result<std::vector<double>> Usb1608g::read_once(usb::UsbPort& port) {
@@ -179,23 +179,23 @@ core::Result<std::vector<double>> Usb1608g::read_once(usb::UsbPort& port) {
 }
 
 core::Status Usb1608g::make_ready(usb::UsbPort& port) {
-  if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
-  return clear_halt(port, kDataEndpoint);
+  if (auto cleared = put(port, {.request = kGClearFifo}, "clearing the FIFO"); !cleared) return cleared;
+  return clear_halt(port, kGDataEndpoint);
 }
 
 core::Status Usb1608g::begin(usb::UsbPort& port) {
   std::vector<std::uint8_t> bytes = encode_g_start(command_);
-  const usb::UsbResult sent = port.control_out({.request = kScanStart}, bytes, usb::kSetupTimeoutMs);
+  const usb::UsbResult sent = port.control_out({.request = kGScanStart}, bytes, usb::kSetupTimeoutMs);
   if (sent || sent.error() != usb::UsbStatus::Stall) {
     if (sent && *sent == bytes.size()) return {};
     return tl::make_unexpected(usb::to_error(sent ? usb::UsbStatus::Failed : sent.error(), "starting the scan"));
   }
   bytes.push_back(0);  // uldaq sends a reserved byte behind: some firmware may want it
-  return put(port, {.request = kScanStart}, bytes, "starting the scan");
+  return put(port, {.request = kGScanStart}, bytes, "starting the scan");
 }
 
 core::Status Usb1608g::end(usb::UsbPort& port) noexcept {
-  if (auto stopped = put(port, {.request = kScanStop}, "stopping the scan", usb::kControlTimeoutMs); !stopped) return stopped;
+  if (auto stopped = put(port, {.request = kGScanStop}, "stopping the scan", usb::kControlTimeoutMs); !stopped) return stopped;
   return await_end(*this, port);
 }
 

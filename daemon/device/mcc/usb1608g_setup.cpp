@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/clock.h"
+#include "device/mcc/description.h"
 #include "device/mcc/uri_choices.h"
 #include "device/mcc/usb1608g.h"
 #include "device/usb/usb_daq.h"
@@ -10,17 +12,15 @@
 namespace dts::device::mcc {
 namespace {
 
-constexpr std::uint16_t kVendor = 0x09DB;
 constexpr std::array kRangesV = {5.0, 10.0, 2.0, 1.0};
 constexpr std::size_t kInputs = 16;
-constexpr double kNanosecondsPerSecond = 1e9;
 constexpr double kLongestPacketNs = 10e6;
 
 constexpr Usb1608gModel row(std::uint16_t first, std::uint16_t second, std::string_view name, std::string_view uri, double max_hz) {
   return {.revisions = {{{kVendor, first, name, uri}, {kVendor, second, name, uri}}}, .max_aggregate_hz = max_hz};
 }
 
-constexpr std::array kModels = {
+constexpr std::array kGModels = {
     row(0x0110, 0x0134, "USB-1608G", "mcc:1608g", 250e3),
     row(0x0111, 0x0135, "USB-1608GX", "mcc:1608gx", 500e3),
     row(0x0112, 0x0136, "USB-1608GX-2AO", "mcc:1608gx-2ao", 500e3),
@@ -28,13 +28,13 @@ constexpr std::array kModels = {
 
 }  // namespace
 
-std::span<const Usb1608gModel> usb_1608g_models() noexcept { return kModels; }
+std::span<const Usb1608gModel> usb_1608g_models() noexcept { return kGModels; }
 
 GPackets choose_g_packets(const StreamLoad& load, const usb::ScanRequest& request) {
   const double longest_ns = std::min(kLongestPacketNs, static_cast<double>(request.latency_ns));
   const std::size_t codes_per_full = load.packet_bytes / 2;
   const std::size_t most_scans = codes_per_full / load.channels;
-  const double wanted_scans = std::floor(longest_ns * load.scan_hz / kNanosecondsPerSecond);
+  const double wanted_scans = std::floor(longest_ns * load.scan_hz / core::kNanosecondsPerSecond);
   const bool fills_in_time = wanted_scans * static_cast<double>(load.channels) >= static_cast<double>(codes_per_full);
   if (fills_in_time || request.must_use_large_packets || most_scans == 0) {
     return {.packet_codes = codes_per_full, .transfers = block_transfers(load, request.latency_ns)};

@@ -26,7 +26,6 @@ constexpr double kMaximumRateHz = 100'000.0;  // of this program; the device ref
 constexpr double kBufferMs = 4000.0;
 constexpr double kRateStepHz = 1e-6;         // rates are configured in steps of this
 constexpr double kRateToleranceHz = 1.1e-6;  // a step, and what doubles round
-constexpr double kNanosecondsPerSecond = 1e9;
 
 DeviceDescription describe_device(const NiOptions& options) {
   DeviceDescription description;
@@ -199,9 +198,9 @@ std::size_t NiDaqmx::fetch(std::size_t wanted, std::int64_t deadline_ns) noexcep
     const std::int64_t slice_ns = std::clamp<std::int64_t>(deadline_ns - now_ns, 0, kSliceNs);
     const std::span<double> room = std::span(values_).subspan(count * channels, (wanted - count) * channels);
     std::int32_t scans = 0;
-    const std::int32_t status =
-        library_->read_analog_f64(task_, static_cast<std::int32_t>(wanted - count), static_cast<double>(slice_ns) / kNanosecondsPerSecond,
-                                  api::kGroupByScan, room.data(), static_cast<std::uint32_t>(room.size()), &scans, nullptr);
+    const std::int32_t status = library_->read_analog_f64(task_, static_cast<std::int32_t>(wanted - count),
+                                                          static_cast<double>(slice_ns) / core::kNanosecondsPerSecond, api::kGroupByScan,
+                                                          room.data(), static_cast<std::uint32_t>(room.size()), &scans, nullptr);
     if (scans < 0 || static_cast<std::size_t>(scans) > wanted - count) {  // values_ cannot be believed
       trouble_ = {ReadOutcome::Broken, {GapReason::Integrity, 0, false}};
       return 0;

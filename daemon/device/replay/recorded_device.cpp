@@ -13,7 +13,6 @@ namespace {
 constexpr double kRateTolerance = 0.005;  // a rig asks for 1500 Hz and its DAQ gave 1501.5: the recording's rate is meant
 constexpr double kUnknownRange = 1e6;     // no value reaches its end: what is not known marks nothing as rail
 constexpr std::size_t kMostNumbers = 1U << 24U;
-constexpr std::int64_t kFarthestNs = std::int64_t{1} << 61U;  // 73 years
 
 tl::unexpected<core::Error> refuse(const std::string& uri, const std::string& why) {
   return core::fail(core::ErrorCode::InvalidArgument, uri + " cannot be replayed: " + why,

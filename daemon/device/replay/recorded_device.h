@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,8 @@
 #include "record/recording.h"
 
 namespace dts::device::replay {
+
+inline constexpr std::int64_t kFarthestNs = std::int64_t{1} << 61U;  ///< 73 years: counts of a file do not overflow.
 
 /// A device as a recording shows it: what it was, and where in the file the columns of its scans are.
 struct RecordedDevice {

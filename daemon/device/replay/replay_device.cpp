@@ -14,8 +14,7 @@ using core::ErrorCode;
 
 constexpr std::int64_t kSliceNs = 50 * core::kNanosecondsPerMillisecond;  // interrupt() must be noticed within 100 ms
 constexpr int kDiskPatienceMs = 10;
-constexpr double kLongestGapMs = 5000.0;                      // nobody wants to wait for the night between two segments
-constexpr std::int64_t kFarthestNs = std::int64_t{1} << 61U;  // 73 years: counts of a file do not overflow
+constexpr double kLongestGapMs = 5000.0;  // nobody wants to wait for the night between two segments
 
 }  // namespace
 

@@ -9,11 +9,11 @@
 namespace dts::device::sim {
 namespace {
 
-constexpr CsvForm kForm{.subject = "recording",
-                        .header = "t_s,x_mm,y_mm",
-                        .hint = "a recording is a CSV file with the header t_s,x_mm,y_mm and one number per column",
-                        .max_rows = CopRecording::kMaxRows,
-                        .min_rows = 2};
+constexpr CsvForm kCopForm{.subject = "recording",
+                           .header = "t_s,x_mm,y_mm",
+                           .hint = "a recording is a CSV file with the header t_s,x_mm,y_mm and one number per column",
+                           .max_rows = CopRecording::kMaxRows,
+                           .min_rows = 2};
 
 physics::CopPosition between(physics::CopPosition a, physics::CopPosition b, double part) noexcept {
   return {a.ml_mm + part * (b.ml_mm - a.ml_mm), a.ap_mm + part * (b.ap_mm - a.ap_mm)};
@@ -24,7 +24,7 @@ physics::CopPosition between(physics::CopPosition a, physics::CopPosition b, dou
 core::Result<CopRecording> CopRecording::load(const std::string& path) {
   CopRecording recording;
   const auto take = [&](std::span<const double> row, const std::string& place) { return recording.append(row, place); };
-  if (auto read = read_csv(path, kForm, take); !read) return tl::make_unexpected(read.error());
+  if (auto read = read_csv(path, kCopForm, take); !read) return tl::make_unexpected(read.error());
   recording.subtract_mean();
   return recording;
 }
@@ -34,11 +34,11 @@ core::Status CopRecording::append(std::span<const double> row, const std::string
   const double ml_mm = row[1];
   const double ap_mm = row[2];
   if (std::abs(ml_mm) > kMaxMillimetres || std::abs(ap_mm) > kMaxMillimetres) {
-    return refuse_row(kForm, place, "a position beyond " + std::to_string(kMaxMillimetres) + " mm");
+    return refuse_row(kCopForm, place, "a position beyond " + std::to_string(kMaxMillimetres) + " mm");
   }
   if (times_s_.empty()) first_time_s_ = time_s;
   const double since_first_s = time_s - first_time_s_;
-  if (!times_s_.empty() && !(since_first_s > times_s_.back())) return refuse_row(kForm, place, "the time does not rise");
+  if (!times_s_.empty() && !(since_first_s > times_s_.back())) return refuse_row(kCopForm, place, "the time does not rise");
   times_s_.push_back(since_first_s);
   positions_.push_back({ml_mm, ap_mm});
   return {};

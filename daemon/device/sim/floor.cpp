@@ -10,7 +10,7 @@
 namespace dts::device::sim {
 namespace {
 
-constexpr double kLargestLoadN = 2100.0;  // the largest body weight of the option table, with its fluctuation
+constexpr double kLargestFloorLoadN = 2100.0;  // the largest body weight of the option table, with its fluctuation
 
 DeviceDescription describe(const DeviceUri& uri, const FloorOptions& options, const Daq& daq, const physics::Plate& plate) {
   DeviceDescription description;
@@ -29,7 +29,7 @@ DeviceDescription describe(const DeviceUri& uri, const FloorOptions& options, co
   const double half_b = plate.b.value / 2.0;
   description.channels.push_back({"true_ml_mm", "mm", ChannelRole::Auxiliary, -half_a, half_a, 0.0});
   description.channels.push_back({"true_ap_mm", "mm", ChannelRole::Auxiliary, -half_b, half_b, 0.0});
-  description.channels.push_back({"true_load_n", "N", ChannelRole::Auxiliary, 0.0, kLargestLoadN, 0.0});
+  description.channels.push_back({"true_load_n", "N", ChannelRole::Auxiliary, 0.0, kLargestFloorLoadN, 0.0});
   return description;
 }
 

@@ -12,7 +12,7 @@ namespace {
 using core::ErrorCode;
 using enum OptionKind;
 
-constexpr std::array kTable = {
+constexpr std::array kFloorTable = {
     UriOption{"seed", Integer, "1", 0, 4294967295.0, "", "Chooses sway, noise, gains and gaps; the same seed gives the same data."},
     UriOption{"contact", Word, "feet", 0, 0, "feet|point|weights|gaps",
               "A person on two feet, a weight at one point, weights of a list one after the other, or spacers before the sensors."},
@@ -47,10 +47,7 @@ constexpr std::array kTable = {
     UriOption{"fault_channel", Integer, "0", 0, 31, "", "Channel that fault=stuck holds."},
 };
 
-constexpr double kMillivolt = 1e-3;
-constexpr std::size_t kTruthChannels = 3;
-
-constexpr std::array kDependencies = {
+constexpr std::array kFloorDependencies = {
     Dependency{"weight_n", "contact", "feet"},
     Dependency{"stance_width_mm", "contact", "feet"},
     Dependency{"cop", "contact", "feet"},
@@ -69,7 +66,7 @@ constexpr std::array kDependencies = {
 };
 
 core::Status check_contact(const DeviceUri& uri, const UriOptions& options) {
-  if (auto checked = check_dependencies(uri, options, kDependencies); !checked) return checked;
+  if (auto checked = check_dependencies(uri, options, kFloorDependencies); !checked) return checked;
   const std::string& contact = options.text("contact");
   for (const auto& [kind, option] : {std::pair{"weights", "weights"}, std::pair{"gaps", "gaps_mm"}}) {
     if (contact != kind || options.is_given(option)) continue;
@@ -132,10 +129,10 @@ core::Status check_channels(const DeviceUri& uri, const FloorOptions& options, s
 
 }  // namespace
 
-std::span<const UriOption> floor_option_table() { return kTable; }
+std::span<const UriOption> floor_option_table() { return kFloorTable; }
 
 core::Result<FloorOptions> read_floor_options(const DeviceUri& uri, std::size_t rig_sensors) {
-  auto read = UriOptions::read(uri, kTable);
+  auto read = UriOptions::read(uri, kFloorTable);
   if (!read) return tl::make_unexpected(read.error());
   const UriOptions& options = *read;
   if (auto checked = check_contact(uri, options); !checked) return tl::make_unexpected(checked.error());

@@ -11,6 +11,9 @@
 
 namespace dts::device::sim {
 
+inline constexpr double kMillivolt = 1e-3;
+inline constexpr std::size_t kTruthChannels = 3;  ///< The position, two, and the load.
+
 /// An option that would silently do nothing unless another one is set is refused: it is probably a mistake.
 struct Dependency {
   std::string_view option;

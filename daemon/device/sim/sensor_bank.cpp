@@ -1,21 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "device/sim/sensor_bank.h"
 
-#include "device/sim/counter_random.h"
+#include "device/sim/mounting.h"
 
 namespace dts::device::sim {
 namespace {
 
-constexpr double kExtraChannelV = 1.0;                    // about what a sensor without load gives
-constexpr std::uint64_t kMountingSeed = 0x6d6f756e74ULL;  // gains and gaps must not repeat the numbers of the noise
-
-/// Evenly in -1 .. 1.
-double either_side(const CounterRandom& random, std::uint64_t n) noexcept { return 2.0 * random.uniform(n) - 1.0; }
+constexpr double kExtraChannelV = 1.0;  // about what a sensor without load gives
 
 }  // namespace
 
 SensorBank::SensorBank(const FloorOptions& options, const physics::RigModel& rig) : extra_(options.extra), has_truth_(options.has_truth) {
-  const CounterRandom mounting(options.seed ^ kMountingSeed);
+  const CounterRandom mounting = mounting_random(options.seed);
   for (std::size_t i = 0; i < options.sensors; ++i) {
     sensors_.push_back({.curve = &rig.sensors[i].curve,
                         .unloaded_gap_mm = rig.sensors[i].unloaded_gap.value + options.gap_spread_mm * either_side(mounting, 2 * i + 1),

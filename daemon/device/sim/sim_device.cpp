@@ -15,8 +15,7 @@ using core::ErrorCode;
 using core::GapReason;
 
 constexpr std::int64_t kSliceNs = 50 * core::kNanosecondsPerMillisecond;  // interrupt() must be noticed within 100 ms
-constexpr double kNanosecondsPerSecond = 1e9;
-constexpr double kHeardWithinS = 0.15;  // less than any reaction time: a reader may be as late as this
+constexpr double kHeardWithinS = 0.15;                                    // less than any reaction time: a reader may be as late as this
 
 }  // namespace
 
@@ -105,7 +104,7 @@ ReadResult SimDevice::read_break(std::int64_t deadline_ns) noexcept {
   if (parts_.fault.kind == FaultKind::Unplug) {
     if (wait_for(window_.first + 1, deadline_ns) <= window_.first) return {ReadOutcome::Timeout, {}};
     was_unplugged_ = true;
-    plugged_in_at_ns_ = clock_.now_ns() + std::llround(parts_.fault.for_s * kNanosecondsPerSecond);
+    plugged_in_at_ns_ = clock_.now_ns() + std::llround(parts_.fault.for_s * core::kNanosecondsPerSecond);
     move_to(DeviceState::Gone);
     return unplugged();
   }
@@ -113,7 +112,7 @@ ReadResult SimDevice::read_break(std::int64_t deadline_ns) noexcept {
   if (parts_.fault.kind == FaultKind::Overrun) return continue_at(window_.end, {GapReason::Overrun, window_.end - next_, true});
   // A device that was silent cannot tell how much it missed; the host has the duration and the nominal rate.
   const auto silent_ns = static_cast<double>(pacer_.instant_ns(window_.end) - pacer_.instant_ns(next_));
-  const auto estimate = static_cast<std::uint64_t>(std::llround(silent_ns / kNanosecondsPerSecond * pacer_.rate().hz()));
+  const auto estimate = static_cast<std::uint64_t>(std::llround(silent_ns / core::kNanosecondsPerSecond * pacer_.rate().hz()));
   return continue_at(window_.end, {GapReason::Silence, estimate, false});
 }
 

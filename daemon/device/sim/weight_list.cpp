@@ -6,10 +6,10 @@
 namespace dts::device::sim {
 namespace {
 
-constexpr CsvForm kForm{.subject = "list of weights",
-                        .header = "x_mm,y_mm,load_n",
-                        .hint = "a list of weights is a CSV file with the header x_mm,y_mm,load_n; positions from the plate's centre",
-                        .max_rows = kMaxWeights};
+constexpr CsvForm kWeightForm{.subject = "list of weights",
+                              .header = "x_mm,y_mm,load_n",
+                              .hint = "a list of weights is a CSV file with the header x_mm,y_mm,load_n; positions from the plate's centre",
+                              .max_rows = kMaxWeights};
 constexpr double kLeastN = 1.0;
 constexpr double kMostN = 2000.0;
 
@@ -21,16 +21,16 @@ core::Result<std::vector<Weight>> load_weights(const std::string& path, const ph
     const physics::Point position{plate.a / 2.0 + core::Millimetres{row[0]}, plate.b / 2.0 + core::Millimetres{row[1]}};
     const bool is_on_plate = position.x.value >= 0.0 && position.x <= plate.a && position.y.value >= 0.0 && position.y <= plate.b;
     if (!is_on_plate) {
-      return refuse_row(kForm, place,
+      return refuse_row(kWeightForm, place,
                         "beside the plate; x_mm takes " + std::to_string(-plate.a.value / 2.0) + " .. " +
                             std::to_string(plate.a.value / 2.0) + ", y_mm " + std::to_string(-plate.b.value / 2.0) + " .. " +
                             std::to_string(plate.b.value / 2.0));
     }
-    if (row[2] < kLeastN || row[2] > kMostN) return refuse_row(kForm, place, "load_n takes 1 .. 2000");
+    if (row[2] < kLeastN || row[2] > kMostN) return refuse_row(kWeightForm, place, "load_n takes 1 .. 2000");
     weights.push_back({position, row[2]});
     return {};
   };
-  if (auto read = read_csv(path, kForm, take); !read) return tl::make_unexpected(read.error());
+  if (auto read = read_csv(path, kWeightForm, take); !read) return tl::make_unexpected(read.error());
   return weights;
 }
 

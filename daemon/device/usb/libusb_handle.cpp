@@ -19,14 +19,14 @@ constexpr std::uint8_t kDeviceToHost = LIBUSB_ENDPOINT_IN;
 constexpr std::size_t kMaxControlBytes = 4096;  // of usbfs
 constexpr std::uint16_t kEnglish = 0x0409;
 
-struct FreeTransfer {
-  void operator()(libusb_transfer* transfer) const noexcept { libusb_free_transfer(transfer); }
-};
-
 }  // namespace
 
 /// Lives on the heap until its callback is over, or for ever if that never comes.
 struct LibusbHandle::Waited {
+  struct FreeTransfer {
+    void operator()(libusb_transfer* allocated) const noexcept { libusb_free_transfer(allocated); }
+  };
+
   explicit Waited(std::size_t bytes) : buffer(bytes), transfer(libusb_alloc_transfer(0)) {}
 
   std::vector<std::uint8_t> buffer;

@@ -5,10 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "physics/conversions.h"
+
 namespace dts::physics {
 namespace {
 
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr double kMostFlexionDeg = 75.0;
 constexpr double kLeastFlexionDeg = 1.4;  // smaller ones are made by the shoulder: the trunk stays at the back rest
 constexpr double kMidwayOfDeg = 60.0;
@@ -19,9 +20,9 @@ constexpr double kTurnedBack = 0.7;    // of the way, between the two halves of 
 constexpr std::uint64_t kDrawsPerReach = 64;
 
 /// What differs in one reach.
-class Draws {
+class ReachDraws {
  public:
-  Draws(const CounterRandom& random, std::uint32_t reach) noexcept : random_(random), next_(reach * kDrawsPerReach) {}
+  ReachDraws(const CounterRandom& random, std::uint32_t reach) noexcept : random_(random), next_(reach * kDrawsPerReach) {}
   double gaussian() noexcept { return std::clamp(random_.gaussian_pair(next_++).first, -2.5, 2.5); }
   double uniform() noexcept { return random_.uniform(2 * next_++); }
 
@@ -30,7 +31,7 @@ class Draws {
   std::uint64_t next_;
 };
 
-double planned_flexion_deg(Person person, const SittingHabits& habits, double target_cm, Draws& draws) noexcept {
+double planned_flexion_deg(Person person, const SittingHabits& habits, double target_cm, ReachDraws& draws) noexcept {
   const double deviation_deg = habits.flexion_deviation_deg * draws.gaussian();
   person.arm_length_cm *= habits.arm_use;
   const double needed_deg = trunk_flexion_deg(person, target_cm);
@@ -44,7 +45,7 @@ double planned_flexion_deg(Person person, const SittingHabits& habits, double ta
 }
 
 /// Binomial about the habit's mean.
-std::size_t part_count(double corrections, Draws& draws) noexcept {
+std::size_t part_count(double corrections, ReachDraws& draws) noexcept {
   std::size_t count = 1;
   for (std::size_t i = 1; i < kMostParts; ++i) {
     count += draws.uniform() < corrections / static_cast<double>(kMostParts - 1) ? 1 : 0;
@@ -53,7 +54,7 @@ std::size_t part_count(double corrections, Draws& draws) noexcept {
 }
 
 /// `amount` of the way within `duration_s`, in `count` parts.
-void add_phase(ReachPlan& plan, double start_s, double duration_s, double amount, std::size_t count, Draws& draws) noexcept {
+void add_phase(ReachPlan& plan, double start_s, double duration_s, double amount, std::size_t count, ReachDraws& draws) noexcept {
   count = std::clamp<std::size_t>(count, 1, ReachPlan::kMostMoves - plan.move_count);
   std::array<double, kMostParts> weights{};
   double sum = 0.0;
@@ -96,7 +97,7 @@ double ReachPlan::lift(double time_s, double lifting_deg) const noexcept {
 }
 
 ReachPlan plan_reach(const Person& person, const SittingHabits& habits, const ReachRequest& request, const CounterRandom& random) noexcept {
-  Draws draws(random, request.number);
+  ReachDraws draws(random, request.number);
   ReachPlan plan{.number = request.number, .target_cm = request.target_cm, .condition = request.condition, .on_s = request.start_s};
   plan.trunk_deg = planned_flexion_deg(person, habits, request.target_cm, draws);
   plan.moves_trunk = plan.trunk_deg > 0.0;

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "physics/conversions.h"
+
 namespace dts::physics {
 namespace {
 
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
-constexpr double kMillimetresPerMetre = 1000.0;
 constexpr double kLeastForceN = 1.0;  // the load's place is a quotient by the force
 
 // The back is let go shortly before the movement shows and taken again shortly before it ends.

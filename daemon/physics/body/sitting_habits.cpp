@@ -12,10 +12,10 @@ namespace {
 constexpr std::uint64_t kHabitSeed = 0x6861626974ULL;
 constexpr double kFarthestDraw = 2.5;  // deviations: nobody is a monster
 
-/// Draws one trait after the other.
-class Draws {
+/// HabitDraws one trait after the other.
+class HabitDraws {
  public:
-  Draws(std::uint64_t seed, double scale) noexcept : random_(seed ^ kHabitSeed), scale_(scale) {}
+  HabitDraws(std::uint64_t seed, double scale) noexcept : random_(seed ^ kHabitSeed), scale_(scale) {}
 
   double around(double mean, double deviation) noexcept {
     const double draw = std::clamp(random_.gaussian_pair(next_++).first, -kFarthestDraw, kFarthestDraw);
@@ -28,7 +28,7 @@ class Draws {
   std::uint64_t next_ = 0;
 };
 
-void draw_load(SittingHabits& habits, Draws& draws) {
+void draw_load(SittingHabits& habits, HabitDraws& draws) {
   SeatLoadParameters& load = habits.load;
   load.seat_part = draws.around(load.seat_part, 0.015);
   load.lean_back_deg = std::max(draws.around(load.lean_back_deg, 0.7), 0.0);
@@ -42,16 +42,16 @@ void draw_load(SittingHabits& habits, Draws& draws) {
 /// What the angles of S1 to S5 at the critical boundary (thesis Table 6.3) come to is 0.55 to 0.82; but nobody's maximum reach takes more
 /// flexion than a healthy person's.
 double plausible_arm_use(Person person, double arm_use) noexcept {
-  constexpr double kMostFlexionDeg = 60.0;
+  constexpr double kMostHealthyFlexionDeg = 60.0;
   const double arm_length_cm = person.arm_length_cm;
   for (arm_use = std::clamp(arm_use, 0.5, 1.0); arm_use < 1.0; arm_use += 0.01) {
     person.arm_length_cm = arm_use * arm_length_cm;
-    if (trunk_flexion_deg(person, person.max_reach_cm) <= kMostFlexionDeg) return arm_use;
+    if (trunk_flexion_deg(person, person.max_reach_cm) <= kMostHealthyFlexionDeg) return arm_use;
   }
   return 1.0;
 }
 
-void draw_movement(SittingHabits& habits, const Person& person, bool is_healthy, Draws& draws) {
+void draw_movement(SittingHabits& habits, const Person& person, bool is_healthy, HabitDraws& draws) {
   habits.flexion_factor = draws.around(1.0, 0.05);
   habits.flexion_offset_deg = draws.around(0.0, 1.5);
   habits.flexion_midway_deg = draws.around(0.0, 3.0);
@@ -83,7 +83,7 @@ SittingHabits ideal_habits(const Person& person, SeatLoadModel model, double pha
 
 SittingHabits natural_habits(const Person& person, bool is_healthy, SeatLoadModel model, std::uint64_t seed, double between_people) {
   SittingHabits habits = ideal_habits(person, model, 0.0);
-  Draws draws(seed, std::clamp(between_people, 0.0, 1.0));
+  HabitDraws draws(seed, std::clamp(between_people, 0.0, 1.0));
   draw_load(habits, draws);
   draw_movement(habits, person, is_healthy, draws);
   return habits;

@@ -194,7 +194,8 @@ CopEstimate CopEstimator::estimate(std::span<const double> deflection_mm) const 
     const auto found = inverse_->solve(deflection_mm);
     raw = {found.x_mm, found.y_mm, found.load_n, 0};
   }
-  if (!std::isfinite(raw.x_mm) || !std::isfinite(raw.y_mm) || raw.load_n <= 0.0) return {};  // no force makes such deflections
+  const bool is_load = raw.load_n > 0.0 && std::isfinite(raw.load_n);
+  if (!std::isfinite(raw.x_mm) || !std::isfinite(raw.y_mm) || !is_load) return {};  // no force makes such deflections
   const bool is_inside_area = validity_.x_mm.contains(raw.x_mm) && validity_.y_mm.contains(raw.y_mm);
   return {.x_mm = validity_.x_mm.clamp(raw.x_mm),
           .y_mm = validity_.y_mm.clamp(raw.y_mm),

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <array>
 
+#include "physics/conversions.h"
+
 namespace dts::physics {
 namespace {
-
-constexpr double kMillimetresPerMetre = 1000.0;
 
 void add(Weights& weights, int index, double value) {
   if (value == 0.0) return;

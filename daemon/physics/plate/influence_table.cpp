@@ -4,14 +4,11 @@
 #include <string>
 #include <utility>
 
+#include "physics/conversions.h"
 #include "physics/plate/supported_plate.h"
 
 namespace dts::physics {
-namespace {
-
-constexpr double kMillimetresPerMetre = 1000.0;
-
-}  // namespace
+namespace {}  // namespace
 
 core::Result<InfluenceTable> InfluenceTable::create(const Plate& plate, const Support& support, std::span<const Point> probes,
                                                     int divisions) {

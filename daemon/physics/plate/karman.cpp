@@ -14,7 +14,7 @@ namespace {
 constexpr double kSmallestStep = 1.0 / 64.0;
 constexpr int kMostIterations = 30;
 /// Of the deflections, relative: Newton converges quadratically, so the step after this one would be at rounding.
-constexpr double kTolerance = 1e-7;
+constexpr double kDeflectionTolerance = 1e-7;
 constexpr double kShortestLine = 1.0 / 64.0;
 /// Steps below this part of the deflections are taken whole: there Newton is safe, and energies differ by rounding only.
 constexpr double kSafeStep = 1e-2;
@@ -182,8 +182,8 @@ class Newton {
       const double part = length <= kSafeStep ? 1.0 : line_search(unknowns, step, force, gradient.dot(step));
       if (part == 0.0) return false;
       unknowns += part * step;
-      report(std::clamp(std::log(length) / std::log(kTolerance), 0.0, 1.0));
-      if (length <= kTolerance) return true;
+      report(std::clamp(std::log(length) / std::log(kDeflectionTolerance), 0.0, 1.0));
+      if (length <= kDeflectionTolerance) return true;
     }
     return false;
   }

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "physics/conversions.h"
+
 namespace dts::physics {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kMillimetresPerMetre = 1000.0;
-constexpr double kSquareMillimetresPerSquareMetre = 1e6;
 
 /// The integral of sin(k pi z) over [from, to] within [0, 1].
 double sine_integral(int k, double from, double to) noexcept {

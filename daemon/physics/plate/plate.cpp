@@ -6,10 +6,10 @@
 #include <sstream>
 #include <string>
 
+#include "physics/conversions.h"
+
 namespace dts::physics {
 namespace {
-
-constexpr double kMillimetresPerMetre = 1000.0;
 
 // Far wider than any rig: they keep typing errors (metres for millimetres, GPa for Pa) and meaningless plates out.
 constexpr double kMinSideMm = 10.0;

@@ -6,13 +6,14 @@
 #include <cmath>
 #include <utility>
 
+#include "physics/conversions.h"
 #include "physics/plate/influence_table.h"
 #include "physics/plate/reduction.h"
 
 namespace dts::physics {
 namespace {
 
-constexpr int kMostIterations = 40;
+constexpr int kMostCorrections = 40;
 /// A load is applied in steps of which the first would store this part of its energy in stretching. Newton's method started further
 /// away may end on another equilibrium of the plate: 1.4 % of loads up to 1300 N put down at once did.
 constexpr double kGentleStretching = 0.02;
@@ -20,11 +21,10 @@ constexpr int kMostSteps = 64;
 /// A change of more steps is no movement of a load but another load: it is put down on the flat plate, whatever was there before.
 constexpr double kMostStepsOfAMovement = 2.0;
 /// Steps below this part of the amplitudes are taken whole: there energies differ by rounding only.
-constexpr double kSafeStep = 1e-2;
-constexpr double kShortestLine = 1e-3;
+constexpr double kSafeChange = 1e-2;
+constexpr double kShortestMove = 1e-3;
 constexpr double kHopelessShift = 1e9;
-constexpr double kTolerance = 1e-7;  ///< Of the amplitudes, relative: below a nanometre.
-constexpr double kMillimetresPerMetre = 1000.0;
+constexpr double kAmplitudeTolerance = 1e-7;  ///< Of the amplitudes, relative: below a nanometre.
 
 using Amplitudes = ReducedPlate::Amplitudes;
 using Pairs = ReducedPlate::Pairs;
@@ -86,19 +86,19 @@ Amplitudes downhill(const Square& hessian, const Amplitudes& gradient) {
 
 /// Newton's method at one load, with halved steps where the energy would climb: it ends in a minimum, from nearby in one or two rounds.
 void settle(const ReducedPlate& plate, const Amplitudes& force, Amplitudes& q) noexcept {
-  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+  for (int iteration = 0; iteration < kMostCorrections; ++iteration) {
     const Pairs tension = plate.stretching * pairs_of(q);
     const Square along = tension_matrix(tension);
     const Amplitudes gradient = q + along * q - force;
     const Amplitudes step = downhill(Square::Identity() + along + stretching_hessian(plate, q), gradient);
     if (!step.allFinite()) return;
     double part = 1.0;
-    if (step.norm() > kSafeStep * q.norm()) {
+    if (step.norm() > kSafeChange * q.norm()) {
       const double start = energy(plate, q, force);
-      while (part > kShortestLine && energy(plate, q + part * step, force) > start) part *= 0.5;
+      while (part > kShortestMove && energy(plate, q + part * step, force) > start) part *= 0.5;
     }
     q += part * step;
-    if (step.norm() <= kTolerance * q.norm()) return;
+    if (step.norm() <= kAmplitudeTolerance * q.norm()) return;
   }
 }
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <string>
 
+#include "physics/conversions.h"
+
 namespace dts::physics {
 namespace {
 
@@ -14,8 +16,6 @@ constexpr double kSupportStiffness = 1e6;
 
 /// Largest deflection under 1 N that still is bending, in units of a b / D (a corner-supported plate has 0.04 in its centre).
 constexpr double kLargestCompliance = 100.0;
-
-constexpr double kSquareMillimetresPerSquareMetre = 1e6;
 
 SupportedPlate::Matrix assemble(int size, const std::vector<StiffnessEntry>& entries) {
   SupportedPlate::Matrix matrix(size, size);

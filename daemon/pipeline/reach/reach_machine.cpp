@@ -358,24 +358,24 @@ void ReachMachine::reset() noexcept {
 
 template <class Self, class Archive>
 void ReachMachine::exchange(Self& self, Archive& archive) noexcept {
-  constexpr std::uint64_t kAnyCount = std::uint64_t{1} << 52U;
+  constexpr std::uint64_t kMostScans = std::uint64_t{1} << 52U;
   TransientHistory::exchange(self.history_, archive);
   ReachRecord::exchange(self.reach_, archive);
   archive.count(self.state_, static_cast<std::uint64_t>(State::Return));
   archive.count(self.number_, std::numeric_limits<std::uint32_t>::max());
   archive.flag(self.is_final_);
-  archive.count(self.below_, kAnyCount);
-  archive.count(self.above_, kAnyCount);
-  archive.count(self.back_, kAnyCount);
-  archive.count(self.light_, kAnyCount);
-  archive.count(self.started_, kAnyCount);
+  archive.count(self.below_, kMostScans);
+  archive.count(self.above_, kMostScans);
+  archive.count(self.back_, kMostScans);
+  archive.count(self.light_, kMostScans);
+  archive.count(self.started_, kMostScans);
   archive.number(self.told_mm_, -kMostStateMm, kMostStateMm);
   archive.flag(self.is_told_);
-  archive.count(self.substituted_, kAnyCount);
-  archive.count(self.at_end_, kAnyCount);
+  archive.count(self.substituted_, kMostScans);
+  archive.count(self.at_end_, kMostScans);
   archive.flag(self.is_untared_);
   archive.flag(self.is_between_);
-  archive.count(self.between_.tick, kAnyCount);
+  archive.count(self.between_.tick, kMostScans);
   archive.number(self.between_.mm, -kMostStateMm, kMostStateMm);
 }
 

@@ -15,7 +15,7 @@ constexpr double kLeastDipMm = 0.03;
 constexpr double kDipSpreads = 3.0;
 constexpr double kOnsetPart = 0.05;
 constexpr double kOnsetSpreads = 1.5;
-constexpr double kOnsetBackS = 1.0;
+constexpr double kOnsetSearchS = 1.0;
 
 // Bending forward makes the transient rise because the weight moves forward. By the plate model of section 4 (patch moved from 30 to 130
 // mm) the ratio then grows by 0.575 + 1.8 R of d2 / P1, where R is the ratio at rest; the trials of the development set agree. Less than
@@ -65,7 +65,7 @@ void find_shallow_dip(ReachRecord& reach, const TransientHistory& history, doubl
 
 void refine_onset(ReachRecord& reach, const TransientHistory& history, double rate_hz) noexcept {
   if ((reach.flags & core::reach_flag::kNoInitiation) != 0) return;
-  const auto back = static_cast<std::uint64_t>(kOnsetBackS * rate_hz);
+  const auto back = static_cast<std::uint64_t>(kOnsetSearchS * rate_hz);
   const std::uint64_t earliest = reach.lowest.tick > back ? reach.lowest.tick - back : 1;
   const double limit_mm = std::max(kOnsetPart * reach.dip_mm(), kOnsetSpreads * reach.spread_mm);
   reach.p1_tick = find_onset(history, reach.lowest.tick, earliest, reach.rest_mm, limit_mm);

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <span>
 
 namespace dts::pipeline {
@@ -15,9 +14,9 @@ constexpr double kSteadyPart = 0.02;   // of the level, peak to peak
 constexpr double kRelaxS = 0.4;        // nobody sits still forever: the limit grows by itself once in this time
 constexpr double kSessionPart = 0.06;  // how far a rest may lie from the session's
 constexpr double kElsewhereS = 0.5;
-constexpr double kShortS = 0.2;   // rest of this length before a movement is a rest ...
-constexpr double kOnsetS = 0.08;  // ... of which the end may belong to the movement already ...
-constexpr double kLeftS = 0.06;   // ... and that has been left for this long
+constexpr double kShortS = 0.2;     // rest of this length before a movement is a rest ...
+constexpr double kOnsetS = 0.08;    // ... of which the end may belong to the movement already ...
+constexpr double kMovedOnS = 0.06;  // ... and that has been left for this long
 constexpr std::size_t kLeastSession = 3;
 constexpr double kLevelS = 0.5;
 constexpr double kSpreadS = 1.0;
@@ -25,8 +24,6 @@ constexpr double kLeastThresholdMm = 0.03;
 constexpr double kThresholdSpreads = 5.0;
 constexpr double kThresholdPart = 0.012;
 constexpr double kMostThresholdPart = 0.04;  // a fidget must not hide a reach
-
-constexpr std::uint64_t kAnyCount = std::numeric_limits<std::uint64_t>::max();
 
 template <std::size_t kSize>
 double median_of(std::array<double, kSize> values, std::size_t count) noexcept {
@@ -93,12 +90,12 @@ bool RestDetector::settle(const ReachSample& sample) noexcept {
 /// True when it was steady at first and has been left since, before the window was full of rest.
 bool RestDetector::settle_shortly(const ReachSample& sample) noexcept {
   const auto ticks = [this](double seconds) { return static_cast<std::uint64_t>(seconds * rate_hz_ + 0.5); };
-  if (!is_first_ || settling_ > kWindow + ticks(kLeftS)) return false;
+  if (!is_first_ || settling_ > kWindow + ticks(kMovedOnS)) return false;
   if (calm_ + 1 == settling_ && range_mm() <= steady_mm(sample.mm)) {
     calm_ = settling_;
     return false;
   }
-  if (calm_ < ticks(kShortS) || settling_ < calm_ + ticks(kLeftS)) return false;
+  if (calm_ < ticks(kShortS) || settling_ < calm_ + ticks(kMovedOnS)) return false;
   const std::uint64_t overwritten = settling_ - filled_;
   const std::uint64_t end = calm_ - ticks(kOnsetS);
   if (end > kWindow || overwritten >= end) return false;

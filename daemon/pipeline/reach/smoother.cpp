@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/block.h"
 
@@ -11,7 +10,6 @@ namespace dts::pipeline {
 namespace {
 
 constexpr double kBridgedMs = 250.0;
-constexpr std::uint64_t kAnyCount = std::numeric_limits<std::uint64_t>::max();
 
 }  // namespace
 

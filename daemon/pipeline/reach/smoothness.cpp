@@ -4,8 +4,9 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
+
+#include "core/special_numbers.h"
 
 namespace dts::pipeline {
 namespace {
@@ -29,19 +30,18 @@ double amplitude(const TransientHistory& history, std::uint64_t first, std::uint
 }  // namespace
 
 double spectral_arc_length(const TransientHistory& history, std::uint64_t first, std::uint64_t last, double rate_hz) noexcept {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   first = std::max(first, history.oldest());
-  if (last > history.now() || last < first + 4) return kNaN;
+  if (last > history.now() || last < first + 4) return core::kNaN;
   std::array<double, kFrequencies> spectrum{};
   const double step_hz = kHighestHz / static_cast<double>(kFrequencies - 1);
   std::size_t highest = 0;
   for (std::size_t k = 0; k < kFrequencies; ++k) {
     spectrum[k] = amplitude(history, first, last, 2.0 * std::numbers::pi * static_cast<double>(k) * step_hz / rate_hz);
-    if (!(spectrum[0] > 0.0)) return kNaN;
+    if (!(spectrum[0] > 0.0)) return core::kNaN;
     if (k > 0) spectrum[k] /= spectrum[0];
     if (k > 0 && spectrum[k] >= kLeastAmplitude) highest = k;
   }
-  if (highest == 0) return kNaN;
+  if (highest == 0) return core::kNaN;
   spectrum[0] = 1.0;
   double length = 0.0;
   for (std::size_t k = 1; k <= highest; ++k) length += std::hypot(1.0 / static_cast<double>(highest), spectrum[k] - spectrum[k - 1]);

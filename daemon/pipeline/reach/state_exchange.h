@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <type_traits>
 
 #include "pipeline/stage_state.h"
@@ -37,6 +39,7 @@ class StateLoader {
   StateReader& reader_;
 };
 
+inline constexpr std::uint64_t kAnyCount = std::numeric_limits<std::uint64_t>::max();
 inline constexpr double kMostStateMm = 1e6;  ///< No seat bends further.
 
 }  // namespace dts::pipeline

@@ -2,9 +2,9 @@
 #include "pipeline/stages/cop.h"
 
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "core/special_numbers.h"
 #include "pipeline/fault.h"
 #include "pipeline/input_check.h"
 #include "pipeline/stage_state.h"
@@ -12,7 +12,7 @@
 namespace dts::pipeline {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 /// Contact is lost below this part of the threshold, so that a load near it does not flicker.
 constexpr double kReleaseRatio = 0.8;

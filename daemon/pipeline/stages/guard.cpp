@@ -5,13 +5,14 @@
 #include <cmath>
 #include <string>
 
+#include "core/special_numbers.h"
 #include "pipeline/input_check.h"
 #include "pipeline/stage_state.h"
 
 namespace dts::pipeline {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr std::uint64_t kMinimumStuckScans = 50;  // at 10 Hz a second of equal codes is chance, not a fault
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "core/special_numbers.h"
 #include "pipeline/fault.h"
 #include "pipeline/input_check.h"
 #include "pipeline/stage_state.h"
@@ -15,7 +16,7 @@
 namespace dts::pipeline {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 constexpr double kMostMm = 1e6;
 constexpr double kRestS = 1.0;  ///< How fast a channel's own baseline follows.
 

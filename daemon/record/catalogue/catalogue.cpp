@@ -226,7 +226,7 @@ core::Status Catalogue::enter(const FoundRecording& found) {
     if (done) done = put_trial(trial);
   }
   for (const ResultRow& result : found.results) {
-    if (done && is_newest) done = put_result(result);
+    if (done) done = put_result(result);  // of any part: their names differ
   }
   if (done && is_newest) {
     done = end_session(found.facts.session_id, found.session_state, found.part.reason, found.ended_utc_ns);

@@ -53,7 +53,7 @@ struct TrialRow {
   std::uint64_t first_scan = 0;  ///< Where it begins to count; where it began, if it never came so far.
   std::uint64_t last_scan = 0;
   std::uint32_t last_segment = 0;  ///< Of `last_scan`. Stored as `segment` when it is less; more: a gap lies within the trial.
-  std::string result{};            ///< What came of it: the event "result" as JSON; empty: nothing.
+  std::string result{};            ///< What came of it: the event "result" or "sway" as JSON; empty: nothing.
 
   friend bool operator==(const TrialRow&, const TrialRow&) = default;
 };

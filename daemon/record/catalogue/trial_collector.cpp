@@ -11,15 +11,15 @@ namespace dts::record {
 namespace {
 
 constexpr std::size_t kMostTrials = 100'000;
-constexpr std::int64_t kLargestNumber = 1'000'000;
+constexpr std::int64_t kLargestTrialNumber = 1'000'000;
 constexpr std::size_t kMostFigures = 10'000;
 constexpr std::size_t kLongestCondition = 64;
 
-std::optional<std::uint32_t> number_of(const RecordedEvent& event, std::string_view key) {
+std::optional<std::uint32_t> event_number(const RecordedEvent& event, std::string_view key) {
   const auto found = std::ranges::find_if(event.values, [key](const auto& value) { return value.first == key; });
   if (found == event.values.end()) return std::nullopt;
   const auto* number = std::get_if<std::int64_t>(&found->second);
-  if (number == nullptr || *number < 1 || *number > kLargestNumber) return std::nullopt;
+  if (number == nullptr || *number < 1 || *number > kLargestTrialNumber) return std::nullopt;
   return static_cast<std::uint32_t>(*number);
 }
 
@@ -35,15 +35,15 @@ void TrialCollector::take(const RecordedItem& item) {
   } else if (const auto* timed = std::get_if<TimedEvent>(&item)) {
     newest_ = std::max(newest_, Place{timed->event.segment, timed->event.scan.value});
     if (timed->event.event == "trial") take_event(timed->event);
-    if (timed->event.event == "result") take_result(timed->event);
+    if (timed->event.event == "result" || timed->event.event == "sway") take_result(timed->event);
     if (timed->event.event == "figure") take_figure(timed->event);
   }
 }
 
 void TrialCollector::take_event(const RecordedEvent& event) {
   const std::string phase = text_of(event, "phase");
-  const auto trial = number_of(event, "trial");
-  const auto attempt = number_of(event, "attempt");
+  const auto trial = event_number(event, "trial");
+  const auto attempt = event_number(event, "attempt");
   const bool is_start = phase == "ready" || phase == "go" || phase == "measure";
   if (!trial || !attempt || !(is_start || is_end(phase))) return;
   if (rows_.size() >= kMostTrials && !rows_.contains({*trial, *attempt})) return;
@@ -61,7 +61,7 @@ void TrialCollector::take_event(const RecordedEvent& event) {
 }
 
 void TrialCollector::take_result(const RecordedEvent& event) {
-  const auto row = rows_.find({number_of(event, "trial").value_or(0), number_of(event, "attempt").value_or(0)});
+  const auto row = rows_.find({event_number(event, "trial").value_or(0), event_number(event, "attempt").value_or(0)});
   if (row != rows_.end()) row->second.result = to_json(event);
 }
 
@@ -81,7 +81,7 @@ std::vector<ResultRow> TrialCollector::figures() const {
 
 /// Counts from the last of ready, go and measure.
 void TrialCollector::begin(const RecordedEvent& event, TrialRow& row) const {
-  row.block = number_of(event, "block").value_or(1);
+  row.block = event_number(event, "block").value_or(1);
   row.condition = text_of(event, "condition").substr(0, kLongestCondition);
   row.segment = event.segment;
   row.first_scan = event.scan.value;

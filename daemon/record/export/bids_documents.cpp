@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -19,14 +18,14 @@ constexpr std::string_view kProgram = "dtsd";
 std::string document(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 /// How BIDS sees a channel.
-struct Motion {
+struct ChannelMotion {
   std::string component = "n/a";
   std::string type = "MISC";
   std::string point = "n/a";
 };
 
 /// Positions are the centre of pressure on the plate and the deflections of its sensors; everything else is no motion.
-Motion motion_of(const StreamInfo& stream, const ChannelInfo& channel) {
+ChannelMotion motion_of(const StreamInfo& stream, const ChannelInfo& channel) {
   if (channel.unit != "mm") return {};
   if (channel.label == "ml_mm") return {.component = "x", .type = "POS", .point = "cop"};
   if (channel.label == "ap_mm") return {.component = "y", .type = "POS", .point = "cop"};
@@ -40,7 +39,7 @@ std::string rate_text(const StreamInfo& stream) {
   return {text.data(), put_value(text.data(), rate.hz(), ValueType::Double64, "")};
 }
 
-std::string channel_row(const std::string& name, const Motion& motion, const std::string& units, const std::string& rate,
+std::string channel_row(const std::string& name, const ChannelMotion& motion, const std::string& units, const std::string& rate,
                         const std::string& description) {
   const bool is_position = motion.type == "POS";
   std::string row = tsv_cell(name);
@@ -129,7 +128,7 @@ std::string motion_description(const Recording& recording, const StreamInfo& str
   std::uint32_t positions = 0;
   std::set<std::string> points;
   for (const ChannelInfo& channel : stream.channels) {
-    const Motion motion = motion_of(stream, channel);
+    const ChannelMotion motion = motion_of(stream, channel);
     if (motion.type != "POS") continue;
     ++positions;
     points.insert(motion.point);
@@ -170,21 +169,6 @@ std::string events_description() {
                    {"segment", {{"Description", "Number of the stretch without holes"}}},
                    {"scan", {{"Description", "Index of the scan in its segment"}}},
                    {"details", {{"Description", "Everything else, as JSON"}}}});
-}
-
-std::string utc_text(std::int64_t utc_ns) {
-  namespace time = std::chrono;
-  const time::sys_time<time::microseconds> instant{time::microseconds(utc_ns / 1000)};
-  const auto day = time::floor<time::days>(instant);
-  const time::year_month_day date(day);
-  const time::hh_mm_ss clock(instant - day);
-  const auto padded = [](auto number, std::size_t digits) {
-    const std::string text = std::to_string(number);
-    return std::string(digits - std::min(digits, text.size()), '0') + text;
-  };
-  return padded(static_cast<int>(date.year()), 4) + "-" + padded(static_cast<unsigned>(date.month()), 2) + "-" +
-         padded(static_cast<unsigned>(date.day()), 2) + "T" + padded(clock.hours().count(), 2) + ":" + padded(clock.minutes().count(), 2) +
-         ":" + padded(clock.seconds().count(), 2) + "." + padded(clock.subseconds().count(), 6) + "Z";
 }
 
 }  // namespace dts::record

@@ -27,7 +27,4 @@ struct MotionFacts {
 [[nodiscard]] std::string motion_description(const Recording& recording, const StreamInfo& stream, const MotionFacts& facts);
 [[nodiscard]] std::string events_description();
 
-/// "2026-11-21T14:45:25.125000Z": the form of BIDS.
-[[nodiscard]] std::string utc_text(std::int64_t utc_ns);
-
 }  // namespace dts::record

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/utc_text.h"
 #include "record/export/bids_documents.h"
 #include "record/export/bids_names.h"
 #include "record/export/export.h"
@@ -170,7 +171,7 @@ core::Status BidsSink::add_scans() {
   std::string begin = "n/a";
   if (const auto& session = recording_.session()) {
     std::int64_t utc_ns = 0;
-    if (!__builtin_add_overflow(to_ns(origin_s_), session->utc_minus_monotonic_ns, &utc_ns)) begin = utc_text(utc_ns);
+    if (!__builtin_add_overflow(to_ns(origin_s_), session->utc_minus_monotonic_ns, &utc_ns)) begin = core::utc_text(utc_ns);
   }
   for (const Motion& motion : motions_) {
     if (motion.file != nullptr) *list += names_.path_in_session(motion.facts.tracking_system, "motion.tsv") + "\t" + begin + "\n";

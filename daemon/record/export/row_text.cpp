@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 namespace dts::record {
 namespace {
@@ -25,16 +24,6 @@ Values::const_iterator find_main(const RecordedEvent& event) {
     if (found != event.values.end()) return found;
   }
   return event.values.end();
-}
-
-std::string as_text(const EventValue& value) {
-  if (const auto* text = std::get_if<std::string>(&value)) return *text;
-  if (const auto* is_so = std::get_if<bool>(&value)) return *is_so ? "true" : "false";
-  std::array<char, kLongestNumber> text{};
-  const auto* number = std::get_if<double>(&value);
-  const auto end = number != nullptr ? std::to_chars(text.begin(), text.end(), *number).ptr
-                                     : std::to_chars(text.begin(), text.end(), std::get<std::int64_t>(value)).ptr;
-  return {text.data(), end};
 }
 
 template <class Number>
@@ -117,22 +106,17 @@ std::string tsv_cell(std::string_view text) {
 
 std::string main_text(const RecordedEvent& event) {
   const auto found = find_main(event);
-  return found != event.values.end() ? as_text(found->second) : std::string();
+  return found != event.values.end() ? text_of(found->second) : std::string();
 }
 
 std::string further_details(const RecordedEvent& event) {
   const auto main = find_main(event);
-  nlohmann::ordered_json details = nlohmann::ordered_json::object();
-  for (auto value = event.values.begin(); value != event.values.end(); ++value) {
-    if (value == main) continue;
-    std::visit([&](const auto& held) { details[value->first] = held; }, value->second);
-  }
-  return details.empty() ? std::string() : details.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return values_json(event, main != event.values.end() ? main->first : std::string());
 }
 
 std::string value_text(const RecordedEvent& event, std::string_view key) {
   const auto found = std::ranges::find(event.values, key, &Values::value_type::first);
-  return found != event.values.end() ? as_text(found->second) : std::string();
+  return found != event.values.end() ? text_of(found->second) : std::string();
 }
 
 std::int64_t to_ns(double seconds) noexcept {

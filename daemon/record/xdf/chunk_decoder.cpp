@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record/xdf/chunk_decoder.h"
 
+#include "record/damaged.h"
 #include "record/xdf/byte_codec.h"
 #include "record/xdf/header_xml.h"
 
 namespace dts::record {
 namespace {
 
-constexpr auto kDamaged = core::ErrorCode::DataDamaged;
 /// Readers keep what headers say; without a bound a file of headers only would fill the memory.
 constexpr std::uint64_t kMaxHeaderBytes = 64U << 20U;
 constexpr std::size_t kMaxStreams = 4096;

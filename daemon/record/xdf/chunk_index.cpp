@@ -14,7 +14,6 @@ namespace dts::record {
 namespace {
 
 constexpr std::size_t kMaxLineBytes = 1024;  ///< A double written with %f has at most 309 digits before its point.
-constexpr std::string_view kPart = ".part";
 
 /// The next word of the line; empty when there is none, or more than one space before it.
 std::string_view take_word(std::string_view& line) noexcept {

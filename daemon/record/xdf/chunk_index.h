@@ -12,6 +12,8 @@
 
 namespace dts::record {
 
+inline constexpr std::string_view kPart = ".part";  ///< Ends the name of a recording that is not closed.
+
 /// One line of the index beside a recording: what a chunk must be like when it is whole.
 ///
 ///     offset length crc32c stream segment first_scan samples time_s

@@ -8,12 +8,12 @@
 #include <algorithm>
 #include <cerrno>
 
+#include "record/damaged.h"
 #include "record/xdf/byte_codec.h"
 
 namespace dts::record {
 namespace {
 
-constexpr auto kDamaged = core::ErrorCode::DataDamaged;
 constexpr std::size_t kReadBytes = 256U << 10U;
 
 }  // namespace

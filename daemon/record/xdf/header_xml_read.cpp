@@ -5,6 +5,7 @@
 #include <optional>
 #include <pugixml.hpp>
 
+#include "record/damaged.h"
 #include "record/utf8_text.h"
 #include "record/xdf/byte_codec.h"
 #include "record/xdf/header_xml.h"
@@ -13,7 +14,6 @@
 namespace dts::record {
 namespace {
 
-constexpr auto kDamaged = core::ErrorCode::DataDamaged;
 constexpr double kRateTolerance = 1e-9;  ///< Between the exact rate and nominal_srate, relative: rounding of 17 digits and no more.
 
 std::string_view trimmed(std::string_view text) noexcept {

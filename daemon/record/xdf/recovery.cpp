@@ -19,7 +19,6 @@
 namespace dts::record {
 namespace {
 
-constexpr std::string_view kPart = ".part";
 constexpr std::string_view kRecording = ".xdf";
 constexpr std::string_view kRecovered = ".recovered.xdf";
 

@@ -5,10 +5,11 @@
 #include <limits>
 #include <type_traits>
 
+#include "record/damaged.h"
+
 namespace dts::record {
 namespace {
 
-constexpr auto kDamaged = core::ErrorCode::DataDamaged;
 /// Of one chunk, as it stands in memory: a hostile one may be made of the shortest samples there are.
 constexpr std::uint64_t kMaxDecodedBytes = 4 * kMaxChunkBytes;
 

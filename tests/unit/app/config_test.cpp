@@ -107,7 +107,15 @@ TEST_F(ConfigFiles, TwoRigsWithOneName_IsAProblemAtTheSecond) {
   EXPECT_THAT(problems_of(std::string(kRig) + kRig), Contains(std::string("dtsd.toml:6:8: another rig is named 'floor' too")));
 }
 
-TEST_F(ConfigFiles, NoRig_IsAProblem) { EXPECT_THAT(problems_of("[log]\n"), Contains(HasSubstr("no [[rig]]"))); }
+TEST_F(ConfigFiles, NoRig_IsFine) { EXPECT_TRUE(problems_of("[log]\n").empty()); }
+
+TEST_F(ConfigFiles, Network_NeedsBothAddressesAndNoNames) {
+  EXPECT_TRUE(problems_of("[network]\ncontrol = \"tcp://*:5555\"\ndata = \"tcp://192.168.1.7:5556\"\n").empty());
+  EXPECT_THAT(problems_of("[network]\ncontrol = \"tcp://*:5555\"\n"), Contains(HasSubstr("data")));
+  EXPECT_THAT(problems_of("[network]\ncontrol = \"tcp://*:5555\"\ndata = \"tcp://*:5555\"\n"), Contains(HasSubstr("different ports")));
+  EXPECT_THAT(problems_of("[network]\ncontrol = \"tcp://clinic:5555\"\ndata = \"ipc:///x\"\n"),
+              AllOf(Contains(HasSubstr("names no address")), Contains(HasSubstr("is not tcp://"))));
+}
 
 TEST_F(ConfigFiles, RigWithoutDevice_IsAProblem) {
   EXPECT_THAT(problems_of("[[rig]]\nname = \"floor\"\nfile = \"rig.toml\"\n"), Contains(HasSubstr("[[rig]] device is missing")));

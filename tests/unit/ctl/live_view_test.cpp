@@ -155,6 +155,31 @@ TEST_F(LiveViewTest, Table_LongLinesAndManyStreamsStayOnTheScreen) {
   EXPECT_EQ(count, 4);
 }
 
+TEST_F(LiveViewTest, Table_RunningValuesOfSwayStandBelowAndFinalOnesScroll) {
+  LiveTable table(console_);
+  CopBlock cop({1.0F, 2.0F});
+  table.show(cop.block, 1, start_);
+  table.refresh(start_);
+  take();
+  v1::Event event;
+  event.mutable_sway()->set_is_preliminary(true);
+  event.mutable_sway()->set_duration_s(3.5);
+  const client::Event told{.topic = "floor/sway", .rig = "floor", .kind = "sway", .body = &event};
+
+  table.show(told);
+  EXPECT_EQ(take(), "");
+  table.refresh(start_ + 100ms);
+  EXPECT_THAT(take(), ::testing::EndsWith("floor/sway: preliminary, no trial, 3.5 s: nothing yet\n"));
+  table.refresh(start_ + 200ms);
+  EXPECT_THAT(take(), ::testing::StartsWith("\x1b[3A")) << "headline, one stream, one line of sway";
+
+  event.mutable_sway()->set_is_preliminary(false);
+  table.show(told);
+  EXPECT_THAT(take(), HasSubstr("floor  sway: 3.5 s"));
+  table.refresh(start_ + 10s);
+  EXPECT_THAT(take(), Not(HasSubstr("preliminary"))) << "what is not told any more is not shown";
+}
+
 TEST_F(LiveViewTest, EventLine_EveryKindForPeople) {
   const auto line = [](const char* kind, const auto& fill) {
     v1::Event event;

@@ -15,9 +15,9 @@ namespace {
 using test::Bench;
 using test::Recorded;
 
-constexpr std::size_t kTrueMl = 4;
-constexpr std::size_t kTrueAp = 5;
-constexpr std::size_t kTrueLoad = 6;
+constexpr std::size_t kBenchMl = 4;
+constexpr std::size_t kBenchAp = 5;
+constexpr std::size_t kBenchLoad = 6;
 
 /// A list of weights that lives as long as the test.
 class WeightFile {
@@ -35,7 +35,7 @@ class WeightFile {
   std::string path_;
 };
 
-std::string refusal(const std::string& uri) {
+std::string bench_refusal(const std::string& uri) {
   core::VirtualClock clock;
   const physics::RigModel rig = test::floor_rig();
   const auto device = create_device(uri, {clock, rig});
@@ -54,18 +54,18 @@ TEST(SimWeights, EachRow_AppearsInTheTruthForItsTime) {
   const Recorded recorded = record(file.uri("&step_on_s=1&ramp_s=0.2&hold_s=1&pause_s=0.6"), 6);
 
   const auto truth = [&](std::size_t channel, double time_s) { return recorded.channels[channel][static_cast<std::size_t>(100 * time_s)]; };
-  EXPECT_EQ(truth(kTrueLoad, 0.9), 0.0);
-  EXPECT_TRUE(std::isnan(truth(kTrueMl, 0.9)));
-  EXPECT_NEAR(truth(kTrueLoad, 1.1), 120.0, 1e-9);  // half way up the ramp
-  EXPECT_EQ(truth(kTrueLoad, 1.7), 240.0);
-  EXPECT_EQ(truth(kTrueMl, 1.7), -129.0);
-  EXPECT_EQ(truth(kTrueAp, 1.7), 0.0);
-  EXPECT_EQ(truth(kTrueLoad, 2.7), 0.0);
-  EXPECT_TRUE(std::isnan(truth(kTrueAp, 2.7)));
-  EXPECT_EQ(truth(kTrueLoad, 3.7), 700.0);
-  EXPECT_EQ(truth(kTrueMl, 3.7), 64.5);
-  EXPECT_EQ(truth(kTrueAp, 3.7), -64.5);
-  EXPECT_EQ(truth(kTrueLoad, 5.9), 0.0);
+  EXPECT_EQ(truth(kBenchLoad, 0.9), 0.0);
+  EXPECT_TRUE(std::isnan(truth(kBenchMl, 0.9)));
+  EXPECT_NEAR(truth(kBenchLoad, 1.1), 120.0, 1e-9);  // half way up the ramp
+  EXPECT_EQ(truth(kBenchLoad, 1.7), 240.0);
+  EXPECT_EQ(truth(kBenchMl, 1.7), -129.0);
+  EXPECT_EQ(truth(kBenchAp, 1.7), 0.0);
+  EXPECT_EQ(truth(kBenchLoad, 2.7), 0.0);
+  EXPECT_TRUE(std::isnan(truth(kBenchAp, 2.7)));
+  EXPECT_EQ(truth(kBenchLoad, 3.7), 700.0);
+  EXPECT_EQ(truth(kBenchMl, 3.7), 64.5);
+  EXPECT_EQ(truth(kBenchAp, 3.7), -64.5);
+  EXPECT_EQ(truth(kBenchLoad, 5.9), 0.0);
 }
 
 TEST(SimWeights, Resting_BendsAsTheSamePointContact) {
@@ -82,15 +82,15 @@ TEST(SimWeights, Repeated_PlacesTheFirstAgain) {
 
   const Recorded recorded = record(file.uri("&step_on_s=0&ramp_s=0.1&hold_s=0.6&pause_s=0.2&loop=1"), 3);  // 1 s each
 
-  EXPECT_EQ(recorded.channels[kTrueLoad][250], 100.0);
+  EXPECT_EQ(recorded.channels[kBenchLoad][250], 100.0);
 }
 
 TEST(SimWeights, BadRow_RefusedWithFileAndLine) {
-  EXPECT_NE(refusal(WeightFile("0,0,100\n216,0,100\n").uri("")).find(":3: beside the plate"), std::string::npos);
-  EXPECT_NE(refusal(WeightFile("0,0,2001\n").uri("")).find(":2: load_n takes 1 .. 2000"), std::string::npos);
-  EXPECT_NE(refusal(WeightFile("0,0\n").uri("")).find(":2: \"0,0\" is not 3 numbers"), std::string::npos);
-  EXPECT_NE(refusal(WeightFile("").uri("")).find("too few rows, at least 1 needed"), std::string::npos);
-  EXPECT_NE(refusal("sim:floor?contact=weights&weights=no/such.csv").find("no/such.csv: no such file"), std::string::npos);
+  EXPECT_NE(bench_refusal(WeightFile("0,0,100\n216,0,100\n").uri("")).find(":3: beside the plate"), std::string::npos);
+  EXPECT_NE(bench_refusal(WeightFile("0,0,2001\n").uri("")).find(":2: load_n takes 1 .. 2000"), std::string::npos);
+  EXPECT_NE(bench_refusal(WeightFile("0,0\n").uri("")).find(":2: \"0,0\" is not 3 numbers"), std::string::npos);
+  EXPECT_NE(bench_refusal(WeightFile("").uri("")).find("too few rows, at least 1 needed"), std::string::npos);
+  EXPECT_NE(bench_refusal("sim:floor?contact=weights&weights=no/such.csv").find("no/such.csv: no such file"), std::string::npos);
 }
 
 TEST(SimGaps, EverySensor_SeesExactlyTheGapsInTurn) {
@@ -112,12 +112,12 @@ TEST(SimGaps, EverySensor_SeesExactlyTheGapsInTurn) {
   expect_gap(3.6, 9.0);
   expect_gap(5.6, 7.5);
   expect_gap(6.9, far_mm);
-  EXPECT_EQ(recorded.channels[kTrueLoad][160], 0.0);
-  EXPECT_TRUE(std::isnan(recorded.channels[kTrueMl][160]));
+  EXPECT_EQ(recorded.channels[kBenchLoad][160], 0.0);
+  EXPECT_TRUE(std::isnan(recorded.channels[kBenchMl][160]));
 }
 
 TEST(SimGaps, GapBeyondTheCurve_RefusedNamingTheSensorAndItsRange) {
-  const std::string what = refusal("sim:floor?contact=gaps&gaps_mm=12,3");
+  const std::string what = bench_refusal("sim:floor?contact=gaps&gaps_mm=12,3");
 
   EXPECT_NE(what.find("3.000000 mm is outside the curve of sensor w1, 4.000000 .. 13.000000 mm"), std::string::npos) << what;
 }

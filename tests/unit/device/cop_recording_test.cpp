@@ -27,7 +27,7 @@ class TemporaryFile {
   std::string path_;
 };
 
-std::string refusal(const std::string& content) {
+std::string recording_refusal(const std::string& content) {
   const TemporaryFile file(content);
   const auto recording = CopRecording::load(file.path());
   return recording ? "" : recording.error().what.substr(file.path().size());
@@ -65,7 +65,7 @@ TEST(CopRecording, Repeated_StartsAgainAfterABridge) {
   EXPECT_EQ(recording->repeated_at(2.5).ml_mm, 0.0);
 }
 
-TEST(CopRecording, WindowsLineEnds_Accepted) { EXPECT_EQ(refusal("t_s,x_mm,y_mm\r\n0,10,1\r\n1,20,3\r\n"), ""); }
+TEST(CopRecording, WindowsLineEnds_Accepted) { EXPECT_EQ(recording_refusal("t_s,x_mm,y_mm\r\n0,10,1\r\n1,20,3\r\n"), ""); }
 
 TEST(CopRecording, NoSuchFile_NotFound) {
   const auto recording = CopRecording::load("no/such/file.csv");
@@ -83,30 +83,33 @@ TEST(CopRecording, AFolder_NotFound) {
 }
 
 TEST(CopRecording, WrongHeader_RefusedAtLineOne) {
-  EXPECT_EQ(refusal("t_s,y_mm,x_mm\n0,1,1\n").rfind(":1: the header", 0), 0U);
-  EXPECT_EQ(refusal("").rfind(":1: the header", 0), 0U);
+  EXPECT_EQ(recording_refusal("t_s,y_mm,x_mm\n0,1,1\n").rfind(":1: the header", 0), 0U);
+  EXPECT_EQ(recording_refusal("").rfind(":1: the header", 0), 0U);
 }
 
 TEST(CopRecording, BadRow_RefusedWithItsLine) {
   const std::string start = "t_s,x_mm,y_mm\n0,1,1\n";
   for (const char* row : {"1,1", "1,1,1,1", "1,,1", "1,a,1", "1,1 ,1", "1,nan,1", "1,inf,1", "", "1;1;1", "1,1,1,"}) {
-    EXPECT_EQ(refusal(start + row + "\n2,1,1\n").rfind(":3: ", 0), 0U) << '"' << row << "\" -> " << refusal(start + row + "\n2,1,1\n");
+    EXPECT_EQ(recording_refusal(start + row + "\n2,1,1\n").rfind(":3: ", 0), 0U)
+        << '"' << row << "\" -> " << recording_refusal(start + row + "\n2,1,1\n");
   }
 }
 
 TEST(CopRecording, TimeStandsStill_RefusedWithItsLine) {
-  EXPECT_EQ(refusal("t_s,x_mm,y_mm\n0,1,1\n1,1,1\n1,1,1\n"), ":4: the time does not rise");
+  EXPECT_EQ(recording_refusal("t_s,x_mm,y_mm\n0,1,1\n1,1,1\n1,1,1\n"), ":4: the time does not rise");
 }
 
-TEST(CopRecording, PositionOffAnyPlate_Refused) { EXPECT_EQ(refusal("t_s,x_mm,y_mm\n0,1,1\n1,1001,1\n").rfind(":3: a position", 0), 0U); }
+TEST(CopRecording, PositionOffAnyPlate_Refused) {
+  EXPECT_EQ(recording_refusal("t_s,x_mm,y_mm\n0,1,1\n1,1001,1\n").rfind(":3: a position", 0), 0U);
+}
 
 TEST(CopRecording, VeryLongLine_Refused) {
-  EXPECT_EQ(refusal("t_s,x_mm,y_mm\n" + std::string(10'000, '1') + ",1,1\n").rfind(":2: longer", 0), 0U);
+  EXPECT_EQ(recording_refusal("t_s,x_mm,y_mm\n" + std::string(10'000, '1') + ",1,1\n").rfind(":2: longer", 0), 0U);
 }
 
 TEST(CopRecording, FewerThanTwoRows_Refused) {
-  EXPECT_EQ(refusal("t_s,x_mm,y_mm\n"), ": too few rows, at least 2 needed");
-  EXPECT_EQ(refusal("t_s,x_mm,y_mm\n0,1,1\n"), ": too few rows, at least 2 needed");
+  EXPECT_EQ(recording_refusal("t_s,x_mm,y_mm\n"), ": too few rows, at least 2 needed");
+  EXPECT_EQ(recording_refusal("t_s,x_mm,y_mm\n0,1,1\n"), ": too few rows, at least 2 needed");
 }
 
 }  // namespace

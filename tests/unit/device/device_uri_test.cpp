@@ -8,7 +8,7 @@
 namespace dts::device {
 namespace {
 
-std::string refusal(std::string_view text) {
+std::string uri_refusal(std::string_view text) {
   const auto uri = DeviceUri::parse(text);
   if (uri) return "";
   EXPECT_EQ(uri.error().code, core::ErrorCode::InvalidArgument);
@@ -56,34 +56,34 @@ TEST(DeviceUri, ValueWithEqualsQuestionOrNothing_TakenAsItIs) {
 }
 
 TEST(DeviceUri, NoScheme_Refused) {
-  EXPECT_NE(refusal("floor").find("has no scheme"), std::string::npos);
-  EXPECT_NE(refusal("").find("has no scheme"), std::string::npos);
+  EXPECT_NE(uri_refusal("floor").find("has no scheme"), std::string::npos);
+  EXPECT_NE(uri_refusal("").find("has no scheme"), std::string::npos);
 }
 
 TEST(DeviceUri, SchemeIsNotAWord_Refused) {
-  EXPECT_NE(refusal(":floor").find("scheme"), std::string::npos);
-  EXPECT_NE(refusal("si m:floor").find("si m"), std::string::npos);
+  EXPECT_NE(uri_refusal(":floor").find("scheme"), std::string::npos);
+  EXPECT_NE(uri_refusal("si m:floor").find("si m"), std::string::npos);
 }
 
 TEST(DeviceUri, OptionWithoutValue_Refused) {
-  EXPECT_NE(refusal("sim:floor?seed").find("\"seed\""), std::string::npos);
-  EXPECT_NE(refusal("sim:floor?").find("key=value"), std::string::npos);
-  EXPECT_NE(refusal("sim:floor?seed=1&").find("key=value"), std::string::npos);
-  EXPECT_NE(refusal("sim:floor?seed=1&&bits=12").find("key=value"), std::string::npos);
-  EXPECT_NE(refusal("sim:floor?=1").find("key=value"), std::string::npos);
+  EXPECT_NE(uri_refusal("sim:floor?seed").find("\"seed\""), std::string::npos);
+  EXPECT_NE(uri_refusal("sim:floor?").find("key=value"), std::string::npos);
+  EXPECT_NE(uri_refusal("sim:floor?seed=1&").find("key=value"), std::string::npos);
+  EXPECT_NE(uri_refusal("sim:floor?seed=1&&bits=12").find("key=value"), std::string::npos);
+  EXPECT_NE(uri_refusal("sim:floor?=1").find("key=value"), std::string::npos);
 }
 
-TEST(DeviceUri, KeyTwice_Refused) { EXPECT_NE(refusal("sim:floor?seed=1&seed=1").find("\"seed\" stands twice"), std::string::npos); }
+TEST(DeviceUri, KeyTwice_Refused) { EXPECT_NE(uri_refusal("sim:floor?seed=1&seed=1").find("\"seed\" stands twice"), std::string::npos); }
 
 TEST(DeviceUri, ControlCharacter_RefusedWithoutEchoingIt) {
-  const std::string what = refusal("sim:floor?seed=1\n2");
+  const std::string what = uri_refusal("sim:floor?seed=1\n2");
 
   EXPECT_NE(what.find("control character"), std::string::npos);
   EXPECT_EQ(what.find('\n'), std::string::npos);
 }
 
 TEST(DeviceUri, VeryLong_RefusedBriefly) {
-  const std::string what = refusal("sim:" + std::string(1'000'000, 'x'));
+  const std::string what = uri_refusal("sim:" + std::string(1'000'000, 'x'));
 
   EXPECT_LT(what.size(), 200U);
 }

@@ -13,7 +13,7 @@
 namespace dts::device {
 namespace {
 
-core::Error refusal(std::string_view uri) {
+core::Error registry_refusal(std::string_view uri) {
   core::VirtualClock clock;
   const physics::RigModel rig = test::floor_rig();
   const auto created = create_device(uri, {clock, rig});
@@ -38,7 +38,7 @@ TEST(Registry, KnownDevice_Created) {
 }
 
 TEST(Registry, MisspeltName_SuggestsAndLists) {
-  const core::Error error = refusal("sim:flor");
+  const core::Error error = registry_refusal("sim:flor");
 
   EXPECT_EQ(error.code, core::ErrorCode::InvalidArgument);
   EXPECT_NE(error.what.find("sim:flor"), std::string::npos);
@@ -46,16 +46,16 @@ TEST(Registry, MisspeltName_SuggestsAndLists) {
 }
 
 TEST(Registry, UnknownScheme_ListsWhatIsKnown) {
-  const core::Error error = refusal("bluetooth:wii");
+  const core::Error error = registry_refusal("bluetooth:wii");
 
   EXPECT_EQ(error.hint.find("did you mean"), std::string::npos);
   EXPECT_NE(error.hint.find("sim:floor"), std::string::npos);
 }
 
-TEST(Registry, NotAUri_SaysTheForm) { EXPECT_NE(refusal("floor").hint.find("scheme:name"), std::string::npos); }
+TEST(Registry, NotAUri_SaysTheForm) { EXPECT_NE(registry_refusal("floor").hint.find("scheme:name"), std::string::npos); }
 
 TEST(Registry, MisspeltOption_Suggests) {
-  const core::Error error = refusal("sim:floor?wieght_n=700");
+  const core::Error error = registry_refusal("sim:floor?wieght_n=700");
 
   EXPECT_NE(error.what.find("wieght_n"), std::string::npos);
   EXPECT_NE(error.hint.find("did you mean \"weight_n\"?"), std::string::npos);

@@ -10,19 +10,19 @@
 namespace dts::device::sim {
 namespace {
 
-constexpr std::size_t kRigSensors = 16;
+constexpr std::size_t kChairSensors = 16;
 
-core::Result<ChairOptions> read(const std::string& options) {
-  return read_chair_options(*DeviceUri::parse(options.empty() ? "sim:chair" : "sim:chair?" + options), kRigSensors);
+core::Result<ChairOptions> read_chair(const std::string& options) {
+  return read_chair_options(*DeviceUri::parse(options.empty() ? "sim:chair" : "sim:chair?" + options), kChairSensors);
 }
 
-std::string refusal(const std::string& options) {
-  const auto read_options = read(options);
+std::string chair_refusal(const std::string& options) {
+  const auto read_options = read_chair(options);
   return read_options ? "" : core::to_string(read_options.error());
 }
 
 TEST(ChairOptions, NothingGiven_AHealthyPersonWhoReachesByItself) {
-  const auto options = read("");
+  const auto options = read_chair("");
 
   ASSERT_TRUE(options.has_value());
   EXPECT_EQ(options->sensors, 16U);
@@ -38,7 +38,7 @@ TEST(ChairOptions, NothingGiven_AHealthyPersonWhoReachesByItself) {
 
 TEST(ChairOptions, ThePerson_IsTaken) {
   const auto options =
-      read("weight_kg=52&height_cm=165&arm_length_cm=59&max_reach_cm=115&group=stroke&reaches=cued&pace_s=1.5&stand_up_s=60");
+      read_chair("weight_kg=52&height_cm=165&arm_length_cm=59&max_reach_cm=115&group=stroke&reaches=cued&pace_s=1.5&stand_up_s=60");
 
   ASSERT_TRUE(options.has_value());
   EXPECT_EQ(options->person.person.height_cm, 165.0);
@@ -48,12 +48,12 @@ TEST(ChairOptions, ThePerson_IsTaken) {
   EXPECT_LT(options->person.habits.arm_use, 1.0);
   EXPECT_EQ(options->person.mode, physics::ReachMode::Cued);
   EXPECT_EQ(options->person.stand_up_s, 60.0);
-  EXPECT_EQ(read("back_rest=0")->person.habits.load.lean_back_deg, 0.0);
-  EXPECT_EQ(read("load_model=thesis")->person.habits.load.model, physics::SeatLoadModel::Thesis);
+  EXPECT_EQ(read_chair("back_rest=0")->person.habits.load.lean_back_deg, 0.0);
+  EXPECT_EQ(read_chair("load_model=thesis")->person.habits.load.model, physics::SeatLoadModel::Thesis);
 }
 
 TEST(ChairOptions, SensorFaults_Recognised) {
-  const auto options = read("dead=1,4&saturated=9&swapped=1:12&sensor_fault_at_s=20");
+  const auto options = read_chair("dead=1,4&saturated=9&swapped=1:12&sensor_fault_at_s=20");
 
   ASSERT_TRUE(options.has_value());
   EXPECT_EQ(options->sensor_faults.dead, (std::vector<std::size_t>{1, 4}));
@@ -63,35 +63,35 @@ TEST(ChairOptions, SensorFaults_Recognised) {
 }
 
 TEST(ChairOptions, SensorsThatAreNotThere_Refused) {
-  EXPECT_NE(refusal("dead=16").find("0 .. 15"), std::string::npos);
-  EXPECT_NE(refusal("dead=1.5").find("whole numbers"), std::string::npos);
-  EXPECT_NE(refusal("saturated=3&sensors=3").find("0 .. 2"), std::string::npos);
+  EXPECT_NE(chair_refusal("dead=16").find("0 .. 15"), std::string::npos);
+  EXPECT_NE(chair_refusal("dead=1.5").find("whole numbers"), std::string::npos);
+  EXPECT_NE(chair_refusal("saturated=3&sensors=3").find("0 .. 2"), std::string::npos);
   for (const char* bad : {"1", "1:", ":1", "1:1", "1:16", "a:b", "1:2x", "-1:2", "1:2:3", "99999999999999999999:1"}) {
-    EXPECT_NE(refusal(std::string("swapped=") + bad).find("swapped"), std::string::npos) << bad;
+    EXPECT_NE(chair_refusal(std::string("swapped=") + bad).find("swapped"), std::string::npos) << bad;
   }
-  EXPECT_NE(refusal("sensors=17").find("the rig has 16"), std::string::npos);
-  EXPECT_NE(refusal("fault=stuck&fault_channel=16").find("fault_channel = 16"), std::string::npos);
-  EXPECT_EQ(refusal("fault=stuck&fault_channel=16&aux=emg"), "");
+  EXPECT_NE(chair_refusal("sensors=17").find("the rig has 16"), std::string::npos);
+  EXPECT_NE(chair_refusal("fault=stuck&fault_channel=16").find("fault_channel = 16"), std::string::npos);
+  EXPECT_EQ(chair_refusal("fault=stuck&fault_channel=16&aux=emg"), "");
 }
 
 TEST(ChairOptions, OptionsThatDoNothing_Refused) {
-  EXPECT_NE(refusal("reaches=none&pace_s=1").find("only with reaches=auto|cued"), std::string::npos);
-  EXPECT_NE(refusal("reaches=none&double_reach=1").find("only with reaches=auto|cued"), std::string::npos);
-  EXPECT_NE(refusal("load_model=thesis&back_rest=0").find("only with load_model=cop"), std::string::npos);
-  EXPECT_NE(refusal("sensor_fault_at_s=3").find("only with dead="), std::string::npos);
-  EXPECT_NE(refusal("fault_for_s=3").find("only with fault="), std::string::npos);
-  EXPECT_NE(refusal("fault=silence&fault_channel=1").find("only with fault=stuck"), std::string::npos);
-  EXPECT_NE(refusal("sit_down_s=5&stand_up_s=6").find("stand_up_s"), std::string::npos);
+  EXPECT_NE(chair_refusal("reaches=none&pace_s=1").find("only with reaches=auto|cued"), std::string::npos);
+  EXPECT_NE(chair_refusal("reaches=none&double_reach=1").find("only with reaches=auto|cued"), std::string::npos);
+  EXPECT_NE(chair_refusal("load_model=thesis&back_rest=0").find("only with load_model=cop"), std::string::npos);
+  EXPECT_NE(chair_refusal("sensor_fault_at_s=3").find("only with dead="), std::string::npos);
+  EXPECT_NE(chair_refusal("fault_for_s=3").find("only with fault="), std::string::npos);
+  EXPECT_NE(chair_refusal("fault=silence&fault_channel=1").find("only with fault=stuck"), std::string::npos);
+  EXPECT_NE(chair_refusal("sit_down_s=5&stand_up_s=6").find("stand_up_s"), std::string::npos);
 }
 
 TEST(ChairOptions, EveryNumber_RefusedJustOutsideItsRange) {
   for (const UriOption& option : chair_option_table()) {
     if (option.kind == OptionKind::Word || option.kind == OptionKind::Text) continue;
     SCOPED_TRACE(std::string(option.name));
-    const std::string below = refusal(std::string(option.name) + "=" + std::to_string(option.minimum - 1.0));
+    const std::string below = chair_refusal(std::string(option.name) + "=" + std::to_string(option.minimum - 1.0));
     EXPECT_NE(below.find(allowed(option)), std::string::npos) << below;
     if (option.maximum == kNever) continue;
-    const std::string above = refusal(std::string(option.name) + "=" + std::to_string(option.maximum + 1.0));
+    const std::string above = chair_refusal(std::string(option.name) + "=" + std::to_string(option.maximum + 1.0));
     EXPECT_NE(above.find(allowed(option)), std::string::npos) << above;
   }
 }

@@ -29,7 +29,7 @@ struct Chair {
   /// One scan, all channels.
   std::vector<double> scan() {
     core::Block block(device->describe().channels.size(), 1);
-    EXPECT_EQ(device->read(block, kNever).outcome, ReadOutcome::Scans);
+    EXPECT_EQ(device->read(block, kNoDeadline).outcome, ReadOutcome::Scans);
     std::vector<double> values;
     for (std::size_t channel = 0; channel < block.channel_count(); ++channel) values.push_back(block.column(channel)[0]);
     return values;

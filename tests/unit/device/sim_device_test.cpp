@@ -13,18 +13,18 @@ namespace dts::device {
 namespace {
 
 using test::Bench;
-using test::kNever;
+using test::kNoDeadline;
 using test::Recorded;
 
 constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
-constexpr std::int64_t kSecond = 1000 * kMillisecond;
+constexpr std::int64_t kSimulatedSecond = 1000 * kMillisecond;
 
 TEST(SimDevice, ClockThatIsOff_IsSaidInEveryBlock) {
   test::Bench bench("sim:floor?clock_ppm=80");
   bench.start(100.0);
   core::Block block = bench.block(8);
 
-  ASSERT_EQ(bench.device->read(block, test::kNever).outcome, ReadOutcome::Scans);
+  ASSERT_EQ(bench.device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
 
   EXPECT_EQ(block.clock_drift_ppm, 80.0);
   EXPECT_EQ(block.host_time_uncertainty_ns, 0);
@@ -36,7 +36,7 @@ TEST(SimDevice, FullBlock_TakesAsLongAsItsScans) {
   core::Block block = bench.block(50);
   const std::int64_t start_ns = bench.clock.now_ns();
 
-  const ReadResult read = bench.device->read(block, kNever);
+  const ReadResult read = bench.device->read(block, kNoDeadline);
 
   EXPECT_EQ(read.outcome, ReadOutcome::Scans);
   EXPECT_EQ(block.count(), 50U);
@@ -59,7 +59,7 @@ TEST(SimDevice, NothingByTheDeadline_Timeout) {
   Bench bench("sim:floor");
   bench.start(100);
   core::Block block = bench.block(1);
-  ASSERT_EQ(bench.device->read(block, kNever).outcome, ReadOutcome::Scans);
+  ASSERT_EQ(bench.device->read(block, kNoDeadline).outcome, ReadOutcome::Scans);
 
   const ReadResult read = bench.device->read(block, bench.clock.now_ns() + 9 * kMillisecond);
 
@@ -76,8 +76,8 @@ TEST(SimDevice, ClockError_ScansComeFasterButDataStay) {
   const Recorded from_exact = exact.read_scans(1001, 1);
   const Recorded from_fast = fast.read_scans(1001, 1);
 
-  EXPECT_EQ(from_exact.block_times_ns[1000] - from_exact.block_times_ns[0], 10 * kSecond);
-  EXPECT_EQ(from_fast.block_times_ns[1000] - from_fast.block_times_ns[0], 10 * kSecond - 2 * kMillisecond);
+  EXPECT_EQ(from_exact.block_times_ns[1000] - from_exact.block_times_ns[0], 10 * kSimulatedSecond);
+  EXPECT_EQ(from_fast.block_times_ns[1000] - from_fast.block_times_ns[0], 10 * kSimulatedSecond - 2 * kMillisecond);
   EXPECT_EQ(from_exact.channels[0], from_fast.channels[0]);
 }
 
@@ -98,7 +98,7 @@ TEST(SimDevice, ReaderTooLate_OverrunWithExactCount) {
   bench.start(100);
   punctual.start(100);
   (void)bench.read_scans(10, 10);
-  bench.clock.advance_ns(2 * kSecond + 5 * kMillisecond);  // 200 more scans
+  bench.clock.advance_ns(2 * kSimulatedSecond + 5 * kMillisecond);  // 200 more scans
 
   const Recorded recorded = bench.read_scans(64);
   const Recorded all = punctual.read_scans(274);
@@ -137,15 +137,15 @@ TEST(SimDevice, FaultSilence_TimeoutsThenAnEstimatedGap) {
   (void)bench.read_scans(100, 10);
   core::Block block = bench.block(10);
   int timeouts = 0;
-  ReadResult read = bench.device->read(block, bench.clock.now_ns() + kSecond);
-  for (; read.outcome == ReadOutcome::Timeout; ++timeouts) read = bench.device->read(block, bench.clock.now_ns() + kSecond);
+  ReadResult read = bench.device->read(block, bench.clock.now_ns() + kSimulatedSecond);
+  for (; read.outcome == ReadOutcome::Timeout; ++timeouts) read = bench.device->read(block, bench.clock.now_ns() + kSimulatedSecond);
 
   EXPECT_EQ(timeouts, 19);  // the silence ends during the twentieth second: the device's clock is fast
   EXPECT_EQ(read.outcome, ReadOutcome::Gap);
   EXPECT_EQ(read.gap.reason, core::GapReason::Silence);
   EXPECT_EQ(read.gap.missing_scans, 1998U);  // 2000 scans of a clock that is 0.1 % fast, as the host sees it
   EXPECT_FALSE(read.gap.is_exact);
-  ASSERT_EQ(bench.device->read(block, kNever).outcome, ReadOutcome::Scans);
+  ASSERT_EQ(bench.device->read(block, kNoDeadline).outcome, ReadOutcome::Scans);
   EXPECT_EQ(block.first_scan.value, 0U);
 }
 
@@ -175,7 +175,7 @@ TEST(SimDevice, FaultUnplug_GoneUntilPluggedInAgain) {
   const Recorded recorded = bench.read_scans(1000);
   EXPECT_EQ(recorded.channels[0].size(), 100U);
   EXPECT_EQ(bench.device->state(), DeviceState::Gone);
-  const ReadResult read = bench.device->read(block, kNever);
+  const ReadResult read = bench.device->read(block, kNoDeadline);
   EXPECT_EQ(read.outcome, ReadOutcome::Gone);
   EXPECT_EQ(read.gap.reason, core::GapReason::Unplugged);
 
@@ -219,8 +219,8 @@ TEST(SimDevice, WrongBlockShape_TimeoutAndNothingWritten) {
   core::Block no_room;
   core::Block too_few_channels(2, 8);
 
-  EXPECT_EQ(bench.device->read(no_room, kNever).outcome, ReadOutcome::Timeout);
-  EXPECT_EQ(bench.device->read(too_few_channels, kNever).outcome, ReadOutcome::Timeout);
+  EXPECT_EQ(bench.device->read(no_room, kNoDeadline).outcome, ReadOutcome::Timeout);
+  EXPECT_EQ(bench.device->read(too_few_channels, kNoDeadline).outcome, ReadOutcome::Timeout);
   EXPECT_EQ(too_few_channels.count(), 0U);
 }
 

@@ -164,7 +164,7 @@ TEST(SimFloor, NobodyOnThePlate_TruthIsMarkedNotSilentlyNaN) {
   bench.start(100);
   core::Block block = bench.block(8);
 
-  ASSERT_EQ(bench.device->read(block, test::kNever).outcome, ReadOutcome::Scans);
+  ASSERT_EQ(bench.device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
 
   EXPECT_EQ(block.quality(kTrueMl)[0], core::quality::kNoContact);
   EXPECT_EQ(block.quality(0)[0], 0);

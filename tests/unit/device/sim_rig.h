@@ -17,7 +17,7 @@
 
 namespace dts::device::test {
 
-inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+inline constexpr std::int64_t kNoDeadline = std::numeric_limits<std::int64_t>::max();
 
 /// The thesis's steel floor platform: corner supports 10.75 mm in, sensors 86 mm from the edges.
 inline physics::RigModel floor_rig() {
@@ -73,7 +73,7 @@ struct Bench {
     Recorded result;
     result.channels.resize(device->describe().channels.size());
     while (result.channels[0].size() < scans) {
-      const ReadResult read = device->read(buffer, kNever);
+      const ReadResult read = device->read(buffer, kNoDeadline);
       if (read.outcome == ReadOutcome::Gap) {
         result.gaps.push_back(read.gap);
         continue;

@@ -22,7 +22,7 @@ constexpr std::array kTable = {
 
 core::Result<UriOptions> read(const std::string& text) { return UriOptions::read(*DeviceUri::parse(text), kTable); }
 
-std::string refusal(const std::string& text) {
+std::string option_refusal(const std::string& text) {
   const auto options = read(text);
   return options ? "" : core::to_string(options.error());
 }
@@ -61,7 +61,7 @@ TEST(UriOptions, Text_AnythingButNothing) {
   EXPECT_EQ(read("a:b?label=01AB cd|7")->text("label"), "01AB cd|7");
   EXPECT_EQ(read("a:b")->text("label"), "");
   EXPECT_FALSE(read("a:b")->is_given("label"));
-  EXPECT_NE(refusal("a:b?label=").find("TEXT"), std::string::npos);
+  EXPECT_NE(option_refusal("a:b?label=").find("TEXT"), std::string::npos);
 }
 
 TEST(UriOptions, BadNumbers_RefusedWithTheRange) {
@@ -69,13 +69,13 @@ TEST(UriOptions, BadNumbers_RefusedWithTheRange) {
   for (int i = 0; i < 256; ++i) many += ",1";
   for (const std::string& value :
        {std::string("1,11"), std::string("1,,2"), std::string("1,"), std::string(""), std::string("1,nan"), many}) {
-    EXPECT_NE(refusal("a:b?steps_mm=" + value).find("1..10,..."), std::string::npos) << value;
+    EXPECT_NE(option_refusal("a:b?steps_mm=" + value).find("1..10,..."), std::string::npos) << value;
   }
 }
 
 TEST(UriOptions, OutOfRange_RefusedWithTheRange) {
   for (const char* value : {"0.999", "10.001", "-5"}) {
-    const std::string what = refusal(std::string("a:b?load_n=") + value);
+    const std::string what = option_refusal(std::string("a:b?load_n=") + value);
     EXPECT_NE(what.find("load_n = \"" + std::string(value) + "\""), std::string::npos) << what;
     EXPECT_NE(what.find("1..10"), std::string::npos) << what;
   }
@@ -83,25 +83,25 @@ TEST(UriOptions, OutOfRange_RefusedWithTheRange) {
 
 TEST(UriOptions, NotANumber_Refused) {
   for (const char* value : {"", "abc", "5N", " 5", "nan", "inf", "1e999", "never", "0x5"}) {
-    EXPECT_NE(refusal(std::string("a:b?load_n=") + value), "") << value;
+    EXPECT_NE(option_refusal(std::string("a:b?load_n=") + value), "") << value;
   }
 }
 
-TEST(UriOptions, FractionForAnInteger_Refused) { EXPECT_NE(refusal("a:b?count=1.5").find("whole number"), std::string::npos); }
+TEST(UriOptions, FractionForAnInteger_Refused) { EXPECT_NE(option_refusal("a:b?count=1.5").find("whole number"), std::string::npos); }
 
 TEST(UriOptions, UnknownWord_RefusedWithSuggestion) {
-  const std::string what = refusal("a:b?kind=foot");
+  const std::string what = option_refusal("a:b?kind=foot");
 
   EXPECT_NE(what.find("feet|point"), std::string::npos);
-  EXPECT_NE(refusal("a:b?kind=pont").find("did you mean \"point\"?"), std::string::npos);
+  EXPECT_NE(option_refusal("a:b?kind=pont").find("did you mean \"point\"?"), std::string::npos);
 }
 
-TEST(UriOptions, SeveralChoicesAtOnce_Refused) { EXPECT_NE(refusal("a:b?kind=feet|point"), ""); }
+TEST(UriOptions, SeveralChoicesAtOnce_Refused) { EXPECT_NE(option_refusal("a:b?kind=feet|point"), ""); }
 
-TEST(UriOptions, EmptyFile_Refused) { EXPECT_NE(refusal("a:b?path="), ""); }
+TEST(UriOptions, EmptyFile_Refused) { EXPECT_NE(option_refusal("a:b?path="), ""); }
 
 TEST(UriOptions, UnknownName_RefusedWithSuggestionAndList) {
-  const std::string what = refusal("a:b?laod_n=3");
+  const std::string what = option_refusal("a:b?laod_n=3");
 
   EXPECT_NE(what.find("did you mean \"load_n\"?"), std::string::npos);
   EXPECT_NE(what.find("load_n, count, end_s, kind, path"), std::string::npos);

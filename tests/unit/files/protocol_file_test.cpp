@@ -62,7 +62,8 @@ constexpr const char* kCondition = "[[trials.condition]]\nname = \"a\"\n";
 
 TEST_F(ProtocolFiles, Shipped_AreAllGood) {
   Problems problems;
-  EXPECT_THAT(names(read_protocols(kShipped, problems)), ElementsAre("free", "quiet-standing", "reaching-short", "reaching-task"));
+  EXPECT_THAT(names(read_protocols(kShipped, problems)),
+              ElementsAre("free", "quiet-standing", "reaching-short", "reaching-task", "romberg"));
   EXPECT_EQ(all(problems), "");
 }
 
@@ -74,7 +75,8 @@ TEST_F(ProtocolFiles, QuietStanding_IsTheOneOfTheThesis) {
   EXPECT_FALSE(protocol.trials->starts_by_itself);
   ASSERT_EQ(protocol.trials->conditions.size(), 4U);
   EXPECT_THAT(protocol.trials->conditions[1].labels, testing::UnorderedElementsAre(std::pair<std::string, std::string>("eyes", "closed"),
-                                                                                   std::pair<std::string, std::string>("feet", "two")));
+                                                                                   std::pair<std::string, std::string>("feet", "two"),
+                                                                                   std::pair<std::string, std::string>("surface", "firm")));
   EXPECT_TRUE(session::check_fields(protocol, {}));
 }
 

@@ -49,6 +49,7 @@ class Fed {
         {.rig = config_.model,
          .input_ranges = std::vector<pipeline::StageContext::InputRange>(config_.sensor_channels.size(), {-10.0, 10.0, 0.0003}),
          .tare = tare_,
+         .windows = windows_,
          .cop_calibration = config_.cop_calibration ? &*config_.cop_calibration : nullptr,
          .trunk_model = config_.trunk_model ? &*config_.trunk_model : nullptr});
     EXPECT_TRUE(made) << (made ? "" : core::to_string(made.error()));
@@ -83,6 +84,7 @@ class Fed {
  private:
   pipeline::RigConfig config_;
   pipeline::Tare tare_;
+  pipeline::SteadinessWindows windows_;
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   core::Acquired acquired_;
 };

@@ -17,16 +17,16 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-const std::filesystem::path kConfig = std::filesystem::path(DTS_SOURCE_DIR) / "config";
+const std::filesystem::path kShippedConfig = std::filesystem::path(DTS_SOURCE_DIR) / "config";
 
 class ChairFile : public testing::Test {
  protected:
   /// The shipped simulated chair with every line that begins with `key` replaced; an empty replacement takes it out.
   pipeline::RigConfig read(const std::string& key = {}, const std::string& replacement = {}) {
-    std::ifstream in(kConfig / "rigs/chair-sim.toml");
+    std::ifstream in(kShippedConfig / "rigs/chair-sim.toml");
     std::string text;
     for (std::string line; std::getline(in, line);) text += (!key.empty() && line.starts_with(key) ? replacement : line) + "\n";
-    text = std::regex_replace(text, std::regex("\"\\.\\./"), "\"" + kConfig.string() + "/");
+    text = std::regex_replace(text, std::regex("\"\\.\\./"), "\"" + kShippedConfig.string() + "/");
     const auto file = std::filesystem::temp_directory_path() / ("dts-chair-" + std::to_string(getpid()) + ".toml");
     std::ofstream(file) << text;
     problems_.clear();
@@ -91,7 +91,7 @@ TEST_F(ChairFile, ModelThatIsNotThere_IsToldAtItsPlace) {
 }
 
 TEST_F(ChairFile, Definition_CarriesTheModel) {
-  const auto definition = rig_definition((kConfig / "rigs/chair-sim.toml").string());
+  const auto definition = rig_definition((kShippedConfig / "rigs/chair-sim.toml").string());
   ASSERT_TRUE(definition) << core::to_string(definition.error());
 
   const pipeline::RigConfig config = read_rig_text(*definition, "definition", problems_);

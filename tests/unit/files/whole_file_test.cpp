@@ -12,7 +12,7 @@
 namespace dts::files {
 namespace {
 
-std::string content(const std::filesystem::path& path) {
+std::string content_of(const std::filesystem::path& path) {
   std::ifstream stream(path);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
@@ -27,7 +27,7 @@ class WholeFile : public testing::Test {
 
 TEST_F(WholeFile, NewFile_IsThereAndNothingElse) {
   ASSERT_TRUE(write_whole_file(folder_ / "new", "text"));
-  EXPECT_EQ(content(folder_ / "new"), "text");
+  EXPECT_EQ(content_of(folder_ / "new"), "text");
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
 }
 
@@ -38,7 +38,7 @@ TEST_F(WholeFile, OldFile_KeepsItsRights) {
   struct stat now {};
   ASSERT_EQ(::stat((folder_ / "old").c_str(), &now), 0);
   EXPECT_EQ(now.st_mode & 07777U, 0600U);
-  EXPECT_EQ(content(folder_ / "old"), "after");
+  EXPECT_EQ(content_of(folder_ / "old"), "after");
 }
 
 TEST_F(WholeFile, Link_StaysALink) {
@@ -46,7 +46,7 @@ TEST_F(WholeFile, Link_StaysALink) {
   std::filesystem::create_symlink("target", folder_ / "link");
   ASSERT_TRUE(write_whole_file(folder_ / "link", "after"));
   EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link"));
-  EXPECT_EQ(content(folder_ / "target"), "after");
+  EXPECT_EQ(content_of(folder_ / "target"), "after");
 }
 
 TEST_F(WholeFile, Device_IsWrittenToAndNotReplaced) {

@@ -23,6 +23,8 @@ HOUSE = [
     ("daemon/core/result.h",     [],                                                      ["tl/expected.hpp"]),
     ("daemon/physics",           ["core"],                                                ["Eigen/"]),
     ("daemon/classifier",        ["core"],                                                []),
+    ("daemon/posturography",     ["core"],                                                []),
+    ("daemon/posturography/fourier", [],                                                  ["kissfft/"]),
     ("daemon/files",             ["core", "physics", "classifier", "pipeline"],                         ["toml++/"]),
     ("daemon/files/protocol_file", ["session"],                                           []),
     ("daemon/device",            ["core"],                                                []),
@@ -30,28 +32,37 @@ HOUSE = [
     ("daemon/device/sim",        ["physics"],                                             []),
     ("daemon/device/replay",     ["record"],                                              []),
     ("daemon/device/usb",        [],                                                      ["libusb-1.0/"]),
-    ("daemon/pipeline",          ["core", "physics", "classifier"],                       []),
-    ("daemon/record",            ["core"],                                                ["nlohmann/"]),
+    ("daemon/pipeline",          ["core", "physics", "classifier", "posturography"],      []),
+    ("daemon/record",            ["core", "posturography"],                               ["nlohmann/"]),
     ("daemon/record/sha256.cpp", [],                                                      ["sodium.h"]),
     ("daemon/record/xdf",        [],                                                      ["boost/crc.hpp", "pugixml.hpp", "sodium.h"]),
     ("daemon/record/catalogue",  [],                                                      ["sodium.h", "sqlite3.h"]),
     ("daemon/session",           ["core", "device", "pipeline", "classifier", "record",
-                                  "physics"],                                            []),
-    ("daemon/ipc",               ["core", "session", "record", "proto"],                  ["zmq.h", "zmq.hpp", "google/protobuf/"]),
+                                  "physics", "posturography"],                                          []),
+    ("daemon/access",            ["core", "files", "proto"],                              ["zmq.h", "zmq.hpp"]),
+    ("daemon/ipc",               ["core", "access", "posturography", "session", "record", "proto"], ["zmq.h", "zmq.hpp", "google/protobuf/"]),
     ("daemon/app",               ["core", "physics", "files", "classifier", "device", "pipeline",
-                                  "record", "session", "ipc", "proto"],                   ["toml++/", "systemd/"]),
+                                  "record", "session", "access", "ipc", "proto"],         ["toml++/", "systemd/"]),
     ("daemon/app/daemon.cpp",    [],                                                      ["zmq.hpp"]),
+    ("daemon/app/sockets",       [],                                                      ["zmq.hpp"]),
     ("daemon/app/main.cpp",      [],                                                      ["CLI/"]),
     ("clients/libdts",           ["proto"],                                               ["zmq.h", "zmq.hpp", "google/protobuf/",
                                                                                            "tl/expected.hpp"]),
+    ("clients/libdts/key.cpp",   [],                                                      ["toml++/"]),
     ("clients/cli",              [],                                                      ["CLI/", "nlohmann/"]),
     ("clients/ctl",              ["cli", "libdts", "proto"],                              ["CLI/", "google/protobuf/"]),
     ("clients/ctl/calibrate",    ["core", "physics", "files"],                            []),
-    ("clients/ctl/sessions",     ["core", "record"],                                      []),
+    ("clients/ctl/sessions",     ["core", "record", "report"],                            []),
+    ("clients/report",           ["core", "posturography", "record", "session"],          ["kainjow/", "pugixml.hpp"]),
+    ("clients/report/recorded_definitions", ["files"],                                    []),
     ("clients/lab",              ["cli", "core", "physics", "files", "classifier",
-                                  "pipeline", "record", "device", "session"],             ["CLI/", "Eigen/"]),
+                                  "pipeline", "posturography", "record", "device",
+                                  "session"],                                            ["CLI/", "Eigen/"]),
     ("clients/lab/training/onnx_schema.h", [],                                             ["onnx/"]),
-    ("clients/gateway",          ["libdts", "proto"],                                     ["boost/", "prometheus/"]),
+    ("clients/gateway",          ["cli", "libdts", "proto"],                              ["boost/", "google/protobuf/", "CLI/"]),
+    ("clients/gateway/access",   [],                                                      ["sodium.h", "nlohmann/"]),
+    ("clients/gateway/archive",  ["core", "record", "report"],                            ["archive.h", "archive_entry.h"]),
+    ("clients/gateway/metrics",  [],                                                      ["prometheus/"]),
 ]
 
 # What the system offers, allowed everywhere. C headers that have a C++ name (stdint.h) are missing on purpose.
@@ -66,6 +77,7 @@ ROOTS = ("daemon", "clients")
 CODE = {".h", ".hpp", ".cpp", ".cc", ".c"}
 WITH_LICENCE = CODE | {".py", ".proto", ".cmake", ".sh"}
 SKIPPED_FOLDERS = {"build", "dist", "node_modules", "__pycache__", ".git"}
+GENERATED = "_pb2.py"  # by protoc, not committed
 MAX_FILE_LINES = 400
 MAX_README_LINES = 60
 INCLUDE = re.compile(r"\s*#\s*include\b\s*(.*)")
@@ -79,7 +91,9 @@ def files_below(root, folders, suffixes):
         for path in sorted((root / folder).rglob("*")):
             relative = path.relative_to(root)
             suffix = ".cmake" if path.name == "CMakeLists.txt" else path.suffix
-            if path.is_file() and suffix in suffixes and not SKIPPED_FOLDERS & set(relative.parts):
+            if path.name.endswith(GENERATED) or SKIPPED_FOLDERS & set(relative.parts):
+                continue
+            if path.is_file() and suffix in suffixes:
                 found.append(relative)
     return found
 

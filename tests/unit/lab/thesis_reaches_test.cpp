@@ -10,7 +10,7 @@
 namespace dts::lab {
 namespace {
 
-double figure(const Figures& figures, std::string_view name) {
+double reach_figure(const Figures& figures, std::string_view name) {
   const auto found = std::ranges::find(figures, name, &Figure::name);
   EXPECT_NE(found, figures.end()) << name;
   return found == figures.end() ? -1.0 : found->value;
@@ -48,9 +48,9 @@ TEST(ThesisReachTables, TrunkAngles_ComeFromTheTargetAlone) {
   ASSERT_TRUE(table) << table.error().what;
   ASSERT_EQ(table->rows.size(), 30U);
   EXPECT_EQ(table->rows[0].label, "H1, 120");
-  EXPECT_EQ(figure(table->rows[0].printed, "deg"), 0.4);
-  EXPECT_NEAR(figure(table->summary, "bias_150_deg"), -3.5, 0.06);
-  EXPECT_NEAR(figure(table->summary, "rms_max_deg"), 6.7, 0.06);
+  EXPECT_EQ(reach_figure(table->rows[0].printed, "deg"), 0.4);
+  EXPECT_NEAR(reach_figure(table->summary, "bias_150_deg"), -3.5, 0.06);
+  EXPECT_NEAR(reach_figure(table->summary, "rms_max_deg"), 6.7, 0.06);
 }
 
 TEST(ThesisReachTables, Teachers_AreComputedBesideWhatIsPrinted) {
@@ -58,15 +58,16 @@ TEST(ThesisReachTables, Teachers_AreComputedBesideWhatIsPrinted) {
   ASSERT_TRUE(table) << table.error().what;
   ASSERT_EQ(table->rows.size(), 9U);
   EXPECT_EQ(table->rows[1].label, "A, 150");
-  EXPECT_EQ(figure(table->rows[1].printed, "correct"), 14.0);
+  EXPECT_EQ(reach_figure(table->rows[1].printed, "correct"), 14.0);
   double ours = 0.0;
-  for (const ThesisRow& row : table->rows) ours += figure(row.ours, "correct");
-  EXPECT_GE(figure(table->summary, "ours_nn2_four_paces_of_135_median"), 130.0);
-  EXPECT_EQ(ours, figure(table->summary, "nn2_correct"));
-  EXPECT_EQ(figure(table->summary, "of"), 135.0);
-  EXPECT_GE(ours, figure(table->summary, "ours_nn2_four_paces_of_135_least"));
-  EXPECT_LE(ours, figure(table->summary, "ours_nn2_four_paces_of_135_most"));
-  EXPECT_LT(figure(table->summary, "ours_nn2_one_pace_of_135_most"), figure(table->summary, "ours_nn2_four_paces_of_135_least"));
+  for (const ThesisRow& row : table->rows) ours += reach_figure(row.ours, "correct");
+  EXPECT_GE(reach_figure(table->summary, "ours_nn2_four_paces_of_135_median"), 130.0);
+  EXPECT_EQ(ours, reach_figure(table->summary, "nn2_correct"));
+  EXPECT_EQ(reach_figure(table->summary, "of"), 135.0);
+  EXPECT_GE(ours, reach_figure(table->summary, "ours_nn2_four_paces_of_135_least"));
+  EXPECT_LE(ours, reach_figure(table->summary, "ours_nn2_four_paces_of_135_most"));
+  EXPECT_LT(reach_figure(table->summary, "ours_nn2_one_pace_of_135_most"),
+            reach_figure(table->summary, "ours_nn2_four_paces_of_135_least"));
 }
 
 TEST(ThesisReachTables, Stroke_HasARowPerPerson) {
@@ -75,11 +76,11 @@ TEST(ThesisReachTables, Stroke_HasARowPerPerson) {
   ASSERT_EQ(table->rows.size(), 5U);
   EXPECT_EQ(table->rows[0].label, "S1, condition 2");
   EXPECT_EQ(table->rows[1].label, "S2, condition 1");
-  EXPECT_GE(figure(table->summary, "ours_nn1_of_75_median"), 60.0);
-  EXPECT_EQ(figure(table->summary, "of"), 75.0);
+  EXPECT_GE(reach_figure(table->summary, "ours_nn1_of_75_median"), 60.0);
+  EXPECT_EQ(reach_figure(table->summary, "of"), 75.0);
   double nn1 = 0.0;
-  for (const ThesisRow& row : table->rows) nn1 += figure(row.ours, "nn1");
-  EXPECT_EQ(figure(table->summary, "nn1_correct"), nn1);
+  for (const ThesisRow& row : table->rows) nn1 += reach_figure(row.ours, "nn1");
+  EXPECT_EQ(reach_figure(table->summary, "nn1_correct"), nn1);
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ std::vector<GapReading> readings(const Curve& curve, double step_mm, int rounds 
   return rows;
 }
 
-std::string refusal(const std::vector<GapReading>& rows) {
+std::string calibration_refusal(const std::vector<GapReading>& rows) {
   const auto calibration = calibrate_sensor(rows);
   return calibration ? "" : core::to_string(calibration.error());
 }
@@ -71,12 +71,12 @@ TEST(SensorCalibration, RepeatedReadings_AreAveragedAndTheirScatterTold) {
 
 TEST(SensorCalibration, ShapesThatAreNoPolynomials_Accepted) {
   for (const Curve& curve : {Curve(inverse_square_v), Curve(exponential_v), Curve(bell_v)}) {
-    for (const double step_mm : {1.25, 1.0, 0.5, 0.25}) EXPECT_EQ(refusal(readings(curve, step_mm, 1, 0.003)), "") << step_mm;
+    for (const double step_mm : {1.25, 1.0, 0.5, 0.25}) EXPECT_EQ(calibration_refusal(readings(curve, step_mm, 1, 0.003)), "") << step_mm;
   }
 }
 
 TEST(SensorCalibration, RisingSensor_AcceptedToo) {
-  EXPECT_EQ(refusal(readings([](double gap_mm) { return -assumed_v(gap_mm); }, 1.0)), "");
+  EXPECT_EQ(calibration_refusal(readings([](double gap_mm) { return -assumed_v(gap_mm); }, 1.0)), "");
 }
 
 TEST(SensorCalibration, EachGapReadAtTheNextSpacer_NamedWhicheverItIs) {
@@ -86,7 +86,7 @@ TEST(SensorCalibration, EachGapReadAtTheNextSpacer_NamedWhicheverItIs) {
       const double neighbour_mm = rows[wrong].gap.value + (wrong + 1 < rows.size() ? -1.0 : 1.0);
       rows[wrong].volts = {curve(neighbour_mm)};
 
-      const std::string what = refusal(rows);
+      const std::string what = calibration_refusal(rows);
 
       EXPECT_EQ(what.rfind("row " + std::to_string(wrong + 1) + " (gap ", 0), 0U) << wrong << ": " << what;
       EXPECT_NE(what.find("expected"), std::string::npos);
@@ -98,7 +98,7 @@ TEST(SensorCalibration, OneReadingThatDoesNotRepeat_Named) {
   auto rows = readings(assumed_v, 1.0, 3, 0.003);
   rows[8].volts.value += 0.1;  // gap 10 mm, second round
 
-  EXPECT_EQ(refusal(rows).rfind("row 9 (gap 10 mm, ", 0), 0U) << refusal(rows);
+  EXPECT_EQ(calibration_refusal(rows).rfind("row 9 (gap 10 mm, ", 0), 0U) << calibration_refusal(rows);
 }
 
 TEST(SensorCalibration, BeyondThePeak_RefusedAsNotMonotone) {
@@ -106,18 +106,18 @@ TEST(SensorCalibration, BeyondThePeak_RefusedAsNotMonotone) {
   for (double gap_mm = 10.0; gap_mm > 0.99; gap_mm -= 0.5)
     rows.push_back({.gap = {gap_mm}, .volts = {bell_v(gap_mm)}, .row = rows.size() + 1});
 
-  const std::string what = refusal(rows);
+  const std::string what = calibration_refusal(rows);
 
   EXPECT_NE(what.find("does not keep"), std::string::npos) << what;
   EXPECT_NE(what.find("peak"), std::string::npos) << what;
 }
 
 TEST(SensorCalibration, FewGapsOrNoNumbers_Refused) {
-  EXPECT_NE(refusal({}).find("0 different gaps, at least 5"), std::string::npos);
-  EXPECT_NE(refusal(readings(assumed_v, 5.0 / 3.0)).find("4 different gaps"), std::string::npos);
+  EXPECT_NE(calibration_refusal({}).find("0 different gaps, at least 5"), std::string::npos);
+  EXPECT_NE(calibration_refusal(readings(assumed_v, 5.0 / 3.0)).find("4 different gaps"), std::string::npos);
   auto rows = readings(assumed_v, 1.0);
   rows[2].volts.value = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(refusal(rows).find("row 3 is not a finite number"), std::string::npos);
+  EXPECT_NE(calibration_refusal(rows).find("row 3 is not a finite number"), std::string::npos);
 }
 
 TEST(SensorCalibration, VoltsWithoutAnyOrder_Refused) {
@@ -125,7 +125,7 @@ TEST(SensorCalibration, VoltsWithoutAnyOrder_Refused) {
   std::mt19937_64 random(3);
   for (GapReading& row : rows) row.volts = {static_cast<double>(random() >> 11) * 0x1p-53 * 4.0};
 
-  EXPECT_NE(refusal(rows), "");
+  EXPECT_NE(calibration_refusal(rows), "");
 }
 
 }  // namespace

@@ -5,17 +5,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
+
+#include "core/special_numbers.h"
 
 namespace dts::physics {
 namespace {
 
+using core::kInfinity;
+using core::kNaN;
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The promise of sensor_curve.h.
 constexpr double kRoundTripMm = 1e-4;
@@ -25,7 +25,7 @@ std::vector<CurvePoint> falling() { return {{{4.0}, {7.4}}, {{6.0}, {5.0}}, {{8.
 /// A reflective sensor closer than its peak: output rises with the gap. Nearly flat and steep stretches follow each other.
 std::vector<CurvePoint> rising_and_uneven() { return {{{0.5}, {0.1}}, {{0.7}, {0.15}}, {{1.0}, {2.0}}, {{3.0}, {2.4}}, {{3.1}, {4.0}}}; }
 
-SensorCurve make(std::vector<CurvePoint> points) { return *SensorCurve::create("test", std::move(points)); }
+SensorCurve make_curve(std::vector<CurvePoint> points) { return *SensorCurve::create("test", std::move(points)); }
 
 double largest_round_trip_error_mm(const SensorCurve& curve) {
   constexpr int kSteps = 100'003;
@@ -53,7 +53,7 @@ void expect_monotone(const SensorCurve& curve, double sign) {
 
 TEST(SensorCurve, CalibrationPoints_AreMet) {
   for (const auto& points : {falling(), rising_and_uneven()}) {
-    const SensorCurve curve = make(points);
+    const SensorCurve curve = make_curve(points);
     for (const auto& [gap, volts] : points) {
       EXPECT_NEAR(curve.gap(volts).value, gap.value, kRoundTripMm);
       EXPECT_NEAR(curve.volts(gap).value, volts.value, 2e-3);
@@ -62,19 +62,19 @@ TEST(SensorCurve, CalibrationPoints_AreMet) {
 }
 
 TEST(SensorCurve, FallingOrRising_IsMonotoneBetweenThePoints) {
-  expect_monotone(make(falling()), -1.0);
-  expect_monotone(make(rising_and_uneven()), 1.0);
+  expect_monotone(make_curve(falling()), -1.0);
+  expect_monotone(make_curve(rising_and_uneven()), 1.0);
   expect_monotone(SensorCurve::hoa1405_assumed(), -1.0);
 }
 
 TEST(SensorCurve, ThereAndBack_ReturnsTheGap) {
-  EXPECT_LT(largest_round_trip_error_mm(make(falling())), kRoundTripMm);
-  EXPECT_LT(largest_round_trip_error_mm(make(rising_and_uneven())), kRoundTripMm);
+  EXPECT_LT(largest_round_trip_error_mm(make_curve(falling())), kRoundTripMm);
+  EXPECT_LT(largest_round_trip_error_mm(make_curve(rising_and_uneven())), kRoundTripMm);
   EXPECT_LT(largest_round_trip_error_mm(SensorCurve::hoa1405_assumed()), kRoundTripMm);
 }
 
 TEST(SensorCurve, TwoPoints_AreAStraightLine) {
-  const SensorCurve curve = make({{{5.0}, {4.0}}, {{9.0}, {2.0}}});
+  const SensorCurve curve = make_curve({{{5.0}, {4.0}}, {{9.0}, {2.0}}});
 
   EXPECT_NEAR(curve.volts({6.0}).value, 3.5, 1e-12);
   EXPECT_NEAR(curve.gap({2.5}).value, 8.0, 1e-12);
@@ -91,7 +91,7 @@ TEST(SensorCurve, SmoothCurve_IsFollowedBetweenItsPoints) {
 }
 
 TEST(SensorCurve, Outside_CountsAsTheEnd) {
-  const SensorCurve curve = make(falling());
+  const SensorCurve curve = make_curve(falling());
 
   EXPECT_EQ(curve.volts({-1e300}).value, 7.4);
   EXPECT_EQ(curve.volts({kInfinity}).value, 0.9);
@@ -104,11 +104,11 @@ TEST(SensorCurve, Outside_CountsAsTheEnd) {
 }
 
 TEST(SensorCurve, NotANumber_StaysOne) {
-  const SensorCurve curve = make(falling());
+  const SensorCurve curve = make_curve(falling());
 
-  EXPECT_TRUE(std::isnan(curve.volts({kNan}).value));
-  EXPECT_TRUE(std::isnan(curve.gap({kNan}).value));
-  EXPECT_FALSE(curve.contains({kNan}));
+  EXPECT_TRUE(std::isnan(curve.volts({kNaN}).value));
+  EXPECT_TRUE(std::isnan(curve.gap({kNaN}).value));
+  EXPECT_FALSE(curve.contains({kNaN}));
 }
 
 TEST(SensorCurve, Hoa1405_CoversItsWorkingRange) {
@@ -120,7 +120,7 @@ TEST(SensorCurve, Hoa1405_CoversItsWorkingRange) {
   EXPECT_NEAR(curve.volts({7.0}).value, 4.1, 1e-4);
 }
 
-void expect_refused(std::vector<CurvePoint> points, const char* where, const char* why) {
+void expect_curve_refused(std::vector<CurvePoint> points, const char* where, const char* why) {
   const auto result = SensorCurve::create("w3", std::move(points));
 
   ASSERT_FALSE(result) << why;
@@ -129,36 +129,36 @@ void expect_refused(std::vector<CurvePoint> points, const char* where, const cha
 }
 
 TEST(SensorCurveInput, TooFewPoints_AreRefused) {
-  expect_refused({}, "0 points", "at least 2");
-  expect_refused({{{4.0}, {1.0}}}, "1 points", "at least 2");
+  expect_curve_refused({}, "0 points", "at least 2");
+  expect_curve_refused({{{4.0}, {1.0}}}, "1 points", "at least 2");
 }
 
 TEST(SensorCurveInput, GapNotRising_IsRefusedWithThePoint) {
-  expect_refused({{{4.0}, {3.0}}, {{4.0}, {2.0}}}, "point 1 (4 mm, 2 V)", "gap");
-  expect_refused({{{4.0}, {3.0}}, {{5.0}, {2.0}}, {{4.5}, {1.0}}}, "point 2 (4.5 mm, 1 V)", "gap");
+  expect_curve_refused({{{4.0}, {3.0}}, {{4.0}, {2.0}}}, "point 1 (4 mm, 2 V)", "gap");
+  expect_curve_refused({{{4.0}, {3.0}}, {{5.0}, {2.0}}, {{4.5}, {1.0}}}, "point 2 (4.5 mm, 1 V)", "gap");
 }
 
 TEST(SensorCurveInput, VoltsTurningBack_AreRefusedWithThePoint) {
-  expect_refused({{{4.0}, {3.0}}, {{5.0}, {2.0}}, {{6.0}, {2.5}}}, "point 2 (6 mm, 2.5 V)", "one gap");
-  expect_refused({{{4.0}, {3.0}}, {{5.0}, {2.0}}, {{6.0}, {2.0}}}, "point 2", "one gap");
-  expect_refused({{{4.0}, {1.0}}, {{5.0}, {2.0}}, {{6.0}, {1.5}}}, "point 2", "one gap");
-  expect_refused({{{4.0}, {1.0}}, {{5.0}, {1.0}}}, "point 1", "one gap");
+  expect_curve_refused({{{4.0}, {3.0}}, {{5.0}, {2.0}}, {{6.0}, {2.5}}}, "point 2 (6 mm, 2.5 V)", "one gap");
+  expect_curve_refused({{{4.0}, {3.0}}, {{5.0}, {2.0}}, {{6.0}, {2.0}}}, "point 2", "one gap");
+  expect_curve_refused({{{4.0}, {1.0}}, {{5.0}, {2.0}}, {{6.0}, {1.5}}}, "point 2", "one gap");
+  expect_curve_refused({{{4.0}, {1.0}}, {{5.0}, {1.0}}}, "point 1", "one gap");
 }
 
 TEST(SensorCurveInput, NotFinite_IsRefusedWithThePoint) {
-  for (const double bad : {kNan, kInfinity, -kInfinity}) {
-    expect_refused({{{4.0}, {3.0}}, {{bad}, {2.0}}}, "point 1", "finite");
-    expect_refused({{{4.0}, {bad}}, {{5.0}, {2.0}}}, "point 0", "finite");
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
+    expect_curve_refused({{{4.0}, {3.0}}, {{bad}, {2.0}}}, "point 1", "finite");
+    expect_curve_refused({{{4.0}, {bad}}, {{5.0}, {2.0}}}, "point 0", "finite");
   }
 }
 
 TEST(SensorCurveInput, NearlyFlat_IsRefusedBecauseItCannotBeInverted) {
-  expect_refused({{{4.0}, {3.0}}, {{5.0}, {3.0 - 1e-9}}, {{6.0}, {1.0}}}, "nearly flat", "above 0.0001");
+  expect_curve_refused({{{4.0}, {3.0}}, {{5.0}, {3.0 - 1e-9}}, {{6.0}, {1.0}}}, "nearly flat", "above 0.0001");
 }
 
 TEST(SensorCurveInput, AbsurdNumbers_AreRefused) {
-  expect_refused({{{-1e308}, {3.0}}, {{1e308}, {2.0}}}, "mm", "");
-  expect_refused({{{4.0}, {-1e308}}, {{5.0}, {0.0}}, {{6.0}, {1e308}}}, "mm", "");
+  expect_curve_refused({{{-1e308}, {3.0}}, {{1e308}, {2.0}}}, "mm", "");
+  expect_curve_refused({{{4.0}, {-1e308}}, {{5.0}, {0.0}}, {{6.0}, {1e308}}}, "mm", "");
 }
 
 }  // namespace

@@ -4,13 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
+
+#include "core/special_numbers.h"
 
 namespace dts::pipeline {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 core::Rate rate_1500() { return *core::Rate::create(40'000'000, 26'667); }
 

@@ -47,6 +47,7 @@ struct StageSurroundings {
     return {.rig = rig,
             .input_ranges = std::vector(rig.sensors.size(), kConverter),
             .tare = tare,
+            .windows = windows,
             .cop_calibration = cop_calibration ? &*cop_calibration : nullptr,
             .trunk_model = trunk_model ? &*trunk_model : nullptr};
   }
@@ -54,6 +55,7 @@ struct StageSurroundings {
 
   physics::RigModel rig;
   Tare tare;
+  SteadinessWindows windows;
   std::optional<physics::CopCalibration> cop_calibration;
   std::optional<classifier::TrunkModel> trunk_model = classifier::TrunkModel::create(classifier::hand_made_form()).value();
 };

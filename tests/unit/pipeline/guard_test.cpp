@@ -2,14 +2,16 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
-#include <limits>
 
+#include "core/special_numbers.h"
 #include "unit/pipeline/floor_rig.h"
 #include "unit/pipeline/stage_runner.h"
 
 namespace dts::pipeline {
 namespace {
 
+using core::kInfinity;
+using core::kNaN;
 using core::quality::kOutOfRange;
 using core::quality::kRail;
 using core::quality::kRotation;
@@ -18,15 +20,14 @@ using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// A guard over one sensor of +-5 V in steps of 10 mV; other channels are auxiliary.
 class OneSensor {
  public:
   explicit OneSensor(std::map<std::string, OptionValue, std::less<>> options = {}, double resolution_v = 0.01) {
-    const StageContext context{
-        .rig = rig_, .input_ranges = {{.minimum_v = -5.0, .maximum_v = 5.0, .resolution_v = resolution_v}}, .tare = tare_};
+    const StageContext context{.rig = rig_,
+                               .input_ranges = {{.minimum_v = -5.0, .maximum_v = 5.0, .resolution_v = resolution_v}},
+                               .tare = tare_,
+                               .windows = windows_};
     stage = create_stage({.id = "guard", .options = std::move(options)}, context).value();
   }
 
@@ -35,9 +36,10 @@ class OneSensor {
  private:
   physics::RigModel rig_ = floor_rig();
   Tare tare_;
+  SteadinessWindows windows_;
 };
 
-std::vector<double> counting_up(std::size_t scans) {
+std::vector<double> rising_volts(std::size_t scans) {
   std::vector<double> volts;
   for (std::size_t i = 0; i < scans; ++i) volts.push_back(0.01 * static_cast<double>(i));
   return volts;
@@ -135,7 +137,7 @@ TEST(Guard, MarkerOffItsVoltage_MarksTheScanOfEverySensor) {
   StageSurroundings surroundings;
   const auto guard =
       surroundings.make({.id = "guard", .options = {{"marker_channel", 1.0}, {"marker_v", 2.0}, {"marker_tolerance_v", 0.5}}});
-  const std::vector<double> sensor = counting_up(5);
+  const std::vector<double> sensor = rising_volts(5);
   const std::vector<double> unrelated(5, 0.0);
   const std::vector<double> marker{2.0, 2.5, 1.5, 1.4, kNaN};
 

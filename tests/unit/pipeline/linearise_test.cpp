@@ -4,20 +4,20 @@
 #include <cmath>
 #include <limits>
 
+#include "core/special_numbers.h"
 #include "unit/pipeline/floor_rig.h"
 #include "unit/pipeline/stage_runner.h"
 
 namespace dts::pipeline {
 namespace {
 
+using core::kNaN;
 using core::quality::kOutOfRange;
 using core::quality::kRail;
 using core::quality::kUntared;
 using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kTableMm = 1e-4;  // a curve's tables keep gap -> volts -> gap within this
 
 /// Two sensors on a straight line of 0.5 V/mm from 5 V at 4 mm to 0 V at 14 mm: deflection = 2 mm/V * (V - 1 V).

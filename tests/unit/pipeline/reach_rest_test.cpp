@@ -11,7 +11,7 @@ namespace {
 namespace flag = core::reach_flag;
 using core::ReachEvent;
 
-double seconds(core::ScanIndex scan) { return static_cast<double>(scan.value) / 100.0; }
+double seconds_of(core::ScanIndex scan) { return static_cast<double>(scan.value) / 100.0; }
 
 TEST(ReachRest, SecondReachWithoutAPause_IsFoundFromTheRestBefore) {
   const MadeReach first{.start_s = 2.0, .rise_mm = 1.5};
@@ -24,8 +24,8 @@ TEST(ReachRest, SecondReachWithoutAPause_IsFoundFromTheRestBefore) {
   EXPECT_EQ(finals[1].flags, flag::kBaselineUncertain);
   EXPECT_NEAR(finals[1].features.d2_mm(), 1.2, 0.06);
   EXPECT_NEAR(finals[1].p2.value_mm, 3.32, 0.06);
-  EXPECT_NEAR(seconds(finals[1].p2.scan), second.start_s + 0.17, 0.06);
-  EXPECT_NEAR(seconds(finals[1].p1.scan), second.start_s, 0.15);
+  EXPECT_NEAR(seconds_of(finals[1].p2.scan), second.start_s + 0.17, 0.06);
+  EXPECT_NEAR(seconds_of(finals[1].p1.scan), second.start_s, 0.15);
 }
 
 /// The dip with which many a reach ends (reach-model section 4: the mirror image) is not the beginning of the next.
@@ -38,7 +38,7 @@ TEST(ReachRest, SecondReachAfterAShortPause_BeginsAfterThePause) {
 
   ASSERT_EQ(finals.size(), 2U);
   EXPECT_NE(finals[1].flags & flag::kBaselineUncertain, 0);
-  EXPECT_NEAR(seconds(finals[1].p1.scan), second.start_s + 0.3, 0.15);
+  EXPECT_NEAR(seconds_of(finals[1].p1.scan), second.start_s + 0.3, 0.15);
   EXPECT_NEAR(finals[1].features.d1_mm(), 0.0, 0.03);
 }
 
@@ -49,7 +49,7 @@ TEST(ReachRest, ShortRestAtTheBeginning_IsARest) {
 
     ASSERT_EQ(finals.size(), 1U) << start_s;
     EXPECT_EQ(finals[0].flags & ~flag::kBaselineUncertain, 0) << start_s;
-    EXPECT_NEAR(seconds(finals[0].p1.scan), start_s + 0.05, 0.06) << start_s;
+    EXPECT_NEAR(seconds_of(finals[0].p1.scan), start_s + 0.05, 0.06) << start_s;
     EXPECT_NEAR(finals[0].p1.value_mm, 3.7, 0.03) << start_s;
     EXPECT_NEAR(finals[0].p2.value_mm, 3.32, 0.04) << start_s;
     EXPECT_NEAR(finals[0].features.d2_mm(), 1.5, 0.05) << start_s;
@@ -85,7 +85,7 @@ TEST(ReachRest, RecordingThatBeginsAtTheTarget_TellsNothingOfIt) {
   const auto finals = finals_of(reaches_of(late));
 
   ASSERT_EQ(finals.size(), 1U);
-  EXPECT_NEAR(seconds(finals[0].p2.scan) + whole.highest_s(), 8.17, 0.06);
+  EXPECT_NEAR(seconds_of(finals[0].p2.scan) + whole.highest_s(), 8.17, 0.06);
   EXPECT_NEAR(finals[0].features.d2_mm(), 1.5, 0.05);
 }
 

@@ -18,9 +18,9 @@ TEST(StageRegistry, Stages_StandInTheOrderOfTheirPipelines) {
   std::vector<std::string_view> ids;
   for (const StageEntry& entry : stage_registry()) ids.push_back(entry.describe().id);
 
-  ASSERT_GE(ids.size(), 6U);
-  ids.resize(6);
-  EXPECT_THAT(ids, ElementsAre("guard", "window_filter", "linearise", "cop", "transient", "reach"));
+  ASSERT_GE(ids.size(), 7U);
+  ids.resize(7);
+  EXPECT_THAT(ids, ElementsAre("guard", "window_filter", "linearise", "cop", "steadiness", "transient", "reach"));
 }
 
 TEST(CheckStage, GoodOptions_HaveNoProblems) {
@@ -36,7 +36,8 @@ TEST(CheckStage, UnknownStage_SuggestsTheNearest) {
 
 TEST(CheckStage, UnknownStageLikeNoOther_ListsAll) {
   EXPECT_THAT(check_stage({.id = "xyz", .options = {}}),
-              ElementsAre(testing::StartsWith("unknown stage 'xyz'; known are guard, window_filter, linearise, cop, transient, reach")));
+              ElementsAre(testing::StartsWith(
+                  "unknown stage 'xyz'; known are guard, window_filter, linearise, cop, steadiness, transient, reach")));
 }
 
 TEST(CheckStage, UnknownOption_SuggestsTheNearest) {

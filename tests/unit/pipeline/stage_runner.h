@@ -44,6 +44,8 @@ struct Output {
   std::vector<std::vector<std::uint8_t>> bits;
   std::vector<core::ReachEvent> reaches;  ///< Told ...
   std::vector<core::ClassEvent> classes;  ///< ... as well.
+  std::vector<core::SwayEvent> sways;
+  std::uint64_t lost_sways = 0;  ///< Found no room.
 };
 
 /// Scans [first, first + scans) of `signal` as one block.
@@ -118,6 +120,8 @@ inline Output run(Stage& stage, std::size_t output_channels, const Signal& signa
     stage.tell(events);
     for (const core::ReachEvent& event : events.reaches.all_of().subspan(given)) output.reaches.push_back(event);
     for (const core::ClassEvent& event : events.classes.all_of()) output.classes.push_back(event);
+    for (const core::SwayEvent& event : events.sways.all_of()) output.sways.push_back(event);
+    output.lost_sways += events.sways.lost;
     first += scans;
   }
   return output;

@@ -3,12 +3,13 @@
 
 #include <gmock/gmock.h>
 
+#include "core/special_numbers.h"
 #include "unit/pipeline/chair_chain.h"
 
 namespace dts::pipeline {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+using core::kNaN;
 
 /// Deflections that wobble by more than a code of the converter, so that no channel stands still.
 Signal steady(std::vector<double> levels_mm, std::size_t scans) {

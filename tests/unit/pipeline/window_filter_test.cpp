@@ -6,20 +6,20 @@
 #include <numeric>
 #include <random>
 
+#include "core/special_numbers.h"
 #include "unit/pipeline/floor_rig.h"
 #include "unit/pipeline/stage_runner.h"
 
 namespace dts::pipeline {
 namespace {
 
+using core::kNaN;
 using core::quality::kOutOfRange;
 using core::quality::kRail;
 using core::quality::kStuck;
 using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::unique_ptr<Stage> window_filter(std::map<std::string, OptionValue, std::less<>> options) {
   StageSurroundings surroundings;

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "reach_results_events.h"
-#include "session/reach_json.h"
+#include "session/json_object.h"
 #include "session/reach_results.h"
 #include "session/reach_summary.h"
 
@@ -16,14 +16,14 @@ namespace {
 using core::TrunkClass;
 using made::tell_trial;
 
-const ReachFigure* find(const std::vector<ReachFigure>& figures, const std::string& name) {
-  for (const ReachFigure& figure : figures) {
+const SessionFigure* find(const std::vector<SessionFigure>& figures, const std::string& name) {
+  for (const SessionFigure& figure : figures) {
     if (figure.name == name) return &figure;
   }
   return nullptr;
 }
-double value_of(const std::vector<ReachFigure>& figures, const std::string& name) {
-  const ReachFigure* figure = find(figures, name);
+double value_of(const std::vector<SessionFigure>& figures, const std::string& name) {
+  const SessionFigure* figure = find(figures, name);
   return figure == nullptr ? std::numeric_limits<double>::quiet_NaN() : figure->value;
 }
 
@@ -123,7 +123,7 @@ TEST(ReachSummary, GapsAndUnknownFigures_LeaveNothingUndefined) {
   EXPECT_EQ(value_of(figures, "reaches_detected_share"), 1.0);
   EXPECT_EQ(find(figures, "sparc_mean"), nullptr);
   EXPECT_EQ(find(figures, "trunk_sd_deg"), nullptr);
-  for (const ReachFigure& figure : figures) {
+  for (const SessionFigure& figure : figures) {
     EXPECT_TRUE(std::isfinite(figure.value)) << figure.name;
     EXPECT_THAT(figure.details, testing::Not(testing::HasSubstr("nan")));
   }

@@ -5,10 +5,12 @@
 
 #include <limits>
 
+#include "core/clock.h"
+
 namespace dts::session {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+using core::kNanosecondsPerSecond;
 
 std::vector<SessionState> states(std::vector<SessionView> changes) {
   std::vector<SessionState> entered;
@@ -20,8 +22,8 @@ TEST(Session, FirstScanAfterStart_RunsAtOnceWithoutSettling) {
   Session session("floor");
   ASSERT_TRUE(session.start("id", {}, 0));
 
-  session.tick(1 * kSecond, 100);
-  session.tick(2 * kSecond, 102);
+  session.tick(1 * kNanosecondsPerSecond, 100);
+  session.tick(2 * kNanosecondsPerSecond, 102);
 
   EXPECT_EQ(states(session.take_changes()), (std::vector{SessionState::Starting, SessionState::Settling, SessionState::Running}));
 }
@@ -31,40 +33,40 @@ TEST(Session, SettleTime_RunsOnlyAfterIt) {
   ASSERT_TRUE(session.start("id", {.settle_s = 5.0}, 0));
   session.tick(0, 0);
 
-  session.tick(1 * kSecond, 1);
-  EXPECT_EQ(session.view(1 * kSecond).state, SessionState::Settling);
-  session.tick(6 * kSecond - 1, 2);
-  EXPECT_EQ(session.view(6 * kSecond).state, SessionState::Settling);
-  session.tick(6 * kSecond, 3);
-  EXPECT_EQ(session.view(6 * kSecond).state, SessionState::Running);
+  session.tick(1 * kNanosecondsPerSecond, 1);
+  EXPECT_EQ(session.view(1 * kNanosecondsPerSecond).state, SessionState::Settling);
+  session.tick(6 * kNanosecondsPerSecond - 1, 2);
+  EXPECT_EQ(session.view(6 * kNanosecondsPerSecond).state, SessionState::Settling);
+  session.tick(6 * kNanosecondsPerSecond, 3);
+  EXPECT_EQ(session.view(6 * kNanosecondsPerSecond).state, SessionState::Running);
 }
 
 TEST(Session, DurationOver_StopsByItselfAndKeepsElapsed) {
   Session session("floor");
   ASSERT_TRUE(session.start("id", {.duration_s = 20.0}, 0));
   session.tick(0, 0);
-  session.tick(1 * kSecond, 1);
+  session.tick(1 * kNanosecondsPerSecond, 1);
 
-  session.tick(21 * kSecond, 2);
-  EXPECT_EQ(session.view(21 * kSecond).state, SessionState::Stopping);
-  session.closed(22 * kSecond);
+  session.tick(21 * kNanosecondsPerSecond, 2);
+  EXPECT_EQ(session.view(21 * kNanosecondsPerSecond).state, SessionState::Stopping);
+  session.closed(22 * kNanosecondsPerSecond);
 
-  EXPECT_EQ(session.view(30 * kSecond).state, SessionState::Idle);
-  EXPECT_DOUBLE_EQ(session.view(30 * kSecond).elapsed_s, 20.0);
+  EXPECT_EQ(session.view(30 * kNanosecondsPerSecond).state, SessionState::Idle);
+  EXPECT_DOUBLE_EQ(session.view(30 * kNanosecondsPerSecond).elapsed_s, 20.0);
 }
 
 TEST(Session, NoScanForTenSeconds_FailsAndCanBeStartedAgain) {
   Session session("floor");
   ASSERT_TRUE(session.start("id", {}, 0));
 
-  session.tick(1 * kSecond, 7);
-  session.tick(11 * kSecond, 7);
-  EXPECT_EQ(session.view(11 * kSecond).state, SessionState::Stopping);
-  session.closed(11 * kSecond);
+  session.tick(1 * kNanosecondsPerSecond, 7);
+  session.tick(11 * kNanosecondsPerSecond, 7);
+  EXPECT_EQ(session.view(11 * kNanosecondsPerSecond).state, SessionState::Stopping);
+  session.closed(11 * kNanosecondsPerSecond);
 
-  EXPECT_EQ(session.view(11 * kSecond).state, SessionState::Failed);
-  EXPECT_FALSE(session.view(11 * kSecond).message.empty());
-  EXPECT_TRUE(session.start("again", {}, 12 * kSecond));
+  EXPECT_EQ(session.view(11 * kNanosecondsPerSecond).state, SessionState::Failed);
+  EXPECT_FALSE(session.view(11 * kNanosecondsPerSecond).message.empty());
+  EXPECT_TRUE(session.start("again", {}, 12 * kNanosecondsPerSecond));
 }
 
 TEST(Session, StartTwice_IsRefusedAndTheFirstGoesOn) {

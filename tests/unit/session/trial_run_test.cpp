@@ -7,10 +7,12 @@
 #include <memory>
 #include <sstream>
 
+#include "core/clock.h"
+
 namespace dts::session {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+using core::kNanosecondsPerSecond;
 
 /// Two conditions in turn, two blocks of two. Ready for 2 s, settling for 5 s, measuring for 20 s, rest of 10 s, between blocks 60 s.
 TrialPlan timed() {
@@ -33,7 +35,7 @@ std::string told(TrialRun& run) {
   for (const TrialEvent& event : run.take_events()) {
     text << (text.tellp() > 0 ? " " : "") << name(event.kind);
     if (event.trial != 0) text << ' ' << event.trial << '.' << event.attempt;
-    text << '@' << static_cast<double>(event.at_ns) / kSecond;
+    text << '@' << static_cast<double>(event.at_ns) / kNanosecondsPerSecond;
   }
   return text.str();
 }
@@ -45,27 +47,27 @@ TrialPhase phase_at(const TrialRun& run, std::int64_t now_ns) { return run.view(
 
 TEST(TrialRun, Next_LeadsThroughAllPhases) {
   TrialRun run(timed(), 1, {});
-  run.tick(100 * kSecond);
+  run.tick(100 * kNanosecondsPerSecond);
   EXPECT_EQ(told(run), "");  // waits
   ASSERT_TRUE(run.next(0));
-  run.tick(2 * kSecond - 1);
+  run.tick(2 * kNanosecondsPerSecond - 1);
   EXPECT_EQ(told(run), "ready 1.1@0");
-  run.tick(2 * kSecond);
-  EXPECT_EQ(phase_at(run, 2 * kSecond), TrialPhase::Settling);
-  run.tick(7 * kSecond);
-  EXPECT_EQ(phase_at(run, 7 * kSecond), TrialPhase::Measuring);
-  run.tick(27 * kSecond);
-  EXPECT_EQ(phase_at(run, 27 * kSecond), TrialPhase::Resting);
-  run.tick(37 * kSecond);
-  EXPECT_EQ(phase_at(run, 37 * kSecond), TrialPhase::Waiting);
+  run.tick(2 * kNanosecondsPerSecond);
+  EXPECT_EQ(phase_at(run, 2 * kNanosecondsPerSecond), TrialPhase::Settling);
+  run.tick(7 * kNanosecondsPerSecond);
+  EXPECT_EQ(phase_at(run, 7 * kNanosecondsPerSecond), TrialPhase::Measuring);
+  run.tick(27 * kNanosecondsPerSecond);
+  EXPECT_EQ(phase_at(run, 27 * kNanosecondsPerSecond), TrialPhase::Resting);
+  run.tick(37 * kNanosecondsPerSecond);
+  EXPECT_EQ(phase_at(run, 37 * kNanosecondsPerSecond), TrialPhase::Waiting);
   EXPECT_EQ(told(run), "go 1.1@2 measure 1.1@7 done 1.1@27 rest 1.1@27");
 }
 
 TEST(TrialRun, Events_SayEverythingAboutTheTrial) {
   TrialRun run(timed(), 1, {{"arm_length_cm", "70"}});
   ASSERT_TRUE(run.next(0));
-  run.tick(40 * kSecond);
-  ASSERT_TRUE(run.next(40 * kSecond));
+  run.tick(40 * kNanosecondsPerSecond);
+  ASSERT_TRUE(run.next(40 * kNanosecondsPerSecond));
   const auto events = run.take_events();
   EXPECT_EQ(events[0].condition, "a");
   EXPECT_EQ(events[0].labels, (std::vector<std::pair<std::string, std::string>>{{"eyes", "open"}}));
@@ -80,28 +82,28 @@ TEST(TrialRun, Events_SayEverythingAboutTheTrial) {
 TEST(TrialRun, BlockOver_RestsForTheBlock) {
   TrialRun run(timed(), 1, {});
   ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.next(30 * kSecond));
-  run.tick(57 * kSecond);
-  EXPECT_DOUBLE_EQ(run.view(57 * kSecond).remaining_s, 60.0);
+  ASSERT_TRUE(run.next(30 * kNanosecondsPerSecond));
+  run.tick(57 * kNanosecondsPerSecond);
+  EXPECT_DOUBLE_EQ(run.view(57 * kNanosecondsPerSecond).remaining_s, 60.0);
   EXPECT_EQ(run.take_events().back().rest_s, 60.0);
 }
 
 TEST(TrialRun, LateTick_PassesThroughSeveralPhasesWithoutDrift) {
   TrialRun run(timed(), 1, {});
   ASSERT_TRUE(run.next(0));
-  run.tick(1000 * kSecond);
+  run.tick(1000 * kNanosecondsPerSecond);
   EXPECT_EQ(told(run), "ready 1.1@0 go 1.1@2 measure 1.1@7 done 1.1@27 rest 1.1@27");
-  EXPECT_EQ(phase_at(run, 1000 * kSecond), TrialPhase::Waiting);
+  EXPECT_EQ(phase_at(run, 1000 * kNanosecondsPerSecond), TrialPhase::Waiting);
 }
 
 TEST(TrialRun, LateTickOfAPlanThatStartsByItself_RunsToTheEnd) {
   auto plan = timed();
   plan.starts_by_itself = true;
   TrialRun run(plan, 1, {});
-  run.tick(500 * kSecond);
+  run.tick(500 * kNanosecondsPerSecond);
   EXPECT_EQ(told(run), "");  // the first trial waits all the same
-  ASSERT_TRUE(run.next(500 * kSecond));
-  run.tick(5000 * kSecond);
+  ASSERT_TRUE(run.next(500 * kNanosecondsPerSecond));
+  run.tick(5000 * kNanosecondsPerSecond);
   EXPECT_TRUE(run.is_finished());
   EXPECT_THAT(told(run), testing::EndsWith("done 3.1@651 rest 3.1@651 ready 4.1@661 go 4.1@663 measure 4.1@668 done 4.1@688 finished@688"));
 }
@@ -113,26 +115,26 @@ TEST(TrialRun, ManySmallTicks_TellTheSameAsOneLate) {
   TrialRun late(plan, 1, {});
   ASSERT_TRUE(patient.next(0));
   ASSERT_TRUE(late.next(0));
-  for (std::int64_t now_ns = 0; now_ns <= 300 * kSecond; now_ns += 7'000'003) patient.tick(now_ns);
-  patient.tick(300 * kSecond);
-  late.tick(300 * kSecond);
+  for (std::int64_t now_ns = 0; now_ns <= 300 * kNanosecondsPerSecond; now_ns += 7'000'003) patient.tick(now_ns);
+  patient.tick(300 * kNanosecondsPerSecond);
+  late.tick(300 * kNanosecondsPerSecond);
   EXPECT_EQ(told(patient), told(late));
 }
 
 TEST(TrialRun, NoTimes_EveryNextEndsOrStartsATrial) {
   TrialRun run(untimed(), 1, {});
-  ASSERT_TRUE(run.next(1 * kSecond));
-  EXPECT_EQ(phase_at(run, kSecond), TrialPhase::Measuring);
-  EXPECT_EQ(run.view(kSecond).remaining_s, 0.0);
-  run.tick(1000 * kSecond);
-  ASSERT_TRUE(run.next(1001 * kSecond));
-  EXPECT_EQ(phase_at(run, 1001 * kSecond), TrialPhase::Waiting);
-  ASSERT_TRUE(run.next(1002 * kSecond));
-  ASSERT_TRUE(run.next(1003 * kSecond));
+  ASSERT_TRUE(run.next(1 * kNanosecondsPerSecond));
+  EXPECT_EQ(phase_at(run, kNanosecondsPerSecond), TrialPhase::Measuring);
+  EXPECT_EQ(run.view(kNanosecondsPerSecond).remaining_s, 0.0);
+  run.tick(1000 * kNanosecondsPerSecond);
+  ASSERT_TRUE(run.next(1001 * kNanosecondsPerSecond));
+  EXPECT_EQ(phase_at(run, 1001 * kNanosecondsPerSecond), TrialPhase::Waiting);
+  ASSERT_TRUE(run.next(1002 * kNanosecondsPerSecond));
+  ASSERT_TRUE(run.next(1003 * kNanosecondsPerSecond));
   EXPECT_EQ(told(run),
             "ready 1.1@1 go 1.1@1 measure 1.1@1 done 1.1@1001 ready 2.1@1002 go 2.1@1002 measure 2.1@1002 done 2.1@1003 finished@1003");
   EXPECT_TRUE(run.is_finished());
-  EXPECT_EQ(code(run.next(1004 * kSecond)), kWrongState);
+  EXPECT_EQ(code(run.next(1004 * kNanosecondsPerSecond)), kWrongState);
 }
 
 TEST(TrialRun, NoTimesAndStartingByItself_TheEndOfATrialIsTheStartOfTheNext) {
@@ -140,7 +142,7 @@ TEST(TrialRun, NoTimesAndStartingByItself_TheEndOfATrialIsTheStartOfTheNext) {
   plan.starts_by_itself = true;
   TrialRun run(plan, 1, {});
   ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.next(kSecond));
+  ASSERT_TRUE(run.next(kNanosecondsPerSecond));
   EXPECT_EQ(told(run), "ready 1.1@0 go 1.1@0 measure 1.1@0 done 1.1@1 ready 2.1@1 go 2.1@1 measure 2.1@1");
 }
 
@@ -148,7 +150,7 @@ TEST(TrialRun, DurationBelowANanosecond_EndsAWholePlanWithoutNesting) {
   TrialPlan plan{.conditions = {{.name = "a"}}, .trials_per_block = kMostTrials, .starts_by_itself = true, .duration_s = 1e-15};
   TrialRun run(plan, 1, {});
   ASSERT_TRUE(run.next(0));
-  run.tick(kSecond);
+  run.tick(kNanosecondsPerSecond);
   EXPECT_TRUE(run.is_finished());
   EXPECT_EQ(run.take_events().size(), std::size_t{4} * kMostTrials + 1);
 }
@@ -156,12 +158,12 @@ TEST(TrialRun, DurationBelowANanosecond_EndsAWholePlanWithoutNesting) {
 TEST(TrialRun, NextInEachPhase_WorksOnlyWhereNothingIsCut) {
   TrialRun run(timed(), 1, {});
   ASSERT_TRUE(run.next(0));
-  EXPECT_EQ(code(run.next(1 * kSecond)), kWrongState);   // ready
-  EXPECT_EQ(code(run.next(3 * kSecond)), kWrongState);   // settling
-  EXPECT_EQ(code(run.next(10 * kSecond)), kWrongState);  // measuring for a fixed time
-  ASSERT_TRUE(run.next(28 * kSecond));                   // resting: cut short
-  EXPECT_EQ(run.view(28 * kSecond).trial, 2U);
-  EXPECT_EQ(phase_at(run, 28 * kSecond), TrialPhase::Ready);
+  EXPECT_EQ(code(run.next(1 * kNanosecondsPerSecond)), kWrongState);   // ready
+  EXPECT_EQ(code(run.next(3 * kNanosecondsPerSecond)), kWrongState);   // settling
+  EXPECT_EQ(code(run.next(10 * kNanosecondsPerSecond)), kWrongState);  // measuring for a fixed time
+  ASSERT_TRUE(run.next(28 * kNanosecondsPerSecond));                   // resting: cut short
+  EXPECT_EQ(run.view(28 * kNanosecondsPerSecond).trial, 2U);
+  EXPECT_EQ(phase_at(run, 28 * kNanosecondsPerSecond), TrialPhase::Ready);
 }
 
 struct Moment {
@@ -173,7 +175,7 @@ class TrialRunVoided : public testing::TestWithParam<Moment> {};
 TEST_P(TrialRunVoided, Redo_StartsTheSamePlaceAgainAsAnotherAttempt) {
   TrialRun run(timed(), 1, {});
   ASSERT_TRUE(run.next(0));
-  const std::int64_t now_ns = GetParam().second * kSecond;
+  const std::int64_t now_ns = GetParam().second * kNanosecondsPerSecond;
   run.tick(now_ns);
   ASSERT_EQ(name(phase_at(run, now_ns)), GetParam().phase);
   static_cast<void>(run.take_events());
@@ -183,16 +185,16 @@ TEST_P(TrialRunVoided, Redo_StartsTheSamePlaceAgainAsAnotherAttempt) {
   const std::string at = "@" + std::to_string(GetParam().second);
   EXPECT_EQ(told(run), "redone 1.1" + at + " ready 1.2" + at);
   EXPECT_EQ(phase_at(run, now_ns), TrialPhase::Ready);
-  run.tick(now_ns + 1000 * kSecond);
-  ASSERT_TRUE(run.next(now_ns + 1000 * kSecond));
-  EXPECT_EQ(run.view(now_ns + 1000 * kSecond).trial, 2U);
-  EXPECT_EQ(run.view(now_ns + 1000 * kSecond).attempt, 1U);
+  run.tick(now_ns + 1000 * kNanosecondsPerSecond);
+  ASSERT_TRUE(run.next(now_ns + 1000 * kNanosecondsPerSecond));
+  EXPECT_EQ(run.view(now_ns + 1000 * kNanosecondsPerSecond).trial, 2U);
+  EXPECT_EQ(run.view(now_ns + 1000 * kNanosecondsPerSecond).attempt, 1U);
 }
 
 TEST_P(TrialRunVoided, Reject_GoesOnWithTheNextPlace) {
   TrialRun run(timed(), 1, {});
   ASSERT_TRUE(run.next(0));
-  const std::int64_t now_ns = GetParam().second * kSecond;
+  const std::int64_t now_ns = GetParam().second * kNanosecondsPerSecond;
   run.tick(now_ns);
   static_cast<void>(run.take_events());
 
@@ -209,7 +211,7 @@ TEST_P(TrialRunVoided, Reject_GoesOnWithTheNextPlace) {
 TEST_P(TrialRunVoided, Abort_TellsOnlyATrialUnderWayAndEndsEverything) {
   TrialRun run(timed(), 1, {});
   ASSERT_TRUE(run.next(0));
-  const std::int64_t now_ns = GetParam().second * kSecond;
+  const std::int64_t now_ns = GetParam().second * kNanosecondsPerSecond;
   run.tick(now_ns);
   static_cast<void>(run.take_events());
 
@@ -221,7 +223,7 @@ TEST_P(TrialRunVoided, Abort_TellsOnlyATrialUnderWayAndEndsEverything) {
   EXPECT_EQ(code(run.next(now_ns)), kWrongState);
   EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
   EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
-  run.tick(now_ns + 1000 * kSecond);
+  run.tick(now_ns + 1000 * kNanosecondsPerSecond);
   EXPECT_EQ(told(run), "");
   EXPECT_FALSE(run.is_finished());
 }
@@ -244,17 +246,17 @@ TEST(TrialRun, RejectedUnderWay_RestsBeforeTheNext) {
   plan.starts_by_itself = true;
   TrialRun run(plan, 1, {});
   ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.reject(3 * kSecond));
-  run.tick(13 * kSecond);
+  ASSERT_TRUE(run.reject(3 * kNanosecondsPerSecond));
+  run.tick(13 * kNanosecondsPerSecond);
   EXPECT_EQ(told(run), "ready 1.1@0 go 1.1@2 rejected 1.1@3 rest 1.1@3 ready 2.1@13");
 }
 
 TEST(TrialRun, RejectedWhileResting_TheRestGoesOn) {
   TrialRun run(timed(), 1, {});
   ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.reject(30 * kSecond));
-  EXPECT_EQ(phase_at(run, 30 * kSecond), TrialPhase::Resting);
-  EXPECT_DOUBLE_EQ(run.view(30 * kSecond).remaining_s, 7.0);
+  ASSERT_TRUE(run.reject(30 * kNanosecondsPerSecond));
+  EXPECT_EQ(phase_at(run, 30 * kNanosecondsPerSecond), TrialPhase::Resting);
+  EXPECT_DOUBLE_EQ(run.view(30 * kNanosecondsPerSecond).remaining_s, 7.0);
 }
 
 TEST(TrialRun, RedoTwice_CountsAttempts) {
@@ -284,10 +286,10 @@ TEST(TrialRun, LastTrialDone_CanStillBeRedone) {
   TrialRun run(untimed(), 1, {});
   for (int call = 0; call < 4; ++call) ASSERT_TRUE(run.next(0));
   ASSERT_TRUE(run.is_finished());
-  ASSERT_TRUE(run.redo(kSecond));
+  ASSERT_TRUE(run.redo(kNanosecondsPerSecond));
   EXPECT_FALSE(run.is_finished());
-  EXPECT_EQ(run.view(kSecond).trial, 2U);
-  ASSERT_TRUE(run.next(2 * kSecond));
+  EXPECT_EQ(run.view(kNanosecondsPerSecond).trial, 2U);
+  ASSERT_TRUE(run.next(2 * kNanosecondsPerSecond));
   EXPECT_TRUE(run.is_finished());
 }
 
@@ -295,7 +297,7 @@ TEST(TrialRun, LastTrialRejected_StaysFinishedAndIsToldOnce) {
   TrialRun run(untimed(), 1, {});
   for (int call = 0; call < 4; ++call) ASSERT_TRUE(run.next(0));
   static_cast<void>(run.take_events());
-  ASSERT_TRUE(run.reject(kSecond));
+  ASSERT_TRUE(run.reject(kNanosecondsPerSecond));
   EXPECT_EQ(told(run), "rejected 2.1@1");
   EXPECT_TRUE(run.is_finished());
 }
@@ -303,7 +305,7 @@ TEST(TrialRun, LastTrialRejected_StaysFinishedAndIsToldOnce) {
 TEST(TrialRun, AbortAfterTheTimeWasOver_TheTrialIsDone) {
   TrialRun run(timed(), 1, {});
   ASSERT_TRUE(run.next(0));
-  run.abort(28 * kSecond);  // nobody called tick since
+  run.abort(28 * kNanosecondsPerSecond);  // nobody called tick since
   EXPECT_THAT(told(run), testing::EndsWith("done 1.1@27 rest 1.1@27"));
 }
 
@@ -315,11 +317,11 @@ TEST(TrialRun, DoneInEarlierParts_IsPassedOver) {
   EXPECT_EQ(code(run.redo(0)), kWrongState);  // what an earlier part recorded is not this one's to void
   ASSERT_TRUE(run.next(0));
   EXPECT_EQ(run.view(0).trial, 2U);
-  run.tick(27 * kSecond);
+  run.tick(27 * kNanosecondsPerSecond);
   EXPECT_EQ(run.take_events().back().rest_s, 60.0);  // the next place lies in another block
-  ASSERT_TRUE(run.next(30 * kSecond));
-  EXPECT_EQ(run.view(30 * kSecond).trial, 4U);
-  run.tick(100 * kSecond);
+  ASSERT_TRUE(run.next(30 * kNanosecondsPerSecond));
+  EXPECT_EQ(run.view(30 * kNanosecondsPerSecond).trial, 4U);
+  run.tick(100 * kNanosecondsPerSecond);
   EXPECT_TRUE(run.is_finished());
 }
 
@@ -334,8 +336,8 @@ TEST(TrialRun, EmptyPlan_IsFinishedFromTheStart) {
   TrialRun run({}, 1, {});
   EXPECT_TRUE(run.is_finished());
   EXPECT_EQ(run.view(0).of, 0U);
-  run.tick(kSecond);
-  run.abort(kSecond);
+  run.tick(kNanosecondsPerSecond);
+  run.abort(kNanosecondsPerSecond);
 }
 
 TEST(TrialRun, View_KnowsWhatComesNext) {
@@ -343,17 +345,17 @@ TEST(TrialRun, View_KnowsWhatComesNext) {
   EXPECT_EQ(run.view(0).next_condition, "a");
   EXPECT_EQ(run.view(0).block, 1U);
   ASSERT_TRUE(run.next(0));
-  const auto view = run.view(kSecond);
+  const auto view = run.view(kNanosecondsPerSecond);
   EXPECT_EQ(view.condition, "a");
   EXPECT_EQ(view.next_condition, "b");
   EXPECT_DOUBLE_EQ(view.next_target_cm.value_or(0), 105.0);
   EXPECT_DOUBLE_EQ(view.remaining_s, 1.0);
-  EXPECT_EQ(run.view(100 * kSecond).remaining_s, 0.0);  // never negative, even before tick
+  EXPECT_EQ(run.view(100 * kNanosecondsPerSecond).remaining_s, 0.0);  // never negative, even before tick
 }
 
 TEST(TrialRun, TimeGoingBack_ChangesNothing) {
   TrialRun run(timed(), 1, {});
-  ASSERT_TRUE(run.next(10 * kSecond));
+  ASSERT_TRUE(run.next(10 * kNanosecondsPerSecond));
   run.tick(0);
   EXPECT_EQ(phase_at(run, 0), TrialPhase::Ready);
 }

@@ -3,17 +3,16 @@
 
 #include <vector>
 
+#include "usb/emulator/byte_parts.h"
+
 namespace dts::emulator {
 namespace {
 
 constexpr std::uint16_t kVendor = 0x09DB;
 constexpr std::uint8_t kVendorSpecific = 0xFF;
 
-std::uint8_t low(unsigned word) { return static_cast<std::uint8_t>(word); }
-std::uint8_t high(unsigned word) { return static_cast<std::uint8_t>(word >> 8U); }
-
 void append_endpoint(std::vector<std::uint8_t>& bytes, std::uint8_t address, unsigned packet_bytes) {
-  bytes.insert(bytes.end(), {7, 5, address, 2, low(packet_bytes), high(packet_bytes), 0});
+  bytes.insert(bytes.end(), {7, 5, address, 2, low_byte(packet_bytes), high_byte(packet_bytes), 0});
 }
 
 }  // namespace
@@ -27,23 +26,23 @@ Descriptors mcc_descriptors(const MccIdentity& identity) {
   Descriptors descriptors;
   descriptors.device = {18,
                         1,
-                        low(usb_version),
-                        high(usb_version),
+                        low_byte(usb_version),
+                        high_byte(usb_version),
                         0,
                         0,
                         0,
                         64,
-                        low(kVendor),
-                        high(kVendor),
-                        low(identity.product),
-                        high(identity.product),
-                        low(identity.release_bcd),
-                        high(identity.release_bcd),
+                        low_byte(kVendor),
+                        high_byte(kVendor),
+                        low_byte(identity.product),
+                        high_byte(identity.product),
+                        low_byte(identity.release_bcd),
+                        high_byte(identity.release_bcd),
                         1,
                         2,
                         3,
                         1};
-  descriptors.configuration = {9, 2, low(total), high(total), 1, 1, 0, 0x80, 250};
+  descriptors.configuration = {9, 2, low_byte(total), high_byte(total), 1, 1, 0, 0x80, 250};
   descriptors.configuration.insert(descriptors.configuration.end(), {9, 4, 0, 0, endpoints, kVendorSpecific, 0, 0, 0});
   append_endpoint(descriptors.configuration, identity.in_endpoint, packet_bytes);
   if (identity.out_endpoint != 0) append_endpoint(descriptors.configuration, identity.out_endpoint, packet_bytes);

@@ -8,7 +8,7 @@
 namespace dts::emulator {
 namespace {
 
-constexpr std::size_t kBabbleBytes = 2;
+constexpr std::size_t kMccBabbleBytes = 2;
 constexpr std::size_t kMostLeftOver = 64;
 
 void append(std::vector<std::uint8_t>& bytes, std::uint16_t code) {
@@ -113,7 +113,7 @@ void MccScan::damage(Packet& packet, std::uint64_t first_code, std::size_t codes
     return true;
   };
   if (hits(faults_->short_packet_at_code)) packet.bytes.pop_back();
-  if (hits(faults_->babble_at_code)) packet.bytes.resize(packing_.endpoint_bytes + kBabbleBytes);
+  if (hits(faults_->babble_at_code)) packet.bytes.resize(packing_.endpoint_bytes + kMccBabbleBytes);
 }
 
 std::int64_t MccScan::next_packet_ns(std::int64_t now_ns) const noexcept {

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "usb/emulator/byte_parts.h"
+
 namespace dts::emulator {
 namespace {
 
@@ -24,32 +26,24 @@ constexpr std::array kPositiveSlope = {1357768 * kStored, 135300 * kStored, 1361
 constexpr std::array kNegativeSlope = {-1356737 * kStored, -135528 * kStored, -13573 * kStored, -1351 * kStored};
 constexpr std::array kCenter = {33523.25, 33481.5, 33602.75, 33444.0};
 
-std::uint8_t fold(unsigned sum) {
-  sum = sum / 256 + sum % 256;
-  return static_cast<std::uint8_t>(sum / 256 + sum % 256);
-}
-
 unsigned sum_of(std::span<const std::uint8_t> bytes) {
   unsigned sum = 0;
   for (const std::uint8_t byte : bytes) sum += byte;
   return sum;
 }
 
-std::uint8_t low(unsigned value) { return static_cast<std::uint8_t>(value & 0xFFU); }
-std::uint8_t high(unsigned value) { return static_cast<std::uint8_t>((value >> 8U) & 0xFFU); }
-
 /// Puts both checksums of an extended frame in place; [1..3] and the data are there.
 void seal(std::vector<std::uint8_t>& frame) {
   const unsigned sum = sum_of(std::span(frame).subspan(6));
-  frame[4] = low(sum);
-  frame[5] = high(sum);
-  frame[0] = fold(sum_of(std::span(frame).subspan(1, 5)));
+  frame[4] = low_byte(sum);
+  frame[5] = high_byte(sum);
+  frame[0] = folded(sum_of(std::span(frame).subspan(1, 5)));
 }
 
 std::vector<std::uint8_t> extended_reply(std::uint8_t command, std::size_t bytes, std::uint8_t error) {
   std::vector<std::uint8_t> reply(bytes);
   reply[1] = kExtended;
-  reply[2] = low(static_cast<unsigned>((bytes - 6) / 2));
+  reply[2] = low_byte(static_cast<unsigned>((bytes - 6) / 2));
   reply[3] = command;
   reply[6] = error;
   return reply;
@@ -57,10 +51,10 @@ std::vector<std::uint8_t> extended_reply(std::uint8_t command, std::size_t bytes
 
 bool is_whole(std::span<const std::uint8_t> command) {
   if (command.size() < 2) return false;
-  if (command[1] != kExtended) return command[0] == fold(sum_of(command.subspan(1)));
+  if (command[1] != kExtended) return command[0] == folded(sum_of(command.subspan(1)));
   if (command.size() < 8 || command.size() != 6U + 2U * command[2]) return false;
   const unsigned sum = sum_of(command.subspan(6));
-  return command[0] == fold(sum_of(command.subspan(1, 5))) && command[4] == low(sum) && command[5] == high(sum);
+  return command[0] == folded(sum_of(command.subspan(1, 5))) && command[4] == low_byte(sum) && command[5] == high_byte(sum);
 }
 
 Descriptors describe() {
@@ -162,7 +156,7 @@ void U6Emulator::run_normal(std::span<const std::uint8_t> command, std::int64_t 
       break;
     default: return answer({0xB8, 0xB8});
   }
-  reply[0] = fold(sum_of(std::span(reply).subspan(1)));
+  reply[0] = folded(sum_of(std::span(reply).subspan(1)));
   answer(std::move(reply));
 }
 

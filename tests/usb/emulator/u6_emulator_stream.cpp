@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "usb/emulator/byte_parts.h"
 #include "usb/emulator/u6_emulator.h"
 
 namespace dts::emulator {
@@ -12,7 +13,7 @@ constexpr std::uint8_t kReplyEndpoint = 0x82;
 constexpr std::uint8_t kStreamEndpoint = 0x83;
 constexpr std::size_t kHeaderBytes = 12;
 constexpr std::size_t kTailBytes = 2;
-constexpr std::size_t kBabbleBytes = 80;
+constexpr std::size_t kU6BabbleBytes = 80;
 constexpr std::uint16_t kDummy = 0xFFFF;
 constexpr std::uint8_t kScanOverlap = 55;
 constexpr std::uint8_t kRecoveryActive = 59;
@@ -24,11 +25,6 @@ bool strikes(std::uint64_t& at_code, std::uint64_t first, std::uint64_t end) {
   if (at_code < first || at_code >= end) return false;
   at_code = Faults::kNever;
   return true;
-}
-
-std::uint8_t fold(unsigned sum) {
-  sum = sum / 256 + sum % 256;
-  return static_cast<std::uint8_t>(sum / 256 + sum % 256);
 }
 
 }  // namespace
@@ -126,7 +122,7 @@ U6Emulator::Bytes U6Emulator::make_packet(std::span<const std::uint16_t> samples
   for (std::size_t i = 6; i < packet.size(); ++i) sum += packet[i];
   packet[4] = static_cast<std::uint8_t>(sum & 0xFFU);
   packet[5] = static_cast<std::uint8_t>(sum >> 8U);
-  packet[0] = fold(static_cast<unsigned>(packet[1]) + packet[2] + packet[3] + packet[4] + packet[5]);
+  packet[0] = folded(static_cast<unsigned>(packet[1]) + packet[2] + packet[3] + packet[4] + packet[5]);
   return packet;
 }
 
@@ -155,7 +151,7 @@ std::optional<Packet> U6Emulator::take_stream_packet(std::int64_t now_ns) {
     if (is_corrupt) packet[kHeaderBytes] = static_cast<std::uint8_t>(packet[kHeaderBytes] ^ 1U);
     if (strikes(faults.drop_packet_at_code, first, end)) continue;
     if (strikes(faults.short_packet_at_code, first, end)) packet.resize(packet.size() / 2 | 1U);
-    if (strikes(faults.babble_at_code, first, end)) packet.resize(kBabbleBytes);
+    if (strikes(faults.babble_at_code, first, end)) packet.resize(kU6BabbleBytes);
     if (strikes(faults.stall_at_code, first, end)) {
       is_halted_ = true;
       return Packet{true, {}};

@@ -9,9 +9,9 @@
 namespace dts::emulator {
 namespace {
 
-constexpr std::uint8_t kEndpoint = 0x86;
+constexpr std::uint8_t kGEndpoint = 0x86;
 constexpr std::int64_t kClockHz = 64'000'000;
-constexpr std::size_t kMemoryBytes = 0x8000;
+constexpr std::size_t kGMemoryBytes = 0x8000;
 constexpr std::size_t kCalibrationAt = 0x7000;
 constexpr std::size_t kLargestPiece = 64;
 constexpr std::array kRangesV = {10.0, 5.0, 2.0, 1.0};
@@ -36,9 +36,9 @@ Usb1608gEmulator::Usb1608gEmulator(std::uint16_t product, const std::string& ser
                                     .name = name_of(product),
                                     .serial = serial,
                                     .is_high_speed = is_high_speed,
-                                    .in_endpoint = kEndpoint,
+                                    .in_endpoint = kGEndpoint,
                                     .out_endpoint = 0x02})),
-      memory_(kMemoryBytes, 0xFF),
+      memory_(kGMemoryBytes, 0xFF),
       scan_(std::move(source), kInputs) {
   for (std::size_t range = 0; range < kRangesV.size(); ++range) {
     const auto [slope, offset] = calibration(range);
@@ -130,8 +130,8 @@ ControlReply Usb1608gEmulator::write_request(const Setup& setup, std::span<const
 
 ControlReply Usb1608gEmulator::read_memory(std::size_t length) {
   if (length > kLargestPiece) return refused();
-  std::size_t size = kMemoryBytes;
-  if (faults.calibration_bytes < kMemoryBytes) size = kCalibrationAt + faults.calibration_bytes;
+  std::size_t size = kGMemoryBytes;
+  if (faults.calibration_bytes < kGMemoryBytes) size = kCalibrationAt + faults.calibration_bytes;
   const std::size_t begin = std::min<std::size_t>(address_, size);
   const std::size_t count = std::min(length, size - begin);
   address_ = static_cast<std::uint16_t>(begin + count);
@@ -236,12 +236,12 @@ void Usb1608gEmulator::stop(std::int64_t now_ns) {
 }
 
 std::optional<Packet> Usb1608gEmulator::take_packet(std::uint8_t endpoint, std::int64_t now_ns) {
-  if (endpoint != kEndpoint || faults.is_mute) return std::nullopt;
+  if (endpoint != kGEndpoint || faults.is_mute) return std::nullopt;
   return scan_.take_packet(now_ns);
 }
 
 void Usb1608gEmulator::clear_halt(std::uint8_t endpoint) {
-  if (endpoint == kEndpoint) scan_.clear_halt();
+  if (endpoint == kGEndpoint) scan_.clear_halt();
 }
 
 }  // namespace dts::emulator

@@ -18,7 +18,7 @@ constexpr std::uint64_t kSyncId = std::uint64_t{1} << 40U;  // beside the indice
 constexpr std::int64_t kFrameNs = 125'000;                  // a device that cannot say when is asked again after this
 constexpr std::uint8_t kVendorOut = 0x40;
 constexpr std::uint8_t kVendorIn = 0xC0;
-constexpr std::uint8_t kEndpointDescriptor = 5;
+constexpr std::uint8_t kEndpointDescriptorType = 5;
 
 UsbResult failed(UsbStatus status) { return tl::make_unexpected(status); }
 
@@ -27,7 +27,7 @@ std::size_t packet_bytes(const std::vector<std::uint8_t>& configuration, std::ui
   std::size_t at = 0;
   while (at + 1 < configuration.size() && configuration[at] >= 2) {
     const std::size_t length = configuration[at];
-    if (configuration[at + 1] == kEndpointDescriptor && at + 5 < configuration.size() && configuration[at + 2] == endpoint) {
+    if (configuration[at + 1] == kEndpointDescriptorType && at + 5 < configuration.size() && configuration[at + 2] == endpoint) {
       return (configuration[at + 4] | static_cast<std::size_t>(configuration[at + 5]) << 8U) & 0x7FFU;
     }
     at += length;

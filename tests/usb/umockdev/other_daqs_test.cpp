@@ -18,7 +18,7 @@ using core::GapReason;
 using device::ReadOutcome;
 
 constexpr const char* kEightInputs = "channels=0,1,2,3,4,5,6,7";
-constexpr std::uint64_t kChannels = 8;
+constexpr std::uint64_t kOtherChannels = 8;
 constexpr double kRateHz = 500.0;  // the U6's buffer holds a quarter of a second of this: a busy machine may be late by so much
 constexpr std::uint64_t kFaultScan = 300;
 
@@ -78,7 +78,7 @@ TEST_F(U6DaqTest, StreamsWholeAndSurvivesThePlug) {
 }
 
 TEST_F(U6DaqTest, ABadChecksumIsTold) {
-  daq_->faults.corrupt_at_code = kFaultScan * kChannels + 3;
+  daq_->faults.corrupt_at_code = kFaultScan * kOtherChannels + 3;
   run(uri_, kRateHz);
 
   static_cast<void>(listen(1'000'000));
@@ -87,7 +87,7 @@ TEST_F(U6DaqTest, ABadChecksumIsTold) {
 }
 
 TEST_F(U6DaqTest, SilenceIsTold) {
-  daq_->faults.silence_at_code = kFaultScan * kChannels + 3;
+  daq_->faults.silence_at_code = kFaultScan * kOtherChannels + 3;
   run(uri_, kRateHz);
 
   static_cast<void>(listen(1'000'000));
@@ -118,7 +118,7 @@ TEST_F(Usb1608gDaqTest, TakesItsImageAndStreamsWholeAndSurvivesThePlug) {
 }
 
 TEST_F(Usb1608gDaqTest, AStallIsTold) {
-  daq_->faults.stall_at_code = kFaultScan * kChannels + 3;
+  daq_->faults.stall_at_code = kFaultScan * kOtherChannels + 3;
   run(uri_, kRateHz);
 
   static_cast<void>(listen(1'000'000));
@@ -127,7 +127,7 @@ TEST_F(Usb1608gDaqTest, AStallIsTold) {
 }
 
 TEST_F(Usb1608gDaqTest, AnOverrunIsTold) {
-  daq_->faults.overrun_at_code = kFaultScan * kChannels + 3;
+  daq_->faults.overrun_at_code = kFaultScan * kOtherChannels + 3;
   run(uri_, kRateHz);
 
   static_cast<void>(listen(1'000'000));

@@ -4,9 +4,12 @@
 #include <chrono>
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <stop_token>
 #include <string>
 
 #include "dts/error.h"
+#include "dts/key.h"
 #include "dts/v1/control.pb.h"
 
 namespace dts::client {
@@ -17,6 +20,7 @@ struct ControlOptions {
   std::chrono::milliseconds tare_timeout{15000};  ///< The same for `tare`, which is answered when its average is complete.
   std::chrono::milliseconds stop_timeout{20000};  ///< The same for `stop_session`, which is answered when the recording is closed.
   int tries = 3;                                  ///< 1..10
+  std::optional<Key> key;                         ///< For a daemon on another machine.
 };
 
 /// Sends commands to a daemon and waits for the answers.
@@ -63,6 +67,17 @@ class ControlClient {
   [[nodiscard]] Result<v1::MarkResponse> mark(const std::string& text, const std::string& rig);
   /// Takes the present deflections as zero.
   [[nodiscard]] Result<v1::TareResponse> tare(const std::string& rig);
+
+  /// Keys of clients on other machines; needs the role engineer, as do the two below, which answer how it is afterwards.
+  [[nodiscard]] Result<v1::ListKeysResponse> list_keys();
+  [[nodiscard]] Result<v1::ListKeysResponse> add_key(const v1::AddKeyRequest& request);
+  [[nodiscard]] Result<v1::ListKeysResponse> revoke_key(const std::string& name);
+
+  /// Sends any command for somebody else (a gateway) and returns the whole answer, checked like the others. The daemon sees the request id
+  /// of `request`: who sends the same again gets the answer of the first time (without an id it is a new command each time). What the
+  /// daemon refuses is a Failure here too. InvalidArgument for a request without a command; Failed soon after `stop` was asked for: the
+  /// daemon may have executed it.
+  [[nodiscard]] Result<v1::Response> forward(const v1::Request& request, const std::stop_token& stop = {});
 
   /// Messages received that were no answer to the request under way. More than a few: something else listens there.
   [[nodiscard]] std::uint64_t ignored_replies() const noexcept;

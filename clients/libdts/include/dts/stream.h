@@ -63,6 +63,7 @@ struct Block {
   std::uint64_t dropped_blocks_total = 0;        ///< Blocks of this rig that the publisher dropped since then.
   std::span<const float> values;                 ///< Columns by channel; NaN where undefined.
   std::span<const std::uint8_t> quality;         ///< Per channel: bits of `v1::Quality`, or-ed over the scans.
+  const v1::StreamBlock* body = nullptr;         ///< The message itself, for whoever passes it on.
 
   [[nodiscard]] std::size_t channel_count() const noexcept { return quality.size(); }
   /// `channel` must be below `channel_count()`.

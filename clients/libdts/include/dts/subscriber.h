@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "dts/error.h"
+#include "dts/key.h"
 #include "dts/stream.h"
 
 namespace dts::client {
@@ -28,6 +29,7 @@ struct SubscriberOptions {
   std::chrono::milliseconds catch_up{100};
   /// Nothing at all for this long, not even the daemon's status: connect anew (at least 10 ms).
   std::chrono::milliseconds reconnect_after{5000};
+  std::optional<Key> key;  ///< For a daemon on another machine.
 };
 
 /// Counters since `open`.
@@ -60,6 +62,10 @@ class Subscriber {
   /// only if a topic prefix asks for "dtsd/status". What the message points to is valid until the next call.
   /// Call it again and again: the connection is looked after in here. Fails with Internal when the socket breaks.
   [[nodiscard]] Result<std::optional<Message>> receive(std::chrono::milliseconds timeout);
+
+  /// Other topics from now on. What still waits of topics no longer wanted is handed out. Scans missed while a stream was not wanted are
+  /// counted as lost when it is wanted again. Fails as `open` does, and with Internal when the socket breaks.
+  [[nodiscard]] Result<void> set_topics(const std::vector<std::string>& topics);
 
   /// The newest status received, or nullptr. Valid until the next `receive`.
   [[nodiscard]] const v1::StatusSnapshot* status() const noexcept;

@@ -13,7 +13,7 @@ namespace dts::device::sim {
 namespace {
 
 constexpr double kLargestFlexionDeg = 120.0;
-constexpr double kLargestLoadN = 10'000.0;  // the heaviest person in the fastest movement, with room
+constexpr double kLargestSeatLoadN = 10'000.0;  // the heaviest person in the fastest movement, with room
 
 DeviceDescription describe(const DeviceUri& uri, const ChairOptions& options, const Daq& daq, const physics::Plate& plate) {
   DeviceDescription description;
@@ -30,7 +30,7 @@ DeviceDescription describe(const DeviceUri& uri, const ChairOptions& options, co
   if (!options.has_truth) return description;
   description.channels.push_back({"true_trunk_deg", "deg", ChannelRole::Auxiliary, -kLargestFlexionDeg, kLargestFlexionDeg, 0.0});
   description.channels.push_back({"true_y_mm", "mm", ChannelRole::Auxiliary, 0.0, plate.b.value, 0.0});
-  description.channels.push_back({"true_load_n", "N", ChannelRole::Auxiliary, 0.0, kLargestLoadN, 0.0});
+  description.channels.push_back({"true_load_n", "N", ChannelRole::Auxiliary, 0.0, kLargestSeatLoadN, 0.0});
   return description;
 }
 

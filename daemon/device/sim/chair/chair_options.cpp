@@ -15,7 +15,7 @@ namespace {
 using core::ErrorCode;
 using enum OptionKind;
 
-constexpr std::array kTable = {
+constexpr std::array kChairTable = {
     UriOption{"seed", Integer, "1", 0, 4294967295.0, "", "Chooses habits, noise, gains and gaps; the same seed gives the same data."},
     UriOption{"weight_kg", Number, "70", 10, 250, "", "Of the person."},
     UriOption{"height_cm", Number, "175", 80, 230, "", "Of the person."},
@@ -52,15 +52,12 @@ constexpr std::array kTable = {
     UriOption{"fault_channel", Integer, "0", 0, 31, "", "Channel that fault=stuck holds."},
 };
 
-constexpr std::array kDependencies = {
+constexpr std::array kChairDependencies = {
     Dependency{"pace_s", "reaches", "auto|cued"},
     Dependency{"double_reach", "reaches", "auto|cued"},
     Dependency{"back_rest", "load_model", "cop"},
     Dependency{"fault_channel", "fault", "stuck"},
 };
-
-constexpr double kMillivolt = 1e-3;
-constexpr std::size_t kTruthChannels = 3;
 
 physics::ReachMode reach_mode(const std::string& word) {
   if (word == "cued") return physics::ReachMode::Cued;
@@ -151,13 +148,13 @@ core::Status check_stay(const DeviceUri& uri, const physics::SeatedPersonOptions
 
 }  // namespace
 
-std::span<const UriOption> chair_option_table() { return kTable; }
+std::span<const UriOption> chair_option_table() { return kChairTable; }
 
 core::Result<ChairOptions> read_chair_options(const DeviceUri& uri, std::size_t rig_sensors) {
-  auto read = UriOptions::read(uri, kTable);
+  auto read = UriOptions::read(uri, kChairTable);
   if (!read) return tl::make_unexpected(read.error());
   const UriOptions& options = *read;
-  if (auto checked = check_dependencies(uri, options, kDependencies); !checked) return tl::make_unexpected(checked.error());
+  if (auto checked = check_dependencies(uri, options, kChairDependencies); !checked) return tl::make_unexpected(checked.error());
 
   ChairOptions result;
   result.seed = static_cast<std::uint64_t>(options.number("seed"));

@@ -5,18 +5,14 @@
 #include <limits>
 #include <utility>
 
-#include "device/sim/counter_random.h"
+#include "device/sim/mounting.h"
 
 namespace dts::device::sim {
 namespace {
 
-constexpr std::uint64_t kMountingSeed = 0x6d6f756e74ULL;  // gains and gaps must not repeat the numbers of the noise
 constexpr double kSecondsPerHour = 3600.0;
 constexpr double kPercent = 0.01;
 constexpr double kBeyondAnyRangeV = 100.0;
-
-/// Evenly in -1 .. 1.
-double either_side(const CounterRandom& random, std::uint64_t n) noexcept { return 2.0 * random.uniform(n) - 1.0; }
 
 }  // namespace
 
@@ -30,7 +26,7 @@ core::Result<std::unique_ptr<Scene>> ChairScene::create(const ChairOptions& opti
 
 ChairScene::ChairScene(const ChairOptions& options, const physics::RigModel& rig, physics::SeatPlate plate)
     : options_(options), depth_mm_(rig.plate.b.value), plate_(std::move(plate)), deflection_mm_(options.sensors), emg_(options.seed) {
-  const CounterRandom mounting(options.seed ^ kMountingSeed);
+  const CounterRandom mounting = mounting_random(options.seed);
   for (std::size_t i = 0; i < options.sensors; ++i) {
     sensors_.push_back({.curve = &rig.sensors[i].curve,
                         .unloaded_gap_mm = rig.sensors[i].unloaded_gap.value + options.gap_spread_mm * either_side(mounting, 3 * i),

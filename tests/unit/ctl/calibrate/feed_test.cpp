@@ -18,7 +18,7 @@ using testing::floor_status;
 class LiveFeedTest : public ::testing::Test {
  protected:
   LiveFeedTest() : daemon_(data_) {
-    feed_ = LiveFeed::open(data_, "floor", "cop", {"load_n", "ml_mm"}).value();
+    feed_ = LiveFeed::open({.endpoints = {.data = data_}}, "floor", "cop", {"load_n", "ml_mm"}).value();
     EXPECT_TRUE(daemon_.wait_for_subscription("floor/cop", [this] { static_cast<void>(feed_->next()); }));
     daemon_.send("dtsd/status", floor_status());
   }
@@ -112,7 +112,7 @@ TEST_F(LiveFeedTest, RestartWhileNobodyReads_IsNotThrownAway) {
 TEST(LiveFeed, NobodyThere_Unreachable) {
   const testing::TemporaryDirectory directory;
 
-  EXPECT_EQ(LiveFeed::open(directory.endpoint("data.sock"), "floor", "cop", {"ml_mm"}).error().code, ErrorCode::Unreachable);
+  EXPECT_EQ(LiveFeed::open({.endpoints = {.data = directory.endpoint("data.sock")}}, "floor", "cop", {"ml_mm"}).error().code, ErrorCode::Unreachable);
 }
 
 }  // namespace

@@ -23,10 +23,10 @@ using test::kSecond;
 using test::moving_source;
 using test::Reading;
 
-FsPlusEmulator unit_1608() { return {FsPlusKind::Usb1608, "01A2B3C4", moving_source()}; }
+FsPlusEmulator faulty_1608() { return {FsPlusKind::Usb1608, "01A2B3C4", moving_source()}; }
 
 TEST(FsPlusFaults, Overrun_BrokenThenAgain) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus", unit);
   bench.start(1500);
   unit.faults.overrun_at_code = 8 * 1000 + 3;
@@ -43,7 +43,7 @@ TEST(FsPlusFaults, Overrun_BrokenThenAgain) {
 }
 
 TEST(FsPlusFaults, OverrunWithSmallPackets_LargeOnesAfterwards) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus?channels=0,1,2,3", unit);
   bench.start(100, 2);
   ASSERT_EQ(unit.last_start()[9], 1);
@@ -59,7 +59,7 @@ TEST(FsPlusFaults, OverrunWithSmallPackets_LargeOnesAfterwards) {
 }
 
 TEST(FsPlusFaults, HostAwayForThreeSeconds_RealOverrun) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus", unit);
   bench.start(1500);
   ASSERT_TRUE(bench.reads_right(1500));
@@ -70,7 +70,7 @@ TEST(FsPlusFaults, HostAwayForThreeSeconds_RealOverrun) {
 }
 
 TEST(FsPlusFaults, Stall_BrokenThenAgain) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus", unit);
   bench.start(1500);
   unit.faults.stall_at_code = 20'000;
@@ -86,7 +86,7 @@ TEST(FsPlusFaults, Stall_BrokenThenAgain) {
 }
 
 TEST(FsPlusFaults, Silence_BrokenWithin250ms) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus", unit);
   bench.start(1500);
   unit.faults.silence_at_code = 8 * 3000;
@@ -100,7 +100,7 @@ TEST(FsPlusFaults, Silence_BrokenWithin250ms) {
 }
 
 TEST(FsPlusFaults, OddPacket_Integrity) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus", unit);
   bench.start(1500);
   unit.faults.short_packet_at_code = 20'000;
@@ -113,7 +113,7 @@ TEST(FsPlusFaults, OddPacket_Integrity) {
 }
 
 TEST(FsPlusFaults, Babble_Integrity) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus", unit);
   bench.start(1500);
   unit.faults.babble_at_code = 20'000;
@@ -134,7 +134,7 @@ TEST(FsPlusFaults, ImpossibleCodeOfA12BitUnit_Integrity) {
 }
 
 TEST(FsPlusFaults, LostSampleAtTheStart_BrokenBeforeAnyScan) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus", unit);
   unit.faults.drop_code_at = 0;
   bench.start(1500);
@@ -167,7 +167,7 @@ TEST(FsPlusFaults, LostSampleLater_MarkerFindsItAtOnce) {
 }
 
 TEST(FsPlusFaults, CalibrationCutShort_DataDamaged) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   unit.faults.calibration_bytes = 300;
   Bench bench("mcc:1608fs-plus", unit);
 
@@ -180,7 +180,7 @@ TEST(FsPlusFaults, CalibrationCutShort_DataDamaged) {
 }
 
 TEST(FsPlusFaults, BlankCalibration_DataDamaged) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   unit.faults.is_calibration_garbage = true;
   Bench bench("mcc:1608fs-plus", unit);
 
@@ -191,7 +191,7 @@ TEST(FsPlusFaults, BlankCalibration_DataDamaged) {
 }
 
 TEST(FsPlusFaults, RangesNotTaken_StartRefused) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   unit.ignores_ranges = true;
   Bench bench("mcc:1608fs-plus", unit);
   ASSERT_TRUE(bench.device->open());
@@ -204,7 +204,7 @@ TEST(FsPlusFaults, RangesNotTaken_StartRefused) {
 }
 
 TEST(FsPlusFaults, MuteDevice_Timeout) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   unit.faults.is_mute = true;
   Bench bench("mcc:1608fs-plus", unit);
   const std::int64_t before_ns = bench.clock.now_ns();
@@ -218,7 +218,7 @@ TEST(FsPlusFaults, MuteDevice_Timeout) {
 }
 
 TEST(FsPlusFaults, Unplugged_Gone) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus", unit);
   bench.start(1500);
   ASSERT_TRUE(bench.reads_right(300));
@@ -231,7 +231,7 @@ TEST(FsPlusFaults, Unplugged_Gone) {
 }
 
 TEST(FsPlusFaults, FaultOrReplugAfterTheTrigger_GoesOnWithoutIt) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus?trigger=rising", unit);
   bench.start(1500);
   ASSERT_TRUE(unit.is_armed());
@@ -256,7 +256,7 @@ TEST(FsPlusFaults, FaultOrReplugAfterTheTrigger_GoesOnWithoutIt) {
 }
 
 TEST(FsPlusFaults, StoppedBeforeTheTrigger_ArmedAgain) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus?trigger=rising", unit);
   bench.start(1500);
   core::Block block(8, 64);
@@ -286,7 +286,7 @@ TEST(FsPlusFaults, VoltagesMoveBeforeTheTrigger_NoAlarm) {
 }
 
 TEST(FsPlusFaults, StopRequestLost_StopSaysSo) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus", unit);
   bench.start(1500);
   ASSERT_TRUE(bench.reads_right(300));
@@ -338,7 +338,7 @@ TEST(FsPlusFaults, DeviceThatGoesOnSending_GivenUpAfterAQuarterOfASecond) {
 }
 
 TEST(FsPlusFaults, DeviceAtTwiceItsRate_Integrity) {
-  FsPlusEmulator unit = unit_1608();
+  FsPlusEmulator unit = faulty_1608();
   unit.faults.rate_factor = 2.0;
   Bench bench("mcc:1608fs-plus", unit);
   bench.start(1500);
@@ -348,7 +348,7 @@ TEST(FsPlusFaults, DeviceAtTwiceItsRate_Integrity) {
 
 TEST(FsPlusFaults, OpenFailsWithEachRequestUnanswered_NeverHangsOrLeaks) {
   for (std::uint64_t lost = 0; lost < 40; ++lost) {
-    FsPlusEmulator unit = unit_1608();
+    FsPlusEmulator unit = faulty_1608();
     Bench bench("mcc:1608fs-plus", unit);
     bench.bus.on_request = [&](std::uint64_t number) {
       if (number == lost) unit.faults.silent_control_requests = 1;

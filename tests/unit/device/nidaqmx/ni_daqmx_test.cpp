@@ -293,7 +293,7 @@ TEST(NiDaqmx, Interrupt_EndsAReadWithin100Ms) {
     if (time_ns > start_ns + kSecond) rig.device->interrupt();
     rig.clock.sleep_until_ns(time_ns);
   };
-  EXPECT_EQ(rig.device->read(rig.block, device::test::kNever).outcome, ReadOutcome::Armed);
+  EXPECT_EQ(rig.device->read(rig.block, device::test::kNoDeadline).outcome, ReadOutcome::Armed);
   EXPECT_LE(rig.clock.now_ns(), start_ns + kSecond + 100 * kMillisecond);
 }
 

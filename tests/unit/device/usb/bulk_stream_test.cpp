@@ -20,7 +20,6 @@
 namespace dts::device::usb {
 namespace {
 
-constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
 constexpr StreamShape kShape{.endpoint = 0x81, .transfer_bytes = 64, .transfer_count = 4, .buffer_chunks = 16};
 
 /// What all ports of this file answer to what a stream never asks.
@@ -98,7 +97,7 @@ class BulkStreamTest : public testing::Test {
     return std::move(*stream);
   }
 
-  core::VirtualClock clock_{kMillisecond};
+  core::VirtualClock clock_{core::kNanosecondsPerMillisecond};
   ScriptedPort port_{clock_};
 };
 
@@ -123,7 +122,7 @@ TEST_F(BulkStreamTest, Completed_ChunkWithStampAndInFlightAgain) {
   const Chunk* const chunk = stream->front();
   ASSERT_NE(chunk, nullptr);
   EXPECT_EQ(chunk->status, UsbStatus::Completed);
-  EXPECT_EQ(chunk->stamp_ns, kMillisecond + 77);
+  EXPECT_EQ(chunk->stamp_ns, core::kNanosecondsPerMillisecond + 77);
   EXPECT_EQ(chunk->length, 3U);
   EXPECT_EQ(chunk->bytes[2], 3);
   stream->release();
@@ -217,7 +216,7 @@ TEST_F(BulkStreamTest, CancelNeverReturns_FalseInTimeAndNothingFreed) {
 
   EXPECT_FALSE(stream->stop(100));
 
-  EXPECT_EQ(clock_.now_ns(), before_ns + 100 * kMillisecond);
+  EXPECT_EQ(clock_.now_ns(), before_ns + 100 * core::kNanosecondsPerMillisecond);
   EXPECT_EQ(port_.releases, 0);
   EXPECT_EQ(stream->in_flight(), 4);
   port_.answers_cancel = true;  // they come late after all

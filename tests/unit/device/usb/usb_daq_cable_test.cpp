@@ -22,7 +22,7 @@ using test::kMillisecond;
 using test::kSecond;
 using test::ToyBench;
 
-constexpr std::int64_t kFoundWithinNs = 250 * kMillisecond;
+constexpr std::int64_t kUnplugFoundWithinNs = 250 * kMillisecond;
 
 TEST(UsbDaqCable, Unplugged_ScansBeforeItThenGone) {
   ToyBench bench;
@@ -38,7 +38,7 @@ TEST(UsbDaqCable, Unplugged_ScansBeforeItThenGone) {
   EXPECT_EQ(result.outcome, ReadOutcome::Gone);
   EXPECT_EQ(result.gap.reason, GapReason::Unplugged);
   EXPECT_NEAR(static_cast<double>(bench.checker->scans() - before), 750, 16);
-  EXPECT_LE(bench.host.clock.now_ns(), unplugged_ns + kFoundWithinNs);
+  EXPECT_LE(bench.host.clock.now_ns(), unplugged_ns + kUnplugFoundWithinNs);
   EXPECT_EQ(bench.checker->wrong(), 0U);
   EXPECT_EQ(bench.daq->state(), DeviceState::Gone);
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "record/reach_record.h"
+#include "session/trial_record.h"
 
 namespace dts::lab {
 namespace {
@@ -148,11 +149,11 @@ TEST(RecordedReaches, DamagedEvents_AreNamed) {
     const auto recorded = read({event});
     ASSERT_FALSE(recorded) << key;
     EXPECT_EQ(recorded.error().code, core::ErrorCode::DataDamaged);
-    EXPECT_NE(recorded.error().what.find("'" + std::string(key) + "'"), std::string::npos) << recorded.error().what;
+    EXPECT_NE(recorded.error().what.find("\"" + std::string(key) + "\""), std::string::npos) << recorded.error().what;
   }
-  EXPECT_FALSE(trial_of(trial("gone", 1, 0)));
-  EXPECT_FALSE(trial_of(trial("go", -1, 0)));
-  EXPECT_FALSE(trial_of(trial("go", 5'000'000'000, 0)));
+  EXPECT_FALSE(session::trial_of(trial("gone", 1, 0)));
+  EXPECT_FALSE(session::trial_of(trial("go", -1, 0)));
+  EXPECT_FALSE(session::trial_of(trial("go", 5'000'000'000, 0)));
 }
 
 }  // namespace

@@ -7,11 +7,12 @@
 
 #include "physics/body/chair_rig.h"
 #include "physics/plate/influence_table.h"
+#include "unit/physics/floor_platform.h"
 
 namespace dts::physics {
 namespace {
 
-Point at(double x_mm, double y_mm) { return {core::Millimetres{x_mm}, core::Millimetres{y_mm}}; }
+using test::at;
 
 // Timoshenko and Woinowsky-Krieger, table 8: 0.00406 q a^4 / D in the middle of a square plate.
 TEST(Navier, SquareUnderUniformLoad_AsTheTextbook) {

@@ -6,10 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include "unit/physics/body/volunteer_a.h"
+
 namespace dts::physics {
 namespace {
 
-constexpr Person kA{.weight_kg = 68.0, .height_cm = 175.0, .arm_length_cm = 67.0, .max_reach_cm = 124.0};
+using test::kVolunteerA;
 constexpr Person kB{.weight_kg = 52.0, .height_cm = 165.0, .arm_length_cm = 59.0, .max_reach_cm = 115.0};
 constexpr Person kC{.weight_kg = 81.0, .height_cm = 182.0, .arm_length_cm = 71.0, .max_reach_cm = 130.0};
 
@@ -20,21 +22,21 @@ void expect_angles(const Person& person, double at_120_deg, double at_150_deg, d
 }
 
 TEST(TrunkFlexion, OfTheThesisVolunteers_AsTheSheet) {
-  expect_angles(kA, 3.6, 25.2, 54.9);
+  expect_angles(kVolunteerA, 3.6, 25.2, 54.9);
   expect_angles(kB, 3.4, 23.5, 59.6);
   expect_angles(kC, 3.7, 25.7, 54.4);
 }
 
 TEST(TrunkFlexion, WithinReachOfTheFingertip_IsNone) {
-  EXPECT_EQ(trunk_flexion_deg(kA, 0.8 * kA.arm_length_cm), 0.0);
-  EXPECT_EQ(trunk_flexion_deg(kA, 1.15 * kA.arm_length_cm), 0.0);
-  EXPECT_GT(trunk_flexion_deg(kA, 1.151 * kA.arm_length_cm), 0.0);
+  EXPECT_EQ(trunk_flexion_deg(kVolunteerA, 0.8 * kVolunteerA.arm_length_cm), 0.0);
+  EXPECT_EQ(trunk_flexion_deg(kVolunteerA, 1.15 * kVolunteerA.arm_length_cm), 0.0);
+  EXPECT_GT(trunk_flexion_deg(kVolunteerA, 1.151 * kVolunteerA.arm_length_cm), 0.0);
 }
 
 TEST(TrunkFlexion, WithDistance_NeverFallsAndHasALimit) {
   double before_deg = 0.0;
   for (double target_cm = 10.0; target_cm < 400.0; target_cm += 0.5) {
-    const double flexion_deg = trunk_flexion_deg(kA, target_cm);
+    const double flexion_deg = trunk_flexion_deg(kVolunteerA, target_cm);
     EXPECT_GE(flexion_deg, before_deg);
     before_deg = flexion_deg;
   }

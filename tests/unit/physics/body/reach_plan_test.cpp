@@ -6,24 +6,27 @@
 #include <algorithm>
 #include <cmath>
 
+#include "unit/physics/body/volunteer_a.h"
+
 namespace dts::physics {
 namespace {
 
-constexpr Person kA{.weight_kg = 68.0, .height_cm = 175.0, .arm_length_cm = 67.0, .max_reach_cm = 124.0};
+using test::kVolunteerA;
 constexpr double kWithinReachCm = 0.8 * 67.0;
 
 ReachPlan planned(const SittingHabits& habits, double target_cm, std::uint32_t number = 1, bool is_double = false) {
-  return plan_reach(kA, habits, {.number = number, .start_s = 2.0, .target_cm = target_cm, .is_double = is_double}, CounterRandom(7));
+  return plan_reach(kVolunteerA, habits, {.number = number, .start_s = 2.0, .target_cm = target_cm, .is_double = is_double},
+                    CounterRandom(7));
 }
 
 SittingHabits natural(bool is_healthy, double between_people = 1.0) {
-  return natural_habits(kA, is_healthy, SeatLoadModel::Cop, 5, between_people);
+  return natural_habits(kVolunteerA, is_healthy, SeatLoadModel::Cop, 5, between_people);
 }
 
 TEST(ReachPlan, Ideal_IsTheThesissMovement) {
-  const ReachPlan plan = planned(ideal_habits(kA, SeatLoadModel::Cop, 0.75), kA.max_reach_cm);
+  const ReachPlan plan = planned(ideal_habits(kVolunteerA, SeatLoadModel::Cop, 0.75), kVolunteerA.max_reach_cm);
 
-  EXPECT_NEAR(plan.trunk_deg, trunk_flexion_deg(kA, kA.max_reach_cm), 1e-12);
+  EXPECT_NEAR(plan.trunk_deg, trunk_flexion_deg(kVolunteerA, kVolunteerA.max_reach_cm), 1e-12);
   EXPECT_DOUBLE_EQ(plan.hit_s, 2.75);
   EXPECT_DOUBLE_EQ(plan.back_s, 2.75);
   EXPECT_DOUBLE_EQ(plan.end_s, 3.5);
@@ -37,7 +40,7 @@ TEST(ReachPlan, Ideal_IsTheThesissMovement) {
 TEST(ReachPlan, OfAnybody_RatesAreDerivativesAndTheWayLeadsBack) {
   for (std::uint32_t number = 1; number <= 40; ++number) {
     SCOPED_TRACE(number);
-    const ReachPlan plan = planned(natural(number % 2 == 0), kA.max_reach_cm, number, number % 5 == 0);
+    const ReachPlan plan = planned(natural(number % 2 == 0), kVolunteerA.max_reach_cm, number, number % 5 == 0);
     ASSERT_LE(plan.move_count, ReachPlan::kMostMoves);
     EXPECT_LT(plan.on_s, plan.hit_s);
     EXPECT_LT(plan.hit_s, plan.back_s);
@@ -72,8 +75,8 @@ TEST(ReachPlan, AfterAStroke_SlowerAndWithCorrections) {
   std::size_t healthy_moves = 0;
   std::size_t stroke_moves = 0;
   for (std::uint32_t number = 1; number <= 30; ++number) {
-    const ReachPlan healthy = planned(natural(true, 0.0), kA.max_reach_cm, number);
-    const ReachPlan stroke = planned(natural(false, 0.0), kA.max_reach_cm, number);
+    const ReachPlan healthy = planned(natural(true, 0.0), kVolunteerA.max_reach_cm, number);
+    const ReachPlan stroke = planned(natural(false, 0.0), kVolunteerA.max_reach_cm, number);
     healthy_s += healthy.end_s - healthy.on_s;
     stroke_s += stroke.end_s - stroke.on_s;
     healthy_moves += healthy.move_count;
@@ -84,7 +87,7 @@ TEST(ReachPlan, AfterAStroke_SlowerAndWithCorrections) {
 }
 
 TEST(ReachPlan, Double_GoesOutTwice) {
-  const ReachPlan plan = planned(ideal_habits(kA, SeatLoadModel::Cop, 0.75), kA.max_reach_cm, 1, true);
+  const ReachPlan plan = planned(ideal_habits(kVolunteerA, SeatLoadModel::Cop, 0.75), kVolunteerA.max_reach_cm, 1, true);
   int maxima = 0;
   for (double t = plan.on_s; t < plan.end_s; t += 0.01) {
     maxima += plan.progress(t).rate > 0.0 && plan.progress(t + 0.01).rate <= 0.0 ? 1 : 0;
@@ -99,7 +102,7 @@ TEST(ReachPlan, SameSeedAndNumber_SameReach) {
 }
 
 TEST(SittingHabits, WithoutSpread_AreTheSameForEverySeed) {
-  const auto of = [](std::uint64_t seed, double spread) { return natural_habits(kA, true, SeatLoadModel::Cop, seed, spread); };
+  const auto of = [](std::uint64_t seed, double spread) { return natural_habits(kVolunteerA, true, SeatLoadModel::Cop, seed, spread); };
   EXPECT_EQ(of(1, 0.0).load.rest_y_mm, of(2, 0.0).load.rest_y_mm);
   EXPECT_EQ(of(1, 0.0).flexion_factor, 1.0);
   EXPECT_NE(of(1, 1.0).load.rest_y_mm, of(2, 1.0).load.rest_y_mm);

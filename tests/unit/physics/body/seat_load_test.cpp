@@ -10,6 +10,7 @@
 #include "physics/body/person.h"
 #include "physics/body/seat_plate.h"
 #include "unit/physics/body/reference_rows.h"
+#include "unit/physics/body/volunteer_a.h"
 
 namespace dts::physics {
 namespace {
@@ -65,10 +66,9 @@ void expect_transient(const std::string& condition, double flexion_deg, SeatLoad
 }
 
 TEST(SeatLoad, IdealReaches_AsTheFixtures) {
-  constexpr Person kA{.weight_kg = 68.0, .height_cm = 175.0, .arm_length_cm = 67.0, .max_reach_cm = 124.0};
   for (const auto& [condition, target_cm] : {std::pair{"120", 1.2 * 67.0}, std::pair{"150", 1.5 * 67.0}, std::pair{"max", 124.0}}) {
-    expect_transient(condition, trunk_flexion_deg(kA, target_cm), SeatLoadModel::Cop, "cop");
-    expect_transient(condition, trunk_flexion_deg(kA, target_cm), SeatLoadModel::Thesis, "thesis");
+    expect_transient(condition, trunk_flexion_deg(test::kVolunteerA, target_cm), SeatLoadModel::Cop, "cop");
+    expect_transient(condition, trunk_flexion_deg(test::kVolunteerA, target_cm), SeatLoadModel::Thesis, "thesis");
   }
 }
 

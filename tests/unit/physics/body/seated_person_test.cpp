@@ -11,7 +11,7 @@
 namespace dts::physics {
 namespace {
 
-constexpr double kStepS = 0.01;
+constexpr double kTickS = 0.01;
 
 SeatedPersonOptions somebody(ReachMode mode, std::uint64_t seed = 3) {
   SeatedPersonOptions options{.person = {.weight_kg = 68.0, .height_cm = 175.0, .arm_length_cm = 67.0, .max_reach_cm = 124.0}};
@@ -23,7 +23,7 @@ SeatedPersonOptions somebody(ReachMode mode, std::uint64_t seed = 3) {
 
 std::vector<ReachPlan> reaches_of(SeatedPerson& person, double until_s) {
   std::vector<ReachPlan> reaches;
-  for (double t = 0.0; t < until_s; t += kStepS) {
+  for (double t = 0.0; t < until_s; t += kTickS) {
     const SeatedState state = person.at(t);
     if (state.reach != nullptr && (reaches.empty() || reaches.back().number != state.reach->number)) reaches.push_back(*state.reach);
   }
@@ -149,7 +149,7 @@ TEST(SeatedPerson, Fidgets_OnlyWhenAllowed) {
     SeatedPerson person(options);
     double least = 1e9;
     double most = -1e9;
-    for (double t = 6.0; t < 120.0; t += kStepS) {
+    for (double t = 6.0; t < 120.0; t += kTickS) {
       least = std::min(least, person.at(t).load.y_mm);
       most = std::max(most, person.at(t).load.y_mm);
     }

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
+#include "core/special_numbers.h"
 #include "physics/cop/cop_estimator.h"
 #include "unit/physics/floor_platform.h"
 
@@ -16,7 +16,7 @@ namespace {
 using test::at;
 using testing::HasSubstr;
 
-constexpr double kLoadN = 490.0;
+constexpr double kFitLoadN = 490.0;
 
 /// A synthetic plate that stiffens with its own deflection: heavier loads bend it less than in proportion and, because the
 /// sensors that move most lose most, in another shape. Not a model of the real plate's membrane forces (plate-model 5.2).
@@ -52,7 +52,7 @@ class SyntheticPlate {
   InfluenceTable table_ = *InfluenceTable::create(test::steel_plate(), test::corners(10.75), test::floor_sensors());
 };
 
-std::vector<CopSample> linear_samples(const std::vector<Point>& positions, double load_n = kLoadN) {
+std::vector<CopSample> linear_samples(const std::vector<Point>& positions, double load_n = kFitLoadN) {
   const auto plate = *InfluenceTable::create(test::steel_plate(), test::corners(10.75), test::floor_sensors());
   return test::samples_at(plate, positions, load_n);
 }
@@ -215,7 +215,7 @@ TEST(CopEstimatorFit, ThesisWithMidLinesOnly_EstimatesTheLoadOnThem) {
   ASSERT_TRUE(estimator);
   for (const auto& sample : samples) {
     const auto estimate = estimator->estimate(sample.deflection_mm);
-    EXPECT_NEAR(estimate.load_n, kLoadN, 1e-6);
+    EXPECT_NEAR(estimate.load_n, kFitLoadN, 1e-6);
     EXPECT_NEAR(estimate.x_mm, sample.load_position.x.value, 1e-8);
     EXPECT_NEAR(estimate.y_mm, sample.load_position.y.value, 1e-8);
   }
@@ -277,7 +277,6 @@ TEST(CopEstimatorFit, Model_HasNothingToFit) {
 }
 
 TEST(CopEstimatorFit, BadSample_IsRefusedWithItsNumber) {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const auto good = linear_samples(test::sensor_square(7));
   const auto spoilt = [&](auto spoil) {
     auto samples = good;
@@ -286,9 +285,9 @@ TEST(CopEstimatorFit, BadSample_IsRefusedWithItsNumber) {
   };
 
   for (const auto method : {CopMethod::Thesis, CopMethod::Poly3}) {
-    expect_refused(method, spoilt([](CopSample& sample) { sample.deflection_mm[2] = kNan; }), "sample 3");
+    expect_refused(method, spoilt([](CopSample& sample) { sample.deflection_mm[2] = core::kNaN; }), "sample 3");
     expect_refused(method, spoilt([](CopSample& sample) { sample.load_position.x = {INFINITY}; }), "sample 3");
-    expect_refused(method, spoilt([](CopSample& sample) { sample.load = {kNan}; }), "sample 3");
+    expect_refused(method, spoilt([](CopSample& sample) { sample.load = {core::kNaN}; }), "sample 3");
     expect_refused(method, spoilt([](CopSample& sample) { sample.load = {0.0}; }), "load of sample 3 is 0");
     expect_refused(method, spoilt([](CopSample& sample) { sample.load = {-490.0}; }), "load of sample 3 is -490");
     expect_refused(method, spoilt([](CopSample& sample) { sample.deflection_mm = {0, 0, 0, 0}; }), "sample 3 does not press");

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <vector>
 
+#include "core/special_numbers.h"
 #include "unit/physics/floor_platform.h"
 
 namespace dts::physics {
@@ -24,8 +24,8 @@ using test::sample_of;
 using testing::HasSubstr;
 
 constexpr double kLoadN = 490.0;  // thesis 4.5: 50 kgf
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using core::kInfinity;
+using core::kNaN;
 
 /// Thesis Table 4.1, first two columns: P1..P15.
 const std::vector<Point> kTable41 = {at(86, 86),       at(86, 118.25),  at(118.25, 118.25), at(86, 150.5),     at(118.25, 150.5),
@@ -237,6 +237,14 @@ TEST_P(CopEstimatorFloor, WrongNumberOfDeflections_IsNoContact) {
   }
 }
 
+TEST_P(CopEstimatorFloor, LoadThatIsNoNumber_IsNoContact) {
+  constexpr double kHugeMm = 1e308 / 8.0;  // the sum is finite, the load is not
+  const auto estimate = estimator_.estimate(std::vector<double>(4, kHugeMm));
+
+  EXPECT_EQ(estimate.flags, cop_flag::kNoContact);
+  EXPECT_TRUE(std::isnan(estimate.load_n));
+}
+
 TEST_P(CopEstimatorFloor, LoadBeyondTheRange_IsFlagged) {
   const auto& range = estimator_.validity().load_n;
   EXPECT_EQ(estimator_.estimate(sample_of(plate_, at(215, 200), 0.5 * range.lowest).deflection_mm).flags, cop_flag::kOutsideLoad);
@@ -288,7 +296,7 @@ TEST_P(CopEstimatorFloor, NothingOnThePlate_IsNotANumber) {
 }
 
 TEST_P(CopEstimatorFloor, OneSensorNotFinite_IsNotANumber) {
-  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
     for (std::size_t k = 0; k < kFloorSensors; ++k) {
       std::vector<double> deflection(kFloorSensors, 1.0);
       deflection[k] = bad;

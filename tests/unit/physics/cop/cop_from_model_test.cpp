@@ -3,20 +3,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <string>
 #include <utility>
 
+#include "core/special_numbers.h"
 #include "physics/cop/cop_estimator.h"
 #include "unit/physics/floor_platform.h"
 
 namespace dts::physics {
 namespace {
 
+using core::kNaN;
 using test::floor_rig;
 using testing::HasSubstr;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 TEST(CopMethodName, Known_IsParsedBack) {
   for (const auto method : {CopMethod::Poly3, CopMethod::Thesis, CopMethod::ThesisPerPair, CopMethod::Moment, CopMethod::Model}) {
@@ -78,7 +77,7 @@ TEST(CopEstimatorFromModel, BadPlate_IsRefusedWithThePlatesMessage) {
 
 TEST(CopEstimatorFromModel, NotANumberAsPosition_IsRefused) {
   RigModel rig = floor_rig(10.75);
-  rig.sensors[2].position.x = {kNan};
+  rig.sensors[2].position.x = {kNaN};
 
   EXPECT_FALSE(CopEstimator::from_model(CopMethod::Poly3, rig));
 }

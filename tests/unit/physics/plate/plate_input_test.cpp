@@ -7,18 +7,18 @@
 #include <limits>
 #include <vector>
 
+#include "core/special_numbers.h"
 #include "physics/plate/influence_table.h"
 #include "unit/physics/floor_platform.h"
 
 namespace dts::physics {
 namespace {
 
+using core::kInfinity;
+using core::kNaN;
 using test::at;
 using testing::AllOf;
 using testing::HasSubstr;
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Everything `InfluenceTable::create` is given; good until a test spoils it.
 struct Input {
@@ -51,7 +51,7 @@ TEST(InfluenceTableInput, GoodInput_IsTaken) {
 }
 
 TEST(InfluenceTableInput, BadSides_AreRefusedWithTheRange) {
-  for (const double bad : {kNan, kInfinity, -430.0, 0.0, 0.43, 430'000.0}) {
+  for (const double bad : {kNaN, kInfinity, -430.0, 0.0, 0.43, 430'000.0}) {
     expect_refused([&](Input& input) { input.plate.a = {bad}; }, "plate length a", "10..10000 mm");
     expect_refused([&](Input& input) { input.plate.b = {bad}; }, "plate length b", "10..10000 mm");
   }
@@ -59,22 +59,22 @@ TEST(InfluenceTableInput, BadSides_AreRefusedWithTheRange) {
 }
 
 TEST(InfluenceTableInput, BadThickness_IsRefusedWithTheRange) {
-  for (const double bad : {kNan, kInfinity, -3.0, 0.0, 0.003, 87.0}) {
+  for (const double bad : {kNaN, kInfinity, -3.0, 0.0, 0.003, 87.0}) {
     expect_refused([&](Input& input) { input.plate.h = {bad}; }, "plate thickness h", "0.01..86 mm");
   }
 }
 
 TEST(InfluenceTableInput, BadMaterial_IsRefusedWithTheRange) {
-  for (const double bad : {kNan, kInfinity, -1.0, 0.0, 198.7}) {
+  for (const double bad : {kNaN, kInfinity, -1.0, 0.0, 198.7}) {
     expect_refused([&](Input& input) { input.plate.e_pa = bad; }, "Young's modulus", "100000..1e+13 Pa");
   }
-  for (const double bad : {kNan, kInfinity, -1.0, 0.5, 0.7}) {
+  for (const double bad : {kNaN, kInfinity, -1.0, 0.5, 0.7}) {
     expect_refused([&](Input& input) { input.plate.nu = bad; }, "Poisson's ratio", "-1..0.5");
   }
 }
 
 TEST(InfluenceTableInput, BadSupport_IsRefusedWithTheRange) {
-  for (const double bad : {kNan, kInfinity, -0.1, 215.0, 500.0}) {
+  for (const double bad : {kNaN, kInfinity, -0.1, 215.0, 500.0}) {
     expect_refused([&](Input& input) { input.support.inset = {bad}; }, "support inset", "0..215 mm");
   }
   expect_refused([](Input& input) { input.support.kind = static_cast<SupportKind>(7); }, "support kind is 7", "0 (corner) to 3 (clamped)");
@@ -85,11 +85,11 @@ TEST(InfluenceTableInput, SupportsInOnePoint_DoNotHoldThePlate) {
 }
 
 TEST(InfluenceTableInput, InsetOfEdgeSupports_DoesNotMatter) {
-  EXPECT_TRUE(create([](Input& input) { input.support = {SupportKind::Edges, {kNan}}; }));
+  EXPECT_TRUE(create([](Input& input) { input.support = {SupportKind::Edges, {kNaN}}; }));
 }
 
 TEST(InfluenceTableInput, BadProbe_IsRefusedWithItsNumber) {
-  for (const double bad : {kNan, kInfinity, -0.1, 430.1}) {
+  for (const double bad : {kNaN, kInfinity, -0.1, 430.1}) {
     expect_refused([&](Input& input) { input.probes.push_back(at(bad, 10)); }, "probe 1: x", "0..430 mm");
     expect_refused([&](Input& input) { input.probes.push_back(at(10, bad)); }, "probe 1: y", "0..430 mm");
   }

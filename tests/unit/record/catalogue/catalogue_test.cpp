@@ -252,7 +252,10 @@ TEST_F(CatalogueSessions, FoundOlderPart_LeavesTheSessionAsItIs) {
   ASSERT_TRUE(catalogue().end_session("s1", "aborted", "fell ill", 4000));
   FoundRecording found{.facts = facts("s1", 1, 1000), .session_state = "interrupted", .ended_utc_ns = 2000};
   found.part = {.session_id = "s1", .part = 1, .file = "a", .state = PartState::Interrupted};
+  found.results = {{.session_id = "s1", .name = "eyes-open/MVELO", .value = 8.0, .unit = "mm/s"}};
+  ASSERT_TRUE(catalogue().put_result({.session_id = "s1", .name = "eyes-open/MVELO_part_2", .value = 9.0, .unit = "mm/s", .details = ""}));
   ASSERT_TRUE(catalogue().enter(found));
+  EXPECT_EQ(catalogue().results("s1")->size(), 2U) << "figures of both parts";
   const auto session = catalogue().session("s1");
   EXPECT_EQ(session->state, "aborted");
   EXPECT_EQ(session->message, "fell ill");

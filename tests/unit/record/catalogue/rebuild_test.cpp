@@ -18,7 +18,7 @@ using catalogue_test::what;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-constexpr std::int64_t kStartNs = 1'700'000'000'000'000'000;
+constexpr std::int64_t kStartUtcNs = 1'700'000'000'000'000'000;
 
 /// How a recording of the tests ends.
 enum class End { Closed, Incomplete, Abandoned };
@@ -83,7 +83,7 @@ TEST_F(CatalogueRebuild, NoFolder_IsNotFoundAndMarksNothing) {
 }
 
 TEST_F(CatalogueRebuild, ClosedRecording_IsEnteredWithAllItSays) {
-  record("whatever.xdf", facts("s1", 1, kStartNs));
+  record("whatever.xdf", facts("s1", 1, kStartUtcNs));
   const auto done = rebuilt();
   EXPECT_EQ(done.added, 1U);
   EXPECT_THAT(done.unreadable, ElementsAre());
@@ -92,8 +92,8 @@ TEST_F(CatalogueRebuild, ClosedRecording_IsEnteredWithAllItSays) {
   EXPECT_EQ(row.protocol, "free");
   EXPECT_EQ(row.subject, "P017");
   EXPECT_EQ(row.state, "complete");
-  EXPECT_EQ(row.started_utc_ns, kStartNs);
-  EXPECT_NEAR(static_cast<double>(row.ended_utc_ns - kStartNs), 2e9, 1.1e7);
+  EXPECT_EQ(row.started_utc_ns, kStartUtcNs);
+  EXPECT_NEAR(static_cast<double>(row.ended_utc_ns - kStartUtcNs), 2e9, 1.1e7);
   const PartRow part = only_part();
   EXPECT_EQ(part.file, file("whatever.xdf"));
   EXPECT_EQ(part.state, PartState::Complete);
@@ -245,14 +245,14 @@ TEST_F(CatalogueRebuild, RecordingBeingWritten_IsLeftAlone) {
 }
 
 TEST_F(CatalogueRebuild, SeveralParts_MakeOneSession) {
-  record("z.xdf", facts("s1", 1, kStartNs), End::Incomplete);
-  record("a.xdf", facts("s1", 2, kStartNs + 60'000'000'000));
+  record("z.xdf", facts("s1", 1, kStartUtcNs), End::Incomplete);
+  record("a.xdf", facts("s1", 2, kStartUtcNs + 60'000'000'000));
   EXPECT_EQ(rebuilt().added, 2U);
   const SessionRow row = session();
   ASSERT_EQ(row.parts.size(), 2U);
   EXPECT_EQ(row.parts[0].file, file("z.xdf"));
   EXPECT_EQ(row.state, "complete");  // as its newest part, though that was found first
-  EXPECT_EQ(row.started_utc_ns, kStartNs);
+  EXPECT_EQ(row.started_utc_ns, kStartUtcNs);
   EXPECT_EQ(row.trials.size(), 4U);
 }
 

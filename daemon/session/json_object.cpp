@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "session/reach_json.h"
+#include "session/json_object.h"
 
 #include <array>
 #include <charconv>

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ctl/sway_reading.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "cli/table.h"
+#include "ctl/json.h"
+
+namespace dts::ctl {
+namespace {
+
+struct Shown {
+  const char* symbol;
+  int decimals;
+};
+constexpr std::array<Shown, 4> kShown{{{"MVELO", 2}, {"RDIST", 2}, {"PEA95_F", 1}, {"RANGE_AP", 1}}};
+
+}  // namespace
+
+std::optional<double> measure_value(const v1::Sway& sway, std::string_view symbol) {
+  const auto found = std::ranges::find_if(sway.measures(), [&](const v1::SwayMeasure& measure) { return measure.symbol() == symbol; });
+  if (found == sway.measures().end() || !std::isfinite(found->value())) return std::nullopt;
+  return found->value();
+}
+
+std::string sway_flag_words(const v1::Sway& sway) {
+  std::string text;
+  for (const std::string& word : bit_words(*v1::SwayFlag_descriptor(), sway.flags())) text += (text.empty() ? "" : " ") + word;
+  return text;
+}
+
+std::string sway_text(const v1::Sway& sway) {
+  std::string text = sway.is_preliminary() ? "preliminary, " : "";
+  if (sway.is_preliminary() && sway.trial() == 0) text += "no trial, ";
+  if (sway.trial() > 0) text += "trial " + std::to_string(sway.trial()) + (sway.attempt() > 1 ? "." + std::to_string(sway.attempt()) : "");
+  if (!sway.condition().empty()) text += " (" + sway.condition() + ")";
+  if (sway.trial() > 0) text += ", ";
+  if (!sway.problem().empty()) return text + "no values: " + sway.problem();
+  text += cli::decimal(sway.duration_s(), 1) + " s:";
+  if (sway.measures_size() == 0) text += " nothing yet";
+  for (const Shown& shown : kShown) {
+    const auto found = std::ranges::find(sway.measures(), shown.symbol, &v1::SwayMeasure::symbol);
+    if (found == sway.measures().end()) continue;
+    text += " " + found->symbol() + " " + cli::decimal(found->value(), shown.decimals) + " " + found->unit() + " ";
+  }
+  while (text.ends_with(' ')) text.pop_back();
+  const std::string flags = sway_flag_words(sway);
+  if (!flags.empty()) text += "  [" + flags + "]";
+  return text + (sway.is_valid() || sway.is_preliminary() ? "" : "  INVALID");
+}
+
+}  // namespace dts::ctl

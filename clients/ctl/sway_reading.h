@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "dts/v1/stream.pb.h"
+
+namespace dts::ctl {
+
+/// Value of a measure by its symbol; nothing when it is not there.
+[[nodiscard]] std::optional<double> measure_value(const dts::v1::Sway& sway, std::string_view symbol);
+/// "short_for_quantiles moved": words of the flags.
+[[nodiscard]] std::string sway_flag_words(const dts::v1::Sway& sway);
+/// "preliminary, trial 3, 12.5 s: MVELO 8.1 mm/s  RDIST 5.2 mm  ellipse 223 mm2"
+[[nodiscard]] std::string sway_text(const dts::v1::Sway& sway);
+
+}  // namespace dts::ctl

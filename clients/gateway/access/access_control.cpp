@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/access/access_control.h"
+
+#include <sodium.h>
+
+#include <algorithm>
+#include <ctime>
+#include <deque>
+#include <string_view>
+#include <utility>
+
+#include "gateway/access/back_off.h"
+#include "gateway/access/login_request.h"
+#include "gateway/access/password_thread.h"
+#include "gateway/access/token_store.h"
+#include "gateway/access/user_list.h"
+#include "gateway/access/visitor.h"
+#include "gateway/http/connection_limits.h"
+#include "gateway/http/json_answer.h"
+
+namespace dts::gateway {
+namespace {
+
+using std::chrono::seconds;
+
+constexpr std::string_view kCookie = "dts_token";
+constexpr std::size_t kMostWaiting = 16;
+constexpr seconds kQueueIsShorterIn{2};
+constexpr seconds kLongestForAddress{900};
+// Anybody can make a name wait: half a minute keeps guesses few (2880 a day), and its owner out only as long as somebody bothers.
+constexpr seconds kLongestForName{30};
+
+struct Attempt {
+  LoginRequest login;
+  std::string stranger;
+  bool is_secure = false;
+  Respond respond;
+};
+
+std::string cookie_text(std::string_view value, seconds life, bool is_secure) {
+  return std::string(kCookie) + "=" + std::string(value) + "; Path=/; Max-Age=" + std::to_string(life.count()) +
+         "; HttpOnly; SameSite=Strict" + (is_secure ? "; Secure" : "");
+}
+
+HttpResponse come_later(seconds wait) {
+  HttpResponse answer = error_answer(429, "too many logins failed or wait", "try again in " + std::to_string(wait.count()) + " s");
+  answer.headers.emplace_back("Retry-After", std::to_string(wait.count()));
+  return answer;
+}
+
+/// Nothing is wrong: nullopt. Another page of the same browser can send neither our Origin nor, unasked, this content type.
+std::optional<HttpResponse> refuse_foreign(const HttpRequest& request) {
+  if (!request.is_same_origin) return error_answer(403, "this came from a page that is not ours", "log in at the dashboard itself");
+  const std::string type = request.header("content-type");
+  if (type.substr(0, type.find(';')) != "application/json") return error_answer(415, "this must be application/json");
+  return std::nullopt;
+}
+
+class AccessControlImpl final : public AccessControl {
+ public:
+  AccessControlImpl(boost::asio::io_context& io, const AccessOptions& options)
+      : options_(options),
+        users_(options.users_file, [this](const std::string& user) { tokens_.revoke_all_of(user); }),
+        tokens_(options.token_life, options.idle_life),
+        passwords_(io) {}
+
+  [[nodiscard]] client::Result<void> refresh() { return options_.users_file.empty() ? client::Result<void>() : users_.refresh(); }
+
+  std::optional<Identity> identify(const HttpRequest& request) override {
+    const std::string token = request.cookie(std::string(kCookie));
+    if (!token.empty() && refresh()) {
+      if (auto known = tokens_.use(token, options_.now())) return known;
+    }
+    if (options_.local_role == v1::ROLE_UNSPECIFIED || !is_local(request)) return std::nullopt;
+    return Identity{.user = std::string(kLocalUser), .role = options_.local_role};
+  }
+
+  void log_in(HttpRequest request, Respond respond) override {
+    if (auto refused = refuse_foreign(request)) return respond(std::move(*refused));
+    auto login = read_login(request.body);
+    if (!login) return respond(error_answer(login.error()));
+    if (options_.users_file.empty()) return respond(error_answer(403, "nobody can log in here", "give the gateway a users file"));
+    if (waiting_.size() == kMostWaiting) {
+      ++refused_logins_total_;
+      return respond(come_later(kQueueIsShorterIn));
+    }
+    waiting_.push_back({.login = std::move(*login),
+                        .stranger = counted_as(request.remote_address),
+                        .is_secure = request.is_secure,
+                        .respond = std::move(respond)});
+    compare_next();
+  }
+
+  void log_out(const HttpRequest& request, const Respond& respond) override {
+    if (auto refused = refuse_foreign(request)) return respond(std::move(*refused));
+    tokens_.revoke(request.cookie(std::string(kCookie)));
+    HttpRequest without = request;
+    without.headers.erase("cookie");
+    HttpResponse answer = describe(identify(without));
+    answer.headers.emplace_back("Set-Cookie", cookie_text("", seconds{0}, request.is_secure));
+    respond(std::move(answer));
+  }
+
+  void tell_who(const HttpRequest& request, const Respond& respond) override { respond(describe(identify(request))); }
+  [[nodiscard]] std::uint64_t refused_logins_total() const noexcept override { return refused_logins_total_; }
+
+ private:
+  [[nodiscard]] HttpResponse describe(const std::optional<Identity>& identity) const {
+    return json_answer(200, {{"user", identity ? identity->user : ""},
+                             {"role", role_name(identity ? identity->role : v1::ROLE_UNSPECIFIED)},
+                             {"can_log_in", !options_.users_file.empty()}});
+  }
+
+  [[nodiscard]] seconds wait_of(const Attempt& attempt) const {
+    const auto now = options_.now();
+    return std::max(addresses_.wait(attempt.stranger, now), names_.wait(attempt.login.user, now));
+  }
+
+  /// Whether somebody may try is asked when it is their turn: otherwise many attempts at a time would all be the first.
+  void compare_next() {
+    while (!is_comparing_ && !waiting_.empty()) {
+      Attempt attempt = std::move(waiting_.front());
+      waiting_.pop_front();
+      if (const seconds wait = wait_of(attempt); wait > seconds{0}) {
+        ++refused_logins_total_;
+        attempt.respond(come_later(wait));
+      } else if (!refresh()) {
+        attempt.respond(error_answer(503, "the list of users cannot be read", "dts-gateway user list says why"));
+      } else {
+        compare(std::move(attempt));
+      }
+    }
+  }
+
+  void compare(Attempt attempt) {
+    is_comparing_ = true;
+    const User* user = users_.find(attempt.login.user);
+    const User asked{.name = attempt.login.user,
+                     .role = user == nullptr ? v1::ROLE_UNSPECIFIED : user->role,
+                     .password_hash = user == nullptr ? "" : user->password_hash};
+    passwords_.compare(asked.password_hash, std::move(attempt.login.password),
+                       [this, asked, stranger = std::move(attempt.stranger), is_secure = attempt.is_secure,
+                        respond = std::move(attempt.respond)](bool is_right) {
+                         is_comparing_ = false;
+                         const User* still = refresh() ? users_.find(asked.name) : nullptr;
+                         const bool is_in = is_right && still != nullptr && *still == asked;
+                         respond(is_in ? welcome(asked, is_secure) : turn_away(asked.name, stranger));
+                         compare_next();
+                       });
+  }
+
+  [[nodiscard]] HttpResponse welcome(const User& user, bool is_secure) {
+    // The address is not forgiven: with a login of their own somebody could else guess on at those of others for ever.
+    names_.forgive(user.name);
+    const Identity identity{.user = user.name, .role = user.role};
+    HttpResponse answer = describe(identity);
+    const std::string token = tokens_.issue(identity, options_.now());
+    answer.headers.emplace_back("Set-Cookie", cookie_text(token, options_.token_life, is_secure));
+    return answer;
+  }
+
+  [[nodiscard]] HttpResponse turn_away(const std::string& name, const std::string& stranger) {
+    ++refused_logins_total_;
+    addresses_.add_failure(stranger, options_.now());
+    if (is_user_name(name)) names_.add_failure(name, options_.now());
+    return error_answer(401, "name or password is wrong");
+  }
+
+  AccessOptions options_;
+  UserList users_;
+  TokenStore tokens_;
+  BackOff addresses_{kLongestForAddress};
+  BackOff names_{kLongestForName};
+  std::deque<Attempt> waiting_;
+  bool is_comparing_ = false;
+  std::uint64_t refused_logins_total_ = 0;
+  PasswordThread passwords_;  // last: its thread ends before the rest goes
+};
+
+}  // namespace
+
+std::chrono::steady_clock::time_point time_since_boot() noexcept {
+  timespec now{};
+  ::clock_gettime(CLOCK_BOOTTIME, &now);
+  return std::chrono::steady_clock::time_point(std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec));
+}
+
+client::Result<std::unique_ptr<AccessControl>> AccessControl::open(boost::asio::io_context& io, const AccessOptions& options) {
+  if (sodium_init() < 0) return client::fail(client::ErrorCode::Failed, "libsodium cannot be used: no random numbers");
+  auto access = std::make_unique<AccessControlImpl>(io, options);
+  if (auto read = access->refresh(); !read) return tl::make_unexpected(read.error());
+  return access;
+}
+
+}  // namespace dts::gateway

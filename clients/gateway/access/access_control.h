@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "dts/error.h"
+#include "gateway/access/identity.h"
+#include "gateway/http/http_message.h"
+
+namespace dts::gateway {
+
+/// Time since the machine started, with the time it slept: who closes the lid for the night is logged out in the morning.
+[[nodiscard]] std::chrono::steady_clock::time_point time_since_boot() noexcept;
+
+struct AccessOptions {
+  std::string users_file{};                    ///< Empty: nobody can log in.
+  v1::Role local_role = v1::ROLE_UNSPECIFIED;  ///< Of whoever connects from this machine without a login; UNSPECIFIED: they log in too.
+  std::chrono::seconds token_life{12 * 3600};  ///< Of a login that is used; a shift.
+  std::chrono::seconds idle_life{2 * 3600};    ///< Of a login that is not; an open tab is a use.
+  std::function<std::chrono::steady_clock::time_point()> now = time_since_boot;
+};
+
+/// Tells who somebody is: by the token in the cookie "dts_token" (HttpOnly, SameSite=Strict, Secure over TLS), or as the local user.
+///
+/// Passwords are hashed with libsodium (argon2id), on a thread of their own, one at a time; a wrong name costs as much time as a wrong
+/// password. After five failures an address or a name waits, longer each time. Tokens are 256 random bits, kept as hashes, in memory only:
+/// a restart logs everybody out. Whose line in the users file is changed or gone is logged out at once; while that file cannot be read,
+/// nobody is let in.
+/// Thread: io, but for the hashing.
+class AccessControl {
+ public:
+  /// Reads the users. Fails with InvalidArgument, naming file and line, for a file that is not one, or that others may read.
+  [[nodiscard]] static client::Result<std::unique_ptr<AccessControl>> open(boost::asio::io_context& io, const AccessOptions& options);
+  virtual ~AccessControl() = default;
+  AccessControl(const AccessControl&) = delete;
+  AccessControl& operator=(const AccessControl&) = delete;
+
+  [[nodiscard]] virtual std::optional<Identity> identify(const HttpRequest& request) = 0;
+  /// POST /api/login {"user","password"}: 200 and the cookie, 401, or 429 with Retry-After. Only same-origin.
+  virtual void log_in(HttpRequest request, Respond respond) = 0;
+  /// POST /api/logout: forgets the token. Only same-origin.
+  virtual void log_out(const HttpRequest& request, const Respond& respond) = 0;
+  /// GET /api/me: {"user","role","can_log_in"}; role "none" when not logged in.
+  virtual void tell_who(const HttpRequest& request, const Respond& respond) = 0;
+  /// Logins that failed, or came too soon after those that did.
+  [[nodiscard]] virtual std::uint64_t refused_logins_total() const noexcept = 0;
+
+ protected:
+  AccessControl() = default;
+};
+
+}  // namespace dts::gateway

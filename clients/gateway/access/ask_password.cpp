@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
+
+#include "cli/interruption.h"
+#include "gateway/access/password.h"
+#include "gateway/access/user_commands.h"
+
+namespace dts::gateway {
+namespace {
+
+using client::ErrorCode;
+using client::Result;
+
+/// No echo while it lives. Ctrl-C waits until the echo is back.
+class Silence {
+ public:
+  explicit Silence(int descriptor) : descriptor_(descriptor) {
+    if (::tcgetattr(descriptor_, &before_) != 0) return;
+    termios silent = before_;
+    silent.c_lflag &= ~static_cast<tcflag_t>(ECHO);
+    silent.c_lflag |= static_cast<tcflag_t>(ECHONL);
+    is_silent_ = ::tcsetattr(descriptor_, TCSAFLUSH, &silent) == 0;
+  }
+  ~Silence() {
+    if (is_silent_) ::tcsetattr(descriptor_, TCSAFLUSH, &before_);
+  }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+
+  [[nodiscard]] explicit operator bool() const noexcept { return is_silent_; }
+  [[nodiscard]] bool is_interrupted() const noexcept { return interruption_.is_asked_for(); }
+
+ private:
+  cli::Interruption interruption_;
+  int descriptor_;
+  termios before_{};
+  bool is_silent_ = false;
+};
+
+constexpr int kLookEvery_ms = 100;
+
+/// A letter at a time: nothing of the password stays in a buffer of somebody else's.
+Result<Secret> read_line(int descriptor, const std::function<bool()>& is_interrupted) {
+  std::string line;
+  line.reserve(kMostPasswordBytes + 2);  // never moves, hence leaves nothing behind
+  while (true) {
+    // A read would sleep through Ctrl-C.
+    pollfd input{.fd = descriptor, .events = POLLIN, .revents = 0};
+    if (::poll(&input, 1, kLookEvery_ms) <= 0 && !is_interrupted()) continue;
+    if (is_interrupted()) {
+      wipe(line);
+      return client::fail(ErrorCode::Failed, "interrupted: nothing is changed");
+    }
+    char letter = 0;
+    const ssize_t got = ::read(descriptor, &letter, 1);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0 && line.empty()) return client::fail(ErrorCode::InvalidArgument, "no password was given");
+    if (got <= 0 || letter == '\n') return Secret(std::move(line));
+    line += letter;
+    if (line.size() > kMostPasswordBytes) return Secret(std::move(line));  // enough to be refused
+  }
+}
+
+}  // namespace
+
+Result<Secret> ask_password(int descriptor, cli::Console& console) {
+  if (::isatty(descriptor) == 0) return read_line(descriptor, [] { return false; });
+  const Silence silence(descriptor);
+  if (!silence) return client::fail(ErrorCode::Failed, "the terminal cannot be kept from showing the password");
+  const auto is_interrupted = [&silence] { return silence.is_interrupted(); };
+  console.talk << "Password: " << std::flush;
+  auto password = read_line(descriptor, is_interrupted);
+  if (!password) return password;
+  console.talk << "Again: " << std::flush;
+  const auto again = read_line(descriptor, is_interrupted);
+  if (!again) return tl::make_unexpected(again.error());
+  if (again->text() == password->text()) return password;
+  return client::fail(ErrorCode::InvalidArgument, "the two are not the same");
+}
+
+}  // namespace dts::gateway

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "dts/error.h"
+#include "gateway/access/secret.h"
+
+namespace dts::gateway {
+
+struct LoginRequest {
+  std::string user;
+  Secret password;
+};
+/// {"user","password"}, both texts, and nothing else. Wipes `body`.
+[[nodiscard]] client::Result<LoginRequest> read_login(std::string& body);
+
+}  // namespace dts::gateway

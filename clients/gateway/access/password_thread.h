@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+
+#include "gateway/access/secret.h"
+
+namespace dts::gateway {
+
+/// Compares passwords on a thread of its own ("password"), one at a time: each takes 64 MiB and a tenth of a second.
+class PasswordThread {
+ public:
+  using Compared = std::function<void(bool is_right)>;
+
+  explicit PasswordThread(boost::asio::io_context& io);
+  /// Waits for a comparison under way; its answer is not told any more.
+  ~PasswordThread() = default;
+  PasswordThread(const PasswordThread&) = delete;
+  PasswordThread& operator=(const PasswordThread&) = delete;
+
+  /// `compared` is called on the io thread. Not again before that. Thread: io.
+  void compare(std::string hash, Secret password, Compared compared);
+
+ private:
+  struct Job {
+    std::string hash;
+    Secret password;
+    Compared compared;
+  };
+  void run(const std::stop_token& stop);
+
+  boost::asio::io_context& io_;
+  std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);  ///< Goes with this object: looked at on the io thread only.
+  std::mutex mutex_;
+  std::condition_variable_any changed_;
+  std::unique_ptr<Job> job_;
+  std::jthread thread_;  // last: ends before the rest goes
+};
+
+}  // namespace dts::gateway

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/archive/archive.h"
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "gateway/archive/archive_path.h"
+#include "gateway/archive/export_cache.h"
+#include "gateway/archive/export_maker.h"
+#include "gateway/archive/report_shelf.h"
+#include "gateway/archive/session_files.h"
+#include "gateway/archive/shared_work.h"
+#include "gateway/archive/work_folder.h"
+#include "gateway/http/json_answer.h"
+#include "record/export/walk.h"
+
+namespace dts::gateway {
+namespace {
+
+constexpr std::size_t kReportBytes = 64U << 20U;
+// A page has no script and fetches nothing. With an origin of its own ("sandbox" alone) a browser would take a click on a link to the next
+// page for somebody else's and send it without the cookie, since that is SameSite=Strict.
+constexpr std::string_view kPagePolicy =
+    "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'; sandbox allow-same-origin";
+
+HttpResponse busy() {
+  HttpResponse answer = error_answer(503, "too many reports and exports are being made", "try again in a moment");
+  answer.headers.emplace_back("Retry-After", "5");
+  return answer;
+}
+
+/// Too large is so for good: 429 would say that it helps to wait.
+HttpResponse not_made(const core::Error& error) {
+  if (error.code == core::ErrorCode::LimitExceeded) return error_answer(507, error.what, error.hint);
+  return error_answer(error);
+}
+
+HttpResponse not_found(std::string_view what) { return error_answer(404, what); }
+
+/// A file that a browser is to keep, not to show.
+HttpResponse download(FileBody file, const std::string& name, std::string content_type) {
+  return {.content_type = std::move(content_type),
+          .body = std::move(file),
+          .headers = {{"Content-Disposition", "attachment; filename=\"" + record::fit_for_file_name(name) + "\""},
+                      {"Cache-Control", "no-store"},
+                      {"X-Content-Type-Options", "nosniff"}}};
+}
+
+HttpResponse list_pages(const report::Report& made) {
+  cli::Json pages = cli::Json::array();
+  for (const report::Page& page : made.pages) pages.push_back(page.file);
+  return json_answer(200, {{"pages", pages}, {"damage", made.damage}});
+}
+
+HttpResponse show_page(const report::Report& made, const std::string& name) {
+  const auto page = std::ranges::find(made.pages, name, &report::Page::file);
+  if (page == made.pages.end()) return not_found("this report has no such page");
+  return {.content_type = name.ends_with(".svg") ? "image/svg+xml" : "text/html; charset=utf-8",
+          .body = page->text,
+          .headers = {
+              {"Content-Security-Policy", std::string(kPagePolicy)}, {"X-Content-Type-Options", "nosniff"}, {"Cache-Control", "no-store"}}};
+}
+
+core::Result<ReportPointer> make_pages(const std::vector<std::string>& files, const std::stop_token& stop) {
+  // The program's name stands on the pages: they are to be the same bytes as `dtsctl report` makes.
+  const report::ReportSource source{.files = files, .software = "dtsctl " + std::string(client::version())};
+  auto made = report::make_report(source, [&stop](double) { return !stop.stop_requested(); });
+  if (made) return std::make_shared<const report::Report>(std::move(*made));
+  if (made.error().code != core::ErrorCode::NotFound) return tl::make_unexpected(made.error());
+  return core::fail(core::ErrorCode::NotFound, "no report page for chair sessions yet", "export CSV");
+}
+
+struct MadeExport {
+  std::shared_ptr<WorkFolder> folder;  ///< Goes when the zip has found its place, or none.
+  std::uint64_t bytes = 0;
+};
+
+class ArchiveImpl final : public Archive {
+ public:
+  ArchiveImpl(boost::asio::io_context& io, std::uint64_t work_bytes, std::unique_ptr<ExportCache> cache, FindSession find_session)
+      : find_session_(std::move(find_session)),
+        work_bytes_(work_bytes),
+        cache_(std::move(cache)),
+        reports_(worker_, [this](const std::string& key, const ReportPointer& made) { shelf_.keep(key, made); }),
+        exports_(worker_,
+                 [this](const std::string& key, const MadeExport& made) {
+                   // Without room `find` has nothing for those who asked, and they are told to come again.
+                   static_cast<void>(cache_->keep(key, made.folder->path() / "export.zip", made.bytes));
+                 }),
+        worker_(io) {}
+
+  void handle(HttpRequest request, Respond respond) override {
+    if (request.method != "GET" && request.method != "HEAD") {
+      return respond({.status = 405, .body = "not that way\n", .headers = {{"Allow", "GET, HEAD"}}});
+    }
+    auto path = read_archive_path(request.path);
+    if (!path) return respond(not_found("there is nothing of that name"));
+    const std::string session_id = path->session_id;
+    find_session_(session_id, [this, is_alive = std::weak_ptr<bool>(is_alive_), path = std::move(*path),
+                               respond = std::move(respond)](const client::Result<v1::SessionRecord>& session) {
+      if (is_alive.expired()) return;
+      if (!session) return respond(error_answer(session.error()));
+      if (session->session_id() != path.session_id) return respond(error_answer(500, "the daemon told of another session"));
+      answer(path, *session, respond);
+    });
+  }
+
+ private:
+  void answer(const ArchivePath& path, const v1::SessionRecord& session, const Respond& respond) {
+    if (path.kind == ArchivePath::Kind::Recording) return send_recording(session, path.part, respond);
+    auto files = files_of(session);
+    if (!files) return respond(error_answer(files.error()));
+    switch (path.kind) {
+      case ArchivePath::Kind::Csv: return send_export(session, ExportFormat::Csv, std::move(*files), respond);
+      case ArchivePath::Kind::Bids: return send_export(session, ExportFormat::Bids, std::move(*files), respond);
+      default: return send_report(session, path.page, std::move(*files), respond);
+    }
+  }
+
+  static void send_recording(const v1::SessionRecord& session, std::uint32_t part, const Respond& respond) {
+    const auto file = file_of(session, part);
+    if (!file) return respond(error_answer(file.error()));
+    const std::filesystem::path path(*file);
+    respond(download({.path = path}, path.filename().string(), "application/octet-stream"));
+  }
+
+  /// `page` empty: the list of pages.
+  void send_report(const v1::SessionRecord& session, const std::string& page, std::vector<std::string> files, const Respond& respond) {
+    const auto show = [page](const report::Report& made) { return page.empty() ? list_pages(made) : show_page(made, page); };
+    const std::string key = session.session_id() + "\n" + fingerprint_of(session);
+    if (const ReportPointer made = shelf_.find(key)) return respond(show(*made));
+    const bool is_taken = reports_.ask(
+        key, [files = std::move(files)](const std::stop_token& stop) { return make_pages(files, stop); },
+        [show, respond](const core::Result<ReportPointer>& made) { respond(made ? show(**made) : not_made(made.error())); });
+    if (!is_taken) respond(busy());
+  }
+
+  void send_export(const v1::SessionRecord& session, ExportFormat format, std::vector<std::string> files, const Respond& respond) {
+    const std::string key = name(format) + "\n" + session.session_id() + "\n" + fingerprint_of(session);
+    const std::string file_name = session.session_id() + "-" + name(format) + ".zip";
+    if (ExportCache::Held held = cache_->find(key)) return respond(zip_answer(std::move(held), file_name));
+    const ExportOrder order{.session_id = session.session_id(), .format = format, .files = std::move(files), .most_bytes = work_bytes_};
+    const auto folder = std::make_shared<WorkFolder>(cache_->new_folder());
+    const bool is_taken = exports_.ask(
+        key,
+        [order, folder](const std::stop_token& stop) {
+          return make_export(order, folder->path(), stop).map([&folder](std::uint64_t bytes) { return MadeExport{folder, bytes}; });
+        },
+        [this, key, file_name, respond](const core::Result<MadeExport>& made) {
+          if (!made) return respond(not_made(made.error()));
+          ExportCache::Held held = cache_->find(key);
+          respond(held ? zip_answer(std::move(held), file_name) : busy());
+        });
+    if (!is_taken) respond(busy());
+  }
+
+  /// The cache cannot drop the file before it is sent.
+  static HttpResponse zip_answer(ExportCache::Held held, const std::string& file_name) {
+    FileBody body{.path = held->file};
+    body.when_done = [held = std::move(held)]() mutable { held.reset(); };
+    return download(std::move(body), file_name, "application/zip");
+  }
+
+  FindSession find_session_;
+  std::uint64_t work_bytes_;
+  std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);
+  std::unique_ptr<ExportCache> cache_;
+  ReportShelf shelf_{kReportBytes};
+  SharedWork<ReportPointer> reports_;
+  SharedWork<MadeExport> exports_;
+  Worker worker_;  // last: its thread ends before the rest goes
+};
+
+}  // namespace
+
+client::Result<std::unique_ptr<Archive>> Archive::open(boost::asio::io_context& io, const ArchiveOptions& options,
+                                                       FindSession find_session) {
+  // Half of the bytes is for what is kept, half for what is being made: never more lies on the disk.
+  const std::uint64_t work_bytes = options.cache_bytes / 2;
+  // In a folder of its own within: a directory that was given by mistake keeps what it holds.
+  auto cache = ExportCache::open(options.cache_directory / "dts-gateway-exports", options.cache_bytes - work_bytes);
+  if (!cache) return tl::make_unexpected(cache.error());
+  return std::make_unique<ArchiveImpl>(io, work_bytes, std::move(*cache), std::move(find_session));
+}
+
+}  // namespace dts::gateway

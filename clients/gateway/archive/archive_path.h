@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace dts::gateway {
+
+/// What is asked for below /api/sessions/.
+struct ArchivePath {
+  enum class Kind : std::uint8_t { Report, Page, Recording, Csv, Bids };
+
+  std::string session_id;
+  Kind kind = Kind::Report;
+  std::string page{};      ///< Of Page: "trial-01.html"
+  std::uint32_t part = 0;  ///< Of Recording.
+};
+
+/// Nothing for a path that leads nowhere, whatever sessions there are. Ids and pages are letters, digits, '.', '_' and '-' and do not begin
+/// with a '.'.
+[[nodiscard]] std::optional<ArchivePath> read_archive_path(std::string_view path);
+
+}  // namespace dts::gateway

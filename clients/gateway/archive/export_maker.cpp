@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/archive/export_maker.h"
+
+#include <algorithm>
+#include <fstream>
+#include <system_error>
+
+#include "gateway/archive/work_folder.h"
+#include "gateway/archive/zip_file.h"
+#include "record/export/export.h"
+#include "record/export/walk.h"
+#include "record/xdf/recovery.h"
+
+namespace dts::gateway {
+namespace {
+
+namespace fs = std::filesystem;
+
+core::Status check_size(const ExportOrder& order, std::uint64_t bytes) {
+  if (bytes <= order.most_bytes) return {};
+  return core::fail(core::ErrorCode::LimitExceeded,
+                    "this export is too large for the gateway: it may take " + std::to_string(order.most_bytes >> 20U) + " MiB",
+                    "on the daemon's host: dtsctl session export " + order.session_id + " --format " + name(order.format));
+}
+
+/// Into `folder`; adds to `damage` what is not whole of the recording.
+core::Status export_part(const ExportOrder& order, const std::string& file, const fs::path& folder, const record::Progress& progress,
+                         std::string& damage) {
+  const auto recording = record::Recording::open(file);
+  if (!recording) return tl::make_unexpected(recording.error());
+  if (!(*recording)->damage().empty()) {
+    damage += fs::path(file).filename().string() + ": " + (*recording)->damage() + "; what is whole is exported\n";
+  } else if (const auto verified = record::verify(file, progress); !verified) {
+    // Wrong values look like any others: only the checksums know. A figure in a table must not come from a damaged file.
+    return tl::make_unexpected(verified.error());
+  }
+  const auto exported = order.format == ExportFormat::Csv ? record::export_csv(**recording, folder.string(), progress)
+                                                          : record::export_bids(**recording, folder.string(), progress);
+  if (!exported) return tl::make_unexpected(exported.error());
+  return {};
+}
+
+core::Status export_parts(const ExportOrder& order, const fs::path& data, const std::stop_token& stop) {
+  const fs::path folder = data / (record::fit_for_file_name(order.session_id) + "-" + name(order.format));
+  core::Status fits;
+  const record::Progress progress = [&](std::uint64_t, std::uint64_t) {
+    if (fits) fits = check_size(order, bytes_below(data));
+    return fits && !stop.stop_requested();
+  };
+  std::string damage;
+  for (const std::string& file : order.files) {
+    const auto exported = export_part(order, file, folder, progress, damage);
+    if (stop.stop_requested()) return core::fail(core::ErrorCode::Failed, "the gateway stops: nothing was exported");
+    if (fits) fits = check_size(order, bytes_below(data));  // small ones make no progress that is told
+    if (!fits) return fits;
+    if (!exported) return exported;
+  }
+  if (damage.empty()) return {};
+  if (std::ofstream(data / "DAMAGE.txt") << damage << std::flush) return {};
+  return core::fail(core::ErrorCode::Failed, "cannot write into '" + data.string() + "'");
+}
+
+}  // namespace
+
+std::string name(ExportFormat format) { return format == ExportFormat::Csv ? "csv" : "bids"; }
+
+core::Result<std::uint64_t> make_export(const ExportOrder& order, const fs::path& folder, const std::stop_token& stop) {
+  const fs::path data = folder / "data";
+  std::error_code failed;
+  fs::create_directories(data, failed);
+  if (failed) return core::fail_errno(failed.value(), "cannot make the folder '" + data.string() + "'");
+  if (auto exported = export_parts(order, data, stop); !exported) return tl::make_unexpected(exported.error());
+  const std::uint64_t rest = order.most_bytes - std::min(order.most_bytes, bytes_below(data));
+  auto zip = write_zip(data, folder / "export.zip", rest, [&stop] { return !stop.stop_requested(); });
+  fs::remove_all(data, failed);
+  if (!zip && zip.error().code == core::ErrorCode::LimitExceeded) return tl::make_unexpected(check_size(order, ~0ULL).error());
+  return zip;
+}
+
+}  // namespace dts::gateway

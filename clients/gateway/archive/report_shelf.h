@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <list>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "report/report.h"
+
+namespace dts::gateway {
+
+using ReportPointer = std::shared_ptr<const report::Report>;
+
+/// Reports that were asked for lately: of too many the one that was not asked for longest goes.
+class ReportShelf {
+ public:
+  explicit ReportShelf(std::size_t most_bytes) : most_bytes_(most_bytes) {}
+
+  /// Null: not here.
+  [[nodiscard]] ReportPointer find(const std::string& key);
+  /// One that is larger than the whole shelf is not kept.
+  void keep(const std::string& key, ReportPointer report);
+
+ private:
+  struct Place {
+    std::string key;
+    ReportPointer report;
+    std::size_t bytes = 0;
+  };
+  std::size_t most_bytes_;
+  std::size_t bytes_ = 0;
+  std::list<Place> places_{};  ///< The latest in front.
+};
+
+}  // namespace dts::gateway

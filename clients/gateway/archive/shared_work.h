@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <exception>
+#include <functional>
+#include <map>
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/result.h"
+#include "gateway/archive/worker.h"
+
+namespace dts::gateway {
+
+/// Has things made by the worker: each once, however many ask for it meanwhile. Thread: io, but for `Make`.
+template <class Thing>
+class SharedWork {
+ public:
+  using Make = std::function<core::Result<Thing>(const std::stop_token& stop)>;
+  using Made = std::function<void(const core::Result<Thing>& thing)>;
+
+  /// `keep` is told of each thing once, before those who asked.
+  SharedWork(Worker& worker, std::function<void(const std::string& key, const Thing& thing)> keep)
+      : worker_(worker), keep_(std::move(keep)) {}
+
+  /// False, with nothing begun: too much is waiting.
+  [[nodiscard]] bool ask(const std::string& key, Make make, Made made) {
+    if (const auto under_way = askers_.find(key); under_way != askers_.end()) {
+      under_way->second.push_back(std::move(made));
+      return true;
+    }
+    const bool is_taken = worker_.submit([this, key, make = std::move(make)](const std::stop_token& stop) -> Worker::Told {
+      auto thing = std::make_shared<core::Result<Thing>>(made_by(make, stop));
+      return [this, key, thing] { tell(key, *thing); };
+    });
+    if (is_taken) askers_[key].push_back(std::move(made));
+    return is_taken;
+  }
+
+ private:
+  /// What is too large for the memory costs an answer, not the gateway.
+  static core::Result<Thing> made_by(const Make& make, const std::stop_token& stop) {
+    try {
+      return make(stop);
+    } catch (const std::exception& problem) {
+      return core::fail(core::ErrorCode::Failed, std::string("this cannot be made: ") + problem.what());
+    }
+  }
+
+  void tell(const std::string& key, const core::Result<Thing>& thing) {
+    if (thing) keep_(key, *thing);
+    const auto askers = askers_.extract(key);  // one of them may ask again
+    for (const Made& made : askers.mapped()) made(thing);
+  }
+
+  Worker& worker_;
+  std::function<void(const std::string& key, const Thing& thing)> keep_;
+  std::map<std::string, std::vector<Made>> askers_;
+};
+
+}  // namespace dts::gateway

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/archive/worker.h"
+
+#include <boost/asio/post.hpp>
+#include <utility>
+
+#include "core/thread.h"
+
+namespace dts::gateway {
+
+Worker::Worker(boost::asio::io_context& io) : io_(io), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+bool Worker::submit(Work work) {
+  if (not_done_ > kMostWaiting) return false;
+  ++not_done_;
+  {
+    const std::scoped_lock lock(mutex_);
+    waiting_.push_back(std::move(work));
+  }
+  changed_.notify_one();
+  return true;
+}
+
+void Worker::run(const std::stop_token& stop) {
+  static_cast<void>(core::configure_this_thread("archive", {}));  // it wishes for nothing but its name
+  const std::weak_ptr<bool> is_alive = is_alive_;
+  while (true) {
+    std::unique_lock lock(mutex_);
+    if (!changed_.wait(lock, stop, [this] { return !waiting_.empty(); }) || stop.stop_requested()) return;
+    Work work = std::move(waiting_.front());
+    waiting_.pop_front();
+    lock.unlock();
+    Told told = work(stop);
+    work = nullptr;  // what it held is let go before anybody is told
+    boost::asio::post(io_, [this, is_alive, told = std::move(told)] {
+      if (is_alive.expired()) return;
+      --not_done_;
+      told();
+    });
+  }
+}
+
+}  // namespace dts::gateway

@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/bus/hub.h"
+
+#include <chrono>
+#include <utility>
+
+#include "gateway/bus/hub_tab.h"
+
+namespace dts::gateway {
+namespace {
+
+constexpr std::chrono::milliseconds kTellingPause{200};
+
+TabQueue::Dropped sum(const TabQueue::Dropped& one, const TabQueue::Dropped& other) {
+  return {.blocks = one.blocks + other.blocks, .scans = one.scans + other.scans, .events = one.events + other.events};
+}
+
+}  // namespace
+
+Hub::Hub(boost::asio::io_context& io, CommandPool& commands, std::function<void(std::vector<std::string>)> want, std::string version)
+    : io_(io), commands_(commands), want_(std::move(want)), version_(std::move(version)), timer_(io) {}
+
+Hub::~Hub() = default;
+
+void Hub::take(const BusItem& item) {
+  if (const auto* message = std::get_if<CarriedPointer>(&item)) {
+    keep(*message);
+    for (HubTab* tab : tabs_) tab->push(*message);
+    return;
+  }
+  link_ = std::get<v1::Link>(item);
+  for (HubTab* tab : tabs_) tab->tell(link_);
+}
+
+/// The states of a daemon that is gone are no longer told anybody.
+void Hub::keep(const CarriedPointer& message) {
+  if (message->instance_id != instance_id_) retained_.clear();
+  instance_id_ = message->instance_id;
+  if (message->is_retained) retained_[message->topic] = message;
+}
+
+std::unique_ptr<Tab> Hub::open_tab(const Identity& identity, TabConnection& connection) {
+  auto tab = std::make_unique<HubTab>(*this, io_, commands_, identity, connection);
+  tab->welcome(version_, link_);
+  tabs_.insert(tab.get());
+  return tab;
+}
+
+void Hub::close_tab(HubTab& tab) {
+  tabs_.erase(&tab);
+  dropped_for_closed_ = sum(dropped_for_closed_, tab.dropped());
+  tell_wishes();
+}
+
+CarriedPointer Hub::status() const {
+  const auto known = retained_.find(std::string(kStatusTopic));
+  return link_.is_up() && known != retained_.end() ? known->second : nullptr;
+}
+
+TabQueue::Dropped Hub::dropped() const {
+  TabQueue::Dropped all = dropped_for_closed_;
+  for (const HubTab* tab : tabs_) all = sum(all, tab->dropped());
+  return all;
+}
+
+void Hub::wishes_changed(HubTab& tab) {
+  for (const auto& [topic, message] : retained_) tab.push(message);
+  tell_wishes();
+}
+
+void Hub::tell_wishes() {
+  if (is_telling_later_) return;
+  if (!tellings_.take(std::chrono::steady_clock::now())) return tell_wishes_later();
+  std::set<std::string> together;
+  for (const HubTab* tab : tabs_) together.insert(tab->prefixes().begin(), tab->prefixes().end());
+  if (together == wishes_) return;
+  wishes_ = together;
+  want_({together.begin(), together.end()});
+}
+
+void Hub::tell_wishes_later() {
+  is_telling_later_ = true;
+  timer_.expires_after(kTellingPause);
+  timer_.async_wait([this](const boost::system::error_code& error) {
+    if (error) return;
+    is_telling_later_ = false;
+    tell_wishes();
+  });
+}
+
+}  // namespace dts::gateway

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/bus/hub_tab.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "gateway/access/command_id.h"
+#include "gateway/bus/hub.h"
+
+namespace dts::gateway {
+namespace {
+
+using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, as host times
+
+constexpr unsigned kPolicyViolation = 1008;  // RFC 6455, 7.4.1
+constexpr unsigned kLoggedOut = 4401;        // ours; the like of HTTP's 401
+constexpr std::size_t kMostCommandsUnderWay = 8;
+constexpr std::size_t kLongestRequestId = 64;
+/// So much on the way to the kernel means a slow network: what comes now waits in the queue, where it can be dropped.
+constexpr std::size_t kMostUnsentBytes = 256U << 10U;
+constexpr std::chrono::milliseconds kSlowNetworkPause{50};
+
+client::Error refusal(client::ErrorCode code, std::string what, std::string hint) {
+  return {.code = code, .what = std::move(what), .hint = std::move(hint)};
+}
+
+/// Whole characters of it only: half of one would make the message unreadable.
+std::string short_id(const std::string& id) {
+  std::size_t length = std::min(id.size(), kLongestRequestId);
+  while (length > 0 && length < id.size() && (static_cast<unsigned char>(id[length]) & 0xC0U) == 0x80) --length;
+  return id.substr(0, length);
+}
+
+}  // namespace
+
+HubTab::HubTab(Hub& hub, boost::asio::io_context& io, CommandPool& commands, Identity identity, TabConnection& connection)
+    : hub_(hub),
+      commands_(commands),
+      identity_(std::move(identity)),
+      connection_(connection),
+      timer_(io),
+      self_(std::make_shared<HubTab*>(this)) {}
+
+HubTab::~HubTab() { hub_.close_tab(*this); }
+
+void HubTab::welcome(const std::string& version, const v1::Link& link) {
+  v1::FromGateway message;
+  v1::Welcome& welcome = *message.mutable_welcome();
+  welcome.set_user(identity_.user);
+  welcome.set_role(identity_.role);
+  welcome.set_version(version);
+  *welcome.mutable_link() = link;
+  send(message);
+}
+
+void HubTab::tell(const v1::Link& link) {
+  v1::FromGateway message;
+  *message.mutable_link() = link;
+  send(message);
+}
+
+void HubTab::push(const CarriedPointer& message) {
+  // The status comes every second: often enough to notice that a login has ended.
+  if (message->kind == Carried::Kind::Status && !identity_.holds()) return connection_.close(kLoggedOut, "the login has ended");
+  queue_.push(message, Clock::now());
+  arm();
+}
+
+void HubTab::on_message(std::string_view bytes) {
+  v1::FromBrowser message;
+  if (!message.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) {
+    return connection_.close(kPolicyViolation, "not a message of dts.v1");
+  }
+  switch (message.body_case()) {
+    case v1::FromBrowser::kSubscribe: return on_subscribe(std::move(*message.mutable_subscribe()));
+    case v1::FromBrowser::kPainted:
+      if (!queue_.painted(message.painted().frame())) return connection_.close(kPolicyViolation, "painted a frame that was not sent");
+      return arm();
+    case v1::FromBrowser::kClockProbe: return answer_clock(message.clock_probe());
+    case v1::FromBrowser::kRequest: return on_request(std::move(*message.mutable_request()));
+    case v1::FromBrowser::BODY_NOT_SET: break;
+  }
+  connection_.close(kPolicyViolation, "an empty message");
+}
+
+void HubTab::on_subscribe(v1::Subscribe&& wanted) {
+  std::vector<std::string> prefixes(wanted.mutable_topics()->begin(), wanted.mutable_topics()->end());
+  if (!queue_.subscribe(std::move(prefixes), wanted.frames_per_second())) {
+    return connection_.close(kPolicyViolation, "too many or too long topics, or an impossible rate");
+  }
+  hub_.wishes_changed(*this);
+}
+
+void HubTab::answer_clock(const v1::ClockProbe& probe) {
+  v1::FromGateway message;
+  message.mutable_clock_answer()->set_browser_ms(probe.browser_ms());
+  message.mutable_clock_answer()->set_host_time_ns(std::chrono::nanoseconds(Clock::now().time_since_epoch()).count());
+  send(message);
+}
+
+void HubTab::on_request(v1::Request&& request) {
+  const v1::Role needed = role_needed(request);
+  const std::string id = request.request_id();
+  if (id.empty() || id.size() > kLongestRequestId || needed == v1::ROLE_UNSPECIFIED) {
+    return refuse(id, refusal(client::ErrorCode::InvalidArgument, "not a command that this version knows", "reload the page"));
+  }
+  if (!identity_.holds()) return connection_.close(kLoggedOut, "the login has ended");
+  if (!may(identity_, needed)) {
+    const std::string role = needed == v1::ROLE_ENGINEER ? "engineer" : "operator";
+    return refuse(id, refusal(client::ErrorCode::NotAllowed, "this needs the role of an " + role, "log in as somebody who has it"));
+  }
+  if (commands_under_way_ == kMostCommandsUnderWay) {
+    return refuse(id, refusal(client::ErrorCode::LimitExceeded, "too many commands at once", "wait for the answers to those before"));
+  }
+  ++commands_under_way_;
+  request.set_request_id(command_id(identity_.user, id));
+  // Of who has no login the daemon itself says "local"; what the browser says of itself counts for nothing.
+  request.set_on_behalf_of(identity_.user == kLocalUser ? std::string() : identity_.user);
+  commands_.submit(std::move(request), [self = std::weak_ptr(self_), id](client::Result<v1::Response> answer) {
+    const auto tab = self.lock();
+    if (!tab) return;
+    --(*tab)->commands_under_way_;
+    if (!answer) return (*tab)->refuse(id, answer.error());
+    answer->set_request_id(id);
+    v1::FromGateway message;
+    *message.mutable_response() = std::move(*answer);
+    (*tab)->send(message);
+  });
+}
+
+void HubTab::refuse(const std::string& request_id, const client::Error& error) {
+  v1::FromGateway message;
+  v1::Response& response = *message.mutable_response();
+  response.set_request_id(short_id(request_id));
+  response.mutable_error()->set_code(static_cast<v1::ErrorCode>(error.code));
+  response.mutable_error()->set_what(error.what);
+  response.mutable_error()->set_hint(error.hint);
+  send(message);
+}
+
+/// Sees to it that the next frame leaves when it is due.
+void HubTab::arm() {
+  if (is_armed_) return;
+  auto due = queue_.due();
+  if (!due) return;
+  if (connection_.unsent_bytes() > kMostUnsentBytes) due = std::max(*due, Clock::now() + kSlowNetworkPause);
+  is_armed_ = true;
+  timer_.expires_at(*due);
+  timer_.async_wait([self = std::weak_ptr(self_)](const boost::system::error_code& error) {
+    const auto tab = self.lock();
+    if (error || !tab) return;
+    HubTab& me = **tab;
+    me.is_armed_ = false;
+    if (me.connection_.unsent_bytes() <= kMostUnsentBytes && me.queue_.due()) me.connection_.send(me.queue_.take_frame(Clock::now()));
+    me.arm();
+  });
+}
+
+void HubTab::send(const v1::FromGateway& message) { connection_.send(message.SerializeAsString()); }
+
+}  // namespace dts::gateway

@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/gateway.h"
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <semaphore>
+#include <system_error>
+#include <utility>
+
+#include "cli/exit_status.h"
+#include "dts/endpoints.h"
+#include "gateway/archive/work_folder.h"
+#include "gateway/bus/hub.h"
+#include "gateway/metrics/metrics.h"
+#include "gateway/routes.h"
+
+namespace dts::gateway {
+namespace {
+
+namespace asio = boost::asio;
+
+/// Items on the way from the bus thread to the io thread. When there are more the bus waits; what libzmq then drops is seen by every tab
+/// as missing scans.
+constexpr std::ptrdiff_t kMostItemsUnderWay = 4096;
+constexpr std::chrono::milliseconds kLookForEnd{100};
+/// How long browsers have to answer that the gateway leaves them.
+constexpr std::chrono::milliseconds kLongestGoodbye{500};
+constexpr std::chrono::milliseconds kGoodbyeTurn{10};
+
+/// Whether somebody (nohup) wants us to outlive the terminal.
+bool is_hangup_ignored() noexcept {
+  struct sigaction now {};
+  return ::sigaction(SIGHUP, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
+client::Result<v1::SessionRecord> session_of(client::Result<v1::Response> answer) {
+  if (!answer) return tl::make_unexpected(answer.error());
+  return std::move(*answer->mutable_session_record());
+}
+
+FindSession find_session_through(CommandPool& commands) {
+  return [&commands](const std::string& session_id, std::function<void(client::Result<v1::SessionRecord>)> found) {
+    v1::Request request;
+    request.mutable_show_session()->set_session_id(session_id);
+    commands.submit(std::move(request),
+                    [found = std::move(found)](client::Result<v1::Response> answer) { found(session_of(std::move(answer))); });
+  };
+}
+
+/// Everything there is, in the order in which it depends on each other.
+class Gateway {
+ public:
+  explicit Gateway(const Options& options, const client::Endpoints& endpoints)
+      : options_(options),
+        endpoints_(endpoints),
+        commands_(io_, endpoints.control),
+        hub_(
+            io_, commands_, [this](std::vector<std::string> prefixes) { reader_->want(std::move(prefixes)); }, DTS_VERSION) {
+    // What ends by default would leave its temporary folder behind.
+    if (!is_hangup_ignored()) signals_.add(SIGHUP);
+  }
+  ~Gateway() { is_ending_.store(true, std::memory_order_relaxed); }
+  Gateway(const Gateway&) = delete;
+  Gateway& operator=(const Gateway&) = delete;
+
+  client::Result<void> open();
+  void run();
+  [[nodiscard]] std::uint16_t port() const noexcept { return server_->port(); }
+
+ private:
+  client::Result<void> open_parts();
+  [[nodiscard]] client::Result<std::filesystem::path> cache_directory();
+  client::Result<void> start_reader();
+  [[nodiscard]] ServerHooks hooks();
+  [[nodiscard]] std::optional<Identity> admit(const HttpRequest& request);
+  [[nodiscard]] GatewayCounts counts() const;
+  void pass(BusItem item);
+  void end();
+  void await_goodbyes();
+
+  Options options_;
+  client::Endpoints endpoints_;
+  asio::io_context io_{1};
+  asio::signal_set signals_{io_, SIGINT, SIGTERM};  ///< From before there is anything to tidy up.
+  asio::steady_timer patience_{io_};
+  std::chrono::steady_clock::time_point leaves_at_{};
+  std::optional<WorkFolder> temporary_;
+  CommandPool commands_;
+  Hub hub_;
+  StaticFiles files_;
+  std::unique_ptr<AccessControl> access_;
+  std::unique_ptr<Archive> archive_;
+  std::unique_ptr<Routes> routes_;
+  std::counting_semaphore<kMostItemsUnderWay> free_places_{kMostItemsUnderWay};
+  std::atomic<bool> is_ending_ = false;  ///< Read by the bus thread, which must not wait for an io thread that has ended.
+  std::unique_ptr<BusReader> reader_;
+  std::unique_ptr<Server> server_;  ///< Last: tabs that go tell the reader that nobody wants their topics any more.
+};
+
+/// Thread: bus.
+void Gateway::pass(BusItem item) {
+  while (!free_places_.try_acquire_for(kLookForEnd)) {
+    if (is_ending_.load(std::memory_order_relaxed)) return;
+  }
+  asio::post(io_, [this, item = std::move(item)] {
+    free_places_.release();
+    hub_.take(item);
+  });
+}
+
+std::optional<Identity> Gateway::admit(const HttpRequest& request) {
+  auto identity = access_->identify(request);
+  if (!identity) return identity;
+  identity->holds = [this, request, user = identity->user, role = identity->role] {
+    const auto now = access_->identify(request);
+    return now && now->user == user && now->role == role;
+  };
+  return identity;
+}
+
+GatewayCounts Gateway::counts() const {
+  return {.version = DTS_VERSION,
+          .server = server_->statistics(),
+          .dropped = hub_.dropped(),
+          .refused_logins_total = access_->refused_logins_total()};
+}
+
+ServerHooks Gateway::hooks() {
+  return {.handle = [this](HttpRequest request, Respond respond) { routes_->handle(std::move(request), std::move(respond)); },
+          .admit = [this](const HttpRequest& request) { return admit(request); },
+          .open_tab = [this](const Identity& identity, TabConnection& connection) { return hub_.open_tab(identity, connection); }};
+}
+
+/// Where the archive puts what it makes: the user's wish, systemd's, or a temporary folder that goes with the gateway.
+client::Result<std::filesystem::path> Gateway::cache_directory() {
+  if (!options_.cache_directory.empty()) return options_.cache_directory;
+  const char* given = std::getenv("CACHE_DIRECTORY");
+  if (given != nullptr && *given != '\0') return given;
+  std::error_code failed;
+  std::string name = (std::filesystem::temp_directory_path(failed) / "dts-gateway-XXXXXX").string();
+  // Under a name that can be guessed somebody else may have put a link, or a folder of theirs.
+  if (!failed && ::mkdtemp(name.data()) == nullptr) failed.assign(errno, std::generic_category());
+  if (failed) {
+    return client::fail(client::ErrorCode::Failed, "cannot make the temporary folder '" + name + "': " + failed.message(),
+                        "set TMPDIR, or give --cache");
+  }
+  temporary_.emplace(name);
+  return temporary_->path();
+}
+
+client::Result<void> Gateway::open_parts() {
+  auto root = web_root(options_);
+  if (!root) return tl::make_unexpected(root.error());
+  auto files = StaticFiles::load(*root);
+  if (!files) return tl::make_unexpected(files.error());
+  files_ = std::move(*files);
+  const auto access_wanted = access_options(options_);
+  if (!access_wanted) return tl::make_unexpected(access_wanted.error());
+  auto access = AccessControl::open(io_, *access_wanted);
+  if (!access) return tl::make_unexpected(access.error());
+  access_ = std::move(*access);
+  const auto cache = cache_directory();
+  if (!cache) return tl::make_unexpected(cache.error());
+  auto archive = Archive::open(io_, {.cache_directory = *cache}, find_session_through(commands_));
+  if (!archive) return tl::make_unexpected(archive.error());
+  archive_ = std::move(*archive);
+  std::function<std::string()> metrics;
+  if (options_.has_metrics) metrics = [this] { return metrics_text(hub_.status(), counts()); };
+  routes_ = std::make_unique<Routes>(*access_, *archive_, files_, std::move(metrics));
+  return {};
+}
+
+client::Result<void> Gateway::start_reader() {
+  auto reader = BusReader::start(endpoints_.data, [this](BusItem item) { pass(std::move(item)); });
+  if (!reader) return tl::make_unexpected(reader.error());
+  reader_ = std::move(*reader);
+  return {};
+}
+
+client::Result<void> Gateway::open() {
+  const auto wanted = server_options(options_);
+  if (!wanted) return tl::make_unexpected(wanted.error());
+  if (auto opened = open_parts(); !opened) return opened;
+  auto server = Server::open(io_, *wanted, hooks());
+  if (!server) return tl::make_unexpected(server.error());
+  server_ = std::move(*server);
+  return start_reader();
+}
+
+void Gateway::run() {
+  signals_.async_wait([this](const boost::system::error_code& error, int /*signal*/) {
+    if (!error) end();
+  });
+  io_.run();
+}
+
+/// Connections say goodbye. The answer to a command under way is told nobody any more.
+void Gateway::end() {
+  server_->stop();
+  leaves_at_ = std::chrono::steady_clock::now() + kLongestGoodbye;
+  await_goodbyes();
+}
+
+void Gateway::await_goodbyes() {
+  if (server_->statistics().connections == 0 || std::chrono::steady_clock::now() >= leaves_at_) return io_.stop();
+  patience_.expires_after(kGoodbyeTurn);
+  patience_.async_wait([this](const boost::system::error_code& error) {
+    if (!error) await_goodbyes();
+  });
+}
+
+}  // namespace
+
+int serve(const Options& options, cli::Console& console) {
+  const auto endpoints = client::find_endpoints({.control = options.control_endpoint, .data = options.data_endpoint});
+  if (!endpoints) return cli::fail_with(console, endpoints.error());
+  Gateway gateway(options, *endpoints);
+  if (auto opened = gateway.open(); !opened) return cli::fail_with(console, opened.error());
+  const std::string scheme = options.certificate_file.empty() ? "http" : "https";
+  const std::string address = options.listen.substr(0, options.listen.rfind(':'));
+  console.talk << "listening on " << scheme << "://" << address << ":" << gateway.port() << "/" << std::endl;
+  gateway.run();
+  return cli::kOk;
+}
+
+}  // namespace dts::gateway

@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <google/protobuf/stubs/logging.h>
+
+#include "cli/program.h"
+#include "gateway/program.h"
+
+int main(int count, char** words) {
+  google::protobuf::SetLogHandler(nullptr);  // what cannot be parsed is refused, not logged
+  return dts::cli::run_program("dts-gateway", count, words, dts::gateway::run);
+}

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/metrics/daemon_metrics.h"
+
+#include <google/protobuf/descriptor.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cstdint>
+#include <string_view>
+
+namespace dts::gateway {
+namespace {
+
+constexpr double kMillisecondsPerSecond = 1e3;
+constexpr double kMicrosecondsPerSecond = 1e6;
+constexpr double kNanosecondsPerSecond = 1e9;
+constexpr double kPartsPerMillion = 1e6;
+constexpr double kPercent = 100.0;
+
+double number(std::uint64_t count) { return static_cast<double>(count); }
+
+/// "GAP_REASON_RING_FULL" is "ring_full".
+std::string word(const google::protobuf::EnumValueDescriptor& value) {
+  constexpr std::string_view kNone = "UNSPECIFIED";
+  const std::size_t prefix = value.type()->value(0)->name().size() - kNone.size();
+  std::string text = value.name().substr(prefix);
+  std::ranges::transform(text, text.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return text;
+}
+
+/// One series per state, 1 for the present one: a state that comes and goes leaves no hole in any of them.
+void add_states(const Described& what, const google::protobuf::EnumDescriptor& type, int present, const MetricLabels& labels,
+                Exposition& out) {
+  for (int index = 1; index < type.value_count(); ++index) {
+    MetricLabels with_state = labels;
+    with_state.emplace_back("state", word(*type.value(index)));
+    out.gauge(what, type.value(index)->number() == present ? 1.0 : 0.0, with_state);
+  }
+}
+
+/// Every cause from the start on, also those that never happened: the first loss is then a rise, which a rule can see.
+void add_losses(const v1::RigStatus& rig, const std::string& name, Exposition& out) {
+  const google::protobuf::EnumDescriptor& causes = *v1::GapReason_descriptor();
+  for (int index = 1; index < causes.value_count(); ++index) {
+    const auto is_it = [reason = causes.value(index)->number()](const v1::LossCount& loss) { return loss.reason() == reason; };
+    const auto counted = std::ranges::find_if(rig.losses(), is_it);
+    const bool has_happened = counted != rig.losses().end();
+    const MetricLabels labels{{"rig", name}, {"cause", word(*causes.value(index))}};
+    out.counter({"dts_lost_scans_total", "Scans lost before the pipeline, by cause."},
+                has_happened ? number(counted->lost_scans_total()) : 0.0, labels);
+    out.counter({"dts_gaps_total", "Holes in the data, by cause."}, has_happened ? number(counted->gaps_total()) : 0.0, labels);
+  }
+}
+
+void add_device(const v1::RigStatus& rig, const MetricLabels& labels, Exposition& out) {
+  add_states({"dts_device_state", "1 for the state in which the rig's device is."}, *v1::DeviceState_descriptor(), rig.device(), labels, out);
+  out.counter({"dts_scans_total", "Scans that came from the device."}, number(rig.scans_total()), labels);
+  out.counter({"dts_reconnects_total", "Times that a lost device came back."}, number(rig.reconnects_total()), labels);
+  out.counter({"dts_device_restarts_total", "Times that the scan of a present device had to be started again."}, number(rig.restarts_total()),
+              labels);
+  out.gauge({"dts_nominal_rate_hertz", "Scans per second as the device promised them."}, rig.nominal_rate_hz(), labels);
+  out.gauge({"dts_measured_rate_hertz", "Scans per second over the last seconds by the host's clock; 0: silent, or not known yet."},
+            rig.measured_rate_hz(), labels);
+  out.gauge({"dts_clock_drift_ratio", "How much faster than nominal the device's clock runs; 0 while unknown."},
+            rig.clock_drift_ppm() / kPartsPerMillion, labels);
+  out.gauge({"dts_host_time_uncertainty_seconds", "How far the host time of the newest block may be off."},
+            static_cast<double>(rig.host_time_uncertainty_ns()) / kNanosecondsPerSecond, labels);
+}
+
+prometheus::ClientMetric::Histogram latency_of(const v1::LatencyHistogram& latency) {
+  prometheus::ClientMetric::Histogram histogram;
+  for (const v1::LatencyHistogram::Bucket& bucket : latency.buckets()) {
+    histogram.bucket.push_back({.cumulative_count = bucket.blocks_total(), .upper_bound = bucket.upper_ms() / kMillisecondsPerSecond});
+    histogram.sample_count = bucket.blocks_total();  // of the last, infinite one
+  }
+  histogram.sample_sum = latency.sum_ms() / kMillisecondsPerSecond;
+  return histogram;
+}
+
+void add_flow(const v1::RigStatus& rig, const std::string& name, const MetricLabels& labels, Exposition& out) {
+  out.gauge({"dts_pipeline_seconds_per_scan", "Time spent in the stages, moving mean."}, rig.pipeline_us_per_scan() / kMicrosecondsPerSecond,
+            labels);
+  const v1::RingFill& fill = rig.ring_fill();
+  for (const auto& [ring, percent] :
+       {std::pair{"scans", fill.scans_percent()}, {"frames", fill.frames_percent()}, {"record", fill.record_percent()}}) {
+    out.gauge({"dts_ring_fill_ratio", "How full a queue was at its fullest within the last half minute; 1: something was lost, or nearly."},
+              percent / kPercent, {{"rig", name}, {"ring", ring}});
+  }
+  out.counter({"dts_dropped_blocks_total", "Blocks that found the publisher's queue full."}, number(rig.dropped_blocks_total()), labels);
+  out.counter({"dts_lost_events_total", "Triggers, reaches and classes beyond what a block can carry."}, number(rig.lost_events_total()),
+              labels);
+  out.histogram({"dts_block_latency_seconds", "From the instant of a block's newest scan until it was handed to the data socket."},
+                latency_of(rig.latency()), labels);
+}
+
+void add_session(const v1::RigStatus& rig, const MetricLabels& labels, Exposition& out) {
+  const v1::SessionInfo& session = rig.session();
+  add_states({"dts_session_state", "1 for the state in which the rig's session is, or its last one ended."}, *v1::SessionState_descriptor(),
+             session.state(), labels, out);
+  out.gauge({"dts_recording_active", "1 while a recording is under way."}, session.recording().is_recording() ? 1.0 : 0.0, labels);
+  out.gauge({"dts_recording_bytes", "Size of the recording under way, or of the last."}, number(session.recording().bytes()), labels);
+  out.gauge({"dts_recording_lost_scans", "Scans that the recording under way, or the last, lacks."},
+            number(session.recording().lost_scans_total()), labels);
+  out.gauge({"dts_recording_lag_seconds", "What a power cut now would take from the recording under way."}, rig.record_lag_s(), labels);
+}
+
+void add_disk(const v1::DiskStatus& disk, Exposition& out) {
+  if (disk.state() == v1::DISK_STATE_UNSPECIFIED) return;
+  add_states({"dts_disk_state", "1 for the state in which the disk of the recordings is."}, *v1::DiskState_descriptor(), disk.state(), {}, out);
+  out.gauge({"dts_disk_free_bytes", "Room on the disk of the recordings."}, number(disk.free_bytes()));
+  out.gauge({"dts_disk_recordable_seconds", "How long there is room with every rig recording."}, disk.recordable_s());
+}
+
+}  // namespace
+
+void add_daemon(const v1::StatusSnapshot& status, Exposition& out) {
+  out.gauge({"dts_daemon_info", "Version of the daemon, as a label."}, 1.0, {{"version", status.version()}});
+  out.gauge({"dts_daemon_uptime_seconds", "Time since the daemon started."}, status.uptime_s());
+  out.gauge({"dts_daemon_notices", "Complaints in the daemon's status: dtsctl status shows them."}, status.notices_size());
+  out.counter({"dts_rejected_requests_total", "Malformed or oversized control messages."}, number(status.rejected_requests_total()));
+  out.counter({"dts_accepted_handshakes_total", "Connections of clients with keys that were let in."},
+              number(status.accepted_handshakes_total()));
+  out.counter({"dts_refused_handshakes_total", "Connections from other machines that were refused: no key, or too many at a time."},
+              number(status.refused_handshakes_total()));
+  add_disk(status.disk(), out);
+  for (const v1::RigStatus& rig : status.rigs()) {
+    const std::string& name = rig.rig().name();
+    const MetricLabels labels{{"rig", name}};
+    add_device(rig, labels, out);
+    add_losses(rig, name, out);
+    add_flow(rig, name, labels, out);
+    add_session(rig, labels, out);
+  }
+}
+
+}  // namespace dts::gateway

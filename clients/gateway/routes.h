@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "gateway/access/access_control.h"
+#include "gateway/archive/archive.h"
+#include "gateway/http/static_files.h"
+
+namespace dts::gateway {
+
+/// What is found under which path. Thread: io.
+///
+///     /api/me /api/login /api/logout    AccessControl
+///     /api/sessions/...                 Archive, for whoever may view
+///     /metrics                          for whoever may view, and for a monitor on this machine, which cannot log in: it names nobody
+///     everything else                   the dashboard's files: they hold no secrets, and a login page must be had before a login
+class Routes {
+ public:
+  /// `metrics` makes the text of /metrics; empty: there is no such page.
+  Routes(AccessControl& access, Archive& archive, const StaticFiles& files, std::function<std::string()> metrics)
+      : access_(access), archive_(archive), files_(files), metrics_(std::move(metrics)) {}
+  void handle(HttpRequest request, Respond respond) const;
+
+ private:
+  void serve_metrics(const HttpRequest& request, const Respond& respond) const;
+  [[nodiscard]] bool may_view(const HttpRequest& request) const;
+
+  AccessControl& access_;
+  Archive& archive_;
+  const StaticFiles& files_;
+  std::function<std::string()> metrics_;
+};
+
+}  // namespace dts::gateway

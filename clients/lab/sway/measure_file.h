@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "files/toml_reader.h"
+#include "lab/sway/measured_trial.h"
+#include "lab/sway/sway_arguments.h"
+#include "lab/sway/sway_inputs.h"
+
+namespace dts::lab::steadiness {
+
+/// What came of one file. With problems or an error there are no trials.
+struct MeasuredFile {
+  std::vector<MeasuredTrial> trials;
+  files::Problems problems;          ///< Of a CSV file, each with its place.
+  std::optional<core::Error> error;  ///< Of a recording.
+  std::string damage;                ///< Of a recording that is read up to a torn place, or was recovered.
+};
+
+/// How a file's centres of pressure are prepared, as the command line asks for it.
+[[nodiscard]] posturography::AnalysisOptions options_of(const SwayArguments& arguments, bool is_recording);
+
+/// Reads and measures every trial of a file that is asked for. `progress` gets 0..1.
+[[nodiscard]] MeasuredFile measure_file(const SwayInput& input, const SwayArguments& arguments,
+                                        const std::function<void(double)>& progress);
+
+/// Whether two analyses of one trial are the same, but for the last digits that another machine may round differently.
+[[nodiscard]] bool is_same(const posturography::Analysis& a, const posturography::Analysis& b);
+
+}  // namespace dts::lab::steadiness

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/exit_status.h"
+#include "cli/interruption.h"
+#include "cli/progress.h"
+#include "files/whole_file.h"
+#include "lab/problems.h"
+#include "lab/sway/measure_file.h"
+#include "lab/sway/sway_commands.h"
+#include "lab/sway/sway_comparison.h"
+#include "lab/sway/sway_table.h"
+#include "lab/sway/sway_view.h"
+
+namespace dts::lab::steadiness {
+namespace {
+
+/// What came of all files.
+struct MeasuredFiles {
+  std::vector<MeasuredTrial> trials;
+  std::vector<std::pair<std::string, MeasuredFile>> unwell;  ///< Files that cannot be read, or are torn.
+  int status = cli::kOk;                                     ///< The highest of the files that cannot be read.
+  std::size_t files = 0;                                     ///< That were tried.
+  bool is_interrupted = false;
+};
+
+MeasuredFiles measure_all(const std::vector<SwayInput>& inputs, const SwayArguments& arguments, cli::Console& console) {
+  const cli::Interruption interruption;  // between files: tables are written whole or not at all
+  cli::Progress progress(console, "measuring");
+  MeasuredFiles all;
+  for (const SwayInput& input : inputs) {
+    const auto report = [&](double part) { progress.report((static_cast<double>(all.files) + part) / static_cast<double>(inputs.size())); };
+    report(0.0);
+    MeasuredFile measured = measure_file(input, arguments, report);
+    all.is_interrupted = interruption.is_asked_for();
+    if (all.is_interrupted) return all;
+    ++all.files;
+    std::ranges::move(measured.trials, std::back_inserter(all.trials));
+    measured.trials.clear();
+    if (!measured.problems.empty() || measured.error || !measured.damage.empty()) all.unwell.emplace_back(input.file, std::move(measured));
+  }
+  return all;
+}
+
+/// After the progress bar is gone.
+void tell_unwell(MeasuredFiles& all, cli::Console& console) {
+  for (const auto& [file, measured] : all.unwell) {
+    if (!measured.problems.empty()) all.status = std::max(all.status, report_problems(console, measured.problems));
+    if (measured.error) {
+      const bool says_file = measured.error->what.find(file) != std::string::npos;
+      const core::Error error{measured.error->code, (says_file ? "" : file + ": ") + measured.error->what, measured.error->hint};
+      all.status = std::max(all.status, fail_with(console, error));
+    }
+    if (!measured.damage.empty()) warn(console, file + ": " + measured.damage);
+  }
+}
+
+void tell_doubts(const std::vector<MeasuredTrial>& trials, const SwayArguments& arguments, cli::Console& console) {
+  constexpr double kRateThatNeedsAFilter = 200.0;
+  bool is_noisy = false;
+  for (const MeasuredTrial& trial : trials) {
+    if (!trial.problem.empty()) warn(console, trial.title() + ": " + trial.problem);
+    is_noisy = is_noisy || (trial.analysis && arguments.profile == "asis" && trial.analysis->rate_hz > kRateThatNeedsAFilter);
+  }
+  const auto is_stepping_on = [](const MeasuredTrial& trial) {
+    return !trial.session.empty() && trial.trial == 0 && trial.analysis && !trial.analysis->is_valid();
+  };
+  if (arguments.trim_s == 0.0 && std::ranges::any_of(trials, is_stepping_on)) {
+    cli::print_hint(console, "without trials, stepping onto the platform is measured too: --trim 5 leaves it out");
+  }
+  // Sheet section 2: unfiltered at 1000 Hz the mean velocity of a force plate is four times that at 100 Hz.
+  if (is_noisy) warn(console, "unfiltered at a high rate, path and velocity are mostly noise of the sensors; --profile lp10 filters");
+  if (arguments.rate_hz && arguments.profile == "asis") {
+    warn(console, "--rate does nothing without a filter, which keeps aliases out: --profile lp10");
+  }
+}
+
+cli::Json documents(const MeasuredFiles& all, const SwayArguments& arguments) {
+  cli::Json json{{"trials", cli::Json::array()}};
+  std::size_t told = 0;
+  std::size_t differing = 0;
+  for (const MeasuredTrial& trial : all.trials) {
+    json["trials"].push_back(to_json(trial, arguments));
+    if (!trial.is_as_told) continue;
+    ++told;
+    if (!*trial.is_as_told) ++differing;
+  }
+  json["recorded_results"] = told;
+  json["differing_results"] = differing;
+  json["problems"] = cli::Json::array();
+  for (const auto& [file, measured] : all.unwell) {
+    for (const files::Problem& problem : measured.problems) json["problems"].push_back(files::to_string(problem));
+    if (measured.error) json["problems"].push_back(file + ": " + core::to_string(*measured.error));
+    if (!measured.damage.empty()) json["problems"].push_back(file + ": " + measured.damage);
+  }
+  return json;
+}
+
+/// One CSV file, as contract.md has it: a document of its own.
+bool is_single_file(const std::vector<SwayInput>& inputs, const SwayArguments& arguments) {
+  return inputs.size() == 1 && arguments.inputs.size() == 1 && inputs.front().file == arguments.inputs.front() &&
+         !inputs.front().is_recording();
+}
+
+void show(const MeasuredFiles& all, bool is_single, const Arguments& arguments, cli::Console& console) {
+  if (arguments.is_json) {
+    if (is_single && all.trials.empty()) return;  // the problem was told; there is no such document
+    console.out << cli::document(is_single ? to_json(all.trials.front(), arguments.sway) : documents(all, arguments.sway));
+    return;
+  }
+  if (all.trials.size() == 1) print_measures(all.trials.front(), console);
+  if (all.trials.size() > 1) {
+    print_overview(all.trials, console);
+    if (arguments.sway.table.empty()) cli::print_hint(console, "every measure of every trial: --table OUT.csv, or --json");
+  }
+  print_told(all.trials, console);
+}
+
+int show_comparison(const MeasuredFiles& all, const Arguments& arguments, cli::Console& console) {
+  std::vector<MeasuredTrial> trials = all.trials;
+  std::erase_if(trials, [](const MeasuredTrial& trial) { return !trial.analysis; });
+  if (trials.size() != 2) {
+    const std::string count = trials.empty() ? "none" : std::to_string(trials.size());
+    return std::max(all.status, fail_with(console, core::Error{core::ErrorCode::InvalidArgument,
+                                                               "--compare is about two measured trials; there are " + count,
+                                                               "two files, or two trials of a recording: --trials 1,2"}));
+  }
+  const Comparison comparison = compare(trials[0], trials[1]);
+  if (arguments.is_json) {
+    cli::Json json{{"first", to_json(trials[0], arguments.sway)}, {"second", to_json(trials[1], arguments.sway)}};
+    json["comparison"] = to_json(comparison);
+    console.out << cli::document(json);
+  } else {
+    print(comparison, trials[0], trials[1], console);
+  }
+  for (const std::string& warning : comparison.warnings) warn(console, warning);
+  return all.status;
+}
+
+/// `all` has trials, or the files' own problems say why there are none.
+int status_of(const MeasuredFiles& all, cli::Console& console) {
+  if (all.status != cli::kOk) return all.status;
+  const auto is_measured = [](const MeasuredTrial& trial) { return trial.analysis.has_value(); };
+  if (!std::ranges::any_of(all.trials, is_measured)) {
+    cli::print_error(console, "nothing was measured: no trial of quiet standing that counts", "--all takes rejected trials too");
+    return cli::kFailed;
+  }
+  const auto differs = [](const MeasuredTrial& trial) { return !trial.is_as_told.value_or(true); };
+  return std::ranges::any_of(all.trials, differs) ? cli::kFailed : cli::kOk;
+}
+
+core::Status check_table(const std::vector<SwayInput>& inputs, const std::string& table) {
+  std::vector<std::string> files;
+  for (const SwayInput& input : inputs) files.push_back(input.file);
+  return table.empty() ? core::Status{} : check_out(table, files);
+}
+
+}  // namespace
+
+int run_sway(const Arguments& arguments, cli::Console& console) {
+  const SwayArguments& sway = arguments.sway;
+  const auto inputs = sway_inputs(sway);
+  if (!inputs) return fail_with(console, inputs.error());
+  if (const auto free = check_table(*inputs, sway.table); !free) return fail_with(console, free.error());
+  MeasuredFiles all = measure_all(*inputs, sway, console);
+  tell_unwell(all, console);
+  if (all.is_interrupted) {
+    const std::string count = std::to_string(all.files) + " of " + std::to_string(inputs->size());
+    cli::print_error(console, "interrupted after " + count + " files; nothing was written");
+    return cli::kInterrupted;
+  }
+  tell_doubts(all.trials, sway, console);
+  if (!sway.table.empty() && !all.trials.empty()) {
+    const auto written = files::write_whole_file(sway.table, table_text(all.trials));
+    if (!written) return fail_with(console, written.error());
+  }
+  if (sway.is_comparing) return show_comparison(all, arguments, console);
+  show(all, is_single_file(*inputs, sway), arguments, console);
+  return status_of(all, console);
+}
+
+}  // namespace dts::lab::steadiness

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: Apache-2.0
+# What is in a recording: python3 clients/python/examples/load_recording.py FILE.xdf
+
+# %%
+import sys
+
+import numpy as np
+
+import dts
+
+recording = dts.load(sys.argv[1])
+print(recording)
+
+# %% Streams are arrays: scans x channels, with segment, scan and time of each row.
+for name, stream in recording.streams.items():
+    if not stream.rate or not len(stream):
+        continue
+    for channel, unit, values in zip(stream.channels, stream.units, stream.values.T, strict=True):
+        known = values[~np.isnan(values)]
+        text = f"mean {known.mean():10.4f}  deviation {known.std():8.4f} {unit}" if len(known) else "nobody there"
+        print(f"{name:18} {channel:12} {text}")
+
+# %% Events stand at their scans; between two of them, rows are found by time.
+for event in recording.events:
+    print(f"{event.utc}  {event}")

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The control socket: sends commands and waits for their answers."""
+import secrets
+import threading
+import time
+
+import zmq
+from google.protobuf.message import DecodeError
+
+from .endpoints import probe
+from .errors import DataDamaged, InvalidArgument, Unreachable, error_of
+from .v1 import control_pb2
+from .wire_check import MAX_ANSWER_BYTES, check_answer
+
+_LONGEST_TEXT = 2000
+_TARE_TIMEOUT_S = 15.0  # answered when its average is complete
+_STOP_TIMEOUT_S = 20.0  # answered when the recording is closed
+_ANSWERS = {
+    "status": "status",
+    "list_rigs": "rigs",
+    "start_session": "session",
+    "resume_session": "session",
+    "stop_session": "session",
+    "mark": "mark",
+    "tare": "tare",
+    "get_devices": "devices",
+    "test_device": "device_test",
+    "list_sessions": "sessions",
+    "show_session": "session_record",
+    "list_protocols": "protocols",
+    "trial": "trial",
+    "get_audit": "audit",
+}
+
+
+class ControlClient:
+    """A request that is not answered in time is sent again over a new socket with the same request id; the daemon executes it once
+    (the "Lazy Pirate" of the ZeroMQ guide, chapter 4). Any thread; one command at a time.
+    """
+
+    def __init__(self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, timeout_s: float = 3.0, tries: int = 3) -> None:
+        if not endpoint:
+            raise InvalidArgument("the daemon's control address is not known", "give it: dts.connect(control=...) or DTSD_CONTROL")
+        if not 0.03 <= timeout_s <= 86400.0:
+            raise InvalidArgument("a timeout must be between 0.03 and 86400 seconds")
+        self._context = context
+        self._endpoint = endpoint
+        self._timeout_s = timeout_s
+        self._tries = tries
+        self._lock = threading.Lock()
+        self._socket: "zmq.Socket[bytes] | None" = None
+        self._ignored = 0
+
+    def call(self, request: control_pb2.Request) -> control_pb2.Response:
+        """Fills in the request id, sends, waits; the answer is checked and is the one that belongs to the command."""
+        command = request.WhichOneof("command") or ""
+        with self._lock:
+            response = self._exchange(request, self._timeout_of(command))
+        if response.HasField("error"):
+            error = response.error
+            what = error.what[:_LONGEST_TEXT] or "the daemon refused and gave no reason"
+            raise error_of(error.code, what, error.hint[:_LONGEST_TEXT])
+        if response.WhichOneof("result") != _ANSWERS[command]:
+            raise DataDamaged("the daemon's answer does not belong to the command", "are dtsd and this package of the same version?")
+        check_answer(response)
+        return response
+
+    def close(self) -> None:
+        with self._lock:
+            self._close_socket()
+
+    def _timeout_of(self, command: str) -> float:
+        if command == "tare":
+            return max(self._timeout_s, _TARE_TIMEOUT_S)
+        return max(self._timeout_s, _STOP_TIMEOUT_S) if command == "stop_session" else self._timeout_s
+
+    def _exchange(self, request: control_pb2.Request, timeout_s: float) -> control_pb2.Response:
+        probe(self._endpoint)
+        request.request_id = secrets.token_hex(16)
+        self._ignored = 0
+        for attempt in range(self._tries):
+            if attempt > 0 or self._socket is None:
+                self._reopen()
+            assert self._socket is not None
+            # In the envelope of a REQ socket (an empty frame first): every ROUTER that serves REQ understands it.
+            self._socket.send_multipart([b"", request.SerializeToString()], zmq.NOBLOCK)
+            response = self._wait_for(self._socket, request.request_id, time.monotonic() + timeout_s / self._tries)
+            if response is not None:
+                return response
+        self._close_socket()
+        raise self._unreachable(timeout_s)
+
+    def _wait_for(self, socket: "zmq.Socket[bytes]", request_id: str, deadline_s: float) -> control_pb2.Response | None:
+        while (left_s := deadline_s - time.monotonic()) > 0:
+            if socket.poll(int(left_s * 1000) + 1) == 0:
+                continue
+            response = _response_of(socket.recv_multipart())
+            # A daemon that cannot read a request refuses it without its id.
+            if response is not None and (
+                response.request_id == request_id or (not response.request_id and response.HasField("error"))
+            ):
+                return response
+            self._ignored += 1
+        return None
+
+    def _reopen(self) -> None:
+        self._close_socket()
+        socket = self._context.socket(zmq.DEALER)
+        socket.setsockopt(zmq.LINGER, 0)
+        socket.setsockopt(zmq.MAXMSGSIZE, 4 * MAX_ANSWER_BYTES)
+        try:
+            socket.connect(self._endpoint)
+        except zmq.ZMQError as error:
+            socket.close()
+            raise InvalidArgument(f"cannot use the control address '{self._endpoint}': {error.strerror}") from None
+        self._socket = socket
+
+    def _close_socket(self) -> None:
+        if self._socket is not None:
+            self._socket.close(linger=0)
+            self._socket = None
+
+    def _unreachable(self, timeout_s: float) -> Unreachable:
+        where = f"{self._endpoint} within {timeout_s:.1f} s ({self._tries} tries)"
+        if self._ignored > 0:
+            return Unreachable(
+                f"no proper answer from {where}; {self._ignored} messages came that are none",
+                "is it dtsd that listens there? check the address; compare the versions",
+            )
+        return Unreachable(f"no answer from {where}", "is dtsd running? systemctl status dtsd; is the address right?")
+
+
+def _response_of(frames: list[bytes]) -> control_pb2.Response | None:
+    has_envelope = len(frames) == 1 or (len(frames) == 2 and not frames[0])
+    if not has_envelope or len(frames[-1]) > MAX_ANSWER_BYTES:
+        return None
+    response = control_pb2.Response()
+    try:
+        response.ParseFromString(frames[-1])
+    except DecodeError:
+        return None
+    return response

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What can go wrong: one exception class per code of dts.v1.ErrorCode, all of them `Error`."""
+import enum
+
+
+class ErrorCode(enum.IntEnum):
+    """The numbers of dts.v1.ErrorCode, which are also exit codes of dtsctl."""
+
+    FAILED = 1
+    INVALID_ARGUMENT = 2
+    UNREACHABLE = 3
+    NOT_ALLOWED = 4
+    NOT_FOUND = 5
+    WRONG_STATE = 6
+    DATA_DAMAGED = 7
+    TIMEOUT = 8
+    DEVICE_GONE = 9
+    UNSUPPORTED = 10
+    LIMIT_EXCEEDED = 11
+    INTERNAL = 12
+
+
+class Error(Exception):
+    """What failed, on what and why (`what`), and what to try (`hint`, may be empty)."""
+
+    code = ErrorCode.FAILED
+
+    def __init__(self, what: str, hint: str = "") -> None:
+        super().__init__(what, hint)
+        self.what = what
+        self.hint = hint
+
+    def __str__(self) -> str:
+        return f"{self.what}\n  {self.hint}" if self.hint else self.what
+
+
+class Failed(Error):
+    """The operation failed for a reason of the world."""
+
+
+class InvalidArgument(Error):
+    """A value given by the caller is wrong."""
+
+    code = ErrorCode.INVALID_ARGUMENT
+
+
+class Unreachable(Error):
+    """Nobody answers at the endpoint."""
+
+    code = ErrorCode.UNREACHABLE
+
+
+class NotAllowed(Error):
+    """The caller's role or the operating system forbids it."""
+
+    code = ErrorCode.NOT_ALLOWED
+
+
+class NotFound(Error):
+    """No such rig, stream, session or file."""
+
+    code = ErrorCode.NOT_FOUND
+
+
+class WrongState(Error):
+    """Legal, but not now."""
+
+    code = ErrorCode.WRONG_STATE
+
+
+class DataDamaged(Error):
+    """Received data, or a file, contradict themselves."""
+
+    code = ErrorCode.DATA_DAMAGED
+
+
+class Timeout(Error):
+    """The deadline passed."""
+
+    code = ErrorCode.TIMEOUT
+
+
+class DeviceGone(Error):
+    """The device was unplugged or stopped answering."""
+
+    code = ErrorCode.DEVICE_GONE
+
+
+class Unsupported(Error):
+    """This daemon or version cannot do it."""
+
+    code = ErrorCode.UNSUPPORTED
+
+
+class LimitExceeded(Error):
+    """A size, rate or count is above its limit."""
+
+    code = ErrorCode.LIMIT_EXCEEDED
+
+
+class Internal(Error):
+    """A bug in the daemon or in this library."""
+
+    code = ErrorCode.INTERNAL
+
+
+_CLASSES: dict[int, type[Error]] = {cls.code: cls for cls in Error.__subclasses__()}
+
+
+def error_of(code: int, what: str, hint: str = "") -> Error:
+    """The exception of a code; `Failed` for codes of later versions."""
+    return _CLASSES.get(code, Failed)(what, hint)

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Something that happened at one scan: the same class for what the daemon publishes and for what a recording holds."""
+import dataclasses
+from typing import Any
+
+import numpy as np
+from google.protobuf.descriptor import EnumDescriptor, FieldDescriptor
+from google.protobuf.message import Message
+
+from .v1 import stream_pb2
+
+# The names that events have in recordings: what is not listed is called in the protocol as it is there.
+_KINDS = {"movement": "class", "trial_result": "result"}
+# By the body in the message: where it is published. Topics of later versions have bodies that this version cannot read.
+TOPIC_OF_BODY = {
+    "gap": "gap",
+    "marker": "marker",
+    "device": "device",
+    "session": "session",
+    "trigger": "trigger",
+    "trial": "trial",
+    "reach": "reach",
+    "movement": "class",
+    "trial_result": "trial",
+    "sway": "sway",
+}
+EVENT_TOPICS = frozenset(TOPIC_OF_BODY.values())
+_FLAGS = {"dts.v1.Reach.flags": "ReachFlag", "dts.v1.Sway.flags": "SwayFlag", "dts.v1.TrunkMovement.reasons": "ClassReason"}
+
+
+@dataclasses.dataclass(frozen=True)
+class Event:
+    """Something that happened at one scan of a rig."""
+
+    rig: str
+    kind: str  # "marker", "gap", "device", "session", "trigger", "trial", "result", "reach", "class", "sway"; recordings have more
+    segment: int
+    scan: int  # of the raw stream
+    time_s: float  # CLOCK_MONOTONIC of the daemon's host; NaN: before the first scan there is no instant to speak of
+    utc: np.datetime64
+    fields: dict[str, Any]  # enumerators and bits as words; what is not known yet is NaN
+    message: stream_pb2.Event | None = dataclasses.field(default=None, repr=False)  # as published; of a recorded event there is none
+
+    def __str__(self) -> str:
+        values = "  ".join(f"{name} {value}" for name, value in self.fields.items() if not isinstance(value, dict | list))
+        return f"{self.rig}  scan {self.scan}  {self.kind}  {values}"
+
+
+def kind_of(message: stream_pb2.Event) -> str:
+    """The kind of a published event; empty when this version does not know it."""
+    body = message.WhichOneof("body")
+    return _KINDS.get(body, body) if body else ""
+
+
+def fields_of(message: Message) -> dict[str, Any]:
+    """A message as a dictionary: submessages that are absent and enumerators that say nothing are left out."""
+    fields: dict[str, Any] = {}
+    for field in message.DESCRIPTOR.fields:
+        value = getattr(message, field.name)
+        if field.full_name == "dts.v1.Sway.measures":
+            value = {measure.symbol: {"value": measure.value, "unit": measure.unit} for measure in value}
+        elif field.message_type is not None and field.message_type.GetOptions().map_entry:
+            value = dict(value)
+        elif field.label == FieldDescriptor.LABEL_REPEATED:
+            value = [fields_of(part) if isinstance(part, Message) else part for part in value]
+        elif field.message_type is not None:
+            if not message.HasField(field.name):
+                continue
+            value = fields_of(value)
+        elif field.full_name in _FLAGS:
+            value = words_of_bits(stream_pb2.DESCRIPTOR.enum_types_by_name[_FLAGS[field.full_name]], value)
+        elif field.enum_type is not None:
+            if value == 0:
+                continue
+            value = word_of(field.enum_type, value)
+        fields[field.name] = value
+    return fields
+
+
+def words_of_bits(enum: EnumDescriptor, bits: int) -> list[str]:
+    """The words of the bits that are set: ["resumed", "untared"]."""
+    return [word_of(enum, 1 << bit) for bit in range(bits.bit_length()) if bits >> bit & 1]
+
+
+def word_of(enum: EnumDescriptor, number: int) -> str:
+    """DEVICE_STATE_STREAMING of DeviceState is "streaming"; "unknown" for what a later version added."""
+    value = enum.values_by_number.get(number)
+    if value is None:
+        return "unknown"
+    prefix = "".join("_" + letter if letter.isupper() else letter for letter in enum.name).lstrip("_").upper() + "_"
+    return str(value.name).removeprefix(prefix).lower()

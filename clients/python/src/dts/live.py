@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What `daemon.stream`, `daemon.events` and `daemon.record` hand out."""
+import dataclasses
+import math
+from types import TracebackType
+from typing import Generic, Self, TypeVar
+
+import numpy as np
+
+from .errors import InvalidArgument, Timeout, Unreachable
+from .events import Event
+from .streams import Block, Missing, Samples
+from .subscriber import Statistics, Subscriber, check_timeout
+
+_Item = TypeVar("_Item", Block, Event)
+_MOST_SEGMENTS = 1000  # looked at in one seam, whatever a peer says
+_SILENCE_S = 3.0  # the daemon's status comes every second: after this nobody is there
+
+
+def no_news(subscriber: Subscriber, of_what: str, timeout_s: float) -> Timeout | Unreachable:
+    """Why nothing came in time."""
+    silence_s = subscriber.silence_s()
+    if silence_s > _SILENCE_S:
+        return Unreachable(
+            f"no {of_what}: the daemon has not been heard for {silence_s:.1f} s",
+            "is it running? systemctl status dtsd; iterating on waits for its return",
+        )
+    return Timeout(f"no {of_what} within {timeout_s:g} s", "does the device stream? daemon.status(); or give a longer timeout")
+
+
+class _Live(Generic[_Item]):
+    """An endless iterator. After a Timeout or Unreachable it may be iterated on: the connection comes back by itself.
+
+    One thread at a time. Leave it with `break`, and `close` it, or use it in a `with`.
+    """
+
+    _type: type[_Item]
+
+    def __init__(self, subscriber: Subscriber, of_what: str, timeout: float) -> None:
+        self._subscriber = subscriber
+        self._of_what = of_what
+        self._timeout_s = check_timeout(timeout)
+
+    @property
+    def statistics(self) -> Statistics:
+        return self._subscriber.statistics
+
+    def close(self) -> None:
+        self._subscriber.close()
+
+    def __iter__(self) -> Self:
+        return self
+
+    def __next__(self) -> _Item:
+        item = self._subscriber.receive(self._timeout_s)
+        if isinstance(item, self._type):
+            return item
+        raise no_news(self._subscriber, self._of_what, self._timeout_s)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+        self.close()
+
+
+class Stream(_Live[Block]):
+    """The blocks of some streams, from when it was made. What a slow reader leaves is kept for 8192 messages, then lost and counted."""
+
+    _type = Block
+
+
+class EventStream(_Live[Event]):
+    """The events of some rigs, from when it was made; the latest device and session event of each rig come first."""
+
+    _type = Event
+
+
+@dataclasses.dataclass(frozen=True)
+class _Seam:
+    """Where a block does not continue the one before."""
+
+    index: int
+    before: Block
+    after: Block
+
+
+class Collector:
+    """Puts blocks together until they span some time of the stream, gaps included."""
+
+    def __init__(self, seconds: float) -> None:
+        if not (math.isfinite(seconds) and seconds > 0.0):
+            raise InvalidArgument(f"{seconds} s cannot be recorded")
+        self._seconds = seconds
+        self._blocks: list[Block] = []
+        self._seams: list[_Seam] = []
+        self._told: dict[tuple[int, int], Event] = {}  # gap events by daemon and segment
+        self._scans = 0
+        self._missing = 0
+
+    @property
+    def is_complete(self) -> bool:
+        return bool(self._blocks) and self._scans + self._missing >= self._wanted()
+
+    def take(self, item: Block | Event) -> None:
+        if isinstance(item, Event):
+            if item.message is not None and item.kind == "gap":
+                self._told[item.message.instance_id, item.segment] = item
+                self._missing += item.fields["missing_scans"] if self._blocks else 0
+            return
+        if self._blocks:
+            before = self._blocks[-1]
+            if item.is_restart or item.segment != before.segment or item.lost_scans > 0:
+                self._seams.append(_Seam(self._scans, before, item))
+            self._missing += item.lost_scans
+        self._blocks.append(item)
+        self._scans += len(item)
+
+    def samples(self) -> Samples:
+        blocks = self._blocks
+        last = max(self._wanted() - self._missing, 0)
+        count = min(self._scans, max(last, self._scans - len(blocks[-1]) + 1))
+        form = blocks[0].format
+        return Samples(
+            name=form.topic,
+            channels=form.channels,
+            units=form.units,
+            rate=form.rate,
+            delay_s=form.delay_s,
+            values=np.concatenate([block.values for block in blocks])[:count],
+            segments=np.repeat(np.array([block.segment for block in blocks], np.int64), [len(block) for block in blocks])[:count],
+            scans=np.concatenate([block.scans for block in blocks])[:count],
+            time_s=np.concatenate([block.time_s for block in blocks])[:count],
+            utc_minus_monotonic_ns=blocks[0].utc_minus_monotonic_ns,
+            gaps=tuple(self._missing_at(seam) for seam in self._seams),
+        )
+
+    def _wanted(self) -> int:
+        return max(round(self._seconds * self._blocks[0].rate), 1)
+
+    def _missing_at(self, seam: _Seam) -> Missing:
+        """What the device lost is told by events, what was lost on the way by the blocks."""
+        after = seam.after
+        if after.is_restart:
+            return Missing(seam.index, 0, False, "restart")
+        first = max(seam.before.segment + 1, after.segment - _MOST_SEGMENTS)
+        told = [self._told.get((after.instance_id, segment)) for segment in range(first, after.segment + 1)]
+        heard = [event for event in told if event is not None]
+        scans = after.lost_scans + sum(event.fields["missing_scans"] for event in heard)
+        is_exact = after.is_loss_exact and len(heard) == len(told) and all(event.fields["is_exact"] for event in heard)
+        return Missing(seam.index, scans, is_exact, heard[-1].fields.get("reason", "unknown") if heard else "lost")

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Counts the scans missing before each block of a stream, by the rules of clients/libdts/loss_tracker.h."""
+from typing import NamedTuple
+
+
+class Position(NamedTuple):
+    """Where a block stands in its stream."""
+
+    segment: int
+    first_scan: int
+    scan_count: int
+    sequence: int
+
+
+class Hole(NamedTuple):
+    """What is missing between two blocks."""
+
+    scans: int = 0
+    is_exact: bool = True
+    is_consistent: bool = True  # False: the position went backwards, which no loss explains
+
+
+class LossTracker:
+    """
+    same segment             exact from the scan indices:   [0..9] [10..19]  (20..39 missing)  [40..49]   20
+    next segment, and the
+      sequence has no hole   none: the segment ended where the last block did
+      sequence has a hole    the end of the old segment is unknown: at least the new segment's missing head
+    """
+
+    def __init__(self) -> None:
+        self._last: Position | None = None
+
+    def advance(self, position: Position) -> Hole:
+        """The hole before `position`; none before the first block."""
+        last, self._last = self._last, position
+        if last is None:
+            return Hole()
+        if position.sequence <= last.sequence or position.segment < last.segment:
+            return Hole(0, is_exact=False, is_consistent=False)
+        if position.segment > last.segment:
+            is_adjacent = position.sequence == last.sequence + 1
+            return Hole() if is_adjacent else Hole(position.first_scan, is_exact=False)
+        expected = last.first_scan + last.scan_count
+        if position.first_scan < expected:
+            return Hole(0, is_exact=False, is_consistent=False)
+        return Hole(position.first_scan - expected)

@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Recordings: XDF files as scans, segments and events; daemon/record/recording.h says the same for C++."""
+import dataclasses
+import json
+import os
+import re
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import DataDamaged
+from .events import Event
+from .streams import Missing, Samples, to_utc
+from .xdf import XdfFile, XdfStream, read_xdf
+
+_FORMAT_VERSION = "1"
+_MAX_EVENT_BYTES = 64 << 10
+_MAX_EVENT_KEYS = 64
+
+
+@dataclasses.dataclass(frozen=True)
+class SessionFacts:
+    """What a recording of dtsd says of its session; nothing in it names a person."""
+
+    session_id: str
+    part: int
+    rig: str
+    kind: str
+    protocol: str
+    subject: str
+    label: str
+    software: str
+    device_uri: str
+    calibration_id: str
+    started_utc: np.datetime64
+    fields: dict[str, str]  # what the protocol asked about the subject
+    stages: tuple[str, ...]
+    all: dict[str, str] = dataclasses.field(repr=False)  # the above and all others: "device_serial", "boot_id", "rig_definition", ...
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class RecordedStream(Samples):
+    """A stream of a recording. `time_s` has the clock offsets in it, which XDF keeps apart from the stamps."""
+
+    content: str  # "DTS", "Quality", "Markers"; other programs have others
+    stamps_s: NDArray[np.float64]  # as in the file: of the device's clock, without any jitter
+    clock_offsets: NDArray[np.float64]  # n x 2: stamp, what is to be added to it there
+    facts: dict[str, str]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Recording:
+    file: str
+    session: SessionFacts | None  # None: a file of another program
+    streams: dict[str, RecordedStream]  # by name, "floor/cop"; the second of a name is "name-2"
+    events: tuple[Event, ...]  # in order of time; texts of other programs are markers
+    damage: str  # why the file is not whole, and where; empty: nothing is wrong
+
+    def __getitem__(self, name: str) -> RecordedStream:
+        """A stream by its name, or by the second half of it: recording["cop"]."""
+        if name in self.streams:
+            return self.streams[name]
+        for full, stream in self.streams.items():
+            if full.rpartition("/")[2] == name:
+                return stream
+        raise KeyError(f"no stream '{name}'; there are {', '.join(self.streams)}")
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.streams or any(full.rpartition("/")[2] == name for full in self.streams)
+
+    def events_of(self, kind: str) -> list[Event]:
+        return [event for event in self.events if event.kind == kind]
+
+    def __str__(self) -> str:
+        session = self.session.session_id if self.session else "no session of dtsd"
+        lines = [f"{self.file}: {session}, {len(self.events)} events", *map(str, self.streams.values())]
+        return "\n  ".join(lines + ([f"damaged: {self.damage}"] if self.damage else []))
+
+
+def load(path: str | os.PathLike[str]) -> Recording:
+    """Reads a recording, or the XDF file of any program. What is torn is read up to there, see `Recording.damage`."""
+    file = read_xdf(path)
+    problems = [file.damage] if file.damage else _problems_of_footers(file)
+    session = None
+    if "format_version" in file.header.facts:
+        try:
+            session = _session_of(file.header.facts)
+        except DataDamaged as error:
+            problems.append(error.what)
+    utc_minus_monotonic_ns = _whole(file.header.facts, "utc_minus_monotonic_ns") if session else 0
+    texts = [stream for stream in file.streams.values() if stream.header.dtype == object]
+    parsed = [row for stream in texts for row in _parsed_events(stream)]
+    reference = _reference(file)
+    table = _SegmentTable(parsed, reference)
+    events = sorted((_to_event(row, table, utc_minus_monotonic_ns) for row in parsed), key=lambda event: event.time_s)
+    streams: dict[str, RecordedStream] = {}
+    for stream in file.streams.values():
+        name = _unused_name(stream.header.name, streams)
+        streams[name] = _to_stream(name, stream, table, utc_minus_monotonic_ns)
+    return Recording(os.fspath(path), session, streams, tuple(events), "; ".join(problems))
+
+
+def _problems_of_footers(file: XdfFile) -> list[str]:
+    footers = [stream.footer for stream in file.streams.values()]
+    problems = [] if all(footers) else ["no footer: it was never closed"]
+    facts = {name: text for footer in footers if footer for name, text in footer.facts.items()}
+    if "incomplete" in facts:
+        problems.append(f"incomplete: {facts['incomplete']}")
+    if "recovered" in facts:
+        problems.append(f"recovered, at most {facts.get('lost_s_at_most', '?')} s are lost")
+    return problems
+
+
+def _whole(facts: dict[str, str], name: str) -> int:
+    text = facts.get(name, "0")
+    if not re.fullmatch("-?[0-9]{1,19}", text) or not -(2**63) <= int(text) < 2**63:
+        raise DataDamaged(f"the fact {name} is no number that fits: '{text[:40]}'")
+    return int(text)
+
+
+def _session_of(facts: dict[str, str]) -> SessionFacts:
+    if facts["format_version"] != _FORMAT_VERSION:
+        raise DataDamaged(f"the fact format_version is '{facts['format_version'][:40]}', only {_FORMAT_VERSION} is known")
+    names = ("session_id", "rig", "kind", "protocol", "subject", "label", "software", "device_uri", "calibration_id")
+    _whole(facts, "utc_minus_monotonic_ns")
+    stages = _whole(facts, "stages")
+    if not 0 <= stages <= 256:
+        raise DataDamaged(f"the fact stages says {stages}, at most 256")
+    return SessionFacts(
+        **{name: facts.get(name, "") for name in names},
+        part=_whole(facts, "part"),
+        started_utc=np.datetime64(_whole(facts, "started_utc_ns"), "ns"),
+        fields={name.removeprefix("field."): text for name, text in facts.items() if name.startswith("field.")},
+        stages=tuple(facts.get(f"stage.{stage + 1}", "") for stage in range(stages)),
+        all=dict(facts),
+    )
+
+
+@dataclasses.dataclass(frozen=True)
+class _ParsedEvent:
+    stream: XdfStream
+    stamp_s: float
+    values: dict[str, Any] | None  # None: no event of ours
+    text: str
+
+
+def _parsed_events(stream: XdfStream) -> list[_ParsedEvent]:
+    rows = zip(stream.times_s.tolist(), stream.values.tolist(), strict=True)
+    return [_ParsedEvent(stream, stamp_s, _event_of_json(text), text) for stamp_s, texts in rows for text in texts]
+
+
+def _event_of_json(text: str) -> dict[str, Any] | None:
+    if len(text) > _MAX_EVENT_BYTES:
+        return None
+    try:
+        event = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(event, dict) or not isinstance(event.get("event"), str) or len(event) > _MAX_EVENT_KEYS:
+        return None
+    is_placed = all(type(event.get(key, 0)) is int and 0 <= event.get(key, 0) < 2**62 for key in ("segment", "scan"))
+    return event if is_placed else None
+
+
+def _reference(file: XdfFile) -> XdfStream | None:
+    """Events count in scans of the raw stream; where that is not recorded, in those of the fastest one."""
+    regular = [stream for stream in file.streams.values() if stream.header.rate and stream.header.dtype != object]
+    raw = [stream for stream in regular if stream.header.name.rpartition("/")[2] == "raw"]
+    by_rate = sorted(regular, key=lambda stream: stream.header.rate or 0, reverse=True)
+    return next(iter(raw + by_rate), None)
+
+
+class _SegmentTable:
+    """Which segment a stamp belongs to, and which scan of it: from dtsd's events, else from the stamps of the reference stream.
+
+        segment   0                      gap   1
+        stamp   --|=======================|    |==================>
+                stamp of scan 0         start of 1: a sample less than half a scan before it belongs to it
+    """
+
+    def __init__(self, events: list[_ParsedEvent], reference: XdfStream | None) -> None:
+        self.rate_hz = float(reference.header.rate) if reference and reference.header.rate else 0.0
+        ours = [(row.stamp_s, row.values) for row in events if row.values and row.values["event"] == "segment"]
+        self.is_told = bool(ours) and self.rate_hz > 0.0
+        self.gaps = {values.get("segment", 0): values for _, values in ours}
+        if self.is_told:
+            starts = [(at, values.get("segment", 0), at - values.get("scan", 0) / self.rate_hz) for at, values in ours]
+        elif reference is not None:
+            stamps = reference.times_s
+            firsts = stamps[np.r_[True, ~_continues(stamps, self.rate_hz)]] if len(stamps) else stamps
+            starts = [(at, number, at) for number, at in enumerate(firsts.tolist())]
+        else:
+            starts = []
+        starts.sort()
+        self._starts_s = np.array([start[0] for start in starts])
+        self._numbers = np.array([start[1] for start in starts], np.int64)
+        self._zeros_s = np.array([start[2] for start in starts])
+
+    def places(self, stamps_s: NDArray[np.float64], rate_hz: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Segment and scan of each stamp; 0 and 0 where nothing is known."""
+        if not len(self._starts_s) or rate_hz == 0.0:
+            return np.zeros(len(stamps_s), np.int64), np.zeros(len(stamps_s), np.int64)
+        at = np.maximum(np.searchsorted(self._starts_s, stamps_s + 0.5 / rate_hz, side="right") - 1, 0)
+        scans = np.nan_to_num(np.rint((stamps_s - self._zeros_s[at]) * rate_hz), nan=0.0)
+        return self._numbers[at], np.clip(scans, 0, 9e15).astype(np.int64)
+
+
+def _continues(stamps_s: NDArray[np.float64], rate_hz: float) -> NDArray[np.bool_]:
+    """Whether each sample but the first follows the one before: off by half a scan at most. From the one before, not from a grid that
+    is hours old: a clock that is 50 ppm off makes no gap."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.abs(np.diff(stamps_s) - 1.0 / rate_hz) <= 0.5 / rate_hz)
+
+
+def _own_places(stamps_s: NDArray[np.float64], rate_hz: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The same by the stream's own stamps alone."""
+    breaks = np.r_[False, ~_continues(stamps_s, rate_hz)]
+    segments = np.cumsum(breaks)
+    index = np.arange(len(stamps_s))
+    return segments, index - np.maximum.accumulate(np.where(breaks, index, 0))
+
+
+def _to_stream(name: str, stream: XdfStream, table: _SegmentTable, utc_minus_monotonic_ns: int) -> RecordedStream:
+    header = stream.header
+    stamps_s = stream.times_s
+    if header.rate and not table.is_told and len(stamps_s):
+        segments, scans = _own_places(stamps_s, float(header.rate))
+    else:
+        segments, scans = table.places(stamps_s, float(header.rate or table.rate_hz))
+    return RecordedStream(
+        name=name,
+        channels=header.labels,
+        units=header.units,
+        rate=header.rate,
+        delay_s=header.delay_s,
+        values=stream.values,
+        segments=segments,
+        scans=scans,
+        time_s=_on_host(stamps_s, stream.offsets),
+        utc_minus_monotonic_ns=utc_minus_monotonic_ns,
+        gaps=_gaps_of(segments, scans, table) if header.rate else (),
+        content=header.content,
+        stamps_s=stamps_s,
+        clock_offsets=np.array(stream.offsets).reshape(-1, 2),
+        facts=header.facts,
+    )
+
+
+def _gaps_of(segments: NDArray[np.int64], scans: NDArray[np.int64], table: _SegmentTable) -> tuple[Missing, ...]:
+    found = []
+    for index in (np.flatnonzero((np.diff(segments) != 0) | (np.diff(scans) != 1)) + 1).tolist():
+        told = table.gaps.get(int(segments[index]), {})
+        if segments[index] == segments[index - 1]:
+            found.append(Missing(index, max(int(scans[index] - scans[index - 1]) - 1, 0), True, "lost"))
+        else:
+            missing = told.get("missing_scans")
+            is_exact = type(missing) is int and told.get("is_exact") is True
+            found.append(Missing(index, missing if type(missing) is int else 0, is_exact, str(told.get("reason", "unknown"))))
+    return tuple(found)
+
+
+def _on_host(stamps_s: NDArray[np.float64], offsets: list[tuple[float, float]]) -> NDArray[np.float64]:
+    """Stamps mapped to the host's clock: offsets are measured every 5 s, in between they change evenly."""
+    known = np.array([offset for offset in offsets if np.isfinite(offset).all()]).reshape(-1, 2)
+    if not len(known):
+        return stamps_s
+    known = known[np.argsort(known[:, 0], kind="stable")]
+    return np.asarray(stamps_s + np.interp(stamps_s, known[:, 0], known[:, 1]))
+
+
+def _to_event(row: _ParsedEvent, table: _SegmentTable, utc_minus_monotonic_ns: int) -> Event:
+    stamp_s = np.array([row.stamp_s])
+    time_s = _on_host(stamp_s, row.stream.offsets)
+    values = row.values
+    if values is None:
+        segments, scans = table.places(stamp_s, table.rate_hz)
+        values = {"event": "marker", "segment": int(segments[0]), "scan": int(scans[0]), "text": row.text}
+    return Event(
+        rig=row.stream.header.name.partition("/")[0],
+        kind=values["event"],
+        segment=values.get("segment", 0),
+        scan=values.get("scan", 0),
+        time_s=float(time_s[0]),
+        utc=to_utc(np.rint(time_s * 1e9), utc_minus_monotonic_ns)[0],
+        fields={
+            name: float("nan") if value is None else value  # JSON has no other way to write an undefined number
+            for name, value in values.items()
+            if name not in ("event", "segment", "scan")
+        },
+    )
+
+
+def _unused_name(name: str, taken: dict[str, RecordedStream]) -> str:
+    """Files of other programs may hold streams of the same name."""
+    unused, number = name, 2
+    while unused in taken:
+        unused, number = f"{name}-{number}", number + 1
+    return unused

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/page_parts.h"
+
+#include "report/number_text.h"
+
+namespace dts::report {
+
+std::string labels_text(const TrialData& trial) {
+  std::string text;
+  for (const auto& [name, word] : trial.recorded.labels) {
+    if (text.size() > 200) break;
+    text += (text.empty() ? "" : ", ") + name + " " + word;
+  }
+  return text;
+}
+
+std::string outcome_text(const TrialData& trial) {
+  if (trial.recorded.outcome.empty()) return trial.recorded.trial == 0 ? "no protocol" : "never ended: does not count";
+  if (trial.recorded.outcome == "done") return "done";
+  return trial.recorded.outcome + ": does not count";
+}
+
+std::string filter_text(const posturography::Analysis& analysis) {
+  if (analysis.profile == posturography::Profile::AsIs) return "none";
+  return "Butterworth low-pass of 4th order, 10 Hz, forward and backward";
+}
+
+std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_part, std::size_t end_part) {
+  std::vector<Fact> facts;
+  for (std::size_t part = first_part; part < end_part && part < session.parts.size(); ++part) {
+    const PartData& file = session.parts[part];
+    facts.push_back(
+        {.name = "Recording", .value = file.file + ", SHA-256 " + (file.sha256.empty() ? "not given: the file is damaged" : file.sha256)});
+  }
+  const std::string computed = session.software.empty() ? "-" : session.software;
+  if (!session.facts) {
+    facts.push_back({.name = "Computed by", .value = computed + "; recorded by another program"});
+    return facts;
+  }
+  const record::SessionFacts& about = *session.facts;
+  facts.push_back({.name = "Recorded by", .value = about.software + "; computed by " + computed});
+  std::string device = about.device_model.empty() ? "-" : about.device_model;
+  if (!about.device_serial.empty()) device += ", serial " + about.device_serial;
+  if (!about.firmware.empty()) device += ", firmware " + about.firmware;
+  facts.push_back({.name = "Device", .value = device + " (" + about.device_uri + ")"});
+  facts.push_back({.name = "Calibration",
+                   .value = about.calibration_id.empty() ? "none of this rig: its plate model stands in for it" : about.calibration_id});
+  std::string stages;
+  for (const std::string& stage : about.stages) stages += (stages.empty() ? "" : "; ") + stage;
+  facts.push_back({.name = "Stages", .value = stages.empty() ? "-" : stages});
+  return facts;
+}
+
+std::vector<std::string> session_alerts(const SessionData& session) {
+  std::vector<std::string> alerts;
+  if (session.is_synthetic()) {
+    alerts.push_back("Synthetic data: made by a simulator (" + session.facts->device_uri + "). No person was measured.");
+  }
+  for (const PartData& part : session.parts) {
+    if (!part.damage.empty())
+      alerts.push_back("The recording " + part.file + " is not whole (" + part.damage + "): what is whole is shown.");
+  }
+  return alerts;
+}
+
+std::string accuracy_note(const SessionData& session) {
+  std::string note =
+      "Accuracy: this kind of platform was 1.05 mm (RMSE) off a force plate (thesis, Table 4.2), about ten times what is asked of "
+      "posturography "
+      "platforms (0.1 mm: ISPGR committee, Scoppa et al. 2013; Gagey). Small differences between trials may be the platform's.";
+  if (session.is_synthetic()) note += " Synthetic data have the simulator's errors instead.";
+  return note;
+}
+
+}  // namespace dts::report

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/recorded_definitions.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "files/protocol_file.h"
+#include "files/rig_file.h"
+#include "session/trial_run.h"
+
+namespace dts::report {
+namespace {
+
+constexpr double kLargestPlateMm = 100'000.0;
+
+}  // namespace
+
+std::optional<PlateSize> recorded_plate(const record::SessionFacts& facts) {
+  if (facts.rig_definition.empty()) return std::nullopt;
+  files::Problems problems;
+  const auto config = files::read_rig_text(facts.rig_definition, "the recorded rig", problems);
+  const PlateSize plate{.a_mm = config.model.plate.a.value, .b_mm = config.model.plate.b.value};
+  const auto is_plate = [](double mm) { return std::isfinite(mm) && mm > 0.0 && mm < kLargestPlateMm; };
+  if (!problems.empty() || !is_plate(plate.a_mm) || !is_plate(plate.b_mm)) return std::nullopt;
+  return plate;
+}
+
+std::uint32_t planned_trials(const record::SessionFacts& facts) {
+  if (facts.protocol_definition.empty()) return 0;
+  files::Problems problems;
+  const session::Protocol protocol = files::read_protocol_text(facts.protocol_definition, "the recorded protocol", problems);
+  if (!problems.empty() || !protocol.trials) return 0;
+  const std::uint64_t planned = std::uint64_t{protocol.trials->trials_per_block} * protocol.trials->blocks;
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(planned, session::kMostTrials));
+}
+
+}  // namespace dts::report

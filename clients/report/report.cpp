@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/report.h"
+
+#include "report/page_parts.h"
+#include "report/session_data.h"
+
+namespace dts::report {
+namespace {
+
+constexpr double kAnalysedShare = 0.9;
+constexpr SessionPageLimits kHtmlLimits{.trials = 10'000, .pictures = 60};
+constexpr SessionPageLimits kSvgLimits{.trials = 24, .pictures = 14};  // what fits A4
+
+void add(const ReportSource& source, const std::string& name, const PageContent& content, Report& report) {
+  if (source.with_html) report.pages.push_back({.file = name + ".html", .text = html_of(content)});
+  if (source.with_svg) report.pages.push_back({.file = name + ".svg", .text = svg_of(content)});
+}
+
+}  // namespace
+
+core::Result<Report> make_report(const ReportSource& source, const ReportProgress& progress) {
+  auto session = read_session(source, progress);
+  if (!session) return tl::make_unexpected(session.error());
+  Report report{.session_id = session->session_id(), .pages = {}};
+  for (const PartData& part : session->parts) {
+    if (!part.damage.empty()) report.damage.push_back(part.file + ": " + part.damage + "; what is whole is reported");
+  }
+  if (source.with_html) report.pages.push_back({.file = "session.html", .text = html_of(session_content(*session, kHtmlLimits))});
+  if (source.with_svg) report.pages.push_back({.file = "session.svg", .text = svg_of(session_content(*session, kSvgLimits))});
+  for (std::size_t index = 0; index < session->trials.size(); ++index) {
+    const double done = static_cast<double>(index) / static_cast<double>(session->trials.size());
+    if (!progress(kAnalysedShare + (1.0 - kAnalysedShare) * done)) {
+      return core::fail(core::ErrorCode::Failed, "the report was interrupted: nothing is written");
+    }
+    add(source, session->trials[index].page, trial_content(*session, session->trials[index]), report);
+  }
+  return report;
+}
+
+}  // namespace dts::report

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "report/number_text.h"
+#include "report/page_parts.h"
+#include "report/session_tables.h"
+#include "report/stabilogram.h"
+
+namespace dts::report {
+namespace {
+
+constexpr std::size_t kCellsInRow = 7;
+constexpr double kCellMm = 27.0;
+constexpr double kCellTextMm = 6.5;
+constexpr double kMostHalfMm = 11.8;
+constexpr std::size_t kMostPointsOfCell = 1200;
+
+std::vector<Fact> facts_of(const SessionData& session) {
+  if (!session.facts) return {{.name = "Recording", .value = session.parts.front().file}};
+  const record::SessionFacts& about = *session.facts;
+  const auto or_dash = [](const std::string& text) { return text.empty() ? std::string("-") : text; };
+  std::vector<Fact> facts{{.name = "Session", .value = or_dash(about.session_id)},
+                          {.name = "Subject", .value = or_dash(about.subject)},
+                          {.name = "Rig", .value = or_dash(about.rig)},
+                          {.name = "Protocol", .value = or_dash(about.protocol)},
+                          {.name = "Started", .value = about.started_utc_ns > 0 ? utc_text(about.started_utc_ns) : "not known"}};
+  const auto kept = std::ranges::count_if(session.trials, [](const TrialData& trial) { return trial.counts(); });
+  facts.push_back({.name = "Trials",
+                   .value = std::to_string(kept) + " count" +
+                            (session.planned_trials > 0 ? ", " + std::to_string(session.planned_trials) + " planned" : "")});
+  for (const auto& [name, value] : about.fields) {
+    if (facts.size() < 16) facts.push_back({.name = name, .value = value});
+  }
+  if (!about.label.empty()) facts.push_back({.name = "Note", .value = about.label});
+  return facts;
+}
+
+/// Largest scale at which every path fits its cell: a small sway next to a large one looks small.
+double common_scale(const std::vector<const TrialData*>& trials) {
+  double half_mm = 1.0;
+  for (const TrialData* trial : trials) {
+    const HalfExtent half = half_extent(*trial->prepared, ellipse_outline(*trial->prepared));
+    half_mm = std::max({half_mm, half.ml_mm, half.ap_mm});
+  }
+  return kMostHalfMm / half_mm;
+}
+
+std::string cut(const std::string& text, double width_mm, double size) {
+  if (text_width(text, size) <= width_mm) return text;
+  std::string shorter = text;
+  while (!shorter.empty() && text_width(shorter + "...", size) > width_mm) {
+    while (!shorter.empty() && (static_cast<unsigned char>(shorter.back()) & 0xC0U) == 0x80U) shorter.pop_back();
+    if (!shorter.empty()) shorter.pop_back();
+  }
+  return shorter + "...";
+}
+
+void draw_cells(Canvas& canvas, const std::vector<const TrialData*>& trials) {
+  const double scale = common_scale(trials);
+  const double pitch = kFullWidthMm / static_cast<double>(kCellsInRow);
+  for (std::size_t index = 0; index < trials.size(); ++index) {
+    const TrialData& trial = *trials[index];
+    Canvas cell =
+        canvas.group(pitch * static_cast<double>(index % kCellsInRow), (kCellMm + kCellTextMm) * static_cast<double>(index / kCellsInRow));
+    cell.text(0.0, 2.2, cut(trial.number() + (trial.counts() ? "" : " (does not count)"), pitch - 2.0, 2.1),
+              {.size = 2.1, .is_bold = true});
+    cell.text(0.0, 4.8, cut(trial.recorded.condition, pitch - 2.0, 1.9), {.size = 1.9, .colour = colour::kDarkGrey});
+    const double side = kCellMm - 2.0;
+    cell.rect(0.0, 5.6, side, side, colour::kNone, {.colour = colour::kGrey, .width = 0.15});
+    draw_path(cell, side / 2.0, 5.6 + side / 2.0, scale, *trial.prepared, kMostPointsOfCell, 0.12);
+  }
+}
+
+Figure small_multiples(const std::vector<const TrialData*>& trials) {
+  const double rows = static_cast<double>((trials.size() + kCellsInRow - 1) / kCellsInRow);
+  const double side_mm = (kCellMm - 2.0) / common_scale(trials);
+  return {.title = "Stabilograms, front up, right to the right: every frame is " + fixed(side_mm, 1) + " mm wide and high",
+          .width_mm = kFullWidthMm,
+          .height_mm = rows * (kCellMm + kCellTextMm),
+          .draw = [trials](Canvas& canvas) { draw_cells(canvas, trials); }};
+}
+
+Notes left_out(const SessionData& session) {
+  Notes notes{.title = "Left out", .items = {}};
+  std::set<std::uint32_t> done;
+  for (const TrialData& trial : session.trials) {
+    if (trial.counts()) done.insert(trial.recorded.trial);
+    if (trial.counts() || notes.items.size() >= 20) continue;
+    std::string why = trial.is_kept() ? "" : outcome_text(trial);
+    if (!trial.problem.empty()) why += (why.empty() ? "" : "; ") + trial.problem;
+    if (trial.analysis && !trial.analysis->is_valid())
+      why += (why.empty() ? "" : "; ") + std::string("invalid: stepped off, or feet moved");
+    notes.items.push_back("Trial " + trial.number() + ": " + why + ".");
+  }
+  std::string missing;
+  std::size_t count = 0;
+  for (std::uint32_t trial = 1; trial <= session.planned_trials; ++trial) {
+    if (done.contains(trial)) continue;
+    if (++count <= 20) missing += (missing.empty() ? "" : ", ") + std::to_string(trial);
+  }
+  if (count > 0) {
+    notes.items.push_back(std::to_string(count) + " of " + std::to_string(session.planned_trials) +
+                          " planned trials have no result that counts: " + missing + (count > 20 ? ", ..." : "") + ".");
+  }
+  if (notes.items.empty()) notes.items.emplace_back("Nothing.");
+  return notes;
+}
+
+Notes differences(const SessionData& session) {
+  Notes notes{.title = "Notes", .items = {}};
+  std::size_t told = 0;
+  std::size_t differing = 0;
+  for (const TrialData& trial : session.trials) {
+    if (!trial.recorded.told) continue;
+    ++told;
+    if (!trial.differing.empty()) ++differing;
+  }
+  if (differing > 0 || !session.differing_figures.empty()) {
+    notes.items.push_back("Values told by the daemon when this was recorded differ from those computed now (by more than 1e-9) in " +
+                          std::to_string(differing) + " of " + std::to_string(told) + " trials and " +
+                          std::to_string(session.differing_figures.size()) + " figures of the session.");
+  } else if (told > 0) {
+    notes.items.push_back("The values of " + std::to_string(told) + " trials that the daemon told and recorded are the same as these.");
+  }
+  notes.items.push_back(accuracy_note(session));
+  return notes;
+}
+
+}  // namespace
+
+PageContent session_content(const SessionData& session, const SessionPageLimits& limits) {
+  PageContent page{
+      .title = "Quiet standing",
+      .subtitle = "session",
+      .facts = facts_of(session),
+      .alerts = session_alerts(session),
+      .sections = {},
+  };
+  page.sections.push_back({.columns = {{trial_table(session, limits.trials)}}});
+  std::vector<const TrialData*> shown;
+  std::size_t drawable = 0;
+  for (const TrialData& trial : session.trials) {
+    if (!trial.prepared) continue;
+    ++drawable;
+    if (shown.size() < limits.pictures) shown.push_back(&trial);
+  }
+  if (!shown.empty()) page.sections.push_back({.columns = {{small_multiples(shown)}}});
+  if (drawable > shown.size()) {
+    page.alerts.push_back(std::to_string(drawable - shown.size()) + " more stabilograms are on the pages of their trials only.");
+  }
+  Section tables{.columns = {{}}};
+  for (Table& table : condition_tables(session)) tables.columns[0].push_back(std::move(table));
+  page.sections.push_back(std::move(tables));
+  Notes provenance{.title = "Where this comes from", .items = {}};
+  for (const Fact& fact : provenance_of(session, 0, session.parts.size())) provenance.items.push_back(fact.name + ": " + fact.value);
+  Section rest{.columns = {{}, {left_out(session), differences(session)}}};
+  if (auto romberg = romberg_table(session)) rest.columns[0].push_back(std::move(*romberg));
+  rest.columns[rest.columns[0].empty() ? 0 : 1].push_back(std::move(provenance));
+  page.sections.push_back(std::move(rest));
+  return page;
+}
+
+}  // namespace dts::report

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/session_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include "record/recording.h"
+#include "record/xdf/recovery.h"
+#include "report/number_text.h"
+#include "report/recorded_definitions.h"
+#include "report/watched_recording.h"
+#include "session/protocol.h"
+
+namespace dts::report {
+namespace {
+
+using posturography::Measure;
+
+constexpr double kSameValue = 1e-9;
+constexpr double kReadingShare = 0.5;  // of the whole work, for the progress bar
+constexpr double kLargestUtcNs = 9e18;
+
+/// One part's share [begin, end) of the work.
+struct Share {
+  double begin = 0.0;
+  double end = 1.0;
+};
+
+/// Remembers that the work was stopped: callbacks below cannot.
+class Waiting {
+ public:
+  Waiting(const ReportProgress& progress) : progress_(progress) {}
+  void report(const Share& share, double fraction) {
+    if (is_wanted_) is_wanted_ = progress_(share.begin + (share.end - share.begin) * std::clamp(fraction, 0.0, 1.0));
+  }
+  [[nodiscard]] bool is_wanted() const noexcept { return is_wanted_; }
+
+ private:
+  const ReportProgress& progress_;
+  bool is_wanted_ = true;
+};
+
+auto interrupted() { return core::fail(core::ErrorCode::Failed, "the report was interrupted: nothing is written"); }
+
+core::Result<PartData> check_part(const std::string& path, const record::Recording& recording, Waiting& waiting, const Share& share) {
+  PartData part{.file = std::filesystem::path(path).filename().string(), .sha256 = {}, .damage = recording.damage()};
+  if (!part.damage.empty()) return part;
+  // Wrong values look like any others: only the checksums know. A figure in a report must not come from a damaged file.
+  const auto verified = record::verify(path, [&](std::uint64_t done, std::uint64_t of) {
+    waiting.report(share, of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1.0);
+    return waiting.is_wanted();
+  });
+  if (!waiting.is_wanted()) return interrupted();
+  if (!verified) return core::fail(verified.error().code, verified.error().what, "keep what is whole: dtsctl session recover " + path);
+  part.sha256 = verified->sha256;
+  return part;
+}
+
+std::optional<std::int64_t> utc_of(const std::optional<std::int64_t>& host_ns, const std::optional<record::SessionFacts>& facts) {
+  if (!host_ns || !facts || facts->started_utc_ns <= 0) return std::nullopt;
+  const double sum = static_cast<double>(*host_ns) + static_cast<double>(facts->utc_minus_monotonic_ns);
+  if (!(std::abs(sum) < kLargestUtcNs)) return std::nullopt;
+  return *host_ns + facts->utc_minus_monotonic_ns;
+}
+
+core::Status read_part(const std::string& path, Waiting& waiting, const Share& share, SessionData& session) {
+  auto opened = record::Recording::open(path);
+  if (!opened) return tl::make_unexpected(opened.error());
+  const double middle = share.begin + (share.end - share.begin) / 3.0;
+  if (session.parts.empty()) session.facts = (*opened)->session();
+  if (!(*opened)->find_stream("cop")) {
+    return core::fail(core::ErrorCode::NotFound, "'" + path + "' has no centre of pressure: reports are for the floor platform so far",
+                      "a session of the chair shows its results with: dtsctl session show ID");
+  }
+  auto part = check_part(path, **opened, waiting, {.begin = share.begin, .end = middle});
+  if (!part) return tl::make_unexpected(part.error());
+  WatchedRecording recording(**opened, [&waiting] { return waiting.is_wanted(); });
+  auto standing =
+      session::read_recorded_standing(recording, [&](double fraction) { waiting.report({.begin = middle, .end = share.end}, fraction); });
+  if (!waiting.is_wanted()) return interrupted();
+  if (!standing) return tl::make_unexpected(standing.error());
+  for (session::StandingTrial& trial : standing->trials) {
+    const auto host_ns = recording.host_time_ns(trial.segment, trial.first_scan, standing->raw_rate_hz);
+    TrialData added;
+    added.begins_utc_ns = utc_of(host_ns, recording.session());
+    added.recorded = std::move(trial);
+    added.part = session.parts.size();
+    session.trials.push_back(std::move(added));
+  }
+  // A session that was resumed has figures of its parts: only those of a whole session compare with what is computed here.
+  for (session::SessionFigure& figure : standing->told_figures) session.summary.push_back(std::move(figure));
+  session.parts.push_back(std::move(*part));
+  return {};
+}
+
+void compare_with_told(TrialData& trial) {
+  if (!trial.recorded.told || !trial.recorded.told->analysis || !trial.analysis) return;
+  for (std::size_t index = 0; index < posturography::kMeasureCount; ++index) {
+    const auto measure = static_cast<Measure>(index);
+    const auto told = trial.recorded.told->analysis->measures.get(measure);
+    const auto computed = trial.analysis->measures.get(measure);
+    if (told && (!computed || !is_same_value(*told, *computed))) trial.differing.emplace_back(posturography::info(measure).symbol);
+  }
+}
+
+void analyse(TrialData& trial, const std::optional<double>& foot_length_mm) {
+  if (trial.recorded.cop.ml_mm.empty()) {
+    trial.problem = "no sample of the centre of pressure was recorded in it";
+    return;
+  }
+  auto prepared = posturography::prepare(trial.recorded.cop, posturography::kReportPreparation);
+  if (!prepared) {
+    trial.problem = prepared.error().what;
+    return;
+  }
+  trial.analysis = posturography::analyse(*prepared, foot_length_mm);
+  if ((trial.analysis->flags & posturography::sway_flag::kShortRecord) == 0) trial.spectra = posturography::multitaper_spectra(*prepared);
+  trial.prepared = std::move(*prepared);
+  compare_with_told(trial);
+}
+
+void name_pages(std::vector<TrialData>& trials) {
+  std::set<std::string> taken{"session"};
+  std::uint64_t standing = 0;
+  for (TrialData& trial : trials) {
+    std::string name = trial.recorded.trial == 0 ? "standing-" + two_digits(++standing) : "trial-" + two_digits(trial.recorded.trial);
+    if (trial.recorded.attempt > 1) name += "-attempt-" + std::to_string(trial.recorded.attempt);
+    trial.page = name;
+    for (std::uint64_t again = 2; !taken.insert(trial.page).second; ++again) trial.page = name + "-part-" + std::to_string(again);
+  }
+}
+
+/// The same as the daemon's: of the trials that count.
+void summarise(SessionData& session) {
+  const std::vector<session::SessionFigure> told = std::exchange(session.summary, {});
+  std::vector<session::SwayTrialResult> results;
+  for (const TrialData& trial : session.trials) {
+    if (!trial.is_kept()) continue;
+    results.push_back({.trial = trial.recorded.trial,
+                       .attempt = trial.recorded.attempt,
+                       .condition = trial.recorded.condition,
+                       .labels = trial.recorded.labels,
+                       .segment = trial.recorded.segment,
+                       .first_scan = trial.recorded.first_scan,
+                       .end_scan = trial.recorded.end_scan,
+                       .analysis = trial.analysis,
+                       .problem = trial.problem});
+  }
+  session.summary = session::sway_summary(results);
+  if (session.parts.size() != 1) return;
+  for (const session::SessionFigure& figure : told) {
+    const auto found = std::ranges::find(session.summary, figure.name, &session::SessionFigure::name);
+    if (found != session.summary.end() && !is_same_value(found->value, figure.value)) session.differing_figures.push_back(figure.name);
+  }
+}
+
+std::optional<double> foot_length_mm(const std::optional<record::SessionFacts>& facts) {
+  if (!facts) return std::nullopt;
+  const auto length_cm = session::field_number(facts->fields, "foot_length_cm");
+  if (length_cm && *length_cm > 5.0 && *length_cm < 50.0) return 10.0 * *length_cm;
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool is_same_value(double a, double b) noexcept { return std::abs(a - b) <= kSameValue * std::max(std::abs(a), std::abs(b)); }
+
+std::string TrialData::label(const std::string& name) const {
+  const auto found = std::ranges::find(recorded.labels, name, &std::pair<std::string, std::string>::first);
+  return found == recorded.labels.end() ? "" : found->second;
+}
+
+std::string TrialData::number() const {
+  if (recorded.trial == 0) return page.starts_with("standing-") ? "standing " + page.substr(9) : "standing";
+  return std::to_string(recorded.trial) + (recorded.attempt > 1 ? ", attempt " + std::to_string(recorded.attempt) : "");
+}
+
+std::string SessionData::session_id() const { return facts ? facts->session_id : ""; }
+
+core::Result<SessionData> read_session(const ReportSource& source, const ReportProgress& progress) {
+  SessionData session{.software = source.software};
+  if (source.files.empty()) return core::fail(core::ErrorCode::InvalidArgument, "there is no recording to report on");
+  Waiting waiting(progress);
+  const double share = kReadingShare / static_cast<double>(source.files.size());
+  for (std::size_t part = 0; part < source.files.size(); ++part) {
+    const double begin = share * static_cast<double>(part);
+    if (auto read = read_part(source.files[part], waiting, {.begin = begin, .end = begin + share}, session); !read) {
+      return tl::make_unexpected(read.error());
+    }
+  }
+  if (session.facts) {
+    session.plate = recorded_plate(*session.facts);
+    session.planned_trials = planned_trials(*session.facts);
+    session.foot_length_mm = foot_length_mm(session.facts);
+  }
+  name_pages(session.trials);
+  for (std::size_t index = 0; index < session.trials.size(); ++index) {
+    waiting.report({.begin = kReadingShare, .end = 0.9}, static_cast<double>(index) / static_cast<double>(session.trials.size()));
+    if (!waiting.is_wanted()) return interrupted();
+    analyse(session.trials[index], session.foot_length_mm);
+  }
+  summarise(session);
+  return session;
+}
+
+}  // namespace dts::report

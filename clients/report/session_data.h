@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/result.h"
+#include "posturography/analysis.h"
+#include "posturography/prepare.h"
+#include "posturography/spectrum.h"
+#include "record/session_facts.h"
+#include "report/report.h"
+#include "report/stabilogram.h"
+#include "session/recorded_sway.h"
+
+namespace dts::report {
+
+/// One file of the session.
+struct PartData {
+  std::string file;    ///< Without its folder: reports are the same on every machine.
+  std::string sha256;  ///< Empty: the file is damaged.
+  std::string damage;  ///< Empty: nothing is wrong.
+};
+
+/// A trial, analysed here and now.
+struct TrialData {
+  session::StandingTrial recorded;
+  std::size_t part = 0;                       ///< Index into `SessionData::parts`.
+  std::optional<std::int64_t> begins_utc_ns;  ///< When what counts began.
+  std::optional<posturography::Prepared> prepared;
+  posturography::Spectra spectra;
+  std::optional<posturography::Analysis> analysis;
+  std::string problem;                 ///< Why there is no analysis.
+  std::vector<std::string> differing;  ///< Symbols of values that the daemon told otherwise.
+  std::string page;                    ///< "trial-03": unique within the session.
+
+  /// It is done, and was neither redone nor rejected; of a recording without trials always.
+  [[nodiscard]] bool is_kept() const { return recorded.trial == 0 ? recorded.counts() : recorded.outcome == "done"; }
+  [[nodiscard]] bool counts() const { return is_kept() && analysis && analysis->is_valid(); }
+  [[nodiscard]] std::string label(const std::string& name) const;
+  /// "3", "3, attempt 2"; of a recording without trials "standing 1".
+  [[nodiscard]] std::string number() const;
+};
+
+/// All of a session that a report shows.
+struct SessionData {
+  std::string software;
+  std::optional<record::SessionFacts> facts;  ///< Of the first part; absent: another program's file.
+  std::vector<PartData> parts;
+  std::vector<TrialData> trials;  ///< In the order of the recording.
+  std::vector<session::SessionFigure> summary;
+  std::vector<std::string> differing_figures;  ///< Names of figures that the daemon told otherwise.
+  std::optional<PlateSize> plate;
+  std::uint32_t planned_trials = 0;
+  std::optional<double> foot_length_mm;
+
+  [[nodiscard]] std::string session_id() const;
+  [[nodiscard]] bool is_synthetic() const { return facts && facts->device_uri.starts_with("sim:"); }
+};
+
+/// Whether two values are the same but for rounding: 1e-9 relative.
+[[nodiscard]] bool is_same_value(double a, double b) noexcept;
+
+/// Reads and analyses. Fails as `make_report`.
+[[nodiscard]] core::Result<SessionData> read_session(const ReportSource& source, const ReportProgress& progress);
+
+}  // namespace dts::report

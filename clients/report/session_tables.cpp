@@ -1,0 +1,212 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/session_tables.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string_view>
+
+#include "report/number_text.h"
+#include "report/page_parts.h"
+
+namespace dts::report {
+namespace {
+
+using posturography::info;
+using posturography::Measure;
+
+constexpr std::size_t kMostConditions = 6;  // side by side
+constexpr std::size_t kMostTables = 4;
+constexpr std::string_view kRomberg = "romberg/";
+
+struct ShownMeasure {
+  Measure measure;
+  std::string_view head;
+};
+constexpr std::array kShown = {ShownMeasure{Measure::Mvelo, "MVELO mm/s"},    ShownMeasure{Measure::Rdist, "RDIST mm"},
+                               ShownMeasure{Measure::RdistAp, "RDIST AP mm"}, ShownMeasure{Measure::RdistMl, "RDIST ML mm"},
+                               ShownMeasure{Measure::RangeAp, "RANGE AP mm"}, ShownMeasure{Measure::RangeMl, "RANGE ML mm"},
+                               ShownMeasure{Measure::Pea95F, "PEA95-F mm2"},  ShownMeasure{Measure::AreaSw, "AREA-SW mm2/s"},
+                               ShownMeasure{Measure::Mfreq, "MFREQ Hz"}};
+
+/// Healthy young and aged people, firm surface, eyes closed over open: median (5-95 %), computed from the BDS set (posturography sheet
+/// section 6).
+struct PublishedQuotient {
+  Measure measure;
+  std::string_view young;
+  std::string_view aged;
+};
+constexpr std::array kPublished = {PublishedQuotient{Measure::Mvelo, "1.11 (0.80-1.32)", "1.03 (0.83-1.54)"},
+                                   PublishedQuotient{Measure::Pea95F, "1.24 (0.62-1.73)", "0.98 (0.57-1.77)"},
+                                   PublishedQuotient{Measure::AreaSw, "1.21 (0.73-1.86)", "1.03 (0.64-1.96)"}};
+
+/// "eyes-open-two-feet/MVELO" taken apart at its last slash.
+struct FigureName {
+  std::string group;
+  std::string symbol;
+};
+FigureName parts_of(const std::string& name) {
+  const std::size_t slash = name.rfind('/');
+  if (slash == std::string::npos) return {.group = "", .symbol = name};
+  return {.group = name.substr(0, slash), .symbol = name.substr(slash + 1)};
+}
+
+/// "feet=two,surface=firm" as words that a line can be broken between.
+std::string stance_text(const std::string& stance) {
+  std::string text;
+  for (const char letter : stance) text += letter == ',' ? std::string(", ") : std::string(1, letter == '=' ? ' ' : letter);
+  return text.empty() ? "quotient" : text;
+}
+
+/// The published quotients are of two feet on a firm surface; where a protocol does not say, it is not known.
+bool is_of_references(const std::string& stance) {
+  const bool is_firm = stance.find("surface=") == std::string::npos || stance.find("surface=firm") != std::string::npos;
+  return is_firm && stance.find("feet=two") != std::string::npos;
+}
+
+/// Of trials that are not as long as those of the published quotients; empty when they are.
+std::string other_duration(const SessionData& session) {
+  constexpr double kPublishedS = 60.0;
+  const auto other = std::ranges::find_if(session.trials, [](const TrialData& trial) {
+    return trial.counts() && trial.analysis && std::abs(trial.analysis->duration_s - kPublishedS) > 1.0;
+  });
+  return other == session.trials.end() ? "" : " These trials last " + fixed(other->analysis->duration_s, 1) + " s.";
+}
+
+bool is_romberg(const session::SessionFigure& figure) { return figure.unit == "1" && figure.name.starts_with(kRomberg); }
+
+/// Groups of figures in the order of their first, and their values by symbol.
+struct Groups {
+  std::vector<std::string> names;
+  std::map<std::pair<std::string, std::string>, double> values;
+
+  void add(const std::string& group, const std::string& symbol, double value) {
+    if (std::ranges::find(names, group) == names.end()) names.push_back(group);
+    values[{group, symbol}] = value;
+  }
+  [[nodiscard]] std::string text(const std::string& group, std::string_view symbol) const {
+    const auto found = values.find({group, std::string(symbol)});
+    return found == values.end() ? "-" : significant(found->second);
+  }
+};
+
+/// Measures that any group has, in their order.
+std::vector<Measure> measures_of(const Groups& groups) {
+  std::vector<Measure> measures;
+  for (std::size_t index = 0; index < posturography::kMeasureCount; ++index) {
+    const auto measure = static_cast<Measure>(index);
+    const bool is_there = std::ranges::any_of(groups.names, [&](const std::string& name) {
+      return groups.values.contains({name, std::string(info(measure).symbol)});
+    });
+    if (is_there) measures.push_back(measure);
+  }
+  return measures;
+}
+
+std::string head_of(const SessionData& session, const std::string& condition) {
+  const auto count = std::ranges::count_if(session.trials,
+                                           [&](const TrialData& trial) { return trial.counts() && trial.recorded.condition == condition; });
+  return (condition.empty() ? "no condition" : condition) + " (n = " + std::to_string(count) + ")";
+}
+
+Table means_of(const SessionData& session, const Groups& groups, std::size_t first, std::size_t end) {
+  Table table{.title = "Mean per condition, of the trials that count",
+              .columns = {{.head = "Measure", .share = 1.6}, {.head = "Unit", .share = 0.7}},
+              .rows = {}};
+  for (std::size_t index = first; index < end; ++index) {
+    table.columns.push_back({.head = head_of(session, groups.names[index]), .share = 1.5, .is_number = true});
+  }
+  for (const Measure measure : measures_of(groups)) {
+    Row row{.cells = {std::string(info(measure).symbol), std::string(info(measure).unit)}};
+    for (std::size_t index = first; index < end; ++index) row.cells.push_back(groups.text(groups.names[index], info(measure).symbol));
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+}  // namespace
+
+Table trial_table(const SessionData& session, std::size_t most_rows) {
+  Table table{.title = "Trials",
+              .columns = {{.head = "Trial", .share = 1.3}, {.head = "Condition", .share = 2.5}, {.head = "Outcome", .share = 2.3}},
+              .rows = {}};
+  table.columns.push_back({.head = "T s", .share = 0.8, .is_number = true});
+  for (const ShownMeasure& shown : kShown) table.columns.push_back({.head = std::string(shown.head), .share = 1.0, .is_number = true});
+  for (const TrialData& trial : session.trials) {
+    if (table.rows.size() >= most_rows) break;
+    std::string outcome = outcome_text(trial);
+    if (trial.is_kept() && !trial.counts()) outcome = trial.analysis ? "invalid" : "no values";
+    Row row{.cells = {trial.number(), trial.recorded.condition.empty() ? "-" : trial.recorded.condition, outcome},
+            .is_heading = false,
+            .link = trial.page};
+    row.cells.push_back(trial.analysis ? fixed(trial.analysis->duration_s, 1) : "-");
+    for (const ShownMeasure& shown : kShown) {
+      const auto value = trial.analysis ? trial.analysis->measures.get(shown.measure) : std::nullopt;
+      row.cells.push_back(value ? significant(*value) : "-");
+    }
+    table.rows.push_back(std::move(row));
+  }
+  if (session.trials.size() > table.rows.size()) {
+    table.footnotes.push_back(std::to_string(session.trials.size() - table.rows.size()) + " more trials have pages of their own.");
+  }
+  if (session.trials.empty()) table.footnotes.emplace_back("Nobody stood for 10 s.");
+  return table;
+}
+
+std::vector<Table> condition_tables(const SessionData& session) {
+  Groups groups;
+  for (const session::SessionFigure& figure : session.summary) {
+    if (is_romberg(figure)) continue;
+    const FigureName name = parts_of(figure.name);
+    groups.add(name.group, name.symbol, figure.value);
+  }
+  std::vector<Table> tables;
+  for (std::size_t first = 0; first < groups.names.size() && tables.size() < kMostTables; first += kMostConditions) {
+    tables.push_back(means_of(session, groups, first, std::min(groups.names.size(), first + kMostConditions)));
+  }
+  return tables;
+}
+
+std::optional<Table> romberg_table(const SessionData& session) {
+  Groups groups;
+  for (const session::SessionFigure& figure : session.summary) {
+    if (!is_romberg(figure)) continue;
+    const FigureName name = parts_of(figure.name.substr(kRomberg.size()));
+    groups.add(name.group, name.symbol, figure.value);
+  }
+  if (groups.names.empty()) return std::nullopt;
+  Table table{.title = "Romberg quotient: eyes closed / eyes open", .columns = {{.head = "Measure", .share = 1.6}}, .rows = {}};
+  if (groups.names.size() > kMostConditions) groups.names.resize(kMostConditions);
+  for (const std::string& stance : groups.names) {
+    table.columns.push_back({.head = stance_text(stance), .share = 1.2, .is_number = true});
+  }
+  const bool has_references = std::ranges::any_of(groups.names, is_of_references);
+  if (has_references) {
+    table.columns.push_back({.head = "published, young (1)", .share = 1.7, .is_number = true});
+    table.columns.push_back({.head = "published, 60+ (2)", .share = 1.6, .is_number = true});
+  }
+  for (const Measure measure : measures_of(groups)) {
+    Row row{.cells = {std::string(info(measure).symbol)}};
+    for (const std::string& stance : groups.names) row.cells.push_back(groups.text(stance, info(measure).symbol));
+    const auto published = std::ranges::find(kPublished, measure, &PublishedQuotient::measure);
+    if (has_references) {
+      row.cells.emplace_back(published == kPublished.end() ? "" : published->young);
+      row.cells.emplace_back(published == kPublished.end() ? "" : published->aged);
+    }
+    table.rows.push_back(std::move(row));
+  }
+  table.footnotes.emplace_back(
+      "Of the means. A quotient below 1 is common and no error. It is made only of trials of equal duration and equal stance.");
+  if (has_references) {
+    table.footnotes.emplace_back(
+        "Published: median (5-95 %), two feet, firm surface, 60 s; (1) 36 people of 20 to 38 years, no illness, disability or fall "
+        "reported; "
+        "(2) 76 people aged 60 or more, illness allowed. Computed from Santos & Duarte 2016, PeerJ 4:e2648 (CC BY 4.0), another device: "
+        "not for one foot, foam or other durations." +
+        other_duration(session));
+  }
+  return table;
+}
+
+}  // namespace dts::report

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
+#include "report/measure_tables.h"
+#include "report/number_text.h"
+#include "report/page_parts.h"
+#include "report/spectrum_picture.h"
+#include "report/stabilogram.h"
+#include "report/sway_series.h"
+
+namespace dts::report {
+namespace {
+
+constexpr double kStabilogramMm = 80.0;
+constexpr double kSeriesMm = 43.0;
+constexpr double kSpectraMm = 31.0;
+constexpr std::size_t kMostDifferingNamed = 4;
+
+std::string or_dash(const std::string& text) { return text.empty() ? "-" : text; }
+
+std::vector<Fact> facts_of(const SessionData& session, const TrialData& trial) {
+  std::vector<Fact> facts;
+  facts.push_back({.name = "Session", .value = or_dash(session.session_id())});
+  facts.push_back({.name = "Subject", .value = session.facts ? or_dash(session.facts->subject) : "-"});
+  facts.push_back({.name = "Rig", .value = session.facts ? or_dash(session.facts->rig) : "-"});
+  facts.push_back({.name = "Protocol", .value = session.facts ? or_dash(session.facts->protocol) : "-"});
+  facts.push_back({.name = "Condition", .value = or_dash(trial.recorded.condition)});
+  facts.push_back({.name = "Labels", .value = or_dash(labels_text(trial))});
+  facts.push_back({.name = "Outcome", .value = outcome_text(trial)});
+  facts.push_back({.name = "Measured from", .value = trial.begins_utc_ns ? utc_text(*trial.begins_utc_ns) : "not known"});
+  if (trial.analysis) {
+    facts.push_back({.name = "Analysed",
+                     .value = fixed(trial.analysis->duration_s, 2) + " s, N = " + std::to_string(trial.analysis->samples) + " at " +
+                              significant(trial.analysis->rate_hz) + " Hz"});
+    facts.push_back(
+        {.name = "Filter",
+         .value = "profile " + std::string(posturography::name(trial.analysis->profile)) + ": " + filter_text(*trial.analysis)});
+  }
+  if (session.facts && !session.facts->label.empty()) facts.push_back({.name = "Note", .value = session.facts->label});
+  return facts;
+}
+
+std::vector<std::string> alerts_of(const SessionData& session, const TrialData& trial) {
+  std::vector<std::string> alerts = session_alerts(session);
+  if (!trial.is_kept()) {
+    const std::string what = trial.recorded.outcome.empty() ? "never ended" : "was " + trial.recorded.outcome;
+    alerts.push_back("This trial " + what + ": it does not count.");
+  }
+  if (!trial.problem.empty()) alerts.push_back("Nothing could be computed: " + trial.problem + ".");
+  if (trial.analysis && !trial.analysis->is_valid()) {
+    alerts.emplace_back("Invalid: the subject stepped off or moved the feet. The values say nothing about steadiness.");
+  }
+  std::string doubts;
+  for (const std::string& warning : reference_warnings(trial)) doubts += (doubts.empty() ? "" : " ") + warning;
+  if (!doubts.empty()) alerts.push_back(doubts);
+  return alerts;
+}
+
+std::string differing_text(const TrialData& trial) {
+  std::string names;
+  for (std::size_t index = 0; index < std::min(kMostDifferingNamed, trial.differing.size()); ++index) {
+    names += (index == 0 ? "" : ", ") + trial.differing[index];
+  }
+  if (trial.differing.size() > kMostDifferingNamed) names += ", ...";
+  return "Values told by the daemon when this was recorded differ from those computed now: " + std::to_string(trial.differing.size()) +
+         " measures (" + names + ").";
+}
+
+Notes quality_notes(const SessionData& session, const TrialData& trial) {
+  Notes notes{.title = "Quality and notes", .items = {}};
+  if (trial.analysis) {
+    for (std::uint32_t bit = 0; bit < posturography::sway_flag::kCount; ++bit) {
+      const std::uint32_t flag = 1U << bit;
+      if ((trial.analysis->flags & flag) == 0) continue;
+      const auto names = posturography::names_of(flag);
+      notes.items.push_back((names.empty() ? "" : std::string(names.front()) + ": ") + std::string(posturography::sentence_of(flag)));
+    }
+    if (trial.analysis->flags == 0) notes.items.emplace_back("No flag was raised: long enough, no gap, no jump, no doubtful sensor.");
+    if (trial.analysis->missing > 0) {
+      notes.items.push_back(std::to_string(trial.analysis->missing) + " samples missing of " +
+                            std::to_string(trial.recorded.cop.ml_mm.size()) + ", of these " + std::to_string(trial.analysis->interpolated) +
+                            " interpolated within what was analysed.");
+    }
+    if (trial.recorded.told && trial.recorded.told->analysis && trial.differing.empty()) {
+      notes.items.emplace_back("The values that the daemon told and recorded are the same as these.");
+    }
+  }
+  if (!trial.differing.empty()) notes.items.push_back(differing_text(trial));
+  notes.items.push_back(accuracy_note(session));
+  notes.items.emplace_back(
+      "AP: anterior-posterior, front +. ML: medio-lateral, right +. RD: distance from the mean. Unit 1: a number without unit. exp.: "
+      "experimental, no agreed definition.");
+  return notes;
+}
+
+std::string why_no_spectrum(const TrialData& trial) {
+  if (!trial.analysis) return "nothing was analysed";
+  if ((trial.analysis->flags & posturography::sway_flag::kShortRecord) != 0) return "needs 10 s and 200 samples";
+  return "the COP does not move";
+}
+
+std::vector<Block> left_pictures(const SessionData& session, const TrialData& trial) {
+  if (!trial.prepared) return {};
+  return {Figure{.title = "Stabilogram", .width_mm = kHalfWidthMm, .height_mm = kStabilogramMm, .draw = [&](Canvas& canvas) {
+                   draw_stabilogram(canvas, kHalfWidthMm, kStabilogramMm, *trial.prepared, session.plate);
+                 }}};
+}
+
+std::vector<Block> right_pictures(const TrialData& trial) {
+  std::vector<Block> blocks;
+  blocks.push_back(Figure{
+      .title = "Centre of pressure against time", .width_mm = kHalfWidthMm, .height_mm = kSeriesMm, .draw = [&trial](Canvas& canvas) {
+        draw_sway_series(canvas, kHalfWidthMm, kSeriesMm, trial.recorded.cop, trial.prepared ? &*trial.prepared : nullptr);
+      }});
+  if (!trial.analysis) return blocks;
+  blocks.push_back(
+      Figure{.title = "Power spectral density", .width_mm = kHalfWidthMm, .height_mm = kSpectraMm, .draw = [&trial](Canvas& canvas) {
+               draw_spectra(canvas, kHalfWidthMm, kSpectraMm, trial.spectra, trial.analysis->measures, why_no_spectrum(trial));
+             }});
+  return blocks;
+}
+
+}  // namespace
+
+PageContent trial_content(const SessionData& session, const TrialData& trial) {
+  PageContent page;
+  page.title = trial.recorded.trial == 0 ? "Quiet standing" : "Quiet standing, trial " + trial.number();
+  page.subtitle = trial.recorded.condition;
+  page.facts = facts_of(session, trial);
+  page.alerts = alerts_of(session, trial);
+  Section pictures{.columns = {left_pictures(session, trial), right_pictures(trial)}};
+  Section numbers{.columns = {{}, {}}};
+  if (trial.analysis) {
+    numbers.columns[0].push_back(core_measures(trial));
+    numbers.columns[1].push_back(all_measures(trial));
+  }
+  numbers.columns[0].push_back(quality_notes(session, trial));
+  page.sections = {std::move(pictures), std::move(numbers)};
+  Notes provenance{.title = "Where this comes from", .items = {}};
+  for (const Fact& fact : provenance_of(session, trial.part, trial.part + 1)) provenance.items.push_back(fact.name + ": " + fact.value);
+  page.sections.back().columns[0].push_back(std::move(provenance));
+  return page;
+}
+
+}  // namespace dts::report

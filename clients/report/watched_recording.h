@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "record/recording.h"
+
+namespace dts::report {
+
+/// A recording that notes in passing when its segments began, and that ends in a failure when whoever waits no longer wants it.
+class WatchedRecording final : public record::Recording {
+ public:
+  /// `wants_more` is asked now and then. Both must outlive this.
+  WatchedRecording(record::Recording& recording, std::function<bool()> wants_more)
+      : recording_(recording), wants_more_(std::move(wants_more)) {}
+
+  [[nodiscard]] const std::vector<record::StreamInfo>& streams() const noexcept override { return recording_.streams(); }
+  [[nodiscard]] std::optional<std::size_t> find_stream(const std::string& name) const override { return recording_.find_stream(name); }
+  [[nodiscard]] const std::optional<record::SessionFacts>& session() const noexcept override { return recording_.session(); }
+  [[nodiscard]] const std::string& damage() const noexcept override { return recording_.damage(); }
+  [[nodiscard]] std::uint64_t sample_count(std::size_t stream) const override { return recording_.sample_count(stream); }
+  [[nodiscard]] core::Result<std::optional<record::RecordedItem>> next() override;
+  core::Status rewind() override { return recording_.rewind(); }
+  [[nodiscard]] std::uint64_t offset() const noexcept override { return recording_.offset(); }
+  [[nodiscard]] std::uint64_t size() const noexcept override { return recording_.size(); }
+
+  /// Of a scan of the raw stream, in CLOCK_MONOTONIC; nothing when the segment's beginning was not recorded.
+  [[nodiscard]] std::optional<std::int64_t> host_time_ns(std::uint32_t segment, core::ScanIndex scan, double raw_rate_hz) const;
+
+ private:
+  struct Beginning {
+    core::ScanIndex scan;
+    std::int64_t host_time_ns = 0;
+  };
+  void note(const record::RecordedEvent& event);
+
+  record::Recording& recording_;
+  std::function<bool()> wants_more_;
+  std::map<std::uint32_t, Beginning> segments_;
+};
+
+}  // namespace dts::report

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who looks: the gateway's /api/me, /api/login and /api/logout.
+import { ErrorCode, Role } from '../generated/dts/v1/control_pb';
+import { fixed } from '../parts/numbers';
+import { strings } from '../strings';
+import type { Me } from './types';
+import { CommandError } from './types';
+
+const roles: Readonly<Record<string, Role>> = { viewer: Role.VIEWER, operator: Role.OPERATOR, engineer: Role.ENGINEER };
+const patienceMs = 2000;
+
+export const nobody: Me = { user: '', role: Role.UNSPECIFIED, canLogIn: true };
+
+const textOf = (value: unknown): string => (typeof value === 'string' ? value : '');
+
+/** Fails when the gateway cannot be reached or answers nonsense. */
+export const askWho = async (fetchIt: typeof fetch): Promise<Me> => {
+  const response = await fetchIt('/api/me', { cache: 'no-store', signal: AbortSignal.timeout(patienceMs) });
+  if (response.status === 401) return nobody;
+  if (!response.ok) throw new Error(`/api/me: ${response.status}`);
+  const answer = (await response.json()) as { user?: unknown; role?: unknown; can_log_in?: unknown };
+  return { user: textOf(answer.user), role: roles[textOf(answer.role)] ?? Role.UNSPECIFIED, canLogIn: answer.can_log_in === true };
+};
+
+export const logIn = async (fetchIt: typeof fetch, user: string, password: string): Promise<void> => {
+  const words = strings.common.login;
+  let response: Response;
+  try {
+    response = await fetchIt('/api/login', {
+      method: 'POST',
+      headers: { 'Content-Type': 'application/json' },
+      body: JSON.stringify({ user, password }),
+    });
+  } catch {
+    throw new CommandError(ErrorCode.UNREACHABLE, strings.common.command.notConnected, strings.common.link.noGatewayHint);
+  }
+  if (response.ok) return;
+  if (response.status === 401) throw new CommandError(ErrorCode.NOT_ALLOWED, words.wrong, words.wrongHint);
+  if (response.status === 429) {
+    const seconds = Number(response.headers.get('Retry-After') ?? NaN);
+    throw new CommandError(ErrorCode.LIMIT_EXCEEDED, words.tooMany(fixed(seconds, 0)), words.tooManyHint);
+  }
+  const told = (await response.json().catch(() => ({}))) as { what?: unknown; hint?: unknown };
+  throw new CommandError(ErrorCode.FAILED, textOf(told.what) || words.failed, textOf(told.hint));
+};
+
+export const logOut = async (fetchIt: typeof fetch): Promise<void> => {
+  // Without this type the gateway refuses it: a foreign page could ask the same.
+  const response = await fetchIt('/api/logout', { method: 'POST', headers: { 'Content-Type': 'application/json' } });
+  if (!response.ok) throw new Error(`/api/logout: ${response.status}`);
+};

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+import { render } from 'preact';
+
+import { App } from './app';
+import { thisBrowser } from './link/browser';
+import { GatewayLink } from './link/gateway_link';
+import { openMeasurement } from './link/measurement';
+import { startTheme } from './shell/theme';
+import './theme.css';
+import './shell/shell.css';
+
+startTheme();
+const measurement = new URLSearchParams(location.search).has('measure') ? openMeasurement() : undefined;
+const link = new GatewayLink(thisBrowser(), measurement);
+measurement?.watch(link);
+render(<App link={link} />, document.getElementById('app')!);

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+import type { JSX } from 'preact';
+
+import type { Link } from '../../link/types';
+import { rigOf } from '../../link/types';
+import { Live } from '../../parts/live';
+import { useStartForm } from '../../parts/start_form';
+import { StartSession, StartTaken, useProtocols } from '../../parts/start_session';
+import { strings } from '../../strings';
+import './chair.css';
+import { isRunning } from './examination';
+import { useFollowed } from './follow';
+import { Prompt } from './prompt';
+import { Legend, TransientView } from './transient_view';
+import { StartControls, TrialControls } from './trial_controls';
+import { Trials } from './trial_tables';
+import { AngleGauge, ClassVerdict } from './verdict';
+
+const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
+  const { ring, ghosts, examination, trials, restS } = useFollowed(link, rig);
+  const status = rigOf(link.status.value, 'chair');
+  const running = isRunning(status);
+  const protocols = useProtocols(link).value;
+  const form = useStartForm(running);
+  const shown = examination.value;
+  if (form.isShown) {
+    return (
+      <div class="chair-start">
+        <StartSession link={link} rig={rig} protocols={protocols} form={form} />
+      </div>
+    );
+  }
+  return (
+    <div class="chair">
+      <h1 class="visually-hidden">{strings.chair.title}</h1>
+      <div class="chair-transient">
+        <Legend />
+        <Live link={link} rig={rig}>
+          <TransientView link={link} ring={ring} ghosts={ghosts} examination={examination} />
+        </Live>
+      </div>
+      <div class="chair-below">
+        <Prompt examination={shown} restS={restS} />
+        <ClassVerdict
+          movement={shown.movement}
+          reach={shown.reach}
+          expectedClass={shown.expectedClass}
+          isWithoutReach={shown.isWithoutReach}
+          isOfLastTrial={shown.step === 'ready'}
+        />
+        <AngleGauge movement={shown.movement} isOfLastTrial={shown.step === 'ready'} />
+        <Trials trials={trials.value} isOver={shown.step === 'finished' || shown.step === 'free'} />
+      </div>
+      {running ? (
+        <TrialControls link={link} rig={rig} examination={shown}>
+          <StartTaken form={form} protocol={status?.session?.protocol ?? ''} />
+        </TrialControls>
+      ) : (
+        <StartControls link={link} rig={rig} onStart={form.open} />
+      )}
+    </div>
+  );
+};
+
+/** The live page of the chair: the first rig of that kind. */
+export const ChairPage = ({ link }: { link: Link }): JSX.Element => {
+  const status = link.status.value;
+  const rig = rigOf(status, 'chair')?.rig?.name;
+  if (rig !== undefined) return <Chair key={rig} link={link} rig={rig} />;
+  const { noRig, noRigHint } = strings.chair;
+  return (
+    <div class="empty" data-testid="no-chair">
+      <h1>{status === undefined ? strings.common.link.connecting : noRig}</h1>
+      {status !== undefined && <p>{noRigHint}</p>}
+    </div>
+  );
+};

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: Apache-2.0
+// How alike the reaches to one target were, and where the trunk's angles lie beside those of the thesis.
+import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import type { TrunkMovement } from '../../generated/dts/v1/stream_pb';
+
+/** Trunk flexion of ten healthy volunteers in reaches of which the trunk's class is known: thesis Table 6.3, lowest, mean and highest. */
+export const thesisWindows = [
+  { trunkClass: 1, lowDeg: 0.4, meanDeg: 4.1, highDeg: 9.9 },
+  { trunkClass: 2, lowDeg: 20.6, meanDeg: 29.2, highDeg: 36.4 },
+  { trunkClass: 3, lowDeg: 48.0, meanDeg: 54.3, highDeg: 61.4 },
+] as const;
+export type ThesisWindow = (typeof thesisWindows)[number];
+
+export const windowOf = (expectedClass: number): ThesisWindow | undefined => thesisWindows.find((window) => window.trunkClass === expectedClass);
+
+export interface TargetSummary {
+  readonly condition: string;
+  readonly targetCm: number;
+  readonly trials: number; // that count
+  readonly withAngle: number;
+  readonly meanDeg: number; // NaN: no angle
+  readonly sdDeg: number; // NaN: fewer than two
+  readonly window: ThesisWindow | undefined;
+}
+
+export const mean = (values: readonly number[]): number => values.reduce((sum, value) => sum + value, 0) / values.length;
+
+/** Of a sample: divided by n - 1. */
+export const standardDeviation = (values: readonly number[]): number => {
+  if (values.length < 2) return Number.NaN;
+  const centre = mean(values);
+  return Math.sqrt(values.reduce((sum, value) => sum + (value - centre) ** 2, 0) / (values.length - 1));
+};
+
+/** A trial that was redone, rejected or broken off is in the record, and in no figure. */
+export const counts = (trial: TrialRecord): boolean => trial.outcome === 'done';
+
+/** An angle the reach stands for: of a rejected one it would be a guess. */
+export const angleIn = (movement: TrunkMovement | undefined): number | undefined =>
+  movement !== undefined && movement.trunkClass >= 0 && Number.isFinite(movement.trunkDeg) ? movement.trunkDeg : undefined;
+export const angleOf = (trial: TrialRecord): number | undefined => angleIn(trial.result?.movement);
+
+const summarise = (condition: string, trials: readonly TrialRecord[]): TargetSummary => {
+  const angles = trials.map(angleOf).filter((angle) => angle !== undefined);
+  const results = trials.map((trial) => trial.result).filter((result) => result !== undefined);
+  return {
+    condition,
+    targetCm: results[0]?.targetCm ?? 0,
+    trials: trials.length,
+    withAngle: angles.length,
+    meanDeg: mean(angles),
+    sdDeg: standardDeviation(angles),
+    window: windowOf(results.find((result) => result.expectedClass > 0)?.expectedClass ?? -1),
+  };
+};
+
+/** By target, the nearest first. */
+export const byTarget = (trials: readonly TrialRecord[]): TargetSummary[] => {
+  const groups = new Map<string, TrialRecord[]>();
+  for (const trial of trials.filter(counts)) groups.set(trial.condition, [...(groups.get(trial.condition) ?? []), trial]);
+  return [...groups].map(([condition, group]) => summarise(condition, group)).sort((one, other) => one.targetCm - other.targetCm);
+};

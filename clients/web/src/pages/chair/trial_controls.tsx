@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the therapist decides: to start, and while an examination runs one key for each step.
+import { useSignal } from '@preact/signals';
+import type { ComponentChildren, JSX } from 'preact';
+
+import { TrialAction } from '../../generated/dts/v1/sessions_pb';
+import type { Link } from '../../link/types';
+import type { Commands } from '../../parts/controls';
+import { Button, CommandNotice, stopTimeoutMs, tareTimeoutMs, useCommands, whyNotOperate } from '../../parts/controls';
+import { useKeys } from '../../parts/keys';
+import { clockTime } from '../../parts/numbers';
+import { strings } from '../../strings';
+import type { Examination } from './examination';
+
+const words = strings.chair.controls;
+
+interface ControlsProps {
+  link: Link;
+  rig: string;
+  examination: Examination;
+  /** Notices more. */
+  children: ComponentChildren;
+}
+
+/** A mark is about this instant: it never waits for another command. */
+const Marking = ({ link, rig, commands }: { link: Link; rig: string; commands: Commands }): JSX.Element => {
+  const markedAt = useSignal(0);
+  const whyNot = whyNotOperate(link);
+  const mark = async (): Promise<void> => {
+    if (whyNot !== '') return;
+    const done = await commands.run({ case: 'mark', value: { rig, text: words.markText } });
+    if (done !== undefined) markedAt.value = Date.now();
+  };
+  useKeys({ ' ': () => void mark() });
+  return (
+    <>
+      <Button label={words.mark} keyName={words.spaceKey} onClick={() => void mark()} whyNot={whyNot} testId="mark" />
+      <span class="chair-marked" role="status" data-testid="marked">
+        {markedAt.value > 0 && words.marked(clockTime(markedAt.value))}
+      </span>
+    </>
+  );
+};
+
+/** During a session. */
+export const TrialControls = ({ link, rig, examination, children }: ControlsProps): JSX.Element => {
+  const commands = useCommands(link);
+  const marking = useCommands(link);
+  const { step, trial } = examination;
+  const isUnderWay = step === 'ready' || step === 'go' || step === 'back';
+  const whyNot = whyNotOperate(link) || (step === 'free' ? words.noTrials : '');
+  const whyNotNext = whyNot || (step === 'finished' ? words.allDone : isUnderWay ? words.underWay : '');
+  const whyNotVoid = whyNot || (trial === 0 ? words.needsTrial : '');
+  const act = (action: TrialAction): void => void commands.run({ case: 'trial', value: { rig, action } });
+  const next = (): void => act(TrialAction.NEXT);
+  const redo = (): void => act(TrialAction.REDO);
+  const reject = (): void => act(TrialAction.REJECT);
+  const stop = (): void => void commands.run({ case: 'stopSession', value: { rig } }, stopTimeoutMs);
+  useKeys({
+    a: () => whyNotNext === '' && next(),
+    r: () => whyNotVoid === '' && redo(),
+    x: () => whyNotVoid === '' && reject(),
+  });
+  return (
+    <div class="chair-controls">
+      <div class="row">
+        <Button label={trial === 0 ? words.first : words.next} keyName="A" kind="main" onClick={next} whyNot={whyNotNext} testId="trial-next" />
+        <Button label={words.redo} keyName="R" onClick={redo} whyNot={whyNotVoid} testId="trial-redo" />
+        <Button label={words.reject} keyName="X" onClick={reject} whyNot={whyNotVoid} testId="trial-reject" />
+        <Button label={words.stop} kind="danger" onClick={stop} whyNot={whyNotOperate(link)} testId="stop-session" />
+        <Marking link={link} rig={rig} commands={marking} />
+      </div>
+      <div class="chair-notices">
+        {children}
+        <CommandNotice commands={commands} testId="command-error" />
+        <CommandNotice commands={marking} testId="mark-error" />
+      </div>
+    </div>
+  );
+};
+
+/** Between sessions: the empty chair is what counts as zero, so it can be tared here as well. */
+export const StartControls = ({ link, rig, onStart }: { link: Link; rig: string; onStart: () => void }): JSX.Element => {
+  const commands = useCommands(link);
+  const isTared = useSignal(false);
+  const whyNot = whyNotOperate(link);
+  const tare = async (): Promise<void> => {
+    isTared.value = (await commands.run({ case: 'tare', value: { rig } }, tareTimeoutMs)) !== undefined;
+  };
+  return (
+    <div class="chair-controls">
+      <div class="row">
+        <Button label={words.start} kind="main" onClick={onStart} whyNot={whyNot} testId="open-start" />
+        <Button label={words.tare} onClick={() => void tare()} whyNot={whyNot} testId="tare" />
+        <span class="chair-marked" role="status" data-testid="tared">
+          {isTared.value && words.tared}
+        </span>
+      </div>
+      <div class="chair-notices">
+        <CommandNotice commands={commands} testId="command-error" />
+      </div>
+    </div>
+  );
+};

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+// The trials of an examination, and how alike they are by target.
+import { useSignal } from '@preact/signals';
+import type { JSX } from 'preact';
+
+import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import { fixed, whole } from '../../parts/numbers';
+import { strings } from '../../strings';
+import type { TargetSummary } from './consistency';
+import { angleOf, byTarget, counts } from './consistency';
+import { classWord, doubts } from './words';
+
+const classText = (trial: TrialRecord): string => {
+  const { result } = trial;
+  if (result === undefined) return strings.common.undefinedValue;
+  if (result.movement === undefined) return strings.chair.verdict.noReach;
+  const why = result.movement.trunkClass < 0 ? doubts(result.movement, result.reach) : [];
+  return classWord(result.movement) + (why.length > 0 ? ` (${why.join(', ')})` : '');
+};
+
+export const TrialTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+  const { heads, outcomes } = strings.chair.table;
+  return (
+    <table class="chair-table" data-testid="trial-table">
+      <thead>
+        <tr>
+          <th class="number">{heads.trial}</th>
+          <th>{heads.target}</th>
+          <th>{heads.outcome}</th>
+          <th>{heads.trunk}</th>
+          <th class="number">{heads.angle}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {[...trials].reverse().map((trial) => (
+          <tr key={`${trial.part}/${trial.trial}/${trial.attempt}`} class={counts(trial) ? '' : 'chair-void'}>
+            <td class="number">{trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}</td>
+            <td>{trial.condition}</td>
+            <td>{outcomes[trial.outcome] ?? trial.outcome}</td>
+            <td>{classText(trial)}</td>
+            <td class="number">{fixed(angleOf(trial), 1)}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+};
+
+const isInside = ({ meanDeg, window }: TargetSummary): boolean | undefined =>
+  window === undefined || !Number.isFinite(meanDeg) ? undefined : meanDeg >= window.lowDeg && meanDeg <= window.highDeg;
+
+const WindowCell = ({ summary }: { summary: TargetSummary }): JSX.Element => {
+  const inside = isInside(summary);
+  if (summary.window === undefined) return <td>{strings.common.undefinedValue}</td>;
+  const range = strings.chair.table.window(fixed(summary.window.lowDeg, 1), fixed(summary.window.highDeg, 1));
+  const word = inside === undefined ? '' : inside ? strings.chair.table.inside : strings.chair.table.outside;
+  return (
+    <td>
+      {range}
+      {word !== '' && <strong class={inside ? 'chair-inside' : 'chair-outside'}> {word}</strong>}
+    </td>
+  );
+};
+
+export const TargetTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+  const { heads, source } = strings.chair.table;
+  return (
+    <>
+      <table class="chair-table" data-testid="target-table">
+        <thead>
+          <tr>
+            <th>{heads.target}</th>
+            <th class="number">{heads.count}</th>
+            <th class="number">{heads.angle}</th>
+            <th class="number">{heads.sd}</th>
+            <th>{heads.window}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {byTarget(trials).map((summary) => (
+            <tr key={summary.condition}>
+              <td>{summary.condition}</td>
+              <td class="number">{whole(summary.trials)}</td>
+              <td class="number">{fixed(summary.meanDeg, 1)}</td>
+              <td class="number">{fixed(summary.sdDeg, 1)}</td>
+              <WindowCell summary={summary} />
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      <p class="chair-source">{source}</p>
+    </>
+  );
+};
+
+type View = 'trials' | 'targets';
+
+/** After the last trial the targets are what one wants to see, unless somebody chose otherwise. */
+export const Trials = ({ trials, isOver }: { trials: readonly TrialRecord[]; isOver: boolean }): JSX.Element => {
+  const chosen = useSignal<View | undefined>(undefined);
+  const view = chosen.value ?? (isOver ? 'targets' : 'trials');
+  const { title, byTrial, byTargets, none } = strings.chair.table;
+  const choice = (name: View, label: string): JSX.Element => (
+    <button type="button" class="button" aria-pressed={view === name} data-testid={`trials-${name}`} onClick={() => (chosen.value = name)}>
+      {label}
+    </button>
+  );
+  return (
+    <section class="chair-trials" aria-labelledby="chair-trials-head">
+      <header>
+        <h2 id="chair-trials-head">{title}</h2>
+        <span class="row">
+          {choice('trials', byTrial)}
+          {choice('targets', byTargets)}
+        </span>
+      </header>
+      {/* Scrolls by itself, also by keyboard: the page must not. */}
+      <div class="chair-trials-body" tabIndex={0} role="group" aria-labelledby="chair-trials-head">
+        {trials.length === 0 ? <p class="empty">{none}</p> : view === 'trials' ? <TrialTable trials={trials} /> : <TargetTable trials={trials} />}
+      </div>
+    </section>
+  );
+};

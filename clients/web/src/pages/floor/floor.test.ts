@@ -1,0 +1,163 @@
+// SPDX-License-Identifier: Apache-2.0
+import { create } from '@bufbuild/protobuf';
+import { expect, test } from 'vitest';
+
+import { SessionInfoSchema } from '../../generated/dts/v1/control_pb';
+import type { SessionInfo } from '../../generated/dts/v1/control_pb';
+import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
+import { Quality, SessionState } from '../../generated/dts/v1/stream_pb';
+import type { Block } from '../../link/types';
+import { ScanRing } from '../../parts/scan_ring';
+import { strings } from '../../strings';
+import type { PhaseLengths } from './countdown';
+import { learnLengths, progressOf } from './countdown';
+import type { Ellipse } from './ellipse';
+import { areaOf, ellipseOf } from './ellipse';
+import type { Situation } from './guidance';
+import { guidanceOf } from './guidance';
+import { isActive } from './session_controls';
+import type { View } from './view';
+import { nextView } from './view';
+
+const ringOf = (points: readonly (readonly [number, number])[]): ScanRing => {
+  const ring = new ScanRing(2, points.length);
+  const columns = [0, 1].map((axis) => Float32Array.from(points, (point) => point[axis]!));
+  ring.push({ scanCount: points.length, rateHz: 100, timeMs: 0, newestMs: 10 * (points.length - 1), columns, missingScans: 0 } as unknown as Block, [0, 1]);
+  return ring;
+};
+
+test('ellipseOf.KnownPoints has the area that PEA95_F has', () => {
+  // Variances by hand: 16 points at +-3 on the line 30 deg up, 16 at +-1 across it.
+  const [cosine, sine] = [Math.cos(Math.PI / 6), Math.sin(Math.PI / 6)];
+  const points = Array.from({ length: 32 }, (_, index) => {
+    const [along, across] = index % 2 === 0 ? [index % 4 === 0 ? 3 : -3, 0] : [0, index % 4 === 1 ? 1 : -1];
+    return [5 + along * cosine - across * sine, -2 + along * sine + across * cosine] as const;
+  });
+  const [varianceLong, varianceShort] = [(16 * 9) / 31, 16 / 31];
+  const factor = ((32 * 32 - 1) / 32) * (0.05 ** (-2 / 30) - 1);
+
+  const ellipse = ellipseOf(ringOf(points), 0, 1, 0)!;
+
+  expect(areaOf(ellipse)).toBeCloseTo(Math.PI * factor * Math.sqrt(varianceLong * varianceShort), 4);
+  expect([ellipse.centreX, ellipse.centreY]).toEqual([expect.closeTo(5, 5), expect.closeTo(-2, 5)]);
+  expect(ellipse.angleRad).toBeCloseTo(Math.PI / 6, 5);
+  expect(ellipse.long / ellipse.short).toBeCloseTo(3, 5);
+});
+
+test('ellipseOf.MissingScans are left out; too few make none', () => {
+  const points = Array.from({ length: 12 }, (_, index) => (index < 3 ? ([NaN, NaN] as const) : ([index, index % 2] as const)));
+
+  expect(ellipseOf(ringOf(points), 0, 1, 0)).toBeUndefined();
+  expect(ellipseOf(ringOf([...points, [4, 4]]), 0, 1, 0)?.samples).toBe(10);
+});
+
+const whole: View = { x: 0, y: 0, spanMm: 464 };
+const ellipse = (centreX: number, long: number): Ellipse => ({ centreX, centreY: 0, long, short: long / 2, angleRad: 0, samples: 2000 });
+
+test('nextView.Nobody shows the whole plate', () => {
+  expect(nextView({ x: 3, y: 3, spanMm: 40 }, undefined, whole)).toBe(whole);
+});
+
+test('nextView.QuietStanding is zoomed in on and stays while the ellipse breathes', () => {
+  const near = nextView(whole, ellipse(10, 12), whole);
+
+  const later = [10, 11, 12.5].map((long) => nextView(near, ellipse(11, long), whole));
+
+  expect(near.spanMm).toBe(40);
+  expect(later).toEqual([near, near, near]);
+  expect(later.every((view) => view === near)).toBe(true);
+});
+
+test('nextView.EllipseThatLeaves is followed, one that grows too large shows the plate', () => {
+  const near = nextView(whole, ellipse(0, 12), whole);
+
+  expect(nextView(near, ellipse(30, 12), whole).x).toBeCloseTo(30, 0);
+  expect(nextView(near, ellipse(0, 40), whole).spanMm).toBe(160);
+  expect(nextView(near, ellipse(0, 200), whole)).toBe(whole);
+});
+
+const calm: Situation = { isOld: false, quality: 0, distanceMm: 5, plateMm: 430, session: SessionState.IDLE, phase: TrialPhase.UNSPECIFIED, trial: 0 };
+const running = { ...calm, session: SessionState.RUNNING };
+
+test.each<[string, Situation]>([
+  ['noData', { ...running, isOld: true }],
+  ['standing', calm],
+  ['nobody', { ...calm, quality: Quality.NO_CONTACT }],
+  ['untared', { ...calm, quality: Quality.NO_CONTACT | Quality.UNTARED }],
+  ['untared', { ...calm, quality: Quality.UNTARED }],
+  ['offCentre', { ...calm, distanceMm: 90 }],
+  ['recording', running],
+  ['first', { ...running, phase: TrialPhase.WAITING }],
+  ['settling', { ...running, phase: TrialPhase.SETTLING, trial: 1 }],
+  ['measuring', { ...running, phase: TrialPhase.MEASURING, trial: 1 }],
+  ['nobody', { ...running, phase: TrialPhase.MEASURING, trial: 1, quality: Quality.NO_CONTACT }],
+  ['done', { ...running, phase: TrialPhase.WAITING, trial: 1, quality: Quality.NO_CONTACT }],
+  ['finished', { ...running, phase: TrialPhase.FINISHED, trial: 4 }],
+  ['failed', { ...calm, session: SessionState.FAILED }],
+])('guidanceOf.%s', (state, situation) => {
+  expect(guidanceOf(situation)).toBe(state);
+});
+
+test.each([
+  [SessionState.RUNNING, true],
+  [SessionState.STOPPING, true],
+  [SessionState.IDLE, false],
+  [SessionState.FAILED, false], // it is over: another can be started
+])('isActive.State %i: %s', (state, expected) => {
+  expect(isActive(create(SessionInfoSchema, { sessionId: 's', state }))).toBe(expected);
+});
+
+const inTrial = (phase: TrialPhase, remainingS: number, elapsedS = 0, trial = 1) =>
+  create(SessionInfoSchema, { sessionId: 's', state: SessionState.RUNNING, elapsedS, trial: { phase, remainingS, trial, attempt: 1 } });
+const { READY, SETTLING, MEASURING, WAITING } = TrialPhase;
+const learned = (...seen: readonly SessionInfo[]): PhaseLengths => seen.reduce<PhaseLengths | undefined>(learnLengths, undefined)!;
+
+test('progressOf.Trial counts settling first, then what counts', () => {
+  const settling = inTrial(SETTLING, 5, 2);
+  const measuring = inTrial(MEASURING, 30, 8);
+  const lengths = learned(inTrial(READY, 1, 1), settling, inTrial(SETTLING, 0.2, 7), measuring);
+
+  const [first, second] = [progressOf(settling, lengths, 1)!, progressOf(measuring, lengths, 10)!];
+
+  expect(first).toMatchObject({ seconds: 4, shares: { settle: expect.closeTo(5 / 35, 9), done: expect.closeTo(1 / 35, 9) } });
+  expect(second).toMatchObject({ seconds: 20, shares: { settle: expect.closeTo(5 / 35, 9), done: expect.closeTo(15 / 35, 9) } });
+});
+
+test('progressOf.TabLoadedInATrial tells what is left and no share, until it has seen a whole one', () => {
+  const middle = [inTrial(MEASURING, 12, 20), inTrial(MEASURING, 11, 21)];
+  const next = [inTrial(WAITING, 0, 40), inTrial(READY, 1, 41, 2), inTrial(SETTLING, 5, 42, 2), inTrial(SETTLING, 0.5, 46.5, 2), inTrial(MEASURING, 20, 47, 2)];
+
+  const inMiddle = progressOf(middle[1]!, learned(...middle), 0.5);
+  const inNext = progressOf(next[4]!, learned(...middle, ...next), 5);
+
+  expect(inMiddle).toEqual({ seconds: 11, words: strings.floor.left, shares: undefined });
+  expect(inNext).toMatchObject({ seconds: 15, shares: { settle: expect.closeTo(0.2, 9), done: expect.closeTo(0.4, 9) } });
+});
+
+test('learnLengths.PhaseThatBeganWhileNobodyLooked tells nothing', () => {
+  const lengths = learned(inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20));
+
+  expect([lengths.settleS, lengths.measureS]).toEqual([undefined, undefined]);
+});
+
+test('learnLengths.SettlingTooShortToBeSeen takes no part of the ring', () => {
+  const lengths = learned(inTrial(READY, 0.3, 3), inTrial(MEASURING, 20, 4));
+
+  expect([lengths.settleS, lengths.measureS]).toEqual([0, 20]);
+});
+
+test('learnLengths.OtherSession begins anew', () => {
+  const lengths = learned(inTrial(READY, 1, 1), inTrial(MEASURING, 60, 2), create(SessionInfoSchema, { sessionId: 'other' }));
+
+  expect([lengths.sessionId, lengths.settleS, lengths.measureS]).toEqual(['other', undefined, undefined]);
+});
+
+test('progressOf.WaitingTrial or one without an end has no time; a free recording counts up, one with an end down', () => {
+  const free = create(SessionInfoSchema, { sessionId: 's', state: SessionState.RUNNING, elapsedS: 12.4 });
+  const ending = create(SessionInfoSchema, { sessionId: 's', state: SessionState.RUNNING, elapsedS: 9, settleS: 10, durationS: 30 });
+  const lengths = learned(free);
+
+  expect([inTrial(WAITING, 0), inTrial(MEASURING, 0)].map((session) => progressOf(session, lengths, 0))).toEqual([undefined, undefined]);
+  expect(progressOf(free, lengths, 0.7)).toEqual({ seconds: 13, words: strings.floor.elapsed, shares: undefined });
+  expect(progressOf(ending, lengths, 1)).toMatchObject({ seconds: 20, shares: { settle: 0.25, done: 0.5 } });
+});

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+import type { JSX } from 'preact';
+
+import type { RigStatus } from '../../generated/dts/v1/control_pb';
+import { PassingNotice } from '../../parts/controls';
+import { clockTime, duration } from '../../parts/numbers';
+import { strings } from '../../strings';
+import type { LiveFloor } from './live_floor';
+import { invalidBecause } from './live_floor';
+
+const words = strings.floor;
+const absenceShownMs = 15_000;
+
+/** What is wrong with the session or its last result, and the length of a gap after it. */
+export const Remarks = ({ floor, status }: { floor: LiveFloor; status: RigStatus }): JSX.Element => {
+  const sway = floor.sway.value?.sway;
+  const absence = floor.absence.value;
+  const isFresh = absence !== undefined && Date.now() - absence.backAt < absenceShownMs;
+  void floor.now.value; // looks at the time again, four times a second
+  return (
+    <>
+      {status.session?.message !== undefined && status.session.message !== '' && (
+        <PassingNotice kind="error" what={status.session.message} testId="session-message" />
+      )}
+      {sway !== undefined && !sway.isPreliminary && !sway.isValid && sway.problem === '' && (
+        <PassingNotice kind="warning" what={words.resultInvalid} hint={words.resultInvalidHint(invalidBecause(sway.flags, words.invalidWhy))} testId="invalid" />
+      )}
+      {sway !== undefined && sway.problem !== '' && <PassingNotice kind="warning" what={words.noResult(sway.problem)} testId="no-result" />}
+      {isFresh && <PassingNotice kind="warning" what={words.gapAfter(clockTime(absence.backAt), duration(absence.seconds))} testId="gap" />}
+    </>
+  );
+};

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which part of the plate the large picture shows. It follows the ellipse in steps: a picture that breathes would look like sway.
+import type { Ellipse } from './ellipse';
+
+/** Centre and height in mm, from the plate's centre. */
+export interface View {
+  readonly x: number;
+  readonly y: number;
+  readonly spanMm: number;
+}
+
+const spans = [20, 40, 80, 160, 320] as const;
+
+const reachOf = (view: Pick<View, 'x' | 'y'>, ellipse: Ellipse): number =>
+  Math.max(Math.abs(ellipse.centreX - view.x), Math.abs(ellipse.centreY - view.y)) + ellipse.long;
+
+/** `whole` shows the plate: itself the answer without an ellipse, or when that is too large. */
+export const nextView = (view: View, ellipse: Ellipse | undefined, whole: View): View => {
+  if (ellipse === undefined) return whole;
+  // It stays while the ellipse is inside and fills at least a fifth of it: between growing and shrinking there is room for a breath.
+  const fills = (2 * reachOf(view, ellipse)) / view.spanMm;
+  if (view !== whole && fills <= 0.95 && (fills >= 0.2 || view.spanMm === spans[0])) return view;
+  const spanMm = spans.find((span) => span >= 2 * 1.4 * ellipse.long);
+  if (spanMm === undefined || spanMm >= whole.spanMm) return whole;
+  const step = spanMm / 20;
+  return { x: Math.round(ellipse.centreX / step) * step, y: Math.round(ellipse.centreY / step) * step, spanMm };
+};

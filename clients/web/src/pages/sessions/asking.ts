@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// Questions to the daemon and to the gateway's archive, as pages use them.
+import type { ReadonlySignal } from '@preact/signals';
+import { useSignal } from '@preact/signals';
+import { useEffect } from 'preact/hooks';
+
+import { CommandError } from '../../link/types';
+
+export interface Asked<T> {
+  readonly answer: T | undefined;
+  readonly error: CommandError | undefined;
+  readonly isBusy: boolean;
+}
+
+/**
+ * Asks when the page is shown and again whenever `key` changes; the former answer stays in sight meanwhile. An empty key: not now. What comes
+ * after the page was left, or after another question, is ignored.
+ */
+export const useAsked = <T>(key: string, ask: (signal: AbortSignal) => Promise<T>): ReadonlySignal<Asked<T>> => {
+  const asked = useSignal<Asked<T>>({ answer: undefined, error: undefined, isBusy: key !== '' });
+  useEffect(() => {
+    if (key === '') return undefined;
+    const abort = new AbortController();
+    asked.value = { ...asked.peek(), isBusy: true };
+    const settle = (result: Pick<Asked<T>, 'answer' | 'error'>): void => {
+      if (!abort.signal.aborted) asked.value = { ...result, isBusy: false };
+    };
+    ask(abort.signal).then(
+      (answer) => settle({ answer, error: undefined }),
+      (problem: unknown) =>
+        settle({ answer: asked.peek().answer, error: problem instanceof CommandError ? problem : new CommandError(0, String(problem), '') }),
+    );
+    return () => abort.abort();
+  }, [key]);
+  return asked;
+};
+
+const fieldOf = (json: unknown, name: string): string => {
+  const value: unknown = typeof json === 'object' && json !== null ? (json as Record<string, unknown>)[name] : undefined;
+  return typeof value === 'string' ? value : '';
+};
+
+/** What the archive says of an answer that is none. */
+export const refusal = async (response: Response): Promise<CommandError> => {
+  const json: unknown = await response.json().catch(() => undefined);
+  return new CommandError(0, fieldOf(json, 'what') || `${response.status} ${response.statusText}`, fieldOf(json, 'hint'));
+};
+
+export const archiveUrl = (sessionId: string, path: string): string => `/api/sessions/${encodeURIComponent(sessionId)}/${path}`;

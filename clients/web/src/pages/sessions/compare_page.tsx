@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// Sessions side by side: every figure with its change, and two reports beside each other.
+import { useSignal } from '@preact/signals';
+import type { JSX } from 'preact';
+
+import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
+import type { Link } from '../../link/types';
+import { Field, Notice, Panel } from '../../parts/controls';
+import { dateTime, fixed, percent, signed } from '../../parts/numbers';
+import { strings } from '../../strings';
+import { useAsked } from './asking';
+import type { Caution, Comparison, Figure } from './comparison';
+import { comparable, compare, difference, mostCompared, shareOfChange } from './comparison';
+import { Report } from './report';
+import { askSession } from './session_detail';
+import { unitText } from './session_tables';
+
+/** What is compared: two sessions, or all of a subject that can be. */
+export type Compared = { readonly ids: readonly string[] } | { readonly subject: string };
+
+const askSessions = async (link: Link, compared: Compared): Promise<readonly SessionRecord[]> => {
+  if ('ids' in compared) return Promise.all(compared.ids.map((id) => askSession(link, id)));
+  const request = { subject: compared.subject, limit: mostCompared };
+  const listed = await link.send({ case: 'listSessions', value: request });
+  const ids = listed.case === 'sessions' ? listed.value.sessions.map((session) => session.sessionId) : [];
+  return comparable(await Promise.all(ids.map((id) => askSession(link, id))));
+};
+
+const cautionText = (caution: Caution): string => {
+  const { cautions, analyses } = strings.sessions.compare;
+  switch (caution.kind) {
+    case 'subjects':
+      return cautions.subjects;
+    case 'unit':
+      return cautions.unit(caution.figure);
+    case 'uneven':
+      return cautions.uneven(caution.condition);
+    case 'analysis':
+      return cautions.analysis(caution.condition, analyses[caution.of] ?? caution.of, caution.one, caution.other);
+  }
+};
+
+interface Pair {
+  readonly one: number;
+  readonly other: number;
+}
+
+const FigureRow = ({ figure, pair }: { figure: Figure; pair: Pair }): JSX.Element => {
+  const change = difference(figure.values[pair.one], figure.values[pair.other]);
+  const share = shareOfChange(figure, pair.one, pair.other);
+  return (
+    <tr data-testid="figure-row">
+      <th scope="row">{figure.name}</th>
+      {figure.values.map((value, index) => (
+        <td key={index} class="number">
+          {fixed(value, 3)}
+        </td>
+      ))}
+      <td>{unitText(figure.unit)}</td>
+      <td class="number">{signed(change, 3)}</td>
+      <td class="number">{share === undefined ? '' : `${share > 0 ? '+' : ''}${percent(share)} %`}</td>
+    </tr>
+  );
+};
+
+const FigureTable = ({ comparison, pair }: { comparison: Comparison; pair: Pair }): JSX.Element => {
+  const { heads, one, other } = strings.sessions.compare;
+  return (
+    <div class="sessions-wide" tabIndex={0} role="region" aria-label={heads.figure}>
+      <table data-testid="figure-table">
+        <thead>
+          <tr>
+            <th>{heads.figure}</th>
+            {comparison.sessions.map((session, index) => (
+              <th key={session.sessionId} class="number">
+                {index === pair.one && `${one}: `}
+                {index === pair.other && `${other}: `}
+                {dateTime(session.startedUtcNs)}
+              </th>
+            ))}
+            <th>{heads.unit}</th>
+            <th class="number">{heads.change}</th>
+            <th class="number">{heads.share}</th>
+          </tr>
+        </thead>
+        <tbody>
+          {comparison.figures.map((figure) => (
+            <FigureRow key={figure.name} figure={figure} pair={pair} />
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+};
+
+const SessionChoice = (props: { label: string; sessions: readonly SessionRecord[]; index: number; testId: string; onChange: (index: number) => void }): JSX.Element => (
+  <Field label={props.label}>
+    {(id) => (
+      <select id={id} value={String(props.index)} data-testid={props.testId} onChange={(event) => props.onChange(Number(event.currentTarget.value))}>
+        {props.sessions.map((session, index) => (
+          <option key={session.sessionId} value={String(index)}>
+            {`${dateTime(session.startedUtcNs)} · ${session.protocol}`}
+          </option>
+        ))}
+      </select>
+    )}
+  </Field>
+);
+
+const SideBySide = ({ sessions }: { sessions: readonly SessionRecord[] }): JSX.Element => (
+  <div class="sessions-pair">
+    {sessions.map((session, index) => (
+      <Panel key={session.sessionId} title={`${dateTime(session.startedUtcNs)} · ${session.subject}`} testId={`compared-${index + 1}`}>
+        <a class="sessions-link" href={`#/sessions/${encodeURIComponent(session.sessionId)}`}>
+          {session.sessionId}
+        </a>
+        <Report sessionId={session.sessionId} testId={`report-${index + 1}`} />
+      </Panel>
+    ))}
+  </div>
+);
+
+const Compare = ({ comparison }: { comparison: Comparison }): JSX.Element => {
+  const { sessions } = comparison;
+  const words = strings.sessions.compare;
+  const one = useSignal(0);
+  const other = useSignal(sessions.length - 1);
+  const pair = { one: one.value, other: other.value };
+  const shown = [sessions[pair.one], sessions[pair.other]].filter((session) => session !== undefined);
+  return (
+    <>
+      <div class="row">
+        <SessionChoice label={words.one} sessions={sessions} index={pair.one} testId="compare-one" onChange={(index) => (one.value = index)} />
+        <SessionChoice label={words.other} sessions={sessions} index={pair.other} testId="compare-other" onChange={(index) => (other.value = index)} />
+      </div>
+      {comparison.cautions.map((caution) => (
+        <Notice key={JSON.stringify(caution)} kind="warning" what={cautionText(caution)} testId="compare-caution" />
+      ))}
+      {comparison.figures.length === 0 ? <p>{words.noFigures}</p> : <FigureTable comparison={comparison} pair={pair} />}
+      <SideBySide sessions={shown} />
+    </>
+  );
+};
+
+export const ComparePage = ({ link, compared }: { link: Link; compared: Compared }): JSX.Element => {
+  const words = strings.sessions.compare;
+  const key = link.state.value === 'up' ? JSON.stringify(compared) : '';
+  const asked = useAsked(key, () => askSessions(link, compared)).value;
+  const { answer, error } = asked;
+  return (
+    <div class="column">
+      <p>
+        <a class="sessions-link" href="#/sessions">
+          {strings.sessions.back}
+        </a>
+      </p>
+      <h1>{'subject' in compared ? words.titleOf(compared.subject) : words.title}</h1>
+      {error !== undefined && <Notice kind="error" what={error.message} hint={error.hint} testId="compare-error" />}
+      {answer !== undefined && answer.length < 2 && (
+        <p class="empty" data-testid="nothing-to-compare">
+          {words.tooFew}
+        </p>
+      )}
+      {answer !== undefined && answer.length >= 2 && <Compare key={answer.map((one) => one.sessionId).join()} comparison={compare(answer)} />}
+    </div>
+  );
+};

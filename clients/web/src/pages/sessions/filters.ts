@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
+import { PartState } from '../../generated/dts/v1/sessions_pb';
+
+/** A session's state as the catalogue has it, or "recovered": interrupted, with a repaired copy of what was recorded. */
+export const stateOf = (session: SessionRecord): string => {
+  const isRecovered = session.parts.some((part) => part.state === PartState.RECOVERED);
+  return session.state === 'interrupted' && isRecovered ? 'recovered' : session.state;
+};
+
+export interface Filters {
+  readonly subject: string; // part of the pseudonym
+  readonly protocol: string;
+  readonly state: string;
+  readonly from: string; // "2026-01-31", of the reader's calendar; empty: any
+  readonly to: string;
+}
+
+export const noFilters: Filters = { subject: '', protocol: '', state: '', from: '', to: '' };
+
+/** Midnight of a day in the reader's time zone. */
+const dayStartMs = (day: string, plusDays: number): number => {
+  const [year, month, date] = day.split('-').map(Number);
+  return new Date(year ?? 0, (month ?? 1) - 1, (date ?? 1) + plusDays).getTime();
+};
+
+export const passes = (session: SessionRecord, filters: Filters): boolean => {
+  const startedMs = Number(session.startedUtcNs / 1_000_000n);
+  return (
+    session.subject.toLowerCase().includes(filters.subject.trim().toLowerCase()) &&
+    (filters.protocol === '' || session.protocol === filters.protocol) &&
+    (filters.state === '' || stateOf(session) === filters.state) &&
+    (filters.from === '' || startedMs >= dayStartMs(filters.from, 0)) &&
+    (filters.to === '' || startedMs < dayStartMs(filters.to, 1))
+  );
+};
+
+export const lengthS = (session: SessionRecord): number => session.parts.reduce((sum, part) => sum + part.durationS, 0);

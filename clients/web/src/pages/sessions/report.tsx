@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// The report of a session as the command line makes it: same pages, same bytes.
+import { useSignal } from '@preact/signals';
+import type { JSX } from 'preact';
+
+import { Notice } from '../../parts/controls';
+import { strings } from '../../strings';
+import { archiveUrl, refusal, useAsked } from './asking';
+
+interface ReportIndex {
+  readonly pages: readonly string[]; // HTML only: the pictures are in them
+  readonly damage: readonly string[];
+}
+
+const words = (value: unknown): string[] => (Array.isArray(value) ? value.filter((one): one is string => typeof one === 'string') : []);
+
+const askReport = async (sessionId: string, signal: AbortSignal): Promise<ReportIndex> => {
+  const response = await fetch(archiveUrl(sessionId, 'report'), { signal });
+  if (!response.ok) throw await refusal(response);
+  const index = (await response.json()) as { pages?: unknown; damage?: unknown };
+  return { pages: words(index.pages).filter((page) => page.endsWith('.html')), damage: words(index.damage) };
+};
+
+const pageName = (page: string): string => {
+  const trial = /^trial-0*([0-9]+)/.exec(page)?.[1];
+  return trial === undefined ? strings.sessions.report.session : strings.sessions.report.trial(trial);
+};
+
+export const Report = ({ sessionId, testId }: { sessionId: string; testId: string }): JSX.Element => {
+  const { report } = strings.sessions;
+  const asked = useAsked(`report ${sessionId}`, (signal) => askReport(sessionId, signal)).value;
+  const chosen = useSignal<string | undefined>(undefined);
+  if (asked.error !== undefined) return <Notice kind="plain" what={asked.error.message} hint={asked.error.hint} testId={`${testId}-error`} />;
+  if (asked.answer === undefined) return <p data-testid={`${testId}-comes`}>{report.comes}</p>;
+  const { pages, damage } = asked.answer;
+  const page = chosen.value ?? pages[0];
+  if (page === undefined) return <p>{report.none}</p>;
+  const url = archiveUrl(sessionId, `report/${encodeURIComponent(page)}`);
+  return (
+    <div class="column" data-testid={testId}>
+      {damage.map((sentence) => (
+        <Notice key={sentence} kind="warning" what={sentence} testId={`${testId}-damage`} />
+      ))}
+      <div class="row" role="group" aria-label={report.pages}>
+        {pages.map((name) => (
+          <button key={name} type="button" class="button" aria-pressed={name === page} onClick={() => (chosen.value = name)}>
+            {pageName(name)}
+          </button>
+        ))}
+        <a class="button" href={url} target="_blank" rel="noopener">
+          {report.print}
+        </a>
+      </div>
+      {/* No scripts in there. Same origin, since the pages it links to need the login's cookie. */}
+      <iframe class="report-frame" title={report.title(sessionId)} src={url} sandbox="allow-same-origin" data-testid={`${testId}-frame`} />
+    </div>
+  );
+};

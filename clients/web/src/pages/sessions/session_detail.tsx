@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+import type { JSX } from 'preact';
+
+import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
+import type { Link } from '../../link/types';
+import { Notice, Panel } from '../../parts/controls';
+import { dateTime, duration } from '../../parts/numbers';
+import { strings } from '../../strings';
+import { useAsked } from './asking';
+import { Exports } from './exports';
+import { lengthS, stateOf } from './filters';
+import { Report } from './report';
+import { PartTable, ResultTable, TrialsOfSession } from './session_tables';
+import { StateMark } from './state_mark';
+
+export const askSession = async (link: Link, sessionId: string): Promise<SessionRecord> => {
+  const answer = await link.send({ case: 'showSession', value: { sessionId } });
+  if (answer.case !== 'sessionRecord') throw new Error(strings.sessions.unexpected);
+  return answer.value;
+};
+
+/** While it runs its trials come one by one; when it ends it has figures. */
+const detailKey = (link: Link, sessionId: string): string => {
+  if (link.state.value !== 'up') return '';
+  const running = link.status.value?.rigs.find((rig) => rig.session?.sessionId === sessionId)?.session;
+  return `${sessionId} ${running?.state ?? 0} ${running?.trial?.trial ?? 0} ${running?.trial?.phase ?? 0}`;
+};
+
+const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
+  const { heads } = strings.sessions.list;
+  const { facts } = strings.sessions;
+  const entries: readonly (readonly [string, string])[] = [
+    [heads.subject, session.subject],
+    [heads.protocol, session.protocol],
+    [heads.rig, session.rig],
+    [heads.started, dateTime(session.startedUtcNs)],
+    [facts.ended, dateTime(session.endedUtcNs)],
+    [heads.length, duration(lengthS(session))],
+    [heads.label, session.label],
+    [facts.message, session.message],
+  ];
+  return (
+    <dl class="facts" data-testid="session-facts">
+      <dt>{heads.state}</dt>
+      <dd>
+        <StateMark state={stateOf(session)} />
+      </dd>
+      {entries
+        .filter(([, value]) => value !== '')
+        .map(([name, value]) => [<dt key={name}>{name}</dt>, <dd key={`${name} value`}>{value}</dd>])}
+    </dl>
+  );
+};
+
+const Finished = ({ session }: { session: SessionRecord }): JSX.Element => (
+  <>
+    <Panel title={strings.sessions.exports.title} testId="exports">
+      <Exports session={session} />
+    </Panel>
+    <Panel title={strings.sessions.report.head} testId="report-panel">
+      <Report sessionId={session.sessionId} testId="report" />
+    </Panel>
+  </>
+);
+
+export const SessionDetail = ({ link, sessionId }: { link: Link; sessionId: string }): JSX.Element => {
+  const { back, results, trials, parts, stillRuns, comparisonOf } = strings.sessions;
+  const asked = useAsked(detailKey(link, sessionId), () => askSession(link, sessionId)).value;
+  const session = asked.answer;
+  return (
+    <div class="column sessions-detail">
+      <p>
+        <a class="sessions-link" href="#/sessions">
+          {back}
+        </a>
+      </p>
+      <h1>{sessionId}</h1>
+      {asked.error !== undefined && <Notice kind="error" what={asked.error.message} hint={asked.error.hint} testId="session-error" />}
+      {session !== undefined && (
+        <>
+          <div class="row">
+            <Facts session={session} />
+            {session.subject !== '' && (
+              <a class="button" href={`#/compare/subject/${encodeURIComponent(session.subject)}`}>
+                {comparisonOf(session.subject)}
+              </a>
+            )}
+          </div>
+          {session.state === 'running' ? <Notice kind="plain" what={stillRuns} testId="still-runs" /> : <Finished session={session} />}
+          <Panel title={trials.head} testId="trials-panel">
+            <TrialsOfSession trials={session.trials} />
+          </Panel>
+          <Panel title={results.head} testId="results-panel">
+            <ResultTable results={session.results} />
+          </Panel>
+          <Panel title={parts.head} testId="parts-panel">
+            <PartTable session={session} />
+          </Panel>
+        </>
+      )}
+    </div>
+  );
+};

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+// All sessions, newest first, with filters; two of them, or all of a subject, can be compared.
+import { useSignal } from '@preact/signals';
+import type { JSX } from 'preact';
+
+import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
+import type { Link } from '../../link/types';
+import { Field, Notice } from '../../parts/controls';
+import { dateTime, duration, whole } from '../../parts/numbers';
+import { strings } from '../../strings';
+import { useAsked } from './asking';
+import type { Filters } from './filters';
+import { lengthS, noFilters, passes, stateOf } from './filters';
+import { StateMark } from './state_mark';
+
+const mostListed = 500;
+
+/** Changes when a session begins, ends or is resumed anywhere: then the list is asked for again. */
+const listKey = (link: Link): string =>
+  link.state.value !== 'up'
+    ? ''
+    : `list ${(link.status.value?.rigs ?? []).map((rig) => `${rig.session?.sessionId ?? ''} ${rig.session?.state ?? 0}`).join()}`;
+
+const askList = async (link: Link): Promise<readonly SessionRecord[]> => {
+  const answer = await link.send({ case: 'listSessions', value: { limit: mostListed } });
+  return answer.case === 'sessions' ? answer.value.sessions : [];
+};
+
+const Choice = (props: { label: string; value: string; values: readonly string[]; words?: Readonly<Record<string, string>>; testId: string; onChange: (value: string) => void }): JSX.Element => (
+  <Field label={props.label}>
+    {(id) => (
+      <select id={id} value={props.value} data-testid={props.testId} onChange={(event) => props.onChange(event.currentTarget.value)}>
+        <option value="">{strings.sessions.filters.all}</option>
+        {props.values.map((value) => (
+          <option key={value} value={value}>
+            {props.words?.[value] ?? value}
+          </option>
+        ))}
+      </select>
+    )}
+  </Field>
+);
+
+const FilterBar = (props: { filters: Filters; protocols: readonly string[]; onChange: (filters: Filters) => void }): JSX.Element => {
+  const { filters, onChange } = props;
+  const { filters: words, states } = strings.sessions;
+  const set = (change: Partial<Filters>): void => onChange({ ...filters, ...change });
+  const input = (name: 'subject' | 'from' | 'to', type: string): JSX.Element => (
+    <Field label={words[name]}>
+      {(id) => <input id={id} type={type} value={filters[name]} data-testid={`filter-${name}`} onInput={(event) => set({ [name]: event.currentTarget.value })} />}
+    </Field>
+  );
+  return (
+    <div class="row" role="search">
+      {input('subject', 'search')}
+      <Choice label={words.protocol} value={filters.protocol} values={props.protocols} testId="filter-protocol" onChange={(protocol) => set({ protocol })} />
+      <Choice label={words.state} value={filters.state} values={Object.keys(states)} words={states} testId="filter-state" onChange={(state) => set({ state })} />
+      {input('from', 'date')}
+      {input('to', 'date')}
+    </div>
+  );
+};
+
+const Row = (props: { session: SessionRecord; isChosen: boolean; onChoose: () => void }): JSX.Element => {
+  const { session } = props;
+  const { choose, compareSubject } = strings.sessions.list;
+  return (
+    <tr data-testid="session-row" data-session={session.sessionId}>
+      <td>
+        <label class="sessions-choose">
+          <input type="checkbox" checked={props.isChosen} onChange={props.onChoose} aria-label={choose(session.sessionId)} />
+        </label>
+      </td>
+      <td>
+        <a class="sessions-link" href={`#/sessions/${encodeURIComponent(session.sessionId)}`}>
+          {dateTime(session.startedUtcNs)}
+        </a>
+      </td>
+      <td>
+        {session.subject === '' ? (
+          strings.common.undefinedValue
+        ) : (
+          <a class="sessions-link" href={`#/compare/subject/${encodeURIComponent(session.subject)}`} title={compareSubject(session.subject)}>
+            {session.subject}
+          </a>
+        )}
+      </td>
+      <td>{session.protocol}</td>
+      <td>{session.rig}</td>
+      <td class="number">{duration(lengthS(session))}</td>
+      <td>
+        <StateMark state={stateOf(session)} />
+      </td>
+      <td>{session.label}</td>
+    </tr>
+  );
+};
+
+const CompareLink = ({ chosen }: { chosen: readonly string[] }): JSX.Element => {
+  const { compareTwo, chooseTwo } = strings.sessions.list;
+  const [one, other] = chosen;
+  return (
+    <p class="sessions-compare">
+      {one !== undefined && other !== undefined ? (
+        <a class="button button-main" data-testid="compare-two" href={`#/compare/${encodeURIComponent(one)}/${encodeURIComponent(other)}`}>
+          {compareTwo}
+        </a>
+      ) : (
+        chooseTwo
+      )}
+    </p>
+  );
+};
+
+export const SessionList = ({ link }: { link: Link }): JSX.Element => {
+  const { list } = strings.sessions;
+  const asked = useAsked(listKey(link), () => askList(link)).value;
+  const filters = useSignal(noFilters);
+  const chosen = useSignal<readonly string[]>([]);
+  const all = asked.answer ?? [];
+  const shown = all.filter((session) => passes(session, filters.value));
+  // The two chosen last: a third takes the place of the first.
+  const choose = (id: string): void => {
+    const others = chosen.value.filter((one) => one !== id);
+    chosen.value = others.length < chosen.value.length ? others : [...others, id].slice(-2);
+  };
+  return (
+    <div class="column">
+      <h1>{strings.sessions.title}</h1>
+      <FilterBar filters={filters.value} protocols={[...new Set(all.map((session) => session.protocol))].sort()} onChange={(value) => (filters.value = value)} />
+      {asked.error !== undefined && <Notice kind="error" what={asked.error.message} hint={asked.error.hint} testId="list-error" />}
+      <div class="sessions-count">
+        <p data-testid="session-count">{asked.answer === undefined ? list.asking : list.count(whole(shown.length), whole(all.length))}</p>
+        <CompareLink chosen={chosen.value} />
+      </div>
+      {all.length >= mostListed && <Notice kind="plain" what={list.limited(whole(mostListed))} hint={list.limitedHint} testId="list-limited" />}
+      {asked.answer !== undefined && shown.length === 0 ? (
+        <p class="empty" data-testid="no-sessions">
+          {all.length === 0 ? list.none : list.noneOfFilter}
+        </p>
+      ) : (
+        <SessionTable sessions={shown} chosen={chosen.value} onChoose={choose} />
+      )}
+    </div>
+  );
+};
+
+const SessionTable = (props: { sessions: readonly SessionRecord[]; chosen: readonly string[]; onChoose: (id: string) => void }): JSX.Element => {
+  const { heads } = strings.sessions.list;
+  return (
+    <table class="sessions-table" data-testid="session-table">
+      <thead>
+        <tr>
+          <th>{heads.compare}</th>
+          <th>{heads.started}</th>
+          <th>{heads.subject}</th>
+          <th>{heads.protocol}</th>
+          <th>{heads.rig}</th>
+          <th class="number">{heads.length}</th>
+          <th>{heads.state}</th>
+          <th>{heads.label}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {props.sessions.map((session) => (
+          <Row
+            key={session.sessionId}
+            session={session}
+            isChosen={props.chosen.includes(session.sessionId)}
+            onChoose={() => props.onChoose(session.sessionId)}
+          />
+        ))}
+      </tbody>
+    </table>
+  );
+};

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// Parts, trials and figures of one session.
+import type { JSX } from 'preact';
+
+import type { SessionRecord, SessionResult, TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import { PartState } from '../../generated/dts/v1/sessions_pb';
+import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
+import { strings } from '../../strings';
+import { TargetTable, TrialTable } from '../chair/trial_tables';
+
+export const unitText = (unit: string): string => (unit === '1' ? '' : unit);
+
+export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element => {
+  const { heads, states, lost } = strings.sessions.parts;
+  return (
+    <table data-testid="part-table">
+      <thead>
+        <tr>
+          <th class="number">{heads.part}</th>
+          <th>{heads.state}</th>
+          <th class="number">{heads.length}</th>
+          <th class="number">{heads.scans}</th>
+          <th class="number">{heads.size}</th>
+          <th>{heads.file}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {session.parts.map((part) => (
+          <tr key={part.part}>
+            <td class="number">{whole(part.part)}</td>
+            <td>
+              {states[part.state] ?? PartState[part.state]}
+              {part.reason !== '' && <div class="sessions-note">{part.reason}</div>}
+              {part.lostSAtMost > 0 && <div class="sessions-note">{lost(fixed(part.lostSAtMost, 2))}</div>}
+            </td>
+            <td class="number">{duration(part.durationS)}</td>
+            <td class="number">{whole(part.scans)}</td>
+            <td class="number">{bytes(part.bytes)}</td>
+            <td class="sessions-file">
+              {part.file}
+              <div class="sessions-note">SHA-256 {part.sha256}</div>
+            </td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+};
+
+/** The measures of a trial of quiet standing that fit a line; the report has all. */
+const shownMeasures = ['MVELO', 'RDIST', 'PEA95_F'] as const;
+
+const SwayRow = ({ trial }: { trial: TrialRecord }): JSX.Element => {
+  const { sway } = trial;
+  return (
+    <tr>
+      <td class="number">{trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}</td>
+      <td>{trial.condition}</td>
+      <td>
+        {strings.chair.table.outcomes[trial.outcome] ?? trial.outcome}
+        {sway !== undefined && sway.problem !== '' && <div class="sessions-note">{sway.problem}</div>}
+        {sway !== undefined && sway.problem === '' && !sway.isValid && <div class="sessions-note">{strings.sessions.trials.invalid}</div>}
+      </td>
+      <td class="number">{duration(sway?.durationS)}</td>
+      {shownMeasures.map((symbol) => (
+        <td key={symbol} class="number">
+          {measured(sway?.measures.find((one) => one.symbol === symbol)?.value)}
+        </td>
+      ))}
+    </tr>
+  );
+};
+
+const SwayTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+  const { heads } = strings.sessions.trials;
+  return (
+    <table data-testid="trial-table">
+      <thead>
+        <tr>
+          <th class="number">{heads.trial}</th>
+          <th>{heads.condition}</th>
+          <th>{heads.outcome}</th>
+          <th class="number">{heads.length}</th>
+          <th class="number">{heads.velocity}</th>
+          <th class="number">{heads.distance}</th>
+          <th class="number">{heads.ellipse}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {trials.map((trial) => (
+          <SwayRow key={`${trial.part}/${trial.trial}/${trial.attempt}`} trial={trial} />
+        ))}
+      </tbody>
+    </table>
+  );
+};
+
+export const TrialsOfSession = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+  if (trials.length === 0) return <p>{strings.sessions.trials.none}</p>;
+  const isReaching = trials.some((trial) => trial.result !== undefined);
+  if (!isReaching) return <SwayTable trials={trials} />;
+  return (
+    <div class="column">
+      <TargetTable trials={trials} />
+      <TrialTable trials={trials} />
+    </div>
+  );
+};
+
+export const ResultTable = ({ results }: { results: readonly SessionResult[] }): JSX.Element => {
+  const { heads, none } = strings.sessions.results;
+  if (results.length === 0) return <p>{none}</p>;
+  return (
+    <table data-testid="result-table">
+      <thead>
+        <tr>
+          <th>{heads.figure}</th>
+          <th class="number">{heads.value}</th>
+          <th>{heads.unit}</th>
+        </tr>
+      </thead>
+      <tbody>
+        {results.map((result) => (
+          <tr key={result.name}>
+            <td>{result.name}</td>
+            <td class="number" data-testid={`result-${result.name}`}>
+              {fixed(result.value, 3)}
+            </td>
+            <td>{unitText(result.unit)}</td>
+          </tr>
+        ))}
+      </tbody>
+    </table>
+  );
+};

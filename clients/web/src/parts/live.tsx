@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Around every live picture: a frozen one must never look alive.
+import type { ReadonlySignal } from '@preact/signals';
+import { useSignal } from '@preact/signals';
+import type { ComponentChildren, JSX } from 'preact';
+import { useEffect } from 'preact/hooks';
+
+import type { Link } from '../link/types';
+import { strings } from '../strings';
+import { clockTime, fixed, whole } from './numbers';
+
+/** The promise is two seconds. Looked at four times a second, it is told after at most 1.75 s; the rest is for a computer that is busy. */
+export const oldAfterMs = 1500;
+const ageShownFromMs = 250;
+
+/**
+ * Tells whether a rig's data are old, until the returned function is called. By the clock, not in onPaint: on a busy computer frames may not come
+ * for seconds, and just then a picture is frozen.
+ */
+export const watchOld = (link: Pick<Link, 'lastBlockAt' | 'onTick'>, rig: string, tell: (isOld: boolean) => void): (() => void) => {
+  const openedMs = Date.now(); // a page that just opened waits for its first data before it complains
+  return link.onTick(() => tell(Date.now() - Math.max(link.lastBlockAt(rig), openedMs) > oldAfterMs));
+};
+
+/** Whether a rig's data are old: true within two seconds after the last ones. */
+export const useIsOld = (link: Link, rig: string): ReadonlySignal<boolean> => {
+  const isOld = useSignal(false);
+  useEffect(() => watchOld(link, rig, (is) => (isOld.value = is)), [link, rig]);
+  return isOld;
+};
+
+const reasonOf = (link: Link, rig: string): string => {
+  const { reasonGateway, reasonDaemon, reasonRig } = strings.common.data;
+  if (link.state.value === 'no-gateway' || link.state.value === 'connecting') return reasonGateway;
+  if (link.state.value === 'no-daemon') return reasonDaemon;
+  const status = link.status.value?.rigs.find((one) => one.rig?.name === rig);
+  return status?.deviceMessage || reasonRig;
+};
+
+const ageText = (ageMs: number): string =>
+  ageMs < 1000 ? strings.common.data.age(whole(ageMs)) : strings.common.data.ageInSeconds(fixed(ageMs / 1000, 1));
+
+const useAge = (link: Link, rig: string): ReadonlySignal<number> => {
+  const ageMs = useSignal(0);
+  useEffect(() => {
+    let newestMs = NaN;
+    const stopBlocks = link.onBlock(`${rig}/`, (block) => (newestMs = newestMs > block.newestMs ? newestMs : block.newestMs));
+    const stopTicks = link.onTick((nowMs) => (ageMs.value = nowMs - newestMs > ageShownFromMs ? nowMs - newestMs : 0));
+    return () => {
+      stopBlocks();
+      stopTicks();
+    };
+  }, [link, rig]);
+  return ageMs;
+};
+
+/** Dims its children and says "no data since" when the rig's data are old; shows their age when it is worth knowing. */
+export const Live = ({ link, rig, children }: { link: Link; rig: string; children: ComponentChildren }): JSX.Element => {
+  const isOld = useIsOld(link, rig).value;
+  const ageMs = useAge(link, rig).value;
+  const lastMs = link.lastBlockAt(rig);
+  const { noDataYet, noDataSince } = strings.common.data;
+  return (
+    <div class={`live${isOld ? ' live-old' : ''}`}>
+      <div class="live-picture">{children}</div>
+      <div role="status" aria-live="polite">
+        {isOld && (
+          <div class="live-band" data-testid="no-data">
+            <strong>{lastMs > 0 ? noDataSince(clockTime(lastMs)) : noDataYet}</strong>
+            {reasonOf(link, rig)}
+          </div>
+        )}
+      </div>
+      {!isOld && ageMs > 0 && (
+        <div class="live-age" data-testid="data-age">
+          {ageText(ageMs)}
+        </div>
+      )}
+    </div>
+  );
+};

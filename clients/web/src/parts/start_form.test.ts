@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: Apache-2.0
+import { expect, test } from 'vitest';
+
+import type { FormState } from './start_form';
+import { formAfter } from './start_form';
+
+test.each<[string, FormState, boolean, FormState]>([
+  ['OpenForm closes when somebody else starts a session', 'open', true, 'taken'],
+  ['SentForm waits for its answer: the session is its own', 'sending', true, 'sending'],
+  ['OpenForm without a session stays', 'open', false, 'open'],
+  ['TakenForm says so while that session goes on', 'taken', true, 'taken'],
+  ['TakenForm has nothing more to say after that session', 'taken', false, 'closed'],
+  ['ClosedForm stays closed', 'closed', true, 'closed'],
+])('formAfter.%s', (_name, state, hasSession, expected) => {
+  expect(formAfter(state, hasSession)).toBe(expected);
+});

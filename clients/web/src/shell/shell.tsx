@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is around every page: its tabs, one line that says whether all is well, who looks, colours, keys.
+import { useSignal } from '@preact/signals';
+import type { ComponentChildren, JSX } from 'preact';
+import { useEffect, useRef } from 'preact/hooks';
+
+import { Role } from '../generated/dts/v1/control_pb';
+import type { Link } from '../link/types';
+import { Button, Panel, PassingNotice } from '../parts/controls';
+import { useKeys } from '../parts/keys';
+import { strings } from '../strings';
+import { conditionOf } from './condition';
+import { path } from './route';
+import type { ThemeChoice } from './theme';
+import { themeChoice, themeChoices } from './theme';
+
+const words = strings.common;
+const pages = ['floor', 'chair', 'sessions', 'health'] as const;
+const readPages = new Set(['sessions', 'compare', 'health']); // the others are looked at
+const signs = { good: '●', plain: '○', warning: '▲', error: '✕' } as const;
+
+const Tabs = (): JSX.Element => {
+  const shown = path.value[0] === 'compare' ? 'sessions' : (path.value[0] ?? 'floor');
+  return (
+    <nav aria-label={words.navigation} class="tabs">
+      {pages.map((page) => (
+        <a key={page} href={`#/${page}`} class="tab" aria-current={page === shown ? 'page' : undefined} data-testid={`tab-${page}`}>
+          {words.pages[page]}
+        </a>
+      ))}
+    </nav>
+  );
+};
+
+const StatusLine = ({ link }: { link: Link }): JSX.Element => {
+  const { kind, text, hint } = conditionOf(link.state.value, link.since.value, link.status.value, link.dropped.value);
+  return (
+    <div class={`status-line status-${kind}`} role="status" data-testid="status-line" data-state={link.state.value} title={hint}>
+      <span aria-hidden="true">{signs[kind]}</span> {text}
+      {hint !== '' && <span class="visually-hidden">. {hint}</span>}
+    </div>
+  );
+};
+
+const ThemeSelect = (): JSX.Element => (
+  <select
+    aria-label={words.theme.label}
+    data-testid="theme"
+    value={themeChoice.value}
+    onChange={(event) => (themeChoice.value = event.currentTarget.value as ThemeChoice)}
+  >
+    {themeChoices.map((choice) => (
+      <option key={choice} value={choice}>
+        {words.theme[choice]}
+      </option>
+    ))}
+  </select>
+);
+
+const roleName = (role: Role): string => {
+  const names: Readonly<Record<number, string>> = { [Role.VIEWER]: words.role.viewer, [Role.OPERATOR]: words.role.operator, [Role.ENGINEER]: words.role.engineer };
+  return names[role] ?? words.role.none;
+};
+
+const Who = ({ link }: { link: Link }): JSX.Element => {
+  const { user, role, canLogIn } = link.me.value;
+  const isLocal = user === 'local' || user === '';
+  return (
+    <div class="who">
+      <span data-testid="who">{user === '' ? words.role.none : words.userAndRole(user, roleName(role))}</span>
+      {canLogIn && !isLocal && <Button label={words.logOut} onClick={() => void link.logOut().catch(() => undefined)} testId="log-out" />}
+    </div>
+  );
+};
+
+const KeyList = ({ entries }: { entries: readonly (readonly string[])[] }): JSX.Element => (
+  <table>
+    <tbody>
+      {entries.map(([key, meaning]) => (
+        <tr key={key}>
+          <th scope="row">{key}</th>
+          <td>{meaning}</td>
+        </tr>
+      ))}
+    </tbody>
+  </table>
+);
+
+const KeyHelp = ({ onClose }: { onClose: () => void }): JSX.Element => (
+  <div class="key-help">
+    <Panel title={words.help.title} testId="key-help" onClose={onClose}>
+      <h3>{words.help.everywhere}</h3>
+      <KeyList entries={words.help.entries} />
+      <h3>{words.help.live}</h3>
+      <KeyList entries={words.help.liveEntries} />
+    </Panel>
+  </div>
+);
+
+export const Shell = ({ link, children }: { link: Link; children: ComponentChildren }): JSX.Element => {
+  const isHelpOpen = useSignal(false);
+  const page = useRef<HTMLElement>(null);
+  useEffect(() => page.current?.scrollTo(0, 0), [path.value]); // a page begins at its top, however far the one before was read
+  const { kind, text, hint } = conditionOf(link.state.value, link.since.value, link.status.value, link.dropped.value);
+  const goTo = (name: string) => () => (location.hash = `#/${name}`);
+  useKeys({
+    '?': () => (isHelpOpen.value = !isHelpOpen.value),
+    Escape: () => (isHelpOpen.value = false),
+    ...Object.fromEntries(pages.map((name, index) => [String(index + 1), goTo(name)])),
+  });
+  return (
+    <>
+      <header class="shell-head">
+        <Tabs />
+        <StatusLine link={link} />
+        <ThemeSelect />
+        <Button label={words.keys} keyName="?" onClick={() => (isHelpOpen.value = !isHelpOpen.value)} testId="show-keys" isPressed={isHelpOpen.value} />
+        <Who link={link} />
+      </header>
+      {kind === 'error' && hint !== '' && (
+        <div class={readPages.has(path.value[0] ?? '') ? '' : 'shell-over'}>
+          <PassingNotice kind="error" what={text} hint={hint} testId="loud-status" />
+        </div>
+      )}
+      <main ref={page} class="page" data-testid="page">
+        {children}
+      </main>
+      {isHelpOpen.value && <KeyHelp onClose={() => (isHelpOpen.value = false)} />}
+    </>
+  );
+};

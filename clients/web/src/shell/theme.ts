@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light for daylight rooms, dark on request, or as the system has it; remembered in this browser.
+import { effect, signal } from '@preact/signals';
+
+import { readColours } from '../parts/canvas';
+
+export type ThemeChoice = 'auto' | 'light' | 'dark';
+export const themeChoices: readonly ThemeChoice[] = ['auto', 'light', 'dark'];
+const storedAs = 'dts-theme';
+
+const stored = (): ThemeChoice => {
+  const value = localStorage.getItem(storedAs);
+  return themeChoices.find((choice) => choice === value) ?? 'auto';
+};
+
+export const themeChoice = signal<ThemeChoice>('auto');
+
+/** Once, before the first page is drawn. */
+export const startTheme = (): void => {
+  themeChoice.value = stored();
+  const system = matchMedia('(prefers-color-scheme: dark)');
+  const apply = (): void => {
+    const isDark = themeChoice.peek() === 'dark' || (themeChoice.peek() === 'auto' && system.matches);
+    document.documentElement.dataset['theme'] = isDark ? 'dark' : 'light';
+    readColours();
+  };
+  system.addEventListener('change', apply);
+  effect(() => {
+    localStorage.setItem(storedAs, themeChoice.value);
+    apply();
+  });
+};

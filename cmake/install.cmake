@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: Apache-2.0
+# cmake --install build/release: programs, service, configuration, manual pages. Debian's packages are parts of the same tree
+# (debian/*.install). What names a path is installed for the prefix of the configuration (-DCMAKE_INSTALL_PREFIX=/usr).
+include(GNUInstallDirs)
+
+set(dts_doc_dir ${CMAKE_INSTALL_DATAROOTDIR}/doc/dtsd)
+
+# dts_install_for_prefix(FILE DIRECTORY): the file with the paths of this installation in the place of Debian's.
+function(dts_install_for_prefix file directory)
+  get_filename_component(name ${file} NAME)
+  set_property(DIRECTORY ${CMAKE_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+  file(READ ${file} text)
+  string(REPLACE "/usr/sbin/" "${CMAKE_INSTALL_FULL_SBINDIR}/" text "${text}")
+  string(REPLACE "/usr/bin/" "${CMAKE_INSTALL_FULL_BINDIR}/" text "${text}")
+  string(REPLACE " /etc/dts" " ${CMAKE_INSTALL_FULL_SYSCONFDIR}/dts" text "${text}")
+  file(WRITE ${CMAKE_BINARY_DIR}/install/${name} "${text}")
+  install(FILES ${CMAKE_BINARY_DIR}/install/${name} DESTINATION ${directory})
+endfunction()
+
+install(TARGETS dtsd DESTINATION ${CMAKE_INSTALL_SBINDIR})
+install(TARGETS dtsctl dts-gateway DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(TARGET dtslab)  # the thread sanitizer's build has none
+  install(TARGETS dtslab DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+
+foreach(unit dtsd dts-gateway)
+  dts_install_for_prefix(${CMAKE_SOURCE_DIR}/systemd/${unit}.service lib/systemd/system)
+  install(FILES systemd/sysusers.d/${unit}.conf DESTINATION lib/sysusers.d)
+endforeach()
+dts_install_for_prefix(${CMAKE_SOURCE_DIR}/systemd/tmpfiles.d/dts-gateway.conf lib/tmpfiles.d)
+install(FILES config/udev/70-dtsd.rules DESTINATION lib/udev/rules.d)
+
+install(FILES config/dtsd-clinic.toml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/dtsd RENAME dtsd.toml)
+install(DIRECTORY config/rigs config/sensors config/protocols config/models DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/dtsd
+  FILES_MATCHING PATTERN *.toml)
+install(FILES config/gateway.toml DESTINATION ${CMAKE_INSTALL_SYSCONFDIR}/dts-gateway)
+# Absent without npm.
+install(DIRECTORY ${CMAKE_BINARY_DIR}/share/dts-gateway/web DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/dts-gateway OPTIONAL)
+
+install(FILES config/dtsd-daq.toml DESTINATION ${dts_doc_dir}/examples)
+install(FILES config/dtsd.toml DESTINATION ${dts_doc_dir}/examples RENAME dtsd-sim.toml)
+install(FILES config/protocols/README.md DESTINATION ${dts_doc_dir} RENAME protocols.md)
+install(FILES README.md SECURITY.md DESTINATION ${dts_doc_dir})
+
+# What the programs say of themselves. The gateway's page is one of system administration: section 8.
+dts_documents(dts-gateway)
+set(gateway_page ${CMAKE_BINARY_DIR}/share/man/man8/dts-gateway.8)
+add_custom_command(OUTPUT ${gateway_page}
+  COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_BINARY_DIR}/share/man/man8
+  COMMAND sed "1s/ 1 / 8 /;1s/User Commands/System Manager's Manual/" ${CMAKE_BINARY_DIR}/share/man/man1/dts-gateway.1 > ${gateway_page}
+  DEPENDS ${CMAKE_BINARY_DIR}/share/man/man1/dts-gateway.1 VERBATIM)
+add_custom_target(gateway_page ALL DEPENDS ${gateway_page})
+add_dependencies(gateway_page dts-gateway_documents)
+install(FILES packaging/man/dtsd.8 ${gateway_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man8)
+install(FILES packaging/man/dtsd.toml.5 DESTINATION ${CMAKE_INSTALL_MANDIR}/man5)
+set(documented dts-gateway dtsctl)
+if(TARGET dtslab)
+  list(APPEND documented dtslab)
+endif()
+foreach(program ${documented})
+  set(share ${CMAKE_BINARY_DIR}/share)
+  if(NOT program STREQUAL "dts-gateway")
+    install(FILES ${share}/man/man1/${program}.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
+  endif()
+  install(FILES ${share}/bash-completion/completions/${program} DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/bash-completion/completions)
+  install(FILES ${share}/zsh/site-functions/_${program} DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/zsh/site-functions)
+endforeach()

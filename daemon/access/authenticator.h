@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+#include <zmq.hpp>
+
+#include "access/key_store.h"
+#include "access/rate_limit.h"
+#include "core/clock.h"
+#include "core/result.h"
+
+namespace dts::access {
+
+/// Answers libzmq's question who may connect (ZeroMQ RFC 27, ZAP): a CURVE client whose key is in the store, which is its "User-Id".
+/// Everybody else is refused. Every socket of the context that is a CURVE server asks here; local sockets do not.
+/// Thread: its own, "access".
+class Authenticator {
+ public:
+  /// Must exist before such a socket is bound. `keys` and `clock` outlive it.
+  [[nodiscard]] static core::Result<std::unique_ptr<Authenticator>> start(zmq::context_t& context, const KeyStore& keys, core::Clock& clock);
+  ~Authenticator();
+  Authenticator(const Authenticator&) = delete;
+  Authenticator& operator=(const Authenticator&) = delete;
+
+  [[nodiscard]] std::uint64_t accepted_total() const noexcept { return accepted_total_.load(std::memory_order_relaxed); }
+  [[nodiscard]] std::uint64_t refused_total() const noexcept { return refused_total_.load(std::memory_order_relaxed); }
+
+ private:
+  Authenticator(zmq::socket_t socket, const KeyStore& keys, core::Clock& clock);
+  void run(const std::stop_token& stop);
+  void answer(const std::vector<zmq::message_t>& request);
+
+  zmq::socket_t socket_;
+  const KeyStore& keys_;
+  core::Clock& clock_;
+  RateLimit handshakes_;
+  std::atomic<std::uint64_t> accepted_total_{0};
+  std::atomic<std::uint64_t> refused_total_{0};
+  std::jthread thread_;
+};
+
+}  // namespace dts::access

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "access/gate.h"
+
+namespace dts::access {
+namespace {
+
+// A person with a quick finger sends ten a second, a dashboard two; a script that wants more streams.
+constexpr double kCommandsPerSecond = 50.0;
+constexpr double kCommandBurst = 100.0;
+constexpr double kNotesPerSecond = 0.1;
+constexpr double kNoteBurst = 20.0;
+
+}  // namespace
+
+v1::Role role_needed(const v1::Request& request) {
+  const auto* command = v1::Request::descriptor()->FindFieldByNumber(static_cast<int>(request.command_case()));
+  return command == nullptr ? v1::ROLE_UNSPECIFIED : command->options().GetExtension(v1::role_needed);
+}
+
+Gate::Gate(const KeyStore* keys) : keys_(keys), commands_(kCommandsPerSecond, kCommandBurst), notes_(kNotesPerSecond, kNoteBurst) {}
+
+Peer Gate::remote(const std::string& public_key) const {
+  const auto key = keys_ == nullptr ? std::nullopt : keys_->find_by_public_key(public_key);
+  return key ? Peer{.who = "key:" + key->name, .role = key->role} : Peer{.who = "revoked key"};
+}
+
+core::Status Gate::check(const Peer& peer, const v1::Request& request, std::int64_t now_ns) {
+  if (peer.is_limited && !commands_.take(peer.who, now_ns)) {
+    return core::fail(core::ErrorCode::LimitExceeded, "more than 50 commands a second by " + peer.who,
+                      "subscribe to dtsd/status instead of asking again and again");
+  }
+  const v1::Role needed = role_needed(request);
+  // A request without a command that this daemon knows changes nothing: the handler says what is wrong with it.
+  if (request.command_case() == v1::Request::COMMAND_NOT_SET) return {};
+  if (needed != v1::ROLE_UNSPECIFIED && peer.role >= needed) return {};
+  return core::fail(core::ErrorCode::NotAllowed,
+                    "this needs the role " + std::string(role_word(needed)) + "; " + peer.who + " has " + std::string(role_word(peer.role)),
+                    "an engineer can make another: dtsctl key new NAME --role " + std::string(role_word(needed)));
+}
+
+}  // namespace dts::access

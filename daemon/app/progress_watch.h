@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "session/supervisor.h"
+
+namespace dts::app {
+
+/// Whether the work goes on: systemd's watchdog is fed only while scans move from every device through its pipeline and the publish thread
+/// takes its turns. A timer in a frozen daemon would feed it for ever.
+///
+/// Not judged: a device that is away or silent (its acquire thread says so, hence it lives), and the record thread. The control thread, which
+/// asks, is judged by asking at all: it writes the catalogue, so a disk that hangs for longer than WatchdogSec ends the daemon.
+/// Thread: control.
+class ProgressWatch {
+ public:
+  /// `patience_ns`: for how long a part may stand still.
+  explicit ProgressWatch(std::int64_t patience_ns) : patience_ns_(patience_ns) {}
+
+  /// What has stood still for too long, "the pipeline of rig 'floor'"; empty: nothing. `publish_turns` counts up while that thread lives.
+  [[nodiscard]] std::string stuck_part(const std::vector<session::RigState>& rigs, std::uint64_t publish_turns, std::int64_t now_ns);
+
+ private:
+  struct Part {
+    std::uint64_t mark = 0;
+    std::int64_t moved_ns = 0;
+  };
+  /// Notes how far a part is; true when it has not moved for too long. `has_work`: it could have.
+  [[nodiscard]] bool is_stuck(const std::string& name, std::uint64_t mark, bool has_work, std::int64_t now_ns);
+
+  std::int64_t patience_ns_;
+  std::int64_t looked_ns_ = 0;
+  std::map<std::string, Part> parts_;
+};
+
+}  // namespace dts::app

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "core/sway.h"
+#include "dts/v1/stream.pb.h"
+#include "session/sway_results.h"
+
+namespace dts::ipc {
+
+/// Preliminary values: those measures of the sheet that can be exact while a trial runs.
+[[nodiscard]] dts::v1::Event sway_event(std::uint64_t instance_id, const core::SwayEvent& event);
+/// Final values of a trial.
+[[nodiscard]] dts::v1::Sway sway(const session::SwayTrialResult& result, const std::string& session_id, const std::string& software);
+
+}  // namespace dts::ipc

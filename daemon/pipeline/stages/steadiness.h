@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "pipeline/stage.h"
+#include "pipeline/stages/sway_watch.h"
+
+namespace dts::pipeline {
+
+/// Tells running values of quiet standing (`core::SwayEvent`; posturography sheet sections 2 and 3, "live"): of the causally filtered
+/// centre of pressure at 100 Hz or the nearest rate that divides, over a window that grows, every half a second and when it ends.
+/// Input: ml_mm, ap_mm, load_n. Makes no stream.
+///
+/// A window is a trial's measuring time, out of the letter box `SteadinessWindows`; without one it begins when somebody has stood for a
+/// second and ends when the centre of pressure is away for more than 50 ms. A trial's window goes on over such a gap, without it. A new
+/// segment ends every window without a last word. Scans are those the values describe: the input's delay and the filter's own 80 ms are
+/// taken off, so a window's last value comes 80 ms after its end.
+class Steadiness final : public Stage {
+ public:
+  Steadiness(const StageOptions& options, const StageContext& context);
+
+  [[nodiscard]] static const StageDescription& description();
+  [[nodiscard]] const StageDescription& describe() const noexcept override { return description(); }
+  [[nodiscard]] core::Result<core::StreamFormat> prepare(const core::StreamFormat& input, std::size_t max_scans) override;
+  void process(const core::Block& in, core::Block& out) noexcept override;
+  void tell(core::FrameEvents& events) noexcept override;
+  void reset() noexcept override;
+  [[nodiscard]] std::size_t state_size() const noexcept override;
+  void save(std::span<double> state) const noexcept override;
+  [[nodiscard]] bool restore(std::span<const double> state) noexcept override;
+
+ private:
+  void forget() noexcept;
+  void take_window(std::uint32_t segment) noexcept;
+  [[nodiscard]] SwayWatch::Trial trial_in(std::uint32_t segment) const noexcept;
+  [[nodiscard]] std::uint64_t index_of(core::ScanIndex scan) const noexcept;
+  [[nodiscard]] core::ScanIndex scan_of(std::uint64_t index) const noexcept;
+  void translate(core::SwayEvent& event, const core::Block& in) const noexcept;
+
+  SteadinessWindows* windows_;
+  std::optional<core::Rate> given_rate_;
+  double every_ms_;
+  double settle_ms_;
+  core::Rate raw_rate_;
+  std::uint64_t raw_per_scan_ = 1;
+  std::uint64_t delay_scans_ = 0;  ///< Of the raw stream.
+  std::uint64_t letter_ = 0;       ///< Number of the window that was taken up last.
+  SteadinessWindow window_;        ///< The trial's that is known.
+  std::uint32_t segment_ = 0;      ///< What the watch runs in.
+  SwayWatch watch_;
+  SwayWatch::Events events_;  ///< Of the last block.
+};
+
+}  // namespace dts::pipeline

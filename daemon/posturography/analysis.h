@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "core/result.h"
+#include "posturography/measure.h"
+#include "posturography/prepare.h"
+
+namespace dts::posturography {
+
+/// All that came of one trial.
+struct Analysis {
+  Profile profile = Profile::Lp10;
+  double rate_hz = 0.0;
+  std::size_t samples = 0;
+  double duration_s = 0.0;
+  std::uint32_t flags = 0;
+  std::size_t missing = 0;
+  std::size_t interpolated = 0;
+  Measures measures;
+
+  /// false: the subject stepped off or moved the feet; the values say nothing about steadiness.
+  [[nodiscard]] bool is_valid() const noexcept { return (flags & sway_flag::kInvalid) == 0; }
+};
+
+struct AnalysisOptions {
+  Preparation preparation{};
+  std::optional<double> foot_length_mm;  ///< Gives AP_USE.
+};
+
+/// Every measure that is defined for what was prepared. Thread: any.
+[[nodiscard]] Analysis analyse(const Prepared& prepared, std::optional<double> foot_length_mm = std::nullopt);
+/// `prepare`, then `analyse`; fails as `prepare`.
+[[nodiscard]] core::Result<Analysis> analyse(const CopSeries& series, const AnalysisOptions& options);
+
+}  // namespace dts::posturography

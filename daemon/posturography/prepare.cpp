@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "posturography/prepare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "posturography/butterworth.h"
+#include "posturography/trial_faults.h"
+
+namespace dts::posturography {
+namespace {
+
+using core::ErrorCode;
+
+constexpr double kLowestRateHz = 10.0;
+constexpr double kHighestRateHz = 100'000.0;
+constexpr double kLp10CutoffHz = 10.0;
+constexpr double kLongestShortGapS = 0.050;
+constexpr double kManyLost = 0.01;
+constexpr double kLowRateHz = 50.0;  // Scoppa et al. 2013
+constexpr double kFarthestMm = 1e9;  ///< No centre of pressure; squares of it and sums of these stay finite.
+
+/// Samples [begin, end).
+struct Stretch {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+
+  [[nodiscard]] std::size_t size() const noexcept { return end - begin; }
+};
+
+struct CleanStretch {
+  Stretch longest;
+  std::size_t first_present = 0;
+  std::size_t missing = 0;
+  bool is_cut = false;
+};
+
+std::string hz(double rate) { return std::to_string(rate) + " Hz"; }
+
+core::Status check(const CopSeries& series, const Preparation& preparation) {
+  const auto invalid = [](std::string what, std::string hint = {}) {
+    return core::fail(ErrorCode::InvalidArgument, std::move(what), std::move(hint));
+  };
+  if (series.ml_mm.size() != series.ap_mm.size() || (!series.load_n.empty() && series.load_n.size() != series.ml_mm.size())) {
+    return invalid("the columns of the centre of pressure are not equally long");
+  }
+  if (!(series.rate_hz >= kLowestRateHz && series.rate_hz <= kHighestRateHz)) {
+    return invalid("a centre of pressure sampled at " + hz(series.rate_hz), "rates of 10 to 100000 Hz can be analysed");
+  }
+  if (preparation.profile != Profile::AsIs && preparation.profile != Profile::Lp10) return invalid("no such profile");
+  if (preparation.profile == Profile::Lp10 && !(series.rate_hz > 2.0 * kLp10CutoffHz)) {
+    return invalid("profile lp10 cannot filter " + hz(series.rate_hz) + " at 10 Hz", "use the profile asis");
+  }
+  if (!(preparation.analysis_rate_hz >= 0.0) || !std::isfinite(preparation.analysis_rate_hz)) return invalid("no rate of analysis");
+  if (!(preparation.trim_s >= 0.0) || !std::isfinite(preparation.trim_s)) return invalid("no settling time");
+  return {};
+}
+
+/// A load that is known and not above 0: nobody stands there, and the quotient that a centre of pressure is means nothing.
+bool is_present(const CopSeries& series, std::size_t i) noexcept {
+  const bool is_position = std::abs(series.ml_mm[i]) <= kFarthestMm && std::abs(series.ap_mm[i]) <= kFarthestMm;
+  return is_position && (series.load_n.empty() || !(series.load_n[i] <= 0.0));
+}
+
+CleanStretch clean_stretch(const CopSeries& series) {
+  CleanStretch clean;
+  Stretch current;
+  bool is_any = false;
+  for (std::size_t i = 0; i < series.ml_mm.size(); ++i) {
+    if (!is_present(series, i)) {
+      ++clean.missing;
+      continue;
+    }
+    if (!is_any) {
+      clean.first_present = i;
+      current = {.begin = i, .end = i};
+      is_any = true;
+    }
+    const double gap_s = static_cast<double>(i - current.end) / series.rate_hz;
+    if (gap_s > kLongestShortGapS + kTimeSlackS) {
+      clean.is_cut = true;
+      current.begin = i;
+    }
+    current.end = i + 1;
+    if (current.size() > clean.longest.size()) clean.longest = current;
+  }
+  return clean;
+}
+
+/// Both columns of the stretch less their first values, gaps interpolated linearly. Less the first: a constant becomes exactly 0, and far
+/// from the origin no digits get lost in sums and in the filter. Returns how many samples were interpolated.
+std::size_t take_stretch(const CopSeries& series, const Stretch& stretch, Prepared& prepared) {
+  const double first_ml = series.ml_mm[stretch.begin];
+  const double first_ap = series.ap_mm[stretch.begin];
+  prepared.ml_mm.resize(stretch.size());
+  prepared.ap_mm.resize(stretch.size());
+  prepared.mean_ml_mm = first_ml;
+  prepared.mean_ap_mm = first_ap;
+  std::size_t interpolated = 0;
+  std::size_t before = 0;
+  for (std::size_t i = 0; i < stretch.size(); ++i) {
+    if (!is_present(series, stretch.begin + i)) {
+      ++interpolated;
+      continue;
+    }
+    prepared.ml_mm[i] = series.ml_mm[stretch.begin + i] - first_ml;
+    prepared.ap_mm[i] = series.ap_mm[stretch.begin + i] - first_ap;
+    for (std::size_t gap = before + 1; gap < i; ++gap) {
+      const double part = static_cast<double>(gap - before) / static_cast<double>(i - before);
+      prepared.ml_mm[gap] = prepared.ml_mm[before] + part * (prepared.ml_mm[i] - prepared.ml_mm[before]);
+      prepared.ap_mm[gap] = prepared.ap_mm[before] + part * (prepared.ap_mm[i] - prepared.ap_mm[before]);
+    }
+    before = i;
+  }
+  return interpolated;
+}
+
+void keep_every(std::size_t step, std::size_t first, std::vector<double>& values) {
+  std::size_t kept = 0;
+  for (std::size_t i = first; i < values.size(); i += step) values[kept++] = values[i];
+  values.resize(kept);
+}
+
+/// Takes the mean off, and says what it was.
+double centre(std::vector<double>& values) noexcept {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  const double mean = sum / static_cast<double>(values.size());
+  for (double& value : values) value -= mean;
+  return mean;
+}
+
+core::Status too_little(std::size_t samples, std::size_t needed, double rate_hz) {
+  return core::fail(ErrorCode::Failed,
+                    "only " + std::to_string(samples) + " samples (" + std::to_string(static_cast<double>(samples) / rate_hz) +
+                        " s) are left of the centre of pressure, and " + std::to_string(needed) + " are needed",
+                    "samples are missing, or the settling time is too long");
+}
+
+std::size_t decimation(const Preparation& preparation, double rate_hz) noexcept {
+  if (preparation.profile != Profile::Lp10 || preparation.analysis_rate_hz <= 0.0) return 1;
+  const double factor = std::round(rate_hz / preparation.analysis_rate_hz);
+  return factor < 1.0 ? 1 : static_cast<std::size_t>(std::min(factor, kHighestRateHz));
+}
+
+/// Settling begins with the first sample that there is; after a gap somebody stands there already.
+std::size_t samples_to_trim(const CopSeries& series, const CleanStretch& clean, const Preparation& preparation, double rate_hz) {
+  const double stood_s = static_cast<double>(clean.longest.begin - clean.first_present) / series.rate_hz;
+  const double trimmed = std::ceil((preparation.trim_s - stood_s - kTimeSlackS) * rate_hz);
+  return trimmed <= 0.0 ? 0 : static_cast<std::size_t>(std::min(trimmed, 1e15));
+}
+
+std::uint32_t flags_of(const CopSeries& series, const CleanStretch& clean, const Preparation& preparation) {
+  std::uint32_t flags = series.flags;
+  if (static_cast<double>(clean.missing) > kManyLost * static_cast<double>(series.ml_mm.size())) flags |= sway_flag::kMissingSamples;
+  if (clean.is_cut) flags |= sway_flag::kCutAtGap;
+  if (series.rate_hz < kLowRateHz) flags |= sway_flag::kLowRate;
+  const auto settled = static_cast<double>(clean.first_present) + preparation.trim_s * series.rate_hz;
+  if (settled < static_cast<double>(series.load_n.size()) && load_goes_away(series, static_cast<std::size_t>(settled))) {
+    flags |= sway_flag::kSteppedOff;
+  }
+  return flags;
+}
+
+}  // namespace
+
+std::string_view name(Profile profile) noexcept {
+  switch (profile) {
+    case Profile::AsIs: return "asis";
+    case Profile::Lp10: return "lp10";
+  }
+  return {};
+}
+
+std::optional<Profile> profile_named(std::string_view name_of_profile) noexcept {
+  for (const Profile profile : {Profile::AsIs, Profile::Lp10}) {
+    if (name(profile) == name_of_profile) return profile;
+  }
+  return std::nullopt;
+}
+
+core::Result<Prepared> prepare(const CopSeries& series, const Preparation& preparation) {
+  if (const auto status = check(series, preparation); !status) return tl::make_unexpected(status.error());
+  const CleanStretch clean = clean_stretch(series);
+  const bool is_filtered = preparation.profile == Profile::Lp10;
+  const std::size_t needed = is_filtered ? kZeroPhasePadding + 1 : 2;
+  if (clean.longest.size() < needed) return tl::make_unexpected(too_little(clean.longest.size(), needed, series.rate_hz).error());
+
+  Prepared prepared;
+  prepared.profile = preparation.profile;
+  prepared.missing = clean.missing;
+  prepared.flags = flags_of(series, clean, preparation);
+  prepared.interpolated = take_stretch(series, clean.longest, prepared);
+  if (is_filtered) {
+    const LowPass low_pass = butterworth4(kLp10CutoffHz, series.rate_hz);
+    filter_zero_phase(low_pass, prepared.ml_mm);
+    filter_zero_phase(low_pass, prepared.ap_mm);
+  }
+  const std::size_t step = decimation(preparation, series.rate_hz);
+  prepared.rate_hz = series.rate_hz / static_cast<double>(step);
+  const std::size_t trimmed = samples_to_trim(series, clean, preparation, prepared.rate_hz);
+  const std::size_t kept = (clean.longest.size() + step - 1) / step;
+  if (kept < trimmed + 2) return tl::make_unexpected(too_little(kept - std::min(kept, trimmed), 2, prepared.rate_hz).error());
+  if (position_jumps(prepared.ml_mm, prepared.ap_mm, trimmed * step, series.rate_hz)) prepared.flags |= sway_flag::kMoved;
+  keep_every(step, trimmed * step, prepared.ml_mm);
+  keep_every(step, trimmed * step, prepared.ap_mm);
+  prepared.begins_s = static_cast<double>(clean.longest.begin + trimmed * step) / series.rate_hz;
+  prepared.mean_ml_mm += centre(prepared.ml_mm);
+  prepared.mean_ap_mm += centre(prepared.ap_mm);
+  return prepared;
+}
+
+}  // namespace dts::posturography

@@ -1,0 +1,281 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/recorded_sway.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "session/cop_trace.h"
+#include "session/sway_record.h"
+#include "session/trial_record.h"
+
+namespace dts::session {
+namespace {
+
+using Key = std::pair<std::uint32_t, std::uint32_t>;  ///< Trial, attempt.
+
+constexpr double kLeastStandingS = 10.0;  // of a recording without trials: less is somebody who steps on and off
+constexpr double kSteppingOnS = 1.0;      // as the stage `steadiness`
+constexpr double kSteppingOffS = 0.5;     // the load is on its way down before the centre of pressure is away
+constexpr double kLongestHoleS = 0.05;    // posturography sheet section 7: up to here a hole is interpolated
+
+/// The stream "cop" of a recording.
+struct CopColumns {
+  std::size_t stream = 0;
+  std::size_t width = 0;
+  std::size_t ml = 0;
+  std::size_t ap = 0;
+  std::optional<std::size_t> load;
+  core::Rate rate;
+  core::Rate raw_rate;
+};
+
+core::Result<CopColumns> find_cop(const record::Recording& recording) {
+  const auto refuse = [](const std::string& what) {
+    return core::fail(core::ErrorCode::NotFound, what, "steadiness is measured on a floor platform; dtslab replay tells what is recorded");
+  };
+  const auto stream = recording.find_stream("cop");
+  if (!stream || !recording.streams()[*stream].rate) return refuse("the recording has no stream \"cop\"");
+  const record::StreamInfo& info = recording.streams()[*stream];
+  const auto column = [&info](const std::string& label) -> std::optional<std::size_t> {
+    const auto found = std::ranges::find(info.channels, label, &record::ChannelInfo::label);
+    if (found == info.channels.end()) return std::nullopt;
+    return static_cast<std::size_t>(found - info.channels.begin());
+  };
+  const auto ml = column("ml_mm");
+  const auto ap = column("ap_mm");
+  if (!ml || !ap) return refuse("stream \"cop\" has no channels ml_mm and ap_mm");
+  core::Rate raw_rate = *info.rate;
+  if (const auto raw = recording.find_stream("raw"); raw && recording.streams()[*raw].rate) raw_rate = *recording.streams()[*raw].rate;
+  return CopColumns{.stream = *stream,
+                    .width = info.channels.size(),
+                    .ml = *ml,
+                    .ap = *ap,
+                    .load = column("load_n"),
+                    .rate = *info.rate,
+                    .raw_rate = raw_rate};
+}
+
+core::Status for_each(record::Recording& recording, double from, const std::function<void(double)>& progress,
+                      const std::function<core::Status(const record::RecordedItem&)>& take) {
+  while (true) {
+    const auto item = recording.next();
+    if (!item) return tl::make_unexpected(item.error());
+    if (!*item) return {};
+    if (recording.size() > 0) progress(from + 0.5 * static_cast<double>(recording.offset()) / static_cast<double>(recording.size()));
+    if (auto taken = take(**item); !taken) return taken;
+  }
+}
+
+/// Trials by their steps, as SwayResults takes them.
+class TrialSteps {
+ public:
+  core::Status take(const record::RecordedEvent& event) {
+    if (event.event == "trial") return take_step(event);
+    if (event.event == "sway") return take_told(event);
+    if (event.event == "figure") take_figure(event);
+    return {};
+  }
+  /// In the order of their beginning. Those that were never measured are left out.
+  [[nodiscard]] RecordedStanding result() const {
+    RecordedStanding standing;
+    for (const auto& [key, trial] : trials_) {
+      if (trial.outcome.empty() || trial.trial == 0) continue;
+      standing.trials.push_back(trial);
+      // The bits of the stream "cop" are not recorded: what they said is in what the daemon told.
+      if (trial.told && trial.told->analysis)
+        standing.trials.back().cop.flags = trial.told->analysis->flags & posturography::sway_flag::kDoubtful;
+    }
+    std::ranges::stable_sort(standing.trials, {}, [](const StandingTrial& trial) { return std::pair(trial.segment, trial.first_scan); });
+    standing.told_figures = figures_;
+    return standing;
+  }
+  [[nodiscard]] bool empty() const noexcept { return trials_.empty(); }
+
+ private:
+  core::Status take_step(const record::RecordedEvent& event) {
+    const auto step = trial_of(event);
+    if (!step) return tl::make_unexpected(step.error());
+    const Key key{step->trial, step->attempt};
+    if (step->trial == 0 || (trials_.size() >= SwayResults::kMostAttempts && !trials_.contains(key))) return {};
+    StandingTrial& trial = trials_[key];
+    using enum TrialEventKind;
+    if (step->kind == Measure) {
+      trial = {.trial = step->trial,
+               .attempt = step->attempt,
+               .block = step->block,
+               .condition = step->condition,
+               .labels = step->labels,
+               .segment = event.segment,
+               .first_scan = event.scan,
+               .end_scan = event.scan};
+    } else if (step->kind == Done || step->kind == Redone || step->kind == Rejected || step->kind == Aborted) {
+      if (trial.outcome.empty() && event.segment == trial.segment) trial.end_scan = event.scan;
+      trial.outcome = name(step->kind);
+    }
+    return {};
+  }
+  core::Status take_told(const record::RecordedEvent& event) {
+    auto told = sway_of(event);
+    if (!told) return tl::make_unexpected(told.error());
+    if (const auto trial = trials_.find({told->trial, told->attempt}); trial != trials_.end()) trial->second.told = std::move(*told);
+    return {};
+  }
+  void take_figure(const record::RecordedEvent& event) {
+    const auto value = std::ranges::find(event.values, "value", &std::pair<std::string, record::EventValue>::first);
+    const auto* number = value != event.values.end() ? std::get_if<double>(&value->second) : nullptr;
+    if (number == nullptr || !std::isfinite(*number) || figures_.size() >= kMostFigures) return;
+    figures_.push_back({.name = record::text_of(event, "name"),
+                        .value = *number,
+                        .unit = record::text_of(event, "unit"),
+                        .details = record::text_of(event, "details")});
+  }
+
+  static constexpr std::size_t kMostFigures = 10'000;
+  std::map<Key, StandingTrial> trials_;
+  std::vector<SessionFigure> figures_;
+};
+
+/// Sample `i` of `scans`; what was not recorded before it is missing.
+void append(posturography::CopSeries& series, const record::RecordedScans& scans, std::size_t i, const CopColumns& cop) {
+  const double* const sample = &scans.values[i * cop.width];
+  series.ml_mm.push_back(sample[cop.ml]);
+  series.ap_mm.push_back(sample[cop.ap]);
+  series.load_n.push_back(cop.load ? sample[*cop.load] : std::nan(""));
+}
+
+void pad(posturography::CopSeries& series, std::size_t samples) {
+  for (auto* column : {&series.ml_mm, &series.ap_mm, &series.load_n}) column->resize(samples, std::nan(""));
+}
+
+/// Cuts the samples of every trial out of the stream.
+class TrialSamples {
+ public:
+  TrialSamples(std::vector<StandingTrial>& trials, const CopColumns& cop) : trials_(trials), cop_(cop) {
+    for (StandingTrial& trial : trials_) trial.cop.rate_hz = cop.rate.hz();
+  }
+
+  core::Status take(const record::RecordedScans& scans) {
+    for (StandingTrial& trial : trials_) {
+      if (trial.segment != scans.segment) continue;
+      const std::uint64_t begin = cop_index(trial.first_scan, cop_.raw_rate, cop_.rate);
+      const std::uint64_t end = cop_index(trial.end_scan, cop_.raw_rate, cop_.rate);
+      const std::uint64_t from = std::max<std::uint64_t>(begin + trial.cop.ml_mm.size(), scans.first_scan.value);
+      const std::uint64_t to = std::min(end, scans.first_scan.value + scans.count);
+      for (std::uint64_t index = from; index < to; ++index) {
+        if (samples_ + (index - begin) - trial.cop.ml_mm.size() >= kMostStandingSamples) return too_long();
+        samples_ += index - begin + 1 - trial.cop.ml_mm.size();
+        pad(trial.cop, index - begin);
+        append(trial.cop, scans, index - scans.first_scan.value, cop_);
+      }
+    }
+    return {};
+  }
+
+ private:
+  static core::Status too_long() {
+    return core::fail(core::ErrorCode::Unsupported, "more than " + std::to_string(kMostStandingSamples) + " samples of standing",
+                      "that is longer than anybody stands: cut the recording");
+  }
+
+  std::vector<StandingTrial>& trials_;
+  CopColumns cop_;
+  std::size_t samples_ = 0;
+};
+
+/// Stretches in which somebody stands, of a recording without trials.
+class FreeStanding {
+ public:
+  FreeStanding(std::vector<StandingTrial>& trials, const CopColumns& cop)
+      : trials_(trials), cop_(cop), longest_hole_(static_cast<std::size_t>(kLongestHoleS * cop.rate.hz() + 1e-9)) {}
+
+  core::Status take(const record::RecordedScans& scans) {
+    for (std::size_t i = 0; i < scans.count; ++i) {
+      const std::uint64_t index = scans.first_scan.value + i;
+      if (scans.segment != segment_ || index != next_) finish();
+      segment_ = scans.segment;
+      next_ = index + 1;
+      const double* const sample = &scans.values[i * cop_.width];
+      const bool is_there = std::isfinite(sample[cop_.ml]) && std::isfinite(sample[cop_.ap]);
+      hole_ = is_there ? 0 : hole_ + 1;
+      if (hole_ > longest_hole_) finish();
+      if (!is_there && current_.ml_mm.empty()) continue;
+      if (current_.ml_mm.empty()) first_ = index;
+      append(current_, scans, i, cop_);
+      if (++samples_ > kMostStandingSamples) {
+        return core::fail(core::ErrorCode::Unsupported, "more than " + std::to_string(kMostStandingSamples) + " samples of standing",
+                          "record trials, or shorter");
+      }
+    }
+    return {};
+  }
+  void finish() {
+    const auto settling = static_cast<std::size_t>(kSteppingOnS * cop_.rate.hz());
+    const auto leaving = static_cast<std::size_t>(kSteppingOffS * cop_.rate.hz());
+    if (static_cast<double>(current_.ml_mm.size()) >= (kLeastStandingS + kSteppingOnS + kSteppingOffS) * cop_.rate.hz()) {
+      pad(current_, current_.ml_mm.size() - leaving);
+      for (auto* column : {&current_.ml_mm, &current_.ap_mm, &current_.load_n}) {
+        column->erase(column->begin(), column->begin() + static_cast<std::ptrdiff_t>(settling));
+      }
+      current_.rate_hz = cop_.rate.hz();
+      const std::uint64_t first = first_ + settling;
+      trials_.push_back(
+          {.segment = segment_, .first_scan = raw(first), .end_scan = raw(first + current_.ml_mm.size()), .cop = std::move(current_)});
+    } else {
+      samples_ -= std::min(samples_, current_.ml_mm.size());
+    }
+    current_ = {};
+  }
+
+ private:
+  [[nodiscard]] core::ScanIndex raw(std::uint64_t index) const {
+    return {static_cast<std::uint64_t>(std::llround(static_cast<double>(index) * cop_.raw_rate.hz() / cop_.rate.hz()))};
+  }
+
+  std::vector<StandingTrial>& trials_;
+  CopColumns cop_;
+  std::size_t longest_hole_;
+  posturography::CopSeries current_;
+  std::uint32_t segment_ = 0;
+  std::uint64_t first_ = 0;
+  std::uint64_t next_ = 0;
+  std::size_t hole_ = 0;
+  std::size_t samples_ = 0;
+};
+
+template <class Reader>
+core::Status read_samples(record::Recording& recording, const CopColumns& cop, Reader& reader,
+                          const std::function<void(double)>& progress) {
+  return for_each(recording, 0.5, progress, [&](const record::RecordedItem& item) -> core::Status {
+    const auto* scans = std::get_if<record::RecordedScans>(&item);
+    if (scans == nullptr || scans->stream != cop.stream) return {};
+    return reader.take(*scans);
+  });
+}
+
+}  // namespace
+
+core::Result<RecordedStanding> read_recorded_standing(record::Recording& recording, const std::function<void(double)>& progress) {
+  const auto cop = find_cop(recording);
+  if (!cop) return tl::make_unexpected(cop.error());
+  TrialSteps steps;
+  const auto told = for_each(recording, 0.0, progress, [&steps](const record::RecordedItem& item) -> core::Status {
+    const auto* timed = std::get_if<record::TimedEvent>(&item);
+    return timed == nullptr ? core::Status{} : steps.take(timed->event);
+  });
+  if (!told) return tl::make_unexpected(told.error());
+  RecordedStanding standing = steps.result();
+  standing.raw_rate_hz = cop->raw_rate.hz();
+  if (auto rewound = recording.rewind(); !rewound) return tl::make_unexpected(rewound.error());
+  if (steps.empty()) {
+    FreeStanding reader(standing.trials, *cop);
+    if (auto read = read_samples(recording, *cop, reader, progress); !read) return tl::make_unexpected(read.error());
+    reader.finish();
+  } else {
+    TrialSamples reader(standing.trials, *cop);
+    if (auto read = read_samples(recording, *cop, reader, progress); !read) return tl::make_unexpected(read.error());
+  }
+  return standing;
+}
+
+}  // namespace dts::session

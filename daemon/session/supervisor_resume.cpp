@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the supervisor goes on after a crash.
+#include <algorithm>
+#include <iterator>
+#include <utility>
+
+#include "session/supervisor.h"
+
+namespace dts::session {
+namespace {
+
+constexpr std::int64_t kTryForNs = 60'000'000'000;  // a device that is found late; after that a person has decided what to do
+constexpr std::int64_t kTryEveryNs = 1'000'000'000;
+
+}  // namespace
+
+void Supervisor::resume_interrupted() {
+  if (services_.recordings == nullptr) return;
+  resumable_ = services_.recordings->take_resumable();
+  resume_until_ns_ = clock_.now_ns() + kTryForNs;
+}
+
+void Supervisor::forget_resumable(const std::string& rig) {
+  std::erase_if(resumable_, [&](const std::string& id) {
+    const auto row = services_.recordings->catalogue().session(id);
+    return !row || row->rig == rig;
+  });
+}
+
+void Supervisor::try_resumes(std::int64_t now_ns) {
+  if (resumable_.empty() || now_ns < next_resume_ns_) return;
+  next_resume_ns_ = now_ns + kTryEveryNs;
+  std::vector<std::string> waiting = std::exchange(resumable_, {});  // resuming one forgets the others of its rig
+  std::erase_if(waiting, [&](const std::string& id) {
+    const auto resumed = resume_session(id);
+    if (resumed) {
+      log_.warning("session " + id + " was interrupted and goes on");
+      services_.recordings->enter_audit({.utc_ns = now_ns + core::utc_minus_monotonic_ns(), .who = "dtsd", .what = "resume_session", .target = id, .result = "ok"});
+      return true;
+    }
+    const bool may_work_later = resumed.error().code == core::ErrorCode::WrongState && now_ns < resume_until_ns_;
+    if (!may_work_later) log_.error("session " + id + " was interrupted and cannot go on by itself: " + core::to_string(resumed.error()));
+    return !may_work_later;
+  });
+  std::ranges::move(waiting, std::back_inserter(resumable_));
+}
+
+}  // namespace dts::session

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "core/result.h"
+#include "record/event.h"
+#include "session/sway_results.h"
+
+namespace dts::session {
+
+/// Event "sway", at the scan where it was decided: trial, attempt, condition, labels, first_segment, first_scan, end_scan; then either
+/// problem, or profile, rate_hz, samples, duration_s, flags (bits of sway_flag), flag_names, missing, interpolated, is_valid, software and
+/// measures, {"MVELO":{"value":8.19,"unit":"mm/s"}, ...}.
+[[nodiscard]] record::RecordedEvent to_record(const SwayTrialResult& result, const std::string& software);
+/// Fails with DataDamaged, naming the key, when one is missing, of the wrong kind or out of range.
+[[nodiscard]] core::Result<SwayTrialResult> sway_of(const record::RecordedEvent& event);
+
+}  // namespace dts::session

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/sway_results.h"
+
+#include <algorithm>
+
+namespace dts::session {
+namespace {
+
+/// The control thread computes: a minute at 100 Hz takes 5 ms, ten minutes at 1500 Hz half a second.
+constexpr double kLongestTrialS = 600.0;
+constexpr double kLastWordMs =
+    200.0;  // the stage `steadiness` tells its last running value 80 ms and a block after the end: it comes first
+
+/// Of a trial that cannot be cut out of the trace.
+std::string why_not(const SwayTrialResult& result, const CopTrace& trace) {
+  if (result.end_scan <= result.first_scan) return "no samples came while it was measured";
+  if (!trace.reaches(result.segment, result.end_scan)) return "the session ended before its last samples came";
+  return "samples were lost on the way to the analysis: dtslab sway measures it from the recording";
+}
+
+void analyse(SwayTrialResult& result, const CopTrace& trace) {
+  if (trace.duration_s(result.first_scan, result.end_scan) > kLongestTrialS) {
+    result.problem = "longer than 10 min: dtslab sway measures it from the recording";
+    return;
+  }
+  const auto series = trace.cut(result.segment, result.first_scan, result.end_scan);
+  if (!series) {
+    result.problem = why_not(result, trace);
+    return;
+  }
+  auto analysis = posturography::analyse(*series, {.preparation = posturography::kReportPreparation});
+  if (analysis) {
+    result.analysis = std::move(*analysis);
+  } else {
+    result.problem = analysis.error().what;
+  }
+}
+
+}  // namespace
+
+SwayResults::SwayResults(core::Rate raw_rate, core::Rate cop_rate)
+    : trace_(raw_rate, cop_rate), last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)) {}
+
+void SwayResults::take(const core::Block& cop) {
+  trace_.take(cop);
+  decide();
+}
+
+void SwayResults::take(const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan) {
+  using enum TrialEventKind;
+  const bool counts =
+      event.kind == Measure || event.kind == Done || event.kind == Redone || event.kind == Rejected || event.kind == Aborted;
+  if (!counts || event.trial == 0) return;
+  const Key key{event.trial, event.attempt};
+  if (!attempts_.contains(key) && attempts_.size() >= kMostAttempts) return;
+  Attempt& attempt = attempts_[key];
+  if (event.kind == Measure) {
+    begin(attempt, event, segment, scan);
+    open_.push_back(key);
+  } else if (event.kind == Done && attempt.state == State::Measuring) {
+    attempt.result.end_scan = scan;
+    attempt.state = State::Waiting;
+    if (segment != attempt.result.segment) finish_trial(attempt, "a gap in the data divides it");
+  } else if (event.kind != Done) {
+    attempt.state = State::Void;
+  }
+  decide();
+}
+
+void SwayResults::begin(Attempt& attempt, const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan) {
+  attempt.state = State::Measuring;
+  attempt.result = {.trial = event.trial,
+                    .attempt = event.attempt,
+                    .condition = event.condition,
+                    .labels = event.labels,
+                    .segment = segment,
+                    .first_scan = scan,
+                    .end_scan = scan};
+}
+
+void SwayResults::finish() {
+  for (const Key& key : open_) {
+    if (Attempt& attempt = attempts_[key]; attempt.state == State::Waiting) finish_trial(attempt, "");
+  }
+  decide();
+}
+
+/// Of the trials under way: finishes those whose samples are all here, and keeps the samples of the others.
+void SwayResults::decide() {
+  std::optional<core::ScanIndex> kept_from;
+  std::erase_if(open_, [&](const Key& key) {
+    Attempt& attempt = attempts_[key];
+    const SwayTrialResult& result = attempt.result;
+    if (attempt.state == State::Waiting && trace_.reaches(result.segment, result.end_scan + last_word_scans_)) {
+      finish_trial(attempt, "");
+    }
+    const bool is_open = attempt.state == State::Measuring || attempt.state == State::Waiting;
+    if (is_open && (!kept_from || result.first_scan < *kept_from)) kept_from = result.first_scan;
+    return !is_open;
+  });
+  trace_.keep_from(kept_from);
+}
+
+void SwayResults::finish_trial(Attempt& attempt, const std::string& problem) {
+  attempt.state = State::Decided;
+  attempt.result.problem = problem;
+  if (problem.empty()) analyse(attempt.result, trace_);
+  decided_.push_back(attempt.result);
+}
+
+std::vector<SwayTrialResult> SwayResults::take_decided() {
+  std::vector<SwayTrialResult> decided = std::exchange(decided_, {});
+  std::erase_if(decided, [this](const SwayTrialResult& result) {
+    return attempts_.at({result.trial, result.attempt}).state == State::Void;
+  });
+  return decided;
+}
+
+std::vector<SessionFigure> SwayResults::summary() const {
+  std::vector<SwayTrialResult> counting;
+  for (const auto& [key, attempt] : attempts_) {
+    if (attempt.state == State::Decided) counting.push_back(attempt.result);
+  }
+  return sway_summary(counting);
+}
+
+}  // namespace dts::session

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "session/json_object.h"
+#include "session/sway_results.h"
+
+namespace dts::session {
+namespace {
+
+using posturography::Measure;
+
+/// Trials that count of one condition.
+struct StandingCondition {
+  std::string name;
+  std::vector<std::pair<std::string, std::string>> labels;
+  std::vector<const SwayTrialResult*> trials;
+
+  [[nodiscard]] std::string label(const std::string& wanted) const {
+    const auto found = std::ranges::find(labels, wanted, &std::pair<std::string, std::string>::first);
+    return found == labels.end() ? "" : found->second;
+  }
+  /// "feet=two": all labels but eyes.
+  [[nodiscard]] std::string stance() const {
+    auto others = labels;
+    std::erase_if(others, [](const auto& label) { return label.first == "eyes"; });
+    std::ranges::sort(others);
+    std::string text;
+    for (const auto& [label, word] : others) text += (text.empty() ? "" : ",") + label + "=" + word;
+    return text;
+  }
+};
+
+std::vector<StandingCondition> by_condition(const std::vector<SwayTrialResult>& trials) {
+  std::vector<StandingCondition> conditions;
+  for (const SwayTrialResult& trial : trials) {
+    if (!trial.analysis || !trial.analysis->is_valid()) continue;
+    auto found = std::ranges::find(conditions, trial.condition, &StandingCondition::name);
+    if (found == conditions.end()) found = conditions.insert(found, {.name = trial.condition, .labels = trial.labels, .trials = {}});
+    found->trials.push_back(&trial);
+  }
+  return conditions;
+}
+
+/// Of one measure over the trials of a condition: those in which it is defined.
+struct Spread {
+  std::size_t count = 0;
+  double mean = 0.0;
+  double sd = 0.0;  ///< 1/(n - 1); 0 of one.
+};
+
+Spread spread_of(const StandingCondition& condition, Measure measure) {
+  std::vector<double> values;
+  for (const SwayTrialResult* trial : condition.trials) {
+    if (const auto value = trial->analysis->measures.get(measure)) values.push_back(*value);
+  }
+  if (values.empty()) return {};
+  Spread spread{.count = values.size(), .mean = std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size())};
+  double squares = 0.0;
+  for (const double value : values) squares += (value - spread.mean) * (value - spread.mean);
+  if (values.size() > 1) spread.sd = std::sqrt(squares / static_cast<double>(values.size() - 1));
+  return spread;
+}
+
+/// The shortest and the longest trial may differ by the cut of a sample or two, not by more.
+constexpr double kSameDurationS = 0.1;
+
+/// All trials as long as one another; nothing when they are not.
+std::optional<double> common_duration_s(const StandingCondition& condition) {
+  const auto [shortest, longest] = std::ranges::minmax(condition.trials, {}, [](const auto* trial) { return trial->analysis->duration_s; });
+  if (longest->analysis->duration_s - shortest->analysis->duration_s > kSameDurationS) return std::nullopt;
+  return shortest->analysis->duration_s;
+}
+
+std::vector<Measure> core_measures() {
+  std::vector<Measure> measures;
+  for (std::size_t index = 0; index < posturography::kMeasureCount; ++index) {
+    if (posturography::info(static_cast<Measure>(index)).is_core) measures.push_back(static_cast<Measure>(index));
+  }
+  return measures;
+}
+
+void add_means(const StandingCondition& condition, std::vector<SessionFigure>& figures) {
+  const auto duration_s = common_duration_s(condition);
+  for (const Measure measure : core_measures()) {
+    const Spread spread = spread_of(condition, measure);
+    if (spread.count == 0) continue;
+    JsonObject details;
+    details.add("trials", spread.count);
+    if (spread.count > 1) details.add("sd", spread.sd);
+    details.add("profile", std::string(posturography::name(condition.trials.front()->analysis->profile)));
+    details.add("rate_hz", condition.trials.front()->analysis->rate_hz);
+    details.add("duration_s", duration_s);
+    const posturography::MeasureInfo& about = posturography::info(measure);
+    figures.push_back({.name = condition.name + "/" + std::string(about.symbol),
+                       .value = spread.mean,
+                       .unit = std::string(about.unit),
+                       .details = details.text()});
+  }
+}
+
+/// Eyes closed over eyes open: only for the same stance, surface and duration (posturography sheet section 6).
+void add_romberg(const StandingCondition& open, const StandingCondition& closed, std::vector<SessionFigure>& figures) {
+  const auto open_s = common_duration_s(open);
+  const auto closed_s = common_duration_s(closed);
+  if (!open_s || !closed_s || std::abs(*open_s - *closed_s) > kSameDurationS) return;
+  for (const Measure measure : core_measures()) {
+    const posturography::MeasureInfo& about = posturography::info(measure);
+    const Spread with = spread_of(open, measure);
+    const Spread without = spread_of(closed, measure);
+    if (!about.is_ratio_scaled || with.count == 0 || without.count == 0 || !(with.mean > 0.0)) continue;
+    const double quotient = without.mean / with.mean;
+    if (!std::isfinite(quotient)) continue;
+    JsonObject details;
+    details.add("open", with.mean);
+    details.add("closed", without.mean);
+    details.add("open_trials", with.count);
+    details.add("closed_trials", without.count);
+    details.add("duration_s", *open_s);
+    const std::string stance = open.stance();
+    figures.push_back({.name = "romberg/" + (stance.empty() ? "" : stance + "/") + std::string(about.symbol),
+                       .value = quotient,
+                       .unit = "1",
+                       .details = details.text()});
+  }
+}
+
+/// nullptr: there is none, or there are several, and nobody can say which of them a quotient would be of.
+const StandingCondition* only_one(const std::vector<StandingCondition>& conditions, const std::string& eyes, const std::string& stance) {
+  const auto is_wanted = [&](const StandingCondition& condition) {
+    return condition.label("eyes") == eyes && condition.stance() == stance;
+  };
+  const auto found = std::ranges::find_if(conditions, is_wanted);
+  return std::ranges::count_if(conditions, is_wanted) == 1 ? &*found : nullptr;
+}
+
+}  // namespace
+
+std::vector<SessionFigure> sway_summary(const std::vector<SwayTrialResult>& trials) {
+  const std::vector<StandingCondition> conditions = by_condition(trials);
+  std::vector<SessionFigure> figures;
+  for (const StandingCondition& condition : conditions) add_means(condition, figures);
+  for (const StandingCondition& open : conditions) {
+    if (open.label("eyes") != "open" || only_one(conditions, "open", open.stance()) == nullptr) continue;
+    const StandingCondition* const closed = only_one(conditions, "closed", open.stance());
+    if (closed != nullptr) add_romberg(open, *closed, figures);
+  }
+  return figures;
+}
+
+}  // namespace dts::session

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// The daemon's own file, beside the rigs, sensors, protocols and models that are shipped. One that is accepted holds checked values only.
+#include <cmath>
+#include <set>
+
+#include "app/config.h"
+#include "fuzz/fuzz_support.h"
+#include "ipc/endpoint.h"
+
+namespace {
+
+using namespace dts;
+using fuzz::promise;
+
+/// A folder in which the names of the shipped files lead to them.
+class ConfigFolder {
+ public:
+  ConfigFolder() {
+    for (const char* name : {"rigs", "sensors", "models"}) {
+      std::filesystem::create_directory_symlink(std::string(DTS_SOURCE_DIR "/config/") + name, folder_.file(name));
+    }
+    // One is enough: all of them are read in every run.
+    std::filesystem::create_directory(folder_.file("protocols"));
+    std::filesystem::copy_file(DTS_SOURCE_DIR "/config/protocols/romberg.toml", folder_.file("protocols/romberg.toml"));
+  }
+  [[nodiscard]] std::string file() const { return folder_.file("dtsd.toml"); }
+
+ private:
+  fuzz::Folder folder_;
+};
+
+void check_config(const app::DaemonConfig& config) {
+  for (const std::string& endpoint : {config.control_endpoint, config.data_endpoint}) {
+    promise(ipc::check_endpoint(endpoint).has_value(), "addresses of this machine");
+  }
+  promise(config.control_endpoint != config.data_endpoint, "two addresses");
+  if (config.network) {
+    promise(ipc::check_remote_endpoint(config.network->control_endpoint).has_value() &&
+                ipc::check_remote_endpoint(config.network->data_endpoint).has_value(),
+            "addresses for other machines");
+  }
+  promise(std::filesystem::path(config.storage.directory).is_absolute(), "recordings have a place");
+  promise(std::isfinite(config.storage.stop_below_mib) && config.storage.warn_below_min >= config.storage.refuse_below_min,
+          "room on the disk");
+  const int priority = config.realtime.fifo_priority;
+  promise(priority == 0 || (priority > 3 && priority <= 95), "all threads have a priority");
+  std::set<std::string> names;
+  for (const app::ConfiguredRig& rig : config.rigs) {
+    promise(!rig.rig.name.empty() && rig.rig.name.size() <= 32 && names.insert(rig.rig.name).second, "rigs have names");
+    promise(!rig.rig.device_uri.empty() && !rig.rig.definition.empty(), "rigs have devices and definitions");
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  static const ConfigFolder folder;
+  fuzz::put_file(folder.file(), fuzz::text_of(bytes, size));
+  const app::LoadedConfig loaded = app::load_config(folder.file());
+  for (const files::Problem& problem : loaded.problems)
+    promise(!problem.text.empty() && !problem.file.empty(), "a problem says what it is and where");
+  if (loaded.problems.empty()) check_config(loaded.config);
+  return 0;
+}

@@ -1,0 +1,280 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clients that mean it ill, against the real gateway, while somebody measures: the gateway stays small and serves on, the daemon loses
+// nothing.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <list>
+
+#include "dts/v1/gateway.pb.h"
+#include "gateway/gateway_process.h"
+#include "gateway/raw_client.h"
+
+namespace dts::test {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using Clock = std::chrono::steady_clock;
+
+/// What an attack may make the gateway keep: buffers of its 64 connections and what the heap does not give back.
+constexpr long kMostGrowth_kb = 8 * 1024;
+
+std::string subscribe_to(const std::string& prefix) {
+  v1::FromBrowser message;
+  message.mutable_subscribe()->add_topics(prefix);
+  message.mutable_subscribe()->set_frames_per_second(120);
+  return frame(kFin | kBinary, message.SerializeAsString());
+}
+
+/// A tab that behaves: paints what it is sent.
+class HonestTab {
+ public:
+  explicit HonestTab(std::uint16_t port) : client_(open_websocket(port)) {
+    if (client_) client_->send(subscribe_to(""));
+  }
+
+  [[nodiscard]] bool is_open() const noexcept { return client_.has_value(); }
+  /// The next frame of live data, painted at once.
+  [[nodiscard]] bool paints_a_frame() {
+    while (auto got = read_frame(*client_)) {
+      v1::FromGateway message;
+      if (got->opcode == kPing) client_->send(frame(kFin | kPong, got->payload));
+      if (got->opcode != kBinary || !message.ParseFromString(got->payload) || !message.has_frame()) continue;
+      v1::FromBrowser painted;
+      painted.mutable_painted()->set_frame(message.frame().number());
+      client_->send(frame(kFin | kBinary, painted.SerializeAsString()));
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  std::optional<RawClient> client_;
+};
+
+class GatewayAttack : public testing::Test {
+ protected:
+  GatewayAttack() : gateway_(daemon_, {"--local-role", "operator"}), honest_(gateway_.port()) {}
+
+  void SetUp() override {
+    ASSERT_TRUE(daemon_.is_ready()) << daemon_.log();
+    ASSERT_NE(gateway_.port(), 0) << gateway_.log();
+    ASSERT_TRUE(honest_.is_open());
+    for (int i = 0; i < 20; ++i) ASSERT_TRUE(honest_.paints_a_frame());
+    before_kb_ = resident_kb(gateway_.pid());
+  }
+
+  void TearDown() override {
+    if (before_kb_ == 0) return;
+    const long after_kb = resident_kb(gateway_.pid());
+    EXPECT_TRUE(honest_.paints_a_frame()) << "the honest tab was hurt";
+    EXPECT_TRUE(eventually([&] { return status_of(answer_to("GET /")) == "200"; })) << "new tabs are not served";
+    const auto count = watch_.stop();
+    std::cout << "gateway " << before_kb_ << " kB before, " << most_kb_ << " kB at most, " << after_kb << " kB after; daemon "
+              << count.scans << " scans, " << count.lost << " lost, " << count.gaps << " gaps\n";
+    EXPECT_TRUE(gateway_.is_running()) << gateway_.log();
+    EXPECT_EQ(gateway_.stop(), 0) << "with a tab open: " << gateway_.log();
+    EXPECT_GT(count.scans, 0U);
+    EXPECT_EQ(count.lost, 0U);
+    EXPECT_EQ(count.gaps, 0U);
+    if (kIsMemoryMeaningful) {
+      EXPECT_LT(std::max(most_kb_, after_kb) - before_kb_, kMostGrowth_kb);
+    }
+  }
+
+  [[nodiscard]] std::string answer_to(const std::string& first_words, const std::string& headers = {}) const {
+    RawClient client(gateway_.port());
+    client.send(request(gateway_.port(), first_words, headers));
+    return client.read_answer();
+  }
+  void measure() { most_kb_ = std::max(most_kb_, resident_kb(gateway_.pid())); }
+  [[nodiscard]] std::uint16_t port() const noexcept { return gateway_.port(); }
+
+  DaemonProcess daemon_;
+  ScanWatch watch_{daemon_};
+  GatewayProcess gateway_;
+  HonestTab honest_;
+  long before_kb_ = 0;
+  long most_kb_ = 0;
+};
+
+TEST_F(GatewayAttack, FiveHundredConnections_MostAreClosedAtOnce) {
+  std::list<RawClient> crowd;
+  for (int i = 0; i < 500; ++i) {
+    crowd.emplace_back(port());
+    crowd.back().send("GET / HTTP/1.1\r\n");
+  }
+
+  int closed = 0;
+  for (RawClient& client : crowd) closed += client.is_closed_within(milliseconds(20)) ? 1 : 0;
+  measure();
+
+  EXPECT_GE(closed, 500 - 64);
+  EXPECT_TRUE(honest_.paints_a_frame());
+}
+
+TEST_F(GatewayAttack, TwoHundredSlowLoris_AreEndedWhileTheySend) {
+  std::list<RawClient> crowd;
+  for (int i = 0; i < 200; ++i) {
+    crowd.emplace_back(port());
+    crowd.back().send("GET / HTTP/1.1\r\nX-Slow: ");
+  }
+
+  const auto deadline = Clock::now() + kPatience;
+  while (!crowd.empty() && Clock::now() < deadline) {
+    std::erase_if(crowd, [](RawClient& client) { return !client.send("a") || client.is_closed_within(milliseconds(1)); });
+    measure();
+  }
+
+  EXPECT_TRUE(crowd.empty());
+}
+
+TEST_F(GatewayAttack, LyingFrames_CloseTheConnectionWithTheRightCode) {
+  const std::vector<std::pair<unsigned, std::string>> lies{
+      {1009, frame(kFin | kBinary, std::string(65537, 'x'))},
+      {1009, std::string("\x82\xff\x7f\xff\xff\xff\xff\xff\xff\xff\0\0\0\0", 14)},
+      {1009, frame(kBinary, std::string(60000, 'x')) + frame(kFin | kContinuation, std::string(60000, 'x'))},
+      {1002, frame(kFin | kRsv1 | kBinary, std::string("\xaa\x56\x4a\xad\x04\x00", 6))},
+      {1002, frame(kFin | kContinuation, "x")},
+      {1002, frame(kFin | kPing, std::string(126, 'x'))},
+      {1003, frame(kFin | kText, "hello")},
+      {1008, frame(kFin | kBinary, std::string(1000, '\xff'))},
+      {1008, frame(kFin | kBinary, "")},
+  };
+  for (int round = 0; round < 20; ++round) {
+    for (const auto& [code, bytes] : lies) {
+      auto client = open_websocket(port(), "Sec-WebSocket-Extensions: permessage-deflate\r\n");
+      ASSERT_TRUE(client.has_value());
+      client->send(bytes);
+      EXPECT_EQ(read_close_code(*client), code);
+    }
+    measure();
+  }
+}
+
+/// Says the same small frame again and again, as fast as the gateway takes it.
+struct Flood {
+  RawClient client;
+  std::string small_frame;
+  std::size_t sent_bytes = 0;
+
+  /// False: the gateway has ended it.
+  [[nodiscard]] bool goes_on() {
+    std::string many;
+    while (many.size() < 60000) many += small_frame;
+    const std::size_t begun = sent_bytes % small_frame.size();
+    const auto sent = ::send(client.socket(), many.data() + begun, many.size() - begun, MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (sent > 0) sent_bytes += static_cast<std::size_t>(sent);
+    return (sent > 0 || errno == EAGAIN) && !client.is_closed_within(milliseconds(1));
+  }
+};
+
+TEST_F(GatewayAttack, EndlessFragmentsAndPings_AreEnded) {
+  std::list<Flood> floods;
+  for (int i = 0; i < 20; ++i) {
+    auto client = open_websocket(port());
+    ASSERT_TRUE(client.has_value());
+    client->send(frame(kBinary, ""));
+    floods.push_back({.client = std::move(*client), .small_frame = i % 2 == 0 ? frame(kContinuation, "") : frame(kFin | kPing, "ping")});
+  }
+
+  const auto deadline = Clock::now() + kPatience;
+  std::size_t ended_for_policy = 0;
+  while (!floods.empty() && Clock::now() < deadline) {
+    for (auto flood = floods.begin(); flood != floods.end();) {
+      if (flood->goes_on()) {
+        ++flood;
+        continue;
+      }
+      ended_for_policy += read_close_code(flood->client) == 1008 ? 1U : 0U;
+      flood = floods.erase(flood);
+    }
+    measure();
+  }
+
+  EXPECT_TRUE(floods.empty());
+  EXPECT_EQ(ended_for_policy, 20U);
+}
+
+TEST_F(GatewayAttack, TabsThatNeverRead_CostLittle) {
+  std::list<RawClient> crowd;
+  for (int i = 0; i < 30; ++i) {
+    auto client = open_websocket(port(), {}, 4096);
+    ASSERT_TRUE(client.has_value());
+    client->send(subscribe_to(""));
+    crowd.push_back(std::move(*client));
+  }
+
+  v1::FromBrowser probe;
+  probe.mutable_clock_probe()->set_browser_ms(1.0);
+  std::string many;
+  for (int i = 0; i < 50; ++i) many += frame(kFin | kBinary, probe.SerializeAsString());
+  for (int round = 0; round < 60; ++round) {
+    for (RawClient& client : crowd) ::send(client.socket(), many.data(), many.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+    ASSERT_TRUE(honest_.paints_a_frame());
+    measure();
+  }
+}
+
+TEST_F(GatewayAttack, ForeignPages_GetNothing) {
+  const std::string good = upgrade_headers(port());
+  const std::string origin = "Origin: http://127.0.0.1:" + std::to_string(port()) + "\r\n";
+  for (const char* foreign : {"", "Origin: null\r\n", "Origin: http://evil.example\r\n", "Origin: https://127.0.0.1\r\n",
+                              "Origin: http://127.0.0.1.evil.example\r\n", "Origin: http://127.0.0.1:1\r\n"}) {
+    std::string headers = good;
+    headers.replace(headers.find(origin), origin.size(), foreign);
+    EXPECT_EQ(status_of(answer_to("GET /ws", headers)), "403") << foreign;
+  }
+  for (const char* rebound : {"evil.example", "127.0.0.1.evil.example", "localhost.evil.example", "[::ffff:127.0.0.1]", "0.0.0.0"}) {
+    RawClient page(port());
+    page.send("GET /api/me HTTP/1.1\r\nHost: " + std::string(rebound) + "\r\n\r\n");
+    EXPECT_EQ(status_of(page.read_answer()), "421") << rebound;
+    RawClient socket(port());
+    const std::string same_origin = "Origin: http://" + std::string(rebound) + "\r\n";
+    std::string headers = good;
+    headers.replace(headers.find(origin), origin.size(), same_origin);
+    socket.send("GET /ws HTTP/1.1\r\nHost: " + std::string(rebound) + "\r\n" + headers + "\r\n");
+    EXPECT_EQ(status_of(socket.read_answer()), "421") << rebound;
+  }
+  EXPECT_EQ(status_of(answer_to("POST /api/login", "Origin: http://evil.example\r\nContent-Length: 0\r\n")), "403");
+}
+
+TEST_F(GatewayAttack, PathsThatLeaveTheFolder_LeadNowhere) {
+  for (const char* path : {"/../secret.txt",
+                           "/%2e%2e/secret.txt",
+                           "/%2e%2e%2fsecret.txt",
+                           "/..%2fsecret.txt",
+                           "/%252e%252e/secret.txt",
+                           "/..%252fsecret.txt",
+                           "/..\\secret.txt",
+                           "/..%5csecret.txt",
+                           "/%c0%ae%c0%ae/secret.txt",
+                           "/%e0%80%ae%e0%80%ae/secret.txt",
+                           "/..%c0%afsecret.txt",
+                           "/....//secret.txt",
+                           "/./../secret.txt",
+                           "/assets/../../secret.txt",
+                           "//../secret.txt",
+                           "/..;/secret.txt",
+                           "/index.html/../../secret.txt",
+                           "/%00/../secret.txt",
+                           "/index.html%00",
+                           "/%u002e%u002e/secret.txt",
+                           "file:///etc/passwd",
+                           "/%2fetc%2fpasswd",
+                           "//etc/passwd",
+                           "/api/sessions/../../../etc/passwd/report",
+                           "/api/sessions/..%2f..%2f..%2fetc%2fpasswd/report",
+                           "/api/sessions/%252e%252e/export/xdf/0",
+                           "/api/sessions/x/report/..%2f..%2fsecret.txt"}) {
+    const std::string answer = answer_to("GET " + std::string(path));
+    EXPECT_THAT(status_of(answer), testing::AnyOf("400", "404")) << path;
+    EXPECT_THAT(answer, testing::Not(testing::HasSubstr(GatewayProcess::kSecret))) << path;
+    EXPECT_THAT(answer, testing::Not(testing::HasSubstr("root:"))) << path;
+  }
+}
+
+}  // namespace
+}  // namespace dts::test

@@ -1,0 +1,311 @@
+# SPDX-License-Identifier: Apache-2.0
+import os
+import random
+import socket
+import stat
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+import numpy as np
+from support import FakeDaemon, block_of, first, status_of
+
+import dts
+from dts.inbox import Inbox
+from dts.live import Collector
+from dts.v1 import control_pb2, stream_pb2
+
+
+class WithFake(unittest.TestCase):
+    def setUp(self) -> None:
+        self.fake = FakeDaemon()
+        self.addCleanup(self.fake.close)
+        self.daemon = self.fake.connect()
+        self.addCleanup(self.daemon.close)
+
+
+class Losses(WithFake):
+    def test_SkippedBlocksAreCountedExactly(self) -> None:
+        stream = self.daemon.stream("rig/cop")
+        self.fake.publish_blocks(block_of(1, 0), block_of(2, 10), block_of(6, 50), block_of(7, 60))
+
+        blocks = first(stream, 4)
+
+        self.assertEqual([block.lost_scans for block in blocks], [0, 0, 30, 0])
+        self.assertTrue(all(block.is_loss_exact for block in blocks))
+
+    def test_NewSegmentWithoutHoleInTheSequenceLosesNothing(self) -> None:
+        stream = self.daemon.stream("rig/cop")
+        self.fake.publish_blocks(block_of(1, 0), block_of(2, 0, segment=1))
+
+        blocks = first(stream, 2)
+
+        self.assertEqual((blocks[1].lost_scans, blocks[1].is_loss_exact), (0, True))
+
+    def test_LossAroundTheEndOfASegmentIsAtLeast(self) -> None:
+        stream = self.daemon.stream("rig/cop")
+        self.fake.publish_blocks(block_of(1, 0), block_of(5, 20, segment=1))
+
+        blocks = first(stream, 2)
+
+        self.assertEqual((blocks[1].lost_scans, blocks[1].is_loss_exact), (20, False))
+
+    def test_BlockThatGoesBackwardsIsCounted(self) -> None:
+        stream = self.daemon.stream("rig/cop")
+        self.fake.publish_blocks(block_of(5, 50), block_of(4, 40))
+
+        blocks = first(stream, 2)
+
+        self.assertEqual((blocks[1].lost_scans, blocks[1].is_loss_exact), (0, False))
+        self.assertEqual(stream.statistics.inconsistent, 1)
+
+    def test_RecordListsWhatIsMissing(self) -> None:
+        collector = Collector(1.0)
+        inbox = Inbox(lambda topic: True)
+        inbox.accept([b"dtsd/status", status_of().SerializeToString()])
+        for block in (block_of(1, 0), block_of(2, 10), block_of(6, 50), block_of(7, 60, scans=40)):
+            inbox.accept([b"rig/cop", block.SerializeToString()])
+            item = inbox.next()
+            assert item is not None
+            collector.take(item)
+
+        samples = collector.samples()
+
+        self.assertTrue(collector.is_complete)
+        self.assertEqual(samples.gaps, (dts.Missing(20, 30, True, "lost"),))
+        np.testing.assert_array_equal(samples.scans, np.r_[0:20, 50:100])
+        np.testing.assert_array_equal(samples["a_mm"], np.r_[0:20, 50:100])
+
+    def test_AnotherInstanceIsARestart(self) -> None:
+        stream = self.daemon.stream("rig/cop")
+        self.fake.publish_blocks(block_of(9, 90))
+        next(stream)
+        status = status_of(instance_id=2, channels=("c_mm", "d_mm"))
+        self.fake.publish_blocks(block_of(1, 0, instance_id=2))
+        self.fake.publish("dtsd/status", status.SerializeToString())
+
+        block = next(stream)
+
+        self.assertEqual((block.is_restart, block.is_loss_exact, block.channels), (True, False, ("c_mm", "d_mm")))
+
+
+def damaged_blocks() -> dict[str, bytes]:
+    good = block_of(2, 10)
+    cases: dict[str, stream_pb2.StreamBlock] = {}
+
+    def case(name: str, **fields: object) -> None:
+        cases[name] = stream_pb2.StreamBlock.FromString(good.SerializeToString())
+        for field, value in fields.items():
+            setattr(cases[name], field, value)
+
+    case("too many scans for its values", scan_count=11)
+    case("too few scans", scan_count=0)
+    case("scans beyond any limit", scan_count=2**32 - 1)
+    case("channels beyond any limit", channel_count=2**31)
+    case("no instance", instance_id=0)
+    case("quality of other channels", quality=b"\0\0\0")
+    case("scans beyond 64 bits", first_scan=2**64 - 5)
+    for numerator, denominator in ((0, 1), (1, 0), (-100, 1), (2**62, 1)):
+        case(f"rate {numerator}/{denominator}")
+        cases[f"rate {numerator}/{denominator}"].rate.CopyFrom(stream_pb2.Rate(numerator=numerator, denominator=denominator))
+    three = block_of(2, 10)
+    three.channel_count, three.scan_count = 4, 5
+    three.quality = b"\0\0\0\0"
+    cases["channels that the format does not have"] = three
+    return {name: block.SerializeToString() for name, block in cases.items()} | {"no protobuf": b"\xff" * 40, "too long": b"\0" * (2 << 20)}
+
+
+class Malformed(WithFake):
+    def test_EachIsIgnoredAndCounted(self) -> None:
+        for name, body in damaged_blocks().items():
+            with self.subTest(name), self.daemon.stream("rig/cop") as stream:
+                self.fake.publish_blocks(block_of(1, 0))
+                self.fake.publish("rig/cop", body)
+                self.fake.publish_blocks(block_of(2, 10))
+
+                blocks = first(stream, 2)
+
+                self.assertEqual([block.first_scan for block in blocks], [0, 10])
+                self.assertEqual(stream.statistics.malformed, 1)
+
+    def test_MoreFramesThanTwoAreIgnored(self) -> None:
+        stream = self.daemon.stream("rig/cop")
+        self.fake.publish("rig/cop", block_of(1, 0).SerializeToString(), b"more")
+        self.fake.publish_blocks(block_of(2, 10))
+
+        self.assertEqual(next(stream).first_scan, 10)
+        self.assertEqual(stream.statistics.malformed, 1)
+
+    def test_TopicsThatBeginTheSameAreNotMine(self) -> None:
+        stream = self.daemon.stream("rig/cop")
+        self.fake.publish("rig/cop2", block_of(1, 0).SerializeToString())
+        self.fake.publish_blocks(block_of(2, 10))
+
+        self.assertEqual(next(stream).first_scan, 10)
+
+    def test_TimesBeyondAllBoundsAreUndefined(self) -> None:
+        stream = self.daemon.stream("rig/cop")
+        block = block_of(1, 0)
+        block.host_time_ns = 2**63 - 1
+        self.fake.publish_blocks(block)
+
+        received = next(stream)
+
+        self.assertTrue(np.isnat(received.utc).all())
+        self.assertEqual(len(received.time_s), 10)
+
+    def test_RandomBytesNeverRaise(self) -> None:
+        generator = random.Random(7)
+        inbox = Inbox(lambda topic: True)
+        good = block_of(1, 0).SerializeToString()
+        event = stream_pb2.Event(instance_id=1, marker=stream_pb2.Marker(text="x")).SerializeToString()
+        topics = (b"rig/cop", b"rig/marker", b"rig/gap", b"dtsd/status", b"\xff\xfe", b"")
+        seeds = (good, event, status_of().SerializeToString(), b"")
+
+        for _ in range(5000):
+            body = bytearray(generator.choice(seeds))
+            for _ in range(generator.randrange(4)):
+                if body:
+                    body[generator.randrange(len(body))] = generator.randrange(256)
+            inbox.accept([generator.choice(topics), bytes(body)])
+            while inbox.next() is not None:
+                pass
+
+        self.assertGreater(inbox.statistics.malformed, 0)
+        self.assertGreater(inbox.statistics.messages, 0)
+
+
+class BeforeTheStatus(unittest.TestCase):
+    def test_WhatWaitsIsBoundedAndCounted(self) -> None:
+        inbox = Inbox(lambda topic: True)
+        blocks = 20_000
+        for sequence in range(blocks):
+            inbox.accept([b"rig/cop", block_of(sequence + 1, sequence * 10).SerializeToString()])
+
+        inbox.accept([b"dtsd/status", status_of().SerializeToString()])
+        received = 0
+        lost = 0
+        while (item := inbox.next()) is not None:
+            assert isinstance(item, dts.Block)
+            received += len(item)
+            lost += item.lost_scans
+
+        self.assertEqual(received + lost, blocks * 10)
+        self.assertEqual(received, 16384 * 10)
+
+
+class Answers(unittest.TestCase):
+    def setUp(self) -> None:
+        self.fake = FakeDaemon()
+        self.addCleanup(self.fake.close)
+
+    def answered_by(self, *bodies: bytes) -> dts.Error:
+        self.fake.answer = lambda request: list(bodies)
+        with self.assertRaises(dts.Error) as told:
+            self.fake.connect(timeout=0.3)
+        return told.exception
+
+    def test_NobodyAnswersIsUnreachableAfterAllTriesWithOneId(self) -> None:
+        error = self.answered_by()
+
+        self.assertIsInstance(error, dts.Unreachable)
+        self.assertEqual(len(self.fake.requests), 3)
+        self.assertEqual(len({request.request_id for request in self.fake.requests}), 1)
+
+    def test_StrangersAnswersAreCountedNotBelieved(self) -> None:
+        error = self.answered_by(b"\xff\xff", control_pb2.Response(request_id="other", status=status_of()).SerializeToString())
+
+        self.assertRegex(error.what, "messages came that are none")
+
+    def test_AnswerToAnotherCommandIsDamaged(self) -> None:
+        self.fake.answer = lambda request: [
+            control_pb2.Response(request_id=request.request_id, mark=control_pb2.MarkResponse()).SerializeToString()
+        ]
+
+        with self.assertRaises(dts.DataDamaged):
+            self.fake.connect()
+
+    def test_StatusThatMakesNoSenseIsDamaged(self) -> None:
+        bad = [status_of(instance_id=0), status_of(channels=()), status_of(), status_of(), status_of()]
+        bad[2].rigs[0].rig.streams[0].rate.denominator = 0
+        bad[3].rigs[0].rig.name = "a/b"
+        bad[4].disk.recordable_s = float("nan")
+        for status in bad:
+            with self.subTest(status=str(status)):
+                self.fake.status = status
+                with self.assertRaises(dts.DataDamaged):
+                    self.fake.connect()
+
+    def test_UnknownErrorCodeIsAFailure(self) -> None:
+        refusal = control_pb2.Response(error=control_pb2.Error(what="no"))
+        refusal.error.code = 99  # type: ignore[assignment]
+
+        error = self.answered_by(refusal.SerializeToString())
+
+        self.assertEqual((type(error), error.what), (dts.Failed, "no"))
+
+    def test_LateAnswerIsNotThatOfTheNextCommand(self) -> None:
+        with self.fake.connect() as daemon:
+            before = self.fake.requests[-1]
+            self.fake.answer = lambda request: self.fake.proper(before) + self.fake.proper(request)
+
+            self.assertEqual(daemon.status().version, "fake")
+
+
+class Unreachable(unittest.TestCase):
+    def test_NoSocketIsToldAtOnceWithWhatToTry(self) -> None:
+        begun_s = time.monotonic()
+        with tempfile.TemporaryDirectory() as folder:
+            with self.assertRaisesRegex(dts.Unreachable, "does not exist") as told:
+                dts.connect(control=f"ipc://{folder}/control.sock")
+
+        self.assertLess(time.monotonic() - begun_s, 2.0)
+        self.assertIn("start it", told.exception.hint)
+
+
+class FindEndpoints(unittest.TestCase):
+    def found(self, *wishes: str, system: str = "/nowhere", **environment: str) -> tuple[str, str]:
+        found = dts.find_endpoints(*wishes, environment=environment, system_directory=system)
+        return found.control, found.data
+
+    def test_ArgumentsComeFirst(self) -> None:
+        found = self.found("ipc:///a/control.sock", DTSD_CONTROL="ipc:///b/control.sock", DTSD_RUNTIME_DIR="/c")
+
+        self.assertEqual(found, ("ipc:///a/control.sock", "ipc:///a/data.sock"))
+
+    def test_VariablesComeBeforeTheFolder(self) -> None:
+        self.assertEqual(
+            self.found(DTSD_DATA="ipc:///b/data.sock", DTSD_RUNTIME_DIR="/c"), ("ipc:///b/control.sock", "ipc:///b/data.sock")
+        )
+        self.assertEqual(self.found(DTSD_RUNTIME_DIR="/c"), ("ipc:///c/control.sock", "ipc:///c/data.sock"))
+
+    def test_SystemsFolderComesBeforeTheSessions(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "control.sock").touch()
+            self.assertEqual(self.found(system=folder, XDG_RUNTIME_DIR="/run/user/7")[0], f"ipc://{folder}/control.sock")
+
+        self.assertEqual(self.found(XDG_RUNTIME_DIR="/run/user/7")[0], "ipc:///run/user/7/dtsd/control.sock")
+        self.assertEqual(self.found()[0], f"ipc:///tmp/dtsd-{os.geteuid()}/control.sock")
+
+    def test_TcpAddressTellsNothingOfItsSibling(self) -> None:
+        self.assertEqual(self.found("tcp://h:1"), ("tcp://h:1", ""))
+        self.assertEqual(self.found("tcp://h:1", DTSD_DATA="tcp://h:2"), ("tcp://h:1", "tcp://h:2"))
+
+    def test_WhatIsNoAddressIsRefused(self) -> None:
+        for address in ("floor", "ipc://relative", "tcp://host", "tcp://:5", "ipc://" + "/long" * 30):
+            with self.subTest(address), self.assertRaises(dts.InvalidArgument):
+                self.found(address)
+
+    def test_LeftoverSocketIsToldAsSuch(self) -> None:
+        with tempfile.TemporaryDirectory(dir="/tmp") as folder:
+            with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
+                listener.bind(f"{folder}/control.sock")
+            self.assertTrue(stat.S_ISSOCK(os.stat(f"{folder}/control.sock").st_mode))
+
+            with self.assertRaisesRegex(dts.Unreachable, "leftover"):
+                dts.connect(control=f"ipc://{folder}/control.sock")
+
+
+if __name__ == "__main__":
+    unittest.main()

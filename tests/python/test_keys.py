@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A daemon on another machine: with a key, and with what is none."""
+import os
+import socket
+import unittest
+from pathlib import Path
+
+import dts
+from support import DaemonProcess
+
+
+def free_ports(count: int) -> list[int]:
+    probes = [socket.socket() for _ in range(count)]
+    for probe in probes:
+        probe.bind(("127.0.0.1", 0))
+    ports: list[int] = [probe.getsockname()[1] for probe in probes]
+    for probe in probes:
+        probe.close()
+    return ports
+
+
+class KeyTest(unittest.TestCase):
+    process: DaemonProcess
+    folder: Path
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        control, data = free_ports(2)
+        network = f'[network]\ncontrol = "tcp://127.0.0.1:{control}"\ndata = "tcp://127.0.0.1:{data}"\n\n'
+        cls.process = DaemonProcess(further=network)
+        cls.addClassCleanup(cls.process.close)
+        cls.folder = cls.process.folder
+
+    def new_key(self, name: str, role: str) -> Path:
+        file = self.folder / f"{name}.key"
+        self.process.dtsctl("key", "new", name, "--role", role, "--out", str(file))
+        return file
+
+    def test_a_viewer_sees_and_does_nothing(self) -> None:
+        with dts.connect(key=self.new_key("eve", "viewer")) as daemon:
+            block = next(daemon.stream("floor/cop"))
+            self.assertGreater(len(block), 0)
+            with self.assertRaisesRegex(dts.NotAllowed, "needs the role operator"):
+                daemon.start_session("floor")
+
+    def test_an_operator_runs_a_session(self) -> None:
+        with dts.connect(key=self.new_key("otto", "operator")) as daemon:
+            session = daemon.start_session("floor", duration_s=60)
+            session.stop()
+
+    def test_a_key_that_the_daemon_does_not_know_stays_outside(self) -> None:
+        file = self.new_key("gone", "viewer")
+        self.process.dtsctl("key", "revoke", "gone")
+        with self.assertRaises(dts.Unreachable):
+            dts.connect(key=file, timeout=1)
+
+    def test_what_is_no_key_file_is_told(self) -> None:
+        file = self.new_key("bad", "viewer")
+        text = file.read_text()
+        with self.assertRaisesRegex(dts.InvalidArgument, "no key of 40 characters"):
+            file.write_text(text.replace("secret_key = \"", "secret_key = \"x"))
+            dts.read_key(file)
+        with self.assertRaisesRegex(dts.InvalidArgument, "at line 1"):
+            file.write_text("[[[")
+            dts.read_key(file)
+        file.write_text(text)
+        os.chmod(file, 0o640)
+        with self.assertRaisesRegex(dts.NotAllowed, "chmod 0600"):
+            dts.read_key(file)
+        with self.assertRaises(dts.InvalidArgument):
+            dts.read_key(self.folder / "nowhere.key")
+
+    def test_no_secret_is_shown(self) -> None:
+        key = dts.read_key(self.new_key("quiet", "viewer"))
+        self.assertNotIn(key.secret_key, repr(key))
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: Apache-2.0
+import unittest
+
+from support import WithDaemon, wait_for
+
+import dts
+
+
+class Sessions(WithDaemon):
+    def test_SessionIsRecordedWithItsMarks(self) -> None:
+        with self.daemon.start_session("floor", subject="P017", label="first") as session:
+            mark = session.mark("hello")
+            self.daemon.record("floor/cop", 0.5)
+            self.assertTrue(session.is_running)
+
+        record = self.daemon.session(session.id)
+        recording = dts.load(record.parts[0].file)
+        self.assertEqual((record.state, record.subject, record.label), ("complete", "P017", "first"))
+        self.assertEqual([(event.fields["text"], event.scan) for event in recording.events_of("marker")], [("hello", mark.scan)])
+        assert recording.session is not None
+        self.assertEqual((recording.session.session_id, recording.session.subject), (session.id, "P017"))
+        self.assertEqual([found.session_id for found in self.daemon.sessions(subject="P017")], [session.id])
+
+    def test_ExceptionAbortsTheSession(self) -> None:
+        with self.assertRaises(ZeroDivisionError), self.daemon.start_session("floor") as session:
+            1 / 0
+
+        record = self.daemon.session(session.id)
+        self.assertEqual(record.state, "aborted")
+        self.assertIn("ZeroDivisionError", record.message)
+
+    def test_SecondSessionOfARigIsWrongState(self) -> None:
+        with self.daemon.start_session("floor"):
+            with self.assertRaises(dts.WrongState):
+                self.daemon.start_session("floor")
+
+        with self.assertRaises(dts.WrongState):
+            self.daemon.stop_session("floor")
+
+    def test_SessionWithADurationEndsByItself(self) -> None:
+        with self.daemon.start_session("floor", duration_s=0.5) as session:
+            record = session.wait(timeout=60)
+
+        self.assertEqual(record.state, "complete")
+        self.assertAlmostEqual(record.parts[0].duration_s, 0.5, delta=0.3)
+        with self.assertRaises(dts.WrongState):
+            session.info()
+
+    def test_WaitingForASessionWithoutEndTimesOut(self) -> None:
+        with self.daemon.start_session("floor") as session:
+            with self.assertRaises(dts.Timeout):
+                session.wait(timeout=0.2)
+
+    def test_TrialsAreSteppedThroughAndTold(self) -> None:
+        wait_for(lambda: self.daemon.record("floor/cop", 0.1)["load_n"].mean() > 50, "somebody stands on the plate")
+        events = self.daemon.events("floor/trial")
+        with self.daemon.start_session("floor", protocol="quiet-standing") as session:
+            status = session.trial("next")
+            told = next(events)
+            session.trial("reject")
+            rejected = next(event for event in events if event.fields["kind"] == "rejected")
+
+        self.assertEqual(status.of, 12)
+        self.assertEqual((told.kind, told.fields["trial"]), ("trial", 1))
+        self.assertEqual(rejected.fields["condition"], "eyes-open-two-feet")
+
+    def test_FieldThatTheProtocolDoesNotAskForIsRefused(self) -> None:
+        with self.assertRaisesRegex(dts.InvalidArgument, "quiet-standing"):
+            self.daemon.start_session("floor", protocol="quiet-standing", fields={"shoe_size": 43})
+
+    def test_MarkWithoutTextIsRefused(self) -> None:
+        with self.assertRaises(dts.InvalidArgument):
+            self.daemon.mark("")
+
+    def test_UnknownSessionIsNotFound(self) -> None:
+        with self.assertRaises(dts.NotFound):
+            self.daemon.session("20000101T000000Z-floor-1")
+
+    def test_AuditHasWhatWasDone(self) -> None:
+        with self.daemon.start_session("floor") as session:
+            pass
+
+        audit = self.daemon.audit()
+
+        self.assertEqual(audit.problem, "")
+        self.assertTrue(any(session.id in entry.target for entry in audit.entries))
+
+
+if __name__ == "__main__":
+    unittest.main()

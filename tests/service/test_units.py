@@ -1,0 +1,118 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""The units of systemd/ are understood by systemd, keep their sandbox, and leave dtsd what it needs.
+
+Exit status 77: no systemd-analyze here."""
+import re
+import shutil
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import units
+
+HIGHEST_PRIORITY = 95 + 1  # [realtime] fifo_priority, and the USB events one above
+
+
+class Verified(unittest.TestCase):
+    def setUp(self) -> None:
+        self.folder = Path(tempfile.mkdtemp(prefix="dts-"))
+        self.addCleanup(shutil.rmtree, self.folder)
+
+    def test_SystemdHasNothingToSay(self) -> None:
+        for name in units.UNITS:
+            self.assertEqual(units.complaints(self.folder, name, units.runnable_text(name)), "", name)
+
+    def test_WrongTwins_AreNoticed(self) -> None:
+        """What this test is worth: each of these is one word away from the real file."""
+        for name in units.UNITS:
+            text = units.runnable_text(name)
+            twins = {
+                "a key that does not exist": text.replace("ProtectHome=", "ProtectHomes="),
+                "a value that does not exist": text.replace("ProtectSystem=strict", "ProtectSystem=strictly"),
+                "a program that does not exist": text.replace(str(units.program_of(name)), "/nonexistent/program"),
+                "an address that is none": text.replace("IPAddressAllow=localhost", "IPAddressAllow=localhorst"),
+            }
+            for what, twin in twins.items():
+                self.assertNotEqual(twin, text, what)
+                self.assertNotEqual(units.complaints(self.folder, name, twin), "", f"{name}: {what}")
+
+    def test_SandboxKeepsItsScore(self) -> None:
+        for name in units.UNITS:
+            is_kept, report = units.exposure_report(self.folder, name, units.runnable_text(name))
+            self.assertTrue(is_kept, report)
+
+    def test_SandboxWithAHole_DoesNotKeepIt(self) -> None:
+        for name in units.UNITS:
+            for line in ("CapabilityBoundingSet=\n", "SystemCallFilter=@system-service\n"):
+                twin = units.runnable_text(name).replace(line, "")
+                self.assertNotEqual(twin, units.runnable_text(name), line)
+                is_kept, _ = units.exposure_report(self.folder, name, twin)
+                self.assertFalse(is_kept, f"{name} without {line}")
+
+
+class Daemon(unittest.TestCase):
+    """What the daemon cannot do without, measured once on a real kernel: systemd/README.md."""
+
+    def setUp(self) -> None:
+        self.settings = units.settings(units.unit_text("dtsd"))
+
+    def test_NothingHidesUsb(self) -> None:
+        self.assertNotIn("PrivateDevices", self.settings)
+        self.assertNotIn("PrivateNetwork", self.settings)  # uevents of the kernel do not arrive: a DAQ that comes is not seen
+        self.assertEqual(self.settings["DeviceAllow"], ["char-usb_device rw"])
+        self.assertIn("modprobe@usbcore.service", self.settings["After"])
+        self.assertIn("modprobe@usbcore.service", self.settings["Wants"])
+        self.assertIn("AF_NETLINK", self.settings["RestrictAddressFamilies"][0].split())
+
+    def test_NothingForbidsRealTime(self) -> None:
+        self.assertNotIn("RestrictRealtime", self.settings)
+        self.assertNotIn("CPUSchedulingPolicy", self.settings)
+        self.assertGreaterEqual(int(self.settings["LimitRTPRIO"][0]), HIGHEST_PRIORITY)
+        self.assertEqual(self.settings["LimitMEMLOCK"], ["infinity"])
+        allowed = self.settings["SystemCallFilter"][-1].split()
+        for call in ("sched_setscheduler", "sched_setparam", "sched_setattr", "sched_setaffinity", "setrlimit"):
+            self.assertIn(call, allowed)
+
+    def test_BootIdIsReadable(self) -> None:
+        """It stands in /proc/sys. Without it a client cannot tell that it is on the same machine, and shows no age of data."""
+        for name in units.UNITS:
+            self.assertNotIn("ProcSubset", units.settings(units.unit_text(name)), name)
+
+    def test_SystemdWatchesOverIt(self) -> None:
+        self.assertEqual(self.settings["Type"], ["notify"])
+        self.assertIn("WatchdogSec", self.settings)
+        self.assertEqual(self.settings["Restart"], ["on-failure"])
+        self.assertEqual(self.settings["StartLimitIntervalSec"], ["0"])
+        self.assertIn("MemoryMax", self.settings)
+
+
+class Together(unittest.TestCase):
+    def test_EveryUserAndGroupIsMade(self) -> None:
+        made = "".join(file.read_text() for file in sorted((units.SOURCE / "systemd/sysusers.d").glob("*.conf")))
+        users = set(re.findall(r"^u (\S+)", made, re.MULTILINE))
+        groups = users | set(re.findall(r"^g (\S+)", made, re.MULTILINE))
+        for name in units.UNITS:
+            found = units.settings(units.unit_text(name))
+            self.assertIn(found["User"][0], users)
+            self.assertLessEqual({*found["Group"], *" ".join(found.get("SupplementaryGroups", [])).split()}, groups)
+
+    def test_UdevRuleGivesTheDevicesToTheDaemonsGroup(self) -> None:
+        rule = (units.SOURCE / "config/udev/70-dtsd.rules").read_text()
+        self.assertEqual(set(re.findall(r'GROUP="([^"]+)"', rule)), set(units.settings(units.unit_text("dtsd"))["Group"]))
+
+    def test_GatewayReachesTheDaemon(self) -> None:
+        daemon, gateway = (units.settings(units.unit_text(name)) for name in units.UNITS)
+        self.assertEqual(gateway["SupplementaryGroups"], daemon["Group"])
+        self.assertEqual(gateway["Environment"], [f"DTSD_RUNTIME_DIR=/run/{daemon['RuntimeDirectory'][0]}"])
+        self.assertIn("dtsd.service", gateway["After"][0].split())
+        for folder in ("RuntimeDirectoryMode", "StateDirectoryMode"):
+            self.assertEqual(daemon[folder], ["0750"])
+
+
+if __name__ == "__main__":
+    if shutil.which("systemd-analyze") is None:
+        print("skipped: systemd-analyze is not installed (apt-get install systemd)")
+        sys.exit(77)
+    unittest.main()

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Sixteen channels at 1500 Hz, recorded, with eight clients: five read, two are stuck, one is hostile.
+
+    soak.py [--minutes 2]
+
+Prints a Markdown table and fails when a scan is missing that nobody told of, a file is not whole, or memory or descriptors grow."""
+import argparse
+import json
+import os
+import signal
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "python"))
+from support import DaemonProcess  # noqa: E402
+
+HERE = Path(__file__).resolve().parent
+RATE_HZ = 1500
+STREAMS = ("chair/raw", "chair/deflection", "chair/transient")
+READERS = 5
+STUCK = 2
+WARM_UP_S = 60.0  # rings, heaps and the peers' queues fill: measured +7.5 MiB in the first 40 s, +0.4 MiB in the next 6 min
+MOST_KIB_PER_HOUR = 512.0  # of the slope's own noise; what leaks per block would be a hundred times that
+
+
+class Soak:
+    def __init__(self, minutes: float) -> None:
+        self.seconds = 60 * minutes
+        self.daemon = DaemonProcess(chair_streams=("raw", "deflection", "transient", "aux"))
+        self.children: list[subprocess.Popen[str]] = []
+        self.samples: list[tuple[float, int, int]] = []  # s, KiB, descriptors
+        self.faults: list[str] = []
+
+    def close(self) -> None:
+        for child in self.children:
+            child.kill()
+            child.wait()
+        self.daemon.close()
+
+    def run(self) -> None:
+        readers = [self._start("client.py", str(self.seconds), *STREAMS) for _ in range(READERS)]
+        stuck = [self._start("client.py", str(self.seconds), *STREAMS) for _ in range(STUCK)]
+        time.sleep(5)
+        for child in stuck:
+            child.send_signal(signal.SIGSTOP)
+        self._start("hostile.py", self.daemon.control, f"ipc://{self.daemon.folder}/data.sock")
+        session = self.daemon.dtsctl("session", "start", "--rig", "chair").strip()
+        self._watch(self.seconds - 10)
+        self.daemon.dtsctl("session", "stop", "--rig", "chair")
+        self._check_status()
+        self._check_recording(session)
+        for number, child in enumerate(readers):
+            self._check_reader(number, child)
+        self._check_growth()
+
+    def _start(self, program: str, *words: str) -> "subprocess.Popen[str]":
+        child = subprocess.Popen([sys.executable, HERE / program, *words], env=self.daemon.environment, stdout=subprocess.PIPE, text=True)
+        self.children.append(child)
+        return child
+
+    def _watch(self, seconds: float) -> None:
+        begun_s = time.monotonic()
+        every_s = min(10.0, seconds / 40)
+        while (elapsed_s := time.monotonic() - begun_s) < seconds:
+            self.samples.append((elapsed_s, *self._use()))
+            if sys.stderr.isatty():
+                print(f"\r{elapsed_s / 60:.1f} of {seconds / 60:.1f} min, {self.samples[-1][1] / 1024:.1f} MiB", end="", file=sys.stderr)
+            time.sleep(every_s)
+
+    def _use(self) -> tuple[int, int]:
+        process = Path(f"/proc/{self.daemon.pid}")
+        resident = next(line for line in (process / "status").read_text().splitlines() if line.startswith("VmRSS"))
+        return int(resident.split()[1]), len(os.listdir(process / "fd"))
+
+    def _check_status(self) -> None:
+        rigs = json.loads(self.daemon.dtsctl("status", "--json"))["rigs"]
+        chair = next(rig for rig in rigs if rig["rig"]["name"] == "chair")
+        for what in ("lost_scans_total", "gaps_total", "dropped_blocks_total"):
+            print(f"| daemon: {what} | {chair[what]} |")
+            self._expect(chair[what] == 0, f"{what} is {chair[what]}")
+
+    def _check_recording(self, session: str) -> None:
+        part = json.loads(self.daemon.dtsctl("session", "show", session, "--json"))["parts"][0]
+        verified = subprocess.run(
+            [self.daemon.program("dtsctl"), "session", "verify", session], env=self.daemon.environment, capture_output=True, text=True
+        )
+        print(f"| recording | {part['duration_s']:.1f} s, {part['scans']} scans, {part['state']} |")
+        self._expect(verified.returncode == 0, f"the recording is damaged: {verified.stdout}{verified.stderr}")
+        self._expect(part["state"] == "complete", f"the recording is {part['state']}")
+        self._expect(abs(part["scans"] - part["duration_s"] * RATE_HZ) < RATE_HZ / 10, "the recording has a hole")
+
+    def _check_reader(self, number: int, child: "subprocess.Popen[str]") -> None:
+        text, _ = child.communicate(timeout=60)
+        counts = json.loads(text)
+        missed = sum(count["missed"] for count in counts.values())
+        scans = [count["scans"] for count in counts.values()]
+        print(f"| reader {number + 1} | {min(scans)} scans of each of {len(scans)} streams, {missed} missed |")
+        self._expect(missed == 0, f"reader {number + 1} missed {missed} scans")
+        self._expect(min(scans) > (self.seconds - 10) * RATE_HZ, f"reader {number + 1} got {min(scans)} scans only")
+
+    def _check_growth(self) -> None:
+        begin_s = min(WARM_UP_S, self.samples[-1][0] / 2)
+        warm = [sample for sample in self.samples if sample[0] >= begin_s]
+        times = [sample[0] / 3600 for sample in warm]
+        slope = statistics.linear_regression(times, [sample[1] for sample in warm]).slope
+        first, last = warm[0][1], warm[-1][1]
+        print(f"| memory | {first / 1024:.1f} to {last / 1024:.1f} MiB, {slope / 1024:+.2f} MiB an hour |")
+        print(f"| descriptors | {min(sample[2] for sample in warm)} to {max(sample[2] for sample in warm)} |")
+        # A page more within two minutes would be megabytes an hour: it is the growth itself that a short run judges.
+        self._expect(slope < MOST_KIB_PER_HOUR or last - first < 1024, f"memory grows by {slope:.0f} KiB an hour")
+        self._expect(warm[-1][2] <= warm[0][2] + 4, "descriptors grow")
+
+    def _expect(self, holds: bool, fault: str) -> None:
+        if not holds:
+            self.faults.append(fault)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--minutes", type=float, default=2.0)
+    soak = Soak(parser.parse_args().minutes)
+    try:
+        print(f"| {soak.seconds / 60:.0f} min, 16 x {RATE_HZ} Hz, {READERS} readers, {STUCK} stuck, 1 hostile | |\n|---|---|")
+        soak.run()
+    finally:
+        soak.close()
+    for fault in soak.faults:
+        print(f"soak: {fault}", file=sys.stderr)
+    return 1 if soak.faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: Apache-2.0
+// Clients that mean the daemon ill, on the addresses that other machines reach. Strangers must not cost memory; nobody may cost a scan, or
+// keep an operator from acting. What libzmq lets nobody bound is measured by scripts/attack and told in SECURITY.md, not here.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <netinet/tcp.h>
+
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <random>
+#include <thread>
+#include <zmq.hpp>
+
+#include "system/networked_daemon.h"
+
+namespace dts::test {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr long kMostStrangerKb = 32 * 1024;
+constexpr std::chrono::seconds kAttack{kIsMemoryMeaningful ? 3 : 1};  // sanitizers look for other things than figures
+
+/// A TCP connection that speaks what it likes.
+class Raw {
+ public:
+  explicit Raw(int port) : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    is_connected_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+    ::fcntl(socket_, F_SETFL, O_NONBLOCK);  // a peer that does not read must not stop its attacker
+  }
+  ~Raw() { ::close(socket_); }
+  Raw(const Raw&) = delete;
+  Raw& operator=(const Raw&) = delete;
+  [[nodiscard]] bool is_connected() const noexcept { return is_connected_; }
+  bool send(std::string_view bytes) const { return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) > 0; }
+
+ private:
+  int socket_;
+  bool is_connected_ = false;
+};
+
+/// The greeting of ZMTP 3.1 (RFC 37): signature, version, mechanism, as-server.
+std::string greeting(std::string_view mechanism) {
+  std::string bytes("\xFF\0\0\0\0\0\0\0\0\x7F\x03\x01", 12);
+  bytes += mechanism;
+  bytes.resize(64, '\0');
+  return bytes;
+}
+
+class AttackTest : public NetworkedDaemon {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(daemon_.is_ready());
+    operator_key_ = key("otto", "operator");
+    viewer_key_ = key("eve", "viewer");
+    ASSERT_TRUE(eventually([&] { return scans() > 100; }));
+    before_kb_ = resident_kb(daemon_.pid());
+  }
+
+  [[nodiscard]] std::uint64_t scans() const { return daemon_.control().status()->rigs(0).scans_total(); }
+  static client::ControlClient client_of(const client::Key& key) {
+    return client::ControlClient::open({.endpoint = key.control, .timeout = milliseconds(10'000), .key = key}).value();
+  }
+
+  /// While `attack` goes on: an operator's marks, one after the other, each answered in time; a subscriber on this machine that misses
+  /// nothing; the daemon's memory.
+  template <class Attack>
+  void under(const char* name, Attack attack, long most_kb) {
+    std::atomic<bool> is_over{false};
+    std::thread attacker([&] { attack(is_over); });
+    auto subscriber = daemon_.subscribe({"floor/cop"});
+    client::ControlClient mate = client_of(operator_key_);
+    const auto end = steady_clock::now() + kAttack;
+    milliseconds slowest{0};
+    long most_resident_kb = before_kb_;
+    std::uint64_t lost = 0;
+    while (steady_clock::now() < end) {
+      const auto asked = steady_clock::now();
+      EXPECT_TRUE(mate.mark("still here", "floor"));
+      slowest = std::max(slowest, std::chrono::duration_cast<milliseconds>(steady_clock::now() - asked));
+      most_resident_kb = std::max(most_resident_kb, resident_kb(daemon_.pid()));
+      while (const auto message = subscriber.receive(milliseconds(20)).value()) {
+        if (const auto* block = std::get_if<client::Block>(&*message)) lost += block->lost_scans;
+      }
+    }
+    is_over = true;
+    attacker.join();
+    const auto status = daemon_.control().status();
+    ASSERT_TRUE(status);
+    std::printf("%s: operator's slowest command %lld ms, memory +%ld kB, %llu scans lost by a subscriber, %llu by the daemon\n", name,
+                static_cast<long long>(slowest.count()), most_resident_kb - before_kb_, static_cast<unsigned long long>(lost),
+                static_cast<unsigned long long>(status->rigs(0).lost_scans_total()));
+    EXPECT_EQ(status->rigs(0).lost_scans_total(), 0U);
+    EXPECT_EQ(lost, 0U);
+    if (kIsMemoryMeaningful) {
+      EXPECT_LT(most_resident_kb - before_kb_, most_kb);
+      EXPECT_LT(slowest, milliseconds(1000));
+    }
+  }
+
+  /// A socket of libzmq's that does not behave: it comes with this key and is dropped without a word.
+  static zmq::socket_t socket_of(zmq::context_t& context, zmq::socket_type type, const client::Key& key) {
+    zmq::socket_t socket(context, type);
+    socket.set(zmq::sockopt::linger, 0);
+    socket.set(zmq::sockopt::curve_serverkey, key.server_public_key);
+    socket.set(zmq::sockopt::curve_publickey, key.public_key);
+    socket.set(zmq::sockopt::curve_secretkey, key.secret_key);
+    return socket;
+  }
+
+  client::Key operator_key_;
+  client::Key viewer_key_;
+  long before_kb_ = 0;
+};
+
+TEST_F(AttackTest, Strangers_WhoConnectAndSayNothing) {
+  under("500 silent connections, again and again", [&](const std::atomic<bool>& is_over) {
+    while (!is_over) {
+      std::vector<std::unique_ptr<Raw>> connections;
+      for (int index = 0; index < 500 && !is_over; ++index) connections.push_back(std::make_unique<Raw>(index % 2 == 0 ? control_ : data_));
+      std::this_thread::sleep_for(milliseconds(500));
+    }
+  }, kMostStrangerKb);
+}
+
+TEST_F(AttackTest, Strangers_WhoStopInTheMiddleOfTheHandshake) {
+  under("half-open handshakes", [&](const std::atomic<bool>& is_over) {
+    std::vector<std::unique_ptr<Raw>> connections;
+    while (!is_over) {
+      if (connections.size() == 300) connections.clear();
+      connections.push_back(std::make_unique<Raw>(data_));
+      connections.back()->send(greeting("CURVE"));
+      connections.back()->send(std::string("\x04\xC8\x05HELLO", 8) + std::string(40, 'x'));  // and the rest never
+    }
+  }, kMostStrangerKb);
+}
+
+TEST_F(AttackTest, Strangers_WhoSpeakNonsense) {
+  under("malformed ZMTP", [&](const std::atomic<bool>& is_over) {
+    std::mt19937 random(7);
+    std::string noise(64 * 1024, '\0');
+    while (!is_over) {
+      for (char& byte : noise) byte = static_cast<char>(random());
+      for (const int port : {control_, data_}) {
+        Raw plain(port);
+        plain.send(noise);
+        Raw greeted(port);
+        greeted.send(greeting("CURVE"));
+        greeted.send(noise);
+        Raw other(port);
+        other.send(greeting("NULL"));
+        other.send(std::string("\x06\0\0\0\0\x04\0\0\0", 9) + noise);  // a command of 64 MB is announced
+      }
+    }
+  }, kMostStrangerKb);
+}
+
+TEST_F(AttackTest, Strangers_WithKeysThatNobodyKnows) {
+  under("handshakes with unknown keys", [&](const std::atomic<bool>& is_over) {
+    zmq::context_t context;
+    while (!is_over) {
+      std::vector<zmq::socket_t> sockets;
+      for (int index = 0; index < 50; ++index) {
+        client::Key unknown = client::new_key("stranger").value();
+        unknown.server_public_key = viewer_key_.server_public_key;
+        zmq::socket_t socket = socket_of(context, zmq::socket_type::dealer, unknown);
+        socket.connect(address_of(control_));
+        sockets.push_back(std::move(socket));
+      }
+      std::this_thread::sleep_for(milliseconds(200));
+    }
+  }, kMostStrangerKb);
+}
+
+TEST_F(AttackTest, AViewer_WithTenThousandRequestsASecond) {
+  under("a viewer's flood of requests", [&](const std::atomic<bool>& is_over) {
+    zmq::context_t context;
+    zmq::socket_t socket = socket_of(context, zmq::socket_type::dealer, viewer_key_);
+    socket.connect(address_of(control_));
+    v1::Request request;
+    request.mutable_stop_session()->set_rig("floor");
+    for (std::uint64_t number = 0; !is_over; ++number) {
+      request.set_request_id(std::to_string(number));
+      for (int each = 0; each < 10; ++each) static_cast<void>(socket.send(zmq::buffer(request.SerializeAsString()), zmq::send_flags::dontwait));
+      std::this_thread::sleep_for(std::chrono::microseconds(900));  // its answers are never read
+    }
+  }, kMostStrangerKb);
+}
+
+TEST_F(AttackTest, AViewer_WithLongMessagesToBothSockets) {
+  under("a viewer's messages of 64 MB", [&](const std::atomic<bool>& is_over) {
+    zmq::context_t context;
+    const std::string long_message(64U << 20U, 'x');
+    while (!is_over) {
+      for (const auto& [type, port] : {std::pair(zmq::socket_type::dealer, control_), {zmq::socket_type::xsub, data_}}) {
+        zmq::socket_t socket = socket_of(context, type, viewer_key_);
+        socket.set(zmq::sockopt::sndtimeo, 200);
+        socket.connect(address_of(port));
+        static_cast<void>(socket.send(zmq::buffer(long_message), zmq::send_flags::none));
+        std::this_thread::sleep_for(milliseconds(300));
+      }
+    }
+  }, kMostStrangerKb);
+}
+
+TEST_F(AttackTest, Viewers_WhoSubscribeAndNeverRead) {
+  under("four viewers that never read", [&](const std::atomic<bool>& is_over) {
+    zmq::context_t context;
+    std::vector<zmq::socket_t> sockets;
+    for (int index = 0; index < 4; ++index) {
+      zmq::socket_t socket = socket_of(context, zmq::socket_type::sub, viewer_key_);
+      socket.set(zmq::sockopt::rcvhwm, 1);
+      socket.set(zmq::sockopt::rcvbuf, 4096);
+      socket.set(zmq::sockopt::subscribe, "");
+      socket.connect(address_of(data_));
+      sockets.push_back(std::move(socket));
+    }
+    while (!is_over) std::this_thread::sleep_for(milliseconds(50));
+  }, kMostStrangerKb);
+}
+
+}  // namespace
+}  // namespace dts::test

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/progress_watch.h"
+
+#include <gtest/gtest.h>
+
+#include "files/rig_file.h"
+
+namespace dts::app {
+namespace {
+
+constexpr std::int64_t kStepNs = 1'000'000'000;
+constexpr std::int64_t kPatienceNs = 4 * kStepNs;
+
+/// A rig that never starts; what it reports is made up.
+class ProgressWatchTest : public ::testing::Test {
+ protected:
+  ProgressWatchTest() {
+    files::Problems problems;
+    pipeline::RigConfig config = files::read_rig_file(DTS_SOURCE_DIR "/config/rigs/floor-sim.toml", problems);
+    config.name = "floor";
+    config.device_uri = "sim:floor?seed=7";
+    rig_ = session::Rig::create(config, clock_, bell_).value();
+    state_.emplace_back(session::RigState{.rig = *rig_});
+    rig().acquisition.device = device::DeviceState::Streaming;
+  }
+  session::RigState& rig() { return state_.front(); }
+  void acquire(std::uint64_t scans) {
+    rig().acquisition.scans_total += scans;
+    rig().acquisition.next_scan += scans;
+  }
+  void process() {
+    rig().pipeline.segment = rig().acquisition.segment;
+    rig().pipeline.next_scan.value = rig().acquisition.next_scan;
+  }
+  /// What is stuck after `seconds` of `step` each second.
+  template <class Step>
+  std::string after(int seconds, Step step) {
+    std::string stuck;
+    for (int second = 0; second < seconds; ++second) {
+      step();
+      stuck = watch_.stuck_part(state_, turns_, now_ns_ += kStepNs);
+    }
+    return stuck;
+  }
+
+  core::VirtualClock clock_;
+  core::Doorbell bell_;
+  std::unique_ptr<session::Rig> rig_;
+  std::vector<session::RigState> state_;
+  std::uint64_t turns_ = 0;
+  std::int64_t now_ns_ = 0;
+  ProgressWatch watch_{kPatienceNs};
+};
+
+TEST_F(ProgressWatchTest, WhatMoves_IsNotStuck) {
+  EXPECT_EQ(after(100, [&] { acquire(100), process(), ++turns_; }), "");
+}
+
+TEST_F(ProgressWatchTest, AFrozenPipeline_IsNamed_AndForgivenWhenItGoesOn) {
+  ASSERT_EQ(after(3, [&] { acquire(100), process(), ++turns_; }), "");
+  EXPECT_EQ(after(4, [&] { acquire(100), ++turns_; }), "");
+  EXPECT_EQ(after(1, [&] { acquire(100), ++turns_; }), "the pipeline of rig 'floor'");
+  EXPECT_EQ(after(1, [&] { acquire(100), process(), ++turns_; }), "");
+}
+
+TEST_F(ProgressWatchTest, AFrozenAcquireThread_IsNamed) {
+  ASSERT_EQ(after(3, [&] { acquire(100), process(), ++turns_; }), "");
+  EXPECT_EQ(after(5, [&] { ++turns_; }), "the acquire thread of rig 'floor'");
+}
+
+TEST_F(ProgressWatchTest, AFrozenPublishThread_IsNamed) {
+  EXPECT_EQ(after(6, [&] { acquire(100), process(); }), "the publish thread");
+}
+
+TEST_F(ProgressWatchTest, ADeviceThatIsAwaySilentOrArmed_IsNoReason) {
+  rig().acquisition.device = device::DeviceState::Gone;
+  EXPECT_EQ(after(100, [&] { ++turns_; }), "");
+  rig().acquisition.device = device::DeviceState::Streaming;
+  rig().acquisition.is_silent = true;
+  EXPECT_EQ(after(100, [&] { ++turns_; }), "");
+  rig().acquisition.is_silent = false;
+  rig().acquisition.is_armed = true;
+  EXPECT_EQ(after(100, [&] { ++turns_; }), "");
+}
+
+TEST_F(ProgressWatchTest, NothingToDo_IsNotStuck) {
+  ASSERT_EQ(after(1, [&] { acquire(100), process(), ++turns_; }), "");
+  rig().acquisition.is_silent = true;
+  EXPECT_EQ(after(20, [&] { ++turns_; }), "");
+}
+
+}  // namespace
+}  // namespace dts::app

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: Apache-2.0
+// The daemon's health for people and programs: quantiles out of its histogram, and `dtsctl top`.
+#include <array>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <thread>
+
+#include "ctl/health_view.h"
+#include "ctl/latency.h"
+#include "ctl/screen.h"
+#include "unit/ctl/run_fixture.h"
+
+namespace dts::ctl {
+namespace {
+
+using testing::FakePublisher;
+using testing::floor_status;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Blocks that took no longer than 1, 2 and 10 ms, and all.
+v1::LatencyHistogram histogram(const std::array<std::uint64_t, 4>& totals) {
+  v1::LatencyHistogram made;
+  const std::array bounds{1.0, 2.0, 10.0, kInfinity};
+  for (std::size_t index = 0; index < bounds.size(); ++index) {
+    made.add_buckets()->set_upper_ms(bounds[index]);
+    made.mutable_buckets()->rbegin()->set_blocks_total(totals[index]);
+  }
+  return made;
+}
+
+TEST(LatencyQuantile, WithoutBlocks_ThereIsNone) {
+  EXPECT_FALSE(latency_quantile_ms({}, 0.5));
+  EXPECT_FALSE(latency_quantile_ms(histogram({0, 0, 0, 0}), 0.5));
+  const v1::LatencyHistogram same = histogram({1, 2, 3, 4});
+  EXPECT_FALSE(latency_quantile_ms(same, 0.5, &same));
+}
+
+TEST(LatencyQuantile, WithinABucket_IsSpreadEvenly) {
+  const v1::LatencyHistogram all = histogram({0, 50, 100, 100});
+
+  EXPECT_DOUBLE_EQ(*latency_quantile_ms(all, 0.5), 2.0);
+  EXPECT_DOUBLE_EQ(*latency_quantile_ms(all, 0.25), 1.5);
+  EXPECT_DOUBLE_EQ(*latency_quantile_ms(all, 0.75), 6.0);
+}
+
+TEST(LatencyQuantile, AboveTheLastBound_IsThatBound) { EXPECT_DOUBLE_EQ(*latency_quantile_ms(histogram({0, 0, 10, 100}), 0.95), 10.0); }
+
+TEST(LatencyQuantile, SinceAnEarlierState_CountsOnlyWhatCameAfter) {
+  const v1::LatencyHistogram earlier = histogram({0, 0, 1000, 1000});
+
+  EXPECT_DOUBLE_EQ(*latency_quantile_ms(histogram({10, 10, 1010, 1010}), 0.5, &earlier), 0.5);
+}
+
+TEST(LatencyQuantile, AnEarlierStateThatDoesNotFit_IsNoState) {
+  const v1::LatencyHistogram of_another_daemon = histogram({500, 500, 500, 500});
+
+  EXPECT_DOUBLE_EQ(*latency_quantile_ms(histogram({10, 10, 10, 10}), 0.5, &of_another_daemon), 0.5);
+}
+
+TEST(LatencyQuantile, NonsenseFromAPeer_IsANumberOrNothing) {
+  v1::LatencyHistogram falling = histogram({90, 50, 10, 100});
+  EXPECT_TRUE(std::isfinite(*latency_quantile_ms(falling, 0.95)));
+  falling.mutable_buckets(0)->set_upper_ms(kInfinity);
+  static_cast<void>(latency_quantile_ms(falling, 0.5));  // ends
+}
+
+v1::StatusSnapshot busy_status(std::int64_t host_time_s = 100, std::uint64_t blocks = 100) {
+  v1::StatusSnapshot status = floor_status();
+  status.set_host_time_ns(host_time_s * 1'000'000'000);
+  v1::RigStatus& rig = *status.mutable_rigs(0);
+  rig.set_lost_scans_total(150);
+  rig.set_gaps_total(1);
+  rig.set_pipeline_us_per_scan(12.5);
+  v1::LossCount& loss = *rig.add_losses();
+  loss.set_reason(v1::GAP_REASON_OVERRUN);
+  loss.set_gaps_total(1);
+  loss.set_lost_scans_total(150);
+  rig.mutable_ring_fill()->set_scans_percent(3.0);
+  rig.mutable_ring_fill()->set_record_percent(40.0);
+  *rig.mutable_latency() = histogram({0, blocks, blocks, blocks});
+  return status;
+}
+
+std::string text_of(const HealthView& view) {
+  std::string text;
+  for (const std::string& line : view.lines()) text += line + "\n";
+  return text;
+}
+
+TEST(HealthView, BeforeTheFirstStatus_SaysNothing) {
+  EXPECT_TRUE(HealthView().lines().empty());
+  EXPECT_TRUE(HealthView().json().empty());
+}
+
+TEST(HealthView, Lines_SayRateLossesCausesQueuesAndLatency) {
+  HealthView view;
+  view.take(busy_status());
+
+  const std::string text = text_of(view);
+
+  EXPECT_THAT(text, HasSubstr("dtsd 0.1.0, up 12.5 s"));
+  EXPECT_THAT(text, HasSubstr("100.02"));
+  EXPECT_THAT(text, HasSubstr("3 0 40"));
+  EXPECT_THAT(text, HasSubstr("12.5"));
+  EXPECT_THAT(text, HasSubstr("1.5"));
+  EXPECT_THAT(text, HasSubstr("floor: lost 150 scans in 1 gap: overrun"));
+  EXPECT_THAT(text, Not(HasSubstr("recording")));
+}
+
+TEST(HealthView, RecordingUnderWay_SaysWhatIsNotYetOnTheDisk) {
+  HealthView view;
+  v1::StatusSnapshot status = busy_status();
+  status.mutable_rigs(0)->mutable_session()->mutable_recording()->set_is_recording(true);
+  status.mutable_rigs(0)->mutable_session()->mutable_recording()->set_bytes(2'500'000);
+  status.mutable_rigs(0)->set_record_lag_s(0.7);
+
+  view.take(status);
+
+  EXPECT_THAT(text_of(view), HasSubstr("floor: recording 2.5 MB, 0.7 s not yet on the disk"));
+  EXPECT_EQ(view.json().at("rigs").at(0).at("record_lag_s"), 0.7);
+}
+
+TEST(HealthView, Latency_IsOfTheLastTenSeconds) {
+  HealthView view;
+  view.take(busy_status(100, 1000));
+  v1::StatusSnapshot slow = busy_status(105, 1000);
+  slow.mutable_rigs(0)->mutable_latency()->mutable_buckets(2)->set_blocks_total(1100);
+  slow.mutable_rigs(0)->mutable_latency()->mutable_buckets(3)->set_blocks_total(1100);
+  view.take(slow);
+
+  EXPECT_DOUBLE_EQ(view.json().at("rigs").at(0).at("latency_p50_ms").get<double>(), 6.0) << "the slow hundred, not the thousand before";
+
+  slow.set_host_time_ns(130'000'000'000);
+  view.take(slow);
+  EXPECT_LT(view.json().at("rigs").at(0).at("latency_p50_ms").get<double>(), 2.0) << "nothing else is left to compare with: since the start";
+}
+
+TEST(HealthView, AnotherDaemon_StartsAnew) {
+  HealthView view;
+  view.take(busy_status(100, 1000));
+  v1::StatusSnapshot other = busy_status(101, 2000);
+  other.set_instance_id(8);
+  other.mutable_rigs(0)->mutable_latency()->mutable_buckets(0)->set_blocks_total(2000);
+
+  view.take(other);
+
+  EXPECT_LT(view.json().at("rigs").at(0).at("latency_p95_ms").get<double>(), 1.0);
+}
+
+TEST(Screen, NewLines_AreDrawnOverTheOldOnesAndCutToTheScreen) {
+  std::ostringstream out;
+  std::ostringstream talk;
+  cli::Console console{.out = out, .talk = talk, .can_redraw = true, .columns = 5, .lines = 3};
+  Screen screen(console);
+
+  screen.draw({"abcdefgh", "second", "third"});
+  EXPECT_EQ(out.str(), "abcde\nsecon\n");
+  out.str({});
+  screen.draw({"x\x1b[2J"});
+  EXPECT_EQ(out.str(), "\x1b[2A\x1b[Jx [2J\n");
+  out.str({});
+  screen.make_room();
+  screen.draw({"below"});
+  EXPECT_EQ(out.str(), "below\n");
+}
+
+class TopTest : public RunTest {
+ protected:
+  int top(std::vector<std::string> arguments, const std::vector<v1::StatusSnapshot>& statuses) {
+    arguments.insert(arguments.begin(), "top");
+    int status = -1;
+    FakePublisher daemon(data_);
+    std::jthread command([&] { status = run_with(std::move(arguments)); });
+    EXPECT_TRUE(daemon.wait_for_subscription("dtsd/status"));
+    for (const v1::StatusSnapshot& one : statuses) daemon.send("dtsd/status", one);
+    command.join();
+    return status;
+  }
+};
+
+TEST_F(TopTest, IntoAPipe_IsALineOfJsonPerStatus) {
+  EXPECT_EQ(top({"--count", "2"}, {busy_status(100), busy_status(101), busy_status(102)}), cli::kOk);
+
+  std::vector<nlohmann::json> lines;
+  std::istringstream text(out());
+  for (std::string line; std::getline(text, line);) lines.push_back(nlohmann::json::parse(line));
+  ASSERT_EQ(lines.size(), 2U);
+  const auto& rig = lines[1].at("rigs").at(0);
+  EXPECT_EQ(lines[1].at("host_time_ns"), 101'000'000'000);
+  EXPECT_EQ(rig.at("rig"), "floor");
+  EXPECT_EQ(rig.at("device"), "streaming");
+  EXPECT_EQ(rig.at("losses").at(0).at("reason"), "overrun");
+  EXPECT_EQ(rig.at("losses").at(0).at("lost_scans_total"), 150);
+  EXPECT_EQ(rig.at("ring_fill").at("record_percent"), 40.0);
+  EXPECT_FALSE(rig.contains("latency_p50_ms")) << "no block between two statuses, no latency";
+  EXPECT_FALSE(rig.contains("record_lag_s"));
+}
+
+TEST_F(TopTest, OnATerminal_IsRedrawnInPlace) {
+  console_.can_redraw = true;
+
+  EXPECT_EQ(top({"--count", "2"}, {busy_status(100), busy_status(101)}), cli::kOk);
+
+  EXPECT_THAT(out(), HasSubstr("RIG"));
+  EXPECT_THAT(out(), HasSubstr("A\x1b[J"));
+}
+
+TEST_F(TopTest, JsonOnATerminal_IsNotRedrawn) {
+  console_.can_redraw = true;
+
+  EXPECT_EQ(top({"--json", "--count", "1"}, {busy_status()}), cli::kOk);
+
+  EXPECT_THAT(out(), Not(HasSubstr("\x1b")));
+  EXPECT_TRUE(json().contains("rigs"));
+}
+
+TEST_F(TopTest, NoStatusWithinTheTimeout_Unreachable) {
+  EXPECT_EQ(top({"--timeout", "0.2"}, {}), 3);
+  EXPECT_THAT(talk(), HasSubstr("no sign of the daemon"));
+}
+
+TEST_F(TopTest, NobodyThere_UnreachableAtOnce) { EXPECT_EQ(run_with({"top"}), 3); }
+
+}  // namespace
+}  // namespace dts::ctl

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "files/toml_reader.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace dts::files {
+namespace {
+
+std::string dotted(std::size_t parts) {
+  std::string key = "a";
+  while (--parts > 0) key += ".a";
+  return key;
+}
+
+std::string problem_with(const std::string& text) {
+  Problems problems;
+  const bool is_read = parse_toml_text(text, "file", problems).has_value();
+  EXPECT_EQ(is_read, problems.empty());
+  return problems.empty() ? "" : to_string(problems[0]);
+}
+
+TEST(TomlText, KeyOfTooManyParts_IsRefusedBeforeItEndsTheStack) {
+  EXPECT_EQ(problem_with("[" + dotted(16) + "]\n"), "");
+  EXPECT_EQ(problem_with("# one\n[" + dotted(17) + "]\n"), "file:2:1: a key has more than 16 parts");
+  EXPECT_EQ(problem_with(dotted(1'000'000) + " = 1\n"), "file:1:1: a key has more than 16 parts");
+  EXPECT_EQ(problem_with("b = {" + dotted(500'000) + " = 1}\n"), "file:1:1: a key has more than 16 parts");
+  EXPECT_EQ(problem_with("[[" + dotted(500'000) + "]]\n"), "file:1:1: a key has more than 16 parts");
+}
+
+TEST(TomlText, KeyOfTooManyPartsBehindStrings_IsFound) {
+  const std::string deep = "\n" + dotted(200'000) + " = 1\n";
+  for (const std::string before :
+       {R"(b = "\"#")", R"(b = '\')", R"(b = "")", R"(b = """a"#"\""" """)", "b = \"\"\"a\"\"\"\"\"", "b = '''#''''", "'#'.c = 1"}) {
+    EXPECT_NE(problem_with(before + deep).find("more than 16 parts"), std::string::npos) << before;
+  }
+  const std::string quoted = R"("#"."a".'b'.)";
+  EXPECT_NE(problem_with(quoted + dotted(100'000) + " = 1\n").find("more than 16 parts"), std::string::npos);
+}
+
+TEST(TomlText, DotsElsewhere_AreNoParts) {
+  std::string numbers = "b = [1.5";
+  for (int count = 0; count < 100; ++count) numbers += ", 1.5";
+  EXPECT_EQ(problem_with(numbers + "]\n"), "");
+  EXPECT_EQ(problem_with("b = \"" + dotted(100) + "\" # " + dotted(100) + "\n"), "");
+  EXPECT_EQ(problem_with("b = \"\"\"\n" + dotted(100) + " \\\" ' # \n\"\"\"\nc = '" + dotted(100) + "'\n"), "");
+}
+
+}  // namespace
+}  // namespace dts::files

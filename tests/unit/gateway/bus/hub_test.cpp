@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "gateway/bus/hub.h"
+
+#include <gtest/gtest.h>
+
+#include <boost/asio/executor_work_guard.hpp>
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "unit/gateway/bus/fake_connection.h"
+#include "unit/libdts/fake_daemon.h"
+
+namespace dts::gateway {
+namespace {
+
+constexpr unsigned kPolicyViolation = 1008;
+
+class HubTest : public ::testing::Test {
+ protected:
+  std::unique_ptr<Tab> open(v1::Role role = v1::ROLE_VIEWER) { return hub_.open_tab({.user = "anna", .role = role}, connection_); }
+
+  static void subscribe(Tab& tab, const std::vector<std::string>& topics) {
+    v1::FromBrowser message;
+    for (const std::string& topic : topics) message.mutable_subscribe()->add_topics(topic);
+    message.mutable_subscribe();
+    say(tab, message);
+  }
+  void publish(const std::string& topic, Carried::Kind kind, bool is_retained = false, std::uint64_t instance_id = 7) {
+    hub_.take(std::make_shared<Carried>(
+        Carried{.topic = topic, .kind = kind, .bytes = "x", .scans = 1, .is_retained = is_retained, .instance_id = instance_id}));
+  }
+  /// Lets timers run until the tab has got a frame; its topics.
+  std::vector<std::string> next_frame() {
+    const std::size_t before = connection_.sent.size();
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (connection_.sent.size() == before && std::chrono::steady_clock::now() < deadline) {
+      io_.restart();
+      io_.run_one_for(std::chrono::milliseconds(100));
+    }
+    std::vector<std::string> topics;
+    for (const v1::Carried& carried : connection_.sent.back().frame().messages()) topics.push_back(carried.topic());
+    return topics;
+  }
+
+  boost::asio::io_context io_;
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> keep_running_{io_.get_executor()};  ///< Answers come later.
+  FakeConnection connection_;
+  CommandPool commands_{io_, "ipc:///nonexistent/control.sock"};
+  std::vector<std::vector<std::string>> wishes_;
+  Hub hub_{io_, commands_, [this](std::vector<std::string> wanted) { wishes_.push_back(std::move(wanted)); }, "1.2.3"};
+};
+
+TEST_F(HubTest, ATabIsToldFirstWhoItIsAndWhetherTheDaemonIsThere) {
+  v1::Link up;
+  up.set_is_up(true);
+  hub_.take(up);
+
+  const auto tab = open(v1::ROLE_OPERATOR);
+
+  ASSERT_EQ(connection_.sent.size(), 1U);
+  const v1::Welcome& welcome = connection_.sent[0].welcome();
+  EXPECT_EQ(welcome.user(), "anna");
+  EXPECT_EQ(welcome.role(), v1::ROLE_OPERATOR);
+  EXPECT_EQ(welcome.version(), "1.2.3");
+  EXPECT_TRUE(welcome.link().is_up());
+}
+
+TEST_F(HubTest, WhoComesLateIsToldTheLastStatesOfWhatItWants) {
+  publish("floor/session", Carried::Kind::Event, true);
+  publish("chair/session", Carried::Kind::Event, true);
+  publish("dtsd/status", Carried::Kind::Status, true);
+  publish("floor/marker", Carried::Kind::Event);
+  const auto tab = open();
+
+  subscribe(*tab, {"floor/"});
+
+  EXPECT_EQ(next_frame(), (std::vector<std::string>{"dtsd/status", "floor/session"}));
+}
+
+TEST_F(HubTest, StatesOfADaemonThatIsGoneAreToldNobody) {
+  publish("dtsd/status", Carried::Kind::Status, true, 7);
+  publish("floor/session", Carried::Kind::Event, true, 7);
+  publish("floor/device", Carried::Kind::Event, true, 7);
+
+  publish("floor/cop", Carried::Kind::Block, false, 8);
+  publish("floor/device", Carried::Kind::Event, true, 8);
+  const auto tab = open();
+  subscribe(*tab, {"floor/"});
+
+  EXPECT_EQ(next_frame(), std::vector<std::string>{"floor/device"});
+}
+
+TEST_F(HubTest, AStateThatWaitsAlreadyIsNotToldTwice) {
+  publish("floor/session", Carried::Kind::Event, true);
+  const auto tab = open();
+
+  for (int times = 0; times < 300; ++times) subscribe(*tab, {"floor/"});
+
+  EXPECT_EQ(next_frame(), std::vector<std::string>{"floor/session"});
+}
+
+TEST_F(HubTest, ManyChangesOfWishesAreToldAFewTimesAndTheLastOneSurely) {
+  const auto tab = open();
+
+  for (int times = 0; times < 1000; ++times) subscribe(*tab, {"floor/" + std::to_string(times)});
+  const std::size_t at_once = wishes_.size();
+  const auto deadline = std::chrono::steady_clock::now() + testing::kDeadline;
+  while (wishes_.back() != std::vector<std::string>{"floor/999"} && std::chrono::steady_clock::now() < deadline) {
+    io_.run_one_for(std::chrono::milliseconds(50));
+  }
+
+  EXPECT_EQ(wishes_.back(), std::vector<std::string>{"floor/999"});
+  EXPECT_LT(at_once, 100U) << "a burst of 20 and 5 a second, however slow this machine is";
+  EXPECT_LE(wishes_.size(), at_once + 1);
+}
+
+TEST_F(HubTest, TheReaderIsToldWhatAllTabsWantTogetherAndOnlyWhenThatChanges) {
+  FakeConnection other_connection;
+  auto tab = open();
+  auto other = hub_.open_tab({.user = "ben", .role = v1::ROLE_VIEWER}, other_connection);
+
+  subscribe(*tab, {"floor/cop"});
+  subscribe(*other, {"floor/cop"});
+  subscribe(*other, {"chair/"});
+  tab.reset();
+  other.reset();
+
+  EXPECT_EQ(wishes_, (std::vector<std::vector<std::string>>{{"floor/cop"}, {"chair/", "floor/cop"}, {"chair/"}, {}}));
+}
+
+TEST_F(HubTest, AnIdThatIsTooLongIsCutBetweenCharacters) {
+  const auto tab = open(v1::ROLE_VIEWER);
+  std::string id = "a";
+  for (int count = 0; count < 40; ++count) id += "\u00e4";  // two bytes each: byte 64 is the first half of one
+  v1::FromBrowser message;
+  message.mutable_request()->set_request_id(id);
+  message.mutable_request()->mutable_status();
+
+  say(*tab, message);
+
+  ASSERT_EQ(connection_.sent.size(), 2U);  // it could be parsed
+  EXPECT_EQ(connection_.sent[1].response().request_id(), id.substr(0, 63));
+}
+
+TEST_F(HubTest, ACommandAboveTheRoleIsRefusedAndGoesNowhere) {
+  const auto tab = open(v1::ROLE_VIEWER);
+  v1::FromBrowser message;
+  message.mutable_request()->set_request_id("r1");
+  message.mutable_request()->mutable_start_session()->set_rig("floor");
+
+  say(*tab, message);
+
+  ASSERT_EQ(connection_.sent.size(), 2U);
+  const v1::Response& response = connection_.sent[1].response();
+  EXPECT_EQ(response.request_id(), "r1");
+  EXPECT_EQ(response.error().code(), v1::ERROR_CODE_NOT_ALLOWED);
+}
+
+TEST_F(HubTest, ACommandThatIsAllowedReachesForTheDaemon) {
+  const auto tab = open(v1::ROLE_OPERATOR);
+  v1::FromBrowser message;
+  message.mutable_request()->set_request_id("r1");
+  message.mutable_request()->mutable_start_session()->set_rig("floor");
+
+  say(*tab, message);
+  io_.restart();
+  io_.run_one_for(std::chrono::seconds(20));
+
+  ASSERT_EQ(connection_.sent.size(), 2U);
+  EXPECT_EQ(connection_.sent[1].response().error().code(), v1::ERROR_CODE_UNREACHABLE);
+}
+
+TEST_F(HubTest, ATabWhoseLoginHasEndedIsClosedByTheNextCommandOrStatus) {
+  bool is_logged_in = true;
+  const auto tab = hub_.open_tab({.user = "anna", .role = v1::ROLE_VIEWER, .holds = [&] { return is_logged_in; }}, connection_);
+  v1::FromBrowser message;
+  message.mutable_request()->set_request_id("r1");
+  message.mutable_request()->mutable_status();
+  publish("dtsd/status", Carried::Kind::Status);
+  EXPECT_FALSE(connection_.closed_with);
+
+  is_logged_in = false;
+
+  publish("dtsd/status", Carried::Kind::Status);
+  EXPECT_EQ(std::exchange(connection_.closed_with, std::nullopt), 4401U);
+  say(*tab, message);
+  EXPECT_EQ(connection_.closed_with, 4401U);
+}
+
+TEST_F(HubTest, AnAnswerForATabThatIsGoneIsForgotten) {
+  auto tab = open(v1::ROLE_OPERATOR);
+  v1::FromBrowser message;
+  message.mutable_request()->set_request_id("r1");
+  message.mutable_request()->mutable_status();
+  say(*tab, message);
+
+  tab.reset();
+  io_.restart();
+  io_.run_one_for(std::chrono::seconds(20));
+
+  EXPECT_EQ(connection_.sent.size(), 1U);
+}
+
+TEST_F(HubTest, AClockProbeIsAnsweredAtOnceWithBothTimes) {
+  const auto tab = open();
+  v1::FromBrowser message;
+  message.mutable_clock_probe()->set_browser_ms(12.5);
+  const auto before = std::chrono::steady_clock::now().time_since_epoch();
+
+  say(*tab, message);
+
+  const v1::ClockAnswer& answer = connection_.sent.back().clock_answer();
+  EXPECT_EQ(answer.browser_ms(), 12.5);
+  EXPECT_GE(answer.host_time_ns(), std::chrono::nanoseconds(before).count());
+}
+
+TEST_F(HubTest, WhatIsNoMessageOfTheProtocolEndsTheConnection) {
+  v1::FromBrowser unsent_frame;
+  unsent_frame.mutable_painted()->set_frame(7);
+  v1::FromBrowser mad_rate;
+  mad_rate.mutable_subscribe()->set_frames_per_second(1e9);
+  for (const std::string& bytes :
+       {std::string("\xff\xff\xff"), std::string(), unsent_frame.SerializeAsString(), mad_rate.SerializeAsString()}) {
+    const auto tab = open();
+    connection_.closed_with.reset();
+
+    tab->on_message(bytes);
+
+    EXPECT_EQ(connection_.closed_with, kPolicyViolation) << ::testing::PrintToString(bytes);
+  }
+}
+
+TEST_F(HubTest, ARequestIdThatIsTooLongIsRefusedAndNotRepeatedInFull) {
+  const auto tab = open(v1::ROLE_ENGINEER);
+  v1::FromBrowser message;
+  message.mutable_request()->set_request_id(std::string(1000, 'x'));
+  message.mutable_request()->mutable_status();
+
+  say(*tab, message);
+
+  const v1::Response& response = connection_.sent.back().response();
+  EXPECT_EQ(response.error().code(), v1::ERROR_CODE_INVALID_ARGUMENT);
+  EXPECT_EQ(response.request_id().size(), 64U);
+}
+
+TEST_F(HubTest, ASlowNetworkGetsNothingUntilItHasTakenWhatIsUnderWay) {
+  const auto tab = open();
+  subscribe(*tab, {"floor/"});
+  connection_.unsent = 10U << 20U;
+  publish("floor/cop", Carried::Kind::Block);
+  io_.restart();
+  io_.run_for(std::chrono::milliseconds(120));
+  EXPECT_EQ(connection_.sent.size(), 1U);
+
+  connection_.unsent = 0;
+
+  EXPECT_EQ(next_frame(), std::vector<std::string>{"floor/cop"});
+}
+
+}  // namespace
+}  // namespace dts::gateway

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/sway/sway_table.h"
+#include "posturography/measure.h"
+#include "unit/lab/sway/sway_files.h"
+
+namespace dts::lab::steadiness {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class SwayTest : public RunTest {
+ protected:
+  [[nodiscard]] double value(const std::string& symbol) const { return json().at("measures").at(symbol).at("value").get<double>(); }
+};
+
+TEST_F(SwayTest, CircleAsIs_HasTheMeasuresOfACircle) {
+  const std::string file = write("circle.csv", made::circle(2000));  // four turns of 500 rows
+
+  ASSERT_EQ(run_with({"sway", file, "--profile", "asis", "--json"}), cli::kOk) << talk();
+
+  const auto document = json();
+  EXPECT_EQ(document.at("file"), file);
+  EXPECT_EQ(document.at("profile"), "asis");
+  EXPECT_EQ(document.at("fs_hz"), 100.0);
+  EXPECT_EQ(document.at("n"), 2000);
+  EXPECT_EQ(document.at("duration_s"), 20.0);
+  EXPECT_EQ(document.at("valid"), true);
+  EXPECT_EQ(document.at("estimator"), "MT8");
+  EXPECT_THAT(document.at("flags"), ::testing::ElementsAre("short_for_diffusion"));
+  const double path_mm = 1999 * 20.0 * std::sin(std::numbers::pi / 500.0);
+  EXPECT_NEAR(value("RDIST"), 10.0, 1e-9);
+  EXPECT_NEAR(value("MDIST"), 10.0, 1e-9);
+  EXPECT_NEAR(value("RDIST_AP"), std::sqrt(50.0), 1e-9);
+  EXPECT_NEAR(value("TOTEX"), path_mm, 1e-8);
+  EXPECT_NEAR(value("MVELO"), path_mm / 20.0, 1e-9);
+  EXPECT_NEAR(value("RANGE"), 20.0, 1e-9);
+  EXPECT_NEAR(value("MAXDIST"), 10.0, 1e-9);
+  EXPECT_NEAR(value("AREA_CE"), 300.0 * std::numbers::pi, 1e-7);
+  EXPECT_EQ(document.at("measures").at("MVELO").at("unit"), "mm/s");
+  EXPECT_EQ(document.at("measures").at("PEA95_F").at("unit"), "mm2");
+  EXPECT_FALSE(document.at("measures").contains("SDA_DS_AP")) << "20 s are too short";
+  EXPECT_FALSE(document.at("measures").contains("AP_USE"));
+}
+
+TEST_F(SwayTest, DefaultDefinition_IsTheLowPassAtTheFilesRate) {
+  const std::string file = write("sway.csv", made::swaying(3100, 4.0, 0.3));
+
+  ASSERT_EQ(run_with({"sway", file, "--json"}), cli::kOk) << talk();
+  EXPECT_EQ(json().at("profile"), "lp10");
+  EXPECT_EQ(json().at("fs_hz"), 100.0);
+  EXPECT_EQ(json().at("settings").at("sample_entropy").at("rate_hz"), 20.0);
+  EXPECT_EQ(json().at("settings").at("sample_entropy").at("n"), 620);
+  EXPECT_TRUE(json().at("measures").contains("SAMPEN_AP_20HZ"));
+  EXPECT_TRUE(json().at("measures").contains("SDA_DS_AP"));
+
+  ASSERT_EQ(run_with({"sway", file, "--json", "--rate", "50", "--trim", "1", "--foot-length", "250"}), cli::kOk) << talk();
+  EXPECT_EQ(json().at("fs_hz"), 50.0);
+  EXPECT_EQ(json().at("n"), 1500);
+  EXPECT_EQ(json().at("settings").at("trim_s"), 1.0);
+  EXPECT_NEAR(value("AP_USE"), 100.0 * value("RANGE_AP") / 250.0, 1e-9);
+}
+
+TEST_F(SwayTest, OnATerminal_EveryMeasureStandsWithItsSentence) {
+  ASSERT_EQ(run_with({"sway", write("sway.csv", made::swaying(1500, 4.0, 0.3))}), cli::kOk) << talk();
+
+  EXPECT_THAT(out(), HasSubstr("profile lp10, 15 s, 1500 samples at 100 Hz"));
+  EXPECT_THAT(out(), HasSubstr("Areas"));
+  EXPECT_THAT(out(), HasSubstr("short_for_quantiles: Under 20 s"));
+  EXPECT_THAT(out(), Not(HasSubstr("PF95")));
+  for (const auto measure : {posturography::Measure::Mvelo, posturography::Measure::Pea95F, posturography::Measure::SampenAp}) {
+    EXPECT_THAT(out(), HasSubstr(posturography::info(measure).sentence));
+  }
+}
+
+TEST_F(SwayTest, MissingCells_AreCountedAndNeverSpread) {
+  std::string text = made::swaying(2000, 4.0, 0.3);
+  for (const char* time : {"\n5.00,", "\n5.01,", "\n9.00,"}) {
+    const std::size_t at = text.find(time) + 6;
+    text.replace(at, text.find('\n', at) - at, ",");
+  }
+
+  ASSERT_EQ(run_with({"sway", write("holes.csv", text), "--json"}), cli::kOk) << talk();
+
+  EXPECT_EQ(json().at("n"), 2000);
+  EXPECT_EQ(json().at("missing"), 3);
+  EXPECT_EQ(json().at("interpolated"), 3);
+  EXPECT_TRUE(json().at("measures").contains("MVELO"));
+}
+
+TEST_F(SwayTest, BadFiles_ExitWithTwoAndPlace) {
+  const auto says = [&](const std::string& text, const std::string& what) {
+    EXPECT_EQ(run_with({"sway", write("bad.csv", text), "--json"}), cli::kUsage) << what;
+    EXPECT_THAT(talk(), HasSubstr(what));
+    EXPECT_EQ(out(), "") << what;
+  };
+
+  says("", "bad.csv: is empty");
+  says("t,x,y\n0,1,2\n", "bad.csv:1:1: column 't_s' is missing");
+  says("t_s,x_mm,y_mm\n", "has no rows");
+  says("t_s,x_mm,y_mm\n0,1,2\n0.01,one,2\n", "bad.csv:3:6: x_mm: 'one' is not a finite number");
+  says("t_s,x_mm,y_mm\n0,1,2\n0.01,nan,2\n", "bad.csv:3:6: x_mm: 'nan'");
+  says("t_s,x_mm,y_mm\n0,1,2\n0.01,1,2\n0.01,1,2\n", "bad.csv:4:1: t_s does not rise");
+  says("t_s,x_mm,y_mm\n0,1,2\n", "bad.csv");
+  says("t_s,x_mm,y_mm\n0,1,2\n0.01,1\n", "bad.csv:3:1: 2 cells");
+  EXPECT_EQ(run_with({"sway", path("none.csv")}), cli::kUsage);
+  EXPECT_THAT(talk(), HasSubstr("no such file"));
+  constexpr int kDamaged = 7;
+  EXPECT_EQ(run_with({"sway", write("bad.xdf", "this is no recording")}), kDamaged) << talk();
+  EXPECT_THAT(talk(), HasSubstr("bad.xdf"));
+}
+
+TEST_F(SwayTest, OneBadFileOfMany_IsToldAndTheOthersGoOn) {
+  const std::string good = write("good.csv", made::circle(1100));
+  const std::string bad = write("bad.csv", "t_s,x_mm,y_mm\n0,1,2\n0.01,one,2\n");
+
+  EXPECT_EQ(run_with({"sway", bad, good, good, "--json"}), cli::kUsage);
+
+  EXPECT_EQ(json().at("trials").size(), 2U);
+  EXPECT_EQ(json().at("problems").size(), 1U);
+  EXPECT_THAT(talk(), HasSubstr("bad.csv:3:6"));
+}
+
+TEST_F(SwayTest, FolderIsWalkedThrough_WithoutTheTableItself) {
+  std::filesystem::create_directories(directory_ / "all" / "deep");
+  write("all/b.csv", made::circle(1100));
+  write("all/deep/a.csv", made::circle(1200));
+  write("all/notes.txt", "nothing");
+
+  for (int again = 0; again < 2; ++again) {
+    ASSERT_EQ(run_with({"sway", path("all"), "--label", "eyes=open", "--table", path("all/out.csv"), "--json"}), cli::kOk) << talk();
+    ASSERT_EQ(json().at("trials").size(), 2U);
+    EXPECT_EQ(json().at("trials").at(1).at("n"), 1200);
+    EXPECT_EQ(json().at("trials").at(0).at("labels").at("eyes"), "open");
+  }
+  EXPECT_EQ(run_with({"sway", path("all/deep/nothing")}), cli::kUsage);
+}
+
+TEST_F(SwayTest, SimulatedRecording_IsMeasuredByTheReportsDefinition) {
+  const std::string file = path("standing.xdf");
+  ASSERT_EQ(run_with({"simulate", "floor", "--duration", "16", "--rate", "200", "--out", file}), cli::kOk) << talk();
+
+  ASSERT_EQ(run_with({"sway", file, "--json"}), cli::kOk) << talk();
+
+  ASSERT_GE(json().at("trials").size(), 1U);
+  const auto trial = json().at("trials").at(0);
+  EXPECT_EQ(trial.at("profile"), "lp10");
+  EXPECT_NEAR(trial.at("fs_hz").get<double>(), 100.0, 1.0);
+  EXPECT_TRUE(trial.contains("session"));
+  EXPECT_TRUE(trial.at("measures").contains("MVELO"));
+  EXPECT_EQ(json().at("recorded_results"), 0);
+}
+
+TEST_F(SwayTest, WrongUsage_SaysWhatIsMeant) {
+  const std::string file = write("circle.csv", made::circle(1100));
+  const auto says = [&](std::vector<std::string> words, const std::string& what) {
+    words.insert(words.begin(), {"sway", file});
+    EXPECT_EQ(run_with(words), cli::kUsage);
+    EXPECT_THAT(talk(), HasSubstr(what));
+  };
+
+  says({"--profile", "lp5"}, "asis");
+  says({"--label", "eyes"}, "is not NAME=VALUE");
+  says({"--label", "MVELO=3"}, "another name");
+  says({"--label", "eyes=open,closed"}, "2 values for 1 files");
+  says({"--rate", "nan"}, "hertz");
+  says({"--compare"}, "two measured trials; there are 1");
+  says({"--table", file}, "is the input file");
+  EXPECT_THAT(made::content(file), HasSubstr("t_s,x_mm,y_mm"));
+}
+
+// Sheet section 10, d01: computed independently, and published by the dataset's authors.
+TEST_F(SwayTest, RealRecording_HasThePublishedFigures) {
+  const std::string file = std::string(DTS_SOURCE_DIR) + "/../shared/data/cop/d01_bds00073_young_eo_firm.csv";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no recordings beside this checkout";
+
+  ASSERT_EQ(run_with({"sway", file, "--profile", "asis", "--json"}), cli::kOk) << talk();
+
+  EXPECT_NEAR(value("PEA95_F"), 304.5967519, 1e-7);
+  EXPECT_NEAR(value("PEA95_F"), 304.5967518695401, 1e-9 * 304.6);
+  EXPECT_NEAR(value("MVELO"), 8.187831842, 1e-9);
+}
+
+}  // namespace
+}  // namespace dts::lab::steadiness

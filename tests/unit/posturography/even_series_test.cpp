@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/special_numbers.h"
+#include "posturography/cop_series.h"
+#include "unit/posturography/sway_signals.h"
+
+namespace dts::posturography {
+namespace {
+
+using core::kNaN;
+
+/// Times of rows that may be uneven, and values that are known at any time.
+struct Table {
+  std::vector<double> t_s;
+  std::vector<double> ml_mm;
+  std::vector<double> ap_mm;
+
+  void add(double t) {
+    t_s.push_back(t);
+    ml_mm.push_back(ml_at(t));
+    ap_mm.push_back(1.0 - 2.0 * t);
+  }
+  static double ml_at(double t) { return std::sin(2.0 * t); }
+  [[nodiscard]] core::Result<CopSeries> even() const { return even_series(t_s, ml_mm, ap_mm); }
+};
+
+double written(double t, int decimals) { return std::round(t * std::pow(10.0, decimals)) / std::pow(10.0, decimals); }
+
+Table regular(double rate_hz, std::size_t rows, int decimals, double begin_s = 0.0) {
+  Table table;
+  for (std::size_t i = 0; i < rows; ++i) table.add(written(begin_s + static_cast<double>(i) / rate_hz, decimals));
+  return table;
+}
+
+TEST(EvenSeries, WrittenStampsOfWholeRates_GiveTheRatesExactly) {
+  struct Case {
+    double rate_hz;
+    int decimals;
+    double seconds;
+  };
+  for (const Case& each : {Case{100.0, 2, 60.0}, Case{100.0, 4, 60.0}, Case{1000.0, 4, 32.0}, Case{1500.0, 4, 60.0}, Case{1500.0, 6, 60.0},
+                           Case{60.0, 3, 30.0}, Case{75.0, 2, 30.0}, Case{120.0, 9, 5.0}, Case{1024.0, 4, 20.0}, Case{50.0, 2, 0.04}}) {
+    const Table table = regular(each.rate_hz, static_cast<std::size_t>(each.rate_hz * each.seconds), each.decimals, 0.01);
+
+    const auto series = table.even();
+
+    ASSERT_TRUE(series);
+    EXPECT_EQ(series->rate_hz, each.rate_hz) << each.decimals;
+    EXPECT_EQ(series->flags, 0U) << each.rate_hz;
+    EXPECT_EQ(series->ml_mm, table.ml_mm) << each.rate_hz;
+    EXPECT_EQ(series->ap_mm, table.ap_mm);
+    EXPECT_TRUE(series->load_n.empty());
+  }
+}
+
+TEST(EvenSeries, RateThatIsNotWhole_IsKept) {
+  for (const int decimals : {4, 6, 9}) {
+    const Table table = regular(1500.0375, 90'000, decimals);
+
+    const auto series = table.even();
+
+    ASSERT_TRUE(series);
+    EXPECT_NEAR(series->rate_hz, 1500.0375, 1e-4) << decimals;
+    EXPECT_NE(series->rate_hz, 1500.0);
+    EXPECT_EQ(series->flags, 0U);
+    EXPECT_EQ(series->ml_mm.size(), 90'000U);
+  }
+}
+
+TEST(EvenSeries, StampsOfTheClock) {
+  const auto series = regular(100.0, 3000, 4, 1'700'000'000.0).even();
+
+  ASSERT_TRUE(series);
+  EXPECT_EQ(series->rate_hz, 100.0);
+  EXPECT_EQ(series->flags, 0U);
+}
+
+TEST(EvenSeries, RowsThatAreNotThere_AreMissingSamples) {
+  Table table;
+  for (std::size_t i = 0; i < 90'000; ++i) {
+    if ((i >= 10 && i < 13) || (i >= 40'000 && i < 55'000)) continue;
+    table.add(written(static_cast<double>(i) / 1500.0, 4));
+  }
+
+  const auto series = table.even();
+
+  ASSERT_TRUE(series);
+  EXPECT_EQ(series->rate_hz, 1500.0);
+  ASSERT_EQ(series->ml_mm.size(), 90'000U);
+  EXPECT_EQ(series->flags, 0U);
+  for (const std::size_t i : {std::size_t{10}, std::size_t{12}, std::size_t{40'000}, std::size_t{54'999}}) {
+    EXPECT_TRUE(std::isnan(series->ml_mm[i])) << i;
+    EXPECT_TRUE(std::isnan(series->ap_mm[i])) << i;
+  }
+  EXPECT_EQ(series->ml_mm[9], table.ml_mm[9]);
+  EXPECT_EQ(series->ml_mm[13], table.ml_mm[10]);
+  EXPECT_EQ(series->ml_mm[55'000], table.ml_mm[39'997]);
+  EXPECT_EQ(series->ml_mm.back(), table.ml_mm.back());
+}
+
+TEST(EvenSeries, EmptyCellsAndLoadsStayWhereTheyAre) {
+  Table table = regular(50.0, 100, 2);
+  table.ml_mm[7] = kNaN;
+  const std::vector<double> load(100, 600.0);
+
+  const auto series = even_series(table.t_s, table.ml_mm, table.ap_mm, load);
+
+  ASSERT_TRUE(series);
+  EXPECT_TRUE(std::isnan(series->ml_mm[7]));
+  EXPECT_EQ(series->ap_mm[7], table.ap_mm[7]);
+  EXPECT_EQ(series->load_n, load);
+}
+
+TEST(EvenSeries, SlightlyUneven_IsInterpolatedLinearly) {
+  test::Noise noise(2);
+  Table table;
+  for (std::size_t i = 0; i < 2000; ++i) {
+    if (i == 500) continue;
+    table.add((static_cast<double>(i) + 0.16 * (noise.uniform() - 0.5)) / 100.0);
+  }
+
+  const auto series = table.even();
+
+  ASSERT_TRUE(series);
+  EXPECT_EQ(series->flags, sway_flag::kResampled);
+  EXPECT_NEAR(series->rate_hz, 100.0, 0.001);
+  ASSERT_EQ(series->ml_mm.size(), 2000U);
+  std::size_t missing = 0;
+  for (std::size_t i = 1; i + 1 < 2000; ++i) {
+    if (std::isnan(series->ml_mm[i])) {
+      ++missing;
+      continue;
+    }
+    // Values at the grid, not of the row: a row is up to 0.8 ms off, where the sine moves by 2 mm/s.
+    EXPECT_NEAR(series->ml_mm[i], Table::ml_at(static_cast<double>(i) / 100.0), 2.5e-4) << i;
+  }
+  EXPECT_EQ(missing, 1U);
+}
+
+TEST(EvenSeries, VeryUneven_IsAveragedOverWindows) {
+  test::Noise noise(2);
+  Table table;
+  double t = 0.0;
+  while (t < 30.0) {
+    table.add(t);
+    t += 0.004 + 0.012 * noise.uniform();
+    if (table.t_s.size() == 700) t += 1.0;
+  }
+
+  const auto series = table.even();
+
+  ASSERT_TRUE(series);
+  EXPECT_EQ(series->flags, sway_flag::kWindowAveraged);
+  EXPECT_NEAR(series->rate_hz, 100.0, 10.0);
+  EXPECT_EQ(series->rate_hz, std::round(series->rate_hz));
+  std::size_t missing = 0;
+  for (std::size_t i = 1; i + 2 < series->ml_mm.size(); ++i) {
+    const double at = static_cast<double>(i) / series->rate_hz;
+    if (std::isnan(series->ap_mm[i])) {
+      EXPECT_GT(at, table.t_s[699]);
+      EXPECT_LT(at, table.t_s[700]);
+      ++missing;
+    } else if (at < table.t_s[699] - 0.02 || at > table.t_s[700] + 0.02) {
+      EXPECT_NEAR(series->ap_mm[i], 1.0 - 2.0 * at, 0.02) << i;  // a window holds three rows at most 8 ms off its middle
+    }
+  }
+  EXPECT_NEAR(static_cast<double>(missing) / series->rate_hz, 1.0, 0.07);
+}
+
+TEST(EvenSeries, AverageOfUnevenRows_WeighsThemByTheirTime) {
+  // Rows every 0.1 s, and a crowd of five within 5 ms: it must not outweigh its neighbours.
+  std::vector<double> t_s;
+  std::vector<double> values;
+  for (int i = 0; i <= 200; ++i) {
+    t_s.push_back(0.1 * i);
+    values.push_back(0.0);
+    if (i != 100) continue;
+    for (int crowd = 1; crowd <= 5; ++crowd) {
+      t_s.push_back(10.0 + 0.001 * crowd);
+      values.push_back(100.0);
+    }
+  }
+
+  const auto series = even_series(t_s, values, values);
+
+  ASSERT_TRUE(series);
+  ASSERT_EQ(series->flags, sway_flag::kWindowAveraged);
+  ASSERT_EQ(series->rate_hz, 10.0);
+  // In the window 9.9 .. 10.1 the crowd holds from 10.0005 to half way to the next row at 10.1.
+  EXPECT_NEAR(series->ml_mm[100], 100.0 * (10.0525 - 10.0005) / 0.2, 1e-9);
+  EXPECT_EQ(series->ml_mm[98], 0.0);
+}
+
+TEST(EvenSeries, WhatIsNoSeriesIsRefused) {
+  const std::vector<double> three = {1.0, 2.0, 3.0};
+  const std::vector<double> two = {1.0, 2.0};
+  const auto code = [](const core::Result<CopSeries>& series) { return series ? core::ErrorCode{} : series.error().code; };
+  const auto invalid = core::ErrorCode::InvalidArgument;
+
+  EXPECT_EQ(code(even_series({}, {}, {})), invalid);
+  EXPECT_EQ(code(even_series(std::vector{1.0}, std::vector{1.0}, std::vector{1.0})), invalid);
+  EXPECT_EQ(code(even_series(three, two, three)), invalid);
+  EXPECT_EQ(code(even_series(three, three, two)), invalid);
+  EXPECT_EQ(code(even_series(three, three, three, two)), invalid);
+  EXPECT_EQ(code(even_series(std::vector{1.0, 2.0, 2.0}, three, three)), invalid);
+  EXPECT_EQ(code(even_series(std::vector{1.0, 0.5, 2.0}, three, three)), invalid);
+  EXPECT_EQ(code(even_series(std::vector{1.0, kNaN, 2.0}, three, three)), invalid);
+  EXPECT_EQ(code(even_series(std::vector{0.0, 1.0, std::numeric_limits<double>::infinity()}, three, three)), invalid);
+  EXPECT_EQ(code(even_series(std::vector{-1.7e308, 0.0, 1.7e308}, three, three)), invalid);
+  EXPECT_EQ(code(even_series(std::vector{0.0, 5e-324, 1e-323}, three, three)), invalid);
+}
+
+TEST(EvenSeries, HugeHole_IsRefusedAndNotAllocated) {
+  for (const double hole_s : {1e5, 1e9, 1e30, 1e300}) {
+    const std::vector<double> t_s = {0.0, 0.001, 0.002, 0.003, 0.004, hole_s};
+    const std::vector<double> values(t_s.size(), 1.0);
+
+    const auto series = even_series(t_s, values, values);
+
+    ASSERT_FALSE(series) << hole_s;
+    EXPECT_EQ(series.error().code, core::ErrorCode::InvalidArgument);
+    EXPECT_FALSE(series.error().hint.empty());
+  }
+}
+
+TEST(SwayFlags, HaveNamesAndSentences) {
+  using namespace sway_flag;
+  EXPECT_TRUE(names_of(0).empty());
+  EXPECT_EQ(names_of(kShortRecord | kCutAtGap | kDoubtful), (std::vector<std::string_view>{"short_record", "cut_at_gap", "doubtful"}));
+  EXPECT_EQ(names_of(~0U).size(), kCount);
+  for (std::uint32_t bit = 0; bit < kCount; ++bit) EXPECT_FALSE(sentence_of(1U << bit).empty()) << bit;
+  EXPECT_TRUE(sentence_of(1U << kCount).empty());
+  EXPECT_TRUE(sentence_of(0).empty());
+}
+
+}  // namespace
+}  // namespace dts::posturography

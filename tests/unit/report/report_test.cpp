@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "report/report.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <pugixml.hpp>
+
+#include "files/rig_file.h"
+#include "made_standing.h"
+#include "report/measure_tables.h"
+#include "report/number_text.h"
+#include "report/reference_columns.h"
+#include "report/session_data.h"
+
+namespace dts::report {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::vector<std::pair<std::string, std::string>> kOpen{{"eyes", "open"}, {"feet", "two"}};
+const std::vector<std::pair<std::string, std::string>> kClosed{{"eyes", "closed"}, {"feet", "two"}};
+
+/// A folder that goes with the test.
+class Folder {
+ public:
+  Folder() {
+    std::string name = ::testing::TempDir() + "dts-report-XXXXXX";
+    EXPECT_NE(::mkdtemp(name.data()), nullptr);
+    path_ = name;
+  }
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+class ReportTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::string write(const MadeStanding& made, const std::string& name = "a.xdf") {
+    return write_standing((directory_.path() / name).string(), made);
+  }
+  static bool always(double) { return true; }
+  [[nodiscard]] static Report report_of(const std::string& file) {
+    auto report = make_report({.files = {file}, .software = "test 1"}, always);
+    EXPECT_TRUE(report.has_value()) << (report ? "" : core::to_string(report.error()));
+    return report.value_or(Report{});
+  }
+  [[nodiscard]] static std::string page(const Report& report, const std::string& file) {
+    for (const Page& each : report.pages) {
+      if (each.file == file) return each.text;
+    }
+    ADD_FAILURE() << "no page " << file;
+    return {};
+  }
+  static MadeStanding two_trials() {
+    MadeStanding made{.length_s = 50.0};
+    add_trial(made, 1, 2.0, 20.0, "eyes-open", kOpen);
+    add_trial(made, 2, 25.0, 20.0, "eyes-closed", kClosed);
+    return made;
+  }
+  static void expect_well_formed(const Report& report) {
+    for (const Page& each : report.pages) {
+      pugi::xml_document document;
+      const auto parsed = document.load_string(each.text.c_str(), pugi::parse_default | pugi::parse_doctype);
+      EXPECT_TRUE(parsed) << each.file << ": " << parsed.description() << " at "
+                          << each.text.substr(static_cast<std::size_t>(parsed.offset), 80);
+      EXPECT_LT(each.text.size(), 1'000'000U) << each.file;
+      EXPECT_EQ(each.text.find("nan"), std::string::npos) << each.file << each.text.substr(each.text.find("nan") - 60, 100);
+      EXPECT_NE(each.text.substr(0, 1024).find(kPageMark), std::string::npos) << each.file;
+    }
+  }
+
+  Folder directory_;
+};
+
+TEST_F(ReportTest, OfNoRecording_Fails) {
+  EXPECT_FALSE(make_report({.files = {"no/such/file.xdf"}, .software = "test"}, always));
+  EXPECT_FALSE(make_report({.files = {}, .software = "test"}, always));
+}
+
+TEST_F(ReportTest, OfTrials_IsAPageForEachAndOneForTheSession) {
+  const Report report = report_of(write(two_trials()));
+
+  std::vector<std::string> files;
+  for (const Page& each : report.pages) files.push_back(each.file);
+  EXPECT_THAT(files, ElementsAre("session.html", "session.svg", "trial-01.html", "trial-01.svg", "trial-02.html", "trial-02.svg"));
+  EXPECT_EQ(report.session_id, "20261121T144525Z-floor-1");
+  expect_well_formed(report);
+}
+
+TEST_F(ReportTest, TheSameRecording_GivesTheSameBytes) {
+  const std::string file = write(two_trials());
+  const std::string elsewhere = (directory_.path() / "folder").string();
+  std::filesystem::create_directory(elsewhere);
+  std::filesystem::copy_file(file, elsewhere + "/a.xdf");
+  std::filesystem::copy_file(file + ".idx", elsewhere + "/a.xdf.idx");
+
+  const Report first = report_of(file);
+  const Report second = report_of(elsewhere + "/a.xdf");
+
+  ASSERT_EQ(first.pages.size(), second.pages.size());
+  for (std::size_t index = 0; index < first.pages.size(); ++index) {
+    EXPECT_EQ(first.pages[index].text, second.pages[index].text) << first.pages[index].file;
+  }
+}
+
+TEST_F(ReportTest, ValuesOfAPage_AreThoseOfTheAnalysis) {
+  const std::string file = write(two_trials());
+  const auto session = read_session({.files = {file}, .software = "test"}, always);
+  ASSERT_TRUE(session.has_value());
+  const auto again = posturography::analyse(session->trials[0].recorded.cop, {.preparation = posturography::kReportPreparation});
+  ASSERT_TRUE(again.has_value());
+  EXPECT_EQ(again->samples, 2000U);
+
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(page(report_of(file), "trial-01.html").c_str()));
+  const auto value_beside = [&](const std::string& name, int column) {
+    const std::string path = "//tr[td[1]='" + name + "']/td[" + std::to_string(column) + "]";
+    return std::string(document.select_node(path.c_str()).node().text().as_string());
+  };
+  using posturography::Measure;
+  EXPECT_EQ(value_beside("Mean velocity", 2), significant(*again->measures.get(Measure::Mvelo)));
+  EXPECT_EQ(value_beside("MVELO, mean velocity", 3), significant(*again->measures.get(Measure::MveloAp)));
+  EXPECT_EQ(value_beside("RANGE, largest between two points", 4), significant(*again->measures.get(Measure::RangeMl)));
+  EXPECT_EQ(value_beside("PEA95-F, 95 % prediction ellipse", 2), significant(*again->measures.get(Measure::Pea95F)));
+  EXPECT_EQ(value_beside("PF50, median frequency", 3), significant(*again->measures.get(Measure::Pf50Ap)));
+  EXPECT_EQ(value_beside("SampEn, m = 2, r = 0.2, 20 Hz", 4), significant(*again->measures.get(Measure::SampenMl)));
+}
+
+TEST_F(ReportTest, EveryMeasure_HasItsPlaceInTheTable) {
+  TrialData trial;
+  trial.analysis.emplace();
+  for (std::size_t index = 0; index < posturography::kMeasureCount; ++index) {
+    trial.analysis->measures.set(static_cast<posturography::Measure>(index), 1000.0 + static_cast<double>(index));
+  }
+  std::vector<std::string> cells;
+  for (const Row& row : all_measures(trial).rows) cells.insert(cells.end(), row.cells.begin(), row.cells.end());
+
+  for (std::size_t index = 0; index < posturography::kMeasureCount; ++index) {
+    EXPECT_EQ(std::ranges::count(cells, std::to_string(1000 + index)), 1)
+        << posturography::info(static_cast<posturography::Measure>(index)).symbol;
+  }
+}
+
+TEST_F(ReportTest, Page_SaysWhoWhenAndWhereFrom) {
+  const std::string text = page(report_of(write(two_trials())), "trial-02.html");
+
+  EXPECT_THAT(text, AllOf(HasSubstr("P017"), HasSubstr("quiet-standing"), HasSubstr("eyes closed, feet two"),
+                          HasSubstr("dtsd 0.1.0; computed by test 1"), HasSubstr("USB-6008, serial 0123"), HasSubstr("a.xdf, SHA-256 "),
+                          HasSubstr("window_filter window_scans=3")));
+  EXPECT_THAT(text, HasSubstr("2026-11-21 14:45:50 UTC")) << "25 s after the segment began";
+  EXPECT_THAT(text, HasSubstr("1.05 mm (RMSE)"));
+  EXPECT_THAT(text, AllOf(Not(HasSubstr("abnormal")), Not(HasSubstr("Synthetic"))));
+  EXPECT_THAT(text, Not(HasSubstr(directory_.path().string()))) << "folders are of one machine";
+}
+
+TEST_F(ReportTest, SimulatedData_AreCalledSynthetic) {
+  MadeStanding made = two_trials();
+  made.facts.device_uri = "sim:floor?seed=3";
+  const Report report = report_of(write(made));
+
+  for (const Page& each : report.pages) EXPECT_THAT(each.text, HasSubstr("Synthetic data")) << each.file;
+}
+
+TEST_F(ReportTest, References_AreShownOnlyWhereTheLabelsMatch) {
+  MadeStanding made{.length_s = 100.0};
+  add_trial(made, 1, 1.0, 20.0, "a", kOpen);
+  add_trial(made, 2, 25.0, 20.0, "b", {{"eyes", "open"}, {"feet", "one"}});
+  add_trial(made, 3, 50.0, 20.0, "c", {{"eyes", "open"}, {"feet", "two"}, {"surface", "grass"}});
+  add_trial(made, 4, 75.0, 20.0, "d", {});
+  const Report report = report_of(write(made));
+
+  EXPECT_THAT(page(report, "trial-01.html"), AllOf(HasSubstr("Ref. 1"), HasSubstr("Santos"), HasSubstr("a firm one is assumed"),
+                                                   HasSubstr("The reference ranges are of trials of 60 s, this trial has 20.0 s")));
+  for (const char* name : {"trial-02.html", "trial-03.html", "trial-04.html"})
+    EXPECT_THAT(page(report, name), Not(HasSubstr("Ref. 1"))) << name;
+}
+
+TEST(ReferenceColumns, Ranges_HaveTheDigitsThatWerePublished) {
+  const auto protocols = posturography::reference_protocols();
+  const auto text = [&](std::size_t protocol, posturography::Measure measure) { return range_text(protocols[protocol], measure); };
+  using posturography::Measure;
+
+  EXPECT_EQ(text(0, Measure::Pea95F), "223 (91-480)");
+  EXPECT_EQ(text(0, Measure::AreaSw), "12.2 (5.6-26.6)");
+  EXPECT_EQ(text(0, Measure::Mfreq), "0.286 (0.19-0.51)");
+  EXPECT_EQ(text(1, Measure::Rdist), "6.00 (3.56-9.56)");
+  EXPECT_EQ(text(2, Measure::Mdist), "11.1 (8.5-14.8)");
+  EXPECT_EQ(text(0, Measure::SdaHsAp), "0.846 (0.77-0.90)");
+  EXPECT_EQ(text(2, Measure::Pea95F), "1449 (858-2403)");
+  EXPECT_EQ(text(0, Measure::SampenAp), "");
+}
+
+// Below 80 rem two tables are wider than a screen: they stand one below the other there, and pictures side by side.
+TEST_F(ReportTest, SectionsOfTables_AreToldFromPictures) {
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(page(report_of(write(two_trials())), "trial-01.html").c_str()));
+
+  EXPECT_EQ(document.select_nodes("//section[@class='pictures']/div/figure").size(), 3U);
+  EXPECT_EQ(document.select_nodes("//section[@class='tables']//table").size(), 2U);
+  EXPECT_EQ(document.select_nodes("//section").size(), 2U);
+}
+
+TEST_F(ReportTest, PublishedQuotients_OnlyOfTheStanceThatTheyAreOf) {
+  MadeStanding made{.length_s = 50.0};
+  add_trial(made, 1, 2.0, 20.0, "eyes-open", {{"eyes", "open"}});
+  add_trial(made, 2, 25.0, 20.0, "eyes-closed", {{"eyes", "closed"}});
+  const std::string text = page(report_of(write(made)), "session.html");
+  EXPECT_THAT(text, AllOf(HasSubstr("Romberg quotient"), Not(HasSubstr("1.11 (0.80-1.32)"))));
+}
+
+TEST_F(ReportTest, PublishedQuotientsOfAnotherDuration_AreSaidToBe) {
+  EXPECT_THAT(page(report_of(write(two_trials())), "session.html"), HasSubstr("These trials last 20.0 s."));
+}
+
+TEST_F(ReportTest, SessionPage_HasMeansQuotientsAndWhatWasLeftOut) {
+  MadeStanding made = two_trials();
+  made.length_s = 100.0;
+  add_trial(made, 3, 50.0, 20.0, "eyes-open", kOpen, "rejected");
+  add_trial(made, 4, 75.0, 20.0, "eyes-open", kOpen, "redone");
+  const std::string text = page(report_of(write(made)), "session.html");
+
+  EXPECT_THAT(text, AllOf(HasSubstr("Romberg quotient"), HasSubstr("1.11 (0.80-1.32)"), HasSubstr("below 1 is common and no error")));
+  EXPECT_THAT(text, AllOf(HasSubstr("Trial 3: rejected: does not count."), HasSubstr("Trial 4: redone: does not count.")));
+  EXPECT_THAT(text, AllOf(HasSubstr("eyes-open (n = 1)"), HasSubstr(">feet two</th>")));
+  EXPECT_THAT(text, HasSubstr("href=\"trial-03.html\""));
+}
+
+TEST_F(ReportTest, Quotient_IsThatOfTheMeans) {
+  const std::string file = write(two_trials());
+  const auto session = read_session({.files = {file}, .software = "test"}, always);
+  ASSERT_TRUE(session.has_value());
+  using posturography::Measure;
+  const double open = *session->trials[0].analysis->measures.get(Measure::Mvelo);
+  const double closed = *session->trials[1].analysis->measures.get(Measure::Mvelo);
+
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_string(page(report_of(file), "session.html").c_str()));
+  const auto cells = document.select_nodes("//tr[td[1]='MVELO']/td[2]");
+  ASSERT_EQ(cells.size(), 2U);
+  EXPECT_STREQ(cells[1].node().text().as_string(), significant(closed / open).c_str());
+}
+
+TEST_F(ReportTest, WithoutTrials_EveryStandingIsAPage) {
+  MadeStanding made{.length_s = 45.0};
+  const auto steps_off = [](const std::function<double(double)>& mm) {
+    return [mm](double t_s) { return t_s > 20.0 && t_s < 25.0 ? std::numeric_limits<double>::quiet_NaN() : mm(t_s); };
+  };
+  made.ml_mm = steps_off(made.ml_mm);
+  made.ap_mm = steps_off(made.ap_mm);
+  const Report report = report_of(write(made));
+
+  ASSERT_EQ(report.pages.size(), 6U);
+  EXPECT_EQ(report.pages[4].file, "standing-02.html");
+  expect_well_formed(report);
+}
+
+TEST_F(ReportTest, HostileTexts_AreEscaped) {
+  const std::string bad = "</title><script>alert(\"1\")</script> ' & \x01\x1b[31m \xff\xfe {{title}} {{{svg}}}";
+  MadeStanding made{.length_s = 30.0};
+  made.facts.subject = made.facts.label = made.facts.protocol = made.facts.device_model = made.facts.session_id = bad;
+  made.facts.fields = {{bad, bad}};
+  add_trial(made, 1, 1.0, 20.0, bad, {{"eyes", bad}});
+  const Report report = report_of(write(made));
+
+  expect_well_formed(report);
+  for (const Page& each : report.pages) {
+    EXPECT_THAT(each.text, AllOf(Not(HasSubstr("<script")), Not(HasSubstr("\x1b")), Not(HasSubstr("\xff")))) << each.file;
+  }
+  EXPECT_THAT(page(report, "trial-01.html"), HasSubstr("{{title}}")) << "texts are no templates";
+}
+
+TEST_F(ReportTest, Page_FetchesNothing) {
+  for (const Page& each : report_of(write(two_trials())).pages) {
+    EXPECT_THAT(each.text, AllOf(Not(HasSubstr("<script")), Not(HasSubstr("src=")), Not(HasSubstr("url(")), Not(HasSubstr("@import")),
+                                 Not(HasSubstr("<link"))));
+    if (each.file.ends_with(".html")) {
+      EXPECT_THAT(each.text, HasSubstr("default-src 'none'; style-src 'unsafe-inline'"));
+    }
+  }
+}
+
+TEST_F(ReportTest, OddTrials_DoNotBreakAPage) {
+  MadeStanding made{.length_s = 120.0};
+  made.ml_mm = [](double t_s) { return t_s < 30.0 ? 5.0 : made_sway(t_s, 0.3); };
+  made.ap_mm = [](double t_s) {
+    return t_s < 30.0 ? 5.0 : (t_s > 60.0 && t_s < 61.0 ? std::numeric_limits<double>::quiet_NaN() : made_sway(t_s, 0.8));
+  };
+  add_trial(made, 1, 1.0, 20.0, "at rest", kOpen);
+  add_trial(made, 2, 35.0, 0.01, "one sample", kOpen);
+  add_trial(made, 3, 36.0, 5.0, "short", kOpen);
+  add_trial(made, 4, 50.0, 30.0, "with a gap", kOpen);
+  add_trial(made, 5, 500.0, 20.0, "not recorded", kOpen);
+  const Report report = report_of(write(made));
+
+  expect_well_formed(report);
+  EXPECT_THAT(page(report, "trial-01.html"), HasSubstr("not defined: the COP does not move"));
+  EXPECT_THAT(page(report, "trial-02.html"), HasSubstr("Nothing could be computed"));
+  EXPECT_THAT(page(report, "trial-03.html"), HasSubstr("no spectrum: needs 10 s and 200 samples"));
+  EXPECT_THAT(page(report, "trial-04.html"), HasSubstr("cut_at_gap"));
+  EXPECT_THAT(page(report, "trial-05.html"), HasSubstr("no sample of the centre of pressure"));
+}
+
+TEST_F(ReportTest, LongTrial_StaysBelowOneMegabyte) {
+  MadeStanding made{.rate_hz = 1000, .length_s = 300.0};
+  add_trial(made, 1, 1.0, 290.0, "long", kOpen);
+  expect_well_formed(report_of(write(made)));
+}
+
+TEST_F(ReportTest, RecordingOfAChair_IsRefusedWithAWord) {
+  const auto report = make_report({.files = {write({.length_s = 20.0, .has_cop = false})}, .software = "test"}, always);
+
+  ASSERT_FALSE(report.has_value());
+  EXPECT_EQ(report.error().code, core::ErrorCode::NotFound);
+  EXPECT_THAT(report.error().what, HasSubstr("floor platform so far"));
+}
+
+TEST_F(ReportTest, WhoeverNoLongerWaits_IsObeyed) {
+  const std::string file = write(two_trials());
+  for (const int calls : {0, 3, 20}) {
+    int asked = 0;
+    const auto report = make_report({.files = {file}, .software = "test"}, [&](double) { return asked++ < calls; });
+    ASSERT_FALSE(report.has_value()) << calls;
+    EXPECT_THAT(report.error().what, HasSubstr("interrupted"));
+  }
+}
+
+TEST_F(ReportTest, RigDefinition_GivesThePlate) {
+  MadeStanding made = two_trials();
+  made.facts.rig_definition = files::rig_definition(std::string(DTS_SOURCE_DIR) + "/config/rigs/floor-sim.toml").value_or("");
+  EXPECT_THAT(page(report_of(write(made)), "trial-01.svg"), HasSubstr("plate, 430 x"));
+}
+
+TEST_F(ReportTest, BrokenRigDefinition_IsNoPlate) {
+  MadeStanding made = two_trials();
+  made.facts.rig_definition = "this is no TOML [";
+  EXPECT_THAT(page(report_of(write(made)), "trial-01.svg"), Not(HasSubstr("picture on the")));
+}
+
+}  // namespace
+}  // namespace dts::report

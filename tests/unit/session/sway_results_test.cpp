@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "session/sway_results.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+#include <string>
+
+#include "session/sway_record.h"
+#include "sway_signal.h"
+
+namespace dts::session {
+namespace {
+
+using enum TrialEventKind;
+
+posturography::Analysis expected(std::uint64_t first, std::uint64_t end) {
+  posturography::CopSeries series{.rate_hz = kRateHz};
+  for (std::uint64_t scan = first; scan < end; ++scan) {
+    series.ml_mm.push_back(static_cast<float>(ml_at(scan)));
+    series.ap_mm.push_back(static_cast<float>(ap_at(scan)));
+  }
+  return *posturography::analyse(series, {.preparation = posturography::kReportPreparation});
+}
+
+/// Trial `trial` from `first` to `first + 2000`, told when it happens.
+void measure(SwayResults& results, std::uint32_t trial, std::uint64_t first, const std::string& condition = "eyes-open-two-feet",
+             double scale = 1.0) {
+  results.take(standing_step(Measure, trial, condition), 0, {first});
+  for (std::uint64_t scan = first; scan < first + 2000; scan += 40) results.take(cop_block(scan, 40, 0, scale));
+  results.take(standing_step(Done, trial, condition), 0, {first + 2000});
+  results.take(cop_block(first + 2000, 40, 0, scale));
+}
+
+TEST(SwayResults, OfATrialAreTheAnalysisOfItsSamplesWhateverTheBlockSize) {
+  for (const std::size_t size : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{250}}) {
+    SwayResults results(rate_100(), rate_100());
+    std::uint64_t next = 0;
+    const auto run_to = [&](std::uint64_t end) {
+      for (; next < end; next += size) results.take(cop_block(next, size));
+    };
+    run_to(310);
+    results.take(standing_step(Measure, 1), 0, {300});  // told a little late
+    run_to(2330);
+    results.take(standing_step(Done, 1), 0, {2300});
+    const auto decided = results.take_decided();
+    ASSERT_EQ(decided.size(), 1U) << size;
+    EXPECT_EQ(decided[0].first_scan.value, 300U);
+    EXPECT_EQ(decided[0].end_scan.value, 2300U);
+    ASSERT_TRUE(decided[0].analysis) << decided[0].problem;
+    EXPECT_EQ(decided[0].analysis->samples, 2000U);
+    EXPECT_EQ(decided[0].analysis->measures, expected(300, 2300).measures) << size;
+    EXPECT_TRUE(results.take_decided().empty());
+  }
+}
+
+TEST(SwayResults, WaitsForTheLastSamples) {
+  SwayResults results(rate_100(), rate_100());
+  results.take(standing_step(Measure, 1), 0, {0});
+  results.take(cop_block(0, 1990));
+  results.take(standing_step(Done, 1), 0, {2000});
+  EXPECT_TRUE(results.take_decided().empty());
+  results.take(cop_block(1990, 10));
+  EXPECT_TRUE(results.take_decided().empty()) << "running values are told a little later";
+  results.take(cop_block(2000, 20));
+  EXPECT_EQ(results.take_decided().size(), 1U);
+}
+
+TEST(SwayResults, KeepTrialsThatFollowWithoutRestApart) {
+  SwayResults results(rate_100(), rate_100());
+  results.take(standing_step(Measure, 1), 0, {0});
+  results.take(cop_block(0, 1990));
+  results.take(standing_step(Done, 1), 0, {2000});
+  results.take(standing_step(Measure, 2), 0, {2000});  // while the first still waits
+  results.take(cop_block(1990, 2030));
+  results.take(standing_step(Done, 2), 0, {4000});
+  const auto decided = results.take_decided();
+  ASSERT_EQ(decided.size(), 2U);
+  EXPECT_EQ(decided[0].analysis->measures, expected(0, 2000).measures);
+  EXPECT_EQ(decided[1].analysis->measures, expected(2000, 4000).measures);
+}
+
+TEST(SwayResults, SayWhyThereIsNone) {
+  SwayResults results(rate_100(), rate_100());
+  results.take(standing_step(Measure, 1), 0, {0});
+  results.take(cop_block(0, 1000));
+  results.take(cop_block(0, 500, 1));  // a gap
+  results.take(standing_step(Done, 1), 1, {400});
+  results.take(standing_step(Measure, 2), 1, {400});
+  results.take(standing_step(Done, 2), 1, {2400});  // the session ends before its samples come
+  results.finish();
+  const auto decided = results.take_decided();
+  ASSERT_EQ(decided.size(), 2U);
+  EXPECT_FALSE(decided[0].analysis || decided[1].analysis);
+  EXPECT_EQ(decided[0].problem, "a gap in the data divides it");
+  EXPECT_EQ(decided[1].problem, "the session ended before its last samples came");
+  EXPECT_TRUE(results.summary().empty());
+}
+
+TEST(SwayResults, SayWhenATrialHasNoSamplesOrTooMany) {
+  SwayResults results(rate_100(), rate_100());
+  results.take(cop_block(0, 1000));
+  results.take(standing_step(Measure, 1), 0, {1000});
+  results.take(standing_step(Done, 1), 0, {1000});  // the device was silent meanwhile
+  constexpr std::uint64_t kEnd = 1000 + CopTrace::kMostSamples + 1000;
+  results.take(standing_step(Measure, 2), 0, {1000});
+  results.take(cop_block(kEnd - 100, 100));
+  results.take(standing_step(Done, 2), 0, {kEnd});
+  results.finish();
+  const auto decided = results.take_decided();
+  ASSERT_EQ(decided.size(), 2U);
+  EXPECT_EQ(decided[0].problem, "no samples came while it was measured");
+  EXPECT_THAT(decided[1].problem, testing::HasSubstr("longer than 10 min"));  // whatever else is wrong with it
+}
+
+TEST(SwayResults, SamplesLostOnTheWayAreNeverAnalysedAround) {
+  SwayResults results(rate_100(), rate_100());
+  results.take(standing_step(Measure, 1), 0, {0});
+  results.take(cop_block(0, 500));
+  results.take(cop_block(501, 1600));  // one sample did not come; in the recording it stands
+  results.take(standing_step(Done, 1), 0, {2000});
+  const auto decided = results.take_decided();
+  ASSERT_EQ(decided.size(), 1U);
+  EXPECT_FALSE(decided[0].analysis);
+  EXPECT_NE(decided[0].problem.find("lost on the way"), std::string::npos) << decided[0].problem;
+}
+
+TEST(SwayResults, ARedoneTrialIsVoid) {
+  SwayResults results(rate_100(), rate_100());
+  measure(results, 1, 0);
+  results.take(standing_step(Redone, 1), 0, {2100});
+  EXPECT_TRUE(results.take_decided().empty());
+  EXPECT_TRUE(results.summary().empty());
+}
+
+TEST(SwayResults, MemoryOfAnEndlessTrialIsBounded) {
+  CopTrace trace(rate_100(), rate_100());
+  trace.keep_from(core::ScanIndex{0});
+  core::Block block(3, 100'000);
+  block.set_count(block.capacity());
+  for (; block.first_scan.value < CopTrace::kMostSamples; block.first_scan.value += block.count()) trace.take(block);
+  EXPECT_TRUE(trace.cut(0, {0}, {100}));
+  trace.take(block);
+  EXPECT_FALSE(trace.cut(0, {0}, {100})) << "the oldest are forgotten";
+  EXPECT_TRUE(trace.cut(0, {100'000}, {200'000}));
+}
+
+TEST(SwayResults, ASlowerCopStreamIsCutAtTheRightScans) {
+  CopTrace trace(*core::Rate::create(1500, 1), rate_100());
+  trace.take(cop_block(0, 400));
+  const auto cut = trace.cut(0, {1500}, {4500});
+  ASSERT_TRUE(cut);
+  EXPECT_EQ(cut->ml_mm.size(), 200U);
+  EXPECT_EQ(cut->ml_mm[0], static_cast<float>(ml_at(100)));
+}
+
+double figure(const std::vector<SessionFigure>& figures, const std::string& name) {
+  const auto found = std::ranges::find(figures, name, &SessionFigure::name);
+  return found == figures.end() ? -1.0 : found->value;
+}
+
+TEST(SwaySummary, HasMeansByConditionAndRombergQuotients) {
+  SwayResults results(rate_100(), rate_100());
+  measure(results, 1, 0, "eyes-open-two-feet", 1.0);
+  measure(results, 2, 2040, "eyes-closed-two-feet", 2.0);
+  measure(results, 3, 4080, "eyes-open-two-feet", 3.0);
+  const auto decided = results.take_decided();
+  ASSERT_EQ(decided.size(), 3U);
+  const auto rdist = [&](std::size_t trial) { return *decided[trial].analysis->measures.get(posturography::Measure::Rdist); };
+  const auto figures = results.summary();
+  const double open = (rdist(0) + rdist(2)) / 2.0;
+  EXPECT_DOUBLE_EQ(figure(figures, "eyes-open-two-feet/RDIST"), open);
+  EXPECT_DOUBLE_EQ(figure(figures, "eyes-closed-two-feet/RDIST"), rdist(1));
+  EXPECT_DOUBLE_EQ(figure(figures, "romberg/feet=two/RDIST"), rdist(1) / open);
+}
+
+TEST(SwaySummary, NoQuotientOfTrialsOfDifferentLengthStanceOrEyesAlone) {
+  SwayResults results(rate_100(), rate_100());
+  measure(results, 1, 0, "eyes-open-two-feet");
+  results.take(standing_step(Measure, 2, "eyes-closed-two-feet"), 0, {2040});
+  results.take(cop_block(2040, 3020));
+  results.take(standing_step(Done, 2, "eyes-closed-two-feet"), 0, {5040});
+  auto trials = results.take_decided();
+  ASSERT_EQ(trials.size(), 2U);
+  const auto has_quotient = [](const std::vector<SwayTrialResult>& of) {
+    const auto figures = sway_summary(of);
+    return std::ranges::any_of(figures, [](const SessionFigure& each) { return each.name.starts_with("romberg/"); });
+  };
+  EXPECT_FALSE(has_quotient(trials));  // 20 s against 30 s
+  trials[1].analysis->duration_s = trials[0].analysis->duration_s;
+  EXPECT_TRUE(has_quotient(trials));
+  trials[1].labels[1].second = "one";
+  EXPECT_FALSE(has_quotient(trials));
+}
+
+TEST(SwaySummary, NoQuotientOfConditionsThatAreTwiceThere) {
+  SwayResults results(rate_100(), rate_100());
+  measure(results, 1, 0, "eyes-open-before", 1.0);
+  measure(results, 2, 2040, "eyes-closed", 2.0);
+  measure(results, 3, 4080, "eyes-open-after", 3.0);
+  auto trials = results.take_decided();
+  ASSERT_EQ(trials.size(), 3U);
+  std::set<std::string> names;
+  for (const SessionFigure& each : sway_summary(trials)) {
+    EXPECT_TRUE(names.insert(each.name).second) << each.name << " twice";
+    EXPECT_FALSE(each.name.starts_with("romberg/")) << each.name << ": of which of the two?";
+  }
+  trials.pop_back();
+  EXPECT_GT(figure(sway_summary(trials), "romberg/feet=two/RDIST"), 0.0);
+}
+
+TEST(SwaySummary, LeavesInvalidTrialsOut) {
+  SwayResults results(rate_100(), rate_100());
+  measure(results, 1, 0);
+  auto trials = results.take_decided();
+  trials[0].analysis->flags |= posturography::sway_flag::kSteppedOff;
+  EXPECT_TRUE(sway_summary(trials).empty());
+}
+
+TEST(SwayRecord, ReadsBackAsItWasWritten) {
+  SwayResults results(rate_100(), rate_100());
+  measure(results, 7, 0);
+  const SwayTrialResult result = results.take_decided().at(0);
+  const std::string json = record::to_json(to_record(result, "dtsd 1.2.3"));
+  const auto event = record::event_of_json(json);
+  ASSERT_TRUE(event);
+  EXPECT_EQ(record::text_of(*event, "software"), "dtsd 1.2.3");
+  EXPECT_EQ(record::to_json(*event), json);  // the catalogue keeps what was read
+  const auto back = sway_of(*event);
+  ASSERT_TRUE(back) << back.error().what;
+  EXPECT_EQ(back->trial, 7U);
+  EXPECT_EQ(back->labels, result.labels);
+  EXPECT_EQ(back->end_scan, result.end_scan);
+  EXPECT_EQ(back->analysis->measures, result.analysis->measures);  // to the bit
+  EXPECT_EQ(back->analysis->flags, result.analysis->flags);
+  EXPECT_EQ(json.find("null"), std::string::npos);
+}
+
+TEST(SwayRecord, RefusesWhatIsMissingOrImpossible) {
+  SwayResults results(rate_100(), rate_100());
+  measure(results, 1, 0);
+  const record::RecordedEvent good = to_record(results.take_decided().at(0), "dtsd");
+  for (const std::string key : {"trial", "condition", "labels", "profile", "rate_hz", "duration_s", "flags", "measures", "first_scan"}) {
+    record::RecordedEvent bad = good;
+    std::erase_if(bad.values, [&](const auto& value) { return value.first == key; });
+    const auto read = sway_of(bad);
+    ASSERT_FALSE(read) << key;
+    EXPECT_NE(read.error().what.find(key), std::string::npos) << read.error().what;
+  }
+  record::RecordedEvent bad = good;
+  for (auto& [key, value] : bad.values) {
+    if (key == "rate_hz") value = -1.0;
+  }
+  EXPECT_FALSE(sway_of(bad));
+}
+
+}  // namespace
+}  // namespace dts::session

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: Apache-2.0
+// From outside: somebody on the plate jumps from foot to foot, the daemon says when (dtsctl, CLOCK_MONOTONIC), and the frames of the screen
+// show when the dot has jumped. Nothing of what the page says of itself is used.
+import assert from 'node:assert/strict';
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import path from 'node:path';
+
+import { pause, waitFor } from './support.mjs';
+
+const halfMm = 8;
+const restS = 0.83; // no multiple of a block or a frame
+const jumps = 100;
+
+/** A device on which the centre of pressure jumps between two places. */
+export const stepsDevice = () => {
+  const rows = Array.from({ length: jumps }, (_, jump) => {
+    const [from, x] = [jump * restS, jump % 2 === 0 ? -halfMm : halfMm];
+    return `${from.toFixed(4)},${x},0\n${(from + restS - 0.0005).toFixed(4)},${x},0\n`;
+  });
+  const folder = mkdtempSync('/tmp/dts-steps-');
+  process.on('exit', () => rmSync(folder, { recursive: true }));
+  const file = path.join(folder, 'steps.csv');
+  writeFileSync(file, `t_s,x_mm,y_mm\n${rows.join('')}`);
+  return `sim:floor?seed=7&cop=${file}&loop=1`;
+};
+
+/** CLOCK_REALTIME minus CLOCK_MONOTONIC, ms. */
+const realtimeOffsetMs = () => {
+  const before = Date.now();
+  let now = before;
+  while (now === before) now = Date.now();
+  return now - Number(process.hrtime.bigint()) / 1e6;
+};
+
+/** Host times, in ms, of the newest scan of each block in which the dot has crossed over, and where to. */
+const jumpsIn = (blocks) => {
+  const found = [];
+  let side = 0;
+  for (const { values, channels, host_time_ns: firstNs, rate_hz: rateHz } of blocks) {
+    const newest = values.at(-1)[channels.indexOf('ml_mm')];
+    if (newest === null || Math.abs(newest) < halfMm / 2) continue;
+    if (side !== 0 && Math.sign(newest) !== side) found.push({ timeMs: firstNs / 1e6 + ((values.length - 1) * 1000) / rateHz, side: Math.sign(newest) });
+    side = Math.sign(newest);
+  }
+  return found;
+};
+
+/** Runs in a page: where the vermillion dot is in each picture, as x; null: not there. The dot of the inset is a tenth of it. */
+const findDots = async (pictures) => {
+  const canvas = document.createElement('canvas');
+  const context = canvas.getContext('2d', { willReadFrequently: true });
+  const found = [];
+  for (const picture of pictures) {
+    const image = await createImageBitmap(await (await fetch(`data:image/jpeg;base64,${picture}`)).blob());
+    [canvas.width, canvas.height] = [image.width, image.height];
+    context.drawImage(image, 0, 0);
+    const { data } = context.getImageData(0, 0, image.width, image.height);
+    let [sum, count] = [0, 0];
+    for (let at = 0; at < data.length; at += 4) {
+      if (data[at] < 170 || data[at + 1] > 120 || data[at + 2] > 60) continue;
+      sum += (at / 4) % image.width;
+      count += 1;
+    }
+    found.push(count > 20 ? sum / count : null);
+  }
+  return found;
+};
+
+const recordScreen = async (page, forMs) => {
+  const frames = [];
+  page.on('Page.screencastFrame', ({ data, metadata, sessionId }) => {
+    frames.push({ data, shownMs: metadata.timestamp * 1000, heldMs: Number(process.hrtime.bigint()) / 1e6 });
+    void page.send('Page.screencastFrameAck', { sessionId });
+  });
+  await page.send('Page.startScreencast', { format: 'jpeg', quality: 80, maxWidth: 640, maxHeight: 400 });
+  await pause(forMs);
+  await page.send('Page.stopScreencast');
+  return frames;
+};
+
+/** For each jump, the first frame of the half second after it that shows the dot on the new side. */
+const match = (found, frames, middle) => {
+  const result = { shownMs: [], heldMs: [] };
+  for (const { timeMs, side } of found) {
+    const isShown = ({ x, shownMs }) => shownMs > timeMs && shownMs < timeMs + 500 && x !== null && Math.sign(x - middle) === side;
+    const first = frames.find(isShown);
+    if (first === undefined) continue;
+    result.shownMs.push(first.shownMs - timeMs);
+    result.heldMs.push(first.heldMs - timeMs);
+  }
+  return result;
+};
+
+/** Latencies of the jumps of `seconds`, by the browser's stamp of the frame and by its arrival here. */
+export const measurePixels = async (daemon, page, seconds) => {
+  await pause(25_000); // the picture's zoom follows the ellipse of 20 s
+  const watch = daemon.watch('floor/cop');
+  await waitFor(() => watch.seen.length > 0, 'dtsctl hears the plate');
+  const offsetMs = realtimeOffsetMs();
+  const frames = await recordScreen(page, 1000 * seconds);
+  await watch.close();
+  for (const frame of frames) frame.shownMs -= offsetMs;
+  const reader = await page.browser.open('about:blank');
+  for (let from = 0; from < frames.length; from += 100) {
+    const part = frames.slice(from, from + 100);
+    (await reader.evaluate(findDots, part.map(({ data }) => data))).forEach((x, index) => (part[index].x = x));
+  }
+  await reader.close();
+  const places = frames.map(({ x }) => x).filter((x) => x !== null);
+  assert.ok(places.length > 0, 'no frame of the screen shows the dot');
+  const middle = (Math.min(...places) + Math.max(...places)) / 2;
+  const isFilmed = ({ timeMs }) => timeMs > frames[0].shownMs && timeMs < frames.at(-1).shownMs - 500;
+  const found = jumpsIn(watch.seen).filter(isFilmed);
+  return { jumps: found.length, framesPerSecond: frames.length / seconds, ...match(found, frames, middle) };
+};

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// On a tablet and on a large screen: nothing is cut off, nothing lies on anything else, and live pages do not scroll.
+import assert from 'node:assert/strict';
+import { after, before, describe, test } from 'node:test';
+
+import { alteredProtocol, waitFor } from './support.mjs';
+import { Bench, by, goTo, waitForText } from './support_browser.mjs';
+
+const sizes = [
+  { width: 1280, height: 800 },
+  { width: 1920, height: 1080 },
+];
+const shorter = { 'settle_s = 5': 'settle_s = 1', 'duration_s = 20': 'duration_s = 3' };
+const largestTarget = 48;
+
+/** Whether the page is wider or higher than its window, in pixels too many. */
+const excess = (page) =>
+  page.evaluate(() => {
+    const { scrollWidth, scrollHeight, clientWidth, clientHeight } = document.documentElement;
+    return { across: scrollWidth - clientWidth, down: scrollHeight - clientHeight };
+  });
+
+/** Named elements that lie partly on each other, neither inside the other; and those that reach out of the window. */
+const collisions = (page) =>
+  page.evaluate(() => {
+    const isAbove = (element) => getComputedStyle(element).position === 'absolute' || element.closest('.plate-corner, .live-age, .live-band, .floor-notices, .chair-notices, .shell-over') !== null;
+    const named = [...document.querySelectorAll('[data-testid]')].filter((element) => element.checkVisibility() && !isAbove(element));
+    const boxes = named.map((element) => ({ element, name: element.dataset.testid, box: element.getBoundingClientRect() })).filter(({ box }) => box.width > 0 && box.height > 0);
+    const found = [];
+    for (const [index, one] of boxes.entries()) {
+      if (one.box.left < -1 || one.box.right > innerWidth + 1) found.push(`${one.name} is cut off`);
+      for (const other of boxes.slice(index + 1)) {
+        if (one.element.contains(other.element) || other.element.contains(one.element)) continue;
+        const across = Math.min(one.box.right, other.box.right) - Math.max(one.box.left, other.box.left);
+        const down = Math.min(one.box.bottom, other.box.bottom) - Math.max(one.box.top, other.box.top);
+        if (across > 2 && down > 2) found.push(`${one.name} on ${other.name}: ${Math.round(across)} x ${Math.round(down)} px`);
+      }
+    }
+    return found;
+  });
+
+/** Buttons lower or narrower than a finger. */
+const smallTargets = (page, least) =>
+  page.evaluate(
+    (pixels) =>
+      [...document.querySelectorAll('button, a.button, a.tab, select')]
+        .filter((control) => control.checkVisibility())
+        .filter((control) => control.getBoundingClientRect().height < pixels - 0.5)
+        .map((control) => `${control.textContent.slice(0, 30)}: ${control.getBoundingClientRect().height} px`),
+    least,
+  );
+
+describe('layout', () => {
+  let bench;
+  let daemon;
+  let page;
+  let id;
+  before(async () => {
+    bench = await Bench.opened({ daemon: { protocols: (folder) => alteredProtocol(folder, 'quiet-standing', shorter) } });
+    ({ daemon } = bench);
+    page = await bench.tabs.open('floor');
+    await by(page, 'load-kg').filter({ hasText: /^(6|7)\d$/ }).waitFor();
+    id = await daemon.measuredStanding('P1');
+  });
+  after(() => bench?.close());
+
+  const check = async (name, mayScrollDown) => {
+    const found = [];
+    for (const size of sizes) {
+      await page.setViewportSize(size);
+      const where = `${name} at ${size.width} x ${size.height}`;
+      let now;
+      // A resized page has its final form after a frame or two.
+      await waitFor(
+        async () => {
+          const { across, down } = await excess(page);
+          now = [...(across > 0 ? [`${across} px too wide`] : []), ...(down > 0 && !mayScrollDown ? [`${down} px too high`] : [])];
+          now = [...now, ...(await collisions(page)), ...(await smallTargets(page, largestTarget))].map((words) => `${where}: ${words}`);
+          return now.length === 0;
+        },
+        'a good layout',
+        3000,
+      ).catch(() => found.push(...now));
+    }
+    assert.deepEqual(found, []);
+  };
+
+  test('floor, while a session waits after a trial', async () => {
+    await by(page, 'stop-session').waitFor();
+    await waitForText(page, 'sway-note', /final, trial 1/);
+    await check('floor in a session', false);
+  });
+
+  test('floor, between sessions and with the start form', async () => {
+    await daemon.ctl('session', 'stop');
+    await by(page, 'open-start').waitFor();
+    await check('floor', false);
+    await by(page, 'open-start').click();
+    await by(page, 'start-protocol').selectOption('quiet-standing');
+    await check('floor with the start form', true);
+    await by(page, 'start-session-close').click();
+  });
+
+  test('chair, with a reach', async () => {
+    await goTo(page, 'chair');
+    await waitForText(page, 'trunk-deg', /\d/);
+    await check('chair', false);
+  });
+
+  test('sessions: list, one, comparison', async () => {
+    await goTo(page, 'sessions');
+    await by(page, 'session-row').first().waitFor();
+    await check('sessions', true);
+    await goTo(page, `sessions/${id}`);
+    await by(page, 'report-frame').waitFor();
+    await by(page, 'export-bids').waitFor();
+    await check('a session', true);
+    await goTo(page, `compare/${id}/${id}`);
+    await by(page, 'figure-table').waitFor();
+    await check('comparison', true);
+  });
+
+  test('health', async () => {
+    await goTo(page, 'health');
+    await waitForText(page, 'volts-floor-w4', /\d/);
+    await check('health', true);
+  });
+
+  test('the main number of a live page is at least 48 px high', async () => {
+    const main = { floor: ['sway-MVELO'], chair: ['prompt', 'trunk-deg', 'trunk-class'] };
+    for (const [name, testIds] of Object.entries(main)) {
+      await goTo(page, name);
+      for (const testId of testIds) {
+        await by(page, testId).waitFor();
+        const pixels = await by(page, testId).evaluate((element) => Number.parseFloat(getComputedStyle(element).fontSize));
+        assert.ok(pixels >= 48, `${testId}: ${pixels} px`);
+      }
+    }
+  });
+
+  test('nothing was asked of another host, nothing broke the policy', () => bench.tabs.close());
+});

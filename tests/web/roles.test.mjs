@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who may do what: a viewer looks and cannot act, not even around the page; a login is needed where users are.
+import assert from 'node:assert/strict';
+import path from 'node:path';
+import { after, before, describe, test } from 'node:test';
+
+import { Gateway, pause } from './support.mjs';
+import { Bench, by, goTo, Tabs, textOf, waitForText } from './support_browser.mjs';
+
+const password = 'correct horse battery';
+const notAllowed = 4; // ErrorCode of control.proto
+
+// As much of protobuf as a forged request takes: fields of length below 128.
+const field = (number, bytes) => [(number << 3) | 2, bytes.length, ...bytes];
+const text = (words) => [...Buffer.from(words)];
+/** FromBrowser.request of a command: its field's number in Request, and its own content. */
+const forged = (requestId, command, content) => field(4, [...field(1, text(requestId)), ...field(command, content)]);
+const commands = {
+  startSession: [4, field(1, text('floor'))],
+  stopSession: [5, field(1, text('floor'))],
+  mark: [6, field(1, text('forged'))],
+  tare: [7, field(1, text('floor'))],
+  testDevice: [9, field(1, text('floor'))],
+  trial: [13, [...field(1, text('floor')), 0x10, 1]],
+  resumeSession: [14, field(1, text('20260101T000000Z-floor-1'))],
+  getAudit: [15, []],
+};
+
+const keepSockets = () => {
+  window.sockets = [];
+  window.WebSocket = class extends WebSocket {
+    constructor(...words) {
+      super(...words);
+      window.sockets.push(this);
+    }
+  };
+};
+
+/** Sends bytes over the page's own connection; the next FromGateway.response, as text of its bytes. */
+const answerTo = (page, bytes) =>
+  page.evaluate(
+    (sent) =>
+      new Promise((resolve, reject) => {
+        const socket = window.sockets.at(-1);
+        const hear = ({ data }) => {
+          const heard = new Uint8Array(data);
+          if (heard[0] !== 0x22) return; // field 4: a response
+          socket.removeEventListener('message', hear);
+          resolve(String.fromCharCode(...heard));
+        };
+        socket.addEventListener('message', hear);
+        setTimeout(() => reject(new Error('no answer')), 10_000);
+        socket.send(new Uint8Array(sent));
+      }),
+    bytes,
+  );
+
+describe('roles', () => {
+  let bench;
+  let daemon;
+  let tabs;
+  before(async () => {
+    bench = await Bench.opened({ gateway: () => ['--local-role', 'viewer'] });
+    ({ daemon, tabs } = bench);
+  });
+  after(() => bench?.close());
+
+  const isDisabled = async (page, testId, why) => {
+    const button = by(page, testId);
+    await button.waitFor();
+    assert.equal(await button.getAttribute('aria-disabled'), 'true', testId);
+    assert.equal(await page.locator(`[id="${await button.getAttribute('aria-describedby')}"]`).innerText(), why, testId);
+    await button.click({ force: true }); // nothing happens
+  };
+
+  test('a viewer sees everything and can start nothing', async () => {
+    const page = await tabs.open('floor');
+    await by(page, 'load-kg').filter({ hasText: /^(6|7)\d$/ }).waitFor();
+    assert.equal(await textOf(page, 'who'), 'local, viewer');
+    for (const name of ['open-start', 'tare']) await isDisabled(page, name, 'Needs the role operator');
+    assert.equal(await by(page, 'start-session').count(), 0);
+    await goTo(page, 'chair');
+    for (const name of ['open-start', 'tare']) await isDisabled(page, name, 'Needs the role operator');
+    await goTo(page, 'health');
+    await isDisabled(page, 'test-device-floor', 'Needs the role engineer');
+    await isDisabled(page, 'tare-floor', 'Needs the role operator');
+    await waitForText(page, 'volts-floor-w1', /\d/);
+
+    const id = (await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'quiet-standing', '--subject', 'V1')).trim();
+    const markers = daemon.watch('floor/marker');
+    await goTo(page, 'floor');
+    for (const name of ['trial-next', 'trial-redo', 'trial-reject', 'stop-session', 'mark']) await isDisabled(page, name, 'Needs the role operator');
+    await page.locator('h1').click();
+    for (const key of ['a', 'r', 'x', 'Space']) await page.keyboard.press(key);
+    await goTo(page, `sessions/${id}`);
+    await waitForText(page, 'session-facts', 'V1');
+    await daemon.ctl('mark', 'the end');
+    const session = (await daemon.json('status')).rigs.find(({ rig }) => rig.name === 'floor').session;
+    assert.equal(session.trial.phase, 'waiting');
+    assert.equal(session.trial.trial, 0);
+    await daemon.ctl('session', 'stop');
+    assert.deepEqual(markers.seen.map(({ event }) => event.text), ['the end']);
+    await page.close();
+  });
+
+  test('commands forged over the connection of the page are refused', async () => {
+    const before = (await daemon.json('session', 'list')).sessions.length;
+    const page = await tabs.context.newPage();
+    await page.addInitScript(keepSockets);
+    await page.goto(`${bench.gateway.url}/#/floor`);
+    await by(page, 'load-kg').filter({ hasText: /^(6|7)\d$/ }).waitFor();
+
+    for (const [name, [command, content]] of Object.entries(commands)) {
+      const answer = Buffer.from(await answerTo(page, forged(`forged-${name}`, command, content)), 'latin1');
+      // Response: field 1 is the request's id, field 2 an Error whose field 1 is its code.
+      const id = text(`forged-${name}`);
+      const at = answer.indexOf(Buffer.from(field(1, id)));
+      assert.ok(at > 0, `${name} is answered`);
+      const error = answer.subarray(at + 2 + id.length);
+      assert.equal(error[0], 0x12, `${name} is refused`);
+      assert.ok(error.indexOf(Buffer.from([0x08, notAllowed])) > 0, `${name} is not allowed`);
+    }
+
+    assert.equal((await daemon.json('session', 'list')).sessions.length, before);
+    await waitForText(page, 'status-line', '2 rigs run'); // the connection is as good as before
+    await page.close();
+  });
+
+  test('nothing was asked of another host, nothing broke the policy', () => tabs.close());
+
+  test('with users there is a login, which a logout ends', async () => {
+    const users = path.join(daemon.folder, 'users');
+    await Gateway.addUser(users, 'anna', 'operator', password);
+    const gateway = await Gateway.started(daemon, '--users', users);
+    const own = await Tabs.opened(bench.browser, gateway);
+    const page = await own.open('floor');
+    const logIn = async (word) => {
+      await by(page, 'login-user').fill('anna');
+      await by(page, 'login-password').fill(word);
+      await by(page, 'login-submit').click();
+    };
+    await by(page, 'login').waitFor();
+    assert.equal(await by(page, 'plate').count(), 0);
+
+    await logIn('wrong password');
+    await waitForText(page, 'login-error', 'Name or password is wrong.');
+    assert.deepEqual(await own.context.cookies(), []);
+    await waitForLogin(page, logIn);
+    assert.equal(await textOf(page, 'who'), 'anna, operator');
+    await by(page, 'load-kg').filter({ hasText: /^(6|7)\d$/ }).waitFor();
+    assert.equal(await by(page, 'open-start').getAttribute('aria-disabled'), 'false');
+    const [cookie, ...others] = await own.context.cookies();
+    assert.deepEqual(others, []);
+    assert.equal(cookie.httpOnly, true);
+    assert.equal(cookie.sameSite, 'Strict');
+    assert.equal(await page.evaluate(() => document.cookie), '');
+    await page.reload();
+    await waitForText(page, 'who', 'anna, operator'); // remembered
+
+    await by(page, 'log-out').click();
+    await by(page, 'login').waitFor();
+    assert.equal(await by(page, 'plate').count(), 0);
+    const replay = await fetch(`${gateway.url}/api/me`, { headers: { Cookie: `${cookie.name}=${cookie.value}` } });
+    const me = await replay.json().catch(() => ({}));
+    assert.ok(replay.status === 401 || me.role === 'none', `the cookie is worth nothing any more: ${JSON.stringify(me)}`);
+    await own.close();
+    await gateway.close();
+  });
+});
+
+/** After a wrong password the gateway may want some seconds of patience. */
+const waitForLogin = async (page, logIn) => {
+  for (let tries = 0; tries < 10; tries += 1) {
+    await logIn(password);
+    const outcome = by(page, 'plate').or(by(page, 'login-error').filter({ hasText: 'Too many tries' }));
+    await outcome.first().waitFor();
+    if ((await by(page, 'plate').count()) > 0) return;
+    await pause(1000);
+  }
+  assert.fail('the right password does not let in');
+};

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Chromium without a screen, and what every page must never do: ask another host, break its Content-Security-Policy, throw.
+import assert from 'node:assert/strict';
+import { createRequire } from 'node:module';
+import path from 'node:path';
+
+import { chromiumSwitches, Daemon, Gateway, patienceMs, source, waitFor } from './support.mjs';
+
+const webRequire = createRequire(path.join(source, 'clients/web/package.json'));
+const { chromium } = webRequire('playwright-core');
+export const axeFile = webRequire.resolve('axe-core/axe.min.js');
+
+export const openBrowser = (options = {}) => chromium.launch({ executablePath: process.env.DTS_CHROMIUM ?? '/usr/bin/chromium', args: chromiumSwitches, ...options });
+
+const rememberViolations = () => {
+  window.violations = [];
+  document.addEventListener('securitypolicyviolation', (event) => window.violations.push(`${event.violatedDirective}: ${event.blockedURI}`));
+};
+
+/** A window of its own on a gateway's dashboard. What a page must never do is collected, and told by close(). */
+export class Tabs {
+  constructor(context, url) {
+    this.context = context;
+    this.url = url;
+    this.faults = [];
+    context.on('page', (page) => this.#watch(page));
+  }
+
+  static async opened(browser, gateway, options = {}) {
+    const context = await browser.newContext({ locale: 'en-GB', timezoneId: 'UTC', viewport: { width: 1280, height: 800 }, ...options });
+    context.setDefaultTimeout(patienceMs);
+    await context.addInitScript(rememberViolations);
+    return new Tabs(context, gateway.url);
+  }
+
+  #watch(page) {
+    page.on('request', (request) => {
+      const { origin, protocol } = new URL(request.url());
+      if (origin !== this.url && protocol !== 'about:') this.faults.push(`asks ${request.url()}`);
+    });
+    page.on('websocket', (socket) => {
+      if (new URL(socket.url()).host !== new URL(this.url).host) this.faults.push(`connects to ${socket.url()}`);
+    });
+    page.on('console', (message) => {
+      if (/Content.Security.Policy|Refused to/i.test(message.text())) this.faults.push(message.text());
+    });
+    page.on('pageerror', (error) => this.faults.push(String(error.stack)));
+  }
+
+  /** `page`: "floor", "sessions/ID". */
+  async open(page) {
+    const tab = await this.context.newPage();
+    await tab.goto(`${this.url}/#/${page}`);
+    return tab;
+  }
+
+  async close() {
+    for (const page of this.context.pages()) this.faults.push(...(await page.evaluate(() => window.violations ?? [])));
+    await this.context.close();
+    assert.deepEqual(this.faults, []);
+  }
+}
+
+/** Everything that a file of tests shares; what was opened is closed when the rest cannot be. */
+export class Bench {
+  static async opened({ daemon = {}, gateway = () => [], browser = {}, tabs = {} } = {}) {
+    const bench = new Bench();
+    try {
+      bench.daemon = await Daemon.started(daemon);
+      bench.gateway = await Gateway.started(bench.daemon, ...(await gateway(bench.daemon)));
+      bench.browser = await openBrowser(browser);
+      bench.tabs = await Tabs.opened(bench.browser, bench.gateway, tabs);
+    } catch (problem) {
+      await bench.close();
+      throw problem;
+    }
+    return bench;
+  }
+
+  async close() {
+    await this.browser?.close();
+    await this.gateway?.close();
+    await this.daemon?.close();
+  }
+}
+
+export const by = (page, testId) => page.getByTestId(testId);
+export const textOf = async (page, testId) => (await by(page, testId).innerText()).trim();
+
+/** The scan of `watch` (of floor/cop) that the page shows, and the numbers as it shows them. Both are told at the same moment. */
+export const shownScan = async (page, watch, timeoutMs = 3000) => {
+  const shown = await waitFor(
+    () =>
+      page.evaluate(() => {
+        const plate = document.querySelector('[data-testid="plate"]');
+        const ml = Number(plate?.dataset.mlMm ?? NaN);
+        const kg = document.querySelector('[data-testid="load-kg"]')?.textContent;
+        return Number.isFinite(ml) ? { ml, ap: Number(plate.dataset.apMm), words: plate.ariaLabel, kg } : undefined;
+      }),
+    'the page shows a position',
+  );
+  const scans = () => watch.seen.slice(-150).flatMap((block) => block.values.map((values, index) => ({ scan: block.first_scan + index, values })));
+  const newest = scans().at(-1)?.scan;
+  const isIt = ({ values: [ml, ap] }) => ml !== null && Math.abs(ml - shown.ml) < 0.0051 && Math.abs(ap - shown.ap) < 0.0051;
+  const found = await waitFor(() => scans().find(isIt), () => `no scan of the last seconds is ${JSON.stringify(shown)}`, timeoutMs);
+  return { ...found, shown, newest };
+};
+
+/** Goes to another page of the dashboard without loading it anew. */
+export const goTo = (page, hash) => page.evaluate((to) => void (location.hash = `#/${to}`), hash);
+
+/** Keeps every value of an attribute from now on, however short it lasts; told by rememberedOf(). */
+export const remember = (page, testId, attribute) =>
+  page.evaluate(
+    ([id, name]) => {
+      const kept = [];
+      window.remembered = { ...window.remembered, [id]: kept };
+      const look = () => {
+        const element = document.querySelector(`[data-testid="${id}"]`);
+        const value = element?.getAttribute(name) ?? '';
+        if (kept.at(-1)?.value !== value) kept.push({ value, text: element?.textContent ?? '', atMs: Date.now() });
+      };
+      new MutationObserver(look).observe(document.body, { subtree: true, childList: true, attributes: true, attributeFilter: [name] });
+      look();
+    },
+    [testId, attribute],
+  );
+export const rememberedOf = (page, testId) => page.evaluate((id) => window.remembered[id], testId);
+
+/** Waits for that text in the element of that name. */
+export const waitForText = (page, testId, pattern, timeoutMs = patienceMs) =>
+  by(page, testId)
+    .filter({ hasText: pattern })
+    .first()
+    .waitFor({ timeout: timeoutMs })
+    .catch(async (problem) => {
+      const now = await by(page, testId).allInnerTexts();
+      throw new Error(`"${testId}" never said ${pattern}; it says: ${JSON.stringify(now)}`, { cause: problem });
+    });
+
+/** Numbers in en-GB, as the dashboard's fixed() writes them. */
+export const fixed = (value, digits) => {
+  const rounded = Number(value.toFixed(digits));
+  return (rounded === 0 ? 0 : rounded).toLocaleString('en-GB', { minimumFractionDigits: digits, maximumFractionDigits: digits });
+};

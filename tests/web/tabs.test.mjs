@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+// Many tabs, and tabs that nobody looks at: each comes back to now, and nothing waits for it in the gateway.
+import assert from 'node:assert/strict';
+import { after, before, describe, test } from 'node:test';
+
+import { pause, waitFor } from './support.mjs';
+import { Bench, by, goTo, shownScan, textOf, waitForText } from './support_browser.mjs';
+
+const hiddenMs = 20_000;
+const stuckMs = 12_000;
+const mostTabs = 8;
+
+/** Counts what comes over the page's connections. */
+const countMessages = () => {
+  window.heard = { messages: 0, bytes: 0 };
+  window.sockets = [];
+  window.WebSocket = class extends WebSocket {
+    constructor(...words) {
+      super(...words);
+      window.sockets.push(this);
+      this.addEventListener('message', ({ data }) => {
+        window.heard.messages += 1;
+        window.heard.bytes += data.byteLength;
+      });
+    }
+  };
+};
+
+/** Age in ms of the newest scan that was painted, now. */
+const ageOf = (page) =>
+  page.evaluate(() => {
+    const painted = window.dtsMeasure().filter(({ newestMs }) => Number.isFinite(newestMs));
+    return performance.now() - (painted.at(-1)?.newestMs ?? -Infinity);
+  });
+
+describe('tabs', () => {
+  let bench;
+  let daemon;
+  let tabs;
+  before(async () => {
+    bench = await Bench.opened();
+    ({ daemon, tabs } = bench);
+    await tabs.context.addInitScript(countMessages);
+  });
+  after(() => bench?.close());
+
+  const openMeasured = async () => {
+    const page = await tabs.context.newPage();
+    await page.goto(`${bench.gateway.url}/?measure#/floor`);
+    await by(page, 'load-kg').filter({ hasText: /^(6|7)\d$/ }).waitFor();
+    return page;
+  };
+
+  /** As a browser does it with a tab behind another: no frames are painted, and the page is told that it is hidden. */
+  const setHidden = (page, isHidden) =>
+    page.evaluate((hidden) => {
+      window.paintFrame ??= window.requestAnimationFrame;
+      window.waiting ??= [];
+      window.requestAnimationFrame = hidden ? (callback) => window.waiting.push(callback) : window.paintFrame;
+      Object.defineProperty(document, 'visibilityState', { configurable: true, get: () => (hidden ? 'hidden' : 'visible') });
+      Object.defineProperty(document, 'hidden', { configurable: true, get: () => hidden });
+      document.dispatchEvent(new Event('visibilitychange'));
+      if (!hidden) window.waiting.splice(0).forEach((callback) => window.paintFrame(callback));
+    }, isHidden);
+
+  test('a tab hidden for 20 s comes back to now, and nothing was sent to it meanwhile', async () => {
+    const page = await openMeasured();
+    await setHidden(page, true);
+    await pause(1000); // what was under way
+    const before = await page.evaluate(() => ({ ...window.heard }));
+    await pause(hiddenMs); // the time itself is what is tested
+    const after = await page.evaluate(() => ({ ...window.heard, frames: window.dtsMeasure().length }));
+    const watch = daemon.watch('floor/cop');
+    await waitFor(() => watch.seen.length > 50, 'dtsctl shows a second of scans');
+
+    const shownAtMs = await page.evaluate(() => performance.now());
+    await setHidden(page, false);
+
+    await waitFor(async () => (await ageOf(page)) < 1000, 'the newest scan painted is younger than a second', 5000);
+    const isRecent = (found) => found !== undefined && Math.abs(found.newest - found.scan) <= 100;
+    await waitFor(async () => isRecent(await shownScan(page, watch, 300).catch(() => undefined)), 'what is shown is a scan of the last second', 5000);
+    const replayed = await page.evaluate(
+      ([frames, fromMs]) => window.dtsMeasure().slice(frames).filter(({ newestMs, paintedMs }) => paintedMs > fromMs && paintedMs - newestMs > 2000).length,
+      [after.frames, shownAtMs],
+    );
+    assert.equal(replayed, 0, 'no frame after it showed what was before');
+    const perSecond = (1000 * (after.bytes - before.bytes)) / hiddenMs;
+    assert.ok((after.messages - before.messages) / (hiddenMs / 1000) < 5, `${after.messages - before.messages} messages while hidden`);
+    assert.ok(perSecond < 30_000, `${perSecond} bytes a second while hidden`);
+    await goTo(page, 'health');
+    await waitForText(page, 'tab-dropped', /^0$/);
+    await watch.close();
+    await page.close();
+  });
+
+  test('a tab that stands still without a word loses what it could not show, is told how much, and is at now again', async (context) => {
+    const page = await openMeasured();
+    // A page that wants every stream, and whose frames stop while it thinks it is seen: what a busy machine does to it.
+    await page.evaluate(() => {
+      window.sockets.at(-1).send(new Uint8Array([0x0a, 0x02, 0x0a, 0x00])); // FromBrowser.subscribe of the prefix ""
+      window.paintFrame = window.requestAnimationFrame;
+      window.waiting = [];
+      window.requestAnimationFrame = (callback) => window.waiting.push(callback);
+    });
+    const before = await page.evaluate(() => ({ ...window.heard }));
+    await pause(stuckMs);
+    const during = await page.evaluate(() => ({ ...window.heard }));
+    await page.evaluate(() => {
+      window.requestAnimationFrame = window.paintFrame;
+      window.waiting.splice(0).forEach((callback) => window.paintFrame(callback));
+    });
+
+    await waitFor(async () => (await ageOf(page)) < 1000, 'the newest scan painted is younger than a second', 5000);
+    await waitForText(page, 'status-line', /too slow: [\d,]+ scans not shown/);
+    const dropped = Number(/too slow: ([\d,]+)/.exec(await textOf(page, 'status-line'))[1].replaceAll(',', ''));
+    context.diagnostic(`${during.messages - before.messages} messages, ${during.bytes - before.bytes} bytes while it stood still; ${dropped} scans dropped`);
+    assert.ok(dropped > 100);
+    assert.ok(during.bytes - before.bytes < 2_000_000, 'what was sent to it is bounded');
+    await page.close();
+  });
+
+  test('eight tabs at once are all live, none older than a second', async (context) => {
+    const pages = [];
+    for (let count = 0; count < mostTabs; count += 1) pages.push(await openMeasured());
+
+    // A machine that draws eight screens on one core may be late with any of them for a moment: each is asked until it is in time.
+    const least = pages.map(() => Infinity);
+    await waitFor(
+      async () => {
+        const ages = await Promise.all(pages.map(ageOf));
+        ages.forEach((age, index) => (least[index] = Math.min(least[index], age)));
+        return Math.max(...least) < 1000;
+      },
+      () => `least ages in ms: ${least.map(Math.round)}`,
+    );
+
+    context.diagnostic(`least ages in ms: ${least.map(Math.round)}`);
+    const frames = async () => Promise.all(pages.map((page) => page.evaluate(() => window.dtsMeasure().at(-1).paintedMs)));
+    const first = await frames();
+    await waitFor(async () => (await frames()).every((paintedMs, index) => paintedMs > first[index]), 'every tab paints on');
+    for (const page of pages) await page.close();
+  });
+
+  test('nothing was asked of another host, nothing broke the policy', () => tabs.close());
+});

@@ -21,7 +21,7 @@ DTS_PACKAGES=(
   gnuplot-nox                                          # dtslab --plot
   python3 python3-zmq python3-protobuf python3-numpy   # clients/python
 )
-command -v npm >/dev/null || DTS_PACKAGES+=(nodejs npm) # the dashboard; node 18 or newer of another source will do
+command -v npm >/dev/null || DTS_PACKAGES+=(nodejs npm) # the dashboard; node 18 or newer of another source will do (scripts/package adds packages)
 
 say() { printf '\033[1m%s\033[0m\n' "$*" >&2; }
 

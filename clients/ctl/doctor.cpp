@@ -25,7 +25,6 @@ constexpr double kRateTolerance = 0.01;
 constexpr double kFullestPercent = 50.0;
 constexpr double kMostLatencyMs = 50.0;  // a picture of 20 per second is late then
 constexpr double kNearlyAllBlocks = 0.95;
-constexpr std::uint64_t kLockableBytes = 64ULL << 20U;
 
 Check good(std::string name, std::string finding) { return {std::move(name), true, std::move(finding), {}}; }
 Check bad(std::string name, std::string finding, std::string fix) { return {std::move(name), false, std::move(finding), std::move(fix)}; }
@@ -63,10 +62,12 @@ Check check_queues(const v1::RigStatus& rig) {
   return bad(name, finding, "what else runs on this machine? allow SCHED_FIFO; when it is the recorder: is the disk slow?");
 }
 
-/// Of a replay nothing: its scans are as old as its recording.
+/// A replay goes as fast as it was told to, in hours of a day long gone: neither its rate nor its queues nor its latency say anything.
+bool is_replay(const v1::RigStatus& rig) { return rig.rig().device_uri().starts_with("replay:"); }
+
 std::optional<Check> check_latency(const v1::RigStatus& rig) {
   const auto latency_ms = latency_quantile_ms(rig.latency(), kNearlyAllBlocks);
-  if (!latency_ms || rig.rig().device_uri().starts_with("replay:")) return std::nullopt;
+  if (!latency_ms) return std::nullopt;
   const std::string name = rig.rig().name() + " latency";
   const std::string finding = "95 % of the blocks since the start were published within " + cli::decimal(*latency_ms, 1) + " ms";
   if (*latency_ms <= kMostLatencyMs) return good(name, finding);
@@ -149,12 +150,17 @@ Check check_version(const std::string& daemon_version) {
 std::vector<Check> check_rig(const v1::RigStatus& rig) {
   const std::string name = rig.rig().name() + " device";
   const std::string state = enumerator_word(*v1::DeviceState_descriptor(), rig.device());
+  if (rig.device() == v1::DEVICE_STATE_WAITING) return {good(name, state + ": " + rig.device_message())};
   if (rig.device() != v1::DEVICE_STATE_STREAMING) {
     const std::string why = rig.device_message().empty() ? "" : ": " + rig.device_message();
     return {bad(name, state + why, "is it plugged in and powered? see dtsctl device list and journalctl -u dtsd")};
   }
-  std::vector<Check> checks{good(name, state), check_rate(rig), check_losses(rig), check_queues(rig)};
-  if (auto latency = check_latency(rig)) checks.push_back(std::move(*latency));
+  std::vector<Check> checks{good(name, state), check_losses(rig)};
+  if (!is_replay(rig)) {
+    checks.push_back(check_rate(rig));
+    checks.push_back(check_queues(rig));
+    if (auto latency = check_latency(rig)) checks.push_back(std::move(*latency));
+  }
   if (needs_tare(rig)) {
     checks.push_back(bad(rig.rig().name() + " tare", "not tared: no reach can be judged",
                          "let everybody stand up, then dtsctl tare --rig " + rig.rig().name()));
@@ -179,22 +185,22 @@ std::vector<Check> check_disk(const v1::DiskStatus& disk) {
   }
 }
 
+/// The daemon's word counts when it is there; what this user may do tells only what a daemon of theirs would get.
 std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status) {
   std::vector<Check> checks;
-  if (facts.may_use_fifo) {
-    checks.push_back(good("scheduling", "SCHED_FIFO is allowed for this user"));
-  } else if (status && !has_notice_about(*status, "SCHED_FIFO")) {
-    checks.push_back(good("scheduling", "the daemon has what it asked for"));
+  if (status ? !has_notice_about(*status, "SCHED_FIFO") : facts.may_use_fifo) {
+    checks.push_back(good("scheduling", status ? "the daemon has what it asked for" : "SCHED_FIFO is allowed for this user"));
   } else {
-    checks.push_back(bad("scheduling", "SCHED_FIFO is not allowed for this user",
+    checks.push_back(bad("scheduling", status ? "the daemon asked for SCHED_FIFO and was refused" : "SCHED_FIFO is not allowed for this user",
                          "run dtsd by its systemd unit, or add 'USER - rtprio 60' to /etc/security/limits.d/dtsd.conf and log in again"));
   }
   const bool has_no_limit = facts.lockable_bytes == std::numeric_limits<std::uint64_t>::max();
-  const std::string lockable = has_no_limit ? "no limit" : std::to_string(facts.lockable_bytes >> 20U) + " MiB";
-  if (facts.lockable_bytes >= kLockableBytes || (status && !has_notice_about(*status, "memory is not locked"))) {
-    checks.push_back(good("locked memory", lockable));
+  const std::string lockable = has_no_limit ? "no limit" : "at most " + std::to_string(facts.lockable_bytes >> 20U) + " MiB for this user";
+  if (status ? !has_notice_about(*status, "memory is not locked") : has_no_limit) {
+    checks.push_back(good("locked memory", status ? "the daemon has what it asked for" : lockable));
   } else {
-    checks.push_back(bad("locked memory", lockable, "add 'USER - memlock 65536' to /etc/security/limits.d/dtsd.conf and log in again"));
+    checks.push_back(bad("locked memory", status ? "the daemon asked for it and was refused" : lockable,
+                         "run dtsd by its systemd unit, or add 'USER - memlock unlimited' to /etc/security/limits.d/dtsd.conf and log in again"));
   }
   checks.push_back(check_clock(facts));
   return checks;

@@ -28,8 +28,7 @@ struct Check {
 [[nodiscard]] Check check_network(const v1::StatusSnapshot& status);
 /// Nothing when the daemon says nothing of a disk.
 [[nodiscard]] std::vector<Check> check_disk(const v1::DiskStatus& disk);
-/// `status`: absent when the daemon did not answer. A daemon that runs without complaints about scheduling has what it
-/// needs, whatever this user may do.
+/// `status`: absent when the daemon did not answer. When it did, it knows what it was given, whatever this user may do.
 [[nodiscard]] std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status);
 
 /// Runs all checks; exit status 0 when everything is well, 1 otherwise.

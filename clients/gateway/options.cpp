@@ -80,7 +80,7 @@ client::Result<std::string> web_root(const Options& options) {
     std::error_code ignored;
     if (fs::is_regular_file(place / "index.html", ignored)) return place.string();
   }
-  return client::fail(ErrorCode::NotFound, "the dashboard's files are not in " + places.front().string(),
+  return client::fail(ErrorCode::InvalidArgument, "the dashboard's files are not in " + places.front().string(),
                       "build the target 'dashboard' (needs node), or give --web-root");
 }
 

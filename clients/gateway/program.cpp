@@ -20,7 +20,6 @@ void add_serve(cli::CommandLine& line, Options& options) {
                        "dts-gateway serve --listen 192.168.1.20:8443 --tls-certificate clinic.pem --tls-key clinic.key --users users | to "
                        "tablets, with a login\n",
                        [&options](cli::Console& console) { return serve(options, console); });
-  serve_command->configurable();
   serve_command->add_option("--listen", options.listen, "Address and port; anything but loopback needs TLS and users")
       ->option_text("ADDRESS:PORT");
   serve_command->add_option("--tls-certificate", options.certificate_file, "PEM file with the certificate and its chain")
@@ -52,7 +51,7 @@ cli::Manual make_manual() {
           .environment = {{"DTSD_CONTROL, DTSD_DATA", "Addresses of the daemon's control and data sockets."},
                           {"DTSD_RUNTIME_DIR", "Directory of the daemon's sockets, control.sock and data.sock."},
                           {"CACHE_DIRECTORY", "Folder for exports, as systemd sets it."}},
-          .exit_statuses = {0, 1, 2, 130},
+          .exit_statuses = {0, 1, 2, 5, 6, 130},
           .further_sections = {},
           .files = {{"/usr/share/dts-gateway/web", "The dashboard."}},
           .see_also = {{"dtsd", 8}, {"dtsctl", 1}}};
@@ -67,6 +66,7 @@ int run(const std::vector<std::string>& words, cli::Console& console) {
                          .description = "The browser dashboard of dtsd",
                          .examples = "dts-gateway serve | then open http://127.0.0.1:8080/\n"
                                      "dts-gateway user add anna --role operator --users users | asks for the password\n"});
+  line.app.allow_config_extras(CLI::config_extras_mode::error);  // a word written wrongly in [serve] must not be a default
   line.app.set_config("--config", "", "Read options from a TOML file, those of serve from its table [serve]")->option_text("FILE");
   add_serve(line, options);
   add_user_commands(line, [](cli::Console& talk) { return ask_password(STDIN_FILENO, talk); });

@@ -32,7 +32,7 @@ bool Routes::may_view(const HttpRequest& request) const {
 }
 
 void Routes::serve_metrics(const HttpRequest& request, const Respond& respond) const {
-  if (!is_local(request) && !may_view(request)) {
+  if (!is_same_machine(request) && !may_view(request)) {
     return respond(error_answer(401, "nobody is logged in", "let a monitor on the gateway's own machine read this"));
   }
   respond({.content_type = "text/plain; version=0.0.4; charset=utf-8", .body = metrics_(), .headers = {{"Cache-Control", "no-store"}}});

@@ -13,8 +13,9 @@ namespace dts::app {
 /// Whether the work goes on: systemd's watchdog is fed only while scans move from every device through its pipeline and the publish thread
 /// takes its turns. A timer in a frozen daemon would feed it for ever.
 ///
-/// Not judged: a device that is away or silent (its acquire thread says so, hence it lives), and the record thread. The control thread, which
-/// asks, is judged by asking at all: it writes the catalogue, so a disk that hangs for longer than WatchdogSec ends the daemon.
+/// Not judged: the acquire thread of a device that is away, silent or being opened (each transfer there has a time limit of its own), and the
+/// record thread. The control thread, which asks, is judged by asking at all: it writes the catalogue, so a disk that hangs for longer than
+/// WatchdogSec ends the daemon.
 /// Thread: control.
 class ProgressWatch {
  public:

@@ -163,11 +163,20 @@ void Acquisition::note_gap(const core::Gap& gap) noexcept {
   needs_segment_ = true;
 }
 
+/// The device is neither silent nor waiting; whether anybody takes its scans is another matter.
+void Acquisition::note_delivery() noexcept {
+  if (report_.is_silent || report_.is_armed) report_.set_message("");
+  report_.is_silent = false;
+  report_.is_armed = false;
+  quiet_since_ns_ = clock_.now_ns();
+}
+
 void Acquisition::lose_to_full_ring(const core::Block& block) noexcept {
+  note_delivery();
   scans_since_start_ += block.count();
   ring_.drop();
   note_gap({.reason = core::GapReason::RingFull, .missing_scans = block.count(), .is_exact = true});
-  report_.ring_blocks.note(ring_.capacity(), clock_.now_ns());
+  report_.ring_blocks.note(ring_.capacity(), quiet_since_ns_);
   publish_report();
 }
 
@@ -226,12 +235,9 @@ void Acquisition::take(core::Acquired& acquired) noexcept {
   report_.scans_total += block.count();
   report_.last_scan_host_ns = block.host_time_ns + report_.rate.time_ns({block.count() - 1});
   suspended_at_last_scan_ns_ = clock_.suspended_ns();
-  if (report_.is_silent || report_.is_armed) report_.set_message("");
-  report_.is_silent = false;
-  report_.is_armed = false;
+  note_delivery();
   report_.host_time_uncertainty_ns = block.host_time_uncertainty_ns;
   report_.clock_drift_ppm = block.clock_drift_ppm;
-  quiet_since_ns_ = clock_.now_ns();
   scans_since_start_ += block.count();
   has_streamed_ = true;
   ring_.commit();

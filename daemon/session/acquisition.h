@@ -73,6 +73,7 @@ class Acquisition {
   void stream() noexcept;
   void wait_before_retry() noexcept;
   void take(core::Acquired& acquired) noexcept;
+  void note_delivery() noexcept;
   void lose_to_full_ring(const core::Block& block) noexcept;
   void note_gap(const core::Gap& gap) noexcept;
   void restart(const core::Gap& gap) noexcept;

@@ -7,8 +7,8 @@
 
 namespace dts::session {
 
-/// The highest of what was noted lately: within the last 15 s for certain, 30 s at most. Whoever looks changes nothing, so that any number
-/// may look, as seldom as a monitor does. Trivially copyable: it travels in the reports of the sample threads. Realtime-safe: yes.
+/// The highest of what was noted lately: within the last 15 s for certain, never longer ago than 45 s. Whoever looks changes nothing, so that any
+/// number may look, as seldom as a monitor does. Trivially copyable: it travels in the reports of the sample threads. Realtime-safe: yes.
 ///
 ///     [ before ............ ][ now ...   ]      two windows; the older goes when the newer is full
 class RecentPeak {

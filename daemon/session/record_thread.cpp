@@ -124,7 +124,7 @@ std::vector<record::RecordedEvent> RecordThread::take_orders(const std::string& 
     line.has_frames = false;
     line.lost_scans = 0;
     line.is_new = true;
-    line.flushed_ns = line.synchronised_ns = line.on_disk_ns = clock_.now_ns();
+    line.emptied_ns = line.written_ns = line.flushed_ns = line.synchronised_ns = line.on_disk_ns = clock_.now_ns();
   }
   if (line.recorder) {
     line.view.bytes = line.recorder->bytes();
@@ -146,7 +146,10 @@ bool RecordThread::serve(const std::string& rig, Line& line) {
 bool RecordThread::drain(const std::string& rig, Line& line) {
   for (std::size_t taken = 0; taken < kSlotsPerTurn; ++taken) {
     const RecordTap::Slot* slot = line.tap->front();
-    if (slot == nullptr) return false;
+    if (slot == nullptr) {
+      line.emptied_ns = clock_.now_ns();
+      return false;
+    }
     take_slot(rig, line, *slot);
     line.tap->release();
   }
@@ -169,11 +172,12 @@ void RecordThread::keep_up(const std::string& rig, Line& line) {
   if (now_ns - line.flushed_ns >= kFlushNs) {
     line.flushed_ns = now_ns;
     kept = line.recorder->flush();
+    line.written_ns = line.emptied_ns;
   }
   if (kept && now_ns - line.synchronised_ns >= kSynchroniseNs) {
     line.synchronised_ns = now_ns;
-    kept = line.is_synced_aside ? sync_.request(rig, line.flushed_ns) : line.recorder->synchronise();
-    if (kept && !line.is_synced_aside) line.on_disk_ns = line.flushed_ns;
+    kept = line.is_synced_aside ? sync_.request(rig, line.written_ns) : line.recorder->synchronise();
+    if (kept && !line.is_synced_aside) line.on_disk_ns = line.written_ns;
     if (kept) kept = check_there(line.file + ".part");
   }
   if (!kept) finish(rig, line, core::to_string(kept.error()));

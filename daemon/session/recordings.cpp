@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iterator>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 #include "record/xdf/recovery.h"
@@ -74,7 +76,8 @@ core::Status Recordings::enter_interrupted() {
   if (rebuilt->added > 0) log_.info(std::to_string(rebuilt->added) + " recordings entered into the catalogue");
   auto sessions = catalogue_->sessions({.limit = 10'000});
   if (!sessions) return tl::make_unexpected(sessions.error());
-  for (const record::SessionRow& session : *sessions) end_left_running(session);
+  for (record::SessionRow& session : *sessions) end_left_running(session);
+  find_resumable(*sessions);
   auto parts = catalogue_->parts();
   if (!parts) return tl::make_unexpected(parts.error());
   std::ranges::copy_if(*parts, std::back_inserter(interrupted_),
@@ -94,42 +97,67 @@ core::Status Recordings::enter(const record::FoundRecording& found) {
 }
 
 /// No session runs before the daemon does: one that is listed so ended with its newest part, and the catalogue was not told.
-void Recordings::end_left_running(const record::SessionRow& session) {
+void Recordings::end_left_running(record::SessionRow& session) {
   if (session.state != "running") return;
-  std::string state = "interrupted";
+  session.state = "interrupted";
   std::string message = "the daemon or the power ended";
   std::int64_t ended_utc_ns = session.started_utc_ns;
   if (!session.parts.empty()) {
     const record::PartRow& part = session.parts.back();
     ended_utc_ns = part.started_utc_ns + static_cast<std::int64_t>(part.duration_s * 1e9);
     if (part.state == record::PartState::Complete || part.state == record::PartState::Incomplete) {
-      state = record::name(part.state);
+      session.state = record::name(part.state);
       message = part.reason;
     }
   }
-  complain(catalogue_->end_session(session.id, state, message, ended_utc_ns));
-  if (state != "interrupted" || session.parts.empty() || !is_recent(session.parts.back())) return;
-  if (is_suspicious(session)) {
-    return log_.error("session " + session.id + " was interrupted again and again and does not go on by itself: dtsctl session resume " + session.id);
+  complain(catalogue_->end_session(session.id, session.state, message, ended_utc_ns));
+}
+
+/// Of each rig what ran last, if a crash ended it and not long ago: also a crash before the last one, when the daemon between the two did not
+/// come so far as to go on.
+void Recordings::find_resumable(const std::vector<record::SessionRow>& sessions) {
+  std::map<std::string_view, const record::SessionRow*> last;
+  for (const record::SessionRow& session : sessions) {
+    if (session.parts.empty()) continue;
+    const record::SessionRow*& known = last[session.rig];
+    if (known == nullptr || known->parts.back().started_utc_ns < session.parts.back().started_utc_ns) known = &session;
   }
-  resumable_.push_back(session.id);
+  for (const auto& [rig, session] : last) {
+    if (session->state != "interrupted" || !is_recent(session->parts.back())) continue;
+    if (is_suspicious(*session)) {
+      log_.error("session " + session->id + " was interrupted again and again and does not go on by itself: dtsctl session resume " +
+                 session->id);
+    } else {
+      resumable_.push_back(session->id);
+    }
+  }
+}
+
+/// When a part that was cut off ends: what its repaired copy says, or its file, which is written several times a second.
+std::optional<std::int64_t> Recordings::cut_off_utc_ns(const record::PartRow& part) {
+  if (part.state == record::PartState::Recovered) return part.started_utc_ns + static_cast<std::int64_t>(part.duration_s * 1e9);
+  if (part.state != record::PartState::Interrupted) return std::nullopt;
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(part.file, error);
+  if (error) return std::nullopt;
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::file_clock::to_sys(written).time_since_epoch()).count();
 }
 
 /// Three parts in a row that were cut off within a minute: the session itself may be what ends the daemon.
 bool Recordings::is_suspicious(const record::SessionRow& session) {
-  constexpr std::size_t kMostShortParts = 3;
+  constexpr std::ptrdiff_t kMostShortParts = 3;
   constexpr std::int64_t kShortNs = 60'000'000'000;
-  if (session.parts.size() < kMostShortParts) return false;
-  const auto begin = session.parts.end() - static_cast<std::ptrdiff_t>(kMostShortParts);
-  return session.parts.back().started_utc_ns - begin->started_utc_ns < static_cast<std::int64_t>(kMostShortParts) * kShortNs;
+  if (std::ssize(session.parts) < kMostShortParts) return false;
+  return std::all_of(session.parts.end() - kMostShortParts, session.parts.end(), [&](const record::PartRow& part) {
+    const auto end_ns = cut_off_utc_ns(part);
+    return end_ns && *end_ns - part.started_utc_ns < kShortNs;
+  });
 }
 
-/// By its file, which is written several times a second.
 bool Recordings::is_recent(const record::PartRow& part) const {
-  std::error_code error;
-  const auto written = std::filesystem::last_write_time(part.file, error);
-  if (error) return false;
-  const auto age = std::filesystem::file_time_type::clock::now() - written;
+  const auto end_ns = cut_off_utc_ns(part);
+  if (!end_ns) return false;
+  const auto age = std::chrono::system_clock::now().time_since_epoch() - std::chrono::nanoseconds(*end_ns);
   return std::abs(std::chrono::duration<double, std::ratio<60>>(age).count()) < config_.resume_within_min;
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -62,7 +63,7 @@ class Recordings {
 
   /// Waits until no recording is open any more, or for `limit`.
   void wait_until_closed(std::chrono::milliseconds limit) { thread_.wait_until_closed(limit); }
-  /// Sessions that ran when the last daemon ended without a word, no longer ago than the configuration says; newest first.
+  /// Sessions that a crash ended, at most one for each rig, no longer ago than the configuration says.
   [[nodiscard]] std::vector<std::string> take_resumable() { return std::exchange(resumable_, {}); }
   /// Recordings that ended since the last call, entered into the catalogue already.
   [[nodiscard]] std::vector<FinishedRecording> take_finished();
@@ -76,7 +77,9 @@ class Recordings {
   Recordings(StorageConfig config, core::Clock& clock, core::Log log, std::unique_ptr<record::Catalogue> catalogue)
       : config_(std::move(config)), log_(std::move(log)), catalogue_(std::move(catalogue)), thread_(clock, config_) {}
   core::Status enter_interrupted();
-  void end_left_running(const record::SessionRow& session);
+  void end_left_running(record::SessionRow& session);
+  void find_resumable(const std::vector<record::SessionRow>& sessions);
+  [[nodiscard]] static std::optional<std::int64_t> cut_off_utc_ns(const record::PartRow& part);
   [[nodiscard]] bool is_recent(const record::PartRow& part) const;
   [[nodiscard]] static bool is_suspicious(const record::SessionRow& session);
   void recover_all(const std::stop_token& stop);

@@ -159,6 +159,7 @@ class Supervisor {
   void try_resumes(std::int64_t now_ns);
   /// Somebody decided what happens on this rig now.
   void forget_resumable(const std::string& rig);
+  [[nodiscard]] bool waits_for_device(const std::string& session_id, std::int64_t now_ns);
 
   core::Clock& clock_;
   core::Log log_;

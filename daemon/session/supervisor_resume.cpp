@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the supervisor goes on after a crash.
 #include <algorithm>
-#include <iterator>
-#include <utility>
+#include <vector>
 
 #include "session/supervisor.h"
 
@@ -27,22 +26,31 @@ void Supervisor::forget_resumable(const std::string& rig) {
   });
 }
 
+/// Whether the session's rig has not delivered yet, and may do so soon: its session would begin with nothing.
+bool Supervisor::waits_for_device(const std::string& session_id, std::int64_t now_ns) {
+  if (now_ns >= resume_until_ns_) return false;
+  const auto row = services_.recordings->catalogue().session(session_id);
+  const auto entry = row ? find(row->rig) : tl::make_unexpected(row.error());
+  return entry && (*entry)->rig->acquisition().scans_total == 0;
+}
+
 void Supervisor::try_resumes(std::int64_t now_ns) {
   if (resumable_.empty() || now_ns < next_resume_ns_) return;
   next_resume_ns_ = now_ns + kTryEveryNs;
-  std::vector<std::string> waiting = std::exchange(resumable_, {});  // resuming one forgets the others of its rig
-  std::erase_if(waiting, [&](const std::string& id) {
+  // A copy: a session that goes on is forgotten, and the others of its rig with it.
+  for (const std::string& id : std::vector(resumable_)) {
+    if (std::ranges::find(resumable_, id) == resumable_.end() || waits_for_device(id, now_ns)) continue;
     const auto resumed = resume_session(id);
     if (resumed) {
       log_.warning("session " + id + " was interrupted and goes on");
       services_.recordings->enter_audit({.utc_ns = now_ns + core::utc_minus_monotonic_ns(), .who = "dtsd", .what = "resume_session", .target = id, .result = "ok"});
-      return true;
+      continue;
     }
     const bool may_work_later = resumed.error().code == core::ErrorCode::WrongState && now_ns < resume_until_ns_;
-    if (!may_work_later) log_.error("session " + id + " was interrupted and cannot go on by itself: " + core::to_string(resumed.error()));
-    return !may_work_later;
-  });
-  std::ranges::move(waiting, std::back_inserter(resumable_));
+    if (may_work_later) continue;
+    log_.error("session " + id + " was interrupted and cannot go on by itself: " + core::to_string(resumed.error()));
+    std::erase(resumable_, id);
+  }
 }
 
 }  // namespace dts::session

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """dtsd beside the ways a user could take instead: plain libzmq with protobuf, and a shared-memory ring as the floor.
 
-Needs the peer benchmarks, whose driver and programs it uses where they lie (--peers-dir), and peer_dtsd of this build. Every
-process runs at SCHED_FIFO 50 and in a network namespace of its own when that is permitted. Compare within one table only, as
-ratios. --extra adds peers from a JSON file: {"name": {"cmd": ["program", "argument"]}}.
+Needs the peer benchmarks, whose driver and programs it uses where they lie (--peers-dir, else the environment variable
+DTS_PEERS_DIR; without either nothing is compared), and peer_dtsd of this build. Every process runs at SCHED_FIFO 50 and in a network
+namespace of its own when that is permitted. Compare within one table only, as ratios. --extra adds peers from a JSON file: {"name": {"cmd": ["program", "argument"]}}.
 """
 import argparse
 import json
@@ -24,7 +24,7 @@ TCP = 'tcp://127.0.0.1:5601'
 def parse_arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument('--program', default=str(ROOT / 'build/release/bench/peer_dtsd'), help='peer_dtsd (default: %(default)s)')
-    parser.add_argument('--peers-dir', default=str(ROOT.parent / 'shared/bench-peers'))
+    parser.add_argument('--peers-dir', default=os.environ.get('DTS_PEERS_DIR', ''), help='folder of the peer benchmarks (default: DTS_PEERS_DIR)')
     parser.add_argument('--extra', help='JSON file with further peers; liblsl, if there, must be called lsl')
     parser.add_argument('--quick', action='store_true', help='one short round: shows that everything works, the figures are rough')
     parser.add_argument('--rounds', type=int, default=3)
@@ -159,7 +159,7 @@ def show_stalls(bench, names, rates, seconds, prefix):
 def main():
     arguments = parse_arguments()
     if not os.path.isdir(arguments.peers_dir):
-        print(f'peers.py: skipped: no peer benchmarks in {arguments.peers_dir}')
+        print(f'peers.py: skipped: no peer benchmarks in "{arguments.peers_dir}": give --peers-dir or DTS_PEERS_DIR')
         return
     if not os.access(arguments.program, os.X_OK):
         sys.exit(f'peers.py: {arguments.program} is missing; build target peer_dtsd or give --program')

@@ -70,6 +70,23 @@ class Installed(unittest.TestCase):
             self.assertEqual(done.returncode, 0, f"{name}: {done.stderr}")
             self.assertIn(f"{rigs} rig(s)", done.stdout)
 
+    def test_GuideNamesWhatIsThere_AndItsRigIsSound(self) -> None:
+        """docs/installation.md: the examples, and the table that it says to write for a DAQ without a trigger line."""
+        (guide,) = self.prefix.rglob("doc/dtsd/installation.md")
+        for example in ("dtsd-daq.toml", "dtsd-alerts.yml", "dtsd.json"):
+            self.assertIn(example, guide.read_text())
+            self.assertTrue((guide.parent / "examples" / example).is_file(), example)
+        (table,) = re.findall(r"^ {4}\[\[rig\]\]\n(?: {4}\w+ = .*\n)+", guide.read_text(), re.MULTILINE)
+        rig = (self.etc / "rigs/floor-daq.toml").read_text()
+        (self.etc / "rigs/floor.toml").write_text(re.sub(r"^\[trigger\].*?(?=^\[)", "", rig, flags=re.MULTILINE | re.DOTALL))
+        file = self.etc / "guide.toml"
+        file.write_text(re.sub(r"^ +", "", table, flags=re.MULTILINE))
+
+        done = self.daemon(file)
+
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("1 rig(s)", done.stdout)
+
     def test_SimulatedExampleWorksInThePlaceOfTheConfiguration(self) -> None:
         (example,) = self.prefix.rglob("examples/dtsd-sim.toml")
         file = shutil.copy(example, self.etc / "copied.toml")
@@ -88,7 +105,7 @@ class Installed(unittest.TestCase):
             assert gateway.stderr
             said = gateway.stderr.readline()
             try:
-                with urllib.request.urlopen(said.split()[-1], timeout=PATIENCE_S) as page:  # it takes signals once it answers
+                with urllib.request.urlopen(said.split()[-1], timeout=PATIENCE_S) as page:
                     title = page.read()
             finally:
                 gateway.terminate()
@@ -97,6 +114,17 @@ class Installed(unittest.TestCase):
         self.assertRegex(said, r"^listening on http://127\.0\.0\.1:\d+/$")
         self.assertIn(b"<title>dtsd</title>", title)
         self.assertEqual(status, 0)
+
+    def test_GatewayRefusesAConfigurationWithAnUnknownWord(self) -> None:
+        (config,) = self.root.rglob("dts-gateway/gateway.toml")
+        wrong = self.root / "wrong.toml"
+        wrong.write_text(config.read_text() + 'lisen = "127.0.0.1:0"\n')
+        environment = {"PATH": os.environ["PATH"], "CACHE_DIRECTORY": str(self.root)}
+
+        done = run(self.prefix / "bin/dts-gateway", "serve", "--config", wrong, environment=environment)
+
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("lisen", done.stderr)
 
     def test_ManualPageHasEveryKeyOfTheConfiguration(self) -> None:
         (page,) = self.root.rglob("man5/dtsd.toml.5")

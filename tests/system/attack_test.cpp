@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Clients that mean the daemon ill, on the addresses that other machines reach. Strangers must not cost memory; nobody may cost a scan, or
-// keep an operator from acting. What libzmq lets nobody bound is measured by scripts/attack and told in SECURITY.md, not here.
+// keep an operator from acting. What libzmq lets nobody bound is told in SECURITY.md, and not tried here.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <netinet/tcp.h>

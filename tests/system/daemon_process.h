@@ -92,7 +92,7 @@ class DaemonProcess {
 };
 
 /// Address and thread sanitizers keep freed memory: what a process holds says nothing then.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef DTS_SANITIZED
 inline constexpr bool kIsMemoryMeaningful = false;
 #else
 inline constexpr bool kIsMemoryMeaningful = true;

@@ -10,6 +10,7 @@ namespace dts::gateway {
 namespace {
 
 constexpr std::chrono::milliseconds kTellingPause{200};
+constexpr std::chrono::seconds kLongestStatus{5};  // it is told every second
 
 TabQueue::Dropped sum(const TabQueue::Dropped& one, const TabQueue::Dropped& other) {
   return {.blocks = one.blocks + other.blocks, .scans = one.scans + other.scans, .events = one.events + other.events};
@@ -37,6 +38,7 @@ void Hub::keep(const CarriedPointer& message) {
   if (message->instance_id != instance_id_) retained_.clear();
   instance_id_ = message->instance_id;
   if (message->is_retained) retained_[message->topic] = message;
+  if (message->topic == kStatusTopic) told_status_ = std::chrono::steady_clock::now();
 }
 
 std::unique_ptr<Tab> Hub::open_tab(const Identity& identity, TabConnection& connection) {
@@ -52,9 +54,10 @@ void Hub::close_tab(HubTab& tab) {
   tell_wishes();
 }
 
-CarriedPointer Hub::status() const {
+CarriedPointer Hub::status(std::chrono::steady_clock::time_point now) const {
   const auto known = retained_.find(std::string(kStatusTopic));
-  return link_.is_up() && known != retained_.end() ? known->second : nullptr;
+  const bool is_fresh = now - told_status_ <= kLongestStatus;
+  return link_.is_up() && is_fresh && known != retained_.end() ? known->second : nullptr;
 }
 
 TabQueue::Dropped Hub::dropped() const {

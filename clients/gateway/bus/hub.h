@@ -3,6 +3,7 @@
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -36,8 +37,8 @@ class Hub {
   void take(const BusItem& item);
   [[nodiscard]] std::unique_ptr<Tab> open_tab(const Identity& identity, TabConnection& connection);
 
-  /// The daemon's newest status; nullptr while the daemon is silent.
-  [[nodiscard]] CarriedPointer status() const;
+  /// The daemon's newest status; nullptr while it says nothing of itself, even when data of it go on arriving.
+  [[nodiscard]] CarriedPointer status(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now()) const;
   /// For all tabs, also those that are closed.
   [[nodiscard]] TabQueue::Dropped dropped() const;
 
@@ -63,6 +64,7 @@ class Hub {
   std::set<HubTab*> tabs_;
   TabQueue::Dropped dropped_for_closed_;  ///< For tabs that are closed.
   std::set<std::string> wishes_;                    ///< As told last.
+  std::chrono::steady_clock::time_point told_status_{};
   std::uint64_t instance_id_ = 0;                   ///< Of the daemon that said what is retained.
   std::map<std::string, CarriedPointer> retained_;  ///< By topic; as many as the daemon's rigs have states.
 };

@@ -20,6 +20,7 @@ struct HttpRequest {
   std::map<std::string, std::string> headers{};  ///< Names in lower case.
   std::string body{};
   std::string remote_address{};  ///< Without port.
+  std::string local_address{};   ///< Of this machine, the one that was connected to; without port.
   bool is_secure = false;        ///< Came over TLS.
   bool is_same_origin = false;   ///< Its Origin header is there and ours.
 

@@ -87,6 +87,7 @@ tl::expected<HttpRequest, HttpResponse> check_request(RawRequest raw, const Peer
   request.headers = headers_of(raw);
   request.body = std::move(raw.body());
   request.remote_address = peer.remote_address;
+  request.local_address = peer.local_address;
   request.is_secure = is_secure;
   request.is_same_origin = is_same_origin(request.header("origin"), *host, is_secure);
   const bool has_origin = request.headers.contains("origin");

@@ -110,7 +110,7 @@ Result<StaticFiles> StaticFiles::load(const fs::path& root) {
     return client::fail(ErrorCode::Failed, "cannot read the folder '" + root.string() + "': " + failed.message());
   }
   if (!all.files_.contains(std::string(kIndex))) {
-    return client::fail(ErrorCode::NotFound, "there is no dashboard in '" + root.string() + "': no index.html",
+    return client::fail(ErrorCode::InvalidArgument, "there is no dashboard in '" + root.string() + "': no index.html",
                         "give the folder that the dashboard was built into");
   }
   return all;

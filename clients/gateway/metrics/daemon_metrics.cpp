@@ -54,7 +54,7 @@ void add_losses(const v1::RigStatus& rig, const std::string& name, Exposition& o
 
 void add_device(const v1::RigStatus& rig, const MetricLabels& labels, Exposition& out) {
   add_states({"dts_device_state", "1 for the state in which the rig's device is."}, *v1::DeviceState_descriptor(), rig.device(), labels, out);
-  out.counter({"dts_scans_total", "Scans that came from the device."}, number(rig.scans_total()), labels);
+  out.counter({"dts_scans_total", "Scans taken from the device; those that found the ring full are among the lost."}, number(rig.scans_total()), labels);
   out.counter({"dts_reconnects_total", "Times that a lost device came back."}, number(rig.reconnects_total()), labels);
   out.counter({"dts_device_restarts_total", "Times that the scan of a present device had to be started again."}, number(rig.restarts_total()),
               labels);

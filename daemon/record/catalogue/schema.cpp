@@ -114,7 +114,7 @@ core::Status check_owner(const Database& database, std::int64_t version) {
   if (!tables) return tl::make_unexpected(tables.error());
   if (*mark == 0 && version == 0 && *tables == 0) return {};  // just made
   return core::fail(core::ErrorCode::DataDamaged, database.file() + " is no catalogue of dtsd but a database of another program",
-                    "move it away, or choose another state_dir in dtsd.toml");
+                    "move it away, or choose another folder: directory under [storage] in dtsd.toml");
 }
 
 core::Status apply(const Database& database, const char* migration, std::size_t version) {

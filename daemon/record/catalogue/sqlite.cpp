@@ -23,7 +23,7 @@ core::Status create_private(const std::string& file) {
   const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0640);
   if (descriptor < 0) {
     return core::fail_errno(errno, "cannot open the catalogue " + file,
-                            "does the folder exist, and may dtsd write there? see state_dir in dtsd.toml");
+                            "does the folder exist, and may dtsd write there? see directory under [storage] in dtsd.toml");
   }
   struct stat facts {};
   const bool is_file = ::fstat(descriptor, &facts) == 0 && S_ISREG(facts.st_mode);
@@ -67,7 +67,7 @@ std::string hint_of(int result) {
 tl::unexpected<core::Error> damaged_catalogue(const std::string& file, const std::string& why) {
   return core::fail(ErrorCode::DataDamaged, "the catalogue " + file + " is damaged: " + why,
                     "move it away with all files beside it whose names begin with its own, and start again: it is rebuilt from the "
-                    "recordings, all but the audit trail and the results");
+                    "recordings, all but the audit trail");
 }
 
 Statement& Statement::bind(std::string_view text) {

@@ -138,7 +138,7 @@ bool is_memory_locked() {
   return false;
 }
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef DTS_SANITIZED
 constexpr bool kLockingIsReplaced = true;  // the sanitizers turn mlockall into a no-operation
 #else
 constexpr bool kLockingIsReplaced = false;

@@ -49,7 +49,7 @@ struct Packet {
   std::vector<std::uint8_t> bytes;  ///< May be longer than the endpoint's packet size: babble, an overflow for the host.
 };
 
-/// The inside of a USB DAQ as its sheet describes it (shared/hardware is not cited in code: name vendor documents). Byte-exact at
+/// The inside of a USB DAQ as its maker's documents describe it, which are cited where they are followed. Byte-exact at
 /// the cable, driven by a Source, with its own clock and with faults on request. It knows no host: FakeBus, UmockdevHost and
 /// VhciHost put it on one. Time is told by whoever calls and never goes back. Thread: one at a time (the host locks).
 class EmulatedDevice {

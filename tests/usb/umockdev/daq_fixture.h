@@ -48,7 +48,7 @@ class Staircase {
 /// The machine's time, slowed down for device and daemon alike: what a sanitizer slows down stays in time.
 class SlowClock final : public core::Clock {
  public:
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef DTS_SANITIZED
   static constexpr std::int64_t kSlowness = 5;
 #else
   static constexpr std::int64_t kSlowness = 1;

@@ -39,7 +39,7 @@ upgrade() {
 remove() {
   recordings >before
   check 'there are recordings' [ "$(wc -l <before)" -ge 5 ]
-  check 'apt removes the packages' quiet apt-get remove -y dtsd dts-clients dts-gateway
+  check 'apt removes the packages' quiet apt-get remove -y dtsd dts-clients dts-gateway python3-dts
   check 'the daemon is stopped' is_gone pgrep -x dtsd
   check 'the gateway is stopped' is_gone pgrep -x dts-gateway
   check 'removing keeps the configuration' [ "$(sha256sum </etc/dtsd/dtsd.toml)" = "$configuration" ]
@@ -47,7 +47,7 @@ remove() {
 }
 
 purge() {
-  check 'apt purges the packages' quiet apt-get purge -y dtsd dts-clients dts-gateway
+  check 'apt purges the packages' quiet apt-get purge -y dtsd dts-clients dts-gateway python3-dts
   check 'it says that recordings are kept' contains 'the recordings in /var/lib/dtsd are kept' last.log
   check 'the configuration is gone' is_absent /etc/dtsd
   check 'the keys are gone' is_absent /var/lib/dtsd/keys

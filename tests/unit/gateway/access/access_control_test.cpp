@@ -10,6 +10,7 @@
 
 #include "gateway/access/password.h"
 #include "gateway/access/user_file.h"
+#include "gateway/access/visitor.h"
 #include "unit/gateway/answered_test.h"
 #include "unit/gateway/read_response.h"
 
@@ -288,6 +289,22 @@ TEST_F(AccessControlTest, LocalRole_IsNotForWhoeverComesThroughAProxy) {
     asked.headers[header] = "";
     EXPECT_FALSE(is_known(asked)) << header;
   }
+}
+
+TEST_F(AccessControlTest, SameMachine_IsAlsoWhoAsksFromTheAddressThatIsAskedAt) {
+  HttpRequest asked = request("GET", "/metrics");
+  asked.local_address = "192.0.2.1";
+  EXPECT_FALSE(is_same_machine(asked));
+
+  asked.remote_address = asked.local_address;
+  EXPECT_TRUE(is_same_machine(asked));
+  EXPECT_FALSE(is_local(asked));
+  asked.headers["via"] = "1.1 proxy";
+  EXPECT_FALSE(is_same_machine(asked));
+
+  asked = request("GET", "/metrics");
+  asked.remote_address.clear();
+  EXPECT_FALSE(is_same_machine(asked)) << "two addresses that are not known are not the same";
 }
 
 TEST_F(AccessControlTest, LoginWinsOverTheLocalRole) {

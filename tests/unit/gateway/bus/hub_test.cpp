@@ -51,6 +51,18 @@ class HubTest : public ::testing::Test {
   Hub hub_{io_, commands_, [this](std::vector<std::string> wanted) { wishes_.push_back(std::move(wanted)); }, "1.2.3"};
 };
 
+TEST_F(HubTest, AStatusThatIsOld_IsNone_ThoughDataGoOnArriving) {
+  v1::Link up;
+  up.set_is_up(true);
+  hub_.take(up);
+  publish(std::string(kStatusTopic), Carried::Kind::Status, true);
+  publish("floor/cop", Carried::Kind::Block);
+  const auto now = std::chrono::steady_clock::now();
+
+  EXPECT_NE(hub_.status(now), nullptr);
+  EXPECT_EQ(hub_.status(now + std::chrono::seconds(6)), nullptr);
+}
+
 TEST_F(HubTest, ATabIsToldFirstWhoItIsAndWhetherTheDaemonIsThere) {
   v1::Link up;
   up.set_is_up(true);

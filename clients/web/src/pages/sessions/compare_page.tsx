@@ -13,7 +13,7 @@ import type { Caution, Comparison, Figure } from './comparison';
 import { comparable, compare, difference, mostCompared, shareOfChange } from './comparison';
 import { Report } from './report';
 import { askSession } from './session_detail';
-import { unitText } from './session_tables';
+import { FigureName, unitText } from './session_tables';
 
 /** What is compared: two sessions, or all of a subject that can be. */
 export type Compared = { readonly ids: readonly string[] } | { readonly subject: string };
@@ -50,7 +50,9 @@ const FigureRow = ({ figure, pair }: { figure: Figure; pair: Pair }): JSX.Elemen
   const share = shareOfChange(figure, pair.one, pair.other);
   return (
     <tr data-testid="figure-row">
-      <th scope="row">{figure.name}</th>
+      <th scope="row">
+        <FigureName name={figure.name} />
+      </th>
       {figure.values.map((value, index) => (
         <td key={index} class="number">
           {fixed(value, 3)}

@@ -63,7 +63,7 @@ const FilterBar = (props: { filters: Filters; protocols: readonly string[]; onCh
 
 const Row = (props: { session: SessionRecord; isChosen: boolean; onChoose: () => void }): JSX.Element => {
   const { session } = props;
-  const { choose, compareSubject } = strings.sessions.list;
+  const { choose, compareSubject, underWay } = strings.sessions.list;
   return (
     <tr data-testid="session-row" data-session={session.sessionId}>
       <td>
@@ -87,7 +87,7 @@ const Row = (props: { session: SessionRecord; isChosen: boolean; onChoose: () =>
       </td>
       <td>{session.protocol}</td>
       <td>{session.rig}</td>
-      <td class="number">{duration(lengthS(session))}</td>
+      <td class="number">{session.state === 'running' ? underWay : duration(lengthS(session))}</td>
       <td>
         <StateMark state={stateOf(session)} />
       </td>

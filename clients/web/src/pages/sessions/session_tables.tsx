@@ -7,6 +7,7 @@ import { PartState } from '../../generated/dts/v1/sessions_pb';
 import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { TargetTable, TrialTable } from '../chair/trial_tables';
+import { figureMeaning } from './figures';
 
 export const unitText = (unit: string): string => (unit === '1' ? '' : unit);
 
@@ -107,6 +108,17 @@ export const TrialsOfSession = ({ trials }: { trials: readonly TrialRecord[] }):
   );
 };
 
+/** A figure by its symbol, with what it means where that is known: "eyes-open/RANGE_AP". */
+export const FigureName = ({ name }: { name: string }): JSX.Element => {
+  const meaning = figureMeaning(name);
+  return (
+    <>
+      {name}
+      {meaning !== undefined && <div class="sessions-note">{meaning}</div>}
+    </>
+  );
+};
+
 export const ResultTable = ({ results }: { results: readonly SessionResult[] }): JSX.Element => {
   const { heads, none } = strings.sessions.results;
   if (results.length === 0) return <p>{none}</p>;
@@ -122,7 +134,9 @@ export const ResultTable = ({ results }: { results: readonly SessionResult[] }):
       <tbody>
         {results.map((result) => (
           <tr key={result.name}>
-            <td>{result.name}</td>
+            <td>
+              <FigureName name={result.name} />
+            </td>
             <td class="number" data-testid={`result-${result.name}`}>
               {fixed(result.value, 3)}
             </td>

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The gateway's configuration file, which the command line is read beside.
+#include "gateway/program.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "cli/exit_status.h"
+#include "unit/libdts/fake_daemon.h"
+
+namespace dts::gateway {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ProgramTest : public ::testing::Test {
+ protected:
+  /// With `text` as the configuration.
+  int run_with(const std::string& text, std::vector<std::string> words) {
+    std::ofstream(file_) << text;
+    words.insert(words.begin(), {"--config", file_});
+    cli::Console console{.out = out_, .talk = talk_};
+    return run(words, console);
+  }
+
+  testing::TemporaryDirectory directory_;
+  std::string file_ = (directory_.path() / "gateway.toml").string();
+  std::ostringstream out_;
+  std::ostringstream talk_;
+};
+
+TEST_F(ProgramTest, WordThatServeDoesNotKnow_IsRefusedByName) {
+  for (const char* text : {"[serve]\nlocal_role = \"none\"\n", "local-role = \"none\"\n", "[server]\nlocal-role = \"none\"\n"}) {
+    EXPECT_EQ(run_with(text, {"serve"}), cli::kUsage) << text;
+    EXPECT_THAT(talk_.str(), HasSubstr("local")) << text;
+  }
+}
+
+TEST_F(ProgramTest, TableOfServe_DoesNotServeWhenAnotherCommandIsGiven) {
+  std::ofstream(directory_.path() / "users");
+
+  EXPECT_EQ(run_with("[serve]\nlisten = \"127.0.0.1:0\"\n", {"user", "list", "--users", (directory_.path() / "users").string()}), cli::kOk);
+
+  EXPECT_THAT(talk_.str(), ::testing::Not(HasSubstr("listening")));
+}
+
+TEST_F(ProgramTest, TableOfServe_IsRead) {
+  EXPECT_EQ(run_with("[serve]\nlisten = \"nowhere\"\n", {"serve"}), cli::kUsage);
+
+  EXPECT_THAT(talk_.str(), HasSubstr("cannot listen on 'nowhere'"));
+}
+
+}  // namespace
+}  // namespace dts::gateway

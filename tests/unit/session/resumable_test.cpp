@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which sessions a daemon goes on with after a crash, and when.
+#include <gmock/gmock.h>
+
+#include "recordings_fixture.h"
+
+namespace dts::session {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class ResumableTest : public RecordingsTest {
+ protected:
+  ResumableTest() { storage_.resume_within_min = 10.0; }
+
+  /// What a daemon that starts now would go on with; it ends before it does.
+  [[nodiscard]] std::vector<std::string> resumable() { return Recordings::open(storage_, clock_, core::Log()).value()->take_resumable(); }
+  /// A session that was cut off `parts` times, each of them a moment after it began.
+  [[nodiscard]] std::string cut_off(int parts) {
+    start();
+    const std::string id = record(50);
+    leave();
+    for (int part = 2; part <= parts; ++part) {
+      start();
+      EXPECT_TRUE(supervisor_->resume_session(id));
+      EXPECT_TRUE(is_in(SessionState::Running));
+      leave();
+    }
+    return id;
+  }
+};
+
+TEST_F(ResumableTest, SessionThatACrashEnded_GoesOn_AlsoAfterASecondCrashBeforeItCould) {
+  const std::string id = cut_off(1);
+
+  EXPECT_THAT(resumable(), ElementsAre(id));
+  EXPECT_THAT(resumable(), ElementsAre(id));
+}
+
+TEST_F(ResumableTest, SessionBeforeTheLastOfItsRig_DoesNot) {
+  static_cast<void>(cut_off(1));
+  start();
+  static_cast<void>(record(50));
+  end();
+
+  EXPECT_THAT(resumable(), IsEmpty());
+}
+
+TEST_F(ResumableTest, SessionLongAgo_DoesNot) {
+  const std::string id = cut_off(1);
+  std::filesystem::last_write_time(folder_ / "sessions" / (id + ".xdf.part"),
+                                   std::filesystem::file_time_type::clock::now() - std::chrono::minutes(11));
+
+  EXPECT_THAT(resumable(), IsEmpty());
+}
+
+TEST_F(ResumableTest, ThreeShortPartsInARow_AreEnough_ButNotWhenTheLastOneWasLong) {
+  const std::string id = cut_off(3);
+  EXPECT_THAT(resumable(), IsEmpty());
+
+  std::filesystem::last_write_time(std::filesystem::path(Recordings::open(storage_, clock_, core::Log()).value()->catalogue().session(id)->parts.back().file),
+                                   std::filesystem::file_time_type::clock::now() + std::chrono::minutes(2));
+  EXPECT_THAT(resumable(), ElementsAre(id));
+}
+
+TEST_F(ResumableTest, RigThatHasNotDeliveredYet_IsWaitedFor) {
+  const std::string id = cut_off(1);
+  open();
+  supervisor_->resume_interrupted();
+
+  supervisor_->tick();
+  EXPECT_EQ(supervisor_->states().at(0).session.state, SessionState::Idle);
+  supervisor_->start();
+
+  ASSERT_TRUE(is_in(SessionState::Running));
+  EXPECT_EQ(supervisor_->states().at(0).session.id, id);
+  EXPECT_EQ(row(id).parts.size(), 2U);
+}
+
+}  // namespace
+}  // namespace dts::session

@@ -233,6 +233,21 @@ test('GatewayLink.HiddenTab wants no streams and answers no frame; shown again i
   expect(link.state.value).toBe('up');
 });
 
+test('GatewayLink.Blocks that were on their way when the tab was hidden are not taken', async () => {
+  const { link, socket } = await connected();
+  socket.tell({ case: 'frame', value: { number: 1n, messages: [{ topic: 'dtsd/status', message: status }] } });
+  const scans: number[] = [];
+  link.onBlock('floor/cop', (block) => scans.push(block.firstScan));
+  const tellBlock = (scan: bigint): void => socket.tell({ case: 'frame', value: { number: scan, messages: [{ topic: 'floor/cop', message: copBlock(scan) }] } });
+
+  isHidden = true;
+  tellBlock(5n);
+  isHidden = false;
+  tellBlock(9n);
+
+  expect(scans).toEqual([9]);
+});
+
 test('GatewayLink.Ticks come without a frame, after what waited behind them, and not in a hidden tab', async () => {
   const { link, socket } = await connected();
   socket.tell({ case: 'frame', value: { number: 1n, messages: [{ topic: 'dtsd/status', message: status }] } });

@@ -328,6 +328,7 @@ export class GatewayLink implements Link {
       if (changingNames.has(parts.name)) void this.#askStatus();
       return;
     }
+    if (this.#around.isHidden()) return; // on its way when the tab was hidden; painted when it is seen again, it would be old
     const block = this.#streams.take(topic, fromBinary(StreamBlockSchema, bytes));
     if (block === undefined) return;
     this.#lastBlockOf(block.rig).atMs = Date.now();

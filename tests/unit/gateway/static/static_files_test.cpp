@@ -126,9 +126,9 @@ TEST_F(StaticFilesTest, FolderWithoutAnIndex_IsNoDashboard) {
   const auto nowhere = StaticFiles::load(directory_.path() / "nowhere");
 
   ASSERT_FALSE(without.has_value());
-  EXPECT_EQ(without.error().code, client::ErrorCode::NotFound);
+  EXPECT_EQ(without.error().code, client::ErrorCode::InvalidArgument);
   ASSERT_FALSE(nowhere.has_value());
-  EXPECT_EQ(nowhere.error().code, client::ErrorCode::NotFound);
+  EXPECT_EQ(nowhere.error().code, client::ErrorCode::InvalidArgument);
 }
 
 TEST_F(StaticFilesTest, MoreThan64MiB_AreRefused) {

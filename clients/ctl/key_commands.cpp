@@ -28,8 +28,8 @@ v1::Role role_of(const std::string& word) {
 
 void print_nobody_listens(cli::Console& console, const v1::ListKeysResponse& keys) {
   if (!keys.control_endpoint().empty()) return;
-  cli::print_error(console, "the daemon listens on this machine only: keys have no use yet",
-                   "write into its dtsd.toml:  [network]  control = \"tcp://*:5555\"  data = \"tcp://*:5556\"  (a line each), then restart it");
+  cli::print_error(console, "the daemon listens on this machine only: keys have no use yet, and a key file made now names no address",
+                   "write into its dtsd.toml:  [network]  control = \"tcp://*:5555\"  data = \"tcp://*:5556\"  (a line each), restart it, then revoke such a key and make it anew");
 }
 
 }  // namespace

@@ -153,7 +153,7 @@ void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessi
                {or_dash(session.protocol())},
                {or_dash(session.subject())},
                {utc_text(session.started_utc_ns())},
-               {cli::duration(recorded_s(session))},
+               {session.state() == "running" ? "-" : cli::duration(recorded_s(session))},
                state,
                {session.label()}});
   }

@@ -150,7 +150,7 @@ Table trial_table(const SessionData& session, std::size_t most_rows) {
   if (session.trials.size() > table.rows.size()) {
     table.footnotes.push_back(std::to_string(session.trials.size() - table.rows.size()) + " more trials have pages of their own.");
   }
-  if (session.trials.empty()) table.footnotes.emplace_back("Nobody stood for 10 s.");
+  if (session.trials.empty()) table.footnotes.emplace_back("Nothing to analyse: nobody stood still on the plate for 10 s on end.");
   return table;
 }
 

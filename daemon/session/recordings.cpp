@@ -57,6 +57,8 @@ core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& 
   if (!catalogue) return tl::make_unexpected(catalogue.error());
   std::unique_ptr<Recordings> recordings(new Recordings(config, clock, std::move(log), std::move(*catalogue)));
   if (auto entered = recordings->enter_interrupted(); !entered) return tl::make_unexpected(entered.error());
+  // Measuring goes on, but nobody should have to ask for the trail to hear of it.
+  if (auto sound = recordings->catalogue_->verify_audit(); !sound) recordings->log_.error(core::to_string(sound.error()));
   return recordings;
 }
 

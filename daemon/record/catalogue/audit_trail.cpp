@@ -53,7 +53,8 @@ AuditEntry read_entry(Statement& row) {
 
 tl::unexpected<core::Error> broken(std::uint64_t number, const std::string& why) {
   return core::fail(core::ErrorCode::DataDamaged, "audit trail: entry " + std::to_string(number) + " " + why,
-                    "somebody changed the catalogue, or its disk did; compare with a copy");
+                    "somebody changed the catalogue, or its disk did, or a catalogue that was made again stands beside an older "
+                    "catalogue.sqlite.audit: compare with a copy");
 }
 
 }  // namespace

@@ -4,15 +4,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <spdlog/logger.h>
+#include <spdlog/sinks/ostream_sink.h>
 #include <unistd.h>
 
 #include <array>
-#include <chrono>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
-#include <functional>
-#include <thread>
+#include <sstream>
 
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
@@ -162,6 +162,20 @@ TEST_F(RecordingsTest, IdUsedByAnEarlierDaemon_IsNotUsedAgain) {
 
   ASSERT_TRUE(started) << started.error().what;
   EXPECT_THAT(started->id, testing::EndsWith("-floor-2"));
+}
+
+TEST_F(RecordingsTest, AuditTrailOfAnotherCatalogue_IsToldAtTheStart) {
+  start();
+  recordings_->enter_audit({.utc_ns = 1, .who = "local", .what = "mark", .target = "floor", .result = "ok"});
+  end();
+  for (const char* ending : {"", "-wal", "-shm"}) std::filesystem::remove(folder_.string() + "/catalogue.sqlite" + ending);
+  std::ostringstream said;
+  const core::Log log(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(said)));
+
+  const auto opened = Recordings::open(storage_, clock_, log);
+
+  ASSERT_TRUE(opened);
+  EXPECT_THAT(said.str(), HasSubstr("audit trail: entry 1"));
 }
 
 TEST_F(RecordingsTest, CatalogueThatRefuses_LeavesNoFileBehind) {

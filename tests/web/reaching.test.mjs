@@ -101,7 +101,8 @@ describe('a reaching examination', () => {
     await by(page, 'stop-session').click();
     await isStep('free').waitFor();
     const { sessions } = await daemon.json('session', 'list');
-    const session = await daemon.session(sessions[0].session_id);
+    let session;
+    await waitFor(async () => (session = await daemon.session(sessions[0].session_id)).state === 'complete', 'the recording is closed');
     const rows = () =>
       page.evaluate(() => [...document.querySelectorAll('[data-testid="trial-table"] tbody tr')].map((row) => [...row.children].map((cell) => cell.textContent)));
     const withoutReasons = ([trial, target, outcome, word, deg]) => [trial, target, outcome, word.replace(/ \(.*\)$/, ''), deg];
@@ -111,7 +112,6 @@ describe('a reaching examination', () => {
     await by(page, 'trial-table').waitFor();
     const onSession = (await rows()).map(withoutReasons);
 
-    assert.equal(session.state, 'complete');
     assert.equal(session.subject, 'P6');
     assert.deepEqual(session.trials.map(({ trial, attempt, outcome }) => [trial, attempt, outcome]), [
       [1, 1, 'done'],

@@ -64,8 +64,8 @@ describe('sessions', () => {
     const { sessions } = await daemon.json('session', 'list');
     assert.equal(sessions.length, 1);
     const id = sessions[0].session_id;
-    const session = await daemon.session(id);
-    assert.equal(session.state, 'complete');
+    let session;
+    await waitFor(async () => (session = await daemon.session(id)).state === 'complete', 'the recording is closed');
     assert.equal(session.subject, 'P017');
     assert.equal(session.label, 'from the browser');
     assert.deepEqual(session.trials.map(({ trial, outcome }) => [trial, outcome]), [[1, 'done']]);

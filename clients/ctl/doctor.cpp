@@ -62,7 +62,7 @@ Check check_queues(const v1::RigStatus& rig) {
   return bad(name, finding, "what else runs on this machine? allow SCHED_FIFO; when it is the recorder: is the disk slow?");
 }
 
-/// A replay goes as fast as it was told to, in hours of a day long gone: neither its rate nor its queues nor its latency say anything.
+/// A replay goes as fast as it was told to: neither its rate nor its queues nor its latency say anything of this machine.
 bool is_replay(const v1::RigStatus& rig) { return rig.rig().device_uri().starts_with("replay:"); }
 
 std::optional<Check> check_latency(const v1::RigStatus& rig) {

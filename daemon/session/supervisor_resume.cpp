@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 // How the supervisor goes on after a crash.
-#include <algorithm>
 #include <vector>
 
 #include "session/supervisor.h"
@@ -37,9 +36,8 @@ bool Supervisor::waits_for_device(const std::string& session_id, std::int64_t no
 void Supervisor::try_resumes(std::int64_t now_ns) {
   if (resumable_.empty() || now_ns < next_resume_ns_) return;
   next_resume_ns_ = now_ns + kTryEveryNs;
-  // A copy: a session that goes on is forgotten, and the others of its rig with it.
-  for (const std::string& id : std::vector(resumable_)) {
-    if (std::ranges::find(resumable_, id) == resumable_.end() || waits_for_device(id, now_ns)) continue;
+  for (const std::string& id : std::vector(resumable_)) {  // a copy: a session that goes on is forgotten
+    if (waits_for_device(id, now_ns)) continue;
     const auto resumed = resume_session(id);
     if (resumed) {
       log_.warning("session " + id + " was interrupted and goes on");

@@ -49,6 +49,13 @@ std::optional<record::FoundRecording> closed_already(const record::PartRow& part
   return *found;
 }
 
+/// When the data of a closed or repaired part end. A file may claim any length: what no recording can have counts as none.
+std::int64_t end_of_data_utc_ns(const record::PartRow& part) {
+  constexpr double kLongest_s = 1e8;  // three years
+  const bool is_possible = part.duration_s >= 0.0 && part.duration_s <= kLongest_s;
+  return part.started_utc_ns + (is_possible ? static_cast<std::int64_t>(part.duration_s * 1e9) : 0);
+}
+
 }  // namespace
 
 core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& config, core::Clock& clock, core::Log log) {
@@ -106,7 +113,7 @@ void Recordings::end_left_running(record::SessionRow& session) {
   std::int64_t ended_utc_ns = session.started_utc_ns;
   if (!session.parts.empty()) {
     const record::PartRow& part = session.parts.back();
-    ended_utc_ns = part.started_utc_ns + static_cast<std::int64_t>(part.duration_s * 1e9);
+    ended_utc_ns = end_of_data_utc_ns(part);
     if (part.state == record::PartState::Complete || part.state == record::PartState::Incomplete) {
       session.state = record::name(part.state);
       message = part.reason;
@@ -137,7 +144,7 @@ void Recordings::find_resumable(const std::vector<record::SessionRow>& sessions)
 
 /// When a part that was cut off ends: what its repaired copy says, or its file, which is written several times a second.
 std::optional<std::int64_t> Recordings::cut_off_utc_ns(const record::PartRow& part) {
-  if (part.state == record::PartState::Recovered) return part.started_utc_ns + static_cast<std::int64_t>(part.duration_s * 1e9);
+  if (part.state == record::PartState::Recovered) return end_of_data_utc_ns(part);
   if (part.state != record::PartState::Interrupted) return std::nullopt;
   std::error_code error;
   const auto written = std::filesystem::last_write_time(part.file, error);

@@ -326,7 +326,19 @@ void Recordings::end_session(const std::string& id, const std::string& state, co
   if (!owed_.empty()) owed_ends_[id] = {.id = id, .state = state, .message = message, .ended_utc_ns = utc_ns};
 }
 
+bool Recordings::is_being_closed(const record::SessionRow& row) const {
+  const auto recorded = under_way_.find(row.rig);
+  return recorded != under_way_.end() && recorded->second.session_id == row.id && recorded->second.state == record::PartState::Recording;
+}
+
 record::SessionRow Recordings::corrected(record::SessionRow row) const {
+  if (is_being_closed(row)) {
+    // The catalogue has an end already, in case the daemon dies before the file is closed. Only the closed file decides how it ended.
+    row.state = "running";
+    row.message.clear();
+    row.ended_utc_ns = 0;
+    return row;
+  }
   const auto end = owed_ends_.find(row.id);
   if (end == owed_ends_.end()) return row;
   row.state = end->second.state;

@@ -58,7 +58,7 @@ class Recordings {
   }
   void enter_audit(record::AuditEntry entry) { complain(catalogue_->append_audit(std::move(entry))); }
   void end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
-  /// What the catalogue says of a session, and what it could not be told yet.
+  /// Returns the catalogue's row with the entries that the catalogue has refused so far. A session whose file is still open is "running".
   [[nodiscard]] record::SessionRow corrected(record::SessionRow row) const;
 
   /// Waits until no recording is open any more, or for `limit`.
@@ -87,6 +87,8 @@ class Recordings {
   void collect_recovered();
   [[nodiscard]] core::Status enter(const record::FoundRecording& found);
   void enter(const FinishedRecording& finished);
+  /// Returns whether the file of the session's newest part is still open.
+  [[nodiscard]] bool is_being_closed(const record::SessionRow& row) const;
   void complain(const core::Status& status);
   void enter_or_owe(std::function<core::Status()> entry);
   void enter_owed();

@@ -45,6 +45,23 @@ TEST_F(RecordingsTest, Session_IsOnTheDiskFromItsStartAndWholeAtItsEnd) {
   EXPECT_THAT(facts.stages, testing::Contains(HasSubstr("window_filter")));
 }
 
+TEST_F(RecordingsTest, StoppedSessionWhoseFileIsStillOpen_IsListedAsRunning) {
+  start();
+  for (const bool is_abort : {false, true}) {
+    const std::string id = record(100);
+
+    ASSERT_TRUE(supervisor_->stop_session("floor", is_abort, "a test"));
+    // Only a tick enters the end of the file, and this thread is the one that ticks.
+    const record::SessionRow at_once = recordings_->corrected(row(id));
+    ASSERT_TRUE(is_in(SessionState::Idle));
+
+    EXPECT_EQ(at_once.state, "running");
+    EXPECT_EQ(at_once.message, "");
+    EXPECT_EQ(at_once.ended_utc_ns, 0);
+    EXPECT_EQ(recordings_->corrected(row(id)).state, is_abort ? "aborted" : "complete");
+  }
+}
+
 TEST_F(RecordingsTest, MarksAndStates_StandInTheFile) {
   start();
   const std::string id = record(200);

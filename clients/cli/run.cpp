@@ -53,8 +53,17 @@ UsageError unexpected_word(const std::string& word, const CLI::App& command) {
   return {prefix(command) + "unexpected " + kind + " '" + word + "'", hint};
 }
 
+/// A key that no option has: CLI11 says "INI was not able to parse KEY", whatever the file is.
+UsageError unknown_key(const CLI::App& root, const CLI::ConfigError& error) {
+  const std::string text = error.what();
+  const std::string start = "INI was not able to parse ";
+  const std::string what = text.starts_with(start) ? "unknown key '" + text.substr(start.size()) + "'" : text;
+  return {"configuration file: " + what, full_name(root) + " --help"};
+}
+
 /// One text for every way in which CLI11 can be dissatisfied.
 UsageError usage_error(const CLI::App& root, const CLI::ParseError& error) {
+  if (const auto* wrong_file = dynamic_cast<const CLI::ConfigError*>(&error)) return unknown_key(root, *wrong_file);
   const CLI::App& command = reached(root);
   // A misspelt command is first noticed as the lack of a right one.
   const std::vector<std::string> left_over = root.remaining(true);

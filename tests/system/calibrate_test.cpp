@@ -73,7 +73,7 @@ class CalibrateTest : public ::testing::Test {
     std::ofstream stream(file);
     stream << "x_mm,y_mm,load_n\n";
     for (const Weight& weight : weights) stream << weight.x_mm << ',' << weight.y_mm << ',' << weight.load_n << '\n';
-    return simulated("contact=weights&weights=" + file + "&step_on_s=4&hold_s=0.14&pause_s=0.02&ramp_s=0.02");
+    return simulated("contact=weights&weights=" + file + "&step_on_s=6&hold_s=0.14&pause_s=0.02&ramp_s=0.02");
   }
   [[nodiscard]] static DaemonProcess::Options simulated(const std::string& options) {
     return {.device = "sim:floor?seed=3&bits=16&" + options,
@@ -117,7 +117,7 @@ TEST_F(CalibrateTest, CopByTheThesis_WritesAFileThatMeetsItsPointsAndTheDaemonTa
   files::Problems problems;
   const auto file = files::read_cop_calibration(path("cop.toml"), problems);
   ASSERT_TRUE(file) << files::to_string(problems.at(0));
-  EXPECT_EQ(file->id, report["id"]);
+  EXPECT_EQ(file->id, report["id"].get<std::string>());
   EXPECT_EQ(file->estimator.method(), physics::CopMethod::Thesis);
   EXPECT_FALSE(std::filesystem::exists(progress_file())) << "a finished calibration leaves no progress behind";
 
@@ -207,7 +207,7 @@ TEST_F(CalibrateTest, DuringASession_Refused) {
 
 TEST_F(CalibrateTest, Sensors_GiveBackTheirCurve) {
   const DaemonProcess daemon(
-      simulated("contact=gaps&gaps_mm=12.5,12,11,10,9,8,7,6.5&step_on_s=3&hold_s=0.5&pause_s=0.3&ramp_s=0.05&range_v=10"));
+      simulated("contact=gaps&gaps_mm=12.5,12,11,10,9,8,7,6.5&step_on_s=5&hold_s=0.5&pause_s=0.3&ramp_s=0.05&range_v=10"));
   ASSERT_TRUE(daemon.is_ready()) << daemon.log();
 
   const Finished finished = daemon.ctl(
@@ -227,8 +227,8 @@ TEST_F(CalibrateTest, Sensors_GiveBackTheirCurve) {
     files::Problems problems;
     const auto file = files::read_sensor_curve(sensor["file"].get<std::string>(), problems);
     ASSERT_TRUE(file) << files::to_string(problems.at(0));
-    EXPECT_EQ(file->calibration->id, sensor["id"]);
-    EXPECT_EQ(file->calibration->channel, sensor["channel"]);
+    EXPECT_EQ(file->calibration->id, sensor["id"].get<std::string>());
+    EXPECT_EQ(file->calibration->channel, sensor["channel"].get<std::string>());
     EXPECT_EQ(file->calibration->samples_per_point, 200U);
     EXPECT_EQ(file->calibration->range_v, 10.0);
     EXPECT_GT(sensor["points"].back()["gap_mm"], 12.0) << "the curve must reach beyond the unloaded gap";

@@ -268,14 +268,13 @@ void UsbDaq::interrupt() noexcept { is_interrupted_.store(true, std::memory_orde
 
 core::Status UsbDaq::set_sync_output(bool is_high) {
   // A start may take seconds; whoever asks here must not. Tried in steps, not `try_lock_for`: thread sanitizers do not know that one.
-  std::unique_lock lock(request_mutex_, std::try_to_lock);
-  for (int waited_ms = 0; !lock.owns_lock(); ++waited_ms) {
+  std::unique_lock lock(request_mutex_, std::defer_lock);
+  for (int waited_ms = 0; !lock.try_lock(); ++waited_ms) {
     if (waited_ms >= kBusyPatienceMs) {
       return core::fail(ErrorCode::WrongState, "cannot set the sync output of " + describe().uri + ": the device is busy starting",
                         "try again");
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    lock.try_lock();
   }
   if (state() == DeviceState::Gone) return core::fail(ErrorCode::DeviceGone, describe().uri + " is gone");
   if (state() == DeviceState::Closed) return core::fail(ErrorCode::WrongState, describe().uri + " is not open");

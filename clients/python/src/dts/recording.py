@@ -145,8 +145,14 @@ class _ParsedEvent:
     text: str
 
 
+def _as_list(values: NDArray[Any]) -> list[Any]:
+    """Returns an array as a list of Python's own values: numpy's types do not say how deep `tolist` nests."""
+    rows: Any = values.tolist()
+    return list(rows)
+
+
 def _parsed_events(stream: XdfStream) -> list[_ParsedEvent]:
-    rows = zip(stream.times_s.tolist(), stream.values.tolist(), strict=True)
+    rows = zip(_as_list(stream.times_s), _as_list(stream.values), strict=True)
     return [_ParsedEvent(stream, stamp_s, _event_of_json(text), text) for stamp_s, texts in rows for text in texts]
 
 
@@ -189,7 +195,7 @@ class _SegmentTable:
         elif reference is not None:
             stamps = reference.times_s
             firsts = stamps[np.r_[True, ~_continues(stamps, self.rate_hz)]] if len(stamps) else stamps
-            starts = [(at, number, at) for number, at in enumerate(firsts.tolist())]
+            starts = [(at, number, at) for number, at in enumerate(_as_list(firsts))]
         else:
             starts = []
         starts.sort()
@@ -249,7 +255,7 @@ def _to_stream(name: str, stream: XdfStream, table: _SegmentTable, utc_minus_mon
 
 def _gaps_of(segments: NDArray[np.int64], scans: NDArray[np.int64], table: _SegmentTable) -> tuple[Missing, ...]:
     found = []
-    for index in (np.flatnonzero((np.diff(segments) != 0) | (np.diff(scans) != 1)) + 1).tolist():
+    for index in _as_list(np.flatnonzero((np.diff(segments) != 0) | (np.diff(scans) != 1)) + 1):
         told = table.gaps.get(int(segments[index]), {})
         if segments[index] == segments[index - 1]:
             found.append(Missing(index, max(int(scans[index] - scans[index - 1]) - 1, 0), True, "lost"))
@@ -262,7 +268,7 @@ def _gaps_of(segments: NDArray[np.int64], scans: NDArray[np.int64], table: _Segm
 
 def _on_host(stamps_s: NDArray[np.float64], offsets: list[tuple[float, float]]) -> NDArray[np.float64]:
     """Stamps mapped to the host's clock: offsets are measured every 5 s, in between they change evenly."""
-    known = np.array([offset for offset in offsets if np.isfinite(offset).all()]).reshape(-1, 2)
+    known: NDArray[np.float64] = np.array([offset for offset in offsets if np.isfinite(offset).all()]).reshape(-1, 2)
     if not len(known):
         return stamps_s
     known = known[np.argsort(known[:, 0], kind="stable")]

@@ -14,7 +14,7 @@ using client::Result;
 
 constexpr std::array<const char*, 3> kCopChannels = {"ml_mm", "ap_mm", "load_n"};
 constexpr std::array<const char*, 3> kTruthChannels = {"true_ml_mm", "true_ap_mm", "true_load_n"};
-constexpr std::chrono::seconds kPatience{30};  // beyond the duration of the data
+constexpr std::chrono::seconds kPatience{100};  // beyond the duration of the data
 
 Result<void> append(const Block& block, const std::array<const char*, 3>& wanted, Track& track) {
   track.rate_hz = block.rate.hz();

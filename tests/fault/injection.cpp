@@ -7,11 +7,11 @@
 #include "fault/child_process.h"
 #include "fault/recorded_session.h"
 #include "fault/rigs.h"
+#include "support/patient_clock.h"
 
 namespace dts::fault {
 namespace {
 
-constexpr double kFactor = 20.0;   // two seconds of recording take 0.1 s
 constexpr double kSessionS = 2.0;  // some synchronisations, a clock offset, a boundary
 constexpr std::chrono::seconds kLimit{60};
 constexpr char kSeparator = '\x1f';
@@ -22,7 +22,8 @@ struct Run {
 };
 
 Run run_session(const std::string& folder) {
-  AcceleratedClock clock(kFactor);
+  test::PatientClock clock(kClockStepNs);
+  clock.start();
   auto session = RecordedSession::open(folder, floor4_rig(), clock);
   if (!session) return {.course = {}, .refusal = core::to_string(session.error())};
   Run run{.course = (*session)->start(), .refusal = {}};

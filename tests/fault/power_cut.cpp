@@ -11,6 +11,7 @@
 #include "fault/durable_model.h"
 #include "fault/recorded_session.h"
 #include "fault/rigs.h"
+#include "support/patient_clock.h"
 
 namespace dts::fault {
 namespace {
@@ -72,7 +73,8 @@ std::vector<PowerCut> cut_power(double seconds, std::size_t cuts, std::uint32_t 
   DurableModel model(state);
   FaultyDisk disk(state);
   disk.on_synchronise = [&](int descriptor, const std::string& path) { return model.synchronising(descriptor, path); };
-  core::SystemClock clock;
+  test::PatientClock clock;  // what the machine makes late is not what is promised
+  clock.start();
   std::vector<Moment> moments;
   std::int64_t started_ns = 0;
   {

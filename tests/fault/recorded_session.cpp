@@ -6,6 +6,7 @@
 
 #include "fault/rigs.h"
 #include "record/xdf/recovery.h"
+#include "support/patient_clock.h"
 
 namespace dts::fault {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 using Real = std::chrono::steady_clock;
 using record::PartState;
 
-constexpr std::chrono::seconds kPatience{20};  // by the real clock: more is a hang
+constexpr std::chrono::seconds kPatience{100};  // by the real clock: more is a hang
 
 session::StorageConfig storage(const std::string& folder) {
   return {.directory = folder, .refuse_below_min = 0.0, .warn_below_min = 0.0, .stop_below_mib = 0.0};
@@ -157,7 +158,8 @@ void RecordedSession::stop(SessionCourse& course) {
 }
 
 Afterwards look_afterwards(const std::string& folder, const Reference& reference) {
-  AcceleratedClock clock(20.0);
+  test::PatientClock clock(kClockStepNs);
+  clock.start();
   auto recordings = session::Recordings::open(storage(folder), clock, core::Log());
   if (!recordings) return {.problem = "the next start fails: " + core::to_string(recordings.error())};
   record::Catalogue& catalogue = (*recordings)->catalogue();

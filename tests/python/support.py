@@ -82,11 +82,11 @@ class DaemonProcess:
         return PROGRAMS / name
 
     def connect(self) -> dts.Daemon:
-        return dts.connect(control=self.control, timeout=20)
+        return dts.connect(control=self.control, timeout=PATIENCE_S)
 
     def dtsctl(self, *arguments: str) -> str:
-        command = [PROGRAMS / "dtsctl", "--timeout", "20", *arguments]
-        return subprocess.run(command, env=self.environment, check=True, timeout=PATIENCE_S, capture_output=True, text=True).stdout
+        command = [PROGRAMS / "dtsctl", "--timeout", f"{PATIENCE_S:g}", *arguments]
+        return subprocess.run(command, env=self.environment, check=True, timeout=2 * PATIENCE_S, capture_output=True, text=True).stdout
 
     def _samples(self) -> bool:
         assert self._process is not None
@@ -166,7 +166,7 @@ class FakeDaemon:
         for block in blocks:
             self.publish("rig/cop", block.SerializeToString())
 
-    def connect(self, timeout: float = 20.0) -> dts.Daemon:
+    def connect(self, timeout: float = PATIENCE_S) -> dts.Daemon:
         return dts.connect(self.control, self.data, timeout)
 
     def close(self) -> None:

@@ -6,7 +6,7 @@ import unittest
 from pathlib import Path
 
 import dts
-from support import DaemonProcess
+from support import PATIENCE_S, DaemonProcess
 
 
 def free_ports(count: int) -> list[int]:
@@ -37,14 +37,14 @@ class KeyTest(unittest.TestCase):
         return file
 
     def test_a_viewer_sees_and_does_nothing(self) -> None:
-        with dts.connect(key=self.new_key("eve", "viewer")) as daemon:
+        with dts.connect(key=self.new_key("eve", "viewer"), timeout=PATIENCE_S) as daemon:
             block = next(daemon.stream("floor/cop"))
             self.assertGreater(len(block), 0)
             with self.assertRaisesRegex(dts.NotAllowed, "needs the role operator"):
                 daemon.start_session("floor")
 
     def test_an_operator_runs_a_session(self) -> None:
-        with dts.connect(key=self.new_key("otto", "operator")) as daemon:
+        with dts.connect(key=self.new_key("otto", "operator"), timeout=PATIENCE_S) as daemon:
             session = daemon.start_session("floor", duration_s=60)
             session.stop()
 

@@ -32,8 +32,8 @@ class Streams(WithDaemon):
 
         age_s = time.monotonic() - block.time_s[-1]
 
-        self.assertTrue(-0.1 < age_s < 30.0, age_s)
-        self.assertLess(abs(block.utc[-1].astype(np.int64) * 1e-9 - time.time()), 30.0)
+        self.assertTrue(-0.1 < age_s < 60.0, age_s)
+        self.assertLess(abs(block.utc[-1].astype(np.int64) * 1e-9 - time.time()), 60.0)
         np.testing.assert_allclose(np.diff(block.time_s), 0.01, atol=1e-6)
 
     def test_ValuesAreWhatDtsctlShows(self) -> None:
@@ -78,14 +78,14 @@ class Streams(WithDaemon):
             next(stream)
 
     def test_InterruptArrivesWhileWaiting(self) -> None:
-        events = self.daemon.events("floor/trigger", timeout=60)
+        events = self.daemon.events("floor/trigger", timeout=600)
         begun_s = time.monotonic()
-        threading.Timer(0.3, signal.raise_signal, (signal.SIGINT,)).start()
 
         with self.assertRaises(KeyboardInterrupt):
+            threading.Timer(0.3, signal.raise_signal, (signal.SIGINT,)).start()
             next(events)
 
-        self.assertLess(time.monotonic() - begun_s, 30.0)
+        self.assertLess(time.monotonic() - begun_s, 300.0)  # not only when the wait is over
 
 
 class Recording(WithDaemon):
@@ -194,21 +194,28 @@ class Restart(unittest.TestCase):
 
 
 class Gap(unittest.TestCase):
+    @staticmethod
+    def record_across_a_gap(at_s: float) -> dts.Samples | None:
+        """A record of a daemon whose device has a gap `at_s` after its start; None when the machine was too slow to be there in time."""
+        process = DaemonProcess(devices={"sim:floor?seed=7": f"sim:floor?seed=7&fault=overrun&fault_at_s={at_s:g}&fault_for_s=0.25"})
+        try:
+            with process.connect() as daemon:
+                cop = daemon.record("floor/cop", at_s + 1.0)
+                return cop if cop.segments[0] == 0 else None
+        finally:
+            process.close()
+
     def test_GapOfTheDeviceIsListedInARecord(self) -> None:
-        process = DaemonProcess(devices={"sim:floor?seed=7": "sim:floor?seed=7&fault=overrun&fault_at_s=6&fault_for_s=0.25"})
-        self.addCleanup(process.close)
-        with process.connect() as daemon:
-            stream = daemon.stream("floor/cop")
-            block = next(stream)
-            self.assertEqual(block.segment, 0, "the machine was too slow to see the gap")
+        for at_s in (4.0, 15.0, 60.0):
+            if (cop := self.record_across_a_gap(at_s)) is not None:
+                break
+        assert cop is not None, "a minute is enough for any machine"
 
-            cop = daemon.record("floor/cop", 8.0)
-
-            (gap,) = cop.gaps
-            self.assertEqual(cop.segments[gap.index], 1)
-            self.assertEqual(gap.reason, "overrun")
-            self.assertEqual((gap.scans, gap.is_exact), (25, True))
-            self.assertEqual(len(cop) + gap.scans, 800)
+        (gap,) = cop.gaps
+        self.assertEqual(cop.segments[gap.index], 1)
+        self.assertEqual(gap.reason, "overrun")
+        self.assertEqual((gap.scans, gap.is_exact), (25, True))
+        self.assertEqual(len(cop) + gap.scans, 100 * (at_s + 1.0))
 
 
 if __name__ == "__main__":

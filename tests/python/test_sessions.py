@@ -42,7 +42,7 @@ class Sessions(WithDaemon):
             record = session.wait(timeout=60)
 
         self.assertEqual(record.state, "complete")
-        self.assertAlmostEqual(record.parts[0].duration_s, 0.5, delta=0.3)
+        self.assertGreater(record.parts[0].duration_s, 0.45)  # how much longer depends on when the daemon gets its turn
         with self.assertRaises(dts.WrongState):
             session.info()
 

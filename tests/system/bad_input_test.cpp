@@ -33,7 +33,7 @@ std::optional<std::string> exchange(zmq::socket_t& socket, const std::vector<std
 /// A DEALER connected to the daemon's control socket.
 struct RawClient {
   explicit RawClient(const DaemonProcess& daemon) : socket(context, zmq::socket_type::dealer) {
-    socket.set(zmq::sockopt::rcvtimeo, 10000);
+    socket.set(zmq::sockopt::rcvtimeo, 60'000);
     socket.set(zmq::sockopt::linger, 0);
     socket.connect(daemon.control_endpoint());
   }
@@ -146,7 +146,7 @@ TEST(ControlMessages, Oversized_CutTheSenderOffOnly) {
   zmq::socket_t monitor(raw.context, zmq::socket_type::pair);
   ASSERT_EQ(zmq_socket_monitor(raw.socket.handle(), "inproc://monitor", ZMQ_EVENT_DISCONNECTED), 0);
   monitor.connect("inproc://monitor");
-  monitor.set(zmq::sockopt::rcvtimeo, 10000);
+  monitor.set(zmq::sockopt::rcvtimeo, 60'000);
   ASSERT_TRUE(daemon.control().status());
   const long before_kb = resident_kb(daemon.pid());
 
@@ -175,7 +175,7 @@ TEST(ControlMessages, ReqSocketWithDelimiter_IsServedToo) {
   DaemonProcess daemon;
   zmq::context_t context(1);
   zmq::socket_t socket(context, zmq::socket_type::req);
-  socket.set(zmq::sockopt::rcvtimeo, 10000);
+  socket.set(zmq::sockopt::rcvtimeo, 60'000);
   socket.set(zmq::sockopt::linger, 0);
   socket.connect(daemon.control_endpoint());
 
@@ -217,7 +217,7 @@ TEST(ControlMessages, SameRequestIdForAnotherCommand_IsRefused) {
 }
 
 TEST(Commands, TareOfASilentRig_IsWithdrawnWhenItTimesOut) {
-  DaemonProcess daemon({.device = "sim:floor?fault=silence&fault_at_s=0.3&fault_for_s=12", .stages = ""});
+  DaemonProcess daemon({.device = "sim:floor?fault=silence&fault_at_s=0.3&fault_for_s=3600", .stages = ""});
   ASSERT_TRUE(eventually([&] { return daemon.control().status().value().rigs(0).scans_total() > 0; }));
 
   const auto tared = daemon.control().tare("floor");

@@ -195,7 +195,7 @@ int DaemonProcess::wait() {
 std::string DaemonProcess::log() const { return read_file(directory_ / "log"); }
 
 client::ControlClient DaemonProcess::control() const {
-  return client::ControlClient::open({.endpoint = control_endpoint(), .timeout = std::chrono::seconds(10)}).value();
+  return client::ControlClient::open({.endpoint = control_endpoint(), .timeout = std::chrono::seconds(60)}).value();
 }
 
 client::Subscriber DaemonProcess::subscribe(std::vector<std::string> topics, client::Mode mode) const {

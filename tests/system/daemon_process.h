@@ -16,7 +16,7 @@
 namespace dts::test {
 
 /// How long anything may take before a test gives up; generous, because sanitizers and a busy machine slow things down.
-inline constexpr std::chrono::seconds kPatience{30};
+inline constexpr std::chrono::seconds kPatience{100};
 
 /// Polls `condition` until it holds or kPatience is over.
 [[nodiscard]] bool eventually(const std::function<bool()>& condition);

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <memory>
+#include <optional>
 #include <set>
 #include <zmq.hpp>
 
@@ -26,6 +28,32 @@ bool receive_until(client::Subscriber& subscriber, const std::function<bool(cons
 }
 
 bool is_block(const client::Message& message) { return std::holds_alternative<Block>(message); }
+
+/// A daemon whose device has a fault soon after its start, and a subscriber that sees the fault come.
+struct WatchedFault {
+  std::unique_ptr<DaemonProcess> daemon;
+  std::optional<client::Subscriber> subscriber;
+};
+
+/// Subscribes and calls `prepare` before the fault. Begins anew with a later fault where the machine was too slow for that, or
+/// `prepare` returned false.
+WatchedFault watched_fault(const std::string& fault, const std::vector<std::string>& topics,
+                           const std::function<bool(client::ControlClient&)>& prepare = nullptr) {
+  WatchedFault watched;
+  for (const char* at_s : {"1.5", "6", "24"}) {
+    watched.subscriber.reset();
+    watched.daemon = std::make_unique<DaemonProcess>(DaemonProcess::Options{.device = "sim:floor?seed=7&" + fault + "&fault_at_s=" + at_s});
+    watched.subscriber.emplace(watched.daemon->subscribe(topics));
+    auto control = watched.daemon->control();
+    if (!receive_until(*watched.subscriber, is_block) || (prepare && !prepare(control))) continue;
+    const auto status = control.status();
+    if (!status) continue;
+    const v1::RigStatus& rig = status->rigs(0);
+    if (rig.device() == v1::DEVICE_STATE_STREAMING && rig.segment() == 0 && rig.gaps_total() == 0) return watched;
+  }
+  ADD_FAILURE() << "the fault always came first: " << watched.daemon->log();
+  return watched;
+}
 
 TEST(Daemon, Sigterm_EndsWithZeroAndStopsTheSession) {
   DaemonProcess daemon;
@@ -124,7 +152,11 @@ TEST(Daemon, Marker_StandsAtAScanThatWasPublished) {
     EXPECT_EQ(event->body->scan(), marked->marks(0).scan());
     return true;
   }));
-  EXPECT_LE(marked->marks(0).scan(), newest + 10);
+  const auto reaches_the_scan = [&](const client::Message& message) {
+    const auto* block = std::get_if<Block>(&message);
+    return block != nullptr && block->first_scan + block->scan_count > marked->marks(0).scan();
+  };
+  EXPECT_TRUE(newest > marked->marks(0).scan() || receive_until(subscriber, reaches_the_scan)) << "that scan is never published";
 }
 
 TEST(Daemon, Tare_EmptyPlateSucceedsAndLoadedPlateIsRefused) {
@@ -148,16 +180,16 @@ TEST(Daemon, Tare_EmptyPlateSucceedsAndLoadedPlateIsRefused) {
 }
 
 TEST(Daemon, Unplug_IsToldAndTheSessionGoesOnInTheNextSegment) {
-  DaemonProcess daemon({.device = "sim:floor?seed=7&fault=unplug&fault_at_s=1.5&fault_for_s=0.5"});
-  auto subscriber = daemon.subscribe({"floor/"});
-  auto control = daemon.control();
-  v1::StartSessionRequest request;
-  request.set_rig("floor");
-  ASSERT_TRUE(control.start_session(request));
+  WatchedFault watched = watched_fault("fault=unplug&fault_for_s=0.5", {"floor/"}, [](client::ControlClient& control) {
+    v1::StartSessionRequest request;
+    request.set_rig("floor");
+    return control.start_session(request).has_value();
+  });
+  auto control = watched.daemon->control();
   bool has_gone = false;
   std::uint64_t missing = 0;
 
-  EXPECT_TRUE(receive_until(subscriber, [&](const client::Message& message) {
+  EXPECT_TRUE(receive_until(*watched.subscriber, [&](const client::Message& message) {
     if (const auto* event = std::get_if<Event>(&message)) {
       has_gone = has_gone || event->body->device().state() == v1::DEVICE_STATE_GONE;
       if (event->body->has_gap()) missing = event->body->gap().missing_scans();
@@ -174,11 +206,10 @@ TEST(Daemon, Unplug_IsToldAndTheSessionGoesOnInTheNextSegment) {
 }
 
 TEST(Daemon, Overrun_IsAGapWithItsExactCount) {
-  DaemonProcess daemon({.device = "sim:floor?seed=7&fault=overrun&fault_at_s=1&fault_for_s=0.25"});
-  auto subscriber = daemon.subscribe({"floor/gap"});
+  WatchedFault watched = watched_fault("fault=overrun&fault_for_s=0.25", {"floor/gap", "floor/cop"});
   v1::Gap gap;
 
-  ASSERT_TRUE(receive_until(subscriber, [&](const client::Message& message) {
+  ASSERT_TRUE(receive_until(*watched.subscriber, [&](const client::Message& message) {
     const auto* event = std::get_if<Event>(&message);
     if (event != nullptr) gap = event->body->gap();
     return event != nullptr;
@@ -211,11 +242,11 @@ TEST(Daemon, SubscriberThatNeverReads_DisturbsNobodyAndCostsBoundedMemory) {
   ASSERT_TRUE(receive_seconds(4));  // fills the stuck one's queue, which holds 2 s
   const long full_kb = resident_kb(daemon.pid());
 
-  ASSERT_TRUE(receive_seconds(4));
+  ASSERT_TRUE(receive_seconds(2));
 
   EXPECT_EQ(lost, 0U);
   if (kIsMemoryMeaningful) {
-    EXPECT_LT(resident_kb(daemon.pid()) - full_kb, 2 * 1024) << "another 4 s would be some 10 MB";
+    EXPECT_LT(resident_kb(daemon.pid()) - full_kb, 2 * 1024) << "another 2 s would be some 5 MB";
   }
 }
 

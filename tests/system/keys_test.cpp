@@ -20,9 +20,9 @@ constexpr int kNotAllowed = 4;
 
 class KeysTest : public NetworkedDaemon {
  protected:
-  /// dtsctl as on another machine: it knows the key file and nothing else.
-  static Finished remote(const std::string& key, std::vector<std::string> words) {
-    words.insert(words.begin(), {DTSCTL_PROGRAM, "--key", key, "--timeout", "3"});
+  /// dtsctl as on another machine: it knows the key file and nothing else. A refusal is noticed by the timeout alone.
+  static Finished remote(const std::string& key, std::vector<std::string> words, const std::string& timeout_s = "60") {
+    words.insert(words.begin(), {DTSCTL_PROGRAM, "--key", key, "--timeout", timeout_s});
     return run_program(words, {"DTSD_RUNTIME_DIR=/nonexistent"});
   }
 
@@ -63,7 +63,7 @@ TEST_F(KeysTest, WithoutAKeyOfItsOwn_NobodyGetsIn) {
   forged.secret_key = other->secret_key;
   const std::string bad = (daemon_.directory() / "forged.key").string();
   ASSERT_TRUE(client::write_new_key(bad, forged));
-  const Finished refused = remote(bad, {"status"});
+  const Finished refused = remote(bad, {"status"}, "2");
   EXPECT_EQ(refused.status, kUnreachable);
   EXPECT_THAT(refused.err, HasSubstr("does it know the key 'eve'"));
 }
@@ -90,7 +90,7 @@ TEST_F(KeysTest, Revoked_LosesItsRunningSubscription_OthersComeBack) {
     const auto* block = message ? std::get_if<client::Block>(&*message) : nullptr;
     return block != nullptr && block->first_scan > scans_at_revoke + 200;
   }));
-  EXPECT_EQ(remote((daemon_.directory() / "eve.key").string(), {"status"}).status, kUnreachable);
+  EXPECT_EQ(remote((daemon_.directory() / "eve.key").string(), {"status"}, "2").status, kUnreachable);
 }
 
 TEST_F(KeysTest, Hangup_ReadsTheKeysAgain) {
@@ -100,7 +100,7 @@ TEST_F(KeysTest, Hangup_ReadsTheKeysAgain) {
 
   daemon_.signal(SIGHUP);
 
-  EXPECT_TRUE(eventually([&] { return remote(key, {"status"}).status == kUnreachable; }));
+  EXPECT_TRUE(eventually([&] { return remote(key, {"status"}, "2").status == kUnreachable; }));
   EXPECT_THAT(daemon_.log(), HasSubstr("SIGHUP: 0 client key(s)"));
   std::ofstream(key_folder() + "/clients.toml") << "[[client]\n";
   daemon_.signal(SIGHUP);

@@ -79,7 +79,6 @@ describe('layout', () => {
           return now.length === 0;
         },
         'a good layout',
-        3000,
       ).catch(() => found.push(...now));
     }
     assert.deepEqual(found, []);

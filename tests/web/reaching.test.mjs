@@ -61,7 +61,8 @@ describe('a reaching examination', () => {
     assert.equal(await textOf(page, 'trial-counter'), 'Trial 0 of 6');
   });
 
-  test('runs by keys; each prompt comes in its turn', { timeout: 150_000 }, async () => {
+  test('runs by keys; each prompt comes in its turn', { timeout: 600_000 }, async () => {
+    const told = daemon.watch('chair/trial');
     await remember(page, 'prompt', 'data-step');
     const stepsOf = async (value) => (await rememberedOf(page, 'prompt')).filter((one) => one.value === value).length;
     let starts = 0;
@@ -89,11 +90,15 @@ describe('a reaching examination', () => {
     assert.equal(words.match(/ready/g).length, starts);
     assert.ok(words.match(/back/g).length >= 5, `a reach is found in nearly every trial: ${words}`);
     assert.deepEqual([...new Set(prompts.map(({ value, text }) => `${value}: ${text}`))].sort(), ['back: Back', 'finished: Done', 'go: GO', 'ready: Ready', 'waiting: Wait']);
-    for (const [index, { value, atMs }] of prompts.entries()) {
-      if (value !== 'go') continue;
-      const delayS = (atMs - prompts[index - 1].atMs) / 1000;
-      assert.ok(delayS > 0.7 && delayS < 2.2, `"Go" came ${delayS} s after "Ready"; the protocol says 1 to 1.5 s`);
-    }
+    // By the daemon's times: what the page needs to draw depends on the machine.
+    const timesOf = (kind) => told.seen.filter(({ event }) => event.kind === kind).map(({ host_time_ns }) => host_time_ns);
+    await waitFor(() => told.seen.some(({ event }) => event.kind === 'go' && event.trial === 6), 'dtsctl shows the last start');
+    // The first events may come before dtsctl has subscribed: a "Go" without its "Ready" is the first one.
+    const readyBefore = (go) => timesOf('ready').findLast((ready) => ready < go);
+    const delaysS = timesOf('go').filter(readyBefore).map((go) => (go - readyBefore(go)) / 1e9);
+    assert.ok(delaysS.length >= starts - 1, `${delaysS.length} of ${starts} starts were seen`);
+    assert.ok(delaysS.every((delayS) => delayS > 0.98 && delayS < 1.52), `"Go" came ${delaysS} s after "Ready"; the protocol says 1 to 1.5 s`);
+    await told.close();
   });
 
   test('its table is what dtsctl shows, also after the session', async () => {
@@ -101,8 +106,7 @@ describe('a reaching examination', () => {
     await by(page, 'stop-session').click();
     await isStep('free').waitFor();
     const { sessions } = await daemon.json('session', 'list');
-    let session;
-    await waitFor(async () => (session = await daemon.session(sessions[0].session_id)).state === 'complete', 'the recording is closed');
+    const session = await daemon.endedSession(sessions[0].session_id);
     const rows = () =>
       page.evaluate(() => [...document.querySelectorAll('[data-testid="trial-table"] tbody tr')].map((row) => [...row.children].map((cell) => cell.textContent)));
     const withoutReasons = ([trial, target, outcome, word, deg]) => [trial, target, outcome, word.replace(/ \(.*\)$/, ''), deg];
@@ -112,6 +116,7 @@ describe('a reaching examination', () => {
     await by(page, 'trial-table').waitFor();
     const onSession = (await rows()).map(withoutReasons);
 
+    assert.equal(session.state, 'complete');
     assert.equal(session.subject, 'P6');
     assert.deepEqual(session.trials.map(({ trial, attempt, outcome }) => [trial, attempt, outcome]), [
       [1, 1, 'done'],

@@ -54,7 +54,10 @@ describe('sessions', () => {
     await waitForText(page, 'marked', 'Marked "by key" at scan');
     const told = await textOf(page, 'marked');
     await by(page, 'guidance').and(page.locator('[data-state="done"]')).waitFor();
-    assert.deepEqual((await rememberedOf(page, 'guidance')).map(({ value }) => value), ['first', 'settling', 'measuring', 'done']);
+    const states = (await rememberedOf(page, 'guidance')).map(({ value }) => value);
+    // A page that waits for a core may never show the second of settling; what it shows comes in its order, and once.
+    assert.deepEqual(states.filter((state) => state !== 'settling'), ['first', 'measuring', 'done']);
+    assert.ok(!states.includes('settling') || states.indexOf('settling') === 1, states.join());
     assert.deepEqual((await rememberedOf(page, 'countdown')).map(({ value }) => value), ['', 'timer', '']);
     await waitForText(page, 'sway-note', 'final, trial 1');
     const velocity = await textOf(page, 'sway-MVELO');
@@ -64,12 +67,13 @@ describe('sessions', () => {
     const { sessions } = await daemon.json('session', 'list');
     assert.equal(sessions.length, 1);
     const id = sessions[0].session_id;
-    let session;
-    await waitFor(async () => (session = await daemon.session(id)).state === 'complete', 'the recording is closed');
+    const session = await daemon.endedSession(id);
+    assert.equal(session.state, 'complete');
     assert.equal(session.subject, 'P017');
     assert.equal(session.label, 'from the browser');
     assert.deepEqual(session.trials.map(({ trial, outcome }) => [trial, outcome]), [[1, 'done']]);
     assert.equal(velocity, fixed(session.trials[0].sway.measures.find(({ symbol }) => symbol === 'MVELO').value, 1));
+    await waitFor(() => markers.seen.length >= 2, 'dtsctl shows both markers');
     assert.deepEqual(markers.seen.map(({ event }) => event.text), ['by button', 'by key']);
     assert.equal(told.replaceAll(',', ''), `Marked "by key" at scan ${markers.seen[1].first_scan}`);
     const tables = path.join(daemon.folder, 'csv');

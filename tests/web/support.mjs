@@ -39,6 +39,24 @@ export const waitFor = async (condition, what, timeoutMs = patienceMs) => {
   }
 };
 
+/**
+ * Measures by how much a timer of 100 ms comes too late, for as long as the process lives. Runs in this process, or in a page by page.evaluate():
+ * it uses nothing from outside.
+ */
+export const measureLateness = () => {
+  const periodMs = 100;
+  let lastMs = Date.now();
+  const turns = [];
+  const present = () => ({ atMs: Date.now(), lateMs: Date.now() - lastMs - periodMs });
+  const timer = setInterval(() => {
+    turns.push(present());
+    lastMs = turns.at(-1).atMs;
+  }, periodMs);
+  timer.unref?.(); // node ends without waiting for it
+  /** The largest lateness from an instant of Date.now() until now; that of the present turn counts. */
+  globalThis.worstLatenessMs = (sinceMs) => Math.max(0, present().lateMs, ...turns.filter(({ atMs }) => atMs >= sinceMs).map(({ lateMs }) => lateMs));
+};
+
 /** With a daemon's folders in place of what the surroundings say. */
 const environmentOf = (folder) => ({
   ...Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith('DTSD_'))),
@@ -123,9 +141,10 @@ export class Daemon {
 
   /** What dtsctl prints; fails with what it says on its error output. */
   ctl(...words) {
+    const patient = words[0] === '--timeout' ? words : ['--timeout', `${patienceMs / 1000}`, ...words];
     return new Promise((resolve, reject) => {
-      const options = { env: this.environment, timeout: patienceMs, maxBuffer: 1 << 26 };
-      execFile(path.join(programs, 'dtsctl'), words, options, (error, stdout) => (error === null ? resolve(stdout) : reject(error)));
+      const options = { env: this.environment, timeout: 2 * patienceMs, maxBuffer: 1 << 26 };
+      execFile(path.join(programs, 'dtsctl'), patient, options, (error, stdout) => (error === null ? resolve(stdout) : reject(error)));
     });
   }
 
@@ -135,6 +154,13 @@ export class Daemon {
 
   async session(id) {
     return this.json('session', 'show', id);
+  }
+
+  /** What became of a session, once its recording is closed. */
+  async endedSession(id) {
+    let session;
+    await waitFor(async () => (session = await this.session(id)).state !== 'running', 'the recording is closed');
+    return session;
   }
 
   /** Starts a session of quiet standing and measures its first trial; gives the session's id. It still runs. */

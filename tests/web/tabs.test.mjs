@@ -4,9 +4,9 @@ import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
 import { pause, waitFor } from './support.mjs';
-import { Bench, by, goTo, shownScan, textOf, waitForText } from './support_browser.mjs';
+import { Bench, by, goTo, shownRecentScan, textOf, waitForText } from './support_browser.mjs';
 
-const hiddenMs = 20_000;
+const hiddenMs = 8_000;
 const stuckMs = 12_000;
 const mostTabs = 8;
 
@@ -63,29 +63,30 @@ describe('tabs', () => {
       if (!hidden) window.waiting.splice(0).forEach((callback) => window.paintFrame(callback));
     }, isHidden);
 
-  test('a tab hidden for 20 s comes back to now, and nothing was sent to it meanwhile', async () => {
+  test('a hidden tab comes back to now, and nothing was sent to it meanwhile', async () => {
     const page = await openMeasured();
     await setHidden(page, true);
     await pause(1000); // what was under way
     const before = await page.evaluate(() => ({ ...window.heard }));
+    const hiddenFromMs = performance.now();
     await pause(hiddenMs); // the time itself is what is tested
     const after = await page.evaluate(() => ({ ...window.heard, frames: window.dtsMeasure().length }));
+    const hiddenS = (performance.now() - hiddenFromMs) / 1000;
     const watch = daemon.watch('floor/cop');
     await waitFor(() => watch.seen.length > 50, 'dtsctl shows a second of scans');
 
     const shownAtMs = await page.evaluate(() => performance.now());
     await setHidden(page, false);
 
-    await waitFor(async () => (await ageOf(page)) < 1000, 'the newest scan painted is younger than a second', 5000);
-    const isRecent = (found) => found !== undefined && Math.abs(found.newest - found.scan) <= 100;
-    await waitFor(async () => isRecent(await shownScan(page, watch, 300).catch(() => undefined)), 'what is shown is a scan of the last second', 5000);
+    await waitFor(async () => (await ageOf(page)) < 1000, 'the newest scan painted is younger than a second');
+    await shownRecentScan(page, watch);
     const replayed = await page.evaluate(
-      ([frames, fromMs]) => window.dtsMeasure().slice(frames).filter(({ newestMs, paintedMs }) => paintedMs > fromMs && paintedMs - newestMs > 2000).length,
+      ([frames, fromMs]) => window.dtsMeasure().slice(frames).filter(({ newestMs, paintedMs }) => paintedMs > fromMs && newestMs < fromMs - 2000).length,
       [after.frames, shownAtMs],
     );
     assert.equal(replayed, 0, 'no frame after it showed what was before');
-    const perSecond = (1000 * (after.bytes - before.bytes)) / hiddenMs;
-    assert.ok((after.messages - before.messages) / (hiddenMs / 1000) < 5, `${after.messages - before.messages} messages while hidden`);
+    const perSecond = (after.bytes - before.bytes) / hiddenS;
+    assert.ok((after.messages - before.messages) / hiddenS < 5, `${after.messages - before.messages} messages while hidden`);
     assert.ok(perSecond < 30_000, `${perSecond} bytes a second while hidden`);
     await goTo(page, 'health');
     await waitForText(page, 'tab-dropped', /^0$/);
@@ -110,9 +111,10 @@ describe('tabs', () => {
       window.waiting.splice(0).forEach((callback) => window.paintFrame(callback));
     });
 
-    await waitFor(async () => (await ageOf(page)) < 1000, 'the newest scan painted is younger than a second', 5000);
-    await waitForText(page, 'status-line', /too slow: [\d,]+ scans not shown/);
-    const dropped = Number(/too slow: ([\d,]+)/.exec(await textOf(page, 'status-line'))[1].replaceAll(',', ''));
+    // The message goes away after some seconds: it is read when it is seen.
+    const told = await waitFor(async () => /too slow: ([\d,]+) scans not shown/.exec(await textOf(page, 'status-line')), 'the page says what it could not show');
+    const dropped = Number(told[1].replaceAll(',', ''));
+    await waitFor(async () => (await ageOf(page)) < 1000, 'the newest scan painted is younger than a second');
     context.diagnostic(`${during.messages - before.messages} messages, ${during.bytes - before.bytes} bytes while it stood still; ${dropped} scans dropped`);
     assert.ok(dropped > 100);
     assert.ok(during.bytes - before.bytes < 2_000_000, 'what was sent to it is bounded');

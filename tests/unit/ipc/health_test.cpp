@@ -89,7 +89,7 @@ TEST_F(HealthTest, EveryPublishedBlock_HasItsLatencyCounted) {
   PublishThread publisher(std::make_unique<CountingSocket>(raw_blocks), bell_, {rig_.get()}, clock_, 7);
   static_cast<void>(publisher.start({}));
   rig_->start(core::Log());
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (raw_blocks < 50 && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(2));
 
   rig_->stop();

@@ -18,7 +18,7 @@
 
 namespace dts::testing {
 
-inline constexpr std::chrono::milliseconds kDeadline{20'000};  ///< For conditions that hold within milliseconds.
+inline constexpr std::chrono::milliseconds kDeadline{60'000};  ///< For conditions that hold within milliseconds.
 
 /// A directory of its own for sockets, gone with the object.
 class TemporaryDirectory {

@@ -26,7 +26,7 @@ class RecordSyncTest : public ::testing::Test {
   }
   [[nodiscard]] std::string recording() const { return (folder_ / "floor").string(); }
   static bool eventually(const std::function<bool()>& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (!condition() && std::chrono::steady_clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(2));
     return condition();
   }

@@ -58,7 +58,7 @@ class RecordThreadTest : public testing::Test {
     return frame;
   }
   [[nodiscard]] static FinishedRecording wait(RecordThread& thread) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (std::chrono::steady_clock::now() < deadline) {
       if (auto finished = thread.take_finished(); !finished.empty()) return finished.front();
       std::this_thread::sleep_for(std::chrono::milliseconds(2));

@@ -63,7 +63,7 @@ class RecordingsTest : public testing::Test {
   }
 
   [[nodiscard]] bool eventually(const std::function<bool()>& condition) {
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
     while (std::chrono::steady_clock::now() < deadline) {
       if (supervisor_) supervisor_->tick();
       if (condition()) return true;

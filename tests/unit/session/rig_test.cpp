@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 /// Consumes frames of a started rig until `wanted` returns true, waiting on the bell; false after 30 s.
 bool consume_until(Rig& rig, core::Doorbell& bell, const std::function<bool(const core::Frame&)>& wanted) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (std::chrono::steady_clock::now() < deadline) {
     while (const core::Frame* frame = rig.frames().front()) {
       const bool is_wanted = wanted(*frame);

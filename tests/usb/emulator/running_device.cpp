@@ -72,8 +72,15 @@ void RunningDevice::bulk_out(std::uint64_t id, std::uint8_t endpoint, std::span<
 void RunningDevice::bulk_in(std::uint64_t id, std::uint8_t endpoint, std::size_t capacity) {
   const std::lock_guard lock(mutex_);
   queue(endpoint).submit(id, capacity);
+  // What waits in the device is handed over at once, as by a host controller: a short timeout then says that there is nothing.
+  if (pace_ == Pace::RealTime) static_cast<void>(advance());
   has_changed_ = true;
   changed_.notify_all();
+}
+
+void RunningDevice::catch_up() {
+  const std::lock_guard lock(mutex_);
+  static_cast<void>(advance());
 }
 
 bool RunningDevice::cancel(std::uint64_t id) {

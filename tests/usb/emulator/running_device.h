@@ -55,6 +55,8 @@ class RunningDevice {
   /// The transfer finishes as Cancelled; false: it is not here any more.
   bool cancel(std::uint64_t id);
   void clear_halt(std::uint8_t endpoint);
+  /// Hands over what is due by now, at once rather than when the device's own thread gets its turn.
+  void catch_up();
   /// All transfers that wait end so.
   void end_all(device::usb::UsbStatus status);
   void power_up();

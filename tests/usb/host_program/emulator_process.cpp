@@ -91,7 +91,7 @@ std::string EmulatorProcess::ask(const std::string& command) {
   std::string answer;
   for (char letter = 0; letter != '\n';) {
     pollfd waiter{.fd = answers_, .events = POLLIN, .revents = 0};
-    if (::poll(&waiter, 1, 30'000) <= 0 || ::read(answers_, &letter, 1) != 1) return {};
+    if (::poll(&waiter, 1, 60'000) <= 0 || ::read(answers_, &letter, 1) != 1) return {};
     if (letter != '\n') answer += letter;
   }
   return answer;

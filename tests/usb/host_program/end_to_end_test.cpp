@@ -8,6 +8,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "usb/host_program/emulator_process.h"
@@ -25,6 +26,7 @@ constexpr double kLargestRmsMm = 1.0;  // 0.13 was measured; the accuracy of pla
 struct Comparison {
   int compared = 0;
   double sum_squares = 0.0;
+  std::set<double> places_ml_mm;
 
   [[nodiscard]] double rms_mm() const { return std::sqrt(sum_squares / std::max(compared, 1)); }
 };
@@ -47,20 +49,31 @@ void compare_block(EmulatorProcess& emulator, const json& block, Comparison& res
   const double ap_mm = values.at(1).get<double>() - truth->ap_mm;
   result.sum_squares += ml_mm * ml_mm + ap_mm * ap_mm;
   ++result.compared;
+  result.places_ml_mm.insert(truth->ml_mm);
+}
+
+/// The weights of the test, laid on again and again: a slow machine may start to watch late.
+std::string weights_for_minutes() {
+  std::string lines = "x_mm,y_mm,load_n\n";
+  for (int round = 0; round < 20; ++round) lines += "40,-30,490\n-60,50,600\n0,0,400\n";
+  return lines;
 }
 
 TEST(UsbEndToEndTest, TheWatchedCopFollowsTheWeightsOnThePlate) {
-  EmulatorProcess emulator({.scene = "sim:floor?contact=weights&weights=$DIR/weights.csv&step_on_s=5&hold_s=1.5&pause_s=0.5&ramp_s=0.2",
-                            .weights = "x_mm,y_mm,load_n\n40,-30,490\n-60,50,600\n0,0,400\n"});
+  EmulatorProcess emulator({.scene = "sim:floor?contact=weights&weights=$DIR/weights.csv&step_on_s=3&hold_s=1.5&pause_s=0.5&ramp_s=0.2",
+                            .weights = weights_for_minutes()});
   ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
 
-  const auto watched = emulator.ctl({"watch", "floor/cop", "--jsonl", "--count", "1150", "--timeout", "20"});
-
   Comparison result;
-  std::istringstream lines(watched.out);
-  for (std::string line; std::getline(lines, line);) compare_block(emulator, json::parse(line), result);
+  EXPECT_TRUE(eventually([&] {
+    const auto watched = emulator.ctl({"watch", "floor/cop", "--jsonl", "--count", "100", "--timeout", "60"});
+    std::istringstream lines(watched.out);
+    for (std::string line; std::getline(lines, line);) compare_block(emulator, json::parse(line), result);
+    return result.compared > 60 && result.places_ml_mm.size() == 3;
+  })) << result.compared
+      << " blocks at " << result.places_ml_mm.size() << " places\n"
+      << emulator.log();
   std::printf("  %d blocks compared, COP off by %.2f mm rms\n", result.compared, result.rms_mm());
-  EXPECT_GT(result.compared, 60) << watched.err << emulator.log();
   EXPECT_LT(result.rms_mm(), kLargestRmsMm);
   EXPECT_EQ(emulator.quit(), 0);
 }
@@ -70,19 +83,21 @@ TEST(UsbEndToEndTest, ASessionSurvivesThePlug) {
   ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
   ASSERT_EQ(emulator.ctl({"session", "start", "--rig", "floor"}).status, 0);
 
+  const auto rig_now = [&] { return json::parse(emulator.ctl({"status", "--json"}).out).at("rigs").at(0); };
   for (int cycle = 1; cycle <= 3; ++cycle) {
+    const int gaps_before = rig_now().at("gaps_total").get<int>();
     ASSERT_EQ(emulator.ask("unplug"), "ok");
     ASSERT_TRUE(eventually([&] { return !emulator.is_streaming(); })) << emulator.log();
     ASSERT_EQ(emulator.ask("plug"), "ok");
     ASSERT_TRUE(eventually([&] { return emulator.is_streaming(); })) << emulator.log();
-    EXPECT_TRUE(eventually([&] {
-      return json::parse(emulator.ctl({"status", "--json"}).out).at("rigs").at(0).at("gaps_total").get<int>() == cycle;
-    })) << emulator.log();
+    EXPECT_TRUE(eventually([&] { return rig_now().at("gaps_total").get<int>() > gaps_before; })) << emulator.log();
   }
 
-  const json rig = json::parse(emulator.ctl({"status", "--json"}).out).at("rigs").at(0);
+  const json rig = rig_now();
   EXPECT_EQ(rig.at("session").at("state"), "running");
-  EXPECT_EQ(rig.at("segment"), 3);
+  // A busy machine may add a gap of its own: the emulated device or the daemon was late by more than silence is waited for.
+  EXPECT_GE(rig.at("segment").get<int>(), 3);
+  EXPECT_EQ(rig.at("segment"), rig.at("gaps_total"));
   EXPECT_EQ(emulator.ctl({"session", "stop"}).status, 0);
 }
 

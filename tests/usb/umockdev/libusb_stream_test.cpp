@@ -15,7 +15,7 @@ using device::usb::BulkStream;
 using device::usb::Chunk;
 using device::usb::UsbStatus;
 
-constexpr int kStopMs = 10'000;
+constexpr int kStopMs = 60'000;
 constexpr int kTransfers = 8;
 constexpr std::size_t kTransferBytes = 256;  // four packets
 constexpr device::usb::StreamShape kShape{

@@ -19,7 +19,7 @@ using device::ReadOutcome;
 
 constexpr const char* kEightInputs = "channels=0,1,2,3,4,5,6,7";
 constexpr std::uint64_t kOtherChannels = 8;
-constexpr double kRateHz = 500.0;  // the U6's buffer holds a quarter of a second of this: a busy machine may be late by so much
+constexpr double kRateHz = 500.0;
 constexpr std::uint64_t kFaultScan = 300;
 
 template <class Emulator>

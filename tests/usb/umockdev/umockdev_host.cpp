@@ -13,7 +13,7 @@ namespace dts::emulator {
 namespace {
 
 std::string three_digits(int number) {
-  std::array<char, 8> text{};
+  std::array<char, 16> text{};
   std::snprintf(text.data(), text.size(), "%03d", number);
   return text.data();
 }
@@ -138,6 +138,13 @@ std::shared_ptr<RunningDevice> UmockdevHost::running(EmulatedDevice& device) con
   const std::lock_guard lock(mutex_);
   const auto plugged = plugged_.find(&device);
   return plugged == plugged_.end() ? nullptr : plugged->second.node->running();
+}
+
+void UmockdevHost::catch_up() const {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [device, plugged] : plugged_) {
+    if (const auto engine = plugged.node->running()) engine->catch_up();
+  }
 }
 
 void UmockdevHost::end_transfers(EmulatedDevice& device, device::usb::UsbStatus status) {

@@ -48,6 +48,8 @@ class UmockdevHost {
   /// The machine sleeps and wakes: transfers end, the device is seen to leave
   /// and to come back.
   void suspend(EmulatedDevice& device);
+  /// Every plugged device hands over what is due by now.
+  void catch_up() const;
   /// All transfers in flight end with this, as a bad cable does; the device
   /// stays.
   void end_transfers(EmulatedDevice& device, device::usb::UsbStatus status);

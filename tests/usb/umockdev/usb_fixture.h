@@ -17,9 +17,9 @@
 
 namespace dts::emulator {
 
-inline constexpr int kTimeoutMs = 1000;
+inline constexpr int kTimeoutMs = 60'000;
 inline constexpr uid_t kNobody = 65534;
-inline constexpr std::chrono::seconds kPatience{20};  ///< Before a test gives up; sanitizers and busy machines are slow.
+inline constexpr std::chrono::seconds kPatience{60};  ///< Before a test gives up; sanitizers and busy machines are slow.
 
 /// Polls `condition` until it holds or kPatience is over.
 [[nodiscard]] inline bool eventually(const std::function<bool()>& condition) {

@@ -325,7 +325,7 @@ TEST(BulkStreamThreads, StoppedWhileTransfersFinish_AllBackEveryChunkWholeAndInO
       ++next;
       stream->release();
     }
-    EXPECT_TRUE(stream->stop(10'000));
+    EXPECT_TRUE(stream->stop(60'000));
     EXPECT_EQ(stream->in_flight(), 0);
     EXPECT_EQ(stream->dropped(), 0U);
   }

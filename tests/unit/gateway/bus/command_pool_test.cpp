@@ -92,7 +92,7 @@ TEST_F(CommandPoolTest, Ends_WithoutWaitingForTheDaemon) {
   const auto before = Clock::now();
   pool.reset();
 
-  EXPECT_LT(Clock::now() - before, std::chrono::seconds(2)) << "a stop may take 20 s";
+  EXPECT_LT(Clock::now() - before, std::chrono::seconds(15)) << "a stop may take 20 s";
 }
 
 }  // namespace

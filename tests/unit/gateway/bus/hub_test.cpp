@@ -33,7 +33,7 @@ class HubTest : public ::testing::Test {
   /// Lets timers run until the tab has got a frame; its topics.
   std::vector<std::string> next_frame() {
     const std::size_t before = connection_.sent.size();
-    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    const auto deadline = std::chrono::steady_clock::now() + testing::kDeadline;
     while (connection_.sent.size() == before && std::chrono::steady_clock::now() < deadline) {
       io_.restart();
       io_.run_one_for(std::chrono::milliseconds(100));
@@ -177,7 +177,7 @@ TEST_F(HubTest, ACommandThatIsAllowedReachesForTheDaemon) {
 
   say(*tab, message);
   io_.restart();
-  io_.run_one_for(std::chrono::seconds(20));
+  io_.run_one_for(testing::kDeadline);
 
   ASSERT_EQ(connection_.sent.size(), 2U);
   EXPECT_EQ(connection_.sent[1].response().error().code(), v1::ERROR_CODE_UNREACHABLE);
@@ -209,7 +209,7 @@ TEST_F(HubTest, AnAnswerForATabThatIsGoneIsForgotten) {
 
   tab.reset();
   io_.restart();
-  io_.run_one_for(std::chrono::seconds(20));
+  io_.run_one_for(testing::kDeadline);
 
   EXPECT_EQ(connection_.sent.size(), 1U);
 }

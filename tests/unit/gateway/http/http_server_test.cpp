@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <optional>
 
 #include "served_gateway.h"
 
@@ -139,29 +140,33 @@ TEST(HttpServer, OneConnectionTooManyIsClosedAtOnce) {
 }
 
 TEST(HttpServer, ARequestThatTricklesInIsEndedWhateverItSends) {
-  ServedGateway gateway(with_limits({.handshake_timeout = milliseconds(300), .idle_timeout = milliseconds(60000)}));
+  ServedGateway gateway(with_limits({.handshake_timeout = milliseconds(300), .idle_timeout = 10 * RawClient::kMostWait}));
+  const auto start = std::chrono::steady_clock::now();
   RawClient client(gateway.port());
   client.send("GET / HTTP/1.1\r\n");
 
-  const auto start = std::chrono::steady_clock::now();
-  while (!client.is_closed_within(milliseconds(50)) && client.send("X")) {
+  bool is_closed = false;
+  while (!is_closed && std::chrono::steady_clock::now() - start < RawClient::kMostWait) {
+    is_closed = client.is_closed_within(milliseconds(50)) || !client.send("X");
   }
 
-  const auto took = std::chrono::steady_clock::now() - start;
-  EXPECT_GE(took, milliseconds(200));
-  EXPECT_LT(took, milliseconds(10000));
+  EXPECT_TRUE(is_closed);
+  EXPECT_GE(std::chrono::steady_clock::now() - start, milliseconds(300));
   EXPECT_TRUE(ServedGateway::eventually([&] { return gateway.statistics().connections == 0; }));
 }
 
 TEST(HttpServer, SilenceEndsTheConnection) {
   ServedGateway gateway(with_limits({.idle_timeout = milliseconds(200)}));
   RawClient never(gateway.port());
-  RawClient once(gateway.port());
-  once.send(request(gateway.port(), "GET /"));
-  ASSERT_EQ(status_of(once.read_answer()), "200");
+  std::optional<RawClient> once;
+  ASSERT_TRUE(ServedGateway::eventually([&] {  // on a busy machine a request may come later than silence is waited for
+    once.emplace(gateway.port());
+    once->send(request(gateway.port(), "GET /"));
+    return status_of(once->read_answer()) == "200";
+  }));
 
   EXPECT_TRUE(never.is_closed_within(RawClient::kMostWait));
-  EXPECT_TRUE(once.is_closed_within(RawClient::kMostWait));
+  EXPECT_TRUE(once->is_closed_within(RawClient::kMostWait));
 }
 
 TEST(HttpServer, APeerThatDoesNotReadIsLeft) {

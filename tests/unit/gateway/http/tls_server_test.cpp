@@ -91,7 +91,7 @@ class TlsServer : public ::testing::Test {
   Certificate certificate_;
   ServedGateway gateway_{{.certificate_file = certificate_.certificate_file(),
                           .key_file = certificate_.key_file(),
-                          .limits = {.handshake_timeout = milliseconds(500)}}};
+                          .limits = {.handshake_timeout = RawClient::kMostWait}}};
 };
 
 TEST_F(TlsServer, AnswersWithHsts) {
@@ -146,9 +146,12 @@ TEST_F(TlsServer, DoesNotRenegotiate) {
 }
 
 TEST_F(TlsServer, AHandshakeThatDoesNotEndIsEnded) {
-  RawClient silent(gateway_.port());
-  RawClient plain(gateway_.port());
-  plain.send(request(gateway_.port(), "GET /"));
+  const ServedGateway gateway{{.certificate_file = certificate_.certificate_file(),
+                               .key_file = certificate_.key_file(),
+                               .limits = {.handshake_timeout = milliseconds(500)}}};
+  RawClient silent(gateway.port());
+  RawClient plain(gateway.port());
+  plain.send(request(gateway.port(), "GET /"));
 
   EXPECT_TRUE(silent.is_closed_within(RawClient::kMostWait));
   EXPECT_EQ(status_of(plain.read_to_end()), "");

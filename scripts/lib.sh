@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# Sourced by the other scripts: where things are, and the packages from Debian 12 that building and testing need.
+# Sourced by the other scripts: the Debian packages that this project needs, how they are installed, how it is built. Debian 13 and 12.
 
 cd "$(dirname "${BASH_SOURCE[0]}")/.." || exit 1
 
+# The programs and the dashboard.
 DTS_PACKAGES=(
   g++ cmake ninja-build ccache pkg-config git          # build
   protobuf-compiler libprotobuf-dev libzmq3-dev cppzmq-dev libspdlog-dev libfmt-dev libexpected-dev
@@ -13,48 +14,104 @@ DTS_PACKAGES=(
   libkainjow-mustache-dev                              # reports: the page is a template, not pasted strings
   libssl-dev libarchive-dev                            # dts-gateway: TLS; zip files of exports
   prometheus-cpp-dev                                   # dts-gateway /metrics: the text format and its escapes, not their HTTP server
-  libgtest-dev libgmock-dev librapidcheck-dev relacy-dev # tests
+  python3                                              # scripts/demo --check, checks of the sources
+)
+command -v npm >/dev/null || DTS_PACKAGES+=(nodejs npm) # the dashboard; node 18 or newer of another source will do (scripts/package adds packages)
+
+# The Python client (clients/python).
+DTS_PYTHON_PACKAGES=(python3-zmq python3-protobuf python3-numpy)
+
+# What tests/ adds to both.
+DTS_TEST_PACKAGES=(
+  "${DTS_PYTHON_PACKAGES[@]}"
+  libgtest-dev libgmock-dev librapidcheck-dev relacy-dev
   libumockdev-dev umockdev                             # emulated USB under the real libusb
   libxdf-dev                                           # an independent reader of our recordings
   libreaderwriterqueue-dev                             # a peer in the ring benchmark
   python3-onnx                                         # an independent reader of exported networks
   gnuplot-nox                                          # dtslab --plot
-  python3 python3-zmq python3-protobuf python3-numpy   # clients/python
+  mypy python3-matplotlib python3-build python3-setuptools python3-venv python3-wheel # tests of the Python client
 )
-command -v npm >/dev/null || DTS_PACKAGES+=(nodejs npm) # the dashboard; node 18 or newer of another source will do (scripts/package adds packages)
 
 say() { printf '\033[1m%s\033[0m\n' "$*" >&2; }
 
-# Installs what is missing; asks for nothing when all is there. DTS_PACKAGES may be extended by the caller.
+# show_progress WHAT: reads apt's status lines (dlstatus:PACKAGE:PERCENT:TEXT while it downloads, then pmstatus:...) and shows them as one line
+# that moves; shows nothing where nobody watches.
+show_progress() {
+  local line
+  while IFS= read -r line; do
+    [ -t 2 ] && [[ $line =~ ^(dl|pm)status:.*:([0-9]+)[0-9.]*:(.*)$ ]] || continue
+    printf '\r\033[K%s: %s %d %%  %.50s' "$1" "$([ "${BASH_REMATCH[1]}" = dl ] && echo download || echo install)" "${BASH_REMATCH[2]}" \
+      "${BASH_REMATCH[3]}" >&2 # shorter than 80 columns: a line that wraps cannot be wiped
+  done
+  [ ! -t 2 ] || printf '\r\033[K' >&2
+}
+
+# install_packages PACKAGE...: installs those that are missing; asks for nothing when all are there.
 install_packages() {
-  local missing=() package
-  command -v dpkg-query >/dev/null || { echo "This script installs Debian packages; on another system install their like by hand: ${DTS_PACKAGES[*]}" >&2; return 1; }
-  local installed
+  command -v dpkg-query >/dev/null || { echo "This script installs Debian packages; on another system install the equivalent packages: $*" >&2; return 1; }
+  local missing=() package installed
   installed=$(dpkg-query -W -f '${db:Status-Abbrev} ${Package}\n' 2>/dev/null | awk '$1 == "ii" {print $2}')
-  for package in "${DTS_PACKAGES[@]}"; do
+  for package in "$@"; do
     grep -qx "$package" <<<"$installed" || missing+=("$package")
   done
   [ ${#missing[@]} -eq 0 ] && return 0
   local root=()
   if [ "$(id -u)" -ne 0 ]; then
     if ! command -v sudo >/dev/null; then
-      echo "These packages are missing and neither root nor sudo is here to install them. Ask somebody who is root to run:" >&2
+      echo "These packages are missing. Only root can install them, and there is no sudo. Ask root to run:" >&2
       echo "  apt-get install ${missing[*]}" >&2
       return 1
     fi
     root=(sudo)
   fi
-  say "Installing ${#missing[@]} packages: ${missing[*]}"
-  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get update -qq || return 1
-  "${root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >&2
+  say "Installing ${#missing[@]} packages and what they need: ${missing[*]}"
+  local log status=0 begun=$SECONDS
+  log=$(mktemp)
+  # apt's status lines go to standard output, by a descriptor of their own, since apt makes it non-blocking; all else goes to the log.
+  "${root[@]}" env DEBIAN_FRONTEND=noninteractive sh -c 'exec 3>&1 1>&2
+    apt-get update -qq && apt-get install -y -qq --no-install-recommends -o APT::Status-Fd=3 -o Dpkg::Use-Pty=0 "$@"' - "${missing[@]}" \
+    2>"$log" </dev/null | show_progress Packages || status=$?
+  if [ "$status" -ne 0 ]; then
+    tail -n 30 "$log" >&2
+    echo "Installing packages failed; all of apt's output is in $log" >&2
+    return 1
+  fi
+  rm -f "$log"
+  say "Packages installed in $((SECONDS - begun)) s"
 }
 
-# build PRESET [TARGET ...]: configures and builds the targets (default: all).
-build() {
+# configure PRESET [OPTION...]: prints nothing unless it fails.
+configure() {
   local preset=$1 log
   shift
   log=$(mktemp)
-  cmake --preset "$preset" >"$log" || { cat "$log" >&2; rm -f "$log"; return 1; }
+  # Warnings are errors in CI and with DTS_WERROR=1, for nobody else: another compiler may warn of something new.
+  local is_strict=OFF
+  [ "${CI:-}" != true ] && [ "${DTS_WERROR:-}" != 1 ] || is_strict=ON
+  cmake --preset "$preset" -DCMAKE_COMPILE_WARNING_AS_ERROR=$is_strict "$@" >"$log" || { cat "$log" >&2; rm -f "$log"; return 1; }
   rm -f "$log"
-  NINJA_STATUS='[%f/%t, %es] ' cmake --build --preset "$preset" ${1:+--target "$@"} >&2
+}
+
+# compile PRESET [TARGET...]: builds the targets (default: all). Ninja shows one line that moves; where nobody watches, only what fails.
+compile() {
+  local preset=$1 begun=$SECONDS quiet=()
+  shift
+  [ -t 2 ] || { quiet=(-- --quiet); say "Building ($preset)"; }
+  NINJA_STATUS="Building ($preset) [%f/%t, %es] " cmake --build --preset "$preset" ${1:+--target "$@"} "${quiet[@]}" >&2
+  say "Built ($preset) in $((SECONDS - begun)) s"
+}
+
+# build_programs TARGET...: the release build of programs alone: it needs DTS_PACKAGES only. Tests that were configured before stay.
+build_programs() {
+  local tests=()
+  [ -e build/release/CMakeCache.txt ] || tests=(-DBUILD_TESTING=OFF)
+  configure release "${tests[@]}"
+  compile release "$@"
+}
+
+# build_release TARGET...: a release build of programs and tools of tests/, which need DTS_TEST_PACKAGES, too.
+build_release() {
+  configure release -DBUILD_TESTING=ON -DDTS_TESTS=suite
+  compile release "$@"
 }

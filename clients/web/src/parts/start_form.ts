@@ -27,7 +27,8 @@ export interface StartForm {
 export const useStartForm = (hasSession: boolean): StartForm => {
   const state = useSignal<FormState>('closed');
   const present = formAfter(state.value, hasSession);
-  useEffect(() => void (state.value = present), [present]);
+  // Effects run late: the answer may have closed the form since it was drawn, so `present` is not what to keep.
+  useEffect(() => void (state.value = formAfter(state.peek(), hasSession)), [state.value, hasSession]);
   return {
     state,
     isShown: present === 'open' || present === 'sending',

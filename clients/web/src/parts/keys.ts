@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-import { useEffect, useRef } from 'preact/hooks';
+import { useLayoutEffect, useRef } from 'preact/hooks';
 
 /** What a key means on the focused element comes first: letters belong to a text field, space presses the focused button. */
 export const isTakenByFocus = (key: string, tagName: string): boolean => {
@@ -12,7 +12,8 @@ export const isTakenByFocus = (key: string, tagName: string): boolean => {
 export const useKeys = (actions: Readonly<Record<string, () => void>>): void => {
   const latest = useRef(actions);
   latest.current = actions;
-  useEffect(() => {
+  // As soon as it is drawn: a key counts from when the page says that it does something.
+  useLayoutEffect(() => {
     const react = (event: KeyboardEvent): void => {
       if (event.ctrlKey || event.altKey || event.metaKey || event.repeat) return;
       const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;

@@ -11,43 +11,50 @@ set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
 find_program(CCACHE ccache)
 if(CCACHE)
-  # By the compiler's list of dependencies: without, every miss preprocesses first, which makes it a fifth longer.
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_DEPEND=1 ${CCACHE})
+  # By the compiler's list of dependencies: without, every miss preprocesses first, which makes it a fifth longer. By paths below this folder:
+  # what dts_plain names is compiled once for all presets.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_DEPEND=1 CCACHE_BASEDIR=${CMAKE_SOURCE_DIR} ${CCACHE})
 endif()
 
-set(DTS_SANITIZE "" CACHE STRING "Sanitizers to build with, as for -fsanitize=")
-# With sanitizers GCC warns falsely more often (its manual, -fsanitize); the other presets have seen the same lines.
-if(DTS_SANITIZE)
-  set(CMAKE_COMPILE_WARNING_AS_ERROR OFF)
-endif()
 # -Wno-restrict: g++ 12 warns falsely about std::string operator+ (GCC bug 105651).
 set(DTS_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
     -Wno-missing-field-initializers)  # designated initialisers leave out what keeps its default: that is their point
+
+set(DTS_SANITIZE "" CACHE STRING "Sanitizers to build with, as for -fsanitize=")
+set(is_plain $<OR:$<NOT:$<BOOL:${DTS_SANITIZE}>>,$<BOOL:$<TARGET_PROPERTY:DTS_PLAIN>>>)
 if(DTS_SANITIZE)
-  add_compile_options(-fsanitize=${DTS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
-  add_link_options(-fsanitize=${DTS_SANITIZE})
-  add_compile_definitions(DTS_SANITIZED)
-  if(DTS_SANITIZE MATCHES "undefined")  # the address sanitizer sees the same faults, and the checks are an eighth of all compiling
-    add_compile_options(-fno-sanitize=null,object-size,vptr)
+  set(options -UNDEBUG -O0 -g1 -fsanitize=${DTS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  if(DTS_SANITIZE MATCHES "fuzzer")
+    list(APPEND options -O1)
+  elseif(DTS_SANITIZE MATCHES "undefined")
+    # The address sanitizer sees the same faults, but for alignment, which scripts/fuzz looks at; these checks are a quarter of all compiling.
+    list(APPEND options -fno-sanitize=null,object-size,vptr,alignment,pointer-overflow)
+  elseif(DTS_SANITIZE STREQUAL "thread")
+    list(APPEND options -include ${CMAKE_SOURCE_DIR}/cmake/libprotobuf_layout.h)
   endif()
+  # With sanitizers GCC warns falsely more often (its manual, -fsanitize); the other presets have seen the same lines.
+  list(APPEND options -Wno-error)
+  add_compile_options("$<$<NOT:${is_plain}>:${options}>")
+  add_compile_definitions($<$<NOT:${is_plain}>:DTS_SANITIZED>)
+  add_link_options(-fsanitize=${DTS_SANITIZE})
 endif()
-if(DTS_SANITIZE STREQUAL "thread")
-  add_compile_options(-include ${CMAKE_SOURCE_DIR}/cmake/libprotobuf_layout.h)
-endif()
+
+# dts_plain(TARGET ...): even under sanitizers the very objects of the release build, which ccache has.
+function(dts_plain)
+  set_target_properties(${ARGN} PROPERTIES DTS_PLAIN ON)
+endfunction()
 
 # dts_computes(TARGET ...): optimised even under sanitizers, for its tests compute for long. All else is not: -O0 compiles in half the time.
 function(dts_computes)
-  if(DTS_SANITIZE)
-    foreach(target ${ARGN})
-      target_compile_options(${target} PRIVATE -O1)
-    endforeach()
-  endif()
+  foreach(target ${ARGN})
+    target_compile_options(${target} PRIVATE $<$<NOT:${is_plain}>:-O1>)
+  endforeach()
 endfunction()
 
 # dts_waits(TARGET ...): -O1 in a release build, which compiles in two thirds of the time: what waits for people, files or the network.
 function(dts_waits)
   foreach(target ${ARGN})
-    target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+    target_compile_options(${target} PRIVATE $<$<AND:$<CONFIG:Release>,${is_plain}>:-O1>)
   endforeach()
 endfunction()
 

@@ -14,10 +14,9 @@
 #include "gateway/bus/hub.h"
 #include "gateway/bus/tab_queue.h"
 
+namespace dts::fuzz::browser {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 constexpr std::size_t kLongestReason = 120;  // of a close frame, see TabConnection
 constexpr std::size_t kLongestRequestId = 64;
@@ -90,7 +89,7 @@ void hear(gateway::Tab& tab, v1::Role role, std::string_view bytes, Listener& li
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   constexpr std::array kRoles{v1::ROLE_UNSPECIFIED, v1::ROLE_VIEWER, v1::ROLE_OPERATOR, v1::ROLE_ENGINEER};
   static const auto gateway = std::make_unique<Gateway>();
   google::protobuf::SetLogHandler(nullptr);  // what is no UTF-8 is no news here
@@ -112,5 +111,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   tab.reset();
   gateway->let_pass();
   promise(gateway->wishes() <= gateway::TabQueue::kMostPrefixes, "wishes are bounded, and end with their tab");
-  return 0;
 }
+
+}  // namespace dts::fuzz::browser
+
+DTS_FUZZ_TARGET(browser)

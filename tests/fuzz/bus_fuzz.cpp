@@ -16,10 +16,9 @@
 #include "../clients/libdts/wire_check.h"
 #include "fuzz/fuzz_support.h"
 
+namespace dts::fuzz::bus {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 constexpr std::int64_t kNowNs = 1'000'000'000'000;
 constexpr std::array<std::string_view, 12> kTopics{
@@ -100,7 +99,7 @@ class Account {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   google::protobuf::SetLogHandler(nullptr);  // what is no UTF-8 is no news here
   const std::string input = fuzz::text_of(bytes, size);
   for (const client::Mode mode : {client::Mode::All, client::Mode::Latest}) {
@@ -120,5 +119,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     }
     hand_out(inbox);
   }
-  return 0;
 }
+
+}  // namespace dts::fuzz::bus
+
+DTS_FUZZ_TARGET(bus)

@@ -7,10 +7,9 @@
 #include "fuzz/fuzz_support.h"
 #include "ipc/endpoint.h"
 
+namespace dts::fuzz::config {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 /// A folder in which the names of the shipped files lead to them.
 class ConfigFolder {
@@ -53,12 +52,15 @@ void check_config(const app::DaemonConfig& config) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   static const ConfigFolder folder;
   fuzz::put_file(folder.file(), fuzz::text_of(bytes, size));
   const app::LoadedConfig loaded = app::load_config(folder.file());
   for (const files::Problem& problem : loaded.problems)
     promise(!problem.text.empty() && !problem.file.empty(), "a problem says what it is and where");
   if (loaded.problems.empty()) check_config(loaded.config);
-  return 0;
 }
+
+}  // namespace dts::fuzz::config
+
+DTS_FUZZ_TARGET(config)

@@ -16,10 +16,9 @@
 #include "ipc/command_handler.h"
 #include "session/recordings.h"
 
+namespace dts::fuzz::control {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 constexpr std::size_t kMostRequests = 8;
 constexpr std::size_t kLongestRequestId = 64;
@@ -138,7 +137,7 @@ const ipc::Identity Daemons::kIdentity{.instance_id = 1, .version = "1.2.3", .bo
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   constexpr int kRunsOfOneFolder = 2000;  // the audit trail only grows
   static std::unique_ptr<Daemons> daemons;
   static int runs = 0;
@@ -150,5 +149,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const std::size_t peer = pieces.byte() % kPeers.size();
   for (std::size_t number = 0; number < kMostRequests && !pieces.is_over(); ++number) daemons->hear(peer, pieces.piece());
   daemons->undo();
-  return 0;
 }
+
+}  // namespace dts::fuzz::control
+
+DTS_FUZZ_TARGET(control)

@@ -9,10 +9,9 @@
 #include "files/cop_calibration_file.h"
 #include "fuzz/fuzz_support.h"
 
+namespace dts::fuzz::cop_calibration {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 std::optional<physics::CopCalibration> read(const std::string& text, files::Problems& problems) {
   const auto table = files::parse_toml_text(text, "cop.toml", problems);
@@ -54,15 +53,18 @@ void check_estimates(const physics::CopEstimator& estimator) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   files::Problems problems;
   const auto calibration = read(fuzz::text_of(bytes, size), problems);
   promise(calibration.has_value() == problems.empty(), "a calibration, or what is wrong with it");
-  if (!calibration) return 0;
+  if (!calibration) return;
   const std::string text = files::cop_calibration_text(*calibration);
   const auto again = read(text, problems);
   promise(again.has_value(), "what was written can be read");
   promise(files::cop_calibration_text(*again) == text, "the calibration read is the one written");
   check_estimates(again->estimator);
-  return 0;
 }
+
+}  // namespace dts::fuzz::cop_calibration
+
+DTS_FUZZ_TARGET(cop_calibration)

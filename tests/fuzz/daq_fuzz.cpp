@@ -16,10 +16,9 @@
 #include "usb/emulator/usb1608g_emulator.h"
 #include "usb/fake/fake_bus.h"
 
+namespace dts::fuzz::daq {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 constexpr std::size_t kLongestOptions = 200;
 constexpr std::int64_t kSecondNs = core::kNanosecondsPerSecond;
@@ -151,21 +150,24 @@ void run(device::Device& device, const core::Clock& clock) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   const std::string input = fuzz::text_of(bytes, size);
   fuzz::Pieces pieces(input);
   const Kind& kind = kKinds[pieces.byte() % kKinds.size()];
   const std::string_view options = pieces.piece();
-  if (options.size() > kLongestOptions) return 0;
+  if (options.size() > kLongestOptions) return;
   core::VirtualClock clock(kSecondNs);
   Liar unit(kind.make(), pieces);
   emulator::FakeBus bus(clock);
   const physics::RigModel rig;
   const auto device =
       device::create_device(std::string(kind.uri) + (options.empty() ? "" : "?") + std::string(options), {clock, rig, &bus});
-  if (!device) return 0;
+  if (!device) return;
   bus.plug(unit);
   run(**device, clock);
   promise(bus.transfers_in_flight() == 0, "no transfer is left behind");
-  return 0;
 }
+
+}  // namespace dts::fuzz::daq
+
+DTS_FUZZ_TARGET(daq)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands in for libFuzzer where there is none: FUZZ_TARGET FOLDER COUNT runs every file of the folder, and COUNT changed versions of each,
-// the same ones every time.
+// Stands in for libFuzzer where there is none, for all targets: fuzz_driver TARGET FOLDER COUNT runs every file of the folder, and COUNT
+// changed versions of each, the same ones every time.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -9,15 +9,20 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <random>
 #include <string>
 #include <vector>
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size);
+#include "fuzz/fuzz_support.h"
 
+namespace dts::fuzz {
 namespace {
 
-void run(const std::string& bytes) { LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()); }
+std::map<std::string, TryBytes>& targets() {
+  static std::map<std::string, TryBytes> all;
+  return all;
+}
 
 /// One change of the kinds that find mistakes in parsers of lengths and counts.
 void change(std::string& bytes, std::mt19937& random) {
@@ -42,12 +47,9 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& folder)
   return files;
 }
 
-}  // namespace
-
-int main(int count, char** arguments) {
-  if (count != 3) return 2;
-  const auto files = files_of(arguments[1]);
-  const long versions = std::strtol(arguments[2], nullptr, 10);
+int run_target(TryBytes try_bytes, const std::filesystem::path& folder, long versions) {
+  const auto run = [try_bytes](const std::string& bytes) { try_bytes(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()); };
+  const auto files = files_of(folder);
   std::mt19937 random(7);
   for (const auto& file : files) {
     std::ifstream in(file, std::ios::binary);
@@ -62,4 +64,16 @@ int main(int count, char** arguments) {
   }
   std::printf("%zu files, %ld changed versions of each\n", files.size(), versions);
   return files.empty() ? 1 : 0;
+}
+
+}  // namespace
+
+void add_target(const char* name, TryBytes try_bytes) { targets()[name] = try_bytes; }
+
+}  // namespace dts::fuzz
+
+int main(int count, char** arguments) {
+  using dts::fuzz::targets;
+  if (count != 4 || !targets().contains(arguments[1])) return 2;
+  return dts::fuzz::run_target(targets().at(arguments[1]), arguments[2], std::strtol(arguments[3], nullptr, 10));
 }

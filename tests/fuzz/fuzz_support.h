@@ -75,4 +75,23 @@ class Pieces {
   std::string_view rest_;
 };
 
+/// Bytes that may be anything; breaks a promise, or crashes, when they lead astray.
+using TryBytes = void (*)(const std::uint8_t* bytes, std::size_t size);
+
+#ifndef DTS_LIBFUZZER
+/// For fuzz_driver.cpp: all targets are in one program. Called before main().
+void add_target(const char* name, TryBytes try_bytes);
+#endif
+
 }  // namespace dts::fuzz
+
+/// Ends a file NAME_fuzz.cpp, which defines dts::fuzz::NAME::try_bytes. With libFuzzer each target is a program of its own.
+#ifdef DTS_LIBFUZZER
+#define DTS_FUZZ_TARGET(name)                                                         \
+  extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) { \
+    dts::fuzz::name::try_bytes(bytes, size);                                           \
+    return 0;                                                                          \
+  }
+#else
+#define DTS_FUZZ_TARGET(name) [[maybe_unused]] static const bool name##_is_added = (dts::fuzz::add_target(#name, dts::fuzz::name::try_bytes), true);
+#endif

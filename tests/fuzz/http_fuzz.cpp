@@ -11,10 +11,9 @@
 #include "gateway/http/response_head.h"
 #include "gateway/http/server.h"
 
+namespace dts::fuzz::http {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 namespace http = boost::beast::http;
 
@@ -96,11 +95,14 @@ void check_message(std::string_view bytes) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   const std::string input = fuzz::text_of(bytes, size);
   check_message(input);
   check_target(input);
   check_archive(input);
   check_host(input);
-  return 0;
 }
+
+}  // namespace dts::fuzz::http
+
+DTS_FUZZ_TARGET(http)

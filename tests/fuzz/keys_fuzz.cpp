@@ -9,10 +9,9 @@
 #include "dts/key.h"
 #include "fuzz/fuzz_support.h"
 
+namespace dts::fuzz::keys {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 void check_clients(const std::string& text) {
   files::Problems problems;
@@ -53,7 +52,7 @@ void check_client(const std::string& file) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   static const fuzz::Folder folder;
   const std::string text = fuzz::text_of(bytes, size);
   check_clients(text);
@@ -63,5 +62,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   check_server(file);
   fuzz::put_file(file, text);
   check_client(file);
-  return 0;
 }
+
+}  // namespace dts::fuzz::keys
+
+DTS_FUZZ_TARGET(keys)

@@ -6,10 +6,9 @@
 #include "fuzz/fuzz_support.h"
 #include "session/trial_run.h"
 
+namespace dts::fuzz::protocol {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 constexpr double kLongestPhaseS = 3600.0;
 
@@ -51,17 +50,20 @@ void check_fields(const session::Protocol& protocol) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   const std::string text = fuzz::text_of(bytes, size);
   files::Problems problems;
   const session::Protocol protocol = files::read_protocol_text(text, "protocol.toml", problems);
   for (const files::Problem& problem : problems) promise(!problem.text.empty(), "a problem says what it is");
-  if (!problems.empty()) return 0;
+  if (!problems.empty()) return;
   promise(is_word(protocol.name) && protocol.sentence.size() <= 200, "a protocol has a name and a sentence");
   promise(protocol.duration_s >= 0.0 && protocol.settle_s >= 0.0 && std::isfinite(protocol.duration_s), "times are times");
   promise(protocol.fields.size() <= 32, "at most 32 fields");
   if (protocol.trials) check_plan(*protocol.trials);
   check_fields(protocol);
   promise(files::read_protocol_text(protocol.definition, "protocol.toml", problems) == protocol, "what a recording keeps is the protocol");
-  return 0;
 }
+
+}  // namespace dts::fuzz::protocol
+
+DTS_FUZZ_TARGET(protocol)

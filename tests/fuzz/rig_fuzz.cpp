@@ -7,10 +7,9 @@
 #include "files/rig_file.h"
 #include "fuzz/fuzz_support.h"
 
+namespace dts::fuzz::rig {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 constexpr std::size_t kMostSensors = 16;
 constexpr std::size_t kLargestDefinition = std::size_t{1} << 20U;
@@ -48,7 +47,7 @@ void check_definition(const fuzz::Folder& folder, const std::string& text) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   static const fuzz::Folder folder;
   const std::string text = fuzz::text_of(bytes, size);
   files::Problems problems;
@@ -56,5 +55,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   for (const files::Problem& problem : problems) promise(!problem.text.empty(), "a problem says what it is");
   if (problems.empty()) check_rig(rig);
   check_definition(folder, text);
-  return 0;
 }
+
+}  // namespace dts::fuzz::rig
+
+DTS_FUZZ_TARGET(rig)

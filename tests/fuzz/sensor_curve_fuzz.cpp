@@ -6,10 +6,9 @@
 #include "files/sensor_curve_file.h"
 #include "fuzz/fuzz_support.h"
 
+namespace dts::fuzz::sensor_curve {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 constexpr double kRoundTripMm = 1e-4;  // what physics/sensor_curve.h says
 constexpr int kSteps = 997;            // prime: does not fall together with the steps of any table
@@ -64,13 +63,16 @@ void check_text(const std::string& text, const files::SensorCurveFile& file) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   const std::string text = fuzz::text_of(bytes, size);
   files::Problems problems;
   const auto file = read(text, problems);
   promise(file.has_value() == problems.empty(), "a curve, or what is wrong with it");
-  if (!file) return 0;
+  if (!file) return;
   check_values(file->curve);
   check_text(text, *file);
-  return 0;
 }
+
+}  // namespace dts::fuzz::sensor_curve
+
+DTS_FUZZ_TARGET(sensor_curve)

@@ -6,10 +6,9 @@
 #include "files/trunk_model_file.h"
 #include "fuzz/fuzz_support.h"
 
+namespace dts::fuzz::trunk_model {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 constexpr double kSumTolerance = 1e-9;
 
@@ -54,15 +53,18 @@ void check_reaches(const classifier::TrunkModel& model) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   files::Problems problems;
   const auto model = read(fuzz::text_of(bytes, size), problems);
   promise(model.has_value() == problems.empty(), "a model, or what is wrong with it");
-  if (!model) return 0;
+  if (!model) return;
   const std::string text = files::trunk_model_text(*model);
   const auto again = read(text, problems);
   promise(again.has_value(), "what was written can be read");
   promise(files::trunk_model_text(*again) == text, "the model read is the one written");
   check_reaches(*again);
-  return 0;
 }
+
+}  // namespace dts::fuzz::trunk_model
+
+DTS_FUZZ_TARGET(trunk_model)

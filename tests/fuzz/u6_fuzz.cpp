@@ -12,11 +12,10 @@
 #include "device/labjack/u6_stream.h"
 #include "fuzz/fuzz_support.h"
 
+namespace dts::fuzz::u6 {
 namespace {
 
-using namespace dts;
 using namespace dts::device::labjack;
-using fuzz::promise;
 
 using Bytes = std::vector<std::uint8_t>;
 
@@ -103,7 +102,7 @@ void check_calibration(const std::string& text) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   const std::string input = fuzz::text_of(bytes, size);
   fuzz::Pieces pieces(input);
   const Shape shape{.channels = 1U + pieces.byte() % kMaximumSamplesPerPacket, .samples = 1U + pieces.byte() % kMaximumSamplesPerPacket};
@@ -115,5 +114,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const Found whole = read_all(shape, packets, 100'000, packets.size() + 1);
   promise(whole == read_all(shape, packets, room, cut), "transfers and room change nothing");
   check_calibration(std::string(pieces.rest()));
-  return 0;
 }
+
+}  // namespace dts::fuzz::u6
+
+DTS_FUZZ_TARGET(u6)

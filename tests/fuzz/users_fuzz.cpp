@@ -10,10 +10,9 @@
 #include "gateway/access/password.h"
 #include "gateway/access/user_file.h"
 
+namespace dts::fuzz::users {
 namespace {
 
-using namespace dts;
-using fuzz::promise;
 
 constexpr const char* kHash = "$argon2id$v=19$m=65536,t=2,p=1$c29tZXNhbHRzb21lc2FsdA$RdescudvJCsgt3ub+b4dWRWJTmaaJObGRdescudvJCs";
 constexpr const char* kNewName = "zoe.of-the_test";
@@ -53,19 +52,22 @@ void check_login(std::string body) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   static const fuzz::Folder folder;
   const std::string text = fuzz::text_of(bytes, size);
   check_login(text);
   const auto users = gateway::parse_users(text, "users");
   if (!users) {
     promise(users.error().what.starts_with("users:"), "a problem says where it is");
-    return 0;
+    return;
   }
   check_users(*users);
   const std::string file = folder.file("users");
   fuzz::put_file(file, text);
   ::chmod(file.c_str(), 0640);
   check_change(file, *users);
-  return 0;
 }
+
+}  // namespace dts::fuzz::users
+
+DTS_FUZZ_TARGET(users)

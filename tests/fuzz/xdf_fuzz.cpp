@@ -10,11 +10,11 @@
 #include "record/xdf/chunk_index.h"
 #include "record/xdf/recovery.h"
 
+namespace dts::fuzz::xdf {
 namespace {
 
 namespace record = dts::record;
 
-using dts::fuzz::promise;
 
 void read_items(const std::string& file) {
   const auto recording = record::Recording::open(file);
@@ -39,7 +39,7 @@ void recover_and_verify(const std::string& file, const std::string& copy) {
 
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+void try_bytes(const std::uint8_t* bytes, std::size_t size) {
   static const dts::fuzz::Folder folder;
   const std::string text = dts::fuzz::text_of(bytes, size);
   const std::string file = folder.file("a.xdf");
@@ -52,5 +52,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     const std::string json = record::to_json(*event);
     if (json.size() <= 64U << 10U) promise(record::to_json(record::event_of_json(json).value()) == json, "an event as text is that event");
   }
-  return 0;
 }
+
+}  // namespace dts::fuzz::xdf
+
+DTS_FUZZ_TARGET(xdf)

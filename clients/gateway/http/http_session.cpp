@@ -87,9 +87,9 @@ class HttpSession : public Connection, public std::enable_shared_from_this<HttpS
 void HttpSession::start() {
   if (!stream_.is_secure()) return await_request();
   stream_.expires_after(server_->limits.handshake_timeout);
-  stream_.async_handshake([self = shared_from_this()](error_code error) {
+  stream_.async_handshake(EndHandler([self = shared_from_this()](error_code error) {
     if (!error) self->await_request();
-  });
+  }));
 }
 
 void HttpSession::await_request() {
@@ -210,7 +210,7 @@ void HttpSession::end_answer() {
 
 void HttpSession::end_connection() {
   stream_.expires_after(kLingerTime);
-  if (stream_.is_secure()) return stream_.async_tls_shutdown([self = shared_from_this()](error_code) { self->drop(); });
+  if (stream_.is_secure()) return stream_.async_tls_shutdown(EndHandler([self = shared_from_this()](error_code) { self->drop(); }));
   error_code ignored;
   stream_.tcp().socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
   linger();

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <boost/asio/buffer.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl/context.hpp>
@@ -9,12 +11,13 @@
 #include <boost/beast/core/basic_stream.hpp>
 #include <boost/beast/core/rate_policy.hpp>
 #include <boost/beast/core/role.hpp>
-#include <boost/beast/websocket/ssl.hpp>
-#include <boost/beast/websocket/teardown.hpp>
+#include <boost/system/error_code.hpp>
 #include <chrono>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <type_traits>
 #include <utility>
 
 namespace dts::gateway {
@@ -36,6 +39,59 @@ class ReadBudget {
   void on_timer() noexcept {}
 
   std::size_t left_ = std::numeric_limits<std::size_t>::max();
+};
+
+/// What is to be called when something ends: Beast's many kinds of handlers as one, which may be moved and is called once. TLS and TCP are
+/// compiled for this kind alone, where each of Beast's would take its own share of a minute.
+template <class... Results>
+class AnyHandler {
+ public:
+  template <class Handler>
+    requires(!std::same_as<std::decay_t<Handler>, AnyHandler>)
+  explicit AnyHandler(Handler&& handler) : kept_(std::make_unique<KeptHandler<std::decay_t<Handler>>>(std::forward<Handler>(handler))) {}
+
+  void operator()(Results... results) { std::exchange(kept_, nullptr)->call(results...); }
+
+ private:
+  struct Kept {
+    virtual ~Kept() = default;
+    virtual void call(Results... results) = 0;
+  };
+  template <class Handler>
+  struct KeptHandler : Kept {
+    explicit KeptHandler(Handler given) : handler(std::move(given)) {}
+    void call(Results... results) override { handler(results...); }
+    Handler handler;
+  };
+
+  std::unique_ptr<Kept> kept_;
+};
+using IoHandler = AnyHandler<boost::system::error_code, std::size_t>;
+using EndHandler = AnyHandler<boost::system::error_code>;
+
+/// The first buffers of any sequence: to read or write some is allowed to stop after them. `Buffer`: asio::mutable_buffer or const_buffer.
+template <class Buffer>
+class FirstBuffers {
+ public:
+  using value_type = Buffer;
+  using const_iterator = const Buffer*;
+
+  template <class Buffers>
+  static FirstBuffers of(const Buffers& all) {
+    FirstBuffers first;
+    const auto end = boost::asio::buffer_sequence_end(all);
+    for (auto buffer = boost::asio::buffer_sequence_begin(all); buffer != end && first.count_ < kMost; ++buffer) {
+      if (Buffer(*buffer).size() > 0) first.buffers_[first.count_++] = *buffer;
+    }
+    return first;
+  }
+  [[nodiscard]] const_iterator begin() const noexcept { return buffers_.data(); }
+  [[nodiscard]] const_iterator end() const noexcept { return buffers_.data() + count_; }
+
+ private:
+  static constexpr std::size_t kMost = 8;
+  std::array<Buffer, kMost> buffers_;
+  std::size_t count_ = 0;
 };
 
 /// A TCP connection, with TLS or without: one type, so that HTTP and WebSocket are compiled once. A stream as Asio understands it.
@@ -64,45 +120,29 @@ class PeerStream {
 
   template <class Buffers, class Handler>
   void async_read_some(const Buffers& buffers, Handler&& handler) {
-    if (tls_) {
-      tls_->async_read_some(buffers, std::forward<Handler>(handler));
-    } else {
-      tcp_->async_read_some(buffers, std::forward<Handler>(handler));
-    }
+    read_some(FirstBuffers<boost::asio::mutable_buffer>::of(buffers), IoHandler(std::forward<Handler>(handler)));
   }
-
   template <class Buffers, class Handler>
   void async_write_some(const Buffers& buffers, Handler&& handler) {
-    if (tls_) {
-      tls_->async_write_some(buffers, std::forward<Handler>(handler));
-    } else {
-      tcp_->async_write_some(buffers, std::forward<Handler>(handler));
-    }
+    write_some(FirstBuffers<boost::asio::const_buffer>::of(buffers), IoHandler(std::forward<Handler>(handler)));
   }
 
   /// TLS only.
-  template <class Handler>
-  void async_handshake(Handler&& handler) {
-    tls_->async_handshake(boost::asio::ssl::stream_base::server, std::forward<Handler>(handler));
-  }
-  template <class Handler>
-  void async_tls_shutdown(Handler&& handler) {
-    tls_->async_shutdown(std::forward<Handler>(handler));
-  }
+  void async_handshake(EndHandler handler);
+  void async_tls_shutdown(EndHandler handler);
 
  private:
   // How Beast's WebSocket closes a stream it does not know; found by argument-dependent lookup.
   friend void beast_close_socket(PeerStream& stream) { stream.close(); }
   template <class Handler>
   friend void async_teardown(boost::beast::role_type role, PeerStream& stream, Handler&& handler) {
-    using boost::beast::websocket::async_teardown;
-    if (stream.tls_) {
-      async_teardown(role, *stream.tls_, std::forward<Handler>(handler));
-    } else {
-      async_teardown(role, *stream.tcp_, std::forward<Handler>(handler));
-    }
+    stream.tear_down(role, EndHandler(std::forward<Handler>(handler)));
   }
   friend void teardown(boost::beast::role_type, PeerStream& stream, boost::system::error_code&) { stream.close(); }
+
+  void read_some(FirstBuffers<boost::asio::mutable_buffer> buffers, IoHandler handler);
+  void write_some(FirstBuffers<boost::asio::const_buffer> buffers, IoHandler handler);
+  void tear_down(boost::beast::role_type role, EndHandler handler);
 
   std::unique_ptr<Tcp> tcp_;
   std::unique_ptr<boost::asio::ssl::stream<Tcp&>> tls_;

@@ -21,8 +21,9 @@ set(DTS_WARNINGS -Wall -Wextra -Wpedantic -Wconversion -Wshadow $<$<CXX_COMPILER
     -Wno-missing-field-initializers)  # designated initialisers leave out what keeps its default: that is their point
 
 set(DTS_SANITIZE "" CACHE STRING "Sanitizers to build with, as for -fsanitize=")
-set(is_plain $<OR:$<NOT:$<BOOL:${DTS_SANITIZE}>>,$<BOOL:$<TARGET_PROPERTY:DTS_PLAIN>>>)
+set(is_plain 1)
 if(DTS_SANITIZE)
+  set(is_plain $<BOOL:$<TARGET_PROPERTY:DTS_PLAIN>>)
   set(options -UNDEBUG -O0 -g1 -fsanitize=${DTS_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   if(DTS_SANITIZE MATCHES "fuzzer")
     list(APPEND options -O1)

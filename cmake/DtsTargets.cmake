@@ -34,7 +34,8 @@ if(DTS_SANITIZE)
     list(APPEND options -include ${CMAKE_SOURCE_DIR}/cmake/libprotobuf_layout.h)
   endif()
   # With sanitizers GCC warns falsely more often (its manual, -fsanitize); the other presets have seen the same lines.
-  list(APPEND options -Wno-error)
+  set(is_strict ${CMAKE_COMPILE_WARNING_AS_ERROR})
+  set(CMAKE_COMPILE_WARNING_AS_ERROR OFF)
   add_compile_options("$<$<NOT:${is_plain}>:${options}>")
   add_compile_definitions($<$<NOT:${is_plain}>:DTS_SANITIZED>)
   add_link_options(-fsanitize=${DTS_SANITIZE})
@@ -42,7 +43,7 @@ endif()
 
 # dts_plain(TARGET ...): even under sanitizers the very objects of the release build, which ccache has.
 function(dts_plain)
-  set_target_properties(${ARGN} PROPERTIES DTS_PLAIN ON)
+  set_target_properties(${ARGN} PROPERTIES DTS_PLAIN ON COMPILE_WARNING_AS_ERROR "${is_strict}")
 endfunction()
 
 # dts_computes(TARGET ...): optimised even under sanitizers, for its tests compute for long. All else is not: -O0 compiles in half the time.

@@ -41,8 +41,8 @@ class ReadBudget {
   std::size_t left_ = std::numeric_limits<std::size_t>::max();
 };
 
-/// What is to be called when something ends: Beast's many kinds of handlers as one, which may be moved and is called once. TLS and TCP are
-/// compiled for this kind alone, where each of Beast's would take its own share of a minute.
+/// Any completion handler: can be moved, is called once. TLS and TCP are compiled for this type alone; for each of Beast's handlers again they
+/// took most of the gateway's compile time.
 template <class... Results>
 class AnyHandler {
  public:
@@ -69,7 +69,8 @@ class AnyHandler {
 using IoHandler = AnyHandler<boost::system::error_code, std::size_t>;
 using EndHandler = AnyHandler<boost::system::error_code>;
 
-/// The first buffers of any sequence: to read or write some is allowed to stop after them. `Buffer`: asio::mutable_buffer or const_buffer.
+/// The first buffers of any sequence that are not empty. async_read_some and async_write_some may stop after them. `Buffer`:
+/// asio::mutable_buffer or asio::const_buffer.
 template <class Buffer>
 class FirstBuffers {
  public:

@@ -240,10 +240,10 @@ void Acquisition::take(core::Acquired& acquired) noexcept {
   report_.clock_drift_ppm = block.clock_drift_ppm;
   scans_since_start_ += block.count();
   has_streamed_ = true;
+  report_.ring_blocks.note(ring_.waiting() + 1, quiet_since_ns_);
+  publish_report();  // before the block: a marker that answers to a scan is never refused because the report knows of none
   ring_.commit();
-  report_.ring_blocks.note(ring_.waiting(), quiet_since_ns_);
   bell_.ring();
-  publish_report();
 }
 
 }  // namespace dts::session

@@ -142,7 +142,7 @@ TEST(Daemon, Marker_StandsAtAScanThatWasPublished) {
 
   const auto marked = daemon.control().mark("heel strike", "floor");
 
-  ASSERT_TRUE(marked);
+  ASSERT_TRUE(marked) << marked.error().what;
   EXPECT_GE(marked->marks(0).scan() + 1, newest);
   EXPECT_TRUE(receive_until(subscriber, [&](const client::Message& message) {
     if (const auto* block = std::get_if<Block>(&message)) newest = block->first_scan + block->scan_count;

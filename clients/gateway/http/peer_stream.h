@@ -90,7 +90,7 @@ class FirstBuffers {
   [[nodiscard]] const_iterator end() const noexcept { return buffers_.data() + count_; }
 
  private:
-  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kMost = 64;  // what Asio hands to one system call
   std::array<Buffer, kMost> buffers_;
   std::size_t count_ = 0;
 };

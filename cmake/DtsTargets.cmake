@@ -45,7 +45,9 @@ endif()
 
 # dts_plain(TARGET ...): even under sanitizers the very objects of the release build, which ccache has.
 function(dts_plain)
-  set_target_properties(${ARGN} PROPERTIES DTS_PLAIN ON COMPILE_WARNING_AS_ERROR "${is_strict}")
+  if(DTS_SANITIZE)
+    set_target_properties(${ARGN} PROPERTIES DTS_PLAIN ON COMPILE_WARNING_AS_ERROR "${is_strict}")
+  endif()
 endfunction()
 
 # dts_computes(TARGET ...): optimised even under sanitizers, for its tests compute for long. All else is not: -O0 compiles in half the time.

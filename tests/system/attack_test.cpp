@@ -129,7 +129,7 @@ class AttackTest : public NetworkedDaemon {
     reader.request_stop();
     reader.join();
     const auto status = daemon_.control().status();
-    ASSERT_TRUE(status);
+    ASSERT_TRUE(status) << status.error().what;
     const auto in_ms = [](steady_clock::duration time) {
       return static_cast<long long>(std::chrono::duration_cast<milliseconds>(time).count());
     };

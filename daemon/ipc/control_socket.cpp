@@ -41,8 +41,6 @@ core::Result<ControlSocket> ControlSocket::bind(zmq::context_t& context, const R
   if (auto valid = check_remote_endpoint(remote.endpoint); !valid) return tl::make_unexpected(valid.error());
   try {
     zmq::socket_t socket = router(context);
-    socket.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);  // a cable that was pulled must not keep a connection for hours
-    socket.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
     std::string bound = bind_remote(socket, remote);
     return ControlSocket(std::move(socket), std::move(bound));
   } catch (const zmq::error_t& error) {

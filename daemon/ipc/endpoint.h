@@ -8,8 +8,6 @@
 namespace dts::ipc {
 
 inline constexpr int kHandshakeMs = 2000;  ///< A peer that takes longer to say who it is, is none.
-inline constexpr int kHeartbeatMs = 1000;
-inline constexpr int kHeartbeatTimeoutMs = 5000;
 
 /// Checks an endpoint before libzmq sees it: "ipc:///absolute/path" (short enough for a socket address) or
 /// "tcp://127.0.0.1:port". Any other TCP address is refused: nothing leaves this machine without

@@ -8,6 +8,19 @@ namespace {
 constexpr std::uint64_t kLocalThread = 1;
 constexpr std::uint64_t kRemoteThread = 2;
 
+constexpr int kQuietS = 2;  // then the kernel asks whether the peer is still there, every second
+constexpr int kGoneMs = 5000;
+
+/// A cable that was pulled must not keep a connection for hours. The kernel watches for it: libzmq's own heartbeats end the whole process when
+/// a peer leaves whose queue is full (4.3.5: the timer calls out_event(), which asserts !_io_error).
+void watch_for_dead_peers(zmq::socket_t& socket) {
+  socket.set(zmq::sockopt::tcp_keepalive, 1);
+  socket.set(zmq::sockopt::tcp_keepalive_idle, kQuietS);
+  socket.set(zmq::sockopt::tcp_keepalive_intvl, 1);
+  socket.set(zmq::sockopt::tcp_keepalive_cnt, kGoneMs / 1000);
+  socket.set(zmq::sockopt::tcp_maxrt, kGoneMs);
+}
+
 }  // namespace
 
 void use_local_thread(zmq::socket_t& socket) { socket.set(zmq::sockopt::affinity, kLocalThread); }
@@ -16,6 +29,7 @@ std::string bind_remote(zmq::socket_t& socket, const RemoteEndpoint& remote) {
   socket.set(zmq::sockopt::affinity, kRemoteThread);
   socket.set(zmq::sockopt::curve_server, true);
   socket.set(zmq::sockopt::curve_secretkey, remote.key.secret_key);
+  watch_for_dead_peers(socket);
   socket.bind(remote.endpoint);
   return socket.get(zmq::sockopt::last_endpoint);
 }

@@ -32,8 +32,6 @@ core::Result<std::unique_ptr<XpubSocket>> XpubSocket::bind(zmq::context_t& conte
     socket.set(zmq::sockopt::maxmsgsize, std::int64_t{kLongestSubscriptionBytes});
     socket.set(zmq::sockopt::xpub_verbose, true);  // a second subscriber to a topic wants its snapshot too
     socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
-    socket.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
-    socket.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
     use_local_thread(socket);
     socket.bind(endpoint);
     std::string bound;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stands in for libFuzzer where there is none, for all targets: fuzz_driver TARGET FOLDER COUNT runs every file of the folder, and COUNT
-// changed versions of each, the same ones every time.
+// Runs the fuzz targets without libFuzzer: fuzz_driver TARGET FOLDER COUNT runs every file of the folder, and COUNT changed versions of each,
+// the same ones every time.
 #include <algorithm>
 #include <array>
 #include <cstdint>

@@ -62,7 +62,7 @@ describe('a reaching examination', () => {
   });
 
   test('runs by keys; each prompt comes in its turn', { timeout: 600_000 }, async () => {
-    const told = daemon.watch('chair/trial');
+    const trialWatch = daemon.watch('chair/trial');
     await remember(page, 'prompt', 'data-step');
     const stepsOf = async (value) => (await rememberedOf(page, 'prompt')).filter((one) => one.value === value).length;
     let starts = 0;
@@ -91,14 +91,14 @@ describe('a reaching examination', () => {
     assert.ok(words.match(/back/g).length >= 5, `a reach is found in nearly every trial: ${words}`);
     assert.deepEqual([...new Set(prompts.map(({ value, text }) => `${value}: ${text}`))].sort(), ['back: Back', 'finished: Done', 'go: GO', 'ready: Ready', 'waiting: Wait']);
     // By the daemon's times: what the page needs to draw depends on the machine.
-    const timesOf = (kind) => told.seen.filter(({ event }) => event.kind === kind).map(({ host_time_ns }) => host_time_ns);
-    await waitFor(() => told.seen.some(({ event }) => event.kind === 'go' && event.trial === 6), 'dtsctl shows the last start');
+    const timesOf = (kind) => trialWatch.seen.filter(({ event }) => event.kind === kind).map(({ host_time_ns }) => host_time_ns);
+    await waitFor(() => trialWatch.seen.some(({ event }) => event.kind === 'go' && event.trial === 6), 'dtsctl shows the last start');
     // The first events may come before dtsctl has subscribed: a "Go" without its "Ready" is the first one.
     const readyBefore = (go) => timesOf('ready').findLast((ready) => ready < go);
     const delaysS = timesOf('go').filter(readyBefore).map((go) => (go - readyBefore(go)) / 1e9);
     assert.ok(delaysS.length >= starts - 1, `${delaysS.length} of ${starts} starts were seen`);
     assert.ok(delaysS.every((delayS) => delayS > 0.98 && delayS < 1.52), `"Go" came ${delaysS} s after "Ready"; the protocol says 1 to 1.5 s`);
-    await told.close();
+    await trialWatch.close();
   });
 
   test('its table is what dtsctl shows, also after the session', async () => {

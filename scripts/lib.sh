@@ -98,7 +98,8 @@ compile() {
   local preset=$1 begun=$SECONDS quiet=()
   shift
   [ -t 2 ] || { quiet=(-- --quiet); say "Building ($preset)"; }
-  NINJA_STATUS="Building ($preset) [%f/%t, %es] " cmake --build --preset "$preset" ${1:+--target "$@"} "${quiet[@]}" >&2
+  # Ninja by itself runs two compilers more than there are cores, which takes longer beside another build.
+  NINJA_STATUS="Building ($preset) [%f/%t, %es] " cmake --build --preset "$preset" -j "$(nproc)" ${1:+--target "$@"} "${quiet[@]}" >&2
   say "Built ($preset) in $((SECONDS - begun)) s"
 }
 

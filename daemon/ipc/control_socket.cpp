@@ -8,7 +8,7 @@
 namespace dts::ipc {
 namespace {
 
-constexpr std::int64_t kLongestRequestBytes = 16 * 1024;  // our largest is under 1 kB
+constexpr std::int64_t kLongestRequestBytes = 4 * 1024;  // our largest is under 1 kB
 constexpr std::size_t kMostFrames = 3;                    // identity, delimiter, request
 constexpr int kQueueMessages = 100;
 

@@ -11,8 +11,8 @@ constexpr std::uint64_t kRemoteThread = 2;
 constexpr int kQuietS = 2;  // then the kernel asks whether the peer is still there, every second
 constexpr int kGoneMs = 5000;
 
-/// A cable that was pulled must not keep a connection for hours. The kernel watches for it: libzmq's own heartbeats end the whole process when
-/// a peer leaves whose queue is full (4.3.5: the timer calls out_event(), which asserts !_io_error).
+/// A cable that was pulled must not keep a connection for hours, nor a subscriber that reads nothing. The kernel watches for both. libzmq's
+/// own heartbeats end the whole process when a peer leaves whose queue is full (4.3.5: the timer calls out_event(), which asserts !_io_error).
 void watch_for_dead_peers(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::tcp_keepalive, 1);
   socket.set(zmq::sockopt::tcp_keepalive_idle, kQuietS);
@@ -20,6 +20,10 @@ void watch_for_dead_peers(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::tcp_keepalive_cnt, kGoneMs / 1000);
   socket.set(zmq::sockopt::tcp_maxrt, kGoneMs);
 }
+
+/// The same assertion ends the process when a peer with a full queue has left and the queue's rest holds a ping of the peer's heartbeats. So no
+/// queue is ever full. It stays short all the same: one network thread decrypts for all peers, and its readers are faster.
+void never_stop_reading(zmq::socket_t& socket) { socket.set(zmq::sockopt::rcvhwm, 0); }
 
 }  // namespace
 
@@ -30,6 +34,7 @@ std::string bind_remote(zmq::socket_t& socket, const RemoteEndpoint& remote) {
   socket.set(zmq::sockopt::curve_server, true);
   socket.set(zmq::sockopt::curve_secretkey, remote.key.secret_key);
   watch_for_dead_peers(socket);
+  never_stop_reading(socket);
   socket.bind(remote.endpoint);
   return socket.get(zmq::sockopt::last_endpoint);
 }

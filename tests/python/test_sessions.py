@@ -42,7 +42,8 @@ class Sessions(WithDaemon):
             record = session.wait(timeout=60)
 
         self.assertEqual(record.state, "complete")
-        self.assertGreater(record.parts[0].duration_s, 0.45)  # how much longer depends on when the daemon gets its turn
+        self.assertGreater(record.parts[0].duration_s, 0.45)
+        self.assertLess(record.parts[0].duration_s, 10)  # a busy machine gives the daemon its turn late
         with self.assertRaises(dts.WrongState):
             session.info()
 

@@ -25,7 +25,9 @@ READERS = 5
 STUCK = 2
 BATCHES = 20  # of samples, for the slope of the memory
 WARM_UP_S = 60.0  # rings, heaps and the peers' queues fill: measured +7.5 MiB in the first 40 s, +0.4 MiB in the next 6 min
-MOST_KIB = 1024  # of growth that a short run may show; its slope is too noisy to judge
+MOST_KIB = 1024  # of growth that counts whatever its slope
+SHORT_S = 600.0  # a shorter run says nothing of the slope
+MOST_SHORT_KIB = 5 * 1024  # on a busy machine queues of peers fill after the warm-up, too: measured 3.7 MiB. A leak of 64 bytes a scan is more
 MOST_KIB_PER_HOUR = 512.0  # beyond the noise of the slope; what leaks per block would be a hundred times that
 
 
@@ -150,10 +152,10 @@ class Soak:
         per_hour = f"{slope / 1024:+.2f} +- {noise / 1024:.2f} MiB an hour (2 standard errors)"
         print(f"| memory | {first / 1024:.1f} to {last / 1024:.1f} MiB, {per_hour} |")
         print(f"| descriptors | {min(sample[2] for sample in warm)} to {max(sample[2] for sample in warm)} |")
-        # What is within two standard errors is no growth; a fit that is noisier than the limit clears nobody. And a page more within two
-        # minutes would be megabytes an hour: it is the growth itself that a short run judges.
+        # What is within two standard errors is no growth; a fit that is noisier than the limit clears nobody.
         is_small = slope - noise <= MOST_KIB_PER_HOUR and noise <= MOST_KIB_PER_HOUR
-        self._expect(is_small or last - first < MOST_KIB, f"memory grows by {slope:.0f} +- {noise:.0f} KiB an hour")
+        most = MOST_SHORT_KIB if self.seconds < SHORT_S else MOST_KIB
+        self._expect(is_small or last - first < most, f"memory grows by {last - first} KiB, {slope:.0f} +- {noise:.0f} KiB an hour")
         # The least of some samples: the hostile client's connections come and go.
         begun, ended = (min(sample[2] for sample in samples) for samples in (warm[:5], warm[-5:]))
         self._expect(ended <= begun + 4, "descriptors grow")

@@ -109,7 +109,7 @@ TEST(Recording, OfTheShippedConfiguration_OpensInLibxdfWithNamesUnitsRatesAndSta
 }
 
 TEST(Recording, Replayed_GivesTheRecordedStreamsBitForBit) {
-  if (!std::filesystem::exists(DTSLAB_PROGRAM)) GTEST_SKIP() << "the thread sanitizer's build has no laboratory";
+  if (!std::filesystem::exists(DTSLAB_PROGRAM)) GTEST_SKIP() << "built without dtslab";
   // A filter that keeps every third scan: which ones depends on the index at which the recording began.
   const std::string stages =
       "[[stage]]\nid = \"guard\"\n\n[[stage]]\nid = \"window_filter\"\nwindow_scans = 5\nshift_scans = 3\n\n"

@@ -158,7 +158,7 @@ TEST_F(QuietStanding, LiveCataloguedReportedAndInTheLaboratory_AreTheSame) {
   EXPECT_EQ(reported.status, 0) << reported.err;
   EXPECT_GE(std::distance(std::filesystem::directory_iterator(pages), {}), 6) << "a session and two trials, each as HTML and SVG";
 
-  if (!std::filesystem::exists(DTSLAB_PROGRAM)) return;  // the thread sanitizer's build has no laboratory
+  if (!std::filesystem::exists(DTSLAB_PROGRAM)) GTEST_SKIP() << "built without dtslab: what it computes from the recording is not compared";
   const std::string file = session.at("parts").at(0).at("file");
   const Finished offline = run_program({DTSLAB_PROGRAM, "sway", file, "--json"});
   ASSERT_EQ(offline.status, 0) << offline.err;

@@ -32,9 +32,11 @@ const statesSince = (page, sinceMs) => page.evaluate((from) => window.states.fil
 
 /**
  * By how much page and gateway may have been late since an instant: the page by its own timer, the gateway by this process's. Twice: the last
- * data may be late, and then the timer that looks at their age.
+ * data may be late, and then the timer that looks at their age. A page that is late by seconds has itself to blame.
  */
-const latenessMs = async (page, sinceMs) => 2 * ((await page.evaluate((since) => window.worstLatenessMs(since), sinceMs)) + globalThis.worstLatenessMs(sinceMs));
+const mostPageLatenessMs = 2000;
+const latenessMs = async (page, sinceMs) =>
+  2 * (Math.min(await page.evaluate((since) => window.worstLatenessMs(since), sinceMs), mostPageLatenessMs) + globalThis.worstLatenessMs(sinceMs));
 
 /** Fails if `delayMs` is longer than the promise on a machine that was as late as this one since `sinceMs`. */
 const checkPromise = async (page, sinceMs, delayMs, what) => {

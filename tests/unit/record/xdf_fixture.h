@@ -47,7 +47,8 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// Tests of damage at every byte of a file take every fifth under sanitizers: what differs from a byte to its neighbour is no matter of memory.
+/// Tests of damage at every byte of a file take every fifth under sanitizers: numbers have 2, 4 and 8 bytes, so that each of a number's bytes
+/// gets its turn.
 inline constexpr std::size_t kByteStep = dts::test::kIsSanitized ? 5 : 1;
 
 inline std::string bytes_of(const std::string& file) {

@@ -43,6 +43,12 @@ def look_up(names: list[str]) -> list[Package]:
     return sorted({Package(*line.split("\t")) for line in listing.splitlines()})
 
 
+def versions() -> dict[str, str]:
+    """Those that Debian has in names of packages: libboost1.83-dev, g++-14."""
+    boost = look_up(["libboost-dev"])[0].version
+    return {"boost": ".".join(boost.split(".")[:2]), "gcc": run("g++", "-dumpversion").strip().split(".")[0]}
+
+
 def owners(files: list[str]) -> set[str]:
     """Names of the packages that own the files. On a merged /usr dpkg may know a library by its old name in /lib."""
     found: dict[str, str] = {}

@@ -2,6 +2,8 @@
 #include "ipc/control_server.h"
 
 #include <algorithm>
+#include <string>
+#include <unordered_map>
 #include <utility>
 
 namespace dts::ipc {
@@ -9,7 +11,8 @@ namespace {
 
 constexpr std::size_t kLongestRequestId = 64;
 constexpr std::size_t kRepliesKept = 256;
-constexpr int kRequestsPerTurn = 32;  // of a socket; then the others, sessions and devices get their turn
+constexpr int kRequestsPerTurn = 32;  // of a key, or of a local socket; then the others, sessions and devices get their turn
+constexpr int kReadPerTurn = 4096;    // of a remote socket: what one key sent beyond the above is thrown away, which is faster than it can arrive
 constexpr std::size_t kMostWaiting = 64;
 constexpr std::int64_t kPendingTimeoutNs = 10'000'000'000;
 constexpr std::int64_t kTickNs = 50'000'000;
@@ -82,9 +85,14 @@ void ControlServer::renew_remote(std::int64_t now_ns) {
 }
 
 void ControlServer::receive(ControlSocket& socket) {
-  for (int turn = 0; turn < kRequestsPerTurn; ++turn) {
+  std::unordered_map<std::string, int> requests;  // of each key
+  for (int turn = 0; turn < (socket.is_remote() ? kReadPerTurn : kRequestsPerTurn); ++turn) {
     auto incoming = socket.receive();
     if (!incoming) return;
+    if (socket.is_remote() && ++requests[incoming->public_key.value_or("")] > kRequestsPerTurn) {
+      handler_.count_rejected();
+      continue;
+    }
     if (incoming->is_well_formed) {
       answer(socket, std::move(*incoming));
     } else {

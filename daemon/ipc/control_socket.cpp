@@ -56,7 +56,7 @@ std::optional<Incoming> ControlSocket::receive() {
     zmq::message_t frame;
     if (!socket_.recv(frame, zmq::recv_flags::dontwait)) return std::nullopt;  // parts of a message arrive together: only the first can be absent
     has_more = frame.more();
-    if (!bound_.empty() && !has_more) {
+    if (is_remote() && !has_more) {
       const char* name = zmq_msg_gets(frame.handle(), "User-Id");  // of the authenticator
       incoming.public_key = name == nullptr ? "" : name;           // without one it is nobody's
     }

@@ -31,7 +31,8 @@ class ControlSocket {
   /// Never waits: a client that left or does not read asks again if it still wants to know.
   void reply(const std::vector<std::string>& envelope, const std::string& bytes) noexcept;
   /// Ends all connections of a remote socket; false: try again later. A local one keeps its own.
-  [[nodiscard]] bool drop_peers() noexcept { return bound_.empty() || drop_connections(socket_, bound_); }
+  [[nodiscard]] bool drop_peers() noexcept { return !is_remote() || drop_connections(socket_, bound_); }
+  [[nodiscard]] bool is_remote() const noexcept { return !bound_.empty(); }
   [[nodiscard]] void* handle() noexcept { return socket_.handle(); }
 
  private:

@@ -60,7 +60,8 @@ TEST_F(ResumeTest, ASessionThatIsCutOffAgainAndAgain_IsLeftAlone) {
 
   EXPECT_TRUE(eventually([&] { return daemon_.log().find("again and again") != std::string::npos; }));
   EXPECT_NE(session().session_id(), id);
-  EXPECT_EQ(daemon_.control().show_session(id)->state(), "interrupted");
+  const auto shown = daemon_.control().show_session(id);
+  EXPECT_EQ(shown->state(), "interrupted") << shown->ShortDebugString() << daemon_.log();
 }
 
 TEST_F(ResumeTest, WhatWasStoppedStaysStopped) {

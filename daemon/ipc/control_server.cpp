@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kLongestRequestId = 64;
 constexpr std::size_t kRepliesKept = 256;
 constexpr int kRequestsPerTurn = 32;  // of a key, or of a local socket; then the others, sessions and devices get their turn
-constexpr int kReadPerTurn = 4096;    // of a remote socket: what one key sent beyond the above is thrown away, which is faster than it can arrive
+constexpr int kReadPerTurn = 4096;    // of a remote socket, whose queue has no limit: what a key sent beyond the above is thrown away
 constexpr std::size_t kMostWaiting = 64;
 constexpr std::int64_t kPendingTimeoutNs = 10'000'000'000;
 constexpr std::int64_t kTickNs = 50'000'000;

@@ -9,7 +9,7 @@ namespace dts::ipc {
 namespace {
 
 constexpr std::int64_t kLongestRequestBytes = 4 * 1024;  // our largest is under 1 kB
-constexpr std::size_t kMostFrames = 3;                    // identity, delimiter, request
+constexpr std::size_t kMostFrames = 3;                   // identity, delimiter, request
 constexpr int kQueueMessages = 100;
 
 zmq::socket_t router(zmq::context_t& context) {
@@ -54,7 +54,8 @@ std::optional<Incoming> ControlSocket::receive() {
   bool has_more = true;
   while (has_more) {
     zmq::message_t frame;
-    if (!socket_.recv(frame, zmq::recv_flags::dontwait)) return std::nullopt;  // parts of a message arrive together: only the first can be absent
+    if (!socket_.recv(frame, zmq::recv_flags::dontwait))
+      return std::nullopt;  // parts of a message arrive together: only the first can be absent
     has_more = frame.more();
     if (is_remote() && !has_more) {
       const char* name = zmq_msg_gets(frame.handle(), "User-Id");  // of the authenticator

@@ -21,8 +21,8 @@ void watch_for_dead_peers(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::tcp_maxrt, kGoneMs);
 }
 
-/// The same assertion ends the process when a peer with a full queue has left and the queue's rest holds a ping of the peer's heartbeats. So no
-/// queue is ever full. It stays short all the same: one network thread decrypts for all peers, and its readers are faster.
+/// The same assertion ends the process when a peer with a full queue has left and libzmq then reads a ping of that peer's heartbeats. So no
+/// receive queue has a limit. ControlServer::receive keeps that of commands short; it grows while the control thread waits for the disk.
 void never_stop_reading(zmq::socket_t& socket) { socket.set(zmq::sockopt::rcvhwm, 0); }
 
 }  // namespace

@@ -76,8 +76,6 @@ TEST_F(KeysTest, WithoutAKeyOfItsOwn_NobodyGetsIn) {
   EXPECT_EQ(run_program({DTSCTL_PROGRAM, "--endpoint", address_of(control_), "--timeout", "1", "status"}).status, kUnreachable);
 
   // The name of a good key over another pair: what counts is the secret.
-  std::ifstream file(good);
-  std::string text((std::istreambuf_iterator<char>(file)), {});
   const auto other = client::new_key("eve");
   ASSERT_TRUE(other);
   const auto known = client::read_key(good);

@@ -212,13 +212,12 @@ void Recordings::recover_all(const std::stop_token& stop) {
       const auto recovered = record::recover(part.file, copy, [&](std::uint64_t, std::uint64_t) { return !stop.stop_requested(); });
       if (stop.stop_requested() && !recovered) return;
       auto read = recovered ? record::read_recording(copy) : tl::make_unexpected(recovered.error());
-      if (read) {
+      if (read && read->part.state == record::PartState::Recovered) {
         found = std::move(*read);
-        found.part.state = record::PartState::Recovered;  // also a copy without any stream: no footer tells of it
         found.part.lost_s_at_most = recovered->lost_s_at_most;
         found.part.reason = recovered->reason;
       } else {
-        found.part.reason = core::to_string(read.error());
+        found.part.reason = read ? "the repaired copy cannot be read back: " + read->part.reason : core::to_string(read.error());
       }
     }
     const std::lock_guard lock(recovered_mutex_);

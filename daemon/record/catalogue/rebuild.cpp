@@ -31,9 +31,11 @@ bool is_gone(const std::string& file) {
 bool is_gone(const PartRow& part) { return is_gone(part.file) && (part.state != PartState::Recording || is_gone(part.file + ".part")); }
 
 /// Of several files of one part the first in this order counts.
-int rank(std::string_view file) {
-  if (file.ends_with(".part")) return 2;
-  return file.ends_with(".recovered.xdf") ? 1 : 0;
+enum Rank : std::uint8_t { kClosed, kRepaired, kUnfinished };
+
+Rank rank(std::string_view file) {
+  if (file.ends_with(".part")) return kUnfinished;
+  return file.ends_with(".recovered.xdf") ? kRepaired : kClosed;
 }
 
 core::Result<std::vector<std::string>> recordings_in(const std::string& folder) {
@@ -63,7 +65,7 @@ void set_state(const Verification& verified, PartRow& part) {
     return;
   }
   part.sha256 = verified.sha256;
-  if (verified.is_recovered) {
+  if (verified.is_recovered || rank(part.file) == kRepaired) {  // a copy without any stream has no footer that says so
     part.state = PartState::Recovered;
     if (part.reason.empty()) part.reason = "interrupted; this is the repaired copy";
   } else {
@@ -161,7 +163,7 @@ class Rebuild {
 /// Whether a file serves for a part that the catalogue knows at another place.
 bool Rebuild::is_better(const PartRow& known, const std::string& file) const {
   if (known.state == PartState::Missing || is_gone(known)) return true;
-  return known.state == PartState::Interrupted && rank(file) == 1;
+  return known.state == PartState::Interrupted && rank(file) == kRepaired;
 }
 
 /// Fails only for a reason of the catalogue's.

@@ -108,6 +108,22 @@ TEST_F(RecordingsTest, DaemonDies_TheNextOneListsAndRecoversWhatItWrote) {
   EXPECT_TRUE(std::filesystem::exists(folder_ / "sessions" / (id + ".xdf.part"))) << "the original stays";
 }
 
+TEST_F(RecordingsTest, DaemonDiesBeforeTheFirstScanIsWritten_TheSessionWasInterrupted) {
+  start();
+  const std::string id = record(50);
+  leave();
+  const std::string part = (folder_ / "sessions" / (id + ".xdf.part")).string();
+  std::ifstream file(part, std::ios::binary);
+  const std::string whole(std::istreambuf_iterator<char>(file), {});
+  const std::string_view header_end = "</info>";
+  std::filesystem::resize_file(part, whole.find(header_end) + header_end.size());
+
+  start();
+  ASSERT_TRUE(eventually([&] { return row(id).parts.at(0).state == record::PartState::Recovered; }));
+
+  EXPECT_EQ(row(id).state, "interrupted");
+}
+
 TEST_F(RecordingsTest, TrialWhoseEndWasLost_DoesNotCountAfterRecovery) {
   Protocol protocol{.name = "steps", .trials = TrialPlan{}};
   protocol.trials->conditions = {{.name = "open"}, {.name = "closed"}};

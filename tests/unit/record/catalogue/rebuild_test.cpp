@@ -193,6 +193,14 @@ TEST_F(CatalogueRebuild, RepairedCopyOfAKnownInterruptedOne_TakesItsPlace) {
   EXPECT_GE(only_part().lost_s_at_most, 0.0);
 }
 
+TEST_F(CatalogueRebuild, RepairedCopyOfOneThatWasCutOffBeforeItsFirstSample_IsOneToo) {
+  XdfWriter::create(file("a.xdf"), to_facts(facts())).value()->abandon();
+  ASSERT_TRUE(recover(file("a.xdf.part"), recovered_name(file("a.xdf.part"))));
+  EXPECT_EQ(rebuilt().added, 1U);
+  EXPECT_EQ(only_part().state, PartState::Recovered);
+  EXPECT_EQ(session().state, "interrupted");
+}
+
 TEST_F(CatalogueRebuild, HalfACopyOfAKnownInterruptedOne_DoesNot) {
   record("a.xdf", facts(), End::Abandoned);
   static_cast<void>(rebuilt());

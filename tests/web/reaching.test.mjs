@@ -22,8 +22,8 @@ const rowOf = ({ trial, attempt, condition, outcome, result }) => {
   const movement = result?.movement;
   const isMinor = movement?.reasons.includes('minor') && movement.trunk_class === 1;
   const word = movement === undefined ? 'no reach' : isMinor ? 'none or minor' : (classes[movement.trunk_class] ?? 'uncertain');
-  const deg = movement?.trunk_deg;
-  return [attempt > 1 ? `${trial}.${attempt}` : `${trial}`, condition, outcome, word, deg === undefined || deg === null ? '–' : fixed(deg, 1)];
+  const deg = movement?.trunk_class >= 0 ? movement.trunk_deg : null; // without a class the angle is not shown either
+  return [attempt > 1 ? `${trial}.${attempt}` : `${trial}`, condition, outcome, word, deg === null ? '–' : fixed(deg, 1)];
 };
 
 describe('a reaching examination', () => {

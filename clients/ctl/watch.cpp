@@ -94,8 +94,7 @@ void Watch::take(const client::Message& message) {
     console_.talk << "dtsctl: the daemon was restarted; segments and scans start anew" << std::endl;
   }
   silence_ = {};
-  // Who waits for events has been told once that they are rare.
-  has_told_ = has_told_ && asks_for_events_only(subscriber_.status(), topics_);
+  has_told_ = asks_for_events_only(subscriber_.status(), topics_);  // whoever has seen one event knows that they are rare
 }
 
 /// "Everything" means everything about rigs: a status line per second would drown it.
@@ -116,7 +115,9 @@ std::optional<int> Watch::check_silence(Clock::time_point now) {
   }
   if (has_told_ || silence_ < kSilence) return std::nullopt;
   has_told_ = true;
-  say(explain_silence(subscriber_.status(), topics_, endpoint_));
+  client::Error error = explain_silence(subscriber_.status(), topics_, endpoint_);
+  error.hint += "; still waiting, Ctrl-C ends it";
+  say(error);
   return std::nullopt;
 }
 

@@ -132,7 +132,8 @@ Result<void> probe(const std::string& endpoint) {
     case ENOENT:
     case ENOTDIR:
       return fail(ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket does not exist",
-                  "start it: systemctl start dtsd, or dtsd --config FILE; is it elsewhere? give --endpoint");
+                  "start it: systemctl start dtsd, or dtsd --config FILE; is it elsewhere, as that of scripts/demo? set DTSD_RUNTIME_DIR or "
+                  "give --endpoint");
     case ECONNREFUSED:
       return fail(ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket is a leftover, nobody listens",
                   "start it: systemctl start dtsd; see why it ended: journalctl -u dtsd");

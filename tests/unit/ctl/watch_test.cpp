@@ -121,6 +121,18 @@ TEST_F(WatchTest, SilentBeyondTheTimeout_FailsAndSaysWhy) {
   EXPECT_THAT(talk(), HasSubstr("did you mean floor/cop?"));
 }
 
+TEST_F(WatchTest, SilenceBetweenEvents_IsNotToldAgainAndAgain) {
+  const int status = watch({"floor/marker", "--count", "2", "--jsonl"}, "floor/marker", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status());
+    daemon.send("floor/marker", testing::marker("one"));
+    std::this_thread::sleep_for(std::chrono::milliseconds(3300));  // longer than `watch` listens before it explains a silence
+    daemon.send("floor/marker", testing::marker("two"));
+  });
+
+  EXPECT_EQ(status, cli::kOk);
+  EXPECT_EQ(talk(), "");
+}
+
 TEST_F(WatchTest, NotEvenAStatusWithinTheTimeout_Unreachable) {
   const int status = watch({"floor/cop", "--timeout", "0.2"}, "floor/cop", [](FakePublisher&) {});
 

@@ -21,10 +21,11 @@ enum class GapReason : std::uint8_t {
   Unplugged = 2,  ///< The device went away.
   Silence = 3,    ///< The device stopped delivering while present.
   RingFull = 4,   ///< The pipeline was too slow; the count is exact.
-  Integrity = 5,  ///< The device's data failed a check (marker, checksum, counter).
+  Integrity = 5,  ///< The device's data failed a check (marker, checksum, counter, time of arrival).
+  Stall = 6,      ///< The device refused to go on: it halted its data endpoint.
 };
 
-inline constexpr std::size_t kGapReasons = 6;
+inline constexpr std::size_t kGapReasons = 7;
 
 /// One word, for logs: "overrun".
 [[nodiscard]] constexpr std::string_view name(GapReason reason) noexcept {
@@ -35,6 +36,7 @@ inline constexpr std::size_t kGapReasons = 6;
     case GapReason::Silence: return "silence";
     case GapReason::RingFull: return "ring_full";
     case GapReason::Integrity: return "integrity";
+    case GapReason::Stall: return "stall";
   }
   return "unknown";
 }

@@ -10,15 +10,16 @@ namespace dts::core {
 namespace {
 
 constexpr std::int64_t kBinNs = 1'000'000'000;
-constexpr double kUnknownDrift = 200e-6;                 // what a crystal could do at worst, before it is measured
+constexpr double kUnknownDrift = HostTime::kCrystalPpm * 1e-6;  // before it is measured
+constexpr double kDriftDoubt = 50e-6;                           // what a measured drift may be off by, and change
+constexpr std::int64_t kLeastLossNs = 3'500'000;
 constexpr double kBadLuckNs = 20e6;
 constexpr double kRateKnownSeconds = 2.0;
-constexpr std::size_t kScatterPoints = 10;
-constexpr std::size_t kEnoughPoints = 3;  // with fewer there is nothing to see a scatter of
+constexpr std::size_t kScatterBins = 10;
+constexpr std::size_t kEnoughBins = 3;  // with fewer there is nothing to see a scatter of
 
 /// Twice the area of the triangle: positive when c lies above the line through a and b.
-template <class Point>
-double turn(const Point& a, const Point& b, const Point& c) noexcept {
+double turn(const Arrival& a, const Arrival& b, const Arrival& c) noexcept {
   return (b.time_s - a.time_s) * (c.late_ns - a.late_ns) - (b.late_ns - a.late_ns) * (c.time_s - a.time_s);
 }
 
@@ -28,10 +29,8 @@ void HostTime::restart(std::optional<std::int64_t> not_before_ns) noexcept {
   not_before_ns_ = not_before_ns;
   point_count_ = 0;
   has_bin_ = false;
-  is_slope_measured_ = false;
-  residual_count_ = 0;
+  loss_watch_.restart();
   rate_error_ = 0.0;
-  floor_ns_ = 0;
   height_ns_ = 0.0;
   last_index_ = {};
   last_ns_ = std::numeric_limits<std::int64_t>::min();
@@ -48,13 +47,14 @@ void HostTime::add(ScanIndex newest, std::int64_t arrived_ns) noexcept {
     close_bin();
     has_bin_ = false;
   }
-  const Point point{static_cast<double>(nominal_ns) * 1e-9, static_cast<double>(arrived_ns - origin_ns_ - nominal_ns)};
+  const Arrival arrival{static_cast<double>(nominal_ns) * 1e-9, static_cast<double>(arrived_ns - origin_ns_ - nominal_ns)};
+  loss_watch_.add(arrival, steepest());
   if (!has_bin_) {
     bin_end_ns_ = arrived_ns + kBinNs;
-    bin_ = point;
+    bin_ = arrival;
     has_bin_ = true;
-  } else if (point.late_ns - line_ns(point.time_s) < bin_.late_ns - line_ns(bin_.time_s)) {
-    bin_ = point;
+  } else if (arrival.late_ns - line_ns(arrival.time_s) < bin_.late_ns - line_ns(bin_.time_s)) {
+    bin_ = arrival;
   }
 }
 
@@ -63,17 +63,15 @@ void HostTime::close_bin() noexcept {
     std::copy(points_.begin() + 1, points_.end(), points_.begin());
     --point_count_;
   }
-  if (is_slope_measured_) note_floor(bin_.late_ns - line_ns(bin_.time_s));
   points_[point_count_++] = bin_;
   draw_line();
 }
 
-void HostTime::note_floor(double residual_ns) noexcept {
-  std::shift_right(residuals_ns_.begin(), residuals_ns_.end(), 1);
-  residuals_ns_[0] = residual_ns;
-  residual_count_ = std::min(residual_count_ + 1, kFloorBins);
-  const double floor_ns = residual_count_ < kFloorBins ? 0.0 : *std::ranges::min_element(residuals_ns_);
-  floor_ns_ = static_cast<std::int64_t>(std::max(0.0, floor_ns));
+std::int64_t HostTime::least_loss_ns() const noexcept { return std::max({kLeastLossNs, rate_.time_ns({1}) / 2, loss_watch_.chance_ns()}); }
+
+/// How fast lateness may grow without a loss, seconds per second.
+double HostTime::steepest() const noexcept {
+  return is_drift_known_ ? std::clamp(slope_, -kUnknownDrift, kUnknownDrift) + kDriftDoubt : kUnknownDrift;
 }
 
 /// Slope of the edge of the lower hull above the mean of all points: of all lines under the points, that one has the least
@@ -81,15 +79,15 @@ void HostTime::note_floor(double residual_ns) noexcept {
 double HostTime::edge_slope() noexcept {
   std::size_t corners = 0;
   double middle_s = 0.0;
-  for (const Point& point : std::span(points_).first(point_count_)) {
+  for (const Arrival& point : std::span(points_).first(point_count_)) {
     while (corners >= 2 && turn(hull_[corners - 2], hull_[corners - 1], point) <= 0.0) --corners;
     hull_[corners++] = point;
     middle_s += point.time_s / static_cast<double>(point_count_);
   }
   std::size_t right = 1;
   while (right + 1 < corners && hull_[right].time_s < middle_s) ++right;
-  const Point& from = hull_[right - 1];
-  const Point& to = hull_[right];
+  const Arrival& from = hull_[right - 1];
+  const Arrival& to = hull_[right];
   return (to.late_ns - from.late_ns) * 1e-9 / (to.time_s - from.time_s);
 }
 
@@ -102,23 +100,22 @@ void HostTime::draw_line() noexcept {
     const double doubt = kBadLuckNs * 1e-9 / span_s;
     rate_error_ = std::copysign(std::max(0.0, std::abs(slope) - doubt), slope);
     if (span_s >= kDriftKnownSeconds) {
-      is_slope_measured_ = true;
       slope_ = std::clamp(slope, -kLargestDriftPpm * 1e-6, kLargestDriftPpm * 1e-6);
       is_drift_known_ = true;
     }
   }
   height_ns_ = std::numeric_limits<double>::max();
-  for (const Point& point : points) height_ns_ = std::min(height_ns_, point.late_ns - slope_ * 1e9 * point.time_s);
-  const auto recent = points.last(std::min(points.size(), kScatterPoints));
+  for (const Arrival& point : points) height_ns_ = std::min(height_ns_, point.late_ns - slope_ * 1e9 * point.time_s);
+  const auto recent = points.last(std::min(points.size(), kScatterBins));
   double scatter_ns = 0.0;
-  for (const Point& point : recent) scatter_ns += (point.late_ns - line_ns(point.time_s)) / static_cast<double>(recent.size());
+  for (const Arrival& point : recent) scatter_ns += (point.late_ns - line_ns(point.time_s)) / static_cast<double>(recent.size());
   const double drift_ns = is_drift_known_ ? 0.0 : kUnknownDrift * 1e9 * span_s;
   scatter_ns_ = static_cast<std::int64_t>(2.0 * scatter_ns + drift_ns);
 }
 
 std::int64_t HostTime::uncertainty_ns() const noexcept {
   const std::int64_t known_ns = frame_ns_ + scatter_ns_ + held_back_ns_;
-  if (point_count_ >= kEnoughPoints) return known_ns;
+  if (point_count_ >= kEnoughBins) return known_ns;
   // Scan 0 lies between the request that started it and the earliest that any arrival allows.
   const std::int64_t first_ns = origin_ns_ + static_cast<std::int64_t>(bin_.late_ns);
   return known_ns + (not_before_ns_ && has_bin_ ? std::max<std::int64_t>(0, first_ns - *not_before_ns_) : kUnknownLatenessNs);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/loss_watch.h"
 #include "core/rate.h"
 #include "core/units.h"
 
@@ -29,7 +30,8 @@ class HostTime {
  public:
   static constexpr std::size_t kWindowSeconds = 300;
   static constexpr double kDriftKnownSeconds = 10.0;
-  static constexpr double kLargestDriftPpm = 10'000.0;  ///< A crystal is within 100; beyond this it is another rate, see `rate_error`.
+  static constexpr double kLargestDriftPpm = 10'000.0;  ///< Beyond this it is another rate, see `rate_error`.
+  static constexpr double kCrystalPpm = 200.0;          ///< No crystal is further off; lateness that grows faster comes of lost scans.
 
   HostTime() = default;
   /// `frame_ns`: the shortest time from a scan to its arrival is uncertain by this (USB: one frame).
@@ -53,41 +55,36 @@ class HostTime {
   /// How much slower than nominal scans arrive, as a fraction, beyond what 20 ms of bad luck at either end could feign; 0 in the
   /// first two seconds. A value beyond +-0.01 says that the device does not run at the rate it was asked for.
   [[nodiscard]] double rate_error() const noexcept { return rate_error_; }
-  /// The least lateness of the last three seconds above the line, ns: a rise says that scans went missing on the way. 0 while the
-  /// drift of this segment is not known.
-  [[nodiscard]] std::int64_t lateness_floor_ns() const noexcept { return floor_ns_; }
+  /// By how much the least lateness has risen, ns, beyond what the clock explains (`kCrystalPpm` until its drift is known, 50 ppm
+  /// about it from then on): scans went missing on the way. Told within 3 s, from the first second of a segment on.
+  [[nodiscard]] std::int64_t missing_ns() const noexcept { return loss_watch_.rise_ns(); }
+  /// A rise above this is a loss: 3.5 ms, half a scan at low rates, or more than chance can do on a host that is very busy.
+  [[nodiscard]] std::int64_t least_loss_ns() const noexcept;
+  [[nodiscard]] bool has_loss() const noexcept { return missing_ns() > least_loss_ns(); }
 
  private:
-  static constexpr std::size_t kFloorBins = 3;
   static constexpr std::int64_t kUnknownLatenessNs = 100'000'000;
-  struct Point {
-    double time_s = 0.0;   ///< Nominal time of the scan since scan 0.
-    double late_ns = 0.0;  ///< Arrival minus nominal time, relative to `origin_ns_`.
-  };
   void close_bin() noexcept;
-  void note_floor(double residual_ns) noexcept;
   void draw_line() noexcept;
   [[nodiscard]] double edge_slope() noexcept;
+  [[nodiscard]] double steepest() const noexcept;
   [[nodiscard]] double line_ns(double time_s) const noexcept { return height_ns_ + slope_ * 1e9 * time_s; }
   [[nodiscard]] double nominal_s(ScanIndex index) const noexcept { return static_cast<double>(rate_.time_ns(index)) * 1e-9; }
 
   Rate rate_;
   std::int64_t frame_ns_ = 0;
   std::int64_t origin_ns_ = 0;
-  std::array<Point, kWindowSeconds> points_{};
-  std::array<Point, kWindowSeconds> hull_{};
+  std::array<Arrival, kWindowSeconds> points_{};
+  std::array<Arrival, kWindowSeconds> hull_{};
   std::size_t point_count_ = 0;
   bool has_bin_ = false;
   std::int64_t bin_end_ns_ = 0;
-  Point bin_;               ///< The least late arrival of the second that runs.
+  Arrival bin_;             ///< The least late arrival of the second that runs.
   double height_ns_ = 0.0;  ///< The line: late_ns at time 0 ...
   double slope_ = 0.0;      ///< ... and how it grows: seconds per second.
   bool is_drift_known_ = false;
-  bool is_slope_measured_ = false;  ///< In this segment.
-  std::array<double, kFloorBins> residuals_ns_{};
-  std::size_t residual_count_ = 0;
+  LossWatch loss_watch_;
   double rate_error_ = 0.0;
-  std::int64_t floor_ns_ = 0;
   std::int64_t scatter_ns_ = 0;
   std::int64_t held_back_ns_ = 0;
   std::optional<std::int64_t> not_before_ns_;

@@ -28,6 +28,7 @@ dts::v1::TareState tare_state(pipeline::TareOutcome outcome) {
 }
 
 static_assert(static_cast<int>(core::GapReason::Integrity) == dts::v1::GAP_REASON_INTEGRITY);
+static_assert(static_cast<int>(core::GapReason::Stall) == dts::v1::GAP_REASON_STALL);
 static_assert(core::kGapReasons == dts::v1::GapReason_ARRAYSIZE);
 static_assert(static_cast<int>(device::DeviceCheck::Outcome::Skipped) == dts::v1::CHECK_OUTCOME_SKIPPED);
 static_assert(static_cast<int>(core::ErrorCode::Internal) == dts::v1::ERROR_CODE_INTERNAL);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace dts::session {
 namespace {
@@ -14,13 +15,14 @@ constexpr std::int64_t kLongestRetryNs = 4000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kStopLatencyNs = 50 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kRoomPauseNs = core::kNanosecondsPerMillisecond;  // for the pipeline to make room: 20 blocks and more
 constexpr std::int64_t kReadPatienceNs = 100 * kNanosecondsPerMillisecond;
-constexpr double kProvenMs = 10'000.0;  // a stream that lasted for this long is worth starting again at once
+constexpr double kProvenMs = 1000.0;  // a stream that lasted for this long is worth starting again at once
 constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
 
 std::string_view restart_message(core::GapReason reason) noexcept {
   switch (reason) {
     case core::GapReason::Overrun: return "the device's buffer overran; its scan is started again";
     case core::GapReason::Silence: return "the device fell silent; its scan is started again";
+    case core::GapReason::Stall: return "the device halted its data endpoint; its scan is started again";
     case core::GapReason::Integrity: return "the device's data failed a check (see dtsctl device test); its scan is started again";
     default: return "the device's stream broke; its scan is started again";
   }
@@ -52,8 +54,9 @@ void Acquisition::run() noexcept {
     if (bring_up()) stream();
     if (scans_since_start_ >= wanted_rate_.scans_in_ms(kProvenMs)) {
       retry_pause_ns_ = 0;
-    } else {  // absent, or present and useless, or broken again and again: not to be asked again at once
-      wait_before_retry();
+      has_retried_at_once_ = true;
+    } else if (scans_since_start_ == 0 || std::exchange(has_retried_at_once_, true)) {
+      wait_before_retry();  // absent, or present and useless, or broken again and again
     }
   }
   device_.close();
@@ -111,7 +114,8 @@ void Acquisition::stream() noexcept {
       continue;
     }
     core::Acquired& target = slot != nullptr ? *slot : spare_;
-    const device::ReadResult result = device_.read(target.block, clock_.now_ns() + 2 * block_ns + kReadPatienceNs);
+    const std::int64_t deadline_ns = clock_.now_ns() + 2 * block_ns + kReadPatienceNs;
+    const device::ReadResult result = device_.read(target.block, deadline_ns);
     switch (result.outcome) {
       case device::ReadOutcome::Scans:
         if (slot != nullptr) {
@@ -120,7 +124,7 @@ void Acquisition::stream() noexcept {
           lose_to_full_ring(target.block);
         }
         break;
-      case device::ReadOutcome::Timeout: note_timeout(clock_.now_ns()); break;
+      case device::ReadOutcome::Timeout: note_timeout(clock_.now_ns(), deadline_ns); break;
       case device::ReadOutcome::Armed: note_armed(clock_.now_ns()); break;
       case device::ReadOutcome::Gap: note_gap(result.gap); break;
       case device::ReadOutcome::Broken: restart(result.gap); return;
@@ -180,7 +184,8 @@ void Acquisition::lose_to_full_ring(const core::Block& block) noexcept {
   publish_report();
 }
 
-void Acquisition::note_timeout(std::int64_t now_ns) noexcept {
+void Acquisition::note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) noexcept {
+  if (now_ns - deadline_ns > kSilenceNs / 2) quiet_since_ns_ = now_ns;  // this process stood still, which is no news of the device
   const bool is_silent = now_ns - quiet_since_ns_ > kSilenceNs;
   if (!is_silent || report_.is_silent) return;
   report_.is_silent = true;

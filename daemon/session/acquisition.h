@@ -34,14 +34,14 @@ struct AcquisitionReport {
   core::Gap last_gap;
   std::array<LossCount, core::kGapReasons> losses{};  ///< By reason.
   RecentPeak ring_blocks;                             ///< Waiting for the pipeline.
-  std::uint64_t reconnects_total = 0;         ///< Times that a lost device came back.
-  std::uint64_t restarts_total = 0;           ///< Times that the scan of a present device had to be started again.
-  bool is_silent = false;                     ///< Streaming, but nothing came for over a second.
-  bool is_armed = false;                      ///< Streaming, but the scan waits for its external trigger.
-  std::int64_t host_time_uncertainty_ns = 0;  ///< Of the newest block.
-  double clock_drift_ppm = 0.0;               ///< Of the device's clock, as the newest block says.
-  core::Rate rate;                            ///< Exact, as the device runs.
-  std::array<char, 512> message{};            ///< Why the device is not streaming, and what to do; empty when it is.
+  std::uint64_t reconnects_total = 0;                 ///< Times that a lost device came back.
+  std::uint64_t restarts_total = 0;                   ///< Times that the scan of a present device had to be started again.
+  bool is_silent = false;                             ///< Streaming, but nothing came for over a second.
+  bool is_armed = false;                              ///< Streaming, but the scan waits for its external trigger.
+  std::int64_t host_time_uncertainty_ns = 0;          ///< Of the newest block.
+  double clock_drift_ppm = 0.0;                       ///< Of the device's clock, as the newest block says.
+  core::Rate rate;                                    ///< Exact, as the device runs.
+  std::array<char, 512> message{};                    ///< Why the device is not streaming, and what to do; empty when it is.
 
   void set_message(std::string_view text) noexcept;
   [[nodiscard]] std::string_view text() const noexcept { return message.data(); }
@@ -54,7 +54,8 @@ struct AcquisitionReport {
 /// Owns the segments: any hole (device gap, unplug, silence, full ring) closes the segment, is counted, and stands as
 /// `gap_before` on the first block of the next one. A device whose scans wait for their reader loses none to a full ring: it is not read
 /// until there is room. A lost device is opened again with a growing pause (0.25 to 4 s), at once
-/// when something was plugged in; a stream that breaks after ten seconds or more is started again at once, with the same pause otherwise.
+/// when something was plugged in. A stream that breaks is started again at once, and again after a second or more of scans; one that breaks
+/// sooner than that again waits as an absent device does.
 class Acquisition {
  public:
   /// All of it outlives this object. `rate`: as the device's `exact_rate` gave it.
@@ -78,7 +79,7 @@ class Acquisition {
   void note_gap(const core::Gap& gap) noexcept;
   void restart(const core::Gap& gap) noexcept;
   void note_armed(std::int64_t now_ns) noexcept;
-  void note_timeout(std::int64_t now_ns) noexcept;
+  void note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) noexcept;
   void note_jumps(const core::Block& block) noexcept;
   void open_segment(core::Acquired& acquired) noexcept;
   void publish_report() noexcept { latest_.store(report_); }
@@ -103,6 +104,7 @@ class Acquisition {
   std::int64_t suspended_at_last_scan_ns_ = 0;
   std::int64_t quiet_since_ns_ = 0;  ///< Of the last scan or the last start, whichever is later.
   std::int64_t retry_pause_ns_ = 0;
+  bool has_retried_at_once_ = false;  ///< Since a stream last lasted.
 };
 
 }  // namespace dts::session

@@ -45,10 +45,12 @@ struct DeviceUnderTest {
 
 inline void PrintTo(const DeviceUnderTest& tested, std::ostream* out) { *out << tested.name; }
 
+inline double load_v = 0.0;  ///< On every input.
+
 /// Something moves on every input, and no two inputs are alike.
 inline void fill_inputs(double time_s, std::span<double> volts) {
   for (std::size_t input = 0; input < volts.size(); ++input) {
-    volts[input] = 0.2 * static_cast<double>(input + 1) + 0.05 * std::sin(time_s + static_cast<double>(input));
+    volts[input] = load_v + 0.2 * static_cast<double>(input + 1) + 0.05 * std::sin(time_s + static_cast<double>(input));
   }
 }
 
@@ -159,6 +161,7 @@ class ClockWithVisitor final : public core::Clock {
 class DeviceContract : public testing::TestWithParam<DeviceUnderTest> {
  protected:
   DeviceContract() : units_(GetParam().make_units()) {
+    load_v = 0.0;
     for (const auto& unit : units_) bus_.plug(*unit);
   }
 

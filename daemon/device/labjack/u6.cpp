@@ -23,7 +23,8 @@ constexpr std::uint16_t kRailCodes = 1;  // at the end or next to it
 constexpr int kDrainTimeoutMs = 20;
 constexpr int kMostDrainReads = 64;  // more than the FIFO holds; a device that never falls silent must not hold us
 constexpr std::size_t kDrainBytes = 16 * kUsbPacketBytes;
-constexpr std::int64_t kInFlightNs = 250'000'000;  // the FIFO alone lasts 20 ms at full speed
+constexpr std::int64_t kInFlightNs =
+    500'000'000;  // as the MCC drivers: the host may be away for this long; the FIFO alone lasts 20 ms at full speed
 constexpr std::int64_t kBufferedNs = 2'000'000'000;
 
 std::size_t gain_of(double range_v) noexcept { return static_cast<std::size_t>(std::ranges::find(kRangesV, range_v) - kRangesV.begin()); }

@@ -10,8 +10,8 @@ namespace {
 // Exodriver's example for units without constants. An amplifier further off than this does not measure any more.
 constexpr double kNominalSlopeV = 3.1580578e-4;
 constexpr double kNominalCenter = 33523.0;
-constexpr double kSlopeTolerance = 0.1;
-constexpr double kCenterTolerance = 3300.0;
+constexpr double kSlopeTolerance = 0.05;
+constexpr double kCenterTolerance = 1000.0;  // 0.3 V of +-10 V
 
 bool is_near(double value, double nominal, double tolerance) noexcept { return std::abs(value - nominal) <= tolerance; }
 

@@ -7,9 +7,9 @@
 namespace dts::device::mcc {
 namespace {
 
-constexpr double kSmallestSlope = 0.5;
-constexpr double kLargestSlope = 2.0;
-constexpr double kLargestMiddleError = 1.0 / 8.0;  // of the full scale; a factory correction is below one hundredth
+// A factory correction is below one hundredth; a converter that is further off than this does not measure any more.
+constexpr double kLargestSlopeError = 0.05;
+constexpr double kLargestMiddleError = 1.0 / 64.0;  // of the full scale: 0.3 V of +-10 V
 
 float read_float(std::span<const std::uint8_t> bytes) noexcept {
   std::uint32_t word = 0;
@@ -28,7 +28,7 @@ core::Result<Calibration> decode_calibration(std::span<const std::uint8_t> recor
   const Calibration found{.slope = read_float(record), .offset = read_float(record.subspan(4))};
   if (!std::isfinite(found.slope) || !std::isfinite(found.offset)) return damaged("slope or offset is not a number");
   const std::string values = "slope " + std::to_string(found.slope) + ", offset " + std::to_string(found.offset) + " codes";
-  if (found.slope < kSmallestSlope || found.slope > kLargestSlope) return damaged(values + " is not believable");
+  if (std::abs(found.slope - 1.0) > kLargestSlopeError) return damaged(values + " is not believable");
   const double full_scale = std::ldexp(1.0, static_cast<int>(bits));
   const double middle = full_scale / 2.0;
   if (std::abs(found.slope * middle + found.offset - middle) > full_scale * kLargestMiddleError)

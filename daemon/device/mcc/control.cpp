@@ -59,8 +59,12 @@ core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlReque
   });
 }
 
-core::Status drain(usb::UsbPort& port, std::uint8_t endpoint, std::size_t packet_bytes) {
-  std::vector<std::uint8_t> bytes(kDrainPackets * packet_bytes);
+core::Status empty_endpoint(usb::UsbPort& port, std::uint8_t endpoint) {
+  const auto packet_bytes = port.max_packet_bytes(endpoint);
+  if (!packet_bytes) return tl::make_unexpected(packet_bytes.error());
+  const usb::UsbResult cleared = port.clear_halt(endpoint);
+  if (!cleared) return tl::make_unexpected(usb::to_error(cleared.error(), "clearing the data endpoint's halt", kUnplugHint));
+  std::vector<std::uint8_t> bytes(kDrainPackets * *packet_bytes);
   // A read takes at most its timeout: counting them limits the time.
   for (int spent_ms = 0; spent_ms < kMostDrainMs; spent_ms += kDrainTimeoutMs) {
     const usb::UsbResult received = port.bulk_in(endpoint, bytes, kDrainTimeoutMs);
@@ -79,12 +83,6 @@ core::Status await_end(usb::DaqDriver& driver, usb::UsbPort& port) {
     if (!found->is_running) return {};
   }
   return core::fail(core::ErrorCode::Failed, driver.describe().uri + " goes on scanning after it was stopped", kUnplugHint);
-}
-
-core::Status clear_halt(usb::UsbPort& port, std::uint8_t endpoint) {
-  const usb::UsbResult cleared = port.clear_halt(endpoint);
-  if (!cleared) return tl::make_unexpected(usb::to_error(cleared.error(), "clearing the data endpoint's halt", kUnplugHint));
-  return {};
 }
 
 void append_u32(std::vector<std::uint8_t>& bytes, std::uint32_t value) {

@@ -26,9 +26,9 @@ inline constexpr unsigned kCodeBytes = 2;
 [[nodiscard]] core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what,
                                                    int timeout_ms = usb::kSetupTimeoutMs);
 
-/// Takes and forgets what an earlier scan left on its way; ends at silence or a stall. Fails when the device still sends after 250 ms.
-[[nodiscard]] core::Status drain(usb::UsbPort& port, std::uint8_t endpoint, std::size_t packet_bytes);
-[[nodiscard]] core::Status clear_halt(usb::UsbPort& port, std::uint8_t endpoint);
+/// Takes and forgets what an earlier scan left on its way. The halt goes first: behind it old packets may wait, which would head the
+/// next scan. Fails when the device still sends after 250 ms.
+[[nodiscard]] core::Status empty_endpoint(usb::UsbPort& port, std::uint8_t endpoint);
 /// After a stop request: asks until the device says that it does not scan any more. Failed: it goes on.
 [[nodiscard]] core::Status await_end(usb::DaqDriver& driver, usb::UsbPort& port);
 

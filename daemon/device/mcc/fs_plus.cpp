@@ -90,12 +90,11 @@ core::Status FsPlus::read_calibration(usb::UsbPort& port) {
   return {};
 }
 
-core::Status FsPlus::make_quiet(usb::UsbPort& port, std::size_t packet_bytes) {
+core::Status FsPlus::make_quiet(usb::UsbPort& port) {
   if (auto stopped = put(port, {.request = kScanStop}, "stopping the scan"); !stopped) return stopped;
   if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
-  if (auto drained = drain(port, kDataEndpoint, packet_bytes); !drained) return drained;
   (void)put(port, {.request = kStatus}, "clearing error bits");  // not every public driver does so: a refusal is no fault
-  return clear_halt(port, kDataEndpoint);
+  return empty_endpoint(port, kDataEndpoint);
 }
 
 core::Status FsPlus::set_ranges(usb::UsbPort& port) {
@@ -121,19 +120,19 @@ core::Result<usb::ScanPlan> FsPlus::configure(usb::UsbPort& port, const usb::Sca
   command_.trigger = request.is_restart ? Trigger::None : settings_.trigger;
   may_start_late_ = !request.is_restart && (settings_.trigger != Trigger::None || settings_.is_partner_triggered);
 
-  if (auto quiet = make_quiet(port, *packet_bytes); !quiet) return tl::make_unexpected(quiet.error());
+  if (auto quiet = make_quiet(port); !quiet) return tl::make_unexpected(quiet.error());
   if (auto set = set_ranges(port); !set) return tl::make_unexpected(set.error());
   const bool is_first = std::exchange(is_first_scan_, false);
   if (is_first && model_.often_fails_first_start) {
-    if (auto started = start_in_vain(port, *packet_bytes); !started) return tl::make_unexpected(started.error());
+    if (auto started = start_in_vain(port); !started) return tl::make_unexpected(started.error());
   }
   return plan_of(choice, kDataEndpoint);
 }
 
-core::Status FsPlus::start_in_vain(usb::UsbPort& port, std::size_t packet_bytes) {
+core::Status FsPlus::start_in_vain(usb::UsbPort& port) {
   if (auto started = send_start(port); !started) return started;
   if (auto found = health(port); !found) return tl::make_unexpected(found.error());
-  return make_quiet(port, packet_bytes);
+  return make_quiet(port);
 }
 
 core::Result<std::vector<double>> FsPlus::read_once(usb::UsbPort& port) {
@@ -156,7 +155,7 @@ core::Status FsPlus::send_start(usb::UsbPort& port) {
 
 core::Status FsPlus::make_ready(usb::UsbPort& port) {
   if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
-  return clear_halt(port, kDataEndpoint);
+  return empty_endpoint(port, kDataEndpoint);
 }
 
 core::Status FsPlus::begin(usb::UsbPort& port) { return send_start(port); }

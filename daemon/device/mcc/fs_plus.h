@@ -30,7 +30,7 @@ struct FsPlusSettings {
 /// in this code.
 ///
 ///     connect    stop, calibration
-///     configure  stop, clear FIFO, drain, clear errors, ranges written and read back, clear halt
+///     configure  stop, clear FIFO, clear errors, clear halt, drain, ranges written and read back
 ///     make_ready clear FIFO, clear halt
 ///     begin      start
 ///     end        stop, status until it says so
@@ -58,9 +58,9 @@ class FsPlus final : public usb::DaqDriver {
 
  private:
   [[nodiscard]] core::Status read_calibration(usb::UsbPort& port);
-  [[nodiscard]] core::Status make_quiet(usb::UsbPort& port, std::size_t packet_bytes);
+  [[nodiscard]] core::Status make_quiet(usb::UsbPort& port);
   [[nodiscard]] core::Status set_ranges(usb::UsbPort& port);
-  [[nodiscard]] core::Status start_in_vain(usb::UsbPort& port, std::size_t packet_bytes);
+  [[nodiscard]] core::Status start_in_vain(usb::UsbPort& port);
   [[nodiscard]] core::Status send_start(usb::UsbPort& port);
 
   const FsPlusModel& model_;

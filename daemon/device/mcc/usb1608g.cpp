@@ -119,11 +119,10 @@ core::Status Usb1608g::read_calibration(usb::UsbPort& port) {
   return {};
 }
 
-core::Status Usb1608g::make_quiet(usb::UsbPort& port, std::size_t packet_bytes) {
+core::Status Usb1608g::make_quiet(usb::UsbPort& port) {
   if (auto stopped = put(port, {.request = kGScanStop}, "stopping the scan"); !stopped) return stopped;
   if (auto cleared = put(port, {.request = kGClearFifo}, "clearing the FIFO"); !cleared) return cleared;
-  if (auto drained = drain(port, kGDataEndpoint, packet_bytes); !drained) return drained;
-  return clear_halt(port, kGDataEndpoint);
+  return empty_endpoint(port, kGDataEndpoint);
 }
 
 core::Status Usb1608g::set_trigger(usb::UsbPort& port) {
@@ -153,7 +152,7 @@ core::Result<usb::ScanPlan> Usb1608g::configure(usb::UsbPort& port, const usb::S
 
   // After the host's suspend the FPGA may have forgotten its image though the unit never left the bus.
   if (auto loaded = ensure_fpga(port); !loaded) return tl::make_unexpected(loaded.error());
-  if (auto quiet = make_quiet(port, *packet_bytes); !quiet) return tl::make_unexpected(quiet.error());
+  if (auto quiet = make_quiet(port); !quiet) return tl::make_unexpected(quiet.error());
   if (auto set = set_trigger(port); !set) return tl::make_unexpected(set.error());
   if (auto set = set_scan_list(port); !set) return tl::make_unexpected(set.error());
   return plan_of(packets.transfers, kGDataEndpoint);
@@ -180,7 +179,7 @@ core::Result<std::vector<double>> Usb1608g::read_once(usb::UsbPort& port) {
 
 core::Status Usb1608g::make_ready(usb::UsbPort& port) {
   if (auto cleared = put(port, {.request = kGClearFifo}, "clearing the FIFO"); !cleared) return cleared;
-  return clear_halt(port, kGDataEndpoint);
+  return empty_endpoint(port, kGDataEndpoint);
 }
 
 core::Status Usb1608g::begin(usb::UsbPort& port) {

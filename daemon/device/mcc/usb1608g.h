@@ -81,7 +81,7 @@ class Usb1608g final : public usb::DaqDriver {
  private:
   [[nodiscard]] core::Result<bool> ensure_fpga(usb::UsbPort& port);
   [[nodiscard]] core::Status read_calibration(usb::UsbPort& port);
-  [[nodiscard]] core::Status make_quiet(usb::UsbPort& port, std::size_t packet_bytes);
+  [[nodiscard]] core::Status make_quiet(usb::UsbPort& port);
   [[nodiscard]] core::Status set_trigger(usb::UsbPort& port);
   [[nodiscard]] core::Status set_scan_list(usb::UsbPort& port);
   [[nodiscard]] core::Result<std::uint16_t> convert(usb::UsbPort& port, std::size_t input, double range_v);

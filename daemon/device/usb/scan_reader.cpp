@@ -20,9 +20,8 @@ constexpr double kHeldBackMs = 50.0;
 constexpr std::int64_t kShortestSilenceNs = 100 * kMillisecond;
 constexpr std::int64_t kLongestSilenceNs = 200 * kMillisecond;
 constexpr std::int64_t kFirstSilenceNs = 250 * kMillisecond;
-constexpr std::int64_t kLeastLatenessNs = 5 * kMillisecond;
+constexpr std::int64_t kRunningSilenceNs = 600 * kMillisecond;  // of a device that says that it runs: its buffer may hold all of it
 constexpr double kLargestRateError = 0.01;
-constexpr double kCrystalPpm = 200.0;
 constexpr std::size_t kCodeBytes = 2;
 
 std::size_t buffer_scans(const ScanSetup& setup, std::size_t channels, std::size_t held_scans) {
@@ -34,7 +33,7 @@ std::size_t buffer_scans(const ScanSetup& setup, std::size_t channels, std::size
 DeviceCheck describe_rate(double error, double drift_ppm) {
   using enum DeviceCheck::Outcome;
   std::array<char, 96> text{};
-  if (!(std::abs(error) <= kLargestRateError) || std::abs(drift_ppm) <= kCrystalPpm) {
+  if (!(std::abs(error) <= kLargestRateError) || std::abs(drift_ppm) <= core::HostTime::kCrystalPpm) {
     std::snprintf(text.data(), text.size(), "off by %.2f %%, apart from what lateness can feign", std::abs(error) * 100.0);
     return {"the scan runs at its rate", std::abs(error) <= kLargestRateError ? Passed : Failed, text.data()};
   }
@@ -43,12 +42,13 @@ DeviceCheck describe_rate(double error, double drift_ppm) {
   return {"the scan runs at its rate", Warning, text.data()};
 }
 
-DeviceCheck describe_lateness(std::int64_t late_ns, std::int64_t limit_ns) {
+DeviceCheck describe_loss(std::int64_t missing_ns, std::int64_t limit_ns) {
   using enum DeviceCheck::Outcome;
-  std::array<char, 96> text{};
-  std::snprintf(text.data(), text.size(), "all of the last seconds come %.1f ms late; %.1f ms would be scans that are missing",
-                static_cast<double>(late_ns) * 1e-6, static_cast<double>(limit_ns) * 1e-6);
-  return {"no scans are missing on the way", late_ns <= limit_ns ? Passed : Failed, text.data()};
+  std::array<char, 192> text{};
+  std::snprintf(text.data(), text.size(),
+                "the newest scans come %.1f ms later than those before; above %.1f ms some are missing (or its clock is far too slow)",
+                static_cast<double>(missing_ns) * 1e-6, static_cast<double>(limit_ns) * 1e-6);
+  return {"no scans are missing on the way", missing_ns <= limit_ns ? Passed : Failed, text.data()};
 }
 
 }  // namespace
@@ -57,11 +57,11 @@ ScanReader::ScanReader(const Tools& tools, ScanSetup setup)
     : use_(tools),
       setup_(std::move(setup)),
       channels_(tools.driver.describe().channels.size()),
-      lateness_limit_ns_(std::max(kLeastLatenessNs, setup_.rate.time_ns({3}) / 2)),
       heard_ns_(tools.clock.now_ns()),
       published_ns_(std::numeric_limits<std::int64_t>::min()),
       held_scans_(setup_.single_v.size() == channels_ ? setup_.rate.scans_in_ms(kHeldBackMs) : 0),
       mean_v_(channels_),
+      least_loss_ns_(tools.host_time.least_loss_ns()),
       marker_v_(std::numeric_limits<double>::quiet_NaN()) {
   scans_ = ScanBuffer(channels_, buffer_scans(setup_, channels_, held_scans_));
 }
@@ -83,7 +83,7 @@ ReadResult ScanReader::read(core::Block& block, std::int64_t deadline_ns) noexce
     }
     if (has_trouble()) return tell_trouble();
     if (is_over) return {nothing(), {}};
-    const std::int64_t silent_at_ns = heard_ns_ + silence_limit_ns();
+    const std::int64_t silent_at_ns = std::max(heard_ns_, asked_ns_) + silence_limit_ns();
     if (now_ns >= silent_at_ns && nothing() != ReadOutcome::Armed) {
       ask_silent_device(now_ns);
       continue;
@@ -97,7 +97,7 @@ ReadOutcome ScanReader::nothing() const noexcept {
   return use_.driver.waits_for_trigger() && !has_scanned_ ? ReadOutcome::Armed : ReadOutcome::Timeout;
 }
 
-/// A packet may take its time at low rates; otherwise these bounds find any silence within 250 ms.
+/// When a silent device is asked. A packet may take its time at low rates; otherwise within 250 ms.
 std::int64_t ScanReader::silence_limit_ns() const noexcept {
   const std::int64_t period_ns = setup_.packet_period_ns;
   const std::int64_t usual_ns =
@@ -155,10 +155,11 @@ void ScanReader::note_arrival(std::int64_t stamp_ns) noexcept {
   use_.host_time.add({arrived_ - 1}, stamp_ns);
   rate_error_.store(use_.host_time.rate_error(), std::memory_order_relaxed);  // figures for people
   drift_ppm_.store(use_.host_time.drift_ppm(), std::memory_order_relaxed);
-  lateness_ns_.store(use_.host_time.lateness_floor_ns(), std::memory_order_relaxed);
+  missing_ns_.store(use_.host_time.missing_ns(), std::memory_order_relaxed);
+  least_loss_ns_.store(use_.host_time.least_loss_ns(), std::memory_order_relaxed);
   if (has_trouble()) return;
   const bool is_rate_wrong = !(std::abs(use_.host_time.rate_error()) <= kLargestRateError);
-  if (is_rate_wrong || use_.host_time.lateness_floor_ns() > lateness_limit_ns_) set_trouble(ReadOutcome::Broken, GapReason::Integrity);
+  if (is_rate_wrong || use_.host_time.has_loss()) set_trouble(ReadOutcome::Broken, GapReason::Integrity);
 }
 
 /// A transfer that ended in any other way than by data ends the scan.
@@ -168,6 +169,7 @@ void ScanReader::take_status(UsbStatus status) noexcept {
   const auto asked = health();
   if (!asked && asked.error().code == core::ErrorCode::DeviceGone) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
   if (asked && asked->is_overrun) return set_trouble(ReadOutcome::Broken, GapReason::Overrun);
+  if (status == UsbStatus::Stall) return set_trouble(ReadOutcome::Broken, GapReason::Stall);
   const bool has_lost_bytes = status == UsbStatus::Overflow || status == UsbStatus::Failed || status == UsbStatus::NoMemory;
   set_trouble(ReadOutcome::Broken, has_lost_bytes ? GapReason::Integrity : GapReason::Silence);
 }
@@ -185,7 +187,13 @@ void ScanReader::ask_silent_device(std::int64_t now_ns) noexcept {
     return;
   }
   if (!asked && asked.error().code == core::ErrorCode::DeviceGone) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
-  set_trouble(ReadOutcome::Broken, asked && asked->is_overrun ? GapReason::Overrun : GapReason::Silence);
+  if (asked && asked->is_overrun) return set_trouble(ReadOutcome::Broken, GapReason::Overrun);
+  const bool may_go_on = asked && asked->is_running && now_ns - heard_ns_ < std::max(kRunningSilenceNs, 2 * silence_limit_ns());
+  if (may_go_on) {
+    asked_ns_ = now_ns;
+  } else {
+    set_trouble(ReadOutcome::Broken, GapReason::Silence);
+  }
 }
 
 /// Compares the first scans with the single readings. `is_final`: no more scans will come.
@@ -271,7 +279,7 @@ std::vector<DeviceCheck> ScanReader::findings() const {
     checks.push_back(describe_agreement(agreement_, use_.driver.describe()));
   }
   checks.push_back(describe_rate(rate_error_.load(std::memory_order_relaxed), drift_ppm_.load(std::memory_order_relaxed)));
-  checks.push_back(describe_lateness(lateness_ns_.load(std::memory_order_relaxed), lateness_limit_ns_));
+  checks.push_back(describe_loss(missing_ns_.load(std::memory_order_relaxed), least_loss_ns_.load(std::memory_order_relaxed)));
   const double marker_v = marker_v_.load(std::memory_order_relaxed);
   if (setup_.marker && !std::isnan(marker_v)) {
     const bool is_right = std::abs(marker_v - setup_.marker->volts) <= setup_.marker->tolerance_v;

@@ -83,7 +83,6 @@ class ScanReader {
   Tools use_;
   ScanSetup setup_;
   std::size_t channels_;
-  std::int64_t lateness_limit_ns_;
   ScanBuffer scans_;
   std::size_t chunk_used_ = 0;   ///< Bytes of the oldest chunk that are unpacked.
   std::uint64_t arrived_ = 0;    ///< Whole scans of this segment, delivered or waiting ...
@@ -91,6 +90,7 @@ class ScanReader {
   std::uint64_t delivered_ = 0;  ///< Of this segment.
   bool has_scanned_ = false;     ///< A scan has come since the start.
   std::int64_t heard_ns_ = 0;    ///< Start or newest chunk, by `now_ns`: the silence watch knows no other clock.
+  std::int64_t asked_ns_ = 0;    ///< When the silent device last said that it runs.
   std::int64_t published_ns_;    ///< Host time of the newest block: slewing may not turn time back.
   ReadResult trouble_{ReadOutcome::Scans, {}};
 
@@ -100,7 +100,8 @@ class ScanReader {
   std::atomic<bool> has_agreement_{false};
   std::atomic<double> rate_error_{0.0};
   std::atomic<double> drift_ppm_{0.0};
-  std::atomic<std::int64_t> lateness_ns_{0};
+  std::atomic<std::int64_t> missing_ns_{0};
+  std::atomic<std::int64_t> least_loss_ns_;
   std::atomic<double> marker_v_;  ///< Newest; NaN before the first.
 };
 

@@ -51,6 +51,7 @@ const char* reason_text(core::GapReason reason) {
   switch (reason) {
     case core::GapReason::Overrun: return "overrun: data came faster than they were taken";
     case core::GapReason::Silence: return "silence: the device stopped delivering";
+    case core::GapReason::Stall: return "stall: the device halted its data endpoint";
     case core::GapReason::Integrity: return "integrity: the data failed a check";
     default: return "unknown";
   }

@@ -179,7 +179,7 @@ TEST(Acquisition, DeviceGoneAtEveryFirstRead_IsRetriedWithGrowingPauses) {
   EXPECT_EQ(run.report.gaps_total, 0U);
 }
 
-TEST(Acquisition, StreamThatBreaksAfterTenSeconds_IsStartedAgainAtOnceInANewSegment) {
+TEST(Acquisition, StreamThatBreaksAfterSeconds_IsStartedAgainAtOnceInANewSegment) {
   const core::Gap doubt{.reason = core::GapReason::Integrity};
   std::deque<ScriptedDevice::Step> script(130, {.scans = 8});
   script.push_back({.outcome = ReadOutcome::Broken, .gap = doubt});
@@ -198,16 +198,35 @@ TEST(Acquisition, StreamThatBreaksAfterTenSeconds_IsStartedAgainAtOnceInANewSegm
   EXPECT_EQ(run.clock.now_ns(), 0) << "a stream that ran before is started again without a pause";
 }
 
+TEST(Acquisition, StreamThatBreaksSecondsAfterItsReturn_IsStartedAgainAtOnce) {
+  std::deque<ScriptedDevice::Step> script{{.scans = 8}, {.outcome = ReadOutcome::Gone}};
+  script.insert(script.end(), 4, {.outcome = ReadOutcome::Gone});  // the pauses have grown meanwhile
+  script.insert(script.end(), 38, {.scans = 8});                   // 3 s
+  script.push_back({.outcome = ReadOutcome::Broken, .gap = {.reason = core::GapReason::Stall}});
+  script.push_back({.scans = 8});
+  const Playback run(script);
+
+  EXPECT_EQ(run.clock.now_ns(), 3'750'000'000) << "0.25 + 0.5 + 1 + 2 s while it was away, and nothing after the stall";
+  EXPECT_EQ(run.seen.back().gap.reason, core::GapReason::Stall);
+}
+
+TEST(Acquisition, FirstBreakOfAll_IsStartedAgainAtOnce) {
+  const Playback run({{.scans = 8}, {.outcome = ReadOutcome::Broken}, {.scans = 8}});
+
+  EXPECT_EQ(run.clock.now_ns(), 0);
+  EXPECT_EQ(run.report.restarts_total, 1U);
+}
+
 TEST(Acquisition, StreamThatBreaksAgainAndAgain_IsRetriedWithGrowingPauses) {
   std::deque<ScriptedDevice::Step> script;
-  for (int i = 0; i < 5; ++i) {
+  for (int i = 0; i < 6; ++i) {
     script.push_back({.scans = 8});
     script.push_back({.outcome = ReadOutcome::Broken});
   }
   const Playback run(script);
 
   EXPECT_GE(run.clock.now_ns(), 7'750'000'000);
-  EXPECT_EQ(run.report.gaps_total, 4U);
+  EXPECT_EQ(run.report.gaps_total, 5U);
 }
 
 TEST(Acquisition, SuspendedMachine_TheTimeAsleepIsInTheGap) {

@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "usb/emulator/faults.h"
+
 namespace dts::emulator {
 
 /// What stands at the inputs of a device: fills the voltage of every input at device time `time_s` (seconds since the scan's
@@ -55,6 +57,8 @@ struct Packet {
 class EmulatedDevice {
  public:
   virtual ~EmulatedDevice() = default;
+
+  Faults faults;
 
   [[nodiscard]] virtual const Descriptors& descriptors() const = 0;
   /// The plug goes in (also after a reset that left the bus): everything volatile is as after power-up.

@@ -61,7 +61,6 @@ class FsPlusEmulator final : public EmulatedDevice {
   FsPlusEmulator(const FsPlusEmulator&) = delete;
   FsPlusEmulator& operator=(const FsPlusEmulator&) = delete;
 
-  Faults faults;
   int failing_starts = 0;       ///< So many starts overrun at once, as USB-204 does (Linux_Drivers issue #42).
   bool ignores_ranges = false;  ///< Range lists are acknowledged and forgotten.
   int forbidden_requests = 0;   ///< Writes to calibration, serial number or firmware that were asked for.

@@ -35,11 +35,23 @@ void MccScan::stop(std::int64_t now_ns) {
   feed_.stop(now_ns);
 }
 
+void MccScan::clear_fifo() noexcept {
+  const std::size_t kept = faults_ != nullptr && faults_->keeps_endpoint_buffer ? 2 * packing_.endpoint_bytes : 0;
+  left_over_.resize(std::min(left_over_.size(), kept));
+}
+
+/// The device's side of the cable is busy with something else.
+bool MccScan::is_paused(std::int64_t now_ns) noexcept {
+  if (strikes(faults_->pause_at_code, packing_.codes_per_packet)) paused_until_ns_ = now_ns + faults_->pause_ns;
+  return now_ns < paused_until_ns_;
+}
+
 void MccScan::leave(std::uint16_t code) { append(left_over_, code); }
 
 void MccScan::power_up() noexcept {
   feed_.stop(0);
   left_over_.clear();
+  paused_until_ns_ = 0;
   is_overrun_ = false;
   is_halted_ = false;
 }
@@ -75,6 +87,7 @@ std::optional<Packet> MccScan::take_packet(std::int64_t now_ns) {
 std::optional<Packet> MccScan::next_packet(std::int64_t now_ns) {
   const std::size_t codes = packing_.codes_per_packet;
   if (feed_.available(now_ns) < codes) return last_packet(now_ns);
+  if (is_paused(now_ns)) return std::nullopt;
   if (strikes(faults_->overrun_at_code, codes)) {
     overrun(now_ns);
     return take_packet(now_ns);
@@ -84,7 +97,7 @@ std::optional<Packet> MccScan::next_packet(std::int64_t now_ns) {
     return take_packet(now_ns);
   }
   if (strikes(faults_->drop_packet_at_code, codes)) {
-    feed_.skip(codes);
+    feed_.skip(codes * faults_->drop_packets);
     return take_packet(now_ns);
   }
   return pack(codes);
@@ -119,7 +132,7 @@ void MccScan::damage(Packet& packet, std::uint64_t first_code, std::size_t codes
 std::int64_t MccScan::next_packet_ns(std::int64_t now_ns) const noexcept {
   if (is_halted_ || !left_over_.empty()) return now_ns;
   if (!feed_.is_running()) return kNeverNs;
-  return std::max(now_ns, feed_.ready_ns(feed_.remaining(packing_.codes_per_packet)));
+  return std::max({now_ns, paused_until_ns_, feed_.ready_ns(feed_.remaining(packing_.codes_per_packet))});
 }
 
 std::uint16_t to_code(double volts, double range_v, unsigned bits, float slope, float offset) noexcept {

@@ -28,7 +28,7 @@ class MccScan {
   void stop(std::int64_t now_ns);
   /// A code stays in the FIFO, though no scan runs.
   void leave(std::uint16_t code);
-  void clear_fifo() noexcept { left_over_.clear(); }
+  void clear_fifo() noexcept;
   void clear_errors() noexcept { is_overrun_ = false; }
   void clear_halt() noexcept { is_halted_ = false; }
   void power_up() noexcept;
@@ -43,6 +43,7 @@ class MccScan {
   [[nodiscard]] std::int64_t next_packet_ns(std::int64_t now_ns) const noexcept;
 
  private:
+  [[nodiscard]] bool is_paused(std::int64_t now_ns) noexcept;
   [[nodiscard]] bool strikes(std::uint64_t& fault_at, std::size_t codes) const noexcept;
   [[nodiscard]] std::optional<Packet> next_packet(std::int64_t now_ns);
   [[nodiscard]] std::optional<Packet> last_packet(std::int64_t now_ns);
@@ -53,6 +54,7 @@ class MccScan {
   Faults* faults_ = nullptr;
   MccPacking packing_;
   std::vector<std::uint8_t> left_over_;
+  std::int64_t paused_until_ns_ = 0;
   bool is_overrun_ = false;
   bool is_halted_ = false;
 };

@@ -254,12 +254,14 @@ std::uint8_t U6Emulator::start_stream(std::int64_t now_ns) {
 
 std::uint8_t U6Emulator::stop_stream(std::int64_t now_ns) {
   if (!is_streaming_) return kStreamNotRunning;
-  const bool keeps_data = identity_.firmware_major == 0 && identity_.firmware_minor < 94;
+  const bool keeps_data = faults.keeps_endpoint_buffer || (identity_.firmware_major == 0 && identity_.firmware_minor < 94);
+  const bool was_halted = std::exchange(is_halted_, false);  // what the FIFO holds stays behind the halt
   while (keeps_data && stale_.size() < 3) {
     auto packet = take_stream_packet(now_ns);
     if (!packet) break;
     stale_.push_back(std::move(packet->bytes));
   }
+  is_halted_ = was_halted;
   feed_.stop(now_ns);
   is_streaming_ = false;
   return 0;

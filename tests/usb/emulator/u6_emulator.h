@@ -48,7 +48,6 @@ class U6Emulator final : public EmulatedDevice {
   explicit U6Emulator(Source source) : U6Emulator(std::move(source), Identity{}) {}
   U6Emulator(Source source, Identity identity);
 
-  Faults faults;
   Quirks quirks;
 
   [[nodiscard]] bool is_streaming() const noexcept { return is_streaming_; }
@@ -106,6 +105,7 @@ class U6Emulator final : public EmulatedDevice {
   std::uint64_t answers_ = 0;
   std::size_t calibration_bytes_sent_ = 0;
   std::deque<Bytes> replies_;
+  std::int64_t paused_until_ns_ = 0;
   std::deque<Bytes> stale_;            ///< Packets that the host did not fetch before the stop.
   std::deque<std::uint16_t> waiting_;  ///< Samples that come before those of the feed.
   std::uint8_t counter_ = 0;

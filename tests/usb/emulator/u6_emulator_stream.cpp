@@ -32,6 +32,7 @@ bool strikes(std::uint64_t& at_code, std::uint64_t first, std::uint64_t end) {
 std::optional<Packet> U6Emulator::take_packet(std::uint8_t endpoint, std::int64_t now_ns) {
   std::deque<Bytes>* const ready = endpoint == kReplyEndpoint ? &replies_ : &stale_;
   if (endpoint != kReplyEndpoint && endpoint != kStreamEndpoint) return std::nullopt;
+  if (endpoint == kStreamEndpoint && is_halted_ && !is_streaming_) return Packet{true, {}};
   if (!ready->empty()) {
     Packet packet{false, std::move(ready->front())};
     ready->pop_front();
@@ -48,7 +49,7 @@ std::int64_t U6Emulator::next_packet_ns(std::int64_t now_ns) const {
   if (!replies_.empty() || !stale_.empty()) return now_ns;
   if (!is_streaming_ || is_halted_) return kNeverNs;
   const std::size_t wanted = scan_.samples_per_packet - std::min(scan_.samples_per_packet, waiting_.size());
-  return keep_until_ ? now_ns : feed_.ready_ns(wanted);
+  return std::max(paused_until_ns_, keep_until_ ? now_ns : feed_.ready_ns(wanted));
 }
 
 std::uint64_t U6Emulator::available(std::int64_t now_ns) const noexcept {
@@ -131,6 +132,8 @@ std::optional<Packet> U6Emulator::take_stream_packet(std::int64_t now_ns) {
     watch_fifo(now_ns);
     if (available(now_ns) < scan_.samples_per_packet) return std::nullopt;
     const std::uint64_t first = feed_.position();
+    if (strikes(faults.pause_at_code, first, first + scan_.samples_per_packet)) paused_until_ns_ = now_ns + faults.pause_ns;
+    if (now_ns < paused_until_ns_) return std::nullopt;
     bool is_corrupt = false;
     const auto samples = take_samples(is_corrupt);
     const std::uint64_t end = feed_.position();

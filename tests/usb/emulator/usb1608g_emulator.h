@@ -28,7 +28,6 @@ class Usb1608gEmulator final : public EmulatedDevice {
   Usb1608gEmulator(const Usb1608gEmulator&) = delete;
   Usb1608gEmulator& operator=(const Usb1608gEmulator&) = delete;
 
-  Faults faults;
   int rotated_starts = 0;                ///< The first sample of so many scans is missing (uldaq issue #50).
   bool non_burst_divides_rate = true;    ///< Without burst the period is that of a conversion, not of a scan: sources disagree.
   bool takes_only_15_bytes = false;      ///< A firmware that refuses the start of 14 bytes.

@@ -91,7 +91,7 @@ TEST_F(FsPlusDaqTest, AStallIsTold) {
 
   static_cast<void>(listen(100'000));
 
-  expect_broken_and_recovered("a stall", 900, GapReason::Silence);
+  expect_broken_and_recovered("a stall", 900, GapReason::Stall);
 }
 
 TEST_F(FsPlusDaqTest, SilenceIsTold) {

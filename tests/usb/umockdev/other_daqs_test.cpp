@@ -123,7 +123,7 @@ TEST_F(Usb1608gDaqTest, AStallIsTold) {
 
   static_cast<void>(listen(1'000'000));
 
-  expect_broken_and_recovered("a stall", kFaultScan, GapReason::Silence);
+  expect_broken_and_recovered("a stall", kFaultScan, GapReason::Stall);
 }
 
 TEST_F(Usb1608gDaqTest, AnOverrunIsTold) {

@@ -100,7 +100,7 @@ TEST(U6Device, Plan_FollowsRateAndLatency) {
   ASSERT_TRUE(fast.has_value());
   EXPECT_EQ(fast->shape.endpoint, 0x83);
   EXPECT_EQ(fast->shape.transfer_bytes, 6U * 64U);
-  EXPECT_EQ(fast->shape.transfer_count, 27U);  // for 250 ms
+  EXPECT_EQ(fast->shape.transfer_count, 55U);  // for 500 ms
   EXPECT_EQ(fast->packet_period_ns, 9'090'909);
   EXPECT_EQ(fast->sentence, "6 packets of 25 samples per transfer");
 

@@ -123,8 +123,8 @@ TEST(Calibration, Volts_ByTheVendorsFormula) {
 TEST(Calibration, Unbelievable_IsDamaged) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
-  const std::vector<Bytes> records = {record(nan, 0),   record(1, infinity), record(0, 0),      record(-1, 0), record(0.49F, 0),
-                                      record(2.01F, 0), record(1, 8'193.0F), record(1, -8'193), Bytes(8, 0xFF)};
+  const std::vector<Bytes> records = {record(nan, 0),       record(1, infinity), record(0, 0),      record(-1, 0), record(0.94F, 0),
+                                      record(1.06F, -1966), record(1, 1'025),    record(1, -1'025), Bytes(8, 0xFF)};
 
   for (const Bytes& bytes : records) {
     const auto found = decode_calibration(bytes, 16, "ch3");
@@ -133,7 +133,7 @@ TEST(Calibration, Unbelievable_IsDamaged) {
     EXPECT_NE(found.error().what.find("ch3"), std::string::npos);
   }
   EXPECT_FALSE(decode_calibration(Bytes(7, 0x3F), 16, "ch3").has_value());
-  EXPECT_TRUE(decode_calibration(record(1, 8'191), 16, "ch3").has_value());
+  EXPECT_TRUE(decode_calibration(record(1, 1'023), 16, "ch3").has_value());
 }
 
 TEST(Codes, LittleEndianBackToBack) {

@@ -85,7 +85,7 @@ TEST(FsPlusFaults, Stall_BrokenThenAgain) {
   EXPECT_TRUE(bench.reads_right(3000));
 }
 
-TEST(FsPlusFaults, Silence_BrokenWithin250ms) {
+TEST(FsPlusFaults, SilenceOfADeviceThatSaysItRuns_BrokenWithin800ms) {
   FsPlusEmulator unit = faulty_1608();
   Bench bench("mcc:1608fs-plus", unit);
   bench.start(1500);
@@ -96,7 +96,7 @@ TEST(FsPlusFaults, Silence_BrokenWithin250ms) {
   const Reading reading = bench.read(3000);
 
   EXPECT_EQ(reading.last.gap.reason, GapReason::Silence);
-  EXPECT_LT(bench.clock.now_ns() - before_ns, 250 * kMillisecond + 100 * kSecond / 1500);
+  EXPECT_LT(bench.clock.now_ns() - before_ns, 800 * kMillisecond + 100 * kSecond / 1500);
 }
 
 TEST(FsPlusFaults, OddPacket_Integrity) {
@@ -281,8 +281,8 @@ TEST(FsPlusFaults, VoltagesMoveBeforeTheTrigger_NoAlarm) {
 
   EXPECT_EQ(bench.read(1500).last.outcome, ReadOutcome::Scans);
   const std::vector<DeviceCheck> checks = bench.device->report().checks;
-  EXPECT_TRUE(std::any_of(checks.begin(), checks.end(),
-                          [](const DeviceCheck& check) { return check.outcome == DeviceCheck::Outcome::Skipped; }));
+  EXPECT_TRUE(
+      std::any_of(checks.begin(), checks.end(), [](const DeviceCheck& check) { return check.outcome == DeviceCheck::Outcome::Skipped; }));
 }
 
 TEST(FsPlusFaults, StopRequestLost_StopSaysSo) {
@@ -332,7 +332,7 @@ TEST(FsPlusFaults, DeviceThatGoesOnSending_GivenUpAfterAQuarterOfASecond) {
   ASSERT_TRUE(port.has_value());
   const std::int64_t before_ns = clock.now_ns();
 
-  EXPECT_FALSE(drain(**port, 0x81, 64).has_value());
+  EXPECT_FALSE(empty_endpoint(**port, 0x81).has_value());
 
   EXPECT_LE(clock.now_ns() - before_ns, 260 * kMillisecond);
 }

@@ -43,7 +43,6 @@ class ToyDevice final : public emulator::EmulatedDevice {
     descriptors_.strings = {std::move(serial)};
   }
 
-  emulator::Faults faults;
   bool has_marker = false;
   bool stalls_on_overrun = true;
   std::size_t fifo_codes = 32'768;

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/loss_watch.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace dts::core {
+namespace {
+
+/// If the lateness of nine bins scatters exponentially about a mean, all nine exceed 1.8 times that mean once in ten million.
+constexpr double kBeyondChance = 1.8;
+
+/// The least lateness of some bins.
+struct Floor {
+  double least_ns = std::numeric_limits<double>::max();
+  double sum_ns = 0.0;
+  std::size_t count = 0;
+
+  void add(double late_ns) noexcept {
+    least_ns = std::min(least_ns, late_ns);
+    sum_ns += late_ns;
+    ++count;
+  }
+  /// How far the bins lie above it, in the mean.
+  [[nodiscard]] double scatter_ns() const noexcept { return count == 0 ? 0.0 : sum_ns / static_cast<double>(count) - least_ns; }
+};
+
+/// By the host's clock, since the first arrival was due.
+double heard_s(const Arrival& arrival) noexcept { return arrival.time_s + arrival.late_ns * 1e-9; }
+
+}  // namespace
+
+void LossWatch::add(const Arrival& arrival, double steepest) noexcept {
+  const double now_s = heard_s(arrival);
+  if (has_bin_ && now_s >= bin_end_s_) {
+    close_bin();
+    compare(now_s, steepest);
+  }
+  if (!has_bin_) {
+    bin_ = arrival;
+    bin_end_s_ = now_s + kBinSeconds;
+    has_bin_ = true;
+  } else if (arrival.late_ns < bin_.late_ns) {  // within a bin a clock that is off makes no difference
+    bin_ = arrival;
+  }
+}
+
+void LossWatch::close_bin() noexcept {
+  if (bin_count_ == bins_.size()) {
+    std::shift_left(bins_.begin(), bins_.end(), 1);
+    --bin_count_;
+  }
+  bins_[bin_count_++] = bin_;
+  has_bin_ = false;
+}
+
+void LossWatch::compare(double now_s, double steepest) noexcept {
+  Floor recent;
+  Floor before;
+  for (std::size_t age = 0; age < bin_count_; ++age) {
+    const Arrival& bin = bins_[bin_count_ - 1 - age];
+    const bool is_recent = age < kLeastRecent || now_s - heard_s(bin) <= kRecentSeconds;
+    // What the slowest clock would explain counts for nothing.
+    (is_recent ? recent : before).add(bin.late_ns - steepest * 1e9 * bin.time_s);
+  }
+  rise_ns_ = before.count == 0 ? 0 : static_cast<std::int64_t>(std::max(0.0, recent.least_ns - before.least_ns));
+  chance_ns_ = static_cast<std::int64_t>(kBeyondChance * std::max(recent.scatter_ns(), before.scatter_ns()));
+}
+
+}  // namespace dts::core

@@ -275,6 +275,29 @@ TEST(Acquisition, ArmedDevice_IsWaitingAndNotSilent) {
   EXPECT_EQ(acquisition.report().text(), "");
 }
 
+/// What is told when reads in which nothing came each took so long, one after the other.
+std::string told_of_reads_that_took(std::int64_t read_ns, int reads) {
+  ScriptedDevice device(std::deque<ScriptedDevice::Step>(1, {.scans = 1}));
+  core::VirtualClock clock;
+  core::Doorbell bell;
+  core::SpscRing<core::Acquired> ring(8, core::Acquired{.block = core::Block(1, 8)});
+  Acquisition acquisition(device, clock, ring, bell, core::Rate::create(100, 1).value(), 8);
+  std::string told;
+  device.on_end = [&] {
+    told = acquisition.report().text();
+    if (reads-- == 0) acquisition.request_stop();
+    clock.advance_ns(read_ns);
+  };
+  acquisition.run();
+  return told;
+}
+
+TEST(Acquisition, DeviceThatDeliversNothing_IsToldAfterASecond) {
+  EXPECT_NE(told_of_reads_that_took(200'000'000, 8).find("check its cable"), std::string::npos);
+}
+
+TEST(Acquisition, ProcessThatStoodStill_IsNoNewsOfTheDevice) { EXPECT_EQ(told_of_reads_that_took(5'000'000'000, 1), ""); }
+
 TEST(Acquisition, UnitThatIsPluggedIn_EndsThePauseBeforeTheNextTry) {
   ScriptedDevice device(std::deque<ScriptedDevice::Step>(1, {.scans = 1}));
   device.failing_opens = 5;

@@ -41,7 +41,7 @@ class FsPlusDaqTest : public DaqFixture {
     EXPECT_EQ(heard_.wrong, 0U);
     EXPECT_EQ(heard_.end.outcome, ReadOutcome::Broken);
     EXPECT_EQ(heard_.end.gap.reason, reason);
-    expect_soon(what, scan);
+    expect_soon(what, scan, reason == GapReason::Silence ? kSilenceSoonMs : kSoonMs);
     EXPECT_TRUE(device_->stop());
     host_.locked(daq_, [&] { daq_.faults = {}; });
     start();

@@ -17,18 +17,24 @@ v1::Role role_needed(const v1::Request& request) {
   return command == nullptr ? v1::ROLE_UNSPECIFIED : command->options().GetExtension(v1::role_needed);
 }
 
-Gate::Gate(const KeyStore* keys) : keys_(keys), commands_(kCommandsPerSecond, kCommandBurst), notes_(kNotesPerSecond, kNoteBurst) {}
+Gate::Gate(const KeyStore* keys)
+    : keys_(keys),
+      commands_(kCommandsPerSecond, kCommandBurst),
+      refusals_(kCommandsPerSecond, kCommandBurst),
+      notes_(kNotesPerSecond, kNoteBurst) {}
 
 Peer Gate::remote(const std::string& public_key) const {
   const auto key = keys_ == nullptr ? std::nullopt : keys_->find_by_public_key(public_key);
   return key ? Peer{.who = "key:" + key->name, .role = key->role} : Peer{.who = "revoked key"};
 }
 
-core::Status Gate::check(const Peer& peer, const v1::Request& request, std::int64_t now_ns) {
-  if (peer.is_limited && !commands_.take(peer.who, now_ns)) {
-    return core::fail(core::ErrorCode::LimitExceeded, "more than 50 commands a second by " + peer.who,
-                      "subscribe to dtsd/status instead of asking again and again");
-  }
+core::Status Gate::admit(const Peer& peer, std::int64_t now_ns) {
+  if (!peer.is_limited || commands_.take(peer.who, now_ns)) return {};
+  return core::fail(core::ErrorCode::LimitExceeded, "more than 50 commands a second by " + peer.who,
+                    "subscribe to dtsd/status instead of asking again and again");
+}
+
+core::Status Gate::check(const Peer& peer, const v1::Request& request) {
   const v1::Role needed = role_needed(request);
   // A request without a command that this daemon knows changes nothing: the handler says what is wrong with it.
   if (request.command_case() == v1::Request::COMMAND_NOT_SET) return {};

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // dtsd: the daemon. Four switches; everything else is configuration (config/dtsd.toml) or a command (dtsctl).
+#include <google/protobuf/stubs/logging.h>
 #include <signal.h>
 #include <sys/resource.h>
 
@@ -89,6 +90,7 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : kBadInput;
   }
 
+  google::protobuf::SetLogHandler(nullptr);  // ControlServer answers and counts what cannot be parsed; a flood must not fill the log
   try {
     return run(file, is_check, is_foreground);
   } catch (const std::exception& error) {  // no memory, descriptors or threads left

@@ -17,6 +17,7 @@ constexpr std::size_t kMostWaiting = 64;
 constexpr std::int64_t kPendingTimeoutNs = 10'000'000'000;
 constexpr std::int64_t kTickNs = 50'000'000;
 constexpr std::int64_t kStatusNs = 1'000'000'000;
+constexpr std::int64_t kLogNs = 1'000'000'000;  // whatever is rejected, it is one line of the log
 /// Commands that change something are remembered by id; looking twice does no harm.
 bool is_repeatable(const dts::v1::Request& request) {
   switch (request.command_case()) {
@@ -38,13 +39,15 @@ std::string known_as(const access::Peer& peer, const std::string& request_id) { 
 }  // namespace
 
 ControlServer::ControlServer(std::vector<ControlSocket> sockets, access::Gate gate, session::Supervisor& supervisor,
-                             CommandHandler& handler, PublishThread& publisher, core::Clock& clock, std::uint64_t instance_id)
+                             CommandHandler& handler, PublishThread& publisher, core::Clock& clock, core::Log log,
+                             std::uint64_t instance_id)
     : sockets_(std::move(sockets)),
       gate_(std::move(gate)),
       supervisor_(supervisor),
       handler_(handler),
       publisher_(publisher),
       clock_(clock),
+      log_(std::move(log)),
       instance_id_(instance_id),
       replies_(kRepliesKept) {}
 
@@ -59,6 +62,7 @@ void ControlServer::serve(int ms) {
       answer_waiting();
       if (now_ns >= next_status_ns_) publish_status();
       if (now_ns >= next_drop_ns_) renew_remote(now_ns);
+      log_rejected(now_ns);
       next_tick_ns_ = now_ns + kTickNs;
     }
     const std::int64_t sleep_ns = std::min(until_ns, next_tick_ns_) - clock_.now_ns();
@@ -90,27 +94,35 @@ void ControlServer::receive(ControlSocket& socket) {
     auto incoming = socket.receive();
     if (!incoming) return;
     if (socket.is_remote() && ++requests[incoming->public_key.value_or("")] > kRequestsPerTurn) {
-      handler_.count_rejected();
-      continue;
-    }
-    if (incoming->is_well_formed) {
-      answer(socket, std::move(*incoming));
+      count_rejected();
     } else {
-      reject(socket, *incoming, "a request is one frame, or an empty one and then one");
+      admit(socket, std::move(*incoming));
     }
   }
 }
 
-void ControlServer::answer(ControlSocket& socket, Incoming asked) {
-  dts::v1::Request request;
-  if (!request.ParseFromString(asked.payload)) return reject(socket, asked, "the message is not a dts.v1.Request");
-  const std::string id = request.request_id();
-  if (id.empty() || id.size() > kLongestRequestId) return reject(socket, asked, "request_id must have 1..64 bytes");
+void ControlServer::admit(ControlSocket& socket, Incoming asked) {
   access::Peer peer = asked.public_key ? gate_.remote(*asked.public_key) : access::Gate::local();
-  if (auto allowed = gate_.check(peer, request, clock_.now_ns()); !allowed) return refuse(socket, asked, peer, request, allowed.error());
+  if (auto admitted = gate_.admit(peer, clock_.now_ns()); !admitted) {
+    count_rejected();
+    last_rejected_ = peer.who;
+    // Without its request_id: nobody has read it.
+    if (gate_.is_worth_an_answer(peer, clock_.now_ns())) socket.reply(asked.envelope, error_response(admitted.error()).SerializeAsString());
+    return;
+  }
+  if (!asked.is_well_formed) return reject(socket, asked, peer, "a request is one frame, or an empty one and then one");
+  answer(socket, std::move(asked), std::move(peer));
+}
+
+void ControlServer::answer(ControlSocket& socket, Incoming asked, access::Peer peer) {
+  dts::v1::Request request;
+  if (!request.ParseFromString(asked.payload)) return reject(socket, asked, peer, "the message is not a dts.v1.Request");
+  const std::string id = request.request_id();
+  if (id.empty() || id.size() > kLongestRequestId) return reject(socket, asked, peer, "request_id must have 1..64 bytes");
+  if (auto allowed = access::Gate::check(peer, request); !allowed) return refuse(socket, asked, peer, request, allowed.error());
   if (!is_repeatable(request) && answer_repeat(socket, asked, peer, id)) return;
   if ((request.has_tare() || request.has_stop_session()) && waiting_.size() == kMostWaiting) {
-    return reject(socket, asked, "too many commands are being waited for");
+    return reject(socket, asked, peer, "too many commands are being waited for");
   }
   CommandHandler::Answer result = handler_.execute(request);
   if (result.pending) {
@@ -131,7 +143,7 @@ void ControlServer::answer(ControlSocket& socket, Incoming asked) {
 }
 
 bool ControlServer::answer_repeat(ControlSocket& socket, Incoming& asked, const access::Peer& peer, const std::string& id) {
-  const auto refuse_id = [&] { reject(socket, asked, "request_id was used for another request; it must be unique per command"); };
+  const auto refuse_id = [&] { reject(socket, asked, peer, "request_id was used for another request; it must be unique per command"); };
   if (const ReplyCache::Entry* known = replies_.find(known_as(peer, id))) {
     if (known->request == asked.payload) {
       socket.reply(asked.envelope, known->reply);
@@ -140,7 +152,8 @@ bool ControlServer::answer_repeat(ControlSocket& socket, Incoming& asked, const 
     }
     return true;
   }
-  const auto same = std::ranges::find_if(waiting_, [&](const Waiting& waiting) { return waiting.request.request_id() == id && waiting.peer.who == peer.who; });
+  const auto same = std::ranges::find_if(
+      waiting_, [&](const Waiting& waiting) { return waiting.request.request_id() == id && waiting.peer.who == peer.who; });
   if (same == waiting_.end()) return false;
   if (same->asked.payload == asked.payload) {
     same->asked.envelope = std::move(asked.envelope);  // the answer in the making goes to whoever asked last
@@ -160,7 +173,8 @@ void ControlServer::answer_waiting() {
     response->set_request_id(waiting.request.request_id());
     std::string bytes = response->SerializeAsString();
     waiting.socket->reply(waiting.asked.envelope, bytes);
-    replies_.store(known_as(waiting.peer, waiting.request.request_id()), {.request = std::move(waiting.asked.payload), .reply = std::move(bytes)});
+    replies_.store(known_as(waiting.peer, waiting.request.request_id()),
+                   {.request = std::move(waiting.asked.payload), .reply = std::move(bytes)});
     return true;
   });
 }
@@ -180,9 +194,23 @@ void ControlServer::enter_audit(const access::Peer& peer, const dts::v1::Request
   handler_.enter_audit(peer.who, request, response);
 }
 
-void ControlServer::reject(ControlSocket& socket, const Incoming& asked, const std::string& why) {
+void ControlServer::count_rejected() {
   handler_.count_rejected();
-  socket.reply(asked.envelope, error_response({core::ErrorCode::InvalidArgument, why, "client and daemon may differ in version"}).SerializeAsString());
+  ++unlogged_rejections_;
+}
+
+void ControlServer::log_rejected(std::int64_t now_ns) {
+  if (unlogged_rejections_ == 0 || now_ns < next_log_ns_) return;
+  log_.warning("rejected " + std::to_string(std::exchange(unlogged_rejections_, 0)) + " requests that were malformed or too many" +
+               (last_rejected_.empty() ? "" : ", the last by " + last_rejected_));
+  next_log_ns_ = now_ns + kLogNs;
+}
+
+void ControlServer::reject(ControlSocket& socket, const Incoming& asked, const access::Peer& peer, const std::string& why) {
+  count_rejected();
+  last_rejected_ = peer.who;
+  socket.reply(asked.envelope,
+               error_response({core::ErrorCode::InvalidArgument, why, "client and daemon may differ in version"}).SerializeAsString());
 }
 
 void ControlServer::publish_notices() {

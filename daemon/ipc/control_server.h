@@ -25,7 +25,7 @@ class ControlServer {
  public:
   /// `sockets` are asked in turns. The references outlive the server.
   ControlServer(std::vector<ControlSocket> sockets, access::Gate gate, session::Supervisor& supervisor, CommandHandler& handler,
-                PublishThread& publisher, core::Clock& clock, std::uint64_t instance_id);
+                PublishThread& publisher, core::Clock& clock, core::Log log, std::uint64_t instance_id);
 
   /// Serves for up to `ms` milliseconds, then returns; call it in a loop. Thread: control.
   void serve(int ms);
@@ -47,12 +47,17 @@ class ControlServer {
   };
   void renew_remote(std::int64_t now_ns);
   void receive(ControlSocket& socket);
-  void answer(ControlSocket& socket, Incoming asked);
+  /// Answers a message if its sender may send one more.
+  void admit(ControlSocket& socket, Incoming asked);
+  void answer(ControlSocket& socket, Incoming asked, access::Peer peer);
   /// Serves a repeat of a known request, or refuses another request under its id; true when it did either.
   [[nodiscard]] bool answer_repeat(ControlSocket& socket, Incoming& asked, const access::Peer& peer, const std::string& id);
-  void refuse(ControlSocket& socket, const Incoming& asked, const access::Peer& peer, const dts::v1::Request& request, const core::Error& why);
+  void refuse(ControlSocket& socket, const Incoming& asked, const access::Peer& peer, const dts::v1::Request& request,
+              const core::Error& why);
   void enter_audit(const access::Peer& peer, const dts::v1::Request& request, const dts::v1::Response& response);
-  void reject(ControlSocket& socket, const Incoming& asked, const std::string& why);
+  void reject(ControlSocket& socket, const Incoming& asked, const access::Peer& peer, const std::string& why);
+  void count_rejected();
+  void log_rejected(std::int64_t now_ns);
   void publish_status();
 
   std::vector<ControlSocket> sockets_;
@@ -61,6 +66,7 @@ class ControlServer {
   CommandHandler& handler_;
   PublishThread& publisher_;
   core::Clock& clock_;
+  core::Log log_;
   std::uint64_t instance_id_;
   ReplyCache replies_;
   std::vector<Waiting> waiting_;
@@ -68,6 +74,9 @@ class ControlServer {
   std::int64_t next_drop_ns_ = 0;
   std::int64_t next_tick_ns_ = 0;
   std::int64_t next_status_ns_ = 0;
+  std::int64_t next_log_ns_ = 0;
+  std::uint64_t unlogged_rejections_ = 0;
+  std::string last_rejected_;  ///< Who sent the newest one that was looked at.
 };
 
 }  // namespace dts::ipc

@@ -155,7 +155,7 @@ class Producer {
                      std::vector<std::string>{}, ipc::KeyCommands(keys_.get(), clock_, {}));
     std::vector<ipc::ControlSocket> sockets;
     sockets.push_back(need(ipc::ControlSocket::bind(context_, "ipc://" + directory_.path() + "/control.sock")));
-    server_.emplace(std::move(sockets), access::Gate(keys_.get()), supervisor_, *handler_, *publisher_, clock_, kInstance);
+    server_.emplace(std::move(sockets), access::Gate(keys_.get()), supervisor_, *handler_, *publisher_, clock_, core::Log(), kInstance);
     supervisor_.start();
   }
 

@@ -243,6 +243,57 @@ TEST_F(AttackTest, AViewer_WithTenThousandRequestsASecond) {
   }, kMostStrangerKb);
 }
 
+/// Text that is no UTF-8 (protobuf would log a line for each), bytes that are no message, and frames that nobody asked for.
+TEST_F(AttackTest, AViewer_WithInvalidRequests) {
+  const std::string not_utf8 = std::string("\x0A\x04\xC3\x28\xFF\xFE", 6);
+  constexpr int kRequests = 235'000;
+  const std::size_t log_before_bytes = daemon_.log().size();
+  client::ControlClient mate = client_of(operator_key_);
+  const auto median_mark = [&](int count) {
+    std::vector<steady_clock::duration> times;
+    while (static_cast<int>(times.size()) < count) {
+      const auto asked = steady_clock::now();
+      EXPECT_TRUE(mate.mark("still here", "floor"));
+      times.push_back(steady_clock::now() - asked);
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    std::ranges::nth_element(times, times.begin() + count / 2);
+    return std::chrono::duration<double, std::milli>(times[static_cast<std::size_t>(count) / 2]).count();
+  };
+  const double quiet_ms = median_mark(40);
+  std::atomic<int> answers{0};
+  const auto begin = steady_clock::now();
+  std::thread attacker([&] {
+    zmq::context_t context;
+    zmq::socket_t socket = socket_of(context, zmq::socket_type::dealer, viewer_key_);
+    socket.set(zmq::sockopt::sndhwm, 0);
+    socket.connect(address_of(control_));
+    zmq::message_t answer;
+    for (int number = 0; number < kRequests; ++number) {
+      socket.send(zmq::buffer(not_utf8), zmq::send_flags::none);
+      while (socket.recv(answer, zmq::recv_flags::dontwait)) {
+        v1::Response response;
+        EXPECT_TRUE(response.ParseFromArray(answer.data(), static_cast<int>(answer.size())));
+        EXPECT_TRUE(response.error().code() == v1::ERROR_CODE_INVALID_ARGUMENT || response.error().code() == v1::ERROR_CODE_LIMIT_EXCEEDED);
+        ++answers;
+      }
+      if (number % 58 == 57) std::this_thread::sleep_until(begin + std::chrono::microseconds(17 * number));
+    }
+    EXPECT_TRUE(eventually([&] { return daemon_.control().status()->rejected_requests_total() == kRequests; }));
+  });
+  const double attacked_ms = median_mark(60);
+  attacker.join();
+
+  const double seconds = std::chrono::duration<double>(steady_clock::now() - begin).count();
+  const std::size_t log_bytes = daemon_.log().size() - log_before_bytes;
+  std::printf("%d invalid requests in %.1f s: %d answers, %zu bytes of log, median mark %.2f ms (%.2f ms before)\n", kRequests, seconds,
+              answers.load(), log_bytes, attacked_ms, quiet_ms);
+  EXPECT_GT(answers.load(), 0);
+  EXPECT_LT(answers.load(), 200 + 2 * 50 * (seconds + 1)) << "of which half are refusals without a look";
+  EXPECT_GT(log_bytes, 0U) << "somebody should know";
+  EXPECT_LT(log_bytes, 4000 + 200 * static_cast<std::size_t>(seconds)) << "a line a second";
+}
+
 TEST_F(AttackTest, AViewer_WhoPingsInAFloodAndLeaves) {
   under("a viewer's pings in a flood of requests, again and again", [&](const std::atomic<bool>& is_over) {
     zmq::context_t context;

@@ -23,16 +23,6 @@ std::string styled(const Console& console, Style style, std::string_view text) {
   return std::string(escape_sequence(style)).append(text).append("\x1b[0m");
 }
 
-std::string printable(std::string_view text) {
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char character : text) {
-    const auto byte = static_cast<unsigned char>(character);
-    safe += byte < 0x20 || byte == 0x7f ? ' ' : character;
-  }
-  return safe;
-}
-
 void print_error(Console& console, std::string_view what, std::string_view hint) {
   console.talk << console.program << ": " << printable(what) << '\n';
   if (!hint.empty()) console.talk << "  try: " << printable(hint) << '\n';

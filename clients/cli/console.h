@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/utf8.h"
+
 namespace dts::cli {
 
 /// Where output goes and what the reader at the other end can take.
@@ -27,8 +29,8 @@ enum class Style { Plain, Bold, Good, Warning, Bad, Faint };
 
 /// `text` in a style, or as it is without colours.
 [[nodiscard]] std::string styled(const Console& console, Style style, std::string_view text);
-/// Text from outside without control characters, so that it cannot drive the terminal.
-[[nodiscard]] std::string printable(std::string_view text);
+/// For text from outside: it cannot drive the terminal.
+using core::printable;
 
 /// "dtsctl: what" and, if there is a hint, "  try: hint" to `talk`.
 void print_error(Console& console, std::string_view what, std::string_view hint = {});

@@ -12,6 +12,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "core/utf8.h"
+
 namespace dts::core {
 namespace {
 
@@ -47,17 +49,6 @@ bool is_stderr_the_journal() {
   return stream == std::to_string(actual.st_dev) + ":" + std::to_string(actual.st_ino);
 }
 
-/// Bytes above 127 are UTF-8 and stay.
-std::string one_line(std::string_view text) {
-  constexpr unsigned char kDelete = 127;
-  std::string line(text);
-  for (char& c : line) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < ' ' || byte == kDelete) c = ' ';
-  }
-  return line;
-}
-
 }  // namespace
 
 Log::Log() : Log(std::make_shared<spdlog::logger>("dts", std::make_shared<spdlog::sinks::null_sink_mt>())) {}
@@ -80,9 +71,9 @@ Log Log::to_stderr(LogLevel minimum) {
   return Log{logger};
 }
 
-void Log::debug(std::string_view text) const { logger_->debug("{}", one_line(text)); }
-void Log::info(std::string_view text) const { logger_->info("{}", one_line(text)); }
-void Log::warning(std::string_view text) const { logger_->warn("{}", one_line(text)); }
-void Log::error(std::string_view text) const { logger_->error("{}", one_line(text)); }
+void Log::debug(std::string_view text) const { logger_->debug("{}", printable(text)); }
+void Log::info(std::string_view text) const { logger_->info("{}", printable(text)); }
+void Log::warning(std::string_view text) const { logger_->warn("{}", printable(text)); }
+void Log::error(std::string_view text) const { logger_->error("{}", printable(text)); }
 
 }  // namespace dts::core

@@ -25,7 +25,7 @@ class Log {
   /// To the terminal with colours, or, when stderr is connected to the journal, with syslog priorities ("<4>text").
   [[nodiscard]] static Log to_stderr(LogLevel minimum);
 
-  /// One line each: a control character in `text`, which may quote a peer, becomes a space and cannot forge a second line.
+  /// One line each: `text`, which may quote a peer, is made printable and cannot forge a second line.
   void debug(std::string_view text) const;
   void info(std::string_view text) const;
   void warning(std::string_view text) const;

@@ -2,15 +2,13 @@
 #include "files/toml_reader.h"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
-#include <system_error>
 #include <utility>
 
 #include "core/suggest.h"
+#include "files/whole_file.h"
 
 namespace dts::files {
 namespace {
@@ -27,23 +25,9 @@ std::string range_text(const std::string& minimum, const std::string& maximum) {
 constexpr std::size_t kMostTomlBytes = std::size_t{4} << 20U;
 
 std::optional<std::string> read_bounded(const std::string& file, Problems& problems) {
-  std::error_code unknown;
-  if (std::filesystem::is_directory(file, unknown)) {
-    problems.push_back({.file = file, .text = "is a folder, not a file"});
-    return std::nullopt;
-  }
-  errno = 0;
-  std::ifstream stream(file, std::ios::binary);
-  const int error = errno;
-  std::string text(kMostTomlBytes + 1, '\0');
-  if (stream) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!stream && stream.gcount() == 0 && !stream.eof()) {
-    problems.push_back({.file = file, .text = "cannot be read" + (error == 0 ? "" : ": " + std::generic_category().message(error))});
-    return std::nullopt;
-  }
-  text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() <= kMostTomlBytes) return text;
-  problems.push_back({.file = file, .text = "is larger than 4 MiB: that is no file of dtsd"});
+  auto text = read_whole_file(file, kMostTomlBytes);
+  if (text) return std::move(*text);
+  problems.push_back({.file = file, .text = text.error().what});
   return std::nullopt;
 }
 

@@ -5,9 +5,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <filesystem>
+#include <system_error>
 
 namespace dts::files {
 namespace {
@@ -79,6 +81,26 @@ core::Status write_whole_file(const std::string& path, std::string_view text, mo
   const Descriptor directory(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (directory.get() >= 0) ::fsync(directory.get());
   return {};
+}
+
+core::Result<std::string> read_whole_file(const std::string& path, std::size_t most_bytes) {
+  const auto refused = [](const std::string& why) { return core::fail(core::ErrorCode::InvalidArgument, why); };
+  const auto unreadable = [&refused](int why) { return refused("cannot be read: " + std::generic_category().message(why)); };
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (file.get() < 0) return errno == ENXIO ? refused("is no regular file") : unreadable(errno);
+  struct stat facts {};
+  if (::fstat(file.get(), &facts) != 0) return unreadable(errno);
+  if (S_ISDIR(facts.st_mode)) return refused("is a folder, not a file");
+  if (!S_ISREG(facts.st_mode)) return refused("is no regular file");
+  std::string text;
+  std::array<char, 16384> piece{};
+  for (ssize_t got = 1; got != 0;) {
+    got = ::read(file.get(), piece.data(), piece.size());
+    if (got < 0 && errno != EINTR) return unreadable(errno);
+    if (got > 0) text.append(piece.data(), static_cast<std::size_t>(got));
+    if (text.size() > most_bytes) return refused("is larger than " + std::to_string(most_bytes >> 20U) + " MiB: that is no file of dtsd");
+  }
+  return text;
 }
 
 }  // namespace dts::files

@@ -54,6 +54,13 @@ std::optional<HttpResponse> refuse_framing(const RawRequest& raw) {
   return std::nullopt;
 }
 
+/// RFC 6455, 4.2.1: base64 of 16 bytes.
+bool is_websocket_key(std::string_view key) noexcept {
+  constexpr std::size_t kDigits = 22;
+  constexpr std::string_view kBase64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  return key.size() == kDigits + 2 && key.ends_with("==") && key.find_first_not_of(kBase64) == kDigits;
+}
+
 std::map<std::string, std::string> headers_of(const RawRequest& raw) {
   std::map<std::string, std::string> headers;
   for (const auto& field : raw) {
@@ -104,6 +111,9 @@ std::optional<HttpResponse> refuse_upgrade(const RawRequest& raw, const HttpRequ
     auto response = error_answer(426, "not this version of WebSocket", "use version 13");
     response.headers.emplace_back("Sec-WebSocket-Version", "13");
     return response;
+  }
+  if (!is_websocket_key(text_of(raw[http::field::sec_websocket_key]))) {
+    return error_answer(400, "no usable Sec-WebSocket-Key", "it is 16 bytes in base64");
   }
   if (!http::token_list(raw[http::field::sec_websocket_protocol]).exists("dts.v1")) {
     return error_answer(400, "not this subprotocol", "ask for dts.v1");

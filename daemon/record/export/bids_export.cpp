@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -152,14 +153,21 @@ core::Result<std::string> read_list(const std::string& file, std::string_view he
   return text.ends_with('\n') ? text : text + "\n";
 }
 
+std::string lower_case(std::string text) {
+  std::ranges::transform(text, text.begin(),
+                         [](char letter) { return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter; });
+  return text;
+}
+
 core::Status BidsSink::add_participant() {
   const std::string row = names_.subject() + "\t" + tsv_cell(recording_.session().value_or(SessionFacts{}).subject) + "\n";
   auto list = read_list(files_.path("participants.tsv"), kParticipants);
   if (!list) return tl::make_unexpected(list.error());
   if (list->find("\n" + row) != std::string::npos) return {};
-  if (list->find("\n" + names_.subject() + "\t") != std::string::npos) {
+  if (lower_case(*list).find("\n" + lower_case(names_.subject()) + "\t") != std::string::npos) {
     return core::fail(core::ErrorCode::WrongState,
-                      "another pseudonym of this dataset is " + names_.subject() + " too: BIDS leaves only letters and digits",
+                      "another pseudonym of this dataset is " + names_.subject() +
+                          " too: BIDS leaves only letters and digits, and many disks do not tell upper from lower case",
                       "export into a new folder");
   }
   return files_.replace("participants.tsv", *list + row);

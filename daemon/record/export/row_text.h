@@ -30,7 +30,8 @@ inline constexpr std::size_t kLongestNumber = 32;
 
 /// "ml_mm" stays; "Fz" in "N" becomes "Fz_n": units stand in every header.
 [[nodiscard]] std::string name_with_unit(const ChannelInfo& channel);
-/// A cell of a CSV file (RFC 4180): quoted when it must be.
+/// A cell of a CSV file (RFC 4180): quoted when it must be. Text that starts with one of = + - @, tab or carriage return, and
+/// is no number, gets an apostrophe in front: a spreadsheet would compute it. The same in a BIDS table.
 [[nodiscard]] std::string csv_cell(std::string_view text);
 /// A cell of a BIDS table, which knows no quotes: no tabs, no line ends, "n/a" for nothing.
 [[nodiscard]] std::string tsv_cell(std::string_view text);

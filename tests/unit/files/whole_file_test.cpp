@@ -59,5 +59,32 @@ TEST_F(WholeFile, Device_IsWrittenToAndNotReplaced) {
 
 TEST_F(WholeFile, NoFolder_IsRefused) { EXPECT_FALSE(write_whole_file(folder_ / "none" / "file", "text")); }
 
+TEST(ReadWholeFile, Pipe_IsRefusedAndNotWaitedFor) {
+  const std::string pipe = ::testing::TempDir() + "read_whole_file_pipe";
+  ::unlink(pipe.c_str());
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+
+  const auto read = read_whole_file(pipe, 1024);
+  ::unlink(pipe.c_str());
+
+  ASSERT_FALSE(read);
+  EXPECT_EQ(read.error().what, "is no regular file");
+}
+
+TEST(ReadWholeFile, DevicesFoldersAndNothing_AreRefused) {
+  EXPECT_EQ(read_whole_file("/dev/zero", 1024).error().what, "is no regular file");
+  EXPECT_EQ(read_whole_file("/", 1024).error().what, "is a folder, not a file");
+  EXPECT_EQ(read_whole_file("/no/such/file", 1024).error().what, "cannot be read: No such file or directory");
+}
+
+TEST(ReadWholeFile, TooLong_IsRefused) {
+  const std::string file = ::testing::TempDir() + "read_whole_file_long";
+  ASSERT_TRUE(write_whole_file(file, std::string(std::size_t{1} << 20U, 'x')));
+
+  EXPECT_EQ(read_whole_file(file, std::size_t{1} << 20U).value().size(), std::size_t{1} << 20U);
+  EXPECT_FALSE(read_whole_file(file, (std::size_t{1} << 20U) - 1));
+  ::unlink(file.c_str());
+}
+
 }  // namespace
 }  // namespace dts::files

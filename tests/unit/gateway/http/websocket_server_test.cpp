@@ -66,6 +66,9 @@ TEST(WebSocketServer, OnlyPagesOfOursAndFriendsGetOne) {
   EXPECT_EQ(status_of(answer_to_upgrade(port, "/ws", good + "X-Nobody: 1\r\n")), "401");
   EXPECT_EQ(status_of(answer_to_upgrade(port, "/other", good)), "404");
   EXPECT_EQ(status_of(answer_to_upgrade(port, "/ws", good, "dts.v1", "dts.v2")), "400");
+  for (const char* key : {"", "x", "dGhlIHNhbXBsZQ==", "dGhlIHNhbXBsZSBub25jZSE=", "dGhlIHNhbXBsZSBub25j?Q=="}) {
+    EXPECT_EQ(status_of(answer_to_upgrade(port, "/ws", good, "dGhlIHNhbXBsZSBub25jZQ==", key)), "400") << key;
+  }
   EXPECT_EQ(status_of(answer_to_upgrade(port, "/ws", good, "Version: 13", "Version: 8")), "426");
 }
 

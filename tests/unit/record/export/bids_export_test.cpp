@@ -192,6 +192,21 @@ TEST_F(BidsExportTest, PseudonymsThatBecomeOneLabel_AreToldNotMixed) {
   EXPECT_FALSE(std::filesystem::exists(folder_ / "sub-P017/ses-another"));
 }
 
+TEST_F(BidsExportTest, SubjectsThatDifferOnlyInCase_AreToldNotMixed) {
+  FakeRecording recording = floor_recording();
+  recording.facts->subject = "P1";
+  ASSERT_TRUE(run(recording).has_value());
+  recording.facts->subject = "p1";
+  recording.facts->session_id = "another";
+
+  const auto exported = run(recording);
+
+  ASSERT_FALSE(exported.has_value());
+  EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
+  EXPECT_THAT(exported.error().what, HasSubstr("upper from lower case"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "sub-p1"));
+}
+
 TEST_F(BidsExportTest, FolderOfSomethingElse_IsLeftAlone) {
   FakeRecording recording = floor_recording();
   write("holiday.txt", "mine");

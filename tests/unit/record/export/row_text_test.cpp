@@ -48,6 +48,22 @@ TEST(PutValue, EachTypeInItsShortestForm) {
   EXPECT_EQ(value(9.3e18, ValueType::Int64), "9.3e+18");
 }
 
+TEST(Cells, TextThatASpreadsheetWouldCompute_GetsAnApostrophe) {
+  EXPECT_EQ(csv_cell("=1+1"), "'=1+1");
+  EXPECT_EQ(csv_cell("=HYPERLINK(\"http://x\",1)"), "\"'=HYPERLINK(\"\"http://x\"\",1)\"");
+  EXPECT_EQ(csv_cell("@SUM(A1)"), "'@SUM(A1)");
+  EXPECT_EQ(csv_cell("\r=1"), "\"'\r=1\"");
+  for (const char* text : {"=1+1", "+1+1", "-1+1", "@x", "-cmd|' /C calc'!A0"}) EXPECT_EQ(tsv_cell(text), std::string("'") + text);
+  EXPECT_EQ(tsv_cell("\t=1"), "' =1");
+}
+
+TEST(Cells, NumbersAndOtherText_StayAsTheyAre) {
+  for (const char* text : {"-1", "-0.25", "-1e-9", "eyes open", "a=b", "n/a", "'x"}) {
+    EXPECT_EQ(csv_cell(text), text);
+    EXPECT_EQ(tsv_cell(text), text);
+  }
+}
+
 TEST(ToNs, TimesNoClockShows_StayInRange) {
   EXPECT_EQ(to_ns(1.5), 1'500'000'000);
   EXPECT_EQ(to_ns(std::numeric_limits<double>::quiet_NaN()), 0);

@@ -47,6 +47,7 @@ std::string prefix(const CLI::App& command) {
 UsageError unexpected_word(const std::string& word, const CLI::App& command) {
   const bool is_group = !subcommands(command).empty();
   const char* kind = word.starts_with('-') ? "option" : is_group ? "command" : "argument";
+  if (word == "help" && is_group) return {prefix(command) + "unexpected command 'help'", full_name(command) + " --help"};
   const std::string near = meant(word, command);
   std::string hint = near.empty() ? full_name(command) + " --help" : "did you mean " + near + "? " + full_name(command) + " --help";
   if (near.empty() && !is_group && !word.starts_with('-') && !positionals(command).empty()) hint = "put several words in quotes; " + hint;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/commands.h"
 
+#include <algorithm>
 #include <chrono>
 
 #include "cli/suggestion.h"
@@ -60,6 +61,27 @@ Result<ControlClient> connect(const Arguments& arguments) {
   return ControlClient::open(options);
 }
 
+namespace {
+
+bool has_session(const v1::StatusSnapshot& status, const std::string& name) {
+  return std::ranges::any_of(status.rigs(), [&](const v1::RigStatus& rig) {
+    if (rig.rig().name() != name) return false;
+    const v1::SessionState state = rig.session().state();
+    return state == v1::SESSION_STATE_STARTING || state == v1::SESSION_STATE_RUNNING || state == v1::SESSION_STATE_STOPPING;
+  });
+}
+
+/// Without a session a marker reaches only the clients that are watching now.
+void warn_unrecorded(const v1::StatusSnapshot& status, const v1::MarkResponse& mark, cli::Console& console) {
+  for (const v1::MarkResponse::At& at : mark.marks()) {
+    if (has_session(status, at.rig())) continue;
+    cli::print_error(console, "no session is running on rig '" + at.rig() + "': this marker is not recorded",
+                     "dtsctl session start --rig " + at.rig());
+  }
+}
+
+}  // namespace
+
 int run_status(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
       arguments, console, [](ControlClient& dts) { return dts.status(); },
@@ -96,7 +118,13 @@ int run_device_test(const Arguments& arguments, cli::Console& console) {
 
 int run_mark(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
-      arguments, console, [&](ControlClient& dts) { return dts.mark(arguments.text, arguments.rig); },
+      arguments, console,
+      [&](ControlClient& dts) {
+        const auto status = dts.status();
+        auto mark = dts.mark(arguments.text, arguments.rig);
+        if (status && mark) warn_unrecorded(*status, *mark, console);
+        return mark;
+      },
       [&](const v1::MarkResponse& mark) {
         for (const v1::MarkResponse::At& at : mark.marks()) {
           console.out << cli::printable(at.rig()) << ": segment " << at.segment() << ", scan " << at.scan() << '\n';

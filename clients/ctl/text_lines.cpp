@@ -17,6 +17,10 @@ void TextLines::show(const client::Block& block, std::size_t scans, Time now) {
   const bool is_new = known == shown_.end();
   Shown& shown = is_new ? shown_[std::string(block.topic)] : known->second;
   shown.unsaid_lost_scans += block.lost_scans;
+  if (!has_told_thinning_ && (scans > 1 || (!is_new && now - shown.at < kPause))) {
+    has_told_thinning_ = true;
+    console_.talk << "dtsctl: shows at most ten scans a second of each stream; for every scan: dtsctl watch --jsonl" << std::endl;
+  }
   if (!is_new && now - shown.at < kPause) return;
   shown.at = now;
   copy_scan(block, scans - 1, scan_);

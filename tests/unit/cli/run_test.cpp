@@ -72,6 +72,14 @@ TEST_F(RunTest, WrongUsage_NamesTheProgramTheCommandAndTheRange) {
   EXPECT_EQ(talk_.str(), "kettle: water: unexpected command 'boli'\n  try: did you mean boil? kettle water --help\n");
 }
 
+TEST_F(RunTest, HelpAsACommand_PointsToTheOption) {
+  EXPECT_EQ(run_with({"help"}), kUsage);
+  EXPECT_EQ(talk_.str(), "kettle: unexpected command 'help'\n  try: kettle --help\n");
+
+  EXPECT_EQ(run_with({"water", "help"}), kUsage);
+  EXPECT_EQ(talk_.str(), "kettle: water: unexpected command 'help'\n  try: kettle water --help\n");
+}
+
 TEST_F(RunTest, VersionAndHelp_SpeakOfTheProgram) {
   EXPECT_EQ(run_with({"--version"}), kOk);
   EXPECT_EQ(out_.str(), "kettle 1.2.3\n");

@@ -167,6 +167,28 @@ TEST_F(CommandsTest, Mark_TextMayBeTheNameOfACommand) {
   }
 }
 
+TEST_F(CommandsTest, MarkWithoutSession_SaysThatNothingRecordsIt) {
+  EXPECT_EQ(run_with({"mark", "step"}), cli::kOk);
+
+  EXPECT_EQ(talk(), "dtsctl: no session is running on rig 'floor': this marker is not recorded\n  try: dtsctl session start --rig floor\n");
+}
+
+TEST_F(RunTest, MarkInSession_HasNoWarning) {
+  const FakeController daemon(control_, [](const v1::Request& request, int number) {
+    auto answered = answer(request, number);
+    if (request.command_case() != v1::Request::kStatus) return answered;
+    return std::vector{reply(request, [](v1::Response& response) {
+      *response.mutable_status() = testing::floor_status();
+      response.mutable_status()->mutable_rigs(0)->mutable_session()->set_state(v1::SESSION_STATE_RUNNING);
+    })};
+  });
+
+  EXPECT_EQ(run_with({"mark", "step"}), cli::kOk);
+
+  EXPECT_EQ(out(), "floor: segment 2, scan 345\n");
+  EXPECT_EQ(talk(), "");
+}
+
 TEST_F(CommandsTest, MarkAndTareJson_AreDocuments) {
   EXPECT_EQ(run_with({"mark", "x", "--json"}), cli::kOk);
   EXPECT_EQ(json().at("marks").at(0).at("scan"), 345);

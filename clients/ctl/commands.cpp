@@ -36,7 +36,8 @@ Result<Target> target(const Arguments& arguments) {
     if (!key) return tl::make_unexpected(key.error());
     if (wishes.control.empty() && wishes.data.empty()) {
       if (key->control.empty()) {
-        return client::fail(client::ErrorCode::InvalidArgument, file + " names no address: the daemon listened on its own machine only when it was made",
+        return client::fail(client::ErrorCode::InvalidArgument,
+                            file + " names no address: the daemon listened on its own machine only when it was made",
                             "give --endpoint tcp://HOST:PORT, or put [network] into the daemon's configuration and make the key anew");
       }
       wishes = {.control = key->control, .data = key->data};

@@ -19,7 +19,7 @@ void TextLines::show(const client::Block& block, std::size_t scans, Time now) {
   shown.unsaid_lost_scans += block.lost_scans;
   if (!has_told_thinning_ && (scans > 1 || (!is_new && now - shown.at < kPause))) {
     has_told_thinning_ = true;
-    console_.talk << "dtsctl: shows at most ten scans a second of each stream; for every scan: dtsctl watch --jsonl" << std::endl;
+    console_.talk << console_.program << ": at most ten scans a second of each stream are shown; with --jsonl all are" << std::endl;
   }
   if (!is_new && now - shown.at < kPause) return;
   shown.at = now;

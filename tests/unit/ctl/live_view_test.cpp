@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <sstream>
 
@@ -50,6 +51,8 @@ TEST_F(LiveViewTest, TextLines_AtMostTenPerSecondAndNoLossUnsaid) {
   cop.block.lost_scans = 0;
   lines.show(cop.block, 1, start_ + 100ms);
   EXPECT_THAT(take(), HasSubstr("(missed 7 scans)"));
+  EXPECT_THAT(talk_.str(), HasSubstr("at most ten scans a second"));
+  EXPECT_EQ(std::ranges::count(talk_.str(), '\n'), 1);
 }
 
 TEST_F(LiveViewTest, TextLines_NewestOfTheScansAskedFor) {

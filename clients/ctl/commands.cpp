@@ -66,9 +66,9 @@ namespace {
 
 bool has_session(const v1::StatusSnapshot& status, const std::string& name) {
   return std::ranges::any_of(status.rigs(), [&](const v1::RigStatus& rig) {
-    if (rig.rig().name() != name) return false;
     const v1::SessionState state = rig.session().state();
-    return state == v1::SESSION_STATE_STARTING || state == v1::SESSION_STATE_RUNNING || state == v1::SESSION_STATE_STOPPING;
+    const bool is_over = state == v1::SESSION_STATE_UNSPECIFIED || state == v1::SESSION_STATE_IDLE || state == v1::SESSION_STATE_FAILED;
+    return rig.rig().name() == name && !is_over;
   });
 }
 
@@ -121,9 +121,9 @@ int run_mark(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
       arguments, console,
       [&](ControlClient& dts) {
-        const auto status = dts.status();
         auto mark = dts.mark(arguments.text, arguments.rig);
-        if (status && mark) warn_unrecorded(*status, *mark, console);
+        if (!mark) return mark;
+        if (const auto status = dts.status()) warn_unrecorded(*status, *mark, console);  // behind the marker, which must not wait
         return mark;
       },
       [&](const v1::MarkResponse& mark) {

@@ -61,8 +61,9 @@ FindSession find_session_through(CommandPool& commands) {
 /// Everything there is, in the order in which it depends on each other.
 class Gateway {
  public:
-  explicit Gateway(const Options& options, const client::Endpoints& endpoints)
+  Gateway(const Options& options, const client::Endpoints& endpoints, std::function<void(const std::string&)> log)
       : options_(options),
+        log_(std::move(log)),
         endpoints_(endpoints),
         commands_(io_, endpoints.control),
         hub_(
@@ -90,6 +91,7 @@ class Gateway {
   void await_goodbyes();
 
   Options options_;
+  std::function<void(const std::string&)> log_;
   client::Endpoints endpoints_;
   asio::io_context io_{1};
   asio::signal_set signals_{io_, SIGINT, SIGTERM};  ///< From before there is anything to tidy up.
@@ -165,8 +167,9 @@ client::Result<void> Gateway::open_parts() {
   auto files = StaticFiles::load(*root);
   if (!files) return tl::make_unexpected(files.error());
   files_ = std::move(*files);
-  const auto access_wanted = access_options(options_);
+  auto access_wanted = access_options(options_);
   if (!access_wanted) return tl::make_unexpected(access_wanted.error());
+  access_wanted->log = log_;
   auto access = AccessControl::open(io_, *access_wanted);
   if (!access) return tl::make_unexpected(access.error());
   access_ = std::move(*access);
@@ -225,7 +228,7 @@ void Gateway::await_goodbyes() {
 int serve(const Options& options, cli::Console& console) {
   const auto endpoints = client::find_endpoints({.control = options.control_endpoint, .data = options.data_endpoint});
   if (!endpoints) return cli::fail_with(console, endpoints.error());
-  Gateway gateway(options, *endpoints);
+  Gateway gateway(options, *endpoints, [&console](const std::string& line) { console.talk << line << std::endl; });
   if (auto opened = gateway.open(); !opened) return cli::fail_with(console, opened.error());
   const std::string scheme = options.certificate_file.empty() ? "http" : "https";
   const std::string address = options.listen.substr(0, options.listen.rfind(':'));

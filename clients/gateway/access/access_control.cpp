@@ -30,6 +30,8 @@ constexpr seconds kLongestForAddress{900};
 // Anybody can make a name wait: half a minute keeps guesses few (2880 a day), and its owner out only as long as somebody bothers.
 constexpr seconds kLongestForName{30};
 
+constexpr seconds kLogPause{1};
+
 struct Attempt {
   LoginRequest login;
   std::string stranger;
@@ -81,7 +83,7 @@ class AccessControlImpl final : public AccessControl {
     if (!login) return respond(error_answer(login.error()));
     if (options_.users_file.empty()) return respond(error_answer(403, "nobody can log in here", "give the gateway a users file"));
     if (waiting_.size() == kMostWaiting) {
-      ++refused_logins_total_;
+      note_refusal(login->user, counted_as(request.remote_address));
       return respond(come_later(kQueueIsShorterIn));
     }
     waiting_.push_back({.login = std::move(*login),
@@ -122,7 +124,7 @@ class AccessControlImpl final : public AccessControl {
       Attempt attempt = std::move(waiting_.front());
       waiting_.pop_front();
       if (const seconds wait = wait_of(attempt); wait > seconds{0}) {
-        ++refused_logins_total_;
+        note_refusal(attempt.login.user, attempt.stranger);
         attempt.respond(come_later(wait));
       } else if (!refresh()) {
         attempt.respond(error_answer(503, "the list of users cannot be read", "dts-gateway user list says why"));
@@ -144,15 +146,16 @@ class AccessControlImpl final : public AccessControl {
                          is_comparing_ = false;
                          const User* still = refresh() ? users_.find(asked.name) : nullptr;
                          const bool is_in = is_right && still != nullptr && *still == asked;
-                         respond(is_in ? welcome(asked, is_secure) : turn_away(asked.name, stranger));
+                         respond(is_in ? welcome(asked, stranger, is_secure) : turn_away(asked.name, stranger));
                          compare_next();
                        });
   }
 
-  [[nodiscard]] HttpResponse welcome(const User& user, bool is_secure) {
+  [[nodiscard]] HttpResponse welcome(const User& user, const std::string& stranger, bool is_secure) {
     // The address is not forgiven: with a login of their own somebody could else guess on at those of others for ever.
     names_.forgive(user.name);
     const Identity identity{.user = user.name, .role = user.role};
+    options_.log("login: " + user.name + " (" + std::string(role_name(user.role)) + ") from " + stranger);
     HttpResponse answer = describe(identity);
     const std::string token = tokens_.issue(identity, options_.now());
     answer.headers.emplace_back("Set-Cookie", cookie_text(token, options_.token_life, is_secure));
@@ -160,10 +163,22 @@ class AccessControlImpl final : public AccessControl {
   }
 
   [[nodiscard]] HttpResponse turn_away(const std::string& name, const std::string& stranger) {
-    ++refused_logins_total_;
+    note_refusal(name, stranger);
     addresses_.add_failure(stranger, options_.now());
     if (is_user_name(name)) names_.add_failure(name, options_.now());
     return error_answer(401, "name or password is wrong");
+  }
+
+  void note_refusal(const std::string& name, const std::string& stranger) {
+    ++refused_logins_total_;
+    ++unlogged_refusals_;
+    const auto now = options_.now();
+    if (last_logged_ && now - *last_logged_ < kLogPause) return;
+    last_logged_ = now;
+    const std::string whom = users_.find(name) == nullptr ? "a name that no user has" : name;
+    const std::uint64_t others = std::exchange(unlogged_refusals_, 0) - 1;
+    options_.log("login refused: " + whom + " from " + stranger +
+                 (others == 0 ? "" : ", and " + std::to_string(others) + " more since the line before"));
   }
 
   AccessOptions options_;
@@ -174,6 +189,8 @@ class AccessControlImpl final : public AccessControl {
   std::deque<Attempt> waiting_;
   bool is_comparing_ = false;
   std::uint64_t refused_logins_total_ = 0;
+  std::uint64_t unlogged_refusals_ = 0;
+  std::optional<std::chrono::steady_clock::time_point> last_logged_;
   PasswordThread passwords_;  // last: its thread ends before the rest goes
 };
 

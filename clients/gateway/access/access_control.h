@@ -24,10 +24,13 @@ struct AccessOptions {
   std::chrono::seconds token_life{12 * 3600};  ///< Of a login that is used; a shift.
   std::chrono::seconds idle_life{2 * 3600};    ///< Of a login that is not; an open tab is a use.
   std::function<std::chrono::steady_clock::time_point()> now = time_since_boot;
+  std::function<void(const std::string&)> log = [](const std::string&) {};  ///< Takes a line; what a browser sent is not in it.
 };
 
 /// Tells who somebody is: by the token in the cookie "dts_token" (HttpOnly, SameSite=Strict, Secure over TLS), or as the local user.
 ///
+/// Every login is a line of the log, with name, role and address; refused ones are a line a second, with their number. A name that no user
+/// has is not told: it may be a password in the wrong field.
 /// Passwords are hashed with libsodium (argon2id), on a thread of their own, one at a time; a wrong name costs as much time as a wrong
 /// password. After five failures an address or a name waits, longer each time. Tokens are 256 random bits, kept as hashes, in memory only:
 /// a restart logs everybody out. Whose line in the users file is changed or gone is logged out at once; while that file cannot be read,

@@ -179,7 +179,7 @@ TEST_F(RunTest, MarkInSession_HasNoWarning) {
     if (request.command_case() != v1::Request::kStatus) return answered;
     return std::vector{reply(request, [](v1::Response& response) {
       *response.mutable_status() = testing::floor_status();
-      response.mutable_status()->mutable_rigs(0)->mutable_session()->set_state(v1::SESSION_STATE_RUNNING);
+      response.mutable_status()->mutable_rigs(0)->mutable_session()->set_state(v1::SESSION_STATE_SETTLING);
     })};
   });
 

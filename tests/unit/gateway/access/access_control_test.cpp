@@ -79,7 +79,10 @@ class AccessControlTest : public AnsweredTest {
 
   testing::TemporaryDirectory directory_;
   std::chrono::steady_clock::time_point now_{hours{1000}};
-  AccessOptions options_{.users_file = (directory_.path() / "users").string(), .now = [this] { return now_; }};
+  std::vector<std::string> log_;
+  AccessOptions options_{.users_file = (directory_.path() / "users").string(),
+                         .now = [this] { return now_; },
+                         .log = [this](const std::string& line) { log_.push_back(line); }};
   std::unique_ptr<AccessControl> access_;
 };
 
@@ -117,6 +120,25 @@ TEST_F(AccessControlTest, WrongNameAndWrongPassword_LookTheSame) {
   EXPECT_EQ(wrong_name.status, wrong_password.status);
   EXPECT_EQ(wrong_name.headers, wrong_password.headers);
   EXPECT_EQ(std::get<std::string>(wrong_name.body), std::get<std::string>(wrong_password.body));
+}
+
+TEST_F(AccessControlTest, Logins_AreLoggedWithTheirAddress) {
+  (void)log_in(login("anna", kPassword, "10.0.0.7"));
+  (void)log_in(login("anna", "incorrect horse", "10.0.0.8"));
+  now_ += seconds{1};
+  (void)log_in(login("my secret password", "anna", "10.0.0.9"));
+
+  EXPECT_EQ(log_, (std::vector<std::string>{"login: anna (operator) from 10.0.0.7", "login refused: anna from 10.0.0.8",
+                                            "login refused: a name that no user has from 10.0.0.9"}));
+}
+
+TEST_F(AccessControlTest, ManyRefusedLogins_AreALineASecond) {
+  for (int i = 0; i < 20; ++i) (void)log_in(login("anna", "incorrect horse"));
+  now_ += seconds{1};
+  (void)log_in(login("anna", "incorrect horse"));
+
+  EXPECT_EQ(log_, (std::vector<std::string>{"login refused: anna from 192.0.2.7",
+                                            "login refused: anna from 192.0.2.7, and 19 more since the line before"}));
 }
 
 TEST_F(AccessControlTest, WrongName_TakesAsLongAsAWrongPassword) {

@@ -26,9 +26,13 @@ using std::chrono::seconds;
 constexpr std::string_view kCookie = "dts_token";
 constexpr std::size_t kMostWaiting = 16;
 constexpr seconds kQueueIsShorterIn{2};
-constexpr seconds kLongestForAddress{900};
-// Anybody can make a name wait: half a minute keeps guesses few (2880 a day), and its owner out only as long as somebody bothers.
-constexpr seconds kLongestForName{30};
+// A name from an address: whoever guesses waits long, and neither the colleagues behind the same router nor the owner elsewhere do.
+constexpr seconds kLongestForBoth{900};
+constexpr unsigned kFreeForBoth = 5;
+// Guesses at many names from one address, or at one name from many: half a minute keeps them few (2880 a day), and others out only as
+// long as somebody bothers.
+constexpr seconds kLongestForOne{30};
+constexpr unsigned kFreeForOne = 20;
 
 constexpr seconds kLogPause{1};
 
@@ -43,6 +47,8 @@ std::string cookie_text(std::string_view value, seconds life, bool is_secure) {
   return std::string(kCookie) + "=" + std::string(value) + "; Path=/; Max-Age=" + std::to_string(life.count()) +
          "; HttpOnly; SameSite=Strict" + (is_secure ? "; Secure" : "");
 }
+
+std::string pair_of(const std::string& name, const std::string& stranger) { return name + " " + stranger; }
 
 HttpResponse come_later(seconds wait) {
   HttpResponse answer = error_answer(429, "too many logins failed or wait", "try again in " + std::to_string(wait.count()) + " s");
@@ -115,7 +121,8 @@ class AccessControlImpl final : public AccessControl {
 
   [[nodiscard]] seconds wait_of(const Attempt& attempt) const {
     const auto now = options_.now();
-    return std::max(addresses_.wait(attempt.stranger, now), names_.wait(attempt.login.user, now));
+    return std::max({pairs_.wait(pair_of(attempt.login.user, attempt.stranger), now), addresses_.wait(attempt.stranger, now),
+                     names_.wait(attempt.login.user, now)});
   }
 
   /// Whether somebody may try is asked when it is their turn: otherwise many attempts at a time would all be the first.
@@ -154,6 +161,7 @@ class AccessControlImpl final : public AccessControl {
   [[nodiscard]] HttpResponse welcome(const User& user, const std::string& stranger, bool is_secure) {
     // The address is not forgiven: with a login of their own somebody could else guess on at those of others for ever.
     names_.forgive(user.name);
+    pairs_.forgive(pair_of(user.name, stranger));
     const Identity identity{.user = user.name, .role = user.role};
     options_.log("login: " + user.name + " (" + std::string(role_name(user.role)) + ") from " + stranger);
     HttpResponse answer = describe(identity);
@@ -165,7 +173,10 @@ class AccessControlImpl final : public AccessControl {
   [[nodiscard]] HttpResponse turn_away(const std::string& name, const std::string& stranger) {
     note_refusal(name, stranger);
     addresses_.add_failure(stranger, options_.now());
-    if (is_user_name(name)) names_.add_failure(name, options_.now());
+    if (is_user_name(name)) {
+      names_.add_failure(name, options_.now());
+      pairs_.add_failure(pair_of(name, stranger), options_.now());
+    }
     return error_answer(401, "name or password is wrong");
   }
 
@@ -184,8 +195,9 @@ class AccessControlImpl final : public AccessControl {
   AccessOptions options_;
   UserList users_;
   TokenStore tokens_;
-  BackOff addresses_{kLongestForAddress};
-  BackOff names_{kLongestForName};
+  BackOff pairs_{kLongestForBoth, kFreeForBoth};
+  BackOff addresses_{kLongestForOne, kFreeForOne};
+  BackOff names_{kLongestForOne, kFreeForOne};
   std::deque<Attempt> waiting_;
   bool is_comparing_ = false;
   std::uint64_t refused_logins_total_ = 0;

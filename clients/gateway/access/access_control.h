@@ -32,10 +32,9 @@ struct AccessOptions {
 /// Every login is a line of the log, with name, role and address; refused ones are a line a second, with their number. A name that no user
 /// has is not told: it may be a password in the wrong field.
 /// Passwords are hashed with libsodium (argon2id), on a thread of their own, one at a time; a wrong name costs as much time as a wrong
-/// password. After five failures an address or a name waits, longer each time. Tokens are 256 random bits, kept as hashes, in memory only:
-/// a restart logs everybody out. Whose line in the users file is changed or gone is logged out at once; while that file cannot be read,
-/// nobody is let in.
-/// Thread: io, but for the hashing.
+/// password. After five failures a name waits at the address they came from, after twenty the name or the address alone, longer each time.
+/// Tokens are 256 random bits, kept as hashes, in memory only: a restart logs everybody out. Whose line in the users file is changed or
+/// gone is logged out at once; while that file cannot be read, nobody is let in. Thread: io, but for the hashing.
 class AccessControl {
  public:
   /// Reads the users. Fails with InvalidArgument, naming file and line, for a file that is not one, or that others may read.

@@ -9,9 +9,9 @@ using std::chrono::seconds;
 
 seconds BackOff::wait(const std::string& key, Time now) const {
   const auto found = failures_.find(key);
-  if (found == failures_.end() || found->second.count < kFreeFailures || now - found->second.last >= kMemory) return seconds{0};
+  if (found == failures_.end() || found->second.count < free_failures_ || now - found->second.last >= kMemory) return seconds{0};
   constexpr unsigned kMostDoublings = 20;
-  const unsigned doublings = std::min(found->second.count - kFreeFailures, kMostDoublings);
+  const unsigned doublings = std::min(found->second.count - free_failures_, kMostDoublings);
   const seconds whole = std::min(longest_, seconds{1LL << doublings});
   return std::max(seconds{0}, std::chrono::ceil<seconds>(found->second.last + whole - now));
 }

@@ -8,16 +8,15 @@
 
 namespace dts::gateway {
 
-/// Who failed too often waits: nothing for the first five times, then 1 s, 2 s, 4 s ... up to the longest. An hour without a failure
+/// Who failed too often waits: nothing for the first failures, then 1 s, 2 s, 4 s ... up to the longest. An hour without a failure
 /// forgives. Bounded: of too many keys the one that failed longest ago goes. No clock: told the time.
 class BackOff {
  public:
   using Time = std::chrono::steady_clock::time_point;
   static constexpr std::size_t kMostKeys = 4096;
-  static constexpr unsigned kFreeFailures = 5;
   static constexpr std::chrono::hours kMemory{1};
 
-  explicit BackOff(std::chrono::seconds longest) : longest_(longest) {}
+  BackOff(std::chrono::seconds longest, unsigned free_failures) : longest_(longest), free_failures_(free_failures) {}
 
   /// How long `key` still has to wait; zero: it may try.
   [[nodiscard]] std::chrono::seconds wait(const std::string& key, Time now) const;
@@ -34,6 +33,7 @@ class BackOff {
   void make_room(Time now);
 
   std::chrono::seconds longest_;
+  unsigned free_failures_;
   std::map<std::string, Failures> failures_;
 };
 

@@ -16,7 +16,7 @@ class BackOffTest : public ::testing::Test {
   }
   [[nodiscard]] seconds wait(const std::string& key) const { return back_off_.wait(key, now_); }
 
-  BackOff back_off_{seconds{30}};
+  BackOff back_off_{seconds{30}, 5};
   BackOff::Time now_{hours{1000}};
 };
 

@@ -64,12 +64,13 @@ class Daemons {
   }
 
   void hear(std::size_t peer, std::string_view bytes) {
-    v1::Request request;
-    if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return;
-    if (request.request_id().empty() || request.request_id().size() > kLongestRequestId) return;
     const char* const name = kPeers[peer].first;
     const access::Peer sender = *name == '\0' ? access::Gate::local() : gate_.remote(key_of(name[0]));
     clock_.advance_ns(core::kNanosecondsPerSecond);  // nobody is refused for haste
+    promise(gate_.admit(sender, clock_.now_ns()).has_value(), "a message a second is within the limit");
+    v1::Request request;
+    if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return;
+    if (request.request_id().empty() || request.request_id().size() > kLongestRequestId) return;
     if (!is_allowed(sender, request)) return;
     for (ipc::CommandHandler* handler : {&rig_handler_, &catalogue_handler_}) answer(*handler, sender, request);
     with_rig_.tick();
@@ -97,8 +98,8 @@ class Daemons {
 
   static std::string key_of(char letter) { return std::string(39, '0') + letter; }
 
-  bool is_allowed(const access::Peer& sender, const v1::Request& request) {
-    const bool is_allowed = gate_.check(sender, request, clock_.now_ns()).has_value();
+  static bool is_allowed(const access::Peer& sender, const v1::Request& request) {
+    const bool is_allowed = access::Gate::check(sender, request).has_value();
     const bool has_command = request.command_case() != v1::Request::COMMAND_NOT_SET;
     promise(is_allowed == (!has_command || sender.role >= access::role_needed(request)), "a command runs for those who may");
     return is_allowed;

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <utility>
 
+#include "ctl/session_view.h"
+
 namespace dts::ctl {
 namespace {
 
@@ -110,6 +112,7 @@ void remove_meaningless(const Message& message, cli::Json& json) {
       for (const char* key : {"elapsed_s", "settle_s"}) json.erase(key);
     }
   }
+  if (const auto* record = dynamic_cast<const v1::SessionRecord*>(&message)) json["state_text"] = state_of(*record);
   if (const auto* reach = dynamic_cast<const v1::Reach*>(&message)) {
     json["flags"] = bit_words(*v1::ReachFlag_descriptor(), reach->flags());
     const std::array<std::pair<const char*, const v1::ReachPoint*>, 3> points{

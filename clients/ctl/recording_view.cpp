@@ -18,6 +18,22 @@ std::string bytes_text(std::uint64_t bytes) {
   return cli::decimal(size, unit == 0 ? 0 : 1) + " " + std::string(kUnits[unit]);
 }
 
+std::string losses_text(const google::protobuf::RepeatedPtrField<v1::LossCount>& losses) {
+  const auto counted = [](std::uint64_t count, const std::string& thing) {
+    return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+  };
+  std::uint64_t scans = 0;
+  std::uint64_t gaps = 0;
+  std::string reasons;
+  for (const v1::LossCount& loss : losses) {
+    scans += loss.lost_scans_total();
+    gaps += loss.gaps_total();
+    const std::string word = loss.reason() == v1::GAP_REASON_UNSPECIFIED ? "unknown" : enumerator_word(*v1::GapReason_descriptor(), loss.reason());
+    reasons += (reasons.empty() ? "" : ", ") + word + " " + std::to_string(loss.gaps_total());
+  }
+  return gaps == 0 ? "" : counted(scans, "scan") + " lost in " + counted(gaps, "gap") + ": " + reasons;
+}
+
 std::string utc_text(std::int64_t utc_ns) {
   if (utc_ns == 0) return "-";
   namespace time = std::chrono;

@@ -16,6 +16,8 @@ namespace dts::ctl {
 [[nodiscard]] std::string bytes_text(std::uint64_t bytes);
 /// "2026-11-21 14:45:25"; "-" for 0.
 [[nodiscard]] std::string utc_text(std::int64_t utc_ns);
+/// "10560 scans lost in 1 gap: ring_full 1"; empty: nothing is missing.
+[[nodiscard]] std::string losses_text(const google::protobuf::RepeatedPtrField<v1::LossCount>& losses);
 /// "trial 3 of 30, measuring, 12.0 s left: 120; next 150 at 85.2 cm"
 [[nodiscard]] std::string trial_line(const v1::TrialStatus& trial);
 /// "12.3 GB free in /var/lib/dtsd, room for 3 d 2 h"; empty when the daemon says nothing of a disk.

@@ -27,17 +27,27 @@ std::string or_dash(const std::string& text) { return text.empty() ? "-" : text;
 
 std::string state_word(v1::PartState state) { return enumerator_word(*v1::PartState_descriptor(), state); }
 
-/// The session's state, and in brackets those of its recordings that say more: "interrupted (recovered)".
+}  // namespace
+
 std::string state_of(const v1::SessionRecord& session) {
   std::string more;
+  std::uint64_t lost_scans = 0;
+  std::uint64_t gaps = 0;
   for (const v1::SessionPart& part : session.parts()) {
+    for (const v1::LossCount& loss : part.losses()) {
+      lost_scans += loss.lost_scans_total();
+      gaps += loss.gaps_total();
+    }
     const std::string word = state_word(part.state());
     const bool is_usual = part.state() == v1::PART_STATE_COMPLETE || part.state() == v1::PART_STATE_RECORDING;
     if (is_usual || word == session.state() || more.find(word) != std::string::npos) continue;
     more += (more.empty() ? "" : ", ") + word;
   }
+  if (gaps > 0) more += (more.empty() ? "" : ", ") + std::to_string(lost_scans) + (lost_scans == 1 ? " scan lost" : " scans lost");
   return or_dash(session.state()) + (more.empty() ? "" : " (" + more + ")");
 }
+
+namespace {
 
 double recorded_s(const v1::SessionRecord& session) {
   double sum_s = 0.0;
@@ -61,6 +71,11 @@ void print_parts(cli::Console& console, const v1::SessionRecord& session) {
     if (part.sha256().empty()) continue;
     const std::string sum = "part " + std::to_string(part.part()) + ": SHA-256 " + cli::printable(part.sha256());
     console.out << cli::styled(console, cli::Style::Faint, sum) << '\n';
+  }
+  for (const v1::SessionPart& part : session.parts()) {
+    const std::string lost = losses_text(part.losses());
+    if (lost.empty()) continue;
+    console.out << cli::styled(console, cli::Style::Warning, "part " + std::to_string(part.part()) + ": " + lost) << '\n';
   }
   for (const v1::SessionPart& part : session.parts()) {
     if (part.reason().empty() && !(part.lost_s_at_most() > 0.0)) continue;

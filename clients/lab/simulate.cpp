@@ -141,7 +141,7 @@ core::Result<std::unique_ptr<Truth>> create_truth(const Simulation& simulation, 
 }
 
 record::SessionFacts facts_of(const Simulation& simulation, const device::Device& device, const pipeline::Pipeline& pipeline) {
-  const std::int64_t utc_minus_monotonic_ns = core::utc_minus_monotonic_ns();
+  const std::int64_t utc_minus_monotonic_ns = core::SystemClock{}.utc_minus_monotonic_ns();
   const core::SystemClock clock;
   record::SessionFacts facts{.session_id = "simulated-" + simulation.config.kind + "-" + std::to_string(simulation.seed),
                              .rig = simulation.config.name,

@@ -126,7 +126,7 @@ namespace {
 
 Result<void> check(const v1::SessionPart& part) {
   if (part.state() == v1::PART_STATE_UNSPECIFIED || !v1::PartState_IsValid(part.state())) return damaged("a recording in an unknown state");
-  return first_failure(check_amount(part.duration_s(), "the length of a recording"),
+  return first_failure(check_count(part.losses_size(), kMaxTexts, "causes of losses"), check_amount(part.duration_s(), "the length of a recording"),
                        check_amount(part.lost_s_at_most(), "what a recording lost"));
 }
 

@@ -59,6 +59,7 @@ std::vector<std::string> session_alerts(const SessionData& session) {
   for (const PartData& part : session.parts) {
     if (!part.damage.empty())
       alerts.push_back("The recording " + part.file + " is not whole (" + part.damage + "): what is whole is shown.");
+    if (!part.losses.empty()) alerts.push_back("The recording " + part.file + " has gaps: " + part.losses + ".");
   }
   return alerts;
 }

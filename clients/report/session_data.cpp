@@ -46,7 +46,7 @@ class Waiting {
 auto interrupted() { return core::fail(core::ErrorCode::Failed, "the report was interrupted: nothing is written"); }
 
 core::Result<PartData> check_part(const std::string& path, const record::Recording& recording, Waiting& waiting, const Share& share) {
-  PartData part{.file = std::filesystem::path(path).filename().string(), .sha256 = {}, .damage = recording.damage()};
+  PartData part{.file = std::filesystem::path(path).filename().string(), .sha256 = {}, .damage = recording.damage(), .losses = to_text(recording.losses())};
   if (!part.damage.empty()) return part;
   // Wrong values look like any others: only the checksums know. A figure in a report must not come from a damaged file.
   const auto verified = record::verify(path, [&](std::uint64_t done, std::uint64_t of) {
@@ -107,10 +107,6 @@ void compare_with_told(TrialData& trial) {
 }
 
 void analyse(TrialData& trial, const std::optional<double>& foot_length_mm) {
-  if (trial.recorded.cop.ml_mm.empty()) {
-    trial.problem = "no sample of the centre of pressure was recorded in it";
-    return;
-  }
   auto prepared = posturography::prepare(trial.recorded.cop, posturography::kReportPreparation);
   if (!prepared) {
     trial.problem = prepared.error().what;
@@ -146,6 +142,7 @@ void summarise(SessionData& session) {
                        .segment = trial.recorded.segment,
                        .first_scan = trial.recorded.first_scan,
                        .end_scan = trial.recorded.end_scan,
+                       .end_segment = trial.recorded.end_segment,
                        .analysis = trial.analysis,
                        .problem = trial.problem});
   }

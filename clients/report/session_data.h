@@ -22,6 +22,7 @@ struct PartData {
   std::string file;    ///< Without its folder: reports are the same on every machine.
   std::string sha256;  ///< Empty: the file is damaged.
   std::string damage;  ///< Empty: nothing is wrong.
+  std::string losses;  ///< What is missing between its first scan and its last; empty: nothing.
 };
 
 /// A trial, analysed here and now.

@@ -24,6 +24,8 @@ class WatchedRecording final : public record::Recording {
   [[nodiscard]] std::optional<std::size_t> find_stream(const std::string& name) const override { return recording_.find_stream(name); }
   [[nodiscard]] const std::optional<record::SessionFacts>& session() const noexcept override { return recording_.session(); }
   [[nodiscard]] const std::string& damage() const noexcept override { return recording_.damage(); }
+  [[nodiscard]] const core::Losses& losses() const noexcept override { return recording_.losses(); }
+  [[nodiscard]] double duration_s() const noexcept override { return recording_.duration_s(); }
   [[nodiscard]] std::uint64_t sample_count(std::size_t stream) const override { return recording_.sample_count(stream); }
   [[nodiscard]] core::Result<std::optional<record::RecordedItem>> next() override;
   core::Status rewind() override { return recording_.rewind(); }

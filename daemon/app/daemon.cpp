@@ -202,6 +202,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   ::umask(0007);  // sockets, catalogue and recordings: for owner and group
   auto recordings = session::Recordings::open(config.storage, clock, log);
   if (!recordings) return tl::make_unexpected(recordings.error());
+  if (!(*recordings)->notice().empty()) notices.push_back((*recordings)->notice());
   const std::string boot = boot_id();
   session::Supervisor supervisor(
       clock, log, &usb,

@@ -46,6 +46,6 @@ std::int64_t monotonic_of_raw_ns(const Clock& clock, std::int64_t raw_ns) noexce
   return raw_ns + difference_ns;
 }
 
-std::int64_t utc_minus_monotonic_ns() noexcept { return read_ns(CLOCK_REALTIME) - read_ns(CLOCK_MONOTONIC); }
+std::int64_t Clock::utc_minus_monotonic_ns() const noexcept { return read_ns(CLOCK_REALTIME) - read_ns(CLOCK_MONOTONIC); }
 
 }  // namespace dts::core

@@ -23,6 +23,8 @@ class Clock {
   [[nodiscard]] virtual std::int64_t raw_ns() const noexcept { return now_ns(); }
   /// How long the machine has been suspended so far, ns: `now_ns` stands still meanwhile.
   [[nodiscard]] virtual std::int64_t suspended_ns() const noexcept { return 0; }
+  /// Wall clock minus `now_ns` at this moment, ns: maps host times to UTC. Jumps when the wall clock is set.
+  [[nodiscard]] virtual std::int64_t utc_minus_monotonic_ns() const noexcept;
 };
 
 /// The machine's CLOCK_MONOTONIC.
@@ -36,9 +38,6 @@ class SystemClock final : public Clock {
 
 /// The `now_ns` of an instant that `raw_ns` gave, by their difference at this moment. Realtime-safe: yes.
 [[nodiscard]] std::int64_t monotonic_of_raw_ns(const Clock& clock, std::int64_t raw_ns) noexcept;
-
-/// Wall clock minus monotonic clock at this moment, ns: maps host times to UTC. Jumps when the wall clock is set.
-[[nodiscard]] std::int64_t utc_minus_monotonic_ns() noexcept;
 
 /// Time that passes only when somebody sleeps or advances it: simulations and tests run as fast as they compute. Like any
 /// clock it never goes back, however many threads sleep on it.

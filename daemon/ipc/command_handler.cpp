@@ -116,7 +116,7 @@ std::optional<dts::v1::Response> CommandHandler::finish_tare(const PendingTare& 
 }
 
 dts::v1::StatusSnapshot CommandHandler::status() {
-  dts::v1::StatusSnapshot out = status_snapshot(identity_, clock_.now_ns(), supervisor_.states(), notices_);
+  dts::v1::StatusSnapshot out = status_snapshot(identity_, clock_, supervisor_.states(), notices_);
   for (const session::Rig* rig : supervisor_.rigs()) {
     for (const std::string& notice : rig->notices()) out.add_notices(notice);
   }

@@ -36,14 +36,7 @@ static_assert(core::quality::kSubstituted == dts::v1::QUALITY_SUBSTITUTED);
 static_assert(core::quality::kUntared == dts::v1::QUALITY_UNTARED && core::quality::kNoContact == dts::v1::QUALITY_NO_CONTACT);
 
 void add_health(const session::RigState& state, dts::v1::RigStatus& out) {
-  for (std::size_t reason = 0; reason < state.acquisition.losses.size(); ++reason) {
-    const session::LossCount& count = state.acquisition.losses[reason];
-    if (count.gaps_total == 0) continue;
-    auto& loss = *out.add_losses();
-    loss.set_reason(static_cast<dts::v1::GapReason>(reason));
-    loss.set_gaps_total(count.gaps_total);
-    loss.set_lost_scans_total(count.lost_scans_total);
-  }
+  add_losses(state.acquisition.losses, *out.mutable_losses());
   out.mutable_ring_fill()->set_scans_percent(state.ring_fill.scans_percent);
   out.mutable_ring_fill()->set_frames_percent(state.ring_fill.frames_percent);
   out.mutable_ring_fill()->set_record_percent(state.ring_fill.record_percent);
@@ -58,8 +51,8 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   out.set_device_message(std::string(state.acquisition.text()));
   out.set_segment(state.acquisition.segment);
   out.set_scans_total(state.acquisition.scans_total);
-  out.set_lost_scans_total(state.acquisition.lost_scans_total);
-  out.set_gaps_total(state.acquisition.gaps_total);
+  out.set_lost_scans_total(state.acquisition.losses.total().scans);
+  out.set_gaps_total(state.acquisition.losses.total().gaps);
   out.set_reconnects_total(state.acquisition.reconnects_total);
   out.set_dropped_blocks_total(state.pipeline.dropped_blocks_total);
   out.set_nominal_rate_hz(state.acquisition.rate.hz());
@@ -170,14 +163,15 @@ dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& no
   return event;
 }
 
-dts::v1::StatusSnapshot status_snapshot(const Identity& identity, std::int64_t now_ns, const std::vector<session::RigState>& states,
+dts::v1::StatusSnapshot status_snapshot(const Identity& identity, const core::Clock& clock, const std::vector<session::RigState>& states,
                                         const std::vector<std::string>& notices) {
+  const std::int64_t now_ns = clock.now_ns();
   dts::v1::StatusSnapshot out;
   out.set_instance_id(identity.instance_id);
   out.set_version(identity.version);
   out.set_uptime_s(static_cast<double>(now_ns - identity.started_ns) * 1e-9);
   out.set_host_time_ns(now_ns);
-  out.set_utc_minus_monotonic_ns(core::utc_minus_monotonic_ns());
+  out.set_utc_minus_monotonic_ns(clock.utc_minus_monotonic_ns());
   out.set_boot_id(identity.boot_id);
   for (const std::string& notice : notices) out.add_notices(notice);
   for (const session::RigState& state : states) *out.add_rigs() = rig_status(state);

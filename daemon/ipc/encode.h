@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/clock.h"
 #include "core/frame.h"
 #include "dts/v1/control.pb.h"
 #include "dts/v1/stream.pb.h"
@@ -43,7 +44,7 @@ struct Identity {
 /// Event of a notice; `topic_name` gets the second half of its topic ("marker").
 [[nodiscard]] dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice, std::string& topic_name);
 
-[[nodiscard]] dts::v1::StatusSnapshot status_snapshot(const Identity& identity, std::int64_t now_ns,
+[[nodiscard]] dts::v1::StatusSnapshot status_snapshot(const Identity& identity, const core::Clock& clock,
                                                       const std::vector<session::RigState>& states,
                                                       const std::vector<std::string>& notices);
 /// With its buckets adding up, and an infinite last one.

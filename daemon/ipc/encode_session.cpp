@@ -93,6 +93,17 @@ dts::v1::TrialChange trial_change(const session::TrialNotice& notice) {
   return out;
 }
 
+void add_losses(const core::Losses& losses, google::protobuf::RepeatedPtrField<dts::v1::LossCount>& out) {
+  for (std::size_t reason = 0; reason < core::kGapReasons; ++reason) {
+    const core::LossCount& count = losses.of(static_cast<core::GapReason>(reason));
+    if (count == core::LossCount{}) continue;
+    auto& loss = *out.Add();
+    loss.set_reason(static_cast<dts::v1::GapReason>(reason));
+    loss.set_gaps_total(count.gaps);
+    loss.set_lost_scans_total(count.scans);
+  }
+}
+
 dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol) {
   dts::v1::ProtocolInfo out;
   out.set_name(protocol.name);
@@ -128,6 +139,7 @@ void fill(dts::v1::SessionPart& out, const record::PartRow& part) {
   out.set_duration_s(part.duration_s);
   out.set_lost_s_at_most(part.lost_s_at_most);
   out.set_reason(clean_text(part.reason));
+  add_losses(part.losses, *out.mutable_losses());
 }
 
 double number_of(const record::RecordedEvent& event, const std::string& key, double otherwise) {

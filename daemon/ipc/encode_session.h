@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "core/losses.h"
 #include "dts/v1/control.pb.h"
 #include "dts/v1/stream.pb.h"
 #include "record/catalogue/catalogue.h"
@@ -10,6 +11,8 @@
 
 namespace dts::ipc {
 
+/// One entry for every reason that occurred.
+void add_losses(const core::Losses& losses, google::protobuf::RepeatedPtrField<dts::v1::LossCount>& out);
 [[nodiscard]] dts::v1::SessionInfo session_info(const std::string& rig, const session::SessionView& view);
 [[nodiscard]] dts::v1::SessionState session_state(session::SessionState state);
 [[nodiscard]] dts::v1::RecordingStatus recording_status(const session::RecordingView& view, std::uint32_t part);

@@ -28,7 +28,7 @@ dts::v1::Response KeyCommands::add(const dts::v1::AddKeyRequest& request) {
   const auto added = keys_->add({.name = request.name(),
                                 .role = request.role(),
                                 .public_key = request.public_key(),
-                                .created_utc = core::utc_text(clock_.now_ns() + core::utc_minus_monotonic_ns())});
+                                .created_utc = core::utc_text(clock_.now_ns() + clock_.utc_minus_monotonic_ns())});
   return added ? list() : error_response(added.error());
 }
 

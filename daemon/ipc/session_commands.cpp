@@ -157,6 +157,9 @@ dts::v1::Response SessionCommands::audit(const dts::v1::GetAuditRequest& request
   } else {
     out.set_problem(core::to_string(verified.error()));
   }
+  if (const std::string& owed = recordings->audit_problem(); !owed.empty() && verified) {
+    out.set_problem("the newest entries are not written yet: " + owed);
+  }
   return response;
 }
 
@@ -203,7 +206,7 @@ void SessionCommands::enter_audit(const std::string& sender, const dts::v1::Requ
   target = response.has_session() ? response.session().session_id() : key ? *key : audited_target(target);
   const std::string result = response.has_error() ? std::string(core::name(static_cast<ErrorCode>(response.error().code()))) : "ok";
   recordings->enter_audit(
-      {.utc_ns = clock_.now_ns() + core::utc_minus_monotonic_ns(), .who = who(sender, request), .what = what, .target = target, .result = result});
+      {.utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns(), .who = who(sender, request), .what = what, .target = target, .result = result});
 }
 
 }  // namespace dts::ipc

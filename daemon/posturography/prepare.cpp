@@ -132,6 +132,7 @@ double centre(std::vector<double>& values) noexcept {
 }
 
 core::Status too_little(std::size_t samples, std::size_t needed, double rate_hz) {
+  if (samples == 0) return core::fail(ErrorCode::Failed, "there is no sample of the centre of pressure", "nobody stood there, or all samples are missing");
   return core::fail(ErrorCode::Failed,
                     "only " + std::to_string(samples) + " samples (" + std::to_string(static_cast<double>(samples) / rate_hz) +
                         " s) are left of the centre of pressure, and " + std::to_string(needed) + " are needed",

@@ -2,9 +2,11 @@
 #include "record/overview.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "record/event.h"
+#include "record/losses.h"
 #include "record/xdf/xdf_reader.h"
 
 namespace dts::record {
@@ -29,6 +31,9 @@ class Looker {
   struct Traits {
     std::optional<GridTracker> grid;
     SegmentTable segments{};
+    core::Losses losses{};
+    double begin_s = 0.0;
+    double end_s = 0.0;
     bool has_footer = false;
     bool holds_events = false;
   };
@@ -42,12 +47,14 @@ class Looker {
   void take(const UnknownChunk&) {}
 
   void take_events(const Samples& samples);
+  static void take_time(double time_s, double scan_s, Traits& traits);
   [[nodiscard]] std::optional<std::size_t> reference() const;
   void say(const std::string& damage);
 
   Overview overview_;
   std::vector<Traits> traits_;
   std::vector<SegmentEvent> segment_events_;
+  LossCounter losses_;
   std::string incomplete_;
   std::string recovered_;
 };
@@ -82,15 +89,33 @@ void Looker::take(const Samples& samples) {
   Traits& traits = traits_[index];
   if (traits.holds_events) take_events(samples);
   if (!traits.grid) return;
-  for (const double time_s : samples.times_s)
-    if (traits.grid->take(time_s)) traits.segments.add({traits.grid->place().segment, time_s, time_s});
+  const double scan_s = 1.0 / overview_.streams[index].rate->hz();
+  for (const double time_s : samples.times_s) take_time(time_s, scan_s, traits);
+}
+
+void Looker::take_time(double time_s, double scan_s, Traits& traits) {
+  constexpr double kMostScans = 9e15;  // below 2^53: whole numbers, exactly
+  if (traits.grid->take(time_s)) {
+    const auto segment = traits.grid->place().segment;
+    traits.segments.add({segment, time_s, time_s});
+    const double missing = std::round((time_s - traits.end_s) / scan_s);
+    if (segment == 0) {
+      traits.begin_s = time_s;
+    } else {
+      traits.losses.add(core::GapReason::None,
+                        {.gaps = 1, .scans = missing > 0.0 ? static_cast<std::uint64_t>(std::min(missing, kMostScans)) : 0U});
+    }
+  }
+  traits.end_s = time_s + scan_s;
 }
 
 void Looker::take_events(const Samples& samples) {
   const std::size_t channels = samples.texts.size() / std::max<std::size_t>(samples.times_s.size(), 1);
   for (std::size_t text = 0; text < samples.texts.size(); ++text) {
     const auto event = event_of_json(samples.texts[text]);
-    if (event && event->event == "segment") segment_events_.push_back({event->segment, event->scan, samples.times_s[text / channels]});
+    if (!event) continue;
+    losses_.take(*event);
+    if (event->event == "segment") segment_events_.push_back({event->segment, event->scan, samples.times_s[text / channels]});
   }
 }
 
@@ -118,12 +143,19 @@ Overview Looker::finish(const std::string& torn) {
   if (!incomplete_.empty()) say("incomplete: " + incomplete_);
   if (!recovered_.empty()) say("recovered, at most " + recovered_ + " s are lost");
   if (const auto index = reference()) {
+    Traits& traits = traits_[*index];
     overview_.reference_rate = overview_.streams[*index].rate;
-    overview_.segments = std::move(traits_[*index].segments);
+    overview_.segments = std::move(traits.segments);
+    overview_.losses = traits.losses;
+    const double duration_s = traits.end_s - traits.begin_s;
+    overview_.duration_s = std::isfinite(duration_s) && duration_s > 0.0 ? duration_s : 0.0;
   }
   overview_.has_segment_events = overview_.reference_rate && !segment_events_.empty();
   if (!overview_.has_segment_events) segment_events_.clear();
-  if (overview_.has_segment_events) overview_.segments = {};
+  if (overview_.has_segment_events) {
+    overview_.segments = {};
+    overview_.losses = losses_.losses();
+  }
   for (const auto& [segment, scan, time_s] : segment_events_)
     overview_.segments.add({segment, time_s, time_s - static_cast<double>(scan.value) / overview_.reference_rate->hz()});
   overview_.segments.sort();

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/losses.h"
 #include "core/result.h"
 #include "record/segment_table.h"
 #include "record/session_facts.h"
@@ -26,6 +27,8 @@ struct Overview {
   SegmentTable segments;
   bool has_segment_events = false;
   std::optional<core::Rate> reference_rate;  ///< Of "raw", or of the fastest stream: what events count in.
+  double duration_s = 0.0;                   ///< Of the same stream: from its first scan to the end of its last, gaps included.
+  core::Losses losses;                       ///< From our events; of other programs' files from the time stamps of that stream.
 };
 
 /// Fails when not even the file header can be read.

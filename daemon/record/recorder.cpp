@@ -90,8 +90,6 @@ std::optional<double> Recorder::time_s(std::uint32_t segment, core::ScanIndex sc
   return seconds(origin->second + rate_.time_ns(scan));
 }
 
-double Recorder::duration_s() const noexcept { return static_cast<double>(scans()) / rate_.hz(); }
-
 core::Status Recorder::take(const core::Frame& frame) {
   if (frame.gap_before.reason != core::GapReason::None) gap_ = frame.gap_before;
   const core::Block& raw = frame.streams[columns_.front().recorded.frame_index];
@@ -128,6 +126,7 @@ core::Status Recorder::begin_segment(const core::Frame& frame) {
     event.values.emplace_back("missing_scans", static_cast<std::int64_t>(gap_.missing_scans));
     event.values.emplace_back("is_exact", gap_.is_exact);
   }
+  losses_.take(event);
   gap_ = {};
   next_raw_ = raw.first_scan;
   if (auto taken = take(event); !taken) return taken;
@@ -144,10 +143,16 @@ core::Status Recorder::begin_segment(const core::Frame& frame) {
 void Recorder::note_jump(const core::Block& raw) {
   if (raw.segment != segment_ || raw.first_scan == next_raw_) return;
   const std::uint64_t lost = raw.first_scan.value > next_raw_.value ? raw.first_scan.value - next_raw_.value : 0;
-  lost_scans_ += lost;
-  RecordedEvent event{.event = "loss", .segment = segment_, .scan = raw.first_scan};
-  event.values.emplace_back("scans", static_cast<std::int64_t>(lost));
-  if (const auto at_s = time_s(segment_, raw.first_scan)) events_.emplace_back(*at_s, to_json(event));
+  next_raw_ = raw.first_scan;
+  note_loss(lost);
+}
+
+void Recorder::note_loss(std::uint64_t scans) {
+  lost_scans_ += scans;
+  RecordedEvent event{.event = "loss", .segment = segment_, .scan = next_raw_};
+  event.values.emplace_back("scans", static_cast<std::int64_t>(scans));
+  losses_.take(event);
+  keep(event);
   is_quality_due_ = true;
 }
 
@@ -221,6 +226,8 @@ core::Status Recorder::write_pending(Column& column) {
   auto written = writer_->write_samples(column.number, first_s, column.pending, {.segment = segment_, .first_scan = column.first_pending});
   column.pending.clear();
   if (!written || &column != &columns_.front()) return written;
+  if (end_s_ == 0.0) begin_s_ = first_s;
+  end_s_ = seconds(column.origin_ns + rate_.time_ns(column.next));
   if (auto events = write_events(); !events) return events;
   return write_quality();
 }

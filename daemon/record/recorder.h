@@ -13,6 +13,7 @@
 #include "core/frame.h"
 #include "core/rate.h"
 #include "record/event.h"
+#include "record/losses.h"
 #include "record/session_facts.h"
 #include "record/stream_info.h"
 #include "record/xdf/xdf_writer.h"
@@ -55,9 +56,14 @@ class Recorder {
   [[nodiscard]] std::uint64_t bytes() const noexcept { return writer_->bytes(); }
   /// Scans that stand in the file: what is buffered, or was lost to an error, is not counted.
   [[nodiscard]] std::uint64_t scans() const noexcept { return writer_->sample_count(columns_.front().number); }
-  [[nodiscard]] double duration_s() const noexcept;
+  /// Of what stands in the file: from its first scan to the end of its last, gaps included.
+  [[nodiscard]] double duration_s() const noexcept { return end_s_ - begin_s_; }
   /// Scans that were lost between the pipeline and here.
   [[nodiscard]] std::uint64_t lost_scans() const noexcept { return lost_scans_; }
+  /// The same: `scans` that no jump between two frames shows.
+  void note_loss(std::uint64_t scans);
+  /// All that is missing between the first scan and the last, whoever lost it.
+  [[nodiscard]] const core::Losses& losses() const noexcept { return losses_.losses(); }
 
  private:
   struct Column {
@@ -102,6 +108,9 @@ class Recorder {
   core::ScanIndex next_raw_;
   core::Gap gap_;  ///< Stands before the next scan.
   std::uint64_t lost_scans_ = 0;
+  LossCounter losses_;
+  double begin_s_ = 0.0;  ///< Of the raw stream, as far as it is written; stream time.
+  double end_s_ = 0.0;
 
   std::vector<RecordedEvent> waiting_events_;  ///< Of segments that are not known yet.
   std::vector<std::pair<double, std::string>> events_;

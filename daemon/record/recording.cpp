@@ -19,6 +19,8 @@ class FileRecording : public Recording {
   [[nodiscard]] std::optional<std::size_t> find_stream(const std::string& name) const override;
   [[nodiscard]] const std::optional<SessionFacts>& session() const noexcept override { return overview_.session; }
   [[nodiscard]] const std::string& damage() const noexcept override { return overview_.damage; }
+  [[nodiscard]] const core::Losses& losses() const noexcept override { return overview_.losses; }
+  [[nodiscard]] double duration_s() const noexcept override { return overview_.duration_s; }
   [[nodiscard]] std::uint64_t sample_count(std::size_t stream) const override {
     return stream < overview_.sample_counts.size() ? overview_.sample_counts[stream] : 0;
   }

@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/losses.h"
 #include "core/result.h"
 #include "core/units.h"
 #include "record/event.h"
@@ -61,6 +62,10 @@ class Recording {
   [[nodiscard]] virtual const std::optional<SessionFacts>& session() const noexcept = 0;
   /// Why the file is not whole: torn, incomplete, recovered. Empty when nothing is wrong.
   [[nodiscard]] virtual const std::string& damage() const noexcept = 0;
+  /// What is missing between the first scan and the last.
+  [[nodiscard]] virtual const core::Losses& losses() const noexcept = 0;
+  /// From the first scan of the raw stream (without one: of the fastest) to the end of the last, gaps included.
+  [[nodiscard]] virtual double duration_s() const noexcept = 0;
   /// Samples of a stream in the whole file.
   [[nodiscard]] virtual std::uint64_t sample_count(std::size_t stream) const = 0;
 

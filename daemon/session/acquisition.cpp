@@ -212,11 +212,7 @@ void Acquisition::open_segment(core::Acquired& acquired) noexcept {
       const double scans = std::max(0.0, std::round(hole_ns * 1e-9 * report_.rate.hz()) - 1.0);
       pending_gap_.missing_scans = std::max(pending_gap_.missing_scans, static_cast<std::uint64_t>(scans));
     }
-    report_.lost_scans_total += pending_gap_.missing_scans;
-    ++report_.gaps_total;
-    LossCount& cause = report_.losses[static_cast<std::size_t>(pending_gap_.reason) % core::kGapReasons];
-    ++cause.gaps_total;
-    cause.lost_scans_total += pending_gap_.missing_scans;
+    report_.losses.add(pending_gap_.reason, {.gaps = 1, .scans = pending_gap_.missing_scans});
     report_.last_gap = pending_gap_;
     ++report_.segment;
   }
@@ -235,7 +231,7 @@ void Acquisition::take(core::Acquired& acquired) noexcept {
   if (needs_segment_) open_segment(acquired);
   block.segment = report_.segment;
   block.first_scan = {block.first_scan.value - segment_base_};
-  acquired.lost_scans_total = report_.lost_scans_total;
+  acquired.lost_scans_total = report_.losses.total().scans;
   report_.next_scan = block.first_scan.value + block.count();
   report_.scans_total += block.count();
   report_.last_scan_host_ns = block.host_time_ns + report_.rate.time_ns({block.count() - 1});

@@ -9,18 +9,13 @@
 #include "core/clock.h"
 #include "core/doorbell.h"
 #include "core/frame.h"
+#include "core/losses.h"
 #include "core/latest_value.h"
 #include "core/spsc_ring.h"
 #include "device/device.h"
 #include "session/recent_peak.h"
 
 namespace dts::session {
-
-/// What was lost for one reason.
-struct LossCount {
-  std::uint64_t gaps_total = 0;
-  std::uint64_t lost_scans_total = 0;
-};
 
 /// What the acquire thread tells the rest of the daemon about itself. Trivially copyable: it travels in a LatestValue.
 struct AcquisitionReport {
@@ -29,10 +24,8 @@ struct AcquisitionReport {
   std::uint64_t next_scan = 0;         ///< Index that the next scan of this segment will have.
   std::int64_t last_scan_host_ns = 0;  ///< Instant of the newest scan; 0 before the first.
   std::uint64_t scans_total = 0;
-  std::uint64_t lost_scans_total = 0;
-  std::uint64_t gaps_total = 0;
+  core::Losses losses;
   core::Gap last_gap;
-  std::array<LossCount, core::kGapReasons> losses{};  ///< By reason.
   RecentPeak ring_blocks;                             ///< Waiting for the pipeline.
   std::uint64_t reconnects_total = 0;                 ///< Times that a lost device came back.
   std::uint64_t restarts_total = 0;                   ///< Times that the scan of a present device had to be started again.

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <deque>
 #include <optional>
-#include <vector>
 
 #include "core/block.h"
 #include "core/units.h"
@@ -16,7 +15,16 @@ namespace dts::session {
 /// Index in the stream "cop" of the first of its scans that is not before a scan of the raw stream.
 [[nodiscard]] std::uint64_t cop_index(core::ScanIndex raw, core::Rate raw_rate, core::Rate cop_rate) noexcept;
 
+/// A scan of the raw stream, in its segment.
+struct TracePlace {
+  std::uint32_t segment = 0;
+  core::ScanIndex scan;
+};
+
 /// The centre of pressure of the last seconds, and of a trial that is being measured, as it stands in the recording: float32.
+///
+///     segment 3            gap     segment 4
+///     |================|  . . . .  |===========>     within a trial the gap is as many missing samples as its time says
 class CopTrace {
  public:
   static constexpr std::size_t kMostSamples = 5'000'000;  ///< Nearly an hour at 1500 Hz; 80 MB.
@@ -24,17 +32,15 @@ class CopTrace {
 
   CopTrace(core::Rate raw_rate, core::Rate cop_rate) : raw_rate_(raw_rate), cop_rate_(cop_rate) {}
 
-  /// A block of the stream "cop". One that does not continue the last begins anew: what was lost on the way here stands in the recording,
+  /// A block of the stream "cop". One that does not continue its segment begins anew: what was lost on the way here stands in the recording,
   /// and is measured there.
   void take(const core::Block& cop);
-  /// Samples from here on are not forgotten; nothing: only the last seconds are kept. Raw scans.
-  void keep_from(std::optional<core::ScanIndex> first_scan) noexcept { kept_from_ = first_scan; }
-  /// Everything before `scan` of `segment` is here, or never comes.
-  [[nodiscard]] bool reaches(std::uint32_t segment, core::ScanIndex end_scan) const noexcept;
-  [[nodiscard]] double duration_s(core::ScanIndex first_scan, core::ScanIndex end_scan) const noexcept;
-  /// The samples of [first_scan, end_scan); nothing when these are not all of `segment`, were lost or forgotten, or did not fit.
-  [[nodiscard]] std::optional<posturography::CopSeries> cut(std::uint32_t segment, core::ScanIndex first_scan,
-                                                            core::ScanIndex end_scan) const;
+  /// Samples from here on are not forgotten; nothing: only the last seconds are kept.
+  void keep_from(std::optional<TracePlace> first) noexcept { kept_from_ = first; }
+  /// Everything of `segment` before `end_scan` is here, or never comes.
+  [[nodiscard]] bool reaches(const TracePlace& end) const noexcept;
+  /// The samples of [first, end), NaN where a gap is; nothing when these are not all here: lost, forgotten, or more than fit.
+  [[nodiscard]] std::optional<posturography::CopSeries> cut(const TracePlace& first, const TracePlace& end) const;
 
  private:
   struct Sample {
@@ -43,15 +49,26 @@ class CopTrace {
     float load_n;
     std::uint32_t quality;
   };
+  /// Samples of one segment. Numbers count all samples ever taken, missing ones too.
+  struct Stretch {
+    std::uint32_t segment = 0;
+    std::uint64_t first_index = 0;   ///< In the stream "cop" of this segment,
+    std::uint64_t first_number = 0;  ///< and its number.
+  };
 
+  [[nodiscard]] bool continues(const core::Block& cop) const noexcept;
+  [[nodiscard]] std::optional<std::uint64_t> samples_missing(const core::Block& cop) const noexcept;
+  [[nodiscard]] std::optional<std::uint64_t> number_of(const TracePlace& place) const noexcept;
+  [[nodiscard]] std::uint64_t end_number() const noexcept { return begin_number_ + samples_.size(); }
   void drop_old();
 
   core::Rate raw_rate_;
   core::Rate cop_rate_;
-  std::uint32_t segment_ = 0;
-  std::uint64_t first_ = 0;  ///< Index of the oldest sample, in scans of the stream "cop".
+  std::deque<Stretch> stretches_;
+  std::uint64_t begin_number_ = 0;  ///< Of the oldest sample.
   std::deque<Sample> samples_;
-  std::optional<core::ScanIndex> kept_from_;
+  std::int64_t end_host_ns_ = 0;  ///< When the sample after the newest is due.
+  std::optional<TracePlace> kept_from_;
 };
 
 }  // namespace dts::session

@@ -188,16 +188,17 @@ void RecordThread::finish(const std::string& rig, Line& line, const std::string&
   sync_.remove(rig);
   const auto recorder = std::move(line.recorder);
   std::string reason = incomplete;
+  if (line.lost_scans > recorder->lost_scans()) recorder->note_loss(line.lost_scans - recorder->lost_scans());
   const auto flushed = recorder->flush();
   if (reason.empty() && !flushed) reason = core::to_string(flushed.error());
-  const std::uint64_t lost_scans = std::max(line.lost_scans, recorder->lost_scans());
+  const std::uint64_t lost_scans = recorder->lost_scans();
   if (reason.empty() && lost_scans > 0) reason = std::to_string(lost_scans) + " scans found no room on the way to the file";
   if (reason.empty()) {
     const std::lock_guard lock(mutex_);
     reason = line.view.problem;
   }
   if (reason.empty() && recorder->scans() == 0) reason = "the device delivered no scan";
-  FinishedRecording finished{.rig = rig, .file = line.file + ".part", .scans = recorder->scans(), .duration_s = recorder->duration_s()};
+  FinishedRecording finished{.rig = rig, .file = line.file + ".part", .scans = recorder->scans(), .duration_s = recorder->duration_s(), .losses = recorder->losses()};
   const auto closed = close(*recorder, reason);
   if (closed) {
     finished.file = closed->file;

@@ -28,6 +28,7 @@ struct FinishedRecording {
   std::uint64_t bytes = 0;
   std::uint64_t scans = 0;
   double duration_s = 0.0;
+  core::Losses losses{};
   std::string incomplete;  ///< Why something is missing; empty: whole.
   bool is_closed = false;  ///< false: the .part file stays and waits for its recovery.
 };

@@ -70,8 +70,9 @@ core::Status for_each(record::Recording& recording, double from, const std::func
 /// Trials by their steps, as SwayResults takes them.
 class TrialSteps {
  public:
-  core::Status take(const record::RecordedEvent& event) {
-    if (event.event == "trial") return take_step(event);
+  core::Status take(const record::TimedEvent& timed) {
+    const record::RecordedEvent& event = timed.event;
+    if (event.event == "trial") return take_step(event, timed.time_s);
     if (event.event == "sway") return take_told(event);
     if (event.event == "figure") take_figure(event);
     return {};
@@ -93,7 +94,7 @@ class TrialSteps {
   [[nodiscard]] bool empty() const noexcept { return trials_.empty(); }
 
  private:
-  core::Status take_step(const record::RecordedEvent& event) {
+  core::Status take_step(const record::RecordedEvent& event, double time_s) {
     const auto step = trial_of(event);
     if (!step) return tl::make_unexpected(step.error());
     const Key key{step->trial, step->attempt};
@@ -108,9 +109,14 @@ class TrialSteps {
                .labels = step->labels,
                .segment = event.segment,
                .first_scan = event.scan,
-               .end_scan = event.scan};
+               .end_scan = event.scan,
+               .end_segment = event.segment,
+               .begin_s = time_s};
     } else if (step->kind == Done || step->kind == Redone || step->kind == Rejected || step->kind == Aborted) {
-      if (trial.outcome.empty() && event.segment == trial.segment) trial.end_scan = event.scan;
+      if (trial.outcome.empty()) {
+        trial.end_scan = event.scan;
+        trial.end_segment = event.segment;
+      }
       trial.outcome = name(step->kind);
     }
     return {};
@@ -157,22 +163,38 @@ class TrialSamples {
 
   core::Status take(const record::RecordedScans& scans) {
     for (StandingTrial& trial : trials_) {
-      if (trial.segment != scans.segment) continue;
-      const std::uint64_t begin = cop_index(trial.first_scan, cop_.raw_rate, cop_.rate);
-      const std::uint64_t end = cop_index(trial.end_scan, cop_.raw_rate, cop_.rate);
-      const std::uint64_t from = std::max<std::uint64_t>(begin + trial.cop.ml_mm.size(), scans.first_scan.value);
-      const std::uint64_t to = std::min(end, scans.first_scan.value + scans.count);
-      for (std::uint64_t index = from; index < to; ++index) {
-        if (samples_ + (index - begin) - trial.cop.ml_mm.size() >= kMostStandingSamples) return too_long();
-        samples_ += index - begin + 1 - trial.cop.ml_mm.size();
-        pad(trial.cop, index - begin);
-        append(trial.cop, scans, index - scans.first_scan.value, cop_);
-      }
+      if (scans.segment < trial.segment || scans.segment > trial.end_segment) continue;
+      if (auto taken = take(scans, trial); !taken) return taken;
     }
     return {};
   }
 
  private:
+  /// Within the trial's first segment by the indices, behind a gap by the time.
+  core::Status take(const record::RecordedScans& scans, StandingTrial& trial) {
+    const std::uint64_t begin = cop_index(trial.first_scan, cop_.raw_rate, cop_.rate);
+    const std::uint64_t end = cop_index(trial.end_scan, cop_.raw_rate, cop_.rate);
+    const bool is_first = scans.segment == trial.segment;
+    if (is_first && trial.cop.ml_mm.empty()) {  // more exact than the time of a raw scan
+      trial.begin_s = scans.first_time_s + (static_cast<double>(begin) - static_cast<double>(scans.first_scan.value)) / cop_.rate.hz();
+    }
+    const double first = is_first ? static_cast<double>(scans.first_scan.value) - static_cast<double>(begin)
+                                  : std::round((scans.first_time_s - trial.begin_s) * cop_.rate.hz());
+    if (!(std::abs(first) < kMostPlaces)) return too_long();
+    for (std::size_t i = 0; i < scans.count; ++i) {
+      if (scans.segment == trial.end_segment && scans.first_scan.value + i >= end) break;
+      const auto place = static_cast<std::int64_t>(first) + static_cast<std::int64_t>(i);
+      if (place < std::ssize(trial.cop.ml_mm)) continue;  // before the trial
+      const std::size_t size = trial.cop.ml_mm.size();
+      const auto missing = static_cast<std::size_t>(place) - size;
+      if (missing >= kMostStandingSamples || samples_ + missing >= kMostStandingSamples) return too_long();
+      samples_ += missing + 1;
+      pad(trial.cop, size + missing);
+      append(trial.cop, scans, i, cop_);
+    }
+    return {};
+  }
+  static constexpr double kMostPlaces = 9e15;  // below 2^53: whole numbers, exactly
   static core::Status too_long() {
     return core::fail(core::ErrorCode::Unsupported, "more than " + std::to_string(kMostStandingSamples) + " samples of standing",
                       "that is longer than anybody stands: cut the recording");
@@ -220,7 +242,7 @@ class FreeStanding {
       current_.rate_hz = cop_.rate.hz();
       const std::uint64_t first = first_ + settling;
       trials_.push_back(
-          {.segment = segment_, .first_scan = raw(first), .end_scan = raw(first + current_.ml_mm.size()), .cop = std::move(current_)});
+          {.segment = segment_, .first_scan = raw(first), .end_scan = raw(first + current_.ml_mm.size()), .end_segment = segment_, .cop = std::move(current_)});
     } else {
       samples_ -= std::min(samples_, current_.ml_mm.size());
     }
@@ -261,7 +283,7 @@ core::Result<RecordedStanding> read_recorded_standing(record::Recording& recordi
   TrialSteps steps;
   const auto told = for_each(recording, 0.0, progress, [&steps](const record::RecordedItem& item) -> core::Status {
     const auto* timed = std::get_if<record::TimedEvent>(&item);
-    return timed == nullptr ? core::Status{} : steps.take(timed->event);
+    return timed == nullptr ? core::Status{} : steps.take(*timed);
   });
   if (!told) return tl::make_unexpected(told.error());
   RecordedStanding standing = steps.result();

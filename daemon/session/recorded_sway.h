@@ -26,7 +26,9 @@ struct StandingTrial {
   std::uint32_t segment = 0;
   core::ScanIndex first_scan;
   core::ScanIndex end_scan;
-  posturography::CopSeries cop{};
+  std::uint32_t end_segment = 0;  ///< Of `end_scan`: another than `segment` when gaps divide the trial.
+  double begin_s = 0.0;           ///< Stream time of its first sample.
+  posturography::CopSeries cop{};  ///< NaN where a gap is.
   std::optional<SwayTrialResult> told{};  ///< What the daemon recorded for it.
 
   [[nodiscard]] bool counts() const noexcept { return outcome.empty() || outcome == "done"; }

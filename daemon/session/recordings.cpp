@@ -11,14 +11,12 @@
 #include <string_view>
 #include <utility>
 
+#include "core/utc_text.h"
 #include "record/xdf/recovery.h"
 #include "session/rig_pipeline.h"
 
 namespace dts::session {
 namespace {
-
-constexpr std::size_t kMostOwed = 1000;
-constexpr int kCallsToRetry = 20;  // about a second
 
 constexpr double kScalarBytes = 8.0;
 
@@ -36,6 +34,21 @@ double bytes_per_second(const Rig& rig) {
 std::string file_of(const StorageConfig& config, const record::SessionFacts& facts) {
   const std::string part = facts.part > 1 ? "." + std::to_string(facts.part) : "";
   return sessions_directory(config) + "/" + facts.session_id + part + ".xdf";
+}
+
+std::string catalogue_of(const StorageConfig& config) { return config.directory + "/catalogue.sqlite"; }
+
+/// Renames the catalogue and all files beside it that are its own; nothing is deleted. Returns the new name.
+core::Result<std::string> set_aside(const std::string& catalogue, std::int64_t utc_ns) {
+  std::string aside = catalogue + ".damaged-" + core::utc_text(utc_ns);
+  std::ranges::replace(aside, ':', '-');
+  std::error_code error;
+  for (const char* ending : {"-wal", "-shm", ".audit", ""}) {
+    if (!std::filesystem::exists(std::filesystem::symlink_status(catalogue + ending, error))) continue;
+    std::filesystem::rename(catalogue + ending, aside + ending, error);
+    if (error) return core::fail_errno(error.value(), "the damaged catalogue " + catalogue + " cannot be renamed", "move it away with all files beside it");
+  }
+  return aside;
 }
 
 /// A daemon that died between closing a file and saying so in the catalogue left a whole recording.
@@ -58,12 +71,29 @@ std::int64_t end_of_data_utc_ns(const record::PartRow& part) {
 
 }  // namespace
 
+core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const StorageConfig& config, core::Clock& clock, const core::Log& log) {
+  auto catalogue = record::Catalogue::open(catalogue_of(config));
+  if (!catalogue) return tl::make_unexpected(catalogue.error());
+  std::unique_ptr<Recordings> recordings(new Recordings(config, clock, log, std::move(*catalogue)));
+  if (auto entered = recordings->enter_interrupted(); !entered) return tl::make_unexpected(entered.error());
+  return recordings;
+}
+
 core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& config, core::Clock& clock, core::Log log) {
   if (auto prepared = prepare_storage(config); !prepared) return tl::make_unexpected(prepared.error());
-  auto catalogue = record::Catalogue::open(config.directory + "/catalogue.sqlite");
-  if (!catalogue) return tl::make_unexpected(catalogue.error());
-  std::unique_ptr<Recordings> recordings(new Recordings(config, clock, std::move(log), std::move(*catalogue)));
-  if (auto entered = recordings->enter_interrupted(); !entered) return tl::make_unexpected(entered.error());
+  auto opened = open_catalogue(config, clock, log);
+  if (!opened && opened.error().code == core::ErrorCode::DataDamaged) {
+    const std::int64_t utc_ns = clock.now_ns() + clock.utc_minus_monotonic_ns();
+    const auto aside = set_aside(catalogue_of(config), utc_ns);
+    if (!aside) return tl::make_unexpected(aside.error());
+    const std::string damage = opened.error().what;
+    opened = open_catalogue(config, clock, log);
+    if (!opened) return opened;
+    (*opened)->notice_ = damage + "; it is kept as " + *aside + ", and was made anew from the recordings, all but the audit trail";
+    (*opened)->enter_audit({.utc_ns = utc_ns, .who = "dtsd", .what = "catalogue_rebuilt", .target = *aside, .result = "ok"});
+  }
+  if (!opened) return opened;
+  std::unique_ptr<Recordings> recordings = std::move(*opened);
   // Measuring goes on, but nobody should have to ask for the trail to hear of it.
   if (auto sound = recordings->catalogue_->verify_audit(); !sound) recordings->log_.error(core::to_string(sound.error()));
   return recordings;
@@ -186,6 +216,12 @@ void Recordings::start() {
 }
 
 void Recordings::stop() noexcept {
+  enter_owed_audit();
+  if (!audit_problem_.empty()) {
+    log_.error(std::to_string(owed_audit_.size() + unwritten_audit_) + " entries of the audit trail are lost: " + audit_problem_);
+    owed_audit_.clear();
+    audit_problem_.clear();
+  }
   recovery_thread_.request_stop();
   if (recovery_thread_.joinable()) recovery_thread_.join();
   thread_.stop();
@@ -295,29 +331,12 @@ void Recordings::enter(const FinishedRecording& finished) {
   part.bytes = finished.bytes;
   part.scans = finished.scans;
   part.duration_s = finished.duration_s;
+  part.losses = finished.losses;
   part.reason = finished.incomplete;
   part.state = finished.incomplete.empty() ? record::PartState::Complete : record::PartState::Incomplete;
   if (!finished.is_closed) part.state = record::PartState::Interrupted;  // the next start makes a repaired copy
   enter_or_owe([this, part] { return catalogue_->update_part(part); });
   if (!finished.incomplete.empty()) log_.error("recording " + finished.file + " is incomplete: " + finished.incomplete);
-}
-
-/// A full disk refuses the catalogue too; once there is room again it has to say what happened. In order: a later entry may stand on an
-/// earlier.
-void Recordings::enter_or_owe(std::function<core::Status()> entry) {
-  core::Status entered;
-  if (owed_.empty()) entered = entry();
-  complain(entered);
-  if (entered && owed_.empty()) return;
-  if (owed_.size() == kMostOwed) owed_.pop_front();
-  owed_.push_back(std::move(entry));
-}
-
-void Recordings::enter_owed() {
-  if (owed_.empty() || --calls_to_retry_ > 0) return;
-  calls_to_retry_ = kCallsToRetry;
-  while (!owed_.empty() && owed_.front()()) owed_.pop_front();
-  if (owed_.empty()) owed_ends_.clear();
 }
 
 void Recordings::end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns) {

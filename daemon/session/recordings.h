@@ -30,8 +30,9 @@ namespace dts::session {
 /// Thread: control, all of it.
 class Recordings {
  public:
-  /// Prepares folder and catalogue, enters recordings that the catalogue does not know, and lists what was interrupted. Fails with what is
-  /// wrong and what to do. `clock` outlives the object.
+  /// Prepares folder and catalogue, enters recordings that the catalogue does not know, and lists what was interrupted. A damaged catalogue
+  /// is set aside with its audit trail, and made anew from the recordings: `notice` says so. Fails with what is wrong and what to do.
+  /// `clock` outlives the object.
   [[nodiscard]] static core::Result<std::unique_ptr<Recordings>> open(const StorageConfig& config, core::Clock& clock, core::Log log);
   ~Recordings() { stop(); }
   Recordings(const Recordings&) = delete;
@@ -56,7 +57,12 @@ class Recordings {
   void enter_result(const record::ResultRow& result) {
     enter_or_owe([this, result] { return catalogue_->put_result(result); });
   }
-  void enter_audit(record::AuditEntry entry) { complain(catalogue_->append_audit(std::move(entry))); }
+  /// The same for the audit trail. Of entries that found no room in a thousand the trail gets the number.
+  void enter_audit(record::AuditEntry entry);
+  /// Why the trail lacks entries at the moment; empty: it does not.
+  [[nodiscard]] const std::string& audit_problem() const noexcept { return audit_problem_; }
+  /// What everybody should know about the catalogue; empty: nothing.
+  [[nodiscard]] const std::string& notice() const noexcept { return notice_; }
   void end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
   /// Returns the catalogue's row with the entries that the catalogue has refused so far. A session whose file is still open is "running".
   [[nodiscard]] record::SessionRow corrected(record::SessionRow row) const;
@@ -75,7 +81,9 @@ class Recordings {
 
  private:
   Recordings(StorageConfig config, core::Clock& clock, core::Log log, std::unique_ptr<record::Catalogue> catalogue)
-      : config_(std::move(config)), log_(std::move(log)), catalogue_(std::move(catalogue)), thread_(clock, config_) {}
+      : config_(std::move(config)), clock_(clock), log_(std::move(log)), catalogue_(std::move(catalogue)), thread_(clock, config_) {}
+  [[nodiscard]] static core::Result<std::unique_ptr<Recordings>> open_catalogue(const StorageConfig& config, core::Clock& clock,
+                                                                                const core::Log& log);
   core::Status enter_interrupted();
   void end_left_running(record::SessionRow& session);
   void find_resumable(const std::vector<record::SessionRow>& sessions);
@@ -92,8 +100,11 @@ class Recordings {
   void complain(const core::Status& status);
   void enter_or_owe(std::function<core::Status()> entry);
   void enter_owed();
+  [[nodiscard]] core::Status append_audit(const record::AuditEntry& entry);
+  void enter_owed_audit();
 
   StorageConfig config_;
+  core::Clock& clock_;
   core::Log log_;
   std::unique_ptr<record::Catalogue> catalogue_;
   std::vector<std::string> resumable_;
@@ -101,6 +112,10 @@ class Recordings {
   double bytes_per_s_ = 0.0;                             ///< Of all rigs together.
   std::deque<std::function<core::Status()>> owed_;       ///< Entries that the catalogue has refused, oldest first.
   int calls_to_retry_ = 0;                               ///< Of `take_finished`, until they are tried again.
+  std::deque<record::AuditEntry> owed_audit_;            ///< The same of the audit trail.
+  std::uint64_t unwritten_audit_ = 0;                    ///< Entries that found no room among them.
+  std::string audit_problem_;
+  std::string notice_;
   std::map<std::string, record::SessionRow> owed_ends_;  ///< Ends of sessions among them, by id.
   std::map<std::string, record::PartRow> under_way_;     ///< By rig; the last one stays.
 

@@ -78,7 +78,7 @@ core::Result<const Protocol*> RigSession::find_protocol(const std::string& wante
 }
 
 record::SessionFacts RigSession::facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
-                                       std::int64_t now_ns) const {
+                                       const Moment& moment) const {
   const pipeline::RigConfig& config = rig_.config();
   const device::DeviceReport report = rig_.device_report();
   record::SessionFacts facts{.session_id = id,
@@ -91,8 +91,8 @@ record::SessionFacts RigSession::facts(const std::string& id, const SessionReque
                              .fields = request.fields,
                              .duration_s = request.duration_s,
                              .settle_s = request.settle_s};
-  facts.utc_minus_monotonic_ns = core::utc_minus_monotonic_ns();
-  facts.started_utc_ns = now_ns + facts.utc_minus_monotonic_ns;
+  facts.utc_minus_monotonic_ns = moment.utc_minus_monotonic_ns;
+  facts.started_utc_ns = moment.now_ns + facts.utc_minus_monotonic_ns;
   facts.boot_id = services_.boot_id;
   facts.software = services_.software;
   facts.device_uri = config.device_uri;
@@ -117,7 +117,7 @@ core::Status RigSession::start(std::string id, const SessionRequest& request, co
                                                       rig_.config().name + "' is a " + rig_.config().kind);
   }
   if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
-  return begin(facts(id, request, **protocol, moment.now_ns), request, **protocol, {}, moment);
+  return begin(facts(id, request, **protocol, moment), request, **protocol, {}, moment);
 }
 
 core::Status RigSession::resume(const record::SessionRow& row, const Moment& moment) {
@@ -148,7 +148,7 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
       return core::fail(ErrorCode::WrongState, "session " + row.id + " was over but for its last second: there is nothing to resume", "start a new one");
     }
   }
-  record::SessionFacts next = facts(row.id, request, **protocol, moment.now_ns);
+  record::SessionFacts next = facts(row.id, request, **protocol, moment);
   next.duration_s = earlier->duration_s;
   next.plan_seed = earlier->plan_seed;
   next.part = row.parts.back().part + 1;
@@ -167,6 +167,7 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
   is_aborted_ = false;
   is_next_wanted_ = false;
   end_reason_.clear();
+  utc_minus_monotonic_ns_ = facts.utc_minus_monotonic_ns;
   trial_rows_.clear();
   trials_.reset();
   if (protocol.trials) trials_.emplace(*protocol.trials, facts.plan_seed, facts.fields, done);
@@ -196,7 +197,7 @@ void RigSession::end_recording(const Moment& moment) {
     // Should the daemon end before the file is closed: this one was not interrupted, and must not go on by itself.
     services_.recordings->end_session(session_.view(moment.now_ns).id, is_aborted_ ? "aborted" : "incomplete",
                                       is_aborted_ ? end_reason_ : "it was stopped, and its recording was being closed",
-                                      moment.now_ns + core::utc_minus_monotonic_ns());
+                                      moment.now_ns + utc_minus_monotonic_ns_);
     return services_.recordings->end(rig_);
   }
   session_.closed(moment.now_ns);
@@ -338,7 +339,7 @@ void RigSession::enter_end(const FinishedRecording& finished, std::int64_t now_n
   std::string message = finished.incomplete.empty() ? view.message : finished.incomplete;
   if (is_aborted_) state = "aborted";
   if (!end_reason_.empty()) message = end_reason_;
-  services_.recordings->end_session(view.id, state, message, now_ns + core::utc_minus_monotonic_ns());
+  services_.recordings->end_session(view.id, state, message, now_ns + utc_minus_monotonic_ns_);
 }
 
 }  // namespace dts::session

@@ -31,6 +31,7 @@ struct DataPosition {
 /// When something happens, and at which scan: the newest.
 struct Moment {
   std::int64_t now_ns = 0;
+  std::int64_t utc_minus_monotonic_ns = 0;  ///< By the wall clock at this moment.
   DataPosition at;
 };
 
@@ -95,7 +96,7 @@ class RigSession {
  private:
   [[nodiscard]] core::Result<const Protocol*> find_protocol(const std::string& name) const;
   [[nodiscard]] record::SessionFacts facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
-                                           std::int64_t now_ns) const;
+                                           const Moment& moment) const;
   core::Status begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
                      const std::vector<std::uint32_t>& done, const Moment& moment);
   void end_recording(const Moment& moment);
@@ -123,6 +124,7 @@ class RigSession {
   bool is_aborted_ = false;
   bool is_next_wanted_ = false;  ///< The first trial begins as soon as the session runs.
   std::string end_reason_;
+  std::int64_t utc_minus_monotonic_ns_ = 0;  ///< At the start: a clock that is set meanwhile must not end a session before it began.
   std::vector<SessionChange> changes_;
   std::vector<TrialChange> trial_changes_;
   std::optional<ReachResults> reaches_;  ///< Of a session with trials on a rig that finds reaches.

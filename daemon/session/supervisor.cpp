@@ -87,7 +87,7 @@ core::Result<Supervisor::Entry*> Supervisor::find(const std::string& name) {
 }
 
 std::string Supervisor::new_session_id(const std::string& rig) {
-  const std::time_t now_s = (clock_.now_ns() + core::utc_minus_monotonic_ns()) / 1'000'000'000;
+  const std::time_t now_s = (clock_.now_ns() + clock_.utc_minus_monotonic_ns()) / 1'000'000'000;
   std::tm utc{};
   gmtime_r(&now_s, &utc);
   std::array<char, 32> stamp{};
@@ -269,9 +269,9 @@ void Supervisor::tick() {
 
 /// Every hole leaves a line, also when it was over before anybody looked.
 void Supervisor::log_gaps(Entry& entry, const AcquisitionReport& report) {
-  const std::uint64_t fresh = report.gaps_total - entry.told_gaps;
+  const std::uint64_t fresh = report.losses.total().gaps - entry.told_gaps;
   if (fresh == 0) return;
-  entry.told_gaps = report.gaps_total;
+  entry.told_gaps = report.losses.total().gaps;
   const std::string more = fresh > 1 ? " (and " + std::to_string(fresh - 1) + " more gaps before it)" : "";
   log_.warning("rig '" + entry.rig->config().name + "': " + (report.last_gap.is_exact ? "" : "about ") +
                std::to_string(report.last_gap.missing_scans) + " scans missing before segment " + std::to_string(report.segment) + ", " +

@@ -145,7 +145,7 @@ class Supervisor {
   /// The rig named, or for an empty name the only one with a session.
   [[nodiscard]] core::Result<Entry*> find_with_session(const std::string& name);
   [[nodiscard]] static DataPosition position(Entry& entry);
-  [[nodiscard]] Moment moment(Entry& entry) { return {.now_ns = clock_.now_ns(), .at = position(entry)}; }
+  [[nodiscard]] Moment moment(Entry& entry) { return {.now_ns = clock_.now_ns(), .utc_minus_monotonic_ns = clock_.utc_minus_monotonic_ns(), .at = position(entry)}; }
   [[nodiscard]] core::Result<SessionView> begun(Entry& entry, const core::Status& status);
   void finish_recordings();
   void log_gaps(Entry& entry, const AcquisitionReport& report);

@@ -41,7 +41,7 @@ void Supervisor::try_resumes(std::int64_t now_ns) {
     const auto resumed = resume_session(id);
     if (resumed) {
       log_.warning("session " + id + " was interrupted and goes on");
-      services_.recordings->enter_audit({.utc_ns = now_ns + core::utc_minus_monotonic_ns(), .who = "dtsd", .what = "resume_session", .target = id, .result = "ok"});
+      services_.recordings->enter_audit({.utc_ns = now_ns + clock_.utc_minus_monotonic_ns(), .who = "dtsd", .what = "resume_session", .target = id, .result = "ok"});
       continue;
     }
     const bool may_work_later = resumed.error().code == core::ErrorCode::WrongState && now_ns < resume_until_ns_;

@@ -62,6 +62,7 @@ record::RecordedEvent to_record(const SwayTrialResult& result, const std::string
   event.values.emplace_back("labels", record::to_json(result.labels));
   event.values.emplace_back("first_segment", std::int64_t{result.segment});
   event.values.emplace_back("first_scan", static_cast<std::int64_t>(result.first_scan.value));
+  event.values.emplace_back("end_segment", std::int64_t{result.end_segment});
   event.values.emplace_back("end_scan", static_cast<std::int64_t>(result.end_scan.value));
   if (result.analysis) {
     add(event, *result.analysis, software);
@@ -78,7 +79,8 @@ core::Result<SwayTrialResult> sway_of(const record::RecordedEvent& event) {
                          .condition = values.text("condition"),
                          .segment = values.count<std::uint32_t>("first_segment"),
                          .first_scan = {values.count<std::uint64_t>("first_scan")},
-                         .end_scan = {values.count<std::uint64_t>("end_scan")}};
+                         .end_scan = {values.count<std::uint64_t>("end_scan")},
+                         .end_segment = values.count<std::uint32_t>("end_segment")};
   if (auto labels = record::labels_of_json(values.json("labels"))) {
     result.labels = *labels;
   } else {

@@ -7,7 +7,7 @@
 
 namespace dts::session {
 
-/// Event "sway", at the scan where it was decided: trial, attempt, condition, labels, first_segment, first_scan, end_scan; then either
+/// Event "sway", at the scan where it was decided: trial, attempt, condition, labels, first_segment, first_scan, end_segment, end_scan; then either
 /// problem, or profile, rate_hz, samples, duration_s, flags (bits of sway_flag), flag_names, missing, interpolated, is_valid, software and
 /// measures, {"MVELO":{"value":8.19,"unit":"mm/s"}, ...}.
 [[nodiscard]] record::RecordedEvent to_record(const SwayTrialResult& result, const std::string& software);

@@ -11,19 +11,25 @@ constexpr double kLongestTrialS = 600.0;
 constexpr double kLastWordMs =
     200.0;  // the stage `steadiness` tells its last running value 80 ms and a block after the end: it comes first
 
+TracePlace begin_of(const SwayTrialResult& result) { return {.segment = result.segment, .scan = result.first_scan}; }
+TracePlace end_of(const SwayTrialResult& result) { return {.segment = result.end_segment, .scan = result.end_scan}; }
+
 /// Of a trial that cannot be cut out of the trace.
 std::string why_not(const SwayTrialResult& result, const CopTrace& trace) {
-  if (result.end_scan <= result.first_scan) return "no samples came while it was measured";
-  if (!trace.reaches(result.segment, result.end_scan)) return "the session ended before its last samples came";
+  if (result.end_segment == result.segment && result.end_scan <= result.first_scan) return "no samples came while it was measured";
+  if (!trace.reaches(end_of(result))) return "the session ended before its last samples came";
   return "samples were lost on the way to the analysis: dtslab sway measures it from the recording";
 }
 
-void analyse(SwayTrialResult& result, const CopTrace& trace) {
-  if (trace.duration_s(result.first_scan, result.end_scan) > kLongestTrialS) {
+void analyse(SwayTrialResult& result, const CopTrace& trace, core::Rate raw_rate) {
+  const auto is_too_long = [](double duration_s) { return duration_s > kLongestTrialS; };
+  const auto series = trace.cut(begin_of(result), end_of(result));
+  const bool is_divided = result.end_segment != result.segment;
+  const double scans = static_cast<double>(result.end_scan.value) - static_cast<double>(result.first_scan.value);
+  if (is_too_long(series ? static_cast<double>(series->ml_mm.size()) / series->rate_hz : 0.0) || (!is_divided && is_too_long(scans / raw_rate.hz()))) {
     result.problem = "longer than 10 min: dtslab sway measures it from the recording";
     return;
   }
-  const auto series = trace.cut(result.segment, result.first_scan, result.end_scan);
   if (!series) {
     result.problem = why_not(result, trace);
     return;
@@ -39,7 +45,7 @@ void analyse(SwayTrialResult& result, const CopTrace& trace) {
 }  // namespace
 
 SwayResults::SwayResults(core::Rate raw_rate, core::Rate cop_rate)
-    : trace_(raw_rate, cop_rate), last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)) {}
+    : raw_rate_(raw_rate), trace_(raw_rate, cop_rate), last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)) {}
 
 void SwayResults::take(const core::Block& cop) {
   trace_.take(cop);
@@ -59,8 +65,8 @@ void SwayResults::take(const TrialEvent& event, std::uint32_t segment, core::Sca
     open_.push_back(key);
   } else if (event.kind == Done && attempt.state == State::Measuring) {
     attempt.result.end_scan = scan;
+    attempt.result.end_segment = segment;
     attempt.state = State::Waiting;
-    if (segment != attempt.result.segment) finish_trial(attempt, "a gap in the data divides it");
   } else if (event.kind != Done) {
     attempt.state = State::Void;
   }
@@ -75,36 +81,37 @@ void SwayResults::begin(Attempt& attempt, const TrialEvent& event, std::uint32_t
                     .labels = event.labels,
                     .segment = segment,
                     .first_scan = scan,
-                    .end_scan = scan};
+                    .end_scan = scan,
+                    .end_segment = segment};
 }
 
 void SwayResults::finish() {
   for (const Key& key : open_) {
-    if (Attempt& attempt = attempts_[key]; attempt.state == State::Waiting) finish_trial(attempt, "");
+    if (Attempt& attempt = attempts_[key]; attempt.state == State::Waiting) finish_trial(attempt);
   }
   decide();
 }
 
 /// Of the trials under way: finishes those whose samples are all here, and keeps the samples of the others.
 void SwayResults::decide() {
-  std::optional<core::ScanIndex> kept_from;
+  std::optional<TracePlace> kept_from;
+  const auto order = [](const TracePlace& place) { return std::pair(place.segment, place.scan); };
   std::erase_if(open_, [&](const Key& key) {
     Attempt& attempt = attempts_[key];
     const SwayTrialResult& result = attempt.result;
-    if (attempt.state == State::Waiting && trace_.reaches(result.segment, result.end_scan + last_word_scans_)) {
-      finish_trial(attempt, "");
+    if (attempt.state == State::Waiting && trace_.reaches({.segment = result.end_segment, .scan = result.end_scan + last_word_scans_})) {
+      finish_trial(attempt);
     }
     const bool is_open = attempt.state == State::Measuring || attempt.state == State::Waiting;
-    if (is_open && (!kept_from || result.first_scan < *kept_from)) kept_from = result.first_scan;
+    if (is_open && (!kept_from || order(begin_of(result)) < order(*kept_from))) kept_from = begin_of(result);
     return !is_open;
   });
   trace_.keep_from(kept_from);
 }
 
-void SwayResults::finish_trial(Attempt& attempt, const std::string& problem) {
+void SwayResults::finish_trial(Attempt& attempt) {
   attempt.state = State::Decided;
-  attempt.result.problem = problem;
-  if (problem.empty()) analyse(attempt.result, trace_);
+  analyse(attempt.result, trace_, raw_rate_);
   decided_.push_back(attempt.result);
 }
 

@@ -26,7 +26,8 @@ struct SwayTrialResult {
   std::vector<std::pair<std::string, std::string>> labels{};  ///< eyes=open, feet=two
   std::uint32_t segment = 0;
   core::ScanIndex first_scan;  ///< Of the rig's raw stream: from here on it counted,
-  core::ScanIndex end_scan;    ///< up to here, exclusive.
+  core::ScanIndex end_scan;    ///< up to here, exclusive;
+  std::uint32_t end_segment = 0;  ///< of this segment: another than `segment` when gaps divide the trial.
   std::optional<posturography::Analysis> analysis{};
   std::string problem{};  ///< Why there is none.
 };
@@ -66,8 +67,9 @@ class SwayResults {
 
   static void begin(Attempt& attempt, const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan);
   void decide();
-  void finish_trial(Attempt& attempt, const std::string& problem);
+  void finish_trial(Attempt& attempt);
 
+  core::Rate raw_rate_;
   CopTrace trace_;
   std::uint64_t last_word_scans_;
   std::map<Key, Attempt> attempts_;

@@ -212,7 +212,7 @@ JsonLine Producer::report() {
   JsonLine line;
   line.add("role", std::string_view("prod")).add("peer", std::string_view("dtsd")).add("rate", plan_.rate_hz);
   line.add("chunk", std::uint64_t{plan_.chunk}).add("msgs", plan_.total_messages);
-  line.add("refused", rig_->dropped_blocks()).add("lost_before_pipeline", rig_->acquisition().lost_scans_total);
+  line.add("refused", rig_->dropped_blocks()).add("lost_before_pipeline", rig_->acquisition().losses.total().scans);
   line.add("achieved", measured * static_cast<double>(plan_.chunk) / wall_s);
   line.add("push_p50", figures_.send.us(0.5)).add("push_p99", figures_.send.us(0.99)).add("push_max", figures_.send.us(1.0));
   line.add("age_at_push_p50", figures_.age.us(0.5)).add("age_at_push_p99", figures_.age.us(0.99));

@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 #include <xdf.h>
 
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <zmq.hpp>
 
 #include "daemon_process.h"
@@ -229,6 +232,33 @@ TEST(Recording, NothingIdentifying_ReachesFilesLogsOrTheBus) {
   EXPECT_THAT(seen, HasSubstr("P017")) << "the search looks where subjects are";
   EXPECT_THAT(daemon.log(), Not(HasSubstr("P017"))) << "not even pseudonyms belong into a log";
   for (const std::string& secret : secrets) EXPECT_THAT(seen, Not(HasSubstr(secret)));
+}
+
+TEST(Recording, OfADaemonThatStoodStill_SaysEverywhereWhatIsMissing) {
+  DaemonProcess daemon;
+  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
+  const std::string id = record(daemon, 50);
+  daemon.signal(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::seconds(6));  // longer than any queue
+  daemon.signal(SIGCONT);
+  auto control = daemon.control();
+  ASSERT_TRUE(eventually([&] { return control.status() && control.status()->rigs(0).gaps_total() > 0; }));
+  ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);
+  ASSERT_TRUE(eventually([&] { return shown(daemon, id).at("state") == "complete"; }));
+
+  const json part = shown(daemon, id).at("parts").at(0);
+  ASSERT_EQ(part.at("losses").size(), 1U);
+  const auto lost = part.at("losses").at(0).at("lost_scans_total").get<std::uint64_t>();
+  EXPECT_GT(lost, 0U);
+  const std::string words = std::to_string(lost) + (lost == 1 ? " scan lost" : " scans lost");
+  EXPECT_THAT(daemon.ctl({"session", "list"}).out, HasSubstr("complete (" + std::to_string(lost) + " scans lost)"));
+  EXPECT_THAT(daemon.ctl({"session", "show", id}).out, HasSubstr("part 1: " + words + " in "));
+  EXPECT_THAT(daemon.ctl({"session", "verify", id}).out, HasSubstr(words + " in "));
+  const json verified = json::parse(daemon.ctl({"session", "verify", id, "--json"}).out).at("files").at(0);
+  EXPECT_EQ(verified.at("lost_scans"), lost);
+  EXPECT_NEAR(verified.at("duration_s"), part.at("duration_s"), 1e-3) << "length means one thing";
+  EXPECT_GT(part.at("duration_s"), 6.0) << "gaps included";
+  EXPECT_NEAR(static_cast<double>(part.at("scans").get<std::uint64_t>() + lost), part.at("duration_s").get<double>() * 100.0, 3.0);
 }
 
 }  // namespace

@@ -58,7 +58,7 @@ Result<RigFacts> ask_rig_facts(client::ControlClient& dts, const std::string& ri
 
 std::string utc_now() {
   const core::SystemClock clock;
-  const auto seconds = static_cast<std::time_t>((clock.now_ns() + core::utc_minus_monotonic_ns()) / 1'000'000'000);
+  const auto seconds = static_cast<std::time_t>((clock.now_ns() + clock.utc_minus_monotonic_ns()) / 1'000'000'000);
   std::tm parts{};
   ::gmtime_r(&seconds, &parts);
   std::array<char, 32> text{};

@@ -17,7 +17,7 @@ namespace dts::ctl {
 namespace {
 
 core::Result<record::Exported> export_one(const RecordedFile& file, const SessionArguments& wishes, cli::Console& console, WorkBar& work,
-                                          cli::Json& damaged) {
+                                          cli::Json& damaged, cli::Json& losses) {
   auto recording = record::Recording::open(file.path);
   if (!recording) return tl::make_unexpected(recording.error());
   if ((*recording)->damage().empty()) {
@@ -29,6 +29,10 @@ core::Result<record::Exported> export_one(const RecordedFile& file, const Sessio
     damaged.push_back({{"file", file.path}, {"damage", (*recording)->damage()}});
     console.talk << console.program << ": " << cli::printable(file.path + ": " + (*recording)->damage()) << "; what is whole is exported"
                  << std::endl;
+  }
+  if (const std::string lost = to_text((*recording)->losses()); !lost.empty()) {
+    losses.push_back({{"file", file.path}, {"losses", lost}});
+    console.talk << console.program << ": " << cli::printable(file.path) << ": " << lost << "; the events say where" << std::endl;
   }
   if (wishes.format == "csv") return record::export_csv(**recording, wishes.out.empty() ? "." : wishes.out, work.progress());
   return record::export_bids(**recording, wishes.out.empty() ? "bids" : wishes.out, work.progress());
@@ -42,8 +46,9 @@ int run_session_export(const Arguments& arguments, cli::Console& console) {
   WorkBar work(console, "exporting");
   record::Exported all;
   cli::Json damaged = cli::Json::array();  // a program that reads the answer must not take a part for the whole
+  cli::Json losses = cli::Json::array();
   for (const RecordedFile& file : *files) {
-    auto exported = export_one(file, arguments.session, console, work, damaged);
+    auto exported = export_one(file, arguments.session, console, work, damaged, losses);
     if (!exported) {
       const int status = cli::fail_with(console, exported.error());
       for (const std::string& name : all.files) console.talk << "  exported before: " << cli::printable(name) << std::endl;
@@ -56,6 +61,7 @@ int run_session_export(const Arguments& arguments, cli::Console& console) {
   if (arguments.is_json) {
     cli::Json json{{"files", all.files}, {"rows", all.rows}, {"bytes", all.bytes}};
     if (!damaged.empty()) json["damaged"] = std::move(damaged);
+    if (!losses.empty()) json["losses"] = std::move(losses);
     console.out << cli::document(json);
   } else {
     for (const std::string& name : all.files) console.out << cli::printable(name) << '\n';

@@ -11,8 +11,11 @@
 #include "cli/json.h"
 #include "cli/progress.h"
 #include "cli/table.h"
+#include "core/losses.h"
 #include "ctl/recording_view.h"
 #include "ctl/sessions/recorded_files.h"
+#include "record/losses.h"
+#include "record/recording.h"
 #include "record/xdf/recovery.h"
 
 namespace dts::ctl {
@@ -22,6 +25,7 @@ namespace {
 struct Verified {
   RecordedFile file;
   record::Verification found{};
+  core::Losses losses{};  ///< Of scans: the file is sound, and says itself what is missing in it.
   std::optional<core::Error> problem{};
 };
 
@@ -33,6 +37,7 @@ Verified verify(const RecordedFile& file, cli::Console& console) {
   });
   if (!found) return {.file = file, .problem = found.error()};
   Verified verified{.file = file, .found = std::move(*found)};
+  if (const auto recording = record::Recording::open(file.path)) verified.losses = (*recording)->losses();
   if (!file.sha256.empty() && file.sha256 != verified.found.sha256) {
     verified.problem =
         core::Error{core::ErrorCode::DataDamaged,
@@ -71,6 +76,9 @@ cli::Json to_json(const Verified& verified) {
   json["is_closed"] = found.is_closed;
   json["is_recovered"] = found.is_recovered;
   cli::set_number(json, "lost_s_at_most", found.lost_s_at_most);
+  json["gaps"] = verified.losses.total().gaps;
+  json["lost_scans"] = verified.losses.total().scans;
+  json["losses"] = cli::Json::parse(record::to_json(verified.losses));
   return json;
 }
 
@@ -83,9 +91,11 @@ void print_verified(cli::Console& console, const Verified& verified) {
     return;
   }
   std::string word = state_of(found);
+  const std::string losses = to_text(verified.losses);
   std::string facts = cli::duration(found.duration_s) + ", " + std::to_string(found.scans) + " scans, " + bytes_text(found.bytes);
   facts += ", " + std::to_string(found.chunks) +
            (found.has_index ? " chunks as the index has them" : " chunks; no .idx beside it: the values were not checked");
+  if (!losses.empty()) facts += ", " + cli::styled(console, cli::Style::Warning, losses);
   if (word == "complete") {
     console.out << cli::styled(console, cli::Style::Good, found.has_index ? "sound" : "readable") << "  " << name << ": complete, " << facts
                 << '\n';

@@ -12,6 +12,7 @@
 #include "record/catalogue/catalogue_rows.h"
 #include "record/catalogue/schema.h"
 #include "record/catalogue/sqlite.h"
+#include "record/losses.h"
 #include "record/sha256.h"
 
 namespace dts::record {
@@ -151,10 +152,10 @@ core::Status Catalogue::update_part(const PartRow& part) {
     return core::fail(ErrorCode::InvalidArgument, "duration or loss of a recording is no number");
   }
   auto updated = implementation_->database.run(
-      "UPDATE parts SET file = ?, state = ?, sha256 = ?, bytes = ?, scans = ?, duration_s = ?, lost_s_at_most = ?, reason = ?"
+      "UPDATE parts SET file = ?, state = ?, sha256 = ?, bytes = ?, scans = ?, duration_s = ?, lost_s_at_most = ?, reason = ?, losses = ?"
       " WHERE session_id = ? AND part = ?",
       part.file, static_cast<int>(part.state), part.sha256, part.bytes, part.scans, part.duration_s, part.lost_s_at_most, part.reason,
-      part.session_id, part.part);
+      to_json(part.losses), part.session_id, part.part);
   if (updated && implementation_->database.changes() == 0) return no_part(part.session_id, part.part);
   return updated;
 }

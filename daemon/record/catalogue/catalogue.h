@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/losses.h"
 #include "core/result.h"
 #include "record/session_facts.h"
 
@@ -33,9 +34,10 @@ struct PartRow {
   std::string sha256;  ///< Empty until closed.
   std::uint64_t bytes = 0;
   std::uint64_t scans = 0;
-  double duration_s = 0.0;
-  double lost_s_at_most = 0.0;
-  std::string reason;  ///< Why it is not complete.
+  double duration_s = 0.0;      ///< From the first scan to the end of the last, gaps included.
+  core::Losses losses{};        ///< Between the two.
+  double lost_s_at_most = 0.0;  ///< Behind the last, of a recovered recording.
+  std::string reason;           ///< Why it is not complete.
   std::int64_t started_utc_ns = 0;
 
   friend bool operator==(const PartRow&, const PartRow&) = default;
@@ -119,8 +121,8 @@ struct AuditEntry {
 /// newer program is refused. Thread: control.
 class Catalogue {
  public:
-  /// Opens or creates. DataDamaged: not a catalogue, or damaged (says to move it away and start again: it is rebuilt). Unsupported: made by
-  /// a newer version.
+  /// Opens or creates. DataDamaged: no database, or a damaged one (Recordings::open sets it aside). WrongState: another program's database.
+  /// Unsupported: made by a newer version.
   /// Creates with mode 0640. NotFound, NotAllowed, Failed: the folder is not there, cannot be written, or is full.
   [[nodiscard]] static core::Result<std::unique_ptr<Catalogue>> open(const std::string& file);
   ~Catalogue();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record/catalogue/catalogue_rows.h"
 
+#include "record/losses.h"
+
 namespace dts::record {
 
 SessionRow read_session(Statement& row) {
@@ -30,6 +32,11 @@ PartRow read_part(Statement& row) {
   part.lost_s_at_most = row.number(8);
   part.reason = row.text(9);
   part.started_utc_ns = row.integer(10);
+  if (const auto losses = losses_of_json(row.text(11))) {
+    part.losses = *losses;
+  } else {
+    row.refuse(11);
+  }
   return part;
 }
 

@@ -29,7 +29,7 @@ inline constexpr const char* kSessionColumns =
     " sessions.started_utc_ns, sessions.ended_utc_ns FROM sessions JOIN protocols ON protocols.id = sessions.protocol_id"
     " LEFT JOIN subjects ON subjects.id = sessions.subject_id ";
 inline constexpr const char* kPartColumns =
-    "SELECT session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns FROM parts ";
+    "SELECT session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns, losses FROM parts ";
 inline constexpr const char* kTrialColumns =
     "SELECT session_id, part, trial, attempt, block, condition, outcome, segment, first_scan, last_scan, last_segment, result"
     " FROM trials ";

@@ -81,11 +81,9 @@ void set_damaged(const core::Error& error, const Recording& recording, PartRow& 
   std::error_code unknown;
   const auto bytes = fs::file_size(part.file, unknown);
   part.bytes = unknown ? 0 : bytes;
+  part.duration_s = recording.duration_s();
   for (std::size_t stream = 0; stream < recording.streams().size(); ++stream) {
-    const auto& rate = recording.streams()[stream].rate;
-    if (!rate || recording.sample_count(stream) < part.scans) continue;
-    part.scans = recording.sample_count(stream);
-    part.duration_s = static_cast<double>(part.scans) / rate->hz();
+    if (recording.streams()[stream].rate) part.scans = std::max(part.scans, recording.sample_count(stream));
   }
 }
 
@@ -120,6 +118,7 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
   found.part.part = facts.part;
   found.part.file = file;
   found.part.started_utc_ns = facts.started_utc_ns;
+  found.part.losses = (*recording)->losses();
   const auto verified = verify(file);
   if (verified) {
     set_state(*verified, found.part);

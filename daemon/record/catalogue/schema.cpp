@@ -104,7 +104,10 @@ CREATE TRIGGER audit_is_only_continued BEFORE INSERT ON audit
 /// What came of a trial of the reaching task: its event "result" as JSON; empty: nothing did.
 constexpr const char* kVersion2 = "ALTER TABLE trials ADD COLUMN result TEXT NOT NULL DEFAULT '';";
 
-constexpr std::array<const char*, 2> kMigrations{kVersion1, kVersion2};
+/// What is missing between a part's first scan and its last: record/losses.h.
+constexpr const char* kVersion3 = "ALTER TABLE parts ADD COLUMN losses TEXT NOT NULL DEFAULT '{}';";
+
+constexpr std::array<const char*, 3> kMigrations{kVersion1, kVersion2, kVersion3};
 
 core::Status check_owner(const Database& database, std::int64_t version) {
   const auto mark = database.number("PRAGMA application_id");
@@ -113,7 +116,7 @@ core::Status check_owner(const Database& database, std::int64_t version) {
   const auto tables = database.number("SELECT count(*) FROM sqlite_schema");
   if (!tables) return tl::make_unexpected(tables.error());
   if (*mark == 0 && version == 0 && *tables == 0) return {};  // just made
-  return core::fail(core::ErrorCode::DataDamaged, database.file() + " is no catalogue of dtsd but a database of another program",
+  return core::fail(core::ErrorCode::WrongState, database.file() + " is no catalogue of dtsd but a database of another program",
                     "move it away, or choose another folder: directory under [storage] in dtsd.toml");
 }
 

@@ -16,7 +16,7 @@ inline constexpr std::int64_t kCatalogueMark = 0x44545363;
 [[nodiscard]] std::span<const char* const> catalogue_migrations() noexcept;
 
 /// Applies the migrations that the file lacks, each in a transaction of its own with its version (PRAGMA user_version). A file of another
-/// program: DataDamaged; of a newer version: Unsupported. Neither is touched. After a failure the file is at the last version that was
+/// program: WrongState; of a newer version: Unsupported. Neither is touched. After a failure the file is at the last version that was
 /// reached.
 [[nodiscard]] core::Status migrate(const Database& database, std::span<const char* const> migrations);
 

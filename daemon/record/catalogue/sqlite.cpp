@@ -66,8 +66,7 @@ std::string hint_of(int result) {
 
 tl::unexpected<core::Error> damaged_catalogue(const std::string& file, const std::string& why) {
   return core::fail(ErrorCode::DataDamaged, "the catalogue " + file + " is damaged: " + why,
-                    "move it away with all files beside it whose names begin with its own, and start again: it is rebuilt from the "
-                    "recordings, all but the audit trail");
+                    "start dtsd again: it sets the catalogue aside and makes it anew from the recordings, all but the audit trail");
 }
 
 Statement& Statement::bind(std::string_view text) {
@@ -143,6 +142,11 @@ std::uint64_t Statement::count(int column) {
 
 std::uint32_t Statement::count32(int column) {
   return static_cast<std::uint32_t>(integer_in(column, 0, std::numeric_limits<std::uint32_t>::max()));
+}
+
+void Statement::refuse(int column) {
+  constexpr std::size_t kMostShown = 80;
+  if (damage_.empty()) damage_ = std::string(sqlite3_column_name(statement_.get(), column)) + " = " + text(column).substr(0, kMostShown);
 }
 
 core::Status Statement::sound() const {

@@ -63,7 +63,9 @@ Json recording_facts(const Recording& recording, const StreamInfo& stream, const
             {"Firmware", session.firmware},
             {"Stages", session.stages},
             {"CalibrationId", session.calibration_id},
-            {"Gaps", facts.gaps},
+            {"Gaps", recording.losses().total().gaps},
+            {"LostScans", recording.losses().total().scans},
+            {"Losses", to_text(recording.losses())},
             {"SampleCount", facts.scans},
             {"FilterDelaySeconds", static_cast<double>(stream.delay_ns) * 1e-9}};
   for (const auto& [name, value] : session.fields) json["SubjectFields"][name] = value;

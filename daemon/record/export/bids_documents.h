@@ -12,8 +12,7 @@ namespace dts::record {
 struct MotionFacts {
   std::string tracking_system;  ///< "floorcop"
   std::uint64_t scans = 0;
-  std::int64_t duration_ns = 0;  ///< From the first scan to the last, gaps included.
-  std::uint32_t gaps = 0;
+  std::int64_t duration_ns = 0;  ///< From the first scan to the end of the last, gaps included.
 };
 
 /// The documents of a BIDS dataset beside its data (BIDS 1.9, "Motion").

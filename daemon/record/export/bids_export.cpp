@@ -30,7 +30,6 @@ struct Motion {
   std::size_t stream = 0;
   MotionFacts facts{};
   std::optional<TimeAxis> times{};
-  std::optional<std::pair<std::uint32_t, std::uint64_t>> next{};  ///< Segment and scan that continue without a gap.
 };
 
 class BidsSink : public ExportSink {
@@ -104,9 +103,6 @@ core::Status BidsSink::take(const RecordedScans& scans) {
   if (motion.file == nullptr || scans.count == 0) return {};
   const StreamInfo& info = recording_.streams()[scans.stream];
   const std::size_t channels = info.channels.size();
-  // Also within a segment: what the recorder was too slow for.
-  if (motion.next && *motion.next != std::pair(scans.segment, scans.first_scan.value)) ++motion.facts.gaps;
-  motion.next = {scans.segment, scans.first_scan.value + scans.count};
   motion.times->begin(scans);
   const double* value = scans.values.data();
   for (std::size_t scan = 0; scan < scans.count; ++scan) {
@@ -119,7 +115,7 @@ core::Status BidsSink::take(const RecordedScans& scans) {
     motion.file->advance(at);
   }
   motion.facts.scans += scans.count;
-  motion.facts.duration_ns = motion.times->time_ns(scans.count - 1);
+  motion.facts.duration_ns = motion.times->time_ns(scans.count - 1) + info.rate->time_ns({1});
   rows_ += scans.count;
   return motion.file->status();
 }

@@ -70,7 +70,7 @@ class Copier {
 bool Copier::is_left_out(const Chunk& chunk) const {
   const auto is_empty = [this](std::uint32_t number) {
     const auto stream = found_.streams.find(number);
-    return stream == found_.streams.end() || (stream->second.is_regular && stream->second.samples == 0);
+    return stream == found_.streams.end() || (stream->second.scan_s > 0.0 && stream->second.samples == 0);
   };
   if (std::holds_alternative<StreamFooter>(chunk.content)) return true;
   if (const auto* header = std::get_if<StreamHeader>(&chunk.content)) return is_empty(header->stream);
@@ -133,7 +133,7 @@ core::Status Copier::copy_chunks(ChunkStream& stream, const std::string& copy, c
 core::Status Copier::close(const Ending& ending) {
   std::vector<NotedChunk> footers;
   for (const auto& [number, stream] : found_.streams) {
-    if (stream.is_regular && stream.samples == 0) continue;
+    if (stream.scan_s > 0.0 && stream.samples == 0) continue;
     StreamSummary summary{.first_time_s = stream.first_time_s, .last_time_s = stream.last_time_s, .sample_count = stream.samples};
     summary.clock_offsets = offsets_[number];
     summary.facts = {{"recovered", "yes"}, {"lost_s_at_most", shortest_text(ending.lost_s_at_most)}};

@@ -19,7 +19,7 @@ struct Recovery {
   std::uint64_t kept_bytes = 0;
   std::uint64_t dropped_bytes = 0;
   std::uint64_t chunks = 0;
-  double duration_s = 0.0;      ///< From the first sample to the last.
+  double duration_s = 0.0;      ///< As `Verification`'s.
   double lost_s_at_most = 0.0;  ///< Dropped tail, and what had not reached the disk.
   std::string reason;           ///< Why the original ended: "no footer", "chunk torn at byte 1234", "checksum wrong at byte 1234"
 };
@@ -42,7 +42,7 @@ struct Verification {
   std::uint64_t bytes = 0;
   std::uint64_t chunks = 0;
   std::uint64_t scans = 0;  ///< Of the stream that has most.
-  double duration_s = 0.0;
+  double duration_s = 0.0;  ///< Of the same: from its first scan to the end of its last, gaps included.
   bool has_index = false;  ///< Checksums of all chunks were compared.
   bool is_closed = false;  ///< Every stream has its footer.
   std::string incomplete;  ///< The reason it says of itself; empty: complete.

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <limits>
+#include <utility>
 
 #include "record/xdf/byte_codec.h"
 #include "record/xdf/chunk_decoder.h"
@@ -116,7 +116,7 @@ void Surveyor::take(const Chunk& chunk) {
   if (std::holds_alternative<FileHeader>(chunk.content)) survey_.has_file_header = true;
   if (const auto* header = std::get_if<StreamHeader>(&chunk.content)) {
     const auto& info = header->info;
-    survey_.streams[header->stream] = {.name = info.name, .is_regular = info.rate.has_value()};
+    survey_.streams[header->stream] = {.name = info.name, .scan_s = info.rate ? 1.0 / info.rate->hz() : 0.0};
   }
   if (const auto* footer = std::get_if<StreamFooter>(&chunk.content)) survey_.streams[footer->stream].footer = *footer;
   if (const auto* samples = std::get_if<Samples>(&chunk.content)) take_samples(*samples);
@@ -137,15 +137,18 @@ bool Survey::is_closed() const noexcept {
          std::ranges::all_of(streams, [](const auto& stream) { return stream.second.footer.has_value(); });
 }
 
-double Survey::duration_s() const noexcept {
-  double first_s = std::numeric_limits<double>::infinity();
-  double last_s = -first_s;
+const StreamSurvey* Survey::longest_stream() const noexcept {
+  const auto rank = [](const StreamSurvey& stream) { return std::pair(stream.samples > 0 && stream.scan_s > 0.0, stream.samples); };
+  const StreamSurvey* longest = nullptr;
   for (const auto& [number, stream] : streams) {
-    if (stream.samples == 0) continue;
-    first_s = std::min(first_s, stream.first_time_s);
-    last_s = std::max(last_s, stream.last_time_s);
+    if (stream.samples > 0 && (longest == nullptr || rank(stream) > rank(*longest))) longest = &stream;
   }
-  const double duration_s = last_s - first_s;
+  return longest;
+}
+
+double Survey::duration_s() const noexcept {
+  const StreamSurvey* const stream = longest_stream();
+  const double duration_s = stream != nullptr ? stream->last_time_s - stream->first_time_s + stream->scan_s : 0.0;
   return std::isfinite(duration_s) && duration_s > 0.0 ? duration_s : 0.0;
 }
 

@@ -15,7 +15,7 @@ namespace dts::record {
 /// What is in a file of one stream, up to where the file makes sense.
 struct StreamSurvey {
   std::string name;
-  bool is_regular = false;
+  double scan_s = 0.0;  ///< 1 / rate; 0: irregular.
   std::uint64_t samples = 0;
   double first_time_s = 0.0;
   double last_time_s = 0.0;
@@ -36,6 +36,9 @@ struct Survey {
   std::string sha256;  ///< Of the bytes up to `end`.
 
   [[nodiscard]] bool is_closed() const noexcept;  ///< Read to its end, and every stream has its footer.
+  /// The regular stream that has most samples; the one that has most when none is regular; nullptr: there is no sample.
+  [[nodiscard]] const StreamSurvey* longest_stream() const noexcept;
+  /// Of that stream: from its first scan to the end of its last, gaps included.
   [[nodiscard]] double duration_s() const noexcept;
   [[nodiscard]] std::string footer_fact(const std::string& name) const;  ///< Of the first footer that has it.
 };

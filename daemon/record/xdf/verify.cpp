@@ -38,24 +38,14 @@ core::Status check(const Survey& found) {
   return {};
 }
 
-/// Of the regular stream that has most; of any when none is regular.
-std::uint64_t most_scans(const Survey& found) {
-  std::uint64_t regular = 0;
-  std::uint64_t any = 0;
-  for (const auto& [number, stream] : found.streams) {
-    any = std::max(any, stream.samples);
-    if (stream.is_regular) regular = std::max(regular, stream.samples);
-  }
-  return regular > 0 ? regular : any;
-}
-
 }  // namespace
 
 core::Result<Verification> verify(const std::string& file, const Progress& progress) {
   const auto found = survey(file, progress);
   if (!found) return tl::make_unexpected(found.error());
   if (auto status = check(*found); !status) return core::fail(status.error().code, file + ": " + status.error().what, status.error().hint);
-  Verification verification{.sha256 = found->sha256, .bytes = found->size, .chunks = found->chunks, .scans = most_scans(*found)};
+  const StreamSurvey* const longest = found->longest_stream();
+  Verification verification{.sha256 = found->sha256, .bytes = found->size, .chunks = found->chunks, .scans = longest ? longest->samples : 0};
   verification.duration_s = found->duration_s();
   verification.has_index = found->is_all_indexed;
   verification.is_closed = found->is_closed();

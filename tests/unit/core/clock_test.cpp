@@ -136,7 +136,7 @@ TEST(UtcMinusMonotonic, AddedToMonotonic_IsThisCentury) {
   constexpr std::int64_t kYear2020_ns = 1'577'836'800LL * 1'000'000'000;
   constexpr std::int64_t kYear2100_ns = 4'102'444'800LL * 1'000'000'000;
 
-  const std::int64_t utc_ns = SystemClock{}.now_ns() + utc_minus_monotonic_ns();
+  const std::int64_t utc_ns = SystemClock{}.now_ns() + SystemClock{}.utc_minus_monotonic_ns();
 
   EXPECT_GT(utc_ns, kYear2020_ns);
   EXPECT_LT(utc_ns, kYear2100_ns);

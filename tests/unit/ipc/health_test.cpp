@@ -47,11 +47,11 @@ class HealthTest : public ::testing::Test {
 
 TEST_F(HealthTest, Status_NamesCausesThatHappenedAndSaysTheRest) {
   session::RigState state{.rig = *rig_, .ring_fill = {.scans_percent = 1.5, .frames_percent = 25.0, .record_percent = 50.0}};
-  state.acquisition.losses[static_cast<std::size_t>(core::GapReason::Silence)] = {.gaps_total = 2, .lost_scans_total = 40};
+  state.acquisition.losses.add(core::GapReason::Silence, {.gaps = 2, .scans = 40});
   state.recording = {.is_recording = true, .lag_s = 0.5};
   state.latency.add(3.0);
 
-  const dts::v1::StatusSnapshot snapshot = status_snapshot({}, 0, {state}, {});
+  const dts::v1::StatusSnapshot snapshot = status_snapshot({}, core::VirtualClock(), {state}, {});
 
   const dts::v1::RigStatus& rig = snapshot.rigs(0);
   ASSERT_EQ(rig.losses_size(), 1);

@@ -165,6 +165,32 @@ TEST_F(RecorderTest, Gap_StartsASegmentWhoseEventSaysWhy) {
   }
 }
 
+TEST_F(RecorderTest, Gap_IsALossThatWriterAndReadersTellAlike) {
+  auto recorder = this->recorder();
+  core::Frame& first = frame(2, 0, 40, host_ns(0));
+  first.gap_before = {.reason = core::GapReason::Unplugged, .missing_scans = 9, .is_exact = true};  // before the recording
+  ASSERT_TRUE(recorder->take(first));
+  core::Frame& after = frame(3, 0, 40, host_ns(540));
+  after.gap_before = {.reason = core::GapReason::Overrun, .missing_scans = 500, .is_exact = true};
+  ASSERT_TRUE(recorder->take(after));
+  after.gap_before = {};
+  ASSERT_TRUE(recorder->take(frame(3, 50, 10, host_ns(590))));  // the recorder was too slow for ten scans
+  recorder->note_loss(5);                                       // and for five at the end
+  ASSERT_TRUE(recorder->flush());
+
+  core::Losses expected;
+  expected.add(core::GapReason::Overrun, {.gaps = 1, .scans = 500});
+  expected.add(core::GapReason::RingFull, {.gaps = 2, .scans = 15});
+  EXPECT_EQ(recorder->losses(), expected);
+  EXPECT_NEAR(recorder->duration_s(), 0.6, 1e-9) << "gaps included";
+
+  const std::string file = recorder->close("").value().file;
+  const auto recording = Recording::open(file).value();
+  EXPECT_EQ(recording->losses(), expected);
+  EXPECT_NEAR(recording->duration_s(), 0.6, 1e-9);
+  EXPECT_NEAR(verify(file).value().duration_s, 0.6, 1e-9);
+}
+
 TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScan) {
   auto recorder = this->recorder();
   const RecordedEvent early{

@@ -23,8 +23,6 @@ AcquisitionReport played(std::deque<ScriptedDevice::Step> script, core::VirtualC
   return acquisition.report();
 }
 
-const LossCount& of(const AcquisitionReport& report, core::GapReason reason) { return report.losses[static_cast<std::size_t>(reason)]; }
-
 TEST(AcquisitionCounts, LossesStandUnderTheirCause_AndAddUp) {
   const core::Gap overrun{.reason = core::GapReason::Overrun, .missing_scans = 5, .is_exact = true};
   const core::Gap longer{.reason = core::GapReason::Overrun, .missing_scans = 7, .is_exact = true};
@@ -38,18 +36,9 @@ TEST(AcquisitionCounts, LossesStandUnderTheirCause_AndAddUp) {
                                            {.scans = 2, .skip_index = 3}},
                                           clock);
 
-  EXPECT_EQ(of(report, core::GapReason::Overrun).gaps_total, 2U);
-  EXPECT_EQ(of(report, core::GapReason::Overrun).lost_scans_total, 12U);
-  EXPECT_EQ(of(report, core::GapReason::Integrity).gaps_total, 1U);
-  EXPECT_EQ(of(report, core::GapReason::Integrity).lost_scans_total, 3U);
-  std::uint64_t gaps = 0;
-  std::uint64_t scans = 0;
-  for (const LossCount& count : report.losses) {
-    gaps += count.gaps_total;
-    scans += count.lost_scans_total;
-  }
-  EXPECT_EQ(gaps, report.gaps_total);
-  EXPECT_EQ(scans, report.lost_scans_total);
+  EXPECT_EQ(report.losses.of(core::GapReason::Overrun), (core::LossCount{.gaps = 2, .scans = 12}));
+  EXPECT_EQ(report.losses.of(core::GapReason::Integrity), (core::LossCount{.gaps = 1, .scans = 3}));
+  EXPECT_EQ(report.losses.total(), (core::LossCount{.gaps = 3, .scans = 15}));
 }
 
 TEST(AcquisitionCounts, RingThatNobodyReads_WasFull) {

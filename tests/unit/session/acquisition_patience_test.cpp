@@ -110,7 +110,7 @@ TEST(AcquisitionOfAPatientDevice, SlowPipeline_LosesNothing) {
   ASSERT_EQ(seen.size(), 50U);
   for (std::size_t block = 0; block < seen.size(); ++block) EXPECT_EQ(seen[block], block * kScans);
   EXPECT_EQ(bench.ring.dropped(), 0U);
-  EXPECT_EQ(bench.acquisition.report().gaps_total, 0U);
+  EXPECT_EQ(bench.acquisition.report().losses.total().gaps, 0U);
 }
 
 TEST(AcquisitionOfAPatientDevice, RecordingFromTheMiddleOfASegment_BeginsAtItsIndexAndSegmentsBehindItAtZero) {
@@ -134,7 +134,7 @@ TEST(AcquisitionOfAPatientDevice, RecordingFromTheMiddleOfASegment_BeginsAtItsIn
 
   const std::vector<std::pair<std::uint32_t, std::uint64_t>> expected{{0, 77}, {0, 77 + kScans}, {1, 0}, {1, kScans}};
   EXPECT_EQ(seen, expected);
-  EXPECT_EQ(bench.acquisition.report().gaps_total, 1U);
+  EXPECT_EQ(bench.acquisition.report().losses.total().gaps, 1U);
 }
 
 TEST(AcquisitionOfAPatientDevice, StopWhileItWaitsForRoom_IsSeenWithin100Milliseconds) {

@@ -54,7 +54,7 @@ TEST(Acquisition, UnbrokenStream_IsOneSegmentWithoutGap) {
   EXPECT_EQ(run.seen[2].first_scan, 10U);
   EXPECT_EQ(run.seen[2].segment, 0U);
   EXPECT_EQ(run.report.scans_total, 11U);
-  EXPECT_EQ(run.report.gaps_total, 0U);
+  EXPECT_EQ(run.report.losses.total().gaps, 0U);
 }
 
 TEST(Acquisition, DeviceGap_StartsASegmentAtZeroAndIsToldOnce) {
@@ -69,7 +69,7 @@ TEST(Acquisition, DeviceGap_StartsASegmentAtZeroAndIsToldOnce) {
   EXPECT_TRUE(run.seen[1].gap.is_exact);
   EXPECT_EQ(run.seen[2].gap.reason, core::GapReason::None);
   EXPECT_EQ(run.seen[2].first_scan, 2U);
-  EXPECT_EQ(run.report.lost_scans_total, 5U);
+  EXPECT_EQ(run.report.losses.total().scans, 5U);
 }
 
 TEST(Acquisition, Unplug_ReopensAndEstimatesTheHoleFromHostTime) {
@@ -147,7 +147,7 @@ TEST(Acquisition, TwoGapsInARow_BecomeOneLongerGap) {
   ASSERT_EQ(run.seen.size(), 2U);
   EXPECT_EQ(run.seen[1].gap.missing_scans, 12U);
   EXPECT_FALSE(run.seen[1].gap.is_exact);
-  EXPECT_EQ(run.report.gaps_total, 1U);
+  EXPECT_EQ(run.report.losses.total().gaps, 1U);
 }
 
 TEST(Acquisition, UnknownHoleAfterACountedOne_IsAsLongAsTheTimeBetweenTheScans) {
@@ -159,7 +159,7 @@ TEST(Acquisition, UnknownHoleAfterACountedOne_IsAsLongAsTheTimeBetweenTheScans) 
 
   ASSERT_EQ(run.seen.size(), 2U);
   EXPECT_EQ(run.seen[1].gap.missing_scans, 600U);
-  EXPECT_EQ(run.report.lost_scans_total, 600U);
+  EXPECT_EQ(run.report.losses.total().scans, 600U);
 }
 
 TEST(Acquisition, HostTimeJumpsByMoreThanASecond_IsASilenceGap) {
@@ -176,7 +176,7 @@ TEST(Acquisition, DeviceGoneAtEveryFirstRead_IsRetriedWithGrowingPauses) {
 
   // 0.25, 0.5, 1, 2, 4 s: as fast as it computes would be none of them.
   EXPECT_GE(run.clock.now_ns(), 7'750'000'000);
-  EXPECT_EQ(run.report.gaps_total, 0U);
+  EXPECT_EQ(run.report.losses.total().gaps, 0U);
 }
 
 TEST(Acquisition, StreamThatBreaksAfterSeconds_IsStartedAgainAtOnceInANewSegment) {
@@ -226,7 +226,7 @@ TEST(Acquisition, StreamThatBreaksAgainAndAgain_IsRetriedWithGrowingPauses) {
   const Playback run(script);
 
   EXPECT_GE(run.clock.now_ns(), 7'750'000'000);
-  EXPECT_EQ(run.report.gaps_total, 5U);
+  EXPECT_EQ(run.report.losses.total().gaps, 5U);
 }
 
 TEST(Acquisition, SuspendedMachine_TheTimeAsleepIsInTheGap) {

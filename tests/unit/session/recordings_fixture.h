@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <functional>
@@ -86,7 +87,18 @@ class RecordingsTest : public testing::Test {
 
   std::filesystem::path folder_;
   StorageConfig storage_;
-  core::SystemClock clock_;
+  /// The machine's, whose wall clock can be set.
+  class SettableClock : public core::Clock {
+   public:
+    [[nodiscard]] std::int64_t now_ns() const noexcept override { return system_.now_ns(); }
+    void sleep_until_ns(std::int64_t deadline_ns) noexcept override { system_.sleep_until_ns(deadline_ns); }
+    [[nodiscard]] std::int64_t utc_minus_monotonic_ns() const noexcept override { return Clock::utc_minus_monotonic_ns() + set_by_ns; }
+    std::atomic<std::int64_t> set_by_ns{0};
+
+   private:
+    core::SystemClock system_;
+  };
+  SettableClock clock_;
   core::Doorbell bell_;
   std::unique_ptr<Recordings> recordings_;
   std::unique_ptr<Supervisor> supervisor_;

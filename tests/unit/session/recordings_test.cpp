@@ -182,7 +182,7 @@ TEST_F(RecordingsTest, Resume_PassesOverAPartWhoseFileIsGone) {
 
 TEST_F(RecordingsTest, IdUsedByAnEarlierDaemon_IsNotUsedAgain) {
   start();
-  const std::int64_t now_s = (clock_.now_ns() + core::utc_minus_monotonic_ns()) / 1'000'000'000;
+  const std::int64_t now_s = (clock_.now_ns() + clock_.utc_minus_monotonic_ns()) / 1'000'000'000;
   for (std::int64_t second = now_s; second < now_s + 30; ++second) {
     const auto stamp = static_cast<std::time_t>(second);
     std::array<char, 32> text{};

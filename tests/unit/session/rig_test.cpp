@@ -68,7 +68,7 @@ TEST(Rig, PublisherThatStalls_LosesBlocksButNeitherScansNorTheGapEvent) {
   EXPECT_GT(rig->dropped_blocks(), 0U);
   EXPECT_EQ(gap.reason, core::GapReason::Overrun);
   EXPECT_EQ(gap.missing_scans, 150U);
-  EXPECT_EQ(rig->acquisition().lost_scans_total, 150U);
+  EXPECT_EQ(rig->acquisition().losses.total().scans, 150U);
 }
 
 TEST(Rig, SensorOnAChannelTheDeviceHasNot_IsRefused) {

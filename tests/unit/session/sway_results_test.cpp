@@ -82,20 +82,54 @@ TEST(SwayResults, KeepTrialsThatFollowWithoutRestApart) {
   EXPECT_EQ(decided[1].analysis->measures, expected(2000, 4000).measures);
 }
 
-TEST(SwayResults, SayWhyThereIsNone) {
+/// A block of segment 1, of which scan 0 is scan `origin` of the signal.
+core::Block after_gap(std::uint64_t origin, std::uint64_t first, std::size_t count) {
+  core::Block block = cop_block(origin + first, count, 1);
+  block.first_scan = {first};
+  return block;
+}
+
+TEST(SwayResults, OfATrialThatAGapDivides_AreThoseOfItsLongestStretch) {
   SwayResults results(rate_100(), rate_100());
   results.take(standing_step(Measure, 1), 0, {0});
-  results.take(cop_block(0, 1000));
-  results.take(cop_block(0, 500, 1));  // a gap
-  results.take(standing_step(Done, 1), 1, {400});
-  results.take(standing_step(Measure, 2), 1, {400});
-  results.take(standing_step(Done, 2), 1, {2400});  // the session ends before its samples come
+  results.take(cop_block(0, 500));
+  results.take(after_gap(800, 0, 2300));  // three seconds are missing
+  results.take(standing_step(Done, 1), 1, {2200});
+  const auto decided = results.take_decided();
+  ASSERT_EQ(decided.size(), 1U);
+  EXPECT_EQ(decided[0].end_segment, 1U);
+  ASSERT_TRUE(decided[0].analysis) << decided[0].problem;
+  EXPECT_EQ(decided[0].analysis->samples, 2200U);
+  EXPECT_EQ(decided[0].analysis->missing, 300U);
+  EXPECT_EQ(decided[0].analysis->measures, expected(800, 3000).measures);
+  using namespace posturography::sway_flag;
+  EXPECT_EQ(decided[0].analysis->flags & (kCutAtGap | kMissingSamples), kCutAtGap | kMissingSamples);
+}
+
+TEST(SwayResults, GapBetweenTrials_IsNoneOfTheirs) {
+  SwayResults results(rate_100(), rate_100());
+  results.take(cop_block(0, 500));
+  results.take(after_gap(800, 0, 100));
+  results.take(standing_step(Measure, 1), 1, {100});
+  results.take(after_gap(800, 100, 2100));
+  results.take(standing_step(Done, 1), 1, {2100});
+  const auto decided = results.take_decided();
+  ASSERT_EQ(decided.size(), 1U);
+  ASSERT_TRUE(decided[0].analysis) << decided[0].problem;
+  EXPECT_EQ(decided[0].analysis->measures, expected(900, 2900).measures);
+  EXPECT_EQ(decided[0].analysis->missing, 0U);
+}
+
+TEST(SwayResults, SayWhyThereIsNone) {
+  SwayResults results(rate_100(), rate_100());
+  results.take(cop_block(0, 500));
+  results.take(standing_step(Measure, 2), 0, {400});
+  results.take(standing_step(Done, 2), 0, {2400});  // the session ends before its samples come
   results.finish();
   const auto decided = results.take_decided();
-  ASSERT_EQ(decided.size(), 2U);
-  EXPECT_FALSE(decided[0].analysis || decided[1].analysis);
-  EXPECT_EQ(decided[0].problem, "a gap in the data divides it");
-  EXPECT_EQ(decided[1].problem, "the session ended before its last samples came");
+  ASSERT_EQ(decided.size(), 1U);
+  EXPECT_FALSE(decided[0].analysis);
+  EXPECT_EQ(decided[0].problem, "the session ended before its last samples came");
   EXPECT_TRUE(results.summary().empty());
 }
 
@@ -137,20 +171,20 @@ TEST(SwayResults, ARedoneTrialIsVoid) {
 
 TEST(SwayResults, MemoryOfAnEndlessTrialIsBounded) {
   CopTrace trace(rate_100(), rate_100());
-  trace.keep_from(core::ScanIndex{0});
+  trace.keep_from(TracePlace{});
   core::Block block(3, 100'000);
   block.set_count(block.capacity());
   for (; block.first_scan.value < CopTrace::kMostSamples; block.first_scan.value += block.count()) trace.take(block);
-  EXPECT_TRUE(trace.cut(0, {0}, {100}));
+  EXPECT_TRUE(trace.cut({0, {0}}, {0, {100}}));
   trace.take(block);
-  EXPECT_FALSE(trace.cut(0, {0}, {100})) << "the oldest are forgotten";
-  EXPECT_TRUE(trace.cut(0, {100'000}, {200'000}));
+  EXPECT_FALSE(trace.cut({0, {0}}, {0, {100}})) << "the oldest are forgotten";
+  EXPECT_TRUE(trace.cut({0, {100'000}}, {0, {200'000}}));
 }
 
 TEST(SwayResults, ASlowerCopStreamIsCutAtTheRightScans) {
   CopTrace trace(*core::Rate::create(1500, 1), rate_100());
   trace.take(cop_block(0, 400));
-  const auto cut = trace.cut(0, {1500}, {4500});
+  const auto cut = trace.cut({0, {1500}}, {0, {4500}});
   ASSERT_TRUE(cut);
   EXPECT_EQ(cut->ml_mm.size(), 200U);
   EXPECT_EQ(cut->ml_mm[0], static_cast<float>(ml_at(100)));

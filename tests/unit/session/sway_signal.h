@@ -32,6 +32,7 @@ inline constexpr double kRateHz = 100.0;
   block.set_count(count);
   block.segment = segment;
   block.first_scan = {first};
+  block.host_time_ns = static_cast<std::int64_t>(first) * 10'000'000;
   for (std::size_t i = 0; i < count; ++i) {
     block.column(0)[i] = scale * ml_at(first + i);
     block.column(1)[i] = scale * ap_at(first + i);

@@ -133,6 +133,7 @@ def _check_trial(trial: sessions_pb2.TrialStatus) -> None:
 def _check_part(part: sessions_pb2.SessionPart) -> None:
     if part.state == sessions_pb2.PART_STATE_UNSPECIFIED or part.state not in sessions_pb2.PartState.values():
         raise _damaged("a recording in an unknown state")
+    _check_count(part.losses, _MAX_TEXTS, "causes of losses")
     _check_amount(part.duration_s, "the length of a recording")
     _check_amount(part.lost_s_at_most, "what a recording lost")
 

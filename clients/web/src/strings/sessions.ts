@@ -34,7 +34,9 @@ export const sessions = {
     head: 'Recording',
     heads: { part: 'Part', state: 'State', length: 'Length', scans: 'Scans', size: 'Size', file: 'File on the computer of dtsd' },
     states: { 1: 'recording', 2: 'complete', 3: 'incomplete', 4: 'interrupted', 5: 'recovered', 6: 'file missing' } as Readonly<Record<number, string>>,
-    lost: (seconds: string) => `at most ${seconds} s lost`,
+    lost: (seconds: string) => `at most ${seconds} s lost at the end`,
+    lostScans: (scans: string) => `${scans} ${scans === '1' ? 'scan' : 'scans'} lost`,
+    gaps: (count: string, reason: string) => `${count} ${count === '1' ? 'gap' : 'gaps'}: ${reason}`,
   },
   trials: {
     head: 'Trials',

@@ -22,6 +22,8 @@ class Events final : public record::Recording {
   [[nodiscard]] std::optional<std::size_t> find_stream(const std::string&) const override { return std::nullopt; }
   [[nodiscard]] const std::optional<record::SessionFacts>& session() const noexcept override { return facts_; }
   [[nodiscard]] const std::string& damage() const noexcept override { return damage_; }
+  [[nodiscard]] const core::Losses& losses() const noexcept override { return losses_; }
+  [[nodiscard]] double duration_s() const noexcept override { return 0.0; }
   [[nodiscard]] std::uint64_t sample_count(std::size_t) const override { return 0; }
   [[nodiscard]] core::Result<std::optional<record::RecordedItem>> next() override {
     if (next_ == events_.size()) return std::optional<record::RecordedItem>{};
@@ -37,6 +39,7 @@ class Events final : public record::Recording {
  private:
   std::vector<RecordedEvent> events_;
   std::vector<record::StreamInfo> streams_;
+  core::Losses losses_;
   std::optional<record::SessionFacts> facts_;
   std::string damage_;
   std::size_t next_ = 0;

@@ -101,6 +101,37 @@ TEST_F(RecordedTrialsTest, TrialsThatCount_AreMeasuredAndComparedWithWhatWasTold
   EXPECT_EQ(json().at("recorded_results"), 0) << "another definition than what was told";
 }
 
+TEST_F(RecordedTrialsTest, TrialThatAGapDivides_IsMeasuredInItsLongestStretch) {
+  using namespace record::xdf_test;
+  auto writer = record::XdfWriter::create(path("divided.xdf"), to_facts(floor_session())).value();
+  const auto raw = writer->add_stream(regular_stream("floor/raw", {"w1_v"}, rate_of(100)));
+  const auto cop = writer->add_stream(regular_stream("floor/cop", {"ml_mm", "ap_mm"}, rate_of(100)));
+  const auto events = writer->add_stream(events_stream());
+  const auto write = [&](std::uint32_t segment, std::uint64_t origin, std::uint64_t scans, std::vector<RecordedEvent> all) {
+    std::vector<double> values;
+    for (std::uint64_t scan = origin; scan < origin + scans; ++scan) values.insert(values.end(), {ml_mm(scan), ap_mm(scan)});
+    const double begin_s = 1000.0 + 0.01 * static_cast<double>(origin);
+    std::vector<std::pair<double, std::string>> texts;
+    for (RecordedEvent& event : all) {
+      event.segment = segment;
+      texts.emplace_back(begin_s + 0.01 * static_cast<double>(event.scan.value), record::to_json(event));
+    }
+    const record::XdfWriter::Position start{.segment = segment, .first_scan = {0}};
+    EXPECT_TRUE(writer->write_texts(events, texts, start));
+    EXPECT_TRUE(writer->write_samples(raw, begin_s, std::vector<double>(scans, 0.0), start));
+    EXPECT_TRUE(writer->write_samples(cop, begin_s, values, start));
+  };
+  write(0, 0, 300, {{.event = "segment"}, step(TrialEventKind::Measure, 1, "open", 100)});
+  write(1, 500, 2500, {{.event = "segment", .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{200}}}},
+                       step(TrialEventKind::Done, 1, "open", 2400)});
+  ASSERT_TRUE(writer->close());
+
+  ASSERT_EQ(run_with({"sway", path("divided.xdf"), "--json"}), cli::kOk) << talk();
+  ASSERT_EQ(json().at("trials").size(), 1U);
+  EXPECT_EQ(json().at("trials").at(0).at("n"), 2400);
+  EXPECT_EQ(json().at("trials").at(0).at("missing"), 200);
+}
+
 TEST_F(RecordedTrialsTest, ResultThatIsNotWhatIsComputed_ExitsWithOne) {
   EXPECT_EQ(run_with({"sway", recording(0.01)}), cli::kFailed) << talk();
   EXPECT_THAT(out(), HasSubstr("2 results were recorded when they were told: 1 differ from what is computed here"));

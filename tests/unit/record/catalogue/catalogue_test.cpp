@@ -92,6 +92,7 @@ TEST_F(CatalogueSessions, UpdatePart_KeepsAllButTheStart) {
   PartRow part{.session_id = "s1", .file = "b", .state = PartState::Recovered, .sha256 = "ab", .bytes = 1ULL << 40U, .scans = 7};
   part.duration_s = 12.5;
   part.lost_s_at_most = 0.75;
+  part.losses.add(core::GapReason::RingFull, {.gaps = 1, .scans = 10'560});
   part.reason = "power";
   part.started_utc_ns = 99;
   ASSERT_TRUE(catalogue().update_part(part));

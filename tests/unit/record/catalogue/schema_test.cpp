@@ -61,7 +61,7 @@ TEST_F(CatalogueSchema, NewerVersion_IsRefusedAndNotTouched) {
   ASSERT_TRUE(meddle("PRAGMA user_version = 99"));
   const auto opened = Catalogue::open(path());
   EXPECT_EQ(code(opened), core::ErrorCode::Unsupported);
-  EXPECT_THAT(what(opened), HasSubstr("version 99, this dtsd knows up to 2"));
+  EXPECT_THAT(what(opened), HasSubstr("version 99, this dtsd knows up to 3"));
   EXPECT_EQ(open().number("PRAGMA user_version").value_or(0), 99);
 }
 
@@ -75,14 +75,14 @@ TEST_F(CatalogueSchema, NegativeVersion_IsRefused) {
 TEST_F(CatalogueSchema, DatabaseOfAnotherProgram_IsRefusedAndNotTouched) {
   ASSERT_TRUE(meddle("CREATE TABLE theirs (x); PRAGMA journal_mode = DELETE"));
   const auto opened = Catalogue::open(path());
-  EXPECT_EQ(code(opened), core::ErrorCode::DataDamaged);
+  EXPECT_EQ(code(opened), core::ErrorCode::WrongState);
   EXPECT_THAT(what(opened), HasSubstr("database of another program"));
   EXPECT_EQ(open().number("SELECT count(*) FROM sqlite_schema").value_or(0), 1);
 }
 
 TEST_F(CatalogueSchema, MarkOfAnotherProgram_IsRefusedEvenWithoutTables) {
   ASSERT_TRUE(meddle("PRAGMA application_id = 12345"));
-  EXPECT_EQ(code(Catalogue::open(path())), core::ErrorCode::DataDamaged);
+  EXPECT_EQ(code(Catalogue::open(path())), core::ErrorCode::WrongState);
 }
 
 TEST_F(CatalogueSchema, EveryTable_RefusesTextInANumber) {

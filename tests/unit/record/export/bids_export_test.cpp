@@ -61,16 +61,14 @@ TEST_F(BidsExportTest, SessionWithoutAPseudonym_IsUnknownAndTheReadmeWarnsOfTaki
   EXPECT_THAT(text("README"), HasSubstr("sub-unknown holds the sessions that were recorded without one"));
 }
 
-TEST_F(BidsExportTest, Gaps_CountWhatTheRecorderLostWithinASegmentToo) {
+TEST_F(BidsExportTest, Losses_AreThoseOfTheRecording) {
   FakeRecording recording = floor_recording();
-  auto late = std::get<RecordedScans>(recording.items[6]);  // the second chunk of cop: scans 3 and 4
-  late.first_scan = {13};
-  late.first_time_s += 0.1;
-  recording.items[6] = late;
   ASSERT_TRUE(run(recording).has_value());
 
-  EXPECT_EQ(json(kStem + "floorcop_motion.json").at("DtsRecording").at("Gaps"), 2);
-  EXPECT_EQ(json(kStem + "floorraw_motion.json").at("DtsRecording").at("Gaps"), 1);
+  const auto facts = json(kStem + "floorcop_motion.json").at("DtsRecording");
+  EXPECT_EQ(facts.at("Gaps"), 1);
+  EXPECT_EQ(facts.at("LostScans"), 100);
+  EXPECT_EQ(facts.at("Losses"), "100 scans lost in 1 gap: unplugged 1");
 }
 
 TEST_F(BidsExportTest, Channels_AsManyRowsAsColumnsWithTheRequiredColumnsFirst) {
@@ -103,7 +101,7 @@ TEST_F(BidsExportTest, Sidecar_HasTheRequiredFieldsAndCountsOfEveryType) {
   EXPECT_EQ(sidecar.at("MISCChannelCount"), 1);
   EXPECT_EQ(sidecar.at("LATENCYChannelCount"), 1);
   EXPECT_EQ(sidecar.at("TrackedPointsCount"), 1);
-  EXPECT_NEAR(sidecar.at("RecordingDuration").get<double>(), 1.06, 1e-9);
+  EXPECT_NEAR(sidecar.at("RecordingDuration").get<double>(), 1.07, 1e-9);
   EXPECT_EQ(sidecar.at("DeviceSerialNumber"), "SIM0001");
   EXPECT_EQ(sidecar.at("DtsRecording").at("Gaps"), 1);
   EXPECT_EQ(sidecar.at("DtsRecording").at("SampleCount"), 7);

@@ -17,6 +17,7 @@ class FakeRecording : public Recording {
   std::vector<RecordedItem> items{};
   std::optional<SessionFacts> facts{};
   std::string damaged{};
+  core::Losses lost{};
   std::optional<std::size_t> fails_at{};  ///< `next` fails there.
 
   [[nodiscard]] const std::vector<StreamInfo>& streams() const noexcept override { return infos; }
@@ -28,6 +29,8 @@ class FakeRecording : public Recording {
   }
   [[nodiscard]] const std::optional<SessionFacts>& session() const noexcept override { return facts; }
   [[nodiscard]] const std::string& damage() const noexcept override { return damaged; }
+  [[nodiscard]] const core::Losses& losses() const noexcept override { return lost; }
+  [[nodiscard]] double duration_s() const noexcept override { return 0.0; }
   [[nodiscard]] std::uint64_t sample_count(std::size_t stream) const override {
     std::uint64_t count = 0;
     for (const RecordedItem& item : items) {
@@ -81,6 +84,7 @@ inline FakeRecording floor_recording() {
   facts.started_utc_ns = 1'795'272'325'000'000'000;
   facts.utc_minus_monotonic_ns = 1'795'272'000'000'000'000;
   made.facts = facts;
+  made.lost.add(core::GapReason::Unplugged, {.gaps = 1, .scans = 100});
   const auto scans = [](std::size_t stream, std::uint32_t segment, std::uint64_t first, double time_s, std::size_t count,
                         std::size_t channels) {
     RecordedScans made_scans{

@@ -41,7 +41,7 @@ TEST(Recover, KilledRecording_KeepsAllAndClosesProperly) {
   EXPECT_EQ(recovery->kept_bytes, before.size());
   EXPECT_EQ(recovery->dropped_bytes, 0U);
   EXPECT_EQ(recovery->reason, "no footer");
-  EXPECT_NEAR(recovery->duration_s, 0.53, 1e-9);
+  EXPECT_NEAR(recovery->duration_s, 0.54, 1e-9);
   EXPECT_DOUBLE_EQ(recovery->lost_s_at_most, kLongestUnwrittenS + kLongestUnsynchronisedS);
   EXPECT_EQ(bytes_of(file), before) << "the original is not touched";
   EXPECT_TRUE(bytes_of(recovery->file).starts_with(before)) << "kept bit for bit";

@@ -11,7 +11,7 @@ import { Exports } from './exports';
 import { lengthS, stateOf } from './filters';
 import { Report } from './report';
 import { PartTable, ResultTable, TrialsOfSession } from './session_tables';
-import { StateMark } from './state_mark';
+import { LostScans, StateMark } from './state_mark';
 
 export const askSession = async (link: Link, sessionId: string): Promise<SessionRecord> => {
   const answer = await link.send({ case: 'showSession', value: { sessionId } });
@@ -44,6 +44,7 @@ const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
       <dt>{heads.state}</dt>
       <dd>
         <StateMark state={stateOf(session)} />
+        <LostScans session={session} />
       </dd>
       {entries
         .filter(([, value]) => value !== '')

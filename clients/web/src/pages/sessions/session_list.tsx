@@ -11,7 +11,7 @@ import { strings } from '../../strings';
 import { useAsked } from './asking';
 import type { Filters } from './filters';
 import { lengthS, noFilters, passes, stateOf } from './filters';
-import { StateMark } from './state_mark';
+import { LostScans, StateMark } from './state_mark';
 
 const mostListed = 500;
 
@@ -90,6 +90,7 @@ const Row = (props: { session: SessionRecord; isChosen: boolean; onChoose: () =>
       <td class="number">{session.state === 'running' ? underWay : duration(lengthS(session))}</td>
       <td>
         <StateMark state={stateOf(session)} />
+        <LostScans session={session} />
       </td>
       <td>{session.label}</td>
     </tr>

@@ -12,7 +12,8 @@ import { figureMeaning } from './figures';
 export const unitText = (unit: string): string => (unit === '1' ? '' : unit);
 
 export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element => {
-  const { heads, states, lost } = strings.sessions.parts;
+  const { heads, states, lost, gaps, lostScans } = strings.sessions.parts;
+  const { gapReasons } = strings.health;
   return (
     <table data-testid="part-table">
       <thead>
@@ -33,6 +34,11 @@ export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element 
               {states[part.state] ?? PartState[part.state]}
               {part.reason !== '' && <div class="sessions-note">{part.reason}</div>}
               {part.lostSAtMost > 0 && <div class="sessions-note">{lost(fixed(part.lostSAtMost, 2))}</div>}
+              {part.losses.map((loss) => (
+                <div key={loss.reason} class="sessions-note">
+                  {gaps(whole(loss.gapsTotal), gapReasons[loss.reason] ?? '')}, {lostScans(whole(loss.lostScansTotal))}
+                </div>
+              ))}
             </td>
             <td class="number">{duration(part.durationS)}</td>
             <td class="number">{whole(part.scans)}</td>

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { JSX } from 'preact';
 
+import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
+import { whole } from '../../parts/numbers';
 import { strings } from '../../strings';
+import { lostScans } from './filters';
 
 const shapes: Readonly<Record<string, string>> = {
   running: '▶',
@@ -18,3 +21,14 @@ export const StateMark = ({ state }: { state: string }): JSX.Element => (
     <span aria-hidden="true">{shapes[state] ?? '?'}</span> {strings.sessions.states[state] ?? state}
   </span>
 );
+
+/** "10560 scans lost": a session may be complete, and have gaps. Nothing when none is lost. */
+export const LostScans = ({ session }: { session: SessionRecord }): JSX.Element | undefined => {
+  const scans = lostScans(session);
+  if (scans === 0n) return undefined;
+  return (
+    <div class="sessions-note" data-testid="lost-scans">
+      {strings.sessions.parts.lostScans(whole(scans))}
+    </div>
+  );
+};

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the catalogue refuses: kept, and entered later.
+#include <utility>
+
+#include "session/recordings.h"
+
+namespace dts::session {
+namespace {
+
+constexpr std::size_t kMostOwed = 1000;
+constexpr int kCallsToRetry = 20;  // about a second
+
+}  // namespace
+
+/// A full disk refuses the catalogue too; once there is room again it has to say what happened. In order: a later entry may stand on an
+/// earlier.
+void Recordings::enter_or_owe(std::function<core::Status()> entry) {
+  core::Status entered;
+  if (owed_.empty()) entered = entry();
+  complain(entered);
+  if (entered && owed_.empty()) return;
+  if (owed_.size() == kMostOwed) owed_.pop_front();
+  owed_.push_back(std::move(entry));
+}
+
+void Recordings::enter_owed() {
+  const bool is_owed = !owed_.empty() || !audit_problem_.empty();
+  if (!is_owed || --calls_to_retry_ > 0) return;
+  calls_to_retry_ = kCallsToRetry;
+  enter_owed_audit();
+  while (!owed_.empty() && owed_.front()()) owed_.pop_front();
+  if (owed_.empty()) owed_ends_.clear();
+}
+
+/// Fails only when the entry is not in the trail: what the second trail lacks of a full disk is no reason to enter it twice.
+core::Status Recordings::append_audit(const record::AuditEntry& entry) {
+  auto entered = catalogue_->append_audit(entry);
+  if (entered) return entered;
+  const auto newest = catalogue_->audit(1);
+  const bool is_there = newest && !newest->empty() && newest->front().utc_ns == entry.utc_ns && newest->front().what == entry.what &&
+                        newest->front().target == entry.target;
+  if (!is_there) return entered;
+  complain(entered);
+  return {};
+}
+
+void Recordings::enter_audit(record::AuditEntry entry) {
+  core::Status entered;
+  if (audit_problem_.empty()) entered = append_audit(entry);
+  if (entered && audit_problem_.empty()) return;
+  complain(entered);
+  if (!entered) audit_problem_ = core::to_string(entered.error());
+  if (owed_audit_.size() < kMostOwed) {
+    owed_audit_.push_back(std::move(entry));
+  } else {
+    ++unwritten_audit_;
+  }
+}
+
+void Recordings::enter_owed_audit() {
+  if (audit_problem_.empty()) return;
+  for (; !owed_audit_.empty(); owed_audit_.pop_front()) {
+    if (!append_audit(owed_audit_.front())) return;
+  }
+  const std::string target = std::to_string(unwritten_audit_) + " entries";
+  const std::int64_t utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns();
+  if (unwritten_audit_ > 0 && !append_audit({.utc_ns = utc_ns, .who = "dtsd", .what = "audit_lost", .target = target, .result = "failed"})) return;
+  unwritten_audit_ = 0;
+  audit_problem_.clear();
+}
+
+}  // namespace dts::session

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/losses.h"
+
+#include <gtest/gtest.h>
+
+namespace dts::record {
+namespace {
+
+using core::GapReason;
+
+RecordedEvent segment(std::uint32_t number, const std::string& reason, std::int64_t missing) {
+  return {.event = "segment", .segment = number, .values = {{"reason", reason}, {"missing_scans", missing}}};
+}
+
+TEST(LossCounter, CountsSegmentsAfterAGapAndWhatTheRecorderLost_NotWhatWasBeforeTheRecording) {
+  LossCounter counter;
+  counter.take(segment(3, "unplugged", 900));  // the recording begins here
+  counter.take(segment(4, "overrun", 500));
+  counter.take({.event = "loss", .segment = 4, .values = {{"scans", std::int64_t{60}}}});
+  counter.take({.event = "marker", .segment = 4, .values = {{"missing_scans", std::int64_t{7}}}});
+  counter.take(segment(5, "overrun", 20));
+
+  EXPECT_EQ(counter.losses().of(GapReason::Overrun), (core::LossCount{.gaps = 2, .scans = 520}));
+  EXPECT_EQ(counter.losses().of(GapReason::RingFull), (core::LossCount{.gaps = 1, .scans = 60}));
+  EXPECT_EQ(counter.losses().total(), (core::LossCount{.gaps = 3, .scans = 580}));
+}
+
+TEST(LossCounter, WhatAFileSaysWrongly_CountsAsAGapOfUnknownReasonAndLength) {
+  LossCounter counter;
+  counter.take({.event = "segment"});
+  counter.take(segment(1, "magic", -5));
+  EXPECT_EQ(counter.losses().of(GapReason::None), (core::LossCount{.gaps = 1, .scans = 0}));
+}
+
+TEST(LossesJson, ReadsBackAsItWasWritten) {
+  core::Losses losses;
+  EXPECT_EQ(to_json(losses), "{}");
+  losses.add(GapReason::RingFull, {.gaps = 1, .scans = 10'560});
+  losses.add(GapReason::None, {.gaps = 2, .scans = 3});
+  const auto back = losses_of_json(to_json(losses));
+  ASSERT_TRUE(back) << back.error().what;
+  EXPECT_EQ(*back, losses);
+}
+
+TEST(LossesJson, RefusesAnythingElse) {
+  for (const char* text : {"", "[]", "7", R"({"magic":{"gaps":1,"scans":1}})", R"({"stall":3})", R"({"stall":{"gaps":1}})",
+                           R"({"stall":{"gaps":-1,"scans":1}})", R"({"stall":{"gaps":1,"scans":"2"}})"}) {
+    EXPECT_FALSE(losses_of_json(text)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace dts::record

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+// What becomes of sessions and audit trail when the catalogue or the clock fails.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "recordings_fixture.h"
+
+namespace dts::session {
+namespace {
+
+using ::testing::HasSubstr;
+
+class CatalogueTroubleTest : public RecordingsTest {
+ protected:
+  /// As a full disk does it: nothing can be written until it is closed.
+  [[nodiscard]] sqlite3* hold_catalogue() const {
+    sqlite3* other = nullptr;
+    EXPECT_EQ(sqlite3_open((folder_ / "catalogue.sqlite").c_str(), &other), SQLITE_OK);
+    EXPECT_EQ(sqlite3_exec(other, "BEGIN EXCLUSIVE", nullptr, nullptr, nullptr), SQLITE_OK);
+    return other;
+  }
+};
+
+TEST_F(CatalogueTroubleTest, DamagedCatalogue_IsSetAsideAndMadeAnewFromTheRecordings) {
+  start();
+  const std::string id = record(300, {.subject = "P017"});
+  ASSERT_TRUE(supervisor_->stop_session("floor"));
+  ASSERT_TRUE(is_in(SessionState::Idle));
+  end();
+  std::ofstream(folder_ / "catalogue.sqlite", std::ios::binary) << std::string(100'000, 'x');
+
+  start();
+
+  EXPECT_EQ(row(id).state, "complete");
+  EXPECT_EQ(row(id).subject, "P017");
+  EXPECT_THAT(recordings_->notice(), HasSubstr("made anew from the recordings, all but the audit trail"));
+  const auto trail = recordings_->catalogue().audit(10).value();
+  ASSERT_EQ(trail.size(), 1U);
+  EXPECT_EQ(trail[0].what, "catalogue_rebuilt");
+  EXPECT_EQ(std::filesystem::file_size(trail[0].target), 100'000U) << "nothing is deleted";
+  EXPECT_TRUE(recordings_->catalogue().verify_audit());
+  end();
+  start();
+  EXPECT_EQ(recordings_->notice(), "") << "once is enough";
+}
+
+TEST_F(CatalogueTroubleTest, AuditThatTheCatalogueRefuses_IsEnteredLater) {
+  start();
+  sqlite3* other = hold_catalogue();
+  recordings_->enter_audit({.utc_ns = 1, .who = "local", .what = "mark", .target = "floor", .result = "ok"});
+  recordings_->enter_audit({.utc_ns = 2, .who = "local", .what = "tare", .target = "floor", .result = "ok"});
+  EXPECT_NE(recordings_->audit_problem(), "");
+  sqlite3_close(other);
+
+  ASSERT_TRUE(eventually([&] { return recordings_->audit_problem().empty(); }));
+
+  const auto trail = recordings_->catalogue().audit(10).value();
+  ASSERT_EQ(trail.size(), 2U);
+  EXPECT_EQ(trail[0].what, "mark");
+  EXPECT_EQ(trail[1].what, "tare");
+  EXPECT_TRUE(recordings_->catalogue().verify_audit());
+}
+
+TEST_F(CatalogueTroubleTest, MoreAuditThanIsKept_IsCountedInTheTrail) {
+  start();
+  sqlite3* other = hold_catalogue();
+  for (int entry = 0; entry < 1007; ++entry) recordings_->enter_audit({.utc_ns = entry, .who = "local", .what = "mark", .result = "ok"});
+  sqlite3_close(other);
+
+  ASSERT_TRUE(eventually([&] { return recordings_->audit_problem().empty(); }));
+
+  const auto newest = recordings_->catalogue().audit(1).value().at(0);
+  EXPECT_EQ(newest.number, 1001U);
+  EXPECT_EQ(newest.what, "audit_lost");
+  EXPECT_EQ(newest.target, "7 entries");
+}
+
+TEST_F(CatalogueTroubleTest, WallClockThatIsSetBack_EndsNoSessionBeforeItBegan) {
+  start();
+  const std::string id = record(100);
+  clock_.set_by_ns = -3'600'000'000'000;
+  ASSERT_TRUE(supervisor_->stop_session("floor"));
+  ASSERT_TRUE(is_in(SessionState::Idle));
+  EXPECT_GT(row(id).ended_utc_ns, row(id).started_utc_ns);
+}
+
+}  // namespace
+}  // namespace dts::session

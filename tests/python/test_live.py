@@ -4,6 +4,7 @@ import signal
 import threading
 import time
 import unittest
+from typing import Any
 
 import numpy as np
 from support import DaemonProcess, WithDaemon, first
@@ -195,27 +196,34 @@ class Restart(unittest.TestCase):
 
 class Gap(unittest.TestCase):
     @staticmethod
-    def record_across_a_gap(at_s: float) -> dts.Samples | None:
-        """A record of a daemon whose device has a gap `at_s` after its start; None when the machine was too slow to be there in time."""
+    def record_across_a_gap(at_s: float) -> tuple[dts.Samples, dts.Recording, Any] | None:
+        """A record of a daemon whose device has a gap `at_s` after its start, the session's recording, and what the daemon says of it; None
+        when the machine was too slow to be there in time."""
         process = DaemonProcess(devices={"sim:floor?seed=7": f"sim:floor?seed=7&fault=overrun&fault_at_s={at_s:g}&fault_for_s=0.25"})
         try:
             with process.connect() as daemon:
-                cop = daemon.record("floor/cop", at_s + 1.0)
-                return cop if cop.segments[0] == 0 else None
+                with daemon.start_session("floor") as session:
+                    cop = daemon.record("floor/cop", at_s + 1.0)
+                part = daemon.session(session.id).parts[0]
+                return (cop, dts.load(part.file), part) if cop.segments[0] == 0 else None
         finally:
             process.close()
 
-    def test_GapOfTheDeviceIsListedInARecord(self) -> None:
+    def test_GapOfTheDeviceIsListedInARecordAndInARecording(self) -> None:
         for at_s in (4.0, 15.0, 60.0):
-            if (cop := self.record_across_a_gap(at_s)) is not None:
+            if (recorded := self.record_across_a_gap(at_s)) is not None:
                 break
-        assert cop is not None, "a minute is enough for any machine"
+        assert recorded is not None, "a minute is enough for any machine"
 
+        cop, recording, part = recorded
         (gap,) = cop.gaps
         self.assertEqual(cop.segments[gap.index], 1)
         self.assertEqual(gap.reason, "overrun")
         self.assertEqual((gap.scans, gap.is_exact), (25, True))
         self.assertEqual(len(cop) + gap.scans, 100 * (at_s + 1.0))
+        self.assertEqual(recording.losses, (dts.Loss("overrun", 1, 25),))
+        self.assertEqual([(loss.gaps_total, loss.lost_scans_total) for loss in part.losses], [(1, 25)])
+        self.assertEqual(recording["cop"].gaps[0].scans, 25)
 
 
 if __name__ == "__main__":

@@ -140,6 +140,31 @@ class Foreign(unittest.TestCase):
         np.testing.assert_array_equal(stream.scans, [0, 1, 2, 3, 0])
         self.assertEqual([gap.index for gap in stream.gaps], [4])
 
+    def test_HolesAreCountedWithTheirReasons(self) -> None:
+        def told(time_s: float, text: str) -> bytes:
+            row = b"\x08" + struct.pack("<d", time_s) + bytes([1, len(text)]) + text.encode()
+            return chunk(3, struct.pack("<I", 10) + b"\x01\x01" + row)
+
+        form = "<channel_count>1</channel_count><channel_format>string</channel_format>"
+        header = f"<info><name>floor/events</name><type>Markers</type>{form}</info>".encode()
+        events = chunk(2, struct.pack("<I", 10) + header)
+        events += told(1.0, '{"event":"segment","segment":3,"scan":0,"reason":"unplugged","missing_scans":900,"is_exact":false}')
+        events += told(3.0, '{"event":"segment","segment":4,"scan":0,"reason":"silence","missing_scans":75,"is_exact":true}')
+        events += told(4.0, '{"event":"loss","segment":4,"scan":50,"scans":25}')
+        events += told(5.0, '{"event":"segment","segment":5,"scan":0,"reason":"silence","missing_scans":"many"}')
+
+        recording = self.load(foreign_file() + events)
+
+        self.assertEqual(recording.losses, (dts.Loss("silence", 2, 75), dts.Loss("ring_full", 1, 25)))
+        self.assertEqual((recording.lost_scans, recording.lost_in_gaps), (100, 3))
+        self.assertIn("100 scans lost in 3 gaps: silence 2, ring_full 1", str(recording))
+
+    def test_NoHolesAreNotTold(self) -> None:
+        recording = self.load(foreign_file())
+
+        self.assertEqual((recording.losses, recording.lost_scans), ((), 0))
+        self.assertNotIn("lost", str(recording))
+
     def test_EachSampleMayHaveItsStamp(self) -> None:
         rows = b"".join(b"\x08" + struct.pack("<dhh", time_s, 1, -1) for time_s in (1.0, 1.5, 9.0))
 

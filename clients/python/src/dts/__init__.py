@@ -31,7 +31,7 @@ from .errors import (
 from .events import Event
 from .key import Key, read_key
 from .live import EventStream, Stream
-from .recording import RecordedStream, Recording, SessionFacts, load
+from .recording import Loss, RecordedStream, Recording, SessionFacts, load
 from .streams import Block, Missing, Samples, StreamFormat
 from .subscriber import Statistics
 from .v1.stream_pb2 import Quality
@@ -51,6 +51,7 @@ __all__ = [
     "InvalidArgument",
     "Key",
     "LimitExceeded",
+    "Loss",
     "Missing",
     "NotAllowed",
     "NotFound",

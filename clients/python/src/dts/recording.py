@@ -49,6 +49,15 @@ class RecordedStream(Samples):
     facts: dict[str, str]
 
 
+@dataclasses.dataclass(frozen=True)
+class Loss:
+    """What a recording lacks between its first scan and its last, for one reason: as `dtsctl session show` counts it."""
+
+    reason: str  # "overrun", "unplugged", "ring_full", ...
+    gaps: int
+    scans: int  # of the rig's raw stream; where the length of a gap is not known exactly, by the time between the scans around it
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class Recording:
     file: str
@@ -56,6 +65,15 @@ class Recording:
     streams: dict[str, RecordedStream]  # by name, "floor/cop"; the second of a name is "name-2"
     events: tuple[Event, ...]  # in order of time; texts of other programs are markers
     damage: str  # why the file is not whole, and where; empty: nothing is wrong
+    losses: tuple[Loss, ...]  # by reason, in the order in which they occurred first; empty: no scan is missing
+
+    @property
+    def lost_scans(self) -> int:
+        return sum(loss.scans for loss in self.losses)
+
+    @property
+    def lost_in_gaps(self) -> int:
+        return sum(loss.gaps for loss in self.losses)
 
     def __getitem__(self, name: str) -> RecordedStream:
         """A stream by its name, or by the second half of it: recording["cop"]."""
@@ -75,6 +93,9 @@ class Recording:
     def __str__(self) -> str:
         session = self.session.session_id if self.session else "no session of dtsd"
         lines = [f"{self.file}: {session}, {len(self.events)} events", *map(str, self.streams.values())]
+        if self.losses:
+            reasons = ", ".join(f"{loss.reason} {loss.gaps}" for loss in self.losses)
+            lines.append(f"{self.lost_scans} scans lost in {self.lost_in_gaps} gaps: {reasons}")
         return "\n  ".join(lines + ([f"damaged: {self.damage}"] if self.damage else []))
 
 
@@ -98,7 +119,26 @@ def load(path: str | os.PathLike[str]) -> Recording:
     for stream in file.streams.values():
         name = _unused_name(stream.header.name, streams)
         streams[name] = _to_stream(name, stream, table, utc_minus_monotonic_ns)
-    return Recording(os.fspath(path), session, streams, tuple(events), "; ".join(problems))
+    return Recording(os.fspath(path), session, streams, tuple(events), "; ".join(problems), _losses_of(events))
+
+
+def _losses_of(events: list[Event]) -> tuple[Loss, ...]:
+    """The rules of daemon/record/losses: the first segment begins the recording, each other one stands behind a gap; a "loss" is what the
+    recorder had no room for."""
+    counts: dict[str, list[int]] = {}
+    has_begun = False
+    for event in events:
+        if event.kind == "loss":
+            reason, scans = "ring_full", event.fields.get("scans")
+        elif event.kind == "segment" and has_begun:
+            reason, scans = str(event.fields.get("reason", "unknown")), event.fields.get("missing_scans")
+        else:
+            has_begun = has_begun or event.kind == "segment"
+            continue
+        count = counts.setdefault(reason, [0, 0])
+        count[0] += 1
+        count[1] += scans if type(scans) is int and scans > 0 else 0
+    return tuple(Loss(reason, gaps, scans) for reason, (gaps, scans) in counts.items())
 
 
 def _problems_of_footers(file: XdfFile) -> list[str]:

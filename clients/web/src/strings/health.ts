@@ -59,6 +59,7 @@ export const health = {
   diskStates: { 1: 'fine', 2: 'low', 3: 'full', 4: 'cannot be written' } as Readonly<Record<number, string>>,
   gap: (time: string, reason: string, scans: string, isExact: boolean) => `${time}: ${reason}, ${isExact ? '' : 'about '}${scans} scans missing`,
   gapReasons: {
+    0: 'reason unknown',
     1: "the device's buffer was full",
     2: 'unplugged',
     3: 'delivered nothing',

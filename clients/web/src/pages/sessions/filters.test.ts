@@ -3,7 +3,7 @@ import { create } from '@bufbuild/protobuf';
 import { describe, expect, it } from 'vitest';
 
 import { PartState, SessionRecordSchema } from '../../generated/dts/v1/sessions_pb';
-import { lostScans, noFilters, passes, stateOf } from './filters';
+import { noFilters, passes, stateOf } from './filters';
 
 const startedMs = new Date(2026, 0, 31, 23, 30).getTime(); // late in the evening, in the reader's own time zone
 const session = create(SessionRecordSchema, {
@@ -33,12 +33,6 @@ describe('Filters', () => {
     ['EarlierDay', { to: '2026-01-30' }],
   ])('%sThatDoesNotFit.HoldsBack', (_, filters) => {
     expect(passes(session, { ...noFilters, ...filters })).toBe(false);
-  });
-
-  it('LostScans.AreThoseOfAllPartsAndReasons', () => {
-    const parts = [{ losses: [{ reason: 4, gapsTotal: 1n, lostScansTotal: 10_560n }] }, { losses: [{ reason: 3, gapsTotal: 2n, lostScansTotal: 40n }] }];
-    expect(lostScans(create(SessionRecordSchema, { parts }))).toBe(10_600n);
-    expect(lostScans(session)).toBe(0n);
   });
 
   it('InterruptedWithoutRepairedCopy.StaysInterrupted', () => {

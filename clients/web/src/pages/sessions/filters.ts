@@ -35,8 +35,4 @@ export const passes = (session: SessionRecord, filters: Filters): boolean => {
   );
 };
 
-/** Between the first scan and the last of each part. */
-export const lostScans = (session: SessionRecord): bigint =>
-  session.parts.reduce((sum, part) => part.losses.reduce((more, loss) => more + loss.lostScansTotal, sum), 0n);
-
 export const lengthS = (session: SessionRecord): number => session.parts.reduce((sum, part) => sum + part.durationS, 0);

@@ -8,12 +8,12 @@ import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { TargetTable, TrialTable } from '../chair/trial_tables';
 import { figureMeaning } from './figures';
+import { lossLine } from './losses';
 
 export const unitText = (unit: string): string => (unit === '1' ? '' : unit);
 
 export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element => {
-  const { heads, states, lost, gaps, lostScans } = strings.sessions.parts;
-  const { gapReasons } = strings.health;
+  const { heads, states, lost } = strings.sessions.parts;
   return (
     <table data-testid="part-table">
       <thead>
@@ -36,7 +36,7 @@ export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element 
               {part.lostSAtMost > 0 && <div class="sessions-note">{lost(fixed(part.lostSAtMost, 2))}</div>}
               {part.losses.map((loss) => (
                 <div key={loss.reason} class="sessions-note">
-                  {gaps(whole(loss.gapsTotal), gapReasons[loss.reason] ?? '')}, {lostScans(whole(loss.lostScansTotal))}
+                  {lossLine(loss)}
                 </div>
               ))}
             </td>

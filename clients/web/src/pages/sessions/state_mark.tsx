@@ -2,9 +2,8 @@
 import type { JSX } from 'preact';
 
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
-import { whole } from '../../parts/numbers';
 import { strings } from '../../strings';
-import { lostScans } from './filters';
+import { lossOfSession } from './losses';
 
 const shapes: Readonly<Record<string, string>> = {
   running: '▶',
@@ -22,13 +21,13 @@ export const StateMark = ({ state }: { state: string }): JSX.Element => (
   </span>
 );
 
-/** "10560 scans lost": a session may be complete, and have gaps. Nothing when none is lost. */
+/** "10560 scans lost in 2 gaps": a session may be complete, and have gaps. Nothing when it has none. */
 export const LostScans = ({ session }: { session: SessionRecord }): JSX.Element | undefined => {
-  const scans = lostScans(session);
-  if (scans === 0n) return undefined;
+  const text = lossOfSession(session);
+  if (text === '') return undefined;
   return (
     <div class="sessions-note" data-testid="lost-scans">
-      {strings.sessions.parts.lostScans(whole(scans))}
+      {text}
     </div>
   );
 };

@@ -4,6 +4,26 @@ import unittest
 from support import WithDaemon, wait_for
 
 import dts
+from dts.v1 import control_pb2, sessions_pb2
+
+
+class Waiting(unittest.TestCase):
+    def test_SessionIsOverWhenItsRecordingIsClosed(self) -> None:
+        class SlowDisk:
+            """No rig has the session any more; its file is closed when it is asked for the third time."""
+
+            asked = 0
+
+            def status(self) -> control_pb2.StatusSnapshot:
+                return control_pb2.StatusSnapshot()
+
+            def session(self, session_id: str) -> sessions_pb2.SessionRecord:
+                self.asked += 1
+                return sessions_pb2.SessionRecord(session_id=session_id, state="running" if self.asked < 3 else "complete")
+
+        session = dts.Session(SlowDisk(), control_pb2.SessionInfo(session_id="S", rig="floor"))  # type: ignore[arg-type]
+
+        self.assertEqual(session.wait(timeout=60).state, "complete")
 
 
 class Sessions(WithDaemon):

@@ -231,13 +231,16 @@ class Session:
         return True
 
     def wait(self, timeout: float) -> sessions_pb2.SessionRecord:
-        """Until a session with a duration is over by itself; `Timeout` after `timeout` seconds."""
+        """Until a session with a duration is over by itself and its recording is closed; `Timeout` after `timeout` seconds."""
         deadline_s = time.monotonic() + check_timeout(timeout)
-        while self.is_running:
+        while True:
+            if not self.is_running:
+                record = self._daemon.session(self.id)
+                if record.state != "running":  # as it stays until the file is closed
+                    return record
             if time.monotonic() > deadline_s:
                 raise Timeout(f"session {self.id} is not over after {timeout:g} s", "session.stop() ends it")
             time.sleep(0.1)
-        return self._daemon.session(self.id)
 
     def mark(self, text: str) -> control_pb2.MarkResponse.At:
         return self._daemon.mark(text, self.rig)[0]

@@ -13,6 +13,7 @@
 #include <zmq.hpp>
 
 #include "app/paths.h"
+#include "app/plate_check.h"
 #include "app/progress_watch.h"
 #include "app/service_manager.h"
 #include "app/sockets.h"
@@ -187,6 +188,7 @@ std::vector<std::string> first_notices(const DaemonConfig& config, bool has_rigs
   std::vector<std::string> notices;
   // As installed: it serves dtsctl device list, which says what to write there.
   if (!has_rigs) notices.emplace_back("no rig is configured: see dtsctl device list, then add a [[rig]] to the configuration");
+  for (const files::Problem& warning : plate_warnings(config)) notices.push_back(to_string(warning));
   if (!config.realtime.locks_memory) return notices;
   if (auto locked = core::lock_memory(); !locked) notices.push_back(core::to_string(locked.error()));
   return notices;

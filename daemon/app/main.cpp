@@ -9,6 +9,7 @@
 #include <iostream>
 
 #include "app/daemon.h"
+#include "app/plate_check.h"
 #include "device/usb/libusb_bus.h"
 
 namespace {
@@ -58,6 +59,7 @@ int run(const std::string& file, bool is_check, bool is_foreground) {
   auto rigs = dts::app::create_rigs(loaded.config, clock, bell, usb, loaded.problems);
   if (!loaded.problems.empty()) return report(loaded.problems);
   if (is_check) {
+    for (const auto& warning : dts::app::plate_warnings(loaded.config)) std::cerr << "warning: " << dts::files::to_string(warning) << '\n';
     std::cout << file << ": fine, " << rigs.size() << " rig(s)\n";
     return 0;
   }

@@ -17,6 +17,9 @@ namespace dts::physics {
 /// condensed out exactly when the plate is made. What it is worth is measured in tests/unit/physics/plate/stiffening_plate_test.cpp.
 class StiffeningPlate {
  public:
+  /// Deflection, in thicknesses of the plate, up to which this is accurate; beyond it, only `solve` is.
+  static constexpr double kMostThicknesses = 2.5;
+
   /// One contact patch, reduced to what 1 N on it does.
   struct Footprint {
     std::vector<double> probe_mm_per_n;         ///< Linear deflection of every probe.

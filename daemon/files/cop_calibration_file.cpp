@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -22,29 +21,6 @@ constexpr double kHuge = 1e30;
 constexpr double kLargestPositionMm = 1e5;
 constexpr double kLargestLoadN = 1e6;
 constexpr double kLargestDeflectionMm = 1e3;
-
-/// Numbers of a list; a problem and nothing unless there are `minimum_count` to `maximum_count`, all finite and at most `largest`.
-std::vector<double> read_list(TomlReader& reader, std::string_view key, const toml::node* found, std::size_t minimum_count,
-                              std::size_t maximum_count, double largest) {
-  const toml::array* const list = found == nullptr ? nullptr : found->as_array();
-  if (list == nullptr || list->size() < minimum_count || list->size() > maximum_count) {
-    const std::string count = minimum_count == maximum_count ? std::to_string(minimum_count)
-                                                             : std::to_string(minimum_count) + " to " + std::to_string(maximum_count);
-    reader.report(key, std::string(key) + " must be a list of " + count + " numbers");
-    return {};
-  }
-  std::vector<double> values;
-  for (const toml::node& element : *list) {
-    const auto value = element.value<double>();
-    if (!element.is_number() || !value || !(std::abs(*value) <= largest)) {
-      reader.report(key, std::string(key) + ": number " + std::to_string(values.size() + 1) + " of the list is not a number of at most " +
-                             std::to_string(largest) + " in size");
-      return {};
-    }
-    values.push_back(*value);
-  }
-  return values;
-}
 
 std::vector<double> read_numbers(TomlReader& reader, std::string_view key, std::size_t count, double largest = kHuge) {
   return read_list(reader, key, reader.node(key), count, count, largest);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/suggest.h"
+#include "files/toml_text.h"
 #include "files/whole_file.h"
 
 namespace dts::files {
@@ -31,8 +32,8 @@ std::optional<std::string> read_bounded(const std::string& file, Problems& probl
   return std::nullopt;
 }
 
-/// Of a dotted key. toml++ 3.3 bounds how deep values nest, but not this: it makes a table of each part and takes tables apart by recursion,
-/// so that a hundred thousand parts, which fit into a definition, end the stack.
+/// Of a dotted key. toml++ 3.3 bounds how deep values nest, but not this: it makes a table of each part and takes tables apart by
+/// recursion, so that a hundred thousand parts, which fit into a definition, end the stack.
 constexpr std::size_t kMostKeyParts = 16;
 
 /// Behind the string whose opening quote stands at `at`.
@@ -298,5 +299,27 @@ Problem TomlReader::problem_at(const toml::node* node) const {
 }
 
 std::string TomlReader::named(std::string_view key) const { return (where_.empty() ? "" : where_ + " ") + std::string(key); }
+
+std::vector<double> read_list(TomlReader& reader, std::string_view key, const toml::node* found, std::size_t minimum_count,
+                              std::size_t maximum_count, double largest) {
+  const toml::array* const list = found == nullptr ? nullptr : found->as_array();
+  if (list == nullptr || list->size() < minimum_count || list->size() > maximum_count) {
+    const std::string count = minimum_count == maximum_count ? std::to_string(minimum_count)
+                                                             : std::to_string(minimum_count) + " to " + std::to_string(maximum_count);
+    reader.report(key, std::string(key) + " must be a list of " + count + " numbers");
+    return {};
+  }
+  std::vector<double> values;
+  for (const toml::node& element : *list) {
+    const auto value = element.value<double>();
+    if (!element.is_number() || !value || !(std::abs(*value) <= largest)) {
+      reader.report(key, std::string(key) + ": number " + std::to_string(values.size() + 1) +
+                             " of the list is not a finite number of at most " + toml_number(largest) + " in size");
+      return {};
+    }
+    values.push_back(*value);
+  }
+  return values;
+}
 
 }  // namespace dts::files

@@ -90,4 +90,9 @@ class TomlReader {
   std::set<std::string, std::less<>> asked_;
 };
 
+/// Returns the numbers of the list `found`, which stands at `key` or within it. Reports a problem and returns nothing unless there are
+/// `minimum_count` to `maximum_count`, all finite and at most `largest` in size.
+[[nodiscard]] std::vector<double> read_list(TomlReader& reader, std::string_view key, const toml::node* found, std::size_t minimum_count,
+                                            std::size_t maximum_count, double largest);
+
 }  // namespace dts::files

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -32,22 +31,7 @@ double required_number(TomlReader& reader, std::string_view key, double fallback
 }
 
 std::vector<double> read_finite(TomlReader& reader, std::string_view key, std::size_t count) {
-  const toml::node* const found = reader.node(key);
-  const toml::array* const list = found == nullptr ? nullptr : found->as_array();
-  if (list == nullptr || list->size() != count) {
-    reader.report(list == nullptr ? "" : key, std::string(key) + " must be a list of " + std::to_string(count) + " numbers");
-    return {};
-  }
-  std::vector<double> values;
-  for (const toml::node& element : *list) {
-    const auto value = element.value<double>();
-    if (!element.is_number() || !value || !(std::abs(*value) <= kLargestWeight)) {
-      reader.report(key, std::string(key) + ": number " + std::to_string(values.size() + 1) + " of the list is not a finite number");
-      return {};
-    }
-    values.push_back(*value);
-  }
-  return values;
+  return read_list(reader, key, reader.node(key), count, count, kLargestWeight);
 }
 
 std::vector<FeatureRange> read_inputs(TomlReader& reader) {
@@ -211,11 +195,17 @@ std::optional<classifier::TrunkModel> load_trunk_model(const std::string& file, 
 
 std::optional<classifier::TrunkModel> read_trunk_model(TomlReader& top, Problems& problems) {
   const std::size_t known_problems = problems.size();
+  const std::string said_sha256 = top.short_text("sha256");
   auto form = read_form(top);
   if (problems.size() > known_problems) return std::nullopt;
   auto model = classifier::TrunkModel::create(std::move(form));
   if (!model) {
     top.report("kind", core::to_string(model.error()));
+    return std::nullopt;
+  }
+  if (const std::string sha256 = trunk_model_sha256(*model); sha256 != said_sha256) {
+    top.report("sha256", "the model is damaged or was edited: its sha256 is " + sha256 +
+                             "; copy it again, or train it again with dtslab reach train");
     return std::nullopt;
   }
   return std::move(*model);

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 #include <sstream>
+#include <string>
 #include <string_view>
 
 #include "files/toml_text.h"
 #include "files/trunk_model_file.h"
+#include "record/sha256.h"
 
 namespace dts::files {
 namespace {
@@ -20,6 +22,7 @@ constexpr std::string_view kModelHead =
 # divided by their sum, are averaged over the networks, raised to 1 / temperature and divided by their sum again: the probabilities of
 # class 1, 2 and 3. A quadratic has the coefficients of 1, each x_i, each x_i x_j with i <= j, and gives the sine of the trunk's flexion
 # ([own_angle]: its part of the sine at the person's own maximum). residual_deg is half of the 90 % interval for angles of class 1, 2, 3.
+# sha256 is that of all lines below it but comments and empty ones.
 )";
 
 class ModelWriter {
@@ -114,11 +117,11 @@ class ModelWriter {
 
 }  // namespace
 
-std::string trunk_model_text(const classifier::TrunkModel& model) {
-  const TrunkModelForm& form = model.form();
+namespace {
+
+/// All but the head.
+std::string body_of(const TrunkModelForm& form) {
   ModelWriter writer;
-  writer.raw(kModelHead);
-  writer.raw("format = 1\n");
   writer.text("kind", form.kind == classifier::ModelKind::Raw5 ? "raw5" : "recommended");
   writer.number("reject_below", form.reject_below);
   writer.number("p1_minimum_mm", form.p1_minimum_mm);
@@ -130,6 +133,29 @@ std::string trunk_model_text(const classifier::TrunkModel& model) {
   if (form.arm_alone) writer.arm_alone(*form.arm_alone);
   writer.ensemble("general", form.general);
   if (form.own) writer.ensemble("own", *form.own);
+  return writer.result();
+}
+
+std::string sha256_of_body(const std::string& body) {
+  std::istringstream lines(body);
+  std::string values;
+  for (std::string line; std::getline(lines, line);) {
+    if (!line.empty() && !line.starts_with('#')) values += line + '\n';
+  }
+  return record::sha256_of(values);
+}
+
+}  // namespace
+
+std::string trunk_model_sha256(const classifier::TrunkModel& model) { return sha256_of_body(body_of(model.form())); }
+
+std::string trunk_model_text(const classifier::TrunkModel& model) {
+  const std::string body = body_of(model.form());
+  ModelWriter writer;
+  writer.raw(kModelHead);
+  writer.raw("format = 1\n");
+  writer.text("sha256", sha256_of_body(body));
+  writer.raw(body);
   return writer.result();
 }
 

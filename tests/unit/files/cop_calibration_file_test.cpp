@@ -149,7 +149,7 @@ TEST_P(CopCalibrationFilePoly3, WrongValues_AreRefusedWithTheirPlace) {
   expect(replaced("method", "method = \"moment\""), "sensors = 4 is out of range");
   expect(replaced("sensors", "sensors = 400000000"), "out of range; allowed: 4 .. 4");
   expect(replaced("u", "u = [0.0]"), "u must be a list of 2 numbers");
-  expect(replaced("u", "u = [0.0, nan]"), "u: number 2 of the list is not a number");
+  expect(replaced("u", "u = [0.0, nan]"), "u: number 2 of the list is not a finite number");
   expect(replaced("u", "u = [1.0, -1.0]"), "the lowest value of a range comes first");
   expect(replaced("reference_sum_mm", "reference_sum_mm = inf"), "out of range");
   expect(replaced("reference_sum_mm", "reference_sum_m = 1.0"), "reference_sum_mm is missing");

@@ -104,6 +104,30 @@ TEST_F(TrunkModelFile, WhatDoesNotFit_RefusedWithLineAndReason) {
   }
 }
 
+TEST_F(TrunkModelFile, OneDigitOfANumberChanged_IsNoticed) {
+  for (const auto& [from, to] : {std::tuple{"weights = [20.0, ", "weights = [20.5, "},
+                                 {"coefficients = [0.45, 0.45, 0.0]", "coefficients = [0.45, 0.45, 0.1]"},
+                                 {"reject_below = 0.9", "reject_below = 0.8"},
+                                 {"p1_minimum_mm = 3.0", "p1_minimum_mm = 2.0"},
+                                 {"sha256 = '", "sha256 = '0"},
+                                 {"sha256 = '", "# sha256 = '"}}) {
+    const auto problems = problems_with(from, to);
+
+    ASSERT_EQ(problems.size(), 1U) << to;
+    EXPECT_THAT(to_string(problems.front()), HasSubstr("damaged or was edited"));
+  }
+}
+
+TEST_F(TrunkModelFile, ChecksumIsOfTheModel_NotOfHowItIsWritten) {
+  std::string text = trunk_model_text(model());
+  text.insert(text.find("reject_below = 0.9"), "# another comment\n\n");
+  text.replace(text.find("reject_below = 0.9"), 18, "reject_below = 0.90");
+  std::ofstream(file_) << text;
+  Problems problems;
+
+  EXPECT_TRUE(load_trunk_model(file_, problems)) << (problems.empty() ? "" : to_string(problems.front()));
+}
+
 TEST_F(TrunkModelFile, WrongNumberOfWeights_TellsWhere) {
   const auto problems = problems_with("weights = [20.0, ", "weights = [");
 

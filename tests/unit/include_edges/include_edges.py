@@ -27,6 +27,7 @@ HOUSE = [
     ("daemon/posturography/fourier", [],                                                  ["kissfft/"]),
     ("daemon/files",             ["core", "physics", "classifier", "pipeline"],                         ["toml++/"]),
     ("daemon/files/protocol_file", ["session"],                                           []),
+    ("daemon/files/trunk_model_text", ["record"],                                         []),
     ("daemon/device",            ["core"],                                                []),
     ("daemon/device/registry",   ["physics"],                                             []),
     ("daemon/device/sim",        ["physics"],                                             []),

@@ -4,7 +4,7 @@
 #include <array>
 
 #include "core/block.h"
-#include "device/sim/option_checks.h"
+#include "device/sim/shared_options.h"
 
 namespace dts::device::sim {
 namespace {
@@ -34,17 +34,17 @@ constexpr std::array kFloorTable = {
               "A plate that stiffens under body weight, or Kirchhoff's (not contact=gaps)."},
     UriOption{"noise_mv", Number, "3", 0, 1000, "", "White noise of every sensor and extra channel, rms."},
     UriOption{"bits", Integer, "11", 11, 16, "", "Resolution of the converter."},
-    UriOption{"range_v", Number, "5", 1, 10, "", "Range of the converter, to both sides of 0 V."},
-    UriOption{"clock_ppm", Number, "0", -1000, 1000, "", "Error of the device's clock; positive runs fast."},
-    UriOption{"gain_spread", Number, "0", 0, 0.5, "", "Sensor gains differ from 1 by up to this."},
+    shared_option::kRange,
+    shared_option::kClock,
+    shared_option::kGainSpread,
     UriOption{"gap_spread_mm", Number, "0.02", 0, 1, "", "Unloaded gaps differ from the nominal one by up to this."},
-    UriOption{"sensors", Integer, "0", 0, 32, "", "The first so many sensors of the rig; 0: all of them."},
+    shared_option::kSensors,
     UriOption{"extra", Integer, "0", 0, 31, "", "Further channels that carry only noise, for load tests."},
     UriOption{"truth", Integer, "1", 0, 1, "", "1: auxiliary channels true_ml_mm, true_ap_mm and true_load_n."},
-    UriOption{"fault", Word, "none", 0, 0, "none|unplug|overrun|stuck|silence", "What goes wrong."},
-    UriOption{"fault_at_s", Number, "10", 0, 1e6, "", "Device time since start at which it goes wrong."},
-    UriOption{"fault_for_s", Number, "2", 0.001, 86400, "", "For how long."},
-    UriOption{"fault_channel", Integer, "0", 0, 31, "", "Channel that fault=stuck holds."},
+    shared_option::kFault,
+    shared_option::kFaultAt,
+    shared_option::kFaultFor,
+    shared_option::kFaultChannel,
 };
 
 constexpr std::array kFloorDependencies = {
@@ -62,7 +62,7 @@ constexpr std::array kFloorDependencies = {
     Dependency{"pause_s", "contact", "weights|gaps"},
     Dependency{"ramp_s", "contact", "weights|gaps"},
     Dependency{"gap_spread_mm", "contact", "feet|point|weights"},
-    Dependency{"fault_channel", "fault", "stuck"},
+    shared_option::kFaultChannelNeeds,
 };
 
 core::Status check_contact(const DeviceUri& uri, const UriOptions& options) {

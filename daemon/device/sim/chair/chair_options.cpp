@@ -7,7 +7,7 @@
 #include <string>
 
 #include "core/block.h"
-#include "device/sim/option_checks.h"
+#include "device/sim/shared_options.h"
 
 namespace dts::device::sim {
 namespace {
@@ -34,29 +34,29 @@ constexpr std::array kChairTable = {
     UriOption{"load_model", Word, "cop", 0, 0, "cop|thesis", "How the body loads the seat (reach-model section 4)."},
     UriOption{"noise_mv", Number, "3", 0, 1000, "", "White noise of every converted channel, rms."},
     UriOption{"bits", Integer, "16", 11, 16, "", "Resolution of the converter."},
-    UriOption{"range_v", Number, "5", 1, 10, "", "Range of the converter, to both sides of 0 V."},
-    UriOption{"clock_ppm", Number, "0", -1000, 1000, "", "Error of the device's clock; positive runs fast."},
-    UriOption{"gain_spread", Number, "0", 0, 0.5, "", "Sensor gains differ from 1 by up to this."},
+    shared_option::kRange,
+    shared_option::kClock,
+    shared_option::kGainSpread,
     UriOption{"gap_spread_mm", Number, "0.1", 0, 1, "", "Unloaded gaps differ from the nominal one by up to this."},
     UriOption{"drift", Number, "0", 0, 20, "", "Sensor gains drift by up to this, percent in an hour."},
-    UriOption{"sensors", Integer, "0", 0, 32, "", "The first so many sensors of the rig; 0: all of them."},
+    shared_option::kSensors,
     UriOption{"aux", Word, "none", 0, 0, "none|emg", "Six channels as of surface electrodes on arm and back."},
     UriOption{"truth", Integer, "1", 0, 1, "", "1: auxiliary channels true_trunk_deg, true_y_mm and true_load_n."},
     UriOption{"dead", Numbers, "", 0, 31, "", "Sensors, counted from 0, that give 0 V."},
     UriOption{"saturated", Numbers, "", 0, 31, "", "Sensors, counted from 0, at the end of the converter's range."},
     UriOption{"sensor_fault_at_s", Number, "0", 0, 1e6, "", "From when they are dead or saturated."},
     UriOption{"swapped", Text, "", 0, 0, "", "Two sensors, counted from 0, whose cables are exchanged: I:J."},
-    UriOption{"fault", Word, "none", 0, 0, "none|unplug|overrun|stuck|silence", "What goes wrong."},
-    UriOption{"fault_at_s", Number, "10", 0, 1e6, "", "Device time since start at which it goes wrong."},
-    UriOption{"fault_for_s", Number, "2", 0.001, 86400, "", "For how long."},
-    UriOption{"fault_channel", Integer, "0", 0, 31, "", "Channel that fault=stuck holds."},
+    shared_option::kFault,
+    shared_option::kFaultAt,
+    shared_option::kFaultFor,
+    shared_option::kFaultChannel,
 };
 
 constexpr std::array kChairDependencies = {
     Dependency{"pace_s", "reaches", "auto|cued"},
     Dependency{"double_reach", "reaches", "auto|cued"},
     Dependency{"back_rest", "load_model", "cop"},
-    Dependency{"fault_channel", "fault", "stuck"},
+    shared_option::kFaultChannelNeeds,
 };
 
 physics::ReachMode reach_mode(const std::string& word) {

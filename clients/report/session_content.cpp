@@ -3,6 +3,7 @@
 #include <array>
 #include <set>
 
+#include "posturography/cop_series.h"
 #include "report/number_text.h"
 #include "report/page_parts.h"
 #include "report/session_tables.h"
@@ -94,6 +95,11 @@ Notes left_out(const SessionData& session) {
       why += (why.empty() ? "" : "; ") + std::string("invalid: stepped off, or feet moved");
     notes.items.push_back("Trial " + trial.number() + ": " + why + ".");
   }
+  for (const TrialData& trial : session.trials) {
+    if (!trial.counts() || (trial.analysis->flags & posturography::sway_flag::kCutAtGap) == 0 || notes.items.size() >= 40) continue;
+    notes.items.push_back("Trial " + trial.number() + ": samples are missing, only its longest clean stretch of " +
+                          fixed(trial.analysis->duration_s, 1) + " s was analysed.");
+  }
   std::string missing;
   std::size_t count = 0;
   for (std::uint32_t trial = 1; trial <= session.planned_trials; ++trial) {
@@ -122,7 +128,9 @@ Notes differences(const SessionData& session) {
                           std::to_string(differing) + " of " + std::to_string(told) + " trials and " +
                           std::to_string(session.differing_figures.size()) + " figures of the session.");
   } else if (told > 0) {
-    notes.items.push_back("The values of " + std::to_string(told) + " trials that the daemon told and recorded are the same as these.");
+    notes.items.push_back(told == 1
+                              ? "The values of the trial that the daemon recorded are the same as these."
+                              : "The values of the " + std::to_string(told) + " trials that the daemon recorded are the same as these.");
   }
   notes.items.push_back(accuracy_note(session));
   return notes;

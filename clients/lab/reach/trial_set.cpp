@@ -105,8 +105,12 @@ std::vector<Subject> read_subjects(const std::string& file, files::Problems& pro
     if (name.empty() || std::ranges::find(subjects, name, &Subject::name) != subjects.end()) {
       report(problems, file, CsvTable::line_of_row(row), name.empty() ? "a subject without a name" : "subject '" + name + "' stands twice");
     }
+    const std::string& group = table.texts("group")[row];
+    if (group != "healthy" && group != "stroke") {
+      report(problems, file, CsvTable::line_of_row(row), "group '" + group + "' is not known: write healthy or stroke");
+    }
     subjects.push_back({.name = name,
-                        .is_healthy = table.texts("group")[row] == "healthy",
+                        .is_healthy = group == "healthy",
                         .person = {.weight_kg = table.numbers("weight_kg")[row],
                                    .height_cm = table.numbers("height_cm")[row],
                                    .arm_length_cm = table.numbers("arm_cm")[row],
@@ -150,11 +154,15 @@ class TrialReader {
     const std::string& subject = table.texts("subject")[row];
     const auto found = std::ranges::find(set_.subjects, subject, &Subject::name);
     if (found == set_.subjects.end()) return report(problems_, file_, line, "subject '" + subject + "' is not in subjects.csv");
+    const std::string& condition = table.texts("condition")[row];
+    if (!condition.empty() && !target_cm(found->person, condition)) {
+      report(problems_, file_, line, "condition '" + condition + "' is no target: write max, percent of the arm's length, or nothing");
+    }
     const double number = table.numbers("trial")[row];
     if (number != std::floor(number)) return report(problems_, file_, line, "the number of a trial must be a whole one");
     Trial trial{.subject = static_cast<std::size_t>(found - set_.subjects.begin()),
                 .number = static_cast<std::uint32_t>(number),
-                .condition = table.texts("condition")[row],
+                .condition = condition,
                 .rate = {},
                 .volts = {}};
     const auto rate = core::Rate::from_hz(table.numbers("rate_hz")[row]);

@@ -26,7 +26,7 @@ struct Subject {
 struct Trial {
   std::size_t subject = 0;  ///< Index into TrialSet::subjects.
   std::uint32_t number = 0;
-  std::string condition;  ///< Target asked for: "80", "100", "120", "150", "max".
+  std::string condition;  ///< Target asked for: "80", "100", "120", "150", "max"; empty: not known.
   core::Rate rate;
   std::vector<std::array<double, 4>> volts;
 };

@@ -69,6 +69,28 @@ TEST(TrialSet, UnknownSubject_IsNamedWithItsLine) {
   EXPECT_THAT(problems_of(folder), testing::ElementsAre(AllOf(HasSubstr("trials.csv:3:1"), HasSubstr("'X'"))));
 }
 
+TEST(TrialSet, UnknownGroup_IsNamedWithItsLine) {
+  const TrialFolder folder;
+  folder.write("subjects.csv", "subject,group,weight_kg,height_cm,arm_cm,max_reach_cm\nP,healthy,68,175,67,124\nQ,Healthy,52,165,59,115\n");
+
+  EXPECT_THAT(problems_of(folder), testing::ElementsAre(AllOf(HasSubstr("subjects.csv:3:1"), HasSubstr("group 'Healthy'"))));
+}
+
+TEST(TrialSet, ConditionThatIsNoTarget_IsNamedWithItsLine) {
+  const TrialFolder folder;
+  folder.write("trials.csv", "subject,trial,rate_hz,condition\nP,1,100,150\nP,2,100,far\nQ,1,100,-120\n");
+
+  EXPECT_THAT(problems_of(folder), testing::ElementsAre(AllOf(HasSubstr("trials.csv:3:1"), HasSubstr("condition 'far'")),
+                                                        AllOf(HasSubstr("trials.csv:4:1"), HasSubstr("condition '-120'"))));
+}
+
+TEST(TrialSet, ConditionThatIsNotKnown_MayBeEmpty) {
+  const TrialFolder folder;
+  folder.write("trials.csv", "subject,trial,rate_hz,condition\nP,1,100,\n");
+
+  EXPECT_THAT(problems_of(folder), testing::IsEmpty());
+}
+
 TEST(TrialSet, TrialWithoutRows_IsNamedWithItsLine) {
   const TrialFolder folder;
   folder.write("trials.csv", "subject,trial,rate_hz,condition\nP,7,100,150\n");

@@ -16,7 +16,7 @@ CommandLine::CommandLine(Program about) : program(std::move(about)) {
   app.name(program.name);
   app.description(program.description);
   app.footer(program.examples);
-  app.formatter(std::make_shared<HelpFormatter>());
+  app.formatter(std::make_shared<HelpFormatter>(glossaries));
   app.set_help_flag("-h,--help", "Print this help");
   app.fallthrough();
   app.require_subcommand(1);

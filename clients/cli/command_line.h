@@ -36,6 +36,13 @@ struct Program {
   bool takes_files = false;  ///< Completion falls back to the names of files.
 };
 
+/// Words that a command's results are written in, with their meanings; for its help and the manual page.
+struct Glossary {
+  std::string title;  ///< "Measures"
+  std::vector<Manual::Entry> words;
+};
+using Glossaries = std::map<const CLI::App*, std::vector<Glossary>>;
+
 /// One of our command-line programs: its commands with options, help and examples. Help, completion and the manual page
 /// are all made from it. Bound to itself by pointers: stays where it is made.
 struct CommandLine {
@@ -45,6 +52,7 @@ struct CommandLine {
   CLI::App app;
   Manual manual;
   std::map<const CLI::App*, Handler> handlers;
+  Glossaries glossaries;
   std::string shell;  ///< The argument of `completion`.
 };
 

@@ -58,6 +58,9 @@ std::string HelpFormatter::make_help(const CLI::App* command, std::string /*name
   text += section("Commands", commands);
   text += section("Arguments", rows_of(positionals(*command)));
   text += section("Options", rows_of(options(*command)));
+  if (const auto found = glossaries_.find(command); found != glossaries_.end()) {
+    for (const Glossary& glossary : found->second) text += section(glossary.title, glossary.words);
+  }
   if (is_root) {
     text += "\nHelp on a command: " + program + " COMMAND --help. The manual: " + program + " man | man -l -\n";
   } else {

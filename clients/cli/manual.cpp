@@ -41,8 +41,8 @@ std::string example_text(const CLI::App& command) {
 }
 
 /// A command that does something; groups like "session" are only the way to theirs.
-void describe(const CLI::App& command, std::string& text) {
-  for (const CLI::App* subcommand : subcommands(command)) describe(*subcommand, text);
+void describe(const CLI::App& command, const Glossaries& glossaries, std::string& text) {
+  for (const CLI::App* subcommand : subcommands(command)) describe(*subcommand, glossaries, text);
   if (command.get_parent() == nullptr || !subcommands(command).empty()) return;
   text += ".SS " + roff(usage(command)) + "\n" + roff(command.get_description()) + ".\n";
   for (const CLI::Option* positional : positionals(command)) text += option_text(*positional);
@@ -50,6 +50,12 @@ void describe(const CLI::App& command, std::string& text) {
     if (option != command.get_help_ptr()) text += option_text(*option);
   }
   text += ".PP\nExamples:\n" + example_text(command);
+  const auto found = glossaries.find(&command);
+  if (found == glossaries.end()) return;
+  for (const auto& [title, words] : found->second) {
+    text += ".PP\n" + roff(title) + ":\n";
+    for (const auto& [name, meaning] : words) text += tagged(name, meaning + (meaning.ends_with('.') ? "" : "."));
+  }
 }
 
 std::string manual_section(const std::string& title, const std::vector<Manual::Entry>& entries) {
@@ -88,7 +94,7 @@ std::string manual_page(const CommandLine& line) {
   text += "Results go to standard output, everything else to standard error.\n";
   text += ".SH EXAMPLES\n" + example_text(line.app);
   text += ".SH COMMANDS\n";
-  describe(line.app, text);
+  describe(line.app, line.glossaries, text);
   text += ".SH OPTIONS\nThey may stand before or after the command.\n";
   for (const CLI::Option* option : options(line.app)) text += option_text(*option);
   text += manual_section("ENVIRONMENT", line.manual.environment) + exit_statuses(line.manual.exit_statuses) + line.manual.further_sections;

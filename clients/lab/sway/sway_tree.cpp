@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/sway/sway_tree.h"
 
+#include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "cli/validators.h"
 #include "lab/sway/sway_commands.h"
+#include "posturography/cop_series.h"
+#include "posturography/measure.h"
 
 namespace dts::lab {
 namespace {
@@ -23,6 +28,21 @@ void add_definition(CLI::App& sway, steadiness::SwayArguments& arguments) {
   sway.add_option("--foot-length", arguments.foot_length_mm, "Gives AP_USE, the part of the foot that is used")
       ->option_text("MM")
       ->check(cli::number_between(50.0, 500.0, "millimetres"));
+}
+
+/// Every word of the results, from the tables that the results are made with.
+std::vector<cli::Glossary> words_of_results() {
+  cli::Glossary measures{.title = "Measures", .words = {}};
+  for (std::size_t k = 0; k < posturography::kMeasureCount; ++k) {
+    const posturography::MeasureInfo& about = posturography::info(static_cast<posturography::Measure>(k));
+    const std::string unit = about.unit == "1" ? "no unit" : std::string(about.unit);
+    measures.words.emplace_back(about.symbol, std::string(about.sentence) + " (" + unit + ")");
+  }
+  cli::Glossary flags{.title = "Flags", .words = {}};
+  for (std::uint32_t bit = 0; bit < posturography::sway_flag::kCount; ++bit) {
+    flags.words.emplace_back(posturography::names_of(1U << bit).front(), posturography::sentence_of(1U << bit));
+  }
+  return {std::move(measures), std::move(flags)};
 }
 
 void add_measuring(CommandTree& tree) {
@@ -53,6 +73,7 @@ void add_measuring(CommandTree& tree) {
       ->option_text("OUT.csv")
       ->check(cli::text_of(1, 4096));
   add_json(*sway, tree.arguments);
+  tree.line.glossaries[sway] = words_of_results();
 }
 
 void add_telling_apart(CommandTree& tree) {

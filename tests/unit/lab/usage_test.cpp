@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/documents.h"
 #include "lab/command_tree.h"
+#include "posturography/cop_series.h"
+#include "posturography/measure.h"
 #include "unit/cli/command_checks.h"
 #include "unit/lab/run_fixture.h"
 
@@ -48,6 +50,22 @@ TEST_F(RunTest, EveryCommand_HasHelpWithExamplesBeforeOptions) {
     const std::size_t example = out().find("\n  dtslab ");
     ASSERT_NE(example, std::string::npos) << cli::full_name(*command);
     EXPECT_LT(example, out().find("\nUsage: ")) << cli::full_name(*command);
+  }
+}
+
+/// From the tables that the results are made with: a measure or a flag more is explained, too.
+TEST_F(RunTest, HelpAndManualOfSway_NameEveryMeasureWithItsUnitAndEveryFlag) {
+  for (const auto& words : {std::vector<std::string>{"sway", "--help"}, {"man"}}) {
+    EXPECT_EQ(run_with(words), cli::kOk);
+    std::string page = out();
+    std::erase(page, '\\');  // of the manual page
+    for (std::size_t k = 0; k < posturography::kMeasureCount; ++k) {
+      const auto& about = posturography::info(static_cast<posturography::Measure>(k));
+      EXPECT_THAT(page, HasSubstr(std::string(about.symbol))) << words[0];
+      EXPECT_THAT(page, HasSubstr(std::string(about.sentence) + " (" + (about.unit == "1" ? "no unit" : std::string(about.unit)) + ")"));
+    }
+    for (const auto flag : posturography::names_of(~0U)) EXPECT_THAT(page, HasSubstr(std::string(flag))) << words[0];
+    EXPECT_THAT(page, HasSubstr(std::string(posturography::sentence_of(posturography::sway_flag::kCutAtGap))));
   }
 }
 

@@ -7,6 +7,11 @@
 #include <cmath>
 
 namespace dts::cli {
+namespace {
+
+constexpr std::size_t kGap = 2;  // between columns
+
+}  // namespace
 
 std::string decimal(double value, int decimals) {
   if (!std::isfinite(value)) return "-";
@@ -51,24 +56,38 @@ void Table::add(std::vector<Cell> row) {
   rows_.push_back(std::move(row));
 }
 
-void Table::print(Console& console) const {
-  if (rows_.empty()) return;
-  console.out << line(console, headers_) << '\n';
-  for (const auto& row : rows_) console.out << line(console, row) << '\n';
+void Table::print(Console& console) const { print(console, 1, headers_.size()); }
+
+void Table::print_folded(Console& console, std::size_t columns) const {
+  std::size_t begin = 1;
+  do {
+    std::size_t end = begin;
+    std::size_t used = widths_.front();
+    while (end < widths_.size() && (end == begin || used + kGap + widths_[end] <= columns)) used += kGap + widths_[end++];
+    if (begin > 1 && !rows_.empty()) console.out << '\n';
+    print(console, begin, end);
+    begin = end;
+  } while (begin < headers_.size());
 }
 
-std::string Table::line(const Console& console, const std::vector<Cell>& cells) const {
+void Table::print(Console& console, std::size_t begin, std::size_t end) const {
+  if (rows_.empty()) return;
+  console.out << line(console, headers_, begin, end) << '\n';
+  for (const auto& row : rows_) console.out << line(console, row, begin, end) << '\n';
+}
+
+std::string Table::line(const Console& console, const std::vector<Cell>& cells, std::size_t begin, std::size_t end) const {
   std::string text;
-  for (std::size_t column = 0; column < cells.size(); ++column) {
+  for (std::size_t column = 0; column < end; column = std::max(column + 1, begin)) {
     const std::string padding(widths_[column] - width(cells[column].text), ' ');
     const std::string shown = styled(console, cells[column].style, cells[column].text);
-    const bool is_last = column + 1 == cells.size();
+    const bool is_last = std::max(column + 1, begin) >= end;
     if (is_right_[column]) {
       text += padding + shown;
     } else {
       text += is_last ? shown : shown + padding;
     }
-    if (!is_last) text += "  ";
+    if (!is_last) text += std::string(kGap, ' ');
   }
   while (text.ends_with(' ')) text.pop_back();
   return text;

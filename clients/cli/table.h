@@ -29,9 +29,14 @@ class Table {
   void add(std::vector<Cell> row);
   /// To `console.out`; nothing at all without rows.
   void print(Console& console) const;
+  /// The same in at most `columns` characters: what does not fit goes into further tables below, each with the first column again and an
+  /// empty line in front. A single cell may be wider.
+  void print_folded(Console& console, std::size_t columns) const;
 
  private:
-  [[nodiscard]] std::string line(const Console& console, const std::vector<Cell>& cells) const;
+  /// The first column and those from `begin` to `end`.
+  [[nodiscard]] std::string line(const Console& console, const std::vector<Cell>& cells, std::size_t begin, std::size_t end) const;
+  void print(Console& console, std::size_t begin, std::size_t end) const;
 
   std::vector<Cell> headers_;
   std::vector<bool> is_right_;

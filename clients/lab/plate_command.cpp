@@ -52,6 +52,7 @@ PlateTask make_task(PlateCaseFile file, const Arguments& arguments) {
 
 core::Result<Solved> solve(PlateTask& task, cli::Console& console) {
   cli::Progress progress(console, "solving");
+  progress.tick_by_itself();  // factorising is one step
   task.options.report_progress = [&](double fraction) { progress.report(fraction); };
   const auto begun = std::chrono::steady_clock::now();
   auto solution = physics::solve(task.plate_case, task.method, task.options);

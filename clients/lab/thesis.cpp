@@ -10,19 +10,20 @@
 namespace dts::lab {
 namespace {
 
-using Maker = std::function<core::Result<ThesisTable>()>;
+using Maker = std::function<core::Result<ThesisTable>(const TableProgress&)>;
 
 const std::vector<std::pair<std::string_view, Maker>>& makers() {
-  static const std::vector<std::pair<std::string_view, Maker>> known{{"3.2", [] { return thesis_deflections(false); }},
-                                                                     {"3.3", [] { return thesis_deflections(true); }},
-                                                                     {"3.4", [] { return thesis_proportions(false); }},
-                                                                     {"3.5", [] { return thesis_proportions(true); }},
-                                                                     {"3.6", thesis_line_errors},
-                                                                     {"4.1", thesis_loci},
-                                                                     {"5.2", [] { return thesis_teachers(); }},
-                                                                     {"6.2", [] { return thesis_healthy(); }},
-                                                                     {"6.3", thesis_trunk_angles},
-                                                                     {"6.4", [] { return thesis_stroke(); }}};
+  static const std::vector<std::pair<std::string_view, Maker>> known{
+      {"3.2", [](const auto&) { return thesis_deflections(false); }},
+      {"3.3", [](const auto&) { return thesis_deflections(true); }},
+      {"3.4", [](const auto&) { return thesis_proportions(false); }},
+      {"3.5", [](const auto&) { return thesis_proportions(true); }},
+      {"3.6", [](const auto&) { return thesis_line_errors(); }},
+      {"4.1", [](const auto&) { return thesis_loci(); }},
+      {"5.2", [](const auto& progress) { return thesis_teachers(progress); }},
+      {"6.2", [](const auto& progress) { return thesis_healthy(progress); }},
+      {"6.3", [](const auto&) { return thesis_trunk_angles(); }},
+      {"6.4", [](const auto& progress) { return thesis_stroke(progress); }}};
   return known;
 }
 
@@ -37,10 +38,10 @@ const std::vector<std::string_view>& thesis_table_names() {
   return names;
 }
 
-core::Result<ThesisTable> thesis_table(std::string_view name) {
+core::Result<ThesisTable> thesis_table(std::string_view name, const TableProgress& progress) {
   std::string known;
   for (const auto& [one, make] : makers()) {
-    if (one == name) return make();
+    if (one == name) return make(progress);
     known += (known.empty() ? "" : ", ") + std::string(one);
   }
   return core::fail(core::ErrorCode::InvalidArgument, "no thesis table '" + std::string(name) + "'", "one of " + known + ", or all");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -37,7 +38,11 @@ struct ThesisTable {
 /// The tables that `thesis_table` knows.
 [[nodiscard]] const std::vector<std::string_view>& thesis_table_names();
 
+/// How much of a table is computed, 0..1.
+using TableProgress = std::function<void(double)>;
+
 /// Computes a table anew. Fails with InvalidArgument for a table that is not known.
-[[nodiscard]] core::Result<ThesisTable> thesis_table(std::string_view name);
+[[nodiscard]] core::Result<ThesisTable> thesis_table(
+    std::string_view name, const TableProgress& progress = [](double) {});
 
 }  // namespace dts::lab

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/thesis_command.h"
 
+#include <algorithm>
 #include <vector>
 
 #include "cli/exit_status.h"
@@ -12,6 +13,8 @@
 
 namespace dts::lab {
 namespace {
+
+constexpr std::size_t kWidest = 100;  // columns: wider lines are hard to follow, and to put on paper
 
 cli::Json to_json(const Figures& figures) {
   cli::Json json = cli::Json::object();
@@ -56,7 +59,7 @@ void print(const ThesisTable& table, cli::Console& console) {
     add_cells(row.deviation, 3, cells);
     rows.add(std::move(cells));
   }
-  rows.print(console);
+  rows.print_folded(console, std::min(console.columns, kWidest));
   console.out << '\n';
   cli::Table summary({"SUMMARY", ">VALUE"});
   for (const Figure& figure : table.summary) summary.add({{figure.name}, {cli::decimal(figure.value, 3)}});
@@ -65,21 +68,27 @@ void print(const ThesisTable& table, cli::Console& console) {
   for (const std::string& note : table.notes) console.out << "- " << note << '\n';
 }
 
+core::Result<std::vector<ThesisTable>> compute(const std::vector<std::string>& names, cli::Console& console) {
+  cli::Progress progress(console, "computing");
+  progress.tick_by_itself();
+  std::vector<ThesisTable> tables;
+  for (const std::string& name : names) {
+    auto table = thesis_table(
+        name, [&](double done) { progress.report((static_cast<double>(tables.size()) + done) / static_cast<double>(names.size())); });
+    if (!table) return tl::make_unexpected(table.error());
+    tables.push_back(std::move(*table));
+  }
+  return tables;
+}
+
 }  // namespace
 
 int run_thesis(const Arguments& arguments, cli::Console& console) {
   std::vector<std::string> names{arguments.table};
   if (arguments.table == "all") names.assign(thesis_table_names().begin(), thesis_table_names().end());
-  std::vector<ThesisTable> tables;
-  {
-    cli::Progress progress(console, "computing");
-    for (const std::string& name : names) {
-      auto table = thesis_table(name);
-      if (!table) return fail_with(console, table.error());
-      tables.push_back(std::move(*table));
-      progress.report(static_cast<double>(tables.size()) / static_cast<double>(names.size()));
-    }
-  }
+  const auto computed = compute(names, console);
+  if (!computed) return fail_with(console, computed.error());
+  const std::vector<ThesisTable>& tables = *computed;
   if (arguments.is_json) {
     cli::Json all = cli::Json::array();
     for (const ThesisTable& table : tables) all.push_back(to_json(table));

@@ -21,13 +21,13 @@ inline constexpr std::size_t kReachDraws = 5;
 /// Table 4.1.
 [[nodiscard]] core::Result<ThesisTable> thesis_loci();
 /// Table 5.2.
-[[nodiscard]] core::Result<ThesisTable> thesis_teachers(std::size_t draws = kReachDraws);
+[[nodiscard]] core::Result<ThesisTable> thesis_teachers(const TableProgress& progress, std::size_t draws = kReachDraws);
 /// Table 6.2.
-[[nodiscard]] core::Result<ThesisTable> thesis_healthy(std::size_t draws = kReachDraws);
+[[nodiscard]] core::Result<ThesisTable> thesis_healthy(const TableProgress& progress, std::size_t draws = kReachDraws);
 /// Table 6.3.
 [[nodiscard]] core::Result<ThesisTable> thesis_trunk_angles();
 /// Table 6.4.
-[[nodiscard]] core::Result<ThesisTable> thesis_stroke(std::size_t draws = kReachDraws);
+[[nodiscard]] core::Result<ThesisTable> thesis_stroke(const TableProgress& progress, std::size_t draws = kReachDraws);
 
 /// (ours - printed) / printed, %; NaN where 0 is printed.
 [[nodiscard]] double deviation_percent(double ours, double printed) noexcept;

@@ -20,10 +20,9 @@ constexpr auto kSynthetic =
     "Ours: simulated people of the printed measures, found and judged as dtsd does it; synthetic, no clinical claim. The rows are of the "
     "one in the middle of several draws of people; another draw is other people, and the spread is that of a study repeated.";
 
-core::Result<std::vector<study::Draw>> draw_people(std::size_t draws, bool has_healthy, bool has_stroke) {
-  const study::StudyOptions options{
-      .seed = 1, .draws = draws, .has_healthy = has_healthy, .has_stroke = has_stroke, .has_recommended = false};
-  return study::run_study(options, [](double) {});
+/// All groups, whichever the table is of: so that every table and `reach study` show the same draw.
+core::Result<std::vector<study::Draw>> draw_people(std::size_t draws, const TableProgress& progress) {
+  return study::run_study({.seed = 1, .draws = draws, .has_recommended = false}, progress);
 }
 
 double count(const Confusion& answers, TrunkClass wanted) { return static_cast<double>(answers.correct(wanted)); }
@@ -57,8 +56,8 @@ void add_row(const std::string& label, Figures printed, Figures ours, ThesisTabl
 
 }  // namespace
 
-core::Result<ThesisTable> thesis_teachers(std::size_t draws) {
-  const auto all = draw_people(draws, false, false);
+core::Result<ThesisTable> thesis_teachers(const TableProgress& progress, std::size_t draws) {
+  const auto all = draw_people(draws, progress);
   if (!all) return tl::make_unexpected(all.error());
   ThesisTable table{.name = "5.2",
                     .title = "Volunteers A, B and C by a network taught with simulated reaches (NN2); correct of 15",
@@ -88,8 +87,8 @@ core::Result<ThesisTable> thesis_teachers(std::size_t draws) {
   return table;
 }
 
-core::Result<ThesisTable> thesis_healthy(std::size_t draws) {
-  const auto all = draw_people(draws, true, false);
+core::Result<ThesisTable> thesis_healthy(const TableProgress& progress, std::size_t draws) {
+  const auto all = draw_people(draws, progress);
   if (!all) return tl::make_unexpected(all.error());
   ThesisTable table{.name = "6.2",
                     .title = "Ten healthy volunteers by NN1 and NN2; correct of 15",
@@ -129,8 +128,8 @@ core::Result<ThesisTable> thesis_healthy(std::size_t draws) {
   return table;
 }
 
-core::Result<ThesisTable> thesis_stroke(std::size_t draws) {
-  const auto all = draw_people(draws, false, true);
+core::Result<ThesisTable> thesis_stroke(const TableProgress& progress, std::size_t draws) {
+  const auto all = draw_people(draws, progress);
   if (!all) return tl::make_unexpected(all.error());
   ThesisTable table{.name = "6.4",
                     .title = "Five volunteers after a stroke at the critical boundary, by NN1 and NN2; correct of 15",

@@ -17,6 +17,8 @@ namespace {
 
 using core::TrunkClass;
 
+constexpr double kLessonsPart = 0.2;  // of the study's time, when a model of invented people is among them
+
 /// Correlation coefficient of pairs.
 class Correlation {
  public:
@@ -118,20 +120,20 @@ struct Lessons {
 };
 
 /// The model that dtsd ships is made like this, so that these figures are what to expect of it.
-core::Result<classifier::TrunkModel> model_of_invented_people() {
-  const auto set = training::simulated_people(kInventedPeople, kInventedTrials, 1, [](double) {});
+core::Result<classifier::TrunkModel> model_of_invented_people(const Progress& progress) {
+  const auto set = training::simulated_people(kInventedPeople, kInventedTrials, 1, [&](double done) { progress(0.5 * done); });
   if (!set) return tl::make_unexpected(set.error());
-  return training::train_model(*set, {.seed = 1}, [](double) {});
+  return training::train_model(*set, {.seed = 1}, [&](double done) { progress(0.5 + 0.5 * done); });
 }
 
-core::Result<Lessons> make_lessons(const StudyOptions& options) {
+core::Result<Lessons> make_lessons(const StudyOptions& options, const Progress& progress) {
   auto one_pace = ideal_reaches(teachers(), kThesisPaces, kIdealRepetitions);
   if (!one_pace) return tl::make_unexpected(one_pace.error());
   auto four_paces = ideal_reaches(teachers(), kPaces, kIdealRepetitions);
   if (!four_paces) return tl::make_unexpected(four_paces.error());
   Lessons lessons{.one_pace = std::move(*one_pace), .four_paces = std::move(*four_paces), .invented = {}};
   if (!options.has_recommended) return lessons;
-  auto model = model_of_invented_people();
+  auto model = model_of_invented_people(progress);
   if (!model) return tl::make_unexpected(model.error());
   lessons.invented = std::move(*model);
   return lessons;
@@ -158,11 +160,14 @@ core::Result<Draw> run_draw(const Lessons& lessons, const StudyOptions& options,
 }  // namespace
 
 core::Result<std::vector<Draw>> run_study(const StudyOptions& options, const Progress& progress) {
-  const auto lessons = make_lessons(options);
+  const double lessons_part = options.has_recommended ? kLessonsPart : 0.0;
+  const auto lessons = make_lessons(options, [&](double done) { progress(lessons_part * done); });
   if (!lessons) return tl::make_unexpected(lessons.error());
   std::vector<Draw> draws;
   for (std::size_t k = 0; k < options.draws; ++k) {
-    const auto part = [&](double done) { progress((static_cast<double>(k) + done) / static_cast<double>(options.draws)); };
+    const auto part = [&](double done) {
+      progress(lessons_part + (1.0 - lessons_part) * (static_cast<double>(k) + done) / static_cast<double>(options.draws));
+    };
     auto draw = run_draw(*lessons, options, options.seed + k, part);
     if (!draw) return tl::make_unexpected(draw.error());
     draws.push_back(std::move(*draw));

@@ -17,6 +17,7 @@ int run_reach_study(const Arguments& arguments, cli::Console& console) {
   core::Result<std::vector<study::Draw>> draws;
   {
     cli::Progress progress(console, "simulating people");
+    progress.tick_by_itself();
     draws = study::run_study({.seed = arguments.seed}, [&progress](double done) { progress.report(done); });
   }
   if (!draws) return fail_with(console, draws.error());

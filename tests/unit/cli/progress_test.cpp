@@ -40,11 +40,22 @@ TEST_F(ProgressTest, SlowWork_ShowsABarThatIsRemovedAtTheEnd) {
     Progress progress(console_, "solving", clock());
     now_ += milliseconds(2000);
     progress.report(0.6);
-    EXPECT_EQ(talk_.str(), "\rsolving  [############........]   60 %");
+    EXPECT_EQ(talk_.str(), "\rsolving  [############........]   60 %  2 s");
   }
 
-  EXPECT_THAT(talk_.str(), ::testing::EndsWith("\r" + std::string(38, ' ') + "\r"));
+  EXPECT_THAT(talk_.str(), ::testing::EndsWith("\r" + std::string(43, ' ') + "\r"));
   EXPECT_EQ(out_.str(), "");
+}
+
+TEST_F(ProgressTest, WorkThatReportsNothing_IsShownWithItsSeconds) {
+  Progress progress(console_, "solving", clock());
+  now_ += milliseconds(1999);
+  progress.tick();
+  EXPECT_EQ(talk_.str(), "");
+
+  now_ += milliseconds(11'001);
+  progress.tick();
+  EXPECT_EQ(talk_.str(), "\rsolving  [....................]    0 %  13 s");
 }
 
 TEST_F(ProgressTest, ManyReports_AtMostTenPerSecond) {

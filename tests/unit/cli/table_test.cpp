@@ -37,6 +37,36 @@ TEST_F(TableTest, Rows_AreAlignedLeftAndRight) {
             "longer  12345\n");
 }
 
+TEST_F(TableTest, Folded_ContinuesBelowWithTheFirstColumnAgain) {
+  Table table({"NAME", ">ONE", ">TWO", ">THREE"});
+  table.add({{"a"}, {"1"}, {"2"}, {"3"}});
+
+  table.print_folded(console_, 14);
+
+  EXPECT_EQ(out_.str(),
+            "NAME  ONE  TWO\n"
+            "a       1    2\n"
+            "\n"
+            "NAME  THREE\n"
+            "a         3\n");
+}
+
+TEST_F(TableTest, FoldedWhereEverythingFits_IsAsPrinted) {
+  Table table({"NAME", ">ONE"});
+  table.add({{"a"}, {"1"}});
+
+  table.print_folded(console_, 9);
+  EXPECT_EQ(out_.str(), "NAME  ONE\na       1\n");
+}
+
+TEST_F(TableTest, FoldedToNothing_HasOneColumnATable) {
+  Table table({"NAME", ">ONE", ">TWO"});
+  table.add({{"a"}, {"1"}, {"2"}});
+
+  table.print_folded(console_, 1);
+  EXPECT_EQ(out_.str(), "NAME  ONE\na       1\n\nNAME  TWO\na       2\n");
+}
+
 TEST_F(TableTest, TextBeyondAscii_IsAlignedByCharacters) {
   Table table({"A", "B"});
   table.add({{"µm"}, {"x"}});

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <numeric>
+#include <vector>
 
+#include "lab/study/experiments.h"
 #include "lab/thesis_parts.h"
 #include "lab/thesis_reach_tables.h"
 
@@ -54,7 +56,7 @@ TEST(ThesisReachTables, TrunkAngles_ComeFromTheTargetAlone) {
 }
 
 TEST(ThesisReachTables, Teachers_AreComputedBesideWhatIsPrinted) {
-  const auto table = thesis_teachers(2);
+  const auto table = thesis_teachers([](double) {}, 2);
   ASSERT_TRUE(table) << table.error().what;
   ASSERT_EQ(table->rows.size(), 9U);
   EXPECT_EQ(table->rows[1].label, "A, 150");
@@ -70,8 +72,9 @@ TEST(ThesisReachTables, Teachers_AreComputedBesideWhatIsPrinted) {
             reach_figure(table->summary, "ours_nn2_four_paces_of_135_least"));
 }
 
-TEST(ThesisReachTables, Stroke_HasARowPerPerson) {
-  const auto table = thesis_stroke(1);
+TEST(ThesisReachTables, Stroke_HasARowPerPersonAndTellsItsProgress) {
+  std::vector<double> told;
+  const auto table = thesis_stroke([&](double done) { told.push_back(done); }, 1);
   ASSERT_TRUE(table) << table.error().what;
   ASSERT_EQ(table->rows.size(), 5U);
   EXPECT_EQ(table->rows[0].label, "S1, condition 2");
@@ -81,6 +84,21 @@ TEST(ThesisReachTables, Stroke_HasARowPerPerson) {
   double nn1 = 0.0;
   for (const ThesisRow& row : table->rows) nn1 += reach_figure(row.ours, "nn1");
   EXPECT_EQ(reach_figure(table->summary, "nn1_correct"), nn1);
+  EXPECT_GT(told.size(), 10U);
+  EXPECT_TRUE(std::ranges::is_sorted(told));
+  EXPECT_LE(told.back(), 1.0);
+}
+
+TEST(ThesisReachTables, EveryTable_ShowsTheDrawThatTheStudyShows) {
+  constexpr std::size_t kDraws = 3;
+  const auto nothing = [](double) {};
+  const auto draws = study::run_study({.draws = kDraws, .has_recommended = false}, nothing);
+  ASSERT_TRUE(draws);
+  const auto shown = static_cast<double>(study::middle_draw(*draws).seed);
+  for (const auto& table : {thesis_teachers(nothing, kDraws), thesis_healthy(nothing, kDraws), thesis_stroke(nothing, kDraws)}) {
+    ASSERT_TRUE(table);
+    EXPECT_EQ(reach_figure(table->summary, "rows_of_seed"), shown) << table->name;
+  }
 }
 
 }  // namespace

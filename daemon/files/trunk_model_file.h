@@ -20,7 +20,7 @@ namespace dts::files {
 /// Writes `file` whole or not at all. Fails with Failed or NotAllowed, naming the file and why.
 [[nodiscard]] core::Status save_trunk_model(const std::string& file, const classifier::TrunkModel& model);
 
-/// Reads and checks everything: versions, feature names, counts, ranges, finiteness, that the training had succeeded, and the checksum.
+/// Reads and checks everything: versions, feature names, counts, ranges, finiteness, that the training had succeeded, and the checksum if there is one.
 /// What is wrong is added to `problems` with file:line:column and nothing is returned.
 [[nodiscard]] std::optional<classifier::TrunkModel> load_trunk_model(const std::string& file, Problems& problems);
 /// The same of a table that was parsed already: a file's, or one inside a rig definition.

@@ -11,28 +11,13 @@ namespace {
 
 constexpr double kSumTolerance = 1e-9;
 
-/// Nearly everything that is tried has a wrong checksum; with the right one it is tried as a model.
-std::string wanted_sha256(const files::Problems& problems) {
-  constexpr std::string_view kSays = "its sha256 is ";
-  if (problems.size() != 1) return {};
-  const auto place = problems[0].text.find(kSays);
-  return place == std::string::npos ? "" : problems[0].text.substr(place + kSays.size(), 64);
-}
-
+/// Without its checksum, which would refuse nearly everything that is tried.
 std::optional<classifier::TrunkModel> read(const std::string& text, files::Problems& problems) {
   auto table = files::parse_toml_text(text, "model.toml", problems);
   if (!table) return std::nullopt;
-  files::Problems refused;
-  files::TomlReader reader(&*table, "", "model.toml", refused);
-  auto model = files::read_trunk_model(reader, refused);
-  if (const std::string sha256 = wanted_sha256(refused); !sha256.empty()) {
-    table->insert_or_assign("sha256", sha256);
-    refused.clear();
-    files::TomlReader sealed(&*table, "", "model.toml", refused);
-    model = files::read_trunk_model(sealed, refused);
-  }
-  problems.insert(problems.end(), refused.begin(), refused.end());
-  return model;
+  table->erase("sha256");
+  files::TomlReader reader(&*table, "", "model.toml", problems);
+  return files::read_trunk_model(reader, problems);
 }
 
 void check_movement(const core::TrunkMovement& movement) {

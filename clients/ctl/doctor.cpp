@@ -156,6 +156,9 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
     return {bad(name, state + why, "is it plugged in and powered? see dtsctl device list and journalctl -u dtsd")};
   }
   std::vector<Check> checks{good(name, state), check_losses(rig)};
+  if (!rig.device_message().empty()) {
+    checks.front() = bad(name, state + ", but " + rig.device_message(), "see dtsctl device test " + rig.rig().name());
+  }
   if (!is_replay(rig)) {
     checks.push_back(check_rate(rig));
     checks.push_back(check_queues(rig));
@@ -191,7 +194,8 @@ std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1
   if (status ? !has_notice_about(*status, "SCHED_FIFO") : facts.may_use_fifo) {
     checks.push_back(good("scheduling", status ? "the daemon has what it asked for" : "SCHED_FIFO is allowed for this user"));
   } else {
-    checks.push_back(bad("scheduling", status ? "the daemon asked for SCHED_FIFO and was refused" : "SCHED_FIFO is not allowed for this user",
+    checks.push_back(bad("scheduling",
+                         status ? "the daemon asked for SCHED_FIFO and was refused" : "SCHED_FIFO is not allowed for this user",
                          "run dtsd by its systemd unit, or add 'USER - rtprio 60' to /etc/security/limits.d/dtsd.conf and log in again"));
   }
   const bool has_no_limit = facts.lockable_bytes == std::numeric_limits<std::uint64_t>::max();
@@ -199,8 +203,9 @@ std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1
   if (status ? !has_notice_about(*status, "memory is not locked") : has_no_limit) {
     checks.push_back(good("locked memory", status ? "the daemon has what it asked for" : lockable));
   } else {
-    checks.push_back(bad("locked memory", status ? "the daemon asked for it and was refused" : lockable,
-                         "run dtsd by its systemd unit, or add 'USER - memlock unlimited' to /etc/security/limits.d/dtsd.conf and log in again"));
+    checks.push_back(
+        bad("locked memory", status ? "the daemon asked for it and was refused" : lockable,
+            "run dtsd by its systemd unit, or add 'USER - memlock unlimited' to /etc/security/limits.d/dtsd.conf and log in again"));
   }
   checks.push_back(check_clock(facts));
   return checks;

@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/progress_watch.h"
 
+#include <algorithm>
+
 namespace dts::app {
 
-bool ProgressWatch::is_stuck(const std::string& name, std::uint64_t mark, bool has_work, std::int64_t now_ns) {
+bool ProgressWatch::is_stuck(const std::string& name, std::uint64_t mark, bool has_work, std::int64_t now_ns, std::int64_t patience_ns) {
   const auto [at, is_new] = parts_.try_emplace(name, Part{.mark = mark, .moved_ns = now_ns});
   Part& part = at->second;
   if (is_new || part.mark != mark || !has_work) part = {.mark = mark, .moved_ns = now_ns};
-  return now_ns - part.moved_ns > patience_ns_;
+  return now_ns - part.moved_ns > patience_ns;
 }
 
 std::string ProgressWatch::stuck_part(const std::vector<session::RigState>& rigs, std::uint64_t publish_turns, std::int64_t now_ns) {
@@ -15,7 +17,11 @@ std::string ProgressWatch::stuck_part(const std::vector<session::RigState>& rigs
   if (now_ns - looked_ns_ > patience_ns_) parts_.clear();
   looked_ns_ = now_ns;
   std::string stuck;
-  if (is_stuck("publish", publish_turns, true, now_ns)) stuck = "the publish thread";
+  if (is_stuck("publish", publish_turns, true, now_ns, patience_ns_)) stuck = "the publish thread";
+  const auto is_streaming_at_all = [](const session::RigState& state) {
+    return state.acquisition.device == device::DeviceState::Streaming;
+  };
+  const bool may_restart = std::ranges::none_of(rigs, is_streaming_at_all);
   for (const session::RigState& state : rigs) {
     const std::string rig = "rig '" + state.rig.config().name + "'";
     const session::AcquisitionReport& acquired = state.acquisition;
@@ -23,8 +29,10 @@ std::string ProgressWatch::stuck_part(const std::vector<session::RigState>& rigs
     const bool is_behind = state.pipeline.segment != acquired.segment || state.pipeline.next_scan.value != acquired.next_scan;
     // Both marks change with every scan: of two that meet by chance the next look sees another.
     const std::uint64_t processed = (std::uint64_t{state.pipeline.segment} << 48U) ^ state.pipeline.next_scan.value;
-    if (is_stuck("acquire " + rig, acquired.scans_total, is_streaming, now_ns)) stuck = "the acquire thread of " + rig;
-    if (is_stuck("pipeline " + rig, processed, is_streaming && is_behind, now_ns)) stuck = "the pipeline of " + rig;
+    if (is_stuck("acquire " + rig, acquired.scans_total, is_streaming, now_ns, patience_ns_)) stuck = "the acquire thread of " + rig;
+    const bool is_opening_stuck = is_stuck("opening " + rig, acquired.turns + acquired.scans_total, true, now_ns, kOpeningNs);
+    if (is_opening_stuck && may_restart) stuck = "the acquire thread of " + rig + ", which opens its device,";
+    if (is_stuck("pipeline " + rig, processed, is_streaming && is_behind, now_ns, patience_ns_)) stuck = "the pipeline of " + rig;
   }
   return stuck;
 }

@@ -13,10 +13,9 @@ namespace dts::app {
 /// Whether the work goes on: systemd's watchdog is fed only while scans move from every device through its pipeline and the publish thread
 /// takes its turns. A timer in a frozen daemon would feed it for ever.
 ///
-/// Not judged: the acquire thread of a device that is away, silent or being opened (each transfer there has a time limit of its own), and the
-/// record thread. The control thread, which asks, is judged by asking at all: it writes the catalogue, so a disk that hangs for longer than
-/// WatchdogSec ends the daemon.
-/// Thread: control.
+/// An acquire thread that hangs while it opens a device (a driver that does not return) is stuck after `kOpeningNs`, but only while no
+/// other rig streams: a restart would break the sessions of those. Not judged: the record thread. The control thread, which asks, is judged
+/// by asking at all: it writes the catalogue, so a disk that hangs for longer than WatchdogSec ends the daemon. Thread: control.
 class ProgressWatch {
  public:
   /// `patience_ns`: for how long a part may stand still.
@@ -31,7 +30,9 @@ class ProgressWatch {
     std::int64_t moved_ns = 0;
   };
   /// Notes how far a part is; true when it has not moved for too long. `has_work`: it could have.
-  [[nodiscard]] bool is_stuck(const std::string& name, std::uint64_t mark, bool has_work, std::int64_t now_ns);
+  [[nodiscard]] bool is_stuck(const std::string& name, std::uint64_t mark, bool has_work, std::int64_t now_ns, std::int64_t patience_ns);
+
+  static constexpr std::int64_t kOpeningNs = 60'000'000'000;  // an FPGA image and every request unanswered take less
 
   std::int64_t patience_ns_;
   std::int64_t looked_ns_ = 0;

@@ -30,6 +30,7 @@ void HostTime::restart(std::optional<std::int64_t> not_before_ns) noexcept {
   point_count_ = 0;
   has_bin_ = false;
   loss_watch_.restart();
+  is_rate_known_ = false;
   rate_error_ = 0.0;
   height_ns_ = 0.0;
   last_index_ = {};
@@ -96,6 +97,7 @@ void HostTime::draw_line() noexcept {
   const double span_s = points.back().time_s - points.front().time_s;
   const double heard_s = span_s + (points.back().late_ns - points.front().late_ns) * 1e-9;  // by the host's clock
   if (heard_s >= kRateKnownSeconds) {
+    is_rate_known_ = true;
     const double slope = edge_slope();
     const double doubt = kBadLuckNs * 1e-9 / span_s;
     rate_error_ = std::copysign(std::max(0.0, std::abs(slope) - doubt), slope);

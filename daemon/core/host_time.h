@@ -55,6 +55,8 @@ class HostTime {
   /// How much slower than nominal scans arrive, as a fraction, beyond what 20 ms of bad luck at either end could feign; 0 in the
   /// first two seconds. A value beyond +-0.01 says that the device does not run at the rate it was asked for.
   [[nodiscard]] double rate_error() const noexcept { return rate_error_; }
+  /// The scans of this segment are enough to judge their rate, and whether some are missing.
+  [[nodiscard]] bool is_judged() const noexcept { return is_rate_known_ && loss_watch_.has_compared(); }
   /// By how much the least lateness has risen, ns, beyond what the clock explains (`kCrystalPpm` until its drift is known, 50 ppm
   /// about it from then on): scans went missing on the way. Told within 3 s, from the first second of a segment on.
   [[nodiscard]] std::int64_t missing_ns() const noexcept { return loss_watch_.rise_ns(); }
@@ -83,6 +85,7 @@ class HostTime {
   double height_ns_ = 0.0;  ///< The line: late_ns at time 0 ...
   double slope_ = 0.0;      ///< ... and how it grows: seconds per second.
   bool is_drift_known_ = false;
+  bool is_rate_known_ = false;
   LossWatch loss_watch_;
   double rate_error_ = 0.0;
   std::int64_t scatter_ns_ = 0;

@@ -63,7 +63,8 @@ void LossWatch::compare(double now_s, double steepest) noexcept {
     // What the slowest clock would explain counts for nothing.
     (is_recent ? recent : before).add(bin.late_ns - steepest * 1e9 * bin.time_s);
   }
-  rise_ns_ = before.count == 0 ? 0 : static_cast<std::int64_t>(std::max(0.0, recent.least_ns - before.least_ns));
+  has_compared_ = before.count > 0;
+  rise_ns_ = !has_compared_ ? 0 : static_cast<std::int64_t>(std::max(0.0, recent.least_ns - before.least_ns));
   chance_ns_ = static_cast<std::int64_t>(kBeyondChance * std::max(recent.scatter_ns(), before.scatter_ns()));
 }
 

@@ -36,6 +36,8 @@ class LossWatch {
   [[nodiscard]] std::int64_t rise_ns() const noexcept { return rise_ns_; }
   /// What chance alone may raise it by on this host, ns.
   [[nodiscard]] std::int64_t chance_ns() const noexcept { return chance_ns_; }
+  /// Arrivals have been compared with earlier ones in this segment: before that nothing is known.
+  [[nodiscard]] bool has_compared() const noexcept { return has_compared_; }
 
  private:
   static constexpr double kBinSeconds = 0.25;
@@ -49,6 +51,7 @@ class LossWatch {
   Arrival bin_;  ///< The least late arrival of the quarter second that runs.
   double bin_end_s_ = 0.0;
   bool has_bin_ = false;
+  bool has_compared_ = false;
   std::int64_t rise_ns_ = 0;
   std::int64_t chance_ns_ = 0;
 };

@@ -14,6 +14,8 @@ namespace {
 
 using core::ErrorCode;
 
+constexpr std::size_t kMostNumbers = 256;
+
 std::optional<double> parse_number(const std::string& text) {
   double value = 0.0;
   const char* end = text.data() + text.size();
@@ -45,7 +47,25 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
   return meant.empty() ? "" : "did you mean \"" + meant + "\"? ";
 }
 
-core::Status check_names(const DeviceUri& uri, std::span<const UriOption> known) {
+/// What is wrong with one option.
+struct Mistake {
+  std::string what;
+  std::string hint;
+};
+
+/// All of them as one error: the user corrects the address once.
+tl::unexpected<core::Error> refuse(const DeviceUri& uri, std::span<const Mistake> mistakes) {
+  std::string what = "device \"" + uri.text + "\": ";
+  std::string hint;
+  for (const Mistake& mistake : mistakes) {
+    what += (&mistake == &mistakes.front() ? "" : "; ") + mistake.what;
+    hint += (hint.empty() || mistake.hint.empty() ? "" : "; ") + mistake.hint;
+  }
+  return core::fail(ErrorCode::InvalidArgument, what, std::move(hint));
+}
+
+std::vector<Mistake> unknown_names(const DeviceUri& uri, std::span<const UriOption> known) {
+  std::vector<Mistake> mistakes;
   std::vector<std::string_view> names;
   std::string list;
   for (const UriOption& option : known) {
@@ -55,23 +75,20 @@ core::Status check_names(const DeviceUri& uri, std::span<const UriOption> known)
   }
   for (const auto& [name, value] : uri.options) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
-    return core::fail(ErrorCode::InvalidArgument, "device \"" + uri.text + "\": unknown option \"" + name + "\"",
-                      did_you_mean(name, names) + "Known: " + list);
+    mistakes.push_back({"unknown option \"" + name + "\"", did_you_mean(name, names)});
   }
-  return {};
+  if (!mistakes.empty()) mistakes.back().hint += "Known: " + list;
+  return mistakes;
 }
 
-tl::unexpected<core::Error> refuse(const DeviceUri& uri, const UriOption& option, const std::string& value, std::string hint = {}) {
-  return core::fail(
-      ErrorCode::InvalidArgument,
-      "device \"" + uri.text + "\": " + std::string(option.name) + " = \"" + value + "\" is not allowed; it takes " + allowed(option),
-      std::move(hint));
+std::string not_allowed(const UriOption& option, const std::string& value) {
+  return std::string(option.name) + " = \"" + value + "\" is not allowed; it takes " + allowed(option);
 }
 
 }  // namespace
 
 core::Result<UriOptions> UriOptions::read(const DeviceUri& uri, std::span<const UriOption> known) {
-  if (auto named = check_names(uri, known); !named) return tl::make_unexpected(named.error());
+  std::vector<Mistake> mistakes = unknown_names(uri, known);
   UriOptions options;
   for (const UriOption& option : known) {
     const auto given = uri.options.find(std::string(option.name));
@@ -83,44 +100,45 @@ core::Result<UriOptions> UriOptions::read(const DeviceUri& uri, std::span<const 
       options.texts_.emplace(option.name, value);
       continue;
     }
-    if (auto taken = options.take(uri, option, value); !taken) return tl::make_unexpected(taken.error());
+    if (options.take(option, value)) continue;
+    std::string hint;
+    if (option.kind == OptionKind::Word) hint = did_you_mean(value, split_choices(option.choices));
+    if (option.kind == OptionKind::Numbers) hint = "numbers separated by commas, at most " + std::to_string(kMostNumbers);
+    mistakes.push_back({not_allowed(option, value), std::move(hint)});
   }
+  if (!mistakes.empty()) return refuse(uri, mistakes);
   return options;
 }
 
-core::Status UriOptions::take(const DeviceUri& uri, const UriOption& option, const std::string& value) {
+bool UriOptions::take(const UriOption& option, const std::string& value) {
   if (is_free_text(option) || option.kind == OptionKind::Word) {
-    if (is_free_text(option) ? value.empty() : !is_choice(option.choices, value)) {
-      return refuse(uri, option, value, did_you_mean(value, split_choices(option.choices)));
-    }
+    if (is_free_text(option) ? value.empty() : !is_choice(option.choices, value)) return false;
     texts_.emplace(option.name, value);
-    return {};
+    return true;
   }
-  if (option.kind == OptionKind::Numbers) return take_list(uri, option, value);
+  if (option.kind == OptionKind::Numbers) return take_list(option, value);
   if (option.maximum == kNever && value == "never") {
     numbers_.emplace(option.name, kNever);
-    return {};
+    return true;
   }
   const std::optional<double> number = parse_number(value);
   const bool is_fine = number && *number >= option.minimum && *number <= option.maximum &&
                        (option.kind == OptionKind::Number || *number == std::floor(*number));
-  if (!is_fine) return refuse(uri, option, value);
-  numbers_.emplace(option.name, *number);
-  return {};
+  if (is_fine) numbers_.emplace(option.name, *number);
+  return is_fine;
 }
 
-core::Status UriOptions::take_list(const DeviceUri& uri, const UriOption& option, const std::string& value) {
-  constexpr std::size_t kMostNumbers = 256;
+bool UriOptions::take_list(const UriOption& option, const std::string& value) {
   std::vector<double> list;
   std::istringstream items(value + ",");
   for (std::string item; std::getline(items, item, ',');) {
     const std::optional<double> number = parse_number(item);
     const bool is_fine = number && *number >= option.minimum && *number <= option.maximum && list.size() < kMostNumbers;
-    if (!is_fine) return refuse(uri, option, value, "numbers separated by commas, at most " + std::to_string(kMostNumbers));
+    if (!is_fine) return false;
     list.push_back(*number);
   }
   lists_.emplace(option.name, std::move(list));
-  return {};
+  return true;
 }
 
 std::string allowed(const UriOption& option) {

@@ -33,8 +33,8 @@ struct UriOption {
 /// The options of one URI, complete and in range.
 class UriOptions {
  public:
-  /// Checks every option of `uri` against `known` and fills in the defaults. Fails with InvalidArgument naming the
-  /// option, its value and what is allowed; an unknown name gets a suggestion.
+  /// Checks every option of `uri` against `known` and fills in the defaults. Fails with InvalidArgument naming every
+  /// option that is wrong, its value and what is allowed; an unknown name gets a suggestion.
   [[nodiscard]] static core::Result<UriOptions> read(const DeviceUri& uri, std::span<const UriOption> known);
 
   /// `name` must be a Number or Integer of the table.
@@ -47,9 +47,9 @@ class UriOptions {
   [[nodiscard]] bool is_given(std::string_view name) const { return given_.contains(name); }
 
  private:
-  core::Status take(const DeviceUri& uri, const UriOption& option, const std::string& value);
-
-  core::Status take_list(const DeviceUri& uri, const UriOption& option, const std::string& value);
+  /// false: the value is not allowed.
+  [[nodiscard]] bool take(const UriOption& option, const std::string& value);
+  [[nodiscard]] bool take_list(const UriOption& option, const std::string& value);
 
   std::map<std::string, double, std::less<>> numbers_;
   std::map<std::string, std::vector<double>, std::less<>> lists_;

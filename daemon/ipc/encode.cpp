@@ -48,7 +48,8 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   dts::v1::RigStatus out;
   *out.mutable_rig() = rig_info(state.rig);
   out.set_device(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : device_state(state.acquisition.device));
-  out.set_device_message(std::string(state.acquisition.text()));
+  const std::string_view device_message = state.acquisition.text();
+  out.set_device_message(device_message.empty() ? state.sensor_problems : std::string(device_message));
   out.set_segment(state.acquisition.segment);
   out.set_scans_total(state.acquisition.scans_total);
   out.set_lost_scans_total(state.acquisition.losses.total().scans);

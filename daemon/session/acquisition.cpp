@@ -51,9 +51,13 @@ void Acquisition::request_stop() noexcept {
 void Acquisition::run() noexcept {
   while (!stop_requested_.load(std::memory_order_acquire)) {
     scans_since_start_ = 0;
+    const bool was_away = was_lost_;
     if (bring_up()) stream();
     if (scans_since_start_ >= wanted_rate_.scans_in_ms(kProvenMs)) {
       retry_pause_ns_ = 0;
+      has_retried_at_once_ = true;
+    } else if (was_away && !was_lost_ && scans_since_start_ > 0) {
+      retry_pause_ns_ = 0;  // it is back: the pauses of its absence are over
       has_retried_at_once_ = true;
     } else if (scans_since_start_ == 0 || std::exchange(has_retried_at_once_, true)) {
       wait_before_retry();  // absent, or present and useless, or broken again and again
@@ -101,6 +105,7 @@ void Acquisition::wait_before_retry() noexcept {
   const std::int64_t until_ns = clock_.now_ns() + retry_pause_ns_;
   while (clock_.now_ns() < until_ns && !stop_requested_.load(std::memory_order_acquire)) {
     clock_.sleep_until_ns(std::min(until_ns, clock_.now_ns() + kStopLatencyNs));
+    note_turn();
     if (device_.has_arrived()) return;
   }
 }
@@ -124,8 +129,14 @@ void Acquisition::stream() noexcept {
           lose_to_full_ring(target.block);
         }
         break;
-      case device::ReadOutcome::Timeout: note_timeout(clock_.now_ns(), deadline_ns); break;
-      case device::ReadOutcome::Armed: note_armed(clock_.now_ns()); break;
+      case device::ReadOutcome::Timeout:
+        note_turn();
+        note_timeout(clock_.now_ns(), deadline_ns);
+        break;
+      case device::ReadOutcome::Armed:
+        note_turn();
+        note_armed(clock_.now_ns());
+        break;
       case device::ReadOutcome::Gap: note_gap(result.gap); break;
       case device::ReadOutcome::Broken: restart(result.gap); return;
       case device::ReadOutcome::Gone:

@@ -9,8 +9,8 @@
 #include "core/clock.h"
 #include "core/doorbell.h"
 #include "core/frame.h"
-#include "core/losses.h"
 #include "core/latest_value.h"
+#include "core/losses.h"
 #include "core/spsc_ring.h"
 #include "device/device.h"
 #include "session/recent_peak.h"
@@ -26,15 +26,16 @@ struct AcquisitionReport {
   std::uint64_t scans_total = 0;
   core::Losses losses;
   core::Gap last_gap;
-  RecentPeak ring_blocks;                             ///< Waiting for the pipeline.
-  std::uint64_t reconnects_total = 0;                 ///< Times that a lost device came back.
-  std::uint64_t restarts_total = 0;                   ///< Times that the scan of a present device had to be started again.
-  bool is_silent = false;                             ///< Streaming, but nothing came for over a second.
-  bool is_armed = false;                              ///< Streaming, but the scan waits for its external trigger.
-  std::int64_t host_time_uncertainty_ns = 0;          ///< Of the newest block.
-  double clock_drift_ppm = 0.0;                       ///< Of the device's clock, as the newest block says.
-  core::Rate rate;                                    ///< Exact, as the device runs.
-  std::array<char, 512> message{};                    ///< Why the device is not streaming, and what to do; empty when it is.
+  RecentPeak ring_blocks;                     ///< Waiting for the pipeline.
+  std::uint64_t turns = 0;                    ///< Counts up while the thread lives without scans.
+  std::uint64_t reconnects_total = 0;         ///< Times that a lost device came back.
+  std::uint64_t restarts_total = 0;           ///< Times that the scan of a present device had to be started again.
+  bool is_silent = false;                     ///< Streaming, but nothing came for over a second.
+  bool is_armed = false;                      ///< Streaming, but the scan waits for its external trigger.
+  std::int64_t host_time_uncertainty_ns = 0;  ///< Of the newest block.
+  double clock_drift_ppm = 0.0;               ///< Of the device's clock, as the newest block says.
+  core::Rate rate;                            ///< Exact, as the device runs.
+  std::array<char, 512> message{};            ///< Why the device is not streaming, and what to do; empty when it is.
 
   void set_message(std::string_view text) noexcept;
   [[nodiscard]] std::string_view text() const noexcept { return message.data(); }
@@ -48,7 +49,8 @@ struct AcquisitionReport {
 /// `gap_before` on the first block of the next one. A device whose scans wait for their reader loses none to a full ring: it is not read
 /// until there is room. A lost device is opened again with a growing pause (0.25 to 4 s), at once
 /// when something was plugged in. A stream that breaks is started again at once, and again after a second or more of scans; one that breaks
-/// sooner than that again waits as an absent device does.
+/// sooner than that again waits as an absent device does; one that was absent and breaks soon after its return is started again at once,
+/// too.
 class Acquisition {
  public:
   /// All of it outlives this object. `rate`: as the device's `exact_rate` gave it.
@@ -76,6 +78,10 @@ class Acquisition {
   void note_jumps(const core::Block& block) noexcept;
   void open_segment(core::Acquired& acquired) noexcept;
   void publish_report() noexcept { latest_.store(report_); }
+  void note_turn() noexcept {
+    ++report_.turns;
+    publish_report();
+  }
 
   device::Device& device_;
   core::Clock& clock_;

@@ -202,6 +202,22 @@ void Rig::process(const core::Acquired& acquired) noexcept {
   note_progress(acquired.block, ended_ns - started_ns);
 }
 
+std::string Rig::sensor_problems() {
+  std::string problems;
+  const AcquisitionReport& acquired = acquisition();
+  const StatisticsReport& measured = statistics();
+  if (acquired.device != device::DeviceState::Streaming || acquired.is_silent || acquired.is_armed || measured.scans == 0) return problems;
+  for (std::size_t i = 0; i < config_->sensor_channels.size(); ++i) {
+    const std::size_t channel = config_->sensor_channels[i];
+    const ChannelStatistics& one = measured.channels[channel];
+    const auto& curve = config_->model.sensors[i].curve;
+    const bool is_in_curve = curve.contains({one.minimum}) || curve.contains({one.maximum});
+    const std::string problem = sensor_problem(device_->describe().channels[channel].name, one, is_in_curve);
+    problems += (problems.empty() || problem.empty() ? "" : "; ") + problem;
+  }
+  return problems;
+}
+
 /// What dropped frames said besides their samples must not be lost.
 void Rig::add_unpublished(core::Frame& frame) noexcept {
   if (!unpublished_events_.empty()) frame.events.prepend(unpublished_events_);

@@ -79,6 +79,8 @@ class Rig {
   [[nodiscard]] const AcquisitionReport& acquisition() noexcept { return acquisition_.report(); }
   [[nodiscard]] const PipelineReport& pipeline_report() noexcept { return pipeline_report_.load(); }
   [[nodiscard]] const StatisticsReport& statistics() noexcept { return statistics_.latest(); }
+  /// What the last second says against sensors of a streaming device; empty: nothing.
+  [[nodiscard]] std::string sensor_problems();
   [[nodiscard]] pipeline::Tare& tare() noexcept { return *tare_; }
   [[nodiscard]] RingFill ring_fill() noexcept;
   [[nodiscard]] const LatencyReport& latency() noexcept { return latency_.load(); }

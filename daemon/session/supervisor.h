@@ -68,6 +68,7 @@ struct RigState {
   double measured_rate_hz = 0.0;  ///< Scans per host second over the last seconds; 0 until known.
   RingFill ring_fill;
   LatencyReport latency;
+  std::string sensor_problems{};  ///< What the last second says against sensors; empty: nothing.
 };
 
 /// Owns the rigs and their sessions and executes commands on them. Thread: control, all of it.
@@ -145,7 +146,9 @@ class Supervisor {
   /// The rig named, or for an empty name the only one with a session.
   [[nodiscard]] core::Result<Entry*> find_with_session(const std::string& name);
   [[nodiscard]] static DataPosition position(Entry& entry);
-  [[nodiscard]] Moment moment(Entry& entry) { return {.now_ns = clock_.now_ns(), .utc_minus_monotonic_ns = clock_.utc_minus_monotonic_ns(), .at = position(entry)}; }
+  [[nodiscard]] Moment moment(Entry& entry) {
+    return {.now_ns = clock_.now_ns(), .utc_minus_monotonic_ns = clock_.utc_minus_monotonic_ns(), .at = position(entry)};
+  }
   [[nodiscard]] core::Result<SessionView> begun(Entry& entry, const core::Status& status);
   void finish_recordings();
   void log_gaps(Entry& entry, const AcquisitionReport& report);

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <memory>
 #include <ostream>
 #include <string>
@@ -67,9 +68,10 @@ inline Units u6() {
   return units;
 }
 
-inline Units usb_1608g() {
+template <std::uint16_t product>
+Units usb_1608g() {
   Units units;
-  units.push_back(std::make_unique<emulator::Usb1608gEmulator>(0x0110, "01A2B3C4", fill_inputs));
+  units.push_back(std::make_unique<emulator::Usb1608gEmulator>(product, "01A2B3C4", fill_inputs));
   return units;
 }
 
@@ -86,13 +88,16 @@ inline Units pair() {
   return units;
 }
 
-/// Stands for the maker's image, which is not ours to ship: the emulated 1608G looks at its length only.
-inline const char* fpga_image() {
-  static const std::string uri = [] {
+/// The address of a 1608G of some kind. Its file stands for the maker's image, which is not ours to ship: the emulated unit looks at the
+/// length only.
+inline const char* fpga_image(const std::string& kind) {
+  static std::map<std::string, std::string> uris;
+  std::string& uri = uris[kind];
+  if (uri.empty()) {
     const std::string file = testing::TempDir() + "dts_contract_fpga_" + std::to_string(getpid());
     std::ofstream(file, std::ios::binary) << std::string(73'829, 'x');
-    return "mcc:1608g?serial=01A2B3C4&fpga=" + file;
-  }();
+    uri = kind + "?serial=01A2B3C4&fpga=" + file;
+  }
   return uri.c_str();
 }
 
@@ -138,7 +143,7 @@ inline const std::array kDevices = {
     DeviceUnderTest{"mcc_1608fs_plus", "mcc:1608fs-plus?serial=01A2B3C4&channels=0,1,2,3", "", "", fs_plus<emulator::FsPlusKind::Usb1608>},
     DeviceUnderTest{"mcc_1208fs_plus", "mcc:1208fs-plus?serial=01A2B3C4", "", "", fs_plus<emulator::FsPlusKind::Usb1208>},
     DeviceUnderTest{"mcc_usb_205", "mcc:usb-205?serial=01A2B3C4&channels=1,2,5", "", "", fs_plus<emulator::FsPlusKind::Usb205>},
-    DeviceUnderTest{"mcc_1608g", fpga_image(), "", "", usb_1608g},
+    DeviceUnderTest{"mcc_1608g", fpga_image("mcc:1608g"), "", "", usb_1608g<0x0110>},
     DeviceUnderTest{"mcc_pair", "mcc:1608fs-plus-pair?serial=0000000A&second_serial=0000000B", "", "", pair},
     DeviceUnderTest{"labjack_u6", "labjack:u6?serial=360004242&channels=0,1,2,3", "", "", u6},
 };

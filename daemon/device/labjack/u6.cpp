@@ -171,7 +171,7 @@ core::Result<usb::ScanPlan> U6::configure(usb::UsbPort& port, const usb::ScanReq
   usb::ScanPlan plan;
   plan.shape.endpoint = kStreamEndpoint;
   plan.shape.transfer_bytes = packing.packets_per_transfer * kUsbPacketBytes;
-  plan.shape.transfer_count = transfers_for(kInFlightNs, packing.transfer_period_ns, 8, 128);
+  plan.shape.transfer_count = transfers_for(kInFlightNs, packing.transfer_period_ns, 8, 1024);
   plan.shape.buffer_chunks = transfers_for(kBufferedNs, packing.transfer_period_ns, 64, 4096);
   plan.packet_period_ns = packing.transfer_period_ns;
   plan.sentence = describe_packing(packing, channels);

@@ -28,6 +28,12 @@ core::Status change_bit(usb::UsbPort& port, std::uint8_t request, unsigned bit, 
   return put(port, {.request = request, .value = static_cast<std::uint16_t>(after)}, "setting " + what, timeout_ms);
 }
 
+core::Status clear_halt(usb::UsbPort& port, std::uint8_t endpoint) {
+  const usb::UsbResult cleared = port.clear_halt(endpoint);
+  if (cleared) return {};
+  return tl::make_unexpected(usb::to_error(cleared.error(), "clearing the data endpoint's halt", kUnplugHint));
+}
+
 }  // namespace
 
 core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, std::span<const std::uint8_t> bytes, const std::string& what,
@@ -62,15 +68,17 @@ core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlReque
 core::Status empty_endpoint(usb::UsbPort& port, std::uint8_t endpoint) {
   const auto packet_bytes = port.max_packet_bytes(endpoint);
   if (!packet_bytes) return tl::make_unexpected(packet_bytes.error());
-  const usb::UsbResult cleared = port.clear_halt(endpoint);
-  if (!cleared) return tl::make_unexpected(usb::to_error(cleared.error(), "clearing the data endpoint's halt", kUnplugHint));
+  if (auto cleared = clear_halt(port, endpoint); !cleared) return cleared;
   std::vector<std::uint8_t> bytes(kDrainPackets * *packet_bytes);
   // A read takes at most its timeout: counting them limits the time.
   for (int spent_ms = 0; spent_ms < kMostDrainMs; spent_ms += kDrainTimeoutMs) {
     const usb::UsbResult received = port.bulk_in(endpoint, bytes, kDrainTimeoutMs);
     if (received) continue;
+    if (received.error() == UsbStatus::TimedOut) return {};
     if (received.error() == UsbStatus::NoDevice) return tl::make_unexpected(usb::to_error(received.error(), "emptying the data endpoint"));
-    return {};
+    // More may wait behind a halt or a damaged packet.
+    if (received.error() != UsbStatus::Stall) continue;
+    if (auto again = clear_halt(port, endpoint); !again) return again;
   }
   return core::fail(core::ErrorCode::Failed, "emptying the data endpoint: the device goes on sending after its scan was stopped",
                     kUnplugHint);

@@ -4,7 +4,17 @@
 #include <cmath>
 #include <string>
 
+#include "device/mcc/fs_plus_models.h"
+#include "device/mcc/usb1608g.h"
+
 namespace dts::device::mcc {
+
+std::vector<usb::UsbModel> all_models() {
+  std::vector<usb::UsbModel> models;
+  for (const FsPlusModel& model : fs_plus_models()) models.push_back(model.usb);
+  for (const Usb1608gModel& model : usb_1608g_models()) models.insert(models.end(), model.revisions.begin(), model.revisions.end());
+  return models;
+}
 
 DeviceDescription describe_unit(std::string_view product, const usb::DaqOptions& options, unsigned bits, double max_scan_hz) {
   DeviceDescription description;

@@ -3,14 +3,19 @@
 
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "device/device.h"
 #include "device/usb/daq_options.h"
+#include "device/usb/usb_bus.h"
 
 namespace dts::device::mcc {
 
 inline constexpr std::uint16_t kVendor = 0x09DB;
 inline constexpr double kMinimumScanHz = 1.0;  ///< Below that a broken device cannot be told from a slow one in good time.
+
+/// Every MCC product that some driver here knows.
+[[nodiscard]] std::vector<usb::UsbModel> all_models();
 
 /// What is known of a unit before it is plugged in: one channel per position of the scan, named by its input; the marker is
 /// auxiliary.

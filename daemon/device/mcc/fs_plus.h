@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "device/mcc/calibration.h"
+#include "device/mcc/description.h"
 #include "device/mcc/fs_plus_models.h"
 #include "device/registry.h"
 #include "device/usb/daq_driver.h"
@@ -40,6 +41,7 @@ class FsPlus final : public usb::DaqDriver {
 
   [[nodiscard]] const DeviceDescription& describe() const noexcept override { return description_; }
   [[nodiscard]] std::span<const usb::UsbModel> models() const noexcept override { return {&model_.usb, 1}; }
+  [[nodiscard]] std::vector<usb::UsbModel> relatives() const override { return all_models(); }
   [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override;
   [[nodiscard]] double volts(std::size_t channel, std::uint16_t code) const noexcept override { return lines_[channel].at(code); }
   [[nodiscard]] bool is_rail(std::size_t, std::uint16_t code) const noexcept override { return code == 0 || code == model_.largest_code(); }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "device/mcc/calibration.h"
+#include "device/mcc/description.h"
 #include "device/mcc/fpga.h"
 #include "device/mcc/fs_plus_models.h"
 #include "device/mcc/transfer_choice.h"
@@ -63,6 +64,7 @@ class Usb1608g final : public usb::DaqDriver {
 
   [[nodiscard]] const DeviceDescription& describe() const noexcept override { return description_; }
   [[nodiscard]] std::span<const usb::UsbModel> models() const noexcept override { return model_.revisions; }
+  [[nodiscard]] std::vector<usb::UsbModel> relatives() const override { return all_models(); }
   [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override;
   [[nodiscard]] double volts(std::size_t channel, std::uint16_t code) const noexcept override { return lines_[channel].at(code); }
   [[nodiscard]] bool is_rail(std::size_t channel, std::uint16_t code) const noexcept override;

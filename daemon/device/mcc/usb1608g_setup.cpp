@@ -2,6 +2,7 @@
 // Models, packet sizes and options of the USB-1608G family.
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include "core/clock.h"
 #include "device/mcc/description.h"
@@ -68,6 +69,11 @@ core::Result<std::unique_ptr<Device>> create_usb_1608g(const Usb1608gModel& mode
   auto common = usb::read_daq_options(uri, *options, limits);
   if (!common) return tl::make_unexpected(common.error());
   if (options->is_given("fpga")) {  // what --check-config is to say
+    if (!std::filesystem::path(options->text("fpga")).is_absolute()) {
+      return core::fail(core::ErrorCode::InvalidArgument,
+                        "device \"" + uri.text + "\": fpga = \"" + options->text("fpga") + "\" is not a whole path",
+                        "write it from the root, as in fpga=/etc/dtsd/usb1608g.bit: the daemon may be started in any folder");
+    }
     if (auto checked = check_fpga_file(options->text("fpga")); !checked) {
       core::Error error = checked.error();
       error.what = "device \"" + uri.text + "\": " + error.what;

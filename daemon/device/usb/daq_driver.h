@@ -71,6 +71,8 @@ class DaqDriver {
   [[nodiscard]] virtual const DeviceDescription& describe() const noexcept = 0;
   /// Products that this driver object accepts.
   [[nodiscard]] virtual std::span<const UsbModel> models() const noexcept = 0;
+  /// Other products of the maker: what may be plugged in by mistake.
+  [[nodiscard]] virtual std::vector<UsbModel> relatives() const { return {}; }
   /// The rate nearest to `wanted` that the device's clock can give. InvalidArgument: out of its limits.
   [[nodiscard]] virtual core::Result<core::Rate> exact_rate(core::Rate wanted) const = 0;
   /// One code as a voltage, by the calibration that `connect` read. Thread: any. Realtime-safe: yes.

@@ -30,16 +30,19 @@ std::size_t buffer_scans(const ScanSetup& setup, std::size_t channels, std::size
   return 2 * (std::max(setup.max_block_scans, held_scans) + transfer_scans);
 }
 
+constexpr char kRateCheck[] = "the scan runs at its rate";
+constexpr char kLossCheck[] = "no scans are missing on the way";
+
 DeviceCheck describe_rate(double error, double drift_ppm) {
   using enum DeviceCheck::Outcome;
   std::array<char, 96> text{};
   if (!(std::abs(error) <= kLargestRateError) || std::abs(drift_ppm) <= core::HostTime::kCrystalPpm) {
     std::snprintf(text.data(), text.size(), "off by %.2f %%, apart from what lateness can feign", std::abs(error) * 100.0);
-    return {"the scan runs at its rate", std::abs(error) <= kLargestRateError ? Passed : Failed, text.data()};
+    return {kRateCheck, std::abs(error) <= kLargestRateError ? Passed : Failed, text.data()};
   }
   const char* const direction = drift_ppm > 0.0 ? "fast" : "slow";
   std::snprintf(text.data(), text.size(), "its clock is %.0f ppm %s; no crystal is that far off", std::abs(drift_ppm), direction);
-  return {"the scan runs at its rate", Warning, text.data()};
+  return {kRateCheck, Warning, text.data()};
 }
 
 DeviceCheck describe_loss(std::int64_t missing_ns, std::int64_t limit_ns) {
@@ -48,7 +51,7 @@ DeviceCheck describe_loss(std::int64_t missing_ns, std::int64_t limit_ns) {
   std::snprintf(text.data(), text.size(),
                 "the newest scans come %.1f ms later than those before; above %.1f ms some are missing (or its clock is far too slow)",
                 static_cast<double>(missing_ns) * 1e-6, static_cast<double>(limit_ns) * 1e-6);
-  return {"no scans are missing on the way", missing_ns <= limit_ns ? Passed : Failed, text.data()};
+  return {kLossCheck, missing_ns <= limit_ns ? Passed : Failed, text.data()};
 }
 
 }  // namespace
@@ -153,7 +156,8 @@ void ScanReader::note_arrival(std::int64_t stamp_ns) noexcept {
   timed_ = arrived_;
   has_scanned_ = true;
   use_.host_time.add({arrived_ - 1}, stamp_ns);
-  rate_error_.store(use_.host_time.rate_error(), std::memory_order_relaxed);  // figures for people
+  is_judged_.store(use_.host_time.is_judged(), std::memory_order_relaxed);  // figures for people
+  rate_error_.store(use_.host_time.rate_error(), std::memory_order_relaxed);
   drift_ppm_.store(use_.host_time.drift_ppm(), std::memory_order_relaxed);
   missing_ns_.store(use_.host_time.missing_ns(), std::memory_order_relaxed);
   least_loss_ns_.store(use_.host_time.least_loss_ns(), std::memory_order_relaxed);
@@ -165,6 +169,7 @@ void ScanReader::note_arrival(std::int64_t stamp_ns) noexcept {
 /// A transfer that ended in any other way than by data ends the scan.
 void ScanReader::take_status(UsbStatus status) noexcept {
   if (status == UsbStatus::Completed) return;
+  use_.transfer_errors[static_cast<std::size_t>(status)].fetch_add(1, std::memory_order_relaxed);  // a figure for people
   if (status == UsbStatus::NoDevice) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
   const auto asked = health();
   if (!asked && asked.error().code == core::ErrorCode::DeviceGone) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
@@ -188,7 +193,10 @@ void ScanReader::ask_silent_device(std::int64_t now_ns) noexcept {
   }
   if (!asked && asked.error().code == core::ErrorCode::DeviceGone) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
   if (asked && asked->is_overrun) return set_trouble(ReadOutcome::Broken, GapReason::Overrun);
-  const bool may_go_on = asked && asked->is_running && now_ns - heard_ns_ < std::max(kRunningSilenceNs, 2 * silence_limit_ns());
+  // The first question decides nothing: if the host itself stood still, what it missed is still on its way.
+  const bool is_first_question = asked_ns_ <= heard_ns_;
+  const bool is_silent_for_long = now_ns - heard_ns_ >= std::max(kRunningSilenceNs, 2 * silence_limit_ns());
+  const bool may_go_on = asked && asked->is_running && (is_first_question || !is_silent_for_long);
   if (may_go_on) {
     asked_ns_ = now_ns;
   } else {
@@ -278,8 +286,16 @@ std::vector<DeviceCheck> ScanReader::findings() const {
   if (has_agreement_.load(std::memory_order_acquire)) {  // pairs with check_start
     checks.push_back(describe_agreement(agreement_, use_.driver.describe()));
   }
-  checks.push_back(describe_rate(rate_error_.load(std::memory_order_relaxed), drift_ppm_.load(std::memory_order_relaxed)));
-  checks.push_back(describe_loss(missing_ns_.load(std::memory_order_relaxed), least_loss_ns_.load(std::memory_order_relaxed)));
+  const double rate_error = rate_error_.load(std::memory_order_relaxed);
+  const std::int64_t missing_ns = missing_ns_.load(std::memory_order_relaxed);
+  const std::int64_t least_loss_ns = least_loss_ns_.load(std::memory_order_relaxed);
+  const bool is_in_doubt = std::abs(rate_error) > kLargestRateError || missing_ns > least_loss_ns;
+  if (is_judged_.load(std::memory_order_relaxed) || is_in_doubt) {
+    checks.push_back(describe_rate(rate_error, drift_ppm_.load(std::memory_order_relaxed)));
+    checks.push_back(describe_loss(missing_ns, least_loss_ns));
+  } else {
+    for (const char* const check : {kRateCheck, kLossCheck}) checks.push_back({check, Skipped, "needs 3 s of scans"});
+  }
   const double marker_v = marker_v_.load(std::memory_order_relaxed);
   if (setup_.marker && !std::isnan(marker_v)) {
     const bool is_right = std::abs(marker_v - setup_.marker->volts) <= setup_.marker->tolerance_v;

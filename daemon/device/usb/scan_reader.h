@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,9 @@
 #include "device/usb/start_checks.h"
 
 namespace dts::device::usb {
+
+/// Transfers of a device's streams that did not end with data, by `UsbStatus`.
+using TransferErrors = std::array<std::atomic<std::uint64_t>, kUsbStatuses>;
 
 /// What was started.
 struct ScanSetup {
@@ -47,6 +51,7 @@ class ScanReader {
     core::HostTime& host_time;
     std::mutex& request_mutex;          ///< Orders control requests.
     std::atomic<bool>& is_interrupted;  ///< Makes `read` return early, once.
+    TransferErrors& transfer_errors;
   };
   /// The scan runs from now on.
   ScanReader(const Tools& tools, ScanSetup setup);
@@ -98,6 +103,7 @@ class ScanReader {
   std::vector<double> mean_v_;
   Agreement agreement_;
   std::atomic<bool> has_agreement_{false};
+  std::atomic<bool> is_judged_{false};
   std::atomic<double> rate_error_{0.0};
   std::atomic<double> drift_ppm_{0.0};
   std::atomic<std::int64_t> missing_ns_{0};

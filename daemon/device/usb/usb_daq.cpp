@@ -85,12 +85,27 @@ DeviceReport UsbDaq::report() const {
   const std::lock_guard lock(report_mutex_);
   DeviceReport report = report_;
   if (port_) report.nodes.push_back(port_->unit().node());
+  if (!report.checks.empty()) report.checks.push_back(describe_transfer_errors());
   report.checks.insert(report.checks.end(), break_checks_.begin(), break_checks_.end());
   report.checks.insert(report.checks.end(), scan_checks_.begin(), scan_checks_.end());
   if (!reader_) return report;
   const std::vector<DeviceCheck> findings = reader_->findings();
   report.checks.insert(report.checks.end(), findings.begin(), findings.end());
   return report;
+}
+
+/// Pulled plugs are no errors: they are counted as reconnections.
+DeviceCheck UsbDaq::describe_transfer_errors() const {
+  std::string found;
+  for (std::size_t status = 0; status < kUsbStatuses; ++status) {
+    const std::uint64_t count = transfer_errors_[status].load(std::memory_order_relaxed);  // figures for people
+    if (count == 0 || static_cast<UsbStatus>(status) == UsbStatus::NoDevice) continue;
+    found += (found.empty() ? "" : "; ") + std::to_string(count) + " x " + to_string(static_cast<UsbStatus>(status));
+  }
+  const bool has_none = found.empty();
+  return {.name = "USB transfers since dtsd started",
+          .outcome = has_none ? DeviceCheck::Outcome::Passed : DeviceCheck::Outcome::Warning,
+          .detail = has_none ? "no errors" : std::move(found)};
 }
 
 bool UsbDaq::has_arrived() noexcept {
@@ -111,13 +126,19 @@ core::Result<std::vector<UsbUnit>> UsbDaq::candidates() {
   }
   if (wanted.empty()) {
     const std::string which = options_.serial.empty() ? "no such device" : "no unit with serial number " + options_.serial;
-    return core::fail(
-        ErrorCode::NotFound, what + ": " + which + " is plugged in",
-        found->empty() ? "check its cable and power; it is opened as soon as it is there" : list_of(*found, driver_->models()));
+    return core::fail(ErrorCode::NotFound, what + ": " + which + " is plugged in",
+                      found->empty() ? what_is_there_instead() : list_of(*found, driver_->models()));
   }
   if (wanted.size() == 1 || !options_.serial.empty()) return wanted;
   return core::fail(ErrorCode::InvalidArgument, what + ": " + std::to_string(wanted.size()) + " units fit it",
                     "choose one by its serial number; " + list_of(wanted, driver_->models()));
+}
+
+std::string UsbDaq::what_is_there_instead() {
+  const std::vector<UsbModel> relatives = driver_->relatives();
+  const auto others = bus_.units(relatives);
+  if (!others || others->empty()) return "check its cable and power; it is opened as soon as it is there";
+  return list_of(*others, relatives);
 }
 
 core::Status UsbDaq::open() {
@@ -211,7 +232,7 @@ core::Result<core::Rate> UsbDaq::bring_up(const StartOptions& options, core::Rat
   stream_ = std::move(*stream);
   if (auto launched = launch(plan->shape, rate); !launched) return pass_on(launched.error());
 
-  const ScanReader::Tools tools{*driver_, *port_, *stream_, clock_, host_time_, request_mutex_, is_interrupted_};
+  const ScanReader::Tools tools{*driver_, *port_, *stream_, clock_, host_time_, request_mutex_, is_interrupted_, transfer_errors_};
   auto reader = std::make_unique<ScanReader>(
       tools, ScanSetup{rate, options.max_block_scans, plan->shape, plan->packet_period_ns, options_.marker, std::move(*single_v)});
   const std::lock_guard lock(report_mutex_);

@@ -52,6 +52,7 @@ class UsbDaq final : public Device {
  private:
   void move_to(DeviceState state) noexcept { state_.store(state, std::memory_order_release); }  // pairs with state()
   [[nodiscard]] core::Result<std::vector<UsbUnit>> candidates();
+  [[nodiscard]] std::string what_is_there_instead();
   [[nodiscard]] core::Status open_unit(const UsbUnit& unit);
   [[nodiscard]] bool is_abandoned(const UsbUnit& unit) const;
   [[nodiscard]] core::Result<std::vector<double>> read_single();
@@ -61,6 +62,7 @@ class UsbDaq final : public Device {
   [[nodiscard]] core::Status end_scan() noexcept;
   [[nodiscard]] core::Status end_stream() noexcept;
   void add_check(DeviceCheck check);
+  [[nodiscard]] DeviceCheck describe_transfer_errors() const;
   void keep_findings();
   void free_abandoned() noexcept;
 
@@ -86,6 +88,7 @@ class UsbDaq final : public Device {
     std::unique_ptr<BulkStream> stream;
   };
   std::vector<Abandoned> abandoned_;
+  TransferErrors transfer_errors_{};
   DeviceReport report_;                    ///< As found by `open`.
   std::vector<DeviceCheck> scan_checks_;   ///< As found by the last `start` and, after `stop`, by its scan.
   std::vector<DeviceCheck> break_checks_;  ///< Of the last scan that broke, until `close`: a restart must not hide why.

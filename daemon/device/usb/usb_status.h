@@ -21,6 +21,8 @@ enum class UsbStatus : std::uint8_t {
   Failed,     ///< CRC, protocol or host controller error.
 };
 
+inline constexpr std::size_t kUsbStatuses = static_cast<std::size_t>(UsbStatus::Failed) + 1;
+
 /// Bytes moved, or why not.
 using UsbResult = tl::expected<std::size_t, UsbStatus>;
 

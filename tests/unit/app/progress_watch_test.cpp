@@ -74,13 +74,27 @@ TEST_F(ProgressWatchTest, AFrozenPublishThread_IsNamed) {
 
 TEST_F(ProgressWatchTest, ADeviceThatIsAwaySilentOrArmed_IsNoReason) {
   rig().acquisition.device = device::DeviceState::Gone;
-  EXPECT_EQ(after(100, [&] { ++turns_; }), "");
+  const auto live = [&] { ++rig().acquisition.turns, ++turns_; };
+  EXPECT_EQ(after(100, live), "");
   rig().acquisition.device = device::DeviceState::Streaming;
   rig().acquisition.is_silent = true;
-  EXPECT_EQ(after(100, [&] { ++turns_; }), "");
+  EXPECT_EQ(after(100, live), "");
   rig().acquisition.is_silent = false;
   rig().acquisition.is_armed = true;
-  EXPECT_EQ(after(100, [&] { ++turns_; }), "");
+  EXPECT_EQ(after(100, live), "");
+}
+
+TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsWhileItOpensItsDevice_IsNamedAfterAMinute) {
+  rig().acquisition.device = device::DeviceState::Closed;
+  EXPECT_EQ(after(100, [&] { ++rig().acquisition.turns, ++turns_; }), "") << "absent, and tried again and again";
+  EXPECT_EQ(after(60, [&] { ++turns_; }), "");
+  EXPECT_EQ(after(1, [&] { ++turns_; }), "the acquire thread of rig 'floor', which opens its device,");
+}
+
+TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsWhileAnotherRigStreams_EndsNoSession) {
+  state_.emplace_back(session::RigState{.rig = *rig_});
+  state_.back().acquisition.device = device::DeviceState::Closed;
+  EXPECT_EQ(after(100, [&] { acquire(100), process(), ++turns_; }), "");
 }
 
 TEST_F(ProgressWatchTest, NothingToDo_IsNotStuck) {

@@ -28,7 +28,6 @@ constexpr double kGoalMs = 5.0;
 struct LossCase {
   Machine machine;
   double hole_at_s = 0.0;
-  bool is_overloaded = false;  ///< Up to 95 % of the transfers wait.
   std::string group;
 
   [[nodiscard]] double hole_ms(std::uint64_t scans) const { return 1e3 * static_cast<double>(scans) / machine.rate.hz(); }
@@ -47,9 +46,8 @@ LossCase random_case(std::mt19937_64& random) {
   const auto most_scans = std::max<std::uint64_t>(1, made.machine.rate.scans_in_ms(25.0));
   made.machine.scans_per_transfer = 1 + random() % most_scans;
   const std::uint64_t host = random() % 3;
-  made.is_overloaded = host == 2;
   made.machine.busy_ms = host == 0 ? 0.3 : uniform(2.0, 8.0);
-  made.machine.waiting_percent = made.is_overloaded ? 50 + static_cast<unsigned>(random() % 45) : 50;
+  made.machine.waiting_percent = host == 2 ? 50 + static_cast<unsigned>(random() % 45) : 50;
   made.machine.random.seed(random());
   const std::uint64_t when = random() % 4;
   made.hole_at_s = when == 0 ? uniform(0.1, 1.0) : when == 1 ? uniform(1.0, 11.0) : uniform(11.0, 600.0);
@@ -85,7 +83,7 @@ TEST(LossWatch, HolesAtAnyMoment_ToldWithinThreeSeconds) {
     HostTime time(tried.machine.rate, kMillisecond);
     tried.machine.run(time, tried.hole_at_s);
     ASSERT_FALSE(time.has_loss()) << "case " << i << ", before the hole";
-    const std::uint64_t must_be_told = (tried.is_overloaded ? 5 : 1) * tried.goal_scans();
+    const std::uint64_t must_be_told = tried.goal_scans();
     EXPECT_TRUE(is_told(tried.machine, time, must_be_told))
         << "case " << i << ": " << tried.hole_ms(must_be_told) << " ms at " << tried.hole_at_s << " s, " << tried.machine.rate.hz()
         << " Hz, " << tried.machine.scans_per_transfer << " scans a transfer, " << tried.machine.clock_error * 1e6 << " ppm, host busy for "

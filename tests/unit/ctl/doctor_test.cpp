@@ -60,6 +60,17 @@ TEST(Doctor, DeviceGone_OneFindingWithTheReason) {
   EXPECT_THAT(checks[0].finding, HasSubstr("cable pulled"));
 }
 
+TEST(Doctor, DeadSensorOfAStreamingDevice_IsAFinding) {
+  v1::RigStatus rig = testing::floor_status().rigs(0);
+  rig.set_device_message("sensor ch3 is outside of its calibration curve, at 0.004 V: check its plug and supply");
+
+  const std::vector<Check> checks = check_rig(rig);
+
+  EXPECT_FALSE(checks[0].is_good);
+  EXPECT_THAT(checks[0].finding, HasSubstr("sensor ch3"));
+  EXPECT_THAT(checks[0].fix, HasSubstr("dtsctl device test"));
+}
+
 TEST(Doctor, UserMayNotButTheDaemonIsContent_IsWell) {
   const SystemFacts poor{.may_use_fifo = false, .lockable_bytes = 1024, .clock_source = "tsc"};
   v1::StatusSnapshot status = testing::floor_status();

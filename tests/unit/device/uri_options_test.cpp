@@ -107,6 +107,17 @@ TEST(UriOptions, UnknownName_RefusedWithSuggestionAndList) {
   EXPECT_NE(what.find("load_n, count, end_s, kind, path"), std::string::npos);
 }
 
+TEST(UriOptions, SeveralMistakes_AllToldAtOnce) {
+  const std::string what = option_refusal("a:b?laod_n=3&knd=feet&count=1.5&kind=pont");
+
+  for (const char* const part :
+       {"unknown option \"laod_n\"", "unknown option \"knd\"", "did you mean \"load_n\"?", "whole number", "did you mean \"point\"?"}) {
+    EXPECT_NE(what.find(part), std::string::npos) << part << " in " << what;
+  }
+  EXPECT_EQ(what.find("Known: "), what.rfind("Known: ")) << what;
+  EXPECT_EQ(what.find("device \"a:b"), what.rfind("device \"a:b")) << what;
+}
+
 TEST(UriOptions, Described_OneEntryPerOption) {
   const std::string text = describe_options(kTable);
 

@@ -45,6 +45,16 @@ class HealthTest : public ::testing::Test {
   std::unique_ptr<session::Rig> rig_ = session::Rig::create(session::floor_config("sim:floor?seed=3"), clock_, bell_).value();
 };
 
+TEST_F(HealthTest, SensorProblems_StandWhereTheDeviceItselfHasNone) {
+  session::RigState state{.rig = *rig_};
+  state.acquisition.device = device::DeviceState::Streaming;
+  state.sensor_problems = "sensor ch3 stands still";
+  EXPECT_EQ(status_snapshot({}, core::VirtualClock(), {state}, {}).rigs(0).device_message(), "sensor ch3 stands still");
+
+  state.acquisition.set_message("the device fell silent");
+  EXPECT_EQ(status_snapshot({}, core::VirtualClock(), {state}, {}).rigs(0).device_message(), "the device fell silent");
+}
+
 TEST_F(HealthTest, Status_NamesCausesThatHappenedAndSaysTheRest) {
   session::RigState state{.rig = *rig_, .ring_fill = {.scans_percent = 1.5, .frames_percent = 25.0, .record_percent = 50.0}};
   state.acquisition.losses.add(core::GapReason::Silence, {.gaps = 2, .scans = 40});

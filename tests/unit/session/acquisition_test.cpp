@@ -210,6 +210,19 @@ TEST(Acquisition, StreamThatBreaksSecondsAfterItsReturn_IsStartedAgainAtOnce) {
   EXPECT_EQ(run.seen.back().gap.reason, core::GapReason::Stall);
 }
 
+TEST(Acquisition, StreamThatBreaksRightAfterItsReturn_IsStartedAgainAtOnce) {
+  std::deque<ScriptedDevice::Step> script(130, {.scans = 8});
+  script.insert(script.end(), 5, {.outcome = ReadOutcome::Gone});  // the pauses have grown meanwhile
+  script.push_back({.scans = 8});                                  // 80 ms
+  script.push_back({.outcome = ReadOutcome::Broken, .gap = {.reason = core::GapReason::Stall}});
+  script.push_back({.scans = 8});
+  script.push_back({.outcome = ReadOutcome::Broken});
+  script.push_back({.scans = 8});
+  const Playback run(script, 256);
+
+  EXPECT_EQ(run.clock.now_ns(), 3'750'000'000 + 250'000'000) << "while it was away; nothing after the first break, then gently";
+}
+
 TEST(Acquisition, FirstBreakOfAll_IsStartedAgainAtOnce) {
   const Playback run({{.scans = 8}, {.outcome = ReadOutcome::Broken}, {.scans = 8}});
 

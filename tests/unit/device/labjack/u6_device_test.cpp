@@ -2,11 +2,13 @@
 // The whole way, nothing being wrong: emulated U6, driver, engine, blocks.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
 
 #include "device/labjack/u6.h"
+#include "device/labjack/u6_timing.h"
 #include "unit/device/labjack/u6_rig.h"
 
 namespace dts::device::labjack {
@@ -34,6 +36,18 @@ TEST(U6Device, AllInputsAtFullSpeed_EverySampleRight) {
   rig.start(50'000.0 / 14.0, 256);
   ASSERT_EQ(rig.inputs.size(), 14U);
   EXPECT_EQ(rig.read_and_check(10 * 3571).outcome, ReadOutcome::Scans);
+}
+
+TEST(U6Device, HostAwayForHalfASecond_LosesNothingHoweverShortTheLatency) {
+  for (const double rate_hz : {100.0, 1500.0, 1999.0}) {
+    for (const std::size_t block_scans : {1U, 64U}) {
+      Rig rig("labjack:u6?channels=0,1,2,3");
+      rig.start(rate_hz, block_scans);
+      const std::int64_t latency_ns = std::min(rig.rate.time_ns({block_scans}), 25 * kMillisecond);
+      const std::int64_t transfer_ns = pack(rig.rate, 4, latency_ns, false).transfer_period_ns;
+      EXPECT_GE(rig.bus.transfers_in_flight() * transfer_ns, 450 * kMillisecond) << rate_hz << " Hz, blocks of " << block_scans;
+    }
+  }
 }
 
 TEST(U6Device, LateCompletions_EverySampleRight) {

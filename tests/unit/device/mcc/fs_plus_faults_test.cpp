@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "device/mcc/control.h"
 #include "unit/device/mcc/mcc_bench.h"
 #include "usb/emulator/fs_plus_emulator.h"
 
@@ -97,6 +96,33 @@ TEST(FsPlusFaults, SilenceOfADeviceThatSaysItRuns_BrokenWithin800ms) {
 
   EXPECT_EQ(reading.last.gap.reason, GapReason::Silence);
   EXPECT_LT(bench.clock.now_ns() - before_ns, 800 * kMillisecond + 100 * kSecond / 1500);
+}
+
+TEST(FsPlusFaults, HostThatStoodStillWhileTheDeviceHeldItsScans_LosesNone) {
+  FsPlusEmulator unit = faulty_1608();
+  unit.faults.pause_at_code = 8 * 500;
+  unit.faults.pause_ns = 1600 * kMillisecond;
+  Bench bench("mcc:1608fs-plus", unit);
+  bench.start(500, 8);
+  ASSERT_TRUE(bench.reads_right(496));
+  bench.bus.run_until(bench.clock.now_ns() + 50 * kMillisecond);
+
+  bench.clock.advance_ns(1500 * kMillisecond);  // the machine stood still, and the device has all of it
+
+  const Reading reading = bench.read(4000);
+  EXPECT_GE(reading.scans, 4000U) << name(reading.last.gap.reason);
+  EXPECT_EQ(reading.wrong, 0U);
+}
+
+TEST(FsPlusFaults, AnotherProductOfTheMakerIsPluggedIn_Named) {
+  FsPlusEmulator other(FsPlusKind::Usb1208, "01AB", moving_source());
+  Bench bench("mcc:1608fs-plus", other);
+
+  const auto opened = bench.device->open();
+
+  ASSERT_FALSE(opened.has_value());
+  EXPECT_EQ(opened.error().code, core::ErrorCode::NotFound);
+  EXPECT_EQ(opened.error().hint, "plugged in: USB-1208FS-Plus 01AB: write mcc:1208fs-plus?serial=01AB");
 }
 
 TEST(FsPlusFaults, OddPacket_Integrity) {
@@ -300,41 +326,6 @@ TEST(FsPlusFaults, StopRequestLost_StopSaysSo) {
   bench.begin_segment();
   bench.start(1500);
   EXPECT_TRUE(bench.reads_right(3000));
-}
-
-/// Sends a full packet every 1.9 ms, whatever it is told.
-class Sender final : public emulator::EmulatedDevice {
- public:
-  [[nodiscard]] const emulator::Descriptors& descriptors() const override { return unit_.descriptors(); }
-  void power_up(std::int64_t) override {}
-  [[nodiscard]] emulator::ControlReply control(const emulator::Setup&, std::span<const std::uint8_t>, std::int64_t) override { return {}; }
-  void bulk_out(std::uint8_t, std::span<const std::uint8_t>, std::int64_t) override {}
-  [[nodiscard]] std::optional<emulator::Packet> take_packet(std::uint8_t, std::int64_t now_ns) override {
-    if (now_ns < next_ns_) return std::nullopt;
-    next_ns_ = now_ns + kPeriodNs;
-    return emulator::Packet{.is_stall = false, .bytes = std::vector<std::uint8_t>(64)};
-  }
-  void clear_halt(std::uint8_t) override {}
-  [[nodiscard]] std::int64_t next_packet_ns(std::int64_t now_ns) const override { return std::max(now_ns, next_ns_); }
-
- private:
-  static constexpr std::int64_t kPeriodNs = 1'900'000;
-  FsPlusEmulator unit_{FsPlusKind::Usb1608, "1", moving_source()};
-  std::int64_t next_ns_ = 0;
-};
-
-TEST(FsPlusFaults, DeviceThatGoesOnSending_GivenUpAfterAQuarterOfASecond) {
-  Sender sender;
-  core::VirtualClock clock{kSecond};
-  emulator::FakeBus bus(clock);
-  bus.plug(sender);
-  auto port = bus.open(bus.units({&usb_1608fs_plus().usb, 1})->front());
-  ASSERT_TRUE(port.has_value());
-  const std::int64_t before_ns = clock.now_ns();
-
-  EXPECT_FALSE(empty_endpoint(**port, 0x81).has_value());
-
-  EXPECT_LE(clock.now_ns() - before_ns, 260 * kMillisecond);
 }
 
 TEST(FsPlusFaults, DeviceAtTwiceItsRate_Integrity) {

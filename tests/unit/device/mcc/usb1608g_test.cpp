@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 
 #include "unit/device/mcc/mcc_bench.h"
@@ -281,7 +282,7 @@ TEST(Usb1608g, FirstConversionAfterLoading_ThrownAway) {
   });
   Bench bench(image.uri(), unit);
   bench.start(1500);
-  ASSERT_GE(bench.read(1500).scans, 1500U);
+  ASSERT_GE(bench.read(6000).scans, 6000U);  // what needs time to be judged is judged
 
   const DeviceReport report = bench.device->report();
 
@@ -336,6 +337,20 @@ TEST(Usb1608g, ImageFileThatCannotBeOne_RefusedWithoutADevice) {
   ASSERT_FALSE(odd.has_value());
   EXPECT_EQ(odd.error().code, core::ErrorCode::InvalidArgument);
   EXPECT_NE(odd.error().what.find("100 bytes"), std::string::npos) << odd.error().what;
+}
+
+TEST(Usb1608g, ImageFileByAPathThatDependsOnTheFolder_Refused) {
+  core::VirtualClock clock;
+  emulator::FakeBus bus(clock);
+  const physics::RigModel rig;
+  const ImageFile image;
+  const std::string relative = std::filesystem::relative(image.path()).string();
+
+  const auto refused = create_device("mcc:1608g?fpga=" + relative, {clock, rig, &bus});
+
+  ASSERT_FALSE(refused.has_value());
+  EXPECT_EQ(refused.error().code, core::ErrorCode::InvalidArgument);
+  EXPECT_NE(refused.error().what.find("not a whole path"), std::string::npos) << refused.error().what;
 }
 
 TEST(Usb1608g, MuteDevice_Timeout) {

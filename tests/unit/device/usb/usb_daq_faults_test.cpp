@@ -204,6 +204,33 @@ TEST(UsbDaqFaults, Break_ItsChecksStayInTheReportUntilClose) {
   EXPECT_FALSE(has_failed(*bench.daq, "last break: the stream is whole"));
 }
 
+TEST(UsbDaqFaults, TransfersThatFail_AreCountedInTheReport) {
+  const auto said = [](const UsbDaq& daq) {
+    for (const DeviceCheck& check : daq.report().checks) {
+      if (check.name == "USB transfers since dtsd started") return check.detail;
+    }
+    return std::string();
+  };
+  ToyBench bench;
+  EXPECT_EQ(said(*bench.daq), "") << "never opened";
+  bench.run(1500);
+  ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
+  EXPECT_EQ(said(*bench.daq), "no errors");
+
+  for (const UsbStatus status : {UsbStatus::Failed, UsbStatus::Failed, UsbStatus::Stall}) {
+    bool is_due = true;
+    bench.host.bus.completion_status = [&](std::uint64_t, UsbStatus) {
+      return std::exchange(is_due, false) ? status : UsbStatus::Completed;
+    };
+    ASSERT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Broken);
+    bench.host.bus.completion_status = nullptr;
+    ASSERT_TRUE(bench.daq->stop().has_value());
+    ASSERT_TRUE(bench.start(1500).has_value());
+  }
+
+  EXPECT_EQ(said(*bench.daq), "1 x device refused it (stall); 2 x transfer failed on the bus (cable, hub or host controller)");
+}
+
 TEST(UsbDaqFaults, OverrunWithoutStall_FoundByAsking) {
   ToyBench bench;
   bench.device.stalls_on_overrun = false;

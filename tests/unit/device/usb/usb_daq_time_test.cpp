@@ -103,6 +103,19 @@ TEST(UsbDaqTime, ClockFasterThanAnyCrystal_UnbrokenDriftPublishedAndWarnedOf) {
   EXPECT_NE(check.detail.find("fast"), std::string::npos);
 }
 
+TEST(UsbDaqTime, FirstSeconds_AreNotSaidToHavePassed) {
+  ToyBench bench;
+  bench.run(1500, 15);
+
+  ASSERT_EQ(read_for(bench, kSecond, [] {}), ReadOutcome::Timeout);
+  EXPECT_EQ(check_named(*bench.daq, "the scan runs at its rate").outcome, DeviceCheck::Outcome::Skipped);
+  EXPECT_EQ(check_named(*bench.daq, "no scans are missing on the way").outcome, DeviceCheck::Outcome::Skipped);
+
+  ASSERT_EQ(read_for(bench, 3 * kSecond, [] {}), ReadOutcome::Timeout);
+  EXPECT_EQ(check_named(*bench.daq, "the scan runs at its rate").outcome, DeviceCheck::Outcome::Passed);
+  EXPECT_EQ(check_named(*bench.daq, "no scans are missing on the way").outcome, DeviceCheck::Outcome::Passed);
+}
+
 TEST(UsbDaqTime, ClockSlowerThanAnyCrystal_CannotBeToldFromLostScansAndIsNotBelieved) {
   ToyBench bench;
   bench.device.faults.clock_error_ppm = -2000.0;

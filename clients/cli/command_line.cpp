@@ -11,6 +11,22 @@
 #include "cli/help_formatter.h"
 
 namespace dts::cli {
+namespace {
+
+constexpr char kWordsBegin = '\f';  ///< In a footer, between examples and explained words.
+
+/// Lines of "left | right".
+std::vector<std::pair<std::string, std::string>> pairs_of(const std::string& text) {
+  std::vector<std::pair<std::string, std::string>> found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t bar = line.rfind(" | ");
+    if (bar != std::string::npos) found.emplace_back(line.substr(0, bar), line.substr(bar + 3));
+  }
+  return found;
+}
+
+}  // namespace
 
 CommandLine::CommandLine(Program about) : program(std::move(about)) {
   app.name(program.name);
@@ -50,13 +66,18 @@ void add_common(CommandLine& line) {
 }
 
 std::vector<Example> examples(const CLI::App& command) {
+  const std::string footer = command.get_footer();
   std::vector<Example> found;
-  std::istringstream lines(command.get_footer());
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t bar = line.rfind(" | ");
-    if (bar != std::string::npos) found.push_back({line.substr(0, bar), line.substr(bar + 3)});
-  }
+  for (auto& [line, purpose] : pairs_of(footer.substr(0, footer.find(kWordsBegin)))) found.push_back({std::move(line), std::move(purpose)});
   return found;
+}
+
+void explain(CLI::App& command, const std::string& words) { command.footer(command.get_footer() + kWordsBegin + words); }
+
+std::vector<std::pair<std::string, std::string>> explained_words(const CLI::App& command) {
+  const std::string footer = command.get_footer();
+  const std::size_t begin = footer.find(kWordsBegin);
+  return begin == std::string::npos ? decltype(pairs_of(footer)){} : pairs_of(footer.substr(begin + 1));
 }
 
 std::vector<const CLI::App*> subcommands(const CLI::App& command) { return command.get_subcommands({}); }

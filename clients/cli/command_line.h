@@ -53,6 +53,8 @@ CLI::App* add_group(CLI::App& parent, const std::string& name, const std::string
 /// A command that does something.
 CLI::App* add_command(CommandLine& line, CLI::App& parent, const std::string& name, const std::string& description,
                       const std::string& examples, Handler handler);
+/// Adds the words that a command prints to its help and manual: lines of "WORD | meaning".
+void explain(CLI::App& command, const std::string& words);
 /// What every program has, after its own: `--version`, and the commands `completion` and `man`.
 void add_common(CommandLine& line);
 
@@ -62,6 +64,8 @@ struct Example {
   std::string purpose;
 };
 [[nodiscard]] std::vector<Example> examples(const CLI::App& command);
+/// The words that it prints, with their meanings.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> explained_words(const CLI::App& command);
 
 /// Visible subcommands, in the order of their definition.
 [[nodiscard]] std::vector<const CLI::App*> subcommands(const CLI::App& command);

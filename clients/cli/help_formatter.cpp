@@ -58,6 +58,7 @@ std::string HelpFormatter::make_help(const CLI::App* command, std::string /*name
   text += section("Commands", commands);
   text += section("Arguments", rows_of(positionals(*command)));
   text += section("Options", rows_of(options(*command)));
+  text += section("Output", explained_words(*command));
   if (is_root) {
     text += "\nHelp on a command: " + program + " COMMAND --help. The manual: " + program + " man | man -l -\n";
   } else {

@@ -50,6 +50,9 @@ void describe(const CLI::App& command, std::string& text) {
     if (option != command.get_help_ptr()) text += option_text(*option);
   }
   text += ".PP\nExamples:\n" + example_text(command);
+  const auto words = explained_words(command);
+  if (!words.empty()) text += ".PP\nOutput:\n";
+  for (const auto& [word, meaning] : words) text += tagged(word, meaning + ".");
 }
 
 std::string manual_section(const std::string& title, const std::vector<Manual::Entry>& entries) {

@@ -11,6 +11,20 @@
 #include "cli/help_formatter.h"
 
 namespace dts::cli {
+namespace {
+
+/// Lines of "left | right".
+std::vector<std::pair<std::string, std::string>> pairs_of(const std::string& text) {
+  std::vector<std::pair<std::string, std::string>> found;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t bar = line.rfind(" | ");
+    if (bar != std::string::npos) found.emplace_back(line.substr(0, bar), line.substr(bar + 3));
+  }
+  return found;
+}
+
+}  // namespace
 
 CommandLine::CommandLine(Program about) : program(std::move(about)) {
   app.name(program.name);
@@ -51,12 +65,12 @@ void add_common(CommandLine& line) {
 
 std::vector<Example> examples(const CLI::App& command) {
   std::vector<Example> found;
-  std::istringstream lines(command.get_footer());
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t bar = line.rfind(" | ");
-    if (bar != std::string::npos) found.push_back({line.substr(0, bar), line.substr(bar + 3)});
-  }
+  for (auto& [line, purpose] : pairs_of(command.get_footer())) found.push_back({std::move(line), std::move(purpose)});
   return found;
+}
+
+void explain(CommandLine& line, const CLI::App& command, const std::string& words) {
+  line.glossaries[&command].push_back({.title = "Output", .words = pairs_of(words)});
 }
 
 std::vector<const CLI::App*> subcommands(const CLI::App& command) { return command.get_subcommands({}); }

@@ -61,6 +61,8 @@ CLI::App* add_group(CLI::App& parent, const std::string& name, const std::string
 /// A command that does something.
 CLI::App* add_command(CommandLine& line, CLI::App& parent, const std::string& name, const std::string& description,
                       const std::string& examples, Handler handler);
+/// Adds the words that a command prints to its help and manual: lines of "WORD | meaning".
+void explain(CommandLine& line, const CLI::App& command, const std::string& words);
 /// What every program has, after its own: `--version`, and the commands `completion` and `man`.
 void add_common(CommandLine& line);
 

@@ -27,6 +27,7 @@ void print_error(Console& console, std::string_view what, std::string_view hint)
   console.talk << console.program << ": " << printable(what) << '\n';
   if (!hint.empty()) console.talk << "  try: " << printable(hint) << '\n';
   console.talk.flush();
+  console.failure = Failure{std::string(what), std::string(hint)};
 }
 
 void print_hint(Console& console, std::string_view text) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -9,6 +10,13 @@
 #include "core/utf8.h"
 
 namespace dts::cli {
+
+/// Why a command failed.
+struct Failure {
+  std::string what;
+  std::string hint;
+  int code = 0;  ///< By its number in `dts.v1.ErrorCode`; 0: the exit status says it.
+};
 
 /// Where output goes and what the reader at the other end can take.
 struct Console {
@@ -23,6 +31,9 @@ struct Console {
   std::size_t lines = 24;     ///< Its height.
   /// Tells that whoever read `out` has left, without writing to it.
   std::function<bool()> is_out_closed = [] { return false; };
+  /// Reads the terminal's size again into `columns` and `lines`: a person may have resized it.
+  std::function<void(Console&)> measure = [](Console& /*console*/) {};
+  std::optional<Failure> failure{};  ///< The last error that was printed.
 };
 
 enum class Style { Plain, Bold, Good, Warning, Bad, Faint };
@@ -32,7 +43,7 @@ enum class Style { Plain, Bold, Good, Warning, Bad, Faint };
 /// For text from outside: it cannot drive the terminal.
 using core::printable;
 
-/// "dtsctl: what" and, if there is a hint, "  try: hint" to `talk`.
+/// Prints "dtsctl: what" and, if there is a hint, "  try: hint" to `talk`, and remembers it as the failure.
 void print_error(Console& console, std::string_view what, std::string_view hint = {});
 /// A word on what to do next; only for people, that is, when `talk` is a terminal.
 void print_hint(Console& console, std::string_view text);

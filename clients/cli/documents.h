@@ -14,6 +14,12 @@ namespace dts::cli {
 [[nodiscard]] std::string bash_completion(const CommandLine& line);
 /// The same for zsh, with descriptions: a file named _dtsctl in fpath.
 [[nodiscard]] std::string zsh_completion(const CommandLine& line);
+/// For the manual of a program with --json, in man(7) macros.
+inline constexpr const char* kJsonErrors =
+    "With\n.B \\-\\-json\na command that fails prints {\"error\": {\"code\", \"message\", \"hint\"}} unless it has printed a result; the "
+    "code is "
+    "a word such as not_found.\n";
+
 /// The manual page dtsctl(1), in man(7) macros.
 [[nodiscard]] std::string manual_page(const CommandLine& line);
 

@@ -26,6 +26,7 @@ requires std::is_enum_v<Code>
 template <class Error>
 [[nodiscard]] int fail_with(Console& console, const Error& error) {
   print_error(console, error.what, error.hint);
+  console.failure->code = static_cast<int>(error.code);
   return exit_status(error.code);
 }
 

@@ -30,6 +30,13 @@ bool has_reader_left() {
   return ::poll(&item, 1, 0) > 0 && (item.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0;
 }
 
+void measure_terminal(Console& console) {
+  winsize size{};
+  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row == 0) return;
+  console.columns = size.ws_col;
+  console.lines = size.ws_row;
+}
+
 Console make_console(const std::string& name) {
   Console console{.out = std::cout, .talk = std::cerr, .program = name, .is_out_closed = has_reader_left};
   console.is_out_terminal = ::isatty(STDOUT_FILENO) == 1;
@@ -38,11 +45,8 @@ Console make_console(const std::string& name) {
   const bool is_capable = console.is_out_terminal && terminal != nullptr && std::string_view(terminal) != "dumb";
   console.can_redraw = is_capable;
   console.has_colours = is_capable && !is_set("NO_COLOR");
-  winsize size{};
-  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0) {
-    console.columns = size.ws_col;
-    console.lines = size.ws_row;
-  }
+  console.measure = measure_terminal;
+  console.measure(console);
   return console;
 }
 

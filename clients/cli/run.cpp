@@ -3,9 +3,12 @@
 
 #include <CLI/Error.hpp>
 #include <algorithm>
+#include <streambuf>
 
 #include "cli/exit_status.h"
+#include "cli/json.h"
 #include "cli/suggestion.h"
+#include "core/result.h"
 
 namespace dts::cli {
 namespace {
@@ -78,10 +81,50 @@ UsageError usage_error(const CLI::App& root, const CLI::ParseError& error) {
   return {prefix(command) + error.what(), help};
 }
 
-}  // namespace
+/// Forwards what is written to `out`, and remembers whether anything was. Restores `out` at the end.
+class Witness final : public std::streambuf {
+ public:
+  explicit Witness(std::ostream& out) : out_(out), behind_(out.rdbuf()) { put(this); }
+  ~Witness() override { put(behind_); }
+  Witness(const Witness&) = delete;
+  Witness& operator=(const Witness&) = delete;
 
-int run(CommandLine& line, const std::vector<std::string>& arguments, Console& console) {
-  console.program = line.program.name;
+  [[nodiscard]] bool has_seen_text() const noexcept { return has_seen_text_; }
+
+ protected:
+  int_type overflow(int_type letter) override {
+    if (traits_type::eq_int_type(letter, traits_type::eof())) return traits_type::not_eof(letter);
+    has_seen_text_ = true;
+    return behind_->sputc(traits_type::to_char_type(letter));
+  }
+  std::streamsize xsputn(const char* text, std::streamsize size) override {
+    has_seen_text_ = has_seen_text_ || size > 0;
+    return behind_->sputn(text, size);
+  }
+  int sync() override { return behind_->pubsync(); }
+
+ private:
+  /// A stream forgets with its old buffer that writing has failed: a full disk would be success.
+  void put(std::streambuf* buffer) {
+    const auto state = out_.rdstate();
+    out_.rdbuf(buffer);
+    out_.setstate(state);
+  }
+
+  std::ostream& out_;
+  std::streambuf* behind_;
+  bool has_seen_text_ = false;
+};
+
+/// {"error": {"code": "not_found", "message": ..., "hint": ...}}
+Json error_json(const Failure& failure, int status) {
+  const int code = failure.code != 0 ? failure.code : status;
+  Json error{{"code", core::name(static_cast<core::ErrorCode>(code))}, {"message", failure.what}};
+  if (!failure.hint.empty()) error["hint"] = failure.hint;
+  return {{"error", std::move(error)}};
+}
+
+int run_words(CommandLine& line, const std::vector<std::string>& arguments, Console& console) {
   try {
     line.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes words from the back
   } catch (const CLI::CallForHelp&) {
@@ -96,6 +139,21 @@ int run(CommandLine& line, const std::vector<std::string>& arguments, Console& c
     return kUsage;
   }
   return line.handlers.at(&reached(line.app))(console);
+}
+
+}  // namespace
+
+int run(CommandLine& line, const std::vector<std::string>& arguments, Console& console) {
+  console.program = line.program.name;
+  console.failure.reset();
+  if (std::ranges::find(arguments, "--json") == arguments.end()) return run_words(line, arguments, console);
+  const Witness witness(console.out);
+  const int status = run_words(line, arguments, console);
+  // Where a result is on its way already, a second document would spoil it.
+  if (status != kOk && console.failure && !witness.has_seen_text()) {
+    console.out << document(error_json(*console.failure, status)) << std::flush;
+  }
+  return status;
 }
 
 }  // namespace dts::cli

@@ -9,7 +9,18 @@
 namespace dts::cli {
 namespace {
 
-constexpr std::size_t kGap = 2;  // between columns
+constexpr std::string_view kBetween = "  ";  ///< Two columns.
+constexpr std::string_view kFolded = "  ";   ///< At the beginning of a line that goes on.
+
+/// Bytes of the first `columns` columns of UTF-8 text.
+std::size_t bytes_of(std::string_view text, std::size_t columns) noexcept {
+  std::size_t bytes = 0;
+  for (std::size_t shown = 0; bytes < text.size(); ++bytes) {
+    const bool is_start = (static_cast<unsigned char>(text[bytes]) & 0xC0U) != 0x80U;
+    if (is_start && ++shown > columns) break;
+  }
+  return bytes;
+}
 
 }  // namespace
 
@@ -38,6 +49,42 @@ std::size_t width(std::string_view text) noexcept {
       std::ranges::count_if(text, [](char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }));
 }
 
+std::vector<std::string> filled(const std::vector<std::string>& pieces, std::string_view separator, std::size_t columns,
+                                std::string_view indent) {
+  columns = std::max(columns, indent.size() + 1);
+  std::vector<std::string> lines{""};
+  bool is_begun = false;
+  for (std::string_view piece : pieces) {
+    const std::size_t added = width(piece) + (is_begun ? separator.size() : 0);
+    if (is_begun && width(lines.back()) + added > columns) {
+      while (lines.back().ends_with(' ')) lines.back().pop_back();
+      lines.emplace_back(indent);
+      is_begun = false;
+    }
+    if (is_begun) lines.back() += separator;
+    is_begun = true;
+    for (std::size_t room = columns - width(lines.back()); width(piece) > room; room = columns - indent.size()) {
+      const std::size_t bytes = bytes_of(piece, room);
+      lines.back() += piece.substr(0, bytes);
+      piece.remove_prefix(bytes);
+      lines.emplace_back(indent);
+    }
+    lines.back() += piece;
+  }
+  return lines;
+}
+
+std::vector<std::string> wrapped(std::string_view text, std::size_t columns, std::string_view indent) {
+  if (width(text) <= columns) return {std::string(text)};  // as it is: spaces may mean something
+  std::vector<std::string> words;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(' '), text.size());
+    words.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return filled(words, " ", columns, indent);
+}
+
 Table::Table(std::vector<std::string> headers) {
   for (std::string& header : headers) {
     const bool is_right = header.starts_with('>');
@@ -56,38 +103,48 @@ void Table::add(std::vector<Cell> row) {
   rows_.push_back(std::move(row));
 }
 
-void Table::print(Console& console) const { print(console, 1, headers_.size()); }
-
-void Table::print_folded(Console& console, std::size_t columns) const {
-  std::size_t begin = 1;
-  do {
-    std::size_t end = begin;
-    std::size_t used = widths_.front();
-    while (end < widths_.size() && (end == begin || used + kGap + widths_[end] <= columns)) used += kGap + widths_[end++];
-    if (begin > 1 && !rows_.empty()) console.out << '\n';
-    print(console, begin, end);
-    begin = end;
-  } while (begin < headers_.size());
+std::vector<std::size_t> Table::line_borders(const Console& console) const {
+  std::vector<std::size_t> borders{0};
+  std::size_t used = 0;
+  for (std::size_t column = 0; column < widths_.size() && console.is_out_terminal; ++column) {
+    const bool is_first = column == borders.back();
+    if (!is_first && used + kBetween.size() + widths_[column] > console.columns) {
+      borders.push_back(column);
+      used = kFolded.size() + widths_[column];
+    } else {
+      used += (is_first ? 0 : kBetween.size()) + widths_[column];
+    }
+  }
+  borders.push_back(widths_.size());
+  return borders;
 }
 
-void Table::print(Console& console, std::size_t begin, std::size_t end) const {
+void Table::print(Console& console) const {
   if (rows_.empty()) return;
-  console.out << line(console, headers_, begin, end) << '\n';
-  for (const auto& row : rows_) console.out << line(console, row, begin, end) << '\n';
+  const std::vector<std::size_t> borders = line_borders(console);
+  const auto print_row = [&](const std::vector<Cell>& cells) {
+    for (std::size_t k = 0; k + 1 < borders.size(); ++k) {
+      const std::string text = line(console, cells, borders[k], borders[k + 1]);
+      if (k == 0) console.out << text << '\n';
+      if (k > 0 && !text.empty()) console.out << kFolded << text << '\n';
+    }
+  };
+  print_row(headers_);
+  for (const auto& row : rows_) print_row(row);
 }
 
 std::string Table::line(const Console& console, const std::vector<Cell>& cells, std::size_t begin, std::size_t end) const {
   std::string text;
-  for (std::size_t column = 0; column < end; column = std::max(column + 1, begin)) {
+  for (std::size_t column = begin; column < end; ++column) {
     const std::string padding(widths_[column] - width(cells[column].text), ' ');
-    const std::string shown = styled(console, cells[column].style, cells[column].text);
-    const bool is_last = std::max(column + 1, begin) >= end;
+    const std::string shown = cells[column].text.empty() ? "" : styled(console, cells[column].style, cells[column].text);
+    const bool is_last = column + 1 == end;
     if (is_right_[column]) {
       text += padding + shown;
     } else {
       text += is_last ? shown : shown + padding;
     }
-    if (!is_last) text += std::string(kGap, ' ');
+    if (!is_last) text += kBetween;
   }
   while (text.ends_with(' ')) text.pop_back();
   return text;

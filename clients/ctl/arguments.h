@@ -33,6 +33,7 @@ struct Arguments {
   std::vector<std::string> topics;
   std::optional<std::uint64_t> count;
   bool is_jsonl = false;
+  bool is_csv = false;
   bool is_latest = false;
   KeyArguments key;
   SessionArguments session;

@@ -103,14 +103,24 @@ void add_watch(CommandTree& tree) {
                         "dtsctl watch | everything, as a live table\n"
                         "dtsctl watch floor/cop | the centre of pressure of the floor platform\n"
                         "dtsctl watch floor/cop --count 200 --jsonl > cop.jsonl | 200 scans for a program\n"
+                        "dtsctl watch floor/cop --count 200 --csv > cop.csv | the same for a spreadsheet\n"
                         "dtsctl watch floor/gap floor/marker | only when something happens\n"
                         "dtsctl watch dtsd/status --count 1 --jsonl | the daemon's own state\n",
                         run_watch);
   watch->add_option("TOPIC-PREFIX", arguments.topics, "Topics that begin so: RIG/STREAM, RIG/EVENT, RIG/ (everything but dtsd/status)")
       ->option_text("...");
   watch->add_option("--count", arguments.count, "End after N scans; an event counts as one")->option_text("N")->check(count_from_one());
-  watch->add_flag("--jsonl", arguments.is_jsonl, "One JSON object per line");
+  CLI::Option* jsonl = watch->add_flag("--jsonl", arguments.is_jsonl, "One JSON object per line");
+  watch->add_flag("--csv", arguments.is_csv, "One stream as CSV: a line of names, then a line per scan")->excludes(jsonl);
   watch->add_flag("--latest", arguments.is_latest, "After a pause show only the newest block of each stream");
+  cli::explain(tree.line, *watch,
+               "ml, ap | centre of pressure, mm: positive to the subject's right, and forward\n"
+               "load | force on the plate, N\n"
+               "MVELO | sway: mean velocity of the centre of pressure, mm/s\n"
+               "RDIST | sway: rms distance from the mean position, mm\n"
+               "PEA95_F | sway: area of the 95 % ellipse, mm2\n"
+               "RANGE_AP | sway: range forward and backward, mm\n"
+               "[words] | what is doubtful about the values\n");
 }
 
 void add_top(CommandTree& tree) {
@@ -121,6 +131,15 @@ void add_top(CommandTree& tree) {
                       run_top);
   top->add_option("--count", arguments.count, "End after N statuses")->option_text("N")->check(count_from_one());
   top->add_flag("--jsonl", arguments.is_jsonl, "One JSON object per line, as into a pipe");
+  cli::explain(tree.line, *top,
+               "RATE (Hz) | scans per second over the last seconds\n"
+               "LOST | scans that were lost before they could be processed, since the daemon's start\n"
+               "GAPS | in how many places\n"
+               "DROPPED | blocks that were not sent to clients because they were not ready in time; recordings have them\n"
+               "QUEUES (%) | how full the queues before processing, sending and recording were at most within half a minute\n"
+               "US/SCAN | microseconds that processing takes for a scan\n"
+               "P50, P95 (ms) | 50 % and 95 % of the blocks of the last ten seconds were sent so soon after their newest scan\n"
+               "SESSION | the session under way, or the last one\n");
 }
 
 }  // namespace

@@ -72,13 +72,13 @@ bool has_session(const v1::StatusSnapshot& status, const std::string& name) {
   });
 }
 
-/// Without a session a marker reaches only the clients that are watching now.
+/// Without a session a marker reaches only the clients that are watching now. Of several rigs one with a session is enough.
 void warn_unrecorded(const v1::StatusSnapshot& status, const v1::MarkResponse& mark, cli::Console& console) {
-  for (const v1::MarkResponse::At& at : mark.marks()) {
-    if (has_session(status, at.rig())) continue;
-    cli::print_error(console, "no session is running on rig '" + at.rig() + "': this marker is not recorded",
-                     "dtsctl session start --rig " + at.rig());
-  }
+  const auto& marks = mark.marks();
+  if (marks.empty() || std::ranges::any_of(marks, [&](const v1::MarkResponse::At& at) { return has_session(status, at.rig()); })) return;
+  const std::string where = marks.size() == 1 ? " on rig '" + marks[0].rig() + "'" : "";
+  cli::print_error(console, "no session is running" + where + ": this marker is not recorded",
+                   "dtsctl session start --rig " + (marks.size() == 1 ? marks[0].rig() : "RIG"));
 }
 
 }  // namespace

@@ -194,11 +194,13 @@ int run_session_compare(const Arguments& arguments, cli::Console& console) {
   auto sessions = ask_sessions(*dts, wishes, left_out);
   if (!sessions) return cli::fail_with(console, sessions.error());
   if (left_out > 0) {
-    console.talk << "dtsctl: " << left_out << " sessions are left out: no figures, or another rig than the newest with figures\n";
+    console.talk << "dtsctl: " << counted(left_out, "session") << (left_out == 1 ? " is" : " are")
+                 << " left out: no figures, or another rig than the newest with figures\n";
   }
   if (sessions->size() < 2) {
-    cli::print_error(console, std::to_string(sessions->size()) + " session found: nothing to compare with", "dtsctl session list");
-    return cli::exit_status(client::ErrorCode::NotFound);
+    return cli::fail_with(
+        console, client::Error{client::ErrorCode::NotFound, counted(sessions->size(), "session") + " found: nothing to compare with",
+                               "dtsctl session list"});
   }
   const Comparison comparison = compare(std::move(*sessions));
   for (const std::string& warning : comparison.warnings) console.talk << "dtsctl: warning: " << cli::printable(warning) << '\n';

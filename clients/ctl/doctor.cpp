@@ -28,6 +28,8 @@ constexpr double kNearlyAllBlocks = 0.95;
 
 Check good(std::string name, std::string finding) { return {std::move(name), true, std::move(finding), {}}; }
 Check bad(std::string name, std::string finding, std::string fix) { return {std::move(name), false, std::move(finding), std::move(fix)}; }
+/// Works, though not as well as it could.
+Check note(std::string name, std::string finding, std::string fix) { return {std::move(name), true, std::move(finding), std::move(fix)}; }
 Check bad(std::string name, const client::Error& error) { return bad(std::move(name), error.what, error.hint); }
 
 bool has_notice_about(const v1::StatusSnapshot& status, std::string_view word) {
@@ -46,8 +48,8 @@ Check check_rate(const v1::RigStatus& rig) {
 
 Check check_losses(const v1::RigStatus& rig) {
   const std::string name = rig.rig().name() + " losses";
-  const std::string finding = std::to_string(rig.lost_scans_total()) + " scans lost in " + std::to_string(rig.gaps_total()) + " gaps, " +
-                              std::to_string(rig.dropped_blocks_total()) + " blocks dropped since start";
+  const std::string finding = counted(rig.lost_scans_total(), "scan") + " lost in " + counted(rig.gaps_total(), "gap") + ", " +
+                              counted(rig.dropped_blocks_total(), "block") + " dropped since start";
   if (rig.lost_scans_total() == 0 && rig.gaps_total() == 0 && rig.dropped_blocks_total() == 0) return good(name, "none");
   return bad(name, finding, "the reasons are in journalctl -u dtsd; check cable and USB hub, allow SCHED_FIFO");
 }
@@ -74,21 +76,30 @@ std::optional<Check> check_latency(const v1::RigStatus& rig) {
   return bad(name, finding, "is the machine overloaded? allow SCHED_FIFO; dtsctl top shows the last seconds");
 }
 
-Check check_data(const Target& where) {
+bool sends_scans(const v1::RigStatus& rig) { return rig.device() == v1::DEVICE_STATE_STREAMING && rig.rig().published_size() > 0; }
+
+Check check_data(const Target& where, const v1::StatusSnapshot& status, milliseconds deadline) {
   const std::string name = "data";
   const std::string& endpoint = where.endpoints.data;
   if (endpoint.empty()) return bad(name, "the data address is not known", "give it: --data URI or DTSD_DATA");
   if (auto somebody = client::probe(endpoint); !somebody) return bad(name, somebody.error());
   auto subscriber = client::Subscriber::open({.endpoint = endpoint, .topics = {""}, .key = where.key});
   if (!subscriber) return bad(name, subscriber.error());
+  const bool has_scans = std::ranges::any_of(status.rigs(), sends_scans);  // else the daemon's status has to do
   const auto begin = std::chrono::steady_clock::now();
   const auto spent = [&] { return std::chrono::ceil<milliseconds>(std::chrono::steady_clock::now() - begin); };
-  while (spent() < kDataDeadline) {
-    const auto message = subscriber->receive(kDataDeadline - spent());
+  while (spent() < deadline) {
+    const auto message = subscriber->receive(deadline - spent());
     if (!message) return bad(name, message.error());
-    if (*message) return good(name, "arrives, after " + std::to_string(spent().count()) + " ms");
+    if (*message && (!has_scans || std::holds_alternative<client::Block>(**message))) {
+      return good(name, (has_scans ? "scans arrive, after " : "no rig streams; the status arrives, after ") +
+                            std::to_string(spent().count()) + " ms");
+    }
   }
-  return bad(name, "nothing came from " + endpoint + " within 2 s", "does dtsctl status show a streaming rig? restart dtsd");
+  return bad(name,
+             (has_scans ? "no scans came from " : "nothing came from ") + endpoint + " within " +
+                 cli::decimal(1e-3 * static_cast<double>(deadline.count()), 1) + " s",
+             "restart dtsd; see journalctl -u dtsd");
 }
 
 Check check_clock(const SystemFacts& facts) {
@@ -97,7 +108,7 @@ Check check_clock(const SystemFacts& facts) {
   // Anything else costs a microsecond and more per reading (measured for hpet and acpi_pm by their users, not by us).
   const bool is_fast = finding.find("tsc") != std::string::npos || finding == "arch_sys_counter" || finding == "kvm-clock";
   if (is_fast) return good(name, finding);
-  return bad(name, finding, "echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; look for 'tsc' in dmesg");
+  return note(name, finding, "echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; look for 'tsc' in dmesg");
 }
 
 int report(const std::vector<Check>& checks, bool is_json, cli::Console& console) {
@@ -112,10 +123,12 @@ int report(const std::vector<Check>& checks, bool is_json, cli::Console& console
     console.out << cli::document({{"ok", is_well}, {"checks", std::move(list)}});
   } else {
     for (const Check& check : checks) {
-      const std::string verdict =
-          check.is_good ? cli::styled(console, cli::Style::Good, "ok   ") : cli::styled(console, cli::Style::Bad, "wrong");
-      console.out << verdict << "  " << cli::printable(check.name + ": " + check.finding + (check.fix.empty() ? "" : "; try: " + check.fix))
-                  << '\n';
+      const bool is_note = check.is_good && !check.fix.empty();
+      const std::string verdict = is_note         ? cli::styled(console, cli::Style::Warning, "note ")
+                                  : check.is_good ? cli::styled(console, cli::Style::Good, "ok   ")
+                                                  : cli::styled(console, cli::Style::Bad, "wrong");
+      const std::string advice = check.fix.empty() ? "" : (is_note ? "; better: " : "; try: ") + check.fix;
+      console.out << verdict << "  " << cli::printable(check.name + ": " + check.finding + advice) << '\n';
     }
   }
   console.out.flush();
@@ -173,7 +186,7 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
 
 Check check_network(const v1::StatusSnapshot& status) {
   if (!status.has_network()) return good("network", "off: this machine only");
-  return good("network", "on for clients with keys: " + std::to_string(status.accepted_handshakes_total()) + " connections let in, " +
+  return good("network", "on for clients with keys: " + counted(status.accepted_handshakes_total(), "connection") + " let in, " +
                              std::to_string(status.refused_handshakes_total()) + " refused since the start");
 }
 
@@ -194,9 +207,9 @@ std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1
   if (status ? !has_notice_about(*status, "SCHED_FIFO") : facts.may_use_fifo) {
     checks.push_back(good("scheduling", status ? "the daemon has what it asked for" : "SCHED_FIFO is allowed for this user"));
   } else {
-    checks.push_back(bad("scheduling",
-                         status ? "the daemon asked for SCHED_FIFO and was refused" : "SCHED_FIFO is not allowed for this user",
-                         "run dtsd by its systemd unit, or add 'USER - rtprio 60' to /etc/security/limits.d/dtsd.conf and log in again"));
+    checks.push_back(note("scheduling",
+                          status ? "the daemon asked for SCHED_FIFO and was refused" : "SCHED_FIFO is not allowed for this user",
+                          "run dtsd by its systemd unit, or add 'USER - rtprio 60' to /etc/security/limits.d/dtsd.conf and log in again"));
   }
   const bool has_no_limit = facts.lockable_bytes == std::numeric_limits<std::uint64_t>::max();
   const std::string lockable = has_no_limit ? "no limit" : "at most " + std::to_string(facts.lockable_bytes >> 20U) + " MiB for this user";
@@ -204,8 +217,8 @@ std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1
     checks.push_back(good("locked memory", status ? "the daemon has what it asked for" : lockable));
   } else {
     checks.push_back(
-        bad("locked memory", status ? "the daemon asked for it and was refused" : lockable,
-            "run dtsd by its systemd unit, or add 'USER - memlock unlimited' to /etc/security/limits.d/dtsd.conf and log in again"));
+        note("locked memory", status ? "the daemon asked for it and was refused" : lockable,
+             "run dtsd by its systemd unit, or add 'USER - memlock unlimited' to /etc/security/limits.d/dtsd.conf and log in again"));
   }
   checks.push_back(check_clock(facts));
   return checks;
@@ -218,7 +231,9 @@ int run_doctor(const Arguments& arguments, cli::Console& console) {
     const std::string origin = where->key && arguments.endpoint.empty() ? "key '" + where->key->name + "'" : where->endpoints.origin;
     checks.push_back(good("address", where->endpoints.control + " (from " + origin + ")"));
     status = ask_daemon(arguments, checks);
-    if (status) checks.push_back(check_data(*where));
+    const milliseconds deadline =
+        arguments.timeout_s ? milliseconds(static_cast<std::int64_t>(*arguments.timeout_s * 1000.0)) : kDataDeadline;
+    if (status) checks.push_back(check_data(*where, *status, deadline));
   } else {
     checks.push_back(bad("address", where.error()));
   }

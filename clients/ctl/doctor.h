@@ -18,7 +18,7 @@ struct Check {
   std::string name;  ///< "floor rate"
   bool is_good = false;
   std::string finding;  ///< "100.02 of 100 Hz"
-  std::string fix;      ///< What to do; empty when good.
+  std::string fix;      ///< What to do, or, when it is good, what would be better; empty: nothing.
 };
 
 /// Each makes checks from what was found out; nothing here asks or waits.
@@ -31,7 +31,7 @@ struct Check {
 /// `status`: absent when the daemon did not answer. When it did, it knows what it was given, whatever this user may do.
 [[nodiscard]] std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status);
 
-/// Runs all checks; exit status 0 when everything is well, 1 otherwise.
+/// Runs all checks; exit status 0 when nothing is wrong, 1 otherwise.
 [[nodiscard]] int run_doctor(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -27,8 +27,7 @@ std::string percent_text(const v1::RingFill& fill) {
 
 /// "floor: lost 150 scans in 1 gap: overrun"
 std::string loss_line(const std::string& rig, const v1::LossCount& loss) {
-  const std::string gaps = std::to_string(loss.gaps_total()) + (loss.gaps_total() == 1 ? " gap" : " gaps");
-  return rig + ": lost " + std::to_string(loss.lost_scans_total()) + " scans in " + gaps + ": " +
+  return rig + ": lost " + counted(loss.lost_scans_total(), "scan") + " in " + counted(loss.gaps_total(), "gap") + ": " +
          enumerator_word(*v1::GapReason_descriptor(), loss.reason());
 }
 
@@ -36,7 +35,7 @@ std::string recording_line(const v1::RigStatus& rig) {
   const v1::RecordingStatus& recording = rig.session().recording();
   std::string line =
       rig.rig().name() + ": recording " + bytes_text(recording.bytes()) + ", " + cli::decimal(rig.record_lag_s(), 1) + " s not yet on the disk";
-  if (recording.lost_scans_total() > 0) line += ", lacks " + std::to_string(recording.lost_scans_total()) + " scans";
+  if (recording.lost_scans_total() > 0) line += ", lacks " + counted(recording.lost_scans_total(), "scan");
   return line;
 }
 
@@ -63,9 +62,9 @@ std::optional<double> HealthView::latency_ms(const v1::RigStatus& rig, double sh
   return latency_quantile_ms(rig.latency(), share, earlier);
 }
 
-std::vector<std::string> HealthView::table() const {
+std::vector<std::string> HealthView::table(std::size_t columns) const {
   std::ostringstream text;
-  cli::Console plain{.out = text, .talk = text, .columns = std::numeric_limits<std::size_t>::max()};
+  cli::Console plain{.out = text, .talk = text, .is_out_terminal = true, .columns = columns};
   cli::Table rigs({"RIG", "DEVICE", ">RATE (Hz)", ">LOST", ">GAPS", ">DROPPED", ">QUEUES (%)", ">US/SCAN", ">P50 (ms)", ">P95 (ms)", "SESSION"});
   for (const v1::RigStatus& rig : seen_.back().rigs()) {
     rigs.add({{rig.rig().name()},
@@ -87,15 +86,15 @@ std::vector<std::string> HealthView::table() const {
   return lines;
 }
 
-std::vector<std::string> HealthView::lines() const {
+std::vector<std::string> HealthView::lines(std::size_t columns) const {
   if (seen_.empty()) return {};
   const v1::StatusSnapshot& status = seen_.back();
   std::vector<std::string> lines{"dtsd " + status.version() + ", up " + cli::duration(status.uptime_s())};
   if (status.rigs_size() == 0) lines.emplace_back("no rig is configured");
-  for (std::string& line : table()) lines.push_back(std::move(line));
+  for (std::string& line : table(columns)) lines.push_back(std::move(line));
   for (const v1::RigStatus& rig : status.rigs()) add_rig_lines(rig, lines);
   if (const std::string disk = disk_line(status.disk()); !disk.empty()) lines.push_back("disk: " + disk);
-  for (const std::string& notice : status.notices()) lines.push_back("notice: " + notice);
+  for (const std::string& notice : notice_lines(status)) lines.push_back("notice: " + notice);
   return lines;
 }
 

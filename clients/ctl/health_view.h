@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <optional>
 #include <string>
@@ -17,15 +18,15 @@ class HealthView {
  public:
   void take(const v1::StatusSnapshot& status);
 
-  /// For people; nothing before the first status.
-  [[nodiscard]] std::vector<std::string> lines() const;
+  /// For people, the table in `columns` columns; nothing before the first status.
+  [[nodiscard]] std::vector<std::string> lines(std::size_t columns) const;
   /// One object; keys as in the .proto files where they say the same.
   [[nodiscard]] cli::Json json() const;
 
  private:
   [[nodiscard]] std::optional<double> latency_ms(const v1::RigStatus& rig, double share) const;
   [[nodiscard]] cli::Json rig_json(const v1::RigStatus& rig) const;
-  [[nodiscard]] std::vector<std::string> table() const;
+  [[nodiscard]] std::vector<std::string> table(std::size_t columns) const;
 
   std::deque<v1::StatusSnapshot> seen_;  ///< Of one daemon, oldest first.
 };

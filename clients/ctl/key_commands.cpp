@@ -26,10 +26,12 @@ v1::Role role_of(const std::string& word) {
   return word == "operator" ? v1::ROLE_OPERATOR : v1::ROLE_VIEWER;
 }
 
-void print_nobody_listens(cli::Console& console, const v1::ListKeysResponse& keys) {
-  if (!keys.control_endpoint().empty()) return;
-  cli::print_error(console, "the daemon listens on this machine only: keys have no use yet, and a key file made now names no address",
-                   "write into its dtsd.toml:  [network]  control = \"tcp://*:5555\"  data = \"tcp://*:5556\"  (a line each), restart it, then revoke such a key and make it anew");
+/// A key file made now would name no address.
+client::Result<void> check_listens(const v1::ListKeysResponse& keys) {
+  if (!keys.control_endpoint().empty()) return {};
+  return client::fail(
+      client::ErrorCode::WrongState, "the daemon listens on this machine only: keys have no use yet",
+      "write into its dtsd.toml:  [network]  control = \"tcp://*:5555\"  data = \"tcp://*:5556\"  (a line each), and restart it");
 }
 
 }  // namespace
@@ -50,6 +52,7 @@ int run_key_new(const Arguments& arguments, cli::Console& console) {
   if (!dts) return cli::fail_with(console, dts.error());
   const auto before = dts->list_keys();  // of a daemon that does not answer no file stays behind
   if (!before) return cli::fail_with(console, before.error());
+  if (auto listens = check_listens(*before); !listens) return cli::fail_with(console, listens.error());
   const auto where = target(arguments);
   if (!where) return cli::fail_with(console, where.error());
   const std::string host = wishes.host.empty() ? host_of(where->endpoints.control) : wishes.host;
@@ -73,7 +76,6 @@ int run_key_new(const Arguments& arguments, cli::Console& console) {
     console.out << file << '\n';
     cli::print_hint(console, "carry it to the other machine, delete it here, and there: dtsctl --key " + cli::printable(file) + " status");
   }
-  print_nobody_listens(console, *before);
   return cli::kOk;
 }
 
@@ -96,7 +98,7 @@ void print_keys(cli::Console& console, const v1::ListKeysResponse& keys) {
   }
   table.print(console);
   if (keys.keys_size() == 0) console.out << "no keys: nobody may connect from other machines\n";
-  print_nobody_listens(console, keys);
+  if (auto listens = check_listens(keys); !listens) cli::print_error(console, listens.error().what, listens.error().hint);
 }
 
 }  // namespace dts::ctl

@@ -2,6 +2,7 @@
 #include "ctl/live_table.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "cli/table.h"
 #include "ctl/reading.h"
@@ -15,7 +16,7 @@ namespace {
 constexpr std::chrono::milliseconds kRedraw{100};
 constexpr std::chrono::seconds kRateWindow{1};
 constexpr std::chrono::seconds kFrozen{2};
-constexpr std::size_t kHeadAndFoot = 3;  ///< Headline, "and n more", the cursor's line.
+constexpr std::string_view kValuesIndent = "    ";
 
 std::string padded(const std::string& text, std::size_t columns, bool is_right) {
   const std::string padding(columns > cli::width(text) ? columns - cli::width(text) : 0, ' ');
@@ -69,51 +70,51 @@ void LiveTable::refresh(Time now) {
 }
 
 void LiveTable::erase() {
-  if (lines_drawn_ > 0) console_.out << "\x1b[" << lines_drawn_ << "A\x1b[J";  // up, then clear to the end
+  ctl::erase(console_, lines_drawn_);
   lines_drawn_ = 0;
 }
 
 void LiveTable::draw(Time now) {
   drawn_ = now;
-  if (rows_.empty() && running_.empty()) return;
-  if (rows_.empty()) {
-    lines_drawn_ = draw_running(now);
-    return;
-  }
+  if (!rows_.empty()) draw_rows(now);
+  draw_running(now);
+}
+
+void LiveTable::draw_rows(Time now) {
   std::size_t topic_columns = 5;
   for (const auto& [topic, row] : rows_) topic_columns = std::max(topic_columns, cli::width(topic));
   const auto line = [&](const std::string& topic, const std::string& rate, const std::string& age, const std::string& lost) {
-    return padded(topic, topic_columns, false) + "  " + padded(rate, 9, true) + "  " + padded(age, 9, true) + "  " + padded(lost, 6, true) +
-           "  ";
+    return padded(topic, topic_columns, false) + "  " + padded(rate, 9, true) + "  " + padded(age, 9, true) + "  " + padded(lost, 6, true);
   };
-  console_.out << cli::styled(console_, cli::Style::Faint, cut(line("TOPIC", "RATE (Hz)", "AGE", "LOST") + "VALUES", console_.columns))
-               << '\n';
-  // The cursor cannot go back above the screen.
-  const std::size_t shown = std::min(rows_.size(), std::max<std::size_t>(console_.lines, kHeadAndFoot + 1) - kHeadAndFoot);
-  std::size_t left = shown;
+  const std::string headline = line("TOPIC", "RATE (Hz)", "AGE", "LOST") + "  VALUES";
+  draw_lines({cli::filled({headline}, "", console_.columns, "").front()}, cli::Style::Faint);
+  std::size_t left_out = rows_.size();
   for (const auto& [topic, row] : rows_) {
-    if (left-- == 0) break;
     const bool is_frozen = now - row.seen > kFrozen;
     const std::string rate = is_frozen ? "-" : cli::decimal(row.rate_hz, 1);
-    const std::string text =
-        line(cli::printable(topic), rate, age_text(row, now), std::to_string(row.lost_scans)) + reading(*row.format, row.scan, row.quality);
-    console_.out << cli::styled(console_, is_frozen ? cli::Style::Faint : cli::Style::Plain, cut(text, console_.columns)) << '\n';
+    std::vector<std::string> parts{line(cli::printable(topic), rate, age_text(row, now), std::to_string(row.lost_scans))};
+    for (std::string& part : reading_parts(*row.format, row.scan, row.quality)) parts.push_back(std::move(part));
+    if (!draw_lines(cli::filled(parts, "  ", console_.columns, kValuesIndent), is_frozen ? cli::Style::Faint : cli::Style::Plain)) break;
+    --left_out;
   }
-  if (shown < rows_.size()) console_.out << "and " << rows_.size() - shown << " more: choose with a topic prefix\n";
-  lines_drawn_ = 1 + shown + (shown < rows_.size() ? 1 : 0);
-  lines_drawn_ += draw_running(now);
+  if (left_out > 0) console_.out << "and " << left_out << " more: choose with a topic prefix\n";
+  lines_drawn_ += left_out > 0 ? 1 : 0;
 }
 
-/// As far as there is room on the screen; returns how many lines it took.
-std::size_t LiveTable::draw_running(Time now) {
+void LiveTable::draw_running(Time now) {
   std::erase_if(running_, [now](const auto& entry) { return now - entry.second.seen > kFrozen; });
-  std::size_t drawn = 0;
   for (const auto& [topic, running] : running_) {
-    if (lines_drawn_ + drawn + 1 >= console_.lines) break;
-    console_.out << cut(cli::printable(topic + ": " + running.text), console_.columns) << '\n';
-    ++drawn;
+    draw_lines(cli::wrapped(cli::printable(topic + ": " + running.text), console_.columns, kValuesIndent), cli::Style::Plain);
   }
-  return drawn;
+}
+
+/// The cursor cannot go back above the screen: its own line stays free, and one for "and n more".
+bool LiveTable::draw_lines(const std::vector<std::string>& lines, cli::Style style) {
+  constexpr std::size_t kKeptFree = 2;
+  if (lines_drawn_ + lines.size() + kKeptFree > std::max<std::size_t>(console_.lines, kKeptFree + 2)) return false;
+  for (const std::string& line : lines) console_.out << cli::styled(console_, style, line) << '\n';
+  lines_drawn_ += lines.size();
+  return true;
 }
 
 /// Of what is looked at now, not of what it was on arrival: a frozen picture must not look alive.

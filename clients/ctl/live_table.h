@@ -20,6 +20,8 @@ namespace dts::ctl {
 ///     TOPIC      RATE (Hz)     AGE  LOST  VALUES
 ///     floor/cop      100.1  1.2 ms     0  ml 1.2300 mm  ap -4.5600 mm  load 701.20 N
 ///     floor/sway: preliminary, 12.5 s: MVELO 8.12 mm/s
+///
+/// Values that do not fit into the terminal's width stand in a second line.
 class LiveTable final : public WatchSink {
  public:
   explicit LiveTable(cli::Console& console) : console_(console) {}
@@ -52,10 +54,13 @@ class LiveTable final : public WatchSink {
     std::string text;
     Time seen{};
   };
-  [[nodiscard]] std::size_t draw_running(Time now);
   [[nodiscard]] static std::string age_text(const Row& row, Time now);
   void erase();
   void draw(Time now);
+  void draw_rows(Time now);
+  void draw_running(Time now);
+  /// Returns false when there is no room for all the lines; then none is drawn.
+  bool draw_lines(const std::vector<std::string>& lines, cli::Style style);
   void put(const std::string& line);
 
   cli::Console& console_;

@@ -10,6 +10,7 @@
 #include "cli/table.h"
 #include "ctl/json.h"
 #include "ctl/reach_reading.h"
+#include "ctl/recording_view.h"
 #include "ctl/sway_reading.h"
 
 namespace dts::ctl {
@@ -35,7 +36,7 @@ std::string value_text(float value) {
 std::string gap_text(const v1::Event& event) {
   const v1::Gap& gap = event.gap();
   const std::string reason = gap.reason() == 0 ? "" : enumerator_word(*v1::GapReason_descriptor(), gap.reason()) + ", ";
-  return reason + (gap.is_exact() ? "" : "about ") + std::to_string(gap.missing_scans()) + " scans missing before segment " +
+  return reason + (gap.is_exact() ? "" : "about ") + counted(gap.missing_scans(), "scan") + " missing before segment " +
          std::to_string(event.segment());
 }
 
@@ -46,7 +47,7 @@ std::string change_text(const std::string& state, const std::string& subject, co
 /// "go, trial 3: 120 at 85.2 cm", "rest for 20.0 s"
 std::string trial_text(const v1::TrialChange& change) {
   const std::string what = enumerator_word(*v1::TrialEventKind_descriptor(), change.kind());
-  if (change.kind() == v1::TRIAL_EVENT_KIND_FINISHED) return "all trials are done";
+  if (change.kind() == v1::TRIAL_EVENT_KIND_FINISHED) return "all trials are done; end the session: dtsctl session stop";
   if (change.kind() == v1::TRIAL_EVENT_KIND_REST) return change.rest_s() > 0.0 ? "rest for " + cli::duration(change.rest_s()) : "rest";
   std::string text = what + ", trial " + std::to_string(change.trial());
   if (change.attempt() > 1) text += " attempt " + std::to_string(change.attempt());
@@ -79,19 +80,26 @@ std::string body_text(const v1::Event& event) {
 
 }  // namespace
 
-std::string reading(const client::StreamFormat& format, std::span<const float> scan, std::span<const std::uint8_t> quality) {
-  std::string text;
+std::vector<std::string> reading_parts(const client::StreamFormat& format, std::span<const float> scan,
+                                       std::span<const std::uint8_t> quality) {
+  std::vector<std::string> parts;
   std::uint8_t doubts = 0;
   for (std::size_t channel = 0; channel < format.channels.size(); ++channel) {
     const client::ChannelFormat& described = format.channels[channel];
     const bool has_unit = described.unit != "1";  // as UCUM writes a pure number
-    text += (channel == 0 ? "" : "  ") + label(described) + " " + value_text(scan[channel]) +
-            (has_unit ? " " + cli::printable(described.unit) : "");
+    parts.push_back(label(described) + " " + value_text(scan[channel]) + (has_unit ? " " + cli::printable(described.unit) : ""));
     doubts = static_cast<std::uint8_t>(doubts | quality[channel]);
   }
   std::string words;
   for (const std::string& word : quality_words(doubts)) words += (words.empty() ? "" : " ") + word;
-  return words.empty() ? text : text + "  [" + words + "]";
+  if (!words.empty()) parts.push_back("[" + words + "]");
+  return parts;
+}
+
+std::string reading(const client::StreamFormat& format, std::span<const float> scan, std::span<const std::uint8_t> quality) {
+  std::string text;
+  for (const std::string& part : reading_parts(format, scan, quality)) text += (text.empty() ? "" : "  ") + part;
+  return text;
 }
 
 void copy_scan(const client::Block& block, std::size_t scan, std::vector<float>& values) {

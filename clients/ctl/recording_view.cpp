@@ -10,6 +10,8 @@
 
 namespace dts::ctl {
 
+std::string counted(std::uint64_t count, const std::string& thing) { return std::to_string(count) + " " + thing + (count == 1 ? "" : "s"); }
+
 std::string bytes_text(std::uint64_t bytes) {
   constexpr std::array<std::string_view, 5> kUnits{"B", "kB", "MB", "GB", "TB"};
   double size = static_cast<double>(bytes);
@@ -19,9 +21,6 @@ std::string bytes_text(std::uint64_t bytes) {
 }
 
 std::string losses_text(const google::protobuf::RepeatedPtrField<v1::LossCount>& losses) {
-  const auto counted = [](std::uint64_t count, const std::string& thing) {
-    return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
-  };
   std::uint64_t scans = 0;
   std::uint64_t gaps = 0;
   std::string reasons;
@@ -47,7 +46,11 @@ std::string utc_text(std::int64_t utc_ns) {
          two(clock.seconds().count());
 }
 
-std::string trial_line(const v1::TrialStatus& trial) {
+std::string trial_line(const v1::TrialStatus& trial, const std::string& rig) {
+  if (trial.phase() == v1::TRIAL_PHASE_FINISHED) {
+    const std::string trials = trial.of() == 1 ? "the trial is" : "all " + std::to_string(trial.of()) + " trials are";
+    return cli::printable(trials + " done; end the session: dtsctl session stop" + (rig.empty() ? "" : " --rig " + rig));
+  }
   const std::string phase = trial.phase() == 0 ? "-" : enumerator_word(*v1::TrialPhase_descriptor(), trial.phase());
   std::string line = trial.trial() == 0 ? "no trial yet" : "trial " + std::to_string(trial.trial());
   line += " of " + std::to_string(trial.of());
@@ -84,7 +87,7 @@ void print_recording(cli::Console& console, const v1::SessionInfo& session) {
                 << '\n';
   }
   const std::string lost =
-      recording.lost_scans_total() > 0 ? std::to_string(recording.lost_scans_total()) + " scans did not reach the file" : "";
+      recording.lost_scans_total() > 0 ? counted(recording.lost_scans_total(), "scan") + " did not reach the file" : "";
   for (const std::string& problem : {recording.problem(), lost}) {
     if (problem.empty()) continue;
     console.out << cli::styled(console, cli::Style::Bad, "the recording is incomplete: " + cli::printable(problem)) << '\n';
@@ -106,7 +109,7 @@ void print_recordings(cli::Console& console, const v1::StatusSnapshot& status) {
       print_recording(console, session);
     }
     if (session.has_trial() && session.state() == v1::SESSION_STATE_RUNNING) {
-      console.out << cli::printable(rig.rig().name()) << ": " << trial_line(session.trial()) << '\n';
+      console.out << cli::printable(rig.rig().name()) << ": " << trial_line(session.trial(), rig.rig().name()) << '\n';
     }
   }
   if (const std::string disk = disk_line(status.disk()); !disk.empty()) {

@@ -12,14 +12,16 @@ namespace dts::ctl {
 
 /// What people read about recordings, trials and the disk, in one line each.
 
+/// "1 scan", "12 scans"
+[[nodiscard]] std::string counted(std::uint64_t count, const std::string& thing);
 /// "12.3 MB"
 [[nodiscard]] std::string bytes_text(std::uint64_t bytes);
 /// "2026-11-21 14:45:25"; "-" for 0.
 [[nodiscard]] std::string utc_text(std::int64_t utc_ns);
 /// "10560 scans lost in 1 gap: ring_full 1"; empty: nothing is missing.
 [[nodiscard]] std::string losses_text(const google::protobuf::RepeatedPtrField<v1::LossCount>& losses);
-/// "trial 3 of 30, measuring, 12.0 s left: 120; next 150 at 85.2 cm"
-[[nodiscard]] std::string trial_line(const v1::TrialStatus& trial);
+/// "trial 3 of 30, measuring, 12.0 s left: 120; next 150 at 85.2 cm"; when all are done, how to end the session of `rig`.
+[[nodiscard]] std::string trial_line(const v1::TrialStatus& trial, const std::string& rig);
 /// "12.3 GB free in /var/lib/dtsd, room for 3 d 2 h"; empty when the daemon says nothing of a disk.
 [[nodiscard]] std::string disk_line(const v1::DiskStatus& disk);
 /// Everything but "complete" stands out.

@@ -2,25 +2,44 @@
 #include "ctl/screen.h"
 
 #include <algorithm>
+#include <string_view>
+
+#include "cli/table.h"
 
 namespace dts::ctl {
+namespace {
 
-std::string cut(const std::string& text, std::size_t columns) {
-  std::size_t bytes = 0;
-  for (std::size_t shown = 0; bytes < text.size(); ++bytes) {
-    const bool is_start = (static_cast<unsigned char>(text[bytes]) & 0xC0U) != 0x80U;
-    if (is_start && ++shown > columns) break;
+constexpr std::string_view kWrapIndent = "  ";
+
+}  // namespace
+
+void erase(cli::Console& console, std::size_t lines) {
+  const std::size_t columns = console.columns;
+  console.measure(console);
+  if (lines == 0) return;
+  if (console.columns != columns) {
+    console.out << "\x1b[H\x1b[J";  // to the top, then clear to the end
+  } else {
+    console.out << "\x1b[" << lines << "A\x1b[J";  // up, then clear to the end
   }
-  return text.substr(0, bytes);
+}
+
+std::size_t Screen::clear() {
+  erase(console_, drawn_);
+  drawn_ = 0;
+  return console_.columns;
 }
 
 void Screen::draw(const std::vector<std::string>& lines) {
-  if (drawn_ > 0) console_.out << "\x1b[" << drawn_ << "A\x1b[J";  // up, then clear to the end
+  std::ignore = clear();
   // The cursor cannot go back above the screen, and stands below the last line.
-  drawn_ = std::min(lines.size(), std::max<std::size_t>(console_.lines, 2) - 1);
-  for (std::size_t index = 0; index < drawn_; ++index) {
-    const std::string line = cut(cli::printable(lines[index]), console_.columns);
-    console_.out << cli::styled(console_, index == 0 ? cli::Style::Bold : cli::Style::Plain, line) << '\n';
+  const std::size_t room = std::max<std::size_t>(console_.lines, 2) - 1;
+  for (std::size_t index = 0; index < lines.size(); ++index) {
+    for (const std::string& line : cli::wrapped(cli::printable(lines[index]), console_.columns, kWrapIndent)) {
+      if (drawn_ == room) break;
+      console_.out << cli::styled(console_, index == 0 ? cli::Style::Bold : cli::Style::Plain, line) << '\n';
+      ++drawn_;
+    }
   }
   console_.out.flush();
 }

@@ -9,14 +9,17 @@
 
 namespace dts::ctl {
 
-/// The first `columns` columns of UTF-8 text.
-[[nodiscard]] std::string cut(const std::string& text, std::size_t columns);
+/// Erases the `lines` lines drawn last and reads the terminal's size. A terminal that was resized since has wrapped them anew, nobody
+/// knows into how many: then everything on it is erased.
+void erase(cli::Console& console, std::size_t lines);
 
-/// Lines on a terminal that are drawn over those drawn before: as many and as long as there is room, the first one bold.
+/// Lines on a terminal that are drawn over those drawn before, as many as there is room for, the first one bold. Too long ones are wrapped.
 class Screen {
  public:
   explicit Screen(cli::Console& console) : console_(console) {}
 
+  /// Makes room for new lines and returns how many columns they have.
+  [[nodiscard]] std::size_t clear();
   void draw(const std::vector<std::string>& lines);
   /// What stands there stays; the next lines are drawn below.
   void make_room() noexcept { drawn_ = 0; }

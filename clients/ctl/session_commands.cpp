@@ -69,6 +69,15 @@ void warn_untared(const v1::StatusSnapshot& status, const std::string& name, cli
   }
 }
 
+/// The session is there at once, its first scan is not.
+void tell_wait(const v1::StatusSnapshot& status, const v1::SessionInfo& session, cli::Console& console) {
+  const auto rig = find_rig(status, session.rig());
+  if (!rig || rig->device() == v1::DEVICE_STATE_STREAMING) return;
+  const std::string why = rig->device_message().empty() ? "its device does not stream yet" : rig->device_message();
+  console.talk << "dtsctl: rig '" << cli::printable(session.rig()) << "' waits: " << cli::printable(why)
+               << "; the session begins with the first scan" << std::endl;
+}
+
 int run_session_start(const Arguments& arguments, cli::Console& console) {
   const SessionArguments& wishes = arguments.session;
   v1::StartSessionRequest request;
@@ -84,7 +93,9 @@ int run_session_start(const Arguments& arguments, cli::Console& console) {
       [&](ControlClient& dts) {
         const auto status = dts.status();
         if (status) warn_untared(*status, arguments.rig, console);
-        return dts.start_session(request);
+        auto session = dts.start_session(request);
+        if (status && session) tell_wait(*status, *session, console);
+        return session;
       },
       [&](const v1::SessionInfo& session) { print_begun(console, session); });
 }
@@ -117,14 +128,21 @@ int run_session_list(const Arguments& arguments, cli::Console& console) {
   request.set_subject(arguments.session.subject);
   request.set_protocol(arguments.session.protocol);
   request.set_limit(arguments.session.limit);
-  return ask_and_print(
-      arguments, console, [&](ControlClient& dts) { return dts.list_sessions(request); },
-      [&](const v1::ListSessionsResponse& sessions) {
-        print_sessions(console, sessions);
-        if (sessions.sessions_size() > 0) {
-          cli::print_hint(console, "details: dtsctl session show " + cli::printable(sessions.sessions(0).session_id()));
-        }
-      });
+  const auto ask = [&](ControlClient& dts) -> Result<v1::ListSessionsResponse> {
+    auto sessions = dts.list_sessions(request);
+    if (!sessions || sessions->sessions_size() > 0 || arguments.rig.empty()) return sessions;
+    // A rig of earlier days may have sessions; one that has none and is not there is a slip.
+    if (const auto rig = dts.status().and_then([&](const auto& status) { return find_rig(status, arguments.rig); }); !rig) {
+      return tl::make_unexpected(rig.error());
+    }
+    return sessions;
+  };
+  return ask_and_print(arguments, console, ask, [&](const v1::ListSessionsResponse& sessions) {
+    print_sessions(console, sessions);
+    if (sessions.sessions_size() > 0) {
+      cli::print_hint(console, "details: dtsctl session show " + cli::printable(sessions.sessions(0).session_id()));
+    }
+  });
 }
 
 int run_session_show(const Arguments& arguments, cli::Console& console) {
@@ -136,7 +154,10 @@ int run_session_show(const Arguments& arguments, cli::Console& console) {
 int run_session_trial(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
       arguments, console, [&](ControlClient& dts) { return dts.trial(action_of(arguments.session.action), arguments.rig); },
-      [&](const v1::TrialStatus& trial) { console.out << trial_line(trial) << '\n'; });
+      [&](const v1::TrialStatus& trial) {
+        const bool is_asked_early = arguments.session.action == "next" && trial.phase() == v1::TRIAL_PHASE_WAITING;
+        console.out << (is_asked_early ? "starts as soon as the session runs: " : "") << trial_line(trial, arguments.rig) << '\n';
+      });
 }
 
 int run_protocol_list(const Arguments& arguments, cli::Console& console) {

@@ -108,6 +108,13 @@ void add_catalogue(CommandTree& tree, CLI::App& session) {
   CLI::App* show = add(tree, session, "show", "Show a session: its recordings and trials",
                        "dtsctl session show 20261121T144525Z-floor-1 | state, files and trials\n", run_session_show);
   add_id(*show, tree, "ID", "Id of the session");
+  cli::explain(tree.line, *show,
+               "FROM .. TO SCAN | where the trial lies in its part's recording\n"
+               "TRUNK, DEG | class of trunk movement, and flexion of the trunk\n"
+               "MVELO | mean velocity of the centre of pressure\n"
+               "RDIST | rms distance of the centre of pressure from its mean position\n"
+               "ELLIPSE | area of the 95 % ellipse (PEA95_F)\n"
+               "FLAGS | what is doubtful about a trial's values\n");
   CLI::App* compare =
       add(tree, session, "compare", "Figures of several sessions side by side, oldest first",
           "dtsctl session compare --subject P017 | the newest dozen sessions of one subject\n"

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <string>
 
 #include "cli/table.h"
@@ -43,7 +44,7 @@ std::string state_of(const v1::SessionRecord& session) {
     if (is_usual || word == session.state() || more.find(word) != std::string::npos) continue;
     more += (more.empty() ? "" : ", ") + word;
   }
-  if (gaps > 0) more += (more.empty() ? "" : ", ") + std::to_string(lost_scans) + (lost_scans == 1 ? " scan lost" : " scans lost");
+  if (gaps > 0) more += (more.empty() ? "" : ", ") + counted(lost_scans, "scan") + " lost";
   return or_dash(session.state()) + (more.empty() ? "" : " (" + more + ")");
 }
 
@@ -113,8 +114,8 @@ void print_results(cli::Console& console, const v1::SessionRecord& session) {
 
 /// Of trials of quiet standing.
 void print_standing(cli::Console& console, const v1::SessionRecord& session) {
-  cli::Table trials(
-      {">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">MVELO mm/s", ">RDIST mm", ">ELLIPSE mm2", "FLAGS", ">PART", ">SCANS"});
+  cli::Table trials({">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">MVELO mm/s", ">RDIST mm", ">ELLIPSE mm2", "FLAGS", ">PART",
+                     ">FROM .. TO SCAN"});
   const auto value = [](const v1::Sway& sway, const char* symbol, int decimals) {
     return cli::decimal(measure_value(sway, symbol).value_or(std::numeric_limits<double>::quiet_NaN()), decimals);
   };
@@ -140,7 +141,7 @@ void print_standing(cli::Console& console, const v1::SessionRecord& session) {
 
 void print_trials(cli::Console& console, const v1::SessionRecord& session) {
   if (std::ranges::any_of(session.trials(), &v1::TrialRecord::has_sway)) return print_standing(console, session);
-  cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", "TRUNK", ">DEG", ">PART", ">SEGMENT", ">SCANS"});
+  cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", "TRUNK", ">DEG", ">PART", ">SEGMENT", ">FROM .. TO SCAN"});
   for (const v1::TrialRecord& trial : session.trials()) {
     trials.add({{std::to_string(trial.trial())},
                 {std::to_string(trial.attempt())},
@@ -181,6 +182,9 @@ void print_session(cli::Console& console, const v1::SessionRecord& session) {
   print_field(console, "rig", session.rig());
   print_field(console, "protocol", session.protocol());
   print_field(console, "subject", session.subject());
+  for (const auto& [name, value] : std::map<std::string, std::string>(session.fields().begin(), session.fields().end())) {
+    print_field(console, name, value);
+  }
   print_field(console, "label", session.label());
   print_field(console, "started", utc_text(session.started_utc_ns()) + " UTC");
   if (session.ended_utc_ns() != 0) print_field(console, "ended", utc_text(session.ended_utc_ns()) + " UTC");
@@ -235,7 +239,7 @@ void print_audit(cli::Console& console, const v1::GetAuditResponse& audit) {
   }
   table.print(console);
   if (!audit.problem().empty()) return;
-  console.out << audit.verified_entries() << " entries, the chain holds\n";
+  console.out << audit.verified_entries() << (audit.verified_entries() == 1 ? " entry" : " entries") << ", the chain holds\n";
 }
 
 }  // namespace dts::ctl

@@ -41,7 +41,7 @@ void print_messages(cli::Console& console, const v1::StatusSnapshot& status) {
     if (rig.device_message().empty()) continue;
     console.out << cli::styled(console, cli::Style::Bad, cli::printable(rig.rig().name() + ": " + rig.device_message())) << '\n';
   }
-  for (const std::string& notice : status.notices()) {
+  for (const std::string& notice : notice_lines(status)) {
     console.out << cli::styled(console, cli::Style::Warning, "notice: " + cli::printable(notice)) << '\n';
   }
 }
@@ -72,6 +72,33 @@ void print_streams(cli::Console& console, const v1::RigInfo& rig) {
 }
 
 }  // namespace
+
+std::vector<std::string> notice_lines(const v1::StatusSnapshot& status) {
+  constexpr std::string_view kThread = "thread ";
+  struct Line {
+    std::string threads;  ///< Empty: of no thread.
+    std::size_t count = 0;
+    std::string text;
+  };
+  std::vector<Line> lines;
+  for (const std::string& notice : status.notices()) {
+    const std::size_t colon = notice.find(": ");
+    const bool is_of_thread = notice.starts_with(kThread) && colon != std::string::npos;
+    const std::string thread = is_of_thread ? notice.substr(kThread.size(), colon - kThread.size()) : "";
+    const std::string text = is_of_thread ? notice.substr(colon) : notice;
+    const auto same = std::ranges::find_if(lines, [&](const Line& line) { return line.count > 0 && is_of_thread && line.text == text; });
+    if (same == lines.end()) {
+      lines.push_back({thread, is_of_thread ? 1U : 0U, text});
+    } else {
+      same->threads += ", " + thread;
+      ++same->count;
+    }
+  }
+  std::vector<std::string> texts;
+  for (const Line& line : lines)
+    texts.push_back((line.count == 0 ? "" : line.count == 1 ? "thread " : "threads ") + line.threads + line.text);
+  return texts;
+}
 
 bool needs_tare(const v1::RigStatus& rig) {
   const auto& stages = rig.rig().stages();
@@ -164,8 +191,12 @@ void print_rig(cli::Console& console, const v1::RigStatus& status) {
   print_field(console, "clock", clock_text(status));
   print_field(console, "scans",
               std::to_string(status.scans_total()) + ", lost " + std::to_string(status.lost_scans_total()) + " in " +
-                  std::to_string(status.gaps_total()) + " gaps, segment " + std::to_string(status.segment()) + ", restarts " +
+                  counted(status.gaps_total(), "gap") + ", segment " + std::to_string(status.segment()) + ", restarts " +
                   std::to_string(status.restarts_total()) + ", reconnects " + std::to_string(status.reconnects_total()));
+  print_field(console, "calibration",
+              rig.kind() != "floor"       ? ""
+              : rig.calibration().empty() ? "none: computed from the plate's model"
+                                          : rig.calibration());
   print_field(console, "tare", word(status.tare(), v1::TareState_descriptor()));
   print_field(console, "session", session_line(status.session()));
   print_field(console, "published", joined(rig.published()));
@@ -230,7 +261,7 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
     return;
   }
   const std::string rate = test.measured_rate_hz() > 0.0 ? cli::decimal(test.measured_rate_hz(), 2) + " per second" : "rate not known yet";
-  console.out << test.scans() << " scans, " << rate << '\n';
+  console.out << counted(test.scans(), "scan") << ", " << rate << '\n';
 }
 
 }  // namespace dts::ctl

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "cli/console.h"
 #include "dts/v1/control.pb.h"
@@ -17,6 +18,8 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
 
 /// A chair whose zero is not known: no reach on it can be judged. A replay brings its zero along, and a rig may have it in its file.
 [[nodiscard]] bool needs_tare(const v1::RigStatus& rig);
+/// The daemon's notices; what is said of several threads stands in one line: "threads publish, acq-floor: SCHED_FIFO refused ...".
+[[nodiscard]] std::vector<std::string> notice_lines(const v1::StatusSnapshot& status);
 /// "floor-7 running for 12.0 s of 25.0 s"; "-" when there has been no session.
 [[nodiscard]] std::string session_line(const v1::SessionInfo& session);
 /// "floor: zero is now at 0.012 -0.003 mm"

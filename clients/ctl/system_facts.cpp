@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <limits>
@@ -29,7 +30,7 @@ SystemFacts gather_system_facts() {
   facts.may_use_fifo = try_fifo();
   rlimit limit{};
   if (::getrlimit(RLIMIT_MEMLOCK, &limit) == 0) {
-    facts.lockable_bytes = limit.rlim_cur == RLIM_INFINITY ? std::numeric_limits<std::uint64_t>::max() : limit.rlim_cur;
+    facts.lockable_bytes = limit.rlim_cur == RLIM_INFINITY || ::geteuid() == 0 ? std::numeric_limits<std::uint64_t>::max() : limit.rlim_cur;
   }
   std::ifstream file("/sys/devices/system/clocksource/clocksource0/current_clocksource");
   std::getline(file, facts.clock_source);

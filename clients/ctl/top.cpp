@@ -75,7 +75,7 @@ int Top::run() {
 }
 
 void Top::show() {
-  if (is_drawn_) return screen_.draw(view_.lines());
+  if (is_drawn_) return screen_.draw(view_.lines(screen_.clear()));
   console_.out << cli::one_line(view_.json()) << std::endl;
 }
 

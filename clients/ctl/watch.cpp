@@ -9,6 +9,7 @@
 
 #include "cli/exit_status.h"
 #include "ctl/commands.h"
+#include "ctl/csv_lines.h"
 #include "ctl/json_lines.h"
 #include "ctl/live_table.h"
 #include "ctl/silence.h"
@@ -25,6 +26,7 @@ constexpr milliseconds kLook{100};
 constexpr std::chrono::seconds kSilence{3};
 
 std::unique_ptr<WatchSink> make_sink(const Arguments& arguments, cli::Console& console) {
+  if (arguments.is_csv) return std::make_unique<CsvLines>(console);
   if (arguments.is_jsonl) return std::make_unique<JsonLines>(console.out);
   if (console.can_redraw) return std::make_unique<LiveTable>(console);
   return std::make_unique<TextLines>(console);
@@ -32,11 +34,10 @@ std::unique_ptr<WatchSink> make_sink(const Arguments& arguments, cli::Console& c
 
 class Watch {
  public:
-  Watch(const Arguments& arguments, std::vector<std::string> topics, std::string endpoint, client::Subscriber subscriber,
-        cli::Console& console)
+  Watch(const Arguments& arguments, std::vector<std::string> topics, Target where, client::Subscriber subscriber, cli::Console& console)
       : arguments_(arguments),
         topics_(std::move(topics)),
-        endpoint_(std::move(endpoint)),
+        where_(std::move(where)),
         subscriber_(std::move(subscriber)),
         console_(console),
         sink_(make_sink(arguments, console)),
@@ -48,18 +49,23 @@ class Watch {
   void take(const client::Message& message);
   [[nodiscard]] bool wants_status() const;
   [[nodiscard]] std::optional<int> check_silence(Clock::time_point now);
+  [[nodiscard]] bool is_status_new();
+  [[nodiscard]] client::Error explain() const;
   void say(const client::Error& error);
 
   const Arguments& arguments_;
   std::vector<std::string> topics_;
-  std::string endpoint_;
+  Target where_;
   client::Subscriber subscriber_;
   cli::Console& console_;
   std::unique_ptr<WatchSink> sink_;
   std::uint64_t remaining_;
   Clock::time_point looked_ = Clock::now();
-  std::chrono::duration<double> silence_{};
+  std::chrono::duration<double> silence_{};         ///< Of what is watched.
+  std::chrono::duration<double> daemon_silence_{};  ///< Of the daemon altogether: a status comes every second.
+  std::int64_t status_time_ns_ = 0;                 ///< Of the newest status.
   bool has_told_ = false;
+  bool has_told_daemon_ = false;
 };
 
 int Watch::run() {
@@ -94,6 +100,8 @@ void Watch::take(const client::Message& message) {
     console_.talk << "dtsctl: the daemon was restarted; segments and scans start anew" << std::endl;
   }
   silence_ = {};
+  daemon_silence_ = {};
+  has_told_daemon_ = false;
   has_told_ = asks_for_events_only(subscriber_.status(), topics_);  // whoever has seen one event knows that they are rare
 }
 
@@ -106,19 +114,45 @@ bool Watch::wants_status() const {
 /// Says once per silence what is wrong; an exit status when `--timeout` has passed. Only time spent listening counts: after
 /// Ctrl-Z and fg nothing was heard because nobody listened.
 std::optional<int> Watch::check_silence(Clock::time_point now) {
-  silence_ += std::min<std::chrono::duration<double>>(now - looked_, 2 * kLook);
+  const auto listened = std::min<std::chrono::duration<double>>(now - looked_, 2 * kLook);
   looked_ = now;
+  silence_ += listened;
+  daemon_silence_ += listened;
+  if (is_status_new()) {
+    daemon_silence_ = {};
+    has_told_daemon_ = false;
+  }
   if (arguments_.timeout_s && silence_.count() >= *arguments_.timeout_s) {
-    const client::Error error = explain_silence(subscriber_.status(), topics_, endpoint_);
+    const client::Error error = explain();
     say(error);
     return error.code == client::ErrorCode::Unreachable ? cli::exit_status(error.code) : cli::kFailed;
   }
-  if (has_told_ || silence_ < kSilence) return std::nullopt;
+  const bool is_daemon_silent = daemon_silence_ >= kSilence;
+  if (is_daemon_silent ? has_told_daemon_ : has_told_ || silence_ < kSilence) return std::nullopt;
+  client::Error error = explain();
   has_told_ = true;
-  client::Error error = explain_silence(subscriber_.status(), topics_, endpoint_);
+  has_told_daemon_ = is_daemon_silent || error.code == client::ErrorCode::Unreachable;
   error.hint += "; still waiting, Ctrl-C ends it";
   say(error);
   return std::nullopt;
+}
+
+bool Watch::is_status_new() {
+  const v1::StatusSnapshot* status = subscriber_.status();
+  if (status == nullptr || status->host_time_ns() == status_time_ns_) return false;
+  status_time_ns_ = status->host_time_ns();
+  return true;
+}
+
+/// What the daemon said last counts only as long as it speaks.
+client::Error Watch::explain() const {
+  const std::string& endpoint = where_.endpoints.data;
+  if (auto somebody = client::probe(endpoint); !somebody) return somebody.error();
+  client::Error error = explain_silence(daemon_silence_ >= kSilence ? nullptr : subscriber_.status(), topics_, endpoint);
+  if (where_.key && error.code == client::ErrorCode::Unreachable) {
+    error.hint = "is dtsd running there, and does it still know the key '" + where_.key->name + "'? ask there: dtsctl key list";
+  }
+  return error;
 }
 
 void Watch::say(const client::Error& error) {
@@ -143,7 +177,7 @@ int run_watch(const Arguments& arguments, cli::Console& console) {
                                               .mode = arguments.is_latest ? client::Mode::Latest : client::Mode::All,
                                               .key = where->key});
   if (!subscriber) return cli::fail_with(console, subscriber.error());
-  return Watch(arguments, topics, address, std::move(*subscriber), console).run();
+  return Watch(arguments, topics, *where, std::move(*subscriber), console).run();
 }
 
 }  // namespace dts::ctl

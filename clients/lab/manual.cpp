@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include "cli/documents.h"
+
 namespace dts::lab {
 namespace {
 
@@ -93,7 +95,7 @@ cli::Manual make_manual() {
               "Needs no running\n.BR dtsd (8).",
           .environment = {{"NO_COLOR", "Set: no colours."}},
           .exit_statuses = {0, 1, 2, 4, 6, 7, 130},
-          .further_sections = std::string(kPlateCase) + kTables,
+          .further_sections = std::string(kPlateCase) + kTables + ".SH JSON\n" + cli::kJsonErrors,
           .files = {},
           .see_also = {{"dtsctl", 1}, {"dtsd", 8}, {"gnuplot", 1}}};
 }

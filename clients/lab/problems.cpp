@@ -20,6 +20,7 @@ int report_problems(cli::Console& console, const files::Problems& problems) {
   for (std::size_t k = 0; k < shown; ++k) console.talk << cli::printable(files::to_string(problems[k])) << '\n';
   if (shown < problems.size()) console.talk << "and " << problems.size() - shown << " more\n";
   console.talk.flush();
+  if (!problems.empty()) console.failure = cli::Failure{.what = files::to_string(problems.front()), .hint = {}};
   return cli::kUsage;
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/thesis_command.h"
 
-#include <algorithm>
 #include <vector>
 
 #include "cli/exit_status.h"
@@ -13,8 +12,6 @@
 
 namespace dts::lab {
 namespace {
-
-constexpr std::size_t kWidest = 100;  // columns: wider lines are hard to follow, and to put on paper
 
 cli::Json to_json(const Figures& figures) {
   cli::Json json = cli::Json::object();
@@ -59,7 +56,7 @@ void print(const ThesisTable& table, cli::Console& console) {
     add_cells(row.deviation, 3, cells);
     rows.add(std::move(cells));
   }
-  rows.print_folded(console, std::min(console.columns, kWidest));
+  rows.print(console);
   console.out << '\n';
   cli::Table summary({"SUMMARY", ">VALUE"});
   for (const Figure& figure : table.summary) summary.add({{figure.name}, {cli::decimal(figure.value, 3)}});

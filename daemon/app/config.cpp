@@ -125,6 +125,7 @@ void read_rig(files::TomlReader& reader, DaemonConfig& config, files::Problems& 
   }
   if (file.empty()) return;
   const auto rig_file = (std::filesystem::path(reader.file()).parent_path() / file).lexically_normal().string();
+  if (!reader.can_read("file", rig_file)) return;
   const std::size_t problems_before = problems.size();
   pipeline::RigConfig rig = files::read_rig_file(rig_file, problems);
   if (problems.size() > problems_before || device.empty()) return;  // told already; there is nothing sound to build

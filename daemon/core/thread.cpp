@@ -48,8 +48,7 @@ std::vector<std::string> configure_this_thread(const std::string& name, const Th
   if (policy.fifo_priority != 0) {
     const sched_param parameters{.sched_priority = policy.fifo_priority};
     if (const int error = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters); error != 0) {
-      refused.push_back("thread " + name + ": SCHED_FIFO priority " + std::to_string(policy.fifo_priority) +
-                        " refused: " + std::strerror(error) +
+      refused.push_back("thread " + name + ": SCHED_FIFO refused: " + std::strerror(error) +
                         "; scans may arrive late under load (priorities are 1 to 99; grant LimitRTPRIO or rtprio in limits.conf)");
     }
   }

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/toml_reader.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
 #include <sstream>
 #include <utility>
@@ -113,7 +117,15 @@ const toml::node* TomlReader::node(std::string_view key) {
 bool TomlReader::has(std::string_view key) const { return table_ != nullptr && table_->contains(key); }
 
 void TomlReader::require(std::string_view key) {
-  if (!has(key)) report("", named(key) + " is missing");
+  if (has(key) || has_told_absence_) return;
+  has_told_absence_ = table_ == nullptr;
+  report("", (has_told_absence_ ? where_ : named(key)) + " is missing");
+}
+
+bool TomlReader::can_read(std::string_view key, const std::string& file) {
+  if (::access(file.c_str(), R_OK) == 0) return true;
+  report(key, file + " cannot be read: " + std::strerror(errno));
+  return false;
 }
 
 double TomlReader::number(std::string_view key, double fallback, double minimum, double maximum) {
@@ -236,6 +248,7 @@ std::optional<TomlReader> TomlReader::table_or_file(std::string_view key, Refere
     return std::nullopt;
   }
   const auto file = (std::filesystem::path(file_).parent_path() / name).lexically_normal().string();
+  if (!can_read(key, file)) return std::nullopt;
   parsed = parse_toml(file, *problems_);
   if (!parsed) return std::nullopt;
   return TomlReader(&*parsed, "", file, *problems_);

@@ -54,7 +54,7 @@ class TomlReader {
   [[nodiscard]] std::string choice(std::string_view key, const std::vector<std::string_view>& choices);  ///< First is the default.
   [[nodiscard]] std::vector<std::int64_t> integers(std::string_view key, std::int64_t minimum, std::int64_t maximum);
   [[nodiscard]] std::vector<std::string> texts(std::string_view key, std::vector<std::string> fallback);
-  /// Marks a value as required: its absence is a problem.
+  /// Marks a value as required: its absence is a problem. Of a table that is absent only the absence of the table is one.
   void require(std::string_view key);
   [[nodiscard]] bool has(std::string_view key) const;
 
@@ -71,6 +71,8 @@ class TomlReader {
 
   /// A problem at a key of this table, or at the table itself for an empty key.
   void report(std::string_view key, const std::string& text);
+  /// False, and a problem at the key, when the file that it names cannot be read.
+  [[nodiscard]] bool can_read(std::string_view key, const std::string& file);
   /// Where a key's value stands, as a problem without text.
   [[nodiscard]] Problem position(std::string_view key) const;
   /// Reports unknown keys with a suggestion. Call it once, when everything was read.
@@ -87,6 +89,7 @@ class TomlReader {
   std::string where_;
   std::string file_;
   Problems* problems_;
+  bool has_told_absence_ = false;
   std::set<std::string, std::less<>> asked_;
 };
 

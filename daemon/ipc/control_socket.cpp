@@ -33,7 +33,7 @@ core::Result<ControlSocket> ControlSocket::bind(zmq::context_t& context, const s
     socket.bind(endpoint);
     return ControlSocket(std::move(socket), "");
   } catch (const zmq::error_t& error) {
-    return core::fail_errno(error.num(), "control socket " + endpoint + " cannot be bound");
+    return core::fail_errno(error.num(), "control socket " + endpoint + " cannot be bound", bind_hint(error.num()));
   }
 }
 
@@ -44,7 +44,7 @@ core::Result<ControlSocket> ControlSocket::bind(zmq::context_t& context, const R
     std::string bound = bind_remote(socket, remote);
     return ControlSocket(std::move(socket), std::move(bound));
   } catch (const zmq::error_t& error) {
-    return core::fail_errno(error.num(), "control socket " + remote.endpoint + " cannot be bound");
+    return core::fail_errno(error.num(), "control socket " + remote.endpoint + " cannot be bound", bind_hint(error.num()));
   }
 }
 

@@ -15,8 +15,10 @@ void set_rate(dts::v1::Rate& out, const core::Rate& rate) {
   out.set_denominator(rate.denominator());
 }
 
-dts::v1::TareState tare_state(pipeline::TareOutcome outcome) {
-  switch (outcome) {
+/// What is in use now: a refused tare leaves the one before it.
+dts::v1::TareState tare_state(const pipeline::TareReport& tare) {
+  if (tare.is_older_in_use) return dts::v1::TARE_STATE_DONE;
+  switch (tare.outcome) {
     case pipeline::TareOutcome::None: return dts::v1::TARE_STATE_UNSPECIFIED;
     case pipeline::TareOutcome::Running: return dts::v1::TARE_STATE_RUNNING;
     case pipeline::TareOutcome::Done: return dts::v1::TARE_STATE_DONE;
@@ -63,7 +65,7 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   out.set_restarts_total(state.acquisition.restarts_total);
   out.set_clock_drift_ppm(state.acquisition.clock_drift_ppm);
   out.set_host_time_uncertainty_ns(state.acquisition.host_time_uncertainty_ns);
-  out.set_tare(tare_state(state.tare.outcome));
+  out.set_tare(tare_state(state.tare));
   add_health(state, out);
   *out.mutable_session() = session_info(state.rig.config().name, state.session);
   *out.mutable_session()->mutable_recording() = recording_status(state.recording, state.part);
@@ -227,6 +229,7 @@ dts::v1::RigInfo rig_info(const session::Rig& rig) {
   }
   for (const std::string& stage : rig.stage_texts()) out.add_stages(stage);
   for (const std::string& stream : config.published) out.add_published(stream);
+  if (config.cop_calibration) out.set_calibration(config.cop_calibration->id);
   return out;
 }
 

@@ -38,6 +38,13 @@ std::string_view host_of(std::string_view endpoint) { return endpoint.substr(kTc
 
 }  // namespace
 
+std::string bind_hint(int system_errno) {
+  if (system_errno == EADDRNOTAVAIL) {
+    return "this machine does not have the address now: write tcp://*:PORT for every address that it will have, or correct it in dtsd.toml";
+  }
+  return system_errno == EADDRINUSE ? "another program listens there: end it, or choose another port in dtsd.toml" : "";
+}
+
 core::Status check_endpoint(const std::string& endpoint) {
   if (endpoint.starts_with(kTcp)) {
     if (auto checked = check_tcp(endpoint); !checked || host_of(endpoint) == "127.0.0.1") return checked;

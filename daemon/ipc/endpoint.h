@@ -21,6 +21,9 @@ inline constexpr int kHandshakeMs = 2000;  ///< A peer that takes longer to say 
 /// Other transports: no effect.
 [[nodiscard]] core::Status check_not_in_use(const std::string& endpoint);
 
+/// What to do about an address that cannot be bound, by the system's error; empty: nothing is known.
+[[nodiscard]] std::string bind_hint(int system_errno);
+
 /// Removes the file of an ipc endpoint that is about to be closed: libzmq leaves it. Other transports: no effect.
 void remove_socket_file(const std::string& endpoint) noexcept;
 

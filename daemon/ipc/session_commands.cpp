@@ -6,6 +6,8 @@
 #include "access/client_key.h"
 #include "ipc/command_handler.h"
 #include "ipc/encode_session.h"
+#include "record/recording.h"
+#include "record/utf8_text.h"
 
 namespace dts::ipc {
 namespace {
@@ -44,6 +46,16 @@ std::pair<std::string, std::string> named(const dts::v1::Request& request) {
     case dts::v1::Request::kAddKey: return {"key_new", request.add_key().name()};
     case dts::v1::Request::kRevokeKey: return {"key_revoke", request.revoke_key().name()};
     default: return {};
+  }
+}
+
+/// What the protocol asked about the subject: the catalogue does not have it, the recordings do.
+void add_fields(const record::SessionRow& row, dts::v1::SessionRecord& out) {
+  for (const record::PartRow& part : row.parts) {
+    const auto facts = record::read_session_facts(part.file);
+    if (!facts) continue;
+    for (const auto& [name, value] : facts->fields) (*out.mutable_fields())[record::clean_text(name)] = record::clean_text(value);
+    return;
   }
 }
 
@@ -139,6 +151,7 @@ dts::v1::Response SessionCommands::show(const dts::v1::ShowSessionRequest& reque
   if (!results) return error_response(results.error());
   dts::v1::Response response;
   *response.mutable_session_record() = session_record(recordings->corrected(*row));
+  add_fields(*row, *response.mutable_session_record());
   for (const record::ResultRow& result : *results) *response.mutable_session_record()->add_results() = session_result(result);
   return response;
 }

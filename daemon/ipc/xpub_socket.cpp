@@ -41,7 +41,7 @@ core::Result<std::unique_ptr<XpubSocket>> XpubSocket::bind(zmq::context_t& conte
     }
     return std::unique_ptr<XpubSocket>(new XpubSocket(std::move(socket), std::move(bound)));
   } catch (const zmq::error_t& error) {
-    return core::fail_errno(error.num(), "data socket " + trying + " cannot be bound");
+    return core::fail_errno(error.num(), "data socket " + trying + " cannot be bound", bind_hint(error.num()));
   }
 }
 

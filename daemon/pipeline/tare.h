@@ -22,6 +22,7 @@ enum class TareOutcome : std::uint8_t {
 struct TareReport {
   std::uint64_t request = 0;  ///< Number of the request this answers.
   TareOutcome outcome = TareOutcome::None;
+  bool is_older_in_use = false;  ///< Refused or withdrawn: `baseline_mm` stays that of before.
   std::size_t channel_count = 0;
   std::array<double, core::kMaxChannels> baseline_mm{};  ///< Deflection taken as zero from now on, per sensor.
 };

@@ -45,6 +45,21 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
+/// What is wrong with fields, each with the name of its field.
+using FieldErrors = std::vector<std::pair<std::string, core::Error>>;
+
+/// All of them in one, so that nobody has to come back for each. With several, each hint says which field it is about.
+core::Status all_of(const FieldErrors& errors) {
+  if (errors.empty()) return {};
+  if (errors.size() == 1) return tl::make_unexpected(errors.front().second);
+  core::Error all{.code = errors.front().second.code, .what = {}, .hint = {}};
+  for (const auto& [name, error] : errors) {
+    all.what += (all.what.empty() ? "" : "; ") + error.what;
+    all.hint += (all.hint.empty() ? "" : "; ") + name + (name.empty() ? "" : ": ") + error.hint;
+  }
+  return tl::make_unexpected(all);
+}
+
 core::Status check_known(const Protocol& protocol, const Fields& fields) {
   std::vector<std::string> names;
   for (const ProtocolField& field : protocol.fields) names.push_back(field.name);
@@ -120,13 +135,16 @@ Protocol free_protocol() {
 }
 
 core::Status check_fields(const Protocol& protocol, const Fields& fields) {
-  if (auto known = check_known(protocol, fields); !known) return known;
-  for (const ProtocolField& field : protocol.fields) {
-    if (auto good = check_field(field, fields); !good) return good;
-  }
+  FieldErrors errors;
+  const auto collect = [&errors](const std::string& name, const core::Status& status) {
+    if (!status) errors.emplace_back(name, status.error());
+  };
+  collect({}, check_known(protocol, fields));
+  for (const ProtocolField& field : protocol.fields) collect(field.name, check_field(field, fields));
   if (const std::string options = missing(protocol, fields); !options.empty()) {
-    return wrong("protocol '" + protocol.name + "' asks for more about the subject", "add " + options);
+    collect({}, wrong("protocol '" + protocol.name + "' asks for more about the subject", "add " + options));
   }
+  if (!errors.empty()) return all_of(errors);
   if (!protocol.trials) return {};
   for (const Condition& condition : protocol.trials->conditions) {
     if (auto good = check_target(condition, fields); !good) return good;

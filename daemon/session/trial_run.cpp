@@ -136,7 +136,9 @@ TrialRun::TrialRun(const TrialPlan& plan, std::uint64_t seed, const std::vector<
 core::Status TrialRun::next(std::int64_t now_ns) {
   tick(now_ns);
   if (has_ended_) return wrong_state("the session has ended");
-  if (phase_ == TrialPhase::Finished) return wrong_state("all " + std::to_string(places_.size()) + " trials of the plan are done");
+  if (phase_ == TrialPhase::Finished) {
+    return wrong_state("all " + std::to_string(places_.size()) + " trials of the plan are done", "end the session: dtsctl session stop");
+  }
   if (phase_ == TrialPhase::Waiting || phase_ == TrialPhase::Resting) {
     start(upcoming_, 1, now_ns);
   } else if (phase_ == TrialPhase::Measuring && !phase_ends_ns_) {

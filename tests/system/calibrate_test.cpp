@@ -126,6 +126,7 @@ TEST_F(CalibrateTest, CopByTheThesis_WritesAFileThatMeetsItsPointsAndTheDaemonTa
   prepend(daemon.directory() / "rigs" / "floor.toml", report["rig_file_line"].get<std::string>() + "\n");
   daemon.restart();
   EXPECT_TRUE(daemon.is_ready()) << daemon.log();
+  EXPECT_EQ(json::parse(daemon.ctl({"rig", "show", "floor", "--json"}).out).at("rig").at("calibration"), report["id"]);
 }
 
 TEST_F(CalibrateTest, CopByPoly3_LearnsTwoLoads) {
@@ -234,6 +235,32 @@ TEST_F(CalibrateTest, Sensors_GiveBackTheirCurve) {
     EXPECT_GT(sensor["points"].back()["gap_mm"], 12.0) << "the curve must reach beyond the unloaded gap";
   }
   EXPECT_THAT(finished.err, ::testing::Not(::testing::HasSubstr("warning")));
+}
+
+TEST_F(CalibrateTest, RefusedSensor_LeavesItsReadingsToBeMended) {
+  // The third spacer was mistaken for the second.
+  const DaemonProcess daemon(simulated("contact=gaps&gaps_mm=12,10,11,9,8,7&step_on_s=5&hold_s=0.5&pause_s=0.3&ramp_s=0.05&range_v=10"));
+  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
+
+  const Finished refused = daemon.ctl({"calibrate", "sensor", "--rig", "floor", "--sensor", "w1", "--auto", "--hold", "0.2", "--gaps",
+                                       "12,11,10,9,8,7", "--json", "--out", path("w1.toml")});
+
+  EXPECT_EQ(refused.status, 2) << refused.err;
+  EXPECT_EQ(json::parse(refused.out)["error"]["code"], "invalid_argument");
+  EXPECT_THAT(refused.err, ::testing::HasSubstr(path("w1.toml.readings.csv")));
+  std::ifstream file(path("w1.toml.readings.csv"));
+  std::vector<std::string> rows;
+  for (std::string row; std::getline(file, row);) rows.push_back(row);
+  ASSERT_EQ(rows.size(), 7U);
+  EXPECT_EQ(rows[0], "gap_mm,volts");
+  rows[2].replace(0, 2, "10");
+  rows[3].replace(0, 2, "11");
+  std::ofstream mended(path("mended.csv"));
+  for (const std::string& row : rows) mended << row << '\n';
+  mended.close();
+
+  const Finished finished = daemon.ctl({"calibrate", "sensor", "--sensor", "w1", "--points", path("mended.csv"), "--out", path("w1.toml")});
+  EXPECT_EQ(finished.status, 0) << finished.err;
 }
 
 }  // namespace

@@ -149,6 +149,7 @@ TEST_F(ChairExamination, LiveRecordedReplayedAndInTheLaboratory_AreTheSame) {
   ASSERT_TRUE(subscriber.receive(kPatience).value()) << "it receives nothing";
   const std::string id = examine();
   const json session = shown(id);
+  EXPECT_EQ(session.at("fields").at("weight_kg"), "68");
   const std::string file = session.at("parts").at(0).at("file");
 
   // Every trial has its reach; the four farthest bend the trunk most, the nearest does not.

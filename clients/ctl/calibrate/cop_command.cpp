@@ -248,16 +248,29 @@ MeasureOptions deflections(const Job& job, std::size_t scans, const std::functio
           .is_stopped = is_stopped};
 }
 
+/// What the daemon takes the load on the plate for, as its calibration so far or the plate's model has it. Nothing: it does not say.
+std::optional<double> ask_load(LiveFeed& feed) {
+  constexpr int kLooks = 5;
+  if (!feed.discard()) return std::nullopt;
+  for (int look = 0; look < kLooks; ++look) {
+    const auto block = feed.next();
+    if (!block) return std::nullopt;
+    if (*block) return (*block)->columns.front().back();
+  }
+  return std::nullopt;
+}
+
 /// All that happens at the plate.
-int work(const Arguments& arguments, client::ControlClient& dts, const Job& job, ProgressFile& progress, Feed& feed, std::size_t scans,
-         cli::Console& console) {
+int work(const Arguments& arguments, client::ControlClient& dts, const Job& job, ProgressFile& progress, Feed& feed,
+         std::optional<LiveFeed> loads, std::size_t scans, cli::Console& console) {
   const bool guided = is_guided(arguments);
   const Prompt prompt(console.talk, standard_input(), has_standard_input);
   const Prompt* const asks = guided ? &prompt : nullptr;
   const auto say = [&console](const std::string& line) { console.talk << line << std::endl; };
   std::optional<Answer> typed;
+  const bool hears = is_input_terminal();  // with --auto too: s skips, q quits
   const auto is_stopped = [&] {
-    if (guided) typed = prompt.overhear();
+    if (hears) typed = prompt.overhear();
     return typed.has_value();
   };
   if (progress.next() < job.points.size()) {
@@ -274,7 +287,8 @@ int work(const Arguments& arguments, client::ControlClient& dts, const Job& job,
                   .typed = &typed,
                   .prompt = asks,
                   .draws = guided || console.is_talk_terminal,
-                  .say = say});
+                  .say = say,
+                  .estimated_load_n = [&loads] { return loads ? ask_load(*loads) : std::nullopt; }});
   const auto measured = guide.measure_until(job.fit_count);
   if (!measured) return cli::fail_with(console, measured.error());
   if (!*measured) return say_kept(progress, job, console);
@@ -308,7 +322,11 @@ int run_calibrate_cop(const Arguments& arguments, cli::Console& console) {
   warn(*job, console);
   const InterruptNote note("Interrupted. The points measured so far are kept in " + cli::printable(progress->path().string()) +
                            "; go on: dtsctl calibrate cop --rig " + cli::printable(arguments.rig) + " --resume");
-  return work(arguments, *dts, *job, *progress, *feed, *scans, console);
+  std::optional<LiveFeed> loads;  // nobody's hands are quick enough to be ahead of it, a script's are
+  if (is_guided(arguments) && job->facts.rate_hz("cop")) {
+    if (auto opened = LiveFeed::open(*where, arguments.rig, "cop", {"load_n"})) loads = std::move(*opened);
+  }
+  return work(arguments, *dts, *job, *progress, *feed, std::move(loads), *scans, console);
 }
 
 }  // namespace dts::ctl

@@ -16,6 +16,9 @@ using client::Result;
 /// Four sensors of 3 mV noise scatter by 0.01 mm in sum; 20 N in the middle of the thesis's plate give 0.5 mm.
 constexpr double kEmptySumMm = 0.1;
 
+/// A plate that was never calibrated takes loads for others; two feet on it read 9 % low. Kilograms are 9.81 times off.
+constexpr double kWrongWeightRatio = 1.6;
+
 /// How far the deflections' centre may lie on the wrong side of the plate's, for noise and unequal sensors.
 constexpr double kWrongSideMm = 3.0;
 
@@ -118,7 +121,16 @@ Result<Answer> CopGuide::measure(std::size_t index) {
   }
   if (auto recorded = parts_.progress.record(index, reading); !recorded) return tl::make_unexpected(recorded.error());
   report(index, reading);
+  doubt_weight(point.load_n);
   return Answer::Go;
+}
+
+void CopGuide::doubt_weight(double load_n) {
+  const auto found_n = parts_.estimated_load_n ? parts_.estimated_load_n() : std::nullopt;
+  if (!found_n || !(*found_n > 0.0) || std::max(*found_n / load_n, load_n / *found_n) < kWrongWeightRatio) return;
+  if (!doubted_loads_n_.insert(load_n).second) return;
+  parts_.say("  warning: the rig as it is now takes this weight for " + decimal(*found_n, 0) + " N, not " + decimal(load_n, 0) +
+             " N. Is it the right one, and in newtons (1 kg is 9.81 N)?");
 }
 
 void CopGuide::announce(std::size_t index) const {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,7 @@ struct GuideParts {
   const Prompt* prompt = nullptr;                ///< nullptr: a new load after a lift-off is the next point.
   bool draws = false;                            ///< Shows a picture of the plate at each point.
   std::function<void(const std::string&)> say;
+  std::function<std::optional<double>()> estimated_load_n{};  ///< What the daemon takes the load on the plate for; may be empty.
 };
 
 /// Leads a person with a weight from point to point: where to put it, wait for rest, what was read, next. A point where the plate
@@ -46,11 +48,14 @@ class CopGuide {
   [[nodiscard]] client::Result<bool> go_on(const Reply& reply, std::size_t index);
   void announce(std::size_t index) const;
   void report(std::size_t index, const SteadyReading& reading) const;
+  /// Says, once for each load, when the daemon takes the weight for something else: the wrong weight, or kilograms.
+  void doubt_weight(double load_n);
 
   GuideParts parts_;
   std::size_t begin_ = 0;            ///< What is before it was settled by an earlier call.
   std::optional<std::size_t> last_;  ///< The last point measured in this run, for redo.
   std::vector<bool> is_skipped_;
+  std::set<double> doubted_loads_n_;
 };
 
 /// Whether a load lies on the plate: the deflections' sum, mm, is beyond what an empty plate shows.

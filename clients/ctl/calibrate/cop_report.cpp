@@ -75,6 +75,8 @@ Json to_json(const CopReport& report) {
     json["cross_validated"] = {{"rms_total_mm", calibration.cross_validated->rms_total_mm},
                                {"load_rms_percent", calibration.cross_validated->load_rms_percent}};
   }
+  const auto& valid_n = calibration.estimator.validity().load_n;
+  json["valid_load_n"] = {valid_n.lowest, valid_n.highest};
   json["points"] = points(errors);
   if (report.verification.empty()) return json;
   json["verification"] = figures(summary(report.verification));
@@ -94,6 +96,9 @@ void print(cli::Console& console, const CopReport& report) {
     console.out << "\nVerification at points of thesis Table 4.1:\n" << error_map(report.verification);
     console.out << figures_text(summary(report.verification)) << "   (thesis: rms x 1.66, y 2.51, total 3.0 mm)\n";
   }
+  const auto& valid_n = report.calibration.estimator.validity().load_n;
+  console.out << "\nvalid for loads of " << decimal(valid_n.lowest, 0) << " .. " << decimal(valid_n.highest, 0)
+              << " N: lighter and heavier people are marked as uncalibrated";
   console.out << "\nwritten to " << cli::printable(report.file) << " as " << report.calibration.id
               << "\nto use it, write at the top of the rig's file, and take any other estimator out of its cop stage:\n    "
               << cli::printable(rig_line(report.file)) << std::endl;

@@ -47,6 +47,13 @@ Verified verify(const RecordedFile& file, cli::Console& console) {
   return verified;
 }
 
+/// What is wrong with the file; a message that begins with the file's name loses it.
+std::string problem_of(const Verified& verified) {
+  const std::string name = verified.file.path + ": ";
+  const std::string& what = verified.problem->what;
+  return what.starts_with(name) ? what.substr(name.size()) : what;
+}
+
 /// One of the words that the catalogue has for recordings.
 std::string state_of(const record::Verification& found) {
   if (found.is_recovered) return "recovered";
@@ -86,8 +93,7 @@ void print_verified(cli::Console& console, const Verified& verified) {
   const record::Verification& found = verified.found;
   const std::string name = cli::printable(verified.file.path);
   if (verified.problem) {
-    console.out << cli::styled(console, cli::Style::Bad, "DAMAGED") << "  " << name << ": " << cli::printable(verified.problem->what)
-                << '\n';
+    console.out << cli::styled(console, cli::Style::Bad, "DAMAGED") << "  " << name << ": " << cli::printable(problem_of(verified)) << '\n';
     return;
   }
   std::string word = state_of(found);
@@ -122,7 +128,10 @@ int run_session_verify(const Arguments& arguments, cli::Console& console) {
     } else {
       print_verified(console, verified);
     }
-    if (verified.problem) status = cli::fail_with(console, *verified.problem);
+    if (verified.problem) {
+      const core::Error& problem = *verified.problem;
+      status = cli::fail_with(console, core::Error{problem.code, file.path + ": " + problem_of(verified), problem.hint});
+    }
     const bool can_recover = !verified.problem && !verified.found.is_closed && !verified.found.is_recovered;
     if (can_recover) cli::print_hint(console, "repair a copy: dtsctl session recover " + cli::printable(file.path));
   }

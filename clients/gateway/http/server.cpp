@@ -136,7 +136,7 @@ client::Result<std::unique_ptr<Server>> Server::open(asio::io_context& io, const
   if (const error_code error = listener->listen(*endpoint)) {
     return client::fail(client::ErrorCode::Failed,
                         "cannot listen on " + options.address + " port " + std::to_string(options.port) + ": " + error.message(),
-                        "is another program there?");
+                        "another program may listen there; choose another port: --listen ADDRESS:PORT");
   }
   listener->accept();
   return std::make_unique<TcpServer>(std::move(state), std::move(listener));

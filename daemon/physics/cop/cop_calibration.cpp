@@ -15,13 +15,14 @@
 namespace dts::physics {
 namespace {
 
-/// FNV-1a over the bits of every value, folded to 32 bits.
-std::uint32_t checksum(std::span<const CopSample> samples) {
+/// FNV-1a over the method and the bits of every value, folded to 32 bits.
+std::uint32_t checksum(CopMethod method, std::span<const CopSample> samples) {
   std::uint64_t hash = 0xcbf29ce484222325U;
   const auto add = [&hash](double value) {
     const auto bits = std::bit_cast<std::uint64_t>(value);
     for (int shift = 0; shift < 64; shift += 8) hash = (hash ^ ((bits >> shift) & 0xffU)) * 0x100000001b3U;
   };
+  add(static_cast<double>(method));
   for (const CopSample& sample : samples) {
     add(sample.load_position.x.value);
     add(sample.load_position.y.value);
@@ -31,11 +32,11 @@ std::uint32_t checksum(std::span<const CopSample> samples) {
   return static_cast<std::uint32_t>(hash ^ (hash >> 32));
 }
 
-std::string make_id(const std::string& created_utc, std::span<const CopSample> samples) {
+std::string make_id(const std::string& created_utc, CopMethod method, std::span<const CopSample> samples) {
   std::string id = "cop-";
   std::ranges::copy_if(created_utc, std::back_inserter(id), [](char character) { return character != '-' && character != ':'; });
   std::array<char, 16> sum{};
-  std::snprintf(sum.data(), sum.size(), "-%08x", checksum(samples));
+  std::snprintf(sum.data(), sum.size(), "-%08x", checksum(method, samples));
   return id + sum.data();
 }
 
@@ -88,7 +89,7 @@ core::Result<CopCalibration> calibrate_cop(CopMethod method, std::span<const Cop
     points.push_back(compare(samples[k], estimator->estimate(samples[k].deflection_mm)));
     if (k < left_out.size() && std::isfinite(left_out[k].x_mm)) checked.push_back(compare(samples[k], left_out[k]));
   }
-  CopCalibration calibration{.id = make_id(origin.created_utc, samples),
+  CopCalibration calibration{.id = make_id(origin.created_utc, method, samples),
                              .origin = std::move(origin),
                              .estimator = std::move(*estimator),
                              .points = std::move(points),

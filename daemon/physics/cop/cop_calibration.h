@@ -46,7 +46,7 @@ struct CopErrorFigures {
 
 /// A measured calibration: what `dtsctl calibrate cop` and `dtslab cop fit` make and the cop stage uses.
 struct CopCalibration {
-  std::string id;  ///< "cop-20260131T120000Z-1a2b3c4d": date and a checksum of the samples.
+  std::string id;  ///< "cop-20260131T120000Z-1a2b3c4d": date and a checksum of method and samples.
   CopCalibrationOrigin origin;
   CopEstimator estimator;  ///< Its `validity()` is the calibrated area and load range.
   std::vector<CopCalibrationPoint> points;

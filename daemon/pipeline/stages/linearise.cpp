@@ -120,7 +120,11 @@ void Linearise::subtract_baseline(core::Block& out, std::size_t first, std::size
 }
 
 void Linearise::report(TareOutcome outcome) noexcept {
-  tare_->report({.request = request_, .outcome = outcome, .channel_count = rig_->sensors.size(), .baseline_mm = baseline_mm_});
+  tare_->report({.request = request_,
+                 .outcome = outcome,
+                 .is_older_in_use = is_tared_ && outcome != TareOutcome::Running && outcome != TareOutcome::Done,
+                 .channel_count = rig_->sensors.size(),
+                 .baseline_mm = baseline_mm_});
 }
 
 std::size_t Linearise::state_size() const noexcept {

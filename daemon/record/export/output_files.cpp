@@ -16,6 +16,7 @@ namespace {
 constexpr std::size_t kBufferBytes = 1U << 18U;
 constexpr mode_t kFileMode = 0640;  // data of people
 constexpr mode_t kFolderMode = 0750;
+constexpr const char* kOtherFolder = "choose a folder that you may write into";
 
 core::Status already_there(const std::string& path) {
   return core::fail(core::ErrorCode::WrongState, "'" + path + "' exists already, and nothing is overwritten",
@@ -114,7 +115,7 @@ core::Result<OutputFile*> OutputFiles::open(const std::string& name, bool may_re
     return core::fail(core::ErrorCode::WrongState, "'" + temporary + "' exists: another export is under way, or one was killed",
                       "when none is running, remove that file");
   }
-  if (descriptor < 0) return core::fail_errno(errno, "cannot create '" + full + "'", "may you write into that folder?");
+  if (descriptor < 0) return core::fail_errno(errno, "cannot create '" + full + "'", kOtherFolder);
   files_.push_back(std::unique_ptr<OutputFile>(new OutputFile(full, temporary, descriptor, may_replace)));
   return files_.back().get();
 }
@@ -129,9 +130,9 @@ core::Status OutputFiles::make_folder(const std::string& path) {
   if (errno == EEXIST && ::stat(path.c_str(), &there) == 0 && S_ISDIR(there.st_mode)) return {};
   const int why = errno;
   const std::size_t slash = path.rfind('/');
-  if (why != ENOENT || slash == std::string::npos) return core::fail_errno(why, "cannot make the folder '" + path + "'");
+  if (why != ENOENT || slash == std::string::npos) return core::fail_errno(why, "cannot make the folder '" + path + "'", kOtherFolder);
   if (auto above = make_folder(path.substr(0, slash)); !above) return above;
-  if (::mkdir(path.c_str(), kFolderMode) != 0) return core::fail_errno(errno, "cannot make the folder '" + path + "'");
+  if (::mkdir(path.c_str(), kFolderMode) != 0) return core::fail_errno(errno, "cannot make the folder '" + path + "'", kOtherFolder);
   made_folders_.push_back(path);
   return {};
 }

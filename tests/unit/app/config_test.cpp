@@ -13,7 +13,9 @@
 namespace dts::app {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
@@ -121,10 +123,22 @@ TEST_F(ConfigFiles, RigWithoutDevice_IsAProblem) {
   EXPECT_THAT(problems_of("[[rig]]\nname = \"floor\"\nfile = \"rig.toml\"\n"), Contains(HasSubstr("[[rig]] device is missing")));
 }
 
-TEST_F(ConfigFiles, MissingSensorFile_IsNamed) {
+TEST_F(ConfigFiles, MissingSensorFile_IsNamedWhereTheRigNamesIt) {
   std::filesystem::remove(folder_ / "sensor.toml");
 
-  EXPECT_THAT(problems_of(kRig), Contains(HasSubstr("sensor.toml")));
+  EXPECT_THAT(problems_of(kRig), Contains(AllOf(HasSubstr("rig.toml:"), HasSubstr("sensor.toml cannot be read: No such file"))));
+}
+
+TEST_F(ConfigFiles, MisspeltTable_IsOneProblemAndNotOneForEachOfItsKeys) {
+  EXPECT_THAT(
+      problems_of_rig(std::string("kind = \"floor\"\n[plat]\na_mm = 430.0\n") + kSensor + kStage),
+      ElementsAre(std::string("rig.toml: [plate] is missing"), std::string("rig.toml:2:2: unknown key 'plat'; did you mean 'plate'?")));
+}
+
+TEST_F(ConfigFiles, MissingRigFile_IsNamedWhereTheConfigurationNamesIt) {
+  std::filesystem::remove(folder_ / "rig.toml");
+
+  EXPECT_THAT(problems_of(kRig), ElementsAre(AllOf(HasSubstr("dtsd.toml:3:"), HasSubstr("rig.toml cannot be read: No such file"))));
 }
 
 TEST_F(ConfigFiles, FallingGaps_AreRefusedByTheCurve) {

@@ -27,6 +27,8 @@ struct Kettle {
                     .takes_files = true}};
   double litres = 0.0;
   std::int64_t cups = 0;
+  bool is_json = false;
+  bool says_result = false;
 
   Kettle() {
     line.manual = {.summary = "boils water", .description = "Heats.", .exit_statuses = {0, 2}, .see_also = {{"tea", 7}}};
@@ -35,6 +37,13 @@ struct Kettle {
       console.out << litres << '\n';
       return 42;
     });
+    CLI::App* spill = add_command(line, *group, "spill", "Spill it", "kettle water spill | wet\n", [this](Console& console) {
+      if (says_result) console.out << "{}\n";
+      print_error(console, "the floor is wet", "mop");
+      return kFailed;
+    });
+    explain(line, *spill, "PUDDLE | its area, m2\n");
+    spill->add_flag("--json", is_json, "Print JSON");
     boil->add_option("LITRES", litres, "How much")->required()->option_text(" ")->check(number_between(0.1, 2.0, "litres"));
     boil->add_option("--cups", cups, "How many")->option_text("N")->check(whole_number_between(1, 8));
     add_common(line);
@@ -72,6 +81,33 @@ TEST_F(RunTest, WrongUsage_NamesTheProgramTheCommandAndTheRange) {
   EXPECT_EQ(talk_.str(), "kettle: water: unexpected command 'boli'\n  try: did you mean boil? kettle water --help\n");
 }
 
+TEST_F(RunTest, ErrorUnderJson_IsADocument) {
+  EXPECT_EQ(run_with({"water", "spill", "--json"}), kFailed);
+  EXPECT_EQ(Json::parse(out_.str()), (Json{{"error", {{"code", "failed"}, {"message", "the floor is wet"}, {"hint", "mop"}}}}));
+  EXPECT_THAT(talk_.str(), HasSubstr("the floor is wet")) << "people read it as ever";
+
+  EXPECT_EQ(run_with({"water", "boil", "--json"}), kUsage);
+  EXPECT_EQ(Json::parse(out_.str()).at("error").at("code"), "invalid_argument");
+
+  EXPECT_EQ(run_with({"water", "spill"}), kFailed);
+  EXPECT_EQ(out_.str(), "");
+}
+
+TEST_F(RunTest, ErrorBehindAResultUnderJson_NoSecondDocument) {
+  Kettle kettle;
+  kettle.says_result = true;
+
+  EXPECT_EQ(run(kettle.line, {"water", "spill", "--json"}, console_), kFailed);
+  EXPECT_EQ(out_.str(), "{}\n");
+}
+
+TEST_F(RunTest, OutputThatFailsUnderJson_StaysFailed) {
+  out_.setstate(std::ios::badbit);
+
+  EXPECT_EQ(run_with({"water", "spill", "--json"}), kFailed);
+  EXPECT_FALSE(out_);
+}
+
 TEST_F(RunTest, HelpAsACommand_PointsToTheOption) {
   EXPECT_EQ(run_with({"help"}), kUsage);
   EXPECT_EQ(talk_.str(), "kettle: unexpected command 'help'\n  try: kettle --help\n");
@@ -89,6 +125,15 @@ TEST_F(RunTest, VersionAndHelp_SpeakOfTheProgram) {
 
   EXPECT_EQ(run_with({"water", "boil", "--help"}), kOk);
   EXPECT_THAT(out_.str(), ::testing::Not(HasSubstr("Also:"))) << "there are no global options";
+}
+
+TEST_F(RunTest, WordsThatACommandPrints_AreExplainedInHelpAndManual) {
+  EXPECT_EQ(run_with({"water", "spill", "--help"}), kOk);
+  EXPECT_THAT(out_.str(), HasSubstr("\nOutput:\n  PUDDLE  its area, m2\n"));
+  EXPECT_THAT(manual_page(Kettle().line), HasSubstr(".PP\nOutput:\n.TP\n.B PUDDLE\nits area, m2.\n"));
+
+  EXPECT_EQ(run_with({"water", "boil", "--help"}), kOk);
+  EXPECT_THAT(out_.str(), ::testing::Not(HasSubstr("Output")));
 }
 
 TEST_F(RunTest, Documents_SpeakOfTheProgram) {

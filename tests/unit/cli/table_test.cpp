@@ -5,6 +5,8 @@
 
 #include <limits>
 #include <sstream>
+#include <string>
+#include <vector>
 
 namespace dts::cli {
 namespace {
@@ -37,36 +39,6 @@ TEST_F(TableTest, Rows_AreAlignedLeftAndRight) {
             "longer  12345\n");
 }
 
-TEST_F(TableTest, Folded_ContinuesBelowWithTheFirstColumnAgain) {
-  Table table({"NAME", ">ONE", ">TWO", ">THREE"});
-  table.add({{"a"}, {"1"}, {"2"}, {"3"}});
-
-  table.print_folded(console_, 14);
-
-  EXPECT_EQ(out_.str(),
-            "NAME  ONE  TWO\n"
-            "a       1    2\n"
-            "\n"
-            "NAME  THREE\n"
-            "a         3\n");
-}
-
-TEST_F(TableTest, FoldedWhereEverythingFits_IsAsPrinted) {
-  Table table({"NAME", ">ONE"});
-  table.add({{"a"}, {"1"}});
-
-  table.print_folded(console_, 9);
-  EXPECT_EQ(out_.str(), "NAME  ONE\na       1\n");
-}
-
-TEST_F(TableTest, FoldedToNothing_HasOneColumnATable) {
-  Table table({"NAME", ">ONE", ">TWO"});
-  table.add({{"a"}, {"1"}, {"2"}});
-
-  table.print_folded(console_, 1);
-  EXPECT_EQ(out_.str(), "NAME  ONE\na       1\n\nNAME  TWO\na       2\n");
-}
-
 TEST_F(TableTest, TextBeyondAscii_IsAlignedByCharacters) {
   Table table({"A", "B"});
   table.add({{"µm"}, {"x"}});
@@ -75,6 +47,46 @@ TEST_F(TableTest, TextBeyondAscii_IsAlignedByCharacters) {
   table.print(console_);
 
   EXPECT_EQ(out_.str(), "A    B\nµm   x\nmmm  y\n");
+}
+
+TEST_F(TableTest, NarrowTerminal_LastColumnsStandBelow) {
+  Table table({"NAME", ">COUNT", "NOTE"});
+  table.add({{"a"}, {"1"}, {"the first"}});
+  table.add({{"longer"}, {"12345"}, {""}});
+  console_.is_out_terminal = true;
+  console_.columns = 20;
+
+  table.print(console_);
+
+  EXPECT_EQ(out_.str(),
+            "NAME    COUNT\n"
+            "  NOTE\n"
+            "a           1\n"
+            "  the first\n"
+            "longer  12345\n");
+}
+
+TEST_F(TableTest, WideEnoughTerminalOrNone_OneLineARow) {
+  Table table({"NAME", "NOTE"});
+  table.add({{"a"}, {"the first"}});
+  console_.columns = 15;
+
+  table.print(console_);
+  EXPECT_EQ(out_.str(), "NAME  NOTE\na     the first\n");
+  console_.is_out_terminal = true;
+  table.print(console_);
+  EXPECT_EQ(out_.str(), "NAME  NOTE\na     the first\nNAME  NOTE\na     the first\n");
+}
+
+TEST(Filled, PiecesStayTogetherAndTooWideOnesAreSplit) {
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(filled({"a 1", "b 2", "c 3"}, "  ", 8, "  "), (Lines{"a 1  b 2", "  c 3"}));
+  EXPECT_EQ(filled({"abcdefghij"}, " ", 4, "  "), (Lines{"abcd", "  ef", "  gh", "  ij"}));
+  EXPECT_EQ(filled({"µµµµ"}, " ", 3, ""), (Lines{"µµµ", "µ"}));
+  EXPECT_EQ(filled({"ab"}, " ", 0, "  ").size(), 1U) << "no room at all: three columns are taken";
+  EXPECT_EQ(wrapped("as  it  is", 10, "  "), (Lines{"as  it  is"}));
+  EXPECT_EQ(wrapped("one two three", 8, "  "), (Lines{"one two", "  three"}));
+  EXPECT_EQ(wrapped("one two  three", 8, "  "), (Lines{"one two", "  three"}));
 }
 
 TEST_F(TableTest, MissingCells_AreEmpty) {

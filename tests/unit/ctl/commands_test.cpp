@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <filesystem>
+
+#include "ctl/status_view.h"
 #include "dts/error.h"
 #include "unit/ctl/run_fixture.h"
 
@@ -107,6 +110,23 @@ TEST_F(CommandsTest, UnknownRig_ExitsWithNotFoundAndSuggests) {
   EXPECT_THAT(talk(), HasSubstr("did you mean floor?"));
 }
 
+TEST(NoticeLines, TheSameOfSeveralThreads_IsOneLine) {
+  v1::StatusSnapshot status;
+  for (const char* notice : {"memory is not locked", "thread publish: SCHED_FIFO refused", "thread acq-floor: SCHED_FIFO refused",
+                             "thread acq-floor: CPU 9 refused"}) {
+    status.add_notices(notice);
+  }
+
+  EXPECT_THAT(notice_lines(status), ::testing::ElementsAre("memory is not locked", "threads publish, acq-floor: SCHED_FIFO refused",
+                                                           "thread acq-floor: CPU 9 refused"));
+}
+
+TEST_F(CommandsTest, ErrorUnderJson_SaysTheCodeInAWord) {
+  EXPECT_EQ(run_with({"rig", "show", "flor", "--json"}), 5);
+
+  EXPECT_EQ(json(), (nlohmann::json{{"error", {{"code", "not_found"}, {"message", "no rig 'flor'"}, {"hint", "did you mean floor?"}}}}));
+}
+
 TEST_F(CommandsTest, DeviceListAndTest_ShowHardware) {
   EXPECT_EQ(run_with({"device", "list"}), cli::kOk);
   EXPECT_THAT(out(), HasSubstr("sim:floor"));
@@ -171,6 +191,40 @@ TEST_F(CommandsTest, MarkWithoutSession_SaysThatNothingRecordsIt) {
   EXPECT_EQ(run_with({"mark", "step"}), cli::kOk);
 
   EXPECT_EQ(talk(), "dtsctl: no session is running on rig 'floor': this marker is not recorded\n  try: dtsctl session start --rig floor\n");
+}
+
+TEST_F(RunTest, KeyForADaemonWithoutNetwork_IsNotMade) {
+  const FakeController daemon(control_, [](const v1::Request& request, int) {
+    return std::vector{
+        reply(request, [](v1::Response& response) { response.mutable_keys()->set_server_public_key(std::string(40, 'x')); })};
+  });
+  const std::string file = directory_.path() / "ward-3.key";
+
+  EXPECT_EQ(run_with({"key", "new", "ward-3", "--role", "viewer", "--out", file}), 6);
+
+  EXPECT_FALSE(std::filesystem::exists(file));
+  EXPECT_THAT(talk(), HasSubstr("keys have no use yet"));
+  EXPECT_EQ(daemon.requests(), 1) << "only asked: the daemon knows no key either";
+}
+
+TEST_F(RunTest, MarkOfSeveralRigs_OneRecordsItIsEnough) {
+  bool has_session = false;
+  const FakeController daemon(control_, [&has_session](const v1::Request& request, int) {
+    return std::vector{reply(request, [&](v1::Response& response) {
+      if (request.has_mark()) {
+        for (const char* rig : {"attic", "floor"}) response.mutable_mark()->add_marks()->set_rig(rig);
+        return;
+      }
+      *response.mutable_status() = testing::floor_status();
+      if (has_session) response.mutable_status()->mutable_rigs(0)->mutable_session()->set_state(v1::SESSION_STATE_RUNNING);
+    })};
+  });
+
+  EXPECT_EQ(run_with({"mark", "step"}), cli::kOk);
+  EXPECT_EQ(talk(), "dtsctl: no session is running: this marker is not recorded\n  try: dtsctl session start --rig RIG\n");
+  has_session = true;
+  EXPECT_EQ(run_with({"mark", "step"}), cli::kOk);
+  EXPECT_EQ(talk(), "");
 }
 
 TEST_F(RunTest, MarkInSession_HasNoWarning) {

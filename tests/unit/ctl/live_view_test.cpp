@@ -155,7 +155,32 @@ TEST_F(LiveViewTest, Table_LongLinesAndManyStreamsStayOnTheScreen) {
   std::istringstream lines(take());
   int count = 0;
   for (std::string line; std::getline(lines, line); ++count) EXPECT_LE(line.size(), 40U) << line;
-  EXPECT_EQ(count, 4);
+  EXPECT_EQ(count, 4) << "headline, one stream in two lines, how many more";
+}
+
+TEST_F(LiveViewTest, Table_ValuesThatDoNotFitStandInTheNextLine) {
+  LiveTable table(console_);
+  console_.columns = 60;
+  const CopBlock cop({1.0F, 2.0F});
+  table.show(cop.block, 1, start_);
+  table.refresh(start_);
+  EXPECT_THAT(take(), ::testing::EndsWith("ml  1.0000 mm\n    load  2.0000 N\n"));
+
+  table.refresh(start_ + 100ms);
+  EXPECT_THAT(take(), ::testing::StartsWith("\x1b[3A\x1b[J"));
+}
+
+TEST_F(LiveViewTest, Table_ResizedTerminalIsErasedWhole) {
+  LiveTable table(console_);
+  const CopBlock cop({1.0F, 2.0F});
+  table.show(cop.block, 1, start_);
+  table.refresh(start_);
+  take();
+  console_.measure = [](cli::Console& console) { console.columns = 60; };
+
+  table.refresh(start_ + 100ms);
+
+  EXPECT_THAT(take(), ::testing::StartsWith("\x1b[H\x1b[J"));
 }
 
 TEST_F(LiveViewTest, Table_RunningValuesOfSwayStandBelowAndFinalOnesScroll) {
@@ -225,7 +250,7 @@ TEST_F(LiveViewTest, EventLine_EveryKindForPeople) {
                  }),
             "trial: rest for 20.0 s");
   EXPECT_EQ(line("trial", [](v1::Event& event) { event.mutable_trial()->set_kind(v1::TRIAL_EVENT_KIND_FINISHED); }),
-            "trial: all trials are done");
+            "trial: all trials are done; end the session: dtsctl session stop");
   EXPECT_EQ(line("reach", [](v1::Event&) {}), "reach: (of a later version of dtsd)");
 }
 

@@ -31,6 +31,7 @@ v1::SessionRecord interrupted_session() {
   trial.set_trial(1);
   trial.set_condition("120");
   trial.set_outcome("rejected");
+  (*session.mutable_fields())["age_years"] = "52";
   return session;
 }
 
@@ -65,11 +66,14 @@ class SessionCommandsTest : public RunTest {
   }
   void fill(const v1::Request& request, v1::Response& response) {
     switch (request.command_case()) {
-      case v1::Request::kListSessions: *response.mutable_sessions()->add_sessions() = interrupted_session(); break;
+      case v1::Request::kListSessions:
+        response.mutable_sessions();
+        if (has_sessions_) *response.mutable_sessions()->add_sessions() = interrupted_session();
+        break;
       case v1::Request::kShowSession: *response.mutable_session_record() = interrupted_session(); break;
       case v1::Request::kListProtocols: *response.mutable_protocols()->add_protocols() = reaching(); break;
       case v1::Request::kTrial:
-        response.mutable_trial()->set_phase(v1::TRIAL_PHASE_READY);
+        response.mutable_trial()->set_phase(phase_);
         response.mutable_trial()->set_trial(3);
         response.mutable_trial()->set_of(30);
         response.mutable_trial()->set_condition("120");
@@ -97,6 +101,8 @@ class SessionCommandsTest : public RunTest {
   v1::RecordingStatus recording_;
   v1::StatusSnapshot status_ = testing::floor_status();
   std::string audit_problem_;
+  bool has_sessions_ = true;
+  v1::TrialPhase phase_ = v1::TRIAL_PHASE_READY;
   testing::FakeController daemon_{control_, [this](const v1::Request& asked, int) { return answer(asked); }};
 };
 
@@ -156,6 +162,27 @@ TEST_F(SessionCommandsTest, List_ShowsEveryStateWithItsWord) {
   EXPECT_EQ(request().list_sessions().limit(), 5U);
 }
 
+TEST_F(SessionCommandsTest, ListOfARigThatIsNotThere_ExitsWithFiveUnlessItHasSessions) {
+  EXPECT_EQ(run_with({"session", "list", "--rig", "attic"}), cli::kOk) << "a rig of earlier days";
+
+  has_sessions_ = false;
+  EXPECT_EQ(run_with({"session", "list", "--rig", "flor"}), 5);
+  EXPECT_THAT(talk(), HasSubstr("did you mean floor?"));
+  EXPECT_EQ(run_with({"session", "list", "--rig", "floor"}), cli::kOk);
+  EXPECT_EQ(out(), "no session\n");
+}
+
+TEST_F(SessionCommandsTest, StartOnARigThatDoesNotStream_SaysThatItWaits) {
+  EXPECT_EQ(run_with({"session", "start", "--rig", "floor"}), cli::kOk);
+  EXPECT_EQ(talk(), "");
+
+  status_.mutable_rigs(0)->set_device(v1::DEVICE_STATE_WAITING);
+  status_.mutable_rigs(0)->set_device_message("waits for its trigger");
+  EXPECT_EQ(run_with({"session", "start", "--rig", "floor"}), cli::kOk);
+  EXPECT_EQ(out(), "floor-1\n");
+  EXPECT_EQ(talk(), "dtsctl: rig 'floor' waits: waits for its trigger; the session begins with the first scan\n");
+}
+
 TEST_F(SessionCommandsTest, ListJson_WhatIsNotKnownIsAbsent) {
   EXPECT_EQ(run_with({"session", "list", "--json"}), cli::kOk);
 
@@ -173,6 +200,7 @@ TEST_F(SessionCommandsTest, Show_PartsReasonsAndTrials) {
   EXPECT_THAT(out(), HasSubstr("no footer; at most 0.75 s are lost"));
   EXPECT_THAT(out(), HasSubstr("part 1: SHA-256 0123abcd"));
   EXPECT_THAT(out(), HasSubstr("rejected"));
+  EXPECT_THAT(out(), HasSubstr("age_years   52\n"));
   EXPECT_EQ(request().show_session().session_id(), "20261121T144525Z-floor-1");
 }
 
@@ -186,6 +214,24 @@ TEST_F(SessionCommandsTest, Trial_EveryActionHasItsWord) {
   }
   EXPECT_EQ(out(), "trial 3 of 30, ready: 120\n");
   EXPECT_EQ(run_with({"session", "trial", "skip"}), cli::kUsage);
+}
+
+TEST_F(SessionCommandsTest, NextBeforeTheSessionRuns_SaysThatItWillStart) {
+  phase_ = v1::TRIAL_PHASE_WAITING;
+
+  EXPECT_EQ(run_with({"session", "trial", "next"}), cli::kOk);
+
+  EXPECT_THAT(out(), ::testing::StartsWith("starts as soon as the session runs: "));
+}
+
+TEST(TrialLine, AllDone_SaysHowToEndTheSession) {
+  v1::TrialStatus trial;
+  trial.set_phase(v1::TRIAL_PHASE_FINISHED);
+  trial.set_of(9);
+
+  EXPECT_EQ(trial_line(trial, "chair"), "all 9 trials are done; end the session: dtsctl session stop --rig chair");
+  trial.set_of(1);
+  EXPECT_EQ(trial_line(trial, ""), "the trial is done; end the session: dtsctl session stop");
 }
 
 TEST_F(SessionCommandsTest, Protocols_AreListedAndShown) {

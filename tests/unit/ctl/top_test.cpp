@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The daemon's health for people and programs: quantiles out of its histogram, and `dtsctl top`.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <sstream>
 #include <thread>
 
+#include "cli/table.h"
 #include "ctl/health_view.h"
 #include "ctl/latency.h"
 #include "ctl/screen.h"
@@ -88,12 +90,12 @@ v1::StatusSnapshot busy_status(std::int64_t host_time_s = 100, std::uint64_t blo
 
 std::string text_of(const HealthView& view) {
   std::string text;
-  for (const std::string& line : view.lines()) text += line + "\n";
+  for (const std::string& line : view.lines(200)) text += line + "\n";
   return text;
 }
 
 TEST(HealthView, BeforeTheFirstStatus_SaysNothing) {
-  EXPECT_TRUE(HealthView().lines().empty());
+  EXPECT_TRUE(HealthView().lines(200).empty());
   EXPECT_TRUE(HealthView().json().empty());
 }
 
@@ -152,21 +154,55 @@ TEST(HealthView, AnotherDaemon_StartsAnew) {
   EXPECT_LT(view.json().at("rigs").at(0).at("latency_p95_ms").get<double>(), 1.0);
 }
 
-TEST(Screen, NewLines_AreDrawnOverTheOldOnesAndCutToTheScreen) {
-  std::ostringstream out;
-  std::ostringstream talk;
-  cli::Console console{.out = out, .talk = talk, .can_redraw = true, .columns = 5, .lines = 3};
-  Screen screen(console);
+TEST(HealthView, NarrowTerminal_EveryColumnIsThere) {
+  HealthView view;
+  view.take(busy_status());
 
-  screen.draw({"abcdefgh", "second", "third"});
-  EXPECT_EQ(out.str(), "abcde\nsecon\n");
-  out.str({});
-  screen.draw({"x\x1b[2J"});
-  EXPECT_EQ(out.str(), "\x1b[2A\x1b[Jx [2J\n");
-  out.str({});
-  screen.make_room();
-  screen.draw({"below"});
-  EXPECT_EQ(out.str(), "below\n");
+  for (const std::string& line : view.lines(80)) EXPECT_LE(cli::width(line), 80U) << line;
+  for (const char* heading : {"RIG", "QUEUES (%)", "P95 (ms)", "SESSION"}) {
+    const auto has_heading = [heading](const std::string& line) { return line.find(heading) != std::string::npos; };
+    EXPECT_TRUE(std::ranges::any_of(view.lines(80), has_heading)) << heading;
+  }
+}
+
+class ScreenTest : public ::testing::Test {
+ protected:
+  std::string take() {
+    std::string text = out_.str();
+    out_.str({});
+    return text;
+  }
+  std::ostringstream out_;
+  std::ostringstream talk_;
+  cli::Console console_{.out = out_, .talk = talk_, .can_redraw = true, .columns = 6, .lines = 4};
+  Screen screen_{console_};
+};
+
+TEST_F(ScreenTest, NewLines_AreDrawnOverTheOldOnes) {
+  screen_.draw({"first", "x"});
+  EXPECT_EQ(take(), "first\nx\n");
+  screen_.draw({"x\x1b[2J"});
+  EXPECT_EQ(take(), "\x1b[2A\x1b[Jx [2J\n");
+  screen_.make_room();
+  screen_.draw({"below"});
+  EXPECT_EQ(take(), "below\n");
+}
+
+TEST_F(ScreenTest, LongLines_AreWrappedAndTheLastOnesLeftOut) {
+  screen_.draw({"ab cd ef", "second", "third"});
+
+  EXPECT_EQ(take(), "ab cd\n  ef\nsecond\n");
+}
+
+TEST_F(ScreenTest, ResizedTerminal_IsErasedWhole) {
+  screen_.draw({"first"});
+  take();
+  console_.measure = [](cli::Console& console) { console.columns = 3; };
+
+  screen_.draw({"abcd"});
+  EXPECT_EQ(take(), "\x1b[H\x1b[Jabc\n  d\n");
+  screen_.draw({"x"});
+  EXPECT_EQ(take(), "\x1b[2A\x1b[Jx\n");
 }
 
 class TopTest : public RunTest {

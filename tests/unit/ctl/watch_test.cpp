@@ -47,6 +47,25 @@ TEST_F(WatchTest, CountInTheMiddleOfABlock_ExactlySoManyScansArePrinted) {
   EXPECT_EQ(lines()[1].at("first_scan"), 3);
 }
 
+TEST_F(WatchTest, Csv_IsOfOneStreamWithALinePerScan) {
+  const int status = watch({"floor/", "--count", "4", "--csv"}, "floor/", [](FakePublisher& daemon) {
+    daemon.send("dtsd/status", floor_status());
+    daemon.send("floor/cop", block(1, 0, 2, 1));
+    daemon.send("floor/raw", block(1, 0, 1, 1, 1));
+    daemon.send("floor/cop", block(1, 2, 1, 2));
+  });
+
+  EXPECT_EQ(status, cli::kOk);
+  std::istringstream text(out());
+  std::vector<std::string> rows;
+  for (std::string row; std::getline(text, row);) rows.push_back(row);
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[0], "segment,scan,ml_mm,ap_mm,load_n");
+  EXPECT_THAT(rows[1], ::testing::StartsWith("1,0,"));
+  EXPECT_THAT(rows[3], ::testing::StartsWith("1,2,"));
+  EXPECT_THAT(talk(), HasSubstr("floor/raw is left out"));
+}
+
 TEST_F(WatchTest, Events_CountAsOneEach) {
   const int status = watch({"floor/", "--count", "3", "--jsonl"}, "floor/", [](FakePublisher& daemon) {
     daemon.send("dtsd/status", floor_status());
@@ -125,7 +144,12 @@ TEST_F(WatchTest, SilenceBetweenEvents_IsNotToldAgainAndAgain) {
   const int status = watch({"floor/marker", "--count", "2", "--jsonl"}, "floor/marker", [](FakePublisher& daemon) {
     daemon.send("dtsd/status", floor_status());
     daemon.send("floor/marker", testing::marker("one"));
-    std::this_thread::sleep_for(std::chrono::milliseconds(3300));  // longer than `watch` listens before it explains a silence
+    v1::StatusSnapshot status_now = floor_status();
+    for (int second = 1; second <= 4; ++second) {  // longer than `watch` listens before it explains a silence
+      std::this_thread::sleep_for(std::chrono::milliseconds(850));
+      status_now.set_host_time_ns(status_now.host_time_ns() + 1'000'000'000);
+      daemon.send("dtsd/status", status_now);
+    }
     daemon.send("floor/marker", testing::marker("two"));
   });
 
@@ -137,6 +161,22 @@ TEST_F(WatchTest, NotEvenAStatusWithinTheTimeout_Unreachable) {
   const int status = watch({"floor/cop", "--timeout", "0.2"}, "floor/cop", [](FakePublisher&) {});
 
   EXPECT_EQ(status, 3);
+}
+
+TEST_F(WatchTest, DaemonEndsWhileItIsWatched_IsSaid) {
+  int status = -1;
+  std::jthread command;
+  {
+    FakePublisher daemon(data_);
+    command = std::jthread([&] { status = run_with({"watch", "floor/cop", "--timeout", "0.5"}); });
+    EXPECT_TRUE(daemon.wait_for_subscription("floor/cop"));
+    daemon.send("dtsd/status", floor_status());
+    daemon.send("floor/cop", block(1, 0, 1, 1));
+  }
+  command.join();
+
+  EXPECT_EQ(status, 3);
+  EXPECT_THAT(talk(), HasSubstr("no daemon at " + data_));
 }
 
 TEST_F(WatchTest, NobodyThere_UnreachableAtOnce) {

@@ -115,11 +115,12 @@ TEST_F(RigWithCalibration, OtherEstimator_IsRefusedAtItsPlace) {
   EXPECT_EQ(problems_[0].column, std::string("estimator = \"").size());
 }
 
-TEST_F(RigWithCalibration, FileThatIsNotThere_IsAProblem) {
+TEST_F(RigWithCalibration, FileThatIsNotThere_IsAProblemWhereItIsNamed) {
   static_cast<void>(read(kCalibration));
 
   ASSERT_EQ(problems_.size(), 1U);
-  EXPECT_THAT(problems()[0], testing::StartsWith("calibration.toml"));
+  EXPECT_THAT(problems()[0], testing::StartsWith("rigs/floor.toml:1:15: "));
+  EXPECT_THAT(problems()[0], testing::HasSubstr("calibration.toml cannot be read: No such file"));
 }
 
 TEST_F(RigWithCalibration, BadFile_IsReportedWithItsOwnPlace) {

@@ -6,9 +6,13 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <zmq.hpp>
+
+#include "ipc/control_socket.h"
 
 namespace dts::ipc {
 namespace {
@@ -52,6 +56,18 @@ class SocketFile : public ::testing::Test {
   sockaddr_un address_{};
   int listener_ = -1;
 };
+
+TEST(ControlSocketBind, AddressThatThisMachineDoesNotHave_SaysWhatToWrite) {
+  zmq::context_t context{2};  // the second thread is for other machines
+  std::array<char, 41> public_key{};
+  std::array<char, 41> secret_key{};
+  ASSERT_EQ(zmq_curve_keypair(public_key.data(), secret_key.data()), 0);
+
+  const auto bound = ControlSocket::bind(context, RemoteEndpoint{"tcp://192.0.2.1:5555", {public_key.data(), secret_key.data()}});
+
+  ASSERT_FALSE(bound);
+  EXPECT_NE(bound.error().hint.find("tcp://*:PORT"), std::string::npos) << core::to_string(bound.error());
+}
 
 TEST_F(SocketFile, SomebodyListens_IsInUse) {
   const auto free = check_not_in_use("ipc://" + (directory_ / "s").string());

@@ -75,6 +75,16 @@ TEST_F(HealthTest, Status_NamesCausesThatHappenedAndSaysTheRest) {
   EXPECT_EQ(rig.latency().buckets(13).blocks_total(), 1U);
 }
 
+TEST_F(HealthTest, RefusedTare_IsTheStateOnlyWhereNoEarlierOneIsInUse) {
+  session::RigState state{.rig = *rig_};
+  const auto tare = [&state] { return status_snapshot({}, core::VirtualClock(), {state}, {}).rigs(0).tare(); };
+
+  state.tare.outcome = pipeline::TareOutcome::Loaded;
+  EXPECT_EQ(tare(), dts::v1::TARE_STATE_LOADED);
+  state.tare.is_older_in_use = true;
+  EXPECT_EQ(tare(), dts::v1::TARE_STATE_DONE);
+}
+
 /// Counts blocks by topic instead of sending them.
 class CountingSocket final : public DataSocket {
  public:

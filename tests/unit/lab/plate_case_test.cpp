@@ -212,7 +212,8 @@ TEST_F(PlateCaseTest, BadFile_ExitsWithTwoAndOneLinePerProblem) {
 
   EXPECT_THAT(talk(), HasSubstr(file + ":4:8: [plate] h_mm = -3 is out of range; allowed: 0.01 .. 86\n"));
   EXPECT_THAT(talk(), HasSubstr("no [[load]]"));
-  EXPECT_EQ(out(), "");
+  EXPECT_EQ(json().at("error").at("code"), "invalid_argument");
+  EXPECT_THAT(json().at("error").at("message").get<std::string>(), HasSubstr("h_mm = -3"));
 
   EXPECT_EQ(run_with({"plate", "solve", path("none.toml")}), cli::kUsage);
   EXPECT_THAT(talk(), StartsWith(path("none.toml")));

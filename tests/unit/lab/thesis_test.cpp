@@ -167,16 +167,5 @@ TEST_F(RunTest, ThesisTable_OnTheTerminalShowsNotes) {
   EXPECT_THAT(out(), ::testing::HasSubstr("do not follow from the stated theory"));
 }
 
-TEST_F(RunTest, ThesisTables_FitAHundredColumns) {
-  for (const char* name : {"3.2", "3.4", "3.6", "4.1", "6.3"}) {
-    EXPECT_EQ(run_with({"thesis", name}), cli::kOk);
-    std::istringstream lines(out());
-    for (std::string line; std::getline(lines, line);) {
-      if (line.starts_with("- ")) continue;  // notes are sentences
-      EXPECT_LE(line.size(), 100U) << name << ": " << line;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace dts::lab

@@ -132,6 +132,7 @@ TEST_F(LineariseTest, TareOnALoadedPlate_IsRefusedAndKeepsTheOldBaseline) {
   const Output output = run(resting(101, 0.1, 0.51));  // the limit is 0.5 mm from the nominal gap, whatever the baseline
 
   EXPECT_EQ(report().outcome, TareOutcome::Loaded);
+  EXPECT_TRUE(report().is_older_in_use);
   EXPECT_EQ(report().request, 2U);
   EXPECT_NEAR(report().baseline_mm[1], 0.2, kTableMm);
   EXPECT_NEAR(output.values[1][100], 0.31, 2 * kTableMm);
@@ -171,6 +172,7 @@ TEST_F(LineariseTest, TareWithAFaultyScan_IsRefusedAsBadSensor) {
     run(signal);
 
     EXPECT_EQ(report().outcome, TareOutcome::BadSensor);
+    EXPECT_FALSE(report().is_older_in_use);
   }
 }
 

@@ -79,6 +79,15 @@ TEST(ProtocolFields, OutOfRange_SaysTheRange) {
   EXPECT_EQ(refusal(reaching(), {{"side", "left"}, {"arm_length_cm", "20"}}), "");
 }
 
+TEST(ProtocolFields, SeveralWrong_AreToldTogether) {
+  const std::string told = refusal(reaching(), {{"age_years", "500"}, {"arm_length_cm", "tall"}, {"hat", "red"}});
+
+  for (const char* part : {"field 3 of 3", "'age_years' is out of range", "age_years: allowed: 3 .. 120", "'arm_length_cm' is no number",
+                           "asks for more", "--field side=left|right"}) {
+    EXPECT_THAT(told, HasSubstr(part));
+  }
+}
+
 TEST(ProtocolFields, TargetInPercent_NeedsTheArm) {
   const auto protocol = reaching({{.name = "120", .target_percent = 120}});
   EXPECT_THAT(refusal(protocol, {{"side", "left"}}), testing::AllOf(HasSubstr("'arm_length_cm' is missing"), HasSubstr("'120'")));

@@ -62,7 +62,8 @@ class CopGuideTest : public ::testing::Test {
                     .typed = &typed,
                     .prompt = is_guided ? &prompt : nullptr,
                     .draws = true,
-                    .say = [this](const std::string& line) { said_ += line + "\n"; }});
+                    .say = [this](const std::string& line) { said_ += line + "\n"; },
+                    .estimated_load_n = [this] { return estimated_load_n_; }});
     return guide.measure_until(end);
   }
   [[nodiscard]] double read(std::size_t index) const { return progress_->points()[index]->mean[0]; }
@@ -73,6 +74,7 @@ class CopGuideTest : public ::testing::Test {
   std::filesystem::path folder_;
   std::optional<ProgressFile> progress_;
   ScriptedFeed feed_;
+  std::optional<double> estimated_load_n_;
   std::deque<std::string> answers_;
   bool is_typing_ = false;  ///< Answers come while nobody asks, too.
   std::ostringstream asked_;
@@ -92,6 +94,35 @@ TEST_F(CopGuideTest, Alone_EveryLoadAfterALiftOffIsTheNextPoint) {
   EXPECT_THAT(said_,
               HasSubstr("Point 1 of 3: put 490 N at x 86.00, y 215.00 mm from the left back corner (-129.00, 0.00 mm from the centre)"));
   EXPECT_THAT(said_, HasSubstr("Point 3 of 3: put 240 N at x 344.00"));
+}
+
+TEST_F(CopGuideTest, Alone_SkipTypedMeanwhileLeavesThePointOut) {
+  is_typing_ = true;
+  answers_ = {"s"};
+  feed_.rest(kEmpty, 1);
+  for (const double w_mm : {2.0, 3.0}) lift_and_put(w_mm);
+
+  ASSERT_TRUE(guide(false));
+
+  EXPECT_FALSE(progress_->points()[0]);
+  EXPECT_NEAR(read(1), 2.0, 0.001);
+}
+
+TEST_F(CopGuideTest, WeightThatTheDaemonTakesForAnother_IsDoubtedOncePerLoad) {
+  for (const double estimated_n : {490.0 / 1.5, 490.0 * 1.5, 686.0 / 9.81}) {
+    feed_ = ScriptedFeed();
+    progress_.reset();
+    progress_ = ProgressFile::create(folder_ / "p.jsonl", {{"points", {1, 2, 3}}}).value();
+    said_.clear();
+    estimated_load_n_ = estimated_n;
+    for (const double w_mm : {1.0, 2.0}) lift_and_put(w_mm);
+
+    ASSERT_TRUE(guide(false, 2));
+
+    const bool is_doubted = estimated_n < 100.0;
+    EXPECT_EQ(said_.find("takes this weight for 70 N, not 490 N") != std::string::npos, is_doubted) << estimated_n;
+    EXPECT_EQ(said_.find("warning"), said_.rfind("warning")) << "once for 490 N";
+  }
 }
 
 TEST_F(CopGuideTest, Alone_ALoadThatStaysIsNotMeasuredTwice) {

@@ -97,10 +97,21 @@ TEST_F(FilesTest, VerifyOfDamagedRecording_ExitsWithSeven) {
 
   EXPECT_EQ(run_bare({"session", "verify", file}), 7);
   EXPECT_THAT(out(), HasSubstr("DAMAGED  " + file));
+  EXPECT_EQ(out().find(file), out().rfind(file)) << "named once: " << out();
+  EXPECT_THAT(talk(), ::testing::StartsWith("dtsctl: " + file + ": "));
+  EXPECT_EQ(talk().find(file), talk().rfind(file)) << talk();
 
   EXPECT_EQ(run_bare({"session", "verify", file, "--json"}), 7);
   EXPECT_EQ(json().at("ok"), false);
   EXPECT_TRUE(json().at("files").at(0).contains("problem"));
+}
+
+TEST_F(FilesTest, ExportIntoAFolderThatCannotBeMade_SaysWhatToDo) {
+  const std::string file = make_recording(path("a.xdf"));
+
+  EXPECT_NE(run_bare({"session", "export", file, "--format", "csv", "--out", "/proc/dts"}), cli::kOk);
+
+  EXPECT_THAT(talk(), HasSubstr("choose a folder that you may write into"));
 }
 
 TEST_F(FilesTest, FileThatIsNoRecording_ExitsWithTwo) {

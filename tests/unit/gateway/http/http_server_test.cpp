@@ -260,6 +260,7 @@ TEST(HttpServer, AddressesThatCannotBeUsedAreExplained) {
   EXPECT_EQ(no_address.error().code, client::ErrorCode::InvalidArgument);
   ASSERT_FALSE(taken.has_value());
   EXPECT_EQ(taken.error().code, client::ErrorCode::Failed);
+  EXPECT_NE(taken.error().hint.find("--listen"), std::string::npos);
 }
 
 }  // namespace

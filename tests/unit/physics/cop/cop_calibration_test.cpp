@@ -38,6 +38,13 @@ TEST(CopCalibration, Id_SaysDateAndSamples) {
   EXPECT_NE(other.id, first.id);
 }
 
+TEST(CopCalibration, Id_OfTwoMethodsOnTheSameSamplesDiffers) {
+  const auto samples = samples_of(CopMethod::Thesis);
+
+  EXPECT_NE(calibrate_cop(CopMethod::Thesis, samples, kOrigin).value().id,
+            calibrate_cop(CopMethod::ThesisPerPair, samples, kOrigin).value().id);
+}
+
 TEST(CopCalibration, BadDate_IsRefused) {
   for (const char* date : {"", "today", "2026-01-31 12:00:00Z", "2026-01-31T12:00:00", "2026-01-31T12:00:00Zx"}) {
     const auto result = calibrate_cop(CopMethod::Poly3, samples_of(CopMethod::Poly3), {.created_utc = date});

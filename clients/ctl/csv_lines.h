@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+
+#include "cli/console.h"
+#include "ctl/watch_sink.h"
+
+namespace dts::ctl {
+
+/// One stream as CSV: a line of names, then a line per scan; undefined values are empty. Events are not in it. Of a second stream it says,
+/// once, that it is left out.
+///
+///     segment,scan,ml_mm,ap_mm,load_n
+///     1,1036,-1.7779222,3.3133867,585.61926
+class CsvLines final : public WatchSink {
+ public:
+  explicit CsvLines(cli::Console& console) : console_(console) {}
+
+  void show(const client::Block& block, std::size_t scans, Time now) override;
+  void show(const client::Event& /*event*/) override {}
+  void show(const client::Status& /*status*/) override {}
+  void forget() override {}
+  void refresh(Time /*now*/) override {}
+
+ private:
+  void begin(const client::Block& block);
+
+  cli::Console& console_;
+  std::string topic_;  ///< Of the first block.
+  std::string text_;
+  bool has_told_other_ = false;
+};
+
+}  // namespace dts::ctl

@@ -126,7 +126,8 @@ dts::v1::Response SessionCommands::list(const dts::v1::ListSessionsRequest& requ
   if (!rows) return error_response(rows.error());
   dts::v1::Response response;
   auto& out = *response.mutable_sessions();
-  for (const record::SessionRow& row : *rows) *out.add_sessions() = session_record(recordings->corrected(row));
+  for (const record::SessionRow& row : *rows)
+    *out.add_sessions() = session_record(recordings->corrected(row), supervisor_.planned_trials(row));
   return response;
 }
 
@@ -138,7 +139,7 @@ dts::v1::Response SessionCommands::show(const dts::v1::ShowSessionRequest& reque
   const auto results = recordings->catalogue().results(request.session_id());
   if (!results) return error_response(results.error());
   dts::v1::Response response;
-  *response.mutable_session_record() = session_record(recordings->corrected(*row));
+  *response.mutable_session_record() = session_record(recordings->corrected(*row), supervisor_.planned_trials(*row));
   for (const record::ResultRow& result : *results) *response.mutable_session_record()->add_results() = session_result(result);
   return response;
 }

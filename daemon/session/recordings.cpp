@@ -46,7 +46,9 @@ core::Result<std::string> set_aside(const std::string& catalogue, std::int64_t u
   for (const char* ending : {"-wal", "-shm", ".audit", ""}) {
     if (!std::filesystem::exists(std::filesystem::symlink_status(catalogue + ending, error))) continue;
     std::filesystem::rename(catalogue + ending, aside + ending, error);
-    if (error) return core::fail_errno(error.value(), "the damaged catalogue " + catalogue + " cannot be renamed", "move it away with all files beside it");
+    if (error)
+      return core::fail_errno(error.value(), "the damaged catalogue " + catalogue + " cannot be renamed",
+                              "move it away with all files beside it");
   }
   return aside;
 }
@@ -71,7 +73,8 @@ std::int64_t end_of_data_utc_ns(const record::PartRow& part) {
 
 }  // namespace
 
-core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const StorageConfig& config, core::Clock& clock, const core::Log& log) {
+core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const StorageConfig& config, core::Clock& clock,
+                                                                     const core::Log& log) {
   auto catalogue = record::Catalogue::open(catalogue_of(config));
   if (!catalogue) return tl::make_unexpected(catalogue.error());
   std::unique_ptr<Recordings> recordings(new Recordings(config, clock, log, std::move(*catalogue)));
@@ -364,7 +367,10 @@ record::SessionRow Recordings::corrected(record::SessionRow row) const {
   row.ended_utc_ns = end->second.ended_utc_ns;
   for (const auto& [rig, newest] : under_way_) {
     for (record::PartRow& part : row.parts) {
-      if (part.session_id == newest.session_id && part.part == newest.part) part = newest;
+      if (part.session_id != newest.session_id || part.part != newest.part) continue;
+      const std::uint32_t valid_trials = part.valid_trials;
+      part = newest;
+      part.valid_trials = valid_trials;
     }
   }
   return row;

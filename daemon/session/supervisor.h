@@ -104,6 +104,10 @@ class Supervisor {
   /// A step of a session with trials; an empty name as above.
   [[nodiscard]] core::Result<TrialView> trial(const std::string& rig, TrialAction action);
   [[nodiscard]] const std::vector<Protocol>& protocols() const noexcept { return services_.protocols; }
+  /// Of a session of the catalogue; 0: its protocol plans none.
+  [[nodiscard]] std::uint32_t planned_trials(const record::SessionRow& session) const {
+    return services_.planned_trials(session.protocol_definition);
+  }
   /// nullptr: nothing is recorded.
   [[nodiscard]] Recordings* recordings() noexcept { return services_.recordings; }
   /// Marks the newest scan of one rig, or of every rig for an empty name.
@@ -145,7 +149,9 @@ class Supervisor {
   /// The rig named, or for an empty name the only one with a session.
   [[nodiscard]] core::Result<Entry*> find_with_session(const std::string& name);
   [[nodiscard]] static DataPosition position(Entry& entry);
-  [[nodiscard]] Moment moment(Entry& entry) { return {.now_ns = clock_.now_ns(), .utc_minus_monotonic_ns = clock_.utc_minus_monotonic_ns(), .at = position(entry)}; }
+  [[nodiscard]] Moment moment(Entry& entry) {
+    return {.now_ns = clock_.now_ns(), .utc_minus_monotonic_ns = clock_.utc_minus_monotonic_ns(), .at = position(entry)};
+  }
   [[nodiscard]] core::Result<SessionView> begun(Entry& entry, const core::Status& status);
   void finish_recordings();
   void log_gaps(Entry& entry, const AcquisitionReport& report);

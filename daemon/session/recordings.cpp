@@ -93,7 +93,7 @@ core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& 
     opened = open_catalogue(config, clock, log);
     if (!opened) return opened;
     (*opened)->notice_ = damage + "; it is kept as " + *aside + ", and was made anew from the recordings, all but the audit trail";
-    (*opened)->enter_audit({.utc_ns = utc_ns, .who = "dtsd", .what = "catalogue_rebuilt", .target = *aside, .result = "ok"});
+    (*opened)->audit("catalogue_rebuilt", *aside, "ok");
   }
   if (!opened) return opened;
   std::unique_ptr<Recordings> recordings = std::move(*opened);
@@ -153,10 +153,17 @@ void Recordings::end_left_running(record::SessionRow& session) {
     }
   }
   complain(catalogue_->end_session(session.id, session.state, message, ended_utc_ns));
+  if (session.state == "interrupted") audit("interrupted", session.id, "failed");
 }
 
-/// Of each rig what ran last, if a crash ended it and not long ago: also a crash before the last one, when the daemon between the two did not
-/// come so far as to go on.
+/// What the daemon did by itself, or what became of it.
+void Recordings::audit(const std::string& what, const std::string& target, const std::string& result) {
+  enter_audit(
+      {.utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns(), .who = "dtsd", .what = what, .target = target, .result = result});
+}
+
+/// Of each rig what ran last, if a crash ended it and not long ago: also a crash before the last one, when the daemon between the two did
+/// not come so far as to go on.
 void Recordings::find_resumable(const std::vector<record::SessionRow>& sessions) {
   std::map<std::string_view, const record::SessionRow*> last;
   for (const record::SessionRow& session : sessions) {
@@ -210,6 +217,8 @@ void Recordings::add(Rig& rig) {
 
 void Recordings::start() {
   thread_.start();
+  audit("start", "", "ok");
+  is_started_ = true;
   if (interrupted_.empty()) return;
   log_.warning(std::to_string(interrupted_.size()) + " interrupted recording(s) found; repaired copies are being made");
   recovery_thread_ = std::jthread([this](const std::stop_token& stop) {
@@ -219,6 +228,7 @@ void Recordings::start() {
 }
 
 void Recordings::stop() noexcept {
+  if (std::exchange(is_started_, false)) audit("stop", "", "ok");
   enter_owed_audit();
   if (!audit_problem_.empty()) {
     log_.error(std::to_string(owed_audit_.size() + unwritten_audit_) + " entries of the audit trail are lost: " + audit_problem_);
@@ -278,9 +288,11 @@ void Recordings::collect_recovered() {
         complain(entered);
         complain(catalogue_->update_part(part));
       }
+      audit("recover", part.session_id, "ok");
       log_.info(which + "recovered in " + part.file);
     } else {
       complain(catalogue_->update_part(part));
+      audit("recover", part.session_id, "failed");
       log_.error(which + "not recovered: " + part.reason);
     }
   }

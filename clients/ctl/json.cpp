@@ -5,9 +5,10 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <utility>
 
-#include "ctl/session_view.h"
+#include "ctl/recording_view.h"
 
 namespace dts::ctl {
 namespace {
@@ -17,20 +18,14 @@ using google::protobuf::Message;
 using google::protobuf::Reflection;
 
 /// Fields whose 0 says that there is no such value (see the comments in the .proto files).
-constexpr std::array<std::string_view, 14> kZeroMeansUnknown{"dts.v1.RigStatus.clock_drift_ppm",
-                                                             "dts.v1.SessionInfo.duration_s",
-                                                             "dts.v1.RigStatus.measured_rate_hz",
-                                                             "dts.v1.RigStatus.pipeline_us_per_scan",
-                                                             "dts.v1.RigStatus.record_lag_s",
-                                                             "dts.v1.DeviceInfo.minimum_rate_hz",
-                                                             "dts.v1.DeviceInfo.maximum_rate_hz",
-                                                             "dts.v1.TestDeviceResponse.measured_rate_hz",
-                                                             "dts.v1.ProtocolInfo.duration_s",
-                                                             "dts.v1.SessionRecord.ended_utc_ns",
-                                                             "dts.v1.TrialChange.target_cm",
-                                                             "dts.v1.TrialStatus.next_target_cm",
-                                                             "dts.v1.TrialStatus.remaining_s",
-                                                             "dts.v1.TrialResult.target_cm"};
+constexpr std::array<std::string_view, 14> kZeroMeansUnknown{
+    "dts.v1.RigStatus.clock_drift_ppm",  "dts.v1.SessionInfo.duration_s",
+    "dts.v1.RigStatus.measured_rate_hz", "dts.v1.RigStatus.pipeline_us_per_scan",
+    "dts.v1.RigStatus.record_lag_s",     "dts.v1.DeviceInfo.minimum_rate_hz",
+    "dts.v1.DeviceInfo.maximum_rate_hz", "dts.v1.TestDeviceResponse.measured_rate_hz",
+    "dts.v1.ProtocolInfo.duration_s",    "dts.v1.SessionRecord.ended_utc_ns",
+    "dts.v1.TrialChange.target_cm",      "dts.v1.TrialStatus.next_target_cm",
+    "dts.v1.TrialStatus.remaining_s",    "dts.v1.TrialResult.target_cm"};
 
 bool means_unknown_at_zero(const FieldDescriptor& field) {
   return std::ranges::find(kZeroMeansUnknown, field.full_name()) != kZeroMeansUnknown.end();
@@ -80,12 +75,14 @@ cli::Json element(const Message& message, const FieldDescriptor& field, int inde
 cli::Json map_of(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   if (reflection.FieldSize(message, &field) == 0) return nullptr;
-  cli::Json object = cli::Json::object();
+  std::map<std::string, std::string> sorted;  // protobuf's maps have another order each time
   for (int index = 0; index < reflection.FieldSize(message, &field); ++index) {
     const Message& entry = reflection.GetRepeatedMessage(message, &field, index);
     const google::protobuf::Descriptor& type = *entry.GetDescriptor();
-    object[entry.GetReflection()->GetString(entry, type.map_key())] = entry.GetReflection()->GetString(entry, type.map_value());
+    sorted[entry.GetReflection()->GetString(entry, type.map_key())] = entry.GetReflection()->GetString(entry, type.map_value());
   }
+  cli::Json object = cli::Json::object();
+  for (const auto& [key, value] : sorted) object[key] = value;
   return object;
 }
 
@@ -101,6 +98,18 @@ cli::Json value_of(const Message& message, const FieldDescriptor& field) {
   return reflection.HasField(message, &field) ? to_json(reflection.GetMessage(message, &field)) : cli::Json(nullptr);
 }
 
+/// Sums that stand beside their parts, of the session and of each of its parts.
+void add_counts(const v1::SessionRecord& session, cli::Json& json) {
+  const auto add = [&session](const LossSum& sum, cli::Json& to) {
+    to["lost_scans"] = sum.lost_scans;
+    to["gaps"] = sum.gaps;
+    to["planned_trials"] = session.planned_trials();
+  };
+  add(sum_of(session), json);
+  json["valid_trials"] = valid_trials(session);
+  for (int part = 0; part < session.parts_size(); ++part) add(sum_of(session.parts(part)), json["parts"][static_cast<std::size_t>(part)]);
+}
+
 /// What a field means only together with another.
 void remove_meaningless(const Message& message, cli::Json& json) {
   if (const auto* channel = dynamic_cast<const v1::TestDeviceResponse::ChannelTest*>(&message)) {
@@ -112,7 +121,7 @@ void remove_meaningless(const Message& message, cli::Json& json) {
       for (const char* key : {"elapsed_s", "settle_s"}) json.erase(key);
     }
   }
-  if (const auto* record = dynamic_cast<const v1::SessionRecord*>(&message)) json["state_text"] = state_of(*record);
+  if (const auto* session = dynamic_cast<const v1::SessionRecord*>(&message)) add_counts(*session, json);
   if (const auto* reach = dynamic_cast<const v1::Reach*>(&message)) {
     json["flags"] = bit_words(*v1::ReachFlag_descriptor(), reach->flags());
     const std::array<std::pair<const char*, const v1::ReachPoint*>, 3> points{

@@ -20,17 +20,48 @@ std::string bytes_text(std::uint64_t bytes) {
   return cli::decimal(size, unit == 0 ? 0 : 1) + " " + std::string(kUnits[unit]);
 }
 
-std::string losses_text(const google::protobuf::RepeatedPtrField<v1::LossCount>& losses) {
-  std::uint64_t scans = 0;
-  std::uint64_t gaps = 0;
-  std::string reasons;
-  for (const v1::LossCount& loss : losses) {
-    scans += loss.lost_scans_total();
-    gaps += loss.gaps_total();
-    const std::string word = loss.reason() == v1::GAP_REASON_UNSPECIFIED ? "unknown" : enumerator_word(*v1::GapReason_descriptor(), loss.reason());
-    reasons += (reasons.empty() ? "" : ", ") + word + " " + std::to_string(loss.gaps_total());
+LossSum sum_of(const v1::SessionPart& part) {
+  LossSum sum;
+  for (const v1::LossCount& loss : part.losses()) {
+    sum.gaps += loss.gaps_total();
+    sum.lost_scans += loss.lost_scans_total();
   }
-  return gaps == 0 ? "" : counted(scans, "scan") + " lost in " + counted(gaps, "gap") + ": " + reasons;
+  return sum;
+}
+
+LossSum sum_of(const v1::SessionRecord& session) {
+  LossSum sum;
+  for (const v1::SessionPart& part : session.parts()) {
+    sum.gaps += sum_of(part).gaps;
+    sum.lost_scans += sum_of(part).lost_scans;
+  }
+  return sum;
+}
+
+std::uint64_t valid_trials(const v1::SessionRecord& session) {
+  std::uint64_t sum = 0;
+  for (const v1::SessionPart& part : session.parts()) sum += part.valid_trials();
+  return sum;
+}
+
+std::string loss_text(const LossSum& sum) {
+  return sum.gaps == 0 ? "" : counted(sum.lost_scans, "scan") + " lost in " + counted(sum.gaps, "gap");
+}
+
+std::string losses_text(const v1::SessionPart& part) {
+  std::string text = loss_text(sum_of(part));
+  const char* separator = ": ";
+  for (const v1::LossCount& loss : part.losses()) {
+    const bool is_known = loss.reason() != v1::GAP_REASON_UNSPECIFIED;
+    text += separator + (is_known ? enumerator_word(*v1::GapReason_descriptor(), loss.reason()) : std::string("unknown")) + " " +
+            std::to_string(loss.gaps_total());
+    separator = ", ";
+  }
+  return text;
+}
+
+std::string trials_text(std::uint64_t valid, std::uint64_t planned) {
+  return valid == 0 && planned == 0 ? "" : std::to_string(valid) + " of " + std::to_string(planned) + " trials valid";
 }
 
 std::string utc_text(std::int64_t utc_ns) {

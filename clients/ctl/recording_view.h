@@ -18,8 +18,20 @@ namespace dts::ctl {
 [[nodiscard]] std::string bytes_text(std::uint64_t bytes);
 /// "2026-11-21 14:45:25"; "-" for 0.
 [[nodiscard]] std::string utc_text(std::int64_t utc_ns);
-/// "10560 scans lost in 1 gap: ring_full 1"; empty: nothing is missing.
-[[nodiscard]] std::string losses_text(const google::protobuf::RepeatedPtrField<v1::LossCount>& losses);
+struct LossSum {
+  std::uint64_t gaps = 0;
+  std::uint64_t lost_scans = 0;
+};
+/// Of a part, or of all parts of a session.
+[[nodiscard]] LossSum sum_of(const v1::SessionPart& part);
+[[nodiscard]] LossSum sum_of(const v1::SessionRecord& session);
+[[nodiscard]] std::uint64_t valid_trials(const v1::SessionRecord& session);
+/// "10560 scans lost in 1 gap"; empty: there is no gap.
+[[nodiscard]] std::string loss_text(const LossSum& sum);
+/// The same with the reasons: "10560 scans lost in 1 gap: ring_full 1".
+[[nodiscard]] std::string losses_text(const v1::SessionPart& part);
+/// "3 of 4 trials valid"; empty when none is planned and none is valid.
+[[nodiscard]] std::string trials_text(std::uint64_t valid, std::uint64_t planned);
 /// "trial 3 of 30, measuring, 12.0 s left: 120; next 150 at 85.2 cm"; when all are done, how to end the session of `rig`.
 [[nodiscard]] std::string trial_line(const v1::TrialStatus& trial, const std::string& rig);
 /// "12.3 GB free in /var/lib/dtsd, room for 3 d 2 h"; empty when the daemon says nothing of a disk.

@@ -188,8 +188,8 @@ int run_audit(const Arguments& arguments, cli::Console& console) {
   };
   const int status = ask_and_print(arguments, console, ask, [&](const v1::GetAuditResponse& audit) { print_audit(console, audit); });
   if (status != cli::kOk || problem.empty()) return status;
-  return cli::fail_with(console, client::Error{ErrorCode::DataDamaged, "the audit trail was changed: " + problem,
-                                               "compare it with a backup of the catalogue; what is in the files is not affected"});
+  return cli::fail_with(console,
+                        client::Error{ErrorCode::DataDamaged, "the audit trail is not whole: " + problem, "recordings are not affected"});
 }
 
 }  // namespace dts::ctl

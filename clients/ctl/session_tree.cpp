@@ -138,7 +138,7 @@ void add_files(CommandTree& tree, CLI::App& session) {
   recover->add_option("--out", wishes.out, "Name of the copy (NAME.recovered.xdf beside it); never overwritten")->option_text("FILE");
   CLI::App* exported =
       add(tree, session, "export", "Write a recording as CSV or as a BIDS dataset",
-          "dtsctl session export 20261121T144525Z-floor-1 --format csv --out tables | one table per stream, and the events\n"
+          "dtsctl session export 20261121T144525Z-floor-1 --format csv --out tables | a table per stream, events, trials, and what is known of it\n"
           "dtsctl session export floor.xdf --format bids --out study | a file; a dataset of ours is added to\n",
           run_session_export);
   add_id(*exported, tree, "ID|FILE", "Session, or a file of one: what exists, has a '/', or ends in .xdf or .part");

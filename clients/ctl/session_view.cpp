@@ -28,27 +28,11 @@ std::string or_dash(const std::string& text) { return text.empty() ? "-" : text;
 
 std::string state_word(v1::PartState state) { return enumerator_word(*v1::PartState_descriptor(), state); }
 
-}  // namespace
-
-std::string state_of(const v1::SessionRecord& session) {
-  std::string more;
-  std::uint64_t lost_scans = 0;
-  std::uint64_t gaps = 0;
-  for (const v1::SessionPart& part : session.parts()) {
-    for (const v1::LossCount& loss : part.losses()) {
-      lost_scans += loss.lost_scans_total();
-      gaps += loss.gaps_total();
-    }
-    const std::string word = state_word(part.state());
-    const bool is_usual = part.state() == v1::PART_STATE_COMPLETE || part.state() == v1::PART_STATE_RECORDING;
-    if (is_usual || word == session.state() || more.find(word) != std::string::npos) continue;
-    more += (more.empty() ? "" : ", ") + word;
-  }
-  if (gaps > 0) more += (more.empty() ? "" : ", ") + counted(lost_scans, "scan") + " lost";
-  return or_dash(session.state()) + (more.empty() ? "" : " (" + more + ")");
+/// The session's state, and in brackets what is missing in its recordings: "complete (10560 scans lost in 1 gap)".
+std::string state_text(const v1::SessionRecord& session) {
+  const std::string lost = loss_text(sum_of(session));
+  return or_dash(session.state()) + (lost.empty() ? "" : " (" + lost + ")");
 }
-
-namespace {
 
 double recorded_s(const v1::SessionRecord& session) {
   double sum_s = 0.0;
@@ -74,7 +58,7 @@ void print_parts(cli::Console& console, const v1::SessionRecord& session) {
     console.out << cli::styled(console, cli::Style::Faint, sum) << '\n';
   }
   for (const v1::SessionPart& part : session.parts()) {
-    const std::string lost = losses_text(part.losses());
+    const std::string lost = losses_text(part);
     if (lost.empty()) continue;
     console.out << cli::styled(console, cli::Style::Warning, "part " + std::to_string(part.part()) + ": " + lost) << '\n';
   }
@@ -161,16 +145,17 @@ void print_trials(cli::Console& console, const v1::SessionRecord& session) {
 }  // namespace
 
 void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessions) {
-  cli::Table table({"SESSION", "RIG", "PROTOCOL", "SUBJECT", "STARTED (UTC)", ">LENGTH", "STATE", "LABEL"});
+  cli::Table table({"SESSION", "RIG", "PROTOCOL", "SUBJECT", "STARTED (UTC)", ">LENGTH", "TRIALS", "STATE", "LABEL"});
   for (const v1::SessionRecord& session : sessions.sessions()) {
-    cli::Cell state = state_cell(state_of(session));
+    const std::string trials = trials_text(valid_trials(session), session.planned_trials());
     table.add({{session.session_id(), cli::Style::Bold},
                {session.rig()},
                {or_dash(session.protocol())},
                {or_dash(session.subject())},
                {utc_text(session.started_utc_ns())},
                {session.state() == "running" ? "-" : cli::duration(recorded_s(session))},
-               state,
+               {or_dash(trials.substr(0, trials.rfind(" trials")))},
+               state_cell(state_text(session)),
                {session.label()}});
   }
   if (sessions.sessions_size() == 0) console.out << "no session\n";
@@ -189,7 +174,8 @@ void print_session(cli::Console& console, const v1::SessionRecord& session) {
   print_field(console, "started", utc_text(session.started_utc_ns()) + " UTC");
   if (session.ended_utc_ns() != 0) print_field(console, "ended", utc_text(session.ended_utc_ns()) + " UTC");
   print_field(console, "recorded", cli::duration(recorded_s(session)));
-  print_field(console, "state", state_of(session) + (session.message().empty() ? "" : ": " + session.message()));
+  print_field(console, "trials", trials_text(valid_trials(session), session.planned_trials()));
+  print_field(console, "state", state_text(session) + (session.message().empty() ? "" : ": " + session.message()));
   print_parts(console, session);
   print_trials(console, session);
   print_results(console, session);

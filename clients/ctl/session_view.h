@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
-
 #include "cli/console.h"
 #include "dts/v1/control.pb.h"
 
 namespace dts::ctl {
 
-/// The session's state, and in brackets what its recordings say more: "interrupted (recovered)", "complete (10560 scans lost)".
-[[nodiscard]] std::string state_of(const v1::SessionRecord& session);
 /// Tables of what the catalogue and the protocols say.
 void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessions);
 void print_session(cli::Console& console, const v1::SessionRecord& session);

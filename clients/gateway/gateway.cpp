@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/gateway.h"
 
+#include <systemd/sd-daemon.h>
+
+#include <algorithm>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
@@ -12,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <semaphore>
@@ -85,6 +89,7 @@ class Gateway {
   client::Result<void> start_reader();
   [[nodiscard]] ServerHooks hooks();
   [[nodiscard]] std::optional<Identity> admit(const HttpRequest& request);
+  void enter(const LoginNote& note);
   [[nodiscard]] GatewayCounts counts() const;
   void pass(BusItem item);
   void end();
@@ -131,6 +136,20 @@ std::optional<Identity> Gateway::admit(const HttpRequest& request) {
   return identity;
 }
 
+/// Into the daemon's audit trail. Without a daemon the log alone has it.
+void Gateway::enter(const LoginNote& note) {
+  v1::Request request;
+  request.set_on_behalf_of(note.is_refused ? "" : note.user);
+  v1::NoteLoginRequest& login = *request.mutable_note_login();
+  login.set_user(note.user);
+  login.set_address(note.address);
+  login.set_is_refused(note.is_refused);
+  login.set_more(static_cast<std::uint32_t>(std::min<std::uint64_t>(note.more, std::numeric_limits<std::uint32_t>::max())));
+  commands_.submit(std::move(request), [log = log_](const client::Result<v1::Response>& answer) {
+    if (!answer) log("a login is not in the audit trail: " + answer.error().what);
+  });
+}
+
 GatewayCounts Gateway::counts() const {
   return {.version = DTS_VERSION,
           .server = server_->statistics(),
@@ -170,6 +189,7 @@ client::Result<void> Gateway::open_parts() {
   auto access_wanted = access_options(options_);
   if (!access_wanted) return tl::make_unexpected(access_wanted.error());
   access_wanted->log = log_;
+  access_wanted->note = [this](const LoginNote& note) { enter(note); };
   auto access = AccessControl::open(io_, *access_wanted);
   if (!access) return tl::make_unexpected(access.error());
   access_ = std::move(*access);
@@ -210,6 +230,7 @@ void Gateway::run() {
 
 /// Connections say goodbye. The answer to a command under way is told nobody any more.
 void Gateway::end() {
+  sd_notify(0, "STOPPING=1");
   server_->stop();
   leaves_at_ = std::chrono::steady_clock::now() + kLongestGoodbye;
   await_goodbyes();
@@ -233,6 +254,7 @@ int serve(const Options& options, cli::Console& console) {
   const std::string scheme = options.certificate_file.empty() ? "http" : "https";
   const std::string address = options.listen.substr(0, options.listen.rfind(':'));
   console.talk << "listening on " << scheme << "://" << address << ":" << gateway.port() << "/" << std::endl;
+  sd_notify(0, "READY=1");
   gateway.run();
   return cli::kOk;
 }

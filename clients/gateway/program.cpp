@@ -6,6 +6,7 @@
 #include "cli/command_line.h"
 #include "cli/run.h"
 #include "gateway/access/user_commands.h"
+#include "gateway/config_file.h"
 #include "gateway/gateway.h"
 #include "gateway/options.h"
 
@@ -67,7 +68,9 @@ int run(const std::vector<std::string>& words, cli::Console& console) {
                          .examples = "dts-gateway serve | then open http://127.0.0.1:8080/\n"
                                      "dts-gateway user add anna --role operator --users users | asks for the password\n"});
   line.app.allow_config_extras(CLI::config_extras_mode::error);  // a word written wrongly in [serve] must not be a default
-  line.app.set_config("--config", "", "Read options from a TOML file, those of serve from its table [serve]")->option_text("FILE");
+  line.app.set_config("--config", "", "Read options from a TOML file, those of serve from its table [serve]")
+      ->option_text("FILE")
+      ->check([&app = line.app](const std::string& file) { return problem_of_config(file, app); });
   add_serve(line, options);
   add_user_commands(line, [](cli::Console& talk) { return ask_password(STDIN_FILENO, talk); });
   cli::add_common(line);

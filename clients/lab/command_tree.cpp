@@ -129,7 +129,8 @@ void add_compare(CommandTree& tree) {
                   "dtslab compare plate.csv force_plate.csv | as thesis Table 4.2\n"
                   "dtslab compare session.xdf force_plate.csv --json | a recording of dtsd, for a program\n",
                   run_compare);
-  compare->add_option("A", tree.arguments.first, "XDF recording, or CSV with t_s,x_mm,y_mm and, if there, trigger or marker")
+  compare
+      ->add_option("A", tree.arguments.first, "XDF recording, or CSV with t_s,x_mm,y_mm (or ml_mm,ap_mm) and, if there, trigger or marker")
       ->required()
       ->option_text(" ");
   compare->add_option("B", tree.arguments.second, "The same; rate and clock may differ")->required()->option_text(" ");

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "lab/csv.h"
+#include "lab/position_columns.h"
 
 namespace dts::lab {
 namespace {
@@ -35,16 +36,17 @@ void check_times(const std::string& file, bool is_xdf, const Recording& recordin
 }
 
 Recording read_csv_recording(const std::string& file, files::Problems& problems) {
-  const CsvTable table = CsvTable::read(file,
-                                        {{.name = "t_s", .minimum = -1e12, .maximum = 1e12},
-                                         {.name = "x_mm", .may_be_empty = true, .minimum = -1e6, .maximum = 1e6},
-                                         {.name = "y_mm", .may_be_empty = true, .minimum = -1e6, .maximum = 1e6},
-                                         {.name = "trigger", .is_required = false, .may_be_empty = true},
-                                         {.name = "marker", .is_required = false, .is_text = true}},
-                                        problems);
+  std::vector<CsvColumn> columns{{.name = "t_s", .minimum = -1e12, .maximum = 1e12},
+                                 {.name = "trigger", .is_required = false, .may_be_empty = true},
+                                 {.name = "marker", .is_required = false, .is_text = true}};
+  add_position_columns(columns);
+  const std::size_t before = problems.size();
+  const CsvTable table = CsvTable::read(file, columns, problems);
+  const auto position = problems.size() == before ? position_columns(file, table, problems) : std::nullopt;
+  if (!position) return {};
   Recording recording{.t_s = table.numbers("t_s"),
-                      .x_mm = table.numbers("x_mm"),
-                      .y_mm = table.numbers("y_mm"),
+                      .x_mm = table.numbers(position->ml),
+                      .y_mm = table.numbers(position->ap),
                       .trigger = table.numbers("trigger"),
                       .marker = table.texts("marker")};
   if (!recording.t_s.empty()) recording.began_s = recording.t_s.front();

@@ -24,9 +24,9 @@ struct Recording {
   [[nodiscard]] double step_s() const;
 };
 
-/// Reads a recording: an XDF file by its name (.xdf, .xdf.part), else a CSV file with the columns `t_s,x_mm,y_mm` and, if there, `trigger`
-/// and `marker`. Times are counted from the first. Everything wrong is added to `problems`; times must rise, and there must be 20 scans
-/// over two seconds.
+/// Reads a recording: an XDF file by its name (.xdf, .xdf.part), else a CSV file with the columns `t_s,x_mm,y_mm` (or ml_mm,ap_mm) and, if
+/// there, `trigger` and `marker`. Times are counted from the first. Everything wrong is added to `problems`; times must rise, and there
+/// must be 20 scans over two seconds.
 [[nodiscard]] Recording read_recording(const std::string& file, files::Problems& problems);
 
 /// Reads the stream "cop" of an XDF recording: ml_mm as x, ap_mm as y, at the times that the values describe; rising triggers and markers

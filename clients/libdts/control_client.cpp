@@ -245,6 +245,7 @@ Expectation expectation(const v1::Request& request, const ControlOptions& option
     case v1::Request::kListKeys:
     case v1::Request::kAddKey:
     case v1::Request::kRevokeKey: return {v1::Response::kKeys, options.timeout};
+    case v1::Request::kNoteLogin: return {v1::Response::kNoteLogin, options.timeout};
     case v1::Request::COMMAND_NOT_SET: break;
   }
   return {};

@@ -122,6 +122,7 @@ void Inbox::enqueue_pending() {
       ready_.emplace_back(&topic);
     } else {
       topic.is_pending = false;
+      --statistics_.messages;  // `has_format` has counted it as what it is
     }
   }
 }

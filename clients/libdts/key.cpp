@@ -32,6 +32,7 @@ Result<void> check_mode(const std::string& file) {
     return fail(ErrorCode::InvalidArgument, "key file " + file + ": " + std::generic_category().message(errno),
                 "dtsctl key new makes one, on the daemon's machine");
   }
+  if (!S_ISREG(found.st_mode)) return fail(ErrorCode::InvalidArgument, "key file " + file + " is no regular file");  // a pipe would wait
   if ((found.st_mode & 0077U) == 0) return {};
   return fail(ErrorCode::NotAllowed, "key file " + file + " is open to others: its secret is none", "chmod 0600 " + file);
 }
@@ -56,8 +57,11 @@ Result<Key> parse(const std::string& text, const std::string& file) {
             .server_public_key = value("server_public_key"),
             .control = value("control"),
             .data = value("data")};
-    for (const auto& [name, part] : {std::pair("public_key", &key.public_key), {"secret_key", &key.secret_key}, {"server_public_key", &key.server_public_key}}) {
-      if (!is_z85(*part)) return fail(ErrorCode::InvalidArgument, file + ": " + name + " is no key of 40 characters", "take the file as dtsctl key new wrote it");
+    for (const auto& [name, part] :
+         {std::pair("public_key", &key.public_key), {"secret_key", &key.secret_key}, {"server_public_key", &key.server_public_key}}) {
+      if (!is_z85(*part))
+        return fail(ErrorCode::InvalidArgument, file + ": " + name + " is no key of 40 characters",
+                    "take the file as dtsctl key new wrote it");
     }
     return key;
   } catch (const toml::parse_error& error) {
@@ -88,8 +92,9 @@ Result<Key> read_key(const std::string& file) {
 std::string key_text(const Key& key) {
   // No character of a key, a name or an address means anything within quotes of TOML.
   return "# Key of a client of dtsd: dtsctl --key FILE ..., or DTSD_KEY=FILE. Whoever has this file is \"" + key.name +
-         "\": keep it to yourself.\nname = \"" + key.name + "\"\npublic_key = \"" + key.public_key + "\"\nsecret_key = \"" + key.secret_key +
-         "\"\nserver_public_key = \"" + key.server_public_key + "\"\ncontrol = \"" + key.control + "\"\ndata = \"" + key.data + "\"\n";
+         "\": keep it to yourself.\nname = \"" + key.name + "\"\npublic_key = \"" + key.public_key + "\"\nsecret_key = \"" +
+         key.secret_key + "\"\nserver_public_key = \"" + key.server_public_key + "\"\ncontrol = \"" + key.control + "\"\ndata = \"" +
+         key.data + "\"\n";
 }
 
 Result<void> write_new_key(const std::string& file, const Key& key) {
@@ -103,7 +108,8 @@ Result<void> write_new_key(const std::string& file, const Key& key) {
   if (made >= 0) ::close(made);
   if (is_written) return {};
   if (made >= 0) ::unlink(file.c_str());
-  return fail(ErrorCode::Failed, "cannot write " + file + ": " + std::generic_category().message(why), "does the folder exist, may you write there?");
+  return fail(ErrorCode::Failed, "cannot write " + file + ": " + std::generic_category().message(why),
+              "does the folder exist, may you write there?");
 }
 
 }  // namespace dts::client

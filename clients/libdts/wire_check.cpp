@@ -126,7 +126,8 @@ namespace {
 
 Result<void> check(const v1::SessionPart& part) {
   if (part.state() == v1::PART_STATE_UNSPECIFIED || !v1::PartState_IsValid(part.state())) return damaged("a recording in an unknown state");
-  return first_failure(check_count(part.losses_size(), kMaxTexts, "causes of losses"), check_amount(part.duration_s(), "the length of a recording"),
+  return first_failure(check_count(part.losses_size(), kMaxTexts, "causes of losses"),
+                       check_amount(part.duration_s(), "the length of a recording"),
                        check_amount(part.lost_s_at_most(), "what a recording lost"));
 }
 
@@ -192,6 +193,7 @@ Result<void> check(const v1::Response& response) {
     case v1::Response::kTrial: return check(response.trial());
     case v1::Response::kAudit: return check(response.audit());
     case v1::Response::kKeys: return check(response.keys());
+    case v1::Response::kNoteLogin:
     case v1::Response::kError:
     case v1::Response::RESULT_NOT_SET: break;
   }

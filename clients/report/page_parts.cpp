@@ -29,8 +29,8 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   std::vector<Fact> facts;
   for (std::size_t part = first_part; part < end_part && part < session.parts.size(); ++part) {
     const PartData& file = session.parts[part];
-    facts.push_back(
-        {.name = "Recording", .value = file.file + ", SHA-256 " + (file.sha256.empty() ? "not given: the file is damaged" : file.sha256)});
+    const std::string proof = file.sha256.empty() ? "SHA-256 not given: the file is damaged" : file.state + ", SHA-256 " + file.sha256;
+    facts.push_back({.name = "Recording", .value = file.file + ", " + proof});
   }
   const std::string computed = session.software.empty() ? "-" : session.software;
   if (!session.facts) {

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/recorded_definitions.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "files/protocol_file.h"
 #include "files/rig_file.h"
-#include "session/trial_run.h"
 
 namespace dts::report {
 namespace {
@@ -25,13 +23,6 @@ std::optional<PlateSize> recorded_plate(const record::SessionFacts& facts) {
   return plate;
 }
 
-std::uint32_t planned_trials(const record::SessionFacts& facts) {
-  if (facts.protocol_definition.empty()) return 0;
-  files::Problems problems;
-  const session::Protocol protocol = files::read_protocol_text(facts.protocol_definition, "the recorded protocol", problems);
-  if (!problems.empty() || !protocol.trials) return 0;
-  const std::uint64_t planned = std::uint64_t{protocol.trials->trials_per_block} * protocol.trials->blocks;
-  return static_cast<std::uint32_t>(std::min<std::uint64_t>(planned, session::kMostTrials));
-}
+std::uint32_t planned_trials(const record::SessionFacts& facts) { return files::planned_trials(facts.protocol_definition); }
 
 }  // namespace dts::report

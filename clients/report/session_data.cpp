@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "record/catalogue/catalogue.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "report/number_text.h"
@@ -46,16 +47,22 @@ class Waiting {
 auto interrupted() { return core::fail(core::ErrorCode::Failed, "the report was interrupted: nothing is written"); }
 
 core::Result<PartData> check_part(const std::string& path, const record::Recording& recording, Waiting& waiting, const Share& share) {
-  PartData part{.file = std::filesystem::path(path).filename().string(), .sha256 = {}, .damage = recording.damage(), .losses = to_text(recording.losses())};
-  if (!part.damage.empty()) return part;
+  PartData part{.file = std::filesystem::path(path).filename().string(),
+                .sha256 = {},
+                .damage = recording.damage(),
+                .losses = to_text(recording.losses())};
   // Wrong values look like any others: only the checksums know. A figure in a report must not come from a damaged file.
   const auto verified = record::verify(path, [&](std::uint64_t done, std::uint64_t of) {
     waiting.report(share, of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1.0);
     return waiting.is_wanted();
   });
   if (!waiting.is_wanted()) return interrupted();
-  if (!verified) return core::fail(verified.error().code, verified.error().what, "keep what is whole: dtsctl session recover " + path);
-  part.sha256 = verified->sha256;
+  if (verified) {
+    part.sha256 = verified->sha256;
+    part.state = record::name(record::state_of(*verified, path));
+  } else if (part.damage.empty()) {
+    return core::fail(verified.error().code, verified.error().what, "keep what is whole: dtsctl session recover " + path);
+  }
   return part;
 }
 

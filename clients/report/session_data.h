@@ -19,10 +19,11 @@ namespace dts::report {
 
 /// One file of the session.
 struct PartData {
-  std::string file;    ///< Without its folder: reports are the same on every machine.
-  std::string sha256;  ///< Empty: the file is damaged.
-  std::string damage;  ///< Empty: nothing is wrong.
-  std::string losses;  ///< What is missing between its first scan and its last; empty: nothing.
+  std::string file;      ///< Without its folder: reports are the same on every machine.
+  std::string sha256{};  ///< Empty: the file is damaged.
+  std::string state{};   ///< As the catalogue words it; empty likewise.
+  std::string damage;    ///< Empty: nothing is wrong.
+  std::string losses;    ///< What is missing between its first scan and its last; empty: nothing.
 };
 
 /// A trial, analysed here and now.

@@ -38,6 +38,9 @@ core::Status Gate::check(const Peer& peer, const v1::Request& request) {
   const v1::Role needed = role_needed(request);
   // A request without a command that this daemon knows changes nothing: the handler says what is wrong with it.
   if (request.command_case() == v1::Request::COMMAND_NOT_SET) return {};
+  if (request.has_note_login() && peer.is_limited) {
+    return core::fail(core::ErrorCode::NotAllowed, "logins are noted by a gateway on this machine only");
+  }
   if (needed != v1::ROLE_UNSPECIFIED && peer.role >= needed) return {};
   return core::fail(core::ErrorCode::NotAllowed,
                     "this needs the role " + std::string(role_word(needed)) + "; " + peer.who + " has " + std::string(role_word(peer.role)),

@@ -19,6 +19,7 @@
 #include "app/sockets.h"
 #include "core/thread.h"
 #include "device/registry.h"
+#include "files/protocol_file.h"
 #include "ipc/control_server.h"
 #include "ipc/endpoint.h"
 #include "ipc/publish_thread.h"
@@ -79,7 +80,8 @@ void reload_keys(access::KeyStore* keys, ipc::ControlServer& server, const core:
   if (auto reloaded = keys->reload(); !reloaded) return log.error("SIGHUP: " + core::to_string(reloaded.error()));
   const bool has_less = keys->take_losses();
   if (has_less) server.drop_remote_peers();
-  log.info("SIGHUP: " + std::to_string(keys->keys().size()) + " client key(s)" + (has_less ? "; remote connections are ended, good ones return" : ""));
+  log.info("SIGHUP: " + std::to_string(keys->keys().size()) + " client key(s)" +
+           (has_less ? "; remote connections are ended, good ones return" : ""));
 }
 
 /// Feeds systemd's watchdog while everything moves; says once what does not.
@@ -206,9 +208,12 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   if (!recordings) return tl::make_unexpected(recordings.error());
   if (!(*recordings)->notice().empty()) notices.push_back((*recordings)->notice());
   const std::string boot = boot_id();
-  session::Supervisor supervisor(
-      clock, log, &usb,
-      {.recordings = recordings->get(), .protocols = config.protocols, .software = "dtsd " + std::string(version()), .boot_id = boot});
+  session::Supervisor supervisor(clock, log, &usb,
+                                 {.recordings = recordings->get(),
+                                  .protocols = config.protocols,
+                                  .software = "dtsd " + std::string(version()),
+                                  .boot_id = boot,
+                                  .planned_trials = files::planned_trials});
   for (auto& rig : rigs) {
     if (auto added = supervisor.add(std::move(rig)); !added) return added;
   }
@@ -227,9 +232,11 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   ipc::PublishThread publisher(std::move(sockets->data), bell, supervisor.rigs(), clock, identity.instance_id);
   for (std::string& refused : publisher.start(config.realtime.policy(2))) notices.push_back(std::move(refused));
   for (const std::string& notice : notices) log.warning(notice);
-  ipc::CommandHandler handler(supervisor, clock, identity, notices, {keys, clock, addresses_of(config), opened_keys ? core::Error{} : opened_keys.error()},
+  ipc::CommandHandler handler(supervisor, clock, identity, notices,
+                              {keys, clock, addresses_of(config), opened_keys ? core::Error{} : opened_keys.error()},
                               sockets->authenticator.get());
-  ipc::ControlServer server(std::move(sockets->control), access::Gate(keys), supervisor, handler, publisher, clock, log, identity.instance_id);
+  ipc::ControlServer server(std::move(sockets->control), access::Gate(keys), supervisor, handler, publisher, clock, log,
+                            identity.instance_id);
 
   supervisor.start();
   supervisor.resume_interrupted();

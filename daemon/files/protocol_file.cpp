@@ -9,6 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "session/trial_run.h"
+
 namespace dts::files {
 namespace {
 
@@ -243,6 +245,13 @@ Protocol read_protocol(const std::string& file, Problems& problems) {
   }
   text.resize(static_cast<std::size_t>(stream.gcount()));
   return read_protocol_text(text, file, problems);
+}
+
+std::uint32_t planned_trials(const std::string& definition) {
+  if (definition.empty()) return 0;
+  Problems problems;
+  const Protocol protocol = read_protocol_text(definition, "the recorded protocol", problems);
+  return problems.empty() && protocol.trials ? session::planned_trials(*protocol.trials) : 0;
 }
 
 std::vector<Protocol> read_protocols(const std::string& folder, Problems& problems) {

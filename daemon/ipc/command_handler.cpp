@@ -66,6 +66,7 @@ dts::v1::Response CommandHandler::execute_session(const dts::v1::Request& reques
     case dts::v1::Request::kListSessions: return sessions_.list(request.list_sessions());
     case dts::v1::Request::kShowSession: return sessions_.show(request.show_session());
     case dts::v1::Request::kGetAudit: return sessions_.audit(request.get_audit());
+    case dts::v1::Request::kNoteLogin: return SessionCommands::note_login(request.note_login());
     default: break;
   }
   std::optional<PendingStop> stop;
@@ -120,7 +121,8 @@ dts::v1::StatusSnapshot CommandHandler::status() {
   for (const session::Rig* rig : supervisor_.rigs()) {
     for (const std::string& notice : rig->notices()) out.add_notices(notice);
   }
-  if (has_remote_problem_) out.add_notices("other machines cannot connect: another program has taken the port of [network]; it is tried again");
+  if (has_remote_problem_)
+    out.add_notices("other machines cannot connect: another program has taken the port of [network]; it is tried again");
   out.set_rejected_requests_total(rejected_total_);
   if (authenticator_ != nullptr) {
     out.set_has_network(true);

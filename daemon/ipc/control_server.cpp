@@ -28,6 +28,7 @@ bool is_repeatable(const dts::v1::Request& request) {
     case dts::v1::Request::kResumeSession:
     case dts::v1::Request::kAddKey:
     case dts::v1::Request::kRevokeKey:
+    case dts::v1::Request::kNoteLogin:
     case dts::v1::Request::kTare: return false;
     default: return true;
   }

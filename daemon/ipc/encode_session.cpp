@@ -140,6 +140,7 @@ void fill(dts::v1::SessionPart& out, const record::PartRow& part) {
   out.set_lost_s_at_most(part.lost_s_at_most);
   out.set_reason(clean_text(part.reason));
   add_losses(part.losses, *out.mutable_losses());
+  out.set_valid_trials(part.valid_trials);
 }
 
 double number_of(const record::RecordedEvent& event, const std::string& key, double otherwise) {
@@ -198,14 +199,15 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
 
 }  // namespace
 
-dts::v1::SessionRecord session_record(const record::SessionRow& row) {
+dts::v1::SessionRecord session_record(const record::SessionRow& row, std::uint32_t planned_trials) {
   dts::v1::SessionRecord out;
   out.set_session_id(row.id);
   out.set_rig(clean_text(row.rig));
   out.set_protocol(clean_text(row.protocol));
   out.set_subject(clean_text(row.subject));
   out.set_label(clean_text(row.label));
-  out.set_state(row.state);
+  out.set_state(record::state_of(row));
+  out.set_planned_trials(planned_trials);
   out.set_message(clean_text(row.message));
   out.set_started_utc_ns(row.started_utc_ns);
   out.set_ended_utc_ns(row.ended_utc_ns);

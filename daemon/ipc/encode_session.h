@@ -19,7 +19,7 @@ void add_losses(const core::Losses& losses, google::protobuf::RepeatedPtrField<d
 [[nodiscard]] dts::v1::TrialStatus trial_status(const session::TrialView& view);
 [[nodiscard]] dts::v1::TrialChange trial_change(const session::TrialNotice& notice);
 [[nodiscard]] dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol);
-[[nodiscard]] dts::v1::SessionRecord session_record(const record::SessionRow& row);
+[[nodiscard]] dts::v1::SessionRecord session_record(const record::SessionRow& row, std::uint32_t planned_trials = 0);
 [[nodiscard]] dts::v1::SessionResult session_result(const record::ResultRow& row);
 [[nodiscard]] dts::v1::AuditEntry audit_entry(const record::AuditEntry& entry);
 [[nodiscard]] dts::v1::DiskStatus disk_status(const session::DiskView& view);

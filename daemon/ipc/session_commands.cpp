@@ -45,6 +45,7 @@ std::pair<std::string, std::string> named(const dts::v1::Request& request) {
     case dts::v1::Request::kListKeys: return {"key_list", ""};
     case dts::v1::Request::kAddKey: return {"key_new", request.add_key().name()};
     case dts::v1::Request::kRevokeKey: return {"key_revoke", request.revoke_key().name()};
+    case dts::v1::Request::kNoteLogin: return {"login", ""};
     default: return {};
   }
 }
@@ -138,7 +139,8 @@ dts::v1::Response SessionCommands::list(const dts::v1::ListSessionsRequest& requ
   if (!rows) return error_response(rows.error());
   dts::v1::Response response;
   auto& out = *response.mutable_sessions();
-  for (const record::SessionRow& row : *rows) *out.add_sessions() = session_record(recordings->corrected(row));
+  for (const record::SessionRow& row : *rows)
+    *out.add_sessions() = session_record(recordings->corrected(row), supervisor_.planned_trials(row));
   return response;
 }
 
@@ -150,7 +152,7 @@ dts::v1::Response SessionCommands::show(const dts::v1::ShowSessionRequest& reque
   const auto results = recordings->catalogue().results(request.session_id());
   if (!results) return error_response(results.error());
   dts::v1::Response response;
-  *response.mutable_session_record() = session_record(recordings->corrected(*row));
+  *response.mutable_session_record() = session_record(recordings->corrected(*row), supervisor_.planned_trials(*row));
   add_fields(*row, *response.mutable_session_record());
   for (const record::ResultRow& result : *results) *response.mutable_session_record()->add_results() = session_result(result);
   return response;
@@ -173,6 +175,20 @@ dts::v1::Response SessionCommands::audit(const dts::v1::GetAuditRequest& request
   if (const std::string& owed = recordings->audit_problem(); !owed.empty() && verified) {
     out.set_problem("the newest entries are not written yet: " + owed);
   }
+  return response;
+}
+
+dts::v1::Response SessionCommands::note_login(const dts::v1::NoteLoginRequest& request) {
+  constexpr std::size_t kLongestAddress = 64;
+  constexpr const char* kAddressLetters = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.:%-";
+  const std::string& address = request.address();
+  const bool is_address =
+      !address.empty() && address.size() <= kLongestAddress && address.find_first_not_of(kAddressLetters) == std::string::npos;
+  if (!is_address || !(request.user().empty() || access::is_key_name(request.user()))) {
+    return error_response({ErrorCode::InvalidArgument, "the note of a login names no user or no address", ""});
+  }
+  dts::v1::Response response;
+  response.mutable_note_login();
   return response;
 }
 
@@ -204,6 +220,12 @@ std::optional<std::string> key_of(const dts::v1::Request& request) {
   return request.has_add_key() ? name + ":" + std::string(access::role_word(request.add_key().role())) : name;
 }
 
+/// "anna from 192.0.2.7, and 12 more"
+std::string login_text(const dts::v1::NoteLoginRequest& login) {
+  const std::string more = login.more() > 0 ? ", and " + std::to_string(login.more()) + " more" : "";
+  return (login.user().empty() ? "unknown name" : login.user()) + " from " + login.address() + more;
+}
+
 }  // namespace
 
 bool SessionCommands::is_audited(const dts::v1::Request& request, const dts::v1::Response& response) {
@@ -217,9 +239,16 @@ void SessionCommands::enter_audit(const std::string& sender, const dts::v1::Requ
   if (recordings == nullptr || !is_audited(request, response)) return;
   const auto key = key_of(request);
   target = response.has_session() ? response.session().session_id() : key ? *key : audited_target(target);
-  const std::string result = response.has_error() ? std::string(core::name(static_cast<ErrorCode>(response.error().code()))) : "ok";
-  recordings->enter_audit(
-      {.utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns(), .who = who(sender, request), .what = what, .target = target, .result = result});
+  std::string result = response.has_error() ? std::string(core::name(static_cast<ErrorCode>(response.error().code()))) : "ok";
+  if (response.has_note_login()) {
+    target = login_text(request.note_login());
+    if (request.note_login().is_refused()) result = "refused";
+  }
+  recordings->enter_audit({.utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns(),
+                           .who = who(sender, request),
+                           .what = what,
+                           .target = target,
+                           .result = result});
 }
 
 }  // namespace dts::ipc

@@ -34,6 +34,9 @@ class SessionCommands {
   [[nodiscard]] dts::v1::Response show(const dts::v1::ShowSessionRequest& request);
   [[nodiscard]] dts::v1::Response audit(const dts::v1::GetAuditRequest& request);
 
+  /// Only checks it: what is noted is the entry into the audit trail.
+  [[nodiscard]] static dts::v1::Response note_login(const dts::v1::NoteLoginRequest& request);
+
   /// Enters a command that changes something into the audit trail with its answer: who, what, on what, how it ended. `sender` is "local" or
   /// "key:NAME". The texts of people (labels, markers, fields) do not go there.
   /// Whether a command with this answer is entered at all: what changes something, and what only an engineer may look at, when it failed.

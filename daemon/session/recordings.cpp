@@ -46,7 +46,9 @@ core::Result<std::string> set_aside(const std::string& catalogue, std::int64_t u
   for (const char* ending : {"-wal", "-shm", ".audit", ""}) {
     if (!std::filesystem::exists(std::filesystem::symlink_status(catalogue + ending, error))) continue;
     std::filesystem::rename(catalogue + ending, aside + ending, error);
-    if (error) return core::fail_errno(error.value(), "the damaged catalogue " + catalogue + " cannot be renamed", "move it away with all files beside it");
+    if (error)
+      return core::fail_errno(error.value(), "the damaged catalogue " + catalogue + " cannot be renamed",
+                              "move it away with all files beside it");
   }
   return aside;
 }
@@ -71,7 +73,8 @@ std::int64_t end_of_data_utc_ns(const record::PartRow& part) {
 
 }  // namespace
 
-core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const StorageConfig& config, core::Clock& clock, const core::Log& log) {
+core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const StorageConfig& config, core::Clock& clock,
+                                                                     const core::Log& log) {
   auto catalogue = record::Catalogue::open(catalogue_of(config));
   if (!catalogue) return tl::make_unexpected(catalogue.error());
   std::unique_ptr<Recordings> recordings(new Recordings(config, clock, log, std::move(*catalogue)));
@@ -90,7 +93,7 @@ core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& 
     opened = open_catalogue(config, clock, log);
     if (!opened) return opened;
     (*opened)->notice_ = damage + "; it is kept as " + *aside + ", and was made anew from the recordings, all but the audit trail";
-    (*opened)->enter_audit({.utc_ns = utc_ns, .who = "dtsd", .what = "catalogue_rebuilt", .target = *aside, .result = "ok"});
+    (*opened)->audit("catalogue_rebuilt", *aside, "ok");
   }
   if (!opened) return opened;
   std::unique_ptr<Recordings> recordings = std::move(*opened);
@@ -150,10 +153,17 @@ void Recordings::end_left_running(record::SessionRow& session) {
     }
   }
   complain(catalogue_->end_session(session.id, session.state, message, ended_utc_ns));
+  if (session.state == "interrupted") audit("interrupted", session.id, "failed");
 }
 
-/// Of each rig what ran last, if a crash ended it and not long ago: also a crash before the last one, when the daemon between the two did not
-/// come so far as to go on.
+/// What the daemon did by itself, or what became of it.
+void Recordings::audit(const std::string& what, const std::string& target, const std::string& result) {
+  enter_audit(
+      {.utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns(), .who = "dtsd", .what = what, .target = target, .result = result});
+}
+
+/// Of each rig what ran last, if a crash ended it and not long ago: also a crash before the last one, when the daemon between the two did
+/// not come so far as to go on.
 void Recordings::find_resumable(const std::vector<record::SessionRow>& sessions) {
   std::map<std::string_view, const record::SessionRow*> last;
   for (const record::SessionRow& session : sessions) {
@@ -207,6 +217,8 @@ void Recordings::add(Rig& rig) {
 
 void Recordings::start() {
   thread_.start();
+  audit("start", "", "ok");
+  is_started_ = true;
   if (interrupted_.empty()) return;
   log_.warning(std::to_string(interrupted_.size()) + " interrupted recording(s) found; repaired copies are being made");
   recovery_thread_ = std::jthread([this](const std::stop_token& stop) {
@@ -216,6 +228,7 @@ void Recordings::start() {
 }
 
 void Recordings::stop() noexcept {
+  if (std::exchange(is_started_, false)) audit("stop", "", "ok");
   enter_owed_audit();
   if (!audit_problem_.empty()) {
     log_.error(std::to_string(owed_audit_.size() + unwritten_audit_) + " entries of the audit trail are lost: " + audit_problem_);
@@ -275,9 +288,11 @@ void Recordings::collect_recovered() {
         complain(entered);
         complain(catalogue_->update_part(part));
       }
+      audit("recover", part.session_id, "ok");
       log_.info(which + "recovered in " + part.file);
     } else {
       complain(catalogue_->update_part(part));
+      audit("recover", part.session_id, "failed");
       log_.error(which + "not recovered: " + part.reason);
     }
   }
@@ -364,7 +379,10 @@ record::SessionRow Recordings::corrected(record::SessionRow row) const {
   row.ended_utc_ns = end->second.ended_utc_ns;
   for (const auto& [rig, newest] : under_way_) {
     for (record::PartRow& part : row.parts) {
-      if (part.session_id == newest.session_id && part.part == newest.part) part = newest;
+      if (part.session_id != newest.session_id || part.part != newest.part) continue;
+      const std::uint32_t valid_trials = part.valid_trials;
+      part = newest;
+      part.valid_trials = valid_trials;
     }
   }
   return row;

@@ -100,6 +100,7 @@ class Recordings {
   void complain(const core::Status& status);
   void enter_or_owe(std::function<core::Status()> entry);
   void enter_owed();
+  void audit(const std::string& what, const std::string& target, const std::string& result);
   [[nodiscard]] core::Status append_audit(const record::AuditEntry& entry);
   void enter_owed_audit();
 
@@ -109,13 +110,14 @@ class Recordings {
   std::unique_ptr<record::Catalogue> catalogue_;
   std::vector<std::string> resumable_;
   RecordThread thread_;
-  double bytes_per_s_ = 0.0;                             ///< Of all rigs together.
-  std::deque<std::function<core::Status()>> owed_;       ///< Entries that the catalogue has refused, oldest first.
-  int calls_to_retry_ = 0;                               ///< Of `take_finished`, until they are tried again.
-  std::deque<record::AuditEntry> owed_audit_;            ///< The same of the audit trail.
-  std::uint64_t unwritten_audit_ = 0;                    ///< Entries that found no room among them.
+  double bytes_per_s_ = 0.0;                        ///< Of all rigs together.
+  std::deque<std::function<core::Status()>> owed_;  ///< Entries that the catalogue has refused, oldest first.
+  int calls_to_retry_ = 0;                          ///< Of `take_finished`, until they are tried again.
+  std::deque<record::AuditEntry> owed_audit_;       ///< The same of the audit trail.
+  std::uint64_t unwritten_audit_ = 0;               ///< Entries that found no room among them.
   std::string audit_problem_;
   std::string notice_;
+  bool is_started_ = false;
   std::map<std::string, record::SessionRow> owed_ends_;  ///< Ends of sessions among them, by id.
   std::map<std::string, record::PartRow> under_way_;     ///< By rig; the last one stays.
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -59,6 +60,8 @@ struct SessionServices {
   std::vector<Protocol> protocols{Protocol{}};
   std::string software{};  ///< "dtsd 0.1.0"
   std::string boot_id{};
+  /// Returns how many trials the text of a recorded protocol plans: this room reads no files.
+  std::function<std::uint32_t(const std::string&)> planned_trials = [](const std::string&) { return 0U; };
 };
 
 /// One rig's session with all that belongs to it: its state, its recording, its trials. Thread: control.

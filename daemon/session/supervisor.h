@@ -105,6 +105,10 @@ class Supervisor {
   /// A step of a session with trials; an empty name as above.
   [[nodiscard]] core::Result<TrialView> trial(const std::string& rig, TrialAction action);
   [[nodiscard]] const std::vector<Protocol>& protocols() const noexcept { return services_.protocols; }
+  /// Of a session of the catalogue; 0: its protocol plans none.
+  [[nodiscard]] std::uint32_t planned_trials(const record::SessionRow& session) const {
+    return services_.planned_trials(session.protocol_definition);
+  }
   /// nullptr: nothing is recorded.
   [[nodiscard]] Recordings* recordings() noexcept { return services_.recordings; }
   /// Marks the newest scan of one rig, or of every rig for an empty name.

@@ -80,11 +80,16 @@ tl::unexpected<core::Error> wrong_state(std::string what, std::string hint = {})
 
 }  // namespace
 
+std::uint32_t planned_trials(const TrialPlan& plan) {
+  if (plan.conditions.empty()) return 0;
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(std::uint64_t{plan.trials_per_block} * plan.blocks, kMostTrials));
+}
+
 std::vector<PlannedTrial> make_plan(const TrialPlan& plan, std::uint64_t seed) {
-  const std::uint64_t wanted = std::uint64_t{plan.trials_per_block} * plan.blocks;
-  if (plan.conditions.empty() || wanted == 0) return {};
+  const std::uint32_t wanted = planned_trials(plan);
+  if (wanted == 0) return {};
   SplitMix64 random(seed);
-  const auto order = condition_order(plan, std::min<std::uint64_t>(wanted, kMostTrials), random);
+  const auto order = condition_order(plan, wanted, random);
   std::vector<PlannedTrial> places;
   for (std::uint32_t index = 0; index < order.size(); ++index) {
     places.push_back({.trial = index + 1,

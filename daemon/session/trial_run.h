@@ -23,6 +23,7 @@ struct PlannedTrial {
 };
 
 inline constexpr std::uint32_t kMostTrials = 10'000;  ///< Of a plan; what lies beyond is left out.
+[[nodiscard]] std::uint32_t planned_trials(const TrialPlan& plan);
 
 /// The order of all trials. Blocks of fewer trials than conditions take turns, so that over all blocks every condition comes equally often,
 /// give or take one. No conditions, no trials.

@@ -4,12 +4,14 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <filesystem>
 #include <iterator>
 
 #include "dts/v1/gateway.pb.h"
 #include "gateway/gateway_process.h"
 #include "gateway/raw_client.h"
+#include "system/notify_socket.h"
 
 namespace dts::test {
 namespace {
@@ -43,6 +45,15 @@ TEST_P(GatewayEndBySignal, WithNobodyThere_EndsAndLeavesNothing) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, GatewayEndBySignal, testing::Values(SIGINT, SIGTERM, SIGHUP));
+
+TEST(GatewayService, TellsTheServiceManagerWhenItServes) {
+  const DaemonProcess daemon;
+  const NotifySocket notify(daemon.directory() / "notify-gateway");
+  ::setenv("NOTIFY_SOCKET", (daemon.directory() / "notify-gateway").c_str(), 1);
+  const GatewayProcess gateway(daemon, {"--local-role", "operator"});
+  ::unsetenv("NOTIFY_SOCKET");
+  EXPECT_TRUE(eventually([&] { return notify.says_ready(20); })) << gateway.log();
+}
 
 TEST_F(GatewayEnd, WithACommandUnderWay_DoesNotWaitForTheDaemon) {
   auto tab = open_websocket(gateway_.port());

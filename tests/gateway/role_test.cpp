@@ -135,6 +135,41 @@ TEST_F(GatewayRoles, ARepeatIsExecutedOnce_AndTheTrailSaysForWhom) {
   EXPECT_EQ(trail, (std::vector<std::string>{"local ok", "local:otto wrong_state"}));
 }
 
+TEST_F(GatewayRoles, LoginsAndRefusedOnes_AreInTheAuditTrailWithTheirAddress) {
+  const GatewayProcess gateway(daemon_, with_users());
+  ASSERT_NE(gateway.port(), 0) << gateway.log();
+  ASSERT_FALSE(log_in(gateway.port(), "otto", kPassword).empty());
+  ASSERT_TRUE(log_in(gateway.port(), "viola", "a guess").empty());
+
+  std::vector<std::string> entries;
+  EXPECT_TRUE(eventually([&] {
+    entries.clear();
+    const auto audit = daemon_.control().audit(10);
+    for (const v1::AuditEntry& entry : audit->entries()) {
+      if (entry.what() == "login") entries.push_back(entry.who() + " " + entry.what() + " " + entry.target() + " " + entry.result());
+    }
+    return entries.size() >= 2;
+  }));
+  EXPECT_THAT(entries, testing::UnorderedElementsAre("local:otto login otto from loopback ok", "local login viola from loopback refused"));
+  EXPECT_THAT(gateway.log(), testing::HasSubstr("login: otto (operator) from loopback"));
+}
+
+TEST_F(GatewayRoles, ANoteOfALogin_IsNotTakenFromABrowser) {
+  const GatewayProcess gateway(daemon_, {"--local-role", "engineer"});
+  ASSERT_NE(gateway.port(), 0) << gateway.log();
+  auto tab = open_websocket(gateway.port());
+  ASSERT_TRUE(tab);
+  v1::Request command;
+  command.set_request_id("forged");
+  command.mutable_note_login()->set_user("otto");
+  command.mutable_note_login()->set_address("192.0.2.7");
+
+  const auto response = response_to(*tab, command);
+
+  ASSERT_TRUE(response);
+  EXPECT_EQ(response->error().code(), v1::ERROR_CODE_INVALID_ARGUMENT);
+}
+
 TEST_F(GatewayRoles, ALocalViewerIsAViewer) {
   const GatewayProcess gateway(daemon_, {"--local-role", "viewer"});
   ASSERT_NE(gateway.port(), 0) << gateway.log();

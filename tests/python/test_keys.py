@@ -69,6 +69,9 @@ class KeyTest(unittest.TestCase):
             dts.read_key(file)
         with self.assertRaises(dts.InvalidArgument):
             dts.read_key(self.folder / "nowhere.key")
+        os.mkfifo(self.folder / "pipe.key", 0o600)
+        with self.assertRaisesRegex(dts.InvalidArgument, "no regular file"):
+            dts.read_key(self.folder / "pipe.key")
 
     def test_no_secret_is_shown(self) -> None:
         key = dts.read_key(self.new_key("quiet", "viewer"))

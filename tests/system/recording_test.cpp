@@ -251,11 +251,16 @@ TEST(Recording, OfADaemonThatStoodStill_SaysEverywhereWhatIsMissing) {
   const auto lost = part.at("losses").at(0).at("lost_scans_total").get<std::uint64_t>();
   EXPECT_GT(lost, 0U);
   const std::string words = std::to_string(lost) + (lost == 1 ? " scan lost" : " scans lost");
-  EXPECT_THAT(daemon.ctl({"session", "list"}).out, HasSubstr("complete (" + std::to_string(lost) + " scans lost)"));
+  EXPECT_THAT(daemon.ctl({"session", "list"}).out, HasSubstr("complete (" + words + " in 1 gap)"));
   EXPECT_THAT(daemon.ctl({"session", "show", id}).out, HasSubstr("part 1: " + words + " in "));
   EXPECT_THAT(daemon.ctl({"session", "verify", id}).out, HasSubstr(words + " in "));
   const json verified = json::parse(daemon.ctl({"session", "verify", id, "--json"}).out).at("files").at(0);
-  EXPECT_EQ(verified.at("lost_scans"), lost);
+  for (const json& counted : {shown(daemon, id), part, verified}) {
+    EXPECT_EQ(counted.at("lost_scans"), lost);
+    EXPECT_EQ(counted.at("gaps"), 1);
+    EXPECT_EQ(counted.at("valid_trials"), 0);
+    EXPECT_EQ(counted.at("planned_trials"), 0);
+  }
   EXPECT_NEAR(verified.at("duration_s"), part.at("duration_s"), 1e-3) << "length means one thing";
   EXPECT_GT(part.at("duration_s"), 6.0) << "gaps included";
   EXPECT_NEAR(static_cast<double>(part.at("scans").get<std::uint64_t>() + lost), part.at("duration_s").get<double>() * 100.0, 3.0);

@@ -14,20 +14,43 @@
 #include "core/losses.h"
 #include "ctl/recording_view.h"
 #include "ctl/sessions/recorded_files.h"
+#include "record/catalogue/trial_collector.h"
 #include "record/losses.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
+#include "report/recorded_definitions.h"
 
 namespace dts::ctl {
 namespace {
+
+/// What one recording, or all of a session, says of itself.
+struct Counts {
+  core::LossCount lost{};
+  std::uint64_t valid_trials = 0;
+  std::uint64_t planned_trials = 0;
+};
 
 /// What came out of one file.
 struct Verified {
   RecordedFile file;
   record::Verification found{};
   core::Losses losses{};  ///< Of scans: the file is sound, and says itself what is missing in it.
+  Counts counts{};
   std::optional<core::Error> problem{};
 };
+
+/// Counts what the recording says of itself.
+void count(record::Recording& recording, Verified& verified) {
+  verified.losses = recording.losses();
+  Counts& counts = verified.counts;
+  counts.lost = verified.losses.total();
+  if (recording.session()) counts.planned_trials = report::planned_trials(*recording.session());
+  if (counts.planned_trials == 0) return;  // without trials nothing would be found
+  record::TrialCollector trials(recording.find_stream("raw"));
+  for (auto item = recording.next(); item && *item; item = recording.next()) trials.take(**item);
+  const auto rows = trials.rows();
+  counts.valid_trials = static_cast<std::uint64_t>(std::ranges::count_if(rows, record::is_valid));
+}
 
 Verified verify(const RecordedFile& file, cli::Console& console) {
   cli::Progress bar(console, "verifying " + std::filesystem::path(file.path).filename().string());
@@ -37,7 +60,7 @@ Verified verify(const RecordedFile& file, cli::Console& console) {
   });
   if (!found) return {.file = file, .problem = found.error()};
   Verified verified{.file = file, .found = std::move(*found)};
-  if (const auto recording = record::Recording::open(file.path)) verified.losses = (*recording)->losses();
+  if (const auto recording = record::Recording::open(file.path)) count(**recording, verified);
   if (!file.sha256.empty() && file.sha256 != verified.found.sha256) {
     verified.problem =
         core::Error{core::ErrorCode::DataDamaged,
@@ -54,16 +77,15 @@ std::string problem_of(const Verified& verified) {
   return what.starts_with(name) ? what.substr(name.size()) : what;
 }
 
-/// One of the words that the catalogue has for recordings.
-std::string state_of(const record::Verification& found) {
-  if (found.is_recovered) return "recovered";
-  if (!found.is_closed) return "interrupted";
-  return found.incomplete.empty() ? "complete" : "incomplete";
-}
+std::string state_of(const Verified& verified) { return std::string(record::name(record::state_of(verified.found, verified.file.path))); }
 
-std::string reason_of(const record::Verification& found) {
-  if (!found.incomplete.empty()) return found.incomplete;
-  return found.is_closed ? "" : "it was never closed";
+std::string reason_of(const Verified& verified) { return record::reason_of(verified.found, verified.file.path); }
+
+void add_counts(const Counts& counts, cli::Json& json) {
+  json["gaps"] = counts.lost.gaps;
+  json["lost_scans"] = counts.lost.scans;
+  json["valid_trials"] = counts.valid_trials;
+  json["planned_trials"] = counts.planned_trials;
 }
 
 cli::Json to_json(const Verified& verified) {
@@ -72,8 +94,8 @@ cli::Json to_json(const Verified& verified) {
   if (verified.file.part > 0) json["part"] = verified.file.part;
   if (verified.problem) json["problem"] = verified.problem->what;
   if (found.sha256.empty()) return json;
-  json["state"] = state_of(found);
-  if (!reason_of(found).empty()) json["reason"] = reason_of(found);
+  json["state"] = state_of(verified);
+  if (!reason_of(verified).empty()) json["reason"] = reason_of(verified);
   json["sha256"] = found.sha256;
   json["bytes"] = found.bytes;
   json["chunks"] = found.chunks;
@@ -83,8 +105,7 @@ cli::Json to_json(const Verified& verified) {
   json["is_closed"] = found.is_closed;
   json["is_recovered"] = found.is_recovered;
   cli::set_number(json, "lost_s_at_most", found.lost_s_at_most);
-  json["gaps"] = verified.losses.total().gaps;
-  json["lost_scans"] = verified.losses.total().scans;
+  add_counts(verified.counts, json);
   json["losses"] = cli::Json::parse(record::to_json(verified.losses));
   return json;
 }
@@ -96,11 +117,13 @@ void print_verified(cli::Console& console, const Verified& verified) {
     console.out << cli::styled(console, cli::Style::Bad, "DAMAGED") << "  " << name << ": " << cli::printable(problem_of(verified)) << '\n';
     return;
   }
-  std::string word = state_of(found);
+  std::string word = state_of(verified);
   const std::string losses = to_text(verified.losses);
   std::string facts = cli::duration(found.duration_s) + ", " + std::to_string(found.scans) + " scans, " + bytes_text(found.bytes);
   facts += ", " + std::to_string(found.chunks) +
            (found.has_index ? " chunks as the index has them" : " chunks; no .idx beside it: the values were not checked");
+  const std::string trials = trials_text(verified.counts.valid_trials, verified.counts.planned_trials);
+  if (!trials.empty()) facts += ", " + trials;
   if (!losses.empty()) facts += ", " + cli::styled(console, cli::Style::Warning, losses);
   if (word == "complete") {
     console.out << cli::styled(console, cli::Style::Good, found.has_index ? "sound" : "readable") << "  " << name << ": complete, " << facts
@@ -109,7 +132,7 @@ void print_verified(cli::Console& console, const Verified& verified) {
     std::ranges::transform(word, word.begin(), [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
     const std::string lost = found.lost_s_at_most > 0.0 ? "; at most " + cli::decimal(found.lost_s_at_most, 2) + " s are lost" : "";
     console.out << cli::styled(console, cli::Style::Bad, word) << "  " << name << ": sound as far as it goes, but "
-                << cli::printable(reason_of(found)) << lost << "; " << facts << '\n';
+                << cli::printable(reason_of(verified)) << lost << "; " << facts << '\n';
   }
   console.out << cli::styled(console, cli::Style::Faint, "SHA-256 " + cli::printable(found.sha256)) << '\n';
 }
@@ -121,8 +144,13 @@ int run_session_verify(const Arguments& arguments, cli::Console& console) {
   if (!files) return cli::fail_with(console, files.error());
   int status = cli::kOk;
   cli::Json list = cli::Json::array();
+  Counts all;
   for (const RecordedFile& file : *files) {
     const Verified verified = verify(file, console);
+    all.lost.gaps += verified.counts.lost.gaps;
+    all.lost.scans += verified.counts.lost.scans;
+    all.valid_trials += verified.counts.valid_trials;
+    all.planned_trials = std::max(all.planned_trials, verified.counts.planned_trials);
     if (arguments.is_json) {
       list.push_back(to_json(verified));
     } else {
@@ -135,7 +163,11 @@ int run_session_verify(const Arguments& arguments, cli::Console& console) {
     const bool can_recover = !verified.problem && !verified.found.is_closed && !verified.found.is_recovered;
     if (can_recover) cli::print_hint(console, "repair a copy: dtsctl session recover " + cli::printable(file.path));
   }
-  if (arguments.is_json) console.out << cli::document({{"ok", status == cli::kOk}, {"files", std::move(list)}});
+  if (arguments.is_json) {
+    cli::Json json{{"ok", status == cli::kOk}, {"files", std::move(list)}};
+    add_counts(all, json);
+    console.out << cli::document(json);
+  }
   console.out.flush();
   return status;
 }

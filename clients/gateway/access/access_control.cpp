@@ -17,6 +17,7 @@
 #include "gateway/access/visitor.h"
 #include "gateway/http/connection_limits.h"
 #include "gateway/http/json_answer.h"
+#include "gateway/http/token_bucket.h"
 
 namespace dts::gateway {
 namespace {
@@ -34,7 +35,31 @@ constexpr unsigned kFreeForBoth = 5;
 constexpr seconds kLongestForOne{30};
 constexpr unsigned kFreeForOne = 20;
 
-constexpr seconds kLogPause{1};
+constexpr double kLinesPerSecond = 1.0;
+constexpr double kRefusedLinesAtOnce = 1.0;
+constexpr double kLoginLinesAtOnce = 20.0;  // a ward begins its shift
+// Nobody can erase the audit trail: as many as the daemon enters of commands that failed.
+constexpr double kNotesPerSecond = 0.1;
+constexpr double kNotesAtOnce = 20.0;
+
+/// Lets some through and counts the others.
+struct Thinned {
+  TokenBucket bucket;
+  std::uint64_t others = 0;
+
+  /// How many were kept back since the last that was let through; nothing: this one is, too.
+  [[nodiscard]] std::optional<std::uint64_t> pass(TokenBucket::Time now) noexcept {
+    if (bucket.take(now)) return std::exchange(others, 0);
+    ++others;
+    return std::nullopt;
+  }
+};
+
+/// What becomes known of logins of one kind.
+struct Told {
+  Thinned lines;
+  Thinned notes{.bucket = TokenBucket(kNotesPerSecond, kNotesAtOnce)};
+};
 
 struct Attempt {
   LoginRequest login;
@@ -163,7 +188,8 @@ class AccessControlImpl final : public AccessControl {
     names_.forgive(user.name);
     pairs_.forgive(pair_of(user.name, stranger));
     const Identity identity{.user = user.name, .role = user.role};
-    options_.log("login: " + user.name + " (" + std::string(role_name(user.role)) + ") from " + stranger);
+    tell(logins_, "login: " + user.name + " (" + std::string(role_name(user.role)) + ") from " + stranger,
+         {.user = user.name, .address = stranger});
     HttpResponse answer = describe(identity);
     const std::string token = tokens_.issue(identity, options_.now());
     answer.headers.emplace_back("Set-Cookie", cookie_text(token, options_.token_life, is_secure));
@@ -182,14 +208,20 @@ class AccessControlImpl final : public AccessControl {
 
   void note_refusal(const std::string& name, const std::string& stranger) {
     ++refused_logins_total_;
-    ++unlogged_refusals_;
+    const bool is_known = users_.find(name) != nullptr;
+    tell(refusals_, "login refused: " + (is_known ? name : "a name that no user has") + " from " + stranger,
+         {.user = is_known ? name : "", .address = stranger, .is_refused = true});
+  }
+
+  void tell(Told& kind, const std::string& line, LoginNote note) const {
     const auto now = options_.now();
-    if (last_logged_ && now - *last_logged_ < kLogPause) return;
-    last_logged_ = now;
-    const std::string whom = users_.find(name) == nullptr ? "a name that no user has" : name;
-    const std::uint64_t others = std::exchange(unlogged_refusals_, 0) - 1;
-    options_.log("login refused: " + whom + " from " + stranger +
-                 (others == 0 ? "" : ", and " + std::to_string(others) + " more since the line before"));
+    if (const auto others = kind.lines.pass(now)) {
+      options_.log(line + (*others == 0 ? "" : ", and " + std::to_string(*others) + " more since the line before"));
+    }
+    if (const auto others = kind.notes.pass(now)) {
+      note.more = *others;
+      options_.note(note);
+    }
   }
 
   AccessOptions options_;
@@ -201,8 +233,8 @@ class AccessControlImpl final : public AccessControl {
   std::deque<Attempt> waiting_;
   bool is_comparing_ = false;
   std::uint64_t refused_logins_total_ = 0;
-  std::uint64_t unlogged_refusals_ = 0;
-  std::optional<std::chrono::steady_clock::time_point> last_logged_;
+  Told logins_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kLoginLinesAtOnce)}};
+  Told refusals_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kRefusedLinesAtOnce)}};
   PasswordThread passwords_;  // last: its thread ends before the rest goes
 };
 

@@ -18,6 +18,14 @@ namespace dts::gateway {
 /// Time since the machine started, with the time it slept: who closes the lid for the night is logged out in the morning.
 [[nodiscard]] std::chrono::steady_clock::time_point time_since_boot() noexcept;
 
+/// A login, or a refused attempt, for the daemon's audit trail.
+struct LoginNote {
+  std::string user;  ///< Empty: a name that no user has.
+  std::string address;
+  bool is_refused = false;
+  std::uint64_t more = 0;  ///< Of the same kind since the last note, which have none of their own.
+};
+
 struct AccessOptions {
   std::string users_file{};                    ///< Empty: nobody can log in.
   v1::Role local_role = v1::ROLE_UNSPECIFIED;  ///< Of whoever connects from this machine without a login; UNSPECIFIED: they log in too.
@@ -25,12 +33,14 @@ struct AccessOptions {
   std::chrono::seconds idle_life{2 * 3600};    ///< Of a login that is not; an open tab is a use.
   std::function<std::chrono::steady_clock::time_point()> now = time_since_boot;
   std::function<void(const std::string&)> log = [](const std::string&) {};  ///< Takes a line; what a browser sent is not in it.
+  std::function<void(const LoginNote&)> note = [](const LoginNote&) {};     ///< 20 of each kind at once and six a minute.
 };
 
 /// Tells who somebody is: by the token in the cookie "dts_token" (HttpOnly, SameSite=Strict, Secure over TLS), or as the local user.
 ///
-/// Every login is a line of the log, with name, role and address; refused ones are a line a second, with their number. A name that no user
-/// has is not told: it may be a password in the wrong field.
+/// Logins and refused attempts are lines of the log, with name and address, and notes for the audit trail: of each kind a few at once, then
+/// a line a second, a note in ten seconds, with the number of the others. A name that no user has is not told: it may be a password in the
+/// wrong field.
 /// Passwords are hashed with libsodium (argon2id), on a thread of their own, one at a time; a wrong name costs as much time as a wrong
 /// password. After five failures a name waits at the address they came from, after twenty the name or the address alone, longer each time.
 /// Tokens are 256 random bits, kept as hashes, in memory only: a restart logs everybody out. Whose line in the users file is changed or

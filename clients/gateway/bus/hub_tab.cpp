@@ -102,7 +102,7 @@ void HubTab::answer_clock(const v1::ClockProbe& probe) {
 void HubTab::on_request(v1::Request&& request) {
   const v1::Role needed = role_needed(request);
   const std::string id = request.request_id();
-  if (id.empty() || id.size() > kLongestRequestId || needed == v1::ROLE_UNSPECIFIED) {
+  if (id.empty() || id.size() > kLongestRequestId || needed == v1::ROLE_UNSPECIFIED || request.has_note_login()) {
     return refuse(id, refusal(client::ErrorCode::InvalidArgument, "not a command that this version knows", "reload the page"));
   }
   if (!identity_.holds()) return connection_.close(kLoggedOut, "the login has ended");

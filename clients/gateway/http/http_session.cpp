@@ -44,7 +44,9 @@ class HttpSession : public Connection, public std::enable_shared_from_this<HttpS
   HttpSession(std::shared_ptr<ServerState> server, asio::ip::tcp::socket socket, Peer peer, ConnectionLimits::Seat seat)
       : Connection(std::move(server), std::move(peer), std::move(seat)),
         stream_(std::move(socket), server_->io.get_executor(), server_->tls.get()),
-        requests_(server_->limits.requests_per_s) {}
+        requests_(server_->limits.requests_per_s) {
+    seat_.on_eviction([this] { drop(); });
+  }
 
   void start();
   void go_away() override { drop(); }
@@ -58,6 +60,7 @@ class HttpSession : public Connection, public std::enable_shared_from_this<HttpS
   void await_request();
   void read_request();
   void on_request(error_code error);
+  [[nodiscard]] std::optional<Identity> identify(const HttpRequest& request);
   void route(HttpRequest request);
   void upgrade(RawRequest raw, const HttpRequest& request);
   void refuse(HttpResponse response);
@@ -136,7 +139,17 @@ void HttpSession::on_request(error_code error) {
   path_ = request->path;
   if (is_upgrade) return upgrade(std::move(raw), *request);
   keeps_alive_ = keeps_alive;
+  // Who has logged in need not make room for strangers. Beyond a user's places a connection is as good as a stranger's.
+  if (request->headers.contains("cookie")) {
+    const auto identity = identify(*request);
+    if (identity && identity->user != kLocalUser) static_cast<void>(seat_.belongs_to(identity->user));
+  }
   route(std::move(*request));
+}
+
+std::optional<Identity> HttpSession::identify(const HttpRequest& request) {
+  std::optional<Identity> identity;
+  return returns([&] { identity = server_->hooks.admit(request); }) ? identity : std::nullopt;
 }
 
 void HttpSession::route(HttpRequest request) {
@@ -152,9 +165,10 @@ void HttpSession::upgrade(RawRequest raw, const HttpRequest& request) {
   if (auto refused = refuse_upgrade(raw, request)) return refuse(std::move(*refused));
   // A browser speaks only after the answer; what came early would be read as a request, or lost.
   if (buffer_.size() > 0) return refuse(error_answer(400, "bytes before the answer to an upgrade", "wait for it"));
-  std::optional<Identity> identity;
-  if (!returns([&] { identity = server_->hooks.admit(request); }) || !identity) {
-    return refuse(error_answer(401, "not logged in", "log in first"));
+  auto identity = identify(request);
+  if (!identity) return refuse(error_answer(401, "not logged in", "log in first"));
+  if (!seat_.belongs_to(identity->user)) {
+    return refuse(error_answer(503, "too many connections of this user", "close other tabs of the dashboard"));
   }
   is_over_ = true;
   serve_websocket(server_, std::move(stream_), std::move(peer_), std::move(seat_), std::move(raw), std::move(*identity));

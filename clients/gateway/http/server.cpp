@@ -96,6 +96,7 @@ class TcpServer : public Server {
   [[nodiscard]] ServerStatistics statistics() const noexcept override {
     ServerStatistics now = state_->statistics;
     now.connections = state_->seats.taken();
+    now.refused_connections_total += state_->seats.evicted_total();
     return now;
   }
   void stop() override {

@@ -14,6 +14,7 @@
 
 #include "dts/error.h"
 #include "gateway/access/identity.h"
+#include "gateway/http/connection_limits.h"
 #include "gateway/http/http_message.h"
 #include "gateway/http/tab.h"
 
@@ -21,8 +22,7 @@ namespace dts::gateway {
 
 /// What strangers may use up. Every figure is tested by an attack on it.
 struct ServerLimits {
-  std::size_t connections = 256;             ///< All together; one more is closed at once.
-  std::size_t connections_per_address = 64;  ///< From one address; loopback counts as one.
+  ConnectionLimits::Most connections{};  ///< Loopback counts as one address.
   std::size_t header_bytes = 8192;
   std::size_t body_bytes = 16384;
   std::size_t websocket_message_bytes = 65536;        ///< Whole message, over all its fragments.
@@ -55,8 +55,8 @@ struct ServerHooks {
 /// Counters since the start.
 struct ServerStatistics {
   std::uint64_t connections_total = 0;
-  std::uint64_t refused_connections_total = 0;  ///< By `connections` or `connections_per_address`.
-  std::uint64_t refused_requests_total = 0;     ///< Malformed, too large, too slow, too many, foreign Host or Origin.
+  std::uint64_t refused_connections_total = 0;        ///< Closed by the limits of `connections`, at once or to make room.
+  std::uint64_t refused_requests_total = 0;           ///< Malformed, too large, too slow, too many, foreign Host or Origin.
   std::map<unsigned, std::uint64_t> answers_total{};  ///< By HTTP status; WebSockets are tabs.
   std::size_t connections = 0;
   std::size_t tabs = 0;

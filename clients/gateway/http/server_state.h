@@ -25,7 +25,7 @@ struct ServerState {
         limits(options.limits),
         hooks(std::move(its_hooks)),
         hosts(options.host_names, is_loopback),
-        seats(options.limits.connections, options.limits.connections_per_address) {}
+        seats(options.limits.connections) {}
 
   boost::asio::io_context& io;
   ServerLimits limits;

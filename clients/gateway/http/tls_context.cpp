@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/http/tls_context.h"
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace dts::gateway {
@@ -22,6 +24,10 @@ tl::unexpected<client::Error> unusable(const std::string& file, const std::strin
 client::Result<std::unique_ptr<ssl::context>> open_tls(const std::string& certificate_file, const std::string& key_file) {
   if (certificate_file.empty()) return unusable(key_file, "a key without a certificate");
   if (key_file.empty()) return unusable(certificate_file, "a certificate without a key");
+  for (const std::string& file : {certificate_file, key_file}) {
+    std::error_code unknown;
+    if (!std::filesystem::is_regular_file(file, unknown)) return unusable(file, "is no file that can be read");  // a pipe would wait
+  }
   auto context = std::make_unique<ssl::context>(ssl::context::tls_server);
   SSL_CTX* const raw = context->native_handle();
   SSL_CTX_set_options(raw, SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION | SSL_OP_CIPHER_SERVER_PREFERENCE);

@@ -6,18 +6,19 @@
 
 namespace dts::gateway {
 
-/// So many happenings per second, and four seconds' worth of them at once. Told the time.
+/// So many happenings per second, and a burst of them at once: four seconds' worth when nothing else is said. Told the time.
 class TokenBucket {
  public:
   using Time = std::chrono::steady_clock::time_point;
   static constexpr double kBurst_s = 4.0;
 
-  explicit TokenBucket(double per_second) noexcept : per_second_(per_second), left_(per_second * kBurst_s) {}
+  explicit TokenBucket(double per_second) noexcept : TokenBucket(per_second, per_second * kBurst_s) {}
+  TokenBucket(double per_second, double burst) noexcept : per_second_(per_second), burst_(burst), left_(burst) {}
 
   /// False: one too many.
   [[nodiscard]] bool take(Time now) noexcept {
     if (last_ != Time()) left_ += per_second_ * std::chrono::duration<double>(now - last_).count();
-    left_ = std::min(left_, per_second_ * kBurst_s);
+    left_ = std::min(left_, burst_);
     last_ = now;
     if (left_ < 1.0) return false;
     left_ -= 1.0;
@@ -26,6 +27,7 @@ class TokenBucket {
 
  private:
   double per_second_;
+  double burst_;
   double left_;
   Time last_{};
 };

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "lab/csv.h"
+#include "lab/position_columns.h"
 #include "record/recording.h"
 #include "session/recorded_sway.h"
 
@@ -16,7 +17,6 @@ using posturography::Analysis;
 using posturography::AnalysisOptions;
 using posturography::Measure;
 
-constexpr double kMostMm = 1e6;
 constexpr double kSameDigits = 1e-9;  ///< Relative: rounding of other compilers and processors.
 
 /// False, and a problem at its line, when the times do not rise.
@@ -29,29 +29,10 @@ bool check_times(const std::string& file, const std::vector<double>& t_s, files:
   return true;
 }
 
-/// x_mm, y_mm of the contract, or ml_mm, ap_mm of `dtsctl session export`.
-struct PositionColumns {
-  std::string ml;
-  std::string ap;
-};
-
-std::optional<PositionColumns> position_columns(const std::string& file, const CsvTable& table, files::Problems& problems) {
-  for (const PositionColumns& columns : {PositionColumns{"x_mm", "y_mm"}, PositionColumns{"ml_mm", "ap_mm"}}) {
-    if (table.has(columns.ml) && table.has(columns.ap)) return columns;
-  }
-  for (const auto& [name, meaning] :
-       {std::pair{"x_mm", "ML, positive to the subject's right; or ml_mm"}, std::pair{"y_mm", "AP, positive forward; or ap_mm"}}) {
-    if (!table.has(name)) problems.push_back({file, 1, 1, "column '" + std::string(name) + "' is missing (" + meaning + ")"});
-  }
-  return std::nullopt;
-}
-
 std::optional<posturography::CopSeries> read_csv(const std::string& file, files::Problems& problems) {
   std::vector<CsvColumn> columns{{.name = "t_s", .minimum = -1e12, .maximum = 1e12},
                                  {.name = "load_n", .is_required = false, .may_be_empty = true, .minimum = -1e6, .maximum = 1e6}};
-  for (const char* name : {"x_mm", "y_mm", "ml_mm", "ap_mm"}) {
-    columns.push_back({.name = name, .is_required = false, .may_be_empty = true, .minimum = -kMostMm, .maximum = kMostMm});
-  }
+  add_position_columns(columns);
   const CsvTable table = CsvTable::read(file, columns, problems);
   if (!problems.empty() || !check_times(file, table.numbers("t_s"), problems)) return std::nullopt;
   const auto position = position_columns(file, table, problems);

@@ -9,10 +9,9 @@ namespace dts::lab::training {
 core::Result<std::string> read_small_file(const std::string& file) {
   constexpr std::size_t kMostBytes = std::size_t{16} << 20U;
   std::error_code unknown;
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(file, unknown)) {
-    return core::fail(core::ErrorCode::InvalidArgument, file + " cannot be read", "a file that exists");
-  }
+  std::ifstream stream;
+  if (std::filesystem::is_regular_file(file, unknown)) stream.open(file, std::ios::binary);  // opening a pipe would wait
+  if (!stream.is_open()) return core::fail(core::ErrorCode::InvalidArgument, file + " cannot be read", "a file that exists");
   std::string text(kMostBytes + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(stream.gcount()));

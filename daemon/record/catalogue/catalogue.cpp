@@ -45,6 +45,9 @@ core::Status check_facts(const SessionFacts& facts) {
   return {};
 }
 
+/// The writer of a file and its readers add up the same time differently, by less than this.
+double whole_microseconds(double time_s) noexcept { return std::round(time_s * 1e6) / 1e6; }
+
 /// Whether the only row that a query may find is there; a statement that failed says why.
 core::Result<bool> has_row(core::Result<Statement> rows) {
   if (!rows) return tl::make_unexpected(rows.error());
@@ -154,8 +157,8 @@ core::Status Catalogue::update_part(const PartRow& part) {
   auto updated = implementation_->database.run(
       "UPDATE parts SET file = ?, state = ?, sha256 = ?, bytes = ?, scans = ?, duration_s = ?, lost_s_at_most = ?, reason = ?, losses = ?"
       " WHERE session_id = ? AND part = ?",
-      part.file, static_cast<int>(part.state), part.sha256, part.bytes, part.scans, part.duration_s, part.lost_s_at_most, part.reason,
-      to_json(part.losses), part.session_id, part.part);
+      part.file, static_cast<int>(part.state), part.sha256, part.bytes, part.scans, whole_microseconds(part.duration_s),
+      part.lost_s_at_most, part.reason, to_json(part.losses), part.session_id, part.part);
   if (updated && implementation_->database.changes() == 0) return no_part(part.session_id, part.part);
   return updated;
 }
@@ -182,9 +185,9 @@ core::Status Catalogue::put_trial(const TrialRow& trial) {
   if (!*is_known) return no_part(trial.session_id, trial.part);
   auto put = implementation_->database.run(
       "INSERT OR REPLACE INTO trials (session_id, part, trial, attempt, block, condition, outcome, segment, first_scan, last_scan,"
-      " last_segment, result) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+      " last_segment, result, is_valid) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       trial.session_id, trial.part, trial.trial, trial.attempt, trial.block, trial.condition, trial.outcome, trial.segment,
-      trial.first_scan, trial.last_scan, std::max(trial.segment, trial.last_segment), trial.result);
+      trial.first_scan, trial.last_scan, std::max(trial.segment, trial.last_segment), trial.result, is_valid(trial) ? 1 : 0);
   return put ? transaction->commit() : put;
 }
 

@@ -11,6 +11,7 @@
 #include "core/losses.h"
 #include "core/result.h"
 #include "record/session_facts.h"
+#include "record/xdf/recovery.h"
 
 namespace dts::record {
 
@@ -39,6 +40,7 @@ struct PartRow {
   double lost_s_at_most = 0.0;  ///< Behind the last, of a recovered recording.
   std::string reason;           ///< Why it is not complete.
   std::int64_t started_utc_ns = 0;
+  std::uint32_t valid_trials = 0;  ///< Counted by the catalogue, from the part's trials; `update_part` ignores it.
 
   friend bool operator==(const PartRow&, const PartRow&) = default;
 };
@@ -60,21 +62,29 @@ struct TrialRow {
   friend bool operator==(const TrialRow&, const TrialRow&) = default;
 };
 
+/// Whether a trial counts: it was done, and its steadiness result, if it has one, is valid.
+[[nodiscard]] bool is_valid(const TrialRow& trial);
+
 struct SessionRow {
   std::string id;
   std::string rig;
   std::string protocol;
   std::string subject;
   std::string label;
-  std::string state;  ///< "running", "complete", "incomplete", "interrupted", "aborted"
+  std::string state;  ///< "running", "complete", "incomplete", "interrupted", "aborted": how its newest part ended.
   std::string message;
   std::int64_t started_utc_ns = 0;
   std::int64_t ended_utc_ns = 0;  ///< 0: not ended.
   std::vector<PartRow> parts{};
   std::vector<TrialRow> trials{};
+  std::string protocol_definition{};
 
   friend bool operator==(const SessionRow&, const SessionRow&) = default;
 };
+
+/// The one word that every program shows for a session: its state. A complete session of which not every part is complete is "recovered"
+/// when the others are repaired copies, else "incomplete".
+[[nodiscard]] std::string state_of(const SessionRow& session);
 
 /// A figure that came out of a session: a steadiness measure, a trunk angle.
 struct ResultRow {
@@ -170,6 +180,10 @@ class Catalogue {
 
 /// All that a recording says of itself, for `Catalogue::enter`: how it stands, and its trials. Reads the whole file, twice. Thread: any.
 [[nodiscard]] core::Result<FoundRecording> read_recording(const std::string& file);
+
+/// How a recording stands by itself, and why it is not complete: the same words in the catalogue, `session verify` and the report.
+[[nodiscard]] PartState state_of(const Verification& verified, const std::string& file);
+[[nodiscard]] std::string reason_of(const Verification& verified, const std::string& file);
 
 struct Rebuilt {
   std::size_t added = 0;                ///< Parts that the catalogue did not know.

@@ -1,9 +1,27 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record/catalogue/catalogue_rows.h"
 
+#include <algorithm>
+#include <string_view>
+
+#include "record/event.h"
 #include "record/losses.h"
 
 namespace dts::record {
+
+bool is_valid(const TrialRow& trial) {
+  if (trial.outcome != "done") return false;
+  const auto result = event_of_json(trial.result);
+  return !result || result->event != "sway" || text_of(*result, "is_valid") == "true";
+}
+
+std::string state_of(const SessionRow& session) {
+  if (session.state != "complete") return session.state;
+  const auto has = [&session](PartState state) { return std::ranges::count(session.parts, state, &PartRow::state); };
+  const auto others = std::ssize(session.parts) - has(PartState::Complete);
+  if (others == 0) return session.state;
+  return others == has(PartState::Recovered) ? "recovered" : "incomplete";
+}
 
 SessionRow read_session(Statement& row) {
   SessionRow session;
@@ -16,6 +34,7 @@ SessionRow read_session(Statement& row) {
   session.message = row.text(6);
   session.started_utc_ns = row.integer(7);
   session.ended_utc_ns = row.integer(8);
+  session.protocol_definition = row.text(9);
   return session;
 }
 
@@ -37,6 +56,7 @@ PartRow read_part(Statement& row) {
   } else {
     row.refuse(11);
   }
+  part.valid_trials = row.count32(12);
   return part;
 }
 

@@ -26,10 +26,13 @@ template <class Read>
 
 inline constexpr const char* kSessionColumns =
     "SELECT sessions.id, sessions.rig, protocols.name, COALESCE(subjects.pseudonym, ''), sessions.label, sessions.state, sessions.message,"
-    " sessions.started_utc_ns, sessions.ended_utc_ns FROM sessions JOIN protocols ON protocols.id = sessions.protocol_id"
+    " sessions.started_utc_ns, sessions.ended_utc_ns, protocols.definition FROM sessions JOIN protocols ON protocols.id = "
+    "sessions.protocol_id"
     " LEFT JOIN subjects ON subjects.id = sessions.subject_id ";
 inline constexpr const char* kPartColumns =
-    "SELECT session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns, losses FROM parts ";
+    "SELECT session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns, losses,"
+    " (SELECT count(*) FROM trials WHERE trials.session_id = parts.session_id AND trials.part = parts.part AND trials.is_valid = 1)"
+    " FROM parts ";
 inline constexpr const char* kTrialColumns =
     "SELECT session_id, part, trial, attempt, block, condition, outcome, segment, first_scan, last_scan, last_segment, result"
     " FROM trials ";

@@ -58,20 +58,9 @@ void set_state(const Verification& verified, PartRow& part) {
   part.scans = verified.scans;
   part.duration_s = std::isfinite(verified.duration_s) ? verified.duration_s : 0.0;
   part.lost_s_at_most = verified.lost_s_at_most;
-  part.reason = verified.incomplete;
-  if (!verified.is_closed) {
-    part.state = PartState::Interrupted;
-    part.reason = "it was not closed: the daemon or the power ended while it was written";
-    return;
-  }
-  part.sha256 = verified.sha256;
-  if (verified.is_recovered || rank(part.file) == kRepaired) {  // a copy without any stream has no footer that says so
-    part.state = PartState::Recovered;
-    if (part.reason.empty()) part.reason = "interrupted; this is the repaired copy";
-  } else {
-    if (verified.scans == 0 && part.reason.empty()) part.reason = "it holds no scan";
-    part.state = part.reason.empty() ? PartState::Complete : PartState::Incomplete;
-  }
+  part.state = state_of(verified, part.file);
+  part.reason = reason_of(verified, part.file);
+  if (verified.is_closed) part.sha256 = verified.sha256;
 }
 
 /// What can be said of a file that does not pass verification.
@@ -210,6 +199,19 @@ core::Status Rebuild::mark_missing() {
 }
 
 }  // namespace
+
+PartState state_of(const Verification& verified, const std::string& file) {
+  if (!verified.is_closed) return PartState::Interrupted;
+  if (verified.is_recovered || rank(file) == kRepaired) return PartState::Recovered;  // a copy without any stream has no footer to say so
+  return verified.incomplete.empty() && verified.scans > 0 ? PartState::Complete : PartState::Incomplete;
+}
+
+std::string reason_of(const Verification& verified, const std::string& file) {
+  const PartState state = state_of(verified, file);
+  if (state == PartState::Interrupted) return "it was not closed: the daemon or the power ended while it was written";
+  if (!verified.incomplete.empty() || state == PartState::Complete) return verified.incomplete;
+  return state == PartState::Recovered ? "interrupted; this is the repaired copy" : "it holds no scan";
+}
 
 core::Result<FoundRecording> read_recording(const std::string& file) {
   const auto facts = read_session_facts(file);

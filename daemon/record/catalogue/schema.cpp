@@ -107,7 +107,14 @@ constexpr const char* kVersion2 = "ALTER TABLE trials ADD COLUMN result TEXT NOT
 /// What is missing between a part's first scan and its last: record/losses.h.
 constexpr const char* kVersion3 = "ALTER TABLE parts ADD COLUMN losses TEXT NOT NULL DEFAULT '{}';";
 
-constexpr std::array<const char*, 3> kMigrations{kVersion1, kVersion2, kVersion3};
+/// Whether a trial counts: `is_valid` in catalogue.h.
+constexpr const char* kVersion4 = R"sql(
+ALTER TABLE trials ADD COLUMN is_valid INTEGER NOT NULL DEFAULT 0 CHECK (is_valid IN (0, 1));
+UPDATE trials SET is_valid = 1 WHERE outcome = 'done' AND
+  CASE WHEN json_valid(result) AND json_extract(result, '$.event') = 'sway' THEN json_extract(result, '$.is_valid') IS 1 ELSE 1 END;
+)sql";
+
+constexpr std::array<const char*, 4> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4};
 
 core::Status check_owner(const Database& database, std::int64_t version) {
   const auto mark = database.number("PRAGMA application_id");

@@ -54,25 +54,6 @@ std::string channel_description(const ChannelInfo& channel) {
   return text;
 }
 
-/// Facts of ours that BIDS has no place for. The label is left out: it is free text.
-Json recording_facts(const Recording& recording, const StreamInfo& stream, const MotionFacts& facts) {
-  const SessionFacts session = recording.session().value_or(SessionFacts{});
-  Json json{{"SessionId", session.session_id},
-            {"Part", session.part},
-            {"Kind", session.kind},
-            {"Firmware", session.firmware},
-            {"Stages", session.stages},
-            {"CalibrationId", session.calibration_id},
-            {"Gaps", recording.losses().total().gaps},
-            {"LostScans", recording.losses().total().scans},
-            {"Losses", to_text(recording.losses())},
-            {"SampleCount", facts.scans},
-            {"FilterDelaySeconds", static_cast<double>(stream.delay_ns) * 1e-9}};
-  for (const auto& [name, value] : session.fields) json["SubjectFields"][name] = value;
-  if (!recording.damage().empty()) json["Damage"] = recording.damage();
-  return json;
-}
-
 }  // namespace
 
 std::string dataset_description(const std::string& software) {
@@ -99,6 +80,7 @@ std::string dataset_readme() {
          "load.\n"
          "Each table of samples begins with a LATENCY channel: seconds since the recording's first scan. Where it jumps, scans are\n"
          "missing; nothing is interpolated. Undefined values (nobody on the plate) are n/a. The events tell of gaps, markers, trials.\n"
+         "sourcedata/*/*_recording.json says of each recording what is missing, on which device, and what was asked about the subject.\n"
          "Subjects are pseudonyms given by the clinic. sub-unknown holds the sessions that were recorded without one: they may be of\n"
          "several people.\n";
 }
@@ -149,7 +131,6 @@ std::string motion_description(const Recording& recording, const StreamInfo& str
   if (!session.device_model.empty()) json["ManufacturersModelName"] = session.device_model;
   if (!session.device_serial.empty()) json["DeviceSerialNumber"] = session.device_serial;
   if (!session.software.empty()) json["SoftwareVersions"] = session.software;
-  json["DtsRecording"] = recording_facts(recording, stream, facts);
   return document(json);
 }
 

@@ -14,6 +14,7 @@
 #include "record/export/bids_names.h"
 #include "record/export/export.h"
 #include "record/export/output_files.h"
+#include "record/export/recording_document.h"
 #include "record/export/row_text.h"
 #include "record/export/walk.h"
 
@@ -196,7 +197,11 @@ core::Status BidsSink::write_documents() {
         });
     if (!written) return written;
   }
-  return add_participant().and_then([&] { return add_scans(); });
+  // Facts of ours that BIDS has no place for: its validators do not look into sourcedata.
+  return files_
+      .put("sourcedata/" + names_.subject() + "/" + file_stem(recording_) + "_recording.json", recording_document(recording_, false))
+      .and_then([&] { return add_participant(); })
+      .and_then([&] { return add_scans(); });
 }
 
 /// A folder that is empty or not there becomes a dataset; one of ours is added to; anything else stays alone.

@@ -7,6 +7,7 @@
 
 #include "record/export/export.h"
 #include "record/export/output_files.h"
+#include "record/export/recording_document.h"
 #include "record/export/row_text.h"
 #include "record/export/walk.h"
 
@@ -44,12 +45,14 @@ char* put_place(char* at, std::int64_t time_ns, std::uint64_t segment, std::uint
 class CsvSink : public ExportSink {
  public:
   CsvSink(const Recording& recording, double origin_s, OutputFiles& files)
-      : recording_(recording), origin_s_(origin_s), files_(files), columns_(recording.streams().size()) {}
+      : recording_(recording), origin_s_(origin_s), files_(files), columns_(recording.streams().size()), trials_(recording) {}
 
   [[nodiscard]] core::Status create_files();
   [[nodiscard]] core::Status take(const RecordedScans& scans) override;
   [[nodiscard]] core::Status take(const RecordedChange& change) override;
   [[nodiscard]] core::Status take(const TimedEvent& event) override;
+  /// What is known only now.
+  [[nodiscard]] core::Status write_documents();
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_.load(); }
 
  private:
@@ -61,7 +64,8 @@ class CsvSink : public ExportSink {
   OutputFiles& files_;
   std::vector<Column> columns_;
   OutputFile* events_ = nullptr;
-  std::set<std::string> names_{"events"};
+  TrialTable trials_;
+  std::set<std::string> names_{"events", "trials"};
   std::atomic<std::uint64_t> rows_ = 0;  ///< Of all streams, which come on several threads.
 };
 
@@ -101,6 +105,7 @@ std::string CsvSink::unused_name(const std::string& stream) {
 }
 
 core::Status CsvSink::take(const RecordedScans& scans) {
+  trials_.take(scans);
   Column& column = columns_[scans.stream];
   if (column.file == nullptr || !column.times) return {};
   column.times->begin(scans);
@@ -124,12 +129,20 @@ core::Status CsvSink::take(const RecordedChange& change) {
 }
 
 core::Status CsvSink::take(const TimedEvent& timed) {
+  trials_.take(timed);
   const RecordedEvent& event = timed.event;
   char* at = events_->reserve(longest_row(0));
   events_->advance(put_place(at, to_ns(timed.time_s - origin_s_), event.segment, event.scan.value));
   events_->append("," + csv_cell(event.event) + "," + csv_cell(main_text(event)) + "," + csv_cell(further_details(event)) + "\n");
   ++rows_;
   return events_->status();
+}
+
+core::Status CsvSink::write_documents() {
+  const std::string stem = file_stem(recording_);
+  const std::string trials = trials_.text();
+  if (auto put = files_.put(stem + "_recording.json", recording_document(recording_, true)); !put || trials.empty()) return put;
+  return files_.put(stem + "_trials.csv", trials);
 }
 
 }  // namespace
@@ -141,6 +154,7 @@ core::Result<Exported> export_csv(Recording& recording, const std::string& folde
   CsvSink sink(recording, *origin_s, files);
   if (auto created = sink.create_files(); !created) return tl::make_unexpected(created.error());
   if (auto walked = walk(recording, sink, progress); !walked) return tl::make_unexpected(walked.error());
+  if (auto written = sink.write_documents(); !written) return tl::make_unexpected(written.error());
   return files.commit().map([&](OutputFiles::Written&& written) {
     return Exported{.files = std::move(written.files), .rows = sink.rows(), .bytes = written.bytes};
   });

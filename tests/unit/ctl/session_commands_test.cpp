@@ -27,6 +27,12 @@ v1::SessionRecord interrupted_session() {
   part.set_duration_s(61.0);
   part.set_lost_s_at_most(0.75);
   part.set_reason("no footer");
+  part.set_valid_trials(3);
+  v1::LossCount& loss = *part.add_losses();
+  loss.set_reason(v1::GAP_REASON_RING_FULL);
+  loss.set_gaps_total(1);
+  loss.set_lost_scans_total(10'560);
+  session.set_planned_trials(4);
   v1::TrialRecord& trial = *session.add_trials();
   trial.set_trial(1);
   trial.set_condition("120");
@@ -154,7 +160,7 @@ TEST_F(SessionCommandsTest, List_ShowsEveryStateWithItsWord) {
   EXPECT_EQ(run_with({"session", "list", "--rig", "floor", "--subject", "P017", "--protocol", "reaching", "--limit", "5"}), cli::kOk);
 
   EXPECT_THAT(out(), HasSubstr("20261121T144525Z-floor-1"));
-  EXPECT_THAT(out(), HasSubstr("interrupted (recovered)"));
+  EXPECT_THAT(out(), HasSubstr("3 of 4  interrupted (10560 scans lost in 1 gap)"));
   EXPECT_THAT(out(), HasSubstr("1 min 1 s"));
   EXPECT_EQ(request().list_sessions().rig(), "floor");
   EXPECT_EQ(request().list_sessions().subject(), "P017");
@@ -189,6 +195,12 @@ TEST_F(SessionCommandsTest, ListJson_WhatIsNotKnownIsAbsent) {
   const auto session = json().at("sessions").at(0);
   EXPECT_EQ(session.at("state"), "interrupted");
   EXPECT_EQ(session.at("parts").at(0).at("state"), "recovered");
+  for (const auto& counted : {session, session.at("parts").at(0)}) {
+    EXPECT_EQ(counted.at("lost_scans"), 10'560);
+    EXPECT_EQ(counted.at("gaps"), 1);
+    EXPECT_EQ(counted.at("valid_trials"), 3);
+    EXPECT_EQ(counted.at("planned_trials"), 4);
+  }
   EXPECT_FALSE(session.contains("ended_utc_ns"));
   EXPECT_FALSE(session.contains("label"));
 }
@@ -199,6 +211,8 @@ TEST_F(SessionCommandsTest, Show_PartsReasonsAndTrials) {
   EXPECT_THAT(out(), HasSubstr("/data/a.recovered.xdf"));
   EXPECT_THAT(out(), HasSubstr("no footer; at most 0.75 s are lost"));
   EXPECT_THAT(out(), HasSubstr("part 1: SHA-256 0123abcd"));
+  EXPECT_THAT(out(), HasSubstr("part 1: 10560 scans lost in 1 gap: ring_full 1"));
+  EXPECT_THAT(out(), HasSubstr("3 of 4 trials valid"));
   EXPECT_THAT(out(), HasSubstr("rejected"));
   EXPECT_THAT(out(), HasSubstr("age_years   52\n"));
   EXPECT_EQ(request().show_session().session_id(), "20261121T144525Z-floor-1");

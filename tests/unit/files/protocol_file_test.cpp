@@ -256,5 +256,12 @@ TEST_F(ProtocolFiles, ManyThingsWrong_AreAllToldAtOnce) {
               testing::AllOf(HasSubstr("p:1:"), HasSubstr("p:2:"), HasSubstr("p:3:"), HasSubstr("p:5:"), HasSubstr("conditions")));
 }
 
+TEST_F(ProtocolFiles, PlannedTrials_OfATextThatPlansNoneOrDoesNotReadAreNone) {
+  EXPECT_EQ(planned_trials(shipped("romberg").definition), 4U);
+  EXPECT_EQ(planned_trials("name = \"x\"\n"), 0U);
+  EXPECT_EQ(planned_trials("name = "), 0U);
+  EXPECT_EQ(planned_trials(""), 0U);
+}
+
 }  // namespace
 }  // namespace dts::files

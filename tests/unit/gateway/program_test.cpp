@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <sstream>
@@ -32,15 +33,30 @@ class ProgramTest : public ::testing::Test {
   std::ostringstream talk_;
 };
 
-TEST_F(ProgramTest, WordThatServeDoesNotKnow_IsRefusedByName) {
-  EXPECT_EQ(run_with("[serve]\nlocal_role = \"none\"\n", {"serve"}), cli::kUsage);
-  EXPECT_THAT(talk_.str(), HasSubstr("unknown key 'serve.local_role'"));
+TEST_F(ProgramTest, WordThatServeDoesNotKnow_IsToldWithItsFileAndLine) {
+  EXPECT_EQ(run_with("# the ward\n[serve]\nlocal_role = \"none\"\n", {"serve"}), cli::kUsage);
+  EXPECT_THAT(talk_.str(), HasSubstr(file_ + ":3: unknown key 'local_role' in [serve]; did you mean local-role?"));
 
   EXPECT_EQ(run_with("local-role = \"none\"\n", {"serve"}), cli::kUsage);
-  EXPECT_THAT(talk_.str(), HasSubstr("unknown key 'local-role'"));
+  EXPECT_THAT(talk_.str(), HasSubstr(file_ + ":1: unknown key 'local-role' before the first table"));
 
   EXPECT_EQ(run_with("[server]\nlocal-role = \"none\"\n", {"serve"}), cli::kUsage);
-  EXPECT_THAT(talk_.str(), HasSubstr("unknown key 'server."));  // CLI11 names the table's start, or its first key
+  EXPECT_THAT(talk_.str(), HasSubstr(file_ + ":1: unknown table [server]; did you mean serve?"));
+}
+
+TEST_F(ProgramTest, ListOverSeveralLines_HoldsNoKeys) {
+  EXPECT_EQ(run_with("[serve]\nhost-name = [\"ward\",\n  \"floor = 3\"]\nlisten = \"nowhere\"\n", {"serve"}), cli::kUsage);
+  EXPECT_THAT(talk_.str(), HasSubstr("cannot listen on 'nowhere'"));
+}
+
+TEST_F(ProgramTest, PipeFolderAndDeviceAsConfiguration_AreRefusedAtOnce) {
+  const std::string pipe = (directory_.path() / "pipe").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  for (const std::string& file : {pipe, directory_.path().string(), std::string("/dev/zero")}) {
+    cli::Console console{.out = out_, .talk = talk_};
+    EXPECT_EQ(run({"--config", file, "serve"}, console), cli::kUsage);
+    EXPECT_THAT(talk_.str(), HasSubstr(file + " is no file that can be read"));
+  }
 }
 
 TEST_F(ProgramTest, TableOfServe_DoesNotServeWhenAnotherCommandIsGiven) {

@@ -61,6 +61,7 @@ HOUSE = [
                                   "session"],                                            ["CLI/", "Eigen/"]),
     ("clients/lab/training/onnx_schema.h", [],                                             ["onnx/"]),
     ("clients/gateway",          ["cli", "libdts", "proto"],                              ["boost/", "google/protobuf/", "CLI/"]),
+    ("clients/gateway/gateway.cpp", [],                                                    ["systemd/"]),
     ("clients/gateway/access",   [],                                                      ["sodium.h", "nlohmann/"]),
     ("clients/gateway/archive",  ["core", "record", "report"],                            ["archive.h", "archive_entry.h"]),
     ("clients/gateway/metrics",  [],                                                      ["prometheus/"]),

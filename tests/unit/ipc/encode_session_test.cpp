@@ -34,6 +34,19 @@ TEST(EncodeSession, TextsThatAreNoUtf8_LeaveTheAnswerReadable) {
   EXPECT_EQ(seen.session_record().parts_size(), 1);
 }
 
+TEST(EncodeSession, StateAndTrials_AreThoseThatEveryClientShows) {
+  record::SessionRow row{.id = "s1", .state = "complete"};
+  row.parts = {{.state = record::PartState::Recovered, .valid_trials = 1},
+               {.part = 2, .state = record::PartState::Complete, .valid_trials = 2}};
+
+  const dts::v1::SessionRecord out = session_record(row, 4);
+
+  EXPECT_EQ(out.state(), "recovered");
+  EXPECT_EQ(out.planned_trials(), 4U);
+  EXPECT_EQ(out.parts(0).valid_trials(), 1U);
+  EXPECT_EQ(out.parts(1).valid_trials(), 2U);
+}
+
 TEST(EncodeSession, ErrorThatQuotesACutText_StaysReadable) {
   const dts::v1::Response seen = received(error_response({core::ErrorCode::InvalidArgument, kCut, kCut}));
 

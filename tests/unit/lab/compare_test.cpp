@@ -235,6 +235,17 @@ TEST_F(RunTest, CompareOpposedSignals_AreWarnedOf) {
   EXPECT_THAT(talk(), HasSubstr("the recordings do not agree: correlation -1.00"));
 }
 
+TEST_F(RunTest, CompareExportedTable_ColumnsOfTheExportAreKnown) {
+  const Recording a = recorded({});
+  std::string exported = csv_of(a);
+  exported.replace(0, exported.find('\n'), "t_s,ml_mm,ap_mm");
+
+  ASSERT_EQ(run_with({"compare", write("a.csv", csv_of(a)), write("b.csv", exported), "--json"}), cli::kOk) << talk();
+
+  EXPECT_NEAR(json().at("rmse_total_mm").get<double>(), 0.0, 1e-9);
+  EXPECT_EQ(run_with({"compare", "a.csv", write("c.csv", "t_s,up_mm\n0,1\n")}), cli::kUsage);
+}
+
 TEST_F(RunTest, CompareBadFiles_ExitWithTwo) {
   const std::string good = write("a.csv", csv_of(recorded({})));
   const std::string back = write("b.csv", "t_s,x_mm,y_mm\n0,1,1\n0,2,2\n");

@@ -75,6 +75,15 @@ TEST_F(InboxLatestTest, WithEndlessEvents_OldestGoAndAreCounted) {
   EXPECT_EQ(latest.statistics().dropped_events, 5000U - 4096U);
 }
 
+TEST_F(InboxLatestTest, BeforeTheFormat_BlockThatDoesNotFitIsCountedOnce) {
+  Inbox latest = inbox(Mode::Latest);
+  give(latest, "floor/cop", block(1, 0, 3, 1, 1));
+  learn(latest);
+
+  EXPECT_EQ(latest.statistics().malformed, 1U);
+  EXPECT_EQ(latest.statistics().messages, 1U) << "the status";
+}
+
 TEST_F(InboxLatestTest, BeforeTheFormat_NewestBlockWaits) {
   Inbox latest = inbox(Mode::Latest);
   give(latest, "floor/cop", block(1, 0, 3, 1));

@@ -13,6 +13,7 @@
 
 #include "files/rig_file.h"
 #include "made_standing.h"
+#include "record/xdf/recovery.h"
 #include "report/measure_tables.h"
 #include "report/number_text.h"
 #include "report/reference_columns.h"
@@ -161,12 +162,21 @@ TEST_F(ReportTest, Page_SaysWhoWhenAndWhereFrom) {
   const std::string text = page(report_of(write(two_trials())), "trial-02.html");
 
   EXPECT_THAT(text, AllOf(HasSubstr("P017"), HasSubstr("quiet-standing"), HasSubstr("eyes closed, feet two"),
-                          HasSubstr("dtsd 0.1.0; computed by test 1"), HasSubstr("USB-6008, serial 0123"), HasSubstr("a.xdf, SHA-256 "),
-                          HasSubstr("window_filter window_scans=3")));
+                          HasSubstr("dtsd 0.1.0; computed by test 1"), HasSubstr("USB-6008, serial 0123"),
+                          HasSubstr("a.xdf, complete, SHA-256 "), HasSubstr("window_filter window_scans=3")));
   EXPECT_THAT(text, HasSubstr("2026-11-21 14:45:50 UTC")) << "25 s after the segment began";
   EXPECT_THAT(text, HasSubstr("1.05 mm (RMSE)"));
   EXPECT_THAT(text, AllOf(Not(HasSubstr("abnormal")), Not(HasSubstr("Synthetic"))));
   EXPECT_THAT(text, Not(HasSubstr(directory_.path().string()))) << "folders are of one machine";
+}
+
+TEST_F(ReportTest, RepairedCopy_SaysSoBesideItsChecksum) {
+  const std::string file = write(two_trials());
+  std::filesystem::rename(file, file + ".part");
+  const auto recovered = record::recover(file + ".part", record::recovered_name(file + ".part"));
+  ASSERT_TRUE(recovered) << recovered.error().what;
+
+  EXPECT_THAT(page(report_of(recovered->file), "session.html"), HasSubstr("a.recovered.xdf, recovered, SHA-256 " + recovered->sha256));
 }
 
 TEST_F(ReportTest, SimulatedData_AreCalledSynthetic) {

@@ -106,6 +106,12 @@ TEST_F(RecordingsTest, DaemonDies_TheNextOneListsAndRecoversWhatItWrote) {
   EXPECT_EQ(std::filesystem::file_size(part.file), part.bytes);
   EXPECT_GE(row(id).ended_utc_ns - row(id).started_utc_ns, static_cast<std::int64_t>(part.duration_s * 1e9));
   EXPECT_TRUE(std::filesystem::exists(folder_ / "sessions" / (id + ".xdf.part"))) << "the original stays";
+  end();
+  open();
+  std::vector<std::string> trail;
+  const auto audit = recordings_->catalogue().audit(10).value();
+  for (const record::AuditEntry& entry : audit) trail.push_back(entry.what + " " + entry.target);
+  EXPECT_THAT(trail, ElementsAre("start ", "interrupted " + id, "start ", "recover " + id, "stop "));
 }
 
 TEST_F(RecordingsTest, DaemonDiesBeforeTheFirstScanIsWritten_TheSessionWasInterrupted) {

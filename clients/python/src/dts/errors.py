@@ -1,6 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 """What can go wrong: one exception class per code of dts.v1.ErrorCode, all of them `Error`."""
 import enum
+import re
+
+# C0 and C1 controls, and what changes the direction of a text: it may come from a peer, and goes to a terminal.
+_DRIVES_A_TERMINAL = re.compile(r"[\x00-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+
+
+def _printable(text: str) -> str:
+    return _DRIVES_A_TERMINAL.sub(" ", text)
 
 
 class ErrorCode(enum.IntEnum):
@@ -26,9 +34,9 @@ class Error(Exception):
     code = ErrorCode.FAILED
 
     def __init__(self, what: str, hint: str = "") -> None:
-        super().__init__(what, hint)
-        self.what = what
-        self.hint = hint
+        self.what = _printable(what)
+        self.hint = _printable(hint)
+        super().__init__(self.what, self.hint)
 
     def __str__(self) -> str:
         return f"{self.what}\n  {self.hint}" if self.hint else self.what

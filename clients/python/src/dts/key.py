@@ -35,6 +35,8 @@ class Key:
 def read_key(file: str | os.PathLike[str]) -> Key:
     """`NotAllowed` when others than its owner may read it, `InvalidArgument` when it is no key file."""
     try:
+        if not stat.S_ISREG(os.stat(file).st_mode):  # a pipe would wait
+            raise InvalidArgument(f"key file {file} is no regular file")
         with open(file, "rb") as stream:
             if stat.S_IMODE(os.fstat(stream.fileno()).st_mode) & 0o077:
                 raise NotAllowed(f"key file {file} is open to others: its secret is none", f"chmod 0600 {file}")

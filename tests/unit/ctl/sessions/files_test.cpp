@@ -181,7 +181,7 @@ TEST_F(FilesTest, ExportBidsJson_CountsRowsAndBytes) {
 
   EXPECT_EQ(run_bare({"session", "export", file, "--format", "bids", "--out", path("study"), "--json"}), cli::kOk);
 
-  EXPECT_EQ(json().at("rows"), 252);
+  EXPECT_EQ(json().at("rows"), 254);
   EXPECT_GT(json().at("bytes").get<int>(), 250);
   EXPECT_TRUE(fs::exists(path("study/dataset_description.json")));
   EXPECT_TRUE(fs::exists(path("study/sub-P017")));

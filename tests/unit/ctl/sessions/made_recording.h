@@ -24,6 +24,7 @@ inline std::string make_recording(const std::string& name, Ending ending = Endin
   facts.rig = "floor";
   facts.protocol = "free";
   facts.subject = "P017";
+  facts.protocol_definition = "name = \"two\"\n[trials]\ntrials_per_block = 2\nduration_s = 1\n[[trials.condition]]\nname = \"a\"\n";
   auto writer = *record::XdfWriter::create(name, record::to_facts(facts));
   const std::uint32_t events = writer->add_stream(
       {.name = "floor/events", .content = "Markers", .value_type = record::ValueType::Text, .channels = {{.label = "event"}}});
@@ -39,6 +40,13 @@ inline std::string make_recording(const std::string& name, Ending ending = Endin
   for (std::uint64_t block = 0; block < 5; ++block) {
     const std::vector<double> values(100, static_cast<double>(block) + 0.5);
     EXPECT_TRUE(writer->write_samples(raw, 10.0 + 0.5 * static_cast<double>(block), values, {.first_scan = {block * 50}}).has_value());
+  }
+  for (const char* phase : {"measure", "done"}) {
+    tell(11.0,
+         {.event = "trial",
+          .scan = {100},
+          .values = {
+              {"phase", std::string(phase)}, {"trial", std::int64_t{1}}, {"attempt", std::int64_t{1}}, {"condition", std::string("a")}}});
   }
   tell(12.0, {.event = "marker", .scan = {200}, .values = {{"text", std::string("eyes closed")}}});
   EXPECT_TRUE(writer->synchronise().has_value());

@@ -50,6 +50,12 @@ TEST_F(PartsTest, VerifyOfASession_AllPartsAreReadAndComparedWithTheCatalogue) {
   EXPECT_EQ(json().at("files").size(), 2U);
   EXPECT_EQ(json().at("files").at(0).at("part"), 1);
   EXPECT_EQ(json().at("files").at(1).at("state"), "incomplete");
+  EXPECT_EQ(json().at("files").at(1).at("valid_trials"), 1);
+  EXPECT_EQ(json().at("files").at(1).at("planned_trials"), 2);
+  EXPECT_EQ(json().at("valid_trials"), 2);
+  EXPECT_EQ(json().at("planned_trials"), 2) << "one plan, whatever the number of parts";
+  EXPECT_EQ(json().at("lost_scans"), 0);
+  EXPECT_EQ(json().at("gaps"), 0);
 }
 
 TEST_F(PartsTest, VerifyOfAnotherFileThanWasRecorded_ExitsWithSeven) {

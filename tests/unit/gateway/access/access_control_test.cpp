@@ -12,8 +12,7 @@
 #include "gateway/access/password.h"
 #include "gateway/access/user_file.h"
 #include "gateway/access/visitor.h"
-#include "unit/gateway/answered_test.h"
-#include "unit/gateway/read_response.h"
+#include "unit/gateway/access/access_fixture.h"
 
 namespace dts::gateway {
 namespace {
@@ -25,66 +24,6 @@ using std::chrono::seconds;
 using ::testing::HasSubstr;
 using ::testing::Not;
 using ::testing::StartsWith;
-
-constexpr const char* kPassword = "correct horse battery";
-
-/// Made once: each takes a tenth of a second.
-const std::string& hash_of_password() {
-  static const std::string hash = hash_password(Secret(kPassword)).value();
-  return hash;
-}
-
-class AccessControlTest : public AnsweredTest {
- protected:
-  AccessControlTest() {
-    EXPECT_TRUE(add_user(options_.users_file, {"anna", v1::ROLE_OPERATOR, hash_of_password()}).has_value());
-    open();
-  }
-  void open() {
-    access_.reset();
-    auto opened = AccessControl::open(io_, options_);
-    ASSERT_TRUE(opened.has_value()) << opened.error().what;
-    access_ = std::move(*opened);
-  }
-  static HttpRequest request(const std::string& method, const std::string& path, const std::string& body = "") {
-    return {.method = method,
-            .path = path,
-            .headers = {{"content-type", "application/json"}},
-            .body = body,
-            .remote_address = "192.0.2.7",
-            .is_same_origin = true};
-  }
-  static HttpRequest login(const std::string& user, const std::string& password, const std::string& from = "192.0.2.7") {
-    HttpRequest asked = request("POST", "/api/login", nlohmann::json{{"user", user}, {"password", password}}.dump());
-    asked.remote_address = from;
-    return asked;
-  }
-  static HttpRequest with_cookie(const HttpResponse& answer) {
-    const std::string cookie = header_of(answer, "Set-Cookie");
-    HttpRequest asked = request("GET", "/api/me");
-    asked.headers["cookie"] = "theme=dark; " + cookie.substr(0, cookie.find(';'));
-    return asked;
-  }
-  void begin(HttpRequest asked) { access_->log_in(std::move(asked), keep()); }
-  HttpResponse log_in(HttpRequest asked) {
-    begin(std::move(asked));
-    return wait_for(1).front();
-  }
-  HttpResponse tell_who(const HttpRequest& asked) {
-    HttpResponse told;
-    access_->tell_who(asked, [&told](HttpResponse answer) { told = std::move(answer); });
-    return told;
-  }
-  [[nodiscard]] bool is_known(const HttpRequest& asked) const { return access_->identify(asked).has_value(); }
-
-  testing::TemporaryDirectory directory_;
-  std::chrono::steady_clock::time_point now_{hours{1000}};
-  std::vector<std::string> log_;
-  AccessOptions options_{.users_file = (directory_.path() / "users").string(),
-                         .now = [this] { return now_; },
-                         .log = [this](const std::string& line) { log_.push_back(line); }};
-  std::unique_ptr<AccessControl> access_;
-};
 
 TEST_F(AccessControlTest, RightPassword_GivesACookieThatTellsWhoSomebodyIs) {
   const HttpResponse answer = log_in(login("anna", kPassword));
@@ -120,25 +59,6 @@ TEST_F(AccessControlTest, WrongNameAndWrongPassword_LookTheSame) {
   EXPECT_EQ(wrong_name.status, wrong_password.status);
   EXPECT_EQ(wrong_name.headers, wrong_password.headers);
   EXPECT_EQ(std::get<std::string>(wrong_name.body), std::get<std::string>(wrong_password.body));
-}
-
-TEST_F(AccessControlTest, Logins_AreLoggedWithTheirAddress) {
-  (void)log_in(login("anna", kPassword, "10.0.0.7"));
-  (void)log_in(login("anna", "incorrect horse", "10.0.0.8"));
-  now_ += seconds{1};
-  (void)log_in(login("my secret password", "anna", "10.0.0.9"));
-
-  EXPECT_EQ(log_, (std::vector<std::string>{"login: anna (operator) from 10.0.0.7", "login refused: anna from 10.0.0.8",
-                                            "login refused: a name that no user has from 10.0.0.9"}));
-}
-
-TEST_F(AccessControlTest, ManyRefusedLogins_AreALineASecond) {
-  for (int i = 0; i < 20; ++i) (void)log_in(login("anna", "incorrect horse"));
-  now_ += seconds{1};
-  (void)log_in(login("anna", "incorrect horse"));
-
-  EXPECT_EQ(log_, (std::vector<std::string>{"login refused: anna from 192.0.2.7",
-                                            "login refused: anna from 192.0.2.7, and 19 more since the line before"}));
 }
 
 TEST_F(AccessControlTest, WrongName_TakesAsLongAsAWrongPassword) {

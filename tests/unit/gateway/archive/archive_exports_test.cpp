@@ -36,7 +36,8 @@ TEST_F(ArchiveExportsTest, Csv_HasAllParts) {
   std::vector<std::string> names;
   for (const auto& [name, text] : files) names.push_back(name);
   const std::string begin = kId + "-csv/" + kId;
-  EXPECT_THAT(names, ElementsAre(begin + ".2_events.csv", begin + ".2_raw.csv", begin + "_events.csv", begin + "_raw.csv"));
+  EXPECT_THAT(names, ElementsAre(begin + ".2_events.csv", begin + ".2_raw.csv", begin + ".2_recording.json", begin + ".2_trials.csv",
+                                 begin + "_events.csv", begin + "_raw.csv", begin + "_recording.json", begin + "_trials.csv"));
   EXPECT_THAT(files.at(begin + "_raw.csv"), HasSubstr("t_s,segment,scan,w1_v,w2_v\n0,0,0,0.5,0.5\n"));
 }
 

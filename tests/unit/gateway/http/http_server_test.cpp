@@ -120,23 +120,32 @@ TEST(HttpServer, TellsTheRoutesWhetherAPageOfOursAsks) {
   EXPECT_THAT(answer_to(gateway.port(), request(gateway.port(), "GET /same-origin", "Origin: http://evil.example\r\n")), EndsWith("no"));
 }
 
-TEST(HttpServer, OneConnectionTooManyIsClosedAtOnce) {
-  ServedGateway gateway(with_limits({.connections_per_address = 3}));
+TEST(HttpServer, OneConnectionTooMany_TheOldestThatIsNotLoggedInIsClosed) {
+  ServedGateway gateway(with_limits({.connections = {.per_address = 3}}));
   std::vector<RawClient> clients;
-  for (int i = 0; i < 3; ++i) {
+  const auto visit = [&](const std::string& headers) {
     clients.emplace_back(gateway.port());
-    clients.back().send(request(gateway.port(), "GET /"));
+    clients.back().send(request(gateway.port(), "GET /", headers));
     EXPECT_EQ(status_of(clients.back().read_answer()), "200");
-  }
+  };
+  visit("Cookie: dts_token=of a login\r\n");
+  for (int stranger = 0; stranger < 4; ++stranger) visit("");
 
-  RawClient fourth(gateway.port());
-  fourth.send(request(gateway.port(), "GET /"));
-  EXPECT_EQ(fourth.read_to_end(), "");
+  EXPECT_EQ(clients[1].read_to_end(), "");
   EXPECT_EQ(gateway.statistics().refused_connections_total, 1U);
+  clients[0].send(request(gateway.port(), "GET /"));
+  EXPECT_EQ(status_of(clients[0].read_answer()), "200") << "the user's is served on";
+}
 
-  clients.pop_back();
-  EXPECT_TRUE(ServedGateway::eventually([&] { return gateway.statistics().connections == 2; }));
-  EXPECT_EQ(status_of(answer_to(gateway.port(), request(gateway.port(), "GET /"))), "200");
+TEST(HttpServer, TabsOfAUser_AreLimited) {
+  const ServedGateway gateway(with_limits({.connections = {.per_user = 1}}));
+  const std::string upgrade =
+      kUpgrade + "Origin: http://127.0.0.1:" + std::to_string(gateway.port()) + "\r\nSec-WebSocket-Protocol: dts.v1\r\n";
+  RawClient first(gateway.port());
+  first.send(request(gateway.port(), "GET /ws", upgrade));
+  EXPECT_EQ(status_of(first.read_answer()), "101");
+
+  EXPECT_EQ(status_of(answer_to(gateway.port(), request(gateway.port(), "GET /ws", upgrade))), "503");
 }
 
 TEST(HttpServer, ARequestThatTricklesInIsEndedWhateverItSends) {

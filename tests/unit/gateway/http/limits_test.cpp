@@ -16,21 +16,6 @@ using std::chrono::seconds;
 
 boost::asio::ip::address address(const char* text) { return boost::asio::ip::make_address(text); }
 
-TEST(ConnectionLimits, OneAddressCannotTakeAllSeats) {
-  ConnectionLimits limits(3, 2);
-
-  const auto first = limits.take_seat(address("10.0.0.1"));
-  auto second = limits.take_seat(address("10.0.0.1"));
-  EXPECT_FALSE(limits.take_seat(address("::ffff:10.0.0.1")).has_value());
-  const auto third = limits.take_seat(address("10.0.0.2"));
-  EXPECT_FALSE(limits.take_seat(address("10.0.0.3")).has_value());
-  EXPECT_EQ(limits.taken(), 3U);
-
-  second.reset();
-  EXPECT_EQ(limits.taken(), 2U);
-  EXPECT_TRUE(limits.take_seat(address("10.0.0.1")).has_value());
-}
-
 TEST(ConnectionLimits, ANetworkOfAddressesCountsAsOneHost) {
   EXPECT_EQ(counted_as(address("2001:db8:1:2:3::4")), counted_as(address("2001:db8:1:2:ffff::1")));
   EXPECT_NE(counted_as(address("2001:db8:1:2::1")), counted_as(address("2001:db8:1:3::1")));

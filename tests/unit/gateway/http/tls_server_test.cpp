@@ -173,6 +173,10 @@ TEST_F(TlsServer, FilesThatCannotBeUsedAreNamed) {
   ASSERT_FALSE(foreign_key.has_value());
   EXPECT_THAT(foreign_key.error().what, HasSubstr(other.key_file()));
   EXPECT_FALSE(try_files(certificate_.certificate_file(), "").has_value());
+  const std::string pipe = certificate_.key_file() + ".pipe";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  EXPECT_THAT(try_files(certificate_.certificate_file(), pipe).error().what, HasSubstr(pipe));
+  std::filesystem::remove(pipe);
 }
 
 }  // namespace

@@ -90,13 +90,14 @@ TEST_F(CatalogueSessions, FurtherPartOfAnotherSubject_IsRefused) {
 TEST_F(CatalogueSessions, UpdatePart_KeepsAllButTheStart) {
   ASSERT_TRUE(catalogue().begin_part(facts(), "a"));
   PartRow part{.session_id = "s1", .file = "b", .state = PartState::Recovered, .sha256 = "ab", .bytes = 1ULL << 40U, .scans = 7};
-  part.duration_s = 12.5;
+  part.duration_s = 12.50000000000007;
   part.lost_s_at_most = 0.75;
   part.losses.add(core::GapReason::RingFull, {.gaps = 1, .scans = 10'560});
   part.reason = "power";
   part.started_utc_ns = 99;
   ASSERT_TRUE(catalogue().update_part(part));
   part.started_utc_ns = 1000;
+  part.duration_s = 12.5;
   EXPECT_EQ(catalogue().session("s1")->parts[0], part);
 }
 
@@ -165,6 +166,39 @@ TEST_F(CatalogueSessions, Trial_IsReplacedByItsLaterOutcome) {
   EXPECT_EQ(trials[0].outcome, "redone");
   trial.last_segment = 2;  // none was given: the trial lies within one
   EXPECT_EQ(trials[1], trial);
+}
+
+TEST_F(CatalogueSessions, ValidTrials_AreThoseDoneWhoseResultCounts) {
+  ASSERT_TRUE(catalogue().begin_part(facts(), "f"));
+  ASSERT_TRUE(catalogue().begin_part(facts("s1", 2), "g"));
+  const auto put = [this](std::uint32_t part, std::uint32_t trial, const std::string& outcome, const std::string& result) {
+    return catalogue().put_trial({.session_id = "s1", .part = part, .trial = trial, .outcome = outcome, .result = result}).has_value();
+  };
+  ASSERT_TRUE(put(1, 1, "done", R"({"event":"sway","segment":0,"scan":0,"is_valid":true})"));
+  ASSERT_TRUE(put(1, 2, "done", R"({"event":"sway","segment":0,"scan":0,"is_valid":false})"));
+  ASSERT_TRUE(put(1, 3, "done", R"({"event":"sway","segment":0,"scan":0,"problem":"only 3 s without a gap"})"));
+  ASSERT_TRUE(put(1, 4, "rejected", R"({"event":"sway","segment":0,"scan":0,"is_valid":true})"));
+  ASSERT_TRUE(put(2, 5, "done", ""));
+  ASSERT_TRUE(put(2, 6, "done", R"({"event":"result","segment":0,"scan":0,"class":2})"));
+
+  EXPECT_EQ(catalogue().session("s1")->parts[0].valid_trials, 1U);
+  EXPECT_EQ(catalogue().session("s1")->parts[1].valid_trials, 2U);
+  EXPECT_EQ(catalogue().sessions({})->at(0).parts[1].valid_trials, 2U);
+}
+
+TEST_F(CatalogueSessions, CompleteSession_SaysWhichOfItsPartsAreNot) {
+  const auto state = [](const std::string& of_session, const std::vector<PartState>& parts) {
+    SessionRow session{.state = of_session};
+    for (const PartState part : parts) session.parts.push_back({.state = part});
+    return state_of(session);
+  };
+  using enum PartState;
+  EXPECT_EQ(state("complete", {Complete, Complete}), "complete");
+  EXPECT_EQ(state("complete", {Recovered, Complete}), "recovered");
+  EXPECT_EQ(state("complete", {Recovered, Incomplete, Complete}), "incomplete");
+  EXPECT_EQ(state("complete", {Missing}), "incomplete");
+  EXPECT_EQ(state("interrupted", {Recovered}), "interrupted") << "it did not come to its end";
+  EXPECT_EQ(state("running", {Recovered, Recording}), "running");
 }
 
 TEST_F(CatalogueSessions, BadTrial_IsRefused) {

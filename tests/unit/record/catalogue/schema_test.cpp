@@ -40,6 +40,26 @@ TEST_F(CatalogueSchema, OlderVersion_IsLedForwardAndKeepsItsRows) {
   EXPECT_EQ(database.number("SELECT count(*) FROM b").value_or(-1), 0);
 }
 
+TEST_F(CatalogueSchema, TrialsOfAnOlderCatalogue_AreCountedAsThoseOfANewOne) {
+  {
+    const Database old = open();
+    ASSERT_TRUE(migrate(old, catalogue_migrations().first(3)));
+    ASSERT_TRUE(old.execute(
+        "INSERT INTO protocols VALUES (1, 'p', '', ''); INSERT INTO sessions VALUES ('s1', 'floor', 1, NULL, '', 'complete', '', 1, 2);"
+        "INSERT INTO parts (session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason,"
+        " started_utc_ns, calibration_id) VALUES ('s1', 1, 'f', 2, '', 0, 0, 0, 0, '', 1, '')"));
+    for (const char* row :
+         {R"(1, 'done', '{"event":"sway","is_valid":true}')", R"(2, 'done', '{"event":"sway","is_valid":false}')",
+          R"(3, 'done', '{"event":"sway","problem":"x"}')", R"(4, 'redone', '')", R"(5, 'done', '')", R"(6, 'done', '{')"}) {
+      ASSERT_TRUE(old.execute(("INSERT INTO trials (session_id, part, attempt, block, condition, segment, first_scan, last_segment,"
+                               " last_scan, trial, outcome, result) VALUES ('s1', 1, 1, 1, '', 0, 0, 0, 0, " +
+                               std::string(row) + ")")
+                                  .c_str()));
+    }
+  }
+  EXPECT_EQ(catalogue().session("s1")->parts[0].valid_trials, 3U);
+}
+
 TEST_F(CatalogueSchema, NothingToDo_IsDoneAgainWithoutHarm) {
   const Database database = open();
   ASSERT_TRUE(migrate(database, kMade));
@@ -61,7 +81,7 @@ TEST_F(CatalogueSchema, NewerVersion_IsRefusedAndNotTouched) {
   ASSERT_TRUE(meddle("PRAGMA user_version = 99"));
   const auto opened = Catalogue::open(path());
   EXPECT_EQ(code(opened), core::ErrorCode::Unsupported);
-  EXPECT_THAT(what(opened), HasSubstr("version 99, this dtsd knows up to 3"));
+  EXPECT_THAT(what(opened), HasSubstr("version 99, this dtsd knows up to 4"));
   EXPECT_EQ(open().number("PRAGMA user_version").value_or(0), 99);
 }
 

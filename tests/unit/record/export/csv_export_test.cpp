@@ -4,6 +4,7 @@
 #include <cmath>
 #include <csignal>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "export_fixture.h"
 
@@ -50,9 +51,10 @@ TEST_F(CsvExportTest, Session_OneFilePerStreamAndTheEvents) {
   const auto exported = run(recording);
 
   ASSERT_TRUE(exported.has_value()) << exported.error().what;
-  EXPECT_THAT(files(), ElementsAre("20261121T144525Z-floor-1_cop.csv", "20261121T144525Z-floor-1_events.csv",
-                                   "20261121T144525Z-floor-1_quality.csv", "20261121T144525Z-floor-1_raw.csv"));
-  EXPECT_EQ(exported->files.size(), 4U);
+  EXPECT_THAT(files(),
+              ElementsAre("20261121T144525Z-floor-1_cop.csv", "20261121T144525Z-floor-1_events.csv", "20261121T144525Z-floor-1_quality.csv",
+                          "20261121T144525Z-floor-1_raw.csv", "20261121T144525Z-floor-1_recording.json"));
+  EXPECT_EQ(exported->files.size(), 5U);
   EXPECT_EQ(exported->rows, 7U + 7U + 2U + 3U);
   std::uint64_t bytes = 0;
   for (const std::string& file : exported->files) bytes += std::filesystem::file_size(file);
@@ -76,6 +78,38 @@ TEST_F(CsvExportTest, Events_TextAndDetailsAreQuotedAsCsvAsksFor) {
   EXPECT_THAT(lines("20261121T144525Z-floor-1_events.csv"),
               ElementsAre("t_s,segment,scan,event,text,details", "0,0,0,segment,,\"{\"\"host_time_ns\"\":8123251000000}\"",
                           "0.02,0,2,marker,\"eyes \"\"closed\"\", now\",", "1.05,1,0,segment,unplugged,\"{\"\"missing_scans\"\":100}\""));
+}
+
+TEST_F(CsvExportTest, RecordingDocument_SaysWhatIsMissingAndWhatWasAskedAboutTheSubject) {
+  FakeRecording recording = floor_recording();
+  recording.facts->fields = {{"arm_length_cm", "71"}};
+  ASSERT_TRUE(run(recording).has_value());
+
+  const auto document = nlohmann::json::parse(text("20261121T144525Z-floor-1_recording.json"));
+  EXPECT_EQ(document.at("lost_scans"), 100);
+  EXPECT_EQ(document.at("gaps"), 1);
+  EXPECT_EQ(document.at("losses").at("unplugged").at("scans"), 100);
+  EXPECT_EQ(document.at("subject_fields").at("arm_length_cm"), "71");
+  EXPECT_EQ(document.at("streams").at(0).at("samples"), 7);
+}
+
+TEST_F(CsvExportTest, Trials_HaveATableOfTheirOwn) {
+  FakeRecording recording = floor_recording();
+  const auto step = [](const std::string& phase, std::int64_t trial, std::uint32_t segment, std::uint64_t scan) {
+    return TimedEvent{
+        .time_s = 0.0,
+        .event = {.event = "trial",
+                  .segment = segment,
+                  .scan = {scan},
+                  .values = {{"phase", phase}, {"trial", trial}, {"attempt", std::int64_t{1}}, {"condition", std::string("=eyes")}}}};
+  };
+  for (const TimedEvent& event : {step("measure", 1, 0, 1), step("done", 1, 0, 3), step("measure", 2, 1, 0)})
+    recording.items.emplace_back(event);
+  ASSERT_TRUE(run(recording).has_value());
+
+  EXPECT_THAT(lines("20261121T144525Z-floor-1_trials.csv"),
+              ElementsAre("trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan",
+                          "1,1,1,'=eyes,done,1,0,1,0,3", "2,1,1,'=eyes,aborted,0,1,0,1,1"));
 }
 
 TEST_F(CsvExportTest, EveryNumber_ReadsBackAsExactlyTheRecordedOne) {
@@ -171,7 +205,8 @@ TEST_F(CsvExportTest, HostileNames_StayInTheFolder) {
 
   ASSERT_TRUE(run(recording).has_value());
 
-  EXPECT_THAT(files(), ElementsAre("_._.._etc_x__..csv", "_._.._etc_x_cop_.csv", "_._.._etc_x_events.csv", "_._.._etc_x_quality.csv"));
+  EXPECT_THAT(files(), ElementsAre("_._.._etc_x__..csv", "_._.._etc_x_cop_.csv", "_._.._etc_x_events.csv", "_._.._etc_x_quality.csv",
+                                   "_._.._etc_x_recording.json"));
 }
 
 TEST_F(CsvExportTest, ForeignRecordingWithEqualStreamNames_NothingIsLost) {
@@ -182,7 +217,8 @@ TEST_F(CsvExportTest, ForeignRecordingWithEqualStreamNames_NothingIsLost) {
   const auto exported = run(recording);
 
   ASSERT_TRUE(exported.has_value());
-  EXPECT_THAT(files(), ElementsAre("recording_EEG-2.csv", "recording_EEG-3.csv", "recording_EEG.csv", "recording_events.csv"));
+  EXPECT_THAT(files(), ElementsAre("recording_EEG-2.csv", "recording_EEG-3.csv", "recording_EEG.csv", "recording_events.csv",
+                                   "recording_recording.json"));
 }
 
 TEST_F(CsvExportTest, FileThatExists_WrongStateAndNothingIsTouched) {
@@ -303,7 +339,7 @@ TEST_F(CsvExportTest, RecordingWithoutAnything_IsAnEmptyListOfEvents) {
   const auto exported = run(recording);
 
   ASSERT_TRUE(exported.has_value());
-  EXPECT_THAT(files(), ElementsAre("recording_events.csv"));
+  EXPECT_THAT(files(), ElementsAre("recording_events.csv", "recording_recording.json"));
   EXPECT_EQ(exported->rows, 0U);
 }
 

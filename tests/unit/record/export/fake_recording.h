@@ -23,7 +23,7 @@ class FakeRecording : public Recording {
   [[nodiscard]] const std::vector<StreamInfo>& streams() const noexcept override { return infos; }
   [[nodiscard]] std::optional<std::size_t> find_stream(const std::string& name) const override {
     for (std::size_t stream = 0; stream < infos.size(); ++stream) {
-      if (infos[stream].name == name) return stream;
+      if (infos[stream].name == name || short_name(infos[stream].name) == name) return stream;
     }
     return std::nullopt;
   }

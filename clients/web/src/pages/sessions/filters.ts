@@ -1,12 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
-import { PartState } from '../../generated/dts/v1/sessions_pb';
-
-/** A session's state as the catalogue has it, or "recovered": interrupted, with a repaired copy of what was recorded. */
-export const stateOf = (session: SessionRecord): string => {
-  const isRecovered = session.parts.some((part) => part.state === PartState.RECOVERED);
-  return session.state === 'interrupted' && isRecovered ? 'recovered' : session.state;
-};
 
 export interface Filters {
   readonly subject: string; // part of the pseudonym
@@ -29,7 +22,7 @@ export const passes = (session: SessionRecord, filters: Filters): boolean => {
   return (
     session.subject.toLowerCase().includes(filters.subject.trim().toLowerCase()) &&
     (filters.protocol === '' || session.protocol === filters.protocol) &&
-    (filters.state === '' || stateOf(session) === filters.state) &&
+    (filters.state === '' || session.state === filters.state) &&
     (filters.from === '' || startedMs >= dayStartMs(filters.from, 0)) &&
     (filters.to === '' || startedMs < dayStartMs(filters.to, 1))
   );

@@ -8,7 +8,7 @@ import { dateTime, duration } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from './asking';
 import { Exports } from './exports';
-import { lengthS, stateOf } from './filters';
+import { lengthS } from './filters';
 import { Report } from './report';
 import { PartTable, ResultTable, TrialsOfSession } from './session_tables';
 import { LostScans, StateMark } from './state_mark';
@@ -43,7 +43,7 @@ const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
     <dl class="facts" data-testid="session-facts">
       <dt>{heads.state}</dt>
       <dd>
-        <StateMark state={stateOf(session)} />
+        <StateMark state={session.state} />
         <LostScans session={session} />
       </dd>
       {entries

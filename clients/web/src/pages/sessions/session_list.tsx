@@ -10,7 +10,7 @@ import { dateTime, duration, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from './asking';
 import type { Filters } from './filters';
-import { lengthS, noFilters, passes, stateOf } from './filters';
+import { lengthS, noFilters, passes } from './filters';
 import { LostScans, StateMark } from './state_mark';
 
 const mostListed = 500;
@@ -89,7 +89,7 @@ const Row = (props: { session: SessionRecord; isChosen: boolean; onChoose: () =>
       <td>{session.rig}</td>
       <td class="number">{session.state === 'running' ? underWay : duration(lengthS(session))}</td>
       <td>
-        <StateMark state={stateOf(session)} />
+        <StateMark state={session.state} />
         <LostScans session={session} />
       </td>
       <td>{session.label}</td>

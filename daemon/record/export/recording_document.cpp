@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "record/export/recording_document.h"
+
+#include <nlohmann/json.hpp>
+
+#include "core/utc_text.h"
+#include "record/export/row_text.h"
+#include "record/losses.h"
+
+namespace dts::record {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json session_json(const SessionFacts& facts, bool has_label) {
+  Json json{{"session_id", facts.session_id}, {"part", facts.part}};
+  const auto put = [&json](const char* key, const std::string& text) {
+    if (!text.empty()) json[key] = text;
+  };
+  put("rig", facts.rig);
+  put("kind", facts.kind);
+  put("protocol", facts.protocol);
+  put("subject", facts.subject);
+  if (has_label) put("label", facts.label);
+  for (const auto& [name, value] : facts.fields) json["subject_fields"][name] = value;
+  if (facts.started_utc_ns > 0) json["started_utc"] = core::utc_text(facts.started_utc_ns);
+  put("software", facts.software);
+  put("device_uri", facts.device_uri);
+  put("device_model", facts.device_model);
+  put("device_serial", facts.device_serial);
+  put("firmware", facts.firmware);
+  put("calibration_id", facts.calibration_id);
+  if (!facts.stages.empty()) json["stages"] = facts.stages;
+  return json;
+}
+
+Json stream_json(const Recording& recording, std::size_t stream) {
+  const StreamInfo& info = recording.streams()[stream];
+  Json json{{"name", info.name}, {"samples", recording.sample_count(stream)}};
+  if (info.rate) json["rate_hz"] = info.rate->hz();
+  json["filter_delay_s"] = static_cast<double>(info.delay_ns) * 1e-9;
+  for (const ChannelInfo& channel : info.channels) json["channels"].push_back({{"label", channel.label}, {"unit", channel.unit}});
+  return json;
+}
+
+}  // namespace
+
+std::string recording_document(const Recording& recording, bool has_label) {
+  Json json = session_json(recording.session().value_or(SessionFacts{}), has_label);
+  const core::LossCount lost = recording.losses().total();
+  json["duration_s"] = recording.duration_s();
+  json["lost_scans"] = lost.scans;
+  json["gaps"] = lost.gaps;
+  json["losses"] = Json::parse(to_json(recording.losses()));
+  if (!recording.damage().empty()) json["damage"] = recording.damage();
+  for (std::size_t stream = 0; stream < recording.streams().size(); ++stream) json["streams"].push_back(stream_json(recording, stream));
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void TrialTable::take(const RecordedScans& scans) noexcept {
+  if (raw_ != scans.stream || scans.count == 0) return;
+  newest_.segment = scans.segment;
+  newest_.first_scan = {scans.first_scan.value + (scans.count - 1)};
+}
+
+std::string TrialTable::text() {
+  if (raw_) {
+    newest_.stream = *raw_;
+    newest_.count = 1;
+    trials_.take(RecordedItem(newest_));
+  }
+  std::string text;
+  for (const TrialRow& trial : trials_.rows()) {
+    if (text.empty()) text = "trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan\n";
+    text += std::to_string(trial.trial) + "," + std::to_string(trial.attempt) + "," + std::to_string(trial.block) + "," +
+            csv_cell(trial.condition) + "," + trial.outcome + "," + (is_valid(trial) ? "1" : "0") + "," + std::to_string(trial.segment) +
+            "," + std::to_string(trial.first_scan) + "," + std::to_string(std::max(trial.segment, trial.last_segment)) + "," +
+            std::to_string(trial.last_scan) + "\n";
+  }
+  return text;
+}
+
+}  // namespace dts::record

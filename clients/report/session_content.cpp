@@ -98,7 +98,7 @@ Notes left_out(const SessionData& session) {
   for (const TrialData& trial : session.trials) {
     if (!trial.counts() || (trial.analysis->flags & posturography::sway_flag::kCutAtGap) == 0 || notes.items.size() >= 40) continue;
     notes.items.push_back("Trial " + trial.number() + ": samples are missing, only its longest clean stretch of " +
-                          fixed(trial.analysis->duration_s, 1) + " s was analysed.");
+                          fixed(trial.analysis->duration_s, 1) + " s was analysed. It is in a mean only if no trial of its condition is whole.");
   }
   std::string missing;
   std::size_t count = 0;

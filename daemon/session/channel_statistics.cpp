@@ -3,21 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace dts::session {
-
-std::string sensor_problem(const std::string& channel, const ChannelStatistics& measured, bool is_in_curve) {
-  std::array<char, 64> text{};
-  if (measured.minimum == measured.maximum) {
-    std::snprintf(text.data(), text.size(), " has not changed from %.3f V for a second", measured.mean);
-  } else if (!is_in_curve) {
-    std::snprintf(text.data(), text.size(), " is outside of its calibration curve, at %.3f V", measured.mean);
-  } else {
-    return {};
-  }
-  return "sensor " + channel + text.data() + ": check its plug and supply";
-}
 
 StatisticsCollector::StatisticsCollector(std::size_t channel_count, std::uint64_t period_scans)
     : period_scans_(std::max<std::uint64_t>(period_scans, 1)), channel_count_(std::min(channel_count, core::kMaxChannels)) {}

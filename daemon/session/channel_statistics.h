@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <string>
 
 #include "core/block.h"
 #include "core/latest_value.h"
@@ -23,10 +22,6 @@ struct StatisticsReport {
   std::size_t channel_count = 0;
   std::array<ChannelStatistics, core::kMaxChannels> channels{};
 };
-
-/// What the last period says against the sensor on a channel; empty: nothing. A sensor without plug or supply stands still, or outside of
-/// its calibration curve. `is_in_curve`: the curve holds for some of the values.
-[[nodiscard]] std::string sensor_problem(const std::string& channel, const ChannelStatistics& measured, bool is_in_curve);
 
 /// Statistics of every device channel over consecutive periods of about a second, for `dtsctl device test`.
 class StatisticsCollector {

@@ -41,6 +41,16 @@ std::optional<std::size_t> cop_stream_of(const pipeline::Pipeline& pipeline) {
   return static_cast<std::size_t>(found - pipeline.formats().begin());
 }
 
+/// The stages pass doubts on, so the last stream that still has a channel per sensor has them all.
+std::optional<std::size_t> sensor_stream_of(const pipeline::Pipeline& pipeline, std::size_t sensor_count) {
+  for (const std::string_view name : {"deflection", "filtered", "raw"}) {
+    const auto found = std::ranges::find(pipeline.formats(), name, &core::StreamFormat::name);
+    if (found == pipeline.formats().end() || found->channels.size() != sensor_count) continue;
+    return static_cast<std::size_t>(found - pipeline.formats().begin());
+  }
+  return std::nullopt;
+}
+
 core::Status check_device(const pipeline::RigConfig& config, const device::DeviceDescription& device) {
   const auto where = "rig '" + config.name + "': ";
   if (device.channels.size() > core::kMaxChannels) {
@@ -121,7 +131,9 @@ Rig::Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, 
       tap_(blocks_in(*config_, kRecordRingMs), *pipeline_),
       spare_frame_(pipeline_->make_frame()),
       acquisition_(*device_, clock, scans_, scans_bell_, config_->rate, config_->block_scans),
-      statistics_(device_->describe().channels.size(), config_->rate.scans_in_ms(1000.0)) {}
+      statistics_(device_->describe().channels.size(), config_->rate.scans_in_ms(1000.0)),
+      sensor_stream_(sensor_stream_of(*pipeline_, config_->sensor_channels.size())),
+      sensor_watch_(config_->sensor_channels.size(), sensor_stream_ ? pipeline_->formats()[*sensor_stream_].rate.scans_in_ms(1000.0) : 1) {}
 
 Rig::~Rig() { stop(); }
 
@@ -196,6 +208,7 @@ void Rig::process(const core::Acquired& acquired) noexcept {
   }
   if (acquired.gap_before.reason != core::GapReason::None) statistics_.reset();
   statistics_.add(acquired.block);
+  if (sensor_stream_) sensor_watch_.add(frame.streams[*sensor_stream_]);
   const std::int64_t ended_ns = clock_.now_ns();
   pipeline_state_.frames_waiting.note(frames_waiting, ended_ns);
   pipeline_state_.slots_waiting.note(tap_.waiting(), ended_ns);
@@ -203,19 +216,12 @@ void Rig::process(const core::Acquired& acquired) noexcept {
 }
 
 std::string Rig::sensor_problems() {
-  std::string problems;
   const AcquisitionReport& acquired = acquisition();
-  const StatisticsReport& measured = statistics();
-  if (acquired.device != device::DeviceState::Streaming || acquired.is_silent || acquired.is_armed || measured.scans == 0) return problems;
-  for (std::size_t i = 0; i < config_->sensor_channels.size(); ++i) {
-    const std::size_t channel = config_->sensor_channels[i];
-    const ChannelStatistics& one = measured.channels[channel];
-    const auto& curve = config_->model.sensors[i].curve;
-    const bool is_in_curve = curve.contains({one.minimum}) || curve.contains({one.maximum});
-    const std::string problem = sensor_problem(device_->describe().channels[channel].name, one, is_in_curve);
-    problems += (problems.empty() || problem.empty() ? "" : "; ") + problem;
-  }
-  return problems;
+  const bool has_scans = acquired.device == device::DeviceState::Streaming && !acquired.is_silent && !acquired.is_armed;
+  if (!has_scans || !sensor_stream_) return {};
+  std::vector<std::string> names;
+  for (const std::size_t channel : config_->sensor_channels) names.push_back(device_->describe().channels[channel].name);
+  return session::sensor_problems(sensor_watch_.latest(), names);
 }
 
 /// What dropped frames said besides their samples must not be lost.

@@ -22,6 +22,7 @@
 #include "session/latency_report.h"
 #include "session/record_tap.h"
 #include "session/rig_pipeline.h"
+#include "session/sensor_watch.h"
 
 namespace dts::session {
 
@@ -79,7 +80,7 @@ class Rig {
   [[nodiscard]] const AcquisitionReport& acquisition() noexcept { return acquisition_.report(); }
   [[nodiscard]] const PipelineReport& pipeline_report() noexcept { return pipeline_report_.load(); }
   [[nodiscard]] const StatisticsReport& statistics() noexcept { return statistics_.latest(); }
-  /// What the last second says against sensors of a streaming device; empty: nothing.
+  /// Which sensors of a streaming device did not measure in the last second; empty: none.
   [[nodiscard]] std::string sensor_problems();
   [[nodiscard]] pipeline::Tare& tare() noexcept { return *tare_; }
   [[nodiscard]] RingFill ring_fill() noexcept;
@@ -141,6 +142,8 @@ class Rig {
   core::Doorbell scans_bell_;
   Acquisition acquisition_;
   StatisticsCollector statistics_;
+  std::optional<std::size_t> sensor_stream_;  ///< Which of the frame's streams has the most processed values of each sensor.
+  SensorWatch sensor_watch_;
   PipelineReport pipeline_state_;
   core::LatestValue<PipelineReport> pipeline_report_;
   core::LatestValue<LatencyReport> latency_;

@@ -68,7 +68,7 @@ struct RigState {
   double measured_rate_hz = 0.0;  ///< Scans per host second over the last seconds; 0 until known.
   RingFill ring_fill;
   LatencyReport latency;
-  std::string sensor_problems{};  ///< What the last second says against sensors; empty: nothing.
+  std::string sensor_problems{};  ///< Which sensors did not measure in the last second; empty: none.
 };
 
 /// Owns the rigs and their sessions and executes commands on them. Thread: control, all of it.

@@ -33,6 +33,13 @@ struct StandingCondition {
   }
 };
 
+bool is_cut(const SwayTrialResult* trial) { return (trial->analysis->flags & posturography::sway_flag::kCutAtGap) != 0; }
+
+/// Values of different durations do not compare: what a gap left of a trial stays out of the means, unless no trial of the condition is whole.
+void leave_out_cut_trials(StandingCondition& condition) {
+  if (!std::ranges::all_of(condition.trials, is_cut)) std::erase_if(condition.trials, is_cut);
+}
+
 std::vector<StandingCondition> by_condition(const std::vector<SwayTrialResult>& trials) {
   std::vector<StandingCondition> conditions;
   for (const SwayTrialResult& trial : trials) {
@@ -41,6 +48,7 @@ std::vector<StandingCondition> by_condition(const std::vector<SwayTrialResult>& 
     if (found == conditions.end()) found = conditions.insert(found, {.name = trial.condition, .labels = trial.labels, .trials = {}});
     found->trials.push_back(&trial);
   }
+  for (StandingCondition& condition : conditions) leave_out_cut_trials(condition);
   return conditions;
 }
 

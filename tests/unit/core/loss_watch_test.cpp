@@ -118,6 +118,24 @@ TEST(LossWatch, NothingLost_NothingToldInTenMinutes) {
   std::printf("highest rise without a loss, 200 cases of 10 min: %.2f ms\n", highest_ms);
 }
 
+TEST(LossWatch, HostThatIsBusyNowAndThen_NothingTold) {
+  std::mt19937_64 random{21};
+  for (int i = 0; i < 200; ++i) {
+    LossCase tried = random_case(random);
+    if (tried.machine.waiting_percent > 50) continue;  // overloaded: daemon/device/usb/README.md has those figures
+    HostTime time(tried.machine.rate, kMillisecond);
+    const double busy_ms = tried.machine.busy_ms;
+    for (int spell = 0; spell < 8; ++spell) {
+      tried.machine.busy_ms = spell % 2 == 0 ? 0.3 : std::max(busy_ms, 2.0);
+      const std::uint64_t until = tried.machine.next + tried.machine.rate.scans_in_ms(10e3 + static_cast<double>(random() % 20'000));
+      while (tried.machine.next < until) {
+        tried.machine.step(time);
+        ASSERT_FALSE(time.has_loss()) << "case " << i << ", spell " << spell;
+      }
+    }
+  }
+}
+
 TEST(LossWatch, HoleDoesNotPassForDrift) {
   Machine machine{.rate = *Rate::create(1500, 1), .scans_per_transfer = 4, .busy_ms = 0.3};
   HostTime time(machine.rate, kMillisecond);

@@ -324,7 +324,7 @@ TEST_F(ReportTest, OddTrials_DoNotBreakAPage) {
   EXPECT_THAT(page(report, "trial-03.html"), HasSubstr("no spectrum: needs 10 s and 200 samples"));
   EXPECT_THAT(page(report, "trial-04.html"), HasSubstr("cut_at_gap"));
   EXPECT_THAT(page(report, "session.html"),
-              HasSubstr("Trial 4: samples are missing, only its longest clean stretch of 19.0 s was analysed."));
+              HasSubstr("Trial 4: samples are missing, only its longest clean stretch of 19.0 s was analysed. It is in a mean only"));
   EXPECT_THAT(page(report, "trial-05.html"), HasSubstr("no sample of the centre of pressure"));
 }
 

@@ -44,17 +44,6 @@ TEST(StatisticsCollector, SmallNoiseOnALargeSignal_IsNotLost) {
   EXPECT_NEAR(collector.latest().channels[0].noise_rms, 1e-6, 1e-9);
 }
 
-TEST(SensorProblem, SensorThatMeasures_HasNone) {
-  EXPECT_EQ(sensor_problem("ch3", {.mean = 1.2, .noise_rms = 0.01, .minimum = 1.1, .maximum = 1.3}, true), "");
-}
-
-TEST(SensorProblem, SensorThatStandsStillOrIsOutsideOfItsCurve_IsNamedWithItsVoltage) {
-  EXPECT_EQ(sensor_problem("ch3", {.mean = 10.0, .minimum = 10.0, .maximum = 10.0}, true),
-            "sensor ch3 has not changed from 10.000 V for a second: check its plug and supply");
-  EXPECT_EQ(sensor_problem("ch3", {.mean = 0.004, .noise_rms = 0.001, .minimum = 0.002, .maximum = 0.006}, false),
-            "sensor ch3 is outside of its calibration curve, at 0.004 V: check its plug and supply");
-}
-
 TEST(StatisticsCollector, BlockOfAnotherShape_IsIgnored) {
   StatisticsCollector collector(2, 1);
 

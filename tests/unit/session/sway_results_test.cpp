@@ -253,6 +253,19 @@ TEST(SwaySummary, LeavesInvalidTrialsOut) {
   EXPECT_TRUE(sway_summary(trials).empty());
 }
 
+TEST(SwaySummary, LeavesTrialsThatAGapHasCutOut_UnlessNoneIsWhole) {
+  SwayResults results(rate_100(), rate_100());
+  measure(results, 1, 0, "eyes-open-two-feet", 1.0);
+  measure(results, 2, 2040, "eyes-open-two-feet", 3.0);
+  auto trials = results.take_decided();
+  ASSERT_EQ(trials.size(), 2U);
+  const auto rdist = [&](std::size_t trial) { return *trials[trial].analysis->measures.get(posturography::Measure::Rdist); };
+  trials[1].analysis->flags |= posturography::sway_flag::kCutAtGap;
+  EXPECT_DOUBLE_EQ(figure(sway_summary(trials), "eyes-open-two-feet/RDIST"), rdist(0));
+  trials[0].analysis->flags |= posturography::sway_flag::kCutAtGap;
+  EXPECT_DOUBLE_EQ(figure(sway_summary(trials), "eyes-open-two-feet/RDIST"), (rdist(0) + rdist(1)) / 2.0);
+}
+
 TEST(SwayRecord, ReadsBackAsItWasWritten) {
   SwayResults results(rate_100(), rate_100());
   measure(results, 7, 0);

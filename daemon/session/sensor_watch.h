@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "core/block.h"
+#include "core/latest_value.h"
+
+namespace dts::session {
+
+/// Quality bits that every scan of the last second had, by sensor.
+struct SensorDoubts {
+  std::size_t sensor_count = 0;
+  std::array<std::uint8_t, core::kMaxChannels> bits{};
+};
+
+/// Finds sensors that do not measure, by the quality that the stages gave their values (`guard`, `linearise`): it judges nothing itself.
+class SensorWatch {
+ public:
+  /// `period_scans`: about a second.
+  SensorWatch(std::size_t sensor_count, std::uint64_t period_scans);
+
+  /// Takes a block with one column per sensor; ignores one of another shape. Thread: pipeline. Realtime-safe: yes.
+  void add(const core::Block& sensors) noexcept;
+  /// The last complete period. Thread: control (the one reader).
+  [[nodiscard]] const SensorDoubts& latest() noexcept { return latest_.load(); }
+
+ private:
+  std::uint64_t period_scans_;
+  std::uint64_t scans_ = 0;
+  SensorDoubts current_;
+  core::LatestValue<SensorDoubts> latest_;
+};
+
+/// Returns which sensors do not measure, why, and what to do; empty if all measure. `names`: of the sensors' channels.
+[[nodiscard]] std::string sensor_problems(const SensorDoubts& doubts, const std::vector<std::string>& names);
+
+}  // namespace dts::session

@@ -189,6 +189,7 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_segment(trial.segment);
   out.set_first_scan(trial.first_scan);
   out.set_last_scan(trial.last_scan);
+  out.set_last_segment(trial.last_segment);
   if (trial.result.empty()) return;
   const auto event = record::event_of_json(trial.result);
   if (event && event->event == "result") fill(*out.mutable_result(), trial, *event);

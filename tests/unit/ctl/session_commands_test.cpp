@@ -214,6 +214,22 @@ TEST_F(SessionCommandsTest, LossesThatAreNotKnown_AreNotCalledNone) {
   EXPECT_FALSE(session.at("parts").at(0).contains("losses"));
 }
 
+TEST_F(SessionCommandsTest, TrialThatAGapDivides_IsPlacedBySegmentAndScan) {
+  show_ = [](v1::SessionRecord& session) {
+    session.mutable_trials(0)->set_first_scan(812);
+    session.mutable_trials(0)->set_last_scan(912);
+  };
+  EXPECT_EQ(run_with({"session", "show", "x"}), cli::kOk);
+  EXPECT_THAT(out(), HasSubstr("  812 .. 912"));
+  show_ = [](v1::SessionRecord& session) {
+    session.mutable_trials(0)->set_first_scan(812);
+    session.mutable_trials(0)->set_last_scan(212);
+    session.mutable_trials(0)->set_last_segment(1);
+  };
+  EXPECT_EQ(run_with({"session", "show", "x"}), cli::kOk);
+  EXPECT_THAT(out(), HasSubstr("0:812 .. 1:212"));
+}
+
 TEST_F(SessionCommandsTest, ListJson_WhatIsNotKnownIsAbsent) {
   EXPECT_EQ(run_with({"session", "list", "--json"}), cli::kOk);
 

@@ -101,8 +101,10 @@ cli::Json value_of(const Message& message, const FieldDescriptor& field) {
 /// Sums that stand beside their parts, of the session and of each of its parts.
 void add_counts(const v1::SessionRecord& session, cli::Json& json) {
   const auto add = [&session](const LossSum& sum, cli::Json& to) {
-    to["lost_scans"] = sum.lost_scans;
-    to["gaps"] = sum.gaps;
+    if (!sum.is_unknown) {
+      to["lost_scans"] = sum.lost_scans;
+      to["gaps"] = sum.gaps;
+    }
     to["planned_trials"] = session.planned_trials();
   };
   add(sum_of(session), json);
@@ -122,6 +124,7 @@ void remove_meaningless(const Message& message, cli::Json& json) {
     }
   }
   if (const auto* session = dynamic_cast<const v1::SessionRecord*>(&message)) add_counts(*session, json);
+  if (const auto* part = dynamic_cast<const v1::SessionPart*>(&message); part != nullptr && part->is_loss_unknown()) json.erase("losses");
   if (const auto* reach = dynamic_cast<const v1::Reach*>(&message)) {
     json["flags"] = bit_words(*v1::ReachFlag_descriptor(), reach->flags());
     const std::array<std::pair<const char*, const v1::ReachPoint*>, 3> points{

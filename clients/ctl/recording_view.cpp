@@ -26,14 +26,17 @@ LossSum sum_of(const v1::SessionPart& part) {
     sum.gaps += loss.gaps_total();
     sum.lost_scans += loss.lost_scans_total();
   }
+  sum.is_unknown = part.is_loss_unknown();
   return sum;
 }
 
 LossSum sum_of(const v1::SessionRecord& session) {
   LossSum sum;
   for (const v1::SessionPart& part : session.parts()) {
-    sum.gaps += sum_of(part).gaps;
-    sum.lost_scans += sum_of(part).lost_scans;
+    const LossSum lost = sum_of(part);
+    sum.gaps += lost.gaps;
+    sum.lost_scans += lost.lost_scans;
+    sum.is_unknown = sum.is_unknown || lost.is_unknown;
   }
   return sum;
 }
@@ -45,7 +48,8 @@ std::uint64_t valid_trials(const v1::SessionRecord& session) {
 }
 
 std::string loss_text(const LossSum& sum) {
-  return sum.gaps == 0 ? "" : counted(sum.lost_scans, "scan") + " lost in " + counted(sum.gaps, "gap");
+  if (sum.gaps == 0) return sum.is_unknown ? "losses not known" : "";
+  return (sum.is_unknown ? "at least " : "") + counted(sum.lost_scans, "scan") + " lost in " + counted(sum.gaps, "gap");
 }
 
 std::string losses_text(const v1::SessionPart& part) {

@@ -21,12 +21,13 @@ namespace dts::ctl {
 struct LossSum {
   std::uint64_t gaps = 0;
   std::uint64_t lost_scans = 0;
+  bool is_unknown = false;  ///< Of a part it is not known what is missing.
 };
 /// Of a part, or of all parts of a session.
 [[nodiscard]] LossSum sum_of(const v1::SessionPart& part);
 [[nodiscard]] LossSum sum_of(const v1::SessionRecord& session);
 [[nodiscard]] std::uint64_t valid_trials(const v1::SessionRecord& session);
-/// "10560 scans lost in 1 gap"; empty: there is no gap.
+/// "10560 scans lost in 1 gap"; "losses not known" or "at least 10560 scans lost in 1 gap" where that is so; empty: there is no gap.
 [[nodiscard]] std::string loss_text(const LossSum& sum);
 /// The same with the reasons: "10560 scans lost in 1 gap: ring_full 1".
 [[nodiscard]] std::string losses_text(const v1::SessionPart& part);

@@ -109,7 +109,7 @@ void add_catalogue(CommandTree& tree, CLI::App& session) {
                        "dtsctl session show 20261121T144525Z-floor-1 | state, files and trials\n", run_session_show);
   add_id(*show, tree, "ID", "Id of the session");
   cli::explain(tree.line, *show,
-               "FROM .. TO SCAN | where the trial lies in its part's recording\n"
+               "FROM .. TO SCAN | where the trial lies in its part's recording; with SEGMENT:SCAN when a gap divides the trial\n"
                "TRUNK, DEG | class of trunk movement, and flexion of the trunk\n"
                "MVELO | mean velocity of the centre of pressure\n"
                "RDIST | rms distance of the centre of pressure from its mean position\n"

@@ -96,6 +96,13 @@ void print_results(cli::Console& console, const v1::SessionRecord& session) {
   if (session.results_size() > 0) results.print(console);
 }
 
+/// "812 .. 2312"; "0:812 .. 1:212" (segment:scan) when a gap divides the trial.
+std::string place_text(const v1::TrialRecord& trial) {
+  if (trial.last_segment() <= trial.segment()) return std::to_string(trial.first_scan()) + " .. " + std::to_string(trial.last_scan());
+  return std::to_string(trial.segment()) + ":" + std::to_string(trial.first_scan()) + " .. " + std::to_string(trial.last_segment()) + ":" +
+         std::to_string(trial.last_scan());
+}
+
 /// Of trials of quiet standing.
 void print_standing(cli::Console& console, const v1::SessionRecord& session) {
   cli::Table trials({">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">MVELO mm/s", ">RDIST mm", ">ELLIPSE mm2", "FLAGS", ">PART",
@@ -117,7 +124,7 @@ void print_standing(cli::Console& console, const v1::SessionRecord& session) {
                 {sway.problem().empty() ? sway_flag_words(sway) : sway.problem(),
                  has_values && sway.is_valid() ? cli::Style::Plain : cli::Style::Warning},
                 {std::to_string(trial.part())},
-                {std::to_string(trial.first_scan()) + " .. " + std::to_string(trial.last_scan())}});
+                {place_text(trial)}});
   }
   console.out << '\n';
   trials.print(console);
@@ -136,7 +143,7 @@ void print_trials(cli::Console& console, const v1::SessionRecord& session) {
                 {degrees_text(trial.result())},
                 {std::to_string(trial.part())},
                 {std::to_string(trial.segment())},
-                {std::to_string(trial.first_scan()) + " .. " + std::to_string(trial.last_scan())}});
+                {place_text(trial)}});
   }
   if (session.trials_size() > 0) console.out << '\n';
   trials.print(console);

@@ -114,6 +114,8 @@ void compare_with_told(TrialData& trial) {
 }
 
 void analyse(TrialData& trial, const std::optional<double>& foot_length_mm) {
+  trial.problem = trial.recorded.problem;
+  if (!trial.problem.empty()) return;
   auto prepared = posturography::prepare(trial.recorded.cop, posturography::kReportPreparation);
   if (!prepared) {
     trial.problem = prepared.error().what;

@@ -48,6 +48,15 @@ struct Gap {
   bool is_exact = false;  ///< false: estimated from the duration.
 };
 
+/// Returns the hole that two holes make when the scans between them are counted elsewhere: the reason of the later one, the scans of both.
+/// Realtime-safe: yes.
+[[nodiscard]] constexpr Gap merged(const Gap& earlier, const Gap& later) noexcept {
+  if (earlier.reason == GapReason::None) return later;
+  if (later.reason == GapReason::None) return earlier;
+  return {
+      .reason = later.reason, .missing_scans = earlier.missing_scans + later.missing_scans, .is_exact = earlier.is_exact && later.is_exact};
+}
+
 /// What the device hands to the pipeline in one go.
 struct Acquired {
   Block block;

@@ -139,7 +139,8 @@ void fill(dts::v1::SessionPart& out, const record::PartRow& part) {
   out.set_duration_s(part.duration_s);
   out.set_lost_s_at_most(part.lost_s_at_most);
   out.set_reason(clean_text(part.reason));
-  add_losses(part.losses, *out.mutable_losses());
+  if (part.losses) add_losses(*part.losses, *out.mutable_losses());
+  out.set_is_loss_unknown(!part.losses && part.state != record::PartState::Recording);
   out.set_valid_trials(part.valid_trials);
 }
 
@@ -188,6 +189,7 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_segment(trial.segment);
   out.set_first_scan(trial.first_scan);
   out.set_last_scan(trial.last_scan);
+  out.set_last_segment(trial.last_segment);
   if (trial.result.empty()) return;
   const auto event = record::event_of_json(trial.result);
   if (event && event->event == "result") fill(*out.mutable_result(), trial, *event);

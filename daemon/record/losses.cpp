@@ -3,21 +3,19 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string_view>
-
-#include "record/damaged.h"
 
 namespace dts::record {
 namespace {
 
 using core::GapReason;
 
-std::optional<GapReason> reason_of(std::string_view word) {
+/// Returns None for a word that is unknown here.
+GapReason reason_of(std::string_view word) {
   for (std::size_t index = 0; index < core::kGapReasons; ++index) {
     if (core::name(static_cast<GapReason>(index)) == word) return static_cast<GapReason>(index);
   }
-  return std::nullopt;
+  return GapReason::None;
 }
 
 std::uint64_t count_of(const RecordedEvent& event, const std::string& key) {
@@ -34,8 +32,7 @@ void LossCounter::take(const RecordedEvent& event) {
   const bool is_first = !has_begun_;
   has_begun_ = true;
   if (is_first) return;
-  const GapReason reason = reason_of(text_of(event, "reason")).value_or(GapReason::None);
-  losses_.add(reason, {.gaps = 1, .scans = count_of(event, "missing_scans")});
+  losses_.add(reason_of(text_of(event, "reason")), {.gaps = 1, .scans = count_of(event, "missing_scans")});
 }
 
 std::string to_json(const core::Losses& losses) {
@@ -48,16 +45,14 @@ std::string to_json(const core::Losses& losses) {
   return object.dump();
 }
 
-core::Result<core::Losses> losses_of_json(const std::string& text) {
-  const auto damaged = [&text] { return core::fail(kDamaged, "'" + text.substr(0, 80) + "' counts no losses"); };
+std::optional<core::Losses> losses_of_json(const std::string& text) {
   const nlohmann::json object = nlohmann::json::parse(text, nullptr, false);
-  if (!object.is_object()) return damaged();
+  if (!object.is_object()) return std::nullopt;
   core::Losses losses;
   for (const auto& [word, count] : object.items()) {
-    const auto reason = reason_of(word);
     const auto is_count = [&count](const char* key) { return count.contains(key) && count[key].is_number_unsigned(); };
-    if (!reason || !count.is_object() || !is_count("gaps") || !is_count("scans")) return damaged();
-    losses.add(*reason, {.gaps = count["gaps"].get<std::uint64_t>(), .scans = count["scans"].get<std::uint64_t>()});
+    if (!count.is_object() || !is_count("gaps") || !is_count("scans")) return std::nullopt;
+    losses.add(reason_of(word), {.gaps = count["gaps"].get<std::uint64_t>(), .scans = count["scans"].get<std::uint64_t>()});
   }
   return losses;
 }

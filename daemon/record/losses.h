@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "core/losses.h"
-#include "core/result.h"
 #include "record/event.h"
 
 namespace dts::record {
@@ -23,7 +23,8 @@ class LossCounter {
 
 /// {"ring_full":{"gaps":1,"scans":10560}}: the reasons that occurred.
 [[nodiscard]] std::string to_json(const core::Losses& losses);
-/// DataDamaged: no such object, an unknown reason, or no counts.
-[[nodiscard]] core::Result<core::Losses> losses_of_json(const std::string& text);
+/// Returns what `to_json` wrote, and nothing if the text does not count losses. An unknown reason counts as `GapReason::None`, as in a
+/// recording: a later version may know more reasons.
+[[nodiscard]] std::optional<core::Losses> losses_of_json(const std::string& text);
 
 }  // namespace dts::record

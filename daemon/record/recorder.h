@@ -60,7 +60,9 @@ class Recorder {
   [[nodiscard]] double duration_s() const noexcept { return end_s_ - begin_s_; }
   /// Scans that were lost between the pipeline and here.
   [[nodiscard]] std::uint64_t lost_scans() const noexcept { return lost_scans_; }
-  /// The same: `scans` that no jump between two frames shows.
+  /// Of the newest frame.
+  [[nodiscard]] std::uint32_t segment() const noexcept { return segment_; }
+  /// Counts `scans` that no jump between two frames shows: behind the newest frame.
   void note_loss(std::uint64_t scans);
   /// All that is missing between the first scan and the last, whoever lost it.
   [[nodiscard]] const core::Losses& losses() const noexcept { return losses_.losses(); }

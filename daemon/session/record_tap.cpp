@@ -35,11 +35,11 @@ void RecordTap::offer(const core::Frame& frame) noexcept {
   Slot* const slot = ring_.claim();
   if (slot == nullptr) {
     lost_scans_ += frame.streams.empty() ? 0 : frame.streams.front().count();
-    if (frame.gap_before.reason != core::GapReason::None) lost_gap_ = frame.gap_before;
+    lost_gap_ = core::merged(lost_gap_, frame.gap_before);
     return ring_.drop();
   }
   slot->frame.copy_from(frame);
-  if (frame.gap_before.reason == core::GapReason::None) slot->frame.gap_before = lost_gap_;
+  slot->frame.gap_before = core::merged(lost_gap_, frame.gap_before);
   lost_gap_ = {};
   slot->take = current_;
   slot->is_end = false;

@@ -71,7 +71,7 @@ class RecordTap {
   std::uint64_t current_ = 0;             ///< The pipeline thread's; 0: none.
   std::uint64_t begun_ = 0;               ///< The same; the newest that was current.
   std::uint64_t lost_scans_ = 0;          ///< The same; of the current take.
-  core::Gap lost_gap_;                    ///< The same; stood before a frame that found no room.
+  core::Gap lost_gap_;                    ///< The same; stood before frames that found no room.
 };
 
 }  // namespace dts::session

@@ -33,6 +33,11 @@ core::Result<record::XdfWriter::Closed> close(record::Recorder& recorder, std::s
   return recorder.close(reason);
 }
 
+/// Tells the recorder of lost scans that no jump between two frames shows.
+void note_unseen_loss(record::Recorder& recorder, std::uint64_t lost_scans) {
+  if (lost_scans > recorder.lost_scans()) recorder.note_loss(lost_scans - recorder.lost_scans());
+}
+
 }  // namespace
 
 void RecordThread::add(const std::string& rig, RecordTap& tap) { lines_[rig].tap = &tap; }
@@ -161,7 +166,11 @@ void RecordThread::take_slot(const std::string& rig, Line& line, const RecordTap
   if (!line.recorder || slot.take != line.take) return;  // of a recording that has failed: thrown away
   line.lost_scans = slot.lost_scans;
   if (slot.is_end) return finish(rig, line, "");
-  if (!std::exchange(line.has_frames, true)) line.recorder->set_stage_state(line.tap->state());
+  if (!std::exchange(line.has_frames, true)) {
+    line.recorder->set_stage_state(line.tap->state());
+  } else if (slot.frame.segment != line.recorder->segment()) {
+    note_unseen_loss(*line.recorder, line.lost_scans);  // the scan indices start anew: only here is it known where they were lost
+  }
   if (auto taken = line.recorder->take(slot.frame); !taken) finish(rig, line, core::to_string(taken.error()));
 }
 
@@ -188,7 +197,7 @@ void RecordThread::finish(const std::string& rig, Line& line, const std::string&
   sync_.remove(rig);
   const auto recorder = std::move(line.recorder);
   std::string reason = incomplete;
-  if (line.lost_scans > recorder->lost_scans()) recorder->note_loss(line.lost_scans - recorder->lost_scans());
+  note_unseen_loss(*recorder, line.lost_scans);
   const auto flushed = recorder->flush();
   if (reason.empty() && !flushed) reason = core::to_string(flushed.error());
   const std::uint64_t lost_scans = recorder->lost_scans();

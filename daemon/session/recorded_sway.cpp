@@ -164,14 +164,14 @@ class TrialSamples {
   core::Status take(const record::RecordedScans& scans) {
     for (StandingTrial& trial : trials_) {
       if (scans.segment < trial.segment || scans.segment > trial.end_segment) continue;
-      if (auto taken = take(scans, trial); !taken) return taken;
+      if (trial.problem.empty()) take(scans, trial);
     }
     return {};
   }
 
  private:
   /// Within the trial's first segment by the indices, behind a gap by the time.
-  core::Status take(const record::RecordedScans& scans, StandingTrial& trial) {
+  void take(const record::RecordedScans& scans, StandingTrial& trial) {
     const std::uint64_t begin = cop_index(trial.first_scan, cop_.raw_rate, cop_.rate);
     const std::uint64_t end = cop_index(trial.end_scan, cop_.raw_rate, cop_.rate);
     const bool is_first = scans.segment == trial.segment;
@@ -180,24 +180,24 @@ class TrialSamples {
     }
     const double first = is_first ? static_cast<double>(scans.first_scan.value) - static_cast<double>(begin)
                                   : std::round((scans.first_time_s - trial.begin_s) * cop_.rate.hz());
-    if (!(std::abs(first) < kMostPlaces)) return too_long();
+    if (!(std::abs(first) < kMostPlaces)) return give_up(trial);
     for (std::size_t i = 0; i < scans.count; ++i) {
       if (scans.segment == trial.end_segment && scans.first_scan.value + i >= end) break;
       const auto place = static_cast<std::int64_t>(first) + static_cast<std::int64_t>(i);
       if (place < std::ssize(trial.cop.ml_mm)) continue;  // before the trial
       const std::size_t size = trial.cop.ml_mm.size();
       const auto missing = static_cast<std::size_t>(place) - size;
-      if (missing >= kMostStandingSamples || samples_ + missing >= kMostStandingSamples) return too_long();
+      if (missing >= kMostStandingSamples || samples_ + missing >= kMostStandingSamples) return give_up(trial);
       samples_ += missing + 1;
       pad(trial.cop, size + missing);
       append(trial.cop, scans, i, cop_);
     }
-    return {};
   }
   static constexpr double kMostPlaces = 9e15;  // below 2^53: whole numbers, exactly
-  static core::Status too_long() {
-    return core::fail(core::ErrorCode::Unsupported, "more than " + std::to_string(kMostStandingSamples) + " samples of standing",
-                      "that is longer than anybody stands: cut the recording");
+  void give_up(StandingTrial& trial) {
+    trial.problem = "the trial has more than " + std::to_string(kMostStandingSamples) + " samples, gaps included";
+    samples_ -= trial.cop.ml_mm.size();
+    trial.cop = {.rate_hz = trial.cop.rate_hz, .ml_mm = {}, .ap_mm = {}};
   }
 
   std::vector<StandingTrial>& trials_;

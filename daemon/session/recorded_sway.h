@@ -28,7 +28,8 @@ struct StandingTrial {
   core::ScanIndex end_scan;
   std::uint32_t end_segment = 0;  ///< Of `end_scan`: another than `segment` when gaps divide the trial.
   double begin_s = 0.0;           ///< Stream time of its first sample.
-  posturography::CopSeries cop{};  ///< NaN where a gap is.
+  posturography::CopSeries cop{};         ///< NaN where a gap is. Empty if there is a problem.
+  std::string problem{};                  ///< Why the samples are not here: gaps make the trial too long.
   std::optional<SwayTrialResult> told{};  ///< What the daemon recorded for it.
 
   [[nodiscard]] bool counts() const noexcept { return outcome.empty() || outcome == "done"; }
@@ -42,8 +43,8 @@ struct RecordedStanding {
 };
 
 /// Reads trials, their centre of pressure and what the daemon told of them. Fails as the reading does; NotFound: the recording has no
-/// stream "cop"; DataDamaged: an event does not read; Unsupported: more than `kMostStandingSamples` samples in trials, or none and longer
-/// than that.
+/// stream "cop"; DataDamaged: an event does not read; Unsupported: no trials, and longer than `kMostStandingSamples`. A trial that does not
+/// fit into as many samples, those of the trials before and its gaps included, has a problem; the others are read.
 inline constexpr std::size_t kMostStandingSamples = 20'000'000;
 [[nodiscard]] core::Result<RecordedStanding> read_recorded_standing(record::Recording& recording,
                                                                     const std::function<void(double)>& progress);

@@ -11,9 +11,9 @@
 #include <string_view>
 #include <utility>
 
-#include "core/utc_text.h"
 #include "record/xdf/recovery.h"
 #include "session/rig_pipeline.h"
+#include "session/set_aside.h"
 
 namespace dts::session {
 namespace {
@@ -37,21 +37,6 @@ std::string file_of(const StorageConfig& config, const record::SessionFacts& fac
 }
 
 std::string catalogue_of(const StorageConfig& config) { return config.directory + "/catalogue.sqlite"; }
-
-/// Renames the catalogue and all files beside it that are its own; nothing is deleted. Returns the new name.
-core::Result<std::string> set_aside(const std::string& catalogue, std::int64_t utc_ns) {
-  std::string aside = catalogue + ".damaged-" + core::utc_text(utc_ns);
-  std::ranges::replace(aside, ':', '-');
-  std::error_code error;
-  for (const char* ending : {"-wal", "-shm", ".audit", ""}) {
-    if (!std::filesystem::exists(std::filesystem::symlink_status(catalogue + ending, error))) continue;
-    std::filesystem::rename(catalogue + ending, aside + ending, error);
-    if (error)
-      return core::fail_errno(error.value(), "the damaged catalogue " + catalogue + " cannot be renamed",
-                              "move it away with all files beside it");
-  }
-  return aside;
-}
 
 /// A daemon that died between closing a file and saying so in the catalogue left a whole recording.
 std::optional<record::FoundRecording> closed_already(const record::PartRow& part) {
@@ -84,12 +69,14 @@ core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const Stora
 
 core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& config, core::Clock& clock, core::Log log) {
   if (auto prepared = prepare_storage(config); !prepared) return tl::make_unexpected(prepared.error());
-  auto opened = open_catalogue(config, clock, log);
-  if (!opened && opened.error().code == core::ErrorCode::DataDamaged) {
-    const std::int64_t utc_ns = clock.now_ns() + clock.utc_minus_monotonic_ns();
-    const auto aside = set_aside(catalogue_of(config), utc_ns);
+  const std::string file = catalogue_of(config);
+  std::string damage = is_half_set_aside(file) ? file + " is gone, but files of it are there" : "";
+  core::Result<std::unique_ptr<Recordings>> opened;
+  if (damage.empty()) opened = open_catalogue(config, clock, log);
+  if (!opened && opened.error().code == core::ErrorCode::DataDamaged) damage = opened.error().what;
+  if (!damage.empty()) {
+    const auto aside = set_aside(file, clock.now_ns() + clock.utc_minus_monotonic_ns());
     if (!aside) return tl::make_unexpected(aside.error());
-    const std::string damage = opened.error().what;
     opened = open_catalogue(config, clock, log);
     if (!opened) return opened;
     (*opened)->notice_ = damage + "; it is kept as " + *aside + ", and was made anew from the recordings, all but the audit trail";
@@ -116,6 +103,7 @@ core::Status Recordings::enter_interrupted() {
   if (!rebuilt) return tl::make_unexpected(rebuilt.error());
   for (const std::string& problem : rebuilt->unreadable) log_.warning("recording not entered into the catalogue: " + problem);
   if (rebuilt->added > 0) log_.info(std::to_string(rebuilt->added) + " recordings entered into the catalogue");
+  if (rebuilt->read_again > 0) log_.info(std::to_string(rebuilt->read_again) + " recordings read again for their lost scans");
   auto sessions = catalogue_->sessions({.limit = 10'000});
   if (!sessions) return tl::make_unexpected(sessions.error());
   for (record::SessionRow& session : *sessions) end_left_running(session);

@@ -227,13 +227,7 @@ std::string Rig::sensor_problems() {
 /// What dropped frames said besides their samples must not be lost.
 void Rig::add_unpublished(core::Frame& frame) noexcept {
   if (!unpublished_events_.empty()) frame.events.prepend(unpublished_events_);
-  if (unpublished_gap_.reason == core::GapReason::None) return;
-  if (frame.gap_before.reason == core::GapReason::None) {
-    frame.gap_before = unpublished_gap_;
-  } else {
-    frame.gap_before.missing_scans += unpublished_gap_.missing_scans;
-    frame.gap_before.is_exact = frame.gap_before.is_exact && unpublished_gap_.is_exact;
-  }
+  frame.gap_before = core::merged(unpublished_gap_, frame.gap_before);
 }
 
 void Rig::offer_reaches(const core::FrameEvents& events) noexcept {

@@ -115,11 +115,14 @@ MeasuredFile measure_recording(const SwayInput& input, const SwayArguments& argu
     if (!is_asked_for(one, arguments)) continue;
     MeasuredTrial trial = named(one, **recording, input);
     if (one.trial == 0 && standing->trials.size() > 1) trial.stretch = static_cast<std::uint32_t>(done);
-    auto analysis = posturography::analyse(one.cop, options);
-    if (analysis) {
-      trial.analysis = std::move(*analysis);
-    } else {
-      trial.problem = core::to_string(analysis.error());
+    trial.problem = one.problem;
+    if (one.problem.empty()) {
+      auto analysis = posturography::analyse(one.cop, options);
+      if (analysis) {
+        trial.analysis = std::move(*analysis);
+      } else {
+        trial.problem = core::to_string(analysis.error());
+      }
     }
     if (is_report_definition(options)) trial.is_as_told = compared(trial, one.told);
     measured.trials.push_back(std::move(trial));

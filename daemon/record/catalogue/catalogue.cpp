@@ -115,7 +115,7 @@ core::Status Catalogue::Implementation::enter_part(const SessionFacts& facts, co
   }
   return database.run(
       "INSERT INTO parts (session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns,"
-      " calibration_id) VALUES (?, ?, ?, ?, '', 0, 0, 0, 0, '', ?, ?)",
+      " calibration_id, losses) VALUES (?, ?, ?, ?, '', 0, 0, 0, 0, '', ?, ?, '')",
       facts.session_id, facts.part, file, static_cast<int>(PartState::Recording), facts.started_utc_ns, facts.calibration_id);
 }
 
@@ -158,7 +158,7 @@ core::Status Catalogue::update_part(const PartRow& part) {
       "UPDATE parts SET file = ?, state = ?, sha256 = ?, bytes = ?, scans = ?, duration_s = ?, lost_s_at_most = ?, reason = ?, losses = ?"
       " WHERE session_id = ? AND part = ?",
       part.file, static_cast<int>(part.state), part.sha256, part.bytes, part.scans, whole_microseconds(part.duration_s),
-      part.lost_s_at_most, part.reason, to_json(part.losses), part.session_id, part.part);
+      part.lost_s_at_most, part.reason, part.losses ? to_json(*part.losses) : std::string(), part.session_id, part.part);
   if (updated && implementation_->database.changes() == 0) return no_part(part.session_id, part.part);
   return updated;
 }

@@ -36,7 +36,8 @@ struct PartRow {
   std::uint64_t bytes = 0;
   std::uint64_t scans = 0;
   double duration_s = 0.0;      ///< From the first scan to the end of the last, gaps included.
-  core::Losses losses{};        ///< Between the two.
+  /// Between the two. Absent: not known, because the recording is not closed yet or its file could not be read.
+  std::optional<core::Losses> losses{};
   double lost_s_at_most = 0.0;  ///< Behind the last, of a recovered recording.
   std::string reason;           ///< Why it is not complete.
   std::int64_t started_utc_ns = 0;
@@ -189,12 +190,14 @@ struct Rebuilt {
   std::size_t added = 0;                ///< Parts that the catalogue did not know.
   std::size_t missing = 0;              ///< Parts whose file is gone.
   std::vector<std::string> unreadable;  ///< "file: why"
+  std::size_t read_again = 0;           ///< Parts whose losses the catalogue did not know.
   std::size_t found_again = 0;          ///< Parts whose file was gone or elsewhere, or that have a repaired copy now.
 };
 /// Enters every recording of `folder` and the folders in it (*.xdf, *.xdf.part) that the catalogue does not know, with its trials, and
 /// marks parts whose file is gone. Knows recordings by the facts in their header, not by their names; of several files of one part the
 /// closed one counts, then the repaired copy. A recording without footers is entered as Interrupted. Reads the headers of files whose place
-/// the catalogue does not know, and the whole of those that it enters. NotFound: there is no folder, nothing is marked.
+/// the catalogue does not know, and the whole of those that it enters or whose losses are not known. NotFound: there is no folder, nothing
+/// is marked.
 [[nodiscard]] core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder);
 
 }  // namespace dts::record

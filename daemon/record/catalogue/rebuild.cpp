@@ -125,6 +125,12 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
   return found;
 }
 
+/// What a part lacks was never looked up, or the catalogue cannot tell any more.
+bool is_to_be_read_again(const PartRow& part) {
+  const bool is_whole = part.state == PartState::Complete || part.state == PartState::Incomplete || part.state == PartState::Recovered;
+  return is_whole && !part.losses;
+}
+
 class Rebuild {
  public:
   Rebuild(Catalogue& catalogue, std::vector<PartRow> known) : catalogue_(catalogue) {
@@ -134,6 +140,7 @@ class Rebuild {
     }
   }
 
+  [[nodiscard]] core::Status fill_in_losses();
   [[nodiscard]] core::Status consider(const std::string& file);
   [[nodiscard]] core::Status mark_missing();
   [[nodiscard]] Rebuilt take_result() { return std::move(result_); }
@@ -147,6 +154,20 @@ class Rebuild {
   std::set<std::string> files_;
   Rebuilt result_;
 };
+
+/// Where the file cannot be read, the losses stay unknown.
+core::Status Rebuild::fill_in_losses() {
+  for (auto& [key, part] : parts_) {
+    if (!is_to_be_read_again(part)) continue;
+    const auto recording = Recording::open(part.file);
+    if (!recording) continue;
+    part.losses = (*recording)->losses();
+    part.duration_s = (*recording)->duration_s();
+    if (auto updated = catalogue_.update_part(part); !updated) return updated;
+    ++result_.read_again;
+  }
+  return {};
+}
 
 /// Whether a file serves for a part that the catalogue knows at another place.
 bool Rebuild::is_better(const PartRow& known, const std::string& file) const {
@@ -225,6 +246,7 @@ core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder) {
   auto known = catalogue.parts();
   if (!known) return tl::make_unexpected(known.error());
   Rebuild rebuilding(catalogue, std::move(*known));
+  if (auto filled = rebuilding.fill_in_losses(); !filled) return tl::make_unexpected(filled.error());
   for (const std::string& file : *files) {
     if (auto considered = rebuilding.consider(file); !considered) return tl::make_unexpected(considered.error());
   }

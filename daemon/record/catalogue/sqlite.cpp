@@ -144,11 +144,6 @@ std::uint32_t Statement::count32(int column) {
   return static_cast<std::uint32_t>(integer_in(column, 0, std::numeric_limits<std::uint32_t>::max()));
 }
 
-void Statement::refuse(int column) {
-  constexpr std::size_t kMostShown = 80;
-  if (damage_.empty()) damage_ = std::string(sqlite3_column_name(statement_.get(), column)) + " = " + text(column).substr(0, kMostShown);
-}
-
 core::Status Statement::sound() const {
   if (damage_.empty()) return {};
   return damaged_catalogue(database_->file(), damage_);

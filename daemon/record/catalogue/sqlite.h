@@ -43,8 +43,6 @@ class Statement {
   [[nodiscard]] std::uint64_t count(int column);
   [[nodiscard]] std::uint32_t count32(int column);
   [[nodiscard]] std::int64_t integer_in(int column, std::int64_t minimum, std::int64_t maximum);
-  /// The caller finds that a text in it makes no sense: `sound` fails.
-  void refuse(int column);
   /// DataDamaged when a value read since the last `reset` was not what it should be.
   [[nodiscard]] core::Status sound() const;
 

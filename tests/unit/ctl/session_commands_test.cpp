@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <functional>
 #include <mutex>
 
 #include "ctl/doctor.h"
@@ -74,9 +75,9 @@ class SessionCommandsTest : public RunTest {
     switch (request.command_case()) {
       case v1::Request::kListSessions:
         response.mutable_sessions();
-        if (has_sessions_) *response.mutable_sessions()->add_sessions() = interrupted_session();
+        if (has_sessions_) *response.mutable_sessions()->add_sessions() = shown();
         break;
-      case v1::Request::kShowSession: *response.mutable_session_record() = interrupted_session(); break;
+      case v1::Request::kShowSession: *response.mutable_session_record() = shown(); break;
       case v1::Request::kListProtocols: *response.mutable_protocols()->add_protocols() = reaching(); break;
       case v1::Request::kTrial:
         response.mutable_trial()->set_phase(phase_);
@@ -97,6 +98,11 @@ class SessionCommandsTest : public RunTest {
         *response.mutable_session()->mutable_recording() = recording_;
     }
   }
+  [[nodiscard]] v1::SessionRecord shown() const {
+    v1::SessionRecord session = interrupted_session();
+    show_(session);
+    return session;
+  }
   [[nodiscard]] v1::Request request() {
     const std::lock_guard lock(mutex_);
     return request_;
@@ -108,6 +114,7 @@ class SessionCommandsTest : public RunTest {
   v1::StatusSnapshot status_ = testing::floor_status();
   std::string audit_problem_;
   bool has_sessions_ = true;
+  std::function<void(v1::SessionRecord&)> show_ = [](v1::SessionRecord&) {};  ///< What is different in the session that is shown.
   v1::TrialPhase phase_ = v1::TRIAL_PHASE_READY;
   testing::FakeController daemon_{control_, [this](const v1::Request& asked, int) { return answer(asked); }};
 };
@@ -187,6 +194,40 @@ TEST_F(SessionCommandsTest, StartOnARigThatDoesNotStream_SaysThatItWaits) {
   EXPECT_EQ(run_with({"session", "start", "--rig", "floor"}), cli::kOk);
   EXPECT_EQ(out(), "floor-1\n");
   EXPECT_EQ(talk(), "dtsctl: rig 'floor' waits: waits for its trigger; the session begins with the first scan\n");
+}
+
+TEST_F(SessionCommandsTest, LossesThatAreNotKnown_AreNotCalledNone) {
+  show_ = [](v1::SessionRecord& session) {
+    session.mutable_parts(0)->clear_losses();
+    session.mutable_parts(0)->set_is_loss_unknown(true);
+  };
+  EXPECT_EQ(run_with({"session", "list"}), cli::kOk);
+  EXPECT_THAT(out(), HasSubstr("interrupted (losses not known)"));
+  EXPECT_EQ(run_with({"session", "show", "x"}), cli::kOk);
+  EXPECT_THAT(out(), HasSubstr("part 1: losses not known"));
+  EXPECT_EQ(run_with({"session", "show", "x", "--json"}), cli::kOk);
+  const auto session = json();
+  for (const auto& counted : {session, session.at("parts").at(0)}) {
+    EXPECT_FALSE(counted.contains("lost_scans"));
+    EXPECT_FALSE(counted.contains("gaps"));
+  }
+  EXPECT_FALSE(session.at("parts").at(0).contains("losses"));
+}
+
+TEST_F(SessionCommandsTest, TrialThatAGapDivides_IsPlacedBySegmentAndScan) {
+  show_ = [](v1::SessionRecord& session) {
+    session.mutable_trials(0)->set_first_scan(812);
+    session.mutable_trials(0)->set_last_scan(912);
+  };
+  EXPECT_EQ(run_with({"session", "show", "x"}), cli::kOk);
+  EXPECT_THAT(out(), HasSubstr("  812 .. 912"));
+  show_ = [](v1::SessionRecord& session) {
+    session.mutable_trials(0)->set_first_scan(812);
+    session.mutable_trials(0)->set_last_scan(212);
+    session.mutable_trials(0)->set_last_segment(1);
+  };
+  EXPECT_EQ(run_with({"session", "show", "x"}), cli::kOk);
+  EXPECT_THAT(out(), HasSubstr("0:812 .. 1:212"));
 }
 
 TEST_F(SessionCommandsTest, ListJson_WhatIsNotKnownIsAbsent) {

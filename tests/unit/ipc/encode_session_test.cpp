@@ -47,6 +47,29 @@ TEST(EncodeSession, StateAndTrials_AreThoseThatEveryClientShows) {
   EXPECT_EQ(out.parts(1).valid_trials(), 2U);
 }
 
+TEST(EncodeSession, LossesThatNobodyKnows_AreNotNone) {
+  record::SessionRow row{.id = "s1", .state = "complete"};
+  row.parts = {{.state = record::PartState::Complete},
+               {.part = 2, .state = record::PartState::Complete, .losses = core::Losses()},
+               {.part = 3, .state = record::PartState::Recording}};
+
+  const dts::v1::SessionRecord out = session_record(row, 0);
+
+  EXPECT_TRUE(out.parts(0).is_loss_unknown());
+  EXPECT_FALSE(out.parts(1).is_loss_unknown());
+  EXPECT_FALSE(out.parts(2).is_loss_unknown()) << "it is not over yet";
+}
+
+TEST(EncodeSession, TrialThatAGapDivides_HasBothItsSegments) {
+  record::SessionRow row{.id = "s1", .state = "complete"};
+  row.trials = {{.trial = 1, .segment = 2, .first_scan = 812, .last_scan = 212, .last_segment = 3}};
+
+  const dts::v1::SessionRecord out = session_record(row, 0);
+
+  EXPECT_EQ(out.trials(0).segment(), 2U);
+  EXPECT_EQ(out.trials(0).last_segment(), 3U);
+}
+
 TEST(EncodeSession, ErrorThatQuotesACutText_StaysReadable) {
   const dts::v1::Response seen = received(error_response({core::ErrorCode::InvalidArgument, kCut, kCut}));
 

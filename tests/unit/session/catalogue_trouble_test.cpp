@@ -48,6 +48,48 @@ TEST_F(CatalogueTroubleTest, DamagedCatalogue_IsSetAsideAndMadeAnewFromTheRecord
   EXPECT_EQ(recordings_->notice(), "") << "once is enough";
 }
 
+/// Shows always the same instant.
+class StoppedClock : public core::Clock {
+ public:
+  [[nodiscard]] std::int64_t now_ns() const noexcept override { return 1'000'000'000; }
+  void sleep_until_ns(std::int64_t) noexcept override {}
+  [[nodiscard]] std::int64_t utc_minus_monotonic_ns() const noexcept override { return 1'700'000'000'000'000'000; }
+};
+
+TEST_F(CatalogueTroubleTest, CatalogueDamagedTwiceAtOneInstant_IsKeptTwice) {
+  StoppedClock stopped;
+  std::vector<std::string> kept;
+  for (const std::size_t size : {100'000U, 200'000U}) {
+    std::ofstream(folder_ / "catalogue.sqlite", std::ios::binary) << std::string(size, 'x');
+    const auto recordings = Recordings::open(storage_, stopped, core::Log()).value();
+    kept.push_back(recordings->catalogue().audit(1).value().at(0).target);
+  }
+
+  EXPECT_EQ(std::filesystem::file_size(kept[0]), 100'000U);
+  EXPECT_EQ(std::filesystem::file_size(kept[1]), 200'000U);
+}
+
+TEST_F(CatalogueTroubleTest, PowerCutWhileACatalogueIsSetAside_LosesNoneOfItsFiles) {
+  StoppedClock stopped;
+  const std::string damaged = (folder_ / "catalogue.sqlite").string();
+  std::ofstream(damaged + "-wal") << "log";  // the database has been renamed, this not yet
+  std::ofstream(damaged + ".audit") << "trail";
+
+  const auto recordings = Recordings::open(storage_, stopped, core::Log()).value();
+
+  std::size_t kept = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("catalogue.sqlite.damaged-")) continue;
+    EXPECT_EQ(entry.file_size(), name.ends_with("-wal") ? 3U : 5U) << name;
+    ++kept;
+  }
+  EXPECT_EQ(kept, 2U);
+  EXPECT_EQ(recordings->catalogue().audit(1).value().at(0).what, "catalogue_rebuilt");
+  EXPECT_THAT(recordings->notice(), HasSubstr("catalogue.sqlite is gone, but files of it are there; it is kept as"));
+  EXPECT_TRUE(recordings->catalogue().verify_audit());
+}
+
 TEST_F(CatalogueTroubleTest, AuditThatTheCatalogueRefuses_IsEnteredLater) {
   start();
   sqlite3* other = hold_catalogue();

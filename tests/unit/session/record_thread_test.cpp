@@ -11,6 +11,7 @@
 
 #include "core/doorbell.h"
 #include "floor_config.h"
+#include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "session/rig.h"
 #include "session/rig_pipeline.h"
@@ -106,6 +107,51 @@ TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsALossAlthoughScansStartA
   while (thread.view("floor").is_recording) tap.follow();
 
   EXPECT_THAT(wait(thread).incomplete, HasSubstr("30 scans"));
+}
+
+TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsRecordedWhereItWasLost) {
+  RecordTap tap(4, *pipeline_);
+  RecordThread thread(clock_, storage_);
+  thread.add("floor", tap);
+  begin(thread, "floor", tap);
+  for (std::uint64_t block = 0; block < 5; ++block) tap.offer(at(frame_, 1, block * kBlockScans));
+  thread.start();
+  while (tap.is_blocked()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  tap.offer(at(frame_, 2, 0));
+  tap.close();
+  while (thread.view("floor").is_recording) tap.follow();
+
+  const auto recording = record::Recording::open(wait(thread).file).value();
+  std::vector<record::RecordedEvent> losses;
+  while (const auto item = recording->next().value()) {
+    const auto* timed = std::get_if<record::TimedEvent>(&*item);
+    if (timed != nullptr && timed->event.event == "loss") losses.push_back(timed->event);
+  }
+  ASSERT_EQ(losses.size(), 1U);
+  EXPECT_EQ(losses[0].segment, 1U);
+  EXPECT_EQ(losses[0].scan.value, 4 * kBlockScans);
+}
+
+TEST_F(RecordThreadTest, GapsBeforeFramesThatFoundNoRoom_AddUp) {
+  RecordTap tap(1, *pipeline_);
+  tap.open();
+  tap.follow();
+  while (!tap.is_blocked()) tap.offer(at(frame_, 1, 0));
+  const auto offer = [&](std::uint32_t segment, const core::Gap& gap) {
+    at(frame_, segment, 0).gap_before = gap;
+    tap.offer(frame_);
+  };
+  offer(2, {.reason = core::GapReason::Overrun, .missing_scans = 100, .is_exact = true});
+  offer(3, {.reason = core::GapReason::Silence, .missing_scans = 50, .is_exact = false});
+  while (tap.front() != nullptr) tap.release();
+  offer(4, {.reason = core::GapReason::Stall, .missing_scans = 7, .is_exact = true});
+
+  ASSERT_NE(tap.front(), nullptr);
+  const core::Gap& gap = tap.front()->frame.gap_before;
+  EXPECT_EQ(gap.reason, core::GapReason::Stall);
+  EXPECT_EQ(gap.missing_scans, 157U);
+  EXPECT_FALSE(gap.is_exact);
+  EXPECT_EQ(tap.front()->lost_scans, 2 * kBlockScans);
 }
 
 TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {

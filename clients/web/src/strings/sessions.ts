@@ -36,6 +36,8 @@ export const sessions = {
     states: { 1: 'recording', 2: 'complete', 3: 'incomplete', 4: 'interrupted', 5: 'recovered', 6: 'file missing' } as Readonly<Record<number, string>>,
     lost: (seconds: string) => `at most ${seconds} s lost at the end`,
     lostScans: (scans: string) => `${scans} ${scans === '1' ? 'scan' : 'scans'} lost`,
+    lossesUnknown: 'losses not known',
+    atLeast: (losses: string) => `at least ${losses}`,
     inGaps: (scans: string, count: string) => `${scans} in ${count} ${count === '1' ? 'gap' : 'gaps'}`,
     gaps: (count: string, reason: string) => `${count} ${count === '1' ? 'gap' : 'gaps'}: ${reason}`,
   },

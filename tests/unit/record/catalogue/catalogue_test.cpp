@@ -92,13 +92,32 @@ TEST_F(CatalogueSessions, UpdatePart_KeepsAllButTheStart) {
   PartRow part{.session_id = "s1", .file = "b", .state = PartState::Recovered, .sha256 = "ab", .bytes = 1ULL << 40U, .scans = 7};
   part.duration_s = 12.50000000000007;
   part.lost_s_at_most = 0.75;
-  part.losses.add(core::GapReason::RingFull, {.gaps = 1, .scans = 10'560});
+  part.losses.emplace().add(core::GapReason::RingFull, {.gaps = 1, .scans = 10'560});
   part.reason = "power";
   part.started_utc_ns = 99;
   ASSERT_TRUE(catalogue().update_part(part));
   part.started_utc_ns = 1000;
   part.duration_s = 12.5;
   EXPECT_EQ(catalogue().session("s1")->parts[0], part);
+}
+
+TEST_F(CatalogueSessions, LossesOfAPart_AreNotKnownBeforeAnybodyCountedThem) {
+  ASSERT_TRUE(catalogue().begin_part(facts(), "a"));
+  EXPECT_FALSE(catalogue().session("s1")->parts[0].losses);
+  ASSERT_TRUE(catalogue().update_part({.session_id = "s1", .losses = core::Losses()}));
+  EXPECT_EQ(catalogue().session("s1")->parts[0].losses, core::Losses());
+}
+
+TEST_F(CatalogueSessions, LossesThatCannotBeRead_CostThatPartAndNotTheCatalogue) {
+  ASSERT_TRUE(catalogue().begin_part(facts(), "a"));
+  ASSERT_TRUE(meddle(R"(UPDATE parts SET losses = '{"stall2":{"gaps":1,"scans":5}}')"));
+  core::Losses expected;
+  expected.add(core::GapReason::None, {.gaps = 1, .scans = 5});
+  ASSERT_TRUE(catalogue().parts());
+  EXPECT_EQ(catalogue().parts()->at(0).losses, expected) << "a reason of a later version";
+  ASSERT_TRUE(meddle("UPDATE parts SET losses = 'nonsense'"));
+  ASSERT_TRUE(catalogue().parts());
+  EXPECT_FALSE(catalogue().parts()->at(0).losses);
 }
 
 TEST_F(CatalogueSessions, UpdateOfWhatIsNotThere_IsNotFound) {

@@ -54,6 +54,25 @@ class CatalogueRebuild : public catalogue_test::CatalogueFixture {
     ASSERT_EQ(is_closed, end != End::Abandoned);
     if (end == End::Abandoned) xdf.abandon();
   }
+  /// 200 scans at 100 Hz, an outage of 4 s, and 100 more.
+  void record_with_outage(const std::string& name) const {
+    auto writer = XdfWriter::create(file(name), to_facts(facts())).value();
+    const auto rate = core::Rate::create(100, 1).value();
+    const auto raw =
+        writer->add_stream({.name = "floor/raw", .content = "DTS", .rate = rate, .channels = {{.label = "w1_v", .unit = "V"}}});
+    const auto events =
+        writer->add_stream({.name = "floor/events", .content = "Markers", .value_type = ValueType::Text, .channels = {{.label = "event"}}});
+    const auto write = [&](double at_s, const RecordedEvent& begin, std::size_t scans) {
+      const XdfWriter::Position position{.segment = begin.segment, .first_scan = {0}};
+      const std::vector<std::pair<double, std::string>> texts{{at_s, to_json(begin)}};
+      ASSERT_TRUE(writer->write_texts(events, texts, position));
+      ASSERT_TRUE(writer->write_samples(raw, at_s, std::vector<double>(scans, 1.5), position));
+    };
+    write(1000.0, {.event = "segment"}, 200);
+    write(1006.0, {.event = "segment", .segment = 1, .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{400}}}},
+          100);
+    ASSERT_TRUE(writer->close());
+  }
   Rebuilt rebuilt() {
     auto done = rebuild(catalogue(), path("sessions"));
     EXPECT_TRUE(done) << what(done);
@@ -111,6 +130,32 @@ TEST_F(CatalogueRebuild, Trials_AreReadFromTheEvents) {
   EXPECT_EQ(trials[0], first);
   EXPECT_EQ(trials[1].outcome, "aborted");
   EXPECT_EQ(trials[1].last_scan, 199U);
+}
+
+TEST_F(CatalogueRebuild, PartsOfAnOlderCatalogue_AreReadAgainForWhatTheyLack) {
+  record_with_outage("a.xdf");
+  static_cast<void>(rebuilt());
+  const PartRow whole = only_part();
+  ASSERT_TRUE(whole.losses);
+  EXPECT_EQ(whole.losses->of(core::GapReason::Overrun), (core::LossCount{.gaps = 1, .scans = 400}));
+  EXPECT_EQ(whole.duration_s, 7.0);
+  close();
+  ASSERT_TRUE(meddle("UPDATE parts SET losses = '{}', duration_s = 3.0; PRAGMA user_version = 4"));  // as version 2 became version 3
+
+  EXPECT_EQ(rebuilt().read_again, 1U);
+  EXPECT_EQ(only_part(), whole);
+  EXPECT_EQ(rebuilt().read_again, 0U) << "once is enough";
+}
+
+TEST_F(CatalogueRebuild, PartOfAnOlderCatalogueWhoseFileIsUnreadable_StaysUnknown) {
+  record_with_outage("a.xdf");
+  static_cast<void>(rebuilt());
+  ASSERT_TRUE(meddle("UPDATE parts SET losses = ''"));
+  std::ofstream(file("a.xdf")) << "junk";
+
+  EXPECT_EQ(rebuilt().read_again, 0U);
+  EXPECT_FALSE(only_part().losses);
+  EXPECT_EQ(only_part().state, PartState::Complete);
 }
 
 TEST_F(CatalogueRebuild, RecordingWithoutAnyScan_IsNotComplete) {

@@ -26,6 +26,12 @@ describe('Losses', () => {
     expect(lossOfSession(session([], []))).toBe('');
   });
 
+  it('PartWhoseLossesAreUnknown.IsNotCalledWhole', () => {
+    const lost = { reason: GapReason.OVERRUN, gapsTotal: 1n, lostScansTotal: 7n };
+    expect(lossOfSession(create(SessionRecordSchema, { parts: [{ isLossUnknown: true }] }))).toBe('losses not known');
+    expect(lossOfSession(create(SessionRecordSchema, { parts: [{ losses: [lost] }, { isLossUnknown: true }] }))).toBe('at least 7 scans lost in 1 gap');
+  });
+
   it('EveryReason.HasItsWords', () => {
     const reasons = Object.values(GapReason).filter((reason): reason is GapReason => typeof reason === 'number');
     const lines = reasons.map((reason) => lossLine(create(LossCountSchema, { reason, gapsTotal: 2n, lostScansTotal: 1n })));

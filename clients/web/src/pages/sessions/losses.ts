@@ -4,14 +4,20 @@ import type { LossCount } from '../../generated/dts/v1/stream_pb';
 import { whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 
-const { lostScans, inGaps, gaps } = strings.sessions.parts;
+const { lostScans, inGaps, gaps, lossesUnknown, atLeast } = strings.sessions.parts;
 
-/** What all parts lost between their first scan and their last: "10600 scans lost in 3 gaps". Empty when there is no gap. */
+/**
+ * What all parts lost between their first scan and their last: "10600 scans lost in 3 gaps"; "losses not known" when dtsd does not know it
+ * of a part. Empty when there is no gap.
+ */
 export const lossOfSession = (session: SessionRecord): string => {
   const losses = session.parts.flatMap((part) => part.losses);
   const scans = losses.reduce((sum, loss) => sum + loss.lostScansTotal, 0n);
   const count = losses.reduce((sum, loss) => sum + loss.gapsTotal, 0n);
-  return scans === 0n && count === 0n ? '' : inGaps(lostScans(whole(scans)), whole(count));
+  const isUnknown = session.parts.some((part) => part.isLossUnknown);
+  if (scans === 0n && count === 0n) return isUnknown ? lossesUnknown : '';
+  const text = inGaps(lostScans(whole(scans)), whole(count));
+  return isUnknown ? atLeast(text) : text;
 };
 
 /** Of one part and reason: "2 gaps: unplugged, 40 scans lost". */

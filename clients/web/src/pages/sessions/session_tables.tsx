@@ -13,7 +13,7 @@ import { lossLine } from './losses';
 export const unitText = (unit: string): string => (unit === '1' ? '' : unit);
 
 export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element => {
-  const { heads, states, lost } = strings.sessions.parts;
+  const { heads, states, lost, lossesUnknown } = strings.sessions.parts;
   return (
     <table data-testid="part-table">
       <thead>
@@ -34,6 +34,7 @@ export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element 
               {states[part.state] ?? PartState[part.state]}
               {part.reason !== '' && <div class="sessions-note">{part.reason}</div>}
               {part.lostSAtMost > 0 && <div class="sessions-note">{lost(fixed(part.lostSAtMost, 2))}</div>}
+              {part.isLossUnknown && <div class="sessions-note">{lossesUnknown}</div>}
               {part.losses.map((loss) => (
                 <div key={loss.reason} class="sessions-note">
                   {lossLine(loss)}

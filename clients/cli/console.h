@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/cell_text.h"
 #include "core/utf8.h"
 
 namespace dts::cli {
@@ -42,6 +43,8 @@ enum class Style { Plain, Bold, Good, Warning, Bad, Faint };
 [[nodiscard]] std::string styled(const Console& console, Style style, std::string_view text);
 /// For text from outside: it cannot drive the terminal.
 using core::printable;
+/// For text from outside: no spreadsheet computes it.
+using core::csv_cell;
 
 /// Prints "dtsctl: what" and, if there is a hint, "  try: hint" to `talk`, and remembers it as the failure.
 void print_error(Console& console, std::string_view what, std::string_view hint = {});

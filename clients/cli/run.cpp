@@ -149,8 +149,8 @@ int run(CommandLine& line, const std::vector<std::string>& arguments, Console& c
   if (std::ranges::find(arguments, "--json") == arguments.end()) return run_words(line, arguments, console);
   const Witness witness(console.out);
   const int status = run_words(line, arguments, console);
-  // Where a result is on its way already, a second document would spoil it.
-  if (status != kOk && console.failure && !witness.has_seen_text()) {
+  // Where a result is on its way already, a second document would spoil it. What an interrupted command printed before is not why it ended.
+  if (status != kOk && status != kInterrupted && console.failure && !witness.has_seen_text()) {
     console.out << document(error_json(*console.failure, status)) << std::flush;
   }
   return status;

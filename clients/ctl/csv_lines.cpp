@@ -20,7 +20,7 @@ void append_number(std::string& text, Number number) {
 void CsvLines::begin(const client::Block& block) {
   topic_ = block.topic;
   text_ = "segment,scan";
-  for (const client::ChannelFormat& channel : block.format->channels) text_ += "," + cli::printable(channel.name);
+  for (const client::ChannelFormat& channel : block.format->channels) text_ += "," + cli::csv_cell(cli::printable(channel.name));
   text_ += '\n';
 }
 

@@ -3,12 +3,11 @@
 
 #include <pthread.h>
 #include <sched.h>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include <fstream>
-#include <limits>
 #include <thread>
+
+#include "core/thread.h"
 
 namespace dts::ctl {
 namespace {
@@ -28,10 +27,7 @@ bool try_fifo() {
 SystemFacts gather_system_facts() {
   SystemFacts facts;
   facts.may_use_fifo = try_fifo();
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_MEMLOCK, &limit) == 0) {
-    facts.lockable_bytes = limit.rlim_cur == RLIM_INFINITY || ::geteuid() == 0 ? std::numeric_limits<std::uint64_t>::max() : limit.rlim_cur;
-  }
+  facts.lockable_bytes = core::lockable_bytes();
   std::ifstream file("/sys/devices/system/clocksource/clocksource0/current_clocksource");
   std::getline(file, facts.clock_source);
   return facts;

@@ -123,6 +123,7 @@ void Gateway::pass(BusItem item) {
   asio::post(io_, [this, item = std::move(item)] {
     free_places_.release();
     hub_.take(item);
+    access_->report_rest(false);  // the daemon's status comes every second; without it the next login or the end does this
   });
 }
 
@@ -226,11 +227,13 @@ void Gateway::run() {
     if (!error) end();
   });
   io_.run();
+  access_->report_rest(true);
 }
 
 /// Connections say goodbye. The answer to a command under way is told nobody any more.
 void Gateway::end() {
   sd_notify(0, "STOPPING=1");
+  access_->report_rest(true);  // while the commands are still sent
   server_->stop();
   leaves_at_ = std::chrono::steady_clock::now() + kLongestGoodbye;
   await_goodbyes();

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <utility>
 
+#include "core/cell_text.h"
 #include "core/suggest.h"
 
 namespace dts::lab {
@@ -99,7 +100,7 @@ class CsvTable::Reader {
     column_count_ = cells.size();
     std::vector<std::string_view> names;
     for (std::size_t place = 0; place < cells.size(); ++place) {
-      const std::string_view name = trimmed(cells[place].text);
+      const std::string_view name = core::text_of_cell(trimmed(cells[place].text));
       if (std::ranges::find(names, name) != names.end()) report(1, cells[place].column, "column '" + std::string(name) + "' stands twice");
       names.push_back(name);
       const auto known = std::ranges::find(table_.columns_, name, [](const Column& column) { return std::string_view(column.about.name); });
@@ -139,7 +140,7 @@ class CsvTable::Reader {
       if (!column.place) continue;
       const Cell& cell = cells[*column.place];
       if (column.about.is_text) {
-        column.texts.push_back(cell.text);
+        column.texts.emplace_back(core::text_of_cell(cell.text));
       } else {
         column.numbers.push_back(number_of(column.about, cell));
       }

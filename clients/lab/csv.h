@@ -22,7 +22,7 @@ struct CsvColumn {
 };
 
 /// A CSV file whose first line names its columns, in any order; columns that nobody asked for are left alone. Cells may stand
-/// in double quotes; lines may end as on Windows.
+/// in double quotes; lines may end as on Windows. Texts and names are those that `core::csv_cell` got.
 class CsvTable {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{1} << 30U;

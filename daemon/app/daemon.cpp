@@ -94,6 +94,7 @@ class WatchdogFeeder {
     if (now_ns - looked_ns_ < kLookNs) return;
     looked_ns_ = now_ns;
     const std::string stuck = watch_.stuck_part(supervisor_.states(), publisher_.turns(), now_ns);
+    for (const std::string& hang : watch_.new_hangs()) log_.error(hang);
     if (!stuck.empty() && told_.empty()) log_.error(stuck + " stands still: systemd's watchdog is not fed any more");
     told_ = stuck;
     if (stuck.empty() && manager_.is_keep_alive_due(now_ns)) manager_.keep_alive(now_ns);

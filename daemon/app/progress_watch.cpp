@@ -2,6 +2,7 @@
 #include "app/progress_watch.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace dts::app {
 
@@ -12,16 +13,33 @@ bool ProgressWatch::is_stuck(const std::string& name, std::uint64_t mark, bool h
   return now_ns - part.moved_ns > patience_ns;
 }
 
+void ProgressWatch::find_hung_rigs(const std::vector<session::RigState>& rigs, std::int64_t now_ns) {
+  const std::set<std::string> before = std::exchange(hung_rigs_, {});
+  new_hangs_.clear();
+  for (const session::RigState& state : rigs) {
+    const std::string& name = state.rig.config().name;
+    const std::uint64_t mark = state.acquisition.turns + state.acquisition.scans_total;
+    if (!is_stuck("opening " + name, mark, true, now_ns, kOpeningNs)) continue;
+    hung_rigs_.insert(name);
+    if (before.contains(name)) continue;
+    new_hangs_.push_back("rig '" + name + "': its device does not open, the driver has not returned for " +
+                         std::to_string(kOpeningNs / 1'000'000'000) +
+                         " s. Unplug the device and plug it in again; if that does not help, restart dtsd between two sessions");
+  }
+}
+
 std::string ProgressWatch::stuck_part(const std::vector<session::RigState>& rigs, std::uint64_t publish_turns, std::int64_t now_ns) {
   // Whoever did not look for long (the machine or the whole process stood still) knows nothing of what moved meanwhile.
   if (now_ns - looked_ns_ > patience_ns_) parts_.clear();
   looked_ns_ = now_ns;
   std::string stuck;
   if (is_stuck("publish", publish_turns, true, now_ns, patience_ns_)) stuck = "the publish thread";
-  const auto is_streaming_at_all = [](const session::RigState& state) {
-    return state.acquisition.device == device::DeviceState::Streaming;
-  };
-  const bool may_restart = std::ranges::none_of(rigs, is_streaming_at_all);
+  find_hung_rigs(rigs, now_ns);
+  const bool may_restart = std::ranges::none_of(rigs, [this](const session::RigState& state) {
+    const session::SessionState session = state.session.state;
+    const bool is_under_way = session != session::SessionState::Idle && session != session::SessionState::Failed;
+    return is_under_way && !hung_rigs_.contains(state.rig.config().name);
+  });
   for (const session::RigState& state : rigs) {
     const std::string rig = "rig '" + state.rig.config().name + "'";
     const session::AcquisitionReport& acquired = state.acquisition;
@@ -30,8 +48,7 @@ std::string ProgressWatch::stuck_part(const std::vector<session::RigState>& rigs
     // Both marks change with every scan: of two that meet by chance the next look sees another.
     const std::uint64_t processed = (std::uint64_t{state.pipeline.segment} << 48U) ^ state.pipeline.next_scan.value;
     if (is_stuck("acquire " + rig, acquired.scans_total, is_streaming, now_ns, patience_ns_)) stuck = "the acquire thread of " + rig;
-    const bool is_opening_stuck = is_stuck("opening " + rig, acquired.turns + acquired.scans_total, true, now_ns, kOpeningNs);
-    if (is_opening_stuck && may_restart) stuck = "the acquire thread of " + rig + ", which opens its device,";
+    if (may_restart && hung_rigs_.contains(state.rig.config().name)) stuck = "the acquire thread of " + rig + ", which opens its device,";
     if (is_stuck("pipeline " + rig, processed, is_streaming && is_behind, now_ns, patience_ns_)) stuck = "the pipeline of " + rig;
   }
   return stuck;

@@ -6,10 +6,10 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <limits>
 #include <thread>
 
 namespace dts::core {
@@ -55,10 +55,24 @@ std::vector<std::string> configure_this_thread(const std::string& name, const Th
   return refused;
 }
 
-Status lock_memory() {
-  // Under a finite limit the lock may succeed now and make every later allocation fail: do without. Root has no limit.
+std::uint64_t lockable_bytes() noexcept {
+  constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
   rlimit limit{};
-  if (::geteuid() != 0 && getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+  if (getrlimit(RLIMIT_MEMLOCK, &limit) != 0) return 0;
+  if (limit.rlim_cur == RLIM_INFINITY) return kNoLimit;
+  const rlimit nothing{.rlim_cur = 0, .rlim_max = limit.rlim_max};
+  if (setrlimit(RLIMIT_MEMLOCK, &nothing) != 0) return limit.rlim_cur;
+  constexpr std::size_t kOneByte = 1;  // rounded up to a page
+  void* const page = mmap(nullptr, kOneByte, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  const bool is_bound = page == MAP_FAILED || mlock(page, kOneByte) != 0;
+  if (page != MAP_FAILED) munmap(page, kOneByte);
+  setrlimit(RLIMIT_MEMLOCK, &limit);
+  return is_bound ? limit.rlim_cur : kNoLimit;
+}
+
+Status lock_memory() {
+  // Under a finite limit the lock may succeed now and make every later allocation fail: do without.
+  if (lockable_bytes() != std::numeric_limits<std::uint64_t>::max()) {
     return fail(ErrorCode::NotAllowed, "memory is not locked, pages may be swapped out: RLIMIT_MEMLOCK is finite",
                 "grant LimitMEMLOCK=infinity or memlock in limits.conf");
   }

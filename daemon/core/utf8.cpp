@@ -20,7 +20,8 @@ Utf8Start start_of(unsigned char first) noexcept {
 
 bool drives_a_terminal(std::uint32_t code) noexcept {
   const bool is_control = code < 0x20 || (code >= 0x7F && code <= 0x9F);
-  const bool is_direction = code == 0x200E || code == 0x200F || (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
+  const bool is_direction =
+      code == 0x061C || code == 0x200E || code == 0x200F || (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
   return is_control || is_direction;
 }
 

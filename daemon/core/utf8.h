@@ -20,8 +20,8 @@ struct Utf8Character {
 [[nodiscard]] Utf8Character first_character(std::string_view text) noexcept;
 
 /// The text as one line that cannot drive a terminal. Texts come from peers and files. A control character (C0, DEL, C1) or one that
-/// changes the direction of the text (U+200E, U+200F, U+202A to U+202E, U+2066 to U+2069) becomes a space, a byte that is no UTF-8 becomes
-/// U+FFFD.
+/// changes the direction of the text (U+061C, U+200E, U+200F, U+202A to U+202E, U+2066 to U+2069) becomes a space, a byte that is no UTF-8
+/// becomes U+FFFD.
 [[nodiscard]] std::string printable(std::string_view text);
 
 }  // namespace dts::core

@@ -180,7 +180,7 @@ dts::v1::Response SessionCommands::audit(const dts::v1::GetAuditRequest& request
 
 dts::v1::Response SessionCommands::note_login(const dts::v1::NoteLoginRequest& request) {
   constexpr std::size_t kLongestAddress = 64;
-  constexpr const char* kAddressLetters = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.:%-";
+  constexpr const char* kAddressLetters = "0123456789abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ.:%_-";
   const std::string& address = request.address();
   const bool is_address =
       !address.empty() && address.size() <= kLongestAddress && address.find_first_not_of(kAddressLetters) == std::string::npos;

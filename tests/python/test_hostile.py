@@ -252,9 +252,9 @@ class Answers(unittest.TestCase):
         self.assertEqual((type(error), error.what), (dts.Failed, "no"))
 
     def test_RefusalCannotDriveATerminal(self) -> None:
-        refusal = control_pb2.Response(error=control_pb2.Error(what="a\x1b[2Jb\x9bc\u202ed", hint="try\n\u2066this"))
+        refusal = control_pb2.Response(error=control_pb2.Error(what="a\x1b[2Jb\x9bc\u202ed\u061ce", hint="try\n\u2066this"))
 
-        self.assertEqual(str(self.answered_by(refusal.SerializeToString())), "a [2Jb c d\n  try  this")
+        self.assertEqual(str(self.answered_by(refusal.SerializeToString())), "a [2Jb c d e\n  try  this")
 
     def test_LateAnswerIsNotThatOfTheNextCommand(self) -> None:
         with self.fake.connect() as daemon:

@@ -159,6 +159,15 @@ class Foreign(unittest.TestCase):
         self.assertEqual((recording.lost_scans, recording.lost_in_gaps), (100, 3))
         self.assertIn("100 scans lost in 3 gaps: silence 2, ring_full 1", str(recording))
 
+    def test_HolesOfOtherProgramsAreCountedByTheStamps(self) -> None:
+        rows = b"".join(b"\x08" + struct.pack("<dff", time_s, 1, 2) for time_s in (10.0, 10.02, 10.1, 10.12, 10.11, 10.13))
+
+        recording = self.load(foreign_file(b"\x01\x06" + rows))
+
+        self.assertEqual([gap.index for gap in recording["EEG"].gaps], [2, 4])
+        self.assertEqual(recording.losses, (dts.Loss("none", 2, 3),), "a stamp that goes back hides no scan")
+        self.assertIn("3 scans lost in 2 gaps: none 2", str(recording))
+
     def test_NoHolesAreNotTold(self) -> None:
         recording = self.load(foreign_file())
 

@@ -53,17 +53,35 @@ struct Thinned {
     ++others;
     return std::nullopt;
   }
+  /// Whether the newest that was kept back may follow now; `others` are then those before it.
+  [[nodiscard]] bool follows(TokenBucket::Time now, bool is_end) noexcept {
+    if (others == 0 || !(is_end || bucket.take(now))) return false;
+    --others;
+    return true;
+  }
 };
 
 /// What becomes known of logins of one kind.
 struct Told {
   Thinned lines;
   Thinned notes{.bucket = TokenBucket(kNotesPerSecond, kNotesAtOnce)};
+  std::string newest_line{};
+  LoginNote newest_note{};
 };
+
+/// Where an attempt came from.
+struct Stranger {
+  std::string address;     ///< For log and audit trail.
+  std::string counted_as;  ///< For the limits: see `gateway::counted_as`.
+};
+
+Stranger stranger_of(const HttpRequest& request) {
+  return {.address = request.remote_address, .counted_as = counted_as(request.remote_address)};
+}
 
 struct Attempt {
   LoginRequest login;
-  std::string stranger;
+  Stranger stranger;
   bool is_secure = false;
   Respond respond;
 };
@@ -73,7 +91,7 @@ std::string cookie_text(std::string_view value, seconds life, bool is_secure) {
          "; HttpOnly; SameSite=Strict" + (is_secure ? "; Secure" : "");
 }
 
-std::string pair_of(const std::string& name, const std::string& stranger) { return name + " " + stranger; }
+std::string pair_of(const std::string& name, const Stranger& stranger) { return name + " " + stranger.counted_as; }
 
 HttpResponse come_later(seconds wait) {
   HttpResponse answer = error_answer(429, "too many logins failed or wait", "try again in " + std::to_string(wait.count()) + " s");
@@ -114,13 +132,11 @@ class AccessControlImpl final : public AccessControl {
     if (!login) return respond(error_answer(login.error()));
     if (options_.users_file.empty()) return respond(error_answer(403, "nobody can log in here", "give the gateway a users file"));
     if (waiting_.size() == kMostWaiting) {
-      note_refusal(login->user, counted_as(request.remote_address));
+      note_refusal(login->user, stranger_of(request));
       return respond(come_later(kQueueIsShorterIn));
     }
-    waiting_.push_back({.login = std::move(*login),
-                        .stranger = counted_as(request.remote_address),
-                        .is_secure = request.is_secure,
-                        .respond = std::move(respond)});
+    waiting_.push_back(
+        {.login = std::move(*login), .stranger = stranger_of(request), .is_secure = request.is_secure, .respond = std::move(respond)});
     compare_next();
   }
 
@@ -137,6 +153,14 @@ class AccessControlImpl final : public AccessControl {
   void tell_who(const HttpRequest& request, const Respond& respond) override { respond(describe(identify(request))); }
   [[nodiscard]] std::uint64_t refused_logins_total() const noexcept override { return refused_logins_total_; }
 
+  void report_rest(bool is_end) override {
+    const auto now = options_.now();
+    for (Told* kind : {&logins_, &refusals_}) {
+      if (kind->lines.follows(now, is_end)) write_line(*kind, std::exchange(kind->lines.others, 0));
+      if (kind->notes.follows(now, is_end)) write_note(*kind, std::exchange(kind->notes.others, 0));
+    }
+  }
+
  private:
   [[nodiscard]] HttpResponse describe(const std::optional<Identity>& identity) const {
     return json_answer(200, {{"user", identity ? identity->user : ""},
@@ -146,7 +170,7 @@ class AccessControlImpl final : public AccessControl {
 
   [[nodiscard]] seconds wait_of(const Attempt& attempt) const {
     const auto now = options_.now();
-    return std::max({pairs_.wait(pair_of(attempt.login.user, attempt.stranger), now), addresses_.wait(attempt.stranger, now),
+    return std::max({pairs_.wait(pair_of(attempt.login.user, attempt.stranger), now), addresses_.wait(attempt.stranger.counted_as, now),
                      names_.wait(attempt.login.user, now)});
   }
 
@@ -183,22 +207,22 @@ class AccessControlImpl final : public AccessControl {
                        });
   }
 
-  [[nodiscard]] HttpResponse welcome(const User& user, const std::string& stranger, bool is_secure) {
+  [[nodiscard]] HttpResponse welcome(const User& user, const Stranger& stranger, bool is_secure) {
     // The address is not forgiven: with a login of their own somebody could else guess on at those of others for ever.
     names_.forgive(user.name);
     pairs_.forgive(pair_of(user.name, stranger));
     const Identity identity{.user = user.name, .role = user.role};
-    tell(logins_, "login: " + user.name + " (" + std::string(role_name(user.role)) + ") from " + stranger,
-         {.user = user.name, .address = stranger});
+    tell(logins_, "login: " + user.name + " (" + std::string(role_name(user.role)) + ") from " + stranger.address,
+         {.user = user.name, .address = stranger.address});
     HttpResponse answer = describe(identity);
     const std::string token = tokens_.issue(identity, options_.now());
     answer.headers.emplace_back("Set-Cookie", cookie_text(token, options_.token_life, is_secure));
     return answer;
   }
 
-  [[nodiscard]] HttpResponse turn_away(const std::string& name, const std::string& stranger) {
+  [[nodiscard]] HttpResponse turn_away(const std::string& name, const Stranger& stranger) {
     note_refusal(name, stranger);
-    addresses_.add_failure(stranger, options_.now());
+    addresses_.add_failure(stranger.counted_as, options_.now());
     if (is_user_name(name)) {
       names_.add_failure(name, options_.now());
       pairs_.add_failure(pair_of(name, stranger), options_.now());
@@ -206,22 +230,28 @@ class AccessControlImpl final : public AccessControl {
     return error_answer(401, "name or password is wrong");
   }
 
-  void note_refusal(const std::string& name, const std::string& stranger) {
+  void note_refusal(const std::string& name, const Stranger& stranger) {
     ++refused_logins_total_;
     const bool is_known = users_.find(name) != nullptr;
-    tell(refusals_, "login refused: " + (is_known ? name : "a name that no user has") + " from " + stranger,
-         {.user = is_known ? name : "", .address = stranger, .is_refused = true});
+    tell(refusals_, "login refused: " + (is_known ? name : "a name that no user has") + " from " + stranger.address,
+         {.user = is_known ? name : "", .address = stranger.address, .is_refused = true});
   }
 
-  void tell(Told& kind, const std::string& line, LoginNote note) const {
+  void tell(Told& kind, const std::string& line, const LoginNote& note) {
     const auto now = options_.now();
-    if (const auto others = kind.lines.pass(now)) {
-      options_.log(line + (*others == 0 ? "" : ", and " + std::to_string(*others) + " more since the line before"));
-    }
-    if (const auto others = kind.notes.pass(now)) {
-      note.more = *others;
-      options_.note(note);
-    }
+    kind.newest_line = line;
+    kind.newest_note = note;
+    if (const auto others = kind.lines.pass(now)) write_line(kind, *others);
+    if (const auto others = kind.notes.pass(now)) write_note(kind, *others);
+    report_rest(false);
+  }
+
+  void write_line(const Told& kind, std::uint64_t others) const {
+    options_.log(kind.newest_line + (others == 0 ? "" : ", and " + std::to_string(others) + " more since the line before"));
+  }
+  void write_note(Told& kind, std::uint64_t others) const {
+    kind.newest_note.more = others;
+    options_.note(kind.newest_note);
   }
 
   AccessOptions options_;

@@ -21,7 +21,7 @@ namespace dts::gateway {
 /// A login, or a refused attempt, for the daemon's audit trail.
 struct LoginNote {
   std::string user;  ///< Empty: a name that no user has.
-  std::string address;
+  std::string address;  ///< As it is: limits count the /64 of an IPv6 address.
   bool is_refused = false;
   std::uint64_t more = 0;  ///< Of the same kind since the last note, which have none of their own.
 };
@@ -39,8 +39,8 @@ struct AccessOptions {
 /// Tells who somebody is: by the token in the cookie "dts_token" (HttpOnly, SameSite=Strict, Secure over TLS), or as the local user.
 ///
 /// Logins and refused attempts are lines of the log, with name and address, and notes for the audit trail: of each kind a few at once, then
-/// a line a second, a note in ten seconds, with the number of the others. A name that no user has is not told: it may be a password in the
-/// wrong field.
+/// a line a second, a note in ten seconds, with the number of the others (`report_rest`: also when no login follows). A name that no user
+/// has is not told: it may be a password in the wrong field.
 /// Passwords are hashed with libsodium (argon2id), on a thread of their own, one at a time; a wrong name costs as much time as a wrong
 /// password. After five failures a name waits at the address they came from, after twenty the name or the address alone, longer each time.
 /// Tokens are 256 random bits, kept as hashes, in memory only: a restart logs everybody out. Whose line in the users file is changed or
@@ -62,6 +62,9 @@ class AccessControl {
   virtual void tell_who(const HttpRequest& request, const Respond& respond) = 0;
   /// Logins that failed, or came too soon after those that did.
   [[nodiscard]] virtual std::uint64_t refused_logins_total() const noexcept = 0;
+  /// Logs and notes the newest of the logins that were kept back, with the number of the others, as soon as the limits allow it; `is_end`:
+  /// at once. Every login does the same. Call it about every second, and at the end.
+  virtual void report_rest(bool is_end) = 0;
 
  protected:
   AccessControl() = default;

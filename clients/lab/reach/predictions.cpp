@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/cell_text.h"
 #include "files/whole_file.h"
 
 namespace dts::lab::reach {
@@ -41,20 +42,12 @@ std::string movement_text(const std::optional<core::TrunkMovement>& movement) {
          fixed(movement->trunk_lo_deg, 2) + "," + fixed(movement->trunk_hi_deg, 2);
 }
 
-/// A name with what would end its cell in quotes.
-std::string quoted(const std::string& name) {
-  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
-  std::string text = "\"";
-  for (const char letter : name) text += letter == '"' ? std::string("\"\"") : std::string(1, letter);
-  return text + "\"";
-}
-
 }  // namespace
 
 std::string prediction_text(std::span<const Prediction> predictions) {
   std::string text = kHeader;
   for (const Prediction& prediction : predictions) {
-    text += quoted(prediction.subject) + "," + std::to_string(prediction.trial) + "," + reach_text(prediction) + "," +
+    text += core::csv_cell(prediction.subject) + "," + std::to_string(prediction.trial) + "," + reach_text(prediction) + "," +
             movement_text(prediction.movement) + "\n";
   }
   return text;

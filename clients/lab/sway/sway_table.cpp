@@ -8,6 +8,8 @@
 #include <set>
 #include <vector>
 
+#include "core/cell_text.h"
+
 namespace dts::lab::steadiness {
 namespace {
 
@@ -54,13 +56,10 @@ bool is_column_of_table(std::string_view name) {
 }
 
 std::string cell_text(std::string_view text) {
-  std::string flat(text);
+  std::string cell = core::csv_cell(text);
   std::ranges::replace_if(
-      flat, [](char letter) { return letter == '\n' || letter == '\r'; }, ' ');
-  if (flat.find_first_of(",\"") == std::string::npos) return flat;
-  std::string quoted = "\"";
-  for (const char letter : flat) quoted += letter == '"' ? std::string("\"\"") : std::string(1, letter);
-  return quoted + "\"";
+      cell, [](char letter) { return letter == '\n' || letter == '\r'; }, ' ');
+  return cell;
 }
 
 std::string number_text(double value) {

@@ -16,7 +16,7 @@ namespace dts::lab::steadiness {
 /// Whether tables have a column of that name that is no label.
 [[nodiscard]] bool is_column_of_table(std::string_view name);
 
-/// A text with what would end its cell in quotes; line ends become spaces.
+/// `core::csv_cell`; line ends become spaces, since `CsvTable` reads line by line.
 [[nodiscard]] std::string cell_text(std::string_view text);
 /// As many digits as the number needs to be read back the same.
 [[nodiscard]] std::string number_text(double value);

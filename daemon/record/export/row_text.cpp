@@ -6,7 +6,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <system_error>
 
 namespace dts::record {
 namespace {
@@ -45,16 +44,6 @@ char* put_decimals(char* at, std::uint64_t fraction, int digits) noexcept {
     fraction /= 10;
   }
   return at + digits;
-}
-
-/// A spreadsheet computes a cell that starts with one of these; an apostrophe makes it text (OWASP, "CSV Injection").
-std::string as_text(std::string_view text) {
-  constexpr std::string_view kStartsFormula = "=+-@\t\r";
-  if (text.empty() || kStartsFormula.find(text.front()) == std::string_view::npos) return std::string(text);
-  double number = 0.0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
-  const bool is_number = read.ec == std::errc{} && read.ptr == text.data() + text.size();
-  return is_number ? std::string(text) : "'" + std::string(text);
 }
 
 }  // namespace
@@ -97,20 +86,9 @@ std::string name_with_unit(const ChannelInfo& channel) {
   return channel.label.ends_with(suffix) ? channel.label : channel.label + suffix;
 }
 
-std::string csv_cell(std::string_view given) {
-  const std::string text = as_text(given);
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string cell = "\"";
-  for (const char letter : text) {
-    if (letter == '"') cell += '"';
-    cell += letter;
-  }
-  return cell + '"';
-}
-
 std::string tsv_cell(std::string_view text) {
   if (text.empty()) return "n/a";
-  std::string cell = as_text(text);
+  std::string cell = core::as_cell(text);
   std::ranges::replace_if(
       cell, [](char letter) { return letter == '\t' || letter == '\n' || letter == '\r'; }, ' ');
   return cell;

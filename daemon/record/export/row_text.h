@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/cell_text.h"
 #include "core/rate.h"
 #include "record/event.h"
 #include "record/recording.h"
@@ -30,10 +31,8 @@ inline constexpr std::size_t kLongestNumber = 32;
 
 /// "ml_mm" stays; "Fz" in "N" becomes "Fz_n": units stand in every header.
 [[nodiscard]] std::string name_with_unit(const ChannelInfo& channel);
-/// A cell of a CSV file (RFC 4180): quoted when it must be. Text that starts with one of = + - @, tab or carriage return, and
-/// is no number, gets an apostrophe in front: a spreadsheet would compute it. The same in a BIDS table.
-[[nodiscard]] std::string csv_cell(std::string_view text);
-/// A cell of a BIDS table, which knows no quotes: no tabs, no line ends, "n/a" for nothing.
+using core::csv_cell;
+/// A cell of a BIDS table, which knows no quotes: `core::as_cell` without tabs and line ends, "n/a" for nothing.
 [[nodiscard]] std::string tsv_cell(std::string_view text);
 
 /// What an event says in one word or sentence: a marker's text, a trial's phase, a state, an edge, a reason.

@@ -20,10 +20,17 @@ class ProgressWatchTest : public ::testing::Test {
     config.name = "floor";
     config.device_uri = "sim:floor?seed=7";
     rig_ = session::Rig::create(config, clock_, bell_).value();
+    config.name = "chair";
+    other_rig_ = session::Rig::create(config, clock_, bell_).value();
     state_.emplace_back(session::RigState{.rig = *rig_});
     rig().acquisition.device = device::DeviceState::Streaming;
   }
   session::RigState& rig() { return state_.front(); }
+  /// Behind the other one.
+  void add_hung_rig() {
+    state_.emplace_back(session::RigState{.rig = *other_rig_});
+    state_.back().acquisition.device = device::DeviceState::Closed;
+  }
   void acquire(std::uint64_t scans) {
     rig().acquisition.scans_total += scans;
     rig().acquisition.next_scan += scans;
@@ -46,6 +53,7 @@ class ProgressWatchTest : public ::testing::Test {
   core::VirtualClock clock_;
   core::Doorbell bell_;
   std::unique_ptr<session::Rig> rig_;
+  std::unique_ptr<session::Rig> other_rig_;
   std::vector<session::RigState> state_;
   std::uint64_t turns_ = 0;
   std::int64_t now_ns_ = 0;
@@ -91,10 +99,35 @@ TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsWhileItOpensItsDevice_IsNamedA
   EXPECT_EQ(after(1, [&] { ++turns_; }), "the acquire thread of rig 'floor', which opens its device,");
 }
 
-TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsWhileAnotherRigStreams_EndsNoSession) {
-  state_.emplace_back(session::RigState{.rig = *rig_});
-  state_.back().acquisition.device = device::DeviceState::Closed;
-  EXPECT_EQ(after(100, [&] { acquire(100), process(), ++turns_; }), "");
+TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsDuringAnotherRigsSession_IsSaidOnceAndEndsNoSession) {
+  add_hung_rig();
+  rig().session.state = session::SessionState::Running;
+  std::vector<std::string> said;
+  const auto live = [&] {
+    said.insert(said.end(), watch_.new_hangs().begin(), watch_.new_hangs().end());
+    acquire(100), process(), ++turns_;
+  };
+  EXPECT_EQ(after(100, live), "");
+  ASSERT_EQ(said.size(), 1U);
+  EXPECT_TRUE(said.front().starts_with("rig 'chair': its device does not open")) << said.front();
+
+  rig().session.state = session::SessionState::Idle;
+  EXPECT_EQ(after(1, live), "the acquire thread of rig 'chair', which opens its device,");
+  ++state_.back().acquisition.turns;
+  EXPECT_EQ(after(1, live), "");
+  EXPECT_EQ(after(62, live), "the acquire thread of rig 'chair', which opens its device,");
+  EXPECT_EQ(said.size(), 2U) << "it hangs again";
+}
+
+TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsWhileAnotherRigStreamsForNobody_IsStuck) {
+  add_hung_rig();
+  EXPECT_EQ(after(62, [&] { acquire(100), process(), ++turns_; }), "the acquire thread of rig 'chair', which opens its device,");
+}
+
+TEST_F(ProgressWatchTest, SessionsOfHungRigs_ProtectNothing) {
+  add_hung_rig();
+  state_.back().session.state = session::SessionState::Running;
+  EXPECT_EQ(after(62, [&] { acquire(100), process(), ++turns_; }), "the acquire thread of rig 'chair', which opens its device,");
 }
 
 TEST_F(ProgressWatchTest, NothingToDo_IsNotStuck) {

@@ -29,6 +29,7 @@ struct Kettle {
   std::int64_t cups = 0;
   bool is_json = false;
   bool says_result = false;
+  int spilt = kFailed;  ///< Status of `spill`.
 
   Kettle() {
     line.manual = {.summary = "boils water", .description = "Heats.", .exit_statuses = {0, 2}, .see_also = {{"tea", 7}}};
@@ -40,7 +41,7 @@ struct Kettle {
     CLI::App* spill = add_command(line, *group, "spill", "Spill it", "kettle water spill | wet\n", [this](Console& console) {
       if (says_result) console.out << "{}\n";
       print_error(console, "the floor is wet", "mop");
-      return kFailed;
+      return spilt;
     });
     explain(line, *spill, "PUDDLE | its area, m2\n");
     spill->add_flag("--json", is_json, "Print JSON");
@@ -99,6 +100,14 @@ TEST_F(RunTest, ErrorBehindAResultUnderJson_NoSecondDocument) {
 
   EXPECT_EQ(run(kettle.line, {"water", "spill", "--json"}, console_), kFailed);
   EXPECT_EQ(out_.str(), "{}\n");
+}
+
+TEST_F(RunTest, InterruptedUnderJson_NoDocument) {
+  Kettle kettle;
+  kettle.spilt = kInterrupted;
+
+  EXPECT_EQ(run(kettle.line, {"water", "spill", "--json"}, console_), kInterrupted);
+  EXPECT_EQ(out_.str(), "") << "what was printed before is not why it ended";
 }
 
 TEST_F(RunTest, OutputThatFailsUnderJson_StaysFailed) {

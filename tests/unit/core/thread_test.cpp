@@ -3,11 +3,13 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <linux/capability.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -152,6 +154,30 @@ TEST(LockMemory, LimitTooSmall_IsNotAllowed) {
     });
     EXPECT_EQ(code, static_cast<int>(ErrorCode::NotAllowed)) << limit_bytes << " bytes";
   }
+}
+
+/// As root in a container without CAP_IPC_LOCK.
+bool drop_right_to_lock() {
+  __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> sets{};
+  if (syscall(SYS_capget, &header, sets.data()) != 0) return false;
+  sets[CAP_TO_INDEX(CAP_IPC_LOCK)].effective &= ~CAP_TO_MASK(CAP_IPC_LOCK);
+  return syscall(SYS_capset, &header, sets.data()) == 0;
+}
+
+TEST(LockableBytes, RootWithoutTheCapability_IsBoundByTheLimit) {
+  if (dts::test::kIsSanitized) GTEST_SKIP() << "sanitizers turn mlock into a no-operation";
+  constexpr rlim_t kLimit_bytes = 65'536;
+
+  const int says_the_truth = in_child([] {
+    const rlimit limit{.rlim_cur = kLimit_bytes, .rlim_max = kLimit_bytes};
+    if (!drop_right_to_lock() || setrlimit(RLIMIT_MEMLOCK, &limit) != 0) return kNoRights;
+    if (lockable_bytes() != kLimit_bytes || lock_memory().has_value()) return 0;
+    rlimit after{};
+    return getrlimit(RLIMIT_MEMLOCK, &after) == 0 && after.rlim_cur == kLimit_bytes ? 1 : 0;
+  });
+
+  EXPECT_EQ(says_the_truth, 1);
 }
 
 TEST(LockMemory, AsTheSystemAllows_SaysWhatHappened) {

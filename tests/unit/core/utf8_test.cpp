@@ -13,7 +13,7 @@ TEST(Printable, ControlCharactersAndDirections_BecomeSpaces) {
             "a 2Jb ")
       << "U+009B is a terminal's CSI, too";
   for (const char* direction :
-       {"\u200E", "\u200F", "\u202A", "\u202B", "\u202C", "\u202D", "\u202E", "\u2066", "\u2067", "\u2068", "\u2069"}) {
+       {"\u061C", "\u200E", "\u200F", "\u202A", "\u202B", "\u202C", "\u202D", "\u202E", "\u2066", "\u2067", "\u2068", "\u2069"}) {
     EXPECT_EQ(printable(std::string("a") + direction + "b"), "a b") << direction;
   }
 }

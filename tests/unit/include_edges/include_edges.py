@@ -52,6 +52,7 @@ HOUSE = [
     ("clients/libdts/key.cpp",   [],                                                      ["toml++/"]),
     ("clients/cli",              ["core"],                                                  ["CLI/", "nlohmann/"]),
     ("clients/ctl",              ["cli", "libdts", "proto"],                              ["CLI/", "google/protobuf/"]),
+    ("clients/ctl/system_facts", ["core"],                                                []),
     ("clients/ctl/calibrate",    ["core", "physics", "files"],                            []),
     ("clients/ctl/sessions",     ["core", "record", "report"],                            []),
     ("clients/report",           ["core", "posturography", "record", "session"],          ["kainjow/", "pugixml.hpp"]),

@@ -4,7 +4,7 @@ import enum
 import re
 
 # C0 and C1 controls, and what changes the direction of a text: it may come from a peer, and goes to a terminal.
-_DRIVES_A_TERMINAL = re.compile(r"[\x00-\x1f\x7f-\x9f\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+_DRIVES_A_TERMINAL = re.compile(r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 
 
 def _printable(text: str) -> str:

@@ -53,7 +53,7 @@ class RecordedStream(Samples):
 class Loss:
     """What a recording lacks between its first scan and its last, for one reason: as `dtsctl session show` counts it."""
 
-    reason: str  # "overrun", "unplugged", "ring_full", ...
+    reason: str  # "overrun", "unplugged", "ring_full", ...; "none": nobody gave one, the time stamps have a hole
     gaps: int
     scans: int  # of the rig's raw stream; where the length of a gap is not known exactly, by the time between the scans around it
 
@@ -119,12 +119,14 @@ def load(path: str | os.PathLike[str]) -> Recording:
     for stream in file.streams.values():
         name = _unused_name(stream.header.name, streams)
         streams[name] = _to_stream(name, stream, table, utc_minus_monotonic_ns)
-    return Recording(os.fspath(path), session, streams, tuple(events), "; ".join(problems), _losses_of(events))
+    return Recording(os.fspath(path), session, streams, tuple(events), "; ".join(problems), _losses_of(events, table, reference))
 
 
-def _losses_of(events: list[Event]) -> tuple[Loss, ...]:
+def _losses_of(events: list[Event], table: "_SegmentTable", reference: XdfStream | None) -> tuple[Loss, ...]:
     """The rules of daemon/record/losses: the first segment begins the recording, each other one stands behind a gap; a "loss" is what the
-    recorder had no room for."""
+    recorder had no room for. Without segment events, as in files of other programs, the stamps of the reference stream are counted."""
+    if not table.is_told:
+        return _losses_by_stamps(reference)
     counts: dict[str, list[int]] = {}
     has_begun = False
     for event in events:
@@ -139,6 +141,20 @@ def _losses_of(events: list[Event]) -> tuple[Loss, ...]:
         count[0] += 1
         count[1] += scans if type(scans) is int and scans > 0 else 0
     return tuple(Loss(reason, gaps, scans) for reason, (gaps, scans) in counts.items())
+
+
+def _losses_by_stamps(reference: XdfStream | None) -> tuple[Loss, ...]:
+    """The rules of daemon/record/overview."""
+    if reference is None or not reference.header.rate:
+        return ()
+    rate_hz = float(reference.header.rate)
+    stamps_s = reference.times_s
+    holes = np.flatnonzero(~_continues(stamps_s, rate_hz))
+    if not len(holes):
+        return ()
+    with np.errstate(invalid="ignore"):
+        missing = np.nan_to_num(np.rint((np.diff(stamps_s)[holes] - 1.0 / rate_hz) * rate_hz), nan=0.0)
+    return (Loss("none", len(holes), sum(int(scans) for scans in np.clip(missing, 0, 9e15))),)
 
 
 def _problems_of_footers(file: XdfFile) -> list[str]:

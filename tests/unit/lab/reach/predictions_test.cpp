@@ -69,5 +69,12 @@ TEST(Predictions, NameWithAComma_StaysOneCell) {
   EXPECT_THAT(line_of(prediction), testing::StartsWith("\"A, the \"\"first\"\"\",7,"));
 }
 
+TEST(Predictions, NameThatASpreadsheetWouldCompute_IsText) {
+  Prediction prediction = reaching();
+  prediction.subject = "=cmd";
+
+  EXPECT_THAT(line_of(prediction), testing::StartsWith("'=cmd,7,"));
+}
+
 }  // namespace
 }  // namespace dts::lab::reach

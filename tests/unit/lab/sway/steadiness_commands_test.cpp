@@ -86,6 +86,15 @@ TEST_F(SteadinessTest, RowsOutsideOfTraining_AreMarked) {
   EXPECT_THAT(talk(), HasSubstr("another profile than 'lp10'"));
 }
 
+TEST_F(SteadinessTest, PredictionsForNamesOfFormulas_AreText) {
+  ASSERT_EQ(run_with({"steadiness", "train", table("train.csv", 10, 6.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
+  const std::string other = write("other.csv", "file,subject,MVELO,RDIST,PEA95_F\n=far.csv,@S1,8,8,8\n");
+
+  ASSERT_EQ(run_with({"steadiness", "classify", path("m.json"), other, "--out", path("pred.csv")}), cli::kOk) << talk();
+
+  EXPECT_THAT(made::content(path("pred.csv")), HasSubstr("\n'=far.csv,,'@S1,,"));
+}
+
 TEST_F(SteadinessTest, BadInput_ExitsWithTwo) {
   const std::string training = table("train.csv", 3, 1.0);
   const auto train = [&](std::vector<std::string> words) {

@@ -49,6 +49,28 @@ TEST(SwayTable, Text_IsReadBackDigitForDigit) {
   EXPECT_EQ(labels[1], "a label called like a measure");
 }
 
+TEST(SwayTable, NamesThatASpreadsheetWouldCompute_AreTextThereAndThemselvesHere) {
+  MeasuredTrial one = trial("=cmd.csv", {{"@eyes", "+open, wide"}});
+  one.subject = "-S01";
+  one.condition = "\r=1";
+  const std::string text = table_text(std::vector{one});
+  const std::string file = ::testing::TempDir() + "sway_formula_" + std::to_string(::getpid()) + ".csv";
+  std::ofstream(file) << text;
+
+  files::Problems problems;
+  const auto rows = read_rows(file, "@eyes", problems);
+  std::filesystem::remove(file);
+
+  EXPECT_THAT(text, ::testing::HasSubstr("condition,'@eyes,profile"));
+  EXPECT_THAT(text, ::testing::HasSubstr("\n'=cmd.csv,,'-S01,,,\"' =1\",\"'+open, wide\","));
+  EXPECT_THAT(text, ::testing::HasSubstr(",-84.10922768,")) << "numbers stay numbers";
+  ASSERT_TRUE(problems.empty()) << files::to_string(problems.front());
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].file, "=cmd.csv");
+  EXPECT_EQ(rows[0].subject, "-S01");
+  EXPECT_EQ(rows[0].label, "+open, wide");
+}
+
 TEST(SwayTable, TrialWithoutAnalysis_HasEmptyCells) {
   MeasuredTrial one = trial("a.csv", {});
   one.analysis.reset();

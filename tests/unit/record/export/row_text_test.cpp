@@ -49,17 +49,12 @@ TEST(PutValue, EachTypeInItsShortestForm) {
 }
 
 TEST(Cells, TextThatASpreadsheetWouldCompute_GetsAnApostrophe) {
-  EXPECT_EQ(csv_cell("=1+1"), "'=1+1");
-  EXPECT_EQ(csv_cell("=HYPERLINK(\"http://x\",1)"), "\"'=HYPERLINK(\"\"http://x\"\",1)\"");
-  EXPECT_EQ(csv_cell("@SUM(A1)"), "'@SUM(A1)");
-  EXPECT_EQ(csv_cell("\r=1"), "\"'\r=1\"");
   for (const char* text : {"=1+1", "+1+1", "-1+1", "@x", "-cmd|' /C calc'!A0"}) EXPECT_EQ(tsv_cell(text), std::string("'") + text);
   EXPECT_EQ(tsv_cell("\t=1"), "' =1");
 }
 
 TEST(Cells, NumbersAndOtherText_StayAsTheyAre) {
   for (const char* text : {"-1", "-0.25", "-1e-9", "eyes open", "a=b", "n/a", "'x"}) {
-    EXPECT_EQ(csv_cell(text), text);
     EXPECT_EQ(tsv_cell(text), text);
   }
 }

@@ -12,7 +12,7 @@ namespace {
 using record::RecordedEvent;
 using ::testing::HasSubstr;
 
-RecordedEvent step(TrialEventKind kind, std::uint32_t trial, std::uint64_t scan) {
+RecordedEvent step_at(TrialEventKind kind, std::uint32_t trial, std::uint64_t scan) {
   RecordedEvent event = to_record(TrialEvent{.kind = kind, .trial = trial, .condition = "eyes-open"});
   event.scan = {scan};
   return event;
@@ -35,8 +35,8 @@ TEST(RecordedStanding, TrialWithAnOutageOfDays_HasAProblemOfItsOwn) {
     EXPECT_TRUE(writer->write_samples(cop, begin_s, std::vector<double>(2000, 1.0), start));
   };
   using enum TrialEventKind;
-  write(0, 1000.0, {{.event = "segment"}, step(Measure, 1, 100), step(Done, 1, 300), step(Measure, 2, 400)});
-  write(1, 1'000'000.0, {{.event = "segment"}, step(Done, 2, 200), step(Measure, 3, 500), step(Done, 3, 800)});
+  write(0, 1000.0, {{.event = "segment"}, step_at(Measure, 1, 100), step_at(Done, 1, 300), step_at(Measure, 2, 400)});
+  write(1, 1'000'000.0, {{.event = "segment"}, step_at(Done, 2, 200), step_at(Measure, 3, 500), step_at(Done, 3, 800)});
   ASSERT_TRUE(writer->close());
 
   const auto recording = record::Recording::open(folder / "a.xdf").value();

@@ -46,12 +46,26 @@ Check check_rate(const v1::RigStatus& rig) {
   return bad(name, finding, "is the machine overloaded? see dtsctl status for losses; is the device set to another rate?");
 }
 
+/// What to look at first: the machine was too slow, or the way from the device is not sound.
+std::string advice_on(const v1::RigStatus& rig) {
+  bool is_machine = rig.dropped_blocks_total() > 0;
+  bool is_cable = false;
+  for (const v1::LossCount& loss : rig.losses()) {
+    const bool is_of_machine = loss.reason() == v1::GAP_REASON_OVERRUN || loss.reason() == v1::GAP_REASON_RING_FULL;
+    (is_of_machine ? is_machine : is_cable) = true;
+  }
+  std::string advice = "the reasons are in dtsctl status and journalctl -u dtsd";
+  if (is_machine) advice += "; the machine was too slow: allow SCHED_FIFO, end other programs";
+  if (is_cable) advice += "; check cable and USB hub";
+  return advice;
+}
+
 Check check_losses(const v1::RigStatus& rig) {
   const std::string name = rig.rig().name() + " losses";
   const std::string finding = counted(rig.lost_scans_total(), "scan") + " lost in " + counted(rig.gaps_total(), "gap") + ", " +
                               counted(rig.dropped_blocks_total(), "block") + " dropped since start";
   if (rig.lost_scans_total() == 0 && rig.gaps_total() == 0 && rig.dropped_blocks_total() == 0) return good(name, "none");
-  return bad(name, finding, "the reasons are in journalctl -u dtsd; check cable and USB hub, allow SCHED_FIFO");
+  return bad(name, finding, advice_on(rig));
 }
 
 Check check_queues(const v1::RigStatus& rig) {

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 #include "lab/sway/sway_table.h"
+#include "record/xdf/recovery.h"
 
 namespace dts::lab::steadiness {
 namespace {
@@ -48,6 +50,13 @@ bool is_measurable(const fs::path& path) {
   return name.ends_with(".csv") || name.ends_with(".xdf") || name.ends_with(".xdf.part");
 }
 
+/// A recording that a crash left open and its repaired copy are one recording.
+void leave_out_repaired(std::vector<std::string>& files) {
+  const std::set<std::string> known(files.begin(), files.end());
+  std::erase_if(files,
+                [&known](const std::string& file) { return file.ends_with(".part") && known.contains(record::recovered_name(file)); });
+}
+
 core::Result<std::vector<std::string>> files_below(const std::string& folder, const std::string& table) {
   std::vector<std::string> files;
   std::error_code error;
@@ -63,6 +72,7 @@ core::Result<std::vector<std::string>> files_below(const std::string& folder, co
   if (files.empty()) {
     return core::fail(core::ErrorCode::InvalidArgument, folder + " has no .csv and no .xdf files", "a folder of recordings");
   }
+  leave_out_repaired(files);
   std::ranges::sort(files);
   return files;
 }

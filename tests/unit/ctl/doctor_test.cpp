@@ -8,7 +8,9 @@
 namespace dts::ctl {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 const SystemFacts kGoodMachine{.may_use_fifo = true, .lockable_bytes = std::numeric_limits<std::uint64_t>::max(), .clock_source = "tsc"};
 
@@ -71,6 +73,18 @@ TEST(Doctor, DeadSensorOfAStreamingDevice_IsAFinding) {
   EXPECT_FALSE(checks[0].is_good);
   EXPECT_THAT(checks[0].finding, HasSubstr("sensor ch3"));
   EXPECT_THAT(checks[0].fix, HasSubstr("dtsctl device test"));
+}
+
+TEST(Doctor, LossesOfASlowMachine_SendNobodyToTheCable) {
+  v1::RigStatus rig = testing::floor_status().rigs(0);
+  rig.set_lost_scans_total(500);
+  rig.set_gaps_total(1);
+  v1::LossCount& loss = *rig.add_losses();
+  loss.set_gaps_total(1);
+  loss.set_reason(v1::GAP_REASON_OVERRUN);
+  EXPECT_THAT(check_rig(rig)[1].fix, AllOf(HasSubstr("machine was too slow"), Not(HasSubstr("cable"))));
+  loss.set_reason(v1::GAP_REASON_SILENCE);
+  EXPECT_THAT(check_rig(rig)[1].fix, AllOf(HasSubstr("check cable"), Not(HasSubstr("machine"))));
 }
 
 TEST(Doctor, WhatTheDaemonWasRefused_IsANoteAndNothingWrong) {

@@ -136,6 +136,17 @@ TEST_F(SwayTest, FolderIsWalkedThrough_WithoutTheTableItself) {
   EXPECT_EQ(run_with({"sway", path("all/deep/nothing")}), cli::kUsage);
 }
 
+TEST_F(SwayTest, RepairedCopyInAFolder_StandsForTheRecordingThatACrashLeftOpen) {
+  std::filesystem::create_directories(directory_ / "all");
+  ASSERT_EQ(run_with({"simulate", "floor", "--duration", "16", "--rate", "200", "--out", path("all/s.recovered.xdf")}), cli::kOk) << talk();
+  ASSERT_EQ(run_with({"sway", path("all"), "--json"}), cli::kOk) << talk();
+  const std::size_t trials = json().at("trials").size();
+  std::filesystem::copy_file(directory_ / "all/s.recovered.xdf", directory_ / "all/s.xdf.part");
+
+  ASSERT_EQ(run_with({"sway", path("all"), "--json"}), cli::kOk) << talk();
+  EXPECT_EQ(json().at("trials").size(), trials);
+}
+
 TEST_F(SwayTest, SimulatedRecording_IsMeasuredByTheReportsDefinition) {
   const std::string file = path("standing.xdf");
   ASSERT_EQ(run_with({"simulate", "floor", "--duration", "16", "--rate", "200", "--out", file}), cli::kOk) << talk();

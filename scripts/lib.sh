@@ -33,6 +33,9 @@ DTS_TEST_PACKAGES=(
   mypy python3-matplotlib python3-build python3-setuptools python3-venv python3-wheel # tests of the Python client
 )
 
+# scripts/mutate: the syntax tree of the sources.
+DTS_MUTATION_PACKAGES=(python3-clang-19)
+
 say() { printf '\033[1m%s\033[0m\n' "$*" >&2; }
 
 # show_progress WHAT: reads apt's status lines (dlstatus:PACKAGE:PERCENT:TEXT while it downloads, then pmstatus:...) and shows them as one line

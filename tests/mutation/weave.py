@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Writes mutants into a file: all of them at once, each behind a switch, so that one build serves them all.
+
+    a < b && c        becomes        (on(1) ? (a <= b) : (on(2) ? ((a < b || c)) : ((a < b && c))))
+
+Only one mutant is active at a time, so what a mutant puts in place of a piece holds no other mutant, and the text grows by one copy for each.
+"""
+import hashlib
+
+from find import Mutant
+
+
+def identify(mutants: list[Mutant], text: bytes) -> dict[str, Mutant]:
+    """Names each mutant by what it changes, not by its line: a change elsewhere in the file leaves the name as it is."""
+    named: dict[str, Mutant] = {}
+    for mutant in mutants:
+        old = b" ".join(text[mutant.begin:mutant.end].split()).decode()
+        for occurrence in range(1000):
+            key = f"{mutant.path}\0{old}\0{mutant.replacement}\0{mutant.form}\0{occurrence}"
+            name = hashlib.sha256(key.encode()).hexdigest()[:15]
+            if name not in named:
+                named[name] = mutant
+                break
+    return named
+
+
+def weave(text: bytes, chosen: dict[str, Mutant]) -> bytes:
+    for mutant in chosen.values():
+        if mutant.form == "named":  # initialized when the program starts
+            at = text.rindex(b"constexpr", 0, mutant.begin)
+            text = text[:at] + b"const    " + text[at + 9:]
+    order = sorted(chosen.items(), key=lambda item: (item[1].begin, -item[1].end, item[0]))
+    woven, _ = _weave(text, order, 0, 0, len(text))
+    return woven
+
+
+def _weave(text: bytes, order, at: int, begin: int, end: int):
+    """The text from `begin` to `end` with the mutants order[at:] that lie in it; and the first mutant that does not."""
+    made, position = [], begin
+    while at < len(order) and order[at][1].end <= end:
+        mutant = order[at][1]
+        if mutant.begin < position:  # crosses the one before
+            at += 1
+            continue
+        same = at
+        while same < len(order) and (order[same][1].begin, order[same][1].end) == (mutant.begin, mutant.end):
+            same += 1
+        inner, after = _weave(text, order, same, mutant.begin, mutant.end)
+        made += [text[position:mutant.begin], _switch(order[at:same], inner)]
+        position, at = mutant.end, after
+    made.append(text[position:end])
+    return b"".join(made), at
+
+
+def _switch(alternatives, inner: bytes) -> bytes:
+    for name, mutant in reversed(alternatives):
+        test = f"::dts::mutation::{'live' if mutant.form == 'named' else 'on'}(0x{name}ULL)".encode()
+        new = " ".join(mutant.replacement.split()).encode()
+        if mutant.form == "statement":
+            inner = b"if (!" + test + b") " + inner
+        elif mutant.form == "condition":
+            inner = b"(" + test + b" ? static_cast<bool>(" + new + b") : static_cast<bool>(" + inner + b"))"
+        else:
+            inner = b"(" + test + b" ? (" + new + b") : (" + inner + b"))"
+    return inner

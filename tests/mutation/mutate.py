@@ -9,7 +9,6 @@ import json
 import mmap
 import os
 import pathlib
-import random
 import re
 import shlex
 import shutil
@@ -26,6 +25,8 @@ BUILD = TREE / "build" / "release"
 REACH_BYTES = 8 << 16  # mutation.h: kPlaces
 ROOMS = ["core", "pipeline", "record", "session", "ipc", "device", "classifier", "posturography", "physics", "files", "access", "app",
          "libdts", "gateway", "ctl", "cli", "report", "lab"]
+# Programs that judge a room beside its unit program: what they test lives in that room.
+SUBJECT = {"device": ["contract_device", "usb_umockdev"], "pipeline": ["contract_stage"]}
 
 
 def say(text: str) -> None:
@@ -315,8 +316,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="scripts/mutate", formatter_class=argparse.RawDescriptionHelpFormatter, description=__doc__,
                                      epilog="Mutants are drawn by the seed and by themselves: the same seed draws the same ones after a change elsewhere.")
     parser.add_argument("--rooms", default=",".join(ROOMS), help="comma-separated folders of daemon/ and clients/ (default: all)")
-    parser.add_argument("--count", type=int, default=20, help="mutants of each room (default 20)")
-    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", default="20", help="mutants of each room (default 20)")
+    parser.add_argument("--seed", default="1", help="default 1; 1,2 draws twice (--count 60,30: more for the first) and prints a table for each")
     parser.add_argument("--change", nargs="?", const="origin/main", metavar="BASE", help="only lines that differ from BASE (default origin/main)")
     parser.add_argument("--elsewhere", action="store_true", help="tests of other rooms, too, not only the room's own")
     parser.add_argument("--seconds", type=float, default=60.0, help="at most this much testing of one mutant by one program (default 60)")
@@ -337,30 +338,35 @@ def main() -> int:
     named = {path: identify(mutants, (TOP / path).read_bytes()) for path, mutants in candidates(paths).items()}
     if lines is not None:
         named = {path: {name: mutant for name, mutant in mutants.items() if mutant.line in lines[path]} for path, mutants in named.items()}
-    chosen = choose(named, rooms, options.count, options.seed)
+    seeds, counts = options.seed.split(","), [int(count) for count in options.count.split(",")]
+    draws = {seed: choose(named, rooms, counts[min(i, len(counts) - 1)], int(seed)) for i, seed in enumerate(seeds)}
+    chosen = {name: mutant for draw in draws.values() for name, mutant in draw.items()}
     say(f"{len(chosen)} of {sum(map(len, named.values()))} possible mutants of {len(named)} files")
     if not chosen:
         return 0
     used = sorted({room_of(mutant.path) for mutant in chosen.values()}, key=ROOMS.index)
     programs = [f"unit_{room}" for room in (ROOMS if options.elsewhere else used)]
+    programs += [program for room in used for program in SUBJECT.get(room, [])]
     chosen = build(chosen, programs)
     say(f"Built after {time.monotonic() - begun:.0f} s")
     cases = map_tests(programs)
     say(f"Watched {len(cases)} cases after {time.monotonic() - begun:.0f} s")
 
-    order = list(chosen.items())
-    random.Random(options.seed).shuffle(order)
     outcomes = []
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for done, outcome in enumerate(pool.map(lambda item: try_mutant(*item, cases, options.seconds), order), 1):
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool, open(WORK / "outcomes.jsonl", "w", encoding="utf-8") as log:
+        for done, outcome in enumerate(pool.map(lambda item: try_mutant(*item, cases, options.seconds), chosen.items()), 1):
             outcomes.append(outcome)
-            progress("Trying mutants", done, len(order))
+            log.write(json.dumps({"name": outcome.name, "by": outcome.noticed_by, "reached": outcome.was_reached,
+                                  "what": outcome.mutant.describe((TOP / outcome.mutant.path).read_bytes())}) + "\n")
+            log.flush()
+            progress("Trying mutants", done, len(chosen))
     with open(options.out, "w", encoding="utf-8") as file:
         for outcome in sorted(outcomes, key=lambda o: (o.mutant.path, o.mutant.begin)):
             if not outcome.noticed_by:
                 text = (TOP / outcome.mutant.path).read_bytes()
                 file.write(f"{outcome.name} {outcome.mutant.describe(text)}{'' if outcome.was_reached else '   (no test comes by)'}\n")
-    print(table(outcomes))
+    for seed, draw in draws.items():
+        print(f"Seed {seed}\n" + table([outcome for outcome in outcomes if outcome.name in draw]))
     say(f"Survivors: {options.out}; {time.monotonic() - begun:.0f} s")
     return 0
 

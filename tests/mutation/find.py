@@ -210,7 +210,8 @@ class Finder:
             if source.rstrip("uUlLzZ") not in ("0",):
                 self.add(cursor, "constant", f"({source} - 1)", "literal")
         else:
-            self.add(cursor, "constant", f"({source} * 1.25)" if float(source.rstrip("fFlL").replace("'", "")) != 0.0 else "1.0", "literal")
+            is_zero = not re.search("[1-9a-fA-F]", re.split("[ep]", source.removeprefix("0x"))[0])
+            self.add(cursor, "constant", "1.0" if is_zero else f"({source} * 1.25)", "literal")
 
     def visit_call(self, cursor):
         arguments = list(cursor.get_arguments())

@@ -25,10 +25,8 @@ def identify(mutants: list[Mutant], text: bytes) -> dict[str, Mutant]:
 
 
 def weave(text: bytes, chosen: dict[str, Mutant]) -> bytes:
-    for mutant in chosen.values():
-        if mutant.form == "named":  # initialized when the program starts
-            at = text.rindex(b"constexpr", 0, mutant.begin)
-            text = text[:at] + b"const    " + text[at + 9:]
+    for at in {text.rindex(b"constexpr", 0, mutant.begin) for mutant in chosen.values() if mutant.form == "named"}:
+        text = text[:at] + b"const    " + text[at + 9:]  # initialized when the program starts
     order = sorted(chosen.items(), key=lambda item: (item[1].begin, -item[1].end, item[0]))
     woven, _ = _weave(text, order, 0, 0, len(text))
     return woven

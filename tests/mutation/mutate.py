@@ -172,7 +172,8 @@ def build(chosen: dict[str, object], targets: list[str]) -> dict[str, object]:
                               cwd=TREE, capture_output=True, text=True, check=False)
         if made.returncode == 0:
             return chosen
-        wrong = {(match[1], int(match[2])) for match in re.finditer(re.escape(f"{TREE}/") + r"(\S+?):(\d+):\d+: (?:error|  required from here)", made.stdout)}
+        wrong = {(match[1], int(match[2])) for match in
+                 re.finditer(re.escape(f"{TREE}/") + r"(\S+?):(\d+):\d+: (?:error|  required from here|note: [^\n]* was not initialized with a constant)", made.stdout)}
         out = {name for name, mutant in chosen.items()
                if any(path == mutant.path and mutant.line - 1 <= line <= mutant.line + 12 for path, line in wrong)}
         if not out:

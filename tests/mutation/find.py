@@ -5,12 +5,13 @@ A mutant is a piece of source text and what replaces it, such as "a < b" and "a 
 mutant compiles in nearly every case, and text in comments, strings, templates' arguments and constants of the type system is left alone.
 """
 import bisect
-import dataclasses
 import re
 
 import clang.cindex as cindex
 from clang.cindex import CursorKind as Kind
 from clang.cindex import TypeKind
+
+from mutant import Mutant
 
 OPPOSITES = {
     "&&": ["||"], "||": ["&&"],
@@ -30,25 +31,6 @@ CONSTANT = {Kind.STATIC_ASSERT, Kind.ENUM_DECL, Kind.TEMPLATE_TYPE_PARAMETER, Ki
             Kind.PARM_DECL, Kind.FIELD_DECL}
 # Text that is not worth a test: what the log says.
 UNTESTED = re.compile(r"^(core::)?log\w*\s*[(.]|^(core::)?(info|warn|debug|error|critical)\(|spdlog::|\.(info|warn|debug|error|critical)\(")
-
-
-@dataclasses.dataclass(frozen=True)
-class Mutant:
-    path: str        # from the top of the repository
-    line: int
-    begin: int       # bytes
-    end: int
-    kind: str        # condition, comparison, arithmetic, constant, sign, statement, arguments, error check
-    replacement: str # what is evaluated instead
-    form: str        # "expression", "statement" or "literal": how both are woven into the file
-
-    def describe(self, text: bytes) -> str:
-        return f"{self.path}:{self.line}: {self.kind}: {squeeze(text[self.begin:self.end].decode())} -> {squeeze(self.replacement)}"
-
-
-def squeeze(text: str) -> str:
-    text = " ".join(text.split())
-    return text if len(text) <= 90 else text[:60] + " ... " + text[-24:]
 
 
 class Finder:

@@ -1,102 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Makes mutants of the C++ sources, runs the tests that come by each, and says which mutants no test noticed. See scripts/mutate --help."""
+"""Makes mutants of the sources, runs the tests that come by each, and says which mutants no test noticed. See scripts/mutate --help."""
 import argparse
 import collections
-import concurrent.futures
-import dataclasses
 import hashlib
 import json
-import mmap
-import os
-import pathlib
 import re
-import shlex
-import shutil
-import struct
 import subprocess
 import sys
-import tempfile
 import time
 
-TOP = pathlib.Path(__file__).resolve().parents[2]
-WORK = TOP / "build" / "mutate"
-TREE = WORK / "tree"
-BUILD = TREE / "build" / "release"
-REACH_BYTES = 8 << 16  # mutation.h: kPlaces
-ROOMS = ["core", "pipeline", "record", "session", "ipc", "device", "classifier", "posturography", "physics", "files", "access", "app",
-         "libdts", "gateway", "ctl", "cli", "report", "lab"]
-# Programs that judge a room beside its unit program: what they test lives in that room.
-SUBJECT = {"device": ["contract_device", "usb_umockdev"], "pipeline": ["contract_stage"]}
+import cpp
+import python
+import web
+from mutant import TOP, WORK, Outcome, identify, progress, room_of, say
 
-
-def say(text: str) -> None:
-    print(text, file=sys.stderr, flush=True)
-
-
-def progress(what: str, done: int, of: int) -> None:
-    if sys.stderr.isatty():
-        print(f"\r\033[K{what} {done}/{of}", end="\n" if done == of else "", file=sys.stderr, flush=True)
-
-
-# Which mutants --------------------------------------------------------------------------------------------------------------------------
-
-
-def room_of(path: str) -> str:
-    return path.split("/")[1]
-
-
-def tracked(pattern: str) -> list[str]:
-    listed = subprocess.run(["git", "ls-files", "-co", "--exclude-standard", pattern], cwd=TOP, capture_output=True, text=True, check=True)
-    return [path for path in listed.stdout.splitlines() if (TOP / path).is_file()]
-
-
-def compile_arguments(build: pathlib.Path) -> dict[str, list[str]]:
-    """Of every file, what libclang has to know: include folders, definitions, standard."""
-    arguments = {}
-    for entry in json.loads((build / "compile_commands.json").read_text()):
-        kept, words = [], iter(shlex.split(entry["command"]))
-        for word in words:
-            if word == "-isystem":
-                kept += [word, next(words)]
-            elif word.startswith(("-I", "-D", "-std")):
-                kept.append(word)
-        arguments[entry["file"]] = kept
-    return arguments
-
-
-def _find(job):
-    import find
-    path, absolute, arguments = job
-    try:
-        return path, [dataclasses.asdict(mutant) for mutant in find.find(path, absolute, arguments)], None
-    except RuntimeError as error:
-        return path, [], str(error)
-
-
-def candidates(paths: list[str]) -> dict[str, list]:
-    """All mutants that can be made of each file. What was found before is kept beside the build, by the contents of the file."""
-    from find import Mutant
-    finder = hashlib.sha256(pathlib.Path(__file__).with_name("find.py").read_bytes()).hexdigest()[:8]
-    kept = WORK / "candidates"
-    kept.mkdir(parents=True, exist_ok=True)
-    arguments = compile_arguments(WORK / "parse")
-    found, jobs, places = {}, [], {}
-    for path in paths:
-        digest = hashlib.sha256((TOP / path).read_bytes()).hexdigest()[:16]
-        places[path] = kept / f"{finder}-{digest}-{path.replace('/', '_')}.json"
-        if places[path].exists():
-            found[path] = [Mutant(**fields) for fields in json.loads(places[path].read_text())]
-        elif str(TOP / path) in arguments:
-            jobs.append((path, str(TOP / path), arguments[str(TOP / path)]))
-    with concurrent.futures.ProcessPoolExecutor(os.cpu_count()) as pool:
-        for done, (path, mutants, error) in enumerate(pool.map(_find, jobs), 1):
-            progress("Reading sources", done, len(jobs))
-            if error:
-                say(f"left out: {error}")
-                continue
-            places[path].write_text(json.dumps(mutants))
-            found[path] = [Mutant(**fields) for fields in mutants]
-    return found
+LANGUAGES = [cpp, web, python]
+ROOMS = [room for language in LANGUAGES for room in language.ROOMS]
 
 
 def choose(named: dict[str, dict], rooms: list[str], count: int, seed: int) -> dict[str, object]:
@@ -131,175 +50,6 @@ def changed_lines(base: str) -> dict[str, set[int]]:
     return lines
 
 
-# A build of all of them -------------------------------------------------------------------------------------------------------------------
-
-
-def write_if_new(path: pathlib.Path, content: bytes) -> None:
-    if not path.exists() or path.read_bytes() != content:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
-
-
-def lay_tree(chosen: dict[str, object]) -> None:
-    """A copy of the checkout with the mutants woven in. Files that stay as they are keep their times, so that only what differs is built."""
-    from weave import weave
-    by_path = collections.defaultdict(dict)
-    for name, mutant in chosen.items():
-        by_path[mutant.path][name] = mutant
-    wanted = set()
-    for path in tracked("."):
-        wanted.add(path)
-        content = (TOP / path).read_bytes()
-        write_if_new(TREE / path, weave(content, by_path[path]) if path in by_path else content)
-        shutil.copymode(TOP / path, TREE / path)
-    for folder in ("daemon", "clients", "tests", "proto"):
-        for path in (TREE / folder).rglob("*"):
-            if path.suffix in (".cpp", ".h", ".proto") and str(path.relative_to(TREE)) not in wanted:
-                path.unlink()
-
-
-def build(chosen: dict[str, object], targets: list[str]) -> dict[str, object]:
-    """Builds the tree; mutants that do not compile are left out. Returns those that do."""
-    chosen = dict(chosen)
-    header = TREE / "tests" / "mutation" / "mutation.h"
-    for attempt in range(12):
-        lay_tree(chosen)
-        if attempt == 0:
-            run_or_leave(["cmake", "--preset", "release", "-DBUILD_TESTING=ON", "-DDTS_TESTS=suite", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -w",
-                          f"-DCMAKE_CXX_FLAGS=-include {header}"], TREE)
-        say(f"Building {len(chosen)} mutants")
-        made = subprocess.run(["cmake", "--build", "--preset", "release", "-j", str(os.cpu_count()), "--target", *targets, "--", "-k", "0"],
-                              cwd=TREE, capture_output=True, text=True, check=False)
-        if made.returncode == 0:
-            return chosen
-        wrong = {(match[1], int(match[2])) for match in
-                 re.finditer(re.escape(f"{TREE}/") + r"(\S+?):(\d+):\d+: (?:error|  required from here|note: [^\n]* was not initialized with a constant)", made.stdout)}
-        out = {name for name, mutant in chosen.items()
-               if any(path == mutant.path and mutant.line - 1 <= line <= mutant.line + 12 for path, line in wrong)}
-        if not out:
-            sys.exit(made.stdout[-6000:] + "\nscripts/mutate: the build failed, and not by a mutant")
-        say(f"{len(out)} mutants do not compile and are left out")
-        for name in out:
-            del chosen[name]
-    sys.exit("scripts/mutate: the build still fails after twelve attempts")
-
-
-def run_or_leave(command: list[str], folder: pathlib.Path) -> None:
-    made = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    if made.returncode != 0:
-        sys.exit(f"{made.stdout[-3000:]}{made.stderr[-3000:]}\nscripts/mutate: {shlex.join(command)} failed")
-
-
-# Which test comes by which mutant -----------------------------------------------------------------------------------------------------------
-
-
-@dataclasses.dataclass
-class Case:
-    program: str
-    name: str
-    seconds: float
-    reached: set
-
-
-def environment(**more: str) -> dict[str, str]:
-    return {**os.environ, "TSAN_OPTIONS": "", **more}
-
-
-def cases_of(program: str) -> list[str]:
-    listed = subprocess.run([BUILD / "tests" / program, "--gtest_list_tests"], capture_output=True, text=True, check=True).stdout
-    names, suite = [], ""
-    for line in listed.splitlines():
-        word = line.split("#")[0].rstrip()
-        if not line.startswith(" "):
-            suite = word if word.endswith(".") else suite
-        elif not word.strip().startswith("DISABLED_") and not suite.startswith("DISABLED_"):
-            names.append(suite + word.strip())
-    return names
-
-
-def observe(program: str, name: str) -> Case | None:
-    """Runs one case without a mutant. None if it fails."""
-    with tempfile.NamedTemporaryFile(dir="/dev/shm") as file:
-        file.truncate(REACH_BYTES)
-        begun = time.monotonic()
-        try:
-            ended = subprocess.run([BUILD / "tests" / program, f"--gtest_filter={name}"], env=environment(DTS_MUTATION_REACH=file.name),
-                                   cwd=BUILD / "tests", capture_output=True, timeout=300, check=False)
-        except subprocess.TimeoutExpired:
-            return None
-        seconds = time.monotonic() - begun
-        with mmap.mmap(file.fileno(), REACH_BYTES) as mapped:
-            reached = {f"{value:015x}" for (value,) in struct.iter_unpack("=Q", mapped) if value}
-    return Case(program, name, seconds, reached) if ended.returncode == 0 else None
-
-
-def map_tests(programs: list[str]) -> list[Case]:
-    jobs = [(program, name) for program in programs for name in cases_of(program)]
-    cases, failed = [], []
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count() + 1) as pool:
-        for done, ((program, name), case) in enumerate(zip(jobs, pool.map(lambda job: observe(*job), jobs)), 1):
-            progress("Watching tests", done, len(jobs))
-            (cases if case else failed).append(case or f"{program} {name}")
-    for name in failed:
-        say(f"fails without a mutant, left out: {name}")
-    return cases
-
-
-# Who notices --------------------------------------------------------------------------------------------------------------------------------
-
-
-@dataclasses.dataclass
-class Outcome:
-    name: str
-    mutant: object
-    noticed_by: str = ""   # a program
-    by_own: bool = False   # its room's
-    was_reached: bool = False
-
-
-def try_mutant(name: str, mutant, cases: list[Case], budget_s: float) -> Outcome:
-    own = f"unit_{room_of(mutant.path)}"
-    outcome = Outcome(name, mutant)
-    reaching = collections.defaultdict(list)
-    for case in cases:
-        if name in case.reached:
-            reaching[case.program].append(case)
-    outcome.was_reached = bool(reaching)
-    for program in sorted(reaching, key=lambda key: (key != own, sum(case.seconds for case in reaching[key]))):
-        # Those that come by little else are nearest; those that take long are last.
-        near = sorted(reaching[program], key=lambda case: (case.seconds > 2.0, len(case.reached) * (0.1 + case.seconds)))
-        spent, names = 0.0, []
-        for case in near:
-            if names and spent + case.seconds > budget_s:
-                break
-            names.append(case.name)
-            spent += case.seconds
-        if notices(program, name, names, spent):
-            outcome.noticed_by, outcome.by_own = program, program == own
-            return outcome
-    return outcome
-
-
-def notices(program: str, mutant: str, names: list[str], seconds: float) -> bool:
-    for begin in range(0, len(names), 40):
-        chosen = names[begin:begin + 40]
-        process = subprocess.Popen([BUILD / "tests" / program, "--gtest_filter=" + ":".join(chosen), "--gtest_fail_fast"],
-                                   env=environment(DTS_MUTANT=mutant), cwd=BUILD / "tests", stdout=subprocess.DEVNULL,
-                                   stderr=subprocess.DEVNULL, stdin=subprocess.DEVNULL, start_new_session=True)
-        try:
-            if process.wait(timeout=10.0 + 4.0 * seconds) != 0:
-                return True
-        except subprocess.TimeoutExpired:  # it hangs or takes far longer: noticed
-            return True
-        finally:
-            try:
-                os.killpg(process.pid, 9)
-            except ProcessLookupError:
-                pass
-            process.wait()
-    return False
-
-
 def table(outcomes: list[Outcome]) -> str:
     lines = [f"{'ROOM':<16} {'MUTANTS':>8} {'NOTICED':>8} {'%':>6} {'BY ITS ROOM':>12} {'%':>6} {'NO TEST NEAR':>13}"]
     rooms = collections.defaultdict(list)
@@ -311,6 +61,34 @@ def table(outcomes: list[Outcome]) -> str:
         lines.append(f"{room:<16} {len(of):>8} {noticed:>8} {100 * noticed / count:>6.1f} {own:>12} {100 * own / count:>6.1f} "
                      f"{sum(not o.was_reached for o in of):>13}")
     return "\n".join(lines)
+
+
+def mutate(language, rooms: list[str], draws: dict[str, dict], options) -> list[Outcome]:
+    """Draws mutants of the rooms of one language, adds them to `draws`, and tries them."""
+    paths = [path for path in language.sources() if room_of(path) in rooms]
+    lines = changed_lines(options.change) if options.change else None
+    if lines is not None:
+        paths = [path for path in paths if path in lines]
+    named = {path: identify(mutants, (TOP / path).read_bytes()) for path, mutants in language.candidates(paths).items()}
+    if lines is not None:
+        named = {path: {name: mutant for name, mutant in mutants.items() if mutant.line in lines[path]} for path, mutants in named.items()}
+    counts = [int(count) for count in options.count.split(",")]
+    chosen = {}
+    for i, (seed, draw) in enumerate(draws.items()):
+        drawn = choose(named, rooms, counts[min(i, len(counts) - 1)], int(seed))
+        draw.update(drawn)
+        chosen.update(drawn)
+    say(f"{len(chosen)} of {sum(map(len, named.values()))} possible mutants of {len(named)} files")
+    outcomes = []
+    with open(WORK / f"outcomes-{language.__name__}.jsonl", "w", encoding="utf-8") as log:
+        for outcome in language.judge(chosen, options) if chosen else ():
+            outcomes.append(outcome)
+            log.write(json.dumps({"name": outcome.name, "by": outcome.noticed_by, "reached": outcome.was_reached,
+                                  "seeds": [seed for seed, draw in draws.items() if outcome.name in draw],
+                                  "what": outcome.mutant.describe((TOP / outcome.mutant.path).read_bytes())}) + "\n")
+            log.flush()
+            progress("Trying mutants", len(outcomes), len(chosen))
+    return outcomes
 
 
 def main() -> int:
@@ -328,39 +106,11 @@ def main() -> int:
     if unknown := set(rooms) - set(ROOMS):
         parser.error(f"no such room: {', '.join(sorted(unknown))}; rooms are {', '.join(ROOMS)}")
 
-    from weave import identify
     begun = time.monotonic()
-    run_or_leave(["cmake", "--preset", "debug", "-B", str(WORK / "parse"), "-DBUILD_TESTING=OFF"], TOP)
-    run_or_leave(["cmake", "--build", str(WORK / "parse"), "--target", "dts_proto"], TOP)
-    paths = [path for path in tracked("daemon/**.cpp") + tracked("clients/**.cpp") if room_of(path) in rooms]
-    lines = changed_lines(options.change) if options.change else None
-    if lines is not None:
-        paths = [path for path in paths if path in lines]
-    named = {path: identify(mutants, (TOP / path).read_bytes()) for path, mutants in candidates(paths).items()}
-    if lines is not None:
-        named = {path: {name: mutant for name, mutant in mutants.items() if mutant.line in lines[path]} for path, mutants in named.items()}
-    seeds, counts = options.seed.split(","), [int(count) for count in options.count.split(",")]
-    draws = {seed: choose(named, rooms, counts[min(i, len(counts) - 1)], int(seed)) for i, seed in enumerate(seeds)}
-    chosen = {name: mutant for draw in draws.values() for name, mutant in draw.items()}
-    say(f"{len(chosen)} of {sum(map(len, named.values()))} possible mutants of {len(named)} files")
-    if not chosen:
-        return 0
-    used = sorted({room_of(mutant.path) for mutant in chosen.values()}, key=ROOMS.index)
-    programs = [f"unit_{room}" for room in (ROOMS if options.elsewhere else used)]
-    programs += [program for room in used for program in SUBJECT.get(room, [])]
-    chosen = build(chosen, programs)
-    say(f"Built after {time.monotonic() - begun:.0f} s")
-    cases = map_tests(programs)
-    say(f"Watched {len(cases)} cases after {time.monotonic() - begun:.0f} s")
-
-    outcomes = []
-    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool, open(WORK / "outcomes.jsonl", "w", encoding="utf-8") as log:
-        for done, outcome in enumerate(pool.map(lambda item: try_mutant(*item, cases, options.seconds), chosen.items()), 1):
-            outcomes.append(outcome)
-            log.write(json.dumps({"name": outcome.name, "by": outcome.noticed_by, "reached": outcome.was_reached,
-                                  "what": outcome.mutant.describe((TOP / outcome.mutant.path).read_bytes())}) + "\n")
-            log.flush()
-            progress("Trying mutants", done, len(chosen))
+    outcomes, draws = [], {seed: {} for seed in options.seed.split(",")}
+    for language in LANGUAGES:
+        if wanted := [room for room in rooms if room in language.ROOMS]:
+            outcomes += mutate(language, wanted, draws, options)
     with open(options.out, "w", encoding="utf-8") as file:
         for outcome in sorted(outcomes, key=lambda o: (o.mutant.path, o.mutant.begin)):
             if not outcome.noticed_by:

@@ -5,34 +5,19 @@
 
 Only one mutant is active at a time, so what a mutant puts in place of a piece holds no other mutant, and the text grows by one copy for each.
 """
-import hashlib
-
-from find import Mutant
+from mutant import Mutant
 
 
-def identify(mutants: list[Mutant], text: bytes) -> dict[str, Mutant]:
-    """Names each mutant by what it changes, not by its line: a change elsewhere in the file leaves the name as it is."""
-    named: dict[str, Mutant] = {}
-    for mutant in mutants:
-        old = b" ".join(text[mutant.begin:mutant.end].split()).decode()
-        for occurrence in range(1000):
-            key = f"{mutant.path}\0{old}\0{mutant.replacement}\0{mutant.form}\0{occurrence}"
-            name = hashlib.sha256(key.encode()).hexdigest()[:15]
-            if name not in named:
-                named[name] = mutant
-                break
-    return named
-
-
-def weave(text: bytes, chosen: dict[str, Mutant]) -> bytes:
+def weave(text: bytes, chosen: dict[str, Mutant], switch=None) -> bytes:
+    """`switch` writes the alternatives of one place; by default in C++."""
     for at in {text.rindex(b"constexpr", 0, mutant.begin) for mutant in chosen.values() if mutant.form == "named"}:
         text = text[:at] + b"const    " + text[at + 9:]  # initialized when the program starts
     order = sorted(chosen.items(), key=lambda item: (item[1].begin, -item[1].end, item[0]))
-    woven, _ = _weave(text, order, 0, 0, len(text))
+    woven, _ = _weave(text, order, 0, 0, len(text), switch or _switch)
     return woven
 
 
-def _weave(text: bytes, order, at: int, begin: int, end: int):
+def _weave(text: bytes, order, at: int, begin: int, end: int, switch):
     """The text from `begin` to `end` with the mutants order[at:] that lie in it; and the first mutant that does not."""
     made, position = [], begin
     while at < len(order) and order[at][1].end <= end:
@@ -43,8 +28,8 @@ def _weave(text: bytes, order, at: int, begin: int, end: int):
         same = at
         while same < len(order) and (order[same][1].begin, order[same][1].end) == (mutant.begin, mutant.end):
             same += 1
-        inner, after = _weave(text, order, same, mutant.begin, mutant.end)
-        made += [text[position:mutant.begin], _switch(order[at:same], inner)]
+        inner, after = _weave(text, order, same, mutant.begin, mutant.end, switch)
+        made += [text[position:mutant.begin], switch(order[at:same], inner)]
         position, at = mutant.end, after
     made.append(text[position:end])
     return b"".join(made), at

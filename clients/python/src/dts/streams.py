@@ -142,6 +142,6 @@ def column(values: NDArray[_Scalar], channels: tuple[str, ...], channel: str) ->
 def to_utc(time_ns: NDArray[np.float64] | NDArray[np.int64], offset_ns: int) -> Times:
     """Times beyond what 64 bits hold come from a damaged peer or file: they are undefined, not wrapped."""
     times = np.asarray(time_ns, dtype=np.float64) + offset_ns
-    is_known = np.abs(times) < 9.2e18
-    whole = np.where(is_known, time_ns, 0).astype(np.int64) + np.int64(offset_ns if abs(offset_ns) < 2**62 else 0)
+    is_known = (np.abs(times) < 9.2e18) & (abs(offset_ns) < 2**63)
+    whole = np.where(is_known, time_ns, 0).astype(np.int64) + np.int64(offset_ns if abs(offset_ns) < 2**63 else 0)
     return np.where(is_known, whole.astype("datetime64[ns]"), np.datetime64("NaT"))

@@ -1,19 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-import os
 import random
 import socket
-import stat
 import tempfile
 import time
 import unittest
-from pathlib import Path
+from unittest import mock
 
 import numpy as np
 from support import PATIENCE_S, FakeDaemon, block_of, first, status_of, wait_for
 
 import dts
 from dts.inbox import Inbox
-from dts.live import Collector
 from dts.v1 import control_pb2, stream_pb2
 
 
@@ -35,22 +32,6 @@ class Losses(WithFake):
         self.assertEqual([block.lost_scans for block in blocks], [0, 0, 30, 0])
         self.assertTrue(all(block.is_loss_exact for block in blocks))
 
-    def test_NewSegmentWithoutHoleInTheSequenceLosesNothing(self) -> None:
-        stream = self.daemon.stream("rig/cop")
-        self.fake.publish_blocks(block_of(1, 0), block_of(2, 0, segment=1))
-
-        blocks = first(stream, 2)
-
-        self.assertEqual((blocks[1].lost_scans, blocks[1].is_loss_exact), (0, True))
-
-    def test_LossAroundTheEndOfASegmentIsAtLeast(self) -> None:
-        stream = self.daemon.stream("rig/cop")
-        self.fake.publish_blocks(block_of(1, 0), block_of(5, 20, segment=1))
-
-        blocks = first(stream, 2)
-
-        self.assertEqual((blocks[1].lost_scans, blocks[1].is_loss_exact), (20, False))
-
     def test_BlockThatGoesBackwardsIsCounted(self) -> None:
         stream = self.daemon.stream("rig/cop")
         self.fake.publish_blocks(block_of(5, 50), block_of(4, 40))
@@ -59,23 +40,6 @@ class Losses(WithFake):
 
         self.assertEqual((blocks[1].lost_scans, blocks[1].is_loss_exact), (0, False))
         self.assertEqual(stream.statistics.inconsistent, 1)
-
-    def test_RecordListsWhatIsMissing(self) -> None:
-        collector = Collector(1.0)
-        inbox = Inbox(lambda topic: True)
-        inbox.accept([b"dtsd/status", status_of().SerializeToString()])
-        for block in (block_of(1, 0), block_of(2, 10), block_of(6, 50), block_of(7, 60, scans=40)):
-            inbox.accept([b"rig/cop", block.SerializeToString()])
-            item = inbox.next()
-            assert item is not None
-            collector.take(item)
-
-        samples = collector.samples()
-
-        self.assertTrue(collector.is_complete)
-        self.assertEqual(samples.gaps, (dts.Missing(20, 30, True, "lost"),))
-        np.testing.assert_array_equal(samples.scans, np.r_[0:20, 50:100])
-        np.testing.assert_array_equal(samples["a_mm"], np.r_[0:20, 50:100])
 
     def test_AnotherInstanceIsARestart(self) -> None:
         stream = self.daemon.stream("rig/cop")
@@ -91,29 +55,15 @@ class Losses(WithFake):
 
 
 def damaged_blocks() -> dict[str, bytes]:
-    good = block_of(2, 10)
-    cases: dict[str, stream_pb2.StreamBlock] = {}
-
-    def case(name: str, **fields: object) -> None:
-        cases[name] = stream_pb2.StreamBlock.FromString(good.SerializeToString())
-        for field, value in fields.items():
-            setattr(cases[name], field, value)
-
-    case("too many scans for its values", scan_count=11)
-    case("too few scans", scan_count=0)
-    case("scans beyond any limit", scan_count=2**32 - 1)
-    case("channels beyond any limit", channel_count=2**31)
-    case("no instance", instance_id=0)
-    case("quality of other channels", quality=b"\0\0\0")
-    case("scans beyond 64 bits", first_scan=2**64 - 5)
-    for numerator, denominator in ((0, 1), (1, 0), (-100, 1), (2**62, 1)):
-        case(f"rate {numerator}/{denominator}")
-        cases[f"rate {numerator}/{denominator}"].rate.CopyFrom(stream_pb2.Rate(numerator=numerator, denominator=denominator))
-    three = block_of(2, 10)
-    three.channel_count, three.scan_count = 4, 5
-    three.quality = b"\0\0\0\0"
-    cases["channels that the format does not have"] = three
-    return {name: block.SerializeToString() for name, block in cases.items()} | {"no protobuf": b"\xff" * 40, "too long": b"\0" * (2 << 20)}
+    two, other = block_of(2, 10), block_of(2, 10)
+    two.scan_count = 11
+    other.channel_count, other.scan_count, other.quality = 4, 5, b"\0\0\0\0"
+    return {
+        "too many scans for its values": two.SerializeToString(),
+        "channels that the format does not have": other.SerializeToString(),
+        "no protobuf": b"\xff" * 40,
+        "too long": b"\0" * (2 << 20),
+    }
 
 
 class Malformed(WithFake):
@@ -194,6 +144,34 @@ class BeforeTheStatus(unittest.TestCase):
         self.assertEqual(received + lost, blocks * 10)
         self.assertEqual(received, 16384 * 10)
 
+    def test_WhatWaitsIsBoundedInBytes(self) -> None:
+        inbox = Inbox(lambda topic: True)
+        event = stream_pb2.Event(instance_id=1, marker=stream_pb2.Marker(text="x" * ((1 << 20) - 20))).SerializeToString()
+        for _ in range(33):
+            inbox.accept([b"rig/marker", event])
+        inbox.accept([b"dtsd/status", status_of().SerializeToString()])
+
+        waiting = 0
+        while inbox.next() is not None:
+            waiting += 1
+
+        self.assertEqual((waiting, inbox.statistics.dropped_events, inbox.statistics.messages), (32, 1, 34))
+
+    def test_NewsIsWhatIsNotRepeatedAndOfATopicThatIsKnown(self) -> None:
+        inbox = Inbox(lambda topic: topic != "rig/unwanted")
+        inbox.accept([b"dtsd/status", status_of().SerializeToString()])
+        device = stream_pb2.Event(instance_id=1, host_time_ns=5, device=stream_pb2.DeviceChange(uri="a")).SerializeToString()
+        marker = stream_pb2.Event(instance_id=1, marker=stream_pb2.Marker(text="x")).SerializeToString()
+        block = block_of(1, 0).SerializeToString()
+        for topic, body in (("device", device), ("device", device), ("marker", marker), ("marker", marker), ("gap", marker), ("raw", block), ("unwanted", block)):
+            inbox.accept([f"rig/{topic}".encode(), body])
+
+        received = list(iter(inbox.next, None))
+
+        self.assertEqual([item.kind for item in received if isinstance(item, dts.Event)], ["device", "marker", "marker"])
+        self.assertEqual((inbox.statistics.malformed, inbox.statistics.unknown_topics, inbox.statistics.restarts), (1, 1, 0))
+        self.assertEqual((received[0].time_s, np.isnat(received[1].utc)), (5e-9, True))
+
 
 class Answers(unittest.TestCase):
     def setUp(self) -> None:
@@ -233,15 +211,13 @@ class Answers(unittest.TestCase):
             self.fake.connect()
 
     def test_StatusThatMakesNoSenseIsDamaged(self) -> None:
-        bad = [status_of(instance_id=0), status_of(channels=()), status_of(), status_of(), status_of()]
-        bad[2].rigs[0].rig.streams[0].rate.denominator = 0
-        bad[3].rigs[0].rig.name = "a/b"
-        bad[4].disk.recordable_s = float("nan")
-        for status in bad:
-            with self.subTest(status=str(status)):
-                self.fake.status = status
-                with self.assertRaises(dts.DataDamaged):
-                    self.fake.connect()
+        self.fake.status = status_of(channels=())
+
+        with mock.patch.object(dts.Daemon, "close", autospec=True, side_effect=dts.Daemon.close) as close:
+            with self.assertRaises(dts.DataDamaged):
+                self.fake.connect()
+
+        close.assert_called_once()
 
     def test_UnknownErrorCodeIsAFailure(self) -> None:
         refusal = control_pb2.Response(error=control_pb2.Error(what="no"))
@@ -275,44 +251,10 @@ class Unreachable(unittest.TestCase):
         self.assertIn("start it", told.exception.hint)
 
 
-class FindEndpoints(unittest.TestCase):
-    def found(self, *wishes: str, system: str = "/nowhere", **environment: str) -> tuple[str, str]:
-        found = dts.find_endpoints(*wishes, environment=environment, system_directory=system)
-        return found.control, found.data
-
-    def test_ArgumentsComeFirst(self) -> None:
-        found = self.found("ipc:///a/control.sock", DTSD_CONTROL="ipc:///b/control.sock", DTSD_RUNTIME_DIR="/c")
-
-        self.assertEqual(found, ("ipc:///a/control.sock", "ipc:///a/data.sock"))
-
-    def test_VariablesComeBeforeTheFolder(self) -> None:
-        self.assertEqual(
-            self.found(DTSD_DATA="ipc:///b/data.sock", DTSD_RUNTIME_DIR="/c"), ("ipc:///b/control.sock", "ipc:///b/data.sock")
-        )
-        self.assertEqual(self.found(DTSD_RUNTIME_DIR="/c"), ("ipc:///c/control.sock", "ipc:///c/data.sock"))
-
-    def test_SystemsFolderComesBeforeTheSessions(self) -> None:
-        with tempfile.TemporaryDirectory() as folder:
-            (Path(folder) / "control.sock").touch()
-            self.assertEqual(self.found(system=folder, XDG_RUNTIME_DIR="/run/user/7")[0], f"ipc://{folder}/control.sock")
-
-        self.assertEqual(self.found(XDG_RUNTIME_DIR="/run/user/7")[0], "ipc:///run/user/7/dtsd/control.sock")
-        self.assertEqual(self.found()[0], f"ipc:///tmp/dtsd-{os.geteuid()}/control.sock")
-
-    def test_TcpAddressTellsNothingOfItsSibling(self) -> None:
-        self.assertEqual(self.found("tcp://h:1"), ("tcp://h:1", ""))
-        self.assertEqual(self.found("tcp://h:1", DTSD_DATA="tcp://h:2"), ("tcp://h:1", "tcp://h:2"))
-
-    def test_WhatIsNoAddressIsRefused(self) -> None:
-        for address in ("floor", "ipc://relative", "tcp://host", "tcp://:5", "ipc://" + "/long" * 30):
-            with self.subTest(address), self.assertRaises(dts.InvalidArgument):
-                self.found(address)
-
     def test_LeftoverSocketIsToldAsSuch(self) -> None:
         with tempfile.TemporaryDirectory(dir="/tmp") as folder:
             with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as listener:
                 listener.bind(f"{folder}/control.sock")
-            self.assertTrue(stat.S_ISSOCK(os.stat(f"{folder}/control.sock").st_mode))
 
             with self.assertRaisesRegex(dts.Unreachable, "leftover"):
                 dts.connect(control=f"ipc://{folder}/control.sock")

@@ -85,18 +85,6 @@ class Sessions(WithDaemon):
         self.assertEqual((told.kind, told.fields["trial"]), ("trial", 1))
         self.assertEqual(rejected.fields["condition"], "eyes-open-two-feet")
 
-    def test_FieldThatTheProtocolDoesNotAskForIsRefused(self) -> None:
-        with self.assertRaisesRegex(dts.InvalidArgument, "quiet-standing"):
-            self.daemon.start_session("floor", protocol="quiet-standing", fields={"shoe_size": 43})
-
-    def test_MarkWithoutTextIsRefused(self) -> None:
-        with self.assertRaises(dts.InvalidArgument):
-            self.daemon.mark("")
-
-    def test_UnknownSessionIsNotFound(self) -> None:
-        with self.assertRaises(dts.NotFound):
-            self.daemon.session("20000101T000000Z-floor-1")
-
     def test_AuditHasWhatWasDone(self) -> None:
         with self.daemon.start_session("floor") as session:
             pass

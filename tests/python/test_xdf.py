@@ -1,16 +1,20 @@
 # SPDX-License-Identifier: Apache-2.0
 import csv
+import json
 import random
 import shutil
 import struct
 import tempfile
 import unittest
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from support import WithDaemon
 
 import dts
+from dts.xdf import samples
+from dts.xdf_header import stream_header
 
 
 class OwnRecording(WithDaemon):
@@ -107,14 +111,28 @@ def chunk(tag: int, content: bytes) -> bytes:
     return b"\x04" + struct.pack("<IH", len(content) + 2, tag) + content
 
 
-def foreign_file(*samples: bytes, form: str = "float32", channels: int = 2, rate: str = "50") -> bytes:
+def foreign_file(*samples: bytes, form: str = "float32", channels: int = 2, rate: str = "50", version: str = "1.0", desc: str = "") -> bytes:
     """As another program would write it: no description, no exact rate, no footer."""
     header = (
         f"<?xml version='1.0'?><info><name>EEG</name><type>EEG</type><channel_count>{channels}</channel_count>"
-        f"<nominal_srate>{rate}</nominal_srate><channel_format>{form}</channel_format></info>"
+        f"<nominal_srate>{rate}</nominal_srate><channel_format>{form}</channel_format><desc>{desc}</desc></info>"
     )
-    start = b"XDF:" + chunk(1, b"<info><version>1.0</version></info>") + chunk(2, struct.pack("<I", 9) + header.encode())
+    start = b"XDF:" + chunk(1, f"<info><version>{version}</version></info>".encode()) + chunk(2, struct.pack("<I", 9) + header.encode())
     return start + b"".join(chunk(3, struct.pack("<I", 9) + content) for content in samples)
+
+
+def event_file(*rows: tuple[float, str]) -> bytes:
+    """A stream of texts, as dtsd writes its events."""
+    form = "<channel_count>1</channel_count><channel_format>string</channel_format>"
+    content = chunk(2, struct.pack("<I", 10) + f"<info><name>floor/events</name><type>Markers</type>{form}</info>".encode())
+    for time_s, text in rows:
+        content += chunk(3, struct.pack("<I", 10) + b"\x01\x01\x08" + struct.pack("<dBI", time_s, 4, len(text)) + text.encode())
+    return content
+
+
+def facts_file(**facts: str) -> bytes:
+    named = "".join(f"<fact name='{name}'>{text}</fact>" for name, text in {"format_version": "1", **facts}.items())
+    return b"XDF:" + chunk(1, f"<info><version>1.0</version><desc><dts>{named}</dts></desc></info>".encode())
 
 
 class Foreign(unittest.TestCase):
@@ -130,31 +148,31 @@ class Foreign(unittest.TestCase):
     def test_StampsAreCountedOnOverChunks(self) -> None:
         without_stamps = b"\0" + struct.pack("<ff", 3, 4) + b"\0" + struct.pack("<ff", 5, 6)
         first = b"\x01\x03" + b"\x08" + struct.pack("<dff", 10.0, 1, 2) + without_stamps
-        second = b"\x01\x02" + b"\0" + struct.pack("<ff", 7, 8) + b"\x08" + struct.pack("<dff", 11.0, 9, 10)
+        second = b"\x01\x02" + b"\0" + struct.pack("<ff", 7, 8) + b"\x08" + struct.pack("<dff", 30.0, 9, 10)
 
-        stream = self.load(foreign_file(first, second))["EEG"]
+        stream = self.load(foreign_file(first, second, rate="0.4"))["EEG"]
 
-        np.testing.assert_allclose(stream.stamps_s, [10.0, 10.02, 10.04, 10.06, 11.0], atol=1e-12)
+        np.testing.assert_allclose(stream.stamps_s, [10.0, 12.5, 15.0, 17.5, 30.0], atol=1e-12)
         np.testing.assert_array_equal(stream.values, np.arange(1, 11).reshape(5, 2))
         np.testing.assert_array_equal(stream.segments, [0, 0, 0, 0, 1])
         np.testing.assert_array_equal(stream.scans, [0, 1, 2, 3, 0])
         self.assertEqual([gap.index for gap in stream.gaps], [4])
 
     def test_HolesAreCountedWithTheirReasons(self) -> None:
-        def told(time_s: float, text: str) -> bytes:
-            row = b"\x08" + struct.pack("<d", time_s) + bytes([1, len(text)]) + text.encode()
-            return chunk(3, struct.pack("<I", 10) + b"\x01\x01" + row)
+        events = event_file(
+            (1.0, '{"event":"segment","segment":3,"scan":0,"reason":"unplugged","missing_scans":900,"is_exact":false}'),
+            (3.0, '{"event":"segment","segment":4,"scan":0,"reason":"silence","missing_scans":75,"is_exact":true}'),
+            (4.0, '{"event":"loss","segment":4,"scan":50,"scans":25}'),
+            (5.0, '{"event":"segment","segment":5,"scan":0,"reason":"silence","missing_scans":"many"}'),
+        )
 
-        form = "<channel_count>1</channel_count><channel_format>string</channel_format>"
-        header = f"<info><name>floor/events</name><type>Markers</type>{form}</info>".encode()
-        events = chunk(2, struct.pack("<I", 10) + header)
-        events += told(1.0, '{"event":"segment","segment":3,"scan":0,"reason":"unplugged","missing_scans":900,"is_exact":false}')
-        events += told(3.0, '{"event":"segment","segment":4,"scan":0,"reason":"silence","missing_scans":75,"is_exact":true}')
-        events += told(4.0, '{"event":"loss","segment":4,"scan":50,"scans":25}')
-        events += told(5.0, '{"event":"segment","segment":5,"scan":0,"reason":"silence","missing_scans":"many"}')
+        stamps_s = (0.991, 1.02, 3.0, 3.02, 5.0)
+        recording = self.load(foreign_file(b"\x01\x05" + b"".join(b"\x08" + struct.pack("<dff", at, 1, 2) for at in stamps_s)) + events)
 
-        recording = self.load(foreign_file() + events)
-
+        stream = recording["EEG"]
+        np.testing.assert_array_equal(stream.segments, [3, 3, 4, 4, 5])
+        np.testing.assert_array_equal(stream.scans, [0, 1, 0, 1, 0])
+        self.assertEqual(stream.gaps, (dts.Missing(2, 75, True, "silence"), dts.Missing(4, 0, False, "silence")))
         self.assertEqual(recording.losses, (dts.Loss("silence", 2, 75), dts.Loss("ring_full", 1, 25)))
         self.assertEqual((recording.lost_scans, recording.lost_in_gaps), (100, 3))
         self.assertIn("100 scans lost in 3 gaps: silence 2, ring_full 1", str(recording))
@@ -173,6 +191,12 @@ class Foreign(unittest.TestCase):
 
         self.assertEqual((recording.losses, recording.lost_scans), ((), 0))
         self.assertNotIn("lost", str(recording))
+
+    def test_ChunkOfTheShortestSamplesIsBounded(self) -> None:
+        header = stream_header(b"<info><channel_count>1</channel_count><channel_format>int8</channel_format></info>")
+
+        with self.assertRaisesRegex(dts.DataDamaged, "too many to hold"):
+            samples(b"\x08" + struct.pack("<Q", (1 << 24) + 1) + bytes(2 * (1 << 24) + 2), header)
 
     def test_EachSampleMayHaveItsStamp(self) -> None:
         rows = b"".join(b"\x08" + struct.pack("<dhh", time_s, 1, -1) for time_s in (1.0, 1.5, 9.0))
@@ -207,6 +231,7 @@ class Foreign(unittest.TestCase):
             "no count": b"\x03",
             "left over": b"\x01\x01" + row + b"\0",
             "neither 0 nor 8": b"\x01\x01" + b"\x05" + row[1:],
+            "end within a value": b"\x01\x02\0" + struct.pack("<ff", 1, 2) + row[:12],
         }
         for problem, content in cases.items():
             with self.subTest(problem):
@@ -214,20 +239,106 @@ class Foreign(unittest.TestCase):
                 self.assertIn(problem, recording.damage)
                 self.assertRegex(recording.damage, r"samples damaged at byte \d+")
 
-    def test_HeadersThatCannotBeAreRefused(self) -> None:
-        sample = b"\x01\x01" + b"\x08" + struct.pack("<dff", 10.0, 1, 2)
-        for keywords in ({"form": "float16"}, {"channels": 0}, {"channels": 10**6}, {"rate": "-5"}, {"rate": "nan"}, {"rate": "x"}):
+    def test_HeadersAreBounded(self) -> None:
+        def exact(numerator: object, denominator: object) -> str:
+            return f"<dts><rate numerator='{numerator}' denominator='{denominator}'/></dts>"
+
+        cases: list[tuple[bool, dict[str, Any]]] = [
+            *((True, {"form": form}) for form in ("float32", "double64", "int8", "int16", "int32", "int64", "string")),
+            (False, {"form": "float16"}),
+            *((good, {"channels": count}) for good, count in ((True, 1), (True, 4096), (False, 4097), (False, 0), (False, 10**6))),
+            *((True, {"rate": rate}) for rate in ("", "0", "1e-6", "1e6")),
+            *((False, {"rate": rate}) for rate in ("-5", "nan", "x", "9.9e-7", "1.01e6", "inf")),
+            *((True, {"desc": exact(*terms)}) for terms in ((50, 1), (100, 2), (50 * 10**9, 10**9))),
+            *((False, {"desc": exact(*terms)}) for terms in (("", 1), (50, 0), (-50, -1), (50_000_001, 10**6), (10**12 + 50, 2 * 10**10 + 1))),
+            (False, {"desc": "<dts><delay_ns>1.5</delay_ns></dts>"}),
+        ]
+        for is_good, keywords in cases:
             with self.subTest(keywords=keywords):
-                self.assertIn("stream header damaged", self.load(foreign_file(sample, **keywords)).damage)  # type: ignore[arg-type]
+                damage = self.load(foreign_file(**keywords)).damage
+                self.assertRegex(damage, "^no footer" if is_good else "^stream header damaged")
 
-    def test_FactsThatAreNoNumbersAreDamage(self) -> None:
-        for number in ("--5", "0" * 22 + "9" * 30, "1" * 5000, "x"):
-            with self.subTest(number=number[:30]):
-                facts = f"<dts><fact name='format_version'>1</fact><fact name='part'>{number}</fact></dts>"
-                recording = self.load(b"XDF:" + chunk(1, f"<info><version>1.0</version><desc>{facts}</desc></info>".encode()))
+        self.assertEqual([self.load(foreign_file(rate=rate))["EEG"].rate for rate in ("", "0", "0.5")], [None, None, 0.5])
+        for version, is_known in (("1", True), ("1.3", True), ("2.0", False), ("10", False)):
+            with self.subTest(version=version):
+                if is_known:
+                    self.load(foreign_file(version=version))
+                else:
+                    self.assertRaises(dts.DataDamaged, self.load, foreign_file(version=version))
 
-                self.assertIn("the fact part is no number", recording.damage)
-                self.assertIsNone(recording.session)
+    def test_DescriptionsAreTaken(self) -> None:
+        channels = "".join(f"<channel><label>c{i}</label><unit>mm</unit></channel>" for i in range(3))
+        desc = f"<channels>{channels}</channels><dts><delay_ns>-2000000</delay_ns><fact name='a'>b</fact></dts><other>text</other>"
+
+        narrow, wide = (self.load(foreign_file(desc=desc, channels=count))["EEG"] for count in (2, 4))
+
+        self.assertEqual((narrow.channels, narrow.units, narrow.delay_s), (("c0", "c1"), ("mm", "mm"), -0.002))
+        self.assertEqual((wide.channels, wide.units), (("c0", "c1", "c2", ""), ("mm", "mm", "mm", "")))
+        self.assertEqual((narrow.facts["a"], narrow.facts["other"], narrow.content), ("b", "text", "EEG"))
+
+    def test_FactsThatDoNotFitAreDamage(self) -> None:
+        good = {"part": ("0", "-9223372036854775808", "9223372036854775807"), "stages": ("0", "256"), "format_version": ("1",)}
+        bad = {
+            "part": ("--5", "0" * 22 + "9" * 30, "1" * 5000, "x", "9223372036854775808", "-9223372036854775809"),
+            "stages": ("-1", "257"),
+            "format_version": ("2",),
+        }
+        for is_good, given in ((True, good), (False, bad)):
+            for name, texts in given.items():
+                for text in texts:
+                    with self.subTest(name, text=text[:30]):
+                        recording = self.load(facts_file(**{name: text}))
+                        self.assertEqual((recording.session is not None, f"the fact {name} " in recording.damage), (is_good, not is_good))
+
+        session = self.load(facts_file(**{"stages": "2", "stage.1": "a", "stage.2": "b", "field.age": "7", "started_utc_ns": "5", "rig": "floor"})).session
+        assert session is not None
+        self.assertEqual((session.stages, session.fields, session.rig), (("a", "b"), {"age": "7"}, "floor"))
+        self.assertEqual(session.started_utc, np.datetime64(5, "ns"))
+        event = self.load(facts_file(utc_minus_monotonic_ns="7") + event_file((2.0, '{"event":"own","value":null}'))).events[0]
+        self.assertEqual((event.utc, event.fields["value"] != event.fields["value"]), (np.datetime64(2_000_000_007, "ns"), True))
+
+    def test_TextsThatAreNoEventsOfOursAreMarkers(self) -> None:
+        def long(size: int) -> str:
+            return '{"event":"own","text":"' + "x" * (size - 25) + '"}'
+
+        def wide(keys: int) -> str:
+            return json.dumps({"event": "own", **{f"k{i}": i for i in range(keys - 1)}})
+
+        good = ['{"event":"own"}', long(64 << 10), wide(64), json.dumps({"event": "own", "scan": 2**62 - 1, "segment": 0})]
+        bad = ["[]", "{", '{"event":7}', "[" * 9000, long((64 << 10) + 1), wide(65)]
+        bad += [json.dumps({"event": "own", "scan": scan}) for scan in (-1, 2**62, 1.5, True)]
+
+        events = self.load(foreign_file() + event_file(*((float(i), text) for i, text in enumerate(good + bad)))).events
+
+        self.assertEqual([event.kind for event in events], ["own"] * len(good) + ["marker"] * len(bad))
+        self.assertEqual([event.fields["text"] for event in events[len(good) :]], bad)
+        self.assertEqual((events[3].scan, events[0].rig, events[0].utc), (2**62 - 1, "floor", np.datetime64(0, "ns")))
+
+    def test_ChunksThatCannotBeEndTheFileThere(self) -> None:
+        row = b"\x08" + struct.pack("<dff", 10.0, 1, 2)
+        good = foreign_file(b"\x01\x01" + row)
+        footer = struct.pack("<I", 9) + b"<info><sample_count>1</sample_count></info>"
+        cases: dict[str, bytes] = {
+            "^$": b"\x01" + bytes([2 + len(footer)]) + b"\x06\x00" + footer,
+            "recovered, at most 2.5 s": chunk(6, footer.replace(b"</info>", b"<desc><dts><fact name='recovered'>yes</fact>"
+                                              b"<fact name='lost_s_at_most'>2.5</fact></dts></desc></info>")),
+            "^no footer": b"\x08" + struct.pack("<QH", 2 + 16, 5) + b"0" * 16,
+            "no chunk at byte": b"\x03\0\0\0",
+            "chunk torn at byte": b"\x04\0\0",
+            "torn at byte": b"\x01\x09\x05",
+            "without a tag": b"\x01\x01\x05",
+            "at most 64 MiB": b"\x04" + struct.pack("<I", (64 << 20) + 1),
+            "file header damaged": chunk(1, b"<info><version>1.0</version></info>"),
+            "a second one of stream 9": chunk(2, struct.pack("<I", 9) + b"<info/>"),
+            "no stream number": chunk(3, b"\x09\0\0"),
+            "stream 8 has no header": chunk(3, struct.pack("<I", 8)),
+            "not two numbers": chunk(4, struct.pack("<Id", 9, 1.0)),
+        }
+        for problem, added in cases.items():
+            with self.subTest(problem):
+                recording = self.load(good + added)
+                self.assertRegex(recording.damage, problem)
+                self.assertEqual(len(recording["EEG"]), 1)
 
     def test_EntitiesAreRefused(self) -> None:
         bomb = b"<!DOCTYPE x [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;'>]><info><version>1.0</version></info>"
@@ -249,25 +360,6 @@ class Foreign(unittest.TestCase):
         recording = self.load(foreign_file() + chunk(2, struct.pack("<I", 10) + header))
 
         self.assertEqual(list(recording.streams), ["EEG", "EEG-2"])
-
-
-class AgainstPyxdf(WithDaemon):
-    def test_ReadingsAgree(self) -> None:
-        try:
-            import pyxdf
-        except ImportError:
-            self.skipTest("pyxdf is not installed")
-        with self.daemon.start_session("floor") as session:
-            self.daemon.record("floor/cop", 1.0)
-        file = self.daemon.session(session.id).parts[0].file
-
-        theirs, _ = pyxdf.load_xdf(file, synchronize_clocks=False, dejitter_timestamps=False)
-
-        ours = dts.load(file)
-        for stream in theirs:
-            mine = ours[stream["info"]["name"][0]]
-            np.testing.assert_array_equal(mine.values, np.asarray(stream["time_series"], mine.values.dtype))
-            np.testing.assert_allclose(mine.stamps_s, stream["time_stamps"], rtol=0, atol=1e-6)
 
 
 if __name__ == "__main__":

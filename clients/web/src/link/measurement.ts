@@ -25,14 +25,13 @@ const kept = 2000;
 /** Publishes `window.dtsMeasure`. */
 export const openMeasurement = (): PaintObserver & { watch(link: Link): void } => {
   const frames: MeasuredFrame[] = [];
-  let next = 0;
   let newestMs = NaN;
   let decodingMs = 0;
   // A message posted in a frame's callback arrives right after that frame's style, layout and paint.
   const afterFrame = new MessageChannel();
   let finish: ((paintedMs: number) => void) | undefined;
   afterFrame.port1.onmessage = () => finish?.(performance.now());
-  window.dtsMeasure = () => [...frames.slice(next), ...frames.slice(0, next)];
+  window.dtsMeasure = () => frames;
   return {
     watch: (link) => void link.onBlock('floor/cop', (block) => (newestMs = block.newestMs)),
     onWork: (milliseconds) => void (decodingMs += milliseconds),
@@ -41,8 +40,8 @@ export const openMeasurement = (): PaintObserver & { watch(link: Link): void } =
       newestMs = NaN;
       decodingMs = 0;
       finish = (paintedMs) => {
-        frames[next] = { newestMs: newest, paintedMs, scriptMs: decoding + script, mainThreadMs: decoding + paintedMs - startedMs };
-        next = (next + 1) % kept;
+        frames.push({ newestMs: newest, paintedMs, scriptMs: decoding + script, mainThreadMs: decoding + paintedMs - startedMs });
+        if (frames.length > kept) frames.shift();
       };
       afterFrame.port2.postMessage(0);
     },

@@ -45,58 +45,21 @@ test('Streams.WellFormedBlock becomes columns with times of this browser', () =>
   expect([taken.missingScans, taken.isNewSegment]).toEqual([0, false]);
 });
 
-test('Streams.HoleInASegment is counted exactly', () => {
+test.each<[string, Change, boolean, readonly [number, boolean] | undefined]>([
+  ['HoleInASegment is counted exactly', { firstScan: 152n }, false, [50, false]],
+  ['NewSegment tells so, and what is missing of its beginning', { segment: 2, firstScan: 3n }, false, [3, true]],
+  ['RestartedDaemon is a new segment even with the same number', { instanceId: 8n, firstScan: 0n }, false, [0, true]],
+  ['Repetition is dropped', {}, false, undefined],
+  ['AfterForgetting nothing is missing', { firstScan: 9000n }, true, [0, false]],
+  ['RestartedDaemon while it was not subscribed is a new segment', { instanceId: 8n, firstScan: 9000n }, true, [0, true]],
+  ['NewSegment while it was not subscribed is one', { segment: 2, firstScan: 9000n }, true, [0, true]],
+])('Streams.%s', (_name, change, isForgotten, expected) => {
   streams.take('floor/cop', block());
+  if (isForgotten) streams.forget();
 
-  const taken = streams.take('floor/cop', block({ firstScan: 152n }))!;
+  const taken = streams.take('floor/cop', block(change));
 
-  expect(taken.missingScans).toBe(50);
-  expect(taken.isNewSegment).toBe(false);
-});
-
-test('Streams.NewSegment tells so, and what is missing of its beginning', () => {
-  streams.take('floor/cop', block());
-
-  const taken = streams.take('floor/cop', block({ segment: 2, firstScan: 3n }))!;
-
-  expect([taken.isNewSegment, taken.missingScans]).toEqual([true, 3]);
-});
-
-test('Streams.RestartedDaemon is a new segment even with the same number', () => {
-  streams.take('floor/cop', block());
-
-  const taken = streams.take('floor/cop', block({ instanceId: 8n, firstScan: 0n }))!;
-
-  expect([taken.isNewSegment, taken.missingScans]).toEqual([true, 0]);
-});
-
-test('Streams.Repetition is dropped', () => {
-  streams.take('floor/cop', block());
-
-  const again = streams.take('floor/cop', block());
-
-  expect(again).toBeUndefined();
-});
-
-test('Streams.AfterForgetting nothing is missing', () => {
-  streams.take('floor/cop', block());
-  streams.forget();
-
-  const taken = streams.take('floor/cop', block({ firstScan: 9000n }))!;
-
-  expect([taken.missingScans, taken.isNewSegment]).toEqual([0, false]);
-});
-
-test.each<[string, Change]>([
-  ['RestartedDaemon', { instanceId: 8n, firstScan: 9000n }],
-  ['NewSegment', { segment: 2, firstScan: 9000n }],
-])('Streams.%s while it was not subscribed is a new segment', (_name, change) => {
-  streams.take('floor/cop', block());
-  streams.forget();
-
-  const taken = streams.take('floor/cop', block(change))!;
-
-  expect([taken.missingScans, taken.isNewSegment]).toEqual([0, true]);
+  expect(taken && [taken.missingScans, taken.isNewSegment]).toEqual(expected);
 });
 
 test('Streams.UnknownStream or other number of channels is refused', () => {

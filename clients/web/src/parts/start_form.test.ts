@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-import { h, options, render } from 'preact';
-import { expect, test, vi } from 'vitest';
+import { expect, test } from 'vitest';
 
+import { runHook } from '../testing';
 import type { FormState, StartForm } from './start_form';
 import { formAfter, useStartForm } from './start_form';
 
@@ -16,26 +16,16 @@ test.each<[string, FormState, boolean, FormState]>([
   expect(formAfter(state, hasSession)).toBe(expected);
 });
 
-/** What the form is after steps between which Preact draws, but never paints: what it does after a paint is late. */
-const shownAfter = (steps: readonly ((form: StartForm) => void)[]): boolean => {
-  let form: StartForm | undefined;
-  let draw = (): void => undefined;
-  options.debounceRendering = (run) => (draw = run);
-  options.requestAnimationFrame = () => undefined;
-  const Page = (): null => {
-    form = useStartForm(false);
-    return null;
-  };
-  vi.stubGlobal('document', {}); // Preact compares with it
-  render(h(Page, {}), { childNodes: [] } as unknown as Element); // nothing is drawn into it
-  for (const step of steps) {
-    step(form!);
-    draw();
-  }
-  return form!.isShown;
-};
+test.each<[string, readonly (keyof StartForm & ('open' | 'send' | 'close'))[], boolean]>([
+  ['OpenAndSent is shown', ['open', 'send'], true],
+  ['AnswerBeforeThePaint closes it for good', ['open', 'send', 'close'], false],
+])('StartForm.%s', (_name, steps, isShown) => {
+  const form = runHook(() => useStartForm(false), false); // never paints: what it does after a paint is late
 
-test('StartForm.AnswerBeforeThePaint closes it for good', () => {
-  expect(shownAfter([(form) => form.open(), (form) => form.send()])).toBe(true);
-  expect(shownAfter([(form) => form.open(), (form) => form.send(), (form) => form.close()])).toBe(false);
+  for (const step of steps) {
+    form.now()[step]();
+    form.draw();
+  }
+
+  expect(form.now().isShown).toBe(isShown);
 });

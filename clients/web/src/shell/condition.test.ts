@@ -12,37 +12,21 @@ const rig = (name: string, device: DeviceState, deviceMessage = '') => create(Ri
 const status = (rigs: ReturnType<typeof rig>[], disk = DiskState.FINE) =>
   create(StatusSnapshotSchema, { rigs, disk: create(DiskStatusSchema, { state: disk, recordableS: 1800 }) });
 
-test('conditionOf.AllWell is quiet', () => {
-  const { kind } = conditionOf('up', 1, status([rig('floor', DeviceState.STREAMING)]), nothingDropped);
+const well = [rig('floor', DeviceState.STREAMING)];
+const slow = (scansLately: number) => ({ blocks: 3, scans: 99, events: 0, scansLately });
 
-  expect(kind).toBe('good');
-});
-
-test('conditionOf.LostDevice is louder than a disk that fills, with what to do', () => {
-  const rigs = [rig('chair', DeviceState.OPEN), rig('floor', DeviceState.GONE, 'plug it in again')];
-
-  const condition = conditionOf('up', 1, status(rigs, DiskState.LOW), nothingDropped);
-
-  expect(condition).toMatchObject({ kind: 'error', hint: 'plug it in again' });
-  expect(condition.text).toContain('floor');
-});
-
-test.each([
-  [DiskState.LOW, 'warning'],
-  [DiskState.FULL, 'error'],
-  [DiskState.UNUSABLE, 'error'],
-])('conditionOf.Disk %s is a %s', (disk, kind) => {
-  expect(conditionOf('up', 1, status([rig('floor', DeviceState.STREAMING)], disk), nothingDropped).kind).toBe(kind);
-});
-
-test('conditionOf.SlowTab says how much it did not show, while it is slow', () => {
-  const condition = (scansLately: number) => conditionOf('up', 1, status([rig('floor', DeviceState.STREAMING)]), { blocks: 3, scans: 99, events: 0, scansLately });
-
-  const [slow, over] = [condition(64), condition(0)];
-
-  expect(slow.kind).toBe('warning');
-  expect(slow.text).toContain('64');
-  expect(over.kind).toBe('good');
+test.each<[string, Parameters<typeof conditionOf>, object]>([
+  ['AllWell is quiet', ['up', 1, status(well), nothingDropped], { kind: 'good' }],
+  ['LostDevice is louder than a disk that fills, with what to do',
+    ['up', 1, status([rig('chair', DeviceState.OPEN), rig('floor', DeviceState.GONE, 'plug it in again')], DiskState.LOW), nothingDropped],
+    { kind: 'error', hint: 'plug it in again', text: expect.stringContaining('floor') }],
+  ['DiskThatFills', ['up', 1, status(well, DiskState.LOW), nothingDropped], { kind: 'warning' }],
+  ['FullDisk', ['up', 1, status(well, DiskState.FULL), nothingDropped], { kind: 'error' }],
+  ['UnusableDisk', ['up', 1, status(well, DiskState.UNUSABLE), nothingDropped], { kind: 'error' }],
+  ['SlowTab says how much it did not show', ['up', 1, status(well), slow(64)], { kind: 'warning', text: expect.stringContaining('64') }],
+  ['TabThatWasSlow is quiet', ['up', 1, status(well), slow(0)], { kind: 'good' }],
+])('conditionOf.%s', (_, given, expected) => {
+  expect(conditionOf(...given)).toMatchObject(expected);
 });
 
 test('conditionOf.GoneGateway and silent daemon are different errors', () => {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { create } from '@bufbuild/protobuf';
 import type { MessageInitShape } from '@bufbuild/protobuf';
-import { describe, expect, it } from 'vitest';
+import { expect, test } from 'vitest';
 
 import { RigStatusSchema } from '../../generated/dts/v1/control_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
@@ -31,191 +31,108 @@ const reach = (step: ReachStep, p1Scan: number, number = 1, segment = 0): LiveEv
 const after = (...events: readonly LiveEvent[]): Examination => events.reduce(told, noExamination);
 
 const { READY, GO, MEASURE, DONE, REST, FINISHED, REDONE } = TrialEventKind;
+const { P1, FINAL, CANCELLED } = ReachStep;
+const going = [trial(READY), trial(GO, { scan: 5000 })];
+const reached = [...going, reach(FINAL, 5200)];
+const movement = (number: number): LiveEvent => event({ case: 'movement', value: { number, trunkClass: 2 } });
+const result = (attempt: number): LiveEvent => event({ case: 'trialResult', value: { sessionId: 's1', trial: 1, attempt, expectedClass: 1 } });
 
-describe('Examination', () => {
-  it('AfterGo.CountsTimeFromThatScan', () => {
-    const examination = after(trial(READY), trial(GO, { scan: 5000 }), trial(MEASURE, { scan: 5000 }));
+test.each<[string, readonly LiveEvent[], object]>([
+  ['AfterGo counts time from that scan', [...going, trial(MEASURE, { scan: 5000 })], { step: 'go', goAt: { segment: 0, scan: 5000 }, targetCm: 84 }],
+  ['FinalReachAfterGo sends the hand back', [...going, reach(P1, 5200), reach(FINAL, 5200)], { step: 'back', reach: { step: FINAL } }],
+  ['MeasureWithTheHandOnItsWayBack leaves it there', [...reached, trial(MEASURE)], { step: 'back' }],
+  ['ReachAtGo is the trial\'s', [...going, reach(P1, 5000)], { step: 'go', reach: { number: 1 } }],
+  ['ReachThatBeganBeforeGo is none of the trial', [...going, reach(FINAL, 4990)], { step: 'go', reach: undefined }],
+  ['ReachOfAnotherSegment is none of the trial', [...going, reach(FINAL, 5200, 1, 1)], { step: 'go', reach: undefined }],
+  ['ReachAfterTheTrial is none of it', [...going, trial(DONE), reach(P1, 5200)], { step: 'waiting', reach: undefined }],
+  ['SecondReach does not replace a final one', [...going, reach(FINAL, 5200, 7), reach(P1, 9000, 8)], { reach: { number: 7 } }],
+  ['SecondReach replaces one that is under way', [...going, reach(P1, 5200, 7), movement(7), reach(P1, 9000, 8)], { reach: { number: 8 }, movement: undefined }],
+  ['EndOfThePlan leaves the last trial and its reach in sight', [...reached, trial(DONE), trial(FINISHED, { trial: 0, condition: '', targetCm: 0 })],
+    { step: 'finished', trial: 1, condition: '120', reach: { number: 1 }, goAt: { scan: 5000 } }],
+  ['DoneAfterTheEnd leaves it ended', [...reached, trial(FINISHED, { trial: 0 }), trial(DONE)], { step: 'finished' }],
+  ['CancelledReach is forgotten', [...going, reach(P1, 5200), movement(1), reach(CANCELLED, 5200)], { step: 'go', reach: undefined, movement: undefined }],
+  ['CancelledReachOfAnotherNumber is not this one', [...going, reach(P1, 5200), reach(CANCELLED, 5200, 2)], { reach: { step: P1 } }],
+  ['WithoutSession shows the newest reach', [reach(FINAL, 100, 1), reach(P1, 900, 2)], { step: 'free', reach: { number: 2 } }],
+  ['MovementOfTheReach is shown', [...reached, movement(1)], { movement: { trunkClass: 2 } }],
+  ['MovementOfAnotherReach is ignored', [...reached, movement(3)], { movement: undefined }],
+  ['ResultWithoutReach says so', [...reached, trial(DONE), result(1)], { isWithoutReach: true, expectedClass: 1, reach: undefined }],
+  ['ResultOfAnotherAttempt changes nothing shown', [...reached, trial(DONE), result(2)], { isWithoutReach: false, expectedClass: -1, reach: { number: 1 } }],
+  ['Rest ends after its seconds by the clock of its event', [...going, trial(DONE), trial(REST, { restS: 5 })], { step: 'resting', restEndsMs: 6000 }],
+])('Examination.%s', (_, events, expected) => {
+  expect(after(...events)).toMatchObject(expected);
+});
 
-    expect(examination.step).toBe('go');
-    expect(examination.goAt).toEqual({ segment: 0, scan: 5000 });
-    expect(examination.targetCm).toBe(84);
-  });
+test('Examination.GoToldAgain keeps what was found since', () => {
+  expect(told(after(...reached), trial(GO, { scan: 5000 }))).toEqual(after(...reached));
+});
 
-  it('FinalReachAfterGo.SendsTheHandBack', () => {
-    const examination = after(trial(READY), trial(GO, { scan: 5000 }), reach(ReachStep.P1, 5200), reach(ReachStep.FINAL, 5200));
+test('Examination.NextTrial leaves the verdict in sight until go', () => {
+  const ready = { ...after(...reached, trial(DONE), trial(READY, { trial: 2 })), expectedClass: 2 };
 
-    expect(examination.step).toBe('back');
-    expect(examination.reach?.step).toBe(ReachStep.FINAL);
-  });
+  expect(ready.reach).toBeDefined();
+  expect(told(ready, trial(GO, { trial: 2, scan: 9000 }))).toMatchObject({ reach: undefined, movement: undefined, expectedClass: -1, isWithoutReach: false });
+});
 
-  it('GoToldAgain.KeepsWhatWasFoundSince', () => {
-    const before = after(trial(READY), trial(GO, { scan: 5000 }), reach(ReachStep.FINAL, 5200));
+test.each([DONE, REDONE, FINISHED, REST])('Examination.TrialEvent %i makes the list of trials asked for anew', (kind) => {
+  const before = after(...going);
 
-    expect(told(before, trial(GO, { scan: 5000 }))).toEqual(before);
-  });
+  expect(told(before, trial(kind)).changes).toBeGreaterThan(before.changes);
+});
 
-  it.each([
-    ['BeganBeforeGo', reach(ReachStep.FINAL, 4990)],
-    ['OfAnotherSegment', reach(ReachStep.FINAL, 5200, 1, 1)],
-  ])('Reach%s.IsNoneOfTheTrials', (_, stray) => {
-    const examination = after(trial(READY), trial(GO, { scan: 5000 }), stray);
+test('targetPercent.Is of the arm, if that is known', () => {
+  const examination = { ...noExamination, armLengthCm: 70 };
 
-    expect(examination.step).toBe('go');
-    expect(examination.reach).toBeUndefined();
-  });
-
-  it('SecondReachOfATrial.DoesNotReplaceTheFirst', () => {
-    const examination = after(trial(READY), trial(GO, { scan: 5000 }), reach(ReachStep.FINAL, 5200, 7), reach(ReachStep.P1, 9000, 8));
-
-    expect(examination.reach?.number).toBe(7);
-  });
-
-  it('NextTrial.LeavesTheVerdictInSightUntilGo', () => {
-    const ready = after(trial(READY), trial(GO, { scan: 5000 }), reach(ReachStep.FINAL, 5200), trial(DONE), trial(READY, { trial: 2 }));
-
-    expect(ready.reach).toBeDefined();
-    expect(told(ready, trial(GO, { trial: 2, scan: 9000 })).reach).toBeUndefined();
-  });
-
-  it('EndOfThePlan.LeavesTheLastTrialAndItsReachInSight', () => {
-    const before = after(trial(READY), trial(GO, { scan: 5000 }), reach(ReachStep.FINAL, 5200), trial(DONE));
-
-    const examination = told(before, trial(FINISHED, { trial: 0, condition: '', targetCm: 0 }));
-
-    expect(examination).toMatchObject({ step: 'finished', trial: 1, condition: '120', reach: before.reach, goAt: before.goAt });
-  });
-
-  it('CancelledReach.IsForgotten', () => {
-    const examination = after(trial(READY), trial(GO, { scan: 5000 }), reach(ReachStep.P1, 5200), reach(ReachStep.CANCELLED, 5200));
-
-    expect(examination.reach).toBeUndefined();
-    expect(examination.step).toBe('go');
-  });
-
-  it('WithoutSession.ShowsTheNewestReach', () => {
-    const examination = after(reach(ReachStep.FINAL, 100, 1), reach(ReachStep.P1, 900, 2));
-
-    expect(examination.step).toBe('free');
-    expect(examination.reach?.number).toBe(2);
-  });
-
-  it('MovementOfAnotherReach.IsIgnored', () => {
-    const movement = event({ case: 'movement', value: { number: 3, trunkClass: 2 } });
-
-    const examination = after(trial(READY), trial(GO, { scan: 5000 }), reach(ReachStep.FINAL, 5200, 4), movement);
-
-    expect(examination.movement).toBeUndefined();
-  });
-
-  it('ResultWithoutReach.SaysSo', () => {
-    const result = event({ case: 'trialResult', value: { sessionId: 's1', trial: 1, attempt: 1, expectedClass: 1 } });
-
-    const examination = after(trial(READY), trial(GO, { scan: 5000 }), trial(DONE), result);
-
-    expect(examination.isWithoutReach).toBe(true);
-    expect(examination.expectedClass).toBe(1);
-  });
-
-  it('Rest.EndsAfterItsSecondsByTheEventsClock', () => {
-    const examination = after(trial(READY), trial(GO), trial(DONE), trial(REST, { restS: 5 }));
-
-    expect(examination.step).toBe('resting');
-    expect(examination.restEndsMs).toBe(6000);
-  });
-
-  it.each([DONE, REDONE, FINISHED, REST])('TrialEvent%i.MakesTheListOfTrialsAskedForAnew', (kind) => {
-    const before = after(trial(READY), trial(GO));
-
-    expect(told(before, trial(kind)).changes).toBeGreaterThan(before.changes);
-  });
-
-  it('ArmLength.OfTheSessionTellsTargetsInPercent', () => {
-    const examination = { ...noExamination, armLengthCm: 70 };
-
-    expect(targetPercent(examination, 124)).toBeCloseTo((100 * 124) / 70);
-    expect(targetPercent(examination, 0)).toBeUndefined();
-    expect(targetPercent(noExamination, 124)).toBeUndefined();
-  });
+  expect([targetPercent(examination, 124), targetPercent(examination, 0), targetPercent(noExamination, 124)]).toEqual([(100 * 124) / 70, undefined, undefined]);
 });
 
 const status = (state: SessionState, phase: TrialPhase, sessionId = 's1', trial = 2) =>
   create(RigStatusSchema, { session: { sessionId, state, trial: { phase, trial, attempt: 1, condition: '120', of: 9, nextCondition: '150', nextTargetCm: 105 } } });
 const { RUNNING, IDLE } = SessionState;
+const { WAITING, RESTING, MEASURING } = TrialPhase;
 const atOnce = 0n;
 const later = 1_500_000_000n; // a second and more after all events
 
-describe('ExaminationStatus', () => {
-  it('OfATabThatCameLate.TellsTheStep', () => {
-    const examination = seen(noExamination, status(RUNNING, TrialPhase.RESTING), atOnce);
+test.each<[string, readonly LiveEvent[], ReturnType<typeof status>, bigint, object]>([
+  ['OfATabThatCameLate tells the step', [], status(RUNNING, RESTING), atOnce, { sessionId: 's1', step: 'resting', trial: 2, of: 9, nextCondition: '150', nextTargetCm: 105 }],
+  ['DuringATrial does not take back what events told meanwhile', going, status(RUNNING, TrialPhase.READY, 's1', 1), atOnce, { step: 'go', of: 9 }],
+  ['ASecondAfterTheEvents is not later yet', reached, status(RUNNING, WAITING, 's1', 1), 1_000_000_000n, { step: 'back' }],
+  ['OfTheNextTrial forgets what was found in the lost one', reached, status(RUNNING, MEASURING), later, { step: 'go', trial: 2, goAt: undefined, reach: undefined }],
+  ['OfTheNextTrial that waits leaves it to be read', reached, status(RUNNING, TrialPhase.READY), later, { step: 'ready', trial: 2, goAt: undefined, reach: { number: 1 } }],
+  ['OfTheSameTrial leaves the hand on its way back', reached, status(RUNNING, MEASURING, 's1', 1), later, { step: 'back', changes: after(...reached).changes, goAt: { scan: 5000 } }],
+  ['AfterARestThatWaitsForACommand waits', [...going, trial(REST)], status(RUNNING, WAITING, 's1', 1), atOnce, { step: 'waiting' }],
+  ['OfASessionThatIsOver leaves the trials listed', going, status(IDLE, TrialPhase.FINISHED), atOnce, { step: 'free', sessionId: 's1', goAt: undefined }],
+])('seen.Status %s', (_, events, said, madeNs, expected) => {
+  expect(seen(after(...events), said, madeNs)).toMatchObject(expected);
+});
 
-    expect(examination).toMatchObject({ sessionId: 's1', step: 'resting', trial: 2, of: 9, nextCondition: '150' });
-  });
+test.each([
+  [WAITING, 'waiting'],
+  [RESTING, 'resting'],
+  [TrialPhase.FINISHED, 'finished'],
+])('seen.Phase %i of a later status ends a trial whose end got lost', (phase, step) => {
+  const before = after(...reached);
 
-  it('DuringATrial.DoesNotTakeBackWhatEventsToldMeanwhile', () => {
-    const examination = seen(after(trial(READY), trial(GO)), status(RUNNING, TrialPhase.READY, 's1', 1), atOnce);
+  const [early, late] = [atOnce, later].map((madeNs) => seen(before, status(RUNNING, phase, 's1', 1), madeNs));
 
-    expect(examination.step).toBe('go');
-    expect(examination.of).toBe(9);
-  });
+  expect(early!.step).toBe('back');
+  expect(late).toMatchObject({ step, trial: 1, reach: before.reach });
+  expect(late!.changes).toBeGreaterThan(before.changes);
+});
 
-  it.each([
-    [TrialPhase.WAITING, 'waiting'],
-    [TrialPhase.RESTING, 'resting'],
-    [TrialPhase.FINISHED, 'finished'],
-  ])('Phase%iOfALaterStatus.EndsATrialWhoseEndGotLost', (phase, step) => {
-    const before = after(trial(READY), trial(GO), reach(ReachStep.FINAL, 5200));
+test('seen.NewSessionWithoutTrials leaves nothing of the one before', () => {
+  const before = after(...reached);
+  const withoutTrials = create(RigStatusSchema, { session: { sessionId: 's2', state: RUNNING } });
 
-    const [early, late] = [atOnce, later].map((madeNs) => seen(before, status(RUNNING, phase, 's1', 1), madeNs));
+  const examination = seen(before, withoutTrials, atOnce);
 
-    expect(early!.step).toBe('back');
-    expect(late).toMatchObject({ step, trial: 1, reach: before.reach });
-    expect(late!.changes).toBeGreaterThan(before.changes);
-  });
+  expect(examination).toEqual({ ...noExamination, sessionId: 's2', changes: before.changes + 1 });
+  expect(seen(examination, withoutTrials, later)).toBe(examination);
+});
 
-  it('LaterStatusOfTheNextTrial.ForgetsWhatWasFoundInTheLostOne', () => {
-    const before = after(trial(READY), trial(GO, { scan: 5000 }), reach(ReachStep.FINAL, 5200));
+test('seen.StatusOfTheSessionBefore changes nothing until it is later', () => {
+  const before = after(trial(READY));
+  const idle = status(IDLE, TrialPhase.FINISHED, 's0');
 
-    const examination = seen(before, status(RUNNING, TrialPhase.MEASURING), later);
-
-    expect(examination).toMatchObject({ step: 'go', trial: 2, goAt: undefined, reach: undefined });
-  });
-
-  it('LaterStatusOfTheSameTrial.LeavesTheHandOnItsWayBack', () => {
-    const before = after(trial(READY), trial(GO, { scan: 5000 }), reach(ReachStep.FINAL, 5200));
-
-    const examination = seen(before, status(RUNNING, TrialPhase.MEASURING, 's1', 1), later);
-
-    expect(examination).toMatchObject({ step: 'back', changes: before.changes, goAt: before.goAt });
-  });
-
-  it('AfterARestThatWaitsForACommand.Waits', () => {
-    const examination = seen(after(trial(READY), trial(GO), trial(REST)), status(RUNNING, TrialPhase.WAITING, 's1', 1), atOnce);
-
-    expect(examination.step).toBe('waiting');
-  });
-
-  it('SessionOver.LeavesTheTrialsListed', () => {
-    const examination = seen(after(trial(READY), trial(GO)), status(IDLE, TrialPhase.FINISHED), atOnce);
-
-    expect(examination.step).toBe('free');
-    expect(examination.sessionId).toBe('s1');
-  });
-
-  it('NewSessionWithoutTrials.LeavesNothingOfTheOneBefore', () => {
-    const before = after(trial(READY), trial(GO), reach(ReachStep.FINAL, 5200));
-    const withoutTrials = create(RigStatusSchema, { session: { sessionId: 's2', state: RUNNING } });
-
-    const examination = seen(before, withoutTrials, atOnce);
-
-    expect(examination).toEqual({ ...noExamination, sessionId: 's2', changes: before.changes + 1 });
-    expect(seen(examination, withoutTrials, later)).toBe(examination);
-  });
-
-  it('OfTheSessionBefore.ChangesNothingUntilItIsLater', () => {
-    const before = after(trial(READY));
-    const idle = status(IDLE, TrialPhase.FINISHED, 's0');
-
-    expect(seen(before, idle, atOnce)).toBe(before);
-    expect(seen(before, idle, later).step).toBe('free');
-  });
+  expect(seen(before, idle, atOnce)).toBe(before);
+  expect(seen(before, idle, later).step).toBe('free');
 });

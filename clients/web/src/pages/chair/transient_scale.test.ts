@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-import { describe, expect, it } from 'vitest';
+import { expect, test } from 'vitest';
 
 import type { Block } from '../../link/types';
+import type { Examination } from './examination';
 import { noExamination } from './examination';
 import { TransientRing } from './transient_ring';
+import type { Range } from './transient_scale';
 import { fitRange, gridStep, timeWindow } from './transient_scale';
 
 const ringUntil = (endScan: number): TransientRing => {
@@ -13,61 +15,42 @@ const ringUntil = (endScan: number): TransientRing => {
 };
 const goAt = { segment: 0, scan: 1000 };
 
-describe('TimeWindow', () => {
-  it('WithoutExamination.PassesByUntilNow', () => {
-    expect(timeWindow(noExamination, ringUntil(5000))).toEqual({ zeroScan: 5000, fromS: -10, toS: 0, isTrial: false });
-  });
+const go = { ...noExamination, step: 'go', goAt } as const;
 
-  it('InATrial.StandsStillAtGo', () => {
-    const examination = { ...noExamination, step: 'go', goAt } as const;
-
-    expect(timeWindow(examination, ringUntil(1100))).toEqual(timeWindow(examination, ringUntil(1500)));
-    expect(timeWindow(examination, ringUntil(1100)).zeroScan).toBe(1000);
-  });
-
-  it('LongTrial.WidensInSteps', () => {
-    const examination = { ...noExamination, step: 'go', goAt } as const;
-
-    expect(timeWindow(examination, ringUntil(1000 + 610)).toS).toBe(8);
-    expect(timeWindow(examination, ringUntil(1000 + 790)).toS).toBe(8);
-  });
-
-  it('GoOfASegmentThatIsOver.IsNotShown', () => {
-    const examination = { ...noExamination, step: 'go', goAt: { segment: 3, scan: 1000 } } as const;
-
-    expect(timeWindow(examination, ringUntil(1100)).isTrial).toBe(false);
-  });
+test.each<[string, Examination, number, object]>([
+  ['WithoutExamination passes by until now', noExamination, 5000, { zeroScan: 5000, fromS: -10, toS: 0, isTrial: false }],
+  ['ReadyTrial waits for its go', { ...noExamination, step: 'ready' }, 900, { zeroScan: 900, fromS: -1, toS: 6, isTrial: true }],
+  ['Trial begins at go', go, 1100, { zeroScan: 1000, fromS: -1, toS: 6, isTrial: true }],
+  ['Trial stands still', go, 1600, { zeroScan: 1000, fromS: -1, toS: 6, isTrial: true }],
+  ['LongTrial widens in steps', go, 1610, { zeroScan: 1000, fromS: -1, toS: 8, isTrial: true }],
+  ['LongTrial stands still again', go, 1790, { zeroScan: 1000, fromS: -1, toS: 8, isTrial: true }],
+  ['LongReturn widens as well', { ...go, step: 'back' }, 1810, { zeroScan: 1000, fromS: -1, toS: 10, isTrial: true }],
+  ['EndlessTrial is cut off', go, 9000, { zeroScan: 1000, fromS: -1, toS: 16, isTrial: true }],
+  ['Rest stays at the trial', { ...go, step: 'resting' }, 1900, { zeroScan: 1000, fromS: -1, toS: 6, isTrial: true }],
+  ['GoOfASegmentThatIsOver is not shown', { ...go, goAt: { segment: 3, scan: 1000 } }, 1100, { zeroScan: 1100, fromS: -10, toS: 0, isTrial: false }],
+])('timeWindow.%s', (_, examination, endScan, expected) => {
+  expect(timeWindow(examination, ringUntil(endScan))).toEqual(expected);
 });
 
-describe('FitRange', () => {
-  it('ValuesInside.DoNotMoveTheAxis', () => {
-    const range = { low: 3, high: 7 };
-
-    expect(fitRange(range, 3.2, 6.5)).toBe(range);
-  });
-
-  it('ValueOutside.WidensWithRoom', () => {
-    expect(fitRange({ low: 3, high: 5 }, 3.7, 5.2)).toEqual({ low: 3, high: 6 });
-  });
-
-  it('LargelyEmpty.Shrinks', () => {
-    expect(fitRange({ low: 0, high: 20 }, 3.6, 3.8)).toEqual({ low: 3, high: 5 });
-  });
-
-  it('NothingToShow.DoesNotMoveTheAxis', () => {
-    const range = { low: 3, high: 7 };
-
-    expect(fitRange(range, Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY)).toBe(range);
-  });
+test.each<[string, Range, readonly [number, number], Range]>([
+  ['ValuesInside do not move the axis', { low: 3, high: 7 }, [3.2, 6.5], { low: 3, high: 7 }],
+  ['ValuesAtItsEnds neither', { low: 3, high: 7 }, [3, 7], { low: 3, high: 7 }],
+  ['ValueAbove widens with room', { low: 3, high: 5 }, [3.7, 5.2], { low: 3, high: 6 }],
+  ['ValueBelow as well', { low: 3, high: 5 }, [2.8, 4.2], { low: 2, high: 5 }],
+  ['LargelyEmpty shrinks', { low: 0, high: 20 }, [3.6, 3.8], { low: 3, high: 5 }],
+  ['HalfEmpty stays', { low: 0, high: 5 }, [1.2, 1.8], { low: 0, high: 5 }],
+  ['NothingToShow does not move the axis', { low: 3, high: 7 }, [Infinity, -Infinity], { low: 3, high: 7 }],
+])('fitRange.%s', (_, present, [low, high], expected) => {
+  expect(fitRange(present, low, high)).toEqual(expected);
 });
 
-describe('GridStep', () => {
-  it.each([
-    [2, 0.5],
-    [5, 1],
-    [9, 2],
-    [40, 10],
-  ])('Range%d.HasRoundSteps', (range, step) => {
-    expect(gridStep(range, 5)).toBeCloseTo(step);
-  });
+test.each([
+  [2, 0.5],
+  [5, 1],
+  [7.4, 1],
+  [9, 2],
+  [17.6, 5],
+  [40, 10],
+])('gridStep.Range %d has round steps of %d', (range, step) => {
+  expect(gridStep(range, 5)).toBeCloseTo(step);
 });

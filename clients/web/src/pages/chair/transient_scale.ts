@@ -18,7 +18,7 @@ const stepS = 2; // a trial that lasts longer widens the axis by this, so that i
 /** During a trial time counts from "Go" and stands still; else the last ten seconds pass by. */
 export const timeWindow = (examination: Examination, ring: TransientRing): TimeWindow => {
   const { step, goAt } = examination;
-  if (goAt !== undefined && goAt.segment === ring.segment && ring.rateHz > 0) {
+  if (goAt !== undefined && goAt.segment === ring.segment) {
     const elapsedS = (ring.endScan - goAt.scan) / ring.rateHz;
     const isMeasured = step === 'go' || step === 'back';
     const longerS = isMeasured && elapsedS > trialS ? Math.ceil((elapsedS - trialS) / stepS) * stepS : 0;

@@ -134,22 +134,14 @@ test('progressOf.TabLoadedInATrial tells what is left and no share, until it has
   expect(inNext).toMatchObject({ seconds: 15, shares: { settle: expect.closeTo(0.2, 9), done: expect.closeTo(0.4, 9) } });
 });
 
-test('learnLengths.PhaseThatBeganWhileNobodyLooked tells nothing', () => {
-  const lengths = learned(inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20));
+test.each<[string, readonly SessionInfo[], readonly unknown[]]>([
+  ['PhaseThatBeganWhileNobodyLooked tells nothing', [inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20)], ['s', undefined, undefined]],
+  ['SettlingTooShortToBeSeen takes no part of the ring', [inTrial(READY, 0.3, 3), inTrial(MEASURING, 20, 4)], ['s', 0, 20]],
+  ['OtherSession begins anew', [inTrial(READY, 1, 1), inTrial(MEASURING, 60, 2), create(SessionInfoSchema, { sessionId: 'other' })], ['other', undefined, undefined]],
+])('learnLengths.%s', (_, sessions, expected) => {
+  const { sessionId, settleS, measureS } = learned(...sessions);
 
-  expect([lengths.settleS, lengths.measureS]).toEqual([undefined, undefined]);
-});
-
-test('learnLengths.SettlingTooShortToBeSeen takes no part of the ring', () => {
-  const lengths = learned(inTrial(READY, 0.3, 3), inTrial(MEASURING, 20, 4));
-
-  expect([lengths.settleS, lengths.measureS]).toEqual([0, 20]);
-});
-
-test('learnLengths.OtherSession begins anew', () => {
-  const lengths = learned(inTrial(READY, 1, 1), inTrial(MEASURING, 60, 2), create(SessionInfoSchema, { sessionId: 'other' }));
-
-  expect([lengths.sessionId, lengths.settleS, lengths.measureS]).toEqual(['other', undefined, undefined]);
+  expect([sessionId, settleS, measureS]).toEqual(expected);
 });
 
 test('progressOf.WaitingTrial or one without an end has no time; a free recording counts up, one with an end down', () => {

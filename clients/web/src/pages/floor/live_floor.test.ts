@@ -1,61 +1,127 @@
 // SPDX-License-Identifier: Apache-2.0
-import { create } from '@bufbuild/protobuf';
-import { signal } from '@preact/signals';
-import { expect, test } from 'vitest';
+import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 
-import { StatusSnapshotSchema } from '../../generated/dts/v1/control_pb';
-import { EventSchema, Quality, SessionState } from '../../generated/dts/v1/stream_pb';
-import type { Block, Link, LiveEvent } from '../../link/types';
-import { LiveFloor } from './live_floor';
+import { Quality, SessionState, SwayFlag, TrialEventKind } from '../../generated/dts/v1/stream_pb';
+import { fakeLink } from '../../testing';
+import { invalidBecause, LiveFloor } from './live_floor';
 
 const channels = ['ml_mm', 'ap_mm', 'load_n'].map((name) => ({ name }));
 
-const openFloor = (state: SessionState) => {
-  let tellBlock: (block: Block) => void = () => undefined;
-  let tellEvent: (event: LiveEvent) => void = () => undefined;
-  const stop = (): void => undefined;
-  const link = {
-    status: signal(create(StatusSnapshotSchema, { rigs: [{ rig: { name: 'floor' }, session: { state } }] })),
-    onBlock: (topic: string, handler: typeof tellBlock) => {
-      if (topic === 'floor/cop') tellBlock = handler;
-      return stop;
-    },
-    onEvent: (_topic: string, handler: typeof tellEvent) => {
-      tellEvent = handler;
-      return stop;
-    },
-    onPaint: () => stop,
-    subscribe: () => stop,
-  } as unknown as Link;
-  const floor = new LiveFloor(link, 'floor');
-  const stand = (quality: number): void =>
-    tellBlock({
-      format: { channels },
-      rateHz: 100,
-      scanCount: 1,
-      timeMs: 0,
-      newestMs: 0,
-      missingScans: 0,
-      columns: channels.map(() => new Float32Array(1)),
-      quality: new Uint8Array(3).fill(quality),
-    } as unknown as Block);
-  const finish = (trial: number): void =>
-    tellEvent({ timeMs: 0, event: create(EventSchema, { body: { case: 'sway', value: { trial, isPreliminary: false, isValid: true } } }) } as LiveEvent);
-  return { floor, stand, finish };
+const openFloor = (state = SessionState.RUNNING) => {
+  const fake = fakeLink([{ rig: { name: 'chair' }, session: { state: SessionState.IDLE } }, { rig: { name: 'floor' }, session: { state } }]);
+  const floor = new LiveFloor(fake.link, 'floor');
+  const stand = (quality = 0, values = [0, 0, 0], timeMs = 0): void =>
+    fake.block('floor/cop', values.map((value) => [value]), { format: { channels }, firstScan: timeMs / 10, timeMs, newestMs: timeMs, quality: Uint8Array.of(quality, 0, 0) });
+  const sway = (trial: number, isPreliminary = false, value = 5): void =>
+    fake.event('floor/sway', { body: { case: 'sway', value: { trial, isPreliminary, measures: [{ symbol: 'MVELO', value }, { symbol: 'RANGE_AP', value: NaN }] } } });
+  const trial = (kind: TrialEventKind, timeMs = 0): void => fake.event('floor/trial', { body: { case: 'trial', value: { kind } } }, timeMs);
+  const session = (next: SessionState): void => fake.event('floor/session', { body: { case: 'session', value: { state: next } } });
+  return { fake, floor, stand, sway, trial, session };
 };
+
+beforeEach(() => void vi.useFakeTimers({ now: 7000 }));
+afterEach(() => void vi.useRealTimers());
 
 test.each<[string, SessionState, number | undefined]>([
   ['NextPersonAfterTheSession sees no result of the former one', SessionState.IDLE, undefined],
   ['SubjectBackOnThePlate within the session keeps the result', SessionState.RUNNING, 4],
 ])('LiveFloor.%s', (_, state, expected) => {
-  const { floor, stand, finish } = openFloor(state);
-  stand(Quality.UNSPECIFIED);
-  finish(4);
+  const { floor, stand, sway } = openFloor(state);
+  stand();
+  sway(4);
   stand(Quality.NO_CONTACT);
   const whileEmpty = floor.sway.value?.sway.trial;
 
-  stand(Quality.UNSPECIFIED);
+  stand();
 
   expect(whileEmpty).toBe(4);
   expect(floor.sway.value?.sway.trial).toBe(expected);
+});
+
+test('LiveFloor.Values are those of the newest scan, told four times a second', () => {
+  const { fake, floor, stand } = openFloor();
+  const told = [];
+
+  fake.paint(1000);
+  for (const nowMs of [1000, 1249, 1250]) {
+    stand(0, [nowMs, 2, 980.665], nowMs);
+    fake.paint(nowMs);
+    told.push(floor.now.value.mlMm);
+  }
+  fake.block('floor/deflection', [[1, 5], [2, 6]], { quality: Uint8Array.of(0, 16) });
+
+  expect(told).toEqual([1000, 1000, 1250]);
+  expect(floor.now.value).toMatchObject({ apMm: 2, loadKg: expect.closeTo(100, 4), quality: 0 });
+  expect([floor.deflectionMm, floor.sensorQuality]).toEqual([[5, 6], [0, 16]]);
+  floor.close();
+  expect(fake.topics()).toEqual([]);
+});
+
+test('LiveFloor.Ellipse is that of the last 20 s, in a trial of the trial, on an empty plate none', () => {
+  const { fake, floor, stand, trial } = openFloor();
+  for (let timeMs = 0; timeMs <= 20_300; timeMs += 10) stand(0, [timeMs < 295 ? 500 : timeMs < 20_000 ? 0 : 9 + ((timeMs / 10) % 2), (timeMs / 10) % 3, 0], timeMs);
+  const samplesAt = (nowMs: number): number | undefined => (fake.paint(nowMs), floor.now.value.ellipse?.samples);
+
+  const free = samplesAt(21_000);
+  trial(TrialEventKind.MEASURE, 20_000);
+  const measured = samplesAt(22_000);
+  trial(TrialEventKind.DONE);
+  const over = samplesAt(23_000);
+  stand(Quality.NO_CONTACT, [0, 0, 0], 20_310);
+
+  expect([free, measured, over, samplesAt(24_000)]).toEqual([2001, 31, 2001, undefined]);
+});
+
+test.each<[string, (open: ReturnType<typeof openFloor>) => void, boolean]>([
+  ['running values', ({ sway }) => sway(0, true), true],
+  ['the end of its trial', ({ trial }) => trial(TrialEventKind.DONE), true],
+  ['running values of the next trial', ({ sway }) => sway(5, true), false],
+  ['the next trial', ({ trial }) => trial(TrialEventKind.READY), false],
+  ['its start', ({ trial }) => trial(TrialEventKind.GO), false],
+  ['the next session', ({ session }) => session(SessionState.STARTING), false],
+  ['the end of the session', ({ session }) => session(SessionState.IDLE), true],
+])('LiveFloor.Result of a trial after %s', (_, next, isKept) => {
+  const open = openFloor();
+  open.trial(TrialEventKind.MEASURE, 50);
+  open.sway(4);
+
+  next(open);
+
+  expect(open.floor.sway.value?.sway.trial === 4).toBe(isKept);
+});
+
+test('LiveFloor.Running values become sparks of one trial, a minute at most', () => {
+  const { floor, sway } = openFloor();
+  sway(1, true, 3);
+  for (let i = 0; i < 121; i += 1) sway(2, true, i);
+
+  expect([...floor.sway.value!.values]).toEqual([['MVELO', 120]]);
+  expect([floor.sparks.get('MVELO')!.length, floor.sparks.get('MVELO')![0], floor.sparks.get('RANGE_AP')![0]]).toEqual([120, 1, NaN]);
+});
+
+test('LiveFloor.Gap is told with its length, markers are bounded, a trial ends with its session', () => {
+  const { fake, floor, stand, trial, session } = openFloor();
+  const gap = (): void => fake.event('floor/gap', { body: { case: 'gap', value: { missingScans: 50n } } });
+
+  gap(); // before any block its length is unknown
+  const unknown = floor.absence.value;
+  stand();
+  gap();
+  for (let i = 0; i < 51; i += 1) fake.event('floor/marker', { body: { case: 'marker', value: { text: `${i}` } } }, i);
+  trial(TrialEventKind.MEASURE, 50);
+  const fromMs = floor.trialFromMs;
+  session(SessionState.IDLE);
+
+  expect([unknown, floor.absence.value]).toEqual([undefined, { backAt: 7000, seconds: 0.5 }]);
+  expect([floor.markers.length, floor.markers[0]]).toEqual([50, { timeMs: 1, text: '1' }]);
+  expect([fromMs, floor.trialFromMs]).toEqual([50, NaN]);
+});
+
+test.each([
+  [0, ''],
+  [SwayFlag.STEPPED_OFF, 'off'],
+  [SwayFlag.MOVED, 'moved'],
+  [SwayFlag.STEPPED_OFF | SwayFlag.MOVED, 'off, moved'],
+])('invalidBecause.%i is %j', (flags, words) => {
+  expect(invalidBecause(flags, { steppedOff: 'off', moved: 'moved' })).toBe(words);
 });

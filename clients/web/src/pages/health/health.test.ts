@@ -1,107 +1,93 @@
 // SPDX-License-Identifier: Apache-2.0
 import { create } from '@bufbuild/protobuf';
-import { describe, expect, it } from 'vitest';
+import { afterEach, expect, test, vi } from 'vitest';
 
 import { SensorInfoSchema } from '../../generated/dts/v1/control_pb';
 import { Quality } from '../../generated/dts/v1/stream_pb';
 import type { Block } from '../../link/types';
+import { fakeLink, runHook } from '../../testing';
 import { barEndsMs, LatencyCounts } from './latency';
 import { SecondStatistics } from './second_statistics';
-import { gapMm, qualityWords, sensorRows } from './sensors';
+import { qualityWords, sensorRows } from './sensors';
+import { useAges, useWatched } from './watch';
 
 const block = (values: readonly number[], quality = 0, more: Partial<Block> = {}): Block =>
   ({ columns: [Float32Array.from(values)], quality: Uint8Array.of(quality), scanCount: values.length, rateHz: 4, isNewSegment: false, ...more }) as Block;
 
-describe('SecondStatistics', () => {
-  it('WholeSecond.HasMeanNoiseAndAllQualityBits', () => {
-    const statistics = new SecondStatistics();
+test.each<[string, Block[], object[]]>([
+  ['WholeSecond has mean, noise and all quality bits', [block([1, 3], Quality.STUCK), block([1, 3], Quality.RAIL)], [{ mean: 2, noiseRms: 1, quality: Quality.STUCK | Quality.RAIL }]],
+  ['PartOfASecond tells nothing', [block([1, 3])], []],
+  ['MillivoltsOnVolts are not drowned', [block([4.9, 4.9002, 4.9, 4.9002])], [{ mean: expect.closeTo(4.9001, 6), noiseRms: expect.closeTo(0.0001, 6), quality: 0 }]],
+  ['UndefinedValues are left out', [block([NaN, 2, 4, NaN])], [{ mean: 3, noiseRms: 1, quality: 0 }]],
+  ['NewSegment begins anew', [block([9, 9]), block([1, 1, 1, 1], 0, { isNewSegment: true })], [{ mean: 1, noiseRms: 0, quality: 0 }]],
+  ['SecondAfterSecond is told each by itself', [block([9, 9, 9, 9], Quality.RAIL), block([1, 1, 1, 1])], [{ mean: 1, noiseRms: 0, quality: 0 }]],
+])('SecondStatistics.%s', (_, blocks, channels) => {
+  const statistics = new SecondStatistics();
 
-    statistics.push(block([1, 3], Quality.STUCK));
-    statistics.push(block([1, 3], Quality.RAIL));
+  blocks.forEach((each) => statistics.push(each));
 
-    expect(statistics.channels).toEqual([{ mean: 2, noiseRms: 1, quality: Quality.STUCK | Quality.RAIL }]);
-  });
-
-  it('PartOfASecond.TellsNothing', () => {
-    const statistics = new SecondStatistics();
-
-    statistics.push(block([1, 3]));
-
-    expect(statistics.channels).toEqual([]);
-  });
-
-  it('MillivoltsOnVolts.AreNotDrowned', () => {
-    const statistics = new SecondStatistics();
-
-    statistics.push(block([4.9, 4.9002, 4.9, 4.9002]));
-
-    expect(statistics.channels[0]?.noiseRms).toBeCloseTo(0.0001, 6);
-  });
-
-  it('UndefinedValues.AreLeftOut', () => {
-    const statistics = new SecondStatistics();
-
-    statistics.push(block([Number.NaN, 2, 4, Number.NaN]));
-
-    expect(statistics.channels[0]).toMatchObject({ mean: 3, noiseRms: 1 });
-  });
-
-  it('NewSegment.BeginsAnew', () => {
-    const statistics = new SecondStatistics();
-    statistics.push(block([9, 9]));
-
-    statistics.push(block([1, 1, 1, 1], 0, { isNewSegment: true }));
-
-    expect(statistics.channels[0]?.mean).toBe(1);
-  });
+  expect(statistics.channels).toEqual(channels);
 });
 
-describe('LatencyCounts', () => {
-  it('NothingCounted.HasNoQuantile', () => {
-    expect(new LatencyCounts().quantileMs(0.5)).toBeNaN();
-  });
+test.each<[string, readonly number[], readonly number[], readonly number[]]>([
+  ['Nothing has no quantile', [], [NaN, NaN], Array(11).fill(0)],
+  ['ManyAges have median and tail', Array.from({ length: 100 }, (_, i) => i + 0.5), [50, 95], [10, 10, 10, 10, 10, 25, 25, 0, 0, 0, 0]],
+  ['AgeBeyondTheScale is counted as beyond', [1e6], [Infinity, Infinity], [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]],
+  ['LastAgeOnTheScale is not', [1999.5], [2000, 2000], [0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1]],
+  ['EveryBlock is in one bar', [-3, 9.9, 10, 49, 50, 700, NaN], [11, 701], [2, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1]],
+])('LatencyCounts.%s', (_, ages, quantiles, bars) => {
+  const counts = new LatencyCounts();
 
-  it('ManyAges.HaveMedianAndTail', () => {
-    const counts = new LatencyCounts();
-    for (let age = 1; age <= 100; age += 1) counts.add(age - 0.5);
+  ages.forEach((age) => counts.add(age));
 
-    expect(counts.quantileMs(0.5)).toBe(50);
-    expect(counts.quantileMs(0.95)).toBe(95);
-  });
-
-  it('AgesBeyondTheScale.AreCountedAsBeyond', () => {
-    const counts = new LatencyCounts();
-    counts.add(1e6);
-
-    expect(counts.quantileMs(0.5)).toBe(Number.POSITIVE_INFINITY);
-    expect(counts.bars().at(-1)).toBe(1);
-  });
-
-  it('Bars.HoldEveryBlockOnce', () => {
-    const counts = new LatencyCounts();
-    for (const age of [-3, 9.9, 10, 49, 50, 700, Number.NaN]) counts.add(age);
-
-    expect(counts.bars().map((share) => Math.round(share * counts.total))).toEqual([2, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1]);
-    expect(counts.bars()).toHaveLength(barEndsMs.length + 1);
-  });
+  expect([0.5, 0.95].map((share) => counts.quantileMs(share))).toEqual(quantiles);
+  expect(counts.bars().map((share) => Math.round(share * counts.total))).toEqual(bars);
+  expect(bars).toHaveLength(barEndsMs.length + 1);
 });
 
-describe('Sensors', () => {
+test('Sensors.PlateThatCameDown is nearer to the sensor; what is not heard yet is unknown', () => {
   const sensor = create(SensorInfoSchema, { label: 'w1', unloadedGapMm: 12 });
+  const second = (mean: number, quality = 0) => ({ mean, noiseRms: 0, quality });
 
-  it('PlateThatCameDown.IsNearerToTheSensor', () => {
-    expect(gapMm(sensor, 1.5)).toBe(10.5);
+  const [heard, other] = [sensorRows([sensor], [second(4.5)], [second(1.5, Quality.STUCK | Quality.UNTARED)]), sensorRows([sensor], [], [])];
+
+  expect([heard[0]?.gapMm, heard[0]?.volts?.mean]).toEqual([10.5, 4.5]);
+  expect([other[0]?.gapMm, other[0]?.volts]).toEqual([NaN, undefined]);
+  expect([Quality.UNSPECIFIED, Quality.STUCK | Quality.UNTARED].map((quality) => qualityWords(quality).length)).toEqual([0, 2]);
+});
+
+afterEach(() => void vi.useRealTimers());
+
+test('useWatched.Gaps come newest first, 20 at most; sensors once a second', () => {
+  const { link, event, block: tell, paint, topics } = fakeLink();
+  const { now } = runHook(() => useWatched(link, 'floor'));
+  const told: (number | undefined)[] = [];
+
+  for (let i = 0; i < 21; i += 1) event('floor/gap', { body: { case: 'gap', value: { missingScans: BigInt(i) } } });
+  for (const nowMs of [1000, 1999, 2000]) {
+    tell('floor/raw', [[nowMs]], { rateHz: 1 });
+    tell('floor/deflection', [[-nowMs]], { rateHz: 1 });
+    paint(nowMs);
+    told.push(now().seconds.value.raw[0]?.mean, now().seconds.value.deflection[0]?.mean);
+  }
+
+  expect(now().gaps.value.map(({ gap }) => Number(gap.missingScans))).toEqual(Array.from({ length: 20 }, (_, i) => 20 - i));
+  expect(told).toEqual([1000, -1000, 1000, -1000, 2000, -2000]);
+  expect(topics()).toEqual(['floor/raw floor/deflection floor/gap']);
+});
+
+test('useAges.Of every rig are those of the stream that its page draws', () => {
+  vi.useFakeTimers({ now: 0, toFake: ['performance'] });
+  const streams = { floor: ['raw', 'cop'], chair: ['transient', 'aux'], other: ['raw', 'aux'], mute: [] };
+  const { link, block: tell, paint, topics } = fakeLink(Object.entries(streams).map(([name, published]) => ({ rig: { name, published } })));
+  const { now } = runHook(() => useAges(link));
+  const told = [1000, 1999, 2000].map((nowMs) => {
+    tell('floor/cop', [[0]], { newestMs: -20.5 });
+    paint(nowMs);
+    return now().value.blocks;
   });
 
-  it('StreamNotYetHeard.LeavesTheGapUnknown', () => {
-    const [row] = sensorRows([sensor], [], []);
-
-    expect(row?.gapMm).toBeNaN();
-    expect(row?.volts).toBeUndefined();
-  });
-
-  it('QualityBits.AreWords', () => {
-    expect(qualityWords(Quality.UNSPECIFIED)).toEqual([]);
-    expect(qualityWords(Quality.STUCK | Quality.UNTARED)).toHaveLength(2);
-  });
+  expect(topics()).toEqual(['floor/cop chair/transient other/raw']);
+  expect(told).toEqual([1, 1, 3]);
+  expect(now().value).toMatchObject({ medianMs: 21, p95Ms: 21, bars: [0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0] });
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests: a link that says what a test wants, and hooks without a document.
+// For tests: a link that delivers what a test wants, and hooks without a document.
 import { create } from '@bufbuild/protobuf';
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { signal } from '@preact/signals';
@@ -10,19 +10,19 @@ import { StatusSnapshotSchema } from './generated/dts/v1/control_pb';
 import { EventSchema } from './generated/dts/v1/stream_pb';
 import type { Block, Link, LiveEvent } from './link/types';
 
-export const liveEvent = (event: MessageInitShape<typeof EventSchema>, timeMs = 0): LiveEvent =>
+const liveEvent = (event: MessageInitShape<typeof EventSchema>, timeMs = 0): LiveEvent =>
   ({ timeMs, event: create(EventSchema, event) }) as LiveEvent;
 
 export const fakeLink = (rigs: MessageInitShape<typeof StatusSnapshotSchema>['rigs'] = []) => {
-  const handlers = new Set<{ kind: string; topic: string; handler: (told: never) => unknown }>();
-  const on = (kind: string, topic: string, handler: (told: never) => unknown) => {
+  const handlers = new Set<{ kind: string; topic: string; handler: (message: never) => unknown }>();
+  const on = (kind: string, topic: string, handler: (message: never) => unknown) => {
     const entry = { kind, topic, handler };
     handlers.add(entry);
     return () => handlers.delete(entry);
   };
   const of = (kind: string) => [...handlers].filter((entry) => entry.kind === kind);
-  const tell = (kind: string, topic: string, told: unknown): void =>
-    of(kind).filter((entry) => topic.startsWith(entry.topic)).forEach(({ handler }) => handler(told as never));
+  const deliver = (kind: string, topic: string, message: unknown): void =>
+    of(kind).filter((entry) => topic.startsWith(entry.topic)).forEach(({ handler }) => handler(message as never));
   const link = {
     state: signal('up'),
     status: signal(create(StatusSnapshotSchema, { rigs })),
@@ -36,14 +36,14 @@ export const fakeLink = (rigs: MessageInitShape<typeof StatusSnapshotSchema>['ri
     link: link as unknown as Link & { status: typeof link.status; send: typeof link.send },
     topics: () => of('topics').map(({ topic }) => topic),
     block: (topic: string, columns: readonly (readonly number[])[], more: object = {}) =>
-      tell('block', topic, { segment: 0, firstScan: 0, rateHz: 100, scanCount: columns[0]!.length, timeMs: 0, newestMs: 0, missingScans: 0,
+      deliver('block', topic, { segment: 0, firstScan: 0, rateHz: 100, scanCount: columns[0]!.length, timeMs: 0, newestMs: 0, missingScans: 0,
         quality: new Uint8Array(columns.length), columns: columns.map((values) => Float32Array.from(values)), ...more } as unknown as Block),
-    event: (topic: string, event: MessageInitShape<typeof EventSchema>, timeMs = 0) => tell('event', topic, liveEvent(event, timeMs)),
-    paint: (nowMs: number) => tell('paint', '', nowMs),
+    event: (topic: string, event: MessageInitShape<typeof EventSchema>, timeMs = 0) => deliver('event', topic, liveEvent(event, timeMs)),
+    paint: (nowMs: number) => deliver('paint', '', nowMs),
   };
 };
 
-/** Runs a hook in a component that draws nothing. `draw` renders what changed; effects run after it only if they do `afterPaint`. */
+/** Runs a hook in a component that draws nothing. `draw` renders what changed and runs the effects, unless the page is never painted. */
 export const runHook = <Result>(hook: () => Result, isPainted = true): { now: () => Result; draw: () => void } => {
   let result: Result | undefined;
   let rerender = (): void => undefined;

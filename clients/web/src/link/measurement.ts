@@ -43,7 +43,7 @@ export const openMeasurement = (): PaintObserver & { watch(link: Link): void } =
         frames.push({ newestMs: newest, paintedMs, scriptMs: decoding + script, mainThreadMs: decoding + paintedMs - startedMs });
         if (frames.length > kept) frames.shift();
       };
-      afterFrame.port2.postMessage(0);
+      afterFrame.port2.postMessage(null);
     },
   };
 };

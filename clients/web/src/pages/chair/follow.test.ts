@@ -51,7 +51,7 @@ test('useFollowed.Another session forgets the lines, and its trials are asked fo
   expect(now().trials.value.map(({ condition }) => condition)).toEqual(['s2']);
 });
 
-test('useFollowed.Rest is counted down in whole seconds; the status tells the session', () => {
+test('useFollowed.Rest is counted down in whole seconds; the status names the session', () => {
   const { now, draw, trial, paint, link } = openChair();
   trial(READY);
   trial(REST);

@@ -38,19 +38,19 @@ test.each<[string, SessionState, number | undefined]>([
   expect(floor.sway.value?.sway.trial).toBe(expected);
 });
 
-test('LiveFloor.Values are those of the newest scan, told four times a second', () => {
+test('LiveFloor.Values are those of the newest scan, updated four times a second', () => {
   const { fake, floor, stand } = openFloor();
-  const told = [];
+  const shown = [];
 
   fake.paint(1000);
   for (const nowMs of [1000, 1249, 1250]) {
     stand(0, [nowMs, 2, 980.665], nowMs);
     fake.paint(nowMs);
-    told.push(floor.now.value.mlMm);
+    shown.push(floor.now.value.mlMm);
   }
   fake.block('floor/deflection', [[1, 5], [2, 6]], { quality: Uint8Array.of(0, 16) });
 
-  expect(told).toEqual([1000, 1000, 1250]);
+  expect(shown).toEqual([1000, 1000, 1250]);
   expect(floor.now.value).toMatchObject({ apMm: 2, loadKg: expect.closeTo(100, 4), quality: 0 });
   expect([floor.deflectionMm, floor.sensorQuality]).toEqual([[5, 6], [0, 16]]);
   floor.close();
@@ -99,7 +99,7 @@ test('LiveFloor.Running values become sparks of one trial, a minute at most', ()
   expect([floor.sparks.get('MVELO')!.length, floor.sparks.get('MVELO')![0], floor.sparks.get('RANGE_AP')![0]]).toEqual([120, 1, NaN]);
 });
 
-test('LiveFloor.Gap is told with its length, markers are bounded, a trial ends with its session', () => {
+test('LiveFloor.Gap is reported with its length, markers are bounded, a trial ends with its session', () => {
   const { fake, floor, stand, trial, session } = openFloor();
   const gap = (): void => fake.event('floor/gap', { body: { case: 'gap', value: { missingScans: 50n } } });
 

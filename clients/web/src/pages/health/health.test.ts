@@ -20,7 +20,7 @@ test.each<[string, Block[], object[]]>([
   ['MillivoltsOnVolts are not drowned', [block([4.9, 4.9002, 4.9, 4.9002])], [{ mean: expect.closeTo(4.9001, 6), noiseRms: expect.closeTo(0.0001, 6), quality: 0 }]],
   ['UndefinedValues are left out', [block([NaN, 2, 4, NaN])], [{ mean: 3, noiseRms: 1, quality: 0 }]],
   ['NewSegment begins anew', [block([9, 9]), block([1, 1, 1, 1], 0, { isNewSegment: true })], [{ mean: 1, noiseRms: 0, quality: 0 }]],
-  ['SecondAfterSecond is told each by itself', [block([9, 9, 9, 9], Quality.RAIL), block([1, 1, 1, 1])], [{ mean: 1, noiseRms: 0, quality: 0 }]],
+  ['EachSecond is reported by itself', [block([9, 9, 9, 9], Quality.RAIL), block([1, 1, 1, 1])], [{ mean: 1, noiseRms: 0, quality: 0 }]],
 ])('SecondStatistics.%s', (_, blocks, channels) => {
   const statistics = new SecondStatistics();
 
@@ -61,18 +61,18 @@ afterEach(() => void vi.useRealTimers());
 test('useWatched.Gaps come newest first, 20 at most; sensors once a second', () => {
   const { link, event, block: tell, paint, topics } = fakeLink();
   const { now } = runHook(() => useWatched(link, 'floor'));
-  const told: (number | undefined)[] = [];
+  const shown: (number | undefined)[] = [];
 
   for (let i = 0; i < 21; i += 1) event('floor/gap', { body: { case: 'gap', value: { missingScans: BigInt(i) } } });
   for (const nowMs of [1000, 1999, 2000]) {
     tell('floor/raw', [[nowMs]], { rateHz: 1 });
     tell('floor/deflection', [[-nowMs]], { rateHz: 1 });
     paint(nowMs);
-    told.push(now().seconds.value.raw[0]?.mean, now().seconds.value.deflection[0]?.mean);
+    shown.push(now().seconds.value.raw[0]?.mean, now().seconds.value.deflection[0]?.mean);
   }
 
   expect(now().gaps.value.map(({ gap }) => Number(gap.missingScans))).toEqual(Array.from({ length: 20 }, (_, i) => 20 - i));
-  expect(told).toEqual([1000, -1000, 1000, -1000, 2000, -2000]);
+  expect(shown).toEqual([1000, -1000, 1000, -1000, 2000, -2000]);
   expect(topics()).toEqual(['floor/raw floor/deflection floor/gap']);
 });
 
@@ -81,13 +81,13 @@ test('useAges.Of every rig are those of the stream that its page draws', () => {
   const streams = { floor: ['raw', 'cop'], chair: ['transient', 'aux'], other: ['raw', 'aux'], mute: [] };
   const { link, block: tell, paint, topics } = fakeLink(Object.entries(streams).map(([name, published]) => ({ rig: { name, published } })));
   const { now } = runHook(() => useAges(link));
-  const told = [1000, 1999, 2000].map((nowMs) => {
+  const counted = [1000, 1999, 2000].map((nowMs) => {
     tell('floor/cop', [[0]], { newestMs: -20.5 });
     paint(nowMs);
     return now().value.blocks;
   });
 
   expect(topics()).toEqual(['floor/cop chair/transient other/raw']);
-  expect(told).toEqual([1, 1, 3]);
+  expect(counted).toEqual([1, 1, 3]);
   expect(now().value).toMatchObject({ medianMs: 21, p95Ms: 21, bars: [0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0] });
 });

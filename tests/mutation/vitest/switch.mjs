@@ -15,6 +15,6 @@ if (active === '-') {
     const folder = path.join(process.cwd(), 'reach');
     const test = path.relative(process.cwd(), expect.getState().testPath);
     fs.mkdirSync(folder, { recursive: true });
-    fs.writeFileSync(path.join(folder, test.replaceAll('/', '_')), JSON.stringify({ test, reached: [...reached] }));
+    fs.writeFileSync(path.join(folder, `${test.replaceAll('/', '_')}.json`), JSON.stringify({ test, reached: [...reached] }));
   });
 }

@@ -10,7 +10,6 @@ import os
 import pathlib
 import re
 import shlex
-import shutil
 import struct
 import subprocess
 import sys
@@ -19,11 +18,11 @@ import time
 from collections.abc import Iterator
 
 import find
-from mutant import TOP, WORK, Mutant, Outcome, progress, room_of, run_or_leave, say, tracked
+from mutant import TOP, WORK, Mutant, Outcome, progress, room_of, run_or_leave, run_until, say, tracked
 from weave import weave
 
-TREE = WORK / "tree"
-BUILD = TREE / "build" / "release"
+BUILD = TOP / "build" / "mutated"
+WOVEN = WORK / "woven"
 REACH_BYTES = 8 << 16  # mutation.h: kPlaces
 ROOMS = ["core", "pipeline", "record", "session", "ipc", "device", "classifier", "posturography", "physics", "files", "access", "app",
          "libdts", "gateway", "ctl", "cli", "report", "lab"]
@@ -35,17 +34,25 @@ def sources() -> list[str]:
     return tracked("daemon/**.cpp") + tracked("clients/**.cpp")
 
 
-def compile_arguments(build: pathlib.Path) -> dict[str, list[str]]:
-    """Of every file, what libclang has to know: include folders, definitions, standard."""
+def configure() -> None:
+    """A build beside build/release, at the same depth: the compiler cache then has what a mutant does not change."""
+    run_or_leave(["cmake", "--preset", "release", "-B", str(BUILD), "-DBUILD_TESTING=ON", "-DDTS_TESTS=suite",
+                  f"-DCMAKE_COMPILE_WARNING_AS_ERROR={'ON' if os.environ.get('CI') == 'true' else 'OFF'}",
+                  f"-DCMAKE_PROJECT_dtsd_INCLUDE={TOP / 'tests' / 'mutation' / 'woven.cmake'}", f"-DDTS_WOVEN={WOVEN}"], TOP)
+
+
+def compile_arguments() -> dict[str, list[str]]:
+    """Of every folder with a target, what libclang has to know: include folders, definitions, standard."""
     arguments = {}
-    for entry in json.loads((build / "compile_commands.json").read_text()):
+    for entry in json.loads((BUILD / "compile_commands.json").read_text()):
         kept, words = [], iter(shlex.split(entry["command"]))
         for word in words:
             if word == "-isystem":
                 kept += [word, next(words)]
             elif word.startswith(("-I", "-D", "-std")):
                 kept.append(word)
-        arguments[entry["file"]] = kept
+        match = re.search(r"-o (\S+?)/CMakeFiles/", entry["command"])
+        arguments[match[1]] = kept
     return arguments
 
 
@@ -59,20 +66,22 @@ def _find(job):
 
 def candidates(paths: list[str]) -> dict[str, list]:
     """All mutants that can be made of each file. What was found before is kept beside the build, by the contents of the file."""
-    run_or_leave(["cmake", "--preset", "debug", "-B", str(WORK / "parse"), "-DBUILD_TESTING=OFF"], TOP)
-    run_or_leave(["cmake", "--build", str(WORK / "parse"), "--target", "dts_proto"], TOP)
+    if not paths:
+        return {}
+    configure()
+    run_or_leave(["cmake", "--build", str(BUILD), "--target", "dts_proto"], TOP)
     finder = hashlib.sha256(pathlib.Path(__file__).with_name("find.py").read_bytes()).hexdigest()[:8]
     kept = WORK / "candidates"
     kept.mkdir(parents=True, exist_ok=True)
-    arguments = compile_arguments(WORK / "parse")
+    arguments = compile_arguments()
     found, jobs, places = {}, [], {}
     for path in paths:
         digest = hashlib.sha256((TOP / path).read_bytes()).hexdigest()[:16]
         places[path] = kept / f"{finder}-{digest}-{path.replace('/', '_')}.json"
         if places[path].exists():
             found[path] = [Mutant(**fields) for fields in json.loads(places[path].read_text())]
-        elif str(TOP / path) in arguments:
-            jobs.append((path, str(TOP / path), arguments[str(TOP / path)]))
+        elif folder := next((str(parent) for parent in pathlib.PurePath(path).parents if str(parent) in arguments), None):
+            jobs.append((path, str(TOP / path), arguments[folder]))
     with concurrent.futures.ProcessPoolExecutor(os.cpu_count()) as pool:
         for done, (path, mutants, error) in enumerate(pool.map(_find, jobs), 1):
             progress("Reading sources", done, len(jobs))
@@ -87,45 +96,41 @@ def candidates(paths: list[str]) -> dict[str, list]:
 # A build of all of them -------------------------------------------------------------------------------------------------------------------
 
 
-def write_if_new(path: pathlib.Path, content: bytes) -> None:
-    if not path.exists() or path.read_bytes() != content:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(content)
-
-
-def lay_tree(chosen: dict[str, object]) -> None:
-    """A copy of the checkout with the mutants woven in. Files that stay as they are keep their times, so that only what differs is built."""
+def lay_woven(chosen: dict[str, object]) -> None:
+    """Files with mutants, which woven.cmake compiles in the place of the sources. Those that stay as they are keep their times."""
     by_path = collections.defaultdict(dict)
     for name, mutant in chosen.items():
         by_path[mutant.path][name] = mutant
-    wanted = set()
-    for path in tracked("."):
-        wanted.add(path)
-        content = (TOP / path).read_bytes()
-        write_if_new(TREE / path, weave(content, by_path[path]) if path in by_path else content)
-        shutil.copymode(TOP / path, TREE / path)
-    for folder in ("daemon", "clients", "tests", "proto"):
-        for path in (TREE / folder).rglob("*"):
-            if path.suffix in (".cpp", ".h", ".proto") and str(path.relative_to(TREE)) not in wanted:
-                path.unlink()
+    for path in [*WOVEN.rglob("*.cpp")]:
+        if str(path.relative_to(WOVEN)) not in by_path:
+            path.unlink()
+    for path, mutants in by_path.items():
+        folder = (TOP / path).parent
+
+        def absolute(match) -> bytes:
+            near = folder / match[1].decode()
+            return f'#include "{near}"'.encode() if near.exists() else match[0]
+
+        text = re.sub(rb'(?m)^#include "([^"]+)"', absolute, weave((TOP / path).read_bytes(), mutants))
+        content = f'#include "{TOP}/tests/mutation/mutation.h"\n#line 1\n'.encode() + text
+        to = WOVEN / path
+        if not to.exists() or to.read_bytes() != content:
+            to.parent.mkdir(parents=True, exist_ok=True)
+            to.write_bytes(content)
 
 
-def build(chosen: dict[str, object], targets: list[str]) -> dict[str, object]:
-    """Builds the tree; mutants that do not compile are left out. Returns those that do."""
+def build(chosen: dict[str, object], targets: list[str], deadline: float) -> dict[str, object]:
+    """Builds the targets with the mutants; those that do not compile are left out. Returns those that do."""
     chosen = dict(chosen)
-    header = TREE / "tests" / "mutation" / "mutation.h"
-    for attempt in range(12):
-        lay_tree(chosen)
-        if attempt == 0:
-            run_or_leave(["cmake", "--preset", "release", "-DBUILD_TESTING=ON", "-DDTS_TESTS=suite", "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -w",
-                          f"-DCMAKE_CXX_FLAGS=-include {header}"], TREE)
+    for _ in range(12):
+        lay_woven(chosen)
+        configure()
         say(f"Building {len(chosen)} mutants")
-        made = subprocess.run(["cmake", "--build", "--preset", "release", "-j", str(os.cpu_count()), "--target", *targets, "--", "-k", "0"],
-                              cwd=TREE, capture_output=True, text=True, check=False)
+        made = run_until(["cmake", "--build", str(BUILD), "-j", str(os.cpu_count()), "--target", *targets, "--", "-k", "0"], TOP, deadline)
         if made.returncode == 0:
             return chosen
         wrong = {(match[1], int(match[2])) for match in
-                 re.finditer(re.escape(f"{TREE}/") + r"(\S+?):(\d+):\d+: (?:error|  required from here|note: [^\n]* was not initialized with a constant)", made.stdout)}
+                 re.finditer(re.escape(f"{WOVEN}/") + r"(\S+?):(\d+):\d+: (?:error|  required from here|note: [^\n]* was not initialized with a constant)", made.stdout)}
         out = {name for name, mutant in chosen.items()
                if any(path == mutant.path and mutant.line - 1 <= line <= mutant.line + 12 for path, line in wrong)}
         if not out:
@@ -241,7 +246,7 @@ def judge(chosen: dict[str, Mutant], options) -> Iterator[Outcome]:
     used = sorted({room_of(mutant.path) for mutant in chosen.values()}, key=ROOMS.index)
     programs = [f"unit_{room}" for room in (ROOMS if options.elsewhere else used)]
     programs += [program for room in used for program in SUBJECT.get(room, [])]
-    chosen = build(chosen, programs)
+    chosen = build(chosen, programs, options.deadline)
     cases = map_tests(programs)
     say(f"Watched {len(cases)} cases")
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:

@@ -2,10 +2,12 @@
 """A mutant, and what became of it: what the modules of all languages share."""
 import dataclasses
 import hashlib
+import os
 import pathlib
 import shlex
 import subprocess
 import sys
+import time
 
 TOP = pathlib.Path(__file__).resolve().parents[2]
 WORK = TOP / "build" / "mutate"
@@ -75,3 +77,19 @@ def run_or_leave(command: list[str], folder: pathlib.Path) -> None:
     made = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if made.returncode != 0:
         sys.exit(f"{made.stdout[-3000:]}{made.stderr[-3000:]}\nscripts/mutate: {shlex.join(command)} failed")
+
+
+class OutOfTime(Exception):
+    pass
+
+
+def run_until(command: list[str], folder: pathlib.Path, deadline: float) -> subprocess.CompletedProcess:
+    """Runs it with its output kept. Ends it and raises OutOfTime at the deadline (time.monotonic)."""
+    process = subprocess.Popen(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
+    try:
+        output, _ = process.communicate(timeout=max(0.0, deadline - time.monotonic()))
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, 9)
+        process.wait()
+        raise OutOfTime from None
+    return subprocess.CompletedProcess(command, process.returncode, output)

@@ -8,11 +8,12 @@ import re
 import subprocess
 import sys
 import time
+from collections.abc import Iterable, Iterator
 
 import cpp
 import python
 import web
-from mutant import TOP, WORK, Outcome, identify, progress, room_of, say
+from mutant import TOP, WORK, Outcome, OutOfTime, identify, progress, room_of, say
 
 LANGUAGES = [cpp, web, python]
 ROOMS = [room for language in LANGUAGES for room in language.ROOMS]
@@ -63,6 +64,16 @@ def table(outcomes: list[Outcome]) -> str:
     return "\n".join(lines)
 
 
+def until(deadline: float, outcomes: Iterable[Outcome]) -> Iterator[Outcome]:
+    try:
+        for outcome in outcomes:
+            yield outcome
+            if time.monotonic() > deadline:
+                return
+    except OutOfTime:
+        return
+
+
 def mutate(language, rooms: list[str], draws: dict[str, dict], options) -> list[Outcome]:
     """Draws mutants of the rooms of one language, adds them to `draws`, and tries them."""
     paths = [path for path in language.sources() if room_of(path) in rooms]
@@ -81,13 +92,15 @@ def mutate(language, rooms: list[str], draws: dict[str, dict], options) -> list[
     say(f"{len(chosen)} of {sum(map(len, named.values()))} possible mutants of {len(named)} files")
     outcomes = []
     with open(WORK / f"outcomes-{language.__name__}.jsonl", "w", encoding="utf-8") as log:
-        for outcome in language.judge(chosen, options) if chosen else ():
+        for outcome in until(options.deadline, language.judge(chosen, options) if chosen else ()):
             outcomes.append(outcome)
             log.write(json.dumps({"name": outcome.name, "by": outcome.noticed_by, "reached": outcome.was_reached,
                                   "seeds": [seed for seed, draw in draws.items() if outcome.name in draw],
                                   "what": outcome.mutant.describe((TOP / outcome.mutant.path).read_bytes())}) + "\n")
             log.flush()
             progress("Trying mutants", len(outcomes), len(chosen))
+    if len(outcomes) < len(chosen):
+        say(f"{len(outcomes)} of {len(chosen)} were tried: the others did not compile, or the time was over")
     return outcomes
 
 
@@ -100,6 +113,7 @@ def main() -> int:
     parser.add_argument("--change", nargs="?", const="origin/main", metavar="BASE", help="only lines that differ from BASE (default origin/main)")
     parser.add_argument("--elsewhere", action="store_true", help="tests of other rooms, too, not only the room's own")
     parser.add_argument("--seconds", type=float, default=60.0, help="at most this much testing of one mutant by one program (default 60)")
+    parser.add_argument("--minutes", type=float, default=1440.0, help="ends after this time, with what was tried until then (default: a day)")
     parser.add_argument("--out", default=str(WORK / "survivors.txt"), help="where survivors are listed")
     options = parser.parse_args()
     rooms = options.rooms.split(",")
@@ -107,6 +121,8 @@ def main() -> int:
         parser.error(f"no such room: {', '.join(sorted(unknown))}; rooms are {', '.join(ROOMS)}")
 
     begun = time.monotonic()
+    options.deadline = begun + 60.0 * options.minutes
+    WORK.mkdir(parents=True, exist_ok=True)
     outcomes, draws = [], {seed: {} for seed in options.seed.split(",")}
     for language in LANGUAGES:
         if wanted := [room for room in rooms if room in language.ROOMS]:

@@ -115,10 +115,13 @@ def candidates(paths: list[str]) -> dict[str, list[Mutant]]:
 
 
 def lines_of(mutant: Mutant, text: str) -> set[int]:
-    """The lines that run with a mutant: its own, and those that use the constant that it changes."""
-    line = text.splitlines()[mutant.line - 1]
-    name = re.match(r"(\w+)\b.* = ", line)
-    return {number for number, other in enumerate(text.splitlines(), 1) if re.search(rf"\b{name[1]}\b", other)} - {mutant.line} if name else {mutant.line}
+    """The lines that run with a mutant: its own; of a constant or a field of a class, those that use its name."""
+    lines = text.splitlines()
+    functions = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef)]
+    name = re.match(r"\s*(\w+)", lines[mutant.line - 1])
+    if name is None or any(node.lineno <= mutant.line <= node.end_lineno for node in functions):
+        return {mutant.line}
+    return {number for number, line in enumerate(lines, 1) if re.search(rf"\b{name[1]}\b", line)}
 
 
 def run(test: str, arguments: list[str], package: pathlib.Path, timeout_s: float) -> bool:

@@ -45,15 +45,17 @@ class Watched(unittest.TestResult):
 
 
 name, *arguments = sys.argv[1:]
-if arguments[:1] == ["--trace"]:
+file = pathlib.Path(arguments[1]) if arguments[:1] == ["--trace"] else None
+if file:
     threading.settrace(trace)
     sys.settrace(trace)
 module = __import__(name)
-suite = unittest.defaultTestLoader.loadTestsFromNames(arguments, module) if arguments[:1] != ["--trace"] else unittest.defaultTestLoader.loadTestsFromModule(module)
+load = unittest.defaultTestLoader
+suite = load.loadTestsFromModule(module) if file else load.loadTestsFromNames(arguments, module)
 result = Watched()
 result.failfast = True
 suite.run(result)
 sys.settrace(None)
-if arguments[:1] == ["--trace"]:
-    pathlib.Path(arguments[1]).write_text(json.dumps(result.cases))
+if file:
+    file.write_text(json.dumps(result.cases))
 sys.exit(not result.wasSuccessful())

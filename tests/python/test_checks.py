@@ -14,12 +14,13 @@ import zmq
 from support import block_of, status_of
 
 import dts
-from dts.control import ControlClient
+from dts.control import ControlClient, _response_of
 from dts.errors import error_of
 from dts.events import fields_of, words_of_bits
 from dts.inbox import Inbox
 from dts.live import Collector
 from dts.loss import Hole, LossTracker, Position
+from dts.recording import _on_host
 from dts.streams import to_utc
 from dts.subscriber import Subscriber, check_timeout
 from dts.v1 import control_pb2, stream_pb2
@@ -190,7 +191,7 @@ class Losses(unittest.TestCase):
             "on the way": ([begin, block(2, 10), block(6, 50), block(7, 60, scans=41)], (dts.Missing(20, 30, True, "lost"),), 70),
             "in the device": ([gap(0, 9), begin, gap(1, 80), block(2, 0, 10, 1)], (dts.Missing(10, 80, True, "overrun"),), 20),
             "in both": ([begin, gap(1, 60, False), block(4, 20, 10, 1)], (dts.Missing(10, 80, False, "overrun"),), 20),
-            "in the device, not told": ([begin, block(2, 0, 90, 1)], (dts.Missing(10, 0, False, "lost"),), 100),
+            "in the device, not reported": ([begin, block(2, 0, 90, 1)], (dts.Missing(10, 0, False, "lost"),), 100),
             "a restart": ([begin, restarted, block(1, 0, 90, instance_id=2)], (dts.Missing(10, 0, False, "restart"),), 100),
             "in a segment not seen": ([begin, gap(2, 80), block(3, 0, 10, 2)], (dts.Missing(10, 80, False, "overrun"),), 20),
         }
@@ -247,6 +248,9 @@ class Values(unittest.TestCase):
         self.assertEqual(fields_of(sway)["measures"], {"MVELO": {"value": 8.5, "unit": "mm/s"}})
         self.assertEqual(fields_of(stream_pb2.DeviceChange(state=stream_pb2.DEVICE_STATE_STREAMING))["state"], "streaming")
         self.assertNotIn("state", fields_of(stream_pb2.DeviceChange()))
+        self.assertEqual(fields_of(stream_pb2.DeviceChange(state=99))["state"], "unknown")
+        self.assertEqual(fields_of(control_pb2.StatusSnapshot(notices=["a"], rigs=[{"rig": {"name": "b"}}]))["notices"], ["a"])
+        self.assertEqual(fields_of(control_pb2.RigInfo(published=["a"], sensors=[{"label": "b"}]))["sensors"][0]["label"], "b")
         self.assertEqual(words_of_bits(enum, 0), [])
         self.assertEqual(words_of_bits(enum, stream_pb2.QUALITY_NO_CONTACT), ["no_contact"])
 
@@ -267,6 +271,35 @@ class Values(unittest.TestCase):
                         use(value)
                     else:
                         self.assertRaises(dts.InvalidArgument, use, value)
+
+
+class Answers(unittest.TestCase):
+    def test_CommandsThatTakeLongerHaveTheirTime(self) -> None:
+        context: "zmq.Context[zmq.Socket[bytes]]" = zmq.Context()
+        self.addCleanup(context.destroy, 0)
+        given = {"status": [3.0, 17.0, 30.0], "tare": [15.0, 17.0, 30.0], "stop_session": [20.0, 20.0, 30.0]}
+
+        for command, expected in given.items():
+            clients = [ControlClient(context, "tcp://127.0.0.1:9", timeout_s) for timeout_s in (3.0, 17.0, 30.0)]
+            self.assertEqual([client._timeout_of(command) for client in clients], expected)
+
+    def test_EnvelopesAreThoseOfARequester(self) -> None:
+        body = control_pb2.Response(request_id="r").SerializeToString()
+        longest = control_pb2.Response(error={"what": "x" * ((4 << 20) - 10)}).SerializeToString()
+        self.assertEqual(len(longest), 4 << 20)
+        cases = [([body], True), ([b"", body], True), ([b"x", body], False), ([b"", b"", body], False), ([], False), ([b"\xff"], False)]
+        for frames, is_good in cases + [([b"", longest], True), ([longest + b"\x1a\0"], False)]:
+            with self.subTest(frames=str(frames)[:60]):
+                self.assertEqual(_response_of(frames) is not None, is_good)
+
+    def test_OffsetsOfTheClockMayBeInAnyOrderAndDamaged(self) -> None:
+        cases: list[tuple[list[tuple[float, float]], float]] = [
+            ([], 10.0),
+            ([(12.0, 2.0), (8.0, 1.0)], 11.5),
+            ([(12.0, 2.0), (float("nan"), 9.0), (8.0, float("inf"))], 12.0),
+        ]
+        for offsets, expected in cases:
+            self.assertEqual(_on_host(np.array([10.0]), offsets)[0], expected)
 
 
 class Clock:

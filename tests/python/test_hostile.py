@@ -210,7 +210,7 @@ class Answers(unittest.TestCase):
 
 
 class Unreachable(unittest.TestCase):
-    def test_NoSocketAndALeftoverAreToldAtOnceWithWhatToTry(self) -> None:
+    def test_NoSocketAndALeftoverAreReportedAtOnceWithWhatToTry(self) -> None:
         begun_s = time.monotonic()
         with tempfile.TemporaryDirectory(dir="/tmp") as folder:
             with self.assertRaisesRegex(dts.Unreachable, "does not exist(.|\n)*start it"):

@@ -146,17 +146,20 @@ class Foreign(unittest.TestCase):
         return dts.load(self.file)
 
     def test_StampsAreCountedOnOverChunks(self) -> None:
-        without_stamps = b"\0" + struct.pack("<ff", 3, 4) + b"\0" + struct.pack("<ff", 5, 6)
-        first = b"\x01\x03" + b"\x08" + struct.pack("<dff", 10.0, 1, 2) + without_stamps
-        second = b"\x01\x02" + b"\0" + struct.pack("<ff", 7, 8) + b"\x08" + struct.pack("<dff", 30.0, 9, 10)
+        def row(value: float, stamp_s: float | None = None) -> bytes:
+            stamp = b"\0" if stamp_s is None else b"\x08" + struct.pack("<d", stamp_s)
+            return stamp + struct.pack("<ff", value, value + 1)
 
-        stream = self.load(foreign_file(first, second, rate="0.4"))["EEG"]
+        chunks = (b"\x01\x03" + row(1, 10.0) + row(3) + row(5), b"\x01\x01" + row(7), b"\x01\0", b"\x01\x02" + row(9) + row(11, 40.0))
+        recording = self.load(foreign_file(*chunks, rate="0.4"))
 
-        np.testing.assert_allclose(stream.stamps_s, [10.0, 12.5, 15.0, 17.5, 30.0], atol=1e-12)
-        np.testing.assert_array_equal(stream.values, np.arange(1, 11).reshape(5, 2))
-        np.testing.assert_array_equal(stream.segments, [0, 0, 0, 0, 1])
-        np.testing.assert_array_equal(stream.scans, [0, 1, 2, 3, 0])
-        self.assertEqual([gap.index for gap in stream.gaps], [4])
+        stream = recording["EEG"]
+        self.assertRegex(recording.damage, "^no footer")
+        np.testing.assert_allclose(stream.stamps_s, [10.0, 12.5, 15.0, 17.5, 20.0, 40.0], atol=1e-12)
+        np.testing.assert_array_equal(stream.values, np.arange(1, 13).reshape(6, 2))
+        np.testing.assert_array_equal(stream.segments, [0, 0, 0, 0, 0, 1])
+        np.testing.assert_array_equal(stream.scans, [0, 1, 2, 3, 4, 0])
+        self.assertEqual([gap.index for gap in stream.gaps], [5])
 
     def test_HolesAreCountedWithTheirReasons(self) -> None:
         events = event_file(
@@ -336,7 +339,7 @@ class Foreign(unittest.TestCase):
 
     def test_WhatIsNoXdfIsSaidSo(self) -> None:
         bomb = b"<!DOCTYPE x [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;'>]><info><version>1.0</version></info>"
-        for content, problem in ((b"RIFF", "is no XDF file"), (b"XDF:", "ends before"), (b"XDF:" + chunk(1, bomb), "document type")):
+        for content, problem in ((b"RIFF", "is no XDF file"), (b"XDF:", "ends before"), (b"XDF:" + chunk(5, b""), "starts with a file header"), (b"XDF:" + chunk(1, bomb), "document type")):
             with self.assertRaisesRegex(dts.DataDamaged, problem):
                 self.load(content)
         with self.assertRaises(dts.NotFound):
@@ -350,6 +353,9 @@ class Foreign(unittest.TestCase):
         recording = self.load(foreign_file() + chunk(2, struct.pack("<I", 10) + header))
 
         self.assertEqual(list(recording.streams), ["EEG", "EEG-2"])
+        self.assertEqual([name in recording for name in ("EEG", "EEG-2", "EEG-3")], [True, True, False])
+        with self.assertRaisesRegex(KeyError, "EEG, EEG-2"):
+            recording["EEG-3"]
         self.assertEqual((recording.losses, recording.lost_scans, "lost" in str(recording)), ((), 0, False))
 
 

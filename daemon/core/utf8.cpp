@@ -43,7 +43,6 @@ Utf8Character first_character(std::string_view text) noexcept {
 
 std::string printable(std::string_view text) {
   std::string safe;
-  safe.reserve(text.size());
   while (!text.empty()) {
     const Utf8Character first = first_character(text);
     if (first.length == 0) {

@@ -54,15 +54,19 @@ TEST_F(KeyStoreTest, NamesAndKeysAreUnique) {
 }
 
 TEST_F(KeyStoreTest, WhatCannotBeAKeyIsRefused) {
-  for (const char* name : {"", "local", "Anna", "a b", "a/b", "0123456789012345678901234567890123"}) {
+  for (const std::string& name :
+       {std::string(), std::string("local"), std::string("Anna"), std::string("a b"), std::string("a/b"), std::string(33, 'a')}) {
     EXPECT_EQ(store_->add(key_for(name, v1::ROLE_VIEWER)).error().code, ErrorCode::InvalidArgument) << name;
   }
   EXPECT_EQ(store_->add(key_for("anna", v1::ROLE_UNSPECIFIED)).error().code, ErrorCode::InvalidArgument);
   EXPECT_EQ(store_->add(key_for("anna", static_cast<v1::Role>(17))).error().code, ErrorCode::InvalidArgument);
-  for (const std::string& key : {std::string(), std::string(39, 'a'), std::string(40, '"'), std::string(40, '\0'), std::string(1000, 'a')}) {
-    EXPECT_EQ(store_->add(key_for("anna", v1::ROLE_VIEWER, {key, ""})).error().code, ErrorCode::InvalidArgument) << key;
+  for (const std::string& key :
+       {std::string(), std::string(39, 'a'), std::string(40, '"'), std::string(40, '\0'), std::string(1000, 'a')}) {
+    EXPECT_EQ(core::to_string(store_->add(key_for("anna", v1::ROLE_VIEWER, {key, ""})).error()),
+              "the public key is none (dtsctl key new makes a pair)");
   }
   EXPECT_TRUE(store_->keys().empty());
+  EXPECT_TRUE(store_->add(key_for("0123456789abcdefghijklmnopqrst.-", v1::ROLE_VIEWER)));
 }
 
 TEST_F(KeyStoreTest, RevokedIsGone_AlsoFromTheFile) {
@@ -106,6 +110,47 @@ TEST_F(KeyStoreTest, AChange_StartsFromTheFile_NotFromWhatWasKnown) {
   EXPECT_TRUE(store_->take_losses());
 }
 
+TEST_F(KeyStoreTest, AThousandKeysAreTheMost) {
+  std::vector<ClientKey> keys;
+  while (keys.size() < 999) {
+    std::string name = std::to_string(keys.size());
+    keys.push_back(key_for(name, v1::ROLE_VIEWER, {std::string(40 - name.size(), 'a') + name, ""}));
+  }
+  write(client_file(), client_keys_text(keys));
+  EXPECT_TRUE(store_->add(key_for("last", v1::ROLE_VIEWER)));
+  EXPECT_EQ(store_->add(key_for("more", v1::ROLE_VIEWER)).error().code, ErrorCode::LimitExceeded);
+  EXPECT_EQ(store_->keys().size(), 1000U);
+
+  keys = store_->keys();
+  keys.push_back(key_for("more", v1::ROLE_VIEWER));
+  write(client_file(), client_keys_text(keys));
+  EXPECT_THAT(store_->reload().error().what, HasSubstr("at most 1000 clients"));
+}
+
+TEST_F(KeyStoreTest, AFileThatIsWrong_SaysWhereAndWhat) {
+  const std::string key = "public_key = \"" + std::string(40, 'a') + "\"\n";
+  const std::string anna = "[[client]]\nname = \"anna\"\nrole = \"viewer\"\n" + key;
+  const struct {
+    std::string text, where, what;
+  } rows[]{
+      {"[[client]]\n", ":1:", "name"},
+      {"[[client]]\nname = \"Anna\"\nrole = \"viewer\"\n" + key, ":2:", "a key's name has 1..32"},
+      {"[[client]]\nname = \"anna\"\nrole = \"viewer\"\npublic_key = \"x\"\n", ":4:", "a public key has 40 characters"},
+      {anna + "colour = 1\n", ":5:", "colour"},
+      {"colour = 1\n" + anna, ":1:", "colour"},
+      {anna + "[[client]]\nname = \"bert\"\nrole = \"viewer\"\n" + key, ":8:", "another client has the same key"},
+      {anna + "[[client]]\nname = \"anna\"\nrole = \"viewer\"\npublic_key = \"" + std::string(40, 'b') + "\"\n",
+       ":6:", "another client is named 'anna'"},
+  };
+  for (const auto& row : rows) {
+    write(client_file(), row.text);
+    const auto reloaded = store_->reload();
+    ASSERT_FALSE(reloaded) << row.text;
+    EXPECT_THAT(reloaded.error().what, HasSubstr("clients.toml" + row.where));
+    EXPECT_THAT(reloaded.error().what, HasSubstr(row.what));
+  }
+}
+
 TEST_F(KeyStoreTest, ReloadOfADamagedFile_KeepsWhatItKnewAndSaysWhere) {
   const ClientKey anna = key_for("anna", v1::ROLE_OPERATOR);
   ASSERT_TRUE(store_->add(anna));
@@ -130,10 +175,14 @@ TEST_F(KeyStoreTest, ADamagedServerKeyIsNotReplaced) {
   EXPECT_EQ(text_of(directory() + "/server.toml"), damaged);
 }
 
-TEST_F(KeyStoreTest, AFolderThatIsOpenToOthersIsRefused) {
+TEST_F(KeyStoreTest, AFolderOfOthersOrOpenToThemIsRefused) {
   ASSERT_EQ(::chmod(directory().c_str(), 0750), 0);
 
-  EXPECT_EQ(KeyStore::open(directory()).error().code, ErrorCode::NotAllowed);
+  EXPECT_EQ(core::to_string(KeyStore::open(directory()).error()),
+            "key folder " + directory() + " is open to others (chmod 0700 " + directory() + ")");
+  if (::geteuid() != 0 || ::chown(directory().c_str(), 65534, 65534) != 0) return;
+  EXPECT_EQ(core::to_string(KeyStore::open(directory()).error()),
+            "key folder " + directory() + " belongs to another user (chown it to the user of dtsd)");
 }
 
 }  // namespace

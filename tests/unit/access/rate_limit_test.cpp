@@ -23,13 +23,6 @@ TEST(RateLimit, ABurst_ThenTheRate) {
   EXPECT_EQ(taken(limit, "a", 1000 * kSecondNs), 25) << "a rest earns no more than a burst";
 }
 
-TEST(RateLimit, EachNameHasItsOwn) {
-  RateLimit limit(1.0, 3.0);
-
-  EXPECT_EQ(taken(limit, "a", 0), 3);
-  EXPECT_EQ(taken(limit, "b", 0), 3);
-}
-
 TEST(RateLimit, AClockThatStandsOrGoesBack_GivesNothing) {
   RateLimit limit(10.0, 1.0);
   ASSERT_TRUE(limit.take("a", 5 * kSecondNs));

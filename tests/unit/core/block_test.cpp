@@ -10,14 +10,6 @@
 namespace dts::core {
 namespace {
 
-TEST(Block, DefaultConstructed_HoldsNothing) {
-  const Block block;
-
-  EXPECT_EQ(block.channel_count(), 0U);
-  EXPECT_EQ(block.capacity(), 0U);
-  EXPECT_EQ(block.count(), 0U);
-}
-
 TEST(Block, Constructed_IsEmptyWithItsMemoryTaken) {
   Block block(3, 8);
 
@@ -99,14 +91,6 @@ TEST(Quality, Bits_AreDistinct) {
                            quality::kUncalibrated | quality::kUntared;
 
   EXPECT_EQ(all, 0x7F);
-}
-
-TEST(Gap, DefaultConstructed_SaysNothingIsMissing) {
-  const Acquired acquired;
-
-  EXPECT_EQ(acquired.gap_before.reason, GapReason::None);
-  EXPECT_EQ(acquired.gap_before.missing_scans, 0U);
-  EXPECT_EQ(Frame{}.gap_before.reason, GapReason::None);
 }
 
 }  // namespace

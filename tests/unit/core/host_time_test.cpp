@@ -116,7 +116,46 @@ TEST(HostTime, TellsADeviceThatRunsAtAnotherRate) {
     machine.run(time, 5.0 * factor);
     EXPECT_GT(std::abs(time.rate_error()), 0.01) << factor;
     EXPECT_EQ(time.rate_error() < 0.0, factor > 1.0);
+    machine.run(time, 15.0);
+    EXPECT_NEAR(time.drift_ppm(), factor > 1.0 ? 10'000.0 : -10'000.0, 1e-6) << "no crystal is further off";
   }
+}
+
+/// 100 scans a second in one arrival each `every` seconds, whose lateness is known; times in ns after the first arrival.
+struct KnownArrivals {
+  explicit KnownArrivals(std::uint64_t every) : scans(100 * every) {}
+  void add(double late_ms) {
+    newest += scans;
+    time.add({newest}, test::kFirstScanNs + static_cast<std::int64_t>(newest) * 10 * kMillisecond + std::llround(late_ms * 1e6));
+  }
+  HostTime time{*Rate::create(100, 1), kFrameNs};
+  std::uint64_t scans;
+  std::uint64_t newest = 0;
+};
+
+TEST(HostTime, JudgesTheRateOnceTwoSecondsLieBetweenArrivals) {
+  KnownArrivals slow(1);
+  for (int second = 1; second <= 3; ++second) {
+    slow.add(100.0 * second);  // every second takes 1.1
+    EXPECT_EQ(slow.time.rate_error(), 0.0);
+    EXPECT_EQ(slow.time.missing_ns(), 0);
+  }
+  slow.add(400.0);
+  EXPECT_NEAR(slow.time.rate_error(), 0.1 - 0.01, 1e-9) << "less what 20 ms of bad luck in 2 s could feign";
+}
+
+TEST(HostTime, LineIsTheEdgeUnderTheMiddleOfTheArrivals) {
+  KnownArrivals arrivals(2);
+  for (const double late_ms : {0.0, 5.0, 0.2, 6.0, 0.4}) arrivals.add(late_ms);
+  EXPECT_NEAR(static_cast<double>(arrivals.time.uncertainty_ns()), 1e6 + 2 * 11.2e6 / 4 + 200e-6 * 6e9, 1.0)
+      << "the drift is not known yet";
+  arrivals.add(7.0);
+  EXPECT_EQ(arrivals.time.drift_ppm(), 0.0);
+  arrivals.add(0.6);  // the line through 0, 0.2 and 0.4 ms; 10 s lie between the first arrival and 7.0
+
+  EXPECT_NEAR(arrivals.time.drift_ppm(), -50.0, 1e-6);
+  EXPECT_NEAR(static_cast<double>(arrivals.time.uncertainty_ns()), 1e6 + 2 * (4.9e6 + 5.7e6 + 6.5e6) / 6, 1.0);
+  EXPECT_NEAR(static_cast<double>(arrivals.time.at({1400}) - test::kFirstScanNs), 14e9 + 0.6e6, 1.0);
 }
 
 TEST(HostTime, IsNotImpressedByAStallOfTheMachine) {

@@ -18,15 +18,6 @@ TEST(LatestValue, NothingStored_IsTheInitialValue) {
   EXPECT_EQ(LatestValue<int>{}.load(), 0);
 }
 
-TEST(LatestValue, Stored_IsLoadedAgainAndAgain) {
-  LatestValue<int> value;
-
-  value.store(1);
-
-  EXPECT_EQ(value.load(), 1);
-  EXPECT_EQ(value.load(), 1);
-}
-
 TEST(LatestValue, StoredSeveralTimes_IsTheNewest) {
   LatestValue<int> value;
   for (int round = 0; round < 10; ++round) {

@@ -6,11 +6,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <functional>
-#include <string>
 #include <thread>
-#include <tuple>
 
 #include "core/spsc_ring.h"
 
@@ -93,63 +92,39 @@ bool pop_block(Ring& ring, const Take& take) {
   return count > 0;
 }
 
-class SpscRingStress : public testing::TestWithParam<std::tuple<Push, Pop, std::size_t>> {
- protected:
-  /// The consumer: takes until the producer is done and the ring is empty, and checks each element.
-  void consume(Pop pop, const std::atomic<bool>& is_done) {
-    const Take check = [this](const Element& element) {
-      ASSERT_TRUE(element.is_whole());
-      ASSERT_GT(element.value, newest_) << "out of order, or twice";
-      newest_ = element.value;
-      ++arrived_;
-    };
-    for (;;) {
-      const bool is_last_look = is_done.load(std::memory_order_acquire);  // pairs with the store after the last push
-      if (pop(ring_, check)) continue;
-      if (is_last_look) return;
-      std::this_thread::yield();
-    }
+/// The consumer: takes until the producer is done and the ring is empty, and checks each element; returns how many arrived.
+std::uint64_t consume(Ring& ring, Pop pop, const std::atomic<bool>& is_done) {
+  std::uint64_t newest = 0;
+  std::uint64_t arrived = 0;
+  const Take check = [&](const Element& element) {
+    ASSERT_TRUE(element.is_whole());
+    ASSERT_GT(element.value, newest) << "out of order, or twice";
+    newest = element.value;
+    ++arrived;
+  };
+  for (;;) {
+    const bool is_last_look = is_done.load(std::memory_order_acquire);  // pairs with the store after the last push
+    if (pop(ring, check)) continue;
+    if (is_last_look) return arrived;
+    std::this_thread::yield();
   }
-
-  /// Whether enough elements were sent. On a busy machine each yield may cost milliseconds: there some hundred have to do.
-  [[nodiscard]] bool is_enough(std::uint64_t sent) const {
-    return sent >= kElements || (sent >= kFewestElements && std::chrono::steady_clock::now() - begun_ > kLongest);
-  }
-
-  const std::chrono::steady_clock::time_point begun_ = std::chrono::steady_clock::now();
-  Ring ring_{std::get<2>(GetParam())};
-  std::uint64_t newest_ = 0;
-  std::uint64_t arrived_ = 0;
-};
-
-TEST_P(SpscRingStress, PatientProducer_LosesNothing) {
-  const auto [push, pop, capacity] = GetParam();
-  std::atomic<bool> is_done{false};
-
-  std::thread consumer([&, pop = pop] { consume(pop, is_done); });
-  std::uint64_t sent = 0;
-  while (!is_enough(sent)) {
-    const std::size_t count = std::min<std::uint64_t>(kBlock, kElements - sent);
-    const std::size_t taken = push(ring_, sent + 1, count);  // what was not taken comes again
-    sent += taken;
-    if (taken == 0) std::this_thread::yield();
-  }
-  is_done.store(true, std::memory_order_release);
-  consumer.join();
-
-  EXPECT_EQ(arrived_, sent);
-  EXPECT_EQ(newest_, sent);
 }
 
-TEST_P(SpscRingStress, HastyProducer_EveryElementArrivesOrIsCounted) {
-  const auto [push, pop, capacity] = GetParam();
+/// Whether enough elements were taken. On a busy machine each yield may cost milliseconds: there some hundred have to do.
+bool is_enough(std::uint64_t taken, std::chrono::steady_clock::time_point begun) {
+  return taken >= kElements || (taken >= kFewestElements && std::chrono::steady_clock::now() - begun > kLongest);
+}
+
+void expect_all_arrive_or_are_counted(Push push, Pop pop, std::size_t capacity) {
+  const auto begun = std::chrono::steady_clock::now();
+  Ring ring(capacity);
   std::atomic<bool> is_done{false};
+  std::uint64_t arrived = 0;
   std::uint64_t taken = 0;
   std::uint64_t sent = 0;
-
-  std::thread consumer([&, pop = pop] { consume(pop, is_done); });
-  while (!is_enough(taken)) {
-    const std::size_t taken_now = push(ring_, sent + 1, kBlock);  // what was not taken is gone
+  std::thread consumer([&] { arrived = consume(ring, pop, is_done); });
+  while (!is_enough(taken, begun)) {
+    const std::size_t taken_now = push(ring, sent + 1, kBlock);  // what was not taken is gone
     sent += kBlock;
     taken += taken_now;
     if (taken_now == 0) std::this_thread::yield();
@@ -157,21 +132,17 @@ TEST_P(SpscRingStress, HastyProducer_EveryElementArrivesOrIsCounted) {
   is_done.store(true, std::memory_order_release);
   consumer.join();
 
-  EXPECT_EQ(arrived_, taken);
-  EXPECT_EQ(arrived_ + ring_.dropped(), sent);
+  EXPECT_EQ(arrived, taken);
+  EXPECT_EQ(arrived + ring.dropped(), sent);
 }
 
-std::string case_name(const testing::TestParamInfo<SpscRingStress::ParamType>& info) {
-  const auto [push, pop, capacity] = info.param;
-  const std::string pushed = push == push_single ? "Single" : push == push_in_place ? "InPlace" : "Block";
-  const std::string popped = pop == pop_single ? "Single" : pop == pop_in_place ? "InPlace" : "Block";
-  return pushed + "To" + popped + "Capacity" + std::to_string(capacity);
+TEST(SpscRingStress, AnyCalls_EveryElementArrivesOrIsCounted) {
+  for (const Push push : {push_single, push_in_place, push_block}) {
+    for (const Pop pop : {pop_single, pop_in_place, pop_block}) {
+      for (const std::size_t capacity : {1U, 4U, 64U}) expect_all_arrive_or_are_counted(push, pop, capacity);
+    }
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(AllCalls, SpscRingStress,
-                         testing::Combine(testing::Values(push_single, push_in_place, push_block),
-                                          testing::Values(pop_single, pop_in_place, pop_block), testing::Values(1U, 4U, 64U)),
-                         case_name);
 
 }  // namespace
 }  // namespace dts::core

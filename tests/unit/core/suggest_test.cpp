@@ -11,33 +11,25 @@ namespace {
 
 constexpr std::array<std::string_view, 4> kKnown = {"weight_n", "stance_width_mm", "seed", "noise_mv"};
 
-TEST(Suggest, NothingKnown_SaysNothing) { EXPECT_EQ(suggest("seed", {}), ""); }
-
-TEST(Suggest, EmptyWord_SaysNothing) { EXPECT_EQ(suggest("", kKnown), ""); }
-
-TEST(Suggest, OneLetterWrong_FindsTheWord) { EXPECT_EQ(suggest("sead", kKnown), "seed"); }
-
-TEST(Suggest, OneLetterMissing_FindsTheWord) { EXPECT_EQ(suggest("weigt_n", kKnown), "weight_n"); }
-
-TEST(Suggest, OneLetterTooMany_FindsTheWord) { EXPECT_EQ(suggest("seeed", kKnown), "seed"); }
-
-TEST(Suggest, NeighboursSwapped_CountsAsOneMistake) { EXPECT_EQ(suggest("sede", kKnown), "seed"); }
-
-TEST(Suggest, OtherCase_CountsAsEqual) { EXPECT_EQ(suggest("Noise_mV", kKnown), "noise_mv"); }
-
-TEST(Suggest, MissingUnit_FindsTheWord) { EXPECT_EQ(suggest("stance_width", kKnown), "stance_width_mm"); }
-
-TEST(Suggest, FarFromEverything_SaysNothing) { EXPECT_EQ(suggest("gravity", kKnown), ""); }
-
-TEST(Suggest, TwoMistakesInFourLetters_SaysNothing) { EXPECT_EQ(suggest("soud", kKnown), ""); }
-
-TEST(Suggest, SeveralNear_TakesTheNearest) {
-  constexpr std::array<std::string_view, 2> known = {"x_mm", "y_mm"};
-
-  EXPECT_EQ(suggest("y_m", known), "y_mm");
+TEST(Suggest, IsTheNearestKnownWord_OrNothing) {
+  const struct {
+    std::string word, suggested, why;
+  } rows[]{
+      {"sead", "seed", "one letter wrong"},
+      {"weigt_n", "weight_n", "one letter missing"},
+      {"seeed", "seed", "one letter too many"},
+      {"sede", "seed", "neighbours swapped: one mistake"},
+      {"Noise_mV", "noise_mv", "other case: equal"},
+      {"stance_width", "stance_width_mm", "without its unit"},
+      {"gravity", "", "far from everything"},
+      {"soud", "", "two mistakes in four letters"},
+      {"", "", "nothing"},
+      {std::string(100'000, 's'), "", "very long"},
+  };
+  for (const auto& row : rows) EXPECT_EQ(suggest(row.word, kKnown), row.suggested) << row.why;
+  EXPECT_EQ(suggest("seed", {}), "");
+  EXPECT_EQ(suggest("y_m", std::array<std::string_view, 2>{"x_mm", "y_mm"}), "y_mm") << "of two that are near, the nearer";
 }
-
-TEST(Suggest, VeryLongWord_SaysNothing) { EXPECT_EQ(suggest(std::string(100'000, 's'), kKnown), ""); }
 
 }  // namespace
 }  // namespace dts::core

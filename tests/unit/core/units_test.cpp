@@ -34,13 +34,6 @@ TEST(Quantity, Arithmetic_KeepsTheUnit) {
   EXPECT_EQ(gap / Millimetres{2.0}, 2.0);
 }
 
-TEST(Quantity, DefaultConstructed_IsZero) { EXPECT_EQ(Volts{}, Volts{0.0}); }
-
-TEST(Quantity, Ordering_IsThatOfTheValue) {
-  EXPECT_LT(Newtons{-1.0}, Newtons{0.0});
-  EXPECT_GE(Newtons{2.0}, Newtons{2.0});
-}
-
 TEST(ScanIndex, Distance_CountsScans) {
   const ScanIndex first{1'000'000'000'000};
 

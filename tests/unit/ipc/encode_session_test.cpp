@@ -1,79 +1,152 @@
 // SPDX-License-Identifier: Apache-2.0
+// What the catalogue and a session's state become on the wire: whole messages, every input with a value of its own.
 #include "ipc/encode_session.h"
 
 #include <gtest/gtest.h>
 
 #include "ipc/command_handler.h"
+#include "ipc/encode_sway.h"
+#include "record/event.h"
+#include "session/sway_record.h"
+#include "unit/ipc/message_text.h"
 
 namespace dts::ipc {
 namespace {
 
-constexpr const char* kCut = "Stromausf\xC3";  // in the middle of a character, as a limit of bytes cuts it
+constexpr const char* kCut = "cut\xC3";               // in the middle of a character, as a limit of bytes cuts it
+const std::string kClean = "\"cut\\357\\277\\275\"";  // NOLINT(cert-err58-cpp): U+FFFD in its place
 
-/// What a client understands of an answer.
-dts::v1::Response received(const dts::v1::Response& sent) {
-  dts::v1::Response response;
-  EXPECT_TRUE(response.ParseFromString(sent.SerializeAsString()));
-  return response;
+TEST(EncodeSession, Record_IsWhatTheCatalogueKnows_WithEveryTextReadable) {
+  core::Losses losses;
+  losses.add(core::GapReason::Silence, {.gaps = 2, .scans = 40});
+  record::SessionRow row{.id = "s1",
+                         .rig = kCut,
+                         .protocol = kCut,
+                         .subject = kCut,
+                         .label = kCut,
+                         .state = "complete",
+                         .message = kCut,
+                         .started_utc_ns = 5,
+                         .ended_utc_ns = 6};
+  row.parts = {{.file = kCut,
+                .state = record::PartState::Recovered,
+                .sha256 = "abc",
+                .bytes = 7,
+                .scans = 8,
+                .duration_s = 9,
+                .losses = losses,
+                .lost_s_at_most = 10,
+                .reason = kCut,
+                .valid_trials = 11},
+               {.part = 2, .state = record::PartState::Complete},
+               {.part = 3, .state = record::PartState::Recording},
+               {.part = 4, .state = record::PartState::Complete, .losses = core::Losses()}};
+  row.trials = {{.part = 2,
+                 .trial = 3,
+                 .attempt = 4,
+                 .block = 5,
+                 .condition = kCut,
+                 .outcome = kCut,
+                 .segment = 6,
+                 .first_scan = 812,
+                 .last_scan = 212,
+                 .last_segment = 7}};
+
+  EXPECT_EQ(text(session_record(row, 12)),
+            "session_id: \"s1\" rig: " + kClean + " protocol: " + kClean + " subject: " + kClean + " label: " + kClean +
+                " state: \"incomplete\" message: " + kClean +
+                " started_utc_ns: 5 ended_utc_ns: 6 "
+                "parts { part: 1 state: PART_STATE_RECOVERED file: " +
+                kClean +
+                " sha256: \"abc\" bytes: 7 scans: 8 duration_s: 9 "
+                "lost_s_at_most: 10 reason: " +
+                kClean +
+                " losses { reason: GAP_REASON_SILENCE gaps_total: 2 lost_scans_total: 40 } valid_trials: 11 } "
+                "parts { part: 2 state: PART_STATE_COMPLETE is_loss_unknown: true } "
+                "parts { part: 3 state: PART_STATE_RECORDING } "
+                "parts { part: 4 state: PART_STATE_COMPLETE } "
+                "trials { part: 2 trial: 3 attempt: 4 block: 5 condition: " +
+                kClean + " outcome: " + kClean + " segment: 6 first_scan: 812 last_scan: 212 last_segment: 7 } planned_trials: 12");
 }
 
-TEST(EncodeSession, TextsThatAreNoUtf8_LeaveTheAnswerReadable) {
-  record::SessionRow row{
-      .id = "s1", .rig = "floor", .protocol = "free", .subject = kCut, .label = kCut, .state = "aborted", .message = kCut};
-  row.parts.emplace_back();
-  row.parts.back().file = std::string("/state/\xFF") + "/s1.xdf";
-  row.parts.back().reason = kCut;
-  row.trials.emplace_back();
-  row.trials.back().condition = kCut;
-  dts::v1::Response response;
-  *response.mutable_session_record() = session_record(row);
-
-  const dts::v1::Response seen = received(response);
-
-  EXPECT_EQ(seen.session_record().message(), "Stromausf\xEF\xBF\xBD");
-  EXPECT_EQ(seen.session_record().parts_size(), 1);
+/// What a trial's stored event becomes.
+std::string of_stored(const std::string& event) {
+  record::SessionRow row{.id = "s1"};
+  row.trials = {{.session_id = "s1", .trial = 4, .attempt = 2, .condition = kCut, .result = event}};
+  dts::v1::TrialRecord trial = session_record(row, 0).trials(0);
+  for (const char* beside : {"part", "trial", "attempt", "block", "condition"}) {
+    trial.GetReflection()->ClearField(&trial, trial.GetDescriptor()->FindFieldByName(beside));
+  }
+  return text(trial);
 }
 
-TEST(EncodeSession, StateAndTrials_AreThoseThatEveryClientShows) {
-  record::SessionRow row{.id = "s1", .state = "complete"};
-  row.parts = {{.state = record::PartState::Recovered, .valid_trials = 1},
-               {.part = 2, .state = record::PartState::Complete, .valid_trials = 2}};
-
-  const dts::v1::SessionRecord out = session_record(row, 4);
-
-  EXPECT_EQ(out.state(), "recovered");
-  EXPECT_EQ(out.planned_trials(), 4U);
-  EXPECT_EQ(out.parts(0).valid_trials(), 1U);
-  EXPECT_EQ(out.parts(1).valid_trials(), 2U);
+TEST(EncodeSession, StoredResult_OfAReachingTrial) {
+  const std::string trial = "result { trial: 4 attempt: 2 condition: " + kClean + " ";
+  const std::string at = R"({"event":"result","segment":0,"scan":0)";
+  const struct {
+    std::string event, expected;
+  } rows[]{
+      {at +
+           R"(,"target_cm":80.5,"expected_class":3,"number":"7","flags":17,"class":2,"trunk_deg":30,"trunk_lo_deg":22.5,"trunk_hi_deg":38,"reasons":16})",
+       "target_cm: 80.5 reach { flags: 17 } movement { trunk_class: 2 trunk_deg: 30 trunk_lo_deg: 22.5 trunk_hi_deg: 38 reasons: 16 } "
+       "expected_class: 3 }"},
+      {at + "}", "expected_class: -1 }"},
+      {at + R"(,"number":7,"class":"-1"})",
+       "reach { } movement { trunk_class: -1 trunk_deg: nan trunk_lo_deg: nan trunk_hi_deg: nan } expected_class: -1 }"},
+      // A file may hold anything.
+      {at + R"(,"number":1,"flags":65535.9,"class":3,"reasons":-1,"expected_class":-1.5})",
+       "reach { flags: 65535 } movement { trunk_class: 3 trunk_deg: nan trunk_lo_deg: nan trunk_hi_deg: nan } expected_class: -1 }"},
+      {at + R"(,"number":1,"flags":65537,"class":3.5,"expected_class":0})",
+       "reach { flags: 65535 } movement { trunk_class: -1 trunk_deg: nan trunk_lo_deg: nan trunk_hi_deg: nan } }"},
+  };
+  for (const auto& row : rows) EXPECT_EQ(of_stored(row.event), trial + row.expected) << row.event;
+  for (const char* none : {"", "{", R"({"event":"reach","segment":0,"scan":0,"number":1})"}) EXPECT_EQ(of_stored(none), "") << none;
 }
 
-TEST(EncodeSession, LossesThatNobodyKnows_AreNotNone) {
-  record::SessionRow row{.id = "s1", .state = "complete"};
-  row.parts = {{.state = record::PartState::Complete},
-               {.part = 2, .state = record::PartState::Complete, .losses = core::Losses()},
-               {.part = 3, .state = record::PartState::Recording}};
+TEST(EncodeSession, StoredSway_IsTheLiveOne) {
+  session::SwayTrialResult live{.trial = 4,
+                                .attempt = 2,
+                                .condition = "eyes-open",
+                                .labels = {{"eyes", "open"}},
+                                .segment = 1,
+                                .first_scan = {100},
+                                .end_scan = {2100},
+                                .analysis = posturography::Analysis{}};
+  live.analysis->rate_hz = 100;
+  live.analysis->samples = 2000;
+  live.analysis->duration_s = 20;
+  live.analysis->measures.set(posturography::Measure::MveloAp, 5.25);
 
-  const dts::v1::SessionRecord out = session_record(row, 0);
-
-  EXPECT_TRUE(out.parts(0).is_loss_unknown());
-  EXPECT_FALSE(out.parts(1).is_loss_unknown());
-  EXPECT_FALSE(out.parts(2).is_loss_unknown()) << "it is not over yet";
+  EXPECT_EQ(of_stored(record::to_json(session::to_record(live, "dtsd 1.0"))), "sway { " + text(sway(live, "s1", "dtsd 1.0")) + " }");
+  EXPECT_EQ(of_stored(R"({"event":"sway","segment":0,"scan":0,"trial":4})"), "") << "damaged";
 }
 
-TEST(EncodeSession, TrialThatAGapDivides_HasBothItsSegments) {
-  record::SessionRow row{.id = "s1", .state = "complete"};
-  row.trials = {{.trial = 1, .segment = 2, .first_scan = 812, .last_scan = 212, .last_segment = 3}};
-
-  const dts::v1::SessionRecord out = session_record(row, 0);
-
-  EXPECT_EQ(out.trials(0).segment(), 2U);
-  EXPECT_EQ(out.trials(0).last_segment(), 3U);
+TEST(EncodeSession, RowsBesideTheSession) {
+  EXPECT_EQ(text(session_result({.session_id = "s1", .name = kCut, .value = 2.5, .unit = kCut, .details = kCut})),
+            "name: " + kClean + " value: 2.5 unit: " + kClean + " details: " + kClean);
+  EXPECT_EQ(text(audit_entry({.number = 1, .utc_ns = 2, .who = kCut, .what = kCut, .target = kCut, .result = kCut, .hash = "h"})),
+            "number: 1 utc_ns: 2 who: " + kClean + " what: " + kClean + " target: " + kClean + " result: " + kClean + " hash: \"h\"");
+  EXPECT_EQ(text(disk_status({.state = session::DiskState::Low, .free_bytes = 1, .recordable_s = 2, .directory = kCut, .problem = kCut})),
+            "state: DISK_STATE_LOW free_bytes: 1 recordable_s: 2 directory: " + kClean + " problem: " + kClean);
+  EXPECT_EQ(text(error_response({core::ErrorCode::NotFound, kCut, kCut})),
+            "error { code: ERROR_CODE_NOT_FOUND what: " + kClean + " hint: " + kClean + " }");
 }
 
-TEST(EncodeSession, ErrorThatQuotesACutText_StaysReadable) {
-  const dts::v1::Response seen = received(error_response({core::ErrorCode::InvalidArgument, kCut, kCut}));
+TEST(EncodeSession, Protocol_NamesTrialsConditionsAndFields) {
+  session::Protocol protocol{.name = "reach", .sentence = "Reach out.", .rig_kind = "chair", .settle_s = 1, .duration_s = 2};
+  protocol.fields = {{.name = "arm_length_cm", .sentence = "Arm", .is_required = true, .minimum = 30, .maximum = 100},
+                     {.name = "group", .sentence = "Group", .choices = {"a", "b"}}};
+  const std::string head = "name: \"reach\" sentence: \"Reach out.\" settle_s: 1 duration_s: 2 ";
+  const std::string tail =
+      "fields { name: \"arm_length_cm\" sentence: \"Arm\" is_required: true minimum: 30 maximum: 100 } "
+      "fields { name: \"group\" sentence: \"Group\" choices: \"a\" choices: \"b\" } rig_kind: \"chair\"";
+  EXPECT_EQ(text(protocol_info(protocol)), head + tail);
+  protocol.trials = session::TrialPlan{.conditions = {{.name = "80"}, {.name = "120"}}, .trials_per_block = 3, .blocks = 4};
+  EXPECT_EQ(text(protocol_info(protocol)), head + "trials: 12 conditions: \"80\" conditions: \"120\" " + tail);
+}
 
-  EXPECT_EQ(seen.error().code(), static_cast<int>(core::ErrorCode::InvalidArgument));
+TEST(EncodeSession, ProtocolOfASession_IsNamedOnlyOnceThereWasOne) {
+  EXPECT_EQ(text(session_info("floor", {})), "rig: \"floor\" state: SESSION_STATE_IDLE");
 }
 
 }  // namespace

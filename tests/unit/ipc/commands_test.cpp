@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: Apache-2.0
+// Every command on a real rig: what it answers, and what the audit trail says of it.
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "access/key_store.h"
+#include "ipc/command_handler.h"
+#include "unit/ipc/message_text.h"
+#include "unit/session/recordings_fixture.h"
+
+namespace dts::ipc {
+namespace {
+
+struct Row {
+  std::string request;
+  std::string answer;     ///< How its text begins, after the request's id.
+  std::string entries{};  ///< New ones of the audit trail: who what [target] result.
+};
+
+std::string error(const std::string& code) { return "error { code: ERROR_CODE_" + code; }
+
+std::string fields(int count) {
+  std::string text;
+  for (int field = 0; field < count; ++field) text += "fields { key: 'f" + std::to_string(field) + "' value: '1' } ";
+  return text;
+}
+
+class CommandsTest : public session::RecordingsTest {
+ protected:
+  CommandsTest() : keys_(access::KeyStore::open(folder_.string() + "-keys").value()) {}
+  ~CommandsTest() override { std::filesystem::remove_all(folder_.string() + "-keys"); }
+
+  void make_handler() {
+    handler_ = std::make_unique<CommandHandler>(*supervisor_, clock_, Identity{.instance_id = 42, .version = "1"},
+                                                std::vector<std::string>{"notice"},
+                                                KeyCommands{keys_.get(), clock_, {.control = "tcp://c:1", .data = "tcp://d:2"}});
+  }
+  static void replace(std::string& text, const std::string& what, const std::string& by) {
+    for (std::size_t at = 0; !what.empty() && (at = text.find(what, at)) != std::string::npos; at += by.size())
+      text.replace(at, what.size(), by);
+  }
+  /// The answer to a request; the newest session is called ID in both.
+  std::string ask(std::string request_text) {
+    replace(request_text, "ID", session_id_);
+    auto request = message_of<v1::Request>(request_text);
+    request.set_request_id("q");
+    CommandHandler::Answer answer = handler_->execute(request);
+    if (answer.pending) {
+      EXPECT_TRUE(eventually([&] {
+        auto response = handler_->finish(*answer.pending);
+        if (response) answer.response = *response;
+        return response.has_value();
+      })) << request_text;
+    }
+    if (answer.response.has_session()) session_id_ = answer.response.session().session_id();
+    handler_->enter_audit("local", request, answer.response);
+    if (!answer.pending) {
+      EXPECT_EQ(answer.response.request_id(), "q");
+    }
+    answer.response.clear_request_id();
+    std::string out = text(answer.response);
+    replace(out, session_id_, "ID");
+    replace(out, folder_.string(), "FOLDER");
+    return out;
+  }
+  /// Entries of the audit trail since the last call.
+  std::string new_entries() {
+    const auto all = recordings_->catalogue().audit(1000).value();
+    std::string out;
+    for (; entries_ < all.size(); ++entries_) {
+      const record::AuditEntry& entry = all[entries_];
+      EXPECT_LT(std::abs(entry.utc_ns - clock_.now_ns() - clock_.utc_minus_monotonic_ns()), 60 * core::kNanosecondsPerSecond);
+      out += (out.empty() ? "" : "; ") + entry.who + " " + entry.what + " " + (entry.target.empty() ? "" : "[" + entry.target + "] ") +
+             entry.result;
+    }
+    replace(out, session_id_, "ID");
+    return out;
+  }
+  void expect(const std::vector<Row>& rows) {
+    for (const Row& row : rows) {
+      const std::string answer = ask(row.request);
+      EXPECT_EQ(answer.substr(0, row.answer.size()), row.answer) << row.request << "\n  " << answer;
+      EXPECT_EQ(new_entries(), row.entries) << row.request;
+    }
+  }
+
+  std::unique_ptr<access::KeyStore> keys_;
+  std::unique_ptr<CommandHandler> handler_;
+  std::string session_id_;
+  std::size_t entries_ = 0;
+};
+
+TEST_F(CommandsTest, OnARigThatStreams) {
+  session::Protocol stand{.name = "stand"};
+  stand.fields = {{.name = "age", .minimum = 1, .maximum = 100}};
+  stand.trials = session::TrialPlan{.conditions = {{.name = "a"}}, .trials_per_block = 3};
+  start({session::Protocol{}, stand});
+  make_handler();
+  ASSERT_TRUE(eventually([&] { return supervisor_->test_device("floor").has_value(); }));
+  static_cast<void>(new_entries());
+  const std::string started =
+      "session { session_id: \"ID\" rig: \"floor\" state: SESSION_STATE_STARTING protocol: \"stand\" subject: \"P7\" label: \"L\" "
+      "duration_s: ";
+  const std::string start =
+      "start_session { rig: 'floor' protocol: 'stand' subject: 'P7' label: 'L' duration_s: 100 fields { key: 'age' value: '7' } }";
+  expect({
+      {"", error("INVALID_ARGUMENT")},
+      {"status {}", "status { instance_id: 42 version: \"1\""},
+      {"list_rigs {}", "rigs { rigs { name: \"floor\""},
+      {"list_protocols {}", "protocols { protocols { name: \"free\" } protocols { name: \"stand\" trials: 3"},
+      {"get_devices {}", "devices { devices { rig: \"floor\" uri: \"sim:floor?seed=3&step_on_s=0.2\" model: "},
+      {"list_sessions {}", "sessions { }"},
+      {"show_session { session_id: 'x' }", error("NOT_FOUND")},
+      {"mark { text: 'x' }", "mark { marks { rig: \"floor\" scan: ", "local mark ok"},
+      {"mark { text: 'x' rig: 'floor' }", "mark { marks { rig: \"floor\" scan: ", "local mark [floor] ok"},
+      {"mark { text: 'x' rig: 'chair' }", error("NOT_FOUND"), "local mark not_found"},
+      {"mark { rig: 'floor' }", error("INVALID_ARGUMENT"), "local mark [floor] invalid_argument"},
+      {"tare { rig: 'chair' }", error("NOT_FOUND"), "local tare not_found"},
+      {"tare { rig: 'floor' }", error("WRONG_STATE") + " what: \"tare refused: the plate of rig \\'floor\\' is loaded\"",
+       "local tare [floor] wrong_state"},
+      {"test_device { rig: 'chair' }", error("NOT_FOUND"), "local device_test not_found"},
+      {"stop_session {}", error("WRONG_STATE"), "local stop_session wrong_state"},
+      {"stop_session { rig: 'chair' is_abort: true }", error("NOT_FOUND"), "local abort_session not_found"},
+      {"resume_session { session_id: 'x' }", error("NOT_FOUND"), "local resume_session not_found"},
+      {"trial {}", error("INVALID_ARGUMENT"), "local trial invalid_argument"},
+      {"trial { action: TRIAL_ACTION_NEXT }", error("WRONG_STATE"), "local trial_next wrong_state"},
+      {"start_session { rig: 'chair' }", error("NOT_FOUND"), "local start_session not_found"},
+      {"start_session { rig: 'floor' subject: 'Jane Doe' }", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
+      {"start_session { rig: 'floor' duration_s: -1 }", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
+      {"start_session { rig: 'floor' settle_s: -1 }", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
+      {"start_session { rig: 'floor' " + fields(65) + "}", error("LIMIT_EXCEEDED"), "local start_session [floor] limit_exceeded"},
+      {"start_session { rig: 'floor' " + fields(64) + "}", error("INVALID_ARGUMENT"), "local start_session [floor] invalid_argument"},
+      {start, started, "local start_session [ID] ok"},
+  });
+  ASSERT_TRUE(is_in(session::SessionState::Running));
+  const std::string trial = "trial { phase: TRIAL_PHASE_";
+  expect({
+      {start, error("WRONG_STATE"), "local start_session [ID] wrong_state"},
+      {"tare { rig: 'floor' }", error("WRONG_STATE"), "local tare [ID] wrong_state"},
+      {"mark { text: 'x' }", "mark { marks { rig: \"floor\" scan: ", "local mark [ID] ok"},
+      {"trial { action: TRIAL_ACTION_NEXT }",
+       trial + "MEASURING trial: 1 attempt: 1 block: 1 of: 3 condition: \"a\" next_condition: \"a\" }", "local trial_next [ID] ok"},
+      {"trial { action: TRIAL_ACTION_REDO }", trial + "MEASURING trial: 1 attempt: 2", "local trial_redo [ID] ok"},
+      {"trial { action: TRIAL_ACTION_NEXT rig: 'floor' }", trial + "WAITING trial: 1 attempt: 2", "local trial_next [ID] ok"},
+      {"trial { action: TRIAL_ACTION_REJECT }", trial + "WAITING trial: 1", "local trial_reject [ID] ok"},
+      {"stop_session { is_abort: true reason: 'tired' }",
+       "session { session_id: \"ID\" rig: \"floor\" state: SESSION_STATE_IDLE protocol: \"stand\" subject: \"P7\"",
+       "local abort_session [ID] ok"},
+      {"show_session { session_id: 'ID' }",
+       "session_record { session_id: \"ID\" rig: \"floor\" protocol: \"stand\" subject: \"P7\" label: \"L\" state: \"aborted\" message: "
+       "\"tired\" started_utc_ns: "},
+      {"resume_session { session_id: 'ID' }", started, "local resume_session [ID] ok"},
+      {"stop_session { rig: 'floor' }", "session { session_id: \"ID\"", "local stop_session [ID] ok"},
+  });
+  EXPECT_NE(ask("show_session { session_id: 'ID' }").find("fields { key: \"age\" value: \"7\" }"), std::string::npos);
+  static_cast<void>(record(10));
+  expect({{"stop_session {}", "session { session_id: \"ID\" rig: \"floor\" state: SESSION_STATE_IDLE protocol: \"free\"",
+           "local stop_session [ID] ok"}});
+  const auto listed = [&](const std::string& filter) {
+    return message_of<v1::Response>(ask("list_sessions { " + filter + " }")).sessions().sessions_size();
+  };
+  EXPECT_EQ(listed(""), 2);
+  EXPECT_EQ(listed("limit: 1"), 1);
+  EXPECT_EQ(listed("limit: 4000000000"), 2);
+  EXPECT_EQ(listed("rig: 'floor'"), 2);
+  for (const char* one : {"subject: 'P7'", "protocol: 'stand'", "protocol: 'free'"}) EXPECT_EQ(listed(one), 1) << one;
+  for (const char* none : {"rig: 'chair'", "subject: 'P8'", "protocol: 'P7'"}) EXPECT_EQ(listed(none), 0) << none;
+  const auto audit = message_of<v1::Response>(ask("get_audit { limit: 2 }")).audit();
+  EXPECT_EQ(audit.entries_size(), 2);
+  EXPECT_EQ(audit.verified_entries(), entries_);
+  EXPECT_EQ(audit.problem(), "");
+
+  const auto test = message_of<v1::Response>(ask("test_device { rig: 'floor' }")).device_test();
+  EXPECT_EQ(new_entries(), "") << "a look, which succeeded";
+  const auto tested = supervisor_->test_device("floor").value();
+  ASSERT_EQ(test.channels_size(), static_cast<int>(supervisor_->rigs().front()->device().channels.size()));
+  for (int index = 0; index < test.channels_size(); ++index) {
+    const auto& channel = test.channels(index);
+    const bool is_sensor = index < 4;
+    EXPECT_EQ(channel.name(), supervisor_->rigs().front()->device().channels[static_cast<std::size_t>(index)].name);
+    EXPECT_EQ(channel.unit(), supervisor_->rigs().front()->device().channels[static_cast<std::size_t>(index)].unit);
+    EXPECT_LE(channel.minimum(), channel.mean());
+    EXPECT_LE(channel.mean(), channel.maximum());
+    EXPECT_EQ(channel.is_sensor(), is_sensor);
+    EXPECT_EQ(channel.gap_mm(), is_sensor ? supervisor_->rigs().front()->config().model.sensors[0].curve.gap({channel.mean()}).value : 0.0);
+    EXPECT_EQ(channel.quality(), 0U) << "someone of usual weight is within the working range";
+  }
+  EXPECT_GT(test.scans(), 0U);
+  EXPECT_GT(test.measured_rate_hz(), 0.0);
+  EXPECT_EQ(test.firmware(), tested.report.firmware);
+  EXPECT_EQ(static_cast<std::size_t>(test.checks_size()), tested.report.checks.size());
+}
+
+TEST_F(CommandsTest, OnKeysAndLogins) {
+  open();
+  make_handler();
+  const std::string key(40, 'a');
+  const std::string all_keys = "server_public_key: \"" + keys_->server().public_key;
+  const std::string none = "keys { " + all_keys;
+  const std::string refused = error("INVALID_ARGUMENT");
+  expect({
+      {"list_keys {}", none},
+      {"add_key { name: 'anna' role: ROLE_OPERATOR public_key: '" + key + "' }",
+       "keys { keys { name: \"anna\" role: ROLE_OPERATOR public_key: \"" + key + "\" created_utc: \"20",
+       "local key_new [anna:operator] ok"},
+      {"add_key { name: 'anna' role: ROLE_VIEWER public_key: '" + key + "' }", error("WRONG_STATE"),
+       "local key_new [anna:viewer] wrong_state"},
+      {"add_key { name: 'Jane Doe' role: ROLE_VIEWER }", refused, "local key_new invalid_argument"},
+      {"revoke_key { name: 'Jane Doe' }", error("NOT_FOUND"), "local key_revoke not_found"},
+      {"revoke_key { name: 'anna' } on_behalf_of: 'otto'", none, "local:otto key_revoke [anna] ok"},
+      {"revoke_key { name: 'anna' } on_behalf_of: 'Otto Z'", error("NOT_FOUND"), "local key_revoke [anna] not_found"},
+      {"note_login { user: 'anna' address: '192.0.2.7' }", "note_login { }", "local login [anna from 192.0.2.7] ok"},
+      {"note_login { address: '2001:db8::7' more: 1 is_refused: true }", "note_login { }",
+       "local login [unknown name from 2001:db8::7, and 1 more] refused"},
+      {"note_login { address: '" + std::string(64, 'z') + "' }", "note_login { }",
+       "local login [unknown name from " + std::string(64, 'z') + "] ok"},
+      {"note_login { address: '" + std::string(65, 'z') + "' }", refused, "local login invalid_argument"},
+      {"note_login { user: 'anna' }", refused, "local login invalid_argument"},
+      {"note_login { user: 'anna' address: '192.0.2.7 anna' }", refused, "local login invalid_argument"},
+      {"note_login { user: 'Jane Doe' address: '192.0.2.7' }", refused, "local login invalid_argument"},
+  });
+  EXPECT_TRUE(handler_->has_lost_keys());
+  EXPECT_FALSE(handler_->has_lost_keys());
+  EXPECT_TRUE(ask("list_keys {}").ends_with("control_endpoint: \"tcp://c:1\" data_endpoint: \"tcp://d:2\" }"));
+  handler_ = std::make_unique<CommandHandler>(*supervisor_, clock_, Identity{}, std::vector<std::string>{},
+                                              KeyCommands{nullptr, clock_, {}, {core::ErrorCode::DataDamaged, "damaged", ""}});
+  for (const char* command : {"list_keys {}", "add_key { name: 'b' }", "revoke_key { name: 'b' }"}) {
+    EXPECT_EQ(ask(command), error("DATA_DAMAGED") + " what: \"damaged\" }");
+  }
+  EXPECT_FALSE(handler_->has_lost_keys());
+}
+
+TEST_F(CommandsTest, Tare_IsAnsweredOnceItsOwnReportIsThere) {
+  open();
+  make_handler();
+  using pipeline::TareOutcome;
+  const auto answer = [&](const pipeline::TareReport& report) {
+    supervisor_->rigs().front()->tare().report(report);
+    const auto response = handler_->finish(PendingTare{.rig = "floor", .request = 2});
+    return response ? text(*response) : "not yet";
+  };
+  EXPECT_EQ(answer({.request = 1, .outcome = TareOutcome::Done}), "not yet") << "that of another request";
+  EXPECT_EQ(answer({.request = 2, .outcome = TareOutcome::Running}), "not yet");
+  EXPECT_EQ(answer({.request = 2, .outcome = TareOutcome::None}), "not yet");
+  for (const std::uint64_t request : {2U, 3U}) {
+    EXPECT_EQ(answer({.request = request, .outcome = TareOutcome::Done, .channel_count = 3, .baseline_mm = {0.5, 0.25, 2}}),
+              "tare { baseline_mm: [0.5, 0.25, 2] }");
+  }
+  const std::string refused = error("WRONG_STATE") + " what: \"tare refused: ";
+  EXPECT_TRUE(answer({.request = 2, .outcome = TareOutcome::Loaded}).starts_with(refused + "the plate of rig \\'floor\\' is loaded"));
+  EXPECT_TRUE(answer({.request = 2, .outcome = TareOutcome::Unsteady}).starts_with(refused + "the plate of rig \\'floor\\' moved"));
+  EXPECT_TRUE(answer({.request = 2, .outcome = TareOutcome::BadSensor}).starts_with(refused + "a sensor of rig \\'floor\\' is faulty"));
+  EXPECT_EQ(handler_->finish(PendingTare{.rig = "chair", .request = 2})->error().code(), v1::ERROR_CODE_NOT_FOUND);
+
+  EXPECT_TRUE(text(handler_->give_up(PendingTare{.rig = "floor", .request = 2})).starts_with(error("TIMEOUT")));
+  EXPECT_TRUE(supervisor_->rigs().front()->tare().is_cancelled(2)) << "it must not happen later, unasked";
+  EXPECT_TRUE(text(handler_->give_up(PendingStop{.rig = "floor", .session_id = "s1"}))
+                  .starts_with(error("TIMEOUT") + " what: \"the recording of session s1"));
+  EXPECT_EQ(handler_->finish(PendingStop{.rig = "chair", .session_id = "s1"})->error().code(), v1::ERROR_CODE_NOT_FOUND);
+}
+
+TEST_F(CommandsTest, Status_CountsAndWarns) {
+  open();
+  make_handler();
+  handler_->count_rejected();
+  v1::StatusSnapshot status = handler_->status();
+  EXPECT_EQ(status.rejected_requests_total(), 1U);
+  EXPECT_FALSE(status.has_network());
+  EXPECT_EQ(status.disk().directory(), recordings_->disk().directory);
+  EXPECT_EQ(text(status.notices().empty() ? v1::StatusSnapshot{} : status).find("other machines"), std::string::npos);
+  handler_->note_remote_problem(true);
+  EXPECT_NE(text(handler_->status()).find("notices: \"notice\" notices: \"other machines cannot connect"), std::string::npos);
+}
+
+TEST_F(CommandsTest, WithoutStorage_AnswerWhatTheyCan) {
+  supervisor_ = std::make_unique<session::Supervisor>(clock_, core::Log());
+  make_handler();
+  for (const char* command : {"list_sessions {}", "show_session { session_id: 'x' }", "get_audit {}"}) {
+    EXPECT_EQ(ask(command), error("UNSUPPORTED") + " what: \"this daemon records nothing\" hint: \"it was started without storage\" }");
+  }
+  EXPECT_EQ(ask("list_rigs {}"), "rigs { }");
+  EXPECT_FALSE(handler_->status().has_disk());
+}
+
+}  // namespace
+}  // namespace dts::ipc

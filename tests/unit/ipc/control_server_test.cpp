@@ -1,0 +1,363 @@
+// SPDX-License-Identifier: Apache-2.0
+// The control loop over real sockets, in its own time: what is answered, counted, limited, remembered and published.
+#include "ipc/control_server.h"
+
+#include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+#include <sys/socket.h>
+
+#include <sstream>
+
+#include "access/authenticator.h"
+#include "unit/access/key_fixture.h"
+#include "unit/ipc/message_text.h"
+#include "unit/ipc/turn_socket.h"
+#include "unit/session/recordings_fixture.h"
+
+namespace dts::ipc {
+namespace {
+
+/// Passes a little whenever somebody looks, so that the loop ends; the rest of the time passes by hand.
+class LookedAtClock final : public core::Clock {
+ public:
+  [[nodiscard]] std::int64_t now_ns() const noexcept override { return now_ns_ += 200'000; }
+  void sleep_until_ns(std::int64_t deadline_ns) noexcept override { now_ns_ = deadline_ns; }
+  void advance_s(double seconds) { now_ns_ += static_cast<std::int64_t>(seconds * 1e9); }
+
+ private:
+  mutable std::atomic<std::int64_t> now_ns_{1'000'000'000};
+};
+
+class ControlTest : public session::RecordingsTest {
+ protected:
+  explicit ControlTest(const std::string& device = "sim:floor?seed=3") {
+    recordings_ = session::Recordings::open(storage_, clock_, core::Log()).value();
+    supervisor_ =
+        std::make_unique<session::Supervisor>(clock_, core::Log(), nullptr, session::SessionServices{.recordings = recordings_.get()});
+    EXPECT_TRUE(supervisor_->add(session::Rig::create(session::floor_config(device), clock_, bell_).value()));
+    keys_ = access::KeyStore::open(folder_.string() + "-keys").value();
+    EXPECT_TRUE(keys_->add(access::key_for("eve", v1::ROLE_VIEWER, eve_)));
+    EXPECT_TRUE(keys_->add(access::key_for("ina", v1::ROLE_ENGINEER, ina_)));
+    authenticator_ = access::Authenticator::start(context_, *keys_, clock_).value();
+    std::vector<ControlSocket> sockets;
+    sockets.push_back(ControlSocket::bind(context_, "ipc://" + folder_.string() + "/c").value());
+    for (int port = 20'000 + static_cast<int>(::getpid() % 10'000); sockets.size() < 2; ++port) {
+      remote_ = "tcp://127.0.0.1:" + std::to_string(port);
+      if (auto bound = ControlSocket::bind(context_, RemoteEndpoint{remote_, keys_->server()})) sockets.push_back(std::move(*bound));
+    }
+    auto data = std::make_unique<TurnSocket>();
+    data_ = data.get();
+    publisher_ = std::make_unique<PublishThread>(std::move(data), bell_, supervisor_->rigs(), time_, 7);
+    static_cast<void>(publisher_->start({}));
+    handler_ = std::make_unique<CommandHandler>(*supervisor_, time_, Identity{.instance_id = 7, .version = "v"}, std::vector<std::string>{},
+                                                KeyCommands{keys_.get(), time_, {}}, authenticator_.get());
+    server_ = std::make_unique<ControlServer>(
+        std::move(sockets), access::Gate(keys_.get()), *supervisor_, *handler_, *publisher_, time_,
+        core::Log(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_))), 7);
+  }
+  ~ControlTest() override {
+    data_->end();
+    publisher_->stop();
+    server_.reset();
+    authenticator_.reset();
+    std::filesystem::remove_all(folder_.string() + "-keys");
+  }
+
+  zmq::socket_t client(const access::KeyPair* key = nullptr) {
+    zmq::socket_t socket(clients_, zmq::socket_type::dealer);
+    socket.set(zmq::sockopt::linger, 0);
+    if (key != nullptr) {
+      socket.set(zmq::sockopt::curve_serverkey, keys_->server().public_key);
+      socket.set(zmq::sockopt::curve_publickey, key->public_key);
+      socket.set(zmq::sockopt::curve_secretkey, key->secret_key);
+    }
+    socket.connect(key != nullptr ? remote_ : "ipc://" + folder_.string() + "/c");
+    return socket;
+  }
+  static void send(zmq::socket_t& socket, const std::vector<std::string>& frames) {
+    for (const std::string& frame : frames) {
+      socket.send(zmq::buffer(frame), &frame == &frames.back() ? zmq::send_flags::none : zmq::send_flags::sndmore);
+    }
+  }
+  static std::string request(const std::string& text) { return message_of<v1::Request>(text).SerializeAsString(); }
+  /// Serves until an answer arrives; returns it as text, behind the frames before it.
+  std::string answer(zmq::socket_t& socket) {
+    std::string out;
+    zmq::message_t frame;
+    const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!socket.recv(frame, zmq::recv_flags::dontwait)) {
+      if (std::chrono::steady_clock::now() > deadline) return "no answer";
+      server_->serve(1);
+    }
+    for (; frame.more(); static_cast<void>(socket.recv(frame))) out += "'" + frame.to_string() + "' ";
+    v1::Response response;
+    EXPECT_TRUE(response.ParseFromString(frame.to_string()));
+    return out + text(response);
+  }
+  std::string ask(zmq::socket_t& socket, const std::string& request_text) {
+    send(socket, {request(request_text)});
+    return answer(socket);
+  }
+  /// Lets the loop take at least one tick.
+  void tick() {
+    time_.advance_s(0.05);
+    server_->serve(1);
+  }
+  [[nodiscard]] std::uint64_t rejected() { return handler_->status().rejected_requests_total(); }
+  [[nodiscard]] std::vector<std::string> entries() {
+    std::vector<std::string> out;
+    for (const auto& entry : recordings_->catalogue().audit(1000).value())
+      out.push_back(entry.who + " " + entry.what + " " + entry.target + " " + entry.result);
+    return out;
+  }
+
+  LookedAtClock time_;
+  std::ostringstream log_;
+  const access::KeyPair eve_ = access::new_pair();
+  const access::KeyPair ina_ = access::new_pair();
+  zmq::context_t context_{2};
+  zmq::context_t clients_{1};
+  std::unique_ptr<access::KeyStore> keys_;
+  std::unique_ptr<access::Authenticator> authenticator_;
+  std::string remote_;
+  TurnSocket* data_ = nullptr;
+  std::unique_ptr<PublishThread> publisher_;
+  std::unique_ptr<CommandHandler> handler_;
+  std::unique_ptr<ControlServer> server_;
+};
+
+TEST_F(ControlTest, WhatIsNoRequest_IsAnsweredCountedAndOneLineOfTheLogASecond) {
+  const std::string status = request("request_id: 'q' status {}");
+  const std::string id64 = std::string(64, 'i');
+  const std::string hint = "\" hint: \"client and daemon may differ in version\" }";
+  const std::string frames =
+      "error { code: ERROR_CODE_INVALID_ARGUMENT what: \"a request is one frame, or an empty one and then one" + hint;
+  const std::string id = "error { code: ERROR_CODE_INVALID_ARGUMENT what: \"request_id must have 1..64 bytes" + hint;
+  const struct {
+    std::vector<std::string> frames;
+    std::string answer;
+    bool is_rejected;
+  } rows[]{
+      {{status}, "request_id: \"q\" status {", false},
+      {{"", status}, "'' request_id: \"q\" status {", false},
+      {{"x", status}, frames, true},
+      {{"", "", status}, frames, true},
+      {{"a", "b", "c", "d", status}, frames, true},
+      {{"\xff"}, "error { code: ERROR_CODE_INVALID_ARGUMENT what: \"the message is not a dts.v1.Request" + hint, true},
+      {{""}, id, true},
+      {{request("status {}")}, id, true},
+      {{request("request_id: '" + id64 + "' status {}")}, "request_id: \"" + id64 + "\" status {", false},
+      {{request("request_id: '" + id64 + "i' status {}")}, id, true},
+      {{request("request_id: 'q'")},
+       "request_id: \"q\" error { code: ERROR_CODE_INVALID_ARGUMENT what: \"the request holds no command",
+       false},
+  };
+  zmq::socket_t local = client();
+  std::uint64_t count = 0;
+  for (const auto& row : rows) {
+    send(local, row.frames);
+    const std::string got = answer(local);
+    EXPECT_EQ(got.substr(0, row.answer.size()), row.answer);
+    EXPECT_EQ(rejected(), count += row.is_rejected ? 1 : 0) << row.answer;
+    tick();
+    EXPECT_EQ(std::ranges::count(log_.str(), '\n'), count == 0 ? 0 : 1);
+  }
+  time_.advance_s(1);
+  tick();
+  const std::string log = log_.str();
+  EXPECT_EQ(std::ranges::count(log, '\n'), 2) << log;
+  const auto number = [&](std::size_t line_at) { return std::stoi(log.substr(log.find("rejected ", line_at) + 9)); };
+  EXPECT_EQ(number(0) + number(log.find('\n')), static_cast<int>(count)) << log;
+  EXPECT_TRUE(log.ends_with(", the last by local\n"));
+}
+
+TEST_F(ControlTest, CommandWithAnIdOfBefore_IsNotExecutedAgain) {
+  zmq::socket_t local = client();
+  zmq::socket_t other = client();
+  zmq::socket_t remote = client(&ina_);
+  const std::string add = "request_id: 'once' add_key { name: 'anna' role: ROLE_VIEWER public_key: '" + std::string(40, 'a') + "' }";
+  const std::string added = ask(local, add);
+  EXPECT_TRUE(added.starts_with("request_id: \"once\" keys {")) << added;
+  EXPECT_EQ(ask(other, add), added) << "a second execution would be refused";
+  const std::string revoke = "request_id: 'once' revoke_key { name: 'anna' }";
+  EXPECT_TRUE(ask(other, revoke).starts_with("error { code: ERROR_CODE_INVALID_ARGUMENT what: \"request_id was used for another request"));
+  EXPECT_EQ(rejected(), 1U);
+  EXPECT_TRUE(ask(remote, revoke).starts_with("request_id: \"once\" keys {")) << "the ids of other senders are their own";
+  for (const char* look : {"status", "list_rigs"}) {
+    EXPECT_TRUE(ask(local, "request_id: 'once' " + std::string(look) + " {}")
+                    .starts_with("request_id: \"once\" " + std::string(look == std::string("status") ? "status" : "rigs")));
+  }
+  EXPECT_EQ(entries(), (std::vector<std::string>{"local key_new anna:viewer ok", "key:ina key_revoke anna ok"}));
+}
+
+TEST_F(ControlTest, EveryCommandThatChangesSomething_IsRemembered) {
+  zmq::socket_t local = client();
+  for (const std::string command :
+       {"start_session", "stop_session", "mark", "trial", "resume_session", "add_key", "revoke_key", "note_login", "tare"}) {
+    const std::string id = "request_id: '" + command + "' ";
+    static_cast<void>(ask(local, id + command + " {}"));
+    EXPECT_TRUE(ask(local, id + command + " {} on_behalf_of: 'x'")
+                    .starts_with("error { code: ERROR_CODE_INVALID_ARGUMENT what: \"request_id was used"))
+        << command;
+  }
+}
+
+TEST_F(ControlTest, RemoteKey_MayWhatItsRoleMay_AndNotTooOften) {
+  zmq::socket_t eve = client(&eve_);
+  zmq::socket_t local = client();
+  const std::string refused =
+      "request_id: \"q\" error { code: ERROR_CODE_NOT_ALLOWED what: \"this needs the role operator; key:eve has viewer\"";
+  EXPECT_EQ(ask(eve, "request_id: 'q' mark { text: 'x' }").substr(0, refused.size()), refused);
+  EXPECT_EQ(entries(), (std::vector<std::string>{"key:eve mark  not_allowed"}));
+
+  const std::string status = "request_id: 'q' status {}";
+  const std::string too_many = "error { code: ERROR_CODE_LIMIT_EXCEEDED what: \"more than 50 commands a second by key:eve\"";
+  int admitted = 1;
+  std::string got = ask(eve, status);
+  for (; got.starts_with("request_id: \"q\" status {") && admitted < 1000; got = ask(eve, status)) ++admitted;
+  EXPECT_EQ(got.substr(0, too_many.size()), too_many) << "without its id: nobody has read it";
+  EXPECT_GE(admitted, 100);
+  EXPECT_LT(admitted, 300);
+  EXPECT_EQ(rejected(), 1U);
+  EXPECT_TRUE(ask(local, status).starts_with("request_id: \"q\" status {"));
+  time_.advance_s(1);
+  EXPECT_TRUE(ask(eve, status).starts_with("request_id: \"q\" status {"));
+  EXPECT_TRUE(handler_->status().has_network());
+  EXPECT_EQ(handler_->status().accepted_handshakes_total(), 1U);
+  EXPECT_EQ(handler_->status().refused_handshakes_total(), 0U);
+}
+
+/// A cable that was pulled must not keep a connection: the kernel asks after 2 s, every second, five times.
+TEST_F(ControlTest, RemoteConnection_IsWatchedByTheKernel) {
+  zmq::socket_t eve = client(&eve_);
+  static_cast<void>(ask(eve, "request_id: 'q' status {}"));
+  const int port = std::stoi(remote_.substr(remote_.rfind(':') + 1));
+  int watched = 0;
+  for (int fd = 3; fd < 1000; ++fd) {
+    sockaddr_in address{};
+    socklen_t size = sizeof address;
+    const bool is_ours = ::getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0 && address.sin_family == AF_INET &&
+                         ntohs(address.sin_port) == port;
+    if (!is_ours || ::getpeername(fd, reinterpret_cast<sockaddr*>(&address), &size) != 0) continue;
+    ++watched;
+    const auto option = [fd](int level, int name) {
+      int value = 0;
+      socklen_t length = sizeof value;
+      EXPECT_EQ(::getsockopt(fd, level, name, &value, &length), 0);
+      return value;
+    };
+    EXPECT_NE(option(SOL_SOCKET, SO_KEEPALIVE), 0);
+    EXPECT_EQ(option(IPPROTO_TCP, TCP_KEEPIDLE), 2);
+    EXPECT_EQ(option(IPPROTO_TCP, TCP_KEEPINTVL), 1);
+    EXPECT_EQ(option(IPPROTO_TCP, TCP_KEEPCNT), 5);
+    EXPECT_EQ(option(IPPROTO_TCP, TCP_USER_TIMEOUT), 5000);
+  }
+  EXPECT_EQ(watched, 1);
+}
+
+TEST_F(ControlTest, FailedCommands_FillTheAuditTrailNoFurtherThanTwenty) {
+  zmq::socket_t local = client();
+  for (int turn = 0; turn < 25; ++turn) static_cast<void>(ask(local, "request_id: 'q" + std::to_string(turn) + "' mark {}"));
+  EXPECT_EQ(entries().size(), 20U);
+  static_cast<void>(ask(local, "request_id: 'q' note_login { address: '::1' }"));
+  EXPECT_EQ(entries().size(), 21U) << "what succeeds is always noted";
+}
+
+TEST_F(ControlTest, RevokedKey_EndsAllRemoteConnections_TriedAgainOnceASecond) {
+  zmq::socket_t local = client();
+  data_->can_drop_ = false;
+  EXPECT_TRUE(ask(local, "request_id: 'q' revoke_key { name: 'eve' }").starts_with("request_id: \"q\" keys {"));
+  tick();
+  static_cast<void>(data_->turn());
+  EXPECT_EQ(data_->drops_, 1);
+  const std::string problem = "other machines cannot connect";
+  tick();
+  EXPECT_EQ(data_->drops_, 1) << "not at every tick";
+  time_.advance_s(1);
+  tick();
+  static_cast<void>(data_->turn());
+  EXPECT_EQ(data_->drops_, 2);
+  EXPECT_NE(text(handler_->status()).find(problem), std::string::npos);
+  data_->can_drop_ = true;
+  for (int look = 0; look < 2; ++look) {
+    time_.advance_s(1);
+    tick();
+    static_cast<void>(data_->turn());
+  }
+  EXPECT_EQ(text(handler_->status()).find(problem), std::string::npos);
+  zmq::socket_t ina = client(&ina_);
+  EXPECT_TRUE(ask(ina, "request_id: 'q' list_rigs {}").starts_with("request_id: \"q\" rigs {")) << "keys that are left connect again";
+}
+
+TEST_F(ControlTest, StatusLeavesOnceASecond_AndAfterEveryChange) {
+  tick();
+  EXPECT_EQ(data_->turn(), "dtsd/status=v ");
+  tick();
+  EXPECT_EQ(data_->turn(), "");
+  time_.advance_s(0.9);
+  tick();
+  EXPECT_EQ(data_->turn(), "dtsd/status=v ");
+  zmq::socket_t local = client();
+  EXPECT_NE(ask(local, "request_id: 'q' start_session { rig: 'floor' }").find("SESSION_STATE_STARTING"), std::string::npos);
+  tick();
+  EXPECT_EQ(data_->turn(), "floor/session dtsd/status=v ");
+  tick();
+  EXPECT_EQ(data_->turn(true), "dtsd/status=v floor/session ") << "both are retained";
+
+  // The rig's threads do not run: the recording is never closed.
+  send(local, {request("request_id: 's' stop_session {}")});
+  for (int turn = 0; turn < 3; ++turn) tick();
+  zmq::message_t none;
+  EXPECT_FALSE(local.recv(none, zmq::recv_flags::dontwait));
+  time_.advance_s(11);
+  EXPECT_TRUE(answer(local).starts_with("request_id: \"s\" error { code: ERROR_CODE_TIMEOUT what: \"the recording of session"));
+}
+
+/// A device that falls silent: a tare there is never complete.
+class SilentControlTest : public ControlTest {
+ protected:
+  SilentControlTest() : ControlTest("sim:floor?fault=silence&fault_at_s=0.05&fault_for_s=3600") {
+    supervisor_->start();
+    EXPECT_TRUE(eventually([&] { return supervisor_->states().at(0).acquisition.scans_total > 50; }));
+  }
+  ~SilentControlTest() override { supervisor_->stop(); }
+};
+
+TEST_F(SilentControlTest, PendingCommand_IsAnsweredToTheNewestAsker_AndWithdrawnAfterTenSeconds) {
+  zmq::socket_t first = client();
+  zmq::socket_t second = client();
+  zmq::socket_t third = client();
+  zmq::message_t none;
+  const std::string tare = request("request_id: 't' tare { rig: 'floor' }");
+  send(first, {tare});
+  EXPECT_TRUE(ask(third, "request_id: 'q' status {}").starts_with("request_id: \"q\" status {")) << "the thread does not wait";
+  for (int turn = 0; turn < 20; ++turn) tick();
+  send(second, {"", tare});
+  for (int turn = 0; turn < 20; ++turn) tick();
+  EXPECT_TRUE(ask(third, "request_id: 't' mark { text: 'x' }")
+                  .starts_with("error { code: ERROR_CODE_INVALID_ARGUMENT what: \"request_id was used for another"));
+  time_.advance_s(7.5);
+  tick();
+  EXPECT_FALSE(second.recv(none, zmq::recv_flags::dontwait));
+  time_.advance_s(1);
+  const std::string timeout =
+      "request_id: \"t\" error { code: ERROR_CODE_TIMEOUT what: \"the tare did not finish within 10 s\" hint: \"see dtsctl status\" }";
+  EXPECT_EQ(answer(second), "'' " + timeout);
+  EXPECT_FALSE(first.recv(none, zmq::recv_flags::dontwait));
+  EXPECT_EQ(entries().back(), "local tare floor timeout");
+  send(first, {tare});
+  EXPECT_EQ(answer(first), timeout) << "remembered";
+
+  for (int number = 0; number < 64; ++number) send(first, {request("request_id: 'n" + std::to_string(number) + "' tare { rig: 'floor' }")});
+  send(first, {request("request_id: 'n64' tare { rig: 'floor' }")});
+  EXPECT_TRUE(answer(first).starts_with("error { code: ERROR_CODE_INVALID_ARGUMENT what: \"too many commands are being waited for"));
+  time_.advance_s(11);
+  for (int number = 0; number < 64; ++number)
+    EXPECT_TRUE(answer(first).starts_with("request_id: \"n" + std::to_string(number) + "\" error")) << number;
+}
+
+}  // namespace
+}  // namespace dts::ipc

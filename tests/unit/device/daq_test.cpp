@@ -17,27 +17,17 @@ double converted(const Daq& daq, double volts, std::uint64_t scan = 0) {
   return value[0];
 }
 
-TEST(Daq, ElevenBitFiveVolts_StepOfTheThesisRig) {
-  const Daq daq({5.0, 11, 0.0, 1});
-
-  EXPECT_DOUBLE_EQ(daq.step_v(), 10.0 / 2048);
-  EXPECT_EQ(daq.minimum_v(), -5.0);
-  EXPECT_DOUBLE_EQ(daq.maximum_v(), 5.0 - 10.0 / 2048);
-}
-
-TEST(Daq, NoNoise_NearestCode) {
+TEST(Daq, NoNoise_NearestCodeWithinTheRange) {
   const Daq daq({5.0, 11, 0.0, 1});
   const double step = daq.step_v();
 
+  EXPECT_DOUBLE_EQ(step, 10.0 / 2048);  // the thesis's rig
+  EXPECT_EQ(daq.minimum_v(), -5.0);
+  EXPECT_DOUBLE_EQ(daq.maximum_v(), 5.0 - 10.0 / 2048);
   EXPECT_EQ(converted(daq, 0.0), 0.0);
   EXPECT_DOUBLE_EQ(converted(daq, 100.4 * step), 100 * step);
   EXPECT_DOUBLE_EQ(converted(daq, 100.6 * step), 101 * step);
   EXPECT_DOUBLE_EQ(converted(daq, -100.6 * step), -101 * step);
-}
-
-TEST(Daq, BeyondTheRange_LimitedToTheLastCode) {
-  const Daq daq({5.0, 11, 0.0, 1});
-
   EXPECT_EQ(converted(daq, 7.0), daq.maximum_v());
   EXPECT_EQ(converted(daq, 5.0), daq.maximum_v());
   EXPECT_EQ(converted(daq, -7.0), daq.minimum_v());
@@ -85,25 +75,14 @@ TEST(Daq, SameScanAsked_SameNoise) {
   EXPECT_NE(converted(daq, 1.0, 77), converted(other_seed, 1.0, 77));
 }
 
-TEST(FaultWindow, NoFault_ContainsNothing) {
-  const FaultWindow window = fault_window({}, *core::Rate::create(100, 1));
-
-  EXPECT_FALSE(window.contains(0));
-  EXPECT_FALSE(window.contains(1'000'000));
-}
-
-TEST(FaultWindow, SecondsBecomeScans_RoundingErrorsDoNotShiftIt) {
-  const FaultWindow window = fault_window({FaultKind::Stuck, 2.3, 0.7, 0}, *core::Rate::create(100, 1));
-
-  EXPECT_EQ(window.first, 230U);
-  EXPECT_EQ(window.end, 300U);
-}
-
-TEST(FaultWindow, ShorterThanAScan_TouchesOne) {
-  const FaultWindow window = fault_window({FaultKind::Stuck, 0.0, 0.001, 0}, *core::Rate::create(100, 1));
-
-  EXPECT_EQ(window.first, 0U);
-  EXPECT_EQ(window.end, 1U);
+TEST(FaultWindow, SecondsBecomeScans_AtLeastOneAndWithoutRoundingErrors) {
+  const auto window_of = [](const Fault& fault) { return fault_window(fault, *core::Rate::create(100, 1)); };
+  EXPECT_FALSE(window_of({}).contains(0));
+  EXPECT_FALSE(window_of({}).contains(1'000'000));
+  EXPECT_EQ(window_of({FaultKind::Stuck, 2.3, 0.7, 0}).first, 230U);
+  EXPECT_EQ(window_of({FaultKind::Stuck, 2.3, 0.7, 0}).end, 300U);
+  EXPECT_EQ(window_of({FaultKind::Stuck, 0.0, 0.001, 0}).first, 0U);
+  EXPECT_EQ(window_of({FaultKind::Stuck, 0.0, 0.001, 0}).end, 1U);
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <map>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "device/registry.h"
 
@@ -16,76 +19,39 @@ std::string uri_refusal(std::string_view text) {
   return uri.error().what;
 }
 
-TEST(DeviceUri, NoOptions_HasSchemeAndName) {
-  const auto uri = DeviceUri::parse("sim:floor");
-
-  ASSERT_TRUE(uri.has_value());
-  EXPECT_EQ(uri->scheme, "sim");
-  EXPECT_EQ(uri->name, "floor");
-  EXPECT_TRUE(uri->options.empty());
-  EXPECT_EQ(uri->text, "sim:floor");
+TEST(DeviceUri, SchemeNameAndOptions_TakenAsTheyAre) {
+  using Options = std::map<std::string, std::string>;
+  for (const auto& [text, scheme, name, options] :
+       {std::tuple{"sim:floor", "sim", "floor", Options{}},
+        {"sim:floor?seed=7&contact=point&x_mm=-12.5", "sim", "floor", {{"seed", "7"}, {"contact", "point"}, {"x_mm", "-12.5"}}},
+        {"replay:/var/lib/a b:c.xdf", "replay", "/var/lib/a b:c.xdf", {}},
+        {"ni6008:", "ni6008", "", {}},
+        {"sim:floor?cop=a=b?c&seed=", "sim", "floor", {{"cop", "a=b?c"}, {"seed", ""}}}}) {
+    const auto uri = DeviceUri::parse(text);
+    ASSERT_TRUE(uri.has_value()) << text;
+    EXPECT_EQ(uri->text, text);
+    EXPECT_EQ(uri->scheme, scheme);
+    EXPECT_EQ(uri->name, name);
+    EXPECT_EQ(uri->options, options);
+  }
 }
 
-TEST(DeviceUri, ManyOptions_AllTaken) {
-  const auto uri = DeviceUri::parse("sim:floor?seed=7&contact=point&x_mm=-12.5");
-
-  ASSERT_TRUE(uri.has_value());
-  EXPECT_EQ(uri->options, (std::map<std::string, std::string>{{"seed", "7"}, {"contact", "point"}, {"x_mm", "-12.5"}}));
-}
-
-TEST(DeviceUri, NameIsAPath_TakenAsItIs) {
-  const auto uri = DeviceUri::parse("replay:/var/lib/a b:c.xdf");
-
-  ASSERT_TRUE(uri.has_value());
-  EXPECT_EQ(uri->name, "/var/lib/a b:c.xdf");
-}
-
-TEST(DeviceUri, NoName_IsEmpty) {
-  const auto uri = DeviceUri::parse("ni6008:");
-
-  ASSERT_TRUE(uri.has_value());
-  EXPECT_EQ(uri->name, "");
-}
-
-TEST(DeviceUri, ValueWithEqualsQuestionOrNothing_TakenAsItIs) {
-  const auto uri = DeviceUri::parse("sim:floor?cop=a=b?c&seed=");
-
-  ASSERT_TRUE(uri.has_value());
-  EXPECT_EQ(uri->options.at("cop"), "a=b?c");
-  EXPECT_EQ(uri->options.at("seed"), "");
-}
-
-TEST(DeviceUri, NoScheme_Refused) {
-  EXPECT_NE(uri_refusal("floor").find("has no scheme"), std::string::npos);
-  EXPECT_NE(uri_refusal("").find("has no scheme"), std::string::npos);
-}
-
-TEST(DeviceUri, SchemeIsNotAWord_Refused) {
-  EXPECT_NE(uri_refusal(":floor").find("scheme"), std::string::npos);
-  EXPECT_NE(uri_refusal("si m:floor").find("si m"), std::string::npos);
-}
-
-TEST(DeviceUri, OptionWithoutValue_Refused) {
-  EXPECT_NE(uri_refusal("sim:floor?seed").find("\"seed\""), std::string::npos);
-  EXPECT_NE(uri_refusal("sim:floor?").find("key=value"), std::string::npos);
-  EXPECT_NE(uri_refusal("sim:floor?seed=1&").find("key=value"), std::string::npos);
-  EXPECT_NE(uri_refusal("sim:floor?seed=1&&bits=12").find("key=value"), std::string::npos);
-  EXPECT_NE(uri_refusal("sim:floor?=1").find("key=value"), std::string::npos);
-}
-
-TEST(DeviceUri, KeyTwice_Refused) { EXPECT_NE(uri_refusal("sim:floor?seed=1&seed=1").find("\"seed\" stands twice"), std::string::npos); }
-
-TEST(DeviceUri, ControlCharacter_RefusedWithoutEchoingIt) {
-  const std::string what = uri_refusal("sim:floor?seed=1\n2");
-
-  EXPECT_NE(what.find("control character"), std::string::npos);
-  EXPECT_EQ(what.find('\n'), std::string::npos);
-}
-
-TEST(DeviceUri, VeryLong_RefusedBriefly) {
-  const std::string what = uri_refusal("sim:" + std::string(1'000'000, 'x'));
-
-  EXPECT_LT(what.size(), 200U);
+TEST(DeviceUri, WhatIsNone_RefusedWithTheReason) {
+  for (const auto& [text, reason] : {std::pair{"floor", "has no scheme"},
+                                     {"", "has no scheme"},
+                                     {":floor", "scheme"},
+                                     {"si m:floor", "si m"},
+                                     {"sim:floor?seed", "\"seed\""},
+                                     {"sim:floor?", "key=value"},
+                                     {"sim:floor?seed=1&", "key=value"},
+                                     {"sim:floor?seed=1&&bits=12", "key=value"},
+                                     {"sim:floor?=1", "key=value"},
+                                     {"sim:floor?seed=1&seed=1", "\"seed\" stands twice"},
+                                     {"sim:floor?seed=1\n2", "control character"}}) {
+    EXPECT_NE(uri_refusal(text).find(reason), std::string::npos) << text << ": " << uri_refusal(text);
+    EXPECT_EQ(uri_refusal(text).find('\n'), std::string::npos);
+  }
+  EXPECT_LT(uri_refusal("sim:" + std::string(1'000'000, 'x')).size(), 200U);
 }
 
 }  // namespace

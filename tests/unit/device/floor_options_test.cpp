@@ -6,6 +6,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 
 namespace dts::device::sim {
 namespace {
@@ -36,47 +37,26 @@ TEST(FloorOptions, NothingGiven_TheThesisRigWithAPerson) {
   EXPECT_EQ(options->fault.kind, FaultKind::None);
 }
 
-TEST(FloorOptions, Point_TakesItsOwnLoad) {
-  const auto options = read_floor("contact=point&load_n=196&x_mm=-129&y_mm=64.5");
-
-  ASSERT_TRUE(options.has_value());
-  EXPECT_EQ(options->stance.kind, physics::ContactKind::Point);
-  EXPECT_EQ(options->stance.load.value, 196.0);
-  EXPECT_EQ(options->stance.centre_ml.value, -129.0);
-  EXPECT_EQ(options->stance.centre_ap.value, 64.5);
-}
-
-TEST(FloorOptions, Weights_TakeAListAndTimes) {
-  const auto options = read_floor("contact=weights&weights=a.csv&step_on_s=4&hold_s=2&pause_s=0&ramp_s=0.1&loop=1");
-
-  ASSERT_TRUE(options.has_value());
-  EXPECT_EQ(options->contact, FloorContact::Weights);
-  EXPECT_EQ(options->weights_file, "a.csv");
-  EXPECT_EQ(options->placement.first_s, 4.0);
-  EXPECT_EQ(options->placement.hold_s, 2.0);
-  EXPECT_EQ(options->placement.pause_s, 0.0);
-  EXPECT_EQ(options->placement.ramp_s, 0.1);
-  EXPECT_TRUE(options->placement.repeats);
-}
-
-TEST(FloorOptions, Gaps_TakeNumbers) {
-  const auto options = read_floor("contact=gaps&gaps_mm=12,9.5,7");
-
-  ASSERT_TRUE(options.has_value());
-  EXPECT_EQ(options->contact, FloorContact::Gaps);
-  EXPECT_EQ(options->gaps_mm, (std::vector<double>{12.0, 9.5, 7.0}));
-}
-
-TEST(FloorOptions, WeightsOrGapsWithoutTheirList_Refused) {
-  EXPECT_NE(floor_refusal("contact=weights").find("contact=weights needs weights="), std::string::npos);
-  EXPECT_NE(floor_refusal("contact=gaps").find("contact=gaps needs gaps_mm="), std::string::npos);
-}
-
-TEST(FloorOptions, NoTimeAtAll_Refused) {
-  EXPECT_NE(floor_refusal("contact=gaps&gaps_mm=12&hold_s=0&pause_s=0&ramp_s=0").find("shorter than 1 ms"), std::string::npos);
-}
-
-TEST(FloorOptions, EachFault_Recognised) {
+TEST(FloorOptions, EachContactAndFault_TakesItsOwnOptions) {
+  const auto point = read_floor("contact=point&load_n=196&x_mm=-129&y_mm=64.5");
+  ASSERT_TRUE(point.has_value());
+  EXPECT_EQ(point->stance.kind, physics::ContactKind::Point);
+  EXPECT_EQ(point->stance.load.value, 196.0);
+  EXPECT_EQ(point->stance.centre_ml.value, -129.0);
+  EXPECT_EQ(point->stance.centre_ap.value, 64.5);
+  const auto weights = read_floor("contact=weights&weights=a.csv&step_on_s=4&hold_s=2&pause_s=0&ramp_s=0.1&loop=1");
+  ASSERT_TRUE(weights.has_value());
+  EXPECT_EQ(weights->contact, FloorContact::Weights);
+  EXPECT_EQ(weights->weights_file, "a.csv");
+  EXPECT_EQ(weights->placement.first_s, 4.0);
+  EXPECT_EQ(weights->placement.hold_s, 2.0);
+  EXPECT_EQ(weights->placement.pause_s, 0.0);
+  EXPECT_EQ(weights->placement.ramp_s, 0.1);
+  EXPECT_TRUE(weights->placement.repeats);
+  const auto gaps = read_floor("contact=gaps&gaps_mm=12,9.5,7");
+  ASSERT_TRUE(gaps.has_value());
+  EXPECT_EQ(gaps->contact, FloorContact::Gaps);
+  EXPECT_EQ(gaps->gaps_mm, (std::vector<double>{12.0, 9.5, 7.0}));
   EXPECT_EQ(read_floor("fault=unplug")->fault.kind, FaultKind::Unplug);
   EXPECT_EQ(read_floor("fault=overrun")->fault.kind, FaultKind::Overrun);
   EXPECT_EQ(read_floor("fault=stuck&fault_channel=2")->fault.channel, 2U);
@@ -95,36 +75,32 @@ TEST(FloorOptions, EveryNumber_RefusedJustOutsideItsRange) {
   }
 }
 
-TEST(FloorOptions, OptionsThatDoNothing_Refused) {
-  EXPECT_NE(floor_refusal("load_n=100").find("only with contact=point"), std::string::npos);
-  EXPECT_NE(floor_refusal("contact=point&weight_n=100").find("only with contact=feet"), std::string::npos);
-  EXPECT_NE(floor_refusal("contact=point&cop=a.csv").find("only with contact=feet"), std::string::npos);
-  EXPECT_NE(floor_refusal("loop=1").find("only with cop=FILE or contact=weights|gaps"), std::string::npos);
-  EXPECT_NE(floor_refusal("contact=point&loop=1").find("only with cop=FILE"), std::string::npos);
-  EXPECT_NE(floor_refusal("hold_s=1").find("only with contact=weights|gaps"), std::string::npos);
-  EXPECT_NE(floor_refusal("contact=gaps&gaps_mm=12&gap_spread_mm=0").find("only with contact=feet|point|weights"), std::string::npos);
-  EXPECT_NE(floor_refusal("contact=gaps&gaps_mm=12&plate=linear").find("only with contact=feet|point|weights"), std::string::npos);
-  EXPECT_NE(floor_refusal("weights=a.csv").find("only with contact=weights"), std::string::npos);
-  EXPECT_NE(floor_refusal("contact=weights&weights=a.csv&x_mm=1").find("only with contact=feet|point"), std::string::npos);
-  EXPECT_NE(floor_refusal("contact=gaps&gaps_mm=12&step_off_s=9").find("only with contact=feet|point"), std::string::npos);
-  EXPECT_NE(floor_refusal("fault_at_s=1").find("only with fault="), std::string::npos);
-  EXPECT_NE(floor_refusal("fault=silence&fault_channel=1").find("only with fault=stuck"), std::string::npos);
-}
-
-TEST(FloorOptions, MoreSensorsThanTheRigHas_Refused) {
-  EXPECT_EQ(read_floor("sensors=4")->sensors, 4U);
-  EXPECT_NE(floor_refusal("sensors=5").find("the rig has 4"), std::string::npos);
-}
-
-TEST(FloorOptions, MoreChannelsThanABlockHolds_Refused) {
-  EXPECT_EQ(read_floor("extra=25")->extra, 25U);  // 4 + 25 + 3 truth channels = 32
-  EXPECT_NE(floor_refusal("extra=26").find("at most 32"), std::string::npos);
-  EXPECT_EQ(floor_refusal("extra=28&truth=0"), "");
-}
-
-TEST(FloorOptions, StuckChannelThatIsNoneOfTheConverters_Refused) {
-  EXPECT_NE(floor_refusal("fault=stuck&fault_channel=4").find("fault_channel = 4"), std::string::npos);
-  EXPECT_EQ(floor_refusal("fault=stuck&fault_channel=4&extra=1"), "");
+TEST(FloorOptions, WhatDoesNothingIsMissingOrTooMuch_Refused) {
+  for (const auto& [options, reason] : {std::pair{"contact=weights", "contact=weights needs weights="},
+                                        {"contact=gaps", "contact=gaps needs gaps_mm="},
+                                        {"contact=gaps&gaps_mm=12&hold_s=0&pause_s=0.0009&ramp_s=0", "shorter than 1 ms"},
+                                        {"load_n=100", "only with contact=point"},
+                                        {"contact=point&weight_n=100", "only with contact=feet"},
+                                        {"contact=point&cop=a.csv", "only with contact=feet"},
+                                        {"loop=1", "only with cop=FILE or contact=weights|gaps"},
+                                        {"contact=point&loop=1", "only with cop=FILE"},
+                                        {"hold_s=1", "only with contact=weights|gaps"},
+                                        {"contact=gaps&gaps_mm=12&gap_spread_mm=0", "only with contact=feet|point|weights"},
+                                        {"contact=gaps&gaps_mm=12&plate=linear", "only with contact=feet|point|weights"},
+                                        {"weights=a.csv", "only with contact=weights"},
+                                        {"contact=weights&weights=a.csv&x_mm=1", "only with contact=feet|point"},
+                                        {"contact=gaps&gaps_mm=12&step_off_s=9", "only with contact=feet|point"},
+                                        {"fault_at_s=1", "only with fault="},
+                                        {"fault=silence&fault_channel=1", "only with fault=stuck"},
+                                        {"sensors=5", "the rig has 4"},
+                                        {"extra=26", "at most 32"},  // 4 + 25 + 3 truth channels = 32
+                                        {"fault=stuck&fault_channel=4", "fault_channel = 4"}}) {
+    EXPECT_NE(floor_refusal(options).find(reason), std::string::npos) << options << ": " << floor_refusal(options);
+  }
+  for (const char* options : {"contact=gaps&gaps_mm=12&hold_s=0&pause_s=0.001&ramp_s=0", "sensors=4", "extra=25", "extra=28&truth=0",
+                              "fault=stuck&fault_channel=4&extra=1"}) {
+    EXPECT_EQ(floor_refusal(options), "") << options;
+  }
 }
 
 TEST(FloorOptions, Readme_ListsEveryOptionWithDefaultAndRange) {

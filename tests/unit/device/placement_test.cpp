@@ -18,39 +18,28 @@ TEST(Placement, Phases_AreRampHoldRampPause) {
   EXPECT_EQ(placement_at(kTimes, 3, 13.999).part, 0.0);
 }
 
-TEST(Placement, Things_FollowInOrderAndEnd) {
-  for (std::size_t thing = 0; thing < 3; ++thing) {
-    const Placement now = placement_at(kTimes, 3, 10.0 + 4.0 * static_cast<double>(thing) + 1.0);
-    EXPECT_EQ(now.index, thing);
-    EXPECT_EQ(now.part, 1.0);
+TEST(Placement, Things_FollowInOrderAndEndUnlessRepeated) {
+  PlacementTimes repeated = kTimes;
+  repeated.repeats = true;
+  for (std::size_t thing = 0; thing < 5; ++thing) {
+    const double time_s = 10.0 + 4.0 * static_cast<double>(thing) + 1.0;
+    EXPECT_EQ(placement_at(kTimes, 3, time_s).part, thing < 3 ? 1.0 : 0.0);
+    EXPECT_TRUE(thing >= 3 || placement_at(kTimes, 3, time_s).index == thing);
+    EXPECT_EQ(placement_at(repeated, 3, time_s).part, 1.0);
+    EXPECT_EQ(placement_at(repeated, 3, time_s).index, thing % 3);
   }
-  EXPECT_EQ(placement_at(kTimes, 3, 10.0 + 12.0 + 1.0).part, 0.0);
 }
 
-TEST(Placement, Repeated_BeginsAgainWithTheFirst) {
-  PlacementTimes times = kTimes;
-  times.repeats = true;
+TEST(Placement, WithoutPauseOrRamp_TouchesZeroBetweenTwoOrSteps) {
+  const PlacementTimes no_pause{.first_s = 0.0, .ramp_s = 0.5, .hold_s = 1.0, .pause_s = 0.0};
+  EXPECT_EQ(placement_at(no_pause, 2, 2.0).part, 0.0);
+  EXPECT_EQ(placement_at(no_pause, 2, 2.0).index, 1U);
+  EXPECT_EQ(placement_at(no_pause, 2, 2.25).part, 0.5);
 
-  const Placement now = placement_at(times, 3, 10.0 + 4.0 * 4.0 + 1.0);
-
-  EXPECT_EQ(now.index, 1U);
-  EXPECT_EQ(now.part, 1.0);
-}
-
-TEST(Placement, WithoutPause_TouchesZeroBetweenTwo) {
-  const PlacementTimes times{.first_s = 0.0, .ramp_s = 0.5, .hold_s = 1.0, .pause_s = 0.0};
-
-  EXPECT_EQ(placement_at(times, 2, 2.0).part, 0.0);
-  EXPECT_EQ(placement_at(times, 2, 2.0).index, 1U);
-  EXPECT_EQ(placement_at(times, 2, 2.25).part, 0.5);
-}
-
-TEST(Placement, WithoutRamp_Steps) {
-  const PlacementTimes times{.first_s = 0.0, .ramp_s = 0.0, .hold_s = 1.0, .pause_s = 1.0};
-
-  EXPECT_EQ(placement_at(times, 1, 0.0).part, 1.0);
-  EXPECT_EQ(placement_at(times, 1, 0.999).part, 1.0);
-  EXPECT_EQ(placement_at(times, 1, 1.001).part, 0.0);
+  const PlacementTimes no_ramp{.first_s = 0.0, .ramp_s = 0.0, .hold_s = 1.0, .pause_s = 1.0};
+  EXPECT_EQ(placement_at(no_ramp, 1, 0.0).part, 1.0);
+  EXPECT_EQ(placement_at(no_ramp, 1, 0.999).part, 1.0);
+  EXPECT_EQ(placement_at(no_ramp, 1, 1.001).part, 0.0);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "device/sim/chair/chair_options.h"
 
@@ -62,26 +63,25 @@ TEST(ChairOptions, SensorFaults_Recognised) {
   EXPECT_EQ(options->sensor_faults.from_s, 20.0);
 }
 
-TEST(ChairOptions, SensorsThatAreNotThere_Refused) {
-  EXPECT_NE(chair_refusal("dead=16").find("0 .. 15"), std::string::npos);
-  EXPECT_NE(chair_refusal("dead=1.5").find("whole numbers"), std::string::npos);
-  EXPECT_NE(chair_refusal("saturated=3&sensors=3").find("0 .. 2"), std::string::npos);
+TEST(ChairOptions, WhatDoesNothingOrIsNotThere_Refused) {
+  for (const auto& [options, reason] : {std::pair{"dead=16", "0 .. 15"},
+                                        {"dead=1.5", "whole numbers"},
+                                        {"saturated=3&sensors=3", "0 .. 2"},
+                                        {"sensors=17", "the rig has 16"},
+                                        {"fault=stuck&fault_channel=16", "fault_channel = 16"},
+                                        {"reaches=none&pace_s=1", "only with reaches=auto|cued"},
+                                        {"reaches=none&double_reach=1", "only with reaches=auto|cued"},
+                                        {"load_model=thesis&back_rest=0", "only with load_model=cop"},
+                                        {"sensor_fault_at_s=3", "only with dead="},
+                                        {"fault_for_s=3", "only with fault="},
+                                        {"fault=silence&fault_channel=1", "only with fault=stuck"},
+                                        {"sit_down_s=5&stand_up_s=6", "stand_up_s"}}) {
+    EXPECT_NE(chair_refusal(options).find(reason), std::string::npos) << options << ": " << chair_refusal(options);
+  }
   for (const char* bad : {"1", "1:", ":1", "1:1", "1:16", "a:b", "1:2x", "-1:2", "1:2:3", "99999999999999999999:1"}) {
     EXPECT_NE(chair_refusal(std::string("swapped=") + bad).find("swapped"), std::string::npos) << bad;
   }
-  EXPECT_NE(chair_refusal("sensors=17").find("the rig has 16"), std::string::npos);
-  EXPECT_NE(chair_refusal("fault=stuck&fault_channel=16").find("fault_channel = 16"), std::string::npos);
   EXPECT_EQ(chair_refusal("fault=stuck&fault_channel=16&aux=emg"), "");
-}
-
-TEST(ChairOptions, OptionsThatDoNothing_Refused) {
-  EXPECT_NE(chair_refusal("reaches=none&pace_s=1").find("only with reaches=auto|cued"), std::string::npos);
-  EXPECT_NE(chair_refusal("reaches=none&double_reach=1").find("only with reaches=auto|cued"), std::string::npos);
-  EXPECT_NE(chair_refusal("load_model=thesis&back_rest=0").find("only with load_model=cop"), std::string::npos);
-  EXPECT_NE(chair_refusal("sensor_fault_at_s=3").find("only with dead="), std::string::npos);
-  EXPECT_NE(chair_refusal("fault_for_s=3").find("only with fault="), std::string::npos);
-  EXPECT_NE(chair_refusal("fault=silence&fault_channel=1").find("only with fault=stuck"), std::string::npos);
-  EXPECT_NE(chair_refusal("sit_down_s=5&stand_up_s=6").find("stand_up_s"), std::string::npos);
 }
 
 TEST(ChairOptions, EveryNumber_RefusedJustOutsideItsRange) {

@@ -2,10 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "device/sim/chair/emg.h"
 #include "device/sim/pacer.h"
 #include "physics/body/chair_rig.h"
 #include "support/allocation_counter.h"
@@ -176,6 +179,21 @@ TEST(SimChair, Muscles_LiftTheArmAndBrakeTheTrunk) {
   chair.device->hear({.is_go = true, .at_ns = chair.clock.now_ns(), .target_cm = 60.0});
   const auto within = chair.scans(3.0);
   EXPECT_LT(deviation(within, erector, 0, 300), 3.0 * deviation(scans, erector, 400, 700)) << "tonic when the arm alone reaches";
+}
+
+TEST(SimChair, Muscles_NoiseOf25To400Hz) {
+  const sim::Emg emg(7);
+  constexpr int kPerSecond = 4000;
+  std::array<double, sim::kEmgChannels> before{};
+  double crossings = 0.0;
+  for (int i = 0; i <= 10 * kPerSecond; ++i) {
+    std::array<double, sim::kEmgChannels> now{};
+    emg.write(static_cast<double>(i) / kPerSecond, true, nullptr, now);
+    for (std::size_t c = 0; c < now.size(); ++c) crossings += i > 0 && (now[c] < 0.0) != (before[c] < 0.0) ? 1.0 : 0.0;
+    before = now;
+  }
+  // Of noise that is flat between them: the root of the mean square of the frequency, twice a period.
+  EXPECT_NEAR(crossings / 2.0 / 10.0 / sim::kEmgChannels, 238.0, 14.0);
 }
 
 TEST(SimChair, SensorFaults_DeadSaturatedSwapped) {

@@ -19,55 +19,7 @@ using test::Recorded;
 constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
 constexpr std::int64_t kSimulatedSecond = 1000 * kMillisecond;
 
-TEST(SimDevice, ClockThatIsOff_IsSaidInEveryBlock) {
-  test::Bench bench("sim:floor?clock_ppm=80");
-  bench.start(100.0);
-  core::Block block = bench.block(8);
-
-  ASSERT_EQ(bench.device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
-
-  EXPECT_EQ(block.clock_drift_ppm, 80.0);
-  EXPECT_EQ(block.host_time_uncertainty_ns, 0);
-}
-
-TEST(SimDevice, FullBlock_TakesAsLongAsItsScans) {
-  Bench bench("sim:floor");
-  bench.start(100);
-  core::Block block = bench.block(50);
-  const std::int64_t start_ns = bench.clock.now_ns();
-
-  const ReadResult read = bench.device->read(block, kNoDeadline);
-
-  EXPECT_EQ(read.outcome, ReadOutcome::Scans);
-  EXPECT_EQ(block.count(), 50U);
-  EXPECT_EQ(block.host_time_ns, start_ns);
-  EXPECT_EQ(bench.clock.now_ns(), start_ns + 490 * kMillisecond);
-}
-
-TEST(SimDevice, DeadlineFirst_DeliversWhatIsThere) {
-  Bench bench("sim:floor");
-  bench.start(100);
-  core::Block block = bench.block(50);
-
-  const ReadResult read = bench.device->read(block, bench.clock.now_ns() + 25 * kMillisecond);
-
-  EXPECT_EQ(read.outcome, ReadOutcome::Scans);
-  EXPECT_EQ(block.count(), 3U);  // at 0, 10 and 20 ms
-}
-
-TEST(SimDevice, NothingByTheDeadline_Timeout) {
-  Bench bench("sim:floor");
-  bench.start(100);
-  core::Block block = bench.block(1);
-  ASSERT_EQ(bench.device->read(block, kNoDeadline).outcome, ReadOutcome::Scans);
-
-  const ReadResult read = bench.device->read(block, bench.clock.now_ns() + 9 * kMillisecond);
-
-  EXPECT_EQ(read.outcome, ReadOutcome::Timeout);
-  EXPECT_EQ(block.count(), 0U);
-}
-
-TEST(SimDevice, ClockError_ScansComeFasterButDataStay) {
+TEST(SimDevice, ClockThatIsOff_IsSaidInEveryBlockAndDataStay) {
   Bench exact("sim:floor");
   Bench fast("sim:floor?clock_ppm=200");
   exact.start(100);
@@ -79,17 +31,26 @@ TEST(SimDevice, ClockError_ScansComeFasterButDataStay) {
   EXPECT_EQ(from_exact.block_times_ns[1000] - from_exact.block_times_ns[0], 10 * kSimulatedSecond);
   EXPECT_EQ(from_fast.block_times_ns[1000] - from_fast.block_times_ns[0], 10 * kSimulatedSecond - 2 * kMillisecond);
   EXPECT_EQ(from_exact.channels[0], from_fast.channels[0]);
+  core::Block block = fast.block(8);
+  ASSERT_EQ(fast.device->read(block, kNoDeadline).outcome, ReadOutcome::Scans);
+  EXPECT_EQ(block.clock_drift_ppm, 200.0);
+  EXPECT_EQ(block.host_time_uncertainty_ns, 0);
 }
 
-TEST(SimDevice, ReaderWithinTheBuffer_LosesNothing) {
+TEST(SimDevice, FullBlock_TakesAsLongAsItsScansUnlessTheDeadlineIsFirst) {
   Bench bench("sim:floor");
   bench.start(100);
-  bench.clock.advance_ns(990 * kMillisecond);  // 100 scans are there: exactly the buffer
+  core::Block block = bench.block(50);
+  const std::int64_t start_ns = bench.clock.now_ns();
 
-  const Recorded recorded = bench.read_scans(100);
-
-  EXPECT_TRUE(recorded.gaps.empty());
-  EXPECT_EQ(recorded.block_firsts, (std::vector<std::uint64_t>{0, 64}));
+  EXPECT_EQ(bench.device->read(block, kNoDeadline).outcome, ReadOutcome::Scans);
+  EXPECT_EQ(block.count(), 50U);
+  EXPECT_EQ(block.host_time_ns, start_ns);
+  EXPECT_EQ(bench.clock.now_ns(), start_ns + 490 * kMillisecond);
+  EXPECT_EQ(bench.device->read(block, start_ns + 499 * kMillisecond).outcome, ReadOutcome::Timeout);
+  EXPECT_EQ(block.count(), 0U);
+  EXPECT_EQ(bench.device->read(block, start_ns + 525 * kMillisecond).outcome, ReadOutcome::Scans);
+  EXPECT_EQ(block.count(), 3U);  // at 500, 510 and 520 ms
 }
 
 TEST(SimDevice, ReaderTooLate_OverrunWithExactCount) {
@@ -97,18 +58,21 @@ TEST(SimDevice, ReaderTooLate_OverrunWithExactCount) {
   Bench punctual("sim:floor");
   bench.start(100);
   punctual.start(100);
-  (void)bench.read_scans(10, 10);
+  bench.clock.advance_ns(990 * kMillisecond);  // 100 scans are there: exactly the buffer
+  const Recorded in_time = bench.read_scans(100, 10);
+  EXPECT_TRUE(in_time.gaps.empty());
+  EXPECT_EQ(in_time.block_firsts.back(), 90U);
   bench.clock.advance_ns(2 * kSimulatedSecond + 5 * kMillisecond);  // 200 more scans
 
   const Recorded recorded = bench.read_scans(64);
-  const Recorded all = punctual.read_scans(274);
+  const Recorded all = punctual.read_scans(364);
 
   ASSERT_EQ(recorded.gaps.size(), 1U);
   EXPECT_EQ(recorded.gaps[0].reason, core::GapReason::Overrun);
   EXPECT_EQ(recorded.gaps[0].missing_scans, 200U);
   EXPECT_TRUE(recorded.gaps[0].is_exact);
   EXPECT_EQ(recorded.block_firsts[0], 0U);  // a new segment
-  EXPECT_TRUE(std::equal(recorded.channels[0].begin(), recorded.channels[0].end(), all.channels[0].begin() + 210));
+  EXPECT_TRUE(std::equal(recorded.channels[0].begin(), recorded.channels[0].end(), all.channels[0].begin() + 300));
 }
 
 TEST(SimDevice, FaultOverrun_ExactGapThenTheScansAfterIt) {
@@ -190,27 +154,19 @@ TEST(SimDevice, FaultUnplug_GoneUntilPluggedInAgain) {
   EXPECT_EQ(bench.read_scans(300).channels[0].size(), 300U);  // it happens once
 }
 
-TEST(SimDevice, FaultAtTheStart_StillABreak) {
-  Bench bench("sim:floor?fault=overrun&fault_at_s=0&fault_for_s=0.5");
-  bench.start(100);
+TEST(SimDevice, FaultAtTheStartOrOfALateReader_EveryLostScanIsCounted) {
+  Bench first("sim:floor?fault=overrun&fault_at_s=0&fault_for_s=0.5");
+  first.start(100);
+  const Recorded at_start = first.read_scans(10);
+  ASSERT_EQ(at_start.gaps.size(), 1U);
+  EXPECT_EQ(at_start.gaps[0].missing_scans, 50U);
 
-  const Recorded recorded = bench.read_scans(10);
-
-  ASSERT_EQ(recorded.gaps.size(), 1U);
-  EXPECT_EQ(recorded.gaps[0].missing_scans, 50U);
-}
-
-TEST(SimDevice, LateReaderMeetsAFault_EveryLostScanIsCounted) {
-  Bench bench("sim:floor?fault=overrun&fault_at_s=3&fault_for_s=1");
-  bench.start(100);
-  bench.clock.advance_ns(4990 * kMillisecond);
-
-  const Recorded recorded = bench.read_scans(1);
-
-  std::uint64_t missing = 0;
-  for (const core::Gap& gap : recorded.gaps) missing += gap.missing_scans;
-  EXPECT_EQ(missing, 400U);  // 0..300 by the late reader, 300..400 by the fault; 400..500 fit the buffer
-  EXPECT_EQ(recorded.gaps.size(), 2U);
+  Bench late("sim:floor?fault=overrun&fault_at_s=3&fault_for_s=1");
+  late.start(100);
+  late.clock.advance_ns(4990 * kMillisecond);
+  const Recorded recorded = late.read_scans(1);
+  ASSERT_EQ(recorded.gaps.size(), 2U);
+  EXPECT_EQ(recorded.gaps[0].missing_scans + recorded.gaps[1].missing_scans, 400U);  // 400..500 fit the buffer
 }
 
 TEST(SimDevice, WrongBlockShape_TimeoutAndNothingWritten) {

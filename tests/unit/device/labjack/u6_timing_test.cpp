@@ -21,23 +21,18 @@ void expect_clock(core::Rate wanted, std::uint8_t scan_config, std::uint16_t int
   EXPECT_EQ(clock.rate, exact) << wanted.hz();
 }
 
-TEST(U6Timing, UsualRates_AreExact) {
+TEST(U6Timing, EachRate_NearestIntervalOfTheFastestClockThatReachesIt) {
   expect_clock(rate(100), 0, 40'000, rate(100));
   expect_clock(rate(1000), kFast, 48'000, rate(1000));
   expect_clock(rate(1500), kFast, 32'000, rate(1500));
   expect_clock(rate(10), kFast | kDivided, 18'750, rate(10));
   expect_clock(rate(1), kDivided, 15'625, rate(1));
-}
-
-TEST(U6Timing, ClockChanges_WhereTheIntervalEnds) {
+  // where an interval ends
   expect_clock(rate(48'000'000, 65'535), kFast, 65'535, rate(48'000'000, 65'535));
   expect_clock(rate(732), 0, 5464, rate(4'000'000, 5464));
   expect_clock(rate(4'000'000, 65'535), 0, 65'535, rate(4'000'000, 65'535));
   expect_clock(rate(61), kFast | kDivided, 3074, rate(187'500, 3074));
   expect_clock(rate(15'625, 65'535), kDivided, 65'535, rate(15'625, 65'535));
-}
-
-TEST(U6Timing, BetweenTwoIntervals_TheNearerRate) {
   // 48 MHz / 1001 and / 1002: 47952.05 and 47904.19 Hz
   expect_clock(rate(47'930), kFast, 1001, rate(48'000'000, 1001));
   expect_clock(rate(47'927), kFast, 1002, rate(48'000'000, 1002));
@@ -63,33 +58,19 @@ TEST(U6Timing, FullSpeed_IsNeverExceededByRounding) {
   }
 }
 
-TEST(U6Timing, SlowScan_OneScanPerPacket) {
-  const Packing packing = pack(rate(100), 4, 10 * kMillisecond, false);
-  EXPECT_EQ(packing.samples_per_packet, 4U);
-  EXPECT_EQ(packing.packets_per_transfer, 1U);
-  EXPECT_EQ(packing.transfer_period_ns, 10 * kMillisecond);
-}
-
-TEST(U6Timing, BudgetOfSomeScans_WholeScansPerPacket) {
+TEST(U6Timing, Packing_WholeScansOrFullPacketsWithinTheLatency) {
+  const auto expect_packing = [](const Packing& packing, std::size_t samples, std::size_t packets, std::int64_t period_ns) {
+    EXPECT_EQ(packing.samples_per_packet, samples);
+    EXPECT_EQ(packing.packets_per_transfer, packets);
+    EXPECT_EQ(packing.transfer_period_ns, period_ns);
+  };
+  expect_packing(pack(rate(100), 4, 10 * kMillisecond, false), 4, 1, 10 * kMillisecond);
+  expect_packing(pack(rate(1500), 11, 10 * kMillisecond, false), 25, 6, 150 * 1'000'000'000LL / 16'500);  // 165 samples in 10 ms
+  expect_packing(pack(rate(100), 4, 10 * kMillisecond, true), 25, 1, 62'500'000);                         // asked for large ones
   EXPECT_EQ(pack(rate(100), 4, 25 * kMillisecond, false).samples_per_packet, 8U);
   EXPECT_EQ(pack(rate(100), 11, 20 * kMillisecond, false).samples_per_packet, 22U);
   EXPECT_EQ(pack(rate(1), 17, 0, false).samples_per_packet, 17U);
-}
-
-TEST(U6Timing, FastScan_SeveralFullPacketsPerTransfer) {
-  const Packing packing = pack(rate(1500), 11, 10 * kMillisecond, false);
-  EXPECT_EQ(packing.samples_per_packet, 25U);
-  EXPECT_EQ(packing.packets_per_transfer, 6U);  // 165 samples in 10 ms
-  EXPECT_EQ(packing.transfer_period_ns, 150 * 1'000'000'000LL / 16'500);
-}
-
-TEST(U6Timing, LargePackets_WhenAskedFor) {
-  const Packing packing = pack(rate(100), 4, 10 * kMillisecond, true);
-  EXPECT_EQ(packing.samples_per_packet, 25U);
-  EXPECT_EQ(packing.packets_per_transfer, 1U);
-}
-
-TEST(U6Timing, NoBudget_NoMoreThanAPacketPerUsbFrame) {
+  // without latency no more than a packet per USB frame
   EXPECT_EQ(pack(rate(20'000), 1, 0, false).samples_per_packet, 20U);
   EXPECT_EQ(pack(rate(50'000), 1, 0, false).samples_per_packet, 25U);
 }

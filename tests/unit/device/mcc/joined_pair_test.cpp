@@ -31,20 +31,22 @@ bool hears_sync(const Device& pair) {
   });
 }
 
-TEST(JoinedPair, SixteenChannelsAt1500Hz_EverySampleRight) {
+TEST(JoinedPair, SixteenChannelsAt1500Hz_EverySampleRightAtTheMastersTime) {
   Wired units;
   PairBench bench(units);
   bench.start(1500);
 
-  const Reading reading = bench.read(15'000);
-
-  EXPECT_EQ(reading.wrong, 0U);
-  EXPECT_GE(reading.scans, 15'000U);
+  EXPECT_TRUE(bench.reads_right(15'000));
   ASSERT_EQ(bench.device->describe().channels.size(), 16U);
   EXPECT_EQ(bench.device->describe().channels[15].name, "ch15");
   EXPECT_EQ(units.first.last_start()[9], 2);  // SYNC out
   EXPECT_EQ((std::vector<std::uint8_t>(units.second.last_start().begin() + 4, units.second.last_start().begin() + 8)),
             (std::vector<std::uint8_t>{0, 0, 0, 0}));  // external clock
+
+  core::Block block(16, 64);
+  ASSERT_EQ(bench.device->read(block, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
+  const std::int64_t newest_ns = block.host_time_ns + bench.rate.time_ns({block.count() - 1});
+  EXPECT_NEAR(static_cast<double>(newest_ns), static_cast<double>(bench.clock.now_ns()), 12e6);  // a block of 8 ms, one being filled
 }
 
 TEST(JoinedPair, UnequalChannels_EverySampleRight) {
@@ -56,24 +58,13 @@ TEST(JoinedPair, UnequalChannels_EverySampleRight) {
   EXPECT_EQ(bench.device->describe().channels[7].name, "ch9");
 }
 
-TEST(JoinedPair, FourChannelsAt100Hz_EverySampleRight) {
+TEST(JoinedPair, TenMinutesAt100Hz_StaysAligned) {
   Wired units;
+  units.first.faults.clock_error_ppm = 80.0;
   PairBench bench(units, "&channels=0,1&second_channels=0,1");
   bench.start(100, 2);
 
-  EXPECT_TRUE(bench.reads_right(2000));
-}
-
-TEST(JoinedPair, AnHour_StaysAligned) {
-  Wired units;
-  units.first.faults.clock_error_ppm = 80.0;
-  PairBench bench(units, "&channels=0,1,2,3&second_channels=0,1,2,3");
-  bench.start(100);
-
-  const Reading reading = bench.read(100 * 3600);
-
-  EXPECT_EQ(reading.wrong, 0U);
-  EXPECT_EQ(reading.last.outcome, ReadOutcome::Scans);
+  EXPECT_TRUE(bench.reads_right(100 * 600));
 }
 
 TEST(JoinedPair, BusyHost_NoFalseAlarm) {
@@ -87,21 +78,8 @@ TEST(JoinedPair, BusyHost_NoFalseAlarm) {
     };
     bench.start(1500, 30);
 
-    EXPECT_TRUE(bench.reads_right(1500 * 120)) << second;
+    EXPECT_TRUE(bench.reads_right(1500 * 20)) << second;
   }
-}
-
-TEST(JoinedPair, HostTime_IsTheMasters) {
-  Wired units;
-  PairBench bench(units);
-  bench.start(1500);
-  (void)bench.read(15'000);
-  core::Block block(16, 64);
-
-  ASSERT_EQ(bench.device->read(block, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
-
-  const std::int64_t newest_ns = block.host_time_ns + bench.rate.time_ns({block.count() - 1});
-  EXPECT_NEAR(static_cast<double>(newest_ns), static_cast<double>(bench.clock.now_ns()), 12e6);  // a block of 8 ms, one being filled
 }
 
 TEST(JoinedPair, SyncWireBreaks_BothBreak) {
@@ -193,6 +171,8 @@ TEST(JoinedPair, FaultOfEither_IsAFaultOfBoth) {
     EXPECT_EQ(reading.wrong, 0U);
     EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
     EXPECT_EQ(reading.last.gap.reason, GapReason::Overrun) << is_second;
+    EXPECT_EQ(reading.last.gap.missing_scans, 0U);
+    EXPECT_FALSE(reading.last.gap.is_exact) << "nobody knows how many are missing";
     EXPECT_TRUE(hears_sync(*bench.device));
     ASSERT_TRUE(bench.device->stop());
     bench.begin_segment();
@@ -204,18 +184,18 @@ TEST(JoinedPair, FaultOfEither_IsAFaultOfBoth) {
 TEST(JoinedPair, EitherUnplugged_GoneUntilClosedAndPluggedInAgain) {
   for (const bool is_second : {false, true}) {
     Wired units;
-    PairBench bench(units);
+    PairBench bench(units, "&sync_output_bit=0");
     FsPlusEmulator& victim = is_second ? units.second : units.first;
+    EXPECT_EQ(bench.device->report().serial, "");
     bench.start(1500);
+    EXPECT_EQ(bench.device->report().serial, "AAAA0001+BBBB0002");
+    EXPECT_TRUE(bench.device->set_sync_output(true));
     ASSERT_TRUE(bench.reads_right(3000));
 
     bench.bus.unplug(victim);
     EXPECT_EQ(bench.read(30'000).last.outcome, ReadOutcome::Gone);
     EXPECT_EQ(bench.device->state(), DeviceState::Gone);
-    EXPECT_EQ(bench.device->open().error().code, core::ErrorCode::WrongState);
-    EXPECT_EQ(bench.device->start({bench.rate, 64}).error().code, core::ErrorCode::DeviceGone);
     EXPECT_EQ(bench.device->set_sync_output(true).error().code, core::ErrorCode::DeviceGone);
-    EXPECT_TRUE(bench.device->stop());
     EXPECT_TRUE(bench.device->close());
     EXPECT_EQ(bench.device->open().error().code, core::ErrorCode::NotFound);
     EXPECT_EQ(bench.bus.open_ports(), 0);
@@ -229,66 +209,26 @@ TEST(JoinedPair, EitherUnplugged_GoneUntilClosedAndPluggedInAgain) {
   }
 }
 
-TEST(JoinedPair, EveryOperation_InEveryState) {
-  Wired units;
-  PairBench bench(units, "&sync_output_bit=0");
-  Device& pair = *bench.device;
-  core::Block block(16, 64);
-  const StartOptions options{*core::Rate::from_hz(1500), 64};
-
-  EXPECT_EQ(pair.state(), DeviceState::Closed);
-  EXPECT_EQ(pair.start(options).error().code, core::ErrorCode::WrongState);
-  EXPECT_EQ(pair.read(block, 0).outcome, ReadOutcome::NotStreaming);
-  EXPECT_EQ(pair.set_sync_output(true).error().code, core::ErrorCode::WrongState);
-  EXPECT_TRUE(pair.stop());
-  EXPECT_TRUE(pair.close());
-  EXPECT_TRUE(pair.report().serial.empty());
-
-  ASSERT_TRUE(pair.open());
-  EXPECT_TRUE(pair.open());
-  EXPECT_EQ(pair.report().serial, "AAAA0001+BBBB0002");
-  EXPECT_EQ(pair.read(block, 0).outcome, ReadOutcome::NotStreaming);
-  EXPECT_TRUE(pair.set_sync_output(true));
-  EXPECT_TRUE(pair.stop());
-
-  ASSERT_TRUE(pair.start(options));
-  EXPECT_EQ(pair.start(options).error().code, core::ErrorCode::WrongState);
-  EXPECT_TRUE(pair.open());
-  EXPECT_TRUE(pair.set_sync_output(false));
-  EXPECT_EQ(pair.read(block, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
-  EXPECT_TRUE(pair.close());
-  EXPECT_EQ(pair.state(), DeviceState::Closed);
-  EXPECT_EQ(bench.bus.open_ports(), 0);
-  EXPECT_EQ(bench.bus.transfers_in_flight(), 0);
-}
-
-TEST(JoinedPair, Interrupted_ReadReturnsSoon) {
-  Wired units;
-  PairBench bench(units);
-  bench.start(10, 64);
-  core::Block block(16, 64);
-  const std::int64_t before_ns = bench.clock.now_ns();
-
-  bench.device->interrupt();
-  const ReadResult result = bench.device->read(block, before_ns + 10 * kSecond);
-
-  EXPECT_EQ(result.outcome, ReadOutcome::Timeout);
-  EXPECT_LE(bench.clock.now_ns() - before_ns, 100 * kMillisecond);
-}
-
-TEST(JoinedPair, BlockSmallerThanStarted_FullAfterItsOwnTime) {
+TEST(JoinedPair, BlockSmallerThanStarted_FullAfterItsOwnTimeUnlessInterrupted) {
   Wired units;
   PairBench bench(units);
   bench.start(1000, 256);
   core::Block small(16, 100);
   ASSERT_EQ(bench.device->read(small, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
-  const std::int64_t before_ns = bench.clock.now_ns();
+  std::int64_t before_ns = bench.clock.now_ns();
 
-  ASSERT_EQ(bench.device->read(small, bench.clock.now_ns() + 10 * kSecond).outcome, ReadOutcome::Scans);
+  ASSERT_EQ(bench.device->read(small, before_ns + 10 * kSecond).outcome, ReadOutcome::Scans);
 
   EXPECT_EQ(small.count(), 100U);
   EXPECT_EQ(small.first_scan.value, 100U);
   EXPECT_LE(bench.clock.now_ns() - before_ns, 150 * kMillisecond);
+
+  ASSERT_TRUE(bench.device->stop());
+  bench.start(10, 64);
+  before_ns = bench.clock.now_ns();
+  bench.device->interrupt();
+  EXPECT_EQ(bench.device->read(small, before_ns + 10 * kSecond).outcome, ReadOutcome::Timeout);
+  EXPECT_LE(bench.clock.now_ns() - before_ns, 100 * kMillisecond);
 }
 
 TEST(JoinedPair, Read_AllocatesNothing) {
@@ -304,28 +244,18 @@ TEST(JoinedPair, Read_AllocatesNothing) {
   EXPECT_EQ(dts::test::heap_calls_of_this_thread(), before);
 }
 
-TEST(JoinedPair, SerialNumbers_BothNeededAndDifferent) {
+TEST(JoinedPair, WrongSerialNumbersOrOptionsOfTheSecond_AreNamed) {
   core::VirtualClock clock;
   emulator::FakeBus bus(clock);
   const physics::RigModel rig;
 
-  for (const char* rest : {"", "?serial=1", "?second_serial=1", "?serial=1&second_serial=1"}) {
+  for (const char* rest :
+       {"", "?serial=1", "?second_serial=1", "?serial=1&second_serial=1", "?serial=1&second_serial=2&second_channels=9"}) {
     const auto created = create_device("mcc:1608fs-plus-pair" + std::string(rest), {clock, rig, &bus});
     ASSERT_FALSE(created.has_value()) << rest;
     EXPECT_EQ(created.error().code, core::ErrorCode::InvalidArgument);
-    EXPECT_NE(created.error().what.find("second_serial"), std::string::npos);
+    EXPECT_NE(created.error().what.find("second"), std::string::npos) << created.error().what;
   }
-}
-
-TEST(JoinedPair, MistakeInTheSecondUnitsOptions_IsNamed) {
-  core::VirtualClock clock;
-  emulator::FakeBus bus(clock);
-  const physics::RigModel rig;
-
-  const auto created = create_device(std::string(kPairUri) + "&second_channels=9", {clock, rig, &bus});
-
-  ASSERT_FALSE(created.has_value());
-  EXPECT_NE(created.error().what.find("second"), std::string::npos);
 }
 
 }  // namespace

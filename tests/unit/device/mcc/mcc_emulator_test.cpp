@@ -37,7 +37,7 @@ std::vector<std::uint8_t> start_bytes(std::uint8_t options, std::uint8_t scans =
   return bytes;
 }
 
-TEST(ScanClock, Ticks_ExactAfterDays) {
+TEST(ScanClock, Ticks_ExactAfterDaysAndEarlierByItsError) {
   ScanClock clock;
   clock.start(*core::Rate::create(40'000'000, 26'667), 1.0, 5);
 
@@ -45,12 +45,9 @@ TEST(ScanClock, Ticks_ExactAfterDays) {
   EXPECT_EQ(clock.tick_ns(ticks), 266'670 * kSecond + 5);
   EXPECT_EQ(clock.ticks(266'670 * kSecond + 5), ticks);
   EXPECT_EQ(clock.ticks(266'670 * kSecond + 4), ticks - 1);
-}
 
-TEST(ScanClock, Fast_ComesEarlierByItsError) {
-  ScanClock clock;
+  clock = {};
   clock.start(*core::Rate::create(1000, 1), 1.0 + 100e-6, 0);
-
   EXPECT_EQ(clock.ticks(10'000 * kSecond), 10'001'000U);
 }
 
@@ -102,9 +99,9 @@ TEST(SampleFeed, FollowerThatStartsLate_TakesWhatStandsThereAtEachTick) {
   EXPECT_EQ(codes, (std::vector<std::uint16_t>{5, 6, 7, 8, 9, 0, 1}));
 }
 
-TEST(FsPlusEmulator, DebugCounter_CountsEveryCode) {
+TEST(FsPlusEmulator, EveryCodeComesOnceAndWhatIsLeftBeforeTheNextScan) {
   FsPlusEmulator unit(FsPlusKind::Usb1608, "1", ramp());
-  ASSERT_EQ(write(unit, 0x11, start_bytes(0x20)).kind, ReplyKind::Done);
+  ASSERT_EQ(write(unit, 0x11, start_bytes(0x20)).kind, ReplyKind::Done);  // the debug counter
 
   std::uint16_t expected = 0;
   while (const auto packet = unit.take_packet(0x81, kSecond)) {
@@ -112,15 +109,13 @@ TEST(FsPlusEmulator, DebugCounter_CountsEveryCode) {
     for (std::size_t i = 0; i < 64; i += 2) EXPECT_EQ(packet->bytes[i] | packet->bytes[i + 1] << 8, expected++);
   }
   EXPECT_EQ(expected, 8000);
-}
+  ASSERT_EQ(write(unit, 0x12, {}, kSecond + kSecond / 500).kind, ReplyKind::Done);  // two scans are in the FIFO
+  EXPECT_EQ(unit.take_packet(0x81, 2 * kSecond)->bytes.size(), 32U);
 
-TEST(FsPlusEmulator, Immediate_OneScanPerPacket) {
-  FsPlusEmulator unit(FsPlusKind::Usb1608, "1", ramp());
-  ASSERT_EQ(write(unit, 0x11, start_bytes(1)).kind, ReplyKind::Done);
-
-  EXPECT_EQ(unit.next_packet_ns(0), kSecond / 1000);
-  EXPECT_FALSE(unit.take_packet(0x81, kSecond / 1000 - 1).has_value());
-  EXPECT_EQ(unit.take_packet(0x81, kSecond / 1000)->bytes.size(), 16U);
+  ASSERT_EQ(write(unit, 0x11, start_bytes(1), 2 * kSecond).kind, ReplyKind::Done);  // immediate
+  EXPECT_EQ(unit.next_packet_ns(2 * kSecond), 2 * kSecond + kSecond / 1000);
+  EXPECT_FALSE(unit.take_packet(0x81, 2 * kSecond + kSecond / 1000 - 1).has_value());
+  EXPECT_EQ(unit.take_packet(0x81, 2 * kSecond + kSecond / 1000)->bytes.size(), 16U);
 }
 
 TEST(FsPlusEmulator, FiniteScan_EndsWithAShortOrAnEmptyPacket) {
@@ -149,39 +144,24 @@ TEST(FsPlusEmulator, Overrun_StallsOrFallsSilentByBit7) {
   }
 }
 
-TEST(FsPlusEmulator, WhileScanning_SetupAndSingleReadingsStall) {
+TEST(FsPlusEmulator, RequestsThatARealUnitRefuses_StallAndResetLeavesTheBusOnce) {
   FsPlusEmulator unit(FsPlusKind::Usb1608, "1", ramp());
   ASSERT_EQ(write(unit, 0x11, start_bytes(0)).kind, ReplyKind::Done);
 
-  EXPECT_EQ(write(unit, 0x11, start_bytes(0)).kind, ReplyKind::Stall);
+  EXPECT_EQ(write(unit, 0x11, start_bytes(0)).kind, ReplyKind::Stall) << "while it scans";
   EXPECT_EQ(write(unit, 0x14, std::vector<std::uint8_t>(8)).kind, ReplyKind::Stall);
   EXPECT_EQ(unit.control({.request_type = 0xC0, .request = 0x10, .length = 2}, {}, 0).kind, ReplyKind::Stall);
   EXPECT_EQ(status(unit, 0), 2U);
-}
 
-TEST(FsPlusEmulator, WritesToMemoryAndFirmware_RefusedAndCounted) {
-  FsPlusEmulator unit(FsPlusKind::Usb1608, "1", ramp());
-
-  for (const int request : {0x30, 0x31, 0x32, 0x48, 0x50})
+  EXPECT_EQ(unit.forbidden_requests, 0);
+  for (const int request : {0x30, 0x31, 0x32, 0x48, 0x50}) {
     EXPECT_EQ(write(unit, static_cast<std::uint8_t>(request), {0}).kind, ReplyKind::Stall);
+  }
+  EXPECT_EQ(unit.forbidden_requests, 5) << "writes to memory and firmware";
 
-  EXPECT_EQ(unit.forbidden_requests, 5);
-}
-
-TEST(FsPlusEmulator, Reset_LeavesTheBusOnce) {
-  FsPlusEmulator unit(FsPlusKind::Usb1608, "1", ramp());
   ASSERT_EQ(write(unit, 0x42, {}).kind, ReplyKind::Done);
-
   EXPECT_TRUE(unit.wants_to_leave());
   EXPECT_FALSE(unit.wants_to_leave());
-}
-
-TEST(FsPlusEmulator, Stopped_WhatIsLeftComesBeforeTheNextScan) {
-  FsPlusEmulator unit(FsPlusKind::Usb1608, "1", ramp());
-  ASSERT_EQ(write(unit, 0x11, start_bytes(0x20)).kind, ReplyKind::Done);
-  ASSERT_EQ(write(unit, 0x12, {}, kSecond / 500).kind, ReplyKind::Done);  // two scans are in the FIFO
-
-  EXPECT_EQ(unit.take_packet(0x81, kSecond)->bytes.size(), 32U);
 }
 
 }  // namespace

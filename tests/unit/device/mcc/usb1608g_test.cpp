@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <tuple>
 
 #include "unit/device/mcc/mcc_bench.h"
 #include "unit/device/sim_rig.h"
@@ -44,124 +45,66 @@ class ImageFile {
 
 Usb1608gEmulator unit_g(bool is_high_speed = true) { return {0x0110, "0123ABCD", moving_source(), is_high_speed}; }
 
-TEST(Usb1608g, TwelveChannelsAt1500Hz_EverySampleRight) {
+/// A unit on a bench with the image that it wants.
+struct BenchG : Bench {
+  BenchG(const ImageFile& image, Usb1608gEmulator& unit, const std::string& options = "") : Bench(image.uri(options), unit) {}
+  bool reads_right(std::uint64_t scans) { return Bench::reads_right(scans, Usb1608gEmulator::kSkewS); }
+};
+
+TEST(Usb1608g, AnySpeedAndHardwareRevision_EverySampleRight) {
   const ImageFile image;
   Usb1608gEmulator unit = unit_g();
-  Bench bench(image.uri("&channels=15,3,8,0,1,2,4,5,6,7,12,11"), unit);
+  BenchG bench(image, unit, "&channels=15,3,8,0,1,2,4,5,6,7,12,11");
   bench.start(1500);
-
-  const Reading reading = bench.read(15'000, Usb1608gEmulator::kSkewS);
-
-  EXPECT_EQ(reading.wrong, 0U);
-  EXPECT_GE(reading.scans, 15'000U);
+  EXPECT_TRUE(bench.reads_right(15'000));
   EXPECT_EQ(bench.rate, *core::Rate::create(64'000'000, 42'667));
   EXPECT_EQ(unit.images_loaded(), 1);
   EXPECT_EQ(unit.forbidden_requests, 0);
-}
 
-TEST(Usb1608g, FourChannelsAt100HzOnAFullSpeedPort_EverySampleRight) {
-  const ImageFile image;
-  Usb1608gEmulator unit = unit_g(false);
-  Bench bench(image.uri("&channels=0,1,2,3&range_v=10,5,2,2"), unit);
-  bench.start(100, 2);
+  Usb1608gEmulator full_speed = unit_g(false);
+  BenchG slow(image, full_speed, "&channels=0,1,2,3&range_v=10,5,2,2");
+  slow.start(100, 2);
+  EXPECT_TRUE(slow.reads_right(2000));
 
-  const Reading reading = bench.read(2000, Usb1608gEmulator::kSkewS);
-
-  EXPECT_EQ(reading.wrong, 0U);
-  EXPECT_GE(reading.scans, 2000U);
-}
-
-TEST(Usb1608g, SecondHardwareRevision_TakesItsOwnImage) {
-  const ImageFile image(73'722);
-  Usb1608gEmulator unit(0x0135, "0123ABCD", moving_source());
-  Bench bench("mcc:1608gx?fpga=" + image.path(), unit);
-  bench.start(1500);
-
-  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
-}
-
-TEST(Usb1608g, ImageOfTheWrongLength_RefusedBeforeItIsSent) {
-  const ImageFile image(73'722);
-  Usb1608gEmulator unit = unit_g();
-  Bench bench(image.uri(), unit);
-
-  const auto opened = bench.device->open();
-
-  ASSERT_FALSE(opened.has_value());
-  EXPECT_EQ(opened.error().code, core::ErrorCode::InvalidArgument);
-  EXPECT_NE(opened.error().what.find("73829"), std::string::npos);
-  EXPECT_EQ(unit.images_loaded(), 0);
-}
-
-TEST(Usb1608g, NoImage_TheErrorSaysWhereToGetIt) {
-  Usb1608gEmulator unit = unit_g();
-  Bench bench("mcc:1608g", unit);
-
-  const auto opened = bench.device->open();
-
-  ASSERT_FALSE(opened.has_value());
-  EXPECT_EQ(opened.error().code, core::ErrorCode::NotFound);
-  EXPECT_NE(opened.error().hint.find("uldaq"), std::string::npos);
-  EXPECT_NE(opened.error().hint.find("fpga=FILE"), std::string::npos);
+  const ImageFile second_image(73'722);
+  Usb1608gEmulator second_revision(0x0135, "0123ABCD", moving_source());
+  Bench second("mcc:1608gx?fpga=" + second_image.path(), second_revision);
+  second.start(1500);
+  EXPECT_TRUE(second.reads_right(1500, Usb1608gEmulator::kSkewS));
 }
 
 TEST(Usb1608g, ImageStillThere_NotLoadedAgainAndNoFileNeeded) {
   const ImageFile image;
   Usb1608gEmulator unit = unit_g();
-  {
-    Bench first(image.uri(), unit);
-    first.start(1000);
-    first.bus.unplug(unit);
-  }
-  core::VirtualClock clock{1'000'000'000'000'000};
-  emulator::FakeBus bus(clock);
-  bus.plug(unit);  // powers the unit up: the image is lost
-  const physics::RigModel rig;
-  auto device = create_device(image.uri(), {clock, rig, &bus});
-  ASSERT_TRUE(device.has_value());
-  ASSERT_TRUE((*device)->open());
-  ASSERT_TRUE((*device)->close());
-  EXPECT_EQ(unit.images_loaded(), 2);
+  BenchG bench(image, unit);
+  ASSERT_TRUE(bench.device->open());
+  ASSERT_TRUE(bench.device->close());
 
-  auto without_file = create_device("mcc:1608g", {clock, rig, &bus});
+  auto without_file = create_device("mcc:1608g", {bench.clock, bench.rig, &bench.bus});
 
   EXPECT_TRUE((*without_file)->open());
-  EXPECT_EQ(unit.images_loaded(), 2);
+  EXPECT_EQ(unit.images_loaded(), 1);
 }
 
-TEST(Usb1608g, SuspendDuringTheScan_BrokenThenTheImageIsLoadedAgain) {
-  const ImageFile image;
-  Usb1608gEmulator unit = unit_g();
-  Bench bench(image.uri(), unit);
-  bench.start(1500);
-  ASSERT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
+TEST(Usb1608g, SuspendDuringTheScanOrPowerCycle_TheImageIsLoadedAgain) {
+  for (const bool is_suspend : {true, false}) {
+    const ImageFile image;
+    Usb1608gEmulator unit = unit_g();
+    BenchG bench(image, unit);
+    bench.start(1500);
+    ASSERT_TRUE(bench.reads_right(1500));
 
-  unit.suspend(bench.clock.now_ns());
-  const Reading reading = bench.read(3000, Usb1608gEmulator::kSkewS);
-  EXPECT_EQ(reading.last.outcome, ReadOutcome::Broken);
-  ASSERT_TRUE(bench.device->stop());
-  bench.begin_segment();
-  bench.start(1500);
+    if (is_suspend) unit.suspend(bench.clock.now_ns());
+    if (!is_suspend) bench.bus.unplug(unit);
+    EXPECT_EQ(bench.read(3000).last.outcome, is_suspend ? ReadOutcome::Broken : ReadOutcome::Gone);
+    ASSERT_TRUE(is_suspend ? bench.device->stop() : bench.device->close());
+    if (!is_suspend) bench.bus.plug(unit);
+    bench.begin_segment();
+    bench.start(1500);
 
-  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
-  EXPECT_EQ(unit.images_loaded(), 2);
-}
-
-TEST(Usb1608g, PowerCycle_TheImageIsLoadedAgain) {
-  const ImageFile image;
-  Usb1608gEmulator unit = unit_g();
-  Bench bench(image.uri(), unit);
-  bench.start(1500);
-  bench.bus.unplug(unit);
-  EXPECT_EQ(bench.read(3000).last.outcome, ReadOutcome::Gone);
-  ASSERT_TRUE(bench.device->close());
-  bench.bus.plug(unit);
-  bench.begin_segment();
-
-  bench.start(1500);
-
-  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
-  EXPECT_EQ(unit.images_loaded(), 2);
+    EXPECT_TRUE(bench.reads_right(1500));
+    EXPECT_EQ(unit.images_loaded(), 2);
+  }
 }
 
 TEST(Usb1608g, FirstSampleMissingAtTheStart_BrokenBeforeAnyScanThenRight) {
@@ -182,45 +125,40 @@ TEST(Usb1608g, FirstSampleMissingAtTheStart_BrokenBeforeAnyScanThenRight) {
   EXPECT_GE(right.scans, 3000U);
 }
 
-TEST(Usb1608g, FirmwareThatWants15Bytes_GetsThem) {
+TEST(Usb1608g, QuirksOfTheFirmware_EverySampleRight) {
   const ImageFile image;
-  Usb1608gEmulator unit = unit_g();
-  unit.takes_only_15_bytes = true;
-  Bench bench(image.uri(), unit);
-  bench.start(1500);
-
-  EXPECT_EQ(unit.last_start().size(), 15U);
-  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
-}
-
-TEST(Usb1608g, BurstInEitherReadingOfThePeriod_SameRate) {
-  const ImageFile image;
-  for (const bool divides : {false, true}) {
+  for (bool Usb1608gEmulator::*quirk :
+       {&Usb1608gEmulator::takes_only_15_bytes, &Usb1608gEmulator::non_burst_divides_rate, &Usb1608gEmulator::leaves_readings_in_fifo}) {
     Usb1608gEmulator unit = unit_g();
-    unit.non_burst_divides_rate = divides;
-    Bench bench(image.uri(), unit);
+    unit.*quirk = true;
+    BenchG bench(image, unit, "&channels=2,9,4,11,0");
     bench.start(1500);
 
-    const Reading reading = bench.read(6000, Usb1608gEmulator::kSkewS);
-
-    EXPECT_EQ(reading.last.outcome, ReadOutcome::Scans);
-    EXPECT_EQ(reading.wrong, 0U);
+    EXPECT_EQ(unit.last_start().size(), unit.takes_only_15_bytes ? 15U : 14U);
+    EXPECT_TRUE(bench.reads_right(6000));
   }
 }
 
-TEST(Usb1608g, Trigger_ArmedUntilItFires) {
+TEST(Usb1608g, Trigger_ArmedUntilItFiresAndAFaultGoesOnWithoutIt) {
   const ImageFile image;
   Usb1608gEmulator unit = unit_g();
-  Bench bench(image.uri("&trigger=falling"), unit);
+  BenchG bench(image, unit, "&trigger=falling");
   bench.start(1500);
   core::Block block(16, 64);
-
-  const ReadResult waiting = bench.device->read(block, bench.clock.now_ns() + 2 * kSecond);
-  unit.fire_trigger(bench.clock.now_ns());
-
-  EXPECT_EQ(waiting.outcome, ReadOutcome::Armed);
+  EXPECT_TRUE(unit.is_armed());
+  EXPECT_EQ(bench.device->read(block, bench.clock.now_ns() + 2 * kSecond).outcome, ReadOutcome::Armed);
   EXPECT_EQ(unit.trigger_config(), 1);
-  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
+  unit.fire_trigger(bench.clock.now_ns());
+  EXPECT_TRUE(bench.reads_right(1500));
+  unit.faults.overrun_at_code = 16 * 2500;
+  ASSERT_EQ(bench.read(6000, Usb1608gEmulator::kSkewS).last.gap.reason, GapReason::Overrun);
+  ASSERT_TRUE(bench.device->stop());
+  bench.begin_segment();
+
+  bench.start(1500);
+
+  EXPECT_FALSE(unit.is_armed());
+  EXPECT_TRUE(bench.reads_right(1500));
 }
 
 TEST(Usb1608g, HostAwayForLongerThanTheFifo_Overrun) {
@@ -235,29 +173,53 @@ TEST(Usb1608g, HostAwayForLongerThanTheFifo_Overrun) {
   EXPECT_EQ(bench.read(3000, Usb1608gEmulator::kSkewS).last.gap.reason, GapReason::Overrun);
 }
 
-TEST(Usb1608g, CalibrationCutShort_DataDamaged) {
+TEST(Usb1608g, WhatCannotBeOpenedOrStarted_SaysWhy) {
   const ImageFile image;
+  const auto open_error = [](const std::string& uri, Usb1608gEmulator& unit) {
+    Bench bench(uri, unit);
+    const auto opened = bench.device->open();
+    EXPECT_FALSE(opened.has_value());
+    return opened ? core::Error{} : opened.error();
+  };
   Usb1608gEmulator unit = unit_g();
+  const core::Error wrong_length = open_error(ImageFile(73'722).uri(), unit);
+  EXPECT_EQ(wrong_length.code, core::ErrorCode::InvalidArgument);
+  EXPECT_NE(wrong_length.what.find("73829"), std::string::npos);
+  EXPECT_EQ(unit.images_loaded(), 0) << "it was not sent";
+  const core::Error no_image = open_error("mcc:1608g", unit);
+  EXPECT_EQ(no_image.code, core::ErrorCode::NotFound);
+  EXPECT_NE(no_image.hint.find("uldaq"), std::string::npos);
+  EXPECT_NE(no_image.hint.find("fpga=FILE"), std::string::npos);
   unit.faults.calibration_bytes = 20;
-  Bench bench(image.uri(), unit);
+  EXPECT_EQ(open_error(image.uri(), unit).code, core::ErrorCode::DataDamaged);
+  unit.faults.is_mute = true;
+  EXPECT_EQ(open_error(image.uri(), unit).code, core::ErrorCode::Timeout);
 
-  const auto opened = bench.device->open();
-
-  ASSERT_FALSE(opened.has_value());
-  EXPECT_EQ(opened.error().code, core::ErrorCode::DataDamaged);
+  Usb1608gEmulator deaf = unit_g();
+  deaf.ignores_scan_list = true;
+  BenchG bench(image, deaf);
+  ASSERT_TRUE(bench.device->open());
+  EXPECT_EQ(bench.device->start({*core::Rate::from_hz(1500), 64}).error().code, core::ErrorCode::DataDamaged);
 }
 
-TEST(Usb1608g, ScanListNotTaken_StartRefused) {
+TEST(Usb1608g, SyncOutput_DrivesTheChosenLineOnly) {
   const ImageFile image;
-  Usb1608gEmulator unit = unit_g();
-  unit.ignores_scan_list = true;
-  Bench bench(image.uri(), unit);
-  ASSERT_TRUE(bench.device->open());
-
-  const auto started = bench.device->start({*core::Rate::from_hz(1500), 64});
-
-  ASSERT_FALSE(started.has_value());
-  EXPECT_EQ(started.error().code, core::ErrorCode::DataDamaged);
+  for (const auto& [options, inputs] : {std::pair{"", 0xFF}, {"&sync_output_bit=3", 0xF7}}) {
+    Usb1608gEmulator unit = unit_g();
+    BenchG bench(image, unit, options);
+    bench.start(1500);
+    const auto read_port = [&](std::uint8_t request) {
+      return unit.control({.request_type = 0xC0, .request = request, .length = 1}, {}, bench.clock.now_ns()).data.at(0);
+    };
+    EXPECT_EQ(read_port(0x00), inputs) << "a bit that is set: an input";
+    for (const bool is_high : {true, false}) {
+      const auto driven = bench.device->set_sync_output(is_high);
+      EXPECT_EQ(driven.has_value(), inputs != 0xFF);
+      EXPECT_EQ(read_port(0x02), driven && is_high ? 1 << 3 : 0);
+      if (driven) continue;
+      EXPECT_EQ(driven.error().what, bench.uri + " has no digital line chosen for the sync pulse");
+    }
+  }
 }
 
 TEST(Usb1608g, ScanLeftRunningByAnotherProgram_EndsAndLeavesNothingBehind) {
@@ -291,74 +253,21 @@ TEST(Usb1608g, FirstConversionAfterLoading_ThrownAway) {
     EXPECT_EQ(check.outcome, DeviceCheck::Outcome::Passed) << check.name << ": " << check.detail;
 }
 
-TEST(Usb1608g, SingleReadingsLeftInTheFifo_GoneBeforeTheScan) {
-  const ImageFile image;
-  Usb1608gEmulator unit = unit_g();
-  unit.leaves_readings_in_fifo = true;
-  Bench bench(image.uri("&channels=2,9,4,11,0"), unit);
-  bench.start(1500);
-
-  const Reading reading = bench.read(3000, Usb1608gEmulator::kSkewS);
-
-  EXPECT_EQ(reading.wrong, 0U);
-  EXPECT_GE(reading.scans, 3000U);
-}
-
-TEST(Usb1608g, FaultAfterTheTrigger_GoesOnWithoutIt) {
-  const ImageFile image;
-  Usb1608gEmulator unit = unit_g();
-  Bench bench(image.uri("&trigger=falling"), unit);
-  bench.start(1500);
-  ASSERT_TRUE(unit.is_armed());
-  unit.fire_trigger(bench.clock.now_ns());
-  unit.faults.overrun_at_code = 20'000;
-  ASSERT_EQ(bench.read(6000, Usb1608gEmulator::kSkewS).last.gap.reason, GapReason::Overrun);
-  ASSERT_TRUE(bench.device->stop());
-  bench.begin_segment();
-
-  bench.start(1500);
-
-  EXPECT_FALSE(unit.is_armed());
-  EXPECT_TRUE(bench.reads_right(1500, Usb1608gEmulator::kSkewS));
-}
-
 TEST(Usb1608g, ImageFileThatCannotBeOne_RefusedWithoutADevice) {
   core::VirtualClock clock;
   emulator::FakeBus bus(clock);
   const physics::RigModel rig;
   const ImageFile wrong(100);
-
-  const auto missing = create_device("mcc:1608g?fpga=/nowhere/image.rbf", {clock, rig, &bus});
-  const auto odd = create_device(wrong.uri(), {clock, rig, &bus});
-
-  ASSERT_FALSE(missing.has_value());
-  EXPECT_EQ(missing.error().code, core::ErrorCode::NotFound);
-  EXPECT_NE(missing.error().what.find("/nowhere/image.rbf"), std::string::npos);
-  ASSERT_FALSE(odd.has_value());
-  EXPECT_EQ(odd.error().code, core::ErrorCode::InvalidArgument);
-  EXPECT_NE(odd.error().what.find("100 bytes"), std::string::npos) << odd.error().what;
-}
-
-TEST(Usb1608g, ImageFileByAPathThatDependsOnTheFolder_Refused) {
-  core::VirtualClock clock;
-  emulator::FakeBus bus(clock);
-  const physics::RigModel rig;
   const ImageFile image;
   const std::string relative = std::filesystem::relative(image.path()).string();
-
-  const auto refused = create_device("mcc:1608g?fpga=" + relative, {clock, rig, &bus});
-
-  ASSERT_FALSE(refused.has_value());
-  EXPECT_EQ(refused.error().code, core::ErrorCode::InvalidArgument);
-  EXPECT_NE(refused.error().what.find("not a whole path"), std::string::npos) << refused.error().what;
-}
-
-TEST(Usb1608g, MuteDevice_Timeout) {
-  Usb1608gEmulator unit = unit_g();
-  unit.faults.is_mute = true;
-  Bench bench("mcc:1608g", unit);
-
-  EXPECT_EQ(bench.device->open().error().code, core::ErrorCode::Timeout);
+  for (const auto& [file, code, what] : {std::tuple{std::string("/nowhere/image.rbf"), core::ErrorCode::NotFound, "/nowhere/image.rbf"},
+                                         {wrong.path(), core::ErrorCode::InvalidArgument, "100 bytes"},
+                                         {relative, core::ErrorCode::InvalidArgument, "not a whole path"}}) {
+    const auto created = create_device("mcc:1608g?fpga=" + file, {clock, rig, &bus});
+    ASSERT_FALSE(created.has_value()) << file;
+    EXPECT_EQ(created.error().code, code) << file;
+    EXPECT_NE(created.error().what.find(what), std::string::npos) << created.error().what;
+  }
 }
 
 }  // namespace

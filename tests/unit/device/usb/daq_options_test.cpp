@@ -5,6 +5,7 @@
 
 #include <array>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/block.h"
@@ -60,52 +61,40 @@ TEST(DaqOptions, MarkerNotListed_Appended) {
   EXPECT_EQ(read("?channels=4,0&marker=2&marker_v=1", kFree)->channels, (Inputs{4, 0, 2}));
 }
 
-TEST(DaqOptions, MarkerThatCannotBeLast_Refused) {
-  EXPECT_NE(refusal("?channels=0,1,7&marker=5&marker_v=1").find("ascending"), std::string::npos);
-  EXPECT_NE(refusal("?marker=3&marker_v=1").find("ascending"), std::string::npos);
-  EXPECT_NE(refusal("?channels=0,5,7&marker=5&marker_v=1").find("not the last"), std::string::npos);
-  EXPECT_NE(refusal("?channels=5&marker=5&marker_v=1").find("nothing but the marker"), std::string::npos);
-}
-
-TEST(DaqOptions, OptionsThatWouldDoNothing_Refused) {
-  EXPECT_NE(refusal("?marker_v=2").find("marker_v has a meaning only with marker"), std::string::npos);
-  EXPECT_NE(refusal("?marker_tolerance_v=2").find("only with marker"), std::string::npos);
-  EXPECT_NE(refusal("?marker=-1&marker_v=2").find("only with marker"), std::string::npos);
-}
-
-TEST(DaqOptions, MarkerWithoutItsVoltageOrOutOfRange_Refused) {
-  EXPECT_NE(refusal("?marker=7").find("needs marker_v"), std::string::npos);
-  EXPECT_NE(refusal("?marker=7&marker_v=4.95&range_v=5").find("within the marker's range"), std::string::npos);
+TEST(DaqOptions, WrongInputsMarkersAndRanges_RefusedWithTheReason) {
+  for (const auto& [query, reason] : {std::pair{"?channels=0,1,7&marker=5&marker_v=1", "ascending"},
+                                      {"?marker=3&marker_v=1", "ascending"},
+                                      {"?channels=0,5,7&marker=5&marker_v=1", "not the last"},
+                                      {"?channels=5&marker=5&marker_v=1", "nothing but the marker"},
+                                      {"?marker_v=2", "marker_v has a meaning only with marker"},
+                                      {"?marker_tolerance_v=2", "only with marker"},
+                                      {"?marker=-1&marker_v=2", "only with marker"},
+                                      {"?marker=7", "needs marker_v"},
+                                      {"?marker=7&marker_v=4.95&range_v=5", "within the marker's range"},
+                                      {"?marker=8&marker_v=1&channels=0", "no input 8"},
+                                      {"?channels=0,8", "no input 8"},
+                                      {"?channels=0.5", "no input 0.5"},
+                                      {"?channels=2,1", "ascending"},
+                                      {"?channels=1,1", "stands twice"},
+                                      {"?channels=-1", "-1"},
+                                      {"?channels=0,1,2&range_v=2,1", "2 values for 3 channels"},
+                                      {"?range_v=3", "range_v takes 10, 5, 2, 1"}}) {
+    EXPECT_NE(refusal(query).find(reason), std::string::npos) << query << ": " << refusal(query);
+  }
   EXPECT_EQ(refusal("?marker=7&marker_v=4.9&range_v=5"), "");
-  EXPECT_NE(refusal("?marker=8&marker_v=1&channels=0").find("no input 8"), std::string::npos);
 }
 
-TEST(DaqOptions, WrongInputs_Refused) {
-  EXPECT_NE(refusal("?channels=0,8").find("no input 8"), std::string::npos);
-  EXPECT_NE(refusal("?channels=0.5").find("no input 0.5"), std::string::npos);
-  EXPECT_NE(refusal("?channels=2,1").find("ascending"), std::string::npos);
-  EXPECT_NE(refusal("?channels=1,1").find("stands twice"), std::string::npos);
-  EXPECT_NE(refusal("?channels=-1").find("-1"), std::string::npos);
-}
-
-TEST(DaqOptions, FreeScanList_AnyOrderAndRepeats) {
-  EXPECT_EQ(read("?channels=3,1,3", kFree)->channels, (Inputs{3, 1, 3}));
+TEST(DaqOptions, FreeScanList_AnyOrderAndRepeatsUpToItsLength) {
+  EXPECT_EQ(read("?channels=3,1,3&range_v=2", kFree)->channels, (Inputs{3, 1, 3}));
+  EXPECT_EQ(read("?channels=3,1,3&range_v=2", kFree)->ranges_v, (std::vector<double>{2, 2, 2}));
   EXPECT_EQ(read("", kFree)->channels.size(), 16U);
-}
-
-TEST(DaqOptions, ScanTooLong_LimitExceeded) {
   std::string many = "?channels=0";
-  for (int i = 0; i < 25; ++i) many += ",1";
-  const auto options = read(many, kFree);
-  ASSERT_FALSE(options.has_value());
-  EXPECT_EQ(options.error().code, core::ErrorCode::LimitExceeded);
-  EXPECT_NE(options.error().what.find("at most 25"), std::string::npos);
-}
-
-TEST(DaqOptions, Ranges_OneForAllOrOneForEach) {
-  EXPECT_EQ(read("?channels=0,1&range_v=2")->ranges_v, (std::vector<double>{2, 2}));
-  EXPECT_NE(refusal("?channels=0,1,2&range_v=2,1").find("2 values for 3 channels"), std::string::npos);
-  EXPECT_NE(refusal("?range_v=3").find("range_v takes 10, 5, 2, 1"), std::string::npos);
+  for (int i = 0; i < 24; ++i) many += ",1";
+  EXPECT_EQ(read(many, kFree)->channels.size(), 25U);
+  const auto too_many = read(many + ",1", kFree);
+  ASSERT_FALSE(too_many.has_value());
+  EXPECT_EQ(too_many.error().code, core::ErrorCode::LimitExceeded);
+  EXPECT_NE(too_many.error().what.find("at most 25"), std::string::npos);
 }
 
 }  // namespace

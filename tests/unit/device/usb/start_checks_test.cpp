@@ -18,15 +18,6 @@ std::vector<double> rotated(std::vector<double> values, std::size_t by) {
   return values;
 }
 
-TEST(StartChecks, Same_Agrees) {
-  const Agreement agreement = compare_with_single_readings(kSingle, {{0.5, 1.01, 1.999, 4.0}});
-
-  EXPECT_FALSE(agreement.is_rotated);
-  EXPECT_FALSE(agreement.is_different);
-  EXPECT_EQ(agreement.worst_channel, 1U);
-  EXPECT_NEAR(agreement.worst_difference_v, 0.01, 1e-12);
-}
-
 TEST(StartChecks, EveryRotation_Found) {
   for (std::size_t by = 1; by < kSingle.size(); ++by) {
     std::vector<double> scan = rotated(kSingle, by);
@@ -48,12 +39,9 @@ TEST(StartChecks, SomebodyMoves_DifferentButNotRotated) {
   }
 }
 
-TEST(StartChecks, ChannelsThatLookAlike_RotationCannotBeSeen) {
-  EXPECT_FALSE(compare_with_single_readings({{1.0, 1.01, 1.0, 0.99}}, {{1.01, 1.0, 0.99, 1.0}}).is_rotated);
-}
-
-TEST(StartChecks, OneChannelOrNoneOrNotANumber_NoRotation) {
+TEST(StartChecks, ChannelsThatLookAlikeOneOrNoneOrNotANumber_NoRotation) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(compare_with_single_readings({{1.0, 1.01, 1.0, 0.99}}, {{1.01, 1.0, 0.99, 1.0}}).is_rotated);
   EXPECT_FALSE(compare_with_single_readings({{1.0}}, {{3.0}}).is_rotated);
   EXPECT_FALSE(compare_with_single_readings({}, {}).is_rotated);
   EXPECT_FALSE(compare_with_single_readings(kSingle, {{1.0, 2.0, 4.0}}).is_rotated);
@@ -70,6 +58,7 @@ TEST(StartChecks, Report_SaysWhichChannel) {
 
   EXPECT_EQ(fine.outcome, DeviceCheck::Outcome::Passed);
   EXPECT_EQ(fine.detail, "largest difference 3 mV on b");
+
   EXPECT_EQ(moved.outcome, DeviceCheck::Outcome::Warning);
   EXPECT_NE(moved.detail.find("400 mV on d"), std::string::npos);
   EXPECT_EQ(bad.outcome, DeviceCheck::Outcome::Failed);

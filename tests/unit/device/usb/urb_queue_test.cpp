@@ -44,40 +44,25 @@ class UrbQueueTest : public testing::Test {
   UrbQueue queue_{0x81, 64};
 };
 
-TEST_F(UrbQueueTest, FullTransfers_EndWhenFullInOrder) {
-  queue_.submit(1, 128);
-  queue_.submit(2, 64);
-  for (int i = 0; i < 3; ++i) device_.add(64);
+TEST_F(UrbQueueTest, TransferEndsWhenFullOrWithAShortOrEmptyPacket) {
+  device_.add(64);
+  EXPECT_TRUE(advance().empty());
+  EXPECT_EQ(device_.packets.size(), 1U) << "no transfer waits: it stays in the device";
+  for (const std::uint64_t id : {1U, 3U, 4U}) queue_.submit(id, 128);
+  for (const std::size_t bytes : {64U, 64U, 10U, 0U}) device_.add(bytes);
 
   const auto finished = advance();
 
-  ASSERT_EQ(finished.size(), 2U);
+  ASSERT_EQ(finished.size(), 3U);
   EXPECT_EQ(finished[0].id, 1U);
   EXPECT_EQ(finished[0].bytes.size(), 128U);
   EXPECT_EQ(finished[0].bytes[127], 2);
+  EXPECT_EQ(finished[1].id, 3U);
+  EXPECT_EQ(finished[1].bytes.size(), 74U);
   EXPECT_EQ(finished[1].bytes[0], 3);
+  EXPECT_EQ(finished[2].bytes.size(), 0U);
+  EXPECT_EQ(finished[2].status, UsbStatus::Completed);
   EXPECT_FALSE(queue_.is_waiting());
-}
-
-TEST_F(UrbQueueTest, ShortOrEmptyPacket_EndsTheTransfer) {
-  queue_.submit(1, 128);
-  queue_.submit(2, 128);
-  device_.add(64);
-  device_.add(10);
-  device_.add(0);
-
-  const auto finished = advance();
-
-  ASSERT_EQ(finished.size(), 2U);
-  EXPECT_EQ(finished[0].bytes.size(), 74U);
-  EXPECT_EQ(finished[1].bytes.size(), 0U);
-  EXPECT_EQ(finished[1].status, UsbStatus::Completed);
-}
-
-TEST_F(UrbQueueTest, NoTransferWaits_PacketsStayInTheDevice) {
-  device_.add(64);
-  EXPECT_TRUE(advance().empty());
-  EXPECT_EQ(device_.packets.size(), 1U);
 }
 
 TEST_F(UrbQueueTest, Stall_AllWaitingStallUntilCleared) {
@@ -114,9 +99,8 @@ TEST_F(UrbQueueTest, PacketThatDoesNotFitOrIsTooLong_Overflow) {
   EXPECT_EQ(finished[1].status, UsbStatus::Overflow);
 }
 
-TEST_F(UrbQueueTest, Cancel_GoesWithWhatItHeld) {
-  queue_.submit(1, 128);
-  queue_.submit(2, 128);
+TEST_F(UrbQueueTest, CancelOrEndAll_WithTheStatusAndWhatItHeld) {
+  for (const std::uint64_t id : {1U, 2U, 3U}) queue_.submit(id, 128);
   device_.add(64);
   ASSERT_TRUE(advance().empty());
 
@@ -126,15 +110,7 @@ TEST_F(UrbQueueTest, Cancel_GoesWithWhatItHeld) {
   EXPECT_EQ(cancelled->status, UsbStatus::Cancelled);
   EXPECT_EQ(cancelled->bytes.size(), 64U);
   EXPECT_FALSE(queue_.cancel(1).has_value());
-  EXPECT_TRUE(queue_.is_waiting());
-}
-
-TEST_F(UrbQueueTest, EndAll_EveryOneWithTheStatus) {
-  queue_.submit(1, 64);
-  queue_.submit(2, 64);
-
   const auto finished = queue_.end_all(UsbStatus::NoDevice);
-
   ASSERT_EQ(finished.size(), 2U);
   EXPECT_EQ(finished[1].status, UsbStatus::NoDevice);
   EXPECT_FALSE(queue_.is_waiting());

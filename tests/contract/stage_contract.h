@@ -131,32 +131,38 @@ inline std::vector<double> numbers_of(const core::SwayEvent& event) {
           of.pea95_f_mm2};
 }
 
-template <class Event>
-void expect_same_events(const std::vector<Event>& expected, const std::vector<Event>& actual, const std::string& what) {
-  ASSERT_EQ(expected.size(), actual.size()) << what;
+inline void expect_same(const std::vector<double>& expected, const std::vector<double>& actual) {
+  ASSERT_EQ(expected.size(), actual.size());
   for (std::size_t k = 0; k < expected.size(); ++k) {
-    const std::vector<double> a = numbers_of(expected[k]);
-    const std::vector<double> b = numbers_of(actual[k]);
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      ASSERT_TRUE(is_same(a[i], b[i])) << what << ", event " << k << ", number " << i << ": " << a[i] << " and " << b[i];
-    }
+    ASSERT_TRUE(is_same(expected[k], actual[k])) << "number " << k << ": " << expected[k] << " and " << actual[k];
   }
 }
 
-inline void expect_same(const Output& expected, const Output& actual, const std::string& what) {
-  ASSERT_EQ(expected.scan, actual.scan) << what;
-  ASSERT_EQ(expected.bits, actual.bits) << what;
-  for (std::size_t c = 0; c < expected.values.size(); ++c) {
-    for (std::size_t i = 0; i < expected.values[c].size(); ++i) {
-      const double a = expected.values[c][i];
-      const double b = actual.values[c][i];
-      ASSERT_TRUE(is_same(a, b)) << what << ", channel " << c << ", scan " << expected.scan[i] << ": " << a << " and " << b;
-    }
-  }
-  expect_same_events(expected.reaches, actual.reaches, what);
-  expect_same_events(expected.classes, actual.classes, what);
-  expect_same_events(expected.sways, actual.sways, what);
-  ASSERT_EQ(expected.lost_sways + actual.lost_sways, 0U) << what << ": how many find room depends on the size of blocks";
+template <class Event>
+void expect_same_events(const std::vector<Event>& expected, const std::vector<Event>& actual) {
+  ASSERT_EQ(expected.size(), actual.size());
+  for (std::size_t k = 0; k < expected.size(); ++k) expect_same(numbers_of(expected[k]), numbers_of(actual[k]));
+}
+
+inline void expect_same(const Output& expected, const Output& actual) {
+  ASSERT_EQ(expected.scan, actual.scan);
+  ASSERT_EQ(expected.bits, actual.bits);
+  for (std::size_t c = 0; c < expected.values.size(); ++c) expect_same(expected.values[c], actual.values[c]);
+  expect_same_events(expected.reaches, actual.reaches);
+  expect_same_events(expected.classes, actual.classes);
+  expect_same_events(expected.sways, actual.sways);
+  ASSERT_EQ(expected.lost_sways + actual.lost_sways, 0U) << "how many find room depends on the size of blocks";
+}
+
+/// As many numbers as the stage says, and no more.
+inline std::vector<double> saved(const Stage& stage) {
+  constexpr double kUntouched = 12345.0;
+  std::vector<double> state(stage.state_size() + 8, kUntouched);
+  stage.save(state);
+  EXPECT_TRUE(std::all_of(state.end() - 8, state.end(), [](double number) { return number == kUntouched; }));
+  state.resize(stage.state_size());
+  EXPECT_TRUE(state.empty() || state.back() != kUntouched);
+  return state;
 }
 
 /// The defaults, and each option once at each end of its range or at each word.

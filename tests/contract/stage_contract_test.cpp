@@ -59,35 +59,26 @@ TEST_P(StageContract, PreparedOutput_NamesItsChannelsAndUnits) {
   EXPECT_GE(stage.format().delay_ns, 0);
 }
 
-TEST_P(StageContract, BlockSizes_DoNotChangeTheResult) {
-  for (const Options& options : option_sets(description())) {
-    PreparedStage reference(GetParam(), options);
-    if (!reference.is_prepared()) continue;
-    const Signal signal = reference.signal(1500, 42, Faults::Some);
-    const Output expected = reference.run(signal);
-    std::mt19937_64 random(4711);
-    std::vector<std::vector<std::size_t>> splits{{1}, {3}, {7}, {64}};
-    for (int k = 0; k < 4; ++k) {
-      splits.emplace_back();
-      for (int block = 0; block < 50; ++block) splits.back().push_back(1 + random() % kLargestBlock);
-    }
-    for (const auto& split : splits) {
-      PreparedStage stage(GetParam(), options);
-      expect_same(expected, stage.run(signal, split), text_of(options) + ", first blocks " + testing::PrintToString(split.front()));
-      if (HasFatalFailure()) return;
-    }
-  }
-}
-
-TEST_P(StageContract, HostTime_BelongsToTheFirstScanOfTheBlock) {
+TEST_P(StageContract, BlockSizes_ChangeNeitherResultNorState) {
   for (const Options& options : option_sets(description())) {
     PreparedStage stage(GetParam(), options);
     if (!stage.is_prepared()) continue;
-
-    const Output output = stage.run(stage.signal(300, 42, Faults::None), {1, 10, 64});
-
-    for (std::size_t block = 0; block < output.block_first_scan.size(); ++block) {
-      EXPECT_EQ(output.block_host_time_ns[block], host_time_ns(stage.format().rate, output.block_first_scan[block])) << text_of(options);
+    const Signal signal = stage.signal(1000, 42, Faults::Some);
+    const Output expected = stage.run(signal);
+    const std::vector<double> expected_state = saved(*stage);
+    std::mt19937_64 random(4711);
+    std::vector<std::vector<std::size_t>> splits{{1}, {7}, std::vector<std::size_t>(50), std::vector<std::size_t>(50)};
+    for (std::vector<std::size_t>& split : splits) {
+      if (split.size() > 1) std::ranges::generate(split, [&] { return 1 + random() % kLargestBlock; });
+      SCOPED_TRACE(text_of(options) + ", first blocks " + testing::PrintToString(split.front()));
+      stage->reset();
+      const Output output = stage.run(signal, split);
+      expect_same(expected, output);
+      expect_same(expected_state, saved(*stage));
+      for (std::size_t block = 0; block < output.block_first_scan.size(); ++block) {
+        ASSERT_EQ(output.block_host_time_ns[block], host_time_ns(stage.format().rate, output.block_first_scan[block]));
+      }
+      if (HasFatalFailure()) return;
     }
   }
 }
@@ -153,17 +144,19 @@ TEST_P(StageContract, EventsTold_BelongToTheBlockThatToldThem) {
 
 TEST_P(StageContract, ResetAndPrepare_EqualFresh) {
   for (const Options& options : option_sets(description())) {
-    PreparedStage fresh(GetParam(), options);
-    if (!fresh.is_prepared()) continue;
-    const Signal signal = fresh.signal(700, 3, Faults::Some);
-    const Output expected = fresh.run(signal);
-    PreparedStage used(GetParam(), options);
-
-    used.run(used.signal(1001, 99, Faults::Some));
-    used->reset();
-    expect_same(expected, used.run(signal), "after reset, " + text_of(options));
-    used.prepare();
-    expect_same(expected, used.run(signal), "after prepare, " + text_of(options));
+    SCOPED_TRACE(text_of(options));
+    PreparedStage stage(GetParam(), options);
+    if (!stage.is_prepared()) continue;
+    const Signal signal = stage.signal(700, 3, Faults::Some);
+    const Output expected = stage.run(signal);
+    const std::vector<double> expected_state = saved(*stage);
+    for (const bool is_prepared_anew : {false, true}) {
+      stage.run(stage.signal(1001, 99, Faults::Some));
+      is_prepared_anew ? stage.prepare() : stage->reset();
+      expect_same(expected, stage.run(signal));
+      expect_same(expected_state, saved(*stage));
+      if (HasFatalFailure()) return;
+    }
   }
 }
 

@@ -61,7 +61,7 @@ core::Result<core::StreamFormat> Steadiness::prepare(const core::StreamFormat& i
                                                             " Hz are too slow; its low-pass of 10 Hz needs more than 20 Hz");
   }
   raw_rate_ = given_rate_.value_or(input.rate);
-  raw_per_scan_ = static_cast<std::uint64_t>(std::max(1.0, std::round(raw_rate_.hz() / input.rate.hz())));
+  raw_per_scan_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(std::round(raw_rate_.hz() / input.rate.hz())));
   delay_scans_ = static_cast<std::uint64_t>(std::max(0.0, std::round(static_cast<double>(input.delay_ns) * 1e-9 * raw_rate_.hz())));
   watch_.prepare(input.rate, every_ms_, settle_ms_);
   forget();
@@ -133,7 +133,6 @@ void Steadiness::forget() noexcept {
   window_ = {};
   segment_ = 0;
   SwayWatch::Events none;
-  reset();
   watch_.expect({}, none);
 }
 

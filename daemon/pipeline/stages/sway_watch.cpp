@@ -85,9 +85,6 @@ void SwayWatch::lose(std::uint64_t now, Events& events) noexcept {
   const std::uint64_t missing = gap_;
   is_standing_ = false;
   since_ = gap_ = 0;
-  last_ml_mm_ = last_ap_mm_ = 0.0;
-  for (posturography::CausalLowPass& pass : ml_filter_) pass.set_state({});
-  for (posturography::CausalLowPass& pass : ap_filter_) pass.set_state({});
   if (window_ == Window::Free) close(events);
   if (window_ == Window::OfTrial) sums_.interrupt();
   for (std::uint64_t k = 1; k <= missing; ++k) follow_trial(now - missing + k, events);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 #include "unit/classifier/hand_made_model.h"
@@ -10,50 +11,54 @@
 namespace dts::classifier {
 namespace {
 
-using Reaches = std::vector<core::ReachFeatures>;
-
-TEST(CalibrateSubject, ThreeMaximumReaches_MedianIsTheScale) {
-  const auto subject = calibrate_subject(Reaches{reach_of(0.5), reach_of(0.6), reach_of(0.55)}, 54.0).value();
-
-  EXPECT_NEAR(subject.max_d2_mm, 0.55 * 3.5, 1e-12);
-  EXPECT_NEAR(subject.max_hold_mm, 0.9 * 0.55 * 3.5, 1e-12);
-  EXPECT_NEAR(subject.max_ratio_change, 0.55 / 4.0, 1e-12);
-  EXPECT_EQ(subject.max_flexion_deg, 54.0);
+std::vector<core::ReachFeatures> reaches(const std::vector<double>& relative_d2) {
+  std::vector<core::ReachFeatures> made;
+  for (const double d2 : relative_d2) made.push_back(reach_of(d2));
+  return made;
 }
 
-TEST(CalibrateSubject, OneStrayReach_DoesNotMoveTheScale) {
-  const auto subject = calibrate_subject(Reaches{reach_of(0.5), reach_of(0.2), reach_of(0.52)}, 54.0);
+TEST(CalibrateSubject, MaximumReaches_MedianIsTheScale) {
+  const std::vector<std::pair<std::vector<double>, double>> rows{
+      {{0.5, 0.6, 0.55}, 0.55}, {{0.5, 0.2, 0.52}, 0.5}, {{0.52, 0.7, 0.5, 0.56}, 0.54}, {{0.05, 0.05, 0.051}, 0.05}};
+  for (const auto& [made, median] : rows) {
+    const auto subject = calibrate_subject(reaches(made), 54.0).value();
 
-  ASSERT_TRUE(subject);
-  EXPECT_NEAR(subject->max_d2_mm, 0.5 * 3.5, 1e-12);
+    EXPECT_NEAR(subject.max_d2_mm, median * 3.5, 1e-12);
+    EXPECT_NEAR(subject.max_hold_mm, 0.9 * median * 3.5, 1e-12);
+    EXPECT_NEAR(subject.max_ratio_change, median / 4.0, 1e-12);
+    EXPECT_EQ(subject.max_flexion_deg, 54.0);
+    EXPECT_NEAR(subject.maximum.p3_mm, 3.5 * (1.0 + median), 1e-12);
+  }
+}
+
+TEST(CalibrateSubject, ReachesThatDiffer_NeedTwoInThreeNearTheMedian) {
+  EXPECT_TRUE(calibrate_subject(reaches({0.5, 0.351, 0.649}), 54.0));
+  EXPECT_TRUE(calibrate_subject(reaches({0.5, 0.349, 0.649}), 54.0));
+  EXPECT_FALSE(calibrate_subject(reaches({0.5, 0.349, 0.651}), 54.0));
 }
 
 TEST(CalibrateSubject, UnfitReaches_Refused) {
-  auto unknown = reach_of(0.5);
-  unknown.p3_mm = core::ReachFeatures::kUnknown;
+  auto unknown = reaches({0.5, 0.5, 0.5});
+  unknown[1].p3_mm = core::ReachFeatures::kUnknown;
+  auto weightless = reaches({0.5, 0.5, 0.5});
+  weightless[1].p1_mm = 0.0;
 
-  EXPECT_FALSE(calibrate_subject(Reaches{reach_of(0.5), reach_of(0.5)}, 54.0));
-  EXPECT_FALSE(calibrate_subject(Reaches{reach_of(0.5), reach_of(0.04), reach_of(0.5)}, 54.0));
-  EXPECT_FALSE(calibrate_subject(Reaches{reach_of(0.5), unknown, reach_of(0.5)}, 54.0));
-  EXPECT_FALSE(calibrate_subject(Reaches{reach_of(0.2), reach_of(0.4), reach_of(0.7)}, 54.0));
-}
-
-TEST(CalibrateSubject, FlexionThatIsNone_Refused) {
-  const Reaches reaches{reach_of(0.5), reach_of(0.5), reach_of(0.5)};
-
-  EXPECT_FALSE(calibrate_subject(reaches, 0.0));
-  EXPECT_FALSE(calibrate_subject(reaches, 90.1));
-  EXPECT_FALSE(calibrate_subject(reaches, core::ReachFeatures::kUnknown));
-  EXPECT_TRUE(calibrate_subject(reaches, 90.0));
+  EXPECT_FALSE(calibrate_subject(reaches({0.5, 0.5}), 54.0));
+  EXPECT_FALSE(calibrate_subject(reaches({0.05, 0.0499, 0.05}), 54.0));
+  EXPECT_FALSE(calibrate_subject(unknown, 54.0));
+  EXPECT_FALSE(calibrate_subject(weightless, 54.0));
+  for (const double flexion_deg : {0.0, 90.1, core::ReachFeatures::kUnknown})
+    EXPECT_FALSE(calibrate_subject(reaches({0.5, 0.5, 0.5}), flexion_deg));
+  EXPECT_TRUE(calibrate_subject(reaches({0.5, 0.5, 0.5}), 90.0));
 }
 
 TEST(CalibrateSubject, UnknownRatio_IsUnknownInTheScale) {
-  auto reach = reach_of(0.5);
-  reach.ratio_change = core::ReachFeatures::kUnknown;
+  auto made = reaches({0.5, 0.5, 0.5});
+  made[0].ratio_change = core::ReachFeatures::kUnknown;
 
-  const auto subject = calibrate_subject(Reaches{reach, reach_of(0.5), reach_of(0.5)}, 54.0).value();
+  const auto subject = calibrate_subject(made, 54.0).value();
 
-  EXPECT_FALSE(subject.max_ratio_change == subject.max_ratio_change);
+  EXPECT_TRUE(std::isnan(subject.max_ratio_change));
   EXPECT_NEAR(subject.max_d2_mm, 0.5 * 3.5, 1e-12);
 }
 

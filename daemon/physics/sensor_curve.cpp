@@ -117,7 +117,7 @@ std::vector<double> tabulate_gaps(const MonotoneCubic& cubic, const std::vector<
   const double step = (points.back().volts.value - first) / static_cast<double>(size - 1);
   std::vector<double> table(size);
   std::size_t segment = 0;
-  for (std::size_t k = 0; k < size; ++k) {
+  for (std::size_t k = 1; k + 1 < size; ++k) {
     const double volts = first + step * static_cast<double>(k);
     while (segment + 2 < points.size() && (volts - points[segment + 1].volts.value) * step > 0.0) ++segment;
     table[k] = cubic.gap(segment, volts);

@@ -68,18 +68,16 @@ bool has_unclear_critical_point(const Measures& measures) {
   return false;
 }
 
-std::size_t entropy_step(const Prepared& prepared) noexcept {
-  return static_cast<std::size_t>(std::max(1.0, std::round(prepared.rate_hz / kEntropyRateHz)));
-}
-
 /// Of filtered data only: the noise of a sensor is as irregular as can be.
-void add_entropy(const Prepared& prepared, Measures& measures) {
-  const std::size_t step = entropy_step(prepared);
+void add_entropy(const Prepared& prepared, Analysis& analysis) {
+  const auto step = static_cast<std::size_t>(std::max(1.0, std::round(prepared.rate_hz / kEntropyRateHz)));
+  const std::size_t count = (prepared.size() + step - 1) / step;
+  if (count > kMostForEntropy) analysis.flags |= sway_flag::kLongForEntropy;
+  if (count < kLeastSamples || count > kMostForEntropy) return;
   const auto add = [&](Measure measure, const std::vector<double>& values) {
     std::vector<double> kept;
     for (std::size_t i = 0; i < values.size(); i += step) kept.push_back(values[i]);
-    if (kept.size() < kLeastSamples || kept.size() > kMostForEntropy) return;
-    if (const auto entropy = sample_entropy(kept)) measures.set(measure, *entropy);
+    if (const auto entropy = sample_entropy(kept)) analysis.measures.set(measure, *entropy);
   };
   add(Measure::SampenAp, prepared.ap_mm);
   add(Measure::SampenMl, prepared.ml_mm);
@@ -106,9 +104,7 @@ Analysis analyse(const Prepared& prepared, std::optional<double> foot_length_mm)
   add_frequency_domain(prepared, multitaper_spectra(prepared), !has(sway_flag::kShortForQuantiles), analysis.measures);
   add_random_walk(prepared, mean_square_displacement(prepared), !has(sway_flag::kShortForDiffusion), analysis.measures);
   if (has_unclear_critical_point(analysis.measures)) analysis.flags |= sway_flag::kUnclearCriticalPoint;
-  if (prepared.profile != Profile::Lp10) return analysis;
-  if (prepared.size() / entropy_step(prepared) > kMostForEntropy) analysis.flags |= sway_flag::kLongForEntropy;
-  add_entropy(prepared, analysis.measures);
+  if (prepared.profile == Profile::Lp10) add_entropy(prepared, analysis);
   return analysis;
 }
 

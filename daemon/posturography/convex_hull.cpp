@@ -39,7 +39,7 @@ std::vector<Point> convex_hull(std::span<const double> x, std::span<const double
 double diameter_mm(std::span<const Point> hull) noexcept {
   const std::size_t count = hull.size();
   if (count < 2) return 0.0;
-  double largest = distance(hull[0], hull[1]);
+  double largest = 0.0;
   std::size_t across = 1;
   for (std::size_t i = 0; i < count; ++i) {
     const Point& begin = hull[i];

@@ -35,7 +35,7 @@ constexpr std::array kFlags = {
 };
 static_assert(kFlags.size() == sway_flag::kCount);
 
-constexpr bool is_in_order_of_bits() {
+consteval bool is_in_order_of_bits() {
   for (std::size_t i = 0; i < kFlags.size(); ++i) {
     if (kFlags[i].bit != 1U << i) return false;
   }

@@ -54,7 +54,6 @@ bool position_jumps(std::span<const double> ml_mm, std::span<const double> ap_mm
   if (first > ml_mm.size()) return false;
   const auto ml = ml_mm.subspan(first);
   const auto ap = ap_mm.subspan(first);
-  if (ml.size() < jump + 2 * rest) return false;
   const std::vector<double> ml_sums = running_sums(ml);
   const std::vector<double> ap_sums = running_sums(ap);
   const auto shift = [rest](const std::vector<double>& sums, std::size_t begin, std::size_t end) {

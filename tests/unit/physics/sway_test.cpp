@@ -31,67 +31,57 @@ Path record(std::uint64_t seed, double duration_s) {
   return path;
 }
 
-double rdist(const Path& path) { return std::hypot(measures::population_sd(path.ml), measures::population_sd(path.ap)); }
-
 constexpr std::uint64_t kSeeds = 6;
 
 // The ranges are the 5-95 % ranges of healthy young adults with open eyes on firm ground, posturography section 9; per
 // axis the sheet prints medians only, so those limits are half and twice the median.
-TEST(Sway, OneMinute_HasTheSizeOfHealthyQuietStanding) {
+TEST(Sway, OneMinute_IsHealthyQuietStanding) {
+  double size = 0.0;
+  double velocity = 0.0;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
 
     const Path path = record(seed, 60.0);
 
-    EXPECT_GT(rdist(path), 3.32);
-    EXPECT_LT(rdist(path), 8.69);
+    const double rdist = std::hypot(measures::population_sd(path.ml), measures::population_sd(path.ap));
+    const double mvelo = measures::mean_velocity(measures::low_pass(path.ml), measures::low_pass(path.ap));
+    EXPECT_TRUE(rdist > 3.32 && rdist < 8.69) << rdist;
+    EXPECT_TRUE(mvelo > 5.76 && mvelo < 14.9) << mvelo;
     EXPECT_GT(measures::population_sd(path.ap), 4.38 / 2);
     EXPECT_LT(measures::population_sd(path.ap), 4.38 * 2);
     EXPECT_GT(measures::population_sd(path.ml), 2.65 / 2);
     EXPECT_LT(measures::population_sd(path.ml), 2.65 * 2);
     EXPECT_GT(std::max(measures::range(path.ml), measures::range(path.ap)), 0.75 * 15.3);   // RANGE is at least that of an axis
     EXPECT_LT(std::hypot(measures::range(path.ml), measures::range(path.ap)), 1.3 * 35.0);  // and at most the diagonal
+    size += rdist / kSeeds;
+    velocity += mvelo / kSeeds;
+    if (seed > 1) continue;
+    const measures::Spectrum ap = measures::spectrum(path.ap);
+    const double half_power_hz = ap.power_frequency(0.5);  // median person 0.34 (0.25-0.49), d01 0.22: the model is at the slow end
+    const double most_power_hz = ap.power_frequency(0.95);
+    EXPECT_TRUE(half_power_hz > 0.15 && half_power_hz < 0.49) << half_power_hz;
+    EXPECT_TRUE(most_power_hz > 0.83 && most_power_hz < 1.64) << most_power_hz;
+    const double mean_ml = measures::mean(path.ml);
+    const double mean_ap = measures::mean(path.ap);
+    double covariance = 0.0;
+    for (std::size_t i = 0; i < path.ml.size(); ++i) covariance += (path.ml[i] - mean_ml) * (path.ap[i] - mean_ap) / 6000.0;
+    // Slow signals: about 20 independent swings in a minute.
+    EXPECT_LT(std::abs(covariance), 0.5 * measures::population_sd(path.ml) * measures::population_sd(path.ap));
   }
-}
-
-TEST(Sway, OneMinute_MovesAsFastAsHealthyQuietStanding) {
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    const Path path = record(seed, 60.0);
-
-    const double velocity = measures::mean_velocity(measures::low_pass(path.ml), measures::low_pass(path.ap));
-
-    EXPECT_GT(velocity, 5.76);
-    EXPECT_LT(velocity, 14.9);
-  }
-}
-
-TEST(Sway, MeanOverSeeds_IsNearTheMedianPerson) {
-  double size = 0.0;
-  double velocity = 0.0;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    const Path path = record(seed, 60.0);
-    size += rdist(path) / kSeeds;
-    velocity += measures::mean_velocity(measures::low_pass(path.ml), measures::low_pass(path.ap)) / kSeeds;
-  }
-
   EXPECT_NEAR(size, 5.32, 1.0);
   EXPECT_NEAR(velocity, 8.64, 1.0);
 }
 
-TEST(Sway, Spectrum_FallsAsAPersonsDoes) {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    const measures::Spectrum ap = measures::spectrum(record(seed, 60.0).ap);
-
-    const double half_power_hz = ap.power_frequency(0.5);
-    const double most_power_hz = ap.power_frequency(0.95);
-
-    EXPECT_GT(half_power_hz, 0.15);  // median person 0.34 (0.25-0.49), d01 0.22: the model is at the slow end
-    EXPECT_LT(half_power_hz, 0.49);
-    EXPECT_GT(most_power_hz, 0.83);
-    EXPECT_LT(most_power_hz, 1.64);
-  }
+TEST(Sway, SameSeed_GivesTheSameDataAsEver) {
+  Sway seven(7);
+  const CopPosition at_once = seven.at(0.0);
+  EXPECT_NEAR(at_once.ml_mm, 1.073874076, 1e-6);
+  EXPECT_NEAR(at_once.ap_mm, -2.312451828, 1e-6);
+  const CopPosition later = seven.at(5.0);
+  EXPECT_NEAR(later.ml_mm, -1.928862246, 1e-6);
+  EXPECT_NEAR(later.ap_mm, 0.464914692, 1e-6);
+  Sway eight(8);
+  EXPECT_NE(eight.at(5.0), later);
 }
 
 TEST(Sway, Sampled_HasNoStepsBetweenMilliseconds) {
@@ -108,7 +98,7 @@ TEST(Sway, Sampled_HasNoStepsBetweenMilliseconds) {
 }
 
 TEST(Sway, TenMinutes_DoesNotDriftAndStaysOnTheFeet) {
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     const Path path = record(seed, 600.0);
     const auto half = static_cast<std::ptrdiff_t>(path.ap.size() / 2);
@@ -125,34 +115,6 @@ TEST(Sway, TenMinutes_DoesNotDriftAndStaysOnTheFeet) {
   }
 }
 
-TEST(Sway, SameSeed_SamePath) {
-  const Path one = record(7, 5.0);
-  const Path other = record(7, 5.0);
-
-  EXPECT_EQ(one.ml, other.ml);
-  EXPECT_EQ(one.ap, other.ap);
-}
-
-TEST(Sway, OtherSeed_OtherPath) {
-  const Path one = record(7, 5.0);
-  const Path other = record(8, 5.0);
-
-  EXPECT_NE(one.ml, other.ml);
-  EXPECT_NE(one.ap, other.ap);
-}
-
-TEST(Sway, BothAxes_AreIndependent) {
-  const Path path = record(7, 60.0);
-  double covariance = 0.0;
-  for (std::size_t i = 0; i < path.ml.size(); ++i)
-    covariance += (path.ml[i] - measures::mean(path.ml)) * (path.ap[i] - measures::mean(path.ap));
-  covariance /= static_cast<double>(path.ml.size());
-
-  const double correlation = covariance / (measures::population_sd(path.ml) * measures::population_sd(path.ap));
-
-  EXPECT_LT(std::abs(correlation), 0.5);  // slow signals: about 20 independent swings in a minute
-}
-
 TEST(Sway, OtherSamplingRate_SameSwayAtTheSameInstants) {
   Sway slow(11);
   Sway fast(11);
@@ -166,17 +128,13 @@ TEST(Sway, OtherSamplingRate_SameSwayAtTheSameInstants) {
   }
 }
 
-TEST(Sway, BetweenTwoMilliseconds_IsInterpolated) {
+TEST(Sway, BetweenTwoMillisecondsIsInterpolated_OlderThanTheOldestKnownIsThat) {
   Sway sway(11);
   const CopPosition before = sway.at(0.050);
-  const CopPosition middle = sway.at(0.0505);
+  const CopPosition quarter = sway.at(0.05025);
   const CopPosition after = sway.at(0.051);
-
-  EXPECT_NEAR(middle.ap_mm, (before.ap_mm + after.ap_mm) / 2, 1e-9);
-}
-
-TEST(Sway, OlderTime_GivesTheOldestKnown) {
-  Sway sway(11);
+  EXPECT_NEAR(quarter.ap_mm, 0.75 * before.ap_mm + 0.25 * after.ap_mm, 1e-9);
+  EXPECT_NEAR(quarter.ml_mm, 0.75 * before.ml_mm + 0.25 * after.ml_mm, 1e-9);
   (void)sway.at(1.0);
 
   const CopPosition oldest = sway.at(0.2);
@@ -193,14 +151,10 @@ TEST(SwayAxis, NoiseDoubled_SwayDoubled) {
   SwayAxis two(loud, 5);
 
   for (int i = 0; i < 1000; ++i) EXPECT_NEAR(two.next_mm(), 2.0 * one.next_mm(), 1e-9);
-}
 
-TEST(SwayAxis, NoNoise_StandsStill) {
-  SwayModel model;
-  model.noise_nm_per_sqrt_hz = 0.0;
-  SwayAxis axis(model, 5);
-
-  for (int i = 0; i < 1000; ++i) EXPECT_EQ(axis.next_mm(), 0.0);
+  quiet.noise_nm_per_sqrt_hz = 0.0;
+  SwayAxis still(quiet, 5);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(still.next_mm(), 0.0);
 }
 
 }  // namespace

@@ -57,57 +57,71 @@ TEST(Analysis, WholeMinute_HasEveryMeasure) {
   }
 }
 
-TEST(Analysis, AsIs_HasNoEntropyAndNoHeading) {
-  const auto analysis = analyse(standing(1, 100.0, 6000), kAsIs);
-
-  EXPECT_EQ(count_of(*analysis, is_entropy), 0U);
-  EXPECT_EQ(count_of(*analysis, [](Measure measure) { return is_one_of(measure, {"HC_"}); }), 0U);
-}
-
-TEST(Analysis, LengthDecidesWhatIsDefined) {
+TEST(Analysis, LengthAndRateDecideWhatIsDefined) {
   struct Case {
+    double rate_hz;
     std::size_t samples;
+    Profile profile;
     std::uint32_t flags;
+    bool has_entropy = true;
   };
   using namespace sway_flag;
-  for (const Case& each :
-       {Case{3000, 0}, Case{2999, kShortForDiffusion}, Case{2000, kShortForDiffusion}, Case{1999, kShortForDiffusion | kShortForQuantiles},
-        Case{1000, kShortForDiffusion | kShortForQuantiles}, Case{999, kShortForDiffusion | kShortForQuantiles | kShortRecord}}) {
-    const auto analysis = analyse(standing(1, 100.0, each.samples), test::kReportOptions);
+  constexpr std::uint32_t kNoQuantiles = kShortForDiffusion | kShortForQuantiles;
+  constexpr Profile kLp10 = Profile::Lp10;
+  for (const Case& each : {Case{100.0, 3000, kLp10, 0}, Case{100.0, 2999, kLp10, kShortForDiffusion},
+                           Case{100.0, 2000, kLp10, kShortForDiffusion}, Case{100.0, 1999, kLp10, kNoQuantiles},
+                           Case{100.0, 1000, kLp10, kNoQuantiles}, Case{100.0, 999, kLp10, kNoQuantiles | kShortRecord, false},
+                           Case{100.0, 3000, Profile::AsIs, 0, false},  // entropy and heading would be those of the sensor
+                           Case{1500.0375, 45'000, kLp10, 0},           // 30 s by a clock that is a little fast: 29.99925 s
+                           Case{1000.0, 30'000, kLp10, 0}, Case{75.0, 3000, kLp10, kOffRates}, Case{75.0, 3000, Profile::AsIs, 0, false},
+                           Case{12.0, 200, Profile::AsIs, kLowRate | kNoQuantiles, false},
+                           Case{12.0, 199, Profile::AsIs, kLowRate | kNoQuantiles | kShortRecord, false},
+                           Case{30.0, 399, kLp10, kLowRate | kOffRates | kNoQuantiles},  // of 15 Hz 200 samples are left
+                           Case{30.0, 398, kLp10, kLowRate | kOffRates | kNoQuantiles, false},
+                           Case{40.0, 144'001, kLp10, kLowRate | kOffRates | kLongForEntropy, false}}) {
+    SCOPED_TRACE(testing::Message() << each.samples << " samples at " << each.rate_hz << " Hz");
+    const auto analysis = analyse(standing(1, each.rate_hz, each.samples),
+                                  {.preparation = {.profile = each.profile, .analysis_rate_hz = kReportPreparation.analysis_rate_hz}});
 
     ASSERT_TRUE(analysis);
-    EXPECT_EQ(analysis->flags, each.flags) << each.samples;
-    EXPECT_EQ(count_of(*analysis, is_diffusion) == 0, (each.flags & kShortForDiffusion) != 0) << each.samples;
-    EXPECT_EQ(count_of(*analysis, is_quantile) == 0, (each.flags & kShortForQuantiles) != 0) << each.samples;
-    EXPECT_EQ(count_of(*analysis, is_frequency) == 0, (each.flags & kShortRecord) != 0) << each.samples;
-    EXPECT_EQ(count_of(*analysis, is_random_walk) == 0, (each.flags & kShortRecord) != 0) << each.samples;
-    EXPECT_EQ(count_of(*analysis, is_entropy) == 0, (each.flags & kShortRecord) != 0) << each.samples;
+    EXPECT_EQ(analysis->flags & ~kUnclearCriticalPoint, each.flags);
+    const bool is_short = (each.flags & kShortRecord) != 0;
+    EXPECT_EQ(count_of(*analysis, is_diffusion) == 0, (each.flags & kShortForDiffusion) != 0);
+    EXPECT_EQ(count_of(*analysis, is_quantile) == 0, (each.flags & kShortForQuantiles) != 0);
+    EXPECT_EQ(count_of(*analysis, is_frequency) == 0, is_short);
+    EXPECT_EQ(count_of(*analysis, is_random_walk) == 0, is_short);
+    EXPECT_EQ(count_of(*analysis, is_entropy), each.has_entropy ? 2U : 0U);
+    EXPECT_EQ(analysis->measures.has(Measure::HcSd), each.profile == Profile::Lp10);
     EXPECT_TRUE(analysis->measures.has(Measure::Pea95F));
     EXPECT_TRUE(analysis->measures.has(Measure::MveloAp));
   }
 }
 
-TEST(Analysis, FewSamplesOfALongTrial_AreShortAlso) {
-  const auto analysis = analyse(standing(1, 12.0, 199), kAsIs);
-
-  ASSERT_TRUE(analysis);
-  EXPECT_EQ(analysis->flags & sway_flag::kShortRecord, sway_flag::kShortRecord);
-  EXPECT_EQ(count_of(*analysis, is_frequency), 0U);
-  EXPECT_EQ(analyse(standing(1, 12.0, 200), kAsIs)->flags & sway_flag::kShortRecord, 0U);
-}
-
-TEST(Analysis, ThirtySecondsByAClockThatIsALittleFast_AreThirtySeconds) {
-  // 1500.0375 scans in a second: 45 000 scans are 29.99925 s.
-  const auto analysis = analyse(standing(1, 1500.0375, 45'000), test::kReportOptions);
-
-  ASSERT_TRUE(analysis);
-  EXPECT_EQ(analysis->flags, 0U);
-  EXPECT_EQ(analysis->samples, 3000U);
-}
-
-TEST(Analysis, RateWithout20And25Hz_IsSaid) {
-  EXPECT_EQ(analyse(standing(1, 75.0, 3000), {})->flags, sway_flag::kOffRates);
-  EXPECT_EQ(analyse(standing(1, 1000.0, 30'000), test::kReportOptions)->flags, 0U);
+TEST(Analysis, CriticalTimeWhereShortTermDiffusionIsNotTwiceTheLongTermOne_IsFlagged) {
+  std::size_t unclear = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    // A random walk has no critical point; chance makes one of its lines steeper now and then.
+    test::Noise noise(seed);
+    Position place{};
+    const auto walk = series_of(20.0, 1200, [&](std::size_t) {
+      return place = {place.ml_mm + noise.normal(), place.ap_mm + noise.normal()};
+    });
+    for (const CopSeries& series : {walk, standing(seed, 20.0, 1200)}) {
+      const auto analysis = analyse(series, kAsIs);
+      ASSERT_TRUE(analysis);
+      const auto is_unclear = [&](Measure brief, Measure lasting, Measure critical) {
+        const Measures& measures = analysis->measures;
+        return measures.has(critical) && *measures.get(brief) <= 2.0 * *measures.get(lasting);
+      };
+      const bool expected = is_unclear(Measure::SdaDsRes, Measure::SdaDlRes, Measure::SdaTcRes) ||
+                            is_unclear(Measure::SdaDsAp, Measure::SdaDlAp, Measure::SdaTcAp) ||
+                            is_unclear(Measure::SdaDsMl, Measure::SdaDlMl, Measure::SdaTcMl);
+      EXPECT_EQ(analysis->flags, sway_flag::kLowRate | (expected ? sway_flag::kUnclearCriticalPoint : 0U)) << seed;
+      unclear += expected ? 1U : 0U;
+    }
+  }
+  EXPECT_GT(unclear, 5U);
+  EXPECT_LT(unclear, 75U);
 }
 
 TEST(Analysis, Constant_HasZerosAndNoQuotients) {
@@ -140,6 +154,8 @@ TEST(Analysis, ConstantAxis_HasNoRatiosOfThatAxis) {
   EXPECT_EQ(analysis->flags, sway_flag::kConstantAxis);
   EXPECT_EQ(analysis->measures.get(Measure::Pea95F), 0.0);
   EXPECT_EQ(analysis->measures.get(Measure::AreaHull), 0.0);
+  EXPECT_EQ(analysis->measures.get(Measure::AreaSw), 0.0);
+  EXPECT_EQ(analysis->measures.get(Measure::MdistMl), 0.0);
   EXPECT_EQ(analysis->measures.get(Measure::EllAngle), 90.0);
   for (const Measure measure : {Measure::FdCe, Measure::Lfs, Measure::MfreqMl, Measure::Pf50Ml, Measure::Pf95Ml, Measure::CfreqMl,
                                 Measure::FreqdMl, Measure::MpfMl, Measure::SampenMl, Measure::SdaHsMl, Measure::SdaTcMl}) {
@@ -148,6 +164,11 @@ TEST(Analysis, ConstantAxis_HasNoRatiosOfThatAxis) {
   for (const Measure measure : {Measure::MfreqAp, Measure::Pf50Ap, Measure::CfreqAp, Measure::SampenAp, Measure::SdaHsAp}) {
     EXPECT_TRUE(analysis->measures.has(measure)) << info(measure).symbol;
   }
+  std::swap(series.ml_mm, series.ap_mm);
+  const auto sideways = analyse(series, test::kReportOptions);
+  EXPECT_EQ(sideways->flags, sway_flag::kConstantAxis);
+  EXPECT_EQ(sideways->measures.get(Measure::EllAngle), 0.0);
+  EXPECT_FALSE(sideways->measures.has(Measure::MfreqAp));
 }
 
 TEST(Analysis, FlagsOfTheSeriesAndCountsAreKept) {

@@ -89,18 +89,13 @@ TEST(MeanSquareDisplacement, SeveralBlocks_EveryPairCountsOnce) {
   expect_direct(prepared, curve);
 }
 
-TEST(MeanSquareDisplacement, FastTremorOnALargeSlowDrift_KeepsItsDigits) {
+TEST(MeanSquareDisplacement, LargeBesideSmall_BothKeepTheirDigits) {
   // 1 um of tremor on half a metre of drift: squares are eleven orders larger than what their difference is.
   const auto drift = [](double n) { return 1e-3 * std::sin(2.1 * n) + 250.0 * std::cos(std::numbers::pi * n / 6000.0); };
-  const Prepared prepared = prepared_of(100.0, series(6000, drift), series(6000, [](double n) { return 1e-4 * n; }));
-
-  expect_direct(prepared, mean_square_displacement(prepared), 37);
-}
-
-TEST(MeanSquareDisplacement, LoudAxisBesideAQuietOne_BothKeepTheirDigits) {
-  const Prepared prepared = prepared_of(100.0, random_walk(6000, 5, 10.0), random_walk(6000, 6, 1e-6));
-
-  expect_direct(prepared, mean_square_displacement(prepared), 37);
+  for (const Prepared& prepared : {prepared_of(100.0, series(6000, drift), series(6000, [](double n) { return 1e-4 * n; })),
+                                   prepared_of(100.0, random_walk(6000, 5, 10.0), random_walk(6000, 6, 1e-6))}) {
+    expect_direct(prepared, mean_square_displacement(prepared), 37);
+  }
 }
 
 TEST(MeanSquareDisplacement, Constant_IsExactlyZero) {
@@ -136,12 +131,12 @@ TEST(RandomWalk, StraightWay_DisplacementIsItsSquare) {
   EXPECT_FALSE(measures.has(Measure::SdaTcRes)) << "it never slows down";
 }
 
-/// Two straight lines that meet at 1 s: 8 tau, then 8 + slope (tau - 1).
-DisplacementCurve bent(double late_slope) {
+/// Two straight lines that meet, by default at 1 s: 8 tau, then 8 + slope (tau - 1).
+DisplacementCurve bent(double late_slope, double meet_s = 1.0) {
   DisplacementCurve curve{.lag_step_s = 0.01};
   for (int k = 0; k <= 1000; ++k) {
     const double tau_s = 0.01 * k;
-    curve.ap_mm2.push_back(tau_s < 1.0 ? 8.0 * tau_s : 8.0 + late_slope * (tau_s - 1.0));
+    curve.ap_mm2.push_back(tau_s < 1.0 ? 8.0 * tau_s : 8.0 * meet_s + late_slope * (tau_s - meet_s));
     curve.ml_mm2.push_back(0.0);
   }
   return curve;
@@ -165,6 +160,9 @@ TEST(RandomWalk, TwoLines_CriticalPointIsWhereTheyMeet) {
 
 TEST(RandomWalk, NoCriticalPointWhereItDoesNotSlowDown) {
   EXPECT_NEAR(measured(bent(7.9)).get(Measure::SdaTcAp).value(), 1.0, 1e-9);
+  EXPECT_NEAR(measured(bent(2.0, 9.9)).get(Measure::SdaTcAp).value(), 9.9, 1e-9);
+  EXPECT_FALSE(measured(bent(2.0, 10.1)).has(Measure::SdaTcAp)) << "they meet beyond the curve";
+  EXPECT_FALSE(measured(bent(2.0, -0.1)).has(Measure::SdaTcAp)) << "they meet before it";
   EXPECT_FALSE(measured(bent(8.0)).has(Measure::SdaTcAp)) << "one line";
   EXPECT_FALSE(measured(bent(9.0)).has(Measure::SdaTcAp)) << "it goes faster";
 }
@@ -179,6 +177,7 @@ TEST(RandomWalk, ConstantAxis_ZeroDisplacementAndNoExponent) {
   EXPECT_FALSE(measures.has(Measure::SdaTcMl));
   EXPECT_TRUE(measures.has(Measure::SdaHsAp));
   EXPECT_EQ(measures.get(Measure::Msd1sRes), measures.get(Measure::Msd1sAp));
+  EXPECT_EQ(measured(prepared_of(100.0, random_walk(6000, 7, 0.2), random_walk(6000, 8, 0.2)), false).count(), 18U) << "displacements only";
 }
 
 TEST(RandomWalk, PeriodOfExactlyOneLag_NoExponent) {
@@ -193,19 +192,24 @@ TEST(RandomWalk, PeriodOfExactlyOneLag_NoExponent) {
 }
 
 TEST(RandomWalk, LagsBeyondHalfTheTrial_AreAbsent) {
-  const Prepared prepared = prepared_of(100.0, random_walk(1999, 9, 0.2), random_walk(1999, 10, 0.2));
-
-  const Measures measures = measured(prepared);
+  const auto line = [](double n) { return 0.03 * n; };
+  const Measures measures = measured(prepared_of(100.0, series(1999, line), series(1999, line)));
 
   EXPECT_TRUE(measures.has(Measure::Msd5sRes));
   EXPECT_FALSE(measures.has(Measure::Msd10sRes)) << "19.99 s";
   EXPECT_FALSE(measures.has(Measure::SdaDlRes)) << "the long region is not whole";
+  EXPECT_FALSE(measures.has(Measure::SdaTcRes)) << "nor are there two lines that meet";
   EXPECT_TRUE(measures.has(Measure::SdaDsRes));
-  EXPECT_TRUE(measured(prepared_of(100.0, random_walk(2000, 9, 0.2), random_walk(2000, 10, 0.2))).has(Measure::Msd10sRes));
+  EXPECT_TRUE(measured(prepared_of(100.0, series(2000, line), series(2000, line))).has(Measure::Msd10sRes));
 }
 
-TEST(RandomWalk, WithoutDiffusion_OnlyDisplacements) {
-  EXPECT_EQ(measured(prepared_of(100.0, random_walk(2500, 9, 0.2), random_walk(2500, 10, 0.2)), false).count(), 18U);
+TEST(RandomWalk, LagsBeyondTheCurve_AreAbsent) {
+  DisplacementCurve curve = bent(2.0);
+  curve.ap_mm2.resize(100);  // 0 .. 0.99 s
+  curve.ml_mm2.resize(100);
+
+  EXPECT_NEAR(measured(curve).get(Measure::Msd500msAp).value(), 4.0, 1e-12);
+  EXPECT_FALSE(measured(curve).has(Measure::Msd1sAp));
 }
 
 TEST(RandomWalk, LowRate_EachLagOnceAndWithinItsRegion) {
@@ -239,16 +243,6 @@ TEST(RandomWalk, VeryShort_NothingAndNeverNaN) {
     EXPECT_EQ(measures.has(Measure::Msd100msAp), samples >= 20) << samples;
     EXPECT_FALSE(measures.has(Measure::SdaDsAp)) << samples;
   }
-}
-
-TEST(RandomWalk, Brownian_HalfTheVariancePerSecond) {
-  // Steps of 0.1 mm at 100 Hz: MSD = tau mm2, D = 0.5 mm2/s, H = 0.5. Half an hour leaves some per cent of scatter at short lags.
-  const Measures measures = measured(prepared_of(100.0, random_walk(180'000, 11, 0.1), random_walk(180'000, 12, 0.1)));
-
-  EXPECT_NEAR(measures.get(Measure::SdaDsAp).value(), 0.5, 0.02);
-  EXPECT_NEAR(measures.get(Measure::SdaDsRes).value(), 1.0, 0.03);
-  EXPECT_NEAR(measures.get(Measure::SdaHsMl).value(), 0.5, 0.02);
-  EXPECT_FALSE(measures.has(Measure::SdaTcRes));
 }
 
 }  // namespace

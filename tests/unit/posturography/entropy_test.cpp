@@ -50,6 +50,8 @@ TEST(SampleEntropy, RandomSeries_IsTheDefinitionToAllDigits) {
     for (const std::size_t m : {1U, 2U, 3U, 4U}) EXPECT_EQ(sample_entropy(values, m, 0.2), naive(values, m, 0.2)) << seed << " " << m;
     EXPECT_EQ(sample_entropy(values, 2, 5.0), naive(values, 2, 5.0)) << seed;
   }
+  const std::vector<double> near = smooth_noise(1200, 3, 0.99);  // its counts come in several chunks
+  EXPECT_EQ(sample_entropy(near, 2, 1.0), naive(near, 2, 1.0));
 }
 
 TEST(SampleEntropy, ManyTies_IsTheDefinitionToAllDigits) {
@@ -59,19 +61,6 @@ TEST(SampleEntropy, ManyTies_IsTheDefinitionToAllDigits) {
     EXPECT_EQ(sample_entropy(values), naive(values, 2, 0.2)) << seed;
     EXPECT_EQ(sample_entropy(values, 2, 1.0), naive(values, 2, 1.0)) << seed;
   }
-}
-
-TEST(SampleEntropy, DistanceEqualToTheTolerance_Counts) {
-  // Half of the values are 0, half are 2: the SD is exactly 1, and with r = 2 all of them are near.
-  std::vector<double> values;
-  for (const int word : {0, 1, 1, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 1, 1, 0}) values.push_back(2.0 * word);
-
-  const std::optional<double> all_near = sample_entropy(values, 2, 2.0);
-  const std::optional<double> equal_only = sample_entropy(values, 2, std::nextafter(2.0, 0.0));
-
-  EXPECT_EQ(all_near, 0.0);
-  EXPECT_EQ(equal_only, naive(values, 2, std::nextafter(2.0, 0.0)));
-  EXPECT_EQ(all_near, naive(values, 2, 2.0));
 }
 
 TEST(SampleEntropy, SomeDistancesEqualToTheTolerance_AllCount) {
@@ -94,20 +83,6 @@ TEST(SampleEntropy, WorkedByHand) {
   EXPECT_DOUBLE_EQ(sample_entropy(values).value(), std::log(2.0));
 }
 
-TEST(SampleEntropy, ManyNearTemplates_ChunksAddUp) {
-  const std::vector<double> values = smooth_noise(1200, 3, 0.99);
-
-  EXPECT_EQ(sample_entropy(values, 2, 1.0), naive(values, 2, 1.0));
-}
-
-TEST(SampleEntropy, ScaleAndOffset_DoNotMatter) {
-  std::vector<double> values = smooth_noise(600, 5, 0.9);
-  const double before = sample_entropy(values).value();
-  for (double& value : values) value = 4.0 * value;
-
-  EXPECT_EQ(sample_entropy(values), before);
-}
-
 TEST(SampleEntropy, NotDefined_IsAbsent) {
   EXPECT_EQ(sample_entropy({}), std::nullopt);
   EXPECT_EQ(sample_entropy(std::vector<double>{1.0}), std::nullopt);
@@ -117,6 +92,11 @@ TEST(SampleEntropy, NotDefined_IsAbsent) {
   EXPECT_EQ(sample_entropy(smooth_noise(100, 1, 0.0), 99), std::nullopt);
   EXPECT_EQ(sample_entropy(smooth_noise(100, 1, 0.0), std::numeric_limits<std::size_t>::max()), std::nullopt);
   EXPECT_EQ(sample_entropy(smooth_noise(100, 1, 0.0), 2, -1.0), std::nullopt);
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    std::vector<double> values = smooth_noise(300, 2, 0.5);
+    values[17] = bad;
+    EXPECT_EQ(sample_entropy(values), std::nullopt);
+  }
 }
 
 TEST(SampleEntropy, NoMatches_IsAbsent) {
@@ -125,14 +105,6 @@ TEST(SampleEntropy, NoMatches_IsAbsent) {
 
   EXPECT_EQ(sample_entropy(rising, 2, 1e-6), std::nullopt) << "B = 0";
   EXPECT_EQ(sample_entropy(std::vector<double>{1, 2, 5, 1, 2, 9, 4, 7}, 2, 0.01), std::nullopt) << "A = 0";
-}
-
-TEST(SampleEntropy, NotFinite_IsAbsent) {
-  std::vector<double> values = smooth_noise(300, 2, 0.5);
-  values[17] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(sample_entropy(values), std::nullopt);
-  values[17] = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(sample_entropy(values), std::nullopt);
 }
 
 }  // namespace

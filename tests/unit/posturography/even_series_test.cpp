@@ -41,10 +41,12 @@ TEST(EvenSeries, WrittenStampsOfWholeRates_GiveTheRatesExactly) {
     double rate_hz;
     int decimals;
     double seconds;
+    double begin_s = 0.01;
   };
-  for (const Case& each : {Case{100.0, 2, 60.0}, Case{100.0, 4, 60.0}, Case{1000.0, 4, 32.0}, Case{1500.0, 4, 60.0}, Case{1500.0, 6, 60.0},
-                           Case{60.0, 3, 30.0}, Case{75.0, 2, 30.0}, Case{120.0, 9, 5.0}, Case{1024.0, 4, 20.0}, Case{50.0, 2, 0.04}}) {
-    const Table table = regular(each.rate_hz, static_cast<std::size_t>(each.rate_hz * each.seconds), each.decimals, 0.01);
+  for (const Case& each : {Case{100.0, 4, 30.0, 1'700'000'000.0}, Case{100.0, 2, 60.0}, Case{100.0, 4, 60.0}, Case{1000.0, 4, 32.0},
+                           Case{1500.0, 4, 60.0}, Case{1500.0, 6, 60.0}, Case{60.0, 3, 30.0}, Case{75.0, 2, 30.0}, Case{89.0, 2, 30.0},
+                           Case{120.0, 9, 5.0}, Case{1024.0, 4, 20.0}, Case{50.0, 2, 0.04}}) {
+    const Table table = regular(each.rate_hz, static_cast<std::size_t>(each.rate_hz * each.seconds), each.decimals, each.begin_s);
 
     const auto series = table.even();
 
@@ -58,25 +60,23 @@ TEST(EvenSeries, WrittenStampsOfWholeRates_GiveTheRatesExactly) {
 }
 
 TEST(EvenSeries, RateThatIsNotWhole_IsKept) {
-  for (const int decimals : {4, 6, 9}) {
-    const Table table = regular(1500.0375, 90'000, decimals);
-
-    const auto series = table.even();
+  struct Case {
+    double rate_hz;
+    std::size_t rows;
+    int decimals;
+    double tolerance_hz;
+  };
+  // The last: 399 steps of 80 Hz would end 1.25 units of the last decimal earlier.
+  for (const Case& each :
+       {Case{1500.0375, 90'000, 4, 1e-4}, Case{1500.0375, 90'000, 6, 1e-4}, Case{1500.0375, 90'000, 9, 1e-4}, Case{79.8, 400, 2, 0.02}}) {
+    const auto series = regular(each.rate_hz, each.rows, each.decimals).even();
 
     ASSERT_TRUE(series);
-    EXPECT_NEAR(series->rate_hz, 1500.0375, 1e-4) << decimals;
-    EXPECT_NE(series->rate_hz, 1500.0);
-    EXPECT_EQ(series->flags, 0U);
-    EXPECT_EQ(series->ml_mm.size(), 90'000U);
+    EXPECT_NEAR(series->rate_hz, each.rate_hz, each.tolerance_hz) << each.decimals;
+    EXPECT_NE(series->rate_hz, std::round(series->rate_hz)) << each.decimals;
+    EXPECT_EQ(series->flags, 0U) << each.decimals;
+    EXPECT_EQ(series->ml_mm.size(), each.rows) << each.decimals;
   }
-}
-
-TEST(EvenSeries, StampsOfTheClock) {
-  const auto series = regular(100.0, 3000, 4, 1'700'000'000.0).even();
-
-  ASSERT_TRUE(series);
-  EXPECT_EQ(series->rate_hz, 100.0);
-  EXPECT_EQ(series->flags, 0U);
 }
 
 TEST(EvenSeries, RowsThatAreNotThere_AreMissingSamples) {
@@ -100,6 +100,7 @@ TEST(EvenSeries, RowsThatAreNotThere_AreMissingSamples) {
   EXPECT_EQ(series->ml_mm[13], table.ml_mm[10]);
   EXPECT_EQ(series->ml_mm[55'000], table.ml_mm[39'997]);
   EXPECT_EQ(series->ml_mm.back(), table.ml_mm.back());
+  EXPECT_EQ(regular(91.0, 910, 2).even()->rate_hz, 100.0) << "up to a tenth may be missing";
 }
 
 TEST(EvenSeries, EmptyCellsAndLoadsStayWhereTheyAre) {
@@ -139,6 +140,22 @@ TEST(EvenSeries, SlightlyUneven_IsInterpolatedLinearly) {
     EXPECT_NEAR(series->ml_mm[i], Table::ml_at(static_cast<double>(i) / 100.0), 2.5e-4) << i;
   }
   EXPECT_EQ(missing, 1U);
+}
+
+TEST(EvenSeries, GridLiesInTheMiddleOfItsRows) {
+  for (const double off_s : {-4e-4, 4e-4}) {
+    Table table;
+    for (int i = 0; i < 100; ++i) table.add(0.01 * i + (i == 50 ? off_s : 0.0));
+
+    const auto series = table.even();
+
+    ASSERT_TRUE(series);
+    ASSERT_EQ(series->flags, sway_flag::kResampled);
+    ASSERT_EQ(series->ap_mm.size(), 100U);
+    for (std::size_t k = 1; k < 99; ++k) {
+      EXPECT_NEAR(series->ap_mm[k], 1.0 - 2.0 * (0.01 * static_cast<double>(k) + 0.5 * off_s), 1e-9) << k;
+    }
+  }
 }
 
 TEST(EvenSeries, VeryUneven_IsAveragedOverWindows) {
@@ -184,6 +201,8 @@ TEST(EvenSeries, AverageOfUnevenRows_WeighsThemByTheirTime) {
       values.push_back(100.0);
     }
   }
+  values.front() = 4.0;
+  values.back() = 8.0;
 
   const auto series = even_series(t_s, values, values);
 
@@ -193,6 +212,21 @@ TEST(EvenSeries, AverageOfUnevenRows_WeighsThemByTheirTime) {
   // In the window 9.9 .. 10.1 the crowd holds from 10.0005 to half way to the next row at 10.1.
   EXPECT_NEAR(series->ml_mm[100], 100.0 * (10.0525 - 10.0005) / 0.2, 1e-9);
   EXPECT_EQ(series->ml_mm[98], 0.0);
+  // The first and the last row hold for a step beyond the record, too: 0.15 of the 0.2 s that are known of their windows.
+  EXPECT_NEAR(series->ml_mm.front(), 3.0, 1e-9);
+  EXPECT_NEAR(series->ml_mm.back(), 6.0, 1e-9);
+}
+
+TEST(EvenSeries, SlowAndVeryUneven_HasOneSampleASecond) {
+  test::Noise noise(2);
+  std::vector<double> t_s = {0.0};
+  while (t_s.size() < 60) t_s.push_back(t_s.back() + 2.0 + 4.0 * noise.uniform());
+
+  const auto series = even_series(t_s, t_s, t_s);
+
+  ASSERT_TRUE(series);
+  EXPECT_EQ(series->flags, sway_flag::kWindowAveraged);
+  EXPECT_EQ(series->rate_hz, 1.0);
 }
 
 TEST(EvenSeries, WhatIsNoSeriesIsRefused) {

@@ -54,44 +54,20 @@ TEST(FourierTransform, EveryShortLength_IsTheDefinition) {
   }
 }
 
-/// Smooth, prime, twice a prime, square of a prime, power of two, factors of 13 and 17.
-class FourierLength : public testing::TestWithParam<std::size_t> {};
+TEST(FourierTransform, LongLength_SomeBinsAreTheDefinitionAndTheEnergyStays) {
+  // Smooth, prime, twice a prime, square of a prime, power of two, factors of 13 and 17.
+  for (const std::size_t length : {6000U, 5987U, 5998U, 5929U, 4096U, 4913U, 6001U}) {
+    const std::vector<Complex> values = noise(length, 3);
 
-TEST_P(FourierLength, SomeBins_AreTheDefinition) {
-  const std::vector<Complex> values = noise(GetParam(), 3);
+    const std::vector<Complex> bins = transformed(values);
 
-  const std::vector<Complex> bins = transformed(values);
-
-  const double scale = std::sqrt(energy_of(values));
-  for (const std::size_t m : {std::size_t{0}, std::size_t{1}, GetParam() / 3, GetParam() / 2, GetParam() - 1}) {
-    EXPECT_LT(std::abs(bins[m] - direct_bin(values, m)), 1e-14 * scale) << m;
+    const double energy = energy_of(values);
+    EXPECT_NEAR(energy_of(bins) / (static_cast<double>(length) * energy), 1.0, 1e-14) << length;
+    for (const std::size_t m : {std::size_t{0}, std::size_t{1}, length / 3, length / 2, length - 1}) {
+      EXPECT_LT(std::abs(bins[m] - direct_bin(values, m)), 1e-14 * std::sqrt(energy)) << length << " " << m;
+    }
   }
 }
-
-TEST_P(FourierLength, EnergyStays) {
-  const std::vector<Complex> values = noise(GetParam(), 4);
-
-  const std::vector<Complex> bins = transformed(values);
-
-  EXPECT_NEAR(energy_of(bins) / (static_cast<double>(GetParam()) * energy_of(values)), 1.0, 1e-14);
-}
-
-TEST_P(FourierLength, IsLinear) {
-  const std::vector<Complex> first = noise(GetParam(), 5);
-  const std::vector<Complex> second = noise(GetParam(), 6);
-  const Complex weight(-1.5, 0.25);
-  std::vector<Complex> both(first.size());
-  for (std::size_t n = 0; n < both.size(); ++n) both[n] = first[n] + weight * second[n];
-
-  const std::vector<Complex> of_first = transformed(first);
-  const std::vector<Complex> of_second = transformed(second);
-  const std::vector<Complex> of_both = transformed(both);
-
-  const double scale = std::sqrt(energy_of(both));
-  for (std::size_t m = 0; m < both.size(); ++m) ASSERT_LT(std::abs(of_both[m] - of_first[m] - weight * of_second[m]), 1e-13 * scale) << m;
-}
-
-INSTANTIATE_TEST_SUITE_P(Lengths, FourierLength, testing::Values(6000, 5987, 5998, 5929, 4096, 4913, 6001));
 
 TEST(FourierTransform, OnlyLowBinsWanted_TheyAndTheirMirrorsAreTheSame) {
   const std::vector<Complex> values = noise(5987, 8);

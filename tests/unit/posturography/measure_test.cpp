@@ -10,24 +10,18 @@
 namespace dts::posturography {
 namespace {
 
-TEST(Measure, EachHasASymbolOfItsOwnByWhichItIsFound) {
+TEST(Measure, EachHasASymbolOfItsOwnAKnownUnitAndASentence) {
+  const std::set<std::string_view> units = {"mm", "mm/s", "mm2", "mm2/s", "Hz", "s", "deg", "deg/s", "1", "1/mm", "%"};
   std::set<std::string_view> symbols;
   for (std::size_t index = 0; index < kMeasureCount; ++index) {
     const auto measure = static_cast<Measure>(index);
     EXPECT_TRUE(symbols.insert(info(measure).symbol).second) << info(measure).symbol;
     EXPECT_EQ(measure_named(info(measure).symbol), measure);
+    EXPECT_TRUE(units.contains(info(measure).unit)) << info(measure).symbol;
+    EXPECT_GT(info(measure).sentence.size(), 10U) << info(measure).symbol;
   }
   EXPECT_FALSE(measure_named("MVELO_"));
   EXPECT_FALSE(measure_named(""));
-}
-
-TEST(Measure, HasAKnownUnitAndASentence) {
-  const std::set<std::string_view> units = {"mm", "mm/s", "mm2", "mm2/s", "Hz", "s", "deg", "deg/s", "1", "1/mm", "%"};
-  for (std::size_t index = 0; index < kMeasureCount; ++index) {
-    const MeasureInfo& about = info(static_cast<Measure>(index));
-    EXPECT_TRUE(units.contains(about.unit)) << about.symbol;
-    EXPECT_GT(about.sentence.size(), 10U) << about.symbol;
-  }
 }
 
 TEST(Measure, SymbolsOfTheContract) {

@@ -20,10 +20,9 @@ using test::series_of;
 using test::standing;
 constexpr Preparation kPrepareAsIs{.profile = Profile::AsIs};
 
-/// 10 s at 100 Hz: ML counts the samples in hundredths, AP twice that.
-CopSeries ramp(std::size_t count = 1000) {
-  return series_of(100.0, count, [](std::size_t i) { return Position{0.01 * static_cast<double>(i), 0.02 * static_cast<double>(i)}; });
-}
+/// 10 s at 100 Hz: ML counts the samples in hundredths from 3 on, AP twice as fast from -7 on.
+Position on_ramp(std::size_t i) { return {3.0 + 0.01 * static_cast<double>(i), -7.0 + 0.02 * static_cast<double>(i)}; }
+CopSeries ramp(std::size_t count = 1000) { return series_of(100.0, count, on_ramp); }
 
 CopSeries with_gap(CopSeries series, std::size_t begin, std::size_t length) {
   std::fill_n(series.ml_mm.begin() + static_cast<std::ptrdiff_t>(begin), length, kNaN);
@@ -39,8 +38,8 @@ TEST(Prepare, CleanSeries_IsCentredOnly) {
   EXPECT_EQ(prepared->duration_s(), 10.0);
   EXPECT_EQ(prepared->flags, 0U);
   EXPECT_EQ(prepared->missing, 0U);
-  EXPECT_NEAR(prepared->mean_ml_mm, 4.995, 1e-12);
-  EXPECT_NEAR(prepared->mean_ap_mm, 9.99, 1e-12);
+  EXPECT_NEAR(prepared->mean_ml_mm, 3.0 + 4.995, 1e-12);
+  EXPECT_NEAR(prepared->mean_ap_mm, -7.0 + 9.99, 1e-12);
   EXPECT_NEAR(prepared->ml_mm.front(), -4.995, 1e-12);
   EXPECT_NEAR(std::accumulate(prepared->ap_mm.begin(), prepared->ap_mm.end(), 0.0), 0.0, 1e-7);
 }
@@ -57,8 +56,8 @@ TEST(Prepare, GapOf50ms_IsInterpolated) {
   EXPECT_EQ(prepared->interpolated, 6U);
   EXPECT_EQ(prepared->flags, 0U) << "0.6 % are missing";
   for (std::size_t i = 298; i < 312; ++i) {
-    EXPECT_NEAR(prepared->ml_mm[i] + prepared->mean_ml_mm, 0.01 * static_cast<double>(i), 1e-12);
-    EXPECT_NEAR(prepared->ap_mm[i] + prepared->mean_ap_mm, 0.02 * static_cast<double>(i), 1e-12);
+    EXPECT_NEAR(prepared->ml_mm[i] + prepared->mean_ml_mm, on_ramp(i).ml_mm, 1e-12);
+    EXPECT_NEAR(prepared->ap_mm[i] + prepared->mean_ap_mm, on_ramp(i).ap_mm, 1e-12);
   }
 }
 
@@ -71,7 +70,17 @@ TEST(Prepare, GapOfMoreThan50ms_IsCutAtAndTheLongestStretchKept) {
   EXPECT_EQ(prepared->flags, sway_flag::kCutAtGap);
   EXPECT_EQ(prepared->missing, 9U);
   EXPECT_EQ(prepared->interpolated, 3U);
-  EXPECT_NEAR(prepared->ml_mm.front() + prepared->mean_ml_mm, 3.06, 1e-12);
+  EXPECT_NEAR(prepared->ml_mm.front() + prepared->mean_ml_mm, on_ramp(306).ml_mm, 1e-12);
+}
+
+TEST(Prepare, WhatIsLeftAndNeeded_IsSaid) {
+  const auto what = [](const CopSeries& series, const Preparation& preparation) { return prepare(series, preparation).error().what; };
+
+  EXPECT_EQ(what(ramp(), {.profile = Profile::AsIs, .trim_s = 9.99}),
+            "only 1 samples (0.010000 s) are left of the centre of pressure, and 2 are needed");
+  EXPECT_EQ(what(ramp(12), {.profile = Profile::Lp10}),
+            "only 12 samples (0.120000 s) are left of the centre of pressure, and 16 are needed");
+  EXPECT_EQ(what(with_gap(ramp(), 0, 1000), kPrepareAsIs), "there is no sample of the centre of pressure");
 }
 
 TEST(Prepare, MissingEnds_AreTakenOffWithoutACut) {
@@ -85,7 +94,7 @@ TEST(Prepare, MissingEnds_AreTakenOffWithoutACut) {
   EXPECT_EQ(prepared->flags, sway_flag::kMissingSamples);
 }
 
-TEST(Prepare, MoreThanOnePercentMissing_IsFlagged) {
+TEST(Prepare, MoreThanOnePercentMissingOrALowRate_IsFlagged) {
   CopSeries ten = ramp();
   for (std::size_t i = 0; i < 10; ++i) ten.ml_mm[50 + 20 * i] = kNaN;
   CopSeries eleven = ten;
@@ -93,17 +102,8 @@ TEST(Prepare, MoreThanOnePercentMissing_IsFlagged) {
 
   EXPECT_EQ(prepare(ten, kPrepareAsIs)->flags, 0U);
   EXPECT_EQ(prepare(eleven, kPrepareAsIs)->flags, sway_flag::kMissingSamples);
-}
-
-TEST(Prepare, OneMissingSampleDoesNotPoisonTheFilter) {
-  CopSeries series = standing(4, 100.0, 2000);
-  const auto whole = prepare(series, kReportPreparation);
-  series.ap_mm[1000] = kNaN;
-
-  const auto prepared = prepare(series, kReportPreparation);
-
-  ASSERT_TRUE(prepared);
-  for (std::size_t i = 0; i < 2000; ++i) EXPECT_NEAR(prepared->ap_mm[i], whole->ap_mm[i], 0.2);
+  EXPECT_EQ(prepare(standing(1, 49.9, 1000), kPrepareAsIs)->flags, sway_flag::kLowRate);
+  EXPECT_EQ(prepare(standing(1, 50.0, 1000), kPrepareAsIs)->flags, 0U);
 }
 
 TEST(Prepare, LoadOfNothing_IsMissing) {
@@ -133,12 +133,18 @@ TEST(Prepare, FilteredThenEveryNthThenTrimmed) {
   for (std::size_t i = 0; i < prepared->size(); ++i) EXPECT_NEAR(prepared->ml_mm[i] + prepared->mean_ml_mm, filtered[(501 + i) * 15], 1e-9);
 }
 
-TEST(Prepare, AsIs_IsNeverDecimated) {
-  const auto prepared = prepare(standing(9, 1000.0, 2000), {.profile = Profile::AsIs, .analysis_rate_hz = 100.0});
+TEST(Prepare, ProfileAsIs_NeitherFiltersNorDecimates) {
+  const CopSeries series = standing(9, 1000.0, 2000);
+
+  const auto prepared = prepare(series, {.profile = Profile::AsIs, .analysis_rate_hz = 100.0});
 
   ASSERT_TRUE(prepared);
   EXPECT_EQ(prepared->rate_hz, 1000.0);
-  EXPECT_EQ(prepared->size(), 2000U);
+  ASSERT_EQ(prepared->size(), 2000U);
+  for (std::size_t i = 0; i < 2000; ++i) EXPECT_NEAR(prepared->ap_mm[i] + prepared->mean_ap_mm, series.ap_mm[i], 1e-12);
+  for (const Profile profile : {Profile::AsIs, Profile::Lp10}) EXPECT_EQ(profile_named(name(profile)), profile);
+  EXPECT_EQ(name(Profile::Lp10), "lp10");
+  EXPECT_FALSE(profile_named("LP10"));
 }
 
 TEST(Prepare, SettlingBeginsWithTheFirstSampleThereIs) {
@@ -162,11 +168,6 @@ TEST(Prepare, Constant_IsExactlyZero) {
       EXPECT_EQ(prepared->mean_ml_mm, level);
     }
   }
-}
-
-TEST(Prepare, LowRateIsFlagged) {
-  EXPECT_EQ(prepare(standing(1, 49.9, 1000), kPrepareAsIs)->flags, sway_flag::kLowRate);
-  EXPECT_EQ(prepare(standing(1, 50.0, 1000), kPrepareAsIs)->flags, 0U);
 }
 
 TEST(Prepare, WhatCannotBeAnalysedIsRefused) {
@@ -213,6 +214,8 @@ TEST(Prepare, LoadThatGoesAway_IsSteppingOff) {
   std::fill_n(dip.load_n.begin() + 1000, 5, 10.0);
   CopSeries off = series;
   std::fill_n(off.load_n.begin() + 1000, 6, 349.0);
+  CopSeries half = series;
+  std::fill_n(half.load_n.begin() + 1000, 600, 351.0);
   CopSeries gone = series;  // as a platform tells it: no position without a load
   std::fill(gone.load_n.begin() + 1000, gone.load_n.end(), 0.0);
   CopSeries settling = series;
@@ -220,6 +223,7 @@ TEST(Prepare, LoadThatGoesAway_IsSteppingOff) {
 
   EXPECT_EQ(prepare(series, kReportPreparation)->flags, 0U);
   EXPECT_EQ(prepare(dip, kReportPreparation)->flags, 0U);
+  EXPECT_EQ(prepare(half, kReportPreparation)->flags, 0U);
   EXPECT_EQ(prepare(off, kReportPreparation)->flags, sway_flag::kSteppedOff);
   EXPECT_TRUE(prepare(gone, kReportPreparation)->flags & sway_flag::kSteppedOff);
   EXPECT_TRUE(prepare(settling, kReportPreparation)->flags & sway_flag::kSteppedOff);
@@ -251,15 +255,6 @@ TEST(Prepare, JumpWhileSettling_DoesNotCount) {
 
   EXPECT_EQ(prepare(series, kReportPreparation)->flags, sway_flag::kMoved);
   EXPECT_EQ(prepare(series, {.analysis_rate_hz = 100.0, .trim_s = 5.0})->flags, 0U);
-}
-
-TEST(Prepare, ProfilesHaveNames) {
-  EXPECT_EQ(name(Profile::AsIs), "asis");
-  EXPECT_EQ(name(Profile::Lp10), "lp10");
-  EXPECT_EQ(profile_named("lp10"), Profile::Lp10);
-  EXPECT_EQ(profile_named("asis"), Profile::AsIs);
-  EXPECT_FALSE(profile_named("LP10"));
-  EXPECT_FALSE(profile_named(""));
 }
 
 }  // namespace

@@ -6,24 +6,21 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <numeric>
 #include <random>
+#include <utility>
 #include <vector>
+
+#include "posturography/time_domain.h"
+#include "unit/posturography/sway_signals.h"
 
 namespace dts::posturography {
 namespace {
 
-struct Path {
-  std::vector<double> ml_mm;
-  std::vector<double> ap_mm;
-};
-
 /// Sway of some mm, far from the origin.
-Path random_path(std::size_t samples, double offset_mm, unsigned seed) {
+CopSeries random_path(std::size_t samples, double offset_mm, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> step(0.0, 0.3);
-  Path path;
+  CopSeries path{.rate_hz = 100.0};
   double ml = 0.0;
   double ap = 0.0;
   for (std::size_t i = 0; i < samples; ++i) {
@@ -35,37 +32,14 @@ Path random_path(std::size_t samples, double offset_mm, unsigned seed) {
   return path;
 }
 
-double mean(const std::vector<double>& values) {
-  long double sum = 0.0L;
-  for (const double value : values) sum += value;
-  return static_cast<double>(sum / static_cast<long double>(values.size()));
-}
-
-/// Sum of products of deviations, in a second pass.
-double products(const std::vector<double>& a, const std::vector<double>& b) {
-  long double sum = 0.0L;
-  const long double mean_a = std::accumulate(a.begin(), a.end(), 0.0L) / static_cast<long double>(a.size());
-  const long double mean_b = std::accumulate(b.begin(), b.end(), 0.0L) / static_cast<long double>(b.size());
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - mean_a) * (b[i] - mean_b);
-  return static_cast<double>(sum);
-}
-
-RunningSwaySums sums_of(const Path& path, double rate_hz = 100.0) {
-  RunningSwaySums sums(rate_hz);
+RunningSwaySums sums_of(const CopSeries& path) {
+  RunningSwaySums sums(path.rate_hz);
   for (std::size_t i = 0; i < path.ml_mm.size(); ++i) sums.add(path.ml_mm[i], path.ap_mm[i]);
   return sums;
 }
 
 void expect_relative(double actual, double expected, double tolerance) {
   EXPECT_NEAR(actual, expected, tolerance * std::max(1e-300, std::abs(expected)));
-}
-
-TEST(RunningSway, Nothing_SaysNothing) {
-  const core::RunningSway values = RunningSwaySums(100.0).values();
-
-  EXPECT_EQ(values.samples, 0U);
-  EXPECT_EQ(values.rate_hz, 100.0);
-  EXPECT_EQ(values.totex_mm, 0.0);
 }
 
 TEST(RunningSway, ThreeSamples_AreAsByHand) {
@@ -96,40 +70,46 @@ TEST(RunningSway, ThreeSamples_AreAsByHand) {
 
 TEST(RunningSway, FewerThanThreeSamples_HaveNoEllipse) {
   RunningSwaySums sums(100.0);
+  EXPECT_EQ(sums.values().samples, 0U);
+  EXPECT_EQ(sums.values().rate_hz, 100.0);
+  EXPECT_EQ(sums.values().totex_mm, 0.0);
   sums.add(1.0, 2.0);
   EXPECT_EQ(sums.values().ellipse_sd1_mm, 0.0);
   EXPECT_EQ(sums.values().rdist_mm, 0.0);
   sums.add(2.0, 2.0);
   EXPECT_EQ(sums.values().pea95_f_mm2, 0.0);
   EXPECT_DOUBLE_EQ(sums.values().totex_mm, 1.0);
+  sums.reset();
+  EXPECT_EQ(sums, RunningSwaySums(100.0));
 }
 
-TEST(RunningSway, RandomPathsFarFromTheOrigin_EqualTwoPasses) {
+TEST(RunningSway, RandomPathsFarFromTheOrigin_AreTheFinalMeasures) {
   for (const double offset_mm : {0.0, 200.0, 5000.0}) {
-    const Path path = random_path(6000, offset_mm, 7);
-    const double n = 6000.0;
+    const CopSeries path = random_path(6000, offset_mm, 7);
+    const Prepared prepared = test::prepared_of(path);
+    Measures measures;
+    add_time_domain(prepared, measures);
 
     const core::RunningSway values = sums_of(path).values();
 
     EXPECT_EQ(values.samples, 6000U);
-    expect_relative(values.mean_ml_mm, mean(path.ml_mm), 1e-12);
-    expect_relative(values.mean_ap_mm, mean(path.ap_mm), 1e-12);
-    const double ml = products(path.ml_mm, path.ml_mm);
-    const double ap = products(path.ap_mm, path.ap_mm);
-    const double both = products(path.ml_mm, path.ap_mm);
-    expect_relative(values.rdist_ml_mm, std::sqrt(ml / n), 1e-12);
-    expect_relative(values.rdist_ap_mm, std::sqrt(ap / n), 1e-12);
-    expect_relative(values.rdist_mm, std::sqrt((ml + ap) / n), 1e-12);
-    const double area =
-        std::numbers::pi * std::sqrt(ml * ap - both * both) / (n - 1.0) * (n * n - 1.0) / n * (std::pow(0.05, -2.0 / (n - 2.0)) - 1.0);
-    expect_relative(values.pea95_f_mm2, area, 1e-11);  // the bracket loses a digit to cancellation
-    const auto [least, most] = std::ranges::minmax(path.ml_mm);
-    EXPECT_EQ(values.range_ml_mm, most - least);
-    double totex = 0.0;
-    for (std::size_t i = 1; i < path.ml_mm.size(); ++i) {
-      totex += std::hypot(path.ml_mm[i] - path.ml_mm[i - 1], path.ap_mm[i] - path.ap_mm[i - 1]);
+    expect_relative(values.mean_ml_mm, prepared.mean_ml_mm, 1e-12);
+    expect_relative(values.mean_ap_mm, prepared.mean_ap_mm, 1e-12);
+    for (const auto& [value, measure] : {std::pair{values.rdist_mm, Measure::Rdist},
+                                         {values.rdist_ap_mm, Measure::RdistAp},
+                                         {values.rdist_ml_mm, Measure::RdistMl},
+                                         {values.totex_mm, Measure::Totex},
+                                         {values.totex_ap_mm, Measure::TotexAp},
+                                         {values.totex_ml_mm, Measure::TotexMl},
+                                         {values.range_ap_mm, Measure::RangeAp},
+                                         {values.range_ml_mm, Measure::RangeMl},
+                                         {values.ellipse_sd1_mm, Measure::EllSd1},
+                                         {values.ellipse_sd2_mm, Measure::EllSd2},
+                                         {values.ellipse_angle_deg, Measure::EllAngle},
+                                         {values.pea95_f_mm2, Measure::Pea95F}}) {
+      SCOPED_TRACE(info(measure).symbol);
+      expect_relative(value, measures.get(measure).value(), 1e-10);
     }
-    expect_relative(values.totex_mm, totex, 1e-12);
   }
 }
 
@@ -158,12 +138,6 @@ TEST(RunningSway, WayOverAnInterruption_IsNoPath) {
   EXPECT_DOUBLE_EQ(sums.values().totex_ml_mm, 3.0);
   EXPECT_DOUBLE_EQ(sums.values().totex_ap_mm, 5.0);
   EXPECT_DOUBLE_EQ(sums.values().range_ml_mm, 100.0);  // places count
-}
-
-TEST(RunningSway, Reset_IsFresh) {
-  RunningSwaySums sums = sums_of(random_path(10, 5.0, 3));
-  sums.reset();
-  EXPECT_EQ(sums, RunningSwaySums(100.0));
 }
 
 TEST(RunningSway, StateTakenAway_GoesOnTheSame) {

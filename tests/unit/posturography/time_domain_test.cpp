@@ -15,7 +15,6 @@ namespace dts::posturography {
 namespace {
 
 using std::numbers::pi;
-using test::Noise;
 using test::Position;
 using test::prepared_of;
 using test::series_of;
@@ -89,6 +88,7 @@ TEST(TimeDomain, EllipseThatPointsForwardAndRight) {
   expect_value(measures, Measure::Pea95Chi2, pi * -2.0 * std::log(0.05) * 50.0 * n / (n - 1.0), 1e-9);
   expect_value(measures, Measure::Range, 40.0);
   expect_value(measures, Measure::Lfs, *measures.get(Measure::Totex) / *measures.get(Measure::Pea95F));
+  EXPECT_FALSE(measures.has(Measure::HcMeanabs)) << "not filtered";
 }
 
 TEST(TimeDomain, LineAcross_HasNoAreaAndADirection) {
@@ -105,24 +105,6 @@ TEST(TimeDomain, LineAcross_HasNoAreaAndADirection) {
   EXPECT_FALSE(measures.has(Measure::FdCe));
   EXPECT_FALSE(measures.has(Measure::Lfs));
   EXPECT_TRUE(measures.has(Measure::FdCc));
-}
-
-TEST(TimeDomain, OneAxisOnly_AngleIs0Or90AndTheOtherHasNoFrequency) {
-  const auto wave = [](std::size_t i) { return 3.0 * std::sin(2.0 * pi * static_cast<double>(i) / 40.0); };
-
-  const Measures forward = time_domain_of(series_of(kRateHz, 400, [&](std::size_t i) { return Position{17.44378, wave(i)}; }));
-  const Measures sideways = time_domain_of(series_of(kRateHz, 400, [&](std::size_t i) { return Position{wave(i), 17.44378}; }));
-
-  EXPECT_EQ(forward.get(Measure::EllAngle), 90.0);
-  EXPECT_EQ(sideways.get(Measure::EllAngle), 0.0);
-  EXPECT_EQ(forward.get(Measure::Pea95F), 0.0);
-  EXPECT_EQ(forward.get(Measure::AreaSw), 0.0);
-  EXPECT_EQ(forward.get(Measure::AreaHull), 0.0);
-  EXPECT_EQ(forward.get(Measure::MdistMl), 0.0);
-  EXPECT_TRUE(forward.has(Measure::MfreqAp));
-  EXPECT_FALSE(forward.has(Measure::MfreqMl));
-  EXPECT_FALSE(sideways.has(Measure::MfreqAp));
-  EXPECT_FALSE(forward.has(Measure::FdCe));
 }
 
 TEST(TimeDomain, SquareWave_MovesInJumps) {
@@ -156,48 +138,6 @@ TEST(TimeDomain, LargestVelocityPerWindow_IsAveragedOverCompleteWindows) {
   expect_value(measures, Measure::VmaxMl, 5000.0);
 }
 
-TEST(TimeDomain, WhiteNoise_HasTheMomentsOfANormalPlane) {
-  constexpr std::size_t kCount = 20'000;
-  const double sd = 2.5;
-  Noise noise(7);
-  const CopSeries series = series_of(kRateHz, kCount, [&](std::size_t) { return Position{sd * noise.normal(), sd * noise.normal()}; });
-
-  const Measures measures = time_domain_of(series);
-
-  // Four standard errors of each estimate.
-  expect_value(measures, Measure::RdistAp, sd, 4.0 / std::sqrt(2.0 * kCount));
-  expect_value(measures, Measure::Mdist, sd * std::sqrt(pi / 2.0), 4.0 * 0.5227 / std::sqrt(1.0 * kCount));
-  expect_value(measures, Measure::Totex, (kCount - 1.0) * sd * std::sqrt(pi), 4.0 * 0.5227 * 1.5 / std::sqrt(1.0 * kCount));
-  expect_value(measures, Measure::Pea95F, -2.0 * std::log(0.05) * pi * sd * sd, 4.0 / std::sqrt(1.0 * kCount));
-  std::size_t inside = 0;
-  const double factor = *measures.get(Measure::Pea95F) / (pi * *measures.get(Measure::EllSd1) * *measures.get(Measure::EllSd2));
-  for (std::size_t i = 0; i < kCount; ++i) inside += std::hypot(series.ml_mm[i], series.ap_mm[i]) < std::sqrt(factor) * sd ? 1U : 0U;
-  EXPECT_NEAR(static_cast<double>(inside) / kCount, 0.95, 4.0 * std::sqrt(0.95 * 0.05 / kCount));
-}
-
-TEST(TimeDomain, SlowerNoise_HasLowerMeanFrequency) {
-  const auto mean_frequency = [](double memory) {
-    Noise noise(3);
-    double ml = 0.0;
-    double ap = 0.0;
-    return *time_domain_of(series_of(kRateHz, 6000, [&](std::size_t) {
-              ml = memory * ml + noise.normal();
-              ap = memory * ap + noise.normal();
-              return Position{ml, ap};
-            })).get(Measure::Mfreq);
-  };
-
-  const double white = mean_frequency(0.0);
-  const double pinkish = mean_frequency(0.9);
-  const double brownish = mean_frequency(0.99);
-
-  // Mean step over mean distance of an autoregressive plane is sqrt(2 (1 - memory)).
-  EXPECT_NEAR(white, std::numbers::sqrt2 * kRateHz / (2.0 * pi), 0.02 * white);
-  // Four standard errors of a mean distance of 6000 (1 - memory^2) / (1 + memory^2) = 630 and 60 independent points.
-  EXPECT_NEAR(pinkish, std::sqrt(0.2) * kRateHz / (2.0 * pi), 4.0 * 0.5227 / std::sqrt(630.0) * pinkish);
-  EXPECT_NEAR(brownish, std::sqrt(0.02) * kRateHz / (2.0 * pi), 4.0 * 0.5227 / std::sqrt(60.0) * brownish);
-}
-
 TEST(TimeDomain, HeadingOfAReversal_Is180AndRestsAreSkipped) {
   // To and fro along AP with rests: every fourth sample is looked at.
   constexpr std::array kPath = {0.0, 1.0, 1.0, 2.0, 1.0, 1.0, 0.0, 1.0};
@@ -213,10 +153,6 @@ TEST(TimeDomain, HeadingOfAReversal_Is180AndRestsAreSkipped) {
   expect_value(measures, Measure::HcSd, 90.0);
 }
 
-TEST(TimeDomain, UnfilteredHasNoHeading) {
-  EXPECT_FALSE(time_domain_of(turning(10, 10.0, 10.0, 0.0), Profile::AsIs).has(Measure::HcMeanabs));
-}
-
 TEST(TimeDomain, FootLengthGivesTheUsedPart) {
   const Prepared prepared = prepared_of(turning(4, 30.0, 10.0, 0.5 * pi));
   Measures measures;
@@ -227,6 +163,17 @@ TEST(TimeDomain, FootLengthGivesTheUsedPart) {
 
   expect_value(measures, Measure::ApUse, 25.0);
   EXPECT_FALSE(without.has(Measure::ApUse));
+}
+
+TEST(TimeDomain, NothingThatCanBeMeasured_HasNoMeasures) {
+  for (const Prepared& bad : {Prepared{.rate_hz = 100.0, .ml_mm = {1.0}, .ap_mm = {1.0}},
+                              Prepared{.rate_hz = 100.0, .ml_mm = {1.0, 2.0, 4.0}, .ap_mm = {1.0, 2.0}},
+                              Prepared{.rate_hz = 0.0, .ml_mm = {1.0, 2.0}, .ap_mm = {1.0, 2.0}}}) {
+    Measures measures;
+    add_time_domain(bad, measures);
+    add_velocity_and_direction(bad, 240.0, measures);
+    EXPECT_EQ(measures.count(), 0U) << bad.rate_hz;
+  }
 }
 
 TEST(TimeDomain, TwoSamples_PathButNoEllipse) {

@@ -105,8 +105,31 @@ TEST(SittingHabits, WithoutSpread_AreTheSameForEverySeed) {
   const auto of = [](std::uint64_t seed, double spread) { return natural_habits(kVolunteerA, true, SeatLoadModel::Cop, seed, spread); };
   EXPECT_EQ(of(1, 0.0).load.rest_y_mm, of(2, 0.0).load.rest_y_mm);
   EXPECT_EQ(of(1, 0.0).flexion_factor, 1.0);
+  EXPECT_EQ(of(1, 0.0).rest_y_deviation_mm, 1.0) << "nobody sits down in the same place twice";
+  EXPECT_EQ(ideal_habits(kVolunteerA, SeatLoadModel::Cop, 0.75).rest_y_deviation_mm, 0.0);
   EXPECT_NE(of(1, 1.0).load.rest_y_mm, of(2, 1.0).load.rest_y_mm);
   EXPECT_EQ(of(1, 1.0).load.rest_y_mm, of(1, 1.0).load.rest_y_mm);
+}
+
+TEST(SittingHabits, AfterAStroke_ReachWithPartOfTheArm) {
+  Person near = kVolunteerA;
+  near.max_reach_cm = 0.6 * near.arm_length_cm;  // takes no flexion, however little of the arm is used
+  double sum = 0.0;
+  double least = 1.0;
+  for (std::uint64_t seed = 0; seed < 500; ++seed) {
+    const double arm_use = natural_habits(near, false, SeatLoadModel::Cop, seed, 1.0).arm_use;
+    sum += arm_use;
+    least = std::min(least, arm_use);
+    EXPECT_LE(arm_use, 1.0);
+    EXPECT_EQ(natural_habits(near, true, SeatLoadModel::Cop, seed, 1.0).arm_use, 1.0);
+    const double far = natural_habits(kVolunteerA, false, SeatLoadModel::Cop, seed, 1.0).arm_use;
+    Person shortened = kVolunteerA;
+    shortened.arm_length_cm *= far;
+    EXPECT_TRUE(far == 1.0 || trunk_flexion_deg(shortened, shortened.max_reach_cm) <= 60.0) << "as far as a healthy person bends";
+  }
+  EXPECT_NEAR(sum / 500.0, 0.74, 4.0 * 0.10 / std::sqrt(500.0));  // four standard errors
+  EXPECT_GE(least, 0.5);
+  EXPECT_LT(least, 0.55);
 }
 
 }  // namespace

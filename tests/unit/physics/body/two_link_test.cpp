@@ -72,11 +72,32 @@ TEST(TwoLink, OfVolunteerA_FiguresOfTheSheet) {
   EXPECT_NEAR(hip_force(volunteer_a(), reach(0.75, 0.75, 54.3)).vertical_n, 0.0, 1e-9);
 }
 
+TEST(TwoLink, HipForce_IsTheAccelerationOfTheMasses) {
+  const BodySegments body = volunteer_a();
+  for (const double time_s : {0.1, 0.3, 0.45, 0.6}) {
+    SCOPED_TRACE(time_s);
+    const auto weighed = [&](double t, auto along) {  // sum of mass and place
+      const JointMotion m = reach(t, 0.75, 54.3);
+      const double shoulder = body.trunk_m * along(m.theta1);
+      return body.trunk_kg * 0.5 * shoulder + body.arm_kg * (shoulder + 0.5 * body.arm_m * along(m.theta1 + m.theta2));
+    };
+    constexpr double kStepS = 1e-4;
+    const auto force_n = [&](auto along) {
+      return (weighed(time_s + kStepS, along) - 2.0 * weighed(time_s, along) + weighed(time_s - kStepS, along)) / (kStepS * kStepS);
+    };
+
+    const HipForce force = hip_force(body, reach(time_s, 0.75, 54.3));
+
+    EXPECT_NEAR(force.horizontal_n, force_n([](double angle) { return std::cos(angle); }), 1e-3);
+    EXPECT_NEAR(force.vertical_n, force_n([](double angle) { return std::sin(angle); }), 1e-3);
+  }
+}
+
 // The printed equations 5.23 and 5.24 miss by 1.2 J at 29 deg and 3.9 J at 54 deg.
 TEST(TwoLink, WorkOfTheJoints_IsTheChangeOfEnergy) {
   for (const double flexion_deg : {3.6, 29.0, 54.3}) {
     SCOPED_TRACE(flexion_deg);
-    constexpr int kSteps = 20'000;
+    constexpr int kSteps = 4000;
     constexpr double kStepS = 0.75 / kSteps;
     double work_j = 0.0;
     const auto power_w = [&](double time_s) {
@@ -90,7 +111,7 @@ TEST(TwoLink, WorkOfTheJoints_IsTheChangeOfEnergy) {
     for (int i = 0; i < kSteps; ++i) {  // Simpson's rule, and compared on the way, where the body is fast
       const double t = i * kStepS;
       work_j += kStepS / 6.0 * (power_w(t) + 4.0 * power_w(t + kStepS / 2.0) + power_w(t + kStepS));
-      if (i % 1000 != 999) continue;
+      if (i % 200 != 199) continue;
       EXPECT_NEAR(work_j, energy_j(reach(t + kStepS, 0.75, flexion_deg)) - energy_j(reach(0.0, 0.75, flexion_deg)), 1e-5);
     }
   }
@@ -117,9 +138,9 @@ TEST(TwoLink, FallingWithoutMoments_KeepsItsEnergy) {
   };
   State state{1.2, -2.0, 0.0, 0.0};
   const double before_j = energy_j(state);
-  constexpr double kStepS = 5e-5;
+  constexpr double kStepS = 2e-4;
 
-  for (int i = 0; i < 60'000; ++i) {  // Runge-Kutta of fourth order
+  for (int i = 0; i < 5000; ++i) {  // Runge-Kutta of fourth order
     const State k1 = derivative(body, state);
     const State k2 = derivative(body, moved(state, k1, kStepS / 2.0));
     const State k3 = derivative(body, moved(state, k2, kStepS / 2.0));
@@ -131,7 +152,7 @@ TEST(TwoLink, FallingWithoutMoments_KeepsItsEnergy) {
   }
 
   EXPECT_NE(state.theta1, 1.2);
-  EXPECT_NEAR(energy_j(state), before_j, 1e-8);
+  EXPECT_NEAR(energy_j(state), before_j, 1e-6);
 }
 
 }  // namespace

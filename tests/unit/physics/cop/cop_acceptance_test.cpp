@@ -18,11 +18,10 @@ constexpr std::array<double, 1> kThesisLoadN{490.0};  // thesis 4.5: 50 kgf
 
 std::vector<CopTrial> table_41() { return point_trials(table_41_positions(), kThesisLoadN); }
 
-/// Every 46 N from 240 to 700 N over the square between the sensors.
+/// From 240 to 700 N over the square between the sensors.
 std::vector<CopTrial> square(const RigModel& rig) {
-  std::vector<double> loads_n;
-  for (int k = 0; k <= 10; ++k) loads_n.push_back(240.0 + 46.0 * k);
-  return point_trials(grid_positions(SensorRectangle::of(rig), 21), loads_n);
+  constexpr std::array kLoadsN{240.0, 355.0, 470.0, 585.0, 700.0};
+  return point_trials(grid_positions(SensorRectangle::of(rig), 10), kLoadsN);
 }
 
 CopErrorFigures errors(const RigModel& rig, const CopEstimator& estimator, const std::vector<CopTrial>& trials,
@@ -72,58 +71,44 @@ TEST(CopAcceptance, ThesisOnTheStiffeningPlate_ErrsLikeTheRealSystemOfTheThesis)
 
 TEST(CopAcceptance, ThesisPerPair_MeetsTheSheet) {
   // The sheet's figures belong to the plate without mesh error: 40 and 80 divisions extrapolated.
-  struct Expected {
-    double inset_mm, x_mm, y_mm, total_mm;
-  };
-  for (const auto& [inset_mm, x_mm, y_mm, total_mm] : {Expected{0.0, 2.73, 3.84, 4.71}, Expected{10.75, 2.97, 4.31, 5.23}}) {
-    const test::RefinedPlate plate(test::steel_plate(), test::corners(inset_mm), test::floor_sensors());
-    auto samples = test::samples_at(plate, test::mid_lines(), 490.0);
-    const auto beside = test::samples_at(plate, test::sensor_square(6), 490.0);
-    samples.insert(samples.end(), beside.begin(), beside.end());
-    const auto estimator = CopEstimator::fit(CopMethod::ThesisPerPair, samples).value();
+  const test::RefinedPlate plate(test::steel_plate(), test::corners(10.75), test::floor_sensors());
+  auto samples = test::samples_at(plate, test::mid_lines(), 490.0);
+  const auto beside = test::samples_at(plate, test::sensor_square(6), 490.0);
+  samples.insert(samples.end(), beside.begin(), beside.end());
+  const auto estimator = CopEstimator::fit(CopMethod::ThesisPerPair, samples).value();
 
-    std::vector<CopCalibrationPoint> points;
-    for (const auto& sample : test::samples_at(plate, table_41_positions(), 490.0)) {
-      points.push_back(compare(sample, estimator.estimate(sample.deflection_mm)));
-    }
-    const auto figures = error_figures(points);
-
-    EXPECT_NEAR(figures.rms_x_mm, x_mm, 0.01);
-    EXPECT_NEAR(figures.rms_y_mm, y_mm, 0.01);
-    EXPECT_NEAR(figures.rms_total_mm, total_mm, 0.01);
+  std::vector<CopCalibrationPoint> points;
+  for (const auto& sample : test::samples_at(plate, table_41_positions(), 490.0)) {
+    points.push_back(compare(sample, estimator.estimate(sample.deflection_mm)));
   }
+  const auto figures = error_figures(points);
+
+  EXPECT_NEAR(figures.rms_x_mm, 2.97, 0.01);
+  EXPECT_NEAR(figures.rms_y_mm, 4.31, 0.01);
+  EXPECT_NEAR(figures.rms_total_mm, 5.23, 0.01);
 }
 
 TEST(CopAcceptance, Poly3FromTwoLoads_IsGoodAtEveryLoadBetween) {
   const RigModel rig = floor_rig(10.75);
   const auto estimator = two_load_poly3(rig);
+  const auto trials = square(rig);
 
-  const auto evaluation = evaluate_cop(rig, estimator, square(rig)).value();
+  const auto evaluation = evaluate_cop(rig, estimator, trials).value();
 
   EXPECT_LE(evaluation.figures.rms_total_mm, 0.35);
   EXPECT_LE(evaluation.figures.load_rms_percent, 0.5);
   EXPECT_EQ(evaluation.outside_count, 0U);
-}
-
-TEST(CopAcceptance, Poly3WithOneNoisySample_StaysBelowSixTenths) {
-  const RigModel rig = floor_rig(10.75);
-  const auto two_loads = two_load_poly3(rig);
-  const auto of_model = CopEstimator::from_model(CopMethod::Poly3, rig).value();
-  const auto trials = square(rig);
-
-  for (const std::uint64_t seed : {1U, 2U, 3U}) {
-    const CopEvaluationOptions options{.noise = CopNoise::Realistic, .seed = seed};
-    EXPECT_LE(errors(rig, two_loads, trials, options).rms_total_mm, 0.6) << seed;
-    EXPECT_LE(errors(rig, of_model, trials, options).rms_total_mm, 0.6) << seed;
-  }
+  // One noisy sample, not an average over time.
+  EXPECT_LE(errors(rig, estimator, trials, {.noise = CopNoise::Realistic, .seed = 1}).rms_total_mm, 0.6);
 }
 
 TEST(CopAcceptance, Poly3FromModel_HoldsFromLightToHeavy) {
   const RigModel rig = floor_rig(10.75);
   const auto estimator = CopEstimator::from_model(CopMethod::Poly3, rig).value();
-  const auto positions = grid_positions(SensorRectangle::of(rig), 21);
+  const auto positions = grid_positions(SensorRectangle::of(rig), 11);
 
-  for (const double load_n : {200.0, 300.0, 500.0, 686.0, 850.0, 980.0}) {
+  EXPECT_LE(errors(rig, estimator, square(rig), {.noise = CopNoise::Realistic, .seed = 2}).rms_total_mm, 0.6);
+  for (const double load_n : {200.0, 500.0, 850.0, 980.0}) {
     const auto evaluation = evaluate_cop(rig, estimator, point_trials(positions, std::array{load_n})).value();
 
     EXPECT_LE(evaluation.figures.rms_total_mm, load_n <= 850.0 ? 0.35 : 0.7) << load_n;
@@ -146,26 +131,11 @@ RigModel sixteen_sensors() {
 CopErrorFigures foot_errors(const CopEstimator& estimator, std::size_t feet, PlateBehaviour behaviour) {
   constexpr std::uint64_t kUnseen = 1001;  // not the stances it was calibrated on
   const RigModel rig = sixteen_sensors();
-  return errors(rig, estimator, foot_trials(rig.plate, feet, 300, {600.0, 600.0}, kUnseen),
+  return errors(rig, estimator, foot_trials(rig.plate, feet, 150, {600.0, 600.0}, kUnseen),
                 {.behaviour = behaviour, .noise = CopNoise::Realistic});
 }
 
 TEST(CopAcceptance, MomentOfSixteenSensors_MeetsTheSheetUnderFeet) {
-  const auto estimator = CopEstimator::from_model(CopMethod::Moment, sixteen_sensors(), PlateBehaviour::Linear).value();
-
-  EXPECT_LE(foot_errors(estimator, 1, PlateBehaviour::Linear).rms_total_mm, 0.35);
-  EXPECT_LE(foot_errors(estimator, 2, PlateBehaviour::Linear).rms_total_mm, 0.6);
-}
-
-TEST(CopAcceptance, MomentOnTheStiffeningPlate_LosesHalfAMillimetre) {
-  // Measured here, as the sheet's sixteen sensors are on a linear plate: 0.77 and 1.13 mm.
-  const auto estimator = CopEstimator::from_model(CopMethod::Moment, sixteen_sensors()).value();
-
-  EXPECT_LE(foot_errors(estimator, 1, PlateBehaviour::Stiffening).rms_total_mm, 0.8);
-  EXPECT_LE(foot_errors(estimator, 2, PlateBehaviour::Stiffening).rms_total_mm, 1.2);
-}
-
-TEST(CopAcceptance, MomentWithoutQuadraticTerms_IsWorse) {
   const auto estimator = CopEstimator::from_model(CopMethod::Moment, sixteen_sensors(), PlateBehaviour::Linear).value();
   auto form = std::get<MomentForm>(estimator.form());
   ASSERT_EQ(form.x_quadratic_mm.size(), 136U);
@@ -173,8 +143,15 @@ TEST(CopAcceptance, MomentWithoutQuadraticTerms_IsWorse) {
   form.y_quadratic_mm.clear();
   const auto ratio = CopEstimator::from_form(CopMethod::Moment, form, estimator.validity()).value();
 
-  EXPECT_GT(foot_errors(ratio, 2, PlateBehaviour::Linear).rms_total_mm,
-            2.0 * foot_errors(estimator, 2, PlateBehaviour::Linear).rms_total_mm);
+  const double two_feet_mm = foot_errors(estimator, 2, PlateBehaviour::Linear).rms_total_mm;
+  EXPECT_LE(foot_errors(estimator, 1, PlateBehaviour::Linear).rms_total_mm, 0.35);
+  EXPECT_LE(two_feet_mm, 0.6);
+  EXPECT_GT(foot_errors(ratio, 2, PlateBehaviour::Linear).rms_total_mm, 2.0 * two_feet_mm) << "without quadratic terms";
+
+  // Measured here, as the sheet's sixteen sensors are on a linear plate: 0.77 and 1.13 mm.
+  const auto stiffening = CopEstimator::from_model(CopMethod::Moment, sixteen_sensors()).value();
+  EXPECT_LE(foot_errors(stiffening, 1, PlateBehaviour::Stiffening).rms_total_mm, 0.8);
+  EXPECT_LE(foot_errors(stiffening, 2, PlateBehaviour::Stiffening).rms_total_mm, 1.2);
 }
 
 TEST(CopAcceptance, FourSensorsUnderFeet_ErrAsTheStudysDo) {
@@ -187,29 +164,27 @@ TEST(CopAcceptance, FourSensorsUnderFeet_ErrAsTheStudysDo) {
   EXPECT_NEAR(errors(rig, estimator, foot_trials(rig.plate, 2, 300, {600.0, 600.0}, 5), linear).rms_total_mm, 4.3, 0.3);
 }
 
-TEST(CopAcceptance, ModelOnItsOwnLinearPlate_IsExact) {
-  for (const double inset_mm : {0.0, 10.75}) {
-    const RigModel rig = floor_rig(inset_mm);
-    const auto estimator = CopEstimator::from_model(CopMethod::Model, rig, PlateBehaviour::Linear).value();
-    constexpr std::array<double, 2> kLoadsN{50.0, 686.0};
-
-    const auto figures = errors(rig, estimator, point_trials(grid_positions({{20.0}, {410.0}, {20.0}, {410.0}}, 25), kLoadsN),
-                                {.behaviour = PlateBehaviour::Linear});
-
-    EXPECT_LT(figures.max_total_mm, 1e-5);
-    EXPECT_LT(figures.load_rms_percent, 1e-6);
-  }
-}
-
-TEST(CopAcceptance, ModelOnItsOwnStiffeningPlate_IsExactButForItsTable) {
+TEST(CopAcceptance, ModelOnItsOwnPlate_IsExactButForItsTable) {
   const RigModel rig = floor_rig(10.75);
-  const auto estimator = CopEstimator::from_model(CopMethod::Model, rig).value();
+  const auto linear = CopEstimator::from_model(CopMethod::Model, rig, PlateBehaviour::Linear).value();
+  constexpr std::array<double, 2> kLoadsN{50.0, 686.0};
 
-  const auto evaluation = evaluate_cop(rig, estimator, square(rig)).value();
+  const auto figures = errors(rig, linear, point_trials(grid_positions({{20.0}, {410.0}, {20.0}, {410.0}}, 9), kLoadsN),
+                              {.behaviour = PlateBehaviour::Linear});
 
+  EXPECT_LT(figures.max_total_mm, 1e-5);
+  EXPECT_LT(figures.load_rms_percent, 1e-6);
+
+  const auto stiffening = CopEstimator::from_model(CopMethod::Model, rig).value();
+  const auto evaluation = evaluate_cop(rig, stiffening, square(rig)).value();
   EXPECT_LT(evaluation.figures.max_total_mm, 0.05);
   EXPECT_LT(evaluation.figures.load_rms_percent, 0.05);
   EXPECT_EQ(evaluation.outside_count, 0U);
+  // Between the last two loads of its table.
+  const std::array heavy_n{0.98 * stiffening.validity().load_n.highest};
+  const auto heavy = evaluate_cop(rig, stiffening, point_trials(grid_positions(SensorRectangle::of(rig), 4), heavy_n)).value();
+  EXPECT_LT(heavy.figures.max_total_mm, 0.05);
+  EXPECT_LT(heavy.figures.load_rms_percent, 0.05);
 }
 
 TEST(CopAcceptance, LinearModelUnderALoadThatStiffensThePlate_IsFlagged) {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "physics/cop/cop_estimator.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "core/special_numbers.h"
+#include "physics/cop/cop_trials.h"
 #include "unit/physics/floor_platform.h"
 
 namespace dts::physics {
@@ -21,16 +21,10 @@ using test::corners;
 using test::floor_rig;
 using test::RefinedPlate;
 using test::sample_of;
-using testing::HasSubstr;
 
 constexpr double kLoadN = 490.0;  // thesis 4.5: 50 kgf
 using core::kInfinity;
 using core::kNaN;
-
-/// Thesis Table 4.1, first two columns: P1..P15.
-const std::vector<Point> kTable41 = {at(86, 86),       at(86, 118.25),  at(118.25, 118.25), at(86, 150.5),     at(118.25, 150.5),
-                                     at(150.5, 150.5), at(86, 182.75),  at(118.25, 182.75), at(150.5, 182.75), at(182.75, 182.75),
-                                     at(86, 215),      at(118.25, 215), at(150.5, 215),     at(182.75, 215),   at(215, 215)};
 
 RefinedPlate floor_plate(double inset_mm) { return {test::steel_plate(), corners(inset_mm), test::floor_sensors()}; }
 
@@ -81,53 +75,24 @@ CopEstimator poly3_on_grid(const RefinedPlate& plate) {
   return *CopEstimator::fit(CopMethod::Poly3, test::samples_at(plate, test::sensor_square(7), kLoadN));
 }
 
-TEST(CopEstimatorThesis, Table41_MeetsTheSheetWithSupportsInTheCorners) {
-  const auto plate = floor_plate(0.0);
-
-  const auto error = rms(deviations(thesis_on_mid_lines(plate), plate, kTable41, kLoadN));
-
-  EXPECT_NEAR(error.x_mm, 0.91, 0.01);
-  EXPECT_NEAR(error.y_mm, 1.52, 0.01);
-  EXPECT_NEAR(error.total(), 1.77, 0.01);
-}
-
-TEST(CopEstimatorThesis, Table41_MeetsTheSheetWithInsetSupports) {
-  const auto plate = floor_plate(10.75);
-
-  const auto error = rms(deviations(thesis_on_mid_lines(plate), plate, kTable41, kLoadN));
-
-  EXPECT_NEAR(error.x_mm, 0.87, 0.01);
-  EXPECT_NEAR(error.y_mm, 1.56, 0.01);
-  EXPECT_NEAR(error.total(), 1.78, 0.01);
-}
-
-TEST(CopEstimatorThesis, Table41PointByPoint_MeetsTheStudy) {
+TEST(CopEstimatorThesis, Table41_MeetsTheStudyPointByPoint) {
   const std::vector<Deviation> expected = {{3.29, 3.29},   {-0.10, 3.64}, {0.37, 0.37}, {-0.45, 3.00},  {-0.08, 0.46},
                                            {-0.15, -0.15}, {-0.16, 1.66}, {0.15, 0.30}, {-0.08, -0.11}, {-0.13, -0.13},
                                            {0.0, 0.0},     {0.29, 0.0},   {0.0, 0.0},   {-0.10, 0.0},   {0.0, 0.0}};
   const auto plate = floor_plate(10.75);
 
-  const auto found = deviations(thesis_on_mid_lines(plate), plate, kTable41, kLoadN);
+  const auto found = deviations(thesis_on_mid_lines(plate), plate, table_41_positions(), kLoadN);
 
   for (std::size_t k = 0; k < expected.size(); ++k) {
     EXPECT_NEAR(found[k].x_mm, expected[k].x_mm, 0.03) << "P" << k + 1;
     EXPECT_NEAR(found[k].y_mm, expected[k].y_mm, 0.03) << "P" << k + 1;
   }
-}
-
-TEST(CopEstimatorThesis, FromModel_IsAtLeastAsGoodAsTheThesis) {
-  for (const double inset_mm : {0.0, 10.75}) {
-    const auto estimator = CopEstimator::from_model(CopMethod::Thesis, floor_rig(inset_mm), PlateBehaviour::Linear);
-    ASSERT_TRUE(estimator);
-
-    const auto found = deviations(*estimator, meshed_plate(inset_mm), kTable41, kLoadN);
-
-    const auto error = rms(found);
-    EXPECT_LE(error.x_mm, 1.39);
-    EXPECT_LE(error.y_mm, 1.63);
-    EXPECT_LE(error.total(), 2.15);
-    for (std::size_t k = 10; k < found.size(); ++k) EXPECT_LE(found[k].total(), 0.35) << "mid-line point P" << k + 1;
-  }
+  EXPECT_NEAR(rms(found).x_mm, 0.87, 0.01);
+  EXPECT_NEAR(rms(found).y_mm, 1.56, 0.01);
+  const auto in_corners = floor_plate(0.0);
+  const auto error = rms(deviations(thesis_on_mid_lines(in_corners), in_corners, table_41_positions(), kLoadN));
+  EXPECT_NEAR(error.x_mm, 0.91, 0.01);
+  EXPECT_NEAR(error.y_mm, 1.52, 0.01);
 }
 
 TEST(CopEstimatorThesis, Calibration_HasTheRatiosAndCoefficientsOfTheStudy) {
@@ -176,17 +141,6 @@ TEST(CopEstimatorPoly3, SensorSquare_IsWithinTheSheetsError) {
   EXPECT_NEAR(central.total(), 0.12, 0.01);
 }
 
-TEST(CopEstimatorPoly3, AnyInset_IsWithinTheSheetsError) {
-  for (const double inset_mm : {0.0, 5.0, 10.75}) {
-    const auto plate = meshed_plate(inset_mm);
-    const auto estimator = CopEstimator::fit(CopMethod::Poly3, test::samples_at(plate, test::sensor_square(7), kLoadN));
-    ASSERT_TRUE(estimator);
-
-    EXPECT_LT(rms(deviations(*estimator, plate, test::sensor_square(33), kLoadN)).total(), 0.18);
-    EXPECT_LT(rms(deviations(*estimator, plate, central_square(), kLoadN)).total(), 0.12);
-  }
-}
-
 TEST(CopEstimatorPoly3, UnequalSensorGains_AreCalibratedAway) {
   const std::array<double, kFloorSensors> gains = {0.985, 1.02, 1.0, 1.01};
   const auto plate = meshed_plate(10.75);
@@ -209,121 +163,96 @@ TEST(CopEstimatorPoly3, UnequalSensorGains_AreCalibratedAway) {
   EXPECT_LT(rms(found).total(), 0.26);
 }
 
-class CopEstimatorFloor : public testing::TestWithParam<CopMethod> {
- protected:
-  CopEstimator estimator_ = *CopEstimator::from_model(GetParam(), floor_rig(10.75), PlateBehaviour::Linear);
-  InfluenceTable plate_ = meshed_plate(10.75);
-};
-
-INSTANTIATE_TEST_SUITE_P(Methods, CopEstimatorFloor, testing::Values(CopMethod::Thesis, CopMethod::ThesisPerPair, CopMethod::Poly3),
-                         [](const auto& method) { return std::string(to_string(method.param)); });
-
-TEST_P(CopEstimatorFloor, Method_IsRemembered) { EXPECT_EQ(estimator_.method(), GetParam()); }
-
-TEST_P(CopEstimatorFloor, LinearPlate_LoadChangesOnlyTheLoad) {
-  const auto light = estimator_.estimate(sample_of(plate_, at(130, 260), 400.0).deflection_mm);
-  const auto heavy = estimator_.estimate(sample_of(plate_, at(130, 260), 580.0).deflection_mm);
-
-  // Poly3 has learned from two loads that the sum says nothing here, but for the small error of its polynomial.
-  const double tolerance_mm = GetParam() == CopMethod::Poly3 ? 0.05 : 1e-9;
-  EXPECT_NEAR(light.x_mm, heavy.x_mm, tolerance_mm);
-  EXPECT_NEAR(light.y_mm, heavy.y_mm, tolerance_mm);
-  EXPECT_NEAR(heavy.load_n / light.load_n, 1.45, GetParam() == CopMethod::Poly3 ? 1e-3 : 1e-9);
+/// One estimator for each method of four sensors, calibrated on the linear plate.
+const std::vector<CopEstimator>& floor_estimators() {
+  static const std::vector<CopEstimator> kEstimators = [] {
+    std::vector<CopEstimator> all;
+    for (const auto method : {CopMethod::Thesis, CopMethod::ThesisPerPair, CopMethod::Poly3}) {
+      all.push_back(CopEstimator::from_model(method, floor_rig(10.75), PlateBehaviour::Linear).value());
+      EXPECT_EQ(all.back().method(), method);
+    }
+    return all;
+  }();
+  return kEstimators;
 }
 
-TEST_P(CopEstimatorFloor, WrongNumberOfDeflections_IsNoContact) {
-  for (const std::size_t count : {std::size_t{0}, std::size_t{3}, std::size_t{5}}) {
-    EXPECT_EQ(estimator_.estimate(std::vector<double>(count, 1.0)).flags, cop_flag::kNoContact) << count;
+TEST(CopEstimatorFloor, LinearPlate_LoadChangesOnlyTheLoad) {
+  const auto plate = meshed_plate(10.75);
+  for (const CopEstimator& estimator : floor_estimators()) {
+    const auto light = estimator.estimate(sample_of(plate, at(130, 260), 400.0).deflection_mm);
+    const auto heavy = estimator.estimate(sample_of(plate, at(130, 260), 580.0).deflection_mm);
+
+    // Poly3 has learned from two loads that the sum says nothing here, but for the small error of its polynomial.
+    const bool is_poly3 = estimator.method() == CopMethod::Poly3;
+    EXPECT_NEAR(light.x_mm, heavy.x_mm, is_poly3 ? 0.05 : 1e-9);
+    EXPECT_NEAR(light.y_mm, heavy.y_mm, is_poly3 ? 0.05 : 1e-9);
+    EXPECT_NEAR(heavy.load_n / light.load_n, 1.45, is_poly3 ? 1e-3 : 1e-9);
   }
 }
 
-TEST_P(CopEstimatorFloor, LoadThatIsNoNumber_IsNoContact) {
+TEST(CopEstimatorFloor, DeflectionsOfNoForce_AreNoContact) {
   constexpr double kHugeMm = 1e308 / 8.0;  // the sum is finite, the load is not
-  const auto estimate = estimator_.estimate(std::vector<double>(4, kHugeMm));
-
-  EXPECT_EQ(estimate.flags, cop_flag::kNoContact);
-  EXPECT_TRUE(std::isnan(estimate.load_n));
-}
-
-TEST_P(CopEstimatorFloor, LoadBeyondTheRange_IsFlagged) {
-  const auto& range = estimator_.validity().load_n;
-  EXPECT_EQ(estimator_.estimate(sample_of(plate_, at(215, 200), 0.5 * range.lowest).deflection_mm).flags, cop_flag::kOutsideLoad);
-  EXPECT_EQ(estimator_.estimate(sample_of(plate_, at(215, 200), 1.2 * range.highest).deflection_mm).flags, cop_flag::kOutsideLoad);
-}
-
-TEST_P(CopEstimatorFloor, PositionBeyondTheArea_IsClampedToIt) {
-  const auto& [x_mm, y_mm, load_n] = estimator_.validity();
-  for (const Point& position : {at(20, 215), at(215, 20), at(410, 215), at(215, 410), at(20, 20), at(410, 410)}) {
-    const auto estimate = estimator_.estimate(sample_of(plate_, position, kLoadN).deflection_mm);
-    EXPECT_NE(estimate.flags & cop_flag::kOutsideArea, 0);
-    EXPECT_TRUE(x_mm.contains(estimate.x_mm) && y_mm.contains(estimate.y_mm));
-  }
-}
-
-TEST_P(CopEstimatorFloor, Load_IsWithinHalfAPercentOverTheSquare) {
-  double squares = 0.0;
-  const auto positions = test::sensor_square(33);
-  for (const Point& position : positions) {
-    const double relative = estimator_.estimate(sample_of(plate_, position, 560.0).deflection_mm).load_n / 560.0 - 1.0;
-    EXPECT_LT(std::abs(relative), 0.005) << position.x.value << ", " << position.y.value;
-    squares += relative * relative;
-  }
-  EXPECT_LT(std::sqrt(squares / static_cast<double>(positions.size())), 0.002);
-}
-
-TEST_P(CopEstimatorFloor, SensorSquare_IsInsideTheCalibration) {
-  for (const Point& position : test::sensor_square(33)) {
-    EXPECT_TRUE(estimator_.estimate(sample_of(plate_, position, kLoadN).deflection_mm).is_inside_calibration())
-        << position.x.value << ", " << position.y.value;
-  }
-}
-
-TEST_P(CopEstimatorFloor, LoadOutsideTheSensorSquare_SaysSo) {
-  for (const Point& position : {at(40, 215), at(215, 40), at(390, 215), at(215, 390), at(40, 40), at(390, 390), at(40, 390)}) {
-    EXPECT_FALSE(estimator_.estimate(sample_of(plate_, position, kLoadN).deflection_mm).is_inside_calibration())
-        << position.x.value << ", " << position.y.value;
-  }
-}
-
-TEST_P(CopEstimatorFloor, NothingOnThePlate_IsNotANumber) {
-  for (const std::vector<double>& deflection : {std::vector<double>(4), {-1, -1, -1, -1}, {1, -1, 1, -1}, {0, 0, 0, -1e-12}}) {
-    const auto estimate = estimator_.estimate(deflection);
-    EXPECT_TRUE(std::isnan(estimate.x_mm));
-    EXPECT_TRUE(std::isnan(estimate.y_mm));
-    EXPECT_TRUE(std::isnan(estimate.load_n));
-    EXPECT_EQ(estimate.flags, cop_flag::kNoContact);
-  }
-}
-
-TEST_P(CopEstimatorFloor, OneSensorNotFinite_IsNotANumber) {
+  std::vector<std::vector<double>> all = {{},           {1, 1, 1},        {1, 1, 1, 1, 1}, {kHugeMm, kHugeMm, kHugeMm, kHugeMm},
+                                          {0, 0, 0, 0}, {-1, -1, -1, -1}, {1, -1, 1, -1},  {0, 0, 0, -1e-12}};
   for (const double bad : {kNaN, kInfinity, -kInfinity}) {
     for (std::size_t k = 0; k < kFloorSensors; ++k) {
-      std::vector<double> deflection(kFloorSensors, 1.0);
-      deflection[k] = bad;
-      const auto estimate = estimator_.estimate(deflection);
-      EXPECT_TRUE(std::isnan(estimate.x_mm) && std::isnan(estimate.y_mm) && std::isnan(estimate.load_n));
-      EXPECT_FALSE(estimate.is_inside_calibration());
+      all.emplace_back(kFloorSensors, 1.0);
+      all.back()[k] = bad;
+    }
+  }
+  for (const CopEstimator& estimator : floor_estimators()) {
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const auto estimate = estimator.estimate(all[k]);
+      EXPECT_TRUE(std::isnan(estimate.x_mm) && std::isnan(estimate.y_mm) && std::isnan(estimate.load_n)) << k;
+      EXPECT_EQ(estimate.flags, cop_flag::kNoContact) << k;
     }
   }
 }
 
-TEST_P(CopEstimatorFloor, AnyFiniteInput_GivesAPositionNearThePlateOrNone) {
+TEST(CopEstimatorFloor, BeyondTheCalibration_IsFlaggedAndClampedToTheArea) {
+  const auto plate = meshed_plate(10.75);
+  for (const CopEstimator& estimator : floor_estimators()) {
+    const auto& [x_mm, y_mm, load_n] = estimator.validity();
+    for (const double wrong_n : {0.5 * load_n.lowest, 1.2 * load_n.highest}) {
+      EXPECT_EQ(estimator.estimate(sample_of(plate, at(215, 200), wrong_n).deflection_mm).flags, cop_flag::kOutsideLoad);
+    }
+    for (const Point& position : {at(20, 215), at(215, 20), at(410, 215), at(215, 410), at(20, 20), at(410, 410), at(40, 390)}) {
+      const auto estimate = estimator.estimate(sample_of(plate, position, kLoadN).deflection_mm);
+      EXPECT_NE(estimate.flags & cop_flag::kOutsideArea, 0) << position.x.value << ", " << position.y.value;
+      EXPECT_TRUE(x_mm.contains(estimate.x_mm) && y_mm.contains(estimate.y_mm));
+    }
+  }
+}
+
+TEST(CopEstimatorFloor, SensorSquare_IsInsideTheCalibrationAndTheLoadWithinHalfAPercent) {
+  const auto plate = meshed_plate(10.75);
+  const auto positions = test::sensor_square(33);
+  for (const CopEstimator& estimator : floor_estimators()) {
+    double squares = 0.0;
+    for (const Point& position : positions) {
+      const auto estimate = estimator.estimate(sample_of(plate, position, 560.0).deflection_mm);
+      EXPECT_EQ(estimate.flags, 0) << position.x.value << ", " << position.y.value;
+      EXPECT_NEAR(estimate.load_n, 560.0, 0.005 * 560.0) << position.x.value << ", " << position.y.value;
+      squares += std::pow(estimate.load_n / 560.0 - 1.0, 2);
+    }
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(positions.size())), 0.002);
+  }
+}
+
+TEST(CopEstimatorFloor, AnyFiniteInput_GivesAPositionNearThePlateOrNone) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> mantissa(-1.0, 1.0);
   std::uniform_int_distribution<int> exponent(-1070, 1024);
   for (int round = 0; round < 20'000; ++round) {
     std::array<double, kFloorSensors> deflection{};
-    const bool is_wild = round % 2 == 0;
-    for (double& value : deflection) value = is_wild ? std::ldexp(mantissa(random), exponent(random)) : mantissa(random);
+    for (double& value : deflection) value = round % 2 == 0 ? std::ldexp(mantissa(random), exponent(random)) : mantissa(random);
+    for (const CopEstimator& estimator : floor_estimators()) {
+      const auto estimate = estimator.estimate(deflection);
 
-    const auto estimate = estimator_.estimate(deflection);
-
-    if (std::isnan(estimate.x_mm)) continue;
-    EXPECT_GT(estimate.x_mm, 0.0);
-    EXPECT_LT(estimate.x_mm, 430.0);
-    EXPECT_GT(estimate.y_mm, 0.0);
-    EXPECT_LT(estimate.y_mm, 430.0);
-    EXPECT_GE(estimate.load_n, 0.0);
+      if (std::isnan(estimate.x_mm)) continue;
+      EXPECT_TRUE(estimate.x_mm > 0.0 && estimate.x_mm < 430.0 && estimate.y_mm > 0.0 && estimate.y_mm < 430.0);
+      EXPECT_GE(estimate.load_n, 0.0);
+    }
   }
 }
 
@@ -336,7 +265,7 @@ TEST(CopEstimatorAnySensors, AnyFiniteInput_GivesAPositionInTheAreaOrAFlag) {
   std::uniform_int_distribution<int> exponent(-1070, 1024);
   for (const auto method : {CopMethod::Moment, CopMethod::Model}) {
     const auto estimator = *CopEstimator::from_model(method, nine, PlateBehaviour::Linear);
-    for (int round = 0; round < 3000; ++round) {
+    for (int round = 0; round < 1000; ++round) {
       std::vector<double> deflection(9);
       for (double& value : deflection) value = round % 2 == 0 ? std::ldexp(mantissa(random), exponent(random)) : mantissa(random);
 

@@ -71,17 +71,5 @@ TEST(PlateAccuracy, OppositeSensors_ReproduceTheStudy) {
   expect_lines(opposites(test::corners(0.0)), {0.0, 2.31, 2.27, 1.54, 0.75});
 }
 
-TEST(PlateAccuracy, Configurations_RankAsInTable36) {
-  const auto mean = [](const Lines& lines) { return (lines[1] + lines[2] + lines[3] + lines[4]) / 4.0; };
-  const double edge_neighbour = mean(neighbours(test::edges()));
-  const double edge_opposite = mean(opposites(test::edges()));
-  const double corner_opposite = mean(opposites(test::corners(0.0)));
-  const double corner_neighbour = mean(neighbours(test::corners(0.0)));
-
-  EXPECT_GT(edge_neighbour, edge_opposite);
-  EXPECT_GT(edge_opposite, corner_opposite);
-  EXPECT_GT(corner_opposite, corner_neighbour);
-}
-
 }  // namespace
 }  // namespace dts::physics

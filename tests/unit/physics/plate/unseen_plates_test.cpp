@@ -16,7 +16,7 @@ namespace {
 
 using test::at;
 
-constexpr int kPlatesPerSupport = 4;
+constexpr int kPlatesPerSupport = 2;
 /// The element converges with the fourth order: half as many divisions more than its default stand for the plate itself. Its own
 /// anchors are in solve_test.cpp.
 constexpr int kReferenceDivisions = 60;
@@ -91,9 +91,8 @@ struct ShellSolution {
   std::array<double, 5> deflection_mm;
 };
 const ShellSolution kShell[] = {
-    {at(215, 215), 120, {0.8092, 0.8092, 0.8092, 0.8092, 1.4929}},      {at(215, 215), 480, {2.9305, 2.9305, 2.9305, 2.9305, 5.2426}},
-    {at(215, 215), 720, {4.1615, 4.1615, 4.1615, 4.1615, 7.2907}},      {at(150.5, 182.75), 120, {0.9404, 0.7073, 0.8108, 0.6314, 1.3505}},
-    {at(150.5, 182.75), 480, {3.5057, 2.5977, 3.0037, 2.3013, 4.8467}}, {at(150.5, 182.75), 720, {5.0582, 3.7095, 4.3159, 3.2680, 6.8182}},
+    {at(215, 215), 720, {4.1615, 4.1615, 4.1615, 4.1615, 7.2907}},
+    {at(150.5, 182.75), 480, {3.5057, 2.5977, 3.0037, 2.3013, 4.8467}},
 };
 
 TEST(NonlinearPlate, SteelPlatform_MeetsTheShellSolution) {

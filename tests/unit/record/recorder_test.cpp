@@ -139,7 +139,7 @@ TEST_F(RecorderTest, DriftingClock_TimeAxisHasNoJitterAndOffsetsTellTheDrift) {
     const double rate_hz = scans.values.size() == scans.count && scans.values[0] < 2000.0 ? 500.0 : 1000.0;
     EXPECT_NEAR(scans.first_time_s, start_s + static_cast<double>(scans.first_scan.value) / rate_hz, 2e-9);
   }
-  EXPECT_EQ(contents.offsets.size(), 3U * 3U) << "at the start and every 5 s, of each stream";
+  EXPECT_EQ(contents.offsets.size(), 3U * 5U) << "at the start and every 5 s: of three streams, the events and the quality";
   EXPECT_NEAR(contents.offsets.back().offset_s, (contents.offsets.back().time_s - start_s) * 50e-6, 8e-6);
 }
 

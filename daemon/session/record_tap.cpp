@@ -34,7 +34,7 @@ void RecordTap::offer(const core::Frame& frame) noexcept {
   if (current_ == 0) return;
   Slot* const slot = ring_.claim();
   if (slot == nullptr) {
-    lost_scans_ += frame.streams.empty() ? 0 : frame.streams.front().count();
+    lost_scans_ += frame.streams.front().count();
     lost_gap_ = core::merged(lost_gap_, frame.gap_before);
     return ring_.drop();
   }

@@ -35,7 +35,8 @@ struct StandingCondition {
 
 bool is_cut(const SwayTrialResult* trial) { return (trial->analysis->flags & posturography::sway_flag::kCutAtGap) != 0; }
 
-/// Values of different durations do not compare: what a gap left of a trial stays out of the means, unless no trial of the condition is whole.
+/// Values of different durations do not compare: what a gap left of a trial stays out of the means, unless no trial of the condition is
+/// whole.
 void leave_out_cut_trials(StandingCondition& condition) {
   if (!std::ranges::all_of(condition.trials, is_cut)) std::erase_if(condition.trials, is_cut);
 }
@@ -118,9 +119,9 @@ void add_romberg(const StandingCondition& open, const StandingCondition& closed,
     const posturography::MeasureInfo& about = posturography::info(measure);
     const Spread with = spread_of(open, measure);
     const Spread without = spread_of(closed, measure);
-    if (!about.is_ratio_scaled || with.count == 0 || without.count == 0 || !(with.mean > 0.0)) continue;
+    if (!about.is_ratio_scaled || with.count == 0 || without.count == 0) continue;
     const double quotient = without.mean / with.mean;
-    if (!std::isfinite(quotient)) continue;
+    if (!std::isfinite(quotient)) continue;  // also of nothing over nothing
     JsonObject details;
     details.add("open", with.mean);
     details.add("closed", without.mean);

@@ -107,7 +107,7 @@ std::string CsvSink::unused_name(const std::string& stream) {
 core::Status CsvSink::take(const RecordedScans& scans) {
   trials_.take(scans);
   Column& column = columns_[scans.stream];
-  if (column.file == nullptr || !column.times) return {};
+  if (!column.times) return {};  // of no regular stream, or not exported
   column.times->begin(scans);
   for (std::size_t scan = 0; scan < scans.count; ++scan) {
     char* at = column.file->reserve(longest_row(column.channels));

@@ -139,7 +139,7 @@ TEST_F(RecorderTest, DriftingClock_TimeAxisHasNoJitterAndOffsetsTellTheDrift) {
     const double rate_hz = scans.values.size() == scans.count && scans.values[0] < 2000.0 ? 500.0 : 1000.0;
     EXPECT_NEAR(scans.first_time_s, start_s + static_cast<double>(scans.first_scan.value) / rate_hz, 2e-9);
   }
-  ASSERT_GE(contents.offsets.size(), 3U);
+  EXPECT_EQ(contents.offsets.size(), 3U * 5U) << "at the start and every 5 s: of three streams, the events and the quality";
   EXPECT_NEAR(contents.offsets.back().offset_s, (contents.offsets.back().time_s - start_s) * 50e-6, 8e-6);
 }
 
@@ -286,13 +286,13 @@ TEST_F(RecorderTest, Quality_StandsInTheFileWhereverItChanges) {
 TEST_F(RecorderTest, FramesThatNeverCame_AreALossThatTheFileTells) {
   auto recorder = this->recorder();
   ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
-  ASSERT_TRUE(recorder->take(frame(0, 100, 40, host_ns(100))));
+  ASSERT_TRUE(recorder->take(frame(0, 41, 40, host_ns(41))));
   ASSERT_TRUE(recorder->flush());
 
-  EXPECT_EQ(recorder->lost_scans(), 60U);
+  EXPECT_EQ(recorder->lost_scans(), 1U);
   const std::string file = recorder->close("").value().file;
 
-  EXPECT_THAT(verify(file).value().incomplete, testing::HasSubstr("60 scans"));
+  EXPECT_EQ(verify(file).value().incomplete, "1 scans found no room on the way to the file");
 }
 
 TEST_F(RecorderTest, UndefinedValues_ComeBackAsNaN) {

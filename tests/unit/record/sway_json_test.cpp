@@ -49,6 +49,11 @@ TEST(SwayJson, LabelsReadBack) {
   const auto back = labels_of_json(to_json(labels).text);
   ASSERT_TRUE(back);
   EXPECT_EQ(*back, labels);
+  for (const std::size_t count : {32U, 33U}) {
+    Labels many;
+    for (std::size_t i = 0; i < count; ++i) many.emplace_back("label" + std::to_string(i), "x");
+    EXPECT_EQ(labels_of_json(to_json(many).text).has_value(), count == 32) << count;
+  }
 }
 
 TEST(SwayJson, NestedValuesOfEventsStayAsTheyAreWritten) {

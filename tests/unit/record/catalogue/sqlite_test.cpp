@@ -55,6 +55,11 @@ TEST_F(CatalogueFile, EveryWrite_IsDurableAndLoggedAhead) {
   EXPECT_EQ(mode->text(0), "wal");
   EXPECT_EQ(database->number("PRAGMA synchronous").value_or(0), 2);  // FULL
   EXPECT_EQ(database->number("PRAGMA foreign_keys").value_or(0), 1);
+  for (const char* wrong : {"SELECT x FROM none", "SELECT", R"(SELECT "text, not a name")"}) {
+    const auto answer = database->number(wrong);
+    ASSERT_FALSE(answer) << wrong;
+    EXPECT_THAT(answer.error().what, testing::StartsWith("the catalogue (" + path() + "): "));
+  }
 }
 
 TEST_F(CatalogueFile, NoFolder_IsNotFound) {
@@ -198,7 +203,8 @@ TEST_F(CatalogueFile, ValueOfAnotherType_IsDamageAndNoCrash) {
   ASSERT_TRUE(row && row->step().value_or(false));
   EXPECT_TRUE(row->sound());
   EXPECT_EQ(row->integer(0), 0);
-  EXPECT_THAT(what(row->sound()), HasSubstr("a is of the wrong type"));
+  EXPECT_THAT(what(row->sound()), testing::AllOf(HasSubstr(path()), HasSubstr("a is of the wrong type")));
+  EXPECT_LT(what(row->sound()).find(path()), what(row->sound()).find("a is of")) << "which file, then what is wrong with it";
   EXPECT_EQ(row->text(1), "");
   EXPECT_EQ(row->count(2), 0U);
   EXPECT_EQ(row->count32(3), 0U);

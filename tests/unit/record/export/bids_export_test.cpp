@@ -18,16 +18,13 @@ const std::string kStem = "sub-P017/ses-20261121T144525Zfloor1/motion/sub-P017_s
 
 class BidsExportTest : public ExportTest {
  protected:
-  [[nodiscard]] core::Result<Exported> run(FakeRecording& recording, const Progress& progress = {}) const {
-    return export_bids(recording, folder_.string(), progress);
-  }
+  FakeRecording recording_ = floor_recording();
+  [[nodiscard]] core::Result<Exported> run(const Progress& progress = {}) { return export_bids(recording_, folder_.string(), progress); }
   [[nodiscard]] nlohmann::json json(const std::string& name) const { return nlohmann::json::parse(text(name)); }
 };
 
 TEST_F(BidsExportTest, Session_BecomesADatasetWithTheNamesOfTheSpecification) {
-  FakeRecording recording = floor_recording();
-
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_TRUE(exported.has_value()) << exported.error().what;
   EXPECT_THAT(files(), ElementsAre("README", "dataset_description.json", "participants.json", "participants.tsv",
@@ -43,9 +40,8 @@ TEST_F(BidsExportTest, Session_BecomesADatasetWithTheNamesOfTheSpecification) {
 }
 
 TEST_F(BidsExportTest, Samples_HaveNoHeaderAndBeginWithTheLatency) {
-  FakeRecording recording = floor_recording();
-  std::get<RecordedScans>(recording.items[3]).values[0] = std::numeric_limits<double>::quiet_NaN();
-  ASSERT_TRUE(run(recording).has_value());
+  std::get<RecordedScans>(recording_.items[3]).values[0] = std::numeric_limits<double>::quiet_NaN();
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(lines(kStem + "floorcop_motion.tsv"),
               ElementsAre("0.000000\tn/a\t0.1\t0.2", "0.010000\t0.3\t0.4\t0.5", "0.020000\t0.6\t0.7\t0.8", "0.030000\t0\t0.1\t0.2",
@@ -53,17 +49,15 @@ TEST_F(BidsExportTest, Samples_HaveNoHeaderAndBeginWithTheLatency) {
 }
 
 TEST_F(BidsExportTest, SessionWithoutAPseudonym_IsUnknownAndTheReadmeWarnsOfTakingThemForOnePerson) {
-  FakeRecording recording = floor_recording();
-  recording.facts->subject.clear();
-  ASSERT_TRUE(run(recording).has_value());
+  recording_.facts->subject.clear();
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(lines("participants.tsv"), ElementsAre("participant_id\tpseudonym", "sub-unknown\tn/a"));
   EXPECT_THAT(text("README"), HasSubstr("sub-unknown holds the sessions that were recorded without one"));
 }
 
 TEST_F(BidsExportTest, Losses_AreThoseOfTheRecording) {
-  FakeRecording recording = floor_recording();
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   const auto facts = json("sourcedata/sub-P017/20261121T144525Z-floor-1_recording.json");
   EXPECT_EQ(facts.at("gaps"), 1);
@@ -72,9 +66,14 @@ TEST_F(BidsExportTest, Losses_AreThoseOfTheRecording) {
 }
 
 TEST_F(BidsExportTest, Channels_AsManyRowsAsColumnsWithTheRequiredColumnsFirst) {
-  FakeRecording recording = floor_recording();
-  ASSERT_TRUE(run(recording).has_value());
+  recording_.infos[0].channels[0].device_channel = 0;
+  recording_.infos[0].channels[0].is_sensor = true;
+  recording_.infos[0].channels[1].is_marker = true;
+  ASSERT_TRUE(run().has_value());
 
+  const auto raw_rows = lines(kStem + "floorraw_channels.tsv");
+  EXPECT_EQ(cells(raw_rows[2], '\t')[6], "device channel 0, displacement sensor");
+  EXPECT_EQ(cells(raw_rows[3], '\t')[6], "marker channel");
   const auto rows = lines(kStem + "floorcop_channels.tsv");
   EXPECT_THAT(rows.front(), ::testing::StartsWith("name\tcomponent\ttype\ttracked_point\tunits\t"));
   ASSERT_EQ(rows.size() - 1, cells(lines(kStem + "floorcop_motion.tsv").front(), '\t').size());
@@ -87,10 +86,9 @@ TEST_F(BidsExportTest, Channels_AsManyRowsAsColumnsWithTheRequiredColumnsFirst) 
 }
 
 TEST_F(BidsExportTest, Sidecar_HasTheRequiredFieldsAndCountsOfEveryType) {
-  FakeRecording recording = floor_recording();
-  recording.facts->fields = {{"arm_length_cm", "71"}};
-  recording.damaged = "torn";
-  ASSERT_TRUE(run(recording).has_value());
+  recording_.facts->fields = {{"arm_length_cm", "71"}};
+  recording_.damaged = "torn";
+  ASSERT_TRUE(run().has_value());
 
   const auto sidecar = json(kStem + "floorcop_motion.json");
   EXPECT_EQ(sidecar.at("TaskName"), "quiet-standing");
@@ -110,11 +108,10 @@ TEST_F(BidsExportTest, Sidecar_HasTheRequiredFieldsAndCountsOfEveryType) {
 }
 
 TEST_F(BidsExportTest, Events_HaveOnsetDurationAndType) {
-  FakeRecording recording = floor_recording();
-  recording.items.emplace_back(
+  recording_.items.emplace_back(
       TimedEvent{.time_s = 8123.261,
                  .event = {.event = "trial", .scan = {1}, .values = {{"phase", std::string("go")}, {"condition", std::string("120\t%")}}}});
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(lines(kStem + "floorcop_events.tsv"), ElementsAre("onset\tduration\ttrial_type\tvalue\tcondition\tsegment\tscan\tdetails",
                                                                 "0.000000\tn/a\tsegment\tn/a\tn/a\t0\t0\t{\"host_time_ns\":8123251000000}",
@@ -124,8 +121,7 @@ TEST_F(BidsExportTest, Events_HaveOnsetDurationAndType) {
 }
 
 TEST_F(BidsExportTest, Scans_SayWhenTheRecordingBegan) {
-  FakeRecording recording = floor_recording();
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   const auto rows = lines("sub-P017/ses-20261121T144525Zfloor1/sub-P017_ses-20261121T144525Zfloor1_scans.tsv");
   ASSERT_EQ(rows.size(), 3U);
@@ -138,8 +134,7 @@ TEST_F(BidsExportTest, Scans_SayWhenTheRecordingBegan) {
 }
 
 TEST_F(BidsExportTest, LabelSomebodyTyped_IsNowhere) {
-  FakeRecording recording = floor_recording();
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   for (const std::string& file : files()) {
     EXPECT_THAT(file, Not(HasSubstr("Jane")));
@@ -148,14 +143,13 @@ TEST_F(BidsExportTest, LabelSomebodyTyped_IsNowhere) {
 }
 
 TEST_F(BidsExportTest, SecondSubjectAndSecondPart_AreAddedToTheDataset) {
-  FakeRecording recording = floor_recording();
-  ASSERT_TRUE(run(recording).has_value());
-  recording.facts->part = 2;
-  ASSERT_TRUE(run(recording).has_value());
-  recording.facts->subject = "P-018";
-  recording.facts->part = 1;
+  ASSERT_TRUE(run().has_value());
+  recording_.facts->part = 2;
+  ASSERT_TRUE(run().has_value());
+  recording_.facts->subject = "P-018";
+  recording_.facts->part = 1;
 
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_TRUE(exported.has_value()) << exported.error().what;
   EXPECT_THAT(files(), Contains(kStem + "floorcop_run-2_motion.tsv"));
@@ -164,11 +158,10 @@ TEST_F(BidsExportTest, SecondSubjectAndSecondPart_AreAddedToTheDataset) {
 }
 
 TEST_F(BidsExportTest, TheSameAgain_WrongStateAndTheDatasetStaysAsItWas) {
-  FakeRecording recording = floor_recording();
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
   const auto before = files();
 
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_FALSE(exported.has_value());
   EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
@@ -177,12 +170,11 @@ TEST_F(BidsExportTest, TheSameAgain_WrongStateAndTheDatasetStaysAsItWas) {
 }
 
 TEST_F(BidsExportTest, PseudonymsThatBecomeOneLabel_AreToldNotMixed) {
-  FakeRecording recording = floor_recording();
-  ASSERT_TRUE(run(recording).has_value());
-  recording.facts->subject = "P017";
-  recording.facts->session_id = "another";
+  ASSERT_TRUE(run().has_value());
+  recording_.facts->subject = "P017";
+  recording_.facts->session_id = "another";
 
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_FALSE(exported.has_value());
   EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
@@ -191,13 +183,12 @@ TEST_F(BidsExportTest, PseudonymsThatBecomeOneLabel_AreToldNotMixed) {
 }
 
 TEST_F(BidsExportTest, SubjectsThatDifferOnlyInCase_AreToldNotMixed) {
-  FakeRecording recording = floor_recording();
-  recording.facts->subject = "P1";
-  ASSERT_TRUE(run(recording).has_value());
-  recording.facts->subject = "p1";
-  recording.facts->session_id = "another";
+  recording_.facts->subject = "P1";
+  ASSERT_TRUE(run().has_value());
+  recording_.facts->subject = "p1";
+  recording_.facts->session_id = "another";
 
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_FALSE(exported.has_value());
   EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
@@ -206,41 +197,36 @@ TEST_F(BidsExportTest, SubjectsThatDifferOnlyInCase_AreToldNotMixed) {
 }
 
 TEST_F(BidsExportTest, FolderOfSomethingElse_IsLeftAlone) {
-  FakeRecording recording = floor_recording();
   write("holiday.txt", "mine");
-  EXPECT_EQ(run(recording).error().code, core::ErrorCode::WrongState);
+  EXPECT_EQ(run().error().code, core::ErrorCode::WrongState);
   EXPECT_THAT(files(), ElementsAre("holiday.txt"));
 
   write("dataset_description.json", R"({"Name": "of somebody else", "BIDSVersion": "1.9.0"})");
-  EXPECT_EQ(run(recording).error().code, core::ErrorCode::WrongState);
+  EXPECT_EQ(run().error().code, core::ErrorCode::WrongState);
   EXPECT_THAT(files(), ElementsAre("dataset_description.json", "holiday.txt"));
 }
 
 TEST_F(BidsExportTest, Stopped_LeavesNothing) {
-  FakeRecording recording = floor_recording();
-
-  const auto exported = run(recording, [](std::uint64_t, std::uint64_t) { return false; });
+  const auto exported = run([](std::uint64_t, std::uint64_t) { return false; });
 
   ASSERT_FALSE(exported.has_value());
   EXPECT_FALSE(std::filesystem::exists(folder_));
 }
 
 TEST_F(BidsExportTest, NoSubjectAndForeignFile_HaveLabelsAllTheSame) {
-  FakeRecording recording = floor_recording();
-  recording.facts.reset();
-  for (StreamInfo& info : recording.infos) info.name = "../x";
+  recording_.facts.reset();
+  for (StreamInfo& info : recording_.infos) info.name = "../x";
 
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(files(), Contains("sub-unknown/ses-unknown/motion/sub-unknown_ses-unknown_task-free_tracksys-x2_motion.tsv"));
   EXPECT_THAT(lines("participants.tsv"), ElementsAre("participant_id\tpseudonym", "sub-unknown\tn/a"));
 }
 
 TEST_F(BidsExportTest, RecordingWithoutScans_SaysSo) {
-  FakeRecording recording = floor_recording();
-  recording.items.resize(1);
+  recording_.items.resize(1);
 
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_FALSE(exported.has_value());
   EXPECT_EQ(exported.error().code, core::ErrorCode::InvalidArgument);

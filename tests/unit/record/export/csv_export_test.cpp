@@ -40,15 +40,12 @@ FakeRecording long_recording() {
 
 class CsvExportTest : public ExportTest {
  protected:
-  [[nodiscard]] core::Result<Exported> run(FakeRecording& recording, const Progress& progress = {}) const {
-    return export_csv(recording, folder_.string(), progress);
-  }
+  FakeRecording recording_ = floor_recording();
+  [[nodiscard]] core::Result<Exported> run(const Progress& progress = {}) { return export_csv(recording_, folder_.string(), progress); }
 };
 
 TEST_F(CsvExportTest, Session_OneFilePerStreamAndTheEvents) {
-  FakeRecording recording = floor_recording();
-
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_TRUE(exported.has_value()) << exported.error().what;
   EXPECT_THAT(files(),
@@ -62,8 +59,7 @@ TEST_F(CsvExportTest, Session_OneFilePerStreamAndTheEvents) {
 }
 
 TEST_F(CsvExportTest, Rows_HaveTimeSegmentScanAndValues) {
-  FakeRecording recording = floor_recording();
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(lines("20261121T144525Z-floor-1_cop.csv"),
               ElementsAre("t_s,segment,scan,ml_mm,ap_mm,load_n", "0,0,0,0,0.1,0.2", "0.01,0,1,0.3,0.4,0.5", "0.02,0,2,0.6,0.7,0.8",
@@ -72,8 +68,7 @@ TEST_F(CsvExportTest, Rows_HaveTimeSegmentScanAndValues) {
 }
 
 TEST_F(CsvExportTest, Events_TextAndDetailsAreQuotedAsCsvAsksFor) {
-  FakeRecording recording = floor_recording();
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(lines("20261121T144525Z-floor-1_events.csv"),
               ElementsAre("t_s,segment,scan,event,text,details", "0,0,0,segment,,\"{\"\"host_time_ns\"\":8123251000000}\"",
@@ -81,9 +76,8 @@ TEST_F(CsvExportTest, Events_TextAndDetailsAreQuotedAsCsvAsksFor) {
 }
 
 TEST_F(CsvExportTest, RecordingDocument_SaysWhatIsMissingAndWhatWasAskedAboutTheSubject) {
-  FakeRecording recording = floor_recording();
-  recording.facts->fields = {{"arm_length_cm", "71"}};
-  ASSERT_TRUE(run(recording).has_value());
+  recording_.facts->fields = {{"arm_length_cm", "71"}};
+  ASSERT_TRUE(run().has_value());
 
   const auto document = nlohmann::json::parse(text("20261121T144525Z-floor-1_recording.json"));
   EXPECT_EQ(document.at("lost_scans"), 100);
@@ -94,7 +88,6 @@ TEST_F(CsvExportTest, RecordingDocument_SaysWhatIsMissingAndWhatWasAskedAboutThe
 }
 
 TEST_F(CsvExportTest, Trials_HaveATableOfTheirOwn) {
-  FakeRecording recording = floor_recording();
   const auto step = [](const std::string& phase, std::int64_t trial, std::uint32_t segment, std::uint64_t scan) {
     return TimedEvent{
         .time_s = 0.0,
@@ -104,8 +97,8 @@ TEST_F(CsvExportTest, Trials_HaveATableOfTheirOwn) {
                   .values = {{"phase", phase}, {"trial", trial}, {"attempt", std::int64_t{1}}, {"condition", std::string("=eyes")}}}};
   };
   for (const TimedEvent& event : {step("measure", 1, 0, 1), step("done", 1, 0, 3), step("measure", 2, 1, 0)})
-    recording.items.emplace_back(event);
-  ASSERT_TRUE(run(recording).has_value());
+    recording_.items.emplace_back(event);
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(lines("20261121T144525Z-floor-1_trials.csv"),
               ElementsAre("trial,attempt,block,condition,outcome,is_valid,first_segment,first_scan,last_segment,last_scan",
@@ -115,15 +108,14 @@ TEST_F(CsvExportTest, Trials_HaveATableOfTheirOwn) {
 TEST_F(CsvExportTest, EveryNumber_ReadsBackAsExactlyTheRecordedOne) {
   const std::vector<double> hard{0.1,           1.0 / 3.0, -2.5e-308,         5e-324, 1.7976931348623157e308,
                                  123456789.125, -0.0,      65504.0 / 32768.0, 1e21,   9.999999999999999e22};
-  FakeRecording recording = floor_recording();
-  recording.infos = {recording.infos[0], recording.infos[1]};
-  recording.items.clear();
+  recording_.infos = {recording_.infos[0], recording_.infos[1]};
+  recording_.items.clear();
   RecordedScans doubles{.stream = 0, .segment = 0, .first_scan = {0}, .first_time_s = 5.0, .count = hard.size() / 2, .values = hard};
   RecordedScans floats{.stream = 1, .segment = 0, .first_scan = {0}, .first_time_s = 5.0, .count = 1, .values = {}};
   for (const float value : {0.1F, 1.17549435e-38F, 3.40282347e38F}) floats.values.push_back(static_cast<double>(value));
-  recording.items = {doubles, floats};
+  recording_.items = {doubles, floats};
 
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   const auto rows = lines("20261121T144525Z-floor-1_raw.csv");
   ASSERT_EQ(rows.size(), 1 + hard.size() / 2);
@@ -140,28 +132,26 @@ TEST_F(CsvExportTest, EveryNumber_ReadsBackAsExactlyTheRecordedOne) {
 }
 
 TEST_F(CsvExportTest, UndefinedValue_IsAnEmptyCell) {
-  FakeRecording recording = floor_recording();
-  std::get<RecordedScans>(recording.items[3]).values[0] = std::numeric_limits<double>::quiet_NaN();
-  std::get<RecordedScans>(recording.items[3]).values[2] = std::numeric_limits<double>::quiet_NaN();
+  std::get<RecordedScans>(recording_.items[3]).values[0] = std::numeric_limits<double>::quiet_NaN();
+  std::get<RecordedScans>(recording_.items[3]).values[2] = std::numeric_limits<double>::quiet_NaN();
 
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_EQ(lines("20261121T144525Z-floor-1_cop.csv")[1], "0,0,0,,0.1,");
 }
 
 TEST_F(CsvExportTest, TimesOfManyScans_FollowTheExactRateNotTheStamps) {
-  FakeRecording recording = floor_recording();
-  recording.infos = {recording.infos[0]};
-  recording.infos[0].rate = *core::Rate::create(1500, 1);
-  recording.infos[0].channels.resize(1);
-  recording.items.clear();
+  recording_.infos = {recording_.infos[0]};
+  recording_.infos[0].rate = *core::Rate::create(1500, 1);
+  recording_.infos[0].channels.resize(1);
+  recording_.items.clear();
   for (std::uint64_t block = 0; block < 100; ++block) {
     const double time_s = 8123.251 + static_cast<double>(block * 10) / 1500.0 + (block % 2 == 0 ? 3e-7 : -3e-7);  // rounded stamps
-    recording.items.emplace_back(RecordedScans{
+    recording_.items.emplace_back(RecordedScans{
         .stream = 0, .segment = 0, .first_scan = {block * 10}, .first_time_s = time_s, .count = 10, .values = std::vector<double>(10)});
   }
 
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   const auto rows = lines("20261121T144525Z-floor-1_raw.csv");
   EXPECT_EQ(rows[2].substr(0, rows[2].find(',')), "0.000666667");
@@ -170,51 +160,46 @@ TEST_F(CsvExportTest, TimesOfManyScans_FollowTheExactRateNotTheStamps) {
 }
 
 TEST_F(CsvExportTest, EventBeforeTheFirstScan_HasANegativeTime) {
-  FakeRecording recording = floor_recording();
-  std::get<TimedEvent>(recording.items[0]).time_s -= 0.25;
+  std::get<TimedEvent>(recording_.items[0]).time_s -= 0.25;
 
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(lines("20261121T144525Z-floor-1_events.csv")[1], ::testing::StartsWith("-0.25,0,0,segment"));
 }
 
 TEST_F(CsvExportTest, ChannelWithoutUnitInItsName_GetsIt) {
-  FakeRecording recording = floor_recording();
-  recording.infos[0].channels[0] = {.label = "Fz, left", .unit = "N"};
+  recording_.infos[0].channels[0] = {.label = "Fz, left", .unit = "N"};
 
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_EQ(lines("20261121T144525Z-floor-1_raw.csv")[0], "t_s,segment,scan,\"Fz, left_n\",w2_v");
 }
 
 TEST_F(CsvExportTest, SecondPart_HasNamesOfItsOwn) {
-  FakeRecording recording = floor_recording();
-  ASSERT_TRUE(run(recording).has_value());
-  recording.facts->part = 2;
+  ASSERT_TRUE(run().has_value());
+  recording_.facts->part = 2;
 
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(files(), ::testing::Contains("20261121T144525Z-floor-1.2_cop.csv"));
 }
 
 TEST_F(CsvExportTest, HostileNames_StayInTheFolder) {
-  FakeRecording recording = floor_recording();
-  recording.facts->session_id = "../../etc/x";
-  recording.infos[0].name = "floor/..";
-  recording.infos[1].name = "../cop\n";
+  recording_.facts->session_id = "../../etc/x";
+  recording_.infos[0].name = "floor/..";
+  recording_.infos[1].name = "../cop\n";
 
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   EXPECT_THAT(files(), ElementsAre("_._.._etc_x__..csv", "_._.._etc_x_cop_.csv", "_._.._etc_x_events.csv", "_._.._etc_x_quality.csv",
                                    "_._.._etc_x_recording.json"));
 }
 
 TEST_F(CsvExportTest, ForeignRecordingWithEqualStreamNames_NothingIsLost) {
-  FakeRecording recording = floor_recording();
-  recording.facts.reset();
-  for (StreamInfo& info : recording.infos) info.name = "EEG";
+  recording_.facts.reset();
+  for (StreamInfo& info : recording_.infos) info.name = "EEG";
 
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_TRUE(exported.has_value());
   EXPECT_THAT(files(), ElementsAre("recording_EEG-2.csv", "recording_EEG-3.csv", "recording_EEG.csv", "recording_events.csv",
@@ -222,10 +207,9 @@ TEST_F(CsvExportTest, ForeignRecordingWithEqualStreamNames_NothingIsLost) {
 }
 
 TEST_F(CsvExportTest, FileThatExists_WrongStateAndNothingIsTouched) {
-  FakeRecording recording = floor_recording();
   write("20261121T144525Z-floor-1_events.csv", "mine");
 
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_FALSE(exported.has_value());
   EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
@@ -235,13 +219,12 @@ TEST_F(CsvExportTest, FileThatExists_WrongStateAndNothingIsTouched) {
 }
 
 TEST_F(CsvExportTest, FileThatAppearsMeanwhile_IsNotOverwritten) {
-  FakeRecording recording = floor_recording();
   const auto intrude = [&](std::uint64_t, std::uint64_t) {
     write("20261121T144525Z-floor-1_raw.csv", "mine");
     return true;
   };
 
-  const auto exported = run(recording, intrude);
+  const auto exported = run(intrude);
 
   ASSERT_FALSE(exported.has_value());
   EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
@@ -250,10 +233,9 @@ TEST_F(CsvExportTest, FileThatAppearsMeanwhile_IsNotOverwritten) {
 }
 
 TEST_F(CsvExportTest, Stopped_LeavesNothingNotEvenTheFolder) {
-  FakeRecording recording = floor_recording();
   int calls = 0;
 
-  const auto exported = run(recording, [&](std::uint64_t done, std::uint64_t of) {
+  const auto exported = run([&](std::uint64_t done, std::uint64_t of) {
     EXPECT_LE(done, of);
     return ++calls < 3;
   });
@@ -264,10 +246,9 @@ TEST_F(CsvExportTest, Stopped_LeavesNothingNotEvenTheFolder) {
 }
 
 TEST_F(CsvExportTest, RecordingThatCannotBeReadOn_FailsAndLeavesNothing) {
-  FakeRecording recording = floor_recording();
-  recording.fails_at = 5;
+  recording_.fails_at = 5;
 
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_FALSE(exported.has_value());
   EXPECT_EQ(exported.error().code, core::ErrorCode::DataDamaged);
@@ -275,10 +256,9 @@ TEST_F(CsvExportTest, RecordingThatCannotBeReadOn_FailsAndLeavesNothing) {
 }
 
 TEST_F(CsvExportTest, AnotherExportUnderWay_WrongStateAndSaysWhatToDo) {
-  FakeRecording recording = floor_recording();
   write(".20261121T144525Z-floor-1_raw.csv.part", "half");
 
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_FALSE(exported.has_value());
   EXPECT_EQ(exported.error().code, core::ErrorCode::WrongState);
@@ -308,11 +288,11 @@ class FullDisk {
 };
 
 TEST_F(CsvExportTest, DiskFullOnTheWay_FailsWithTheFileAndLeavesNothing) {
-  FakeRecording recording = long_recording();
+  recording_ = long_recording();
 
   const auto exported = [&] {
     const FullDisk full(1U << 20U);
-    return run(recording);
+    return run();
   }();
 
   ASSERT_FALSE(exported.has_value());
@@ -322,11 +302,9 @@ TEST_F(CsvExportTest, DiskFullOnTheWay_FailsWithTheFileAndLeavesNothing) {
 }
 
 TEST_F(CsvExportTest, DiskFullAtTheEnd_FailsAndLeavesNothing) {
-  FakeRecording recording = floor_recording();
-
   const auto exported = [&] {
     const FullDisk full(100);
-    return run(recording);
+    return run();
   }();
 
   ASSERT_FALSE(exported.has_value());
@@ -334,9 +312,9 @@ TEST_F(CsvExportTest, DiskFullAtTheEnd_FailsAndLeavesNothing) {
 }
 
 TEST_F(CsvExportTest, RecordingWithoutAnything_IsAnEmptyListOfEvents) {
-  FakeRecording recording;
+  recording_ = {};
 
-  const auto exported = run(recording);
+  const auto exported = run();
 
   ASSERT_TRUE(exported.has_value());
   EXPECT_THAT(files(), ElementsAre("recording_events.csv", "recording_recording.json"));
@@ -344,19 +322,18 @@ TEST_F(CsvExportTest, RecordingWithoutAnything_IsAnEmptyListOfEvents) {
 }
 
 TEST_F(CsvExportTest, FolderThatCannotBeMade_FailsAndSaysWhich) {
-  FakeRecording recording = floor_recording();
   std::ofstream(base_ / "file") << "x";
 
-  const auto exported = export_csv(recording, (base_ / "file" / "below").string());
+  const auto exported = export_csv(recording_, (base_ / "file" / "below").string());
 
   ASSERT_FALSE(exported.has_value());
   EXPECT_THAT(exported.error().what, HasSubstr("file"));
 }
 
 TEST_F(CsvExportTest, LongRecording_EveryRowIsThereInOrder) {
-  FakeRecording recording = long_recording();
+  recording_ = long_recording();
 
-  ASSERT_TRUE(run(recording).has_value());
+  ASSERT_TRUE(run().has_value());
 
   for (const auto& [name, columns] : {std::pair{"raw", 5U}, std::pair{"cop", 6U}}) {
     const auto rows = lines(std::string("20261121T144525Z-floor-1_") + name + ".csv");

@@ -45,6 +45,10 @@ TEST(ChunkIndex, TornOrContradictingLine_EndsIt) {
     const auto notes = read_index(folder / "i");
     ASSERT_TRUE(notes);
     EXPECT_EQ(*notes, (std::vector<ChunkNote>{note(4, 10), note(14, 5)})) << tail;
+    IndexReader reader(folder / "i");
+    while (reader.next()) {
+    }
+    EXPECT_FALSE(reader.next()) << "what stands behind a torn line is not believed: " << tail;
   }
 }
 

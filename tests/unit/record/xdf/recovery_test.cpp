@@ -297,6 +297,9 @@ TEST(Verify, Growing_IsSoundButNotClosed) {
   EXPECT_FALSE(checked->is_closed);
   EXPECT_TRUE(checked->has_index);
   EXPECT_EQ(checked->incomplete, "");
+  const auto none = verify(folder / "none");
+  ASSERT_FALSE(none);
+  EXPECT_EQ(none.error().code, core::ErrorCode::NotFound);
 }
 
 }  // namespace

@@ -110,7 +110,8 @@ TEST(XdfReader, OtherVersion_IsUnsupported) {
 
 struct Hostile {
   const char* why;
-  std::string tail;  ///< After a good start.
+  std::string tail;    ///< After a good start.
+  std::string what{};  ///< Part of the message, where there could be another reason.
 };
 std::vector<Hostile> hostile_tails() {
   const std::string good = header_chunk(1, "double64", "100", "2");
@@ -131,7 +132,7 @@ std::vector<Hostile> hostile_tails() {
       {"no channels", header_chunk(1, "int8", "100", "0")},
       {"too many channels", header_chunk(1, "int8", "100", "4097")},
       {"absurdly many channels", header_chunk(1, "int8", "100", "99999999999999999999")},
-      {"negative channels", header_chunk(1, "int8", "100", "-1")},
+      {"negative channels", header_chunk(1, "int8", "100", "-1"), "'-1'"},
       {"channels in hexadecimal", header_chunk(1, "int8", "100", "0x10")},
       {"rate nan", header_chunk(1, "int8", "nan", "1")},
       {"rate inf", header_chunk(1, "int8", "inf", "1")},
@@ -147,11 +148,16 @@ std::vector<Hostile> hostile_tails() {
       {"no count", good + raw_chunk(3, number_bytes(1))},
       {"count of 3 bytes", good + raw_chunk(3, number_bytes(1) + std::string("\x03\x01\x00\x00", 4))},
       {"count of 2^63", good + raw_chunk(3, number_bytes(1) + "\x08" + std::string(7, '\0') + "\x80" + std::string(64, '\0'))},
-      {"one sample too many", good + raw_chunk(3, samples_content(1, std::string(16, '\0'), 2, 1.0).replace(5, 1, "\x03"))},
+      {"one sample too many", good + raw_chunk(3, samples_content(1, std::string(16, '\0'), 2, 1.0).replace(5, 1, "\x03")),
+       "3 samples declared, there is room for 2"},
       {"one sample too few", good + raw_chunk(3, samples_content(1, std::string(16, '\0'), 2, 1.0).replace(5, 1, "\x01"))},
-      {"stamp of 7 bytes", good + raw_chunk(3, samples_content(1, std::string(16, '\0'), 1, 1.0).replace(6, 1, "\x07"))},
+      {"stamp of 7 bytes", good + raw_chunk(3, samples_content(1, std::string(16, '\0'), 1, 1.0).replace(6, 1, "\x07")),
+       "a time stamp of neither 0 nor 8 bytes"},
+      {"stamp of 9 bytes", good + raw_chunk(3, samples_content(1, std::string(17, '\0'), 1, 1.0).replace(6, 1, "\x09")),
+       "a time stamp of neither 0 nor 8 bytes"},
       {"stamp that is no number", good + raw_chunk(3, nan_stamp)},
-      {"footer with a word for a count", good + raw_chunk(6, number_bytes(1) + "<info><sample_count>many</sample_count></info>")},
+      {"footer with a word for a count", good + raw_chunk(6, number_bytes(1) + "<info><sample_count>many</sample_count></info>"),
+       "<sample_count> is no number: 'many'"},
       {"text longer than its chunk",
        header_chunk(1, "string", "0", "1") + raw_chunk(3, samples_content(1, std::string("\x01\xFF", 2) + "ab", 1, 1.0))},
       {"text length of 2^64 - 1",
@@ -161,7 +167,7 @@ std::vector<Hostile> hostile_tails() {
 
 TEST(XdfReader, HostileContent_IsRefusedWhereItStandsAndForEver) {
   const Folder folder;
-  for (const auto& [why, tail] : hostile_tails()) {
+  for (const auto& [why, tail, what] : hostile_tails()) {
     put_file(folder / "a.xdf", file_start() + tail);
     auto reader = XdfReader::open(folder / "a.xdf");
     ASSERT_TRUE(reader);
@@ -171,7 +177,18 @@ TEST(XdfReader, HostileContent_IsRefusedWhereItStandsAndForEver) {
     EXPECT_EQ(chunk.error().code, core::ErrorCode::DataDamaged) << why;
     EXPECT_NE(chunk.error().what.find("at byte " + std::to_string((*reader)->offset())), std::string::npos)
         << why << ": " << chunk.error().what;
+    EXPECT_NE(chunk.error().what.find(what), std::string::npos) << why << ": " << chunk.error().what;
     EXPECT_EQ((*reader)->next().error(), chunk.error()) << why;
+  }
+}
+
+TEST(XdfReader, MoreSamplesThanTheBytesCanHold_AreRefusedBeforeAnyIsRead) {
+  const std::vector<std::pair<std::string, std::size_t>> formats{{"float32", 4}, {"double64", 8}, {"int8", 1},  {"int16", 2},
+                                                                 {"int32", 4},   {"int64", 8},    {"string", 2}};
+  for (const auto& [format, bytes] : formats) {
+    const std::string content = samples_content(1, std::string(20 * bytes, '\x01'), 10, 1.0).replace(5, 1, "\x0B");
+    const auto read = read_bytes(file_start() + header_chunk(1, format, "0", "20") + raw_chunk(3, content));
+    EXPECT_NE(read.error.what.find("11 samples declared, there is room for 10"), std::string::npos) << format << ": " << read.error.what;
   }
 }
 

@@ -109,10 +109,10 @@ TEST_F(InboxLatestTest, OldDataAfterAStall_IsBehindUntilFreshOnesCome) {
   EXPECT_FALSE(latest.is_behind());
   std::ignore = next_block(latest);
 
-  give(latest, "floor/cop", at(1, 2, kNowNs - 900 * kMillisecond));
-  EXPECT_TRUE(latest.is_behind());
+  give(latest, "floor/cop", at(1, 2, kNowNs - 52 * kMillisecond - 2));
+  EXPECT_TRUE(latest.is_behind()) << "more than 50 ms beyond the usual 2 ms";
 
-  give(latest, "floor/cop", at(2, 3, kNowNs - 30 * kMillisecond));
+  give(latest, "floor/cop", at(2, 3, kNowNs - 52 * kMillisecond));
   EXPECT_FALSE(latest.is_behind());
 }
 

@@ -38,15 +38,6 @@ class SubscriberTest : public ::testing::Test {
   FakePublisher daemon_{endpoint_};
 };
 
-TEST_F(SubscriberTest, NothingPublished_NothingAtTheDeadline) {
-  Subscriber subscriber = subscribe("floor/cop");
-
-  const auto message = subscriber.receive(0ms);
-
-  ASSERT_TRUE(message.has_value());
-  EXPECT_FALSE(message->has_value());
-}
-
 TEST_F(SubscriberTest, BlocksAndEvents_ArriveInOrder) {
   Subscriber subscriber = subscribe("floor/");
   daemon_.send("dtsd/status", floor_status());
@@ -61,18 +52,6 @@ TEST_F(SubscriberTest, BlocksAndEvents_ArriveInOrder) {
   EXPECT_EQ(next_block(subscriber).first_scan, 4U);
   EXPECT_EQ(subscriber.status()->rigs_size(), 1);
   EXPECT_EQ(subscriber.statistics().messages, 4U);
-}
-
-TEST_F(SubscriberTest, FormatComesAfterTheBlocks_BlocksAreNotLost) {
-  Subscriber subscriber = subscribe("floor/cop");
-  daemon_.send("floor/cop", block(1, 0, 4, 1));
-  daemon_.send("floor/cop", block(1, 4, 4, 2));
-  daemon_.send("dtsd/status", floor_status());
-
-  EXPECT_EQ(next_block(subscriber).first_scan, 0U);
-  const Block second = next_block(subscriber);
-  EXPECT_EQ(second.first_scan, 4U);
-  EXPECT_EQ(second.lost_scans, 0U);
 }
 
 TEST_F(SubscriberTest, TopicThatNobodyPublishes_OnlyTheStatusIsLearnt) {
@@ -103,7 +82,7 @@ TEST_F(SubscriberTest, MalformedMessagesOfEveryShape_AreCountedAndTheNextBlockAr
 TEST_F(SubscriberTest, AllModeStalledBeyondItsQueue_DeliveredPlusLostIsEverything) {
   // A short queue overflows and libzmq drops what comes then. Which block is the last to get through is not known
   // beforehand, so more follow until one does.
-  constexpr std::uint64_t kScans = 50'000;
+  constexpr std::uint64_t kScans = 20'000;
   Subscriber subscriber = subscribe("floor/raw", Mode::All, 10);
   daemon_.send("dtsd/status", floor_status());
   daemon_.send("floor/raw", block(1, 0, 1, 1, 1));
@@ -149,20 +128,6 @@ TEST_F(SubscriberTest, LatestAfterAStall_FreshBlockAndDeliveredPlusLostIsEveryth
   EXPECT_EQ(fresh.first_scan, 500U);
   EXPECT_EQ(fresh.lost_scans, 499U);
   EXPECT_TRUE(fresh.is_lost_exact);
-}
-
-TEST_F(SubscriberTest, DaemonRestarts_IsToldAndDataGoOn) {
-  Subscriber subscriber = subscribe("floor/raw");
-  daemon_.send("dtsd/status", floor_status(7));
-  daemon_.send("floor/raw", block(3, 900, 1, 50, 1, 7));
-  std::ignore = next_block(subscriber);
-
-  daemon_.send("dtsd/status", floor_status(8));
-  daemon_.send("floor/raw", block(1, 0, 1, 1, 1, 8));
-
-  const auto message = subscriber.receive(kDeadline);
-  ASSERT_TRUE(message && *message && std::holds_alternative<Restart>(**message));
-  EXPECT_EQ(next_block(subscriber).lost_scans, 0U);
 }
 
 TEST_F(SubscriberTest, StatusTopicAskedFor_StatusIsHandedOut) {

@@ -8,16 +8,13 @@
 namespace dts::client {
 namespace {
 
-TEST(TopicName, Stream_IsTakenApart) {
+TEST(TopicName, RigNameAndKind_AreTakenApart) {
   const auto topic = parse_topic("floor/cop");
 
   ASSERT_TRUE(topic.has_value());
   EXPECT_EQ(topic->rig, "floor");
   EXPECT_EQ(topic->name, "cop");
   EXPECT_EQ(topic->kind, TopicKind::Stream);
-}
-
-TEST(TopicName, EventAndStatus_AreTold) {
   EXPECT_EQ(parse_topic("chair/reach")->kind, TopicKind::Event);
   EXPECT_EQ(parse_topic("chair/trial")->kind, TopicKind::Event);
   EXPECT_EQ(parse_topic("dtsd/status")->kind, TopicKind::Status);

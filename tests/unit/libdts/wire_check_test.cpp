@@ -40,7 +40,8 @@ TEST(WireCheck, ProperAnswers_AreAccepted) {
   EXPECT_TRUE(check(v1::TrialStatus()).has_value());
   EXPECT_TRUE(check(v1::GetAuditResponse()).has_value());
   v1::StatusSnapshot status;
-  status.set_instance_id(7);
+  EXPECT_TRUE(is_damaged(status)) << "no instance id";
+  status.set_instance_id(1);
   EXPECT_TRUE(check(status).has_value());
 }
 
@@ -73,18 +74,83 @@ TEST(WireCheck, OneWrongSessionOfMany_RefusesTheList) {
   EXPECT_TRUE(is_damaged(list));
 }
 
+/// Whether `message` is accepted with `most` elements that `add` adds, and refused with one more.
+template <class Message, class Add>
+bool ends_at(int most, Message message, Add add) {
+  for (int count = 0; count < most; ++count) add(message);
+  const bool is_accepted = check(message).has_value();
+  add(message);
+  return is_accepted && is_damaged(message);
+}
+
+v1::StatusSnapshot status() {
+  v1::StatusSnapshot snapshot;
+  snapshot.set_instance_id(7);
+  snapshot.add_rigs()->mutable_rig()->set_name("floor");
+  return snapshot;
+}
+
+v1::RigInfo rig() {
+  v1::RigInfo info = status().rigs(0).rig();
+  v1::StreamFormat& stream = *info.add_streams();
+  stream.set_name("cop");
+  stream.mutable_rate()->set_numerator(1);
+  stream.mutable_rate()->set_denominator(1);
+  stream.add_channels();
+  return info;
+}
+
 TEST(WireCheck, ListsBeyondTheirLimits_AreRefused) {
-  v1::SessionRecord record = session();
-  for (int part = 0; part < 1000; ++part) record.add_parts()->set_state(v1::PART_STATE_COMPLETE);
-  EXPECT_TRUE(is_damaged(record));
-  record = session();
-  for (int trial = 0; trial < 10'001; ++trial) record.add_trials();
-  EXPECT_TRUE(is_damaged(record));
-  v1::GetAuditResponse audit;
-  for (int entry = 0; entry < 10'001; ++entry) audit.add_entries();
-  EXPECT_TRUE(is_damaged(audit));
-  audit.mutable_entries()->RemoveLast();
-  EXPECT_FALSE(is_damaged(audit));
+  EXPECT_TRUE(ends_at(255, rig(), [](auto& info) { info.mutable_streams(0)->add_channels(); }));
+  EXPECT_TRUE(ends_at(256, rig(), [](auto& info) { info.add_sensors(); }));
+  EXPECT_TRUE(ends_at(63, rig(), [](auto& info) { *info.add_streams() = v1::StreamFormat(info.streams(0)); }));
+  EXPECT_TRUE(ends_at(64, v1::ListRigsResponse(), [](auto& rigs) { *rigs.add_rigs() = rig(); }));
+  EXPECT_TRUE(ends_at(63, status(), [](auto& snapshot) { *snapshot.add_rigs() = v1::RigStatus(snapshot.rigs(0)); }));
+  EXPECT_TRUE(ends_at(1000, status(), [](auto& snapshot) { snapshot.add_notices(); }));
+  EXPECT_TRUE(ends_at(1000, status(), [](auto& snapshot) { snapshot.mutable_rigs(0)->add_losses(); }));
+  EXPECT_TRUE(ends_at(1000, status(), [](auto& snapshot) { snapshot.mutable_rigs(0)->mutable_latency()->add_buckets(); }));
+  EXPECT_TRUE(ends_at(1000, v1::GetDevicesResponse(), [](auto& devices) { devices.add_devices(); }));
+  EXPECT_TRUE(ends_at(1000, v1::GetDevicesResponse(), [](auto& devices) { devices.add_kinds(); }));
+  EXPECT_TRUE(ends_at(1000, v1::TestDeviceResponse(), [](auto& test) { test.add_checks(); }));
+  EXPECT_TRUE(ends_at(256, v1::TestDeviceResponse(), [](auto& test) { test.add_channels(); }));
+  EXPECT_TRUE(ends_at(64, v1::MarkResponse(), [](auto& mark) { mark.add_marks(); }));
+  EXPECT_TRUE(ends_at(256, v1::TareResponse(), [](auto& tare) { tare.add_baseline_mm(0.0); }));
+  EXPECT_TRUE(ends_at(999, session(), [](auto& record) { record.add_parts()->set_state(v1::PART_STATE_COMPLETE); }));
+  EXPECT_TRUE(ends_at(1000, session(), [](auto& record) { record.mutable_parts(0)->add_losses(); }));
+  EXPECT_TRUE(ends_at(10'000, session(), [](auto& record) { record.add_trials(); }));
+  EXPECT_TRUE(ends_at(10'000, v1::ListSessionsResponse(), [](auto& list) { list.add_sessions()->set_session_id("s"); }));
+  EXPECT_TRUE(ends_at(10'000, v1::GetAuditResponse(), [](auto& audit) { audit.add_entries(); }));
+  EXPECT_TRUE(ends_at(10'000, v1::ListKeysResponse(), [](auto& keys) { keys.add_keys(); }));
+  v1::ListProtocolsResponse protocols;
+  EXPECT_TRUE(ends_at(1000, protocols, [](auto& list) { *list.add_protocols() = protocol(); }));
+  *protocols.add_protocols() = protocol();
+  EXPECT_TRUE(ends_at(1000, protocols, [](auto& list) { list.mutable_protocols(0)->add_conditions(); }));
+  EXPECT_TRUE(ends_at(999, protocols, [](auto& list) { list.mutable_protocols(0)->add_fields(); }));
+  EXPECT_TRUE(ends_at(1000, protocols, [](auto& list) { list.mutable_protocols(0)->mutable_fields(0)->add_choices(); }));
+}
+
+TEST(WireCheck, NamesAndRatesOfARig_AreChecked) {
+  const auto is_refused = [](const auto& change) {
+    v1::ListRigsResponse rigs;
+    *rigs.add_rigs() = rig();
+    change(*rigs.mutable_rigs(0));
+    return is_damaged(rigs);
+  };
+  EXPECT_FALSE(is_refused([](v1::RigInfo& info) { info.set_name(std::string(64, 'x')); }));
+  for (const std::string& name : {std::string(), std::string(65, 'x'), std::string("a/b")}) {
+    EXPECT_TRUE(is_refused([&](v1::RigInfo& info) { info.set_name(name); })) << name;
+    EXPECT_TRUE(is_refused([&](v1::RigInfo& info) { info.mutable_streams(0)->set_name(name); })) << name;
+  }
+  EXPECT_TRUE(is_refused([](v1::RigInfo& info) { info.mutable_streams(0)->clear_channels(); }));
+  constexpr std::int64_t kMost = 1'000'000'000'000;
+  for (const auto& [numerator, denominator, is_good] :
+       {std::tuple(kMost, kMost, true), {kMost + 1, kMost, false}, {kMost, kMost + 1, false}, {std::int64_t{0}, kMost, false}}) {
+    EXPECT_NE(is_refused([&, n = numerator, d = denominator](v1::RigInfo& info) {
+                info.mutable_streams(0)->mutable_rate()->set_numerator(n);
+                info.mutable_streams(0)->mutable_rate()->set_denominator(d);
+              }),
+              is_good);
+  }
 }
 
 TEST(WireCheck, ProtocolsWithImpossibleNumbers_AreRefused) {
@@ -117,14 +183,16 @@ TEST(WireCheck, TrialAndDisk_AreCheckedWhereverTheyStand) {
   trial.set_remaining_s(kNan);
   EXPECT_TRUE(is_damaged(trial));
 
-  v1::StatusSnapshot status;
-  status.set_instance_id(7);
-  EXPECT_FALSE(is_damaged(status));
-  status.mutable_disk()->set_recordable_s(-1.0);
-  EXPECT_TRUE(is_damaged(status));
-  status.mutable_disk()->set_recordable_s(0.0);
-  status.mutable_disk()->set_state(static_cast<v1::DiskState>(99));
-  EXPECT_TRUE(is_damaged(status));
+  v1::StatusSnapshot snapshot = status();
+  EXPECT_FALSE(is_damaged(snapshot));
+  *snapshot.mutable_rigs(0)->mutable_session()->mutable_trial() = trial;
+  EXPECT_TRUE(is_damaged(snapshot));
+  snapshot = status();
+  snapshot.mutable_disk()->set_recordable_s(-1.0);
+  EXPECT_TRUE(is_damaged(snapshot));
+  snapshot.mutable_disk()->set_recordable_s(0.0);
+  snapshot.mutable_disk()->set_state(static_cast<v1::DiskState>(99));
+  EXPECT_TRUE(is_damaged(snapshot));
 }
 
 }  // namespace

@@ -81,8 +81,8 @@ TEST(Transient, SensorThatStandsStill_IsReplacedAfterFiftyMilliseconds) {
   const Signal out = transient_from(in);
 
   // The converter of the test has 11 bit: by chance it gives the same code 27 times before anything is wrong.
-  EXPECT_EQ(out.bits[0][210], 0);
-  EXPECT_EQ(out.bits[0][230], core::quality::kSubstituted);
+  EXPECT_EQ(out.bits[0][225], 0);
+  EXPECT_EQ(out.bits[0][226], core::quality::kSubstituted);
 }
 
 TEST(Transient, SensorDeadFromTheBeginning_FollowsItsPartner) {

@@ -5,23 +5,6 @@
 namespace dts::pipeline::contract {
 namespace {
 
-/// What `stage` gives for the scans of `signal` from `first` on.
-Output run_from(PreparedStage& stage, const Signal& signal, std::size_t first, std::size_t block_size) {
-  Signal rest = signal;
-  for (std::size_t c = 0; c < signal.values.size(); ++c) {
-    rest.values[c].erase(rest.values[c].begin(), rest.values[c].begin() + static_cast<std::ptrdiff_t>(first));
-    rest.bits[c].erase(rest.bits[c].begin(), rest.bits[c].begin() + static_cast<std::ptrdiff_t>(first));
-  }
-  rest.first_scan = signal.first_scan + first;
-  return stage.run(rest, {block_size});
-}
-
-Signal first_of(Signal signal, std::size_t scans) {
-  for (auto& column : signal.values) column.resize(scans);
-  for (auto& column : signal.bits) column.resize(scans);
-  return signal;
-}
-
 TEST_P(StageContract, StateSavedAnywhere_GoesOnInAnotherStageBitForBit) {
   for (const Options& options : option_sets(description())) {
     PreparedStage original(GetParam(), options);
@@ -34,15 +17,15 @@ TEST_P(StageContract, StateSavedAnywhere_GoesOnInAnotherStageBitForBit) {
       SCOPED_TRACE(text_of(options) + ", saved before scan " + std::to_string(scans));
       original.run(original.signal(150, 77, Faults::Some));  // a segment before, which must leave no trace
       original->reset();
-      original.run(first_of(signal, scans), {7});
+      original.run(until(signal, scans), {7});
 
       ASSERT_TRUE(other->restore(saved(*original)));
 
-      expect_same(run_from(original, signal, scans, 11), run_from(other, signal, scans, 64));
+      expect_same(original.run(from(signal, scans), {11}), other.run(from(signal, scans), {64}));
       // What is behind it comes along too: both go on alike in the next segment.
       original->reset();
       other->reset();
-      expect_same(original.run(first_of(signal, 200)), other.run(first_of(signal, 200)));
+      expect_same(original.run(until(signal, 200)), other.run(until(signal, 200)));
       original->reset();
       if (HasFatalFailure()) return;
     }

@@ -22,52 +22,30 @@ TEST(Classify, FinalReach_IsJudgedAsTheModelSays) {
   StageSurroundings surroundings;
   const auto stage = surroundings.make({.id = "classify", .options = {}});
   core::FrameEvents events;
-  for (const auto& [number, part] : {std::pair{1U, 0.1}, {2U, 0.3}, {3U, 0.5}})
+  for (const auto step : {core::ReachStep::P1, core::ReachStep::P2, core::ReachStep::P3, core::ReachStep::Cancelled})
+    events.reaches.push(reach(9, step, 0.3));
+  const std::size_t first = events.reaches.count;
+  for (const auto& [number, part] : {std::pair{1U, 0.1}, {2U, 0.5}, {3U, 0.3}})
     events.reaches.push(reach(number, core::ReachStep::Final, part));
+  events.reaches.events[first + 2].flags = core::reach_flag::kImplausible;
 
   stage->tell(events);
 
   ASSERT_EQ(events.classes.count, 3U);
   for (std::size_t k = 0; k < 3; ++k) {
     const core::ClassEvent& told = events.classes.events[k];
-    const core::TrunkMovement expected = surroundings.trunk_model->classify(events.reaches.events[k].features, 0);
+    const core::ReachEvent& judged = events.reaches.events[first + k];
+    const core::TrunkMovement expected = surroundings.trunk_model->classify(judged.features, judged.flags);
     EXPECT_EQ(told.number, k + 1);
     EXPECT_EQ(told.segment, 3U);
     EXPECT_EQ(told.scan.value, 100 * (k + 1));
     EXPECT_EQ(told.host_time_ns, 7);
     EXPECT_EQ(told.movement.trunk_class, expected.trunk_class);
     EXPECT_EQ(told.movement.probability, expected.probability);
+    EXPECT_EQ(told.movement.reasons, expected.reasons);
   }
-  EXPECT_EQ(events.classes.events[0].movement.trunk_class, core::TrunkClass::Minor);
-  EXPECT_EQ(events.classes.events[2].movement.trunk_class, core::TrunkClass::Maximum);
-}
-
-TEST(Classify, ProvisionalAndCancelled_AreNotJudged) {
-  StageSurroundings surroundings;
-  const auto stage = surroundings.make({.id = "classify", .options = {}});
-  core::FrameEvents events;
-  for (const auto step : {core::ReachStep::P1, core::ReachStep::P2, core::ReachStep::P3, core::ReachStep::Cancelled}) {
-    events.reaches.push(reach(1, step, 0.3));
-  }
-
-  stage->tell(events);
-
-  EXPECT_EQ(events.classes.count, 0U);
-}
-
-TEST(Classify, DoubtfulReach_IsRejected) {
-  StageSurroundings surroundings;
-  const auto stage = surroundings.make({.id = "classify", .options = {}});
-  core::FrameEvents events;
-  core::ReachEvent doubtful = reach(1, core::ReachStep::Final, 0.3);
-  doubtful.flags = core::reach_flag::kImplausible;
-  events.reaches.push(doubtful);
-
-  stage->tell(events);
-
-  ASSERT_EQ(events.classes.count, 1U);
-  EXPECT_EQ(events.classes.events[0].movement.trunk_class, core::TrunkClass::Rejected);
-  EXPECT_NE(events.classes.events[0].movement.reasons & core::class_reason::kBadReach, 0);
+  EXPECT_EQ(events.classes.events[1].movement.trunk_class, core::TrunkClass::Maximum);
+  EXPECT_EQ(events.classes.events[2].movement.trunk_class, core::TrunkClass::Rejected);
 }
 
 TEST(Classify, WithoutAModel_IsRefusedWithWhatToDo) {

@@ -45,60 +45,49 @@ std::vector<double> rising_volts(std::size_t scans) {
   return volts;
 }
 
-TEST(Guard, GoodVolts_PassUnmarked) {
-  OneSensor guard;
+TEST(Guard, Values_AreMarkedOneByOne) {
+  struct Row {
+    const char* name;
+    double resolution_v;
+    std::vector<double> volts;
+    std::vector<std::uint8_t> bits;
+  };
+  for (const Row& row : {Row{"good", 0.01, {1.0, -2.5, 4.97}, {0, 0, 0}},
+                         {"within a code of the ends", 0.01, {-5.0, -4.99, -4.98, 4.98, 4.99, 5.0}, {kRail, kRail, 0, 0, kRail, kRail}},
+                         {"converter without codes", 0.0, {-5.0, -4.9999, 4.9999, 5.0, 5.1}, {kRail, 0, 0, kRail, kRail}},
+                         {"not finite", 0.01, {1.0, kNaN, kInfinity, -kInfinity}, {0, kOutOfRange, kOutOfRange, kOutOfRange}}}) {
+    SCOPED_TRACE(row.name);
+    for (const std::uint8_t of_device : {std::uint8_t{0}, kRotation}) {
+      OneSensor guard({}, row.resolution_v);
+      Signal signal = make_signal(100, "V", {row.volts});
+      std::ranges::fill(signal.bits[0], of_device);
 
-  const Output output = prepare_and_run(*guard.stage, make_signal(100, "V", {{1.0, -2.5, 4.97}}));
+      const Output output = prepare_and_run(*guard.stage, signal);
 
-  EXPECT_THAT(output.values[0], ElementsAre(1.0, -2.5, 4.97));
-  EXPECT_THAT(output.bits[0], Each(0));
-  EXPECT_THAT(output.scan, ElementsAre(0, 1, 2));
+      for (std::size_t i = 0; i < row.volts.size(); ++i) {
+        EXPECT_EQ(output.bits[0][i], row.bits[i] | of_device) << i;
+        if (std::isfinite(row.volts[i])) EXPECT_EQ(output.values[0][i], row.volts[i]);
+        if (!std::isfinite(row.volts[i])) EXPECT_TRUE(std::isnan(output.values[0][i]));
+      }
+    }
+  }
 }
 
-TEST(Guard, WithinOneCodeOfTheEnds_MarksRail) {
-  OneSensor guard;
+TEST(Guard, SameValueForLong_IsStuckUntilItMoves) {
+  struct Row {
+    double hz;
+    double stuck_ms;
+    std::size_t first;  // that is marked, of 151
+  };
+  for (const auto& [hz, stuck_ms, first] : {Row{100.0, 1000.0, 101}, {100.0, 500.0, 51}, {10.0, 1000.0, 51}, {100.0, 0.0, 151}}) {
+    OneSensor guard({{"stuck_ms", stuck_ms}});
+    std::vector<double> volts(151, 1.0);
+    volts.push_back(1.01);
 
-  const Output output = prepare_and_run(*guard.stage, make_signal(100, "V", {{-5.0, -4.99, -4.98, 4.98, 4.99, 5.0}}));
+    const Output output = prepare_and_run(*guard.stage, make_signal(hz, "V", {volts}));
 
-  EXPECT_THAT(output.bits[0], ElementsAre(kRail, kRail, 0, 0, kRail, kRail));
-}
-
-TEST(Guard, ConverterWithoutCodes_MarksOnlyItsEndsAsRail) {
-  OneSensor guard({}, 0.0);
-
-  const Output output = prepare_and_run(*guard.stage, make_signal(100, "V", {{-5.0, -4.9999, 4.9999, 5.0, 5.1}}));
-
-  EXPECT_THAT(output.bits[0], ElementsAre(kRail, 0, 0, kRail, kRail));
-}
-
-TEST(Guard, SameValueLongerThanASecond_MarksStuckUntilItMoves) {
-  OneSensor guard;
-  std::vector<double> volts(103, 1.0);  // 100 repeats last a second at 100 Hz: scan 101 is the first that is longer
-  volts.push_back(1.01);
-
-  const Output output = prepare_and_run(*guard.stage, make_signal(100, "V", {volts}));
-
-  EXPECT_EQ(output.bits[0][100], 0);
-  EXPECT_EQ(output.bits[0][101], kStuck);
-  EXPECT_EQ(output.bits[0][102], kStuck);
-  EXPECT_EQ(output.bits[0][103], 0);
-}
-
-TEST(Guard, SlowRate_WaitsForFiftyScansBeforeStuck) {
-  OneSensor guard;
-
-  const Output output = prepare_and_run(*guard.stage, make_signal(10, "V", {std::vector<double>(52, 1.0)}));
-
-  EXPECT_EQ(output.bits[0][50], 0);
-  EXPECT_EQ(output.bits[0][51], kStuck);
-}
-
-TEST(Guard, StuckMsZero_NeverMarksStuck) {
-  OneSensor guard({{"stuck_ms", 0.0}});
-
-  const Output output = prepare_and_run(*guard.stage, make_signal(100, "V", {std::vector<double>(1000, 1.0)}));
-
-  EXPECT_THAT(output.bits[0], Each(0));
+    for (std::size_t i = 0; i < volts.size(); ++i) EXPECT_EQ(output.bits[0][i], i >= first && i < 151 ? kStuck : 0) << first << ", " << i;
+  }
 }
 
 TEST(Guard, ResetWhileStuck_CountsAnew) {
@@ -112,25 +101,6 @@ TEST(Guard, ResetWhileStuck_CountsAnew) {
 
   EXPECT_THAT(before.bits[0], Each(0));
   EXPECT_THAT(after.bits[0], Each(0));  // without the reset all scans would be repeats 101 and more
-}
-
-TEST(Guard, NotFinite_BecomesNaNOutOfRange) {
-  OneSensor guard;
-
-  const Output output = prepare_and_run(*guard.stage, make_signal(100, "V", {{1.0, kNaN, kInfinity, -kInfinity, 2.0}}));
-
-  EXPECT_THAT(output.bits[0], ElementsAre(0, kOutOfRange, kOutOfRange, kOutOfRange, 0));
-  for (const std::size_t i : {1U, 2U, 3U}) EXPECT_TRUE(std::isnan(output.values[0][i])) << i;
-}
-
-TEST(Guard, BitsOfTheDevice_Stay) {
-  OneSensor guard;
-  Signal signal = make_signal(100, "V", {{1.0, 5.0}});
-  signal.bits[0] = {kRotation, kRotation};
-
-  const Output output = prepare_and_run(*guard.stage, signal);
-
-  EXPECT_THAT(output.bits[0], ElementsAre(kRotation, kRotation | kRail));
 }
 
 TEST(Guard, MarkerOffItsVoltage_MarksTheScanOfEverySensor) {

@@ -39,10 +39,14 @@ Signal resting(std::size_t scans, double first_mm, double second_mm) {
   return make_signal(100, "V", {std::vector<double>(scans, volts_at(first_mm)), std::vector<double>(scans, volts_at(second_mm))});
 }
 
-class LineariseTest : public testing::Test {
- protected:
-  void prepare(std::map<std::string, OptionValue, std::less<>> options) {
-    stage_ = surroundings_.make({.id = "linearise", .options = std::move(options)});
+using Options = std::map<std::string, OptionValue, std::less<>>;
+const Options kNoTareAtStart{{"tare_at_start", "no"}};
+
+/// The stage over `straight_rig`.
+class Linearise {
+ public:
+  explicit Linearise(const Options& options = {}) {
+    stage_ = surroundings_.make({.id = "linearise", .options = options});
     format_ = stage_->prepare(resting(0, 0, 0).format, 64).value();
   }
   Output run(const Signal& signal) {
@@ -50,16 +54,21 @@ class LineariseTest : public testing::Test {
     return pipeline::run(*stage_, 2, signal, std::span(&block_size, 1));
   }
   const TareReport& report() { return surroundings_.tare.latest(); }
+  Tare& tare() { return surroundings_.tare; }
+  Stage& operator*() { return *stage_; }
+  Stage* operator->() { return stage_.get(); }
+  const core::StreamFormat& format() { return format_; }
 
+ private:
   StageSurroundings surroundings_{straight_rig()};
   std::unique_ptr<Stage> stage_;
   core::StreamFormat format_;
 };
 
-TEST_F(LineariseTest, Volts_BecomeDeflectionFromTheUnloadedGap) {
-  prepare({{"tare_at_start", "no"}});
+TEST(LineariseStage, Volts_BecomeDeflectionFromTheUnloadedGap) {
+  Linearise linearise(kNoTareAtStart);
 
-  const Output output = run(make_signal(100, "V", {{1.0, 2.0, 4.75}, {1.0, 0.5, 1.25}}));
+  const Output output = linearise.run(make_signal(100, "V", {{1.0, 2.0, 4.75}, {1.0, 0.5, 1.25}}));
 
   EXPECT_NEAR(output.values[0][0], 0.0, kTableMm);
   EXPECT_NEAR(output.values[0][1], 2.0, kTableMm);
@@ -69,16 +78,17 @@ TEST_F(LineariseTest, Volts_BecomeDeflectionFromTheUnloadedGap) {
   EXPECT_THAT(output.bits[0], Each(kUntared));
 }
 
-TEST_F(LineariseTest, Prepare_NamesChannelsAfterTheSensors) {
-  prepare({});
+TEST(LineariseStage, Prepare_NamesChannelsAfterTheSensors) {
+  Linearise linearise;
 
-  EXPECT_EQ(format_.channels, (std::vector<core::ChannelFormat>{{.name = "w1_mm", .unit = "mm"}, {.name = "w2_mm", .unit = "mm"}}));
+  EXPECT_EQ(linearise.format().channels,
+            (std::vector<core::ChannelFormat>{{.name = "w1_mm", .unit = "mm"}, {.name = "w2_mm", .unit = "mm"}}));
 }
 
-TEST_F(LineariseTest, VoltsBeyondTheCurve_CountAsItsEndAndAreMarked) {
-  prepare({{"tare_at_start", "no"}});
+TEST(LineariseStage, VoltsBeyondTheCurve_CountAsItsEndAndAreMarked) {
+  Linearise linearise(kNoTareAtStart);
 
-  const Output output = run(make_signal(100, "V", {{5.0, 5.01, 0.0, -0.01}, {1.0, 1.0, 1.0, 1.0}}));
+  const Output output = linearise.run(make_signal(100, "V", {{5.0, 5.01, 0.0, -0.01}, {1.0, 1.0, 1.0, 1.0}}));
 
   EXPECT_NEAR(output.values[0][1], 8.0, kTableMm);
   EXPECT_NEAR(output.values[0][3], -2.0, kTableMm);
@@ -86,204 +96,96 @@ TEST_F(LineariseTest, VoltsBeyondTheCurve_CountAsItsEndAndAreMarked) {
   EXPECT_THAT(output.bits[1], Each(kUntared));
 }
 
-TEST_F(LineariseTest, NotFinite_BecomesNaNOutOfRange) {
-  prepare({{"tare_at_start", "no"}});
+TEST(LineariseStage, NotFinite_BecomesNaNOutOfRange) {
+  Linearise linearise(kNoTareAtStart);
 
-  const Output output = run(make_signal(100, "V", {{kNaN, std::numeric_limits<double>::infinity()}, {1.0, 1.0}}));
+  const Output output = linearise.run(make_signal(100, "V", {{kNaN, std::numeric_limits<double>::infinity()}, {1.0, 1.0}}));
 
   for (const double value : output.values[0]) EXPECT_TRUE(std::isnan(value));
   EXPECT_THAT(output.bits[0], Each(kUntared | kOutOfRange));
 }
 
-TEST_F(LineariseTest, TareRequest_TakesTheMeanAsZeroFromTheNextScanOn) {
-  prepare({{"tare_at_start", "no"}});
-  const std::uint64_t request = surroundings_.tare.request();
-
-  const Output output = run(resting(130, 0.1, -0.2));  // tare_ms 1000 at 100 Hz: scans 0..99
-
-  EXPECT_EQ(report().outcome, TareOutcome::Done);
-  EXPECT_EQ(report().request, request);
-  EXPECT_EQ(report().channel_count, 2U);
-  EXPECT_NEAR(report().baseline_mm[0], 0.1, kTableMm);
-  EXPECT_NEAR(report().baseline_mm[1], -0.2, kTableMm);
-  EXPECT_NEAR(output.values[0][99], 0.1, kTableMm);
-  EXPECT_EQ(output.bits[0][99], kUntared);
-  EXPECT_NEAR(output.values[0][100], 0.0, 1e-12);
-  EXPECT_NEAR(output.values[1][100], 0.0, 1e-12);
-  EXPECT_EQ(output.bits[0][100], 0);
-}
-
-TEST_F(LineariseTest, TareHalfWay_IsReportedAsRunning) {
-  prepare({{"tare_at_start", "no"}});
-  surroundings_.tare.request();
-
-  run(resting(50, 0.1, 0.1));
-
-  EXPECT_EQ(report().outcome, TareOutcome::Running);
-  EXPECT_EQ(report().request, 1U);
-}
-
-TEST_F(LineariseTest, TareOnALoadedPlate_IsRefusedAndKeepsTheOldBaseline) {
-  prepare({{"tare_at_start", "no"}});
-  surroundings_.tare.request();
-  run(resting(100, 0.1, 0.2));
-  surroundings_.tare.request();
-
-  const Output output = run(resting(101, 0.1, 0.51));  // the limit is 0.5 mm from the nominal gap, whatever the baseline
-
-  EXPECT_EQ(report().outcome, TareOutcome::Loaded);
-  EXPECT_TRUE(report().is_older_in_use);
-  EXPECT_EQ(report().request, 2U);
-  EXPECT_NEAR(report().baseline_mm[1], 0.2, kTableMm);
-  EXPECT_NEAR(output.values[1][100], 0.31, 2 * kTableMm);
-  EXPECT_EQ(output.bits[1][100], 0);
-}
-
-TEST_F(LineariseTest, TareJustBelowTheLimit_IsDone) {
-  prepare({{"tare_at_start", "no"}});
-  surroundings_.tare.request();
-
-  run(resting(100, 0.49, -0.49));
-
-  EXPECT_EQ(report().outcome, TareOutcome::Done);
-}
-
-TEST_F(LineariseTest, TareOnAMovingPlate_IsRefusedAsUnsteady) {
-  for (const auto& [swing_mm, expected] : {std::pair{0.09, TareOutcome::Done}, {0.11, TareOutcome::Unsteady}}) {
-    prepare({{"tare_at_start", "no"}});
-    surroundings_.tare.request();
-    Signal signal = resting(100, 0.1, 0.1);
-    for (std::size_t i = 0; i < 100; ++i) signal.values[1][i] = volts_at(i % 2 == 0 ? swing_mm : -swing_mm);  // rms = swing
-
-    run(signal);
-
-    EXPECT_EQ(report().outcome, expected) << swing_mm;
+TEST(LineariseStage, Tare_TakesTheMeanOfAnEmptyPlateThatIsStill) {
+  enum class Act { None, Tare, Reset, Prepare };
+  constexpr auto kTare = Act::Tare;
+  struct Part {
+    std::size_t scans;
+    double first_mm;
+    double second_mm;
+    Act before = Act::None;
+    double swing_mm = 0.0;        ///< Of the second sensor, from scan to scan: its rms.
+    std::uint8_t fault_bits = 0;  ///< Of the second sensor, once.
+  };
+  struct Row {
+    const char* name;
+    Options options;
+    std::vector<Part> parts;
+    TareOutcome outcome;
+    std::uint64_t request;
+    double first_mm;  // of the last scan ...
+    double second_mm;
+    std::uint8_t bits;  // ... and what is said of it
+    bool is_older_in_use = false;
+  };
+  const Options& no = kNoTareAtStart;
+  const Options nominal{{"baseline", "nominal"}, {"tare_at_start", "if_empty"}};
+  using enum TareOutcome;
+  const std::vector<Row> rows{
+      {"half way", no, {{99, 0.1, -0.2, kTare}}, Running, 1, 0.1, -0.2, kUntared},
+      {"done: still the old zero within its last scan", no, {{100, 0.1, -0.2, kTare}}, Done, 1, 0.1, -0.2, kUntared},
+      {"in use from the next scan on", no, {{101, 0.1, -0.2, kTare}}, Done, 1, 0.0, 0.0, 0},
+      {"just below the limit", no, {{100, 0.49, -0.49, kTare}, {1, 0.49, 0.0}}, Done, 1, 0.0, 0.49, 0},
+      {"loaded, whatever the baseline", no, {{100, 0.1, 0.2, kTare}, {101, 0.1, 0.51, kTare}}, Loaded, 2, 0.0, 0.31, 0, true},
+      {"nearly still", no, {{101, 0.1, 0.1, kTare, 0.09}}, Done, 1, 0.0, 0.09, 0},
+      {"not still", no, {{101, 0.1, 0.1, kTare, 0.11}}, Unsteady, 1, 0.1, 0.21, kUntared},
+      {"faulty scan", no, {{100, 0.1, 0.1, kTare, 0.0, kRail}, {1, 0.1, 0.1}}, BadSensor, 1, 0.1, 0.1, kUntared},
+      {"asked for again", no, {{64, 0.4, 0.4, kTare}, {101, 0.1, 0.1, kTare}}, Done, 2, 0.0, 0.0, 0},
+      {"asked for again, half way", no, {{64, 0.4, 0.4, kTare}, {64, 0.1, 0.1, kTare}}, Running, 2, 0.1, 0.1, kUntared},
+      {"empty at the start", {}, {{101, 0.3, 0.3}}, Done, 0, 0.0, 0.0, 0},
+      {"loaded at the start", {}, {{400, 3.0, 3.0}}, Loaded, 0, 3.0, 3.0, kUntared},
+      {"loaded at the start, empty later", {}, {{400, 3.0, 3.0}, {200, 0.3, 0.3}}, Loaded, 0, 0.3, 0.3, kUntared},
+      {"empty in the next segment", {}, {{400, 3.0, 3.0}, {101, 0.3, 0.3, Act::Reset}}, Done, 0, 0.0, 0.0, 0},
+      {"once for all segments", {}, {{100, 0.3, 0.3}, {200, 0.1, 0.3, Act::Reset}}, Done, 0, -0.2, 0.0, 0},
+      {"segment ends during it", no, {{60, 0.4, 0.4, kTare}, {101, 0.1, 0.1, Act::Reset}}, Done, 1, 0.0, 0.0, 0},
+      {"nominal: nothing tares itself", nominal, {{200, 0.2, 3.0}}, None, 0, 0.2, 3.0, 0},
+      {"nominal: gives way to a command", nominal, {{101, 0.2, 0.1, kTare}}, Done, 1, 0.0, 0.0, 0},
+      {"prepared again",
+       no,
+       {{100, 0.3, 0.3, kTare}, {50, 0.1, 0.1, kTare}, {200, 0.1, 0.1, Act::Prepare}},
+       Running,
+       2,
+       0.1,
+       0.1,
+       kUntared},
+  };
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.name);
+    Linearise fresh(row.options);
+    Output output;
+    for (const Part& part : row.parts) {
+      if (part.before == kTare) fresh.tare().request();
+      if (part.before == Act::Reset) fresh->reset();
+      if (part.before == Act::Prepare) fresh->prepare(resting(0, 0, 0).format, 64).value();
+      Signal signal = resting(part.scans, part.first_mm, part.second_mm);
+      for (std::size_t i = 0; i < part.scans; ++i) signal.values[1][i] += 0.5 * (i % 2 == 0 ? part.swing_mm : -part.swing_mm);
+      signal.bits[1][part.scans / 2] |= part.fault_bits;
+      output = fresh.run(signal);
+    }
+    EXPECT_EQ(fresh.report().outcome, row.outcome);
+    EXPECT_EQ(fresh.report().request, row.request);
+    EXPECT_EQ(fresh.report().channel_count, row.outcome == None ? 0U : 2U);
+    EXPECT_EQ(fresh.report().is_older_in_use, row.is_older_in_use);
+    EXPECT_NEAR(output.values[0].back(), row.first_mm, 2 * kTableMm);
+    EXPECT_NEAR(output.values[1].back(), row.second_mm, 2 * kTableMm);
+    for (const auto& bits : output.bits) EXPECT_EQ(bits.back(), row.bits);
   }
 }
 
-TEST_F(LineariseTest, TareWithAFaultyScan_IsRefusedAsBadSensor) {
-  for (const bool is_nan : {true, false}) {
-    prepare({{"tare_at_start", "no"}});
-    surroundings_.tare.request();
-    Signal signal = resting(100, 0.1, 0.1);
-    if (is_nan) signal.values[1][50] = kNaN;
-    if (!is_nan) signal.bits[1][50] = kRail;
+TEST(LineariseStage, PrepareSenselessInput_IsRefused) {
+  Linearise linearise;
 
-    run(signal);
-
-    EXPECT_EQ(report().outcome, TareOutcome::BadSensor);
-    EXPECT_FALSE(report().is_older_in_use);
-  }
-}
-
-TEST_F(LineariseTest, RequestDuringATare_BeginsAnew) {
-  prepare({{"tare_at_start", "no"}});
-  surroundings_.tare.request();
-  run(resting(64, 0.4, 0.4));
-  surroundings_.tare.request();
-
-  run(resting(64, 0.1, 0.1));
-  const TareOutcome half_way = report().outcome;
-  run(resting(36, 0.1, 0.1));
-
-  EXPECT_EQ(half_way, TareOutcome::Running);
-  EXPECT_EQ(report().outcome, TareOutcome::Done);
-  EXPECT_EQ(report().request, 2U);
-  EXPECT_NEAR(report().baseline_mm[0], 0.1, kTableMm);
-}
-
-TEST_F(LineariseTest, EmptyPlateAtStart_TaresItself) {
-  prepare({});
-
-  const Output output = run(resting(101, 0.3, 0.3));
-
-  EXPECT_EQ(report().outcome, TareOutcome::Done);
-  EXPECT_EQ(report().request, 0U);
-  EXPECT_NEAR(output.values[0][100], 0.0, 1e-12);
-  EXPECT_EQ(output.bits[0][100], 0);
-}
-
-TEST_F(LineariseTest, LoadedPlateAtStart_StaysUntaredUntilAnEmptySegment) {
-  prepare({});
-
-  const Output loaded = run(resting(400, 3.0, 3.0));
-  const TareOutcome first = report().outcome;
-  const Output unloaded = run(resting(200, 0.3, 0.3));  // the same segment: nothing is tared behind the user's back
-  stage_->reset();
-  const Output next_segment = run(resting(101, 0.3, 0.3));
-
-  EXPECT_EQ(first, TareOutcome::Loaded);
-  EXPECT_THAT(loaded.bits[0], Each(kUntared));
-  EXPECT_THAT(unloaded.bits[0], Each(kUntared));
-  EXPECT_EQ(next_segment.bits[0][100], 0);
-  EXPECT_EQ(report().outcome, TareOutcome::Done);
-}
-
-TEST_F(LineariseTest, NominalBaseline_IsTaredFromTheStart) {
-  prepare({{"baseline", "nominal"}, {"tare_at_start", "if_empty"}});
-
-  const Output output = run(resting(200, 0.2, 3.0));  // loaded or not: nothing tares itself
-
-  EXPECT_NEAR(output.values[0][199], 0.2, kTableMm);
-  EXPECT_NEAR(output.values[1][199], 3.0, kTableMm);
-  EXPECT_THAT(output.bits[0], Each(0));
-  EXPECT_EQ(report().outcome, TareOutcome::None);
-}
-
-TEST_F(LineariseTest, NominalBaseline_GivesWayToACommandedTare) {
-  prepare({{"baseline", "nominal"}});
-  (void)surroundings_.tare.request();
-  run(resting(100, 0.2, 0.1));
-
-  const Output output = run(resting(10, 0.2, 0.1));
-
-  EXPECT_NEAR(output.values[0][9], 0.0, kTableMm);
-  EXPECT_EQ(report().outcome, TareOutcome::Done);
-}
-
-TEST_F(LineariseTest, NewSegment_KeepsTheBaseline) {
-  prepare({});
-  run(resting(100, 0.3, 0.3));
-
-  stage_->reset();
-  const Output output = run(resting(200, 0.1, 0.3));  // tared once: a new segment does not tare again
-
-  EXPECT_NEAR(output.values[0][0], -0.2, 2 * kTableMm);
-  EXPECT_NEAR(output.values[0][199], -0.2, 2 * kTableMm);
-  EXPECT_THAT(output.bits[0], Each(0));
-}
-
-TEST_F(LineariseTest, NewSegmentDuringATare_AveragesTheNewSegmentOnly) {
-  prepare({{"tare_at_start", "no"}});
-  surroundings_.tare.request();
-  run(resting(60, 0.4, 0.4));
-
-  stage_->reset();
-  run(resting(100, 0.1, 0.1));
-
-  EXPECT_EQ(report().outcome, TareOutcome::Done);
-  EXPECT_NEAR(report().baseline_mm[0], 0.1, kTableMm);
-}
-
-TEST_F(LineariseTest, PrepareAgain_ForgetsTareAndBaseline) {
-  prepare({{"tare_at_start", "no"}});
-  surroundings_.tare.request();
-  run(resting(100, 0.3, 0.3));
-  surroundings_.tare.request();
-  run(resting(50, 0.1, 0.1));  // a second tare is half way
-
-  stage_->prepare(resting(0, 0, 0).format, 64).value();
-  const Output output = run(resting(200, 0.1, 0.1));
-
-  EXPECT_NEAR(output.values[0][0], 0.1, kTableMm);
-  EXPECT_THAT(output.bits[0], Each(kUntared));
-}
-
-TEST_F(LineariseTest, PrepareSenselessInput_IsRefused) {
-  prepare({});
-
-  const auto three_channels = stage_->prepare(make_signal(100, "V", {{}, {}, {}}).format, 64);
-  const auto millimetres = stage_->prepare(make_signal(100, "mm", {{}, {}}).format, 64);
+  const auto three_channels = linearise->prepare(make_signal(100, "V", {{}, {}, {}}).format, 64);
+  const auto millimetres = linearise->prepare(make_signal(100, "mm", {{}, {}}).format, 64);
 
   ASSERT_FALSE(three_channels);
   EXPECT_THAT(three_channels.error().what, HasSubstr("3 channels come in, but the rig has 2 sensors"));

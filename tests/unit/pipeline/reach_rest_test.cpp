@@ -13,35 +13,6 @@ using core::ReachEvent;
 
 double seconds_of(core::ScanIndex scan) { return static_cast<double>(scan.value) / 100.0; }
 
-TEST(ReachRest, SecondReachWithoutAPause_IsFoundFromTheRestBefore) {
-  const MadeReach first{.start_s = 2.0, .rise_mm = 1.5};
-  const MadeReach second{.start_s = first.end_s() + 0.25, .rise_mm = 1.2};
-
-  const auto finals = finals_of(reaches_of(transient_of({.reaches = {first, second}}, 9.0)));
-
-  ASSERT_EQ(finals.size(), 2U);
-  EXPECT_EQ(finals[1].number, 2U);
-  EXPECT_EQ(finals[1].flags, flag::kBaselineUncertain);
-  EXPECT_NEAR(finals[1].features.d2_mm(), 1.2, 0.06);
-  EXPECT_NEAR(finals[1].p2.value_mm, 3.32, 0.06);
-  EXPECT_NEAR(seconds_of(finals[1].p2.scan), second.start_s + 0.17, 0.06);
-  EXPECT_NEAR(seconds_of(finals[1].p1.scan), second.start_s, 0.15);
-}
-
-/// The dip with which many a reach ends (reach-model section 4: the mirror image) is not the beginning of the next.
-TEST(ReachRest, SecondReachAfterAShortPause_BeginsAfterThePause) {
-  const MadeReach first{.start_s = 2.0, .rise_mm = 1.5};
-  const MadeReach dip{.start_s = first.end_s() + 0.1, .dip_mm = 0.2, .rise_mm = 0.0};
-  const MadeReach second{.start_s = first.end_s() + 0.45, .dip_mm = 0.0, .rise_mm = 1.2};
-
-  const auto finals = finals_of(reaches_of(transient_of({.reaches = {first, dip, second}}, 9.0)));
-
-  ASSERT_EQ(finals.size(), 2U);
-  EXPECT_NE(finals[1].flags & flag::kBaselineUncertain, 0);
-  EXPECT_NEAR(seconds_of(finals[1].p1.scan), second.start_s + 0.3, 0.15);
-  EXPECT_NEAR(finals[1].features.d1_mm(), 0.0, 0.03);
-}
-
 /// A recording that begins just before the reach.
 TEST(ReachRest, ShortRestAtTheBeginning_IsARest) {
   for (const double start_s : {0.25, 0.35, 0.45, 0.55, 0.65}) {
@@ -75,12 +46,8 @@ TEST(ReachRest, RiseSoonAfterTheBeginning_HasNoDipFromBeforeIt) {
 TEST(ReachRest, RecordingThatBeginsAtTheTarget_TellsNothingOfIt) {
   const MadeReach whole{.start_s = 2.0, .hold_s = 0.3};
   const auto signal = transient_of({.reaches = {whole, {.start_s = 8.0}}}, 12.0);
-  const auto from = static_cast<std::size_t>(whole.highest_s() * 100.0);
-  Signal late = signal;
-  for (std::size_t c = 0; c < 3; ++c) {
-    late.values[c].erase(late.values[c].begin(), late.values[c].begin() + static_cast<std::ptrdiff_t>(from));
-    late.bits[c].erase(late.bits[c].begin(), late.bits[c].begin() + static_cast<std::ptrdiff_t>(from));
-  }
+  Signal late = from(signal, static_cast<std::size_t>(whole.highest_s() * 100.0));
+  late.first_scan = 0;
 
   const auto finals = finals_of(reaches_of(late));
 

@@ -20,6 +20,19 @@ struct Signal {
   [[nodiscard]] std::size_t scans() const { return values.empty() ? 0 : values.front().size(); }
 };
 
+/// The first scans of `signal`, and the rest of it.
+inline Signal until(Signal signal, std::size_t scans) {
+  for (auto& column : signal.values) column.resize(scans);
+  for (auto& column : signal.bits) column.resize(scans);
+  return signal;
+}
+inline Signal from(Signal signal, std::size_t first) {
+  for (auto& column : signal.values) column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(first));
+  for (auto& column : signal.bits) column.erase(column.begin(), column.begin() + static_cast<std::ptrdiff_t>(first));
+  signal.first_scan += first;
+  return signal;
+}
+
 inline core::Rate rate_hz(double hz) { return core::Rate::from_hz(hz).value(); }
 
 /// A signal without doubts.

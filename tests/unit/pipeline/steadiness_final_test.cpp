@@ -131,29 +131,21 @@ Signal continued(const Signal& signal) {
   return longer;
 }
 
-struct Recording {
-  const char* name;
-  double hz;
-};
-
-class SteadinessOfARecording : public testing::TestWithParam<Recording> {};
-
-TEST_P(SteadinessOfARecording, RunningValues_AreNearTheFinalOnes) {
-  const auto signal = recording(GetParam().name, GetParam().hz);
-  if (!signal) GTEST_SKIP() << "shared data are not here: " << GetParam().name;
-  Comparison(*signal).expect_within({.path = 0.005, .moments = 0.001});
+TEST(SteadinessAndFinal, RecordingsOfPeopleOrAllOfThem_AreNearTheFinalValues) {
+  struct Recording {
+    const char* name;
+    double hz;
+  };
+  for (const auto& [name, hz] : {Recording{"d01_bds00073_young_eo_firm.csv", 100.0},
+                                 {"d02_bds00079_young_ec_firm.csv", 100.0},
+                                 {"d03_acuna_eo2_1000hz.csv", 1000.0}}) {
+    SCOPED_TRACE(name);
+    const auto signal = recording(name, hz);
+    if (!signal) GTEST_SKIP() << "shared data are not here: " << name;
+    Comparison(*signal).expect_within({.path = 0.005, .moments = 0.001});
+    Comparison(continued(*signal)).expect_within({.path = 0.005, .moments = 0.001});
+  }
 }
-
-TEST_P(SteadinessOfARecording, RunningValuesOfAllOfIt_AreNearTheFinalOnes) {
-  const auto signal = recording(GetParam().name, GetParam().hz);
-  if (!signal) GTEST_SKIP() << "shared data are not here: " << GetParam().name;
-  Comparison(continued(*signal)).expect_within({.path = 0.005, .moments = 0.001});
-}
-
-INSTANTIATE_TEST_SUITE_P(Development, SteadinessOfARecording,
-                         testing::Values(Recording{"d01_bds00073_young_eo_firm.csv", 100.0},
-                                         Recording{"d02_bds00079_young_ec_firm.csv", 100.0}, Recording{"d03_acuna_eo2_1000hz.csv", 1000.0}),
-                         [](const auto& recording) { return std::string(recording.param.name).substr(0, 3); });
 
 TEST(SteadinessAndFinal, SyntheticSway_IsNearTheFinalValues) {
   for (const double hz : {100.0, 400.0, 1000.0}) {

@@ -92,20 +92,15 @@ TEST_P(CopCalibrationFile, WrittenAndRead_EstimatesBitForBitTheSame) {
 }
 
 TEST_P(CopCalibrationFile, WrittenAndRead_TellsTheSame) {
-  const auto written = calibration(GetParam());
+  auto written = calibration(GetParam());
+  written.points.front().sample.load_position.y.value = -20.0;  // beside the plate
   ASSERT_TRUE(write_cop_calibration(file_, written));
   Problems problems;
 
   const auto read = read_cop_calibration(file_, problems);
 
-  ASSERT_TRUE(read);
+  ASSERT_TRUE(read) << to_string(problems.at(0));
   EXPECT_EQ(cop_calibration_text(*read), cop_calibration_text(written));
-  EXPECT_EQ(read->id, written.id);
-  EXPECT_EQ(read->origin.daq_model, "the \"best\"\\one");
-  EXPECT_EQ(read->origin.daq_serial, "01D2 [x]\n");
-  EXPECT_EQ(read->points.size(), written.points.size());
-  EXPECT_EQ(read->residuals.max_total_mm, written.residuals.max_total_mm);
-  EXPECT_EQ(read->cross_validated.has_value(), written.cross_validated.has_value());
 }
 
 TEST_P(CopCalibrationFile, EachLineMissing_IsRefusedOrHarmless) {
@@ -154,6 +149,7 @@ TEST_P(CopCalibrationFilePoly3, WrongValues_AreRefusedWithTheirPlace) {
   expect(replaced("reference_sum_mm", "reference_sum_mm = inf"), "out of range");
   expect(replaced("reference_sum_mm", "reference_sum_m = 1.0"), "reference_sum_mm is missing");
   expect(replaced("load_n", "load_n = [-5.0, 1.0]"), "load range makes no sense");
+  expect(replaced("load_n", "load_n = [0.0, 1.0]\nload_kg = 1"), "unknown key 'load_kg'");
 }
 
 TEST_P(CopCalibrationFilePoly3, CoefficientsOfAnotherSize_AreRefused) {
@@ -167,13 +163,10 @@ TEST_P(CopCalibrationFilePoly3, CoefficientsOfAnotherSize_AreRefused) {
               HasSubstr("must be a list of 1 to 3 lists"));
 }
 
-TEST_P(CopCalibrationFilePoly3, MissingFile_IsAProblem) {
+TEST_P(CopCalibrationFilePoly3, FileOrFolderThatIsNotThere_IsSaid) {
   Problems problems;
   EXPECT_FALSE(read_cop_calibration(testing::TempDir() + "/no_such_calibration.toml", problems));
   EXPECT_EQ(problems.size(), 1U);
-}
-
-TEST_P(CopCalibrationFilePoly3, FolderThatIsNotThere_IsSaid) {
   const auto status = write_cop_calibration(testing::TempDir() + "/no_such_folder/cal.toml", calibration(CopMethod::Poly3));
 
   ASSERT_FALSE(status);

@@ -133,16 +133,16 @@ TEST_F(ProtocolFiles, Definition_IsTheTextOfTheFile) {
   EXPECT_EQ(all(problems), "");
   EXPECT_EQ(protocol.definition, text);
   EXPECT_EQ(protocol, read_protocol_text(protocol.definition, "recorded", problems));
-}
-
-TEST_F(ProtocolFiles, NoFolder_HasTheBuiltInOne) {
-  Problems problems;
-  EXPECT_THAT(names(read_protocols(folder_ / "none", problems)), ElementsAre("free"));
+  EXPECT_EQ(protocol.settle_s, 0.0);
+  EXPECT_EQ(read_protocol_text("name = \"x\"\n", "p", problems).duration_s, 0.0) << "until it is stopped";
+  EXPECT_EQ(read_protocol_text("name = \"x\"\nduration_s = 0.5\n", "p", problems).duration_s, 0.5);
   EXPECT_EQ(all(problems), "");
 }
 
-TEST_F(ProtocolFiles, FolderThatIsAFile_IsAProblem) {
+TEST_F(ProtocolFiles, NoFolderOrAFile_HasTheBuiltInOne) {
   Problems problems;
+  EXPECT_THAT(names(read_protocols(folder_ / "none", problems)), ElementsAre("free"));
+  EXPECT_EQ(all(problems), "");
   EXPECT_THAT(names(read_protocols(write("file", ""), problems)), ElementsAre("free"));
   EXPECT_THAT(all(problems), HasSubstr("cannot be read"));
 }
@@ -172,23 +172,14 @@ TEST_F(ProtocolFiles, OneBadAmongGood_IsLeftOutAndTold) {
   EXPECT_THAT(all(problems), HasSubstr("b.toml:2:"));
 }
 
-TEST_F(ProtocolFiles, NotAFile_IsAProblemAndDoesNotBlock) {
+TEST_F(ProtocolFiles, NotAFileOrTooLarge_IsAProblemAndDoesNotBlock) {
   ASSERT_EQ(::mkfifo((folder_ / "pipe.toml").c_str(), 0600), 0);
   std::filesystem::create_directory(folder_ / "folder.toml");
+  write("large.toml", "name = \"x\"\n" + std::string(300'000, '#'));
   Problems problems;
   (void)read_protocols(folder_, problems);
-  EXPECT_EQ(problems.size(), 2U);
-}
-
-TEST_F(ProtocolFiles, TooLarge_IsRefused) {
-  Problems problems;
-  (void)read_protocol(write("x.toml", "name = \"x\"\n" + std::string(300'000, '#')), problems);
+  EXPECT_EQ(problems.size(), 3U);
   EXPECT_THAT(all(problems), HasSubstr("256 KiB"));
-}
-
-TEST_F(ProtocolFiles, NoToml_HasAPlace) {
-  EXPECT_THAT(problems_of("name = x\n"), HasSubstr("p:1:"));
-  EXPECT_THAT(problems_of("name = \"\xff\"\n"), HasSubstr("p:1:"));
 }
 
 TEST_F(ProtocolFiles, UnknownKeys_AreToldWithASuggestionEverywhere) {
@@ -219,6 +210,7 @@ TEST_F(ProtocolFiles, WrongValues_AreToldEachOnce) {
       {"name = \"x\"\nduration_s = nan\n", "out of range"},
       {field, "needs minimum and maximum, or choices"},
       {field + "minimum = 1\n", "maximum is missing"},
+      {field + "maximum = 1\n", "minimum is missing"},
       {field + "minimum = 2\nmaximum = 1\n", "maximum is less"},
       {field + "minimum = 2\nmaximum = inf\n", "out of range"},
       {field + "choices = [\"one\"]\n", "choices must be 2 to 32"},
@@ -239,16 +231,14 @@ TEST_F(ProtocolFiles, WrongValues_AreToldEachOnce) {
       {trials + kCondition + "labels = { eyes = \"Wide Open\" }\n", "a label must be"},
       {trials + kCondition + "labels = { Eyes = \"open\" }\n", "a label's name must be"},
       {trials + kCondition + "labels = \"open\"\n", "must be a table"},
+      {"name = x\n", "p:1:"},
+      {"name = \"\xff\"\n", "p:1:"},
   };
   for (const Wrong& wrong : cases) {
     const std::string told = problems_of(wrong.text);
     EXPECT_THAT(told, HasSubstr(wrong.told)) << wrong.text;
     EXPECT_EQ(std::ranges::count(told, '\n'), 1) << wrong.text << told;
   }
-}
-
-TEST_F(ProtocolFiles, TargetAtBoth_IsRefused) {
-  EXPECT_THAT(problems_of(std::string(kTrials) + kCondition + "target_percent = 80\nmaximum_reach = true\n"), HasSubstr("not at both"));
 }
 
 TEST_F(ProtocolFiles, ManyThingsWrong_AreAllToldAtOnce) {

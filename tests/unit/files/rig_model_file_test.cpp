@@ -33,12 +33,6 @@ TEST(RigModelFile, ReadsThePlatformOfTheThesis) {
   EXPECT_THAT(rig.sensor_channels, testing::ElementsAre(0, 1, 2, 3));
 }
 
-TEST(RigModelFile, LeavesTheRestOfTheFileAlone) {
-  Problems problems;
-  (void)read(kFloorRig, problems);  // the file has [acquire] and [[stage]] too
-  EXPECT_TRUE(problems.empty());
-}
-
 TEST(RigModelFile, ReportsAWrongValueWithItsPlaceAndRange) {
   const std::string file = testing::TempDir() + "/wrong_rig_" + std::to_string(::getpid()) + ".toml";
   std::ofstream(file) << "[plate]\na_mm = 430.0\nb_mm = 430.0\nh_mm = -3.0\ne_pa = 2e11\nnu = 0.3\n[support]\nkind = \"corner\"\n";
@@ -102,18 +96,22 @@ TEST(RigModelFile, TakesExactlyWhatPhysicsTakes) {
   EXPECT_FALSE(agree({}, {.inset = {-0.1}}));
 }
 
-TEST(RigModelFile, CurveThatDoesNotReachTheUnloadedPlate_IsReported) {
+TEST(RigModelFile, CurveThatDoesNotReachTheUnloadedPlateOrASensorTwice_IsReported) {
   const std::string folder = testing::TempDir();
   std::ofstream(folder + "/short_curve.toml") << "name = \"short\"\n[[point]]\ngap_mm = 7\nvolts = 4\n[[point]]\ngap_mm = 9\nvolts = 2\n"
                                                  "[[point]]\ngap_mm = 11\nvolts = 1\n";
   const std::string file = folder + "/short_rig.toml";
-  std::ofstream(file) << "[plate]\na_mm = 430\nb_mm = 430\nh_mm = 3\ne_pa = 2e11\nnu = 0.3\n[support]\nkind = \"corner\"\n"
-                         "[[sensor]]\nlabel = \"w1\"\nx_mm = 86\ny_mm = 86\ncurve = \"short_curve.toml\"\n";
+  std::ofstream(file)
+      << "[plate]\na_mm = 430\nb_mm = 430\nh_mm = 3\ne_pa = 2e11\nnu = 0.3\n[support]\nkind = \"corner\"\n"
+         "[[sensor]]\nlabel = \"w1\"\nx_mm = 86\ny_mm = 86\ncurve = \"short_curve.toml\"\n"
+         "[[sensor]]\nlabel = \"w1\"\nchannel = 0\nunloaded_gap_mm = 10\nx_mm = 99\ny_mm = 86\ncurve = \"short_curve.toml\"\n";
   Problems problems;
   (void)read(file, problems);
-  ASSERT_EQ(problems.size(), 1U);
+  ASSERT_EQ(problems.size(), 3U);
   EXPECT_EQ(problems[0].line, 13U);
   EXPECT_THAT(problems[0].text, testing::HasSubstr("7 .. 11 mm, without the unloaded plate's 12 mm"));
+  EXPECT_THAT(problems[1].text, testing::HasSubstr("channel 0 already belongs to another sensor"));
+  EXPECT_THAT(problems[2].text, testing::HasSubstr("another sensor is labelled 'w1' too"));
 }
 
 TEST(RigModelFile, FolderOrHugeFile_IsNoToml) {

@@ -131,18 +131,11 @@ TEST_F(SensorCurveFiles, WrongValues_ReportedWithLineAndRange) {
 }
 
 TEST_F(SensorCurveFiles, VoltsThatTurnBack_RefusedNamingThePoint) {
-  const std::string what =
-      problems_of("name = \"a\"\n[[point]]\ngap_mm = 7\nvolts = 3\n[[point]]\ngap_mm = 8\nvolts = 2\n[[point]]\ngap_mm = 9\nvolts = 2.5\n");
+  const std::string two = "name = \"a\"\n[[point]]\ngap_mm = 0.0\nvolts = 3\n[[point]]\ngap_mm = 8\nvolts = 2\n";
+  const std::string what = problems_of(two + "[[point]]\ngap_mm = 9\nvolts = 2.5\n");
 
   EXPECT_NE(what.find("point 2 (9 mm, 2.5 V)"), std::string::npos) << what;
-}
-
-TEST_F(SensorCurveFiles, WholeFile_ReplacesAndLeavesNothingBeside) {
-  ASSERT_TRUE(write_whole_file(path("a.txt"), "old"));
-  ASSERT_TRUE(write_whole_file(path("a.txt"), "new"));
-
-  EXPECT_EQ(content(path("a.txt")), "new");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+  EXPECT_EQ(problems_of(two + "[[point]]\ngap_mm = 9\nvolts = 1.5\n"), "");
 }
 
 TEST_F(SensorCurveFiles, WholeFileThatCannotReplace_LeavesTheOldAndNothingBeside) {
@@ -154,13 +147,6 @@ TEST_F(SensorCurveFiles, WholeFileThatCannotReplace_LeavesTheOldAndNothingBeside
   EXPECT_NE(status.error().what.find(path("a.txt")), std::string::npos);
   EXPECT_TRUE(std::filesystem::exists(path("a.txt/inside")));
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
-}
-
-TEST_F(SensorCurveFiles, NoSuchFolder_FailsNamingTheFile) {
-  const auto status = write_whole_file(path("no/such/a.txt"), "new");
-
-  ASSERT_FALSE(status);
-  EXPECT_NE(status.error().what.find("no/such/a.txt"), std::string::npos);
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <string>
+#include <vector>
 
 namespace dts::files {
 namespace {
@@ -37,6 +39,16 @@ TEST(TomlText, KeyOfTooManyPartsBehindStrings_IsFound) {
   }
   const std::string quoted = R"("#"."a".'b'.)";
   EXPECT_NE(problem_with(quoted + dotted(100'000) + " = 1\n").find("more than 16 parts"), std::string::npos);
+}
+
+TEST(TomlReader, WholeNumbers_OutsideTheirRangeOrOfAnotherKindAreProblems) {
+  Problems problems;
+  const auto table = parse_toml_text("cpus = [0, 3, -1, 4, 1.5, 2]\n", "file", problems);
+  TomlReader reader(&*table, "", "file", problems);
+  EXPECT_EQ(reader.integers("cpus", 0, 3), (std::vector<std::int64_t>{0, 3, 2}));
+  ASSERT_EQ(problems.size(), 3U);
+  constexpr std::array<std::size_t, 3> kColumns = {15, 19, 22};
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(problems[i].column, kColumns[i]);
 }
 
 TEST(TomlText, DotsElsewhere_AreNoParts) {

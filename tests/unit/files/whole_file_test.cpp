@@ -26,9 +26,11 @@ class WholeFile : public testing::Test {
 };
 
 TEST_F(WholeFile, NewFile_IsThereAndNothingElse) {
-  ASSERT_TRUE(write_whole_file(folder_ / "new", "text"));
-  EXPECT_EQ(content_of(folder_ / "new"), "text");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+  for (const char* text : {"text", "another"}) {
+    ASSERT_TRUE(write_whole_file(folder_ / "new", text));
+    EXPECT_EQ(content_of(folder_ / "new"), text);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+  }
 }
 
 TEST_F(WholeFile, OldFile_KeepsItsRights) {
@@ -57,7 +59,9 @@ TEST_F(WholeFile, Device_IsWrittenToAndNotReplaced) {
   EXPECT_TRUE(std::filesystem::is_symlink(device));
 }
 
-TEST_F(WholeFile, NoFolder_IsRefused) { EXPECT_FALSE(write_whole_file(folder_ / "none" / "file", "text")); }
+TEST_F(WholeFile, NoFolder_IsRefusedNamingTheFile) {
+  EXPECT_NE(write_whole_file(folder_ / "none" / "file", "text").error().what.find("none/file"), std::string::npos);
+}
 
 TEST(ReadWholeFile, Pipe_IsRefusedAndNotWaitedFor) {
   const std::string pipe = ::testing::TempDir() + "read_whole_file_pipe";

@@ -91,9 +91,14 @@ TEST(ReachSummary, Consistency_IsWithinTargetsNotBetweenThem) {
 TEST(ReachSummary, Targets_SayEverythingPerTarget) {
   const auto figures = session().summary();
   EXPECT_EQ(value_of(figures, "targets"), 3.0);
-  EXPECT_THAT(find(figures, "targets")->details,
+  const std::string& details = find(figures, "targets")->details;
+  EXPECT_THAT(details,
               testing::HasSubstr(R"({"condition":"120","target_cm":80.4,"expected_class":1,"trials":2,"with_gap":0,"reaches_detected":2,)"
-                                 R"("classes":{"none":0,"minor":1,"moderate":0,"maximum":0,"rejected":1},"agreed":1,"compared":1,)"));
+                                 R"("classes":{"none":0,"minor":1,"moderate":0,"maximum":0,"rejected":1},"agreed":1,"compared":1,)"
+                                 R"("d2_mean_mm":0.3)"));
+  EXPECT_THAT(details, testing::ContainsRegex(R"("d2_sd_mm":0\.1414[0-9]*,"trunk_mean_deg":6,"trunk_sd_deg":2\.828[0-9]*,)"
+                                              R"("sparc_mean":-1\.6,"sparc_sd":0})"));
+  EXPECT_THAT(details, testing::StartsWith(R"({"targets":[{"condition":"100",)"));
 }
 
 TEST(ReachSummary, TargetWithinReachWithoutAReach_Agrees) {

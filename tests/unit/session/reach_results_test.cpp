@@ -21,10 +21,13 @@ using enum TrialEventKind;
 ReachResults without_model() { return {made::volunteer(), nullptr}; }
 
 void go(ReachResults& results, std::uint32_t trial, std::uint64_t scan, std::uint32_t segment = 0, std::uint32_t attempt = 1) {
+  results.take(step(Ready, trial, attempt), segment, {scan - 10});
   results.take(step(Go, trial, attempt), segment, {scan});
+  results.take(step(Measure, trial, attempt), segment, {scan + 5});
 }
 void done(ReachResults& results, std::uint32_t trial, std::uint64_t scan, std::uint32_t segment = 0, std::uint32_t attempt = 1) {
   results.take(step(Done, trial, attempt), segment, {scan});
+  results.take(step(Rest, trial, attempt), segment, {scan});
 }
 /// Number of the reach in the only result; 0: it has none.
 std::uint32_t only_reach(const ReachResults& results) {
@@ -33,25 +36,34 @@ std::uint32_t only_reach(const ReachResults& results) {
   return all.empty() || !all[0].reach ? 0 : all[0].reach->number;
 }
 
-TEST(ReachResults, Trial_HasTheReachWhoseTrunkWentForwardInIt) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  results.take(reach(4, 979));  // P2 is 20 scans after P1
-  results.take(reach(5, 980));
-  done(results, 1, 1500);
-  results.advance(0, {1500});
-  EXPECT_EQ(only_reach(results), 5U);
-}
-
-TEST(ReachResults, ReachThatBeginsWhenTheTrialIsDone_IsNotIts) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  core::ReachEvent late = reach(1, 1500);
-  late.scan = {1500};
-  results.take(late);
-  done(results, 1, 1500);
-  results.advance(0, {1500});
-  EXPECT_EQ(only_reach(results), 0U);
+TEST(ReachResults, Trial_HasTheLargestReachWhoseTrunkWentForwardInIt) {
+  core::ReachEvent late = reach(3, 1480);
+  late.scan = {1499};
+  core::ReachEvent provisional = reach(1, 1100);
+  provisional.step = ReachStep::P3;
+  std::vector<core::ReachEvent> unmeasured(3, reach(2, 1200));
+  unmeasured[0].features.p1_mm = unmeasured[1].features.p2_mm = unmeasured[2].features.p3_mm = std::numeric_limits<double>::quiet_NaN();
+  const core::ReachEvent cancelled{.step = ReachStep::Cancelled, .number = 1, .segment = 0, .scan = {1300}};
+  struct Row {
+    const char* what;
+    std::vector<core::ReachEvent> told;
+    std::uint32_t number;  ///< 0: none.
+  };
+  for (const auto& [what, told, number] :
+       std::vector<Row>{{"P2 is 20 scans after P1", {reach(4, 979)}, 0},
+                        {"", {reach(4, 979), reach(5, 980)}, 5},
+                        {"goes forward when the trial is done", {late}, 0},
+                        {"provisional, or not measured", {provisional, unmeasured[0], unmeasured[1], unmeasured[2]}, 0},
+                        {"cancelled", {reach(1, 1100), cancelled}, 0},
+                        {"several", {reach(1, 1050, 0.5), reach(2, 1200, 1.5), reach(3, 1350, 0.7)}, 2}}) {
+    SCOPED_TRACE(what);
+    ReachResults results = without_model();
+    go(results, 1, 1000);
+    for (const core::ReachEvent& event : told) results.take(event);
+    done(results, 1, 1500);
+    results.advance(0, {1500});
+    EXPECT_EQ(only_reach(results), number);
+  }
 }
 
 TEST(ReachResults, FinalToldAfterTheTrial_DoesNotCount) {
@@ -79,42 +91,6 @@ TEST(ReachResults, OtherFinalOfTheSameNumber_ReplacesTheFirst) {
   done(results, 1, 1500);
   results.advance(0, {1500});
   EXPECT_DOUBLE_EQ(results.results().at(0).reach->features.d2_mm(), 2.0);
-}
-
-TEST(ReachResults, CancelledReach_IsNone) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  results.take(reach(1, 1100));
-  core::ReachEvent cancelled{.step = ReachStep::Cancelled, .number = 1, .segment = 0, .scan = {1300}};
-  results.take(cancelled);
-  done(results, 1, 1500);
-  results.advance(0, {1500});
-  EXPECT_EQ(only_reach(results), 0U);
-}
-
-TEST(ReachResults, LargestOfSeveral_IsTheTrials) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  results.take(reach(1, 1050, 0.5));
-  results.take(reach(2, 1200, 1.5));
-  results.take(reach(3, 1350, 0.7));
-  done(results, 1, 1500);
-  results.advance(0, {1500});
-  EXPECT_EQ(only_reach(results), 2U);
-}
-
-TEST(ReachResults, ProvisionalAndUnmeasuredReaches_AreNoResults) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  core::ReachEvent provisional = reach(1, 1100);
-  provisional.step = ReachStep::P3;
-  results.take(provisional);
-  core::ReachEvent unmeasured = reach(2, 1200);
-  unmeasured.features.p3_mm = std::numeric_limits<double>::quiet_NaN();
-  results.take(unmeasured);
-  done(results, 1, 1500);
-  results.advance(0, {1500});
-  EXPECT_EQ(only_reach(results), 0U);
 }
 
 TEST(ReachResults, Advance_DecidesOnlyWhatHasEnded) {

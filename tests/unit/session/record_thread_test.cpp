@@ -7,7 +7,9 @@
 
 #include <atomic>
 #include <filesystem>
+#include <functional>
 #include <thread>
+#include <utility>
 
 #include "core/doorbell.h"
 #include "floor_config.h"
@@ -89,12 +91,12 @@ TEST_F(RecordThreadTest, EndThatFoundNoRoom_IsALossAlthoughNoScanFollows) {
   while (thread.view("floor").is_recording) tap.follow();  // as the pipeline thread does: the end mark goes when there is room
   const FinishedRecording finished = wait(thread);
 
-  EXPECT_THAT(finished.incomplete, HasSubstr("60 scans"));
+  EXPECT_EQ(finished.incomplete, "60 scans found no room on the way to the file");
   EXPECT_EQ(thread.view("floor").lost_scans, 60U);
-  EXPECT_THAT(record::verify(finished.file).value().incomplete, HasSubstr("60 scans"));
+  EXPECT_EQ(record::verify(finished.file).value().incomplete, finished.incomplete);
 }
 
-TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsALossAlthoughScansStartAnew) {
+TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsALossWhereItWasLost_AlthoughScansStartAnew) {
   RecordTap tap(4, *pipeline_);
   RecordThread thread(clock_, storage_);
   thread.add("floor", tap);
@@ -105,23 +107,10 @@ TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsALossAlthoughScansStartA
   tap.offer(at(frame_, 2, 0));
   tap.close();
   while (thread.view("floor").is_recording) tap.follow();
+  const FinishedRecording finished = wait(thread);
 
-  EXPECT_THAT(wait(thread).incomplete, HasSubstr("30 scans"));
-}
-
-TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsRecordedWhereItWasLost) {
-  RecordTap tap(4, *pipeline_);
-  RecordThread thread(clock_, storage_);
-  thread.add("floor", tap);
-  begin(thread, "floor", tap);
-  for (std::uint64_t block = 0; block < 5; ++block) tap.offer(at(frame_, 1, block * kBlockScans));
-  thread.start();
-  while (tap.is_blocked()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  tap.offer(at(frame_, 2, 0));
-  tap.close();
-  while (thread.view("floor").is_recording) tap.follow();
-
-  const auto recording = record::Recording::open(wait(thread).file).value();
+  EXPECT_EQ(finished.incomplete, "30 scans found no room on the way to the file");
+  const auto recording = record::Recording::open(finished.file).value();
   std::vector<record::RecordedEvent> losses;
   while (const auto item = recording->next().value()) {
     const auto* timed = std::get_if<record::TimedEvent>(&*item);
@@ -130,6 +119,98 @@ TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsRecordedWhereItWasLost) 
   ASSERT_EQ(losses.size(), 1U);
   EXPECT_EQ(losses[0].segment, 1U);
   EXPECT_EQ(losses[0].scan.value, 4 * kBlockScans);
+}
+
+/// Time that passes only when the record thread sleeps: `on_turn` runs in it, once a turn, for as many turns as wanted.
+class TurnClock final : public core::Clock {
+ public:
+  explicit TurnClock(int turns) : left_(turns) {}
+  [[nodiscard]] std::int64_t now_ns() const noexcept override { return now_ns_; }
+  void sleep_until_ns(std::int64_t deadline_ns) noexcept override {
+    if (left_ == 0) return std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    on_turn();
+    now_ns_ = deadline_ns;
+    --left_;
+  }
+  [[nodiscard]] bool is_over() const { return left_ == 0; }
+  std::function<void()> on_turn;
+
+ private:
+  std::atomic<std::int64_t> now_ns_{1'000'000'000'000};
+  std::atomic<int> left_;
+};
+
+TEST_F(RecordThreadTest, WhatIsTaken_IsWrittenSoon_AndNotAtEveryTurn) {
+  TurnClock turns(100);
+  RecordTap tap(64, *pipeline_);
+  RecordThread thread(turns, storage_);
+  thread.add("floor", tap);
+  begin(thread, "floor", tap);
+  std::uint64_t first = 0;
+  std::uintmax_t bytes = std::filesystem::file_size(file("floor") + ".part");
+  std::vector<std::int64_t> written_ns{turns.now_ns()};
+  turns.on_turn = [&] {
+    const auto now_bytes = std::filesystem::file_size(file("floor") + ".part");
+    if (std::exchange(bytes, now_bytes) == now_bytes && first > 0) return;
+    if (first > 0) written_ns.push_back(turns.now_ns());
+    for (core::Block& block : at(frame_, 1, first).streams) block.set_count(&block == &frame_.streams.front() ? 1 : 0);
+    tap.offer(frame_);  // the next frame comes when the one before is in the file
+    ++first;
+  };
+  thread.start();
+  while (!turns.is_over()) std::this_thread::yield();
+  thread.stop();
+
+  EXPECT_GE(written_ns.size(), 16U) << "in 4 s";
+  EXPECT_LE(written_ns.size(), 60U) << "chunks of a few scans at each of the 100 turns make a file large";
+  for (std::size_t i = 1; i < written_ns.size(); ++i) {
+    EXPECT_LE(static_cast<double>(written_ns[i] - written_ns[i - 1]) * 1e-9, record::kLongestUnwrittenS);
+  }
+}
+
+TEST_F(RecordThreadTest, DiskNearlyFull_EndsTheRecordingAsThat) {
+  TurnClock turns(10);
+  storage_.stop_below_mib = 1e9;  // more than any disk has
+  RecordTap tap(64, *pipeline_);
+  RecordThread thread(turns, storage_);
+  thread.add("floor", tap);
+  begin(thread, "floor", tap);
+  turns.on_turn = [&] { tap.offer(at(frame_, 1, 0)); };
+  thread.start();
+  while (!turns.is_over()) std::this_thread::yield();
+
+  const auto finished = thread.take_finished();
+  ASSERT_EQ(finished.size(), 1U);
+  EXPECT_EQ(finished[0].incomplete, "the disk is nearly full");
+}
+
+TEST_F(RecordThreadTest, Lag_GrowsUntilWhatWasTakenIsOnTheDisk) {
+  core::VirtualClock clock(5'000'000'000);
+  RecordTap tap(64, *pipeline_);
+  RecordThread thread(clock, storage_);
+  thread.add("floor", tap);
+  EXPECT_EQ(thread.view("floor").lag_s, 0.0);
+  begin(thread, "floor", tap);
+  clock.advance_ns(700'000'000);
+  EXPECT_DOUBLE_EQ(thread.view("floor").lag_s, 0.7);
+  thread.mark_incomplete("floor", "as marked");
+  thread.post("floor", {.event = "marker"});
+  tap.offer(at(frame_, 1, 0));
+  tap.close();
+  tap.follow();
+  thread.start();
+  const FinishedRecording finished = wait(thread);
+  thread.wait_until_closed(std::chrono::milliseconds(0));
+
+  EXPECT_EQ(finished.incomplete, "as marked");
+  EXPECT_EQ(finished.scans, kBlockScans);
+  EXPECT_NEAR(finished.duration_s, kBlockScans / 1500.0, 1e-9);
+  const RecordingView view = thread.view("floor");
+  EXPECT_FALSE(view.is_recording);
+  EXPECT_EQ(view.lag_s, 0.0);
+  EXPECT_EQ(view.file, finished.file);
+  EXPECT_EQ(view.bytes, std::filesystem::file_size(finished.file));
+  EXPECT_EQ(view.problem, "as marked");
 }
 
 TEST_F(RecordThreadTest, GapsBeforeFramesThatFoundNoRoom_AddUp) {

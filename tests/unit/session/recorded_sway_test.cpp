@@ -3,6 +3,11 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "session/sway_record.h"
 #include "session/trial_record.h"
 #include "unit/record/xdf_fixture.h"
 
@@ -16,6 +21,167 @@ RecordedEvent step_at(TrialEventKind kind, std::uint32_t trial, std::uint64_t sc
   RecordedEvent event = to_record(TrialEvent{.kind = kind, .trial = trial, .condition = "eyes-open"});
   event.scan = {scan};
   return event;
+}
+
+/// "cop" at 100 Hz with its channels in another order, of scans at 1500 Hz. Sample `i` of a segment is (1000 * segment + i, -i, 600).
+class Standing {
+ public:
+  Standing() {
+    raw_ = writer_->add_stream(record::xdf_test::regular_stream("floor/raw", {"w1_v"}, record::xdf_test::rate_of(1500)));
+    cop_ = writer_->add_stream(record::xdf_test::regular_stream("floor/cop", {"load_n", "ap_mm", "ml_mm"}, record::xdf_test::rate_of(100)));
+    events_ = writer_->add_stream(record::xdf_test::events_stream());
+  }
+  void event(std::uint32_t segment, double time_s, RecordedEvent event) {
+    event.segment = segment;
+    const std::vector<std::pair<double, std::string>> texts{{time_s, record::to_json(event)}};
+    EXPECT_TRUE(writer_->write_texts(events_, texts, {.segment = segment, .first_scan = event.scan}));
+  }
+  /// `is_there` says of each sample whether anybody stands.
+  void samples(std::uint32_t segment, std::uint64_t first, double time_s, const std::vector<bool>& is_there) {
+    const std::vector<double> raw{2.5};
+    if (segment == 0 && first < 10) {
+      EXPECT_TRUE(writer_->write_samples(raw_, time_s, raw, {.segment = 0, .first_scan = {15 * first}}));
+    }
+    std::vector<double> values;
+    for (std::size_t i = 0; i < is_there.size(); ++i) {
+      const double index = static_cast<double>(first + i);
+      const double ml = is_there[i] ? 1000.0 * segment + index : std::nan("");
+      values.insert(values.end(), {600.0, -index, ml});
+    }
+    EXPECT_TRUE(writer_->write_samples(cop_, time_s, values, {.segment = segment, .first_scan = {first}}));
+  }
+  RecordedStanding read() {
+    EXPECT_TRUE(writer_->close());
+    const auto recording = record::Recording::open(file_).value();
+    std::vector<double> progress;
+    auto standing = read_recorded_standing(*recording, [&](double part) { progress.push_back(part); });
+    EXPECT_TRUE(standing) << standing.error().what;
+    EXPECT_TRUE(std::ranges::is_sorted(progress));
+    const std::size_t half = progress.size() / 2;  // it is read twice
+    for (std::size_t item = 0; item < half; ++item) EXPECT_NEAR(progress[item + half], progress[item] + 0.5, 1e-12);
+    EXPECT_GT(progress.front(), 0.0);
+    EXPECT_GT(progress.back(), 0.9);
+    EXPECT_LE(progress.back(), 1.0);
+    EXPECT_EQ(standing->raw_rate_hz, 1500.0);
+    return *standing;
+  }
+
+ private:
+  record::xdf_test::Folder folder_;
+  std::string file_ = folder_ / "a.xdf";
+  std::unique_ptr<record::XdfWriter> writer_ = record::XdfWriter::create(file_, to_facts(record::xdf_test::floor_session())).value();
+  std::uint32_t raw_ = 0;
+  std::uint32_t cop_ = 0;
+  std::uint32_t events_ = 0;
+};
+
+std::vector<double> counted(double first, std::size_t count) {
+  std::vector<double> values(count);
+  std::iota(values.begin(), values.end(), first);
+  return values;
+}
+
+TEST(RecordedStanding, TrialsHaveTheirSamplesAndWhatWasToldOfThem) {
+  using enum TrialEventKind;
+  Standing file;
+  file.event(0, 1000.0, {.event = "segment"});
+  file.event(0, 1001.002, step_at(Measure, 7, 1500));  // an event's time is that of a raw scan
+  file.event(0, 1003.0, step_at(Done, 7, 4501));       // sample 300 is the last
+  file.event(0, 1003.5, step_at(Rejected, 7, 5250));   // void later, as long as it was
+  file.event(0, 1003.6, step_at(Measure, 9, 5400));    // never ended
+  file.event(0, 1003.7, step_at(Done, 0, 5500));
+  file.event(0, 1004.0, step_at(Measure, 2, 6000));
+  file.samples(0, 5, 1000.05, std::vector<bool>(200, true));
+  file.samples(0, 205, 1002.05, std::vector<bool>(295, true));  // up to 500
+  file.event(1, 1007.0, {.event = "segment"});
+  file.event(1, 1007.5, step_at(Done, 2, 750));
+  SwayTrialResult told{.trial = 2, .condition = "eyes-open", .analysis = posturography::Analysis{}};
+  told.analysis->rate_hz = told.analysis->duration_s = 100.0;
+  told.analysis->samples = 100;
+  told.analysis->flags = posturography::sway_flag::kDoubtful | posturography::sway_flag::kCutAtGap;
+  file.event(1, 1007.6, to_record(told, "dtsd"));
+  file.event(1, 1007.7,
+             {.event = "figure",
+              .values = {{"name", std::string("a/RDIST")}, {"value", 2.5}, {"unit", std::string("mm")}, {"details", std::string("{}")}}});
+  file.event(1, 1007.8, {.event = "figure", .values = {{"name", std::string("none")}, {"value", std::string("text")}}});
+  file.samples(1, 0, 1007.0, std::vector<bool>(100, true));
+
+  const RecordedStanding standing = file.read();
+
+  ASSERT_EQ(standing.trials.size(), 2U);
+  const StandingTrial& first = standing.trials[0];
+  EXPECT_EQ(first.trial, 7U);
+  EXPECT_EQ(first.outcome, "rejected");
+  EXPECT_FALSE(first.counts());
+  EXPECT_EQ(first.condition, "eyes-open");
+  EXPECT_EQ(first.first_scan.value, 1500U);
+  EXPECT_EQ(first.end_scan.value, 4501U);
+  EXPECT_NEAR(first.begin_s, 1001.0, 1e-6);
+  EXPECT_EQ(first.cop.rate_hz, 100.0);
+  EXPECT_EQ(first.cop.ml_mm, counted(100, 201));
+  EXPECT_EQ(first.cop.ap_mm[0], -100.0);
+  EXPECT_EQ(first.cop.load_n, std::vector<double>(201, 600.0));
+  EXPECT_FALSE(first.told);
+
+  const StandingTrial& divided = standing.trials[1];
+  EXPECT_EQ(divided.trial, 2U);
+  EXPECT_TRUE(divided.counts());
+  EXPECT_EQ(divided.segment, 0U);
+  EXPECT_EQ(divided.end_segment, 1U);
+  EXPECT_EQ(divided.end_scan.value, 750U);
+  EXPECT_NEAR(divided.begin_s, 1004.0, 1e-6);
+  ASSERT_EQ(divided.cop.ml_mm.size(), 350U) << "1 s, a gap of 2 s, 0.5 s";
+  EXPECT_EQ(divided.cop.ml_mm[99], 499.0);
+  EXPECT_TRUE(std::isnan(divided.cop.ml_mm[100]));
+  EXPECT_TRUE(std::isnan(divided.cop.ml_mm[299]));
+  EXPECT_EQ(divided.cop.ml_mm[300], 1000.0);
+  EXPECT_EQ(divided.cop.ml_mm.back(), 1049.0);
+  EXPECT_EQ(divided.cop.flags, posturography::sway_flag::kDoubtful);
+  EXPECT_EQ(divided.told->condition, "eyes-open");
+
+  ASSERT_EQ(standing.told_figures.size(), 1U);
+  const SessionFigure& figure = standing.told_figures[0];
+  EXPECT_EQ(figure.name + " " + std::to_string(figure.value) + " " + figure.unit + " " + figure.details, "a/RDIST 2.500000 mm {}");
+}
+
+/// 1 s of stepping on, 0.5 s of stepping off and 10 s between are a stretch; holes of up to 0.05 s do not divide one.
+TEST(RecordedStanding, WithoutTrials_EachStretchOf10SecondsIsOne) {
+  std::vector<bool> there(3, false);
+  const auto add = [&there](std::size_t count, bool is_there) { there.insert(there.end(), count, is_there); };
+  add(600, true);
+  add(5, false);
+  add(540, true);  // with the hole before and the beginning of the next: exactly 1150
+  add(6, false);
+  add(1144, true);  // one too few
+  add(20, false);
+  add(500, true);
+  Standing file;
+  file.event(0, 1000.0, {.event = "segment"});
+  file.samples(0, 7, 1000.07, there);
+  const std::uint64_t next = 7 + there.size();
+  file.samples(0, next, 1000.0 + 0.01 * static_cast<double>(next), std::vector<bool>(649, true));  // 500 + 649: one too few
+  file.event(1, 1200.0, {.event = "segment"});
+  file.samples(1, 0, 1200.0, std::vector<bool>(1160, true));
+
+  const RecordedStanding standing = file.read();
+
+  ASSERT_EQ(standing.trials.size(), 2U);
+  const StandingTrial& held = standing.trials[0];
+  EXPECT_EQ(held.trial, 0U);
+  EXPECT_TRUE(held.counts());
+  EXPECT_EQ(held.first_scan.value, (10U + 100U) * 15U);
+  EXPECT_EQ(held.end_scan.value, (10U + 1100U) * 15U);
+  ASSERT_EQ(held.cop.ml_mm.size(), 1000U);
+  EXPECT_EQ(held.cop.ml_mm[0], 110.0);
+  EXPECT_EQ(held.cop.ap_mm[0], -110.0);
+  EXPECT_EQ(held.cop.load_n.size(), 1000U);
+  EXPECT_EQ(std::ranges::count_if(held.cop.ml_mm, [](double value) { return std::isnan(value); }), 5);
+  const StandingTrial& last = standing.trials[1];
+  EXPECT_EQ(last.segment, 1U);
+  EXPECT_EQ(last.end_segment, 1U);
+  EXPECT_EQ(last.first_scan.value, 1500U);
+  EXPECT_EQ(last.cop.ml_mm, counted(1100, 1010));
+  EXPECT_EQ(last.cop.rate_hz, 100.0);
 }
 
 TEST(RecordedStanding, TrialWithAnOutageOfDays_HasAProblemOfItsOwn) {

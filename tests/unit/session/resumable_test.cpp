@@ -59,8 +59,9 @@ TEST_F(ResumableTest, ThreeShortPartsInARow_AreEnough_ButNotWhenTheLastOneWasLon
   const std::string id = cut_off(3);
   EXPECT_THAT(resumable(), IsEmpty());
 
-  std::filesystem::last_write_time(std::filesystem::path(Recordings::open(storage_, clock_, core::Log()).value()->catalogue().session(id)->parts.back().file),
-                                   std::filesystem::file_time_type::clock::now() + std::chrono::minutes(2));
+  std::filesystem::last_write_time(
+      std::filesystem::path(Recordings::open(storage_, clock_, core::Log()).value()->catalogue().session(id)->parts.back().file),
+      std::filesystem::file_time_type::clock::now() + std::chrono::minutes(2));
   EXPECT_THAT(resumable(), ElementsAre(id));
 }
 
@@ -70,12 +71,61 @@ TEST_F(ResumableTest, RigThatHasNotDeliveredYet_IsWaitedFor) {
   supervisor_->resume_interrupted();
 
   supervisor_->tick();
-  EXPECT_EQ(supervisor_->states().at(0).session.state, SessionState::Idle);
-  supervisor_->start();
+  EXPECT_EQ(state(), SessionState::Idle);
+  run();
 
   ASSERT_TRUE(is_in(SessionState::Running));
   EXPECT_EQ(supervisor_->states().at(0).session.id, id);
   EXPECT_EQ(row(id).parts.size(), 2U);
+  const auto newest = recordings_->catalogue().audit(1).value().at(0);
+  EXPECT_EQ(newest.who + " " + newest.what + " " + newest.target + " " + newest.result, "dtsd resume_session " + id + " ok");
+  EXPECT_NEAR(static_cast<double>(newest.utc_ns - clock_.now_ns() - clock_.utc_minus_monotonic_ns()), 0.0, 60e9);
+  EXPECT_THAT(said_.str(), testing::HasSubstr("session " + id + " was interrupted and goes on"));
+}
+
+TEST_F(ResumableTest, DeviceThatStaysAway_IsWaitedForAMinute_WithATryEverySecond) {
+  const std::string id = cut_off(1);
+  open();
+  device_->is_absent = true;
+  supervisor_->start();
+  while (rig().acquisition().text().empty()) std::this_thread::yield();
+  supervisor_->resume_interrupted();
+  const auto given_up = [&] {
+    return said_.str().find("session " + id + " was interrupted and cannot go on by itself: ") != std::string::npos;
+  };
+
+  for (int second = 0; second < 60; ++second) {
+    supervisor_->tick();
+    EXPECT_FALSE(given_up()) << second;
+    clock_.advance_s(1.0);
+  }
+  supervisor_->tick();
+
+  EXPECT_TRUE(given_up());
+  EXPECT_EQ(row(id).parts.size(), 1U);
+}
+
+TEST_F(ResumableTest, DeviceThatReturnsAfterItDelivered_IsTriedAgainASecondLater) {
+  const std::string id = cut_off(1);
+  start();
+  device_->is_absent = true;
+  device_->give({.outcome = device::ReadOutcome::Gone});
+  while (rig().acquisition().text().find("not plugged in") == std::string_view::npos) std::this_thread::yield();
+  supervisor_->resume_interrupted();
+  supervisor_->tick();
+  device_->is_absent = false;
+  clock_.advance_s(0.9);
+  while (rig().acquisition().device != device::DeviceState::Streaming) {
+    std::this_thread::yield();
+    supervisor_->tick();
+    ASSERT_EQ(state(), SessionState::Idle) << "not yet";
+  }
+  supervisor_->tick();
+  EXPECT_EQ(state(), SessionState::Idle) << "a second between two tries";
+  clock_.advance_s(0.1);
+  supervisor_->tick();
+  EXPECT_EQ(state(), SessionState::Starting);
+  EXPECT_EQ(supervisor_->states().at(0).session.id, id);
 }
 
 }  // namespace

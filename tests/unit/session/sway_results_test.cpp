@@ -5,9 +5,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
+#include <tuple>
 
+#include "session/json_object.h"
 #include "session/sway_record.h"
 #include "sway_signal.h"
 
@@ -52,6 +55,7 @@ TEST(SwayResults, OfATrialAreTheAnalysisOfItsSamplesWhateverTheBlockSize) {
     ASSERT_TRUE(decided[0].analysis) << decided[0].problem;
     EXPECT_EQ(decided[0].analysis->samples, 2000U);
     EXPECT_EQ(decided[0].analysis->measures, expected(300, 2300).measures) << size;
+    EXPECT_EQ(decided[0].analysis->flags, expected(300, 2300).flags) << size;
     EXPECT_TRUE(results.take_decided().empty());
   }
 }
@@ -190,9 +194,36 @@ TEST(SwayResults, ASlowerCopStreamIsCutAtTheRightScans) {
   EXPECT_EQ(cut->ml_mm[0], static_cast<float>(ml_at(100)));
 }
 
+TEST(SwayResults, DoubtOfASampleInTheTrial_IsADoubtOfItsResult) {
+  namespace quality = core::quality;
+  for (const auto& [bits, axis, scan, is_doubtful] :
+       std::vector<std::tuple<std::uint8_t, std::size_t, std::uint64_t, bool>>{{quality::kUntared, 0, 100, true},
+                                                                               {quality::kSubstituted, 1, 299, true},
+                                                                               {quality::kRail, 0, 200, false},
+                                                                               {quality::kUntared, 0, 99, false},
+                                                                               {quality::kUntared, 1, 300, false}}) {
+    CopTrace trace(rate_100(), rate_100());
+    core::Block block = cop_block(0, 400);
+    block.quality(axis)[scan] = bits;
+    trace.take(block);
+    const auto cut = trace.cut({0, {100}}, {0, {300}});
+    ASSERT_TRUE(cut);
+    EXPECT_EQ(cut->flags, is_doubtful ? posturography::sway_flag::kDoubtful : 0U) << scan;
+  }
+}
+
 double figure(const std::vector<SessionFigure>& figures, const std::string& name) {
   const auto found = std::ranges::find(figures, name, &SessionFigure::name);
   return found == figures.end() ? -1.0 : found->value;
+}
+std::string unit_and_details(const std::vector<SessionFigure>& figures, const std::string& name) {
+  const auto found = std::ranges::find(figures, name, &SessionFigure::name);
+  return found == figures.end() ? "" : found->unit + " " + found->details;
+}
+std::string number(double value) {
+  JsonObject json;
+  json.add("", value);
+  return json.text().substr(4, json.text().size() - 5);
 }
 
 TEST(SwaySummary, HasMeansByConditionAndRombergQuotients) {
@@ -208,6 +239,12 @@ TEST(SwaySummary, HasMeansByConditionAndRombergQuotients) {
   EXPECT_DOUBLE_EQ(figure(figures, "eyes-open-two-feet/RDIST"), open);
   EXPECT_DOUBLE_EQ(figure(figures, "eyes-closed-two-feet/RDIST"), rdist(1));
   EXPECT_DOUBLE_EQ(figure(figures, "romberg/feet=two/RDIST"), rdist(1) / open);
+  const std::string of_all = R"("profile":"lp10","rate_hz":100,"duration_s":20})";
+  EXPECT_EQ(unit_and_details(figures, "eyes-closed-two-feet/RDIST"), R"(mm {"trials":1,)" + of_all);
+  const double sd = std::sqrt((rdist(0) - open) * (rdist(0) - open) + (rdist(2) - open) * (rdist(2) - open));
+  EXPECT_EQ(unit_and_details(figures, "eyes-open-two-feet/RDIST"), R"(mm {"trials":2,"sd":)" + number(sd) + "," + of_all);
+  EXPECT_EQ(unit_and_details(figures, "romberg/feet=two/RDIST"),
+            R"(1 {"open":)" + number(open) + R"(,"closed":)" + number(rdist(1)) + R"(,"open_trials":2,"closed_trials":1,"duration_s":20})");
 }
 
 TEST(SwaySummary, NoQuotientOfTrialsOfDifferentLengthStanceOrEyesAlone) {
@@ -223,8 +260,14 @@ TEST(SwaySummary, NoQuotientOfTrialsOfDifferentLengthStanceOrEyesAlone) {
     return std::ranges::any_of(figures, [](const SessionFigure& each) { return each.name.starts_with("romberg/"); });
   };
   EXPECT_FALSE(has_quotient(trials));  // 20 s against 30 s
-  trials[1].analysis->duration_s = trials[0].analysis->duration_s;
+  trials[1].analysis->duration_s = trials[0].analysis->duration_s - 0.09;
   EXPECT_TRUE(has_quotient(trials));
+  trials[1].analysis->duration_s -= 0.02;
+  EXPECT_FALSE(has_quotient(trials));
+  trials[1].analysis->duration_s = trials[0].analysis->duration_s;
+  trials[0].analysis->measures.set(posturography::Measure::Rdist, 0.0);
+  EXPECT_TRUE(has_quotient(trials));
+  EXPECT_EQ(figure(sway_summary(trials), "romberg/feet=two/RDIST"), -1.0);
   trials[1].labels[1].second = "one";
   EXPECT_FALSE(has_quotient(trials));
 }

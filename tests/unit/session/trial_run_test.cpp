@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 #include <sstream>
 
@@ -166,72 +167,62 @@ TEST(TrialRun, NextInEachPhase_WorksOnlyWhereNothingIsCut) {
   EXPECT_EQ(phase_at(run, 28 * kNanosecondsPerSecond), TrialPhase::Ready);
 }
 
-struct Moment {
-  const char* phase;
-  std::int64_t second;
-};
-class TrialRunVoided : public testing::TestWithParam<Moment> {};
-
-TEST_P(TrialRunVoided, Redo_StartsTheSamePlaceAgainAsAnotherAttempt) {
-  TrialRun run(timed(), 1, {});
-  ASSERT_TRUE(run.next(0));
-  const std::int64_t now_ns = GetParam().second * kNanosecondsPerSecond;
-  run.tick(now_ns);
-  ASSERT_EQ(name(phase_at(run, now_ns)), GetParam().phase);
-  static_cast<void>(run.take_events());
-
-  ASSERT_TRUE(run.redo(now_ns));
-
-  const std::string at = "@" + std::to_string(GetParam().second);
-  EXPECT_EQ(told(run), "redone 1.1" + at + " ready 1.2" + at);
-  EXPECT_EQ(phase_at(run, now_ns), TrialPhase::Ready);
-  run.tick(now_ns + 1000 * kNanosecondsPerSecond);
-  ASSERT_TRUE(run.next(now_ns + 1000 * kNanosecondsPerSecond));
-  EXPECT_EQ(run.view(now_ns + 1000 * kNanosecondsPerSecond).trial, 2U);
-  EXPECT_EQ(run.view(now_ns + 1000 * kNanosecondsPerSecond).attempt, 1U);
+/// A run in each phase of its first trial, with what was told until then taken away.
+void in_each_phase(const std::function<void(TrialRun&, std::int64_t now_ns, const std::string& at)>& test) {
+  const std::vector<std::pair<std::string, std::int64_t>> moments{
+      {"ready", 1}, {"settling", 3}, {"measuring", 10}, {"resting", 30}, {"waiting", 50}};
+  for (const auto& [phase, second] : moments) {
+    SCOPED_TRACE(phase);
+    TrialRun run(timed(), 1, {});
+    ASSERT_TRUE(run.next(0));
+    const std::int64_t now_ns = second * kNanosecondsPerSecond;
+    run.tick(now_ns);
+    ASSERT_EQ(name(phase_at(run, now_ns)), phase);
+    static_cast<void>(run.take_events());
+    test(run, now_ns, "@" + std::to_string(second));
+  }
 }
 
-TEST_P(TrialRunVoided, Reject_GoesOnWithTheNextPlace) {
-  TrialRun run(timed(), 1, {});
-  ASSERT_TRUE(run.next(0));
-  const std::int64_t now_ns = GetParam().second * kNanosecondsPerSecond;
-  run.tick(now_ns);
-  static_cast<void>(run.take_events());
+TEST(TrialRun, Redo_StartsTheSamePlaceAgainAsAnotherAttempt) {
+  in_each_phase([](TrialRun& run, std::int64_t now_ns, const std::string& at) {
+    ASSERT_TRUE(run.redo(now_ns));
 
-  ASSERT_TRUE(run.reject(now_ns));
-
-  EXPECT_THAT(told(run), testing::StartsWith("rejected 1.1@" + std::to_string(GetParam().second)));
-  EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
-  EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
-  ASSERT_TRUE(run.next(now_ns));
-  EXPECT_EQ(told(run), "ready 2.1@" + std::to_string(GetParam().second));
-  EXPECT_TRUE(run.redo(now_ns));  // the new one is not void
+    EXPECT_EQ(told(run), "redone 1.1" + at + " ready 1.2" + at);
+    EXPECT_EQ(phase_at(run, now_ns), TrialPhase::Ready);
+    run.tick(now_ns + 1000 * kNanosecondsPerSecond);
+    ASSERT_TRUE(run.next(now_ns + 1000 * kNanosecondsPerSecond));
+    EXPECT_EQ(run.view(now_ns + 1000 * kNanosecondsPerSecond).trial, 2U);
+    EXPECT_EQ(run.view(now_ns + 1000 * kNanosecondsPerSecond).attempt, 1U);
+  });
 }
 
-TEST_P(TrialRunVoided, Abort_TellsOnlyATrialUnderWayAndEndsEverything) {
-  TrialRun run(timed(), 1, {});
-  ASSERT_TRUE(run.next(0));
-  const std::int64_t now_ns = GetParam().second * kNanosecondsPerSecond;
-  run.tick(now_ns);
-  static_cast<void>(run.take_events());
+TEST(TrialRun, Reject_GoesOnWithTheNextPlace) {
+  in_each_phase([](TrialRun& run, std::int64_t now_ns, const std::string& at) {
+    ASSERT_TRUE(run.reject(now_ns));
 
-  run.abort(now_ns);
-  run.abort(now_ns);
-
-  const bool is_under_way = GetParam().second < 27;
-  EXPECT_EQ(told(run), is_under_way ? "aborted 1.1@" + std::to_string(GetParam().second) : "");
-  EXPECT_EQ(code(run.next(now_ns)), kWrongState);
-  EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
-  EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
-  run.tick(now_ns + 1000 * kNanosecondsPerSecond);
-  EXPECT_EQ(told(run), "");
-  EXPECT_FALSE(run.is_finished());
+    EXPECT_THAT(told(run), testing::StartsWith("rejected 1.1" + at));
+    EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
+    EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
+    ASSERT_TRUE(run.next(now_ns));
+    EXPECT_EQ(told(run), "ready 2.1" + at);
+    EXPECT_TRUE(run.redo(now_ns));  // the new one is not void
+  });
 }
 
-INSTANTIATE_TEST_SUITE_P(EachPhase, TrialRunVoided,
-                         testing::Values(Moment{"ready", 1}, Moment{"settling", 3}, Moment{"measuring", 10}, Moment{"resting", 30},
-                                         Moment{"waiting", 50}),
-                         [](const auto& moment) { return moment.param.phase; });
+TEST(TrialRun, Abort_TellsOnlyATrialUnderWayAndEndsEverything) {
+  in_each_phase([](TrialRun& run, std::int64_t now_ns, const std::string& at) {
+    run.abort(now_ns);
+    run.abort(now_ns);
+
+    EXPECT_EQ(told(run), now_ns < 27 * kNanosecondsPerSecond ? "aborted 1.1" + at : "");
+    EXPECT_EQ(code(run.next(now_ns)), kWrongState);
+    EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
+    EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
+    run.tick(now_ns + 1000 * kNanosecondsPerSecond);
+    EXPECT_EQ(told(run), "");
+    EXPECT_FALSE(run.is_finished());
+  });
+}
 
 TEST(TrialRun, NothingStartedYet_CannotBeVoidedOrAborted) {
   TrialRun run(timed(), 1, {});

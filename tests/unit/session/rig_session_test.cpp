@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+// A session from its start to its end and its resumption: recording, trials, results.
+#include "session/rig_session.h"
+
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "record/recording.h"
+#include "record/sha256.h"
+#include "supervisor_fixture.h"
+
+namespace dts::session {
+namespace {
+
+using core::ErrorCode;
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class RigSessionTest : public SupervisorTest {};
+
+TEST_F(RigSessionTest, SessionFacts_StandInItsRecording) {
+  config_.definition = "name = floor";
+  config_.trunk_model_text = "model";
+  Protocol protocol = standing();
+  protocol.fields = {{.name = "age_years", .minimum = 3, .maximum = 120}};
+  start({Protocol{}, protocol});
+  device_->found.serial = "F8";
+  const std::int64_t utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns();
+  const std::string id = record(
+      30, {.protocol = "standing", .subject = "P1", .label = "left", .duration_s = 90.0, .settle_s = 0.1, .fields = {{"age_years", "30"}}});
+  ASSERT_TRUE(stop());
+
+  auto facts = record::Recording::open(row(id).parts.at(0).file).value()->session().value();
+  EXPECT_EQ(facts.session_id, id);
+  EXPECT_EQ(facts.part, 1U);
+  EXPECT_EQ(facts.rig + " " + facts.kind + " " + facts.protocol + " " + facts.subject + " " + facts.label, "floor floor standing P1 left");
+  EXPECT_EQ(facts.fields, (std::vector<std::pair<std::string, std::string>>{{"age_years", "30"}}));
+  EXPECT_EQ(facts.duration_s, 90.0);
+  EXPECT_EQ(facts.settle_s, 0.1);
+  EXPECT_EQ(facts.started_utc_ns, utc_ns);
+  EXPECT_EQ(facts.utc_minus_monotonic_ns, clock_.utc_minus_monotonic_ns());
+  EXPECT_EQ(facts.boot_id + ", " + facts.software + ", " + facts.firmware, "boot 1, dtsd test, 1.2");
+  EXPECT_EQ(facts.device_uri + " " + facts.device_model + " " + facts.device_serial, "hand:fed Hand-fed device F8");
+  EXPECT_EQ(facts.rig_definition + ", " + facts.protocol_definition, "name = floor, name = standing");
+  EXPECT_EQ(facts.model_sha256, record::sha256_of("model"));
+  EXPECT_EQ(facts.stages, rig().stage_texts());
+  const std::uint64_t seed = facts.plan_seed;
+
+  ASSERT_TRUE(supervisor_->resume_session(id));
+  feed(kBlock);
+  ASSERT_TRUE(stop());
+  const record::PartRow second = row(id).parts.at(1);
+  facts = record::Recording::open(second.file).value()->session().value();
+  EXPECT_EQ(facts.part, 2U);
+  EXPECT_EQ(facts.plan_seed, seed) << "the same order of trials";
+  EXPECT_EQ(facts.duration_s, 90.0);
+  EXPECT_EQ(facts.subject + facts.label, "P1left");
+  EXPECT_EQ(facts.fields.size(), 1U);
+  EXPECT_THAT(second.file, testing::EndsWith(id + ".2.xdf"));
+  EXPECT_NE(record::Recording::open(row(record(30, {.protocol = "standing"})).parts.at(0).file).value()->session()->plan_seed, seed);
+}
+
+TEST_F(RigSessionTest, SessionThatDoesNotFit_IsRefused) {
+  Protocol chair{.name = "chair", .rig_kind = "chair"};
+  start({Protocol{}, standing(), chair});
+  const auto refused = [&](const SessionRequest& request) {
+    return why_refused(supervisor_->start_session("floor", request), ErrorCode::InvalidArgument);
+  };
+  EXPECT_THAT(refused({.protocol = std::string(70, 'x')}),
+              AllOf(HasSubstr("unknown protocol '" + std::string(64, 'x') + "'; known: free, standing, chair")));
+  EXPECT_THAT(refused({.protocol = "chair"}), HasSubstr("protocol 'chair' is for a chair, and rig 'floor' is a floor"));
+  EXPECT_NE(refused({.label = std::string(201, 'x')}), "");
+  EXPECT_NE(refused({.fields = {{"age_years", "3"}}}), "");
+  EXPECT_TRUE(std::filesystem::is_empty(folder_ / "sessions"));
+  EXPECT_THAT(why_refused(supervisor_->resume_session("none"), ErrorCode::NotFound), HasSubstr("none"));
+}
+
+TEST_F(RigSessionTest, Trials_BeginAtTheirScansHoweverLateTheyAreNoticed) {
+  start({standing()});
+  ASSERT_TRUE(supervisor_->start_session("floor", {.protocol = "standing"}));
+  EXPECT_TRUE(supervisor_->trial("", TrialAction::Next)) << "counts as soon as the session runs";
+  EXPECT_THAT(why_refused(supervisor_->trial("", TrialAction::Redo)), HasSubstr("the session is starting, not running"));
+  static_cast<void>(told<TrialNotice>());
+  pass(0.3, 0.3);
+  pass(0.3, 0.3);
+  auto events = told<TrialNotice>();
+  std::vector<std::pair<TrialEventKind, std::uint64_t>> steps;
+  for (const auto& [at, notice] : events) steps.emplace_back(notice.event.kind, at.scan.value);
+  using enum TrialEventKind;
+  ASSERT_FALSE(steps.empty());
+  const std::uint64_t go = steps[0].second;
+  EXPECT_EQ(go, kBlock + 900) << "when a tick saw that it runs";
+  pass(0.5, 0.3);
+  pass(11.0, 0.7);
+  for (const auto& [at, notice] : told<TrialNotice>()) steps.emplace_back(notice.event.kind, at.scan.value);
+  EXPECT_THAT(steps, ElementsAre(std::pair{Ready, go}, std::pair{Go, go}, std::pair{Measure, go + 750}, std::pair{Done, go + 17'250},
+                                 std::pair{Rest, go + 17'250}));
+  EXPECT_EQ(events[0].second.session_id, now().session.id);
+  EXPECT_EQ(now().trial->trial, 1U);
+  ASSERT_EQ(device_->cues.size(), 2U);
+  EXPECT_FALSE(device_->cues[0].is_go);
+  EXPECT_TRUE(device_->cues[1].is_go);
+
+  pass(1.5);
+  ASSERT_TRUE(supervisor_->trial("floor", TrialAction::Next));
+  static_cast<void>(told<TrialNotice>());
+  pass(2.1, 2.1);  // so late that nobody knows what came in between
+  const auto late = told<TrialNotice>();
+  ASSERT_EQ(late.size(), 1U);
+  EXPECT_EQ(late[0].first.scan.value, rig().acquisition().next_scan - 1);
+}
+
+TEST_F(RigSessionTest, StandingTrials_HaveResultsInTheCatalogueAndFiguresAtTheEnd) {
+  start({standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  for (int trial = 0; trial < 2; ++trial) {
+    ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+    pass(13.0);
+  }
+  const auto told_sways = told<SwayNotice>();
+  ASSERT_EQ(told_sways.size(), 2U);
+  EXPECT_EQ(told_sways[0].second.session_id + " " + told_sways[0].second.software, id + " dtsd test");
+  EXPECT_EQ(told_sways[1].second.result.condition, "closed");
+  ASSERT_TRUE(stop());
+
+  const auto trials = row(id).trials;
+  ASSERT_EQ(trials.size(), 2U);
+  for (const record::TrialRow& trial : trials) {
+    EXPECT_EQ(trial.outcome, "done");
+    EXPECT_EQ(trial.part, 1U);
+    EXPECT_EQ(trial.last_scan - trial.first_scan, 16'500U);
+    EXPECT_THAT(trial.result, HasSubstr("\"event\":\"sway\""));
+  }
+  const auto results = recordings_->catalogue().results(id).value();
+  std::set<std::string> names;
+  for (const record::ResultRow& result : results) names.insert(result.name);
+  EXPECT_THAT(names, testing::IsSupersetOf({"open/MVELO", "closed/MVELO", "romberg/MVELO"}));
+  auto recording = record::Recording::open(row(id).parts.at(0).file).value();
+  std::size_t figures = 0;
+  while (const auto item = recording->next().value()) {
+    const auto* event = std::get_if<record::TimedEvent>(&*item);
+    figures += event != nullptr && event->event.event == "figure" ? 1 : 0;
+  }
+  EXPECT_EQ(figures, results.size());
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("there is nothing to resume"));
+}
+
+TEST_F(RigSessionTest, ResumedTrials_GoOnBehindThoseThatAreDone) {
+  start({standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(13.0);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(2.0);
+  ASSERT_TRUE(stop());
+  EXPECT_EQ(row(id).trials.at(1).outcome, "aborted");
+  EXPECT_EQ(row(id).state, "complete");
+
+  ASSERT_TRUE(supervisor_->resume_session(id)) << "trials are open";
+  ASSERT_TRUE(is_in(SessionState::Running));
+  EXPECT_EQ(now().trial->next_condition, "closed");
+  EXPECT_EQ(now().part, 2U);
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(13.0);
+  ASSERT_TRUE(stop());
+  EXPECT_EQ(row(id).trials.back().outcome, "done");
+  const auto results = recordings_->catalogue().results(id).value();
+  EXPECT_TRUE(std::ranges::any_of(results, [](const record::ResultRow& each) { return each.name == "closed/MVELO_part_2"; }));
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("there is nothing to resume"));
+}
+
+TEST_F(RigSessionTest, ResumedSessionWithADuration_LastsForTheRestOfIt) {
+  Protocol timed{.name = "timed", .settle_s = 1.0, .duration_s = 10.0, .definition = "v1"};
+  start({Protocol{}, timed});
+  const std::string id = record(kBlock, {.protocol = "timed"});
+  pass(5.0);
+  ASSERT_TRUE(stop(true, std::string(300, 'r')));
+  EXPECT_EQ(row(id).message, std::string(200, 'r'));
+  const double recorded_s = row(id).parts.at(0).duration_s;
+  const auto resumed = supervisor_->resume_session(id);
+  ASSERT_TRUE(resumed);
+  EXPECT_NEAR(resumed->second.request.duration_s, 10.0 - (recorded_s - 1.0), 1e-9);
+  EXPECT_EQ(resumed->second.request.settle_s, 1.0);
+  pass(6.5);
+  ASSERT_TRUE(stop(true));
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("was over but for its last second"));
+  end();
+  timed.definition = "v2";
+  start({Protocol{}, timed});
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("protocol 'timed' has changed since"));
+}
+
+TEST_F(RigSessionTest, RecordingThatBreaks_EndsItsSessionAndTheTrialInIt) {
+  start({standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+  pass(1.0);
+  std::filesystem::rename(folder_ / "sessions" / (id + ".xdf.part"), folder_ / "elsewhere");
+
+  ASSERT_TRUE(is_in(SessionState::Failed));
+
+  EXPECT_THAT(now().session.message, AllOf(HasSubstr("the recording stopped: "), HasSubstr("is gone")));
+  EXPECT_EQ(row(id).state, "incomplete");
+  EXPECT_EQ(row(id).trials.at(0).outcome, "aborted");
+  EXPECT_THAT(log(), HasSubstr("is incomplete: "));
+}
+
+TEST_F(RigSessionTest, DeviceAwayAtTheEnd_LeavesTheRecordingIncomplete) {
+  start();
+  const std::string id = record(300);
+  device_->is_absent = true;
+  give({.outcome = device::ReadOutcome::Gone});
+  while (rig().acquisition().device == device::DeviceState::Streaming) std::this_thread::yield();
+  is_running_ = false;
+
+  ASSERT_TRUE(stop());
+
+  EXPECT_EQ(row(id).state, "incomplete");
+  EXPECT_THAT(row(id).parts.at(0).reason, HasSubstr("the device was away when the session ended: "));
+}
+
+}  // namespace
+}  // namespace dts::session

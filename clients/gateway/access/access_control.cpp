@@ -113,7 +113,7 @@ class AccessControlImpl final : public AccessControl {
       : options_(options),
         users_(options.users_file, [this](const std::string& user) { tokens_.revoke_all_of(user); }),
         tokens_(options.token_life, options.idle_life),
-        passwords_(io) {}
+        passwords_(io, options_.is_password) {}
 
   [[nodiscard]] client::Result<void> refresh() { return options_.users_file.empty() ? client::Result<void>() : users_.refresh(); }
 

@@ -11,6 +11,7 @@
 
 #include "dts/error.h"
 #include "gateway/access/identity.h"
+#include "gateway/access/password.h"
 #include "gateway/http/http_message.h"
 
 namespace dts::gateway {
@@ -20,7 +21,7 @@ namespace dts::gateway {
 
 /// A login, or a refused attempt, for the daemon's audit trail.
 struct LoginNote {
-  std::string user;  ///< Empty: a name that no user has.
+  std::string user;     ///< Empty: a name that no user has.
   std::string address;  ///< As it is: limits count the /64 of an IPv6 address.
   bool is_refused = false;
   std::uint64_t more = 0;  ///< Of the same kind since the last note, which have none of their own.
@@ -32,6 +33,8 @@ struct AccessOptions {
   std::chrono::seconds token_life{12 * 3600};  ///< Of a login that is used; a shift.
   std::chrono::seconds idle_life{2 * 3600};    ///< Of a login that is not; an open tab is a use.
   std::function<std::chrono::steady_clock::time_point()> now = time_since_boot;
+  std::function<bool(const std::string& hash, const Secret& password)> is_password =
+      gateway::is_password;                                                 ///< Called on the thread "password".
   std::function<void(const std::string&)> log = [](const std::string&) {};  ///< Takes a line; what a browser sent is not in it.
   std::function<void(const LoginNote&)> note = [](const LoginNote&) {};     ///< 20 of each kind at once and six a minute.
 };

@@ -3,7 +3,6 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <utility>
 
 #include "cli/interruption.h"
@@ -58,7 +57,6 @@ Result<Secret> read_line(int descriptor, const std::function<bool()>& is_interru
     }
     char letter = 0;
     const ssize_t got = ::read(descriptor, &letter, 1);
-    if (got < 0 && errno == EINTR) continue;
     if (got <= 0 && line.empty()) return client::fail(ErrorCode::InvalidArgument, "no password was given");
     if (got <= 0 || letter == '\n') return Secret(std::move(line));
     line += letter;

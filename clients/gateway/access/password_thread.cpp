@@ -6,11 +6,10 @@
 #include <boost/asio/post.hpp>
 #include <utility>
 
-#include "gateway/access/password.h"
-
 namespace dts::gateway {
 
-PasswordThread::PasswordThread(boost::asio::io_context& io) : io_(io), thread_([this](const std::stop_token& stop) { run(stop); }) {}
+PasswordThread::PasswordThread(boost::asio::io_context& io, IsPassword is_password)
+    : io_(io), is_password_(std::move(is_password)), thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 void PasswordThread::compare(std::string hash, Secret password, Compared compared) {
   auto job = std::make_unique<Job>(Job{std::move(hash), std::move(password), std::move(compared)});
@@ -30,7 +29,7 @@ void PasswordThread::run(const std::stop_token& stop) {
     if (!changed_.wait(lock, stop, [this] { return job_ != nullptr; })) return;
     const std::unique_ptr<Job> job = std::move(job_);
     lock.unlock();
-    const bool is_right = is_password(job->hash, job->password);
+    const bool is_right = is_password_(job->hash, job->password);
     boost::asio::post(io_, [is_alive, is_right, compared = std::move(job->compared)] {
       if (!is_alive.expired()) compared(is_right);
     });

@@ -20,7 +20,9 @@ class PasswordThread {
  public:
   using Compared = std::function<void(bool is_right)>;
 
-  explicit PasswordThread(boost::asio::io_context& io);
+  using IsPassword = std::function<bool(const std::string& hash, const Secret& password)>;
+
+  PasswordThread(boost::asio::io_context& io, IsPassword is_password);
   /// Waits for a comparison under way; its answer is not told any more.
   ~PasswordThread() = default;
   PasswordThread(const PasswordThread&) = delete;
@@ -38,6 +40,7 @@ class PasswordThread {
   void run(const std::stop_token& stop);
 
   boost::asio::io_context& io_;
+  IsPassword is_password_;                                         ///< Called on the thread.
   std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);  ///< Goes with this object: looked at on the io thread only.
   std::mutex mutex_;
   std::condition_variable_any changed_;

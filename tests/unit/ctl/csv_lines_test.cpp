@@ -10,7 +10,7 @@
 namespace dts::ctl {
 namespace {
 
-TEST(CsvLines, NameThatASpreadsheetWouldCompute_IsText) {
+TEST(CsvLines, NameThatASpreadsheetWouldCompute_IsTextAndOtherStreamsAreLeftOut) {
   std::ostringstream out;
   std::ostringstream talk;
   cli::Console console{.out = out, .talk = talk};
@@ -18,9 +18,14 @@ TEST(CsvLines, NameThatASpreadsheetWouldCompute_IsText) {
   cop.format.channels[0].name = "=cmd";
   cop.format.channels[1].name = "Fz, heel";
 
-  CsvLines(console).show(cop.block, 1, {});
+  CopBlock raw({5.0F, 6.0F});
+  raw.block.topic = "floor/raw";
+  CsvLines lines(console);
+  lines.show(cop.block, 1, {});
+  for (int time = 0; time < 2; ++time) lines.show(raw.block, 1, {});
 
   EXPECT_EQ(out.str(), "segment,scan,'=cmd,\"Fz, heel\"\n3,40,-1.5,700\n");
+  EXPECT_EQ(talk.str(), ": floor/raw is left out: CSV is of one stream\n  try: name that stream only\n") << "once";
 }
 
 }  // namespace

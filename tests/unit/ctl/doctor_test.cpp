@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/doctor.h"
 
+#include <pthread.h>
+#include <sched.h>
+
 #include <limits>
+#include <thread>
 
 #include "unit/ctl/run_fixture.h"
 
@@ -99,12 +103,21 @@ TEST(Doctor, WhatTheDaemonWasRefused_IsANoteAndNothingWrong) {
   EXPECT_EQ(std::ranges::count_if(checks, [](const Check& check) { return !check.fix.empty(); }), 2);
 }
 
-TEST(SystemFacts, OfThisMachine_CanBeGathered) { EXPECT_GT(gather_system_facts().lockable_bytes, 0U); }
+TEST(SystemFacts, OfThisMachine_AreWhatAThreadFinds) {
+  int refused = -1;
+  std::thread([&refused] {
+    const sched_param lowest{.sched_priority = 1};
+    refused = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &lowest);
+  }).join();
+
+  EXPECT_EQ(gather_system_facts().may_use_fifo, refused == 0);
+  EXPECT_GT(gather_system_facts().lockable_bytes, 0U);
+}
 
 TEST_F(RunTest, DoctorWithoutDaemon_FailsAndSaysHowToStartIt) {
   EXPECT_EQ(run_with({"doctor"}), cli::kFailed);
 
-  EXPECT_THAT(out(), HasSubstr("wrong  daemon: no daemon at " + control_));
+  EXPECT_THAT(out(), HasSubstr("wrong  daemon: no daemon at " + control_ + ": the socket does not exist; try: start it"));
 }
 
 TEST_F(RunTest, DoctorWithDaemon_FindsDataAndSpeaksJson) {

@@ -96,6 +96,9 @@ TEST_F(DocumentsTest, Manual_HasNoEmptySectionAndNamesEveryCommand) {
                               "tare", "watch", "doctor", "completion"}) {
     EXPECT_THAT(page, HasSubstr(std::string(".SS dtsctl ") + command));
   }
+  for (const char* status : {"0", "1", "2", "3", "4", "5", "6", "7", "130"}) {
+    EXPECT_THAT(page, HasSubstr(std::string("\n.TP\n.B ") + status + "\n")) << "an exit status";
+  }
   for (const char* section : {"NAME", "SYNOPSIS", "EXAMPLES", "COMMANDS", "OPTIONS", "ENVIRONMENT", "EXIT STATUS", "FILES"}) {
     EXPECT_THAT(page, HasSubstr(std::string(".SH ") + section + "\n"));
   }

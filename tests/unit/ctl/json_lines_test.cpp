@@ -41,52 +41,26 @@ TEST_F(JsonLinesTest, Block_HasExactlyTheShapeOfTheContract) {
       "\n");
 }
 
-TEST_F(JsonLinesTest, UnknownAgeAndGoodQuality_AreAbsent) {
-  const CopBlock cop({1.0F, 2.0F});
-
-  const auto json = nlohmann::json::parse(line_of(cop.block, 1));
-
-  EXPECT_FALSE(json.contains("age_ms"));
-  EXPECT_FALSE(json.contains("quality"));
-  EXPECT_FALSE(json.contains("lost_scans_at_least"));
-  EXPECT_EQ(json.at("lost_scans"), 0);
-}
-
-TEST_F(JsonLinesTest, FewerScansAskedFor_TheRestIsCutOff) {
-  const CopBlock cop({1.0F, 2.0F, 3.0F, 10.0F, 20.0F, 30.0F});
+TEST_F(JsonLinesTest, UnknownAgeAndGoodQuality_AreAbsentAndALeastLossIsMarked) {
+  CopBlock cop({1.0F, 2.0F, 3.0F, 10.0F, 20.0F, 30.0F});
 
   const auto json = nlohmann::json::parse(line_of(cop.block, 2));
 
-  EXPECT_EQ(json.at("values"), nlohmann::json::parse("[[1,10],[2,20]]"));
+  for (const char* key : {"age_ms", "quality", "lost_scans_at_least"}) EXPECT_FALSE(json.contains(key)) << key;
+  EXPECT_EQ(json.at("lost_scans"), 0);
+  EXPECT_EQ(json.at("values"), nlohmann::json::parse("[[1,10],[2,20]]")) << "fewer scans asked for";
+  cop.block.is_lost_exact = false;
+  EXPECT_EQ(nlohmann::json::parse(line_of(cop.block, 1)).at("lost_scans_at_least"), true);
 }
 
-TEST_F(JsonLinesTest, Values_ReadBackAsTheSameFloat) {
+TEST_F(JsonLinesTest, Values_ReadBackAsTheSameFloatInTheFewestDigits) {
   for (const float value : {0.1F, 1.0F / 3.0F, 1e-30F, -3.4e38F, 16777216.0F, std::numeric_limits<float>::denorm_min(), -0.0F}) {
     const CopBlock cop({value, value});
     const auto json = nlohmann::json::parse(line_of(cop.block, 1));
     EXPECT_EQ(json.at("values").at(0).at(0).get<float>(), value);
   }
-}
-
-TEST_F(JsonLinesTest, ShortestDigits_NotThoseOfADouble) {
-  const CopBlock cop({0.1F, 0.2F});
-
-  EXPECT_NE(line_of(cop.block, 1).find("[[0.1,0.2]]"), std::string::npos);
-}
-
-TEST_F(JsonLinesTest, UndefinedOfEveryKind_IsNull) {
-  const CopBlock cop({kUndefined, std::numeric_limits<float>::infinity()});
-
-  const auto json = nlohmann::json::parse(line_of(cop.block, 1));
-
-  EXPECT_EQ(json.at("values"), nlohmann::json::parse("[[null,null]]"));
-}
-
-TEST_F(JsonLinesTest, LossNotExact_SaysThatItIsTheLeast) {
-  CopBlock cop({1.0F, 2.0F});
-  cop.block.is_lost_exact = false;
-
-  EXPECT_EQ(nlohmann::json::parse(line_of(cop.block, 1)).at("lost_scans_at_least"), true);
+  EXPECT_NE(line_of(CopBlock({0.1F, 0.2F}).block, 1).find("[[0.1,0.2]]"), std::string::npos);
+  EXPECT_NE(line_of(CopBlock({kUndefined, std::numeric_limits<float>::infinity()}).block, 1).find("[[null,null]]"), std::string::npos);
 }
 
 TEST_F(JsonLinesTest, AfterForget_NewFormatIsUsed) {
@@ -115,22 +89,14 @@ TEST_F(JsonLinesTest, Event_CarriesItsFieldsUnderEvent) {
                                   R"("event":{"kind":"gap","reason":"overrun","missing_scans":12,"is_exact":true}})"));
 }
 
-TEST_F(JsonLinesTest, EventOfALaterVersion_StillHasItsKind) {
+TEST_F(JsonLinesTest, EventOfALaterVersionWithATopicThatIsNotUtf8_StillHasItsKind) {
   const v1::Event later;
 
-  lines_.show(client::Event{.topic = "chair/reach", .rig = "chair", .kind = "reach", .body = &later});
+  lines_.show(client::Event{.topic = "\xff/reach", .rig = "\xff", .kind = "reach", .body = &later});
 
   const auto json = nlohmann::json::parse(out_.str());
   EXPECT_EQ(json.at("event"), nlohmann::json::parse(R"({"kind":"reach"})"));
   EXPECT_FALSE(json.contains("host_time_ns"));
-}
-
-TEST_F(JsonLinesTest, TopicThatIsNotUtf8_IsRepairedNotFatal) {
-  const v1::Event event;
-
-  lines_.show(client::Event{.topic = "\xff/reach", .rig = "\xff", .kind = "reach", .body = &event});
-
-  EXPECT_TRUE(nlohmann::json::accept(out_.str()));
 }
 
 TEST_F(JsonLinesTest, Status_IsAnEventOfItsOwnKind) {

@@ -37,11 +37,15 @@ v1::SessionRecord session_of(const std::string& id, std::int64_t started_utc_ns,
   sway.set_is_valid(false);
   sway.set_flags(v1::SWAY_FLAG_MOVED);
   add_measure(sway, "MVELO", mvelo, "mm/s");
-  v1::SessionResult& figure = *session.add_results();
-  figure.set_name("eyes-open/MVELO");
-  figure.set_value(mvelo);
-  figure.set_unit("mm/s");
-  figure.set_details("{\"trials\":1,\"duration_s\":" + duration + "}");
+  add_measure(sway, "RDIST", 7.5, "mm");
+  for (const auto& [name, value, unit] :
+       {std::tuple("MVELO", mvelo, "mm/s"), {"RDIST", mvelo / 8.0, "mm"}, {"MFREQ", 20.0 - mvelo, "Hz"}}) {
+    v1::SessionResult& figure = *session.add_results();
+    figure.set_name(std::string("eyes-open/") + name);
+    figure.set_value(value);
+    figure.set_unit(unit);
+    figure.set_details("{\"trials\":1,\"duration_s\":" + duration + "}");
+  }
   return session;
 }
 
@@ -68,22 +72,35 @@ class SwayViewTest : public RunTest {
 
 TEST_F(SwayViewTest, ShowHasTheMeasuresOfEachTrialAndItsFlags) {
   EXPECT_EQ(run_with({"session", "show", "s1"}), cli::kOk);
-  EXPECT_THAT(out(), HasSubstr("12.00"));
-  EXPECT_THAT(out(), HasSubstr("moved"));
+  EXPECT_THAT(out(), ::testing::ContainsRegex(" 12[.]00 +7[.]50 .*moved"));
   EXPECT_EQ(run_with({"session", "show", "s1", "--json"}), cli::kOk);
   EXPECT_EQ(json().at("trials").at(0).at("sway").at("flags").at(0), "moved");
   EXPECT_EQ(json().at("trials").at(0).at("sway").at("measures").at(0).at("symbol"), "MVELO");
+  EXPECT_EQ(json().at("trials").at(0).at("sway").at("measures").at(0).at("value"), 12.0);
 }
 
 TEST_F(SwayViewTest, CompareHasTheOldestFirstAndTheChange) {
   EXPECT_EQ(run_with({"session", "compare", "s1", "s2"}), cli::kOk);
-  EXPECT_THAT(out(), HasSubstr("+4.00 (+50 %)"));
+  EXPECT_THAT(out(), HasSubstr("eyes-open/MVELO  mm/s                8.000               12.000  +4.00 (+50 %)\n"));
+  EXPECT_THAT(out(), HasSubstr("+0.50 (+50 %)\n"));
+  EXPECT_THAT(out(), HasSubstr("-4.00 (-33 %)\n"));
   EXPECT_THAT(talk(), Not(HasSubstr("warning")));
   EXPECT_EQ(run_with({"session", "compare", "--subject", "P017", "--json"}), cli::kOk);
   EXPECT_EQ(asked_subject_, "P017");
   EXPECT_EQ(json().at("sessions").at(0).at("session_id"), "s2");
   EXPECT_EQ(json().at("figures").at(0).at("values"), nlohmann::json::parse("[8.0, 12.0]"));
   EXPECT_EQ(json().at("figures").at(0).at("percent").at(0), 50.0);
+}
+
+TEST_F(SwayViewTest, CompareOfAFigureThatOneSessionLacks_HasNoDifference) {
+  sessions_["s2"].mutable_results()->DeleteSubrange(0, 1);
+  sessions_["s1"].mutable_results()->RemoveLast();
+  EXPECT_EQ(run_with({"session", "compare", "s1", "s2", "--json"}), cli::kOk);
+  const auto figures = json().at("figures");
+  for (const auto& [index, values] : {std::pair(0, "[1.0, 1.5]"), {1, "[12.0, null]"}, {2, "[null, 12.0]"}}) {
+    EXPECT_EQ(figures.at(index).at("values"), nlohmann::json::parse(values));
+    EXPECT_EQ(figures.at(index).at("differences").at(0).is_null(), index != 0);
+  }
 }
 
 TEST_F(SwayViewTest, CompareOfASubjectLeavesOtherRigsAndEmptySessionsOut) {
@@ -114,8 +131,9 @@ TEST_F(SwayViewTest, CompareSaysWhenALengthIsTrueOfOneSessionOnly) {
 
 TEST_F(SwayViewTest, CompareBelievesNoDetailsThatAreNested) {
   const std::string deep = std::string(100'000, '[') + std::string(100'000, ']');
-  sessions_["s1"] = session_of("s1", 2'000'000'000'000'000'000, 12.0, deep);
-  sessions_["s2"] = session_of("s2", 1'000'000'000'000'000'000, 8.0, deep.substr(1, deep.size() - 2));
+  for (const char* id : {"s1", "s2"}) {
+    sessions_[id].mutable_results(0)->set_details(R"({"duration_s":)" + (id[1] == '1' ? deep : deep.substr(1, deep.size() - 2)) + "}");
+  }
   EXPECT_EQ(run_with({"session", "compare", "s1", "s2"}), cli::kOk);
   EXPECT_THAT(out(), HasSubstr("+4.00 (+50 %)"));
   EXPECT_THAT(talk(), Not(HasSubstr("[[")));
@@ -123,6 +141,7 @@ TEST_F(SwayViewTest, CompareBelievesNoDetailsThatAreNested) {
 
 TEST_F(SwayViewTest, CompareOfOneOrNoneIsRefused) {
   EXPECT_EQ(run_with({"session", "compare"}), cli::kUsage);
+  EXPECT_THAT(talk(), ::testing::StartsWith("dtsctl: which sessions?\n"));
   EXPECT_EQ(run_with({"session", "compare", "s1"}), 5);
 }
 
@@ -131,6 +150,7 @@ TEST(SwayText, SaysWhatIsPreliminaryAndWhatIsInvalid) {
   sway.set_is_preliminary(true);
   sway.set_is_valid(true);
   sway.set_duration_s(12.5);
+  add_measure(sway, "AREA_CE", 99.0, "mm2");
   add_measure(sway, "MVELO", 8.123, "mm/s");
   EXPECT_EQ(sway_text(sway), "preliminary, no trial, 12.5 s: MVELO 8.12 mm/s");
   sway.set_is_preliminary(false);

@@ -65,11 +65,5 @@ TEST_F(ProgramTest, TableOfServe_DoesNotServeWhenAnotherCommandIsGiven) {
   EXPECT_THAT(out_.str(), HasSubstr(".TH"));
 }
 
-TEST_F(ProgramTest, TableOfServe_IsRead) {
-  EXPECT_EQ(run_with("[serve]\nlisten = \"nowhere\"\n", {"serve"}), cli::kUsage);
-
-  EXPECT_THAT(talk_.str(), HasSubstr("cannot listen on 'nowhere'"));
-}
-
 }  // namespace
 }  // namespace dts::gateway

@@ -58,12 +58,6 @@ TEST_F(GapGuideTest, Alone_NewLevelsAreTheGapsAndTheOpenSensorIsNone) {
   EXPECT_EQ(firsts(*readings), (std::vector<double>{0.9, 1.3, 1.8}));
 }
 
-TEST_F(GapGuideTest, Alone_StepsWithoutOpeningWork) {
-  feed_.rest(kOpen, 16).rest({0.9, 0.9}, 22).rest({1.3, 1.3}, 22).rest({1.8, 1.8}, 22);
-
-  EXPECT_EQ(firsts(guide(false).value()), (std::vector<double>{0.9, 1.3, 1.8}));
-}
-
 TEST_F(GapGuideTest, Alone_ALevelOfOneSensorOnlyIsNoGap) {
   feed_.rest(kOpen, 16).rest({0.9, 0.6}, 22).rest({0.9, 0.9}, 22).rest({1.3, 1.3}, 22);
 

@@ -85,14 +85,26 @@ TEST(SteadyDetector, Shaking_IsNoRest) {
 }
 
 TEST(SteadyDetector, OneChannelMoves_NamedAndNoReading) {
-  SteadyDetector detector(3, kLimits);
+  SteadyDetector detector(4, kLimits);
   for (int i = 0; i < 125; ++i) {
-    const std::vector<double> scan{1.0, 2.0, 3.0 + 0.01 * i};
+    const std::vector<double> scan{1.0, 2.0, 3.0 + 0.01 * i, 3.0 + 0.01 * i};
     detector.add(scan);
   }
 
   EXPECT_FALSE(detector.reading());
   EXPECT_EQ(detector.unrest()->channel, 2U);
+}
+
+/// Quarters of 24 scans that alternate by 0.02: four standard errors of a mean of 8 independent ones beside the limit of 0.01.
+TEST(SteadyDetector, DriftThatNoiseExplains_IsRest) {
+  for (const auto& [drift, rests] : {std::pair(0.0388, true), {0.0390, false}}) {
+    SteadyDetector detector(1, {.window_scans = 96, .drift = 0.01, .noise = 0.1});
+    for (int i = 0; i < 120; ++i) {
+      const double value = (i < 24 ? 3.0 : 3.0 + drift) + (i % 2 == 0 ? 0.02 : -0.02);
+      detector.add({&value, 1});
+    }
+    EXPECT_EQ(detector.reading().has_value(), rests) << drift;
+  }
 }
 
 TEST(SteadyDetector, NotANumber_BeginsAnew) {

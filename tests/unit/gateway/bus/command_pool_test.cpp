@@ -83,6 +83,16 @@ TEST_F(CommandPoolTest, PlacesAreGivenBack) {
   }
 }
 
+TEST_F(CommandPoolTest, WithoutAnAddress_TheAnswerSaysSo) {
+  CommandPool pool(io_, "");
+  std::optional<client::ErrorCode> why;
+
+  pool.submit(look(), [&](const client::Result<v1::Response>& answer) { why = answer.error().code; });
+
+  ASSERT_TRUE(runs_until([&] { return why.has_value(); }));
+  EXPECT_EQ(why, client::ErrorCode::InvalidArgument);
+}
+
 TEST_F(CommandPoolTest, Ends_WithoutWaitingForTheDaemon) {
   const testing::FakeController daemon(endpoint_, [](const v1::Request&, int) { return Answers{}; });
   std::optional<CommandPool> pool(std::in_place, io_, endpoint_);

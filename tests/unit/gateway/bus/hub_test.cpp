@@ -167,6 +167,8 @@ TEST_F(HubTest, ACommandAboveTheRoleIsRefusedAndGoesNowhere) {
   const v1::Response& response = connection_.sent[1].response();
   EXPECT_EQ(response.request_id(), "r1");
   EXPECT_EQ(response.error().code(), v1::ERROR_CODE_NOT_ALLOWED);
+  EXPECT_EQ(response.error().what(), "this needs the role of an operator");
+  EXPECT_EQ(response.error().hint(), "log in as somebody who has it");
 }
 
 TEST_F(HubTest, ACommandThatIsAllowedReachesForTheDaemon) {

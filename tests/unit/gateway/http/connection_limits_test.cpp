@@ -70,7 +70,10 @@ TEST_F(ConnectionLimitsTest, UserWithTooMany_GetsNoMoreAndTakesNobodysPlace) {
 }
 
 TEST_F(ConnectionLimitsTest, UsersOfAllPlaces_LeaveNoneToStrangers) {
-  for (int user = 0; user < 8; ++user) EXPECT_TRUE(sit("user").belongs_to("user " + std::to_string(user)));
+  for (int user = 0; user < 7; ++user) EXPECT_TRUE(sit("user").belongs_to("user " + std::to_string(user)));
+  sit("stranger");
+  EXPECT_TRUE(sit("newcomer", "10.0.0.2").belongs_to("user 7"));
+  EXPECT_EQ(gone_, std::vector<std::string>{"stranger"});
   EXPECT_FALSE(limits_.take_seat(boost::asio::ip::make_address("10.0.0.9")));
   seats_.clear();
   EXPECT_EQ(limits_.taken(), 0U);

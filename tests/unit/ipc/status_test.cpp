@@ -131,7 +131,25 @@ TEST_F(StatusTest, Words_OfDeviceAndTare) {
   }
 }
 
-TEST_F(StatusTest, Rig_IsDescribedAsItWasConfigured) { EXPECT_EQ(text(rig_info(*rig_)), ""); }
+TEST_F(StatusTest, Rig_IsDescribedAsItWasConfigured) {
+  v1::RigInfo out = rig_info(*rig_);
+  ASSERT_EQ(out.sensors_size(), 4);
+  EXPECT_EQ(text(out.sensors(0)),
+            "label: \"w1\" x_mm: 86 y_mm: 86 channel: \"ch1\" curve: \"hoa1405-assumed\" unloaded_gap_mm: 5 range_low_v: -5 "
+            "range_high_v: 4.9951171875");
+  EXPECT_TRUE(text(out.sensors(1)).starts_with("label: \"w2\" x_mm: 344 y_mm: 86 channel: \"ch0\" "));
+  ASSERT_EQ(out.streams_size(), 5);
+  EXPECT_EQ(text(out.streams(3)),
+            "name: \"cop\" rate { numerator: 1500 denominator: 1 } channels { name: \"ml_mm\" unit: \"mm\" } "
+            "channels { name: \"ap_mm\" unit: \"mm\" } channels { name: \"load_n\" unit: \"N\" } delay_ns: 666666");
+  EXPECT_EQ(std::vector(out.stages().begin(), out.stages().end()), rig_->stage_texts());
+  out.clear_sensors();
+  out.clear_streams();
+  out.clear_stages();
+  EXPECT_EQ(text(out),
+            "name: \"floor\" kind: \"floor\" device_uri: \"sim:floor?seed=3\" plate_a_mm: 430 plate_b_mm: 430 plate_h_mm: 12 "
+            "published: \"raw\" published: \"cop\"");
+}
 
 }  // namespace
 }  // namespace dts::ipc

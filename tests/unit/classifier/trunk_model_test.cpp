@@ -77,7 +77,9 @@ TEST(TrunkModel, Reaches_AreOfTheirClassOrRejectedWithTheReasons) {
     EXPECT_EQ(movement.reasons, row.reasons);
     EXPECT_NEAR(movement.probability[0] + movement.probability[1] + movement.probability[2], 1.0, 1e-12);
     EXPECT_NE(guess.trunk_class, TrunkClass::Rejected);
-    if ((row.flags & flag::kMinor) != 0) EXPECT_LE(guess.trunk_class, TrunkClass::Minor);
+    if ((row.flags & flag::kMinor) != 0) {
+      EXPECT_LE(guess.trunk_class, TrunkClass::Minor);
+    }
   }
 }
 

@@ -39,13 +39,6 @@ class SensorCurveFiles : public testing::Test {
   std::filesystem::path folder_;
 };
 
-std::string content(const std::string& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 const std::vector<physics::CurvePoint> kPoints{
     {.gap = {7.1}, .volts = {4.0 / 3.0}}, {.gap = {9.0}, .volts = {1.0}}, {.gap = {12.0}, .volts = {0.1}}};
 

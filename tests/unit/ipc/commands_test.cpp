@@ -110,7 +110,7 @@ TEST_F(CommandsTest, OnARigThatStreams) {
       {"status {}", "status { instance_id: 42 version: \"1\""},
       {"list_rigs {}", "rigs { rigs { name: \"floor\""},
       {"list_protocols {}", "protocols { protocols { name: \"free\" } protocols { name: \"stand\" trials: 3"},
-      {"get_devices {}", "devices { devices { rig: \"floor\" uri: \"sim:floor?seed=3&step_on_s=0.2\" model: "},
+      {"get_devices {}", "devices { devices { rig: \"floor\" uri: \"hand:fed\" model: "},
       {"list_sessions {}", "sessions { }"},
       {"show_session { session_id: 'x' }", error("NOT_FOUND")},
       {"mark { text: 'x' }", "mark { marks { rig: \"floor\" scan: ", "local mark ok"},

@@ -321,7 +321,7 @@ class SilentControlTest : public ControlTest {
  protected:
   SilentControlTest() : ControlTest("sim:floor?fault=silence&fault_at_s=0.05&fault_for_s=3600") {
     supervisor_->start();
-    EXPECT_TRUE(eventually([&] { return supervisor_->states().at(0).acquisition.scans_total > 50; }));
+    EXPECT_TRUE(eventually([&] { return supervisor_->states().at(0).acquisition.scans_total > 0; }));
   }
   ~SilentControlTest() override { supervisor_->stop(); }
 };

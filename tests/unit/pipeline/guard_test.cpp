@@ -66,8 +66,7 @@ TEST(Guard, Values_AreMarkedOneByOne) {
 
       for (std::size_t i = 0; i < row.volts.size(); ++i) {
         EXPECT_EQ(output.bits[0][i], row.bits[i] | of_device) << i;
-        if (std::isfinite(row.volts[i])) EXPECT_EQ(output.values[0][i], row.volts[i]);
-        if (!std::isfinite(row.volts[i])) EXPECT_TRUE(std::isnan(output.values[0][i]));
+        EXPECT_TRUE(std::isfinite(row.volts[i]) ? output.values[0][i] == row.volts[i] : std::isnan(output.values[0][i])) << row.volts[i];
       }
     }
   }

@@ -109,7 +109,8 @@ class ControlTest : public session::RecordingsTest {
   [[nodiscard]] std::uint64_t rejected() { return handler_->status().rejected_requests_total(); }
   [[nodiscard]] std::vector<std::string> entries() {
     std::vector<std::string> out;
-    for (const auto& entry : recordings_->catalogue().audit(1000).value())
+    const std::vector<record::AuditEntry> all = recordings_->catalogue().audit(1000).value();
+    for (const record::AuditEntry& entry : all)
       out.push_back(entry.who + " " + entry.what + " " + entry.target + " " + entry.result);
     return out;
   }

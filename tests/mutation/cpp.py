@@ -27,7 +27,8 @@ REACH_BYTES = 8 << 16  # mutation.h: kPlaces
 ROOMS = ["core", "pipeline", "record", "session", "ipc", "device", "classifier", "posturography", "physics", "files", "access", "app",
          "libdts", "gateway", "ctl", "cli", "report", "lab"]
 # Programs that judge a room beside its unit program: what they test lives in that room.
-SUBJECT = {"device": ["contract_device", "usb_umockdev"], "pipeline": ["contract_stage"]}
+SUBJECT = {"device": ["contract_device", "usb_umockdev"], "pipeline": ["contract_stage", "golden_cases"], "session": ["golden_cases"],
+           "ipc": ["golden_cases"]}
 
 
 def sources() -> list[str]:
@@ -42,7 +43,8 @@ def configure() -> None:
 
 
 def compile_arguments() -> dict[str, list[str]]:
-    """Of every folder with a target, what libclang has to know: include folders, definitions, standard."""
+    """Of every folder with a target, and of files that are compiled by themselves, what libclang has to know: include folders, definitions,
+    standard."""
     arguments = {}
     for entry in json.loads((BUILD / "compile_commands.json").read_text()):
         kept, words = [], iter(shlex.split(entry["command"]))
@@ -52,7 +54,7 @@ def compile_arguments() -> dict[str, list[str]]:
             elif word.startswith(("-I", "-D", "-std")):
                 kept.append(word)
         match = re.search(r"-o (\S+?)/CMakeFiles/", entry["command"])
-        arguments[match[1]] = kept
+        arguments[match[1]] = arguments[entry["file"]] = kept
     return arguments
 
 
@@ -80,8 +82,8 @@ def candidates(paths: list[str]) -> dict[str, list]:
         places[path] = kept / f"{finder}-{digest}-{path.replace('/', '_')}.json"
         if places[path].exists():
             found[path] = [Mutant(**fields) for fields in json.loads(places[path].read_text())]
-        elif folder := next((str(parent) for parent in pathlib.PurePath(path).parents if str(parent) in arguments), None):
-            jobs.append((path, str(TOP / path), arguments[folder]))
+        elif place := next((str(place) for place in [TOP / path, *pathlib.PurePath(path).parents] if str(place) in arguments), None):
+            jobs.append((path, str(TOP / path), arguments[place]))
     with concurrent.futures.ProcessPoolExecutor(os.cpu_count()) as pool:
         for done, (path, mutants, error) in enumerate(pool.map(_find, jobs), 1):
             progress("Reading sources", done, len(jobs))
@@ -245,7 +247,7 @@ def notices(program: str, mutant: str, names: list[str], seconds: float) -> bool
 def judge(chosen: dict[str, Mutant], options) -> Iterator[Outcome]:
     used = sorted({room_of(mutant.path) for mutant in chosen.values()}, key=ROOMS.index)
     programs = [f"unit_{room}" for room in (ROOMS if options.elsewhere else used)]
-    programs += [program for room in used for program in SUBJECT.get(room, [])]
+    programs += sorted({program for room in used for program in SUBJECT.get(room, [])})
     chosen = build(chosen, programs, options.deadline)
     cases = map_tests(programs)
     say(f"Watched {len(cases)} cases")

@@ -74,10 +74,9 @@ def until(deadline: float, outcomes: Iterable[Outcome]) -> Iterator[Outcome]:
         return
 
 
-def mutate(language, rooms: list[str], draws: dict[str, dict], options) -> list[Outcome]:
-    """Draws mutants of the rooms of one language, adds them to `draws`, and tries them."""
+def mutate(language, rooms: list[str], lines: dict[str, set[int]] | None, draws: dict[str, dict], options) -> list[Outcome]:
+    """Draws mutants of the rooms of one language, of `lines` alone if given, adds them to `draws`, and tries them."""
     paths = [path for path in language.sources() if room_of(path) in rooms]
-    lines = changed_lines(options.change) if options.change else None
     if lines is not None:
         paths = [path for path in paths if path in lines]
     named = {path: identify(mutants, (TOP / path).read_bytes()) for path, mutants in language.candidates(paths).items()}
@@ -89,10 +88,12 @@ def mutate(language, rooms: list[str], draws: dict[str, dict], options) -> list[
         drawn = choose(named, rooms, counts[min(i, len(counts) - 1)], int(seed))
         draw.update(drawn)
         chosen.update(drawn)
-    say(f"{len(chosen)} of {sum(map(len, named.values()))} possible mutants of {len(named)} files")
+    if not chosen:
+        return []
+    say(f"{', '.join(rooms)}: {len(chosen)} of {sum(map(len, named.values()))} possible mutants of {len(named)} files")
     outcomes = []
-    with open(WORK / f"outcomes-{language.__name__}.jsonl", "w", encoding="utf-8") as log:
-        for outcome in until(options.deadline, language.judge(chosen, options) if chosen else ()):
+    with open(WORK / "outcomes.jsonl", "a", encoding="utf-8") as log:
+        for outcome in until(options.deadline, language.judge(chosen, options)):
             outcomes.append(outcome)
             log.write(json.dumps({"name": outcome.name, "by": outcome.noticed_by, "reached": outcome.was_reached,
                                   "seeds": [seed for seed, draw in draws.items() if outcome.name in draw],
@@ -123,10 +124,19 @@ def main() -> int:
     begun = time.monotonic()
     options.deadline = begun + 60.0 * options.minutes
     WORK.mkdir(parents=True, exist_ok=True)
+    (WORK / "outcomes.jsonl").unlink(missing_ok=True)
     outcomes, draws = [], {seed: {} for seed in options.seed.split(",")}
-    for language in LANGUAGES:
-        if wanted := [room for room in rooms if room in language.ROOMS]:
-            outcomes += mutate(language, wanted, draws, options)
+    lines = changed_lines(options.change) if options.change else None
+    groups = [(language, [room for room in rooms if room in language.ROOMS]) for language in LANGUAGES]
+    if lines is not None:  # room after room, those that changed most first: a time limit then leaves out whole rooms
+        sources = {path for language in LANGUAGES for path in language.sources()}
+        size = collections.Counter()
+        for path in sources & lines.keys():
+            size[room_of(path)] += len(lines[path])
+        groups = sorted(((language, [room]) for language, of in groups for room in of if size[room] > 0), key=lambda group: -size[group[1][0]])
+    for language, of in groups:
+        if of and time.monotonic() < options.deadline:
+            outcomes += mutate(language, of, lines, draws, options)
     with open(options.out, "w", encoding="utf-8") as file:
         for outcome in sorted(outcomes, key=lambda o: (o.mutant.path, o.mutant.begin)):
             if not outcome.noticed_by:

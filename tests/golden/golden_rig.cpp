@@ -5,7 +5,6 @@
 #include <poll.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <memory>
@@ -19,6 +18,7 @@
 #include "ipc/command_handler.h"
 #include "ipc/publish_thread.h"
 #include "session/supervisor.h"
+#include "support/test_device.h"
 
 namespace dts::golden {
 namespace {
@@ -51,33 +51,20 @@ struct Turn {
 };
 
 /// A device that does nothing until the test gives it a turn, and lets the test wait until it asks for the next one.
-class PlayedDevice final : public device::Device {
+class PlayedDevice final : public device::TestDevice {
  public:
   PlayedDevice(const std::string& uri, std::vector<device::ChannelDescription> channels) {
     description_ = {.uri = uri, .model = "Recorded scans", .serial = "1", .channels = std::move(channels)};
   }
 
-  const device::DeviceDescription& describe() const noexcept override { return description_; }
-  device::DeviceState state() const noexcept override { return state_; }
-  core::Result<core::Rate> exact_rate(core::Rate wanted) const override { return wanted; }
-  device::DeviceReport report() const override { return {}; }
-  core::Status set_sync_output(bool) override { return {}; }
   core::Status open() override {
     const Turn turn = next(true);
     if (!turn.succeeds) return core::fail(core::ErrorCode::NotFound, "not plugged in");
-    state_ = device::DeviceState::Open;
-    return {};
-  }
-  core::Result<core::Rate> start(const device::StartOptions& options) override {
-    state_ = device::DeviceState::Streaming;
-    index_ = 0;
-    return options.rate;
+    return TestDevice::open();
   }
   device::ReadResult read(core::Block& block, std::int64_t) noexcept override {
     const Turn turn = next(false);
-    if (turn.result.outcome == device::ReadOutcome::Gone) state_ = device::DeviceState::Gone;
-    if (turn.result.outcome == device::ReadOutcome::Gap) index_ = 0;
-    if (turn.result.outcome != device::ReadOutcome::Scans) return turn.result;
+    if (turn.result.outcome != device::ReadOutcome::Scans) return without_scans(turn.result.outcome, turn.result.gap);
     index_ += turn.skipped;
     block.set_count(turn.rows.size());
     block.first_scan = {index_};
@@ -98,15 +85,6 @@ class PlayedDevice final : public device::Device {
     has_ended_ = true;
     changed_.notify_all();
   }
-  core::Status stop() override {
-    state_ = device::DeviceState::Open;
-    return {};
-  }
-  core::Status close() override {
-    state_ = device::DeviceState::Closed;
-    return {};
-  }
-
   /// Thread: test. Returns when the turn was taken and the acquire thread asks for the next.
   void give(Turn turn) {
     std::unique_lock lock(mutex_);
@@ -130,9 +108,6 @@ class PlayedDevice final : public device::Device {
     return std::move(turn_);
   }
 
-  device::DeviceDescription description_;
-  std::atomic<device::DeviceState> state_ = device::DeviceState::Closed;
-  std::uint64_t index_ = 0;
   std::mutex mutex_;
   std::condition_variable changed_;
   Turn turn_;

@@ -43,8 +43,8 @@ def configure() -> None:
 
 
 def compile_arguments() -> dict[str, list[str]]:
-    """Of every folder with a target, and of files that are compiled by themselves, what libclang has to know: include folders, definitions,
-    standard."""
+    """Of every folder with targets, what libclang has to know: include folders, definitions, standard. A folder's library has more of them
+    than its program."""
     arguments = {}
     for entry in json.loads((BUILD / "compile_commands.json").read_text()):
         kept, words = [], iter(shlex.split(entry["command"]))
@@ -54,7 +54,7 @@ def compile_arguments() -> dict[str, list[str]]:
             elif word.startswith(("-I", "-D", "-std")):
                 kept.append(word)
         match = re.search(r"-o (\S+?)/CMakeFiles/", entry["command"])
-        arguments[match[1]] = arguments[entry["file"]] = kept
+        arguments[match[1]] = max(kept, arguments.get(match[1], []), key=len)
     return arguments
 
 
@@ -82,8 +82,8 @@ def candidates(paths: list[str]) -> dict[str, list]:
         places[path] = kept / f"{finder}-{digest}-{path.replace('/', '_')}.json"
         if places[path].exists():
             found[path] = [Mutant(**fields) for fields in json.loads(places[path].read_text())]
-        elif place := next((str(place) for place in [TOP / path, *pathlib.PurePath(path).parents] if str(place) in arguments), None):
-            jobs.append((path, str(TOP / path), arguments[place]))
+        elif folder := next((str(parent) for parent in pathlib.PurePath(path).parents if str(parent) in arguments), None):
+            jobs.append((path, str(TOP / path), arguments[folder]))
     with concurrent.futures.ProcessPoolExecutor(os.cpu_count()) as pool:
         for done, (path, mutants, error) in enumerate(pool.map(_find, jobs), 1):
             progress("Reading sources", done, len(jobs))

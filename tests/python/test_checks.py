@@ -357,7 +357,7 @@ class FindEndpoints(unittest.TestCase):
                 ((), {"XDG_RUNTIME_DIR": "/run/user/7/"}, both("/run/user/7/dtsd")),
                 ((), {"XDG_RUNTIME_DIR": "relative"}, both(f"/tmp/dtsd-{os.geteuid()}")),
                 ((), {}, both(f"/tmp/dtsd-{os.geteuid()}")),
-                (("tcp://h:1",), {}, ("tcp://h:1", "")),  # tells nothing of its sibling ...
+                (("tcp://h:1",), {}, ("tcp://h:1", "")),  # says nothing about its sibling ...
                 (("tcp://h:1",), {"DTSD_DATA": "tcp://h:2"}, ("tcp://h:1", "tcp://h:2")),  # ... which the environment may
                 (("ipc:///a/other.sock",), {}, ("ipc:///a/other.sock", "")),
                 (("ipc://@a",), {}, ("ipc://@a", "")),

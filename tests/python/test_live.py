@@ -135,9 +135,9 @@ class Commands(WithDaemon):
             (dts.InvalidArgument, "text", lambda: self.daemon.mark("")),
         ]
         for kind, words, command in refusals:
-            with self.subTest(words), self.assertRaises(kind) as told:
+            with self.subTest(words), self.assertRaises(kind) as raised:
                 command()
-            self.assertRegex(f"{told.exception.what}\n  {told.exception.hint}", words)
+            self.assertRegex(f"{raised.exception.what}\n  {raised.exception.hint}", words)
 
     def test_CommandsComeFromSeveralThreads(self) -> None:
         versions: list[str] = []

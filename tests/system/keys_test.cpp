@@ -7,7 +7,6 @@
 #include <csignal>
 #include <cstdio>
 #include <fstream>
-#include <regex>
 
 #include "system/networked_daemon.h"
 
@@ -21,23 +20,12 @@ constexpr int kOk = 0;
 constexpr int kUnreachable = 3;
 constexpr int kNotAllowed = 4;
 
-std::string hex(int port) {
-  std::array<char, 8> text{};
-  std::snprintf(text.data(), text.size(), "%04X", static_cast<unsigned>(port));
-  return text.data();
-}
-
 class KeysTest : public NetworkedDaemon {
  protected:
   /// dtsctl as on another machine: it knows the key file and nothing else. A refusal is noticed by the timeout alone.
   static Finished remote(const std::string& key, std::vector<std::string> words, const std::string& timeout_s = "60") {
     words.insert(words.begin(), {DTSCTL_PROGRAM, "--key", key, "--timeout", timeout_s});
     return run_program(words, {"DTSD_RUNTIME_DIR=/nonexistent"});
-  }
-
-  static std::string text_of(const std::string& file) {
-    std::ifstream in(file);
-    return {std::istreambuf_iterator<char>(in), {}};
   }
 
   [[nodiscard]] std::string audit() const { return daemon_.ctl({"audit", "--json"}).out; }
@@ -59,16 +47,6 @@ TEST_F(KeysTest, EachRole_MayWhatItMayAndNoMore) {
   EXPECT_EQ(remote(engineer, {"key", "list"}).status, kOk);
   EXPECT_THAT(audit(), HasSubstr("key:otto"));
   EXPECT_THAT(audit(), HasSubstr("not_allowed"));
-}
-
-TEST_F(KeysTest, SilentClient_IsWatchedByTheKernel) {
-  const client::Key eve = key("eve", "viewer");
-  auto silent = client::ControlClient::open({.endpoint = eve.control, .key = eve}).value();
-  ASSERT_TRUE(silent.status());
-
-  // proc_net_tcp(5): local address, state 01 (established), queues, then the timer of the connection: 2 is keepalive's.
-  const std::regex kept_alive(" 0100007F:" + hex(control_) + " [0-9A-F:]+ 01 [0-9A-F:]+ 02:");
-  EXPECT_TRUE(eventually([&] { return std::regex_search(text_of("/proc/net/tcp"), kept_alive); })) << text_of("/proc/net/tcp");
 }
 
 TEST_F(KeysTest, WithoutAKeyOfItsOwn_NobodyGetsIn) {

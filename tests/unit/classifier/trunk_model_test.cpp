@@ -23,7 +23,7 @@ TrunkModel model(const TrunkModelForm& form = hand_made_form()) { return TrunkMo
 double deg_of(double sine) { return std::asin(sine) * 180.0 / std::numbers::pi; }
 double sine_of(double deg) { return std::sin(deg * std::numbers::pi / 180.0); }
 
-/// One network over the five features of the thesis, which tells the thirds of d1 apart.
+/// One network over the five features of the thesis, which separates the thirds of d1.
 TrunkModelForm raw5_form() {
   TrunkModelForm form{.kind = ModelKind::Raw5, .p1_minimum_mm = 3.0, .p1_maximum_mm = 4.5, .general = {}, .facts = {}, .figures = {}};
   for (const auto feature : {ReachFeature::D1, ReachFeature::D2, ReachFeature::P1, ReachFeature::P2, ReachFeature::P3})

@@ -33,16 +33,16 @@ TEST(Classify, FinalReach_IsJudgedAsTheModelSays) {
 
   ASSERT_EQ(events.classes.count, 3U);
   for (std::size_t k = 0; k < 3; ++k) {
-    const core::ClassEvent& told = events.classes.events[k];
+    const core::ClassEvent& event = events.classes.events[k];
     const core::ReachEvent& judged = events.reaches.events[first + k];
     const core::TrunkMovement expected = surroundings.trunk_model->classify(judged.features, judged.flags);
-    EXPECT_EQ(told.number, k + 1);
-    EXPECT_EQ(told.segment, 3U);
-    EXPECT_EQ(told.scan.value, 100 * (k + 1));
-    EXPECT_EQ(told.host_time_ns, 7);
-    EXPECT_EQ(told.movement.trunk_class, expected.trunk_class);
-    EXPECT_EQ(told.movement.probability, expected.probability);
-    EXPECT_EQ(told.movement.reasons, expected.reasons);
+    EXPECT_EQ(event.number, k + 1);
+    EXPECT_EQ(event.segment, 3U);
+    EXPECT_EQ(event.scan.value, 100 * (k + 1));
+    EXPECT_EQ(event.host_time_ns, 7);
+    EXPECT_EQ(event.movement.trunk_class, expected.trunk_class);
+    EXPECT_EQ(event.movement.probability, expected.probability);
+    EXPECT_EQ(event.movement.reasons, expected.reasons);
   }
   EXPECT_EQ(events.classes.events[1].movement.trunk_class, core::TrunkClass::Maximum);
   EXPECT_EQ(events.classes.events[2].movement.trunk_class, core::TrunkClass::Rejected);

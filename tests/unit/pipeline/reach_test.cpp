@@ -50,7 +50,7 @@ TEST(Reach, QuietSittingOrNobody_TellsNothing) {
   }
 }
 
-/// P1 is what the older half of the last 0.6 s tells, 0.5 s behind: a drift of 0.03 mm/s is seen 0.8 s late.
+/// P1 comes from the older half of the last 0.6 s, 0.5 s behind: a drift of 0.03 mm/s is seen 0.8 s late.
 TEST(Reach, SlowDrift_TellsNothingAndIsFollowed) {
   const SeatedPerson person{.noise_mm = 0.0, .reaches = {{.start_s = 30.0}}, .drift_mm_per_s = 0.03};
 

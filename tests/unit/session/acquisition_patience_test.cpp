@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "session/acquisition.h"
+#include "support/test_device.h"
 
 namespace dts::session {
 namespace {
@@ -29,7 +30,7 @@ class VisitedClock final : public core::Clock {
 };
 
 /// Gives `blocks` blocks as fast as they are read, then runs `on_end`.
-class PatientDevice final : public device::Device {
+class PatientDevice final : public device::TestDevice {
  public:
   explicit PatientDevice(std::size_t blocks) : left_(blocks) {
     description_.channels.resize(1);
@@ -41,15 +42,6 @@ class PatientDevice final : public device::Device {
 
   void begin_at(std::uint64_t scan) { description_.recorded_pipeline.first_scan = scan; }
 
-  const device::DeviceDescription& describe() const noexcept override { return description_; }
-  device::DeviceState state() const noexcept override { return state_; }
-  core::Result<core::Rate> exact_rate(core::Rate wanted) const override { return wanted; }
-  device::DeviceReport report() const override { return {}; }
-  core::Status open() override { return {}; }
-  core::Result<core::Rate> start(const device::StartOptions& options) override {
-    state_ = device::DeviceState::Streaming;
-    return options.rate;
-  }
   device::ReadResult read(core::Block& block, std::int64_t) noexcept override {
     if (left_ == 0) {
       on_end();
@@ -57,26 +49,18 @@ class PatientDevice final : public device::Device {
     }
     if (left_ == gap_before_left) {
       gap_before_left = 0;
-      next_ = 0;
-      return {.outcome = device::ReadOutcome::Gap, .gap = {.reason = core::GapReason::Silence, .missing_scans = 3, .is_exact = true}};
+      return without_scans(device::ReadOutcome::Gap, {.reason = core::GapReason::Silence, .missing_scans = 3, .is_exact = true});
     }
     --left_;
     block.set_count(kScans);
-    block.first_scan = {next_};
-    block.host_time_ns = static_cast<std::int64_t>(next_) * 10'000'000;
-    next_ += kScans;
+    block.first_scan = {index_};
+    block.host_time_ns = static_cast<std::int64_t>(index_) * 10'000'000;
+    index_ += kScans;
     return {.outcome = device::ReadOutcome::Scans, .gap = {}};
   }
-  void interrupt() noexcept override {}
-  core::Status set_sync_output(bool) override { return {}; }
-  core::Status stop() override { return {}; }
-  core::Status close() override { return {}; }
 
  private:
-  device::DeviceDescription description_;
-  device::DeviceState state_ = device::DeviceState::Closed;
   std::size_t left_;
-  std::uint64_t next_ = 0;
 };
 
 struct Bench {

@@ -283,24 +283,24 @@ TEST(Acquisition, ArmedDevice_IsWaitingAndNotSilent) {
   EXPECT_EQ(live.acquisition.report().text(), "");
 }
 
-/// What is told when reads in which nothing came each took so long, one after the other.
-std::string told_of_reads_that_took(std::int64_t read_ns, int reads) {
+/// The report when reads in which nothing came each took so long, one after the other.
+std::string report_after_reads_that_took(std::int64_t read_ns, int reads) {
   Live live(std::deque<ScriptedDevice::Step>(1, {.scans = 1}));
-  std::string told;
+  std::string reported;
   live.device.on_end = [&] {
-    told = live.acquisition.report().text();
+    reported = live.acquisition.report().text();
     if (reads-- == 0) live.acquisition.request_stop();
     live.clock.advance_ns(read_ns);
   };
   live.acquisition.run();
-  return told;
+  return reported;
 }
 
 TEST(Acquisition, DeviceThatDeliversNothing_IsToldAfterASecond) {
-  EXPECT_NE(told_of_reads_that_took(200'000'000, 8).find("check its cable"), std::string::npos);
+  EXPECT_NE(report_after_reads_that_took(200'000'000, 8).find("check its cable"), std::string::npos);
 }
 
-TEST(Acquisition, ProcessThatStoodStill_IsNoNewsOfTheDevice) { EXPECT_EQ(told_of_reads_that_took(5'000'000'000, 1), ""); }
+TEST(Acquisition, ProcessThatStoodStill_IsNoNewsOfTheDevice) { EXPECT_EQ(report_after_reads_that_took(5'000'000'000, 1), ""); }
 
 TEST(Acquisition, UnitThatIsPluggedIn_EndsThePauseBeforeTheNextTry) {
   Live live(std::deque<ScriptedDevice::Step>(1, {.scans = 1}));

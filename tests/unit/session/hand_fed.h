@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/clock.h"
-#include "device/device.h"
+#include "support/test_device.h"
 
 namespace dts::session {
 
@@ -35,7 +35,7 @@ class HandClock final : public core::Clock {
 };
 
 /// A device that delivers what the test gives it.
-class HandFedDevice final : public device::Device {
+class HandFedDevice final : public device::TestDevice {
  public:
   struct Given {
     device::ReadOutcome outcome = device::ReadOutcome::Scans;
@@ -68,19 +68,10 @@ class HandFedDevice final : public device::Device {
   std::vector<bool> sync_outputs{};
   std::vector<device::Cue> cues{};
 
-  const device::DeviceDescription& describe() const noexcept override { return description_; }
-  device::DeviceState state() const noexcept override { return state_; }
-  core::Result<core::Rate> exact_rate(core::Rate wanted) const override { return wanted; }
   device::DeviceReport report() const override { return found; }
   core::Status open() override {
     if (is_absent) return core::fail(core::ErrorCode::NotFound, "not plugged in");
-    state_ = device::DeviceState::Open;
-    return {};
-  }
-  core::Result<core::Rate> start(const device::StartOptions& options) override {
-    state_ = device::DeviceState::Streaming;
-    index_ = 0;
-    return options.rate;
+    return TestDevice::open();
   }
   device::ReadResult read(core::Block& block, std::int64_t) noexcept override {
     std::unique_lock lock(mutex_);
@@ -89,9 +80,7 @@ class HandFedDevice final : public device::Device {
     }
     const Given given = given_.front();
     given_.pop_front();
-    if (given.outcome == device::ReadOutcome::Gone) state_ = device::DeviceState::Gone;
-    if (given.outcome == device::ReadOutcome::Gap) index_ = 0;
-    if (given.outcome != device::ReadOutcome::Scans) return {.outcome = given.outcome, .gap = given.gap};
+    if (given.outcome != device::ReadOutcome::Scans) return without_scans(given.outcome, given.gap);
     block.set_count(given.scans);
     block.first_scan = {index_};
     block.host_time_ns = given.host_ns;
@@ -101,21 +90,11 @@ class HandFedDevice final : public device::Device {
     index_ += given.scans;
     return {.outcome = given.outcome, .gap = {}};
   }
-  void interrupt() noexcept override {}
   void hear(const device::Cue& cue) noexcept override { cues.push_back(cue); }
   core::Status set_sync_output(bool is_high) override {
     sync_outputs.push_back(is_high);
     return sync_answer;
   }
-  core::Status stop() override {
-    state_ = device::DeviceState::Open;
-    return {};
-  }
-  core::Status close() override {
-    state_ = device::DeviceState::Closed;
-    return {};
-  }
-
   /// Somebody sways: no two sensors show the same, and none is still.
   static double volts(std::size_t channel, std::uint64_t scan) {
     const double phase = static_cast<double>(scan % 1000) / 1000.0 + 0.2 * static_cast<double>(channel);
@@ -123,12 +102,9 @@ class HandFedDevice final : public device::Device {
   }
 
  private:
-  device::DeviceDescription description_;
-  std::atomic<device::DeviceState> state_ = device::DeviceState::Closed;
   std::mutex mutex_;
   std::condition_variable is_given_;
   std::deque<Given> given_;
-  std::uint64_t index_ = 0;
 };
 
 }  // namespace dts::session

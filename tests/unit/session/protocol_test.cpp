@@ -43,7 +43,7 @@ TEST(ProtocolFields, InRangeOrOptional_Pass) {
 TEST(ProtocolFields, WhatDoesNotFit_IsToldAndNotRepeated) {
   struct Row {
     Fields fields;
-    std::string told;
+    std::string message;
   };
   const std::vector<Row> rows{
       // Neither a value nor an unknown name: it might be a person's.
@@ -55,8 +55,8 @@ TEST(ProtocolFields, WhatDoesNotFit_IsToldAndNotRepeated) {
       {{{"side", "left"}, {"arm_length_cm", "120.1"}}, "20 .. 120"},
       {{{"side", "left"}, {"arm_length_cm", "-65"}}, "20 .. 120"},
   };
-  for (const auto& [fields, told] : rows) {
-    EXPECT_THAT(refusal(reaching(), fields), testing::AllOf(HasSubstr(told), Not(HasSubstr("Jane")), Not(HasSubstr("Baker"))));
+  for (const auto& [fields, message] : rows) {
+    EXPECT_THAT(refusal(reaching(), fields), testing::AllOf(HasSubstr(message), Not(HasSubstr("Jane")), Not(HasSubstr("Baker"))));
   }
   for (const char* text : {"", "tall", "65,5", "65 cm", " 65", "65x", "nan", "inf", "1e999", "0x41", "+65"}) {
     EXPECT_THAT(refusal(reaching(), {{"side", "left"}, {"arm_length_cm", text}}), HasSubstr("'arm_length_cm' is no number")) << text;
@@ -67,11 +67,11 @@ TEST(ProtocolFields, WhatDoesNotFit_IsToldAndNotRepeated) {
 TEST(ProtocolFields, SeveralWrongOrMissing_AreToldTogether) {
   Protocol protocol = reaching();
   protocol.fields.push_back({.name = "weight_kg", .is_required = true, .minimum = 20.0, .maximum = 250.0});
-  const std::string told = refusal(protocol, {{"age_years", "500"}, {"arm_length_cm", "tall"}, {"hat", "red"}});
+  const std::string message = refusal(protocol, {{"age_years", "500"}, {"arm_length_cm", "tall"}, {"hat", "red"}});
 
   for (const char* part : {"field 3 of 3", "'age_years' is out of range", "age_years: allowed: 3 .. 120", "'arm_length_cm' is no number",
                            "asks for more", "add --field side=left|right --field weight_kg=20..250"}) {
-    EXPECT_THAT(told, HasSubstr(part));
+    EXPECT_THAT(message, HasSubstr(part));
   }
 }
 

@@ -46,10 +46,10 @@ TEST(ReachResults, Trial_HasTheLargestReachWhoseTrunkWentForwardInIt) {
   const core::ReachEvent cancelled{.step = ReachStep::Cancelled, .number = 1, .segment = 0, .scan = {1300}};
   struct Row {
     const char* what;
-    std::vector<core::ReachEvent> told;
+    std::vector<core::ReachEvent> reaches;
     std::uint32_t number;  ///< 0: none.
   };
-  for (const auto& [what, told, number] :
+  for (const auto& [what, reaches, number] :
        std::vector<Row>{{"P2 is 20 scans after P1", {reach(4, 979)}, 0},
                         {"", {reach(4, 979), reach(5, 980)}, 5},
                         {"goes forward when the trial is done", {late}, 0},
@@ -59,7 +59,7 @@ TEST(ReachResults, Trial_HasTheLargestReachWhoseTrunkWentForwardInIt) {
     SCOPED_TRACE(what);
     ReachResults results = without_model();
     go(results, 1, 1000);
-    for (const core::ReachEvent& event : told) results.take(event);
+    for (const core::ReachEvent& event : reaches) results.take(event);
     done(results, 1, 1500);
     results.advance(0, {1500});
     EXPECT_EQ(only_reach(results), number);

@@ -95,11 +95,11 @@ TEST(RecordedStanding, TrialsHaveTheirSamplesAndWhatWasToldOfThem) {
   file.samples(0, 205, 1002.05, std::vector<bool>(295, true));  // up to 500
   file.event(1, 1007.0, {.event = "segment"});
   file.event(1, 1007.5, step_at(Done, 2, 750));
-  SwayTrialResult told{.trial = 2, .condition = "eyes-open", .analysis = posturography::Analysis{}};
-  told.analysis->rate_hz = told.analysis->duration_s = 100.0;
-  told.analysis->samples = 100;
-  told.analysis->flags = posturography::sway_flag::kDoubtful | posturography::sway_flag::kCutAtGap;
-  file.event(1, 1007.6, to_record(told, "dtsd"));
+  SwayTrialResult published{.trial = 2, .condition = "eyes-open", .analysis = posturography::Analysis{}};
+  published.analysis->rate_hz = published.analysis->duration_s = 100.0;
+  published.analysis->samples = 100;
+  published.analysis->flags = posturography::sway_flag::kDoubtful | posturography::sway_flag::kCutAtGap;
+  file.event(1, 1007.6, to_record(published, "dtsd"));
   file.event(1, 1007.7,
              {.event = "figure",
               .values = {{"name", std::string("a/RDIST")}, {"value", 2.5}, {"unit", std::string("mm")}, {"details", std::string("{}")}}});

@@ -84,10 +84,10 @@ TEST_F(RigSessionTest, Trials_BeginAtTheirScansHoweverLateTheyAreNoticed) {
   ASSERT_TRUE(supervisor_->start_session("floor", {.protocol = "standing"}));
   EXPECT_TRUE(supervisor_->trial("", TrialAction::Next)) << "counts as soon as the session runs";
   EXPECT_THAT(why_refused(supervisor_->trial("", TrialAction::Redo)), HasSubstr("the session is starting, not running"));
-  static_cast<void>(told<TrialNotice>());
+  static_cast<void>(taken_notices<TrialNotice>());
   pass(0.3, 0.3);
   pass(0.3, 0.3);
-  auto events = told<TrialNotice>();
+  auto events = taken_notices<TrialNotice>();
   std::vector<std::pair<TrialEventKind, std::uint64_t>> steps;
   for (const auto& [at, notice] : events) steps.emplace_back(notice.event.kind, at.scan.value);
   using enum TrialEventKind;
@@ -96,7 +96,7 @@ TEST_F(RigSessionTest, Trials_BeginAtTheirScansHoweverLateTheyAreNoticed) {
   EXPECT_EQ(go, kBlock + 900) << "when a tick saw that it runs";
   pass(0.5, 0.3);
   pass(11.0, 0.7);
-  for (const auto& [at, notice] : told<TrialNotice>()) steps.emplace_back(notice.event.kind, at.scan.value);
+  for (const auto& [at, notice] : taken_notices<TrialNotice>()) steps.emplace_back(notice.event.kind, at.scan.value);
   EXPECT_THAT(steps, ElementsAre(std::pair{Ready, go}, std::pair{Go, go}, std::pair{Measure, go + 750}, std::pair{Done, go + 17'250},
                                  std::pair{Rest, go + 17'250}));
   EXPECT_EQ(events[0].second.session_id, now().session.id);
@@ -107,9 +107,9 @@ TEST_F(RigSessionTest, Trials_BeginAtTheirScansHoweverLateTheyAreNoticed) {
 
   pass(1.5);
   ASSERT_TRUE(supervisor_->trial("floor", TrialAction::Next));
-  static_cast<void>(told<TrialNotice>());
+  static_cast<void>(taken_notices<TrialNotice>());
   pass(2.1, 2.1);  // so late that nobody knows what came in between
-  const auto late = told<TrialNotice>();
+  const auto late = taken_notices<TrialNotice>();
   ASSERT_EQ(late.size(), 1U);
   EXPECT_EQ(late[0].first.scan.value, rig().acquisition().next_scan - 1);
 }
@@ -121,10 +121,10 @@ TEST_F(RigSessionTest, StandingTrials_HaveResultsInTheCatalogueAndFiguresAtTheEn
     ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
     pass(13.0);
   }
-  const auto told_sways = told<SwayNotice>();
-  ASSERT_EQ(told_sways.size(), 2U);
-  EXPECT_EQ(told_sways[0].second.session_id + " " + told_sways[0].second.software, id + " dtsd test");
-  EXPECT_EQ(told_sways[1].second.result.condition, "closed");
+  const auto sways = taken_notices<SwayNotice>();
+  ASSERT_EQ(sways.size(), 2U);
+  EXPECT_EQ(sways[0].second.session_id + " " + sways[0].second.software, id + " dtsd test");
+  EXPECT_EQ(sways[1].second.result.condition, "closed");
   ASSERT_TRUE(stop());
 
   const auto trials = row(id).trials;

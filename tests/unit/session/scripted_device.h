@@ -4,12 +4,12 @@
 #include <deque>
 #include <functional>
 
-#include "device/device.h"
+#include "support/test_device.h"
 
 namespace dts::session {
 
 /// A device that answers `read` with what the test wrote down; at the end of the script it runs `on_end`.
-class ScriptedDevice final : public device::Device {
+class ScriptedDevice final : public device::TestDevice {
  public:
   struct Step {
     device::ReadOutcome outcome = device::ReadOutcome::Scans;
@@ -28,25 +28,18 @@ class ScriptedDevice final : public device::Device {
   int failing_opens = 0;
   int opens = 0;
 
-  const device::DeviceDescription& describe() const noexcept override { return description_; }
-  device::DeviceState state() const noexcept override { return state_; }
-  core::Result<core::Rate> exact_rate(core::Rate wanted) const override { return wanted; }
-  device::DeviceReport report() const override { return {}; }
   bool has_arrived() noexcept override { return on_arrival_question(); }
-  core::Status set_sync_output(bool) override { return {}; }
   core::Status open() override {
     ++opens;
     if (failing_opens > 0) {
       --failing_opens;
       return core::fail(core::ErrorCode::NotFound, "not plugged in");
     }
-    state_ = device::DeviceState::Open;
-    return {};
+    return TestDevice::open();
   }
   core::Result<core::Rate> start(const device::StartOptions& options) override {
     ++starts;
-    state_ = device::DeviceState::Streaming;
-    index_ = 0;
+    static_cast<void>(TestDevice::start(options));
     return core::Rate::from_hz(options.rate.hz() * starts_at_rate_factor);
   }
   device::ReadResult read(core::Block& block, std::int64_t) noexcept override {
@@ -57,9 +50,7 @@ class ScriptedDevice final : public device::Device {
     const Step step = script_.front();
     script_.pop_front();
     now_ns_ += step.pause_ns;
-    if (step.outcome == device::ReadOutcome::Gone) state_ = device::DeviceState::Gone;
-    if (step.outcome == device::ReadOutcome::Gap) index_ = 0;
-    if (step.outcome != device::ReadOutcome::Scans) return {.outcome = step.outcome, .gap = step.gap};
+    if (step.outcome != device::ReadOutcome::Scans) return without_scans(step.outcome, step.gap);
     index_ += step.skip_index;
     block.set_count(step.scans);
     block.first_scan = {index_};
@@ -68,25 +59,12 @@ class ScriptedDevice final : public device::Device {
     now_ns_ += static_cast<std::int64_t>(step.scans) * kPeriodNs;
     return {.outcome = step.outcome, .gap = {}};
   }
-  void interrupt() noexcept override {}
-  core::Status stop() override {
-    state_ = device::DeviceState::Open;
-    return {};
-  }
-  core::Status close() override {
-    state_ = device::DeviceState::Closed;
-    return {};
-  }
-
   void extend(const std::deque<Step>& steps) { script_.insert(script_.end(), steps.begin(), steps.end()); }
 
   static constexpr std::int64_t kPeriodNs = 10'000'000;  // 100 Hz
 
  private:
-  device::DeviceDescription description_;
   std::deque<Step> script_;
-  device::DeviceState state_ = device::DeviceState::Closed;
-  std::uint64_t index_ = 0;
   std::int64_t now_ns_ = 1'000'000'000;
 };
 

@@ -46,7 +46,7 @@ class SupervisorTest : public RecordingsTest {
   RigState now() { return supervisor_->states().at(0); }
   void give(const HandFedDevice::Given& given) { device_->give(given); }
   template <class Body>
-  std::vector<std::pair<DataPosition, Body>> told() {
+  std::vector<std::pair<DataPosition, Body>> taken_notices() {
     std::vector<std::pair<DataPosition, Body>> all;
     for (Notice& notice : supervisor_->take_notices()) {
       if (auto* body = std::get_if<Body>(&notice.body)) all.emplace_back(notice.at, std::move(*body));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What clients ask of the rigs, and what the supervisor tells by itself, on a device that the test feeds.
+// What clients ask of the rigs, and what the supervisor reports by itself, on a device that the test feeds.
 #include "session/supervisor.h"
 
 #include <gmock/gmock.h>
@@ -27,14 +27,14 @@ TEST_F(SupervisorTest, Marker_HasOneTo200BytesAndStandsAtTheNewestScan) {
   }
   EXPECT_THAT(why_refused(supervisor_->mark("chair", "x"), ErrorCode::NotFound),
               AllOf(HasSubstr("'chair'"), HasSubstr("known rigs: floor")));
-  EXPECT_THAT(told<MarkerNotice>(), IsEmpty());
+  EXPECT_THAT(taken_notices<MarkerNotice>(), IsEmpty());
 
   for (const char* rig : {"", "floor"}) {
     const auto marks = supervisor_->mark(rig, std::string(200, 'x'));
     ASSERT_TRUE(marks);
     ASSERT_EQ(marks->size(), 1U);
     EXPECT_EQ(marks->at(0).first, "floor");
-    const auto notices = told<MarkerNotice>();
+    const auto notices = taken_notices<MarkerNotice>();
     ASSERT_EQ(notices.size(), 1U);
     EXPECT_EQ(notices[0].second.text, std::string(200, 'x'));
     EXPECT_EQ(notices[0].first.segment, 0U);
@@ -73,7 +73,7 @@ TEST_F(SupervisorTest, DeviceAndItsGaps_AreToldOnce) {
   while (rig().acquisition().text().empty()) std::this_thread::yield();
   supervisor_->tick();
   supervisor_->tick();
-  auto notices = told<DeviceNotice>();
+  auto notices = taken_notices<DeviceNotice>();
   ASSERT_EQ(notices.size(), 1U);
   EXPECT_THAT(notices[0].second.message, HasSubstr("not plugged in"));
   EXPECT_EQ(notices[0].first.scan.value, 0U);
@@ -86,7 +86,7 @@ TEST_F(SupervisorTest, DeviceAndItsGaps_AreToldOnce) {
   feed(kBlock);
   supervisor_->tick();
   supervisor_->tick();
-  notices = told<DeviceNotice>();
+  notices = taken_notices<DeviceNotice>();
   ASSERT_EQ(notices.size(), 1U);
   EXPECT_EQ(notices[0].second.state, device::DeviceState::Streaming);
   EXPECT_EQ(notices[0].second.uri, "hand:fed");
@@ -219,12 +219,12 @@ TEST_F(SupervisorTest, SyncPulse_RisesWithTheFirstScanOfASessionAndFallsAfterIts
 
   ASSERT_TRUE(stop());
   device_->sync_outputs.clear();
-  static_cast<void>(told<DeviceNotice>());
+  static_cast<void>(taken_notices<DeviceNotice>());
   device_->sync_answer = core::fail(ErrorCode::DeviceGone, "away");
   static_cast<void>(record(kBlock));
   pass(0.5);
   EXPECT_THAT(device_->sync_outputs, ElementsAre(true)) << "what did not rise does not fall";
-  const auto notices = told<DeviceNotice>();
+  const auto notices = taken_notices<DeviceNotice>();
   ASSERT_EQ(notices.size(), 1U);
   EXPECT_THAT(notices[0].second.message, HasSubstr("no sync pulse: away"));
   EXPECT_EQ(notices[0].second.state, device::DeviceState::Streaming);

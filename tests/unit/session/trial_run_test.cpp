@@ -31,7 +31,7 @@ TrialPlan timed() {
 TrialPlan untimed() { return {.conditions = {{.name = "a"}, {.name = "b"}}, .trials_per_block = 2}; }
 
 /// "ready 1.1@0 go 1.1@2": kind, trial.attempt, second at which it was due.
-std::string told(TrialRun& run) {
+std::string notices_of(TrialRun& run) {
   std::ostringstream text;
   for (const TrialEvent& event : run.take_events()) {
     text << (text.tellp() > 0 ? " " : "") << name(event.kind);
@@ -49,10 +49,10 @@ TrialPhase phase_at(const TrialRun& run, std::int64_t now_ns) { return run.view(
 TEST(TrialRun, Next_LeadsThroughAllPhases) {
   TrialRun run(timed(), 1, {});
   run.tick(100 * kNanosecondsPerSecond);
-  EXPECT_EQ(told(run), "");  // waits
+  EXPECT_EQ(notices_of(run), "");  // waits
   ASSERT_TRUE(run.next(0));
   run.tick(2 * kNanosecondsPerSecond - 1);
-  EXPECT_EQ(told(run), "ready 1.1@0");
+  EXPECT_EQ(notices_of(run), "ready 1.1@0");
   run.tick(2 * kNanosecondsPerSecond);
   EXPECT_EQ(phase_at(run, 2 * kNanosecondsPerSecond), TrialPhase::Settling);
   run.tick(7 * kNanosecondsPerSecond);
@@ -61,7 +61,7 @@ TEST(TrialRun, Next_LeadsThroughAllPhases) {
   EXPECT_EQ(phase_at(run, 27 * kNanosecondsPerSecond), TrialPhase::Resting);
   run.tick(37 * kNanosecondsPerSecond);
   EXPECT_EQ(phase_at(run, 37 * kNanosecondsPerSecond), TrialPhase::Waiting);
-  EXPECT_EQ(told(run), "go 1.1@2 measure 1.1@7 done 1.1@27 rest 1.1@27");
+  EXPECT_EQ(notices_of(run), "go 1.1@2 measure 1.1@7 done 1.1@27 rest 1.1@27");
 }
 
 TEST(TrialRun, Events_SayEverythingAboutTheTrial) {
@@ -93,7 +93,7 @@ TEST(TrialRun, LateTick_PassesThroughSeveralPhasesWithoutDrift) {
   TrialRun run(timed(), 1, {});
   ASSERT_TRUE(run.next(0));
   run.tick(1000 * kNanosecondsPerSecond);
-  EXPECT_EQ(told(run), "ready 1.1@0 go 1.1@2 measure 1.1@7 done 1.1@27 rest 1.1@27");
+  EXPECT_EQ(notices_of(run), "ready 1.1@0 go 1.1@2 measure 1.1@7 done 1.1@27 rest 1.1@27");
   EXPECT_EQ(phase_at(run, 1000 * kNanosecondsPerSecond), TrialPhase::Waiting);
 }
 
@@ -102,11 +102,12 @@ TEST(TrialRun, LateTickOfAPlanThatStartsByItself_RunsToTheEnd) {
   plan.starts_by_itself = true;
   TrialRun run(plan, 1, {});
   run.tick(500 * kNanosecondsPerSecond);
-  EXPECT_EQ(told(run), "");  // the first trial waits all the same
+  EXPECT_EQ(notices_of(run), "");  // the first trial waits all the same
   ASSERT_TRUE(run.next(500 * kNanosecondsPerSecond));
   run.tick(5000 * kNanosecondsPerSecond);
   EXPECT_TRUE(run.is_finished());
-  EXPECT_THAT(told(run), testing::EndsWith("done 3.1@651 rest 3.1@651 ready 4.1@661 go 4.1@663 measure 4.1@668 done 4.1@688 finished@688"));
+  EXPECT_THAT(notices_of(run),
+              testing::EndsWith("done 3.1@651 rest 3.1@651 ready 4.1@661 go 4.1@663 measure 4.1@668 done 4.1@688 finished@688"));
 }
 
 TEST(TrialRun, ManySmallTicks_TellTheSameAsOneLate) {
@@ -119,7 +120,7 @@ TEST(TrialRun, ManySmallTicks_TellTheSameAsOneLate) {
   for (std::int64_t now_ns = 0; now_ns <= 300 * kNanosecondsPerSecond; now_ns += 7'000'003) patient.tick(now_ns);
   patient.tick(300 * kNanosecondsPerSecond);
   late.tick(300 * kNanosecondsPerSecond);
-  EXPECT_EQ(told(patient), told(late));
+  EXPECT_EQ(notices_of(patient), notices_of(late));
 }
 
 TEST(TrialRun, NoTimes_EveryNextEndsOrStartsATrial) {
@@ -132,7 +133,7 @@ TEST(TrialRun, NoTimes_EveryNextEndsOrStartsATrial) {
   EXPECT_EQ(phase_at(run, 1001 * kNanosecondsPerSecond), TrialPhase::Waiting);
   ASSERT_TRUE(run.next(1002 * kNanosecondsPerSecond));
   ASSERT_TRUE(run.next(1003 * kNanosecondsPerSecond));
-  EXPECT_EQ(told(run),
+  EXPECT_EQ(notices_of(run),
             "ready 1.1@1 go 1.1@1 measure 1.1@1 done 1.1@1001 ready 2.1@1002 go 2.1@1002 measure 2.1@1002 done 2.1@1003 finished@1003");
   EXPECT_TRUE(run.is_finished());
   EXPECT_EQ(code(run.next(1004 * kNanosecondsPerSecond)), kWrongState);
@@ -144,7 +145,7 @@ TEST(TrialRun, NoTimesAndStartingByItself_TheEndOfATrialIsTheStartOfTheNext) {
   TrialRun run(plan, 1, {});
   ASSERT_TRUE(run.next(0));
   ASSERT_TRUE(run.next(kNanosecondsPerSecond));
-  EXPECT_EQ(told(run), "ready 1.1@0 go 1.1@0 measure 1.1@0 done 1.1@1 ready 2.1@1 go 2.1@1 measure 2.1@1");
+  EXPECT_EQ(notices_of(run), "ready 1.1@0 go 1.1@0 measure 1.1@0 done 1.1@1 ready 2.1@1 go 2.1@1 measure 2.1@1");
 }
 
 TEST(TrialRun, DurationBelowANanosecond_EndsAWholePlanWithoutNesting) {
@@ -167,7 +168,7 @@ TEST(TrialRun, NextInEachPhase_WorksOnlyWhereNothingIsCut) {
   EXPECT_EQ(phase_at(run, 28 * kNanosecondsPerSecond), TrialPhase::Ready);
 }
 
-/// A run in each phase of its first trial, with what was told until then taken away.
+/// A run in each phase of its first trial, with its notices until then removed.
 void in_each_phase(const std::function<void(TrialRun&, std::int64_t now_ns, const std::string& at)>& test) {
   const std::vector<std::pair<std::string, std::int64_t>> moments{
       {"ready", 1}, {"settling", 3}, {"measuring", 10}, {"resting", 30}, {"waiting", 50}};
@@ -187,7 +188,7 @@ TEST(TrialRun, Redo_StartsTheSamePlaceAgainAsAnotherAttempt) {
   in_each_phase([](TrialRun& run, std::int64_t now_ns, const std::string& at) {
     ASSERT_TRUE(run.redo(now_ns));
 
-    EXPECT_EQ(told(run), "redone 1.1" + at + " ready 1.2" + at);
+    EXPECT_EQ(notices_of(run), "redone 1.1" + at + " ready 1.2" + at);
     EXPECT_EQ(phase_at(run, now_ns), TrialPhase::Ready);
     run.tick(now_ns + 1000 * kNanosecondsPerSecond);
     ASSERT_TRUE(run.next(now_ns + 1000 * kNanosecondsPerSecond));
@@ -200,11 +201,11 @@ TEST(TrialRun, Reject_GoesOnWithTheNextPlace) {
   in_each_phase([](TrialRun& run, std::int64_t now_ns, const std::string& at) {
     ASSERT_TRUE(run.reject(now_ns));
 
-    EXPECT_THAT(told(run), testing::StartsWith("rejected 1.1" + at));
+    EXPECT_THAT(notices_of(run), testing::StartsWith("rejected 1.1" + at));
     EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
     EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
     ASSERT_TRUE(run.next(now_ns));
-    EXPECT_EQ(told(run), "ready 2.1" + at);
+    EXPECT_EQ(notices_of(run), "ready 2.1" + at);
     EXPECT_TRUE(run.redo(now_ns));  // the new one is not void
   });
 }
@@ -214,12 +215,12 @@ TEST(TrialRun, Abort_TellsOnlyATrialUnderWayAndEndsEverything) {
     run.abort(now_ns);
     run.abort(now_ns);
 
-    EXPECT_EQ(told(run), now_ns < 27 * kNanosecondsPerSecond ? "aborted 1.1" + at : "");
+    EXPECT_EQ(notices_of(run), now_ns < 27 * kNanosecondsPerSecond ? "aborted 1.1" + at : "");
     EXPECT_EQ(code(run.next(now_ns)), kWrongState);
     EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
     EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
     run.tick(now_ns + 1000 * kNanosecondsPerSecond);
-    EXPECT_EQ(told(run), "");
+    EXPECT_EQ(notices_of(run), "");
     EXPECT_FALSE(run.is_finished());
   });
 }
@@ -229,7 +230,7 @@ TEST(TrialRun, NothingStartedYet_CannotBeVoidedOrAborted) {
   EXPECT_EQ(code(run.redo(0)), kWrongState);
   EXPECT_EQ(code(run.reject(0)), kWrongState);
   run.abort(0);
-  EXPECT_EQ(told(run), "");
+  EXPECT_EQ(notices_of(run), "");
 }
 
 TEST(TrialRun, RejectedUnderWay_RestsBeforeTheNext) {
@@ -239,7 +240,7 @@ TEST(TrialRun, RejectedUnderWay_RestsBeforeTheNext) {
   ASSERT_TRUE(run.next(0));
   ASSERT_TRUE(run.reject(3 * kNanosecondsPerSecond));
   run.tick(13 * kNanosecondsPerSecond);
-  EXPECT_EQ(told(run), "ready 1.1@0 go 1.1@2 rejected 1.1@3 rest 1.1@3 ready 2.1@13");
+  EXPECT_EQ(notices_of(run), "ready 1.1@0 go 1.1@2 rejected 1.1@3 rest 1.1@3 ready 2.1@13");
 }
 
 TEST(TrialRun, RejectedWhileResting_TheRestGoesOn) {
@@ -289,7 +290,7 @@ TEST(TrialRun, LastTrialRejected_StaysFinishedAndIsToldOnce) {
   for (int call = 0; call < 4; ++call) ASSERT_TRUE(run.next(0));
   static_cast<void>(run.take_events());
   ASSERT_TRUE(run.reject(kNanosecondsPerSecond));
-  EXPECT_EQ(told(run), "rejected 2.1@1");
+  EXPECT_EQ(notices_of(run), "rejected 2.1@1");
   EXPECT_TRUE(run.is_finished());
 }
 
@@ -297,7 +298,7 @@ TEST(TrialRun, AbortAfterTheTimeWasOver_TheTrialIsDone) {
   TrialRun run(timed(), 1, {});
   ASSERT_TRUE(run.next(0));
   run.abort(28 * kNanosecondsPerSecond);  // nobody called tick since
-  EXPECT_THAT(told(run), testing::EndsWith("done 1.1@27 rest 1.1@27"));
+  EXPECT_THAT(notices_of(run), testing::EndsWith("done 1.1@27 rest 1.1@27"));
 }
 
 TEST(TrialRun, DoneInEarlierParts_IsPassedOver) {
@@ -319,7 +320,7 @@ TEST(TrialRun, DoneInEarlierParts_IsPassedOver) {
 TEST(TrialRun, AllDoneInEarlierParts_IsFinishedFromTheStart) {
   TrialRun run(untimed(), 1, {}, {2, 1});
   EXPECT_TRUE(run.is_finished());
-  EXPECT_EQ(told(run), "finished@0");
+  EXPECT_EQ(notices_of(run), "finished@0");
   EXPECT_EQ(code(run.next(0)), kWrongState);
 }
 

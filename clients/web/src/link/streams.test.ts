@@ -47,7 +47,7 @@ test('Streams.WellFormedBlock becomes columns with times of this browser', () =>
 
 test.each<[string, Change, boolean, readonly [number, boolean] | undefined]>([
   ['HoleInASegment is counted exactly', { firstScan: 152n }, false, [50, false]],
-  ['NewSegment tells so, and what is missing of its beginning', { segment: 2, firstScan: 3n }, false, [3, true]],
+  ['NewSegment is reported with what is missing of its beginning', { segment: 2, firstScan: 3n }, false, [3, true]],
   ['RestartedDaemon is a new segment even with the same number', { instanceId: 8n, firstScan: 0n }, false, [0, true]],
   ['Repetition is dropped', {}, false, undefined],
   ['AfterForgetting nothing is missing', { firstScan: 9000n }, true, [0, false]],

@@ -93,8 +93,8 @@ const atOnce = 0n;
 const later = 1_500_000_000n; // a second and more after all events
 
 test.each<[string, readonly LiveEvent[], ReturnType<typeof status>, bigint, object]>([
-  ['OfATabThatCameLate tells the step', [], status(RUNNING, RESTING), atOnce, { sessionId: 's1', step: 'resting', trial: 2, of: 9, nextCondition: '150', nextTargetCm: 105 }],
-  ['DuringATrial does not take back what events told meanwhile', going, status(RUNNING, TrialPhase.READY, 's1', 1), atOnce, { step: 'go', of: 9 }],
+  ['OfATabThatCameLate reports the step', [], status(RUNNING, RESTING), atOnce, { sessionId: 's1', step: 'resting', trial: 2, of: 9, nextCondition: '150', nextTargetCm: 105 }],
+  ['DuringATrial does not undo later events', going, status(RUNNING, TrialPhase.READY, 's1', 1), atOnce, { step: 'go', of: 9 }],
   ['ASecondAfterTheEvents is not later yet', reached, status(RUNNING, WAITING, 's1', 1), 1_000_000_000n, { step: 'back' }],
   ['OfTheNextTrial forgets what was found in the lost one', reached, status(RUNNING, MEASURING), later, { step: 'go', trial: 2, goAt: undefined, reach: undefined }],
   ['OfTheNextTrial that waits leaves it to be read', reached, status(RUNNING, TrialPhase.READY), later, { step: 'ready', trial: 2, goAt: undefined, reach: { number: 1 } }],

@@ -135,7 +135,7 @@ test('progressOf.TabLoadedInATrial tells what is left and no share, until it has
 });
 
 test.each<[string, readonly SessionInfo[], readonly unknown[]]>([
-  ['PhaseThatBeganWhileNobodyLooked tells nothing', [inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20)], ['s', undefined, undefined]],
+  ['PhaseThatBeganWhileNobodyLooked gives no cue', [inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20)], ['s', undefined, undefined]],
   ['SettlingTooShortToBeSeen takes no part of the ring', [inTrial(READY, 0.3, 3), inTrial(MEASURING, 20, 4)], ['s', 0, 20]],
   ['OtherSession begins anew', [inTrial(READY, 1, 1), inTrial(MEASURING, 60, 2), create(SessionInfoSchema, { sessionId: 'other' })], ['other', undefined, undefined]],
 ])('learnLengths.%s', (_, sessions, expected) => {

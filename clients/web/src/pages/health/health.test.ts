@@ -16,7 +16,7 @@ const block = (values: readonly number[], quality = 0, more: Partial<Block> = {}
 
 test.each<[string, Block[], object[]]>([
   ['WholeSecond has mean, noise and all quality bits', [block([1, 3], Quality.STUCK), block([1, 3], Quality.RAIL)], [{ mean: 2, noiseRms: 1, quality: Quality.STUCK | Quality.RAIL }]],
-  ['PartOfASecond tells nothing', [block([1, 3])], []],
+  ['PartOfASecond gives no statistics', [block([1, 3])], []],
   ['MillivoltsOnVolts are not drowned', [block([4.9, 4.9002, 4.9, 4.9002])], [{ mean: expect.closeTo(4.9001, 6), noiseRms: expect.closeTo(0.0001, 6), quality: 0 }]],
   ['UndefinedValues are left out', [block([NaN, 2, 4, NaN])], [{ mean: 3, noiseRms: 1, quality: 0 }]],
   ['NewSegment begins anew', [block([9, 9]), block([1, 1, 1, 1], 0, { isNewSegment: true })], [{ mean: 1, noiseRms: 0, quality: 0 }]],
@@ -59,14 +59,14 @@ test('Sensors.PlateThatCameDown is nearer to the sensor; what is not heard yet i
 afterEach(() => void vi.useRealTimers());
 
 test('useWatched.Gaps come newest first, 20 at most; sensors once a second', () => {
-  const { link, event, block: tell, paint, topics } = fakeLink();
+  const { link, event, block: publish, paint, topics } = fakeLink();
   const { now } = runHook(() => useWatched(link, 'floor'));
   const shown: (number | undefined)[] = [];
 
   for (let i = 0; i < 21; i += 1) event('floor/gap', { body: { case: 'gap', value: { missingScans: BigInt(i) } } });
   for (const nowMs of [1000, 1999, 2000]) {
-    tell('floor/raw', [[nowMs]], { rateHz: 1 });
-    tell('floor/deflection', [[-nowMs]], { rateHz: 1 });
+    publish('floor/raw', [[nowMs]], { rateHz: 1 });
+    publish('floor/deflection', [[-nowMs]], { rateHz: 1 });
     paint(nowMs);
     shown.push(now().seconds.value.raw[0]?.mean, now().seconds.value.deflection[0]?.mean);
   }
@@ -79,10 +79,10 @@ test('useWatched.Gaps come newest first, 20 at most; sensors once a second', () 
 test('useAges.Of every rig are those of the stream that its page draws', () => {
   vi.useFakeTimers({ now: 0, toFake: ['performance'] });
   const streams = { floor: ['raw', 'cop'], chair: ['transient', 'aux'], other: ['raw', 'aux'], mute: [] };
-  const { link, block: tell, paint, topics } = fakeLink(Object.entries(streams).map(([name, published]) => ({ rig: { name, published } })));
+  const { link, block: publish, paint, topics } = fakeLink(Object.entries(streams).map(([name, published]) => ({ rig: { name, published } })));
   const { now } = runHook(() => useAges(link));
   const counted = [1000, 1999, 2000].map((nowMs) => {
-    tell('floor/cop', [[0]], { newestMs: -20.5 });
+    publish('floor/cop', [[0]], { newestMs: -20.5 });
     paint(nowMs);
     return now().value.blocks;
   });

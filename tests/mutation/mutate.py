@@ -17,6 +17,7 @@ from mutant import TOP, WORK, Outcome, OutOfTime, identify, progress, room_of, s
 
 LANGUAGES = [cpp, web, python]
 ROOMS = [room for language in LANGUAGES for room in language.ROOMS]
+FILES_OF_A_CHANGE = 8  # of each room
 
 
 def choose(named: dict[str, dict], rooms: list[str], count: int, seed: int) -> dict[str, object]:
@@ -77,8 +78,8 @@ def until(deadline: float, outcomes: Iterable[Outcome]) -> Iterator[Outcome]:
 def mutate(language, rooms: list[str], lines: dict[str, set[int]] | None, draws: dict[str, dict], options) -> list[Outcome]:
     """Draws mutants of the rooms of one language, of `lines` alone if given, adds them to `draws`, and tries them."""
     paths = [path for path in language.sources() if room_of(path) in rooms]
-    if lines is not None:
-        paths = [path for path in paths if path in lines]
+    if lines is not None:  # reading a file takes seconds: of a wide change, the files that changed most
+        paths = sorted((path for path in paths if path in lines), key=lambda path: -len(lines[path]))[:FILES_OF_A_CHANGE]
     named = {path: identify(mutants, (TOP / path).read_bytes()) for path, mutants in language.candidates(paths).items()}
     if lines is not None:
         named = {path: {name: mutant for name, mutant in mutants.items() if mutant.line in lines[path]} for path, mutants in named.items()}

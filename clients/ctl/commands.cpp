@@ -54,11 +54,7 @@ Result<ControlClient> connect(const Arguments& arguments) {
   const auto where = target(arguments);
   if (!where) return tl::make_unexpected(where.error());
   client::ControlOptions options{.endpoint = where->endpoints.control, .key = where->key};
-  if (arguments.timeout_s) {
-    options.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(*arguments.timeout_s * 1000.0));
-    options.tare_timeout = options.timeout;
-    options.stop_timeout = options.timeout;
-  }
+  if (arguments.timeout_s) options.timeout = std::chrono::milliseconds(static_cast<std::int64_t>(*arguments.timeout_s * 1000.0));
   return ControlClient::open(options);
 }
 

@@ -55,7 +55,11 @@ cli::Json scalar(const Message& message, const FieldDescriptor& field) {
       const std::int64_t value = reflection.GetInt64(message, &field);
       return value == 0 && means_unknown_at_zero(field) ? cli::Json(nullptr) : cli::Json(value);
     }
-    case FieldDescriptor::CPPTYPE_UINT32: return reflection.GetUInt32(message, &field);
+    case FieldDescriptor::CPPTYPE_UINT32: {
+      const std::uint32_t value = reflection.GetUInt32(message, &field);
+      const auto* enumeration = field.file()->pool()->FindEnumTypeByName("dts.v1." + field.options().GetExtension(v1::bits));
+      return enumeration == nullptr ? cli::Json(value) : cli::Json(bit_words(*enumeration, value));
+    }
     case FieldDescriptor::CPPTYPE_UINT64: return reflection.GetUInt64(message, &field);
     default: return nullptr;
   }
@@ -116,7 +120,6 @@ void add_counts(const v1::SessionRecord& session, cli::Json& json) {
 void remove_meaningless(const Message& message, cli::Json& json) {
   if (const auto* channel = dynamic_cast<const v1::TestDeviceResponse::ChannelTest*>(&message)) {
     if (!channel->is_sensor()) json.erase("gap_mm");
-    json["quality"] = quality_words(static_cast<std::uint8_t>(channel->quality()));
   }
   if (const auto* session = dynamic_cast<const v1::SessionInfo*>(&message)) {
     if (session->session_id().empty()) {  // there has been none: no length, no settling
@@ -126,7 +129,6 @@ void remove_meaningless(const Message& message, cli::Json& json) {
   if (const auto* session = dynamic_cast<const v1::SessionRecord*>(&message)) add_counts(*session, json);
   if (const auto* part = dynamic_cast<const v1::SessionPart*>(&message); part != nullptr && part->is_loss_unknown()) json.erase("losses");
   if (const auto* reach = dynamic_cast<const v1::Reach*>(&message)) {
-    json["flags"] = bit_words(*v1::ReachFlag_descriptor(), reach->flags());
     const std::array<std::pair<const char*, const v1::ReachPoint*>, 3> points{
         {{"p1", &reach->p1()}, {"p2", &reach->p2()}, {"p3", &reach->p3()}}};
     for (const auto& [name, point] : points) {
@@ -136,11 +138,7 @@ void remove_meaningless(const Message& message, cli::Json& json) {
   if (const auto* result = dynamic_cast<const v1::TrialResult*>(&message); result != nullptr && result->expected_class() < 0) {
     json.erase("expected_class");
   }
-  if (const auto* movement = dynamic_cast<const v1::TrunkMovement*>(&message)) {
-    json["reasons"] = bit_words(*v1::ClassReason_descriptor(), movement->reasons());
-  }
   if (const auto* sway = dynamic_cast<const v1::Sway*>(&message)) {
-    json["flags"] = bit_words(*v1::SwayFlag_descriptor(), sway->flags());
     if (sway->is_preliminary()) json.erase("attempt");  // a stage knows trials, not attempts
     if (!sway->problem().empty()) {
       for (const char* key : {"rate_hz", "samples", "duration_s", "is_valid", "flags"}) json.erase(key);

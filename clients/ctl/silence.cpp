@@ -2,17 +2,14 @@
 #include "ctl/silence.h"
 
 #include <algorithm>
-#include <array>
-#include <string_view>
 
 #include "cli/suggestion.h"
+#include "dts/wire/options.h"
 
 namespace dts::ctl {
 namespace {
 
 using client::ErrorCode;
-
-constexpr std::array<std::string_view, 9> kEvents{"gap", "marker", "trigger", "device", "session", "trial", "reach", "class", "sway"};
 
 std::string joined(const std::vector<std::string>& words, const char* separator) {
   std::string text;
@@ -32,7 +29,9 @@ std::vector<std::string> streams_of(const v1::RigInfo& rig) {
 
 std::vector<std::string> events_of(const v1::RigInfo& rig) {
   std::vector<std::string> topics;
-  for (const std::string_view event : kEvents) topics.push_back(rig.name() + "/" + std::string(event));
+  for (const v1::Topic& topic : wire::event_topics()) {
+    if (topic.rig_kind().empty() || topic.rig_kind() == rig.kind()) topics.push_back(rig.name() + "/" + topic.name());
+  }
   return topics;
 }
 

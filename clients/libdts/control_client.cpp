@@ -14,6 +14,7 @@
 
 #include "curve.h"
 #include "dts/endpoints.h"
+#include "dts/wire/options.h"
 #include "wire_check.h"
 
 namespace dts::client {
@@ -24,6 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::int64_t kAnswerSocketBytes = 4 * static_cast<std::int64_t>(kMaxAnswerBytes);
 constexpr std::size_t kLongestText = 2000;
+constexpr milliseconds kTimeout{3000};
 constexpr milliseconds kLookForStop{50};
 
 /// 128 random bits: no two commands of any client share it.
@@ -60,8 +62,7 @@ Result<void> check_options(const ControlOptions& options) {
   if (options.endpoint.empty()) {
     return fail(ErrorCode::InvalidArgument, "the daemon's control address is not known", "give it: --endpoint URI or DTSD_CONTROL");
   }
-  const auto [shortest, longest] = std::minmax({options.timeout, options.tare_timeout, options.stop_timeout});
-  if (shortest < kShortest || longest > kLongest) {
+  if (options.timeout && (*options.timeout < kShortest || *options.timeout > kLongest)) {
     return fail(ErrorCode::InvalidArgument, "a time-out must be between 0.03 and 86400 seconds");
   }
   if (options.tries < 1 || options.tries > 10) return fail(ErrorCode::InvalidArgument, "tries must be 1..10");
@@ -79,13 +80,14 @@ class ControlClient::Implementation {
  public:
   explicit Implementation(ControlOptions options) : options_(std::move(options)) {}
 
-  /// Fills in the request id when there is none, sends, waits; fails unless the answer has `wanted`.
-  Result<v1::Response> exchange(v1::Request&& request, v1::Response::ResultCase wanted, milliseconds timeout, const std::stop_token& stop);
+  /// Fills in the request id when there is none, sends, waits; fails unless the answer belongs to the command and is checked.
+  Result<v1::Response> answer(v1::Request&& request, const std::stop_token& stop);
 
-  [[nodiscard]] const ControlOptions& options() const noexcept { return options_; }
   [[nodiscard]] std::uint64_t ignored_replies() const noexcept { return ignored_replies_; }
 
  private:
+  Result<v1::Response> exchange(v1::Request&& request, const std::stop_token& stop);
+  [[nodiscard]] milliseconds timeout_of(const v1::Request& request) const;
   void reopen();
   void send(const std::string& request);
   [[nodiscard]] std::optional<v1::Response> wait_for(const std::string& request_id, Clock::time_point deadline,
@@ -99,24 +101,46 @@ class ControlClient::Implementation {
   std::uint64_t ignored_replies_ = 0;
 };
 
-Result<v1::Response> ControlClient::Implementation::exchange(v1::Request&& request, v1::Response::ResultCase wanted, milliseconds timeout,
-                                                             const std::stop_token& stop) {
+Result<v1::Response> ControlClient::Implementation::answer(v1::Request&& request, const std::stop_token& stop) {
+  const auto* wanted = wire::answer_field(request);
+  if (wanted == nullptr) {
+    return fail(ErrorCode::InvalidArgument, "a request without a command, or with one that this version does not know");
+  }
+  try {
+    auto response = exchange(std::move(request), stop);
+    if (!response) return response;
+    if (response->has_error()) return tl::make_unexpected(to_error(response->error()));
+    if (static_cast<int>(response->result_case()) != wanted->number()) {
+      return fail(ErrorCode::DataDamaged, "the daemon's answer does not belong to the command",
+                  "are dtsd and this program of the same version?");
+    }
+    if (auto valid = check(*response); !valid) return tl::make_unexpected(valid.error());
+    return response;
+  } catch (const zmq::error_t& error) {
+    const bool is_address = error.num() == EINVAL || error.num() == EPROTONOSUPPORT || error.num() == ENODEV;
+    return fail(is_address ? ErrorCode::InvalidArgument : ErrorCode::Internal,
+                "cannot use the control address '" + options_.endpoint + "': " + error.what());
+  }
+}
+
+milliseconds ControlClient::Implementation::timeout_of(const v1::Request& request) const {
+  return options_.timeout.value_or(std::max<milliseconds>(kTimeout, std::chrono::seconds(wire::rules_of(request).timeout_s())));
+}
+
+Result<v1::Response> ControlClient::Implementation::exchange(v1::Request&& request, const std::stop_token& stop) {
   if (auto somebody = probe(options_.endpoint); !somebody) return tl::make_unexpected(somebody.error());
   if (request.request_id().empty()) request.set_request_id(new_request_id());
   const std::string bytes = bytes_of(request);
   // Serialising lets text through that no peer can parse; such a request would never be answered.
   if (v1::Request echo; !echo.ParseFromString(bytes)) return fail(ErrorCode::InvalidArgument, "the text is not valid UTF-8");
+  const milliseconds timeout = timeout_of(request);
   const std::uint64_t ignored_before = ignored_replies_;
   for (int attempt = 0; attempt < options_.tries; ++attempt) {
     if (attempt > 0 || !socket_) reopen();
     send(bytes);
     auto response = wait_for(request.request_id(), Clock::now() + timeout / options_.tries, stop);
     if (stop.stop_requested()) return fail(ErrorCode::Failed, "the answer is not waited for any more: this program ends");
-    if (!response) continue;
-    if (response->has_error()) return tl::make_unexpected(to_error(response->error()));
-    if (response->result_case() == wanted) return std::move(*response);
-    return fail(ErrorCode::DataDamaged, "the daemon's answer does not belong to the command",
-                "are dtsd and this program of the same version?");
+    if (response) return std::move(*response);
   }
   socket_.close();
   return unreachable(timeout, ignored_replies_ - ignored_before);
@@ -195,193 +219,101 @@ ControlClient::ControlClient(ControlClient&&) noexcept = default;
 ControlClient& ControlClient::operator=(ControlClient&&) noexcept = default;
 std::uint64_t ControlClient::ignored_replies() const noexcept { return implementation_->ignored_replies(); }
 
-namespace {
-
-template <class Client>
-Result<v1::Response> exchange(Client& client, v1::Request&& request, v1::Response::ResultCase wanted, milliseconds timeout,
-                              const std::stop_token& stop = {}) {
-  try {
-    return client.exchange(std::move(request), wanted, timeout, stop);
-  } catch (const zmq::error_t& error) {
-    const bool is_address = error.num() == EINVAL || error.num() == EPROTONOSUPPORT || error.num() == ENODEV;
-    return fail(is_address ? ErrorCode::InvalidArgument : ErrorCode::Internal,
-                "cannot use the control address '" + client.options().endpoint + "': " + error.what());
-  }
-}
-
-/// Runs one command and takes the checked payload out of its answer.
-template <class Payload, class Client>
-Result<Payload> call(Client& client, v1::Request&& request, v1::Response::ResultCase wanted, Payload* (v1::Response::*mutable_payload)(),
-                     milliseconds timeout) {
-  auto response = exchange(client, std::move(request), wanted, timeout);
-  if (!response) return tl::make_unexpected(response.error());
-  Payload payload = std::move(*((*response).*mutable_payload)());
-  if (auto valid = check(payload); !valid) return tl::make_unexpected(valid.error());
-  return payload;
-}
-
-/// What answers a command, and how long that may take.
-struct Expectation {
-  v1::Response::ResultCase answer = v1::Response::RESULT_NOT_SET;
-  milliseconds timeout{};
-};
-
-Expectation expectation(const v1::Request& request, const ControlOptions& options) {
-  switch (request.command_case()) {
-    case v1::Request::kStatus: return {v1::Response::kStatus, options.timeout};
-    case v1::Request::kListRigs: return {v1::Response::kRigs, options.timeout};
-    case v1::Request::kStartSession:
-    case v1::Request::kResumeSession: return {v1::Response::kSession, options.timeout};
-    case v1::Request::kStopSession: return {v1::Response::kSession, options.stop_timeout};
-    case v1::Request::kMark: return {v1::Response::kMark, options.timeout};
-    case v1::Request::kTare: return {v1::Response::kTare, options.tare_timeout};
-    case v1::Request::kGetDevices: return {v1::Response::kDevices, options.timeout};
-    case v1::Request::kTestDevice: return {v1::Response::kDeviceTest, options.timeout};
-    case v1::Request::kListSessions: return {v1::Response::kSessions, options.timeout};
-    case v1::Request::kShowSession: return {v1::Response::kSessionRecord, options.timeout};
-    case v1::Request::kListProtocols: return {v1::Response::kProtocols, options.timeout};
-    case v1::Request::kTrial: return {v1::Response::kTrial, options.timeout};
-    case v1::Request::kGetAudit: return {v1::Response::kAudit, options.timeout};
-    case v1::Request::kListKeys:
-    case v1::Request::kAddKey:
-    case v1::Request::kRevokeKey: return {v1::Response::kKeys, options.timeout};
-    case v1::Request::kNoteLogin: return {v1::Response::kNoteLogin, options.timeout};
-    case v1::Request::COMMAND_NOT_SET: break;
-  }
-  return {};
-}
-
-}  // namespace
-
 Result<v1::Response> ControlClient::forward(const v1::Request& request, const std::stop_token& stop) {
-  const Expectation expected = expectation(request, implementation_->options());
-  if (expected.answer == v1::Response::RESULT_NOT_SET) {
-    return fail(ErrorCode::InvalidArgument, "a request without a command, or with one that this version does not know");
+  return implementation_->answer(v1::Request(request), stop);
+}
+
+Result<std::unique_ptr<google::protobuf::Message>> ControlClient::answer_to(const google::protobuf::Message& command,
+                                                                            const google::protobuf::Descriptor& answer) {
+  const auto* commands = v1::Request::descriptor()->FindOneofByName("command");
+  v1::Request request;
+  for (int index = 0; index < commands->field_count(); ++index) {
+    const auto* field = commands->field(index);
+    if (field->message_type() == command.GetDescriptor()) request.GetReflection()->MutableMessage(&request, field)->CopyFrom(command);
   }
-  auto response = exchange(*implementation_, v1::Request(request), expected.answer, expected.timeout, stop);
-  if (!response) return response;
-  if (auto valid = check(*response); !valid) return tl::make_unexpected(valid.error());
-  return response;
+  const auto* field = wire::answer_field(request);
+  if (field == nullptr || field->message_type() != &answer) {
+    return fail(ErrorCode::InvalidArgument, command.GetTypeName() + " is no command that " + std::string(answer.full_name()) + " answers");
+  }
+  auto response = forward(request);
+  if (!response) return tl::make_unexpected(response.error());
+  return std::unique_ptr<google::protobuf::Message>(response->GetReflection()->ReleaseMessage(&*response, field));
 }
 
-Result<v1::ListKeysResponse> ControlClient::list_keys() {
-  v1::Request request;
-  request.mutable_list_keys();
-  return call(*implementation_, std::move(request), v1::Response::kKeys, &v1::Response::mutable_keys, implementation_->options().timeout);
-}
+Result<v1::StatusSnapshot> ControlClient::status() { return call<v1::StatusSnapshot>(v1::StatusRequest()); }
 
-Result<v1::ListKeysResponse> ControlClient::add_key(const v1::AddKeyRequest& wanted) {
-  v1::Request request;
-  *request.mutable_add_key() = wanted;
-  return call(*implementation_, std::move(request), v1::Response::kKeys, &v1::Response::mutable_keys, implementation_->options().timeout);
-}
+Result<v1::ListRigsResponse> ControlClient::list_rigs() { return call<v1::ListRigsResponse>(v1::ListRigsRequest()); }
 
-Result<v1::ListKeysResponse> ControlClient::revoke_key(const std::string& name) {
-  v1::Request request;
-  request.mutable_revoke_key()->set_name(name);
-  return call(*implementation_, std::move(request), v1::Response::kKeys, &v1::Response::mutable_keys, implementation_->options().timeout);
-}
-
-Result<v1::StatusSnapshot> ControlClient::status() {
-  v1::Request request;
-  request.mutable_status();
-  return call(*implementation_, std::move(request), v1::Response::kStatus, &v1::Response::mutable_status,
-              implementation_->options().timeout);
-}
-
-Result<v1::ListRigsResponse> ControlClient::list_rigs() {
-  v1::Request request;
-  request.mutable_list_rigs();
-  return call(*implementation_, std::move(request), v1::Response::kRigs, &v1::Response::mutable_rigs, implementation_->options().timeout);
-}
-
-Result<v1::GetDevicesResponse> ControlClient::devices() {
-  v1::Request request;
-  request.mutable_get_devices();
-  return call(*implementation_, std::move(request), v1::Response::kDevices, &v1::Response::mutable_devices,
-              implementation_->options().timeout);
-}
+Result<v1::GetDevicesResponse> ControlClient::devices() { return call<v1::GetDevicesResponse>(v1::GetDevicesRequest()); }
 
 Result<v1::TestDeviceResponse> ControlClient::test_device(const std::string& rig) {
-  v1::Request request;
-  request.mutable_test_device()->set_rig(rig);
-  return call(*implementation_, std::move(request), v1::Response::kDeviceTest, &v1::Response::mutable_device_test,
-              implementation_->options().timeout);
+  v1::TestDeviceRequest command;
+  command.set_rig(rig);
+  return call<v1::TestDeviceResponse>(command);
 }
 
-Result<v1::SessionInfo> ControlClient::start_session(const v1::StartSessionRequest& wanted) {
-  v1::Request request;
-  *request.mutable_start_session() = wanted;
-  return call(*implementation_, std::move(request), v1::Response::kSession, &v1::Response::mutable_session,
-              implementation_->options().timeout);
-}
+Result<v1::SessionInfo> ControlClient::start_session(const v1::StartSessionRequest& command) { return call<v1::SessionInfo>(command); }
 
 Result<v1::SessionInfo> ControlClient::stop_session(const std::string& rig) {
-  v1::StopSessionRequest wanted;
-  wanted.set_rig(rig);
-  return stop_session(wanted);
+  v1::StopSessionRequest command;
+  command.set_rig(rig);
+  return stop_session(command);
 }
 
-Result<v1::SessionInfo> ControlClient::stop_session(const v1::StopSessionRequest& wanted) {
-  v1::Request request;
-  *request.mutable_stop_session() = wanted;
-  return call(*implementation_, std::move(request), v1::Response::kSession, &v1::Response::mutable_session,
-              implementation_->options().stop_timeout);
-}
+Result<v1::SessionInfo> ControlClient::stop_session(const v1::StopSessionRequest& command) { return call<v1::SessionInfo>(command); }
 
 Result<v1::SessionInfo> ControlClient::resume_session(const std::string& session_id) {
-  v1::Request request;
-  request.mutable_resume_session()->set_session_id(session_id);
-  return call(*implementation_, std::move(request), v1::Response::kSession, &v1::Response::mutable_session,
-              implementation_->options().timeout);
+  v1::ResumeSessionRequest command;
+  command.set_session_id(session_id);
+  return call<v1::SessionInfo>(command);
 }
 
 Result<v1::TrialStatus> ControlClient::trial(v1::TrialAction action, const std::string& rig) {
-  v1::Request request;
-  request.mutable_trial()->set_action(action);
-  request.mutable_trial()->set_rig(rig);
-  return call(*implementation_, std::move(request), v1::Response::kTrial, &v1::Response::mutable_trial, implementation_->options().timeout);
+  v1::TrialRequest command;
+  command.set_action(action);
+  command.set_rig(rig);
+  return call<v1::TrialStatus>(command);
 }
 
-Result<v1::ListSessionsResponse> ControlClient::list_sessions(const v1::ListSessionsRequest& wanted) {
-  v1::Request request;
-  *request.mutable_list_sessions() = wanted;
-  return call(*implementation_, std::move(request), v1::Response::kSessions, &v1::Response::mutable_sessions,
-              implementation_->options().timeout);
+Result<v1::ListSessionsResponse> ControlClient::list_sessions(const v1::ListSessionsRequest& command) {
+  return call<v1::ListSessionsResponse>(command);
 }
 
 Result<v1::SessionRecord> ControlClient::show_session(const std::string& session_id) {
-  v1::Request request;
-  request.mutable_show_session()->set_session_id(session_id);
-  return call(*implementation_, std::move(request), v1::Response::kSessionRecord, &v1::Response::mutable_session_record,
-              implementation_->options().timeout);
+  v1::ShowSessionRequest command;
+  command.set_session_id(session_id);
+  return call<v1::SessionRecord>(command);
 }
 
-Result<v1::ListProtocolsResponse> ControlClient::list_protocols() {
-  v1::Request request;
-  request.mutable_list_protocols();
-  return call(*implementation_, std::move(request), v1::Response::kProtocols, &v1::Response::mutable_protocols,
-              implementation_->options().timeout);
-}
+Result<v1::ListProtocolsResponse> ControlClient::list_protocols() { return call<v1::ListProtocolsResponse>(v1::ListProtocolsRequest()); }
 
 Result<v1::GetAuditResponse> ControlClient::audit(std::uint32_t limit) {
-  v1::Request request;
-  request.mutable_get_audit()->set_limit(limit);
-  return call(*implementation_, std::move(request), v1::Response::kAudit, &v1::Response::mutable_audit, implementation_->options().timeout);
+  v1::GetAuditRequest command;
+  command.set_limit(limit);
+  return call<v1::GetAuditResponse>(command);
 }
 
 Result<v1::MarkResponse> ControlClient::mark(const std::string& text, const std::string& rig) {
-  v1::Request request;
-  request.mutable_mark()->set_text(text);
-  request.mutable_mark()->set_rig(rig);
-  return call(*implementation_, std::move(request), v1::Response::kMark, &v1::Response::mutable_mark, implementation_->options().timeout);
+  v1::MarkRequest command;
+  command.set_text(text);
+  command.set_rig(rig);
+  return call<v1::MarkResponse>(command);
 }
 
 Result<v1::TareResponse> ControlClient::tare(const std::string& rig) {
-  v1::Request request;
-  request.mutable_tare()->set_rig(rig);
-  return call(*implementation_, std::move(request), v1::Response::kTare, &v1::Response::mutable_tare,
-              implementation_->options().tare_timeout);
+  v1::TareRequest command;
+  command.set_rig(rig);
+  return call<v1::TareResponse>(command);
+}
+
+Result<v1::ListKeysResponse> ControlClient::list_keys() { return call<v1::ListKeysResponse>(v1::ListKeysRequest()); }
+
+Result<v1::ListKeysResponse> ControlClient::add_key(const v1::AddKeyRequest& command) { return call<v1::ListKeysResponse>(command); }
+
+Result<v1::ListKeysResponse> ControlClient::revoke_key(const std::string& name) {
+  v1::RevokeKeyRequest command;
+  command.set_name(name);
+  return call<v1::ListKeysResponse>(command);
 }
 
 }  // namespace dts::client

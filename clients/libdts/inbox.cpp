@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "dts/wire/options.h"
 #include "wire_check.h"
 
 namespace dts::client {
@@ -29,24 +30,6 @@ std::int64_t delay_of(const v1::StreamBlock& block, std::int64_t now_ns) noexcep
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(now_ns) - static_cast<std::uint64_t>(block.host_time_ns()) - length);
 }
 
-/// The topic says what the body must be; topics of later versions have bodies that this version cannot read.
-bool has_body_of(const v1::Event& event, std::string_view kind) noexcept {
-  switch (event.body_case()) {
-    case v1::Event::kGap: return kind == "gap";
-    case v1::Event::kMarker: return kind == "marker";
-    case v1::Event::kTrigger: return kind == "trigger";
-    case v1::Event::kDevice: return kind == "device";
-    case v1::Event::kSession: return kind == "session";
-    case v1::Event::kTrial: return kind == "trial";
-    case v1::Event::kTrialResult: return kind == "trial";
-    case v1::Event::kReach: return kind == "reach";
-    case v1::Event::kMovement: return kind == "class";
-    case v1::Event::kSway: return kind == "sway";
-    case v1::Event::BODY_NOT_SET: return false;
-  }
-  return false;
-}
-
 StreamFormat to_format(const v1::StreamFormat& wire) {
   StreamFormat format{
       .name = wire.name(), .rate = {wire.rate().numerator(), wire.rate().denominator()}, .channels = {}, .delay_ns = wire.delay_ns()};
@@ -69,7 +52,9 @@ void Inbox::accept(std::string_view topic, std::span<const std::byte> body, std:
 
 Inbox::Topic* Inbox::find_topic(std::string_view topic) {
   if (const auto known = topics_.find(topic); known != topics_.end()) return &known->second;
-  if (!parse_topic(topic) || topics_.size() == kMaxTopics) {
+  const auto name = parse_topic(topic);
+  const bool is_unknown_stream = name && name->kind == TopicKind::Stream && knows_formats_ && !formats_.contains(topic);
+  if (!name || is_unknown_stream || topics_.size() == kMaxTopics) {
     ++statistics_.unknown_topics;
     return nullptr;
   }
@@ -144,14 +129,14 @@ bool Inbox::has_format(Topic& topic, const v1::StreamBlock& block) {
 
 void Inbox::accept_event(Topic& topic, std::span<const std::byte> body) {
   v1::Event event;
-  if (!parse(event, body) || event.instance_id() == 0 || !has_body_of(event, topic.name.name)) {
+  if (!parse(event, body) || event.instance_id() == 0 || wire::topic_of(event).name() != topic.name.name) {
     ++statistics_.malformed;
     return;
   }
   note_instance(event.instance_id());
   if (!held_.empty() && !knows_formats_) return hold(topic, body, 0);  // keeps its place among the blocks
   ++statistics_.messages;
-  if (is_retained_event(topic.name.name)) {
+  if (wire::topic_of(event).is_retained()) {
     const std::string_view bytes(reinterpret_cast<const char*>(body.data()), body.size());
     if (topic.last_retained == bytes) return;
     topic.last_retained = bytes;

@@ -16,10 +16,7 @@ struct TopicName {
   TopicKind kind = TopicKind::Stream;
 };
 
-/// Nothing when `topic` is not one of the protocol's topics (the fixed list of stream.proto).
-[[nodiscard]] std::optional<TopicName> parse_topic(std::string_view topic) noexcept;
-
-/// Retained events are sent again whenever anybody subscribes to anything.
-[[nodiscard]] bool is_retained_event(std::string_view name) noexcept;
+/// Nothing if `topic` has not this form. What is neither the status nor an event topic of the protocol is a stream.
+[[nodiscard]] std::optional<TopicName> parse_topic(std::string_view topic);
 
 }  // namespace dts::client

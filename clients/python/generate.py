@@ -16,7 +16,7 @@ HERE = Path(__file__).resolve().parent
 PACKAGE = HERE / "src" / "dts" / "v1"
 # A source distribution carries its own copy; in the repository the files of all clients are the same.
 PROTO_FOLDERS = (HERE / "proto", HERE.parent.parent / "proto")
-NAMES = ("stream", "sessions", "control")  # gateway.proto is between browsers and dts-gateway
+NAMES = ("options", "stream", "sessions", "control")  # gateway.proto is between browsers and dts-gateway
 
 
 def proto_folder() -> Path:

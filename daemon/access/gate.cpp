@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "access/gate.h"
 
+#include "dts/wire/options.h"
+
 namespace dts::access {
 namespace {
 
@@ -11,11 +13,6 @@ constexpr double kNotesPerSecond = 0.1;
 constexpr double kNoteBurst = 20.0;
 
 }  // namespace
-
-v1::Role role_needed(const v1::Request& request) {
-  const auto* command = v1::Request::descriptor()->FindFieldByNumber(static_cast<int>(request.command_case()));
-  return command == nullptr ? v1::ROLE_UNSPECIFIED : command->options().GetExtension(v1::role_needed);
-}
 
 Gate::Gate(const KeyStore* keys)
     : keys_(keys),
@@ -35,7 +32,7 @@ core::Status Gate::admit(const Peer& peer, std::int64_t now_ns) {
 }
 
 core::Status Gate::check(const Peer& peer, const v1::Request& request) {
-  const v1::Role needed = role_needed(request);
+  const v1::Role needed = wire::rules_of(request).role();
   // A request without a command that this daemon knows changes nothing: the handler says what is wrong with it.
   if (request.command_case() == v1::Request::COMMAND_NOT_SET) return {};
   if (request.has_note_login() && peer.is_limited) {

@@ -19,9 +19,6 @@ struct Peer {
   bool is_limited = true;                ///< In how much it may send.
 };
 
-/// The role that a request's command needs, as its field says; ROLE_UNSPECIFIED, which nobody has, for none.
-[[nodiscard]] v1::Role role_needed(const v1::Request& request);
-
 /// Decides whether a command may run: by the role that the sender's key has now (not when it connected), and by how many it sent lately.
 /// Local senders are engineers, and are not limited: the loop takes turns among all. Thread: control.
 class Gate {

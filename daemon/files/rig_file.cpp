@@ -171,9 +171,7 @@ pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, 
   read_model(top, config, references, problems);
   read_stages(top, config);
   TomlReader publish = top.table("publish");
-  config.published =
-      publish.texts("streams", config.kind == "chair" ? std::vector<std::string>{"raw", "deflection", "transient", "aux"}
-                                                      : std::vector<std::string>{"raw", "filtered", "deflection", "cop", "aux"});
+  config.published = publish.texts("streams", {});
   publish.finish();
   read_recorded(top, config);
   top.finish();

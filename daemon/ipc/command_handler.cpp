@@ -20,7 +20,6 @@ dts::v1::Response error_response(const core::Error& error) {
 CommandHandler::CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices,
                                KeyCommands keys, const access::Authenticator* authenticator)
     : supervisor_(supervisor),
-      sessions_(supervisor, clock),
       keys_(std::move(keys)),
       authenticator_(authenticator),
       clock_(clock),
@@ -28,55 +27,39 @@ CommandHandler::CommandHandler(session::Supervisor& supervisor, core::Clock& clo
       notices_(std::move(notices)) {}
 
 CommandHandler::Answer CommandHandler::execute(const dts::v1::Request& request) {
-  Answer answer;
-  switch (request.command_case()) {
-    case dts::v1::Request::kStatus: *answer.response.mutable_status() = status(); break;
-    case dts::v1::Request::kListRigs: answer.response = list_rigs(); break;
-    case dts::v1::Request::kMark: answer.response = mark(request.mark()); break;
-    case dts::v1::Request::kTare: {
-      const auto number = supervisor_.tare(request.tare().rig());
-      if (number) {
-        answer.pending = PendingTare{.rig = request.tare().rig(), .request = *number};
-      } else {
-        answer.response = error_response(number.error());
-      }
-      break;
-    }
-    case dts::v1::Request::kGetDevices: answer.response = devices(); break;
-    case dts::v1::Request::kListKeys: answer.response = keys_.list(); break;
-    case dts::v1::Request::kAddKey: answer.response = keys_.add(request.add_key()); break;
-    case dts::v1::Request::kRevokeKey: answer.response = keys_.revoke(request.revoke_key()); break;
-    case dts::v1::Request::kTestDevice: answer.response = test_device(request.test_device()); break;
-    case dts::v1::Request::COMMAND_NOT_SET:
-      answer.response = error_response({ErrorCode::InvalidArgument, "the request holds no command this daemon knows",
-                                        "client and daemon may differ in version: dtsctl doctor"});
-      break;
-    default: answer.response = execute_session(request, answer.pending); break;
-  }
+  Answer answer = run(request);
   answer.response.set_request_id(request.request_id());
   return answer;
 }
 
-dts::v1::Response CommandHandler::execute_session(const dts::v1::Request& request, std::optional<Pending>& pending) {
+CommandHandler::Answer CommandHandler::run(const dts::v1::Request& request) {
   switch (request.command_case()) {
-    case dts::v1::Request::kStartSession: return sessions_.start(request.start_session());
-    case dts::v1::Request::kResumeSession: return sessions_.resume(request.resume_session());
-    case dts::v1::Request::kTrial: return sessions_.trial(request.trial());
-    case dts::v1::Request::kListProtocols: return sessions_.list_protocols();
-    case dts::v1::Request::kListSessions: return sessions_.list(request.list_sessions());
-    case dts::v1::Request::kShowSession: return sessions_.show(request.show_session());
-    case dts::v1::Request::kGetAudit: return sessions_.audit(request.get_audit());
-    case dts::v1::Request::kNoteLogin: return SessionCommands::note_login(request.note_login());
-    default: break;
+    case dts::v1::Request::kStatus: return {status_response()};
+    case dts::v1::Request::kListRigs: return {list_rigs()};
+    case dts::v1::Request::kGetDevices: return {devices()};
+    case dts::v1::Request::kTestDevice: return {test_device(request.test_device())};
+    case dts::v1::Request::kMark: return {mark(request.mark())};
+    case dts::v1::Request::kTare: return tare(request.tare());
+    case dts::v1::Request::kStartSession: return {start_session(request.start_session())};
+    case dts::v1::Request::kResumeSession: return {resume_session(request.resume_session())};
+    case dts::v1::Request::kStopSession: return stop_session(request.stop_session());
+    case dts::v1::Request::kTrial: return {trial(request.trial())};
+    case dts::v1::Request::kListProtocols: return {list_protocols()};
+    case dts::v1::Request::kListSessions: return {list_sessions(request.list_sessions())};
+    case dts::v1::Request::kShowSession: return {show_session(request.show_session())};
+    case dts::v1::Request::kGetAudit: return {audit(request.get_audit())};
+    case dts::v1::Request::kListKeys: return {keys_.list()};
+    case dts::v1::Request::kAddKey: return {keys_.add(request.add_key())};
+    case dts::v1::Request::kRevokeKey: return {keys_.revoke(request.revoke_key())};
+    case dts::v1::Request::kNoteLogin: return {note_login(request.note_login())};
+    case dts::v1::Request::COMMAND_NOT_SET: break;
   }
-  std::optional<PendingStop> stop;
-  dts::v1::Response response = sessions_.stop(request.stop_session(), stop);
-  if (stop) pending = *stop;
-  return response;
+  return {error_response({ErrorCode::InvalidArgument, "the request holds no command this daemon knows",
+                          "client and daemon may differ in version: dtsctl doctor"})};
 }
 
 std::optional<dts::v1::Response> CommandHandler::finish(const Pending& pending) {
-  if (const auto* stop = std::get_if<PendingStop>(&pending)) return sessions_.finish(*stop);
+  if (const auto* stop = std::get_if<PendingStop>(&pending)) return finish_stop(*stop);
   return finish_tare(std::get<PendingTare>(pending));
 }
 
@@ -146,6 +129,18 @@ dts::v1::Response CommandHandler::mark(const dts::v1::MarkRequest& request) {
   return response;
 }
 
+dts::v1::Response CommandHandler::status_response() {
+  dts::v1::Response response;
+  *response.mutable_status() = status();
+  return response;
+}
+
+CommandHandler::Answer CommandHandler::tare(const dts::v1::TareRequest& request) {
+  const auto number = supervisor_.tare(request.rig());
+  if (!number) return {error_response(number.error())};
+  return {{}, PendingTare{.rig = request.rig(), .request = *number}};
+}
+
 dts::v1::Response CommandHandler::list_rigs() {
   dts::v1::Response response;
   response.mutable_rigs();  // present even without rigs
@@ -182,6 +177,21 @@ dts::v1::Response CommandHandler::devices() {
   return response;
 }
 
+namespace {
+
+void add_checks(const device::DeviceReport& report, dts::v1::TestDeviceResponse& out) {
+  out.set_serial(report.serial);
+  out.set_firmware(report.firmware);
+  for (const device::DeviceCheck& check : report.checks) {
+    auto& line = *out.add_checks();
+    line.set_name(check.name);
+    line.set_outcome(static_cast<dts::v1::CheckOutcome>(check.outcome));  // same numbers, asserted in encode.cpp
+    line.set_detail(check.detail);
+  }
+}
+
+}  // namespace
+
 dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& request) {
   const auto tested = supervisor_.test_device(request.rig());
   if (!tested) return error_response(tested.error());
@@ -214,17 +224,6 @@ dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& 
     if (!model.curve.contains({measured.mean})) channel.set_quality(core::quality::kOutOfRange);
   }
   return response;
-}
-
-void CommandHandler::add_checks(const device::DeviceReport& report, dts::v1::TestDeviceResponse& out) {
-  out.set_serial(report.serial);
-  out.set_firmware(report.firmware);
-  for (const device::DeviceCheck& check : report.checks) {
-    auto& line = *out.add_checks();
-    line.set_name(check.name);
-    line.set_outcome(static_cast<dts::v1::CheckOutcome>(check.outcome));  // same numbers, asserted in encode.cpp
-    line.set_detail(check.detail);
-  }
 }
 
 }  // namespace dts::ipc

@@ -11,7 +11,6 @@
 #include "dts/v1/control.pb.h"
 #include "ipc/encode.h"
 #include "ipc/key_commands.h"
-#include "ipc/session_commands.h"
 #include "session/supervisor.h"
 
 namespace dts::ipc {
@@ -20,6 +19,12 @@ namespace dts::ipc {
 struct PendingTare {
   std::string rig;
   std::uint64_t request = 0;  ///< Number given by the supervisor.
+};
+
+/// A session that was asked to stop and whose recording is not closed yet.
+struct PendingStop {
+  std::string rig;
+  std::string session_id;
 };
 
 /// A command whose answer is not known yet.
@@ -43,14 +48,6 @@ class CommandHandler {
   [[nodiscard]] std::optional<dts::v1::Response> finish(const Pending& pending);
   /// The answer when nobody wants to wait any longer. A tare is withdrawn: it must not happen minutes later, unasked.
   [[nodiscard]] dts::v1::Response give_up(const Pending& pending);
-  /// Enters a command with its answer into the audit trail, if it changes something.
-  void enter_audit(const std::string& sender, const dts::v1::Request& request, const dts::v1::Response& response) {
-    sessions_.enter_audit(sender, request, response);
-  }
-  /// Whether `enter_audit` would enter anything: what changes something, and what an engineer alone may see when it was refused.
-  [[nodiscard]] static bool is_audited(const dts::v1::Request& request, const dts::v1::Response& response) {
-    return SessionCommands::is_audited(request, response);
-  }
   /// Whether, since the last call, a client's key has gone or changed.
   [[nodiscard]] bool has_lost_keys() noexcept { return keys_.has_lost(); }
   /// Other machines cannot connect any more, or can again; shown in the status.
@@ -61,16 +58,29 @@ class CommandHandler {
   void count_rejected() noexcept { ++rejected_total_; }
 
  private:
-  [[nodiscard]] dts::v1::Response execute_session(const dts::v1::Request& request, std::optional<Pending>& pending);
-  [[nodiscard]] std::optional<dts::v1::Response> finish_tare(const PendingTare& pending);
-  dts::v1::Response mark(const dts::v1::MarkRequest& request);
+  [[nodiscard]] Answer run(const dts::v1::Request& request);
+  dts::v1::Response status_response();
   dts::v1::Response list_rigs();
   dts::v1::Response devices();
   dts::v1::Response test_device(const dts::v1::TestDeviceRequest& request);
-  static void add_checks(const device::DeviceReport& report, dts::v1::TestDeviceResponse& out);
+  dts::v1::Response mark(const dts::v1::MarkRequest& request);
+  Answer tare(const dts::v1::TareRequest& request);
+  [[nodiscard]] std::optional<dts::v1::Response> finish_tare(const PendingTare& pending);
+
+  // session_commands.cpp
+  dts::v1::Response start_session(const dts::v1::StartSessionRequest& request);
+  dts::v1::Response resume_session(const dts::v1::ResumeSessionRequest& request);
+  Answer stop_session(const dts::v1::StopSessionRequest& request);
+  [[nodiscard]] std::optional<dts::v1::Response> finish_stop(const PendingStop& pending);
+  dts::v1::Response trial(const dts::v1::TrialRequest& request);
+  dts::v1::Response list_protocols();
+  dts::v1::Response list_sessions(const dts::v1::ListSessionsRequest& request);
+  dts::v1::Response show_session(const dts::v1::ShowSessionRequest& request);
+  dts::v1::Response audit(const dts::v1::GetAuditRequest& request);
+  /// Only checks it; the audit trail has the note.
+  static dts::v1::Response note_login(const dts::v1::NoteLoginRequest& request);
 
   session::Supervisor& supervisor_;
-  SessionCommands sessions_;
   KeyCommands keys_;
   const access::Authenticator* authenticator_;
   core::Clock& clock_;

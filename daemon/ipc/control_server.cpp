@@ -6,6 +6,9 @@
 #include <unordered_map>
 #include <utility>
 
+#include "dts/wire/options.h"
+#include "ipc/audit_trail.h"
+
 namespace dts::ipc {
 namespace {
 
@@ -18,21 +21,6 @@ constexpr std::int64_t kPendingTimeoutNs = 10'000'000'000;
 constexpr std::int64_t kTickNs = 50'000'000;
 constexpr std::int64_t kStatusNs = 1'000'000'000;
 constexpr std::int64_t kLogNs = 1'000'000'000;  // whatever is rejected, it is one line of the log
-/// Commands that change something are remembered by id; looking twice does no harm.
-bool is_repeatable(const dts::v1::Request& request) {
-  switch (request.command_case()) {
-    case dts::v1::Request::kStartSession:
-    case dts::v1::Request::kStopSession:
-    case dts::v1::Request::kMark:
-    case dts::v1::Request::kTrial:
-    case dts::v1::Request::kResumeSession:
-    case dts::v1::Request::kAddKey:
-    case dts::v1::Request::kRevokeKey:
-    case dts::v1::Request::kNoteLogin:
-    case dts::v1::Request::kTare: return false;
-    default: return true;
-  }
-}
 
 /// Nobody gets the answer to what somebody else asked, or keeps another from using an id.
 std::string known_as(const access::Peer& peer, const std::string& request_id) { return peer.who + '\n' + request_id; }
@@ -121,8 +109,9 @@ void ControlServer::answer(ControlSocket& socket, Incoming asked, access::Peer p
   const std::string id = request.request_id();
   if (id.empty() || id.size() > kLongestRequestId) return reject(socket, asked, peer, "request_id must have 1..64 bytes");
   if (auto allowed = access::Gate::check(peer, request); !allowed) return refuse(socket, asked, peer, request, allowed.error());
-  if (!is_repeatable(request) && answer_repeat(socket, asked, peer, id)) return;
-  if ((request.has_tare() || request.has_stop_session()) && waiting_.size() == kMostWaiting) {
+  const dts::v1::CommandRules& rules = wire::rules_of(request);
+  if (rules.is_change() && answer_repeat(socket, asked, peer, id)) return;
+  if (rules.timeout_s() > 0 && waiting_.size() == kMostWaiting) {
     return reject(socket, asked, peer, "too many commands are being waited for");
   }
   CommandHandler::Answer result = handler_.execute(request);
@@ -139,7 +128,7 @@ void ControlServer::answer(ControlSocket& socket, Incoming asked, access::Peer p
   if (handler_.has_lost_keys()) drop_remote_peers();
   std::string bytes = result.response.SerializeAsString();
   socket.reply(asked.envelope, bytes);
-  if (!is_repeatable(request)) replies_.store(known_as(peer, id), {.request = std::move(asked.payload), .reply = std::move(bytes)});
+  if (rules.is_change()) replies_.store(known_as(peer, id), {.request = std::move(asked.payload), .reply = std::move(bytes)});
   publish_notices();
 }
 
@@ -190,9 +179,9 @@ void ControlServer::refuse(ControlSocket& socket, const Incoming& asked, const a
 
 /// Each entry is a write to the disk: a flood of commands that fail must neither fill it nor keep this thread busy.
 void ControlServer::enter_audit(const access::Peer& peer, const dts::v1::Request& request, const dts::v1::Response& response) {
-  if (!handler_.is_audited(request, response)) return;
+  if (!is_audited(request, response)) return;
   if (response.has_error() && !gate_.is_worth_a_note(peer, clock_.now_ns())) return;
-  handler_.enter_audit(peer.who, request, response);
+  ipc::enter_audit(supervisor_, clock_, peer.who, request, response);
 }
 
 void ControlServer::count_rejected() {
@@ -216,17 +205,13 @@ void ControlServer::reject(ControlSocket& socket, const Incoming& asked, const a
 
 void ControlServer::publish_notices() {
   for (const session::Notice& notice : supervisor_.take_notices()) {
-    std::string name;
-    auto event = std::make_unique<dts::v1::Event>(notice_event(instance_id_, notice, name));
-    // Where things stand is repeated for newcomers; a marker is news only once.
-    const bool is_state = name == "session" || name == "device";
-    publisher_.post(notice.rig + "/" + name, std::move(event), is_state);
+    publisher_.post(notice.rig, notice_event(instance_id_, notice));
     next_status_ns_ = 0;
   }
 }
 
 void ControlServer::publish_status() {
-  publisher_.post("dtsd/status", std::make_unique<dts::v1::StatusSnapshot>(handler_.status()), true);
+  publisher_.post(handler_.status());
   next_status_ns_ = clock_.now_ns() + kStatusNs;
 }
 

@@ -130,22 +130,19 @@ dts::v1::Event trigger_event(std::uint64_t instance_id, const core::TriggerEvent
   return event;
 }
 
-dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice, std::string& topic_name) {
+dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice) {
   dts::v1::Event event;
   event.set_instance_id(instance_id);
   event.set_segment(notice.at.segment);
   event.set_scan(notice.at.scan.value);
   event.set_host_time_ns(notice.at.host_time_ns);
   if (const auto* marker = std::get_if<session::MarkerNotice>(&notice.body)) {
-    topic_name = "marker";
     event.mutable_marker()->set_text(marker->text);
   } else if (const auto* device = std::get_if<session::DeviceNotice>(&notice.body)) {
-    topic_name = "device";
     event.mutable_device()->set_state(device_state(device->state));
     event.mutable_device()->set_uri(device->uri);
     event.mutable_device()->set_message(device->message);
   } else if (const auto* change = std::get_if<session::SessionView>(&notice.body)) {
-    topic_name = "session";
     auto& out = *event.mutable_session();
     out.set_session_id(change->id);
     out.set_state(session_state(change->state));
@@ -154,13 +151,10 @@ dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& no
     out.set_label(change->request.label);
     out.set_message(change->message);
   } else if (const auto* trial = std::get_if<session::TrialNotice>(&notice.body)) {
-    topic_name = "trial";
     *event.mutable_trial() = trial_change(*trial);
   } else if (const auto* result = std::get_if<session::TrialResultNotice>(&notice.body)) {
-    topic_name = "trial";
     *event.mutable_trial_result() = trial_result(*result);
   } else if (const auto* standing = std::get_if<session::SwayNotice>(&notice.body)) {
-    topic_name = "sway";
     *event.mutable_sway() = sway(standing->result, standing->session_id, standing->software);
   }
   return event;

@@ -41,8 +41,7 @@ struct Identity {
 [[nodiscard]] dts::v1::Event gap_event(std::uint64_t instance_id, const core::Frame& frame);
 /// Event of an edge on the rig's trigger channel of that name.
 [[nodiscard]] dts::v1::Event trigger_event(std::uint64_t instance_id, const core::TriggerEvent& trigger, const std::string& channel);
-/// Event of a notice; `topic_name` gets the second half of its topic ("marker").
-[[nodiscard]] dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice, std::string& topic_name);
+[[nodiscard]] dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice);
 
 [[nodiscard]] dts::v1::StatusSnapshot status_snapshot(const Identity& identity, const core::Clock& clock,
                                                       const std::vector<session::RigState>& states,

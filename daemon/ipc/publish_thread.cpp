@@ -5,6 +5,7 @@
 #include <future>
 #include <utility>
 
+#include "dts/wire/options.h"
 #include "ipc/encode_reach.h"
 #include "ipc/encode_sway.h"
 
@@ -17,6 +18,8 @@ constexpr int kRetainedMs = 100;
 /// Frames of one rig sent before the others, subscriptions and stop requests get their turn.
 constexpr int kFramesPerTurn = 64;
 
+std::string event_topic(const std::string& rig, const dts::v1::Event& event) { return rig + "/" + wire::topic_of(event).name(); }
+
 }  // namespace
 
 PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs,
@@ -24,14 +27,7 @@ PublishThread::PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell&
     : socket_(std::move(socket)), bell_(bell), clock_(clock), instance_id_(instance_id) {
   for (session::Rig* rig : rigs) {
     const pipeline::RigConfig& config = rig->config();
-    Source source{.rig = rig,
-                  .gap_topic = config.name + "/gap",
-                  .trigger_topic = config.name + "/trigger",
-                  .reach_topic = config.name + "/reach",
-                  .class_topic = config.name + "/class",
-                  .sway_topic = config.name + "/sway",
-                  .trigger_channel = {},
-                  .streams = {}};
+    Source source{.rig = rig, .trigger_channel = {}, .streams = {}};
     if (config.trigger) source.trigger_channel = rig->device().channels.at(config.trigger->channel).name;
     for (std::size_t index = 0; index < rig->formats().size(); ++index) {
       const core::StreamFormat& format = rig->formats()[index];
@@ -58,14 +54,24 @@ void PublishThread::stop() noexcept {
   if (thread_.joinable()) thread_.join();
 }
 
-void PublishThread::post(std::string topic, std::unique_ptr<google::protobuf::MessageLite> message, bool is_retained) {
+void PublishThread::post(const std::string& rig, dts::v1::Event event) {
+  std::string topic = event_topic(rig, event);
+  const bool is_retained = wire::topic_of(event).is_retained();
+  post({std::move(topic), std::make_shared<dts::v1::Event>(std::move(event)), is_retained});
+}
+
+void PublishThread::post(dts::v1::StatusSnapshot status) {
+  post({"dtsd/status", std::make_shared<dts::v1::StatusSnapshot>(std::move(status)), true});
+}
+
+void PublishThread::post(Outgoing outgoing) {
   {
     const std::lock_guard lock(outbox_mutex_);
     if (outbox_.size() == kLongestOutbox) {
       const auto expendable = std::ranges::find(outbox_, false, &Outgoing::is_retained);
       outbox_.erase(expendable != outbox_.end() ? expendable : outbox_.begin());
     }
-    outbox_.push_back({std::move(topic), std::move(message), is_retained});
+    outbox_.push_back(std::move(outgoing));
   }
   bell_.ring();
 }
@@ -81,7 +87,8 @@ void PublishThread::run(const std::stop_token& stop) {
     bell_.clear();
     turns_.fetch_add(1, std::memory_order_relaxed);
     // Once an order: where it fails, the control thread gives it again.
-    if (is_drop_due_.exchange(false, std::memory_order_acq_rel)) is_remote_down_.store(!socket_->drop_remote_peers(), std::memory_order_relaxed);
+    if (is_drop_due_.exchange(false, std::memory_order_acq_rel))
+      is_remote_down_.store(!socket_->drop_remote_peers(), std::memory_order_relaxed);
     for (Source& source : sources_) publish(source);
     send_outbox();
     is_retained_due_ = socket_->take_subscriptions() || is_retained_due_;
@@ -96,14 +103,14 @@ void PublishThread::publish(Source& source) {
   for (int turn = 0; turn < kFramesPerTurn; ++turn) {
     core::Frame* frame = frames.front();
     if (frame == nullptr) return;
-    if (frame->gap_before.reason != core::GapReason::None) socket_->send(source.gap_topic, gap_event(instance_id_, *frame));
+    if (frame->gap_before.reason != core::GapReason::None) send_event(source, gap_event(instance_id_, *frame));
     for (const core::TriggerEvent& trigger : frame->events.triggers.all_of()) {
-      socket_->send(source.trigger_topic, trigger_event(instance_id_, trigger, source.trigger_channel));
+      send_event(source, trigger_event(instance_id_, trigger, source.trigger_channel));
     }
     send_streams(source, *frame);
     note_latency(source, *frame);
     send_reaches(source, frame->events);
-    for (const core::SwayEvent& sway : frame->events.sways.all_of()) socket_->send(source.sway_topic, sway_event(instance_id_, sway));
+    for (const core::SwayEvent& sway : frame->events.sways.all_of()) send_event(source, sway_event(instance_id_, sway));
     frames.release();
   }
   bell_.ring();  // more is waiting: come back after the others had their turn
@@ -131,12 +138,16 @@ void PublishThread::send_reaches(const Source& source, const core::FrameEvents& 
   const auto classes = events.classes.all_of();
   auto next = classes.begin();
   for (const core::ReachEvent& reach : events.reaches.all_of()) {
-    while (next != classes.end() && next->scan < reach.scan) socket_->send(source.class_topic, class_event(instance_id_, *next++));
-    socket_->send(source.reach_topic, reach_event(instance_id_, reach));
+    while (next != classes.end() && next->scan < reach.scan) send_event(source, class_event(instance_id_, *next++));
+    send_event(source, reach_event(instance_id_, reach));
     const bool is_next = next != classes.end() && next->number == reach.number && next->scan == reach.scan;
-    if (is_next && reach.step == core::ReachStep::Final) socket_->send(source.class_topic, class_event(instance_id_, *next++));
+    if (is_next && reach.step == core::ReachStep::Final) send_event(source, class_event(instance_id_, *next++));
   }
-  while (next != classes.end()) socket_->send(source.class_topic, class_event(instance_id_, *next++));
+  while (next != classes.end()) send_event(source, class_event(instance_id_, *next++));
+}
+
+void PublishThread::send_event(const Source& source, const dts::v1::Event& event) {
+  socket_->send(event_topic(source.rig->config().name, event), event);
 }
 
 void PublishThread::send_outbox() {

@@ -38,9 +38,11 @@ class PublishThread {
   [[nodiscard]] std::vector<std::string> start(const core::ThreadPolicy& policy);
   void stop() noexcept;
 
-  /// Queues a message; a retained one is repeated for new subscribers until another replaces it. Bounded: beyond 1000
-  /// queued messages the oldest that is not retained is dropped. Thread: any but the sample threads.
-  void post(std::string topic, std::unique_ptr<google::protobuf::MessageLite> message, bool is_retained);
+  /// Queues an event of that rig, or a status. The status and events whose topic is retained are repeated for new subscribers until
+  /// another replaces them. Bounded: beyond 1000 queued messages the oldest that is not retained is dropped. Thread: any but the sample
+  /// threads.
+  void post(const std::string& rig, dts::v1::Event event);
+  void post(dts::v1::StatusSnapshot status);
   /// Ends all connections from other machines soon: a key was revoked. Thread: any but the sample threads.
   void drop_remote_peers();
   /// They cannot come again, since their address could not be bound. Thread: any.
@@ -56,11 +58,6 @@ class PublishThread {
   };
   struct Source {
     session::Rig* rig;
-    std::string gap_topic;
-    std::string trigger_topic;
-    std::string reach_topic;
-    std::string class_topic;
-    std::string sway_topic;
     std::string trigger_channel;                                 ///< Its name.
     std::vector<std::pair<std::size_t, StreamEncoder>> streams;  ///< Index in the frame, encoder; published streams only.
     session::LatencyReport latency{};
@@ -70,6 +67,8 @@ class PublishThread {
   void send_streams(Source& source, const core::Frame& frame);
   void note_latency(Source& source, const core::Frame& frame);
   void send_reaches(const Source& source, const core::FrameEvents& events);
+  void post(Outgoing outgoing);
+  void send_event(const Source& source, const dts::v1::Event& event);
   void send_outbox();
   void send_retained();
 

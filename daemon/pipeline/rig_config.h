@@ -32,7 +32,7 @@ struct RigConfig {
   std::vector<StageConfig> stages;
   std::optional<TriggerInput> trigger;  ///< Absent: the rig has no trigger channel.
   double sync_pulse_ms = 0.0;           ///< Pulse on the device's sync output when a session starts; 0: none.
-  std::vector<std::string> published;   ///< Names of the streams that go to the socket.
+  std::vector<std::string> published;   ///< Names of the streams that go to the socket; empty: all of the pipeline.
   std::vector<std::string> recorded{};  ///< Names of the streams that go into a recording; empty: all of the pipeline.
   std::string definition;               ///< The rig's file with all it refers to, as one TOML text: recorded with every session.
   core::ThreadPolicy acquire_policy;

@@ -110,6 +110,9 @@ core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<pipeline::RigCo
   for (const auto& [streams, verb] : {std::pair{&config->published, "publish"}, std::pair{&config->recorded, "record"}}) {
     if (auto checked = check_streams(*config, *made->pipeline, *streams, verb); !checked) return tl::make_unexpected(checked.error());
   }
+  if (config->published.empty()) {
+    for (const core::StreamFormat& format : made->pipeline->formats()) config->published.push_back(format.name);
+  }
   return std::unique_ptr<Rig>(new Rig(std::move(config), clock, publish_bell, std::move(device), std::move(*made)));
 }
 

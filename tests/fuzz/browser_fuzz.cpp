@@ -17,7 +17,6 @@
 namespace dts::fuzz::browser {
 namespace {
 
-
 constexpr std::size_t kLongestReason = 120;  // of a close frame, see TabConnection
 constexpr std::size_t kLongestRequestId = 64;
 constexpr std::size_t kMostFrameBytes = gateway::TabQueue::kMostBytes + (256U << 10U);
@@ -82,7 +81,7 @@ void hear(gateway::Tab& tab, v1::Role role, std::string_view bytes, Listener& li
     return;
   }
   promise(listener.answers <= answers + 1, "at most one answer at once");
-  const v1::Role needed = gateway::role_needed(message.request());
+  const v1::Role needed = wire::rules_of(message.request()).role();
   const bool has_id = !message.request().request_id().empty() && message.request().request_id().size() <= kLongestRequestId;
   if (message.has_request() && has_id && needed > role) promise(listener.refused == refused + 1, "a command is for those who may");
 }

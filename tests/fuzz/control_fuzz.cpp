@@ -13,12 +13,12 @@
 #include "../clients/libdts/wire_check.h"
 #include "access/gate.h"
 #include "fuzz/fuzz_support.h"
+#include "ipc/audit_trail.h"
 #include "ipc/command_handler.h"
 #include "session/recordings.h"
 
 namespace dts::fuzz::control {
 namespace {
-
 
 constexpr std::size_t kMostRequests = 8;
 constexpr std::size_t kLongestRequestId = 64;
@@ -55,7 +55,8 @@ class Daemons {
         with_rig_(clock_, {}, nullptr, {.protocols = protocols()}),
         with_catalogue_(clock_, {}, nullptr, {.recordings = recordings_.get()}),
         rig_handler_(with_rig_, clock_, kIdentity, {"a notice"}, {keys_.get(), clock_, {}}),
-        catalogue_handler_(with_catalogue_, clock_, kIdentity, {}, {keys_.get(), clock_, {.control = "tcp://*:5555", .data = "tcp://*:5556"}}) {
+        catalogue_handler_(with_catalogue_, clock_, kIdentity, {},
+                           {keys_.get(), clock_, {.control = "tcp://*:5555", .data = "tcp://*:5556"}}) {
     promise(with_rig_.add(session::Rig::create(floor_rig(), clock_, bell_).value()).has_value(), "a rig");
     for (const auto& [name, role] : kPeers) {
       if (*name == '\0' || role == v1::ROLE_UNSPECIFIED) continue;
@@ -72,7 +73,8 @@ class Daemons {
     if (!request.ParseFromArray(bytes.data(), static_cast<int>(bytes.size()))) return;
     if (request.request_id().empty() || request.request_id().size() > kLongestRequestId) return;
     if (!is_allowed(sender, request)) return;
-    for (ipc::CommandHandler* handler : {&rig_handler_, &catalogue_handler_}) answer(*handler, sender, request);
+    answer(with_rig_, rig_handler_, sender, request);
+    answer(with_catalogue_, catalogue_handler_, sender, request);
     with_rig_.tick();
     (void)with_rig_.take_notices();
   }
@@ -101,18 +103,18 @@ class Daemons {
   static bool is_allowed(const access::Peer& sender, const v1::Request& request) {
     const bool is_allowed = access::Gate::check(sender, request).has_value();
     const bool has_command = request.command_case() != v1::Request::COMMAND_NOT_SET;
-    promise(is_allowed == (!has_command || sender.role >= access::role_needed(request)), "a command runs for those who may");
+    promise(is_allowed == (!has_command || sender.role >= wire::rules_of(request).role()), "a command runs for those who may");
     return is_allowed;
   }
 
-  void answer(ipc::CommandHandler& handler, const access::Peer& sender, const v1::Request& request) {
+  void answer(session::Supervisor& supervisor, ipc::CommandHandler& handler, const access::Peer& sender, const v1::Request& request) {
     ipc::CommandHandler::Answer answer = handler.execute(request);
     if (answer.pending) {
       auto finished = handler.finish(*answer.pending);
       answer.response = finished ? std::move(*finished) : handler.give_up(*answer.pending);
       answer.response.set_request_id(request.request_id());
     }
-    handler.enter_audit(sender.who, request, answer.response);
+    ipc::enter_audit(supervisor, clock_, sender.who, request, answer.response);
     promise(answer.response.result_case() != v1::Response::RESULT_NOT_SET, "every request gets an answer");
     promise(answer.response.request_id() == request.request_id(), "an answer names its request");
     const std::string bytes = answer.response.SerializeAsString();

@@ -26,7 +26,7 @@ namespace {
 constexpr std::uint64_t kInstance = 1;
 constexpr std::int64_t kStartNs = 1'000'000'000;
 constexpr std::chrono::seconds kPatience{60};
-constexpr const char* kBarrier = "barrier";
+const std::string kBarrier = "barrier";  ///< As a rig
 
 /// Virtual time with a wall clock of its own: ids of sessions are made of it, and orders of trials of these.
 class GoldenClock final : public core::Clock {
@@ -122,7 +122,7 @@ class Sent {
  public:
   void add(std::string_view topic, const google::protobuf::MessageLite& message) {
     const std::lock_guard lock(mutex_);
-    if (topic == kBarrier) {
+    if (topic == kBarrier + "/") {
       ++barriers_;
       changed_.notify_all();
     } else {
@@ -291,21 +291,17 @@ class Runner {
   /// A turn of the publisher looks at frames, then at posted messages. The first barrier may overtake a frame, the second cannot.
   void pass_barrier() {
     for (int turn = 0; turn < 2; ++turn) {
-      publisher_->post(kBarrier, std::make_unique<dts::v1::Event>(), false);
+      publisher_->post(kBarrier, {});
       sent_.wait_for_barrier(++barriers_);
     }
   }
 
   void publish_notices() {
-    for (const session::Notice& notice : supervisor_.take_notices()) {
-      std::string name;
-      auto event = std::make_unique<dts::v1::Event>(ipc::notice_event(kInstance, notice, name));
-      publisher_->post(notice.rig + "/" + name, std::move(event), false);
-    }
+    for (const session::Notice& notice : supervisor_.take_notices()) publisher_->post(notice.rig, ipc::notice_event(kInstance, notice));
   }
 
   void post_status() {
-    publisher_->post("dtsd/status", std::make_unique<dts::v1::StatusSnapshot>(handler_.status()), false);
+    publisher_->post(handler_.status());
     pass_barrier();
   }
 

@@ -20,8 +20,6 @@ struct Identity {
   std::function<bool()> holds = [] { return true; };
 };
 
-/// The role that the command of `request` needs, as control.proto says; ROLE_UNSPECIFIED for a request without a command.
-[[nodiscard]] v1::Role role_needed(const v1::Request& request);
 [[nodiscard]] inline bool may(const Identity& identity, v1::Role needed) noexcept {
   return needed != v1::ROLE_UNSPECIFIED && identity.role >= needed;
 }

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "dts/subscriber.h"
+#include "dts/wire/options.h"
 
 namespace dts::gateway {
 namespace {
@@ -35,7 +36,7 @@ struct ToCarried {
     return std::make_shared<Carried>(Carried{.topic = std::string(event.topic),
                                              .kind = Carried::Kind::Event,
                                              .bytes = event.body->SerializeAsString(),
-                                             .is_retained = event.kind == "session" || event.kind == "device",
+                                             .is_retained = wire::topic_of(*event.body).is_retained(),
                                              .instance_id = event.body->instance_id()});
   }
   CarriedPointer operator()(const client::Status& status) const {
@@ -147,8 +148,9 @@ client::Result<void> BusReader::Loop::grant_wishes() {
 std::vector<std::string> BusReader::Loop::topics() const {
   std::vector<std::string> all{std::string(kStatusTopic)};
   for (const std::string& rig : rigs_) {
-    all.push_back(rig + "/session");
-    all.push_back(rig + "/device");
+    for (const v1::Topic& topic : wire::event_topics()) {
+      if (topic.is_retained()) all.push_back(rig + "/" + topic.name());
+    }
   }
   all.insert(all.end(), wanted_.begin(), wanted_.end());
   return all;

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "dts/control_client.h"
-#include "gateway/access/identity.h"
+#include "dts/wire/options.h"
 
 namespace dts::gateway {
 
@@ -21,7 +21,7 @@ CommandPool::~CommandPool() {
 }
 
 void CommandPool::submit(v1::Request request, Answered answered) {
-  Lane& lane = role_needed(request) == v1::ROLE_VIEWER ? looking_ : doing_;
+  Lane& lane = wire::rules_of(request).role() == v1::ROLE_VIEWER ? looking_ : doing_;
   if (lane.taken == kMostWaiting) {
     answered(client::fail(client::ErrorCode::LimitExceeded, "too many commands wait for the daemon", "try again in a moment"));
     return;

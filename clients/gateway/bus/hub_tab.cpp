@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "dts/wire/options.h"
 #include "gateway/access/command_id.h"
 #include "gateway/bus/hub.h"
 
@@ -100,7 +101,7 @@ void HubTab::answer_clock(const v1::ClockProbe& probe) {
 }
 
 void HubTab::on_request(v1::Request&& request) {
-  const v1::Role needed = role_needed(request);
+  const v1::Role needed = wire::rules_of(request).role();
   const std::string id = request.request_id();
   if (id.empty() || id.size() > kLongestRequestId || needed == v1::ROLE_UNSPECIFIED || request.has_note_login()) {
     return refuse(id, refusal(client::ErrorCode::InvalidArgument, "not a command that this version knows", "reload the page"));

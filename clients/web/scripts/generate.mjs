@@ -17,7 +17,7 @@ const result = spawnSync(
     `--es_out=${fresh}`,
     '--es_opt=target=ts',
     `--proto_path=${proto}`,
-    ...['stream', 'sessions', 'control', 'gateway'].map((name) => `dts/v1/${name}.proto`),
+    ...['options', 'stream', 'sessions', 'control', 'gateway'].map((name) => `dts/v1/${name}.proto`),
   ],
   { stdio: 'inherit' },
 );

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "ipc/session_commands.h"
+#include "ipc/audit_trail.h"
 #include "session/recordings.h"
 
 namespace dts::ipc {
@@ -22,7 +22,7 @@ class AuditedCommands : public testing::Test {
   /// "who what target result" of what the request added to the trail; "": nothing.
   std::string entered(const v1::Request& request, const v1::Response& response = {}, const std::string& sender = "key:ina") {
     session::Supervisor supervisor(clock_, core::Log(), nullptr, {.recordings = recordings_.get()});
-    SessionCommands(supervisor, clock_).enter_audit(sender, request, response);
+    enter_audit(supervisor, clock_, sender, request, response);
     const auto newest = recordings_->catalogue().audit(1).value();
     if (newest.empty() || std::exchange(last_, newest[0].number) == newest[0].number) return "";
     EXPECT_EQ(newest[0].utc_ns, clock_.now_ns() + clock_.utc_minus_monotonic_ns());

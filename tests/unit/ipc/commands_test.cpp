@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "access/key_store.h"
+#include "ipc/audit_trail.h"
 #include "ipc/command_handler.h"
 #include "unit/ipc/message_text.h"
 #include "unit/session/recordings_fixture.h"
@@ -55,7 +56,7 @@ class CommandsTest : public session::RecordingsTest {
       })) << request_text;
     }
     if (answer.response.has_session()) session_id_ = answer.response.session().session_id();
-    handler_->enter_audit("local", request, answer.response);
+    enter_audit(*supervisor_, clock_, "local", request, answer.response);
     if (!answer.pending) {
       EXPECT_EQ(answer.response.request_id(), "q");
     }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "dts/v1/control.pb.h"
+#include "dts/v1/stream.pb.h"
 #include "ipc/data_socket.h"
 
 namespace dts::ipc {
@@ -18,6 +19,10 @@ class TurnSocket final : public DataSocket {
   void send(std::string_view topic, const google::protobuf::MessageLite& message) override {
     sent_.append(topic);
     if (const auto* status = dynamic_cast<const v1::StatusSnapshot*>(&message)) sent_ += "=" + status->version();
+    if (const auto* event = dynamic_cast<const v1::Event*>(&message)) {
+      if (event->has_session()) sent_ += "=" + event->session().session_id();
+      if (event->has_marker()) sent_ += "=" + event->marker().text();
+    }
     sent_ += ' ';
   }
   void wait(int /*bell_fd*/, int timeout_ms) override {

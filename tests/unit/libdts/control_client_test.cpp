@@ -20,7 +20,7 @@ class ControlClientTest : public ::testing::Test {
  protected:
   /// Retries come after 0.2 s; a command that must succeed has a minute.
   ControlClient client(std::chrono::milliseconds timeout = testing::kDeadline, int tries = 3) {
-    return *ControlClient::open({.endpoint = endpoint_, .timeout = timeout, .tare_timeout = timeout, .tries = tries});
+    return *ControlClient::open({.endpoint = endpoint_, .timeout = timeout, .tries = tries});
   }
 
   testing::TemporaryDirectory directory_;
@@ -282,21 +282,21 @@ TEST_F(ControlClientTest, ReplyAfterRestartOfTheDaemon_Arrives) {
   EXPECT_TRUE(dts.status().has_value());
 }
 
-TEST_F(ControlClientTest, StopWaitsForTheRecordingToBeClosed_LongerThanOtherCommands) {
-  const FakeController daemon(endpoint_, [](const v1::Request& request, int) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // longer than other commands have
-    return std::vector{reply(request, [](v1::Response& response) { response.mutable_session()->set_session_id("s1"); })};
-  });
-  auto dts = ControlClient::open({.endpoint = endpoint_, .timeout = std::chrono::milliseconds(30), .stop_timeout = testing::kDeadline});
+TEST_F(ControlClientTest, Call_TakesAnyCommandWithItsAnswer) {
+  const FakeController daemon(endpoint_, answer_status);
+  ControlClient dts = client();
 
-  EXPECT_TRUE(dts->stop_session("floor").has_value());
+  EXPECT_EQ(dts.call<v1::StatusSnapshot>(v1::StatusRequest())->instance_id(), testing::floor_status().instance_id());
+  EXPECT_EQ(dts.call<v1::TareResponse>(v1::StatusRequest()).error().what,
+            "dts.v1.StatusRequest is no command that dts.v1.TareResponse answers");
+  EXPECT_EQ(dts.call<v1::TareResponse>(v1::TareResponse()).error().code, ErrorCode::InvalidArgument);
 }
 
 TEST(ControlOptions, OutOfRange_AreRefused) {
   EXPECT_FALSE(ControlClient::open({.endpoint = ""}).has_value());
   EXPECT_FALSE(ControlClient::open({.endpoint = "ipc:///x", .timeout = std::chrono::milliseconds(0)}).has_value());
   EXPECT_FALSE(ControlClient::open({.endpoint = "ipc:///x", .timeout = std::chrono::hours(25)}).has_value());
-  EXPECT_FALSE(ControlClient::open({.endpoint = "ipc:///x", .stop_timeout = std::chrono::milliseconds(29)}).has_value());
+  EXPECT_FALSE(ControlClient::open({.endpoint = "ipc:///x", .timeout = std::chrono::milliseconds(29)}).has_value());
   EXPECT_FALSE(ControlClient::open({.endpoint = "ipc:///x", .tries = 0}).has_value());
 }
 

@@ -18,10 +18,11 @@ TEST(TopicName, RigNameAndKind_AreTakenApart) {
   EXPECT_EQ(parse_topic("chair/reach")->kind, TopicKind::Event);
   EXPECT_EQ(parse_topic("chair/trial")->kind, TopicKind::Event);
   EXPECT_EQ(parse_topic("dtsd/status")->kind, TopicKind::Status);
+  EXPECT_EQ(parse_topic("floor/status")->kind, TopicKind::Stream) << "of a stage with that name";
 }
 
 TEST(TopicName, AnythingElse_IsRefused) {
-  for (const std::string topic : {"", "/", "floor", "/cop", "floor/", "floor/copp", "floor/cop/x", "floor/status"}) {
+  for (const std::string topic : {"", "floor", "/cop", "floor/", "floor/cop/x", "/"}) {
     EXPECT_FALSE(parse_topic(topic)) << topic;
   }
   EXPECT_FALSE(parse_topic(std::string(200, 'x') + "/cop"));

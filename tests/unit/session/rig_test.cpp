@@ -128,6 +128,19 @@ TEST(Rig, PublishedStreamThatDoesNotExist_IsRefusedWithTheKnownOnes) {
   EXPECT_THAT(rig.error().hint, HasSubstr("cop"));
 }
 
+TEST(Rig, WithoutAListOfStreams_PublishesAllOfThem) {
+  core::SystemClock clock;
+  core::Doorbell bell;
+  pipeline::RigConfig config = floor_config("sim:floor");
+  config.published = {};
+
+  const auto rig = Rig::create(config, clock, bell).value();
+
+  std::vector<std::string> all;
+  for (const core::StreamFormat& format : rig->formats()) all.push_back(format.name);
+  EXPECT_EQ(rig->config().published, all);
+}
+
 TEST(Rig, StopWithoutStartAndTwice_IsHarmless) {
   core::SystemClock clock;
   core::Doorbell bell;

@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <google/protobuf/message.h>
+
 #include <chrono>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <utility>
 
 #include "dts/error.h"
 #include "dts/key.h"
@@ -15,12 +18,12 @@
 namespace dts::client {
 
 struct ControlOptions {
-  std::string endpoint;                           ///< `Endpoints::control`
-  std::chrono::milliseconds timeout{3000};        ///< For a whole command, all tries together (30 ms..1 day).
-  std::chrono::milliseconds tare_timeout{15000};  ///< The same for `tare`, which is answered when its average is complete.
-  std::chrono::milliseconds stop_timeout{20000};  ///< The same for `stop_session`, which is answered when the recording is closed.
-  int tries = 3;                                  ///< 1..10
-  std::optional<Key> key;                         ///< For a daemon on another machine.
+  std::string endpoint;  ///< `Endpoints::control`
+  /// For a whole command, all tries together (30 ms..1 day). Default: 3 s, or what the protocol says of the command: 15 s for `tare`, which
+  /// is answered when its average is complete, and 20 s for `stop_session`, which is answered when the recording is closed.
+  std::optional<std::chrono::milliseconds> timeout;
+  int tries = 3;           ///< 1..10
+  std::optional<Key> key;  ///< For a daemon on another machine.
 };
 
 /// Sends commands to a daemon and waits for the answers.
@@ -41,6 +44,15 @@ class ControlClient {
   ControlClient& operator=(ControlClient&&) noexcept;
   ControlClient(const ControlClient&) = delete;
   ControlClient& operator=(const ControlClient&) = delete;
+
+  /// Sends any command and returns its answer: `call<v1::TareResponse>(v1::TareRequest())`. InvalidArgument if the protocol does not know
+  /// the command, or if something else answers it.
+  template <class Answer>
+  [[nodiscard]] Result<Answer> call(const google::protobuf::Message& command) {
+    auto answer = answer_to(command, *Answer::descriptor());
+    if (!answer) return tl::make_unexpected(answer.error());
+    return std::move(static_cast<Answer&>(**answer));
+  }
 
   [[nodiscard]] Result<v1::StatusSnapshot> status();
   [[nodiscard]] Result<v1::ListRigsResponse> list_rigs();
@@ -85,6 +97,8 @@ class ControlClient {
  private:
   class Implementation;
   explicit ControlClient(std::unique_ptr<Implementation> implementation);
+  [[nodiscard]] Result<std::unique_ptr<google::protobuf::Message>> answer_to(const google::protobuf::Message& command,
+                                                                             const google::protobuf::Descriptor& answer);
 
   std::unique_ptr<Implementation> implementation_;
 };

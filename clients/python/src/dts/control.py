@@ -9,28 +9,11 @@ from google.protobuf.message import DecodeError
 
 from .endpoints import probe
 from .errors import DataDamaged, InvalidArgument, Unreachable, error_of
+from .options import COMMANDS
 from .v1 import control_pb2
 from .wire_check import MAX_ANSWER_BYTES, check_answer
 
 _LONGEST_TEXT = 2000
-_TARE_TIMEOUT_S = 15.0  # answered when its average is complete
-_STOP_TIMEOUT_S = 20.0  # answered when the recording is closed
-_ANSWERS = {
-    "status": "status",
-    "list_rigs": "rigs",
-    "start_session": "session",
-    "resume_session": "session",
-    "stop_session": "session",
-    "mark": "mark",
-    "tare": "tare",
-    "get_devices": "devices",
-    "test_device": "device_test",
-    "list_sessions": "sessions",
-    "show_session": "session_record",
-    "list_protocols": "protocols",
-    "trial": "trial",
-    "get_audit": "audit",
-}
 
 
 class ControlClient:
@@ -53,14 +36,14 @@ class ControlClient:
 
     def call(self, request: control_pb2.Request) -> control_pb2.Response:
         """Fills in the request id, sends, waits; the answer is checked and is the one that belongs to the command."""
-        command = request.WhichOneof("command") or ""
+        command = COMMANDS[request.WhichOneof("command") or ""]
         with self._lock:
-            response = self._exchange(request, self._timeout_of(command))
+            response = self._exchange(request, max(self._timeout_s, command.timeout_s))
         if response.HasField("error"):
             error = response.error
             what = error.what[:_LONGEST_TEXT] or "the daemon refused and gave no reason"
             raise error_of(error.code, what, error.hint[:_LONGEST_TEXT])
-        if response.WhichOneof("result") != _ANSWERS[command]:
+        if response.WhichOneof("result") != command.answer:
             raise DataDamaged("the daemon's answer does not belong to the command", "are dtsd and this package of the same version?")
         check_answer(response)
         return response
@@ -68,11 +51,6 @@ class ControlClient:
     def close(self) -> None:
         with self._lock:
             self._close_socket()
-
-    def _timeout_of(self, command: str) -> float:
-        if command == "tare":
-            return max(self._timeout_s, _TARE_TIMEOUT_S)
-        return max(self._timeout_s, _STOP_TIMEOUT_S) if command == "stop_session" else self._timeout_s
 
     def _exchange(self, request: control_pb2.Request, timeout_s: float) -> control_pb2.Response:
         probe(self._endpoint)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from .control import ControlClient
 from .endpoints import Endpoints, find_endpoints
 from .errors import NotFound, Timeout, WrongState
-from .events import EVENT_TOPICS
 from .key import Key, read_key
 from .live import Collector, EventStream, Stream, no_news
+from .options import EVENT_TOPICS
 from .streams import Samples
 from .subscriber import Subscriber, check_timeout
 from .v1 import control_pb2, sessions_pb2, stream_pb2

@@ -7,25 +7,8 @@ import numpy as np
 from google.protobuf.descriptor import EnumDescriptor, FieldDescriptor
 from google.protobuf.message import Message
 
+from .options import bits_of, topic_of
 from .v1 import stream_pb2
-
-# The names that events have in recordings: what is not listed is called in the protocol as it is there.
-_KINDS = {"movement": "class", "trial_result": "result"}
-# By the body in the message: where it is published. Topics of later versions have bodies that this version cannot read.
-TOPIC_OF_BODY = {
-    "gap": "gap",
-    "marker": "marker",
-    "device": "device",
-    "session": "session",
-    "trigger": "trigger",
-    "trial": "trial",
-    "reach": "reach",
-    "movement": "class",
-    "trial_result": "trial",
-    "sway": "sway",
-}
-EVENT_TOPICS = frozenset(TOPIC_OF_BODY.values())
-_FLAGS = {"dts.v1.Reach.flags": "ReachFlag", "dts.v1.Sway.flags": "SwayFlag", "dts.v1.TrunkMovement.reasons": "ClassReason"}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -48,8 +31,7 @@ class Event:
 
 def kind_of(message: stream_pb2.Event) -> str:
     """The kind of a published event; empty when this version does not know it."""
-    body = message.WhichOneof("body")
-    return _KINDS.get(body, body) if body else ""
+    return "result" if message.HasField("trial_result") else topic_of(message).name
 
 
 def fields_of(message: Message) -> dict[str, Any]:
@@ -67,8 +49,8 @@ def fields_of(message: Message) -> dict[str, Any]:
             if not message.HasField(field.name):
                 continue
             value = fields_of(value)
-        elif field.full_name in _FLAGS:
-            value = words_of_bits(stream_pb2.DESCRIPTOR.enum_types_by_name[_FLAGS[field.full_name]], value)
+        elif (enum := bits_of(field)) is not None:
+            value = words_of_bits(enum, value)
         elif field.enum_type is not None:
             if value == 0:
                 continue

@@ -9,15 +9,14 @@ import numpy as np
 from google.protobuf.message import DecodeError
 
 from .errors import DataDamaged
-from .events import EVENT_TOPICS, TOPIC_OF_BODY, Event, fields_of, kind_of
+from .events import Event, fields_of, kind_of
 from .loss import LossTracker, Position
+from .options import EVENT_TOPICS, topic_of
 from .streams import Block, StreamFormat
 from .v1 import control_pb2, stream_pb2
 from .wire_check import MAX_MESSAGE_BYTES, check_status, is_block
 
 STATUS_TOPIC = "dtsd/status"
-# Retained events are sent again whenever anybody subscribes to anything: a repeat is no news.
-_RETAINED = ("device", "session")
 _MAX_WAITING = 16384
 _MAX_WAITING_BYTES = 32 << 20
 
@@ -109,7 +108,7 @@ class Inbox:
         message: stream_pb2.StreamBlock | stream_pb2.Event
         if name in EVENT_TOPICS:
             message = stream_pb2.Event.FromString(body)
-            is_valid = message.instance_id != 0 and TOPIC_OF_BODY.get(message.WhichOneof("body") or "") == name
+            is_valid = message.instance_id != 0 and topic_of(message).name == name
         else:
             message = stream_pb2.StreamBlock.FromString(body)
             is_valid = is_block(message)
@@ -118,7 +117,7 @@ class Inbox:
             return
         self._note_instance(message.instance_id)
         self.statistics.messages += 1
-        if name in _RETAINED:
+        if isinstance(message, stream_pb2.Event) and topic_of(message).is_retained:  # sent again for every new subscriber
             if self._topics[topic].last_retained == body:
                 return
             self._topics[topic].last_retained = body

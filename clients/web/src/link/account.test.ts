@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 import { expect, test } from 'vitest';
 
-import { ErrorCode, Role } from '../generated/dts/v1/control_pb';
+import { ErrorCode } from '../generated/dts/v1/control_pb';
+import { Role } from '../generated/dts/v1/options_pb';
 import { askWho, logIn, logOut, nobody } from './account';
 
 const answering = (status: number, body = '', headers = {}): typeof fetch => async () => new Response(body, { status, headers });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Who looks: the gateway's /api/me, /api/login and /api/logout.
-import { ErrorCode, Role } from '../generated/dts/v1/control_pb';
+import { ErrorCode } from '../generated/dts/v1/control_pb';
+import { Role } from '../generated/dts/v1/options_pb';
 import { fixed } from '../parts/numbers';
 import { strings } from '../strings';
 import type { Me } from './types';

@@ -3,9 +3,10 @@ import { create, fromBinary, toBinary } from '@bufbuild/protobuf';
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { afterEach, beforeEach, expect, test, vi } from 'vitest';
 
-import { ErrorCode, Role, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
+import { ErrorCode, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
 import type { FromBrowser } from '../generated/dts/v1/gateway_pb';
 import { FromBrowserSchema, FromGatewaySchema } from '../generated/dts/v1/gateway_pb';
+import { Role } from '../generated/dts/v1/options_pb';
 import { EventSchema, StreamBlockSchema } from '../generated/dts/v1/stream_pb';
 import { GatewayLink } from './gateway_link';
 import type { Block } from './types';

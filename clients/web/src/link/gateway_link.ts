@@ -6,14 +6,15 @@
 //   socket --Welcome, ClockAnswer--> subscribed --blocks, events--> handlers --animation frame--> painters --Painted-->
 //      ^                              |
 //      +--0.25 .. 2 s-- gone <--closed, or 2 s of silence
-import { create, fromBinary, toBinary } from '@bufbuild/protobuf';
+import { create, fromBinary, getOption, toBinary } from '@bufbuild/protobuf';
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { batch, signal } from '@preact/signals';
 
-import { ErrorCode, Role, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
+import { ErrorCode, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
 import type { StatusSnapshot } from '../generated/dts/v1/control_pb';
 import type { Frame, FromGateway, Welcome } from '../generated/dts/v1/gateway_pb';
 import { FromBrowserSchema, FromGatewaySchema } from '../generated/dts/v1/gateway_pb';
+import { Role, topic as topicOption } from '../generated/dts/v1/options_pb';
 import { EventSchema, StreamBlockSchema } from '../generated/dts/v1/stream_pb';
 import { strings } from '../strings';
 import { askWho, logIn, logOut, nobody } from './account';
@@ -47,7 +48,7 @@ const tickTopic = 'tick';
 // After these the status is another one: it is asked for at once, instead of waiting for the next second.
 const changingNames = new Set(['session', 'trial', 'device']);
 // Topics "<rig>/..." that carry an Event; everything else is a stream.
-const eventNames = new Set(['gap', 'marker', 'trigger', 'device', 'session', 'trial', 'reach', 'class', 'sway']);
+const eventNames = new Set(EventSchema.oneofs[0]?.fields.map((field) => getOption(field, topicOption).name));
 
 export class GatewayLink implements Link {
   readonly state = signal<LinkState>('connecting');

@@ -3,7 +3,8 @@
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import type { ReadonlySignal } from '@preact/signals';
 
-import type { RequestSchema, Response, RigStatus, Role, StatusSnapshot } from '../generated/dts/v1/control_pb';
+import type { RequestSchema, Response, RigStatus, StatusSnapshot } from '../generated/dts/v1/control_pb';
+import type { Role } from '../generated/dts/v1/options_pb';
 import type { Event, StreamFormat } from '../generated/dts/v1/stream_pb';
 
 /** Consecutive scans of one stream, checked: `columns.length === quality.length`, every column has `scanCount` values (NaN: undefined). */

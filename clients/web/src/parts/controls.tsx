@@ -5,7 +5,7 @@ import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
 import { useId } from 'preact/hooks';
 
-import { Role } from '../generated/dts/v1/control_pb';
+import { Role } from '../generated/dts/v1/options_pb';
 import type { Answer, Command, Link } from '../link/types';
 import { CommandError } from '../link/types';
 import { strings } from '../strings';

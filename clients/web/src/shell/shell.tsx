@@ -4,7 +4,7 @@ import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
 
-import { Role } from '../generated/dts/v1/control_pb';
+import { Role } from '../generated/dts/v1/options_pb';
 import type { Link } from '../link/types';
 import { Button, Panel, PassingNotice } from '../parts/controls';
 import { useKeys } from '../parts/keys';

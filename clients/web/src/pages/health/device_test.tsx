@@ -4,7 +4,8 @@ import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { TestDeviceResponse } from '../../generated/dts/v1/control_pb';
-import { CheckOutcome, Role } from '../../generated/dts/v1/control_pb';
+import { CheckOutcome } from '../../generated/dts/v1/control_pb';
+import { Role } from '../../generated/dts/v1/options_pb';
 import type { Link } from '../../link/types';
 import { Button, CommandNotice, Notice, tareTimeoutMs, useCommands, whyNotOperate } from '../../parts/controls';
 import { fixed, measured } from '../../parts/numbers';

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What proto/dts/v1/options.proto says of topics, commands and bits, read from the descriptors."""
+import functools
+
+from google.protobuf.descriptor import EnumDescriptor, FieldDescriptor
+
+from .v1 import control_pb2, options_pb2, stream_pb2
+
+
+def _fields_of(message: type, oneof: str) -> list[FieldDescriptor]:
+    return list(message.DESCRIPTOR.oneofs_by_name[oneof].fields)  # type: ignore[attr-defined]
+
+
+# By the field of Event.body, of Request.command.
+TOPICS: dict[str, options_pb2.Topic] = {
+    field.name: field.GetOptions().Extensions[options_pb2.topic] for field in _fields_of(stream_pb2.Event, "body")
+}
+COMMANDS: dict[str, options_pb2.CommandRules] = {
+    field.name: field.GetOptions().Extensions[options_pb2.rules] for field in _fields_of(control_pb2.Request, "command")
+}
+EVENT_TOPICS = frozenset(topic.name for topic in TOPICS.values())
+
+
+def topic_of(message: stream_pb2.Event) -> options_pb2.Topic:
+    """Where an event is published; without a name: it has no body that this version knows."""
+    return TOPICS.get(message.WhichOneof("body") or "", options_pb2.Topic())
+
+
+@functools.cache
+def bits_of(field: FieldDescriptor) -> EnumDescriptor | None:
+    """The enum whose values are the bits of this field."""
+    name = field.GetOptions().Extensions[options_pb2.bits]
+    return stream_pb2.DESCRIPTOR.enum_types_by_name[name] if name else None

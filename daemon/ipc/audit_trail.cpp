@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "ipc/audit_trail.h"
+
+#include <optional>
+
+#include "access/client_key.h"
+#include "dts/wire/options.h"
+
+namespace dts::ipc {
+namespace {
+
+/// Name of the command in the trail: of the option `audit`, or of what the command asks for in particular.
+std::string audit_name(const dts::v1::Request& request) {
+  if (request.has_stop_session() && request.stop_session().is_abort()) return "abort_session";
+  switch (request.trial().action()) {
+    case dts::v1::TRIAL_ACTION_NEXT: return "trial_next";
+    case dts::v1::TRIAL_ACTION_REDO: return "trial_redo";
+    case dts::v1::TRIAL_ACTION_REJECT: return "trial_reject";
+    default: return wire::rules_of(request).audit();
+  }
+}
+
+/// The field `rig` or `session_id` of the command; empty without such a field.
+std::string asked_target(const dts::v1::Request& request) {
+  const auto& command = request.GetReflection()->GetMessage(request, wire::command_field(request));
+  for (const char* name : {"rig", "session_id"}) {
+    if (const auto* field = command.GetDescriptor()->FindFieldByName(name)) return command.GetReflection()->GetString(command, field);
+  }
+  return {};
+}
+
+/// Returns the session under way on the rig, or on the only rig that has one; else the rig's name. Other text that somebody typed as a rig
+/// is not entered.
+std::string known_target(session::Supervisor& supervisor, const std::string& rig) {
+  std::string target;
+  for (const session::RigState& state : supervisor.states()) {
+    const bool is_meant = rig.empty() || state.rig.config().name == rig;
+    const bool is_under_way = state.session.state != session::SessionState::Idle && state.session.state != session::SessionState::Failed;
+    if (is_meant && !rig.empty()) target = state.rig.config().name;
+    if (is_meant && is_under_way) target = state.session.id;
+  }
+  return target;
+}
+
+/// "local", or "local:anna" for a user whom a gateway logged in: the trail shows both, since it trusts the gateway for the second.
+std::string who(const std::string& sender, const dts::v1::Request& request) {
+  return access::is_key_name(request.on_behalf_of()) ? sender + ":" + request.on_behalf_of() : sender;
+}
+
+/// The key that a command is about, with its role; empty for text that is no name; nothing for other commands.
+std::optional<std::string> key_of(const dts::v1::Request& request) {
+  if (!request.has_add_key() && !request.has_revoke_key()) return std::nullopt;
+  const std::string& name = request.has_add_key() ? request.add_key().name() : request.revoke_key().name();
+  if (!access::is_key_name(name)) return "";
+  return request.has_add_key() ? name + ":" + std::string(access::role_word(request.add_key().role())) : name;
+}
+
+/// "anna from 192.0.2.7, and 12 more"
+std::string login_text(const dts::v1::NoteLoginRequest& login) {
+  const std::string more = login.more() > 0 ? ", and " + std::to_string(login.more()) + " more" : "";
+  return (login.user().empty() ? "unknown name" : login.user()) + " from " + login.address() + more;
+}
+
+std::string target_of(session::Supervisor& supervisor, const dts::v1::Request& request, const dts::v1::Response& response) {
+  if (response.has_note_login()) return login_text(request.note_login());
+  if (response.has_session()) return response.session().session_id();
+  if (const auto key = key_of(request)) return *key;
+  return known_target(supervisor, asked_target(request));
+}
+
+std::string result_of(const dts::v1::Request& request, const dts::v1::Response& response) {
+  if (response.has_error()) return std::string(core::name(static_cast<core::ErrorCode>(response.error().code())));
+  return request.note_login().is_refused() ? "refused" : "ok";
+}
+
+}  // namespace
+
+bool is_audited(const dts::v1::Request& request, const dts::v1::Response& response) {
+  const dts::v1::CommandRules& rules = wire::rules_of(request);
+  return !rules.audit().empty() && (rules.is_change() || response.has_error());
+}
+
+void enter_audit(session::Supervisor& supervisor, core::Clock& clock, const std::string& sender, const dts::v1::Request& request,
+                 const dts::v1::Response& response) {
+  session::Recordings* recordings = supervisor.recordings();
+  if (recordings == nullptr || !is_audited(request, response)) return;
+  recordings->enter_audit({.utc_ns = clock.now_ns() + clock.utc_minus_monotonic_ns(),
+                           .who = who(sender, request),
+                           .what = audit_name(request),
+                           .target = target_of(supervisor, request, response),
+                           .result = result_of(request, response)});
+}
+
+}  // namespace dts::ipc

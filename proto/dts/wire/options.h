@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <google/protobuf/descriptor.h>
+
+#include <string_view>
+#include <vector>
+
+#include "dts/v1/control.pb.h"
+#include "dts/v1/stream.pb.h"
+
+/// The options of dts/v1/options.proto, read from the descriptors. Thread: any.
+namespace dts::wire {
+
+/// Topic of every field of Event.body, in the order of their numbers. Two bodies may share a topic.
+[[nodiscard]] const std::vector<v1::Topic>& event_topics();
+/// Whether events are published on "<rig>/<name>"; all other topics of a rig carry streams.
+[[nodiscard]] bool is_event_topic(std::string_view name);
+/// Topic of an event; that of an event without a body that this version knows has no name.
+[[nodiscard]] const v1::Topic& topic_of(const v1::Event& event);
+
+/// The field of Request.command that is set; nullptr if this version knows none of what was sent.
+[[nodiscard]] const google::protobuf::FieldDescriptor* command_field(const v1::Request& request);
+/// What is true of the request's command; of an unknown one: ROLE_UNSPECIFIED, and nothing else.
+[[nodiscard]] const v1::CommandRules& rules_of(const v1::Request& request);
+/// The field of Response.result that answers the request's command; nullptr for an unknown one.
+[[nodiscard]] const google::protobuf::FieldDescriptor* answer_field(const v1::Request& request);
+
+}  // namespace dts::wire

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "core/frame.h"
+#include "core/event.h"
 #include "lab/stream_check.h"
 #include "record/event.h"
 

@@ -167,7 +167,7 @@ void Replay::process() {
   const core::Block& block = acquired_.block;
   acquired_.block.host_time_ns = std::min(device_.rate.time_ns(block.first_scan), kFarthestNs);
   rig_.pipeline->process(acquired_, frame_);
-  events_.add_computed(frame_.events);
+  events_.add_computed(rig_.pipeline->events());
   acquired_.gap_before = {};
   report_.scans += block.count();
   for (std::size_t s = 0; s < frame_.streams.size(); ++s) {

@@ -119,6 +119,8 @@ dts::v1::Event gap_event(std::uint64_t instance_id, const core::Frame& frame) {
   return event;
 }
 
+namespace {
+
 dts::v1::Event trigger_event(std::uint64_t instance_id, const core::TriggerEvent& trigger, const std::string& channel) {
   dts::v1::Event event;
   event.set_instance_id(instance_id);
@@ -128,6 +130,15 @@ dts::v1::Event trigger_event(std::uint64_t instance_id, const core::TriggerEvent
   event.mutable_trigger()->set_edge(trigger.is_rising ? dts::v1::TRIGGER_EDGE_RISING : dts::v1::TRIGGER_EDGE_FALLING);
   event.mutable_trigger()->set_channel(channel);
   return event;
+}
+
+}  // namespace
+
+dts::v1::Event event_message(std::uint64_t instance_id, const core::Event& event, const std::string& trigger_channel) {
+  if (const auto* trigger = std::get_if<core::TriggerEvent>(&event)) return trigger_event(instance_id, *trigger, trigger_channel);
+  if (const auto* reach = std::get_if<core::ReachEvent>(&event)) return reach_event(instance_id, *reach);
+  if (const auto* movement = std::get_if<core::ClassEvent>(&event)) return class_event(instance_id, *movement);
+  return sway_event(instance_id, std::get<core::SwayEvent>(event));
 }
 
 dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice) {

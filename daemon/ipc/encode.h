@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/clock.h"
+#include "core/event.h"
 #include "core/frame.h"
 #include "dts/v1/control.pb.h"
 #include "dts/v1/stream.pb.h"
@@ -39,8 +40,8 @@ struct Identity {
 
 /// Gap event standing before scan 0 of the frame's segment.
 [[nodiscard]] dts::v1::Event gap_event(std::uint64_t instance_id, const core::Frame& frame);
-/// Event of an edge on the rig's trigger channel of that name.
-[[nodiscard]] dts::v1::Event trigger_event(std::uint64_t instance_id, const core::TriggerEvent& trigger, const std::string& channel);
+/// `trigger_channel`: name of the rig's channel, of which a trigger is an edge.
+[[nodiscard]] dts::v1::Event event_message(std::uint64_t instance_id, const core::Event& event, const std::string& trigger_channel);
 [[nodiscard]] dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice);
 
 [[nodiscard]] dts::v1::StatusSnapshot status_snapshot(const Identity& identity, const core::Clock& clock,

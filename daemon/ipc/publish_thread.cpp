@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "dts/wire/options.h"
-#include "ipc/encode_reach.h"
-#include "ipc/encode_sway.h"
 
 namespace dts::ipc {
 namespace {
@@ -104,13 +102,12 @@ void PublishThread::publish(Source& source) {
     core::Frame* frame = frames.front();
     if (frame == nullptr) return;
     if (frame->gap_before.reason != core::GapReason::None) send_event(source, gap_event(instance_id_, *frame));
-    for (const core::TriggerEvent& trigger : frame->events.triggers.all_of()) {
-      send_event(source, trigger_event(instance_id_, trigger, source.trigger_channel));
-    }
+    // Triggers come first of a frame's events; what was found in its scans leaves after them.
+    std::uint32_t left = frame->event_count;
+    while (left > 0 && std::holds_alternative<core::TriggerEvent>(*source.rig->events().front())) send_next_event(source, left);
     send_streams(source, *frame);
     note_latency(source, *frame);
-    send_reaches(source, frame->events);
-    for (const core::SwayEvent& sway : frame->events.sways.all_of()) send_event(source, sway_event(instance_id_, sway));
+    while (left > 0) send_next_event(source, left);
     frames.release();
   }
   bell_.ring();  // more is waiting: come back after the others had their turn
@@ -133,17 +130,11 @@ void PublishThread::note_latency(Source& source, const core::Frame& frame) {
   source.rig->note_latency(source.latency);
 }
 
-/// After the scans in which they were found; every class right after its reach.
-void PublishThread::send_reaches(const Source& source, const core::FrameEvents& events) {
-  const auto classes = events.classes.all_of();
-  auto next = classes.begin();
-  for (const core::ReachEvent& reach : events.reaches.all_of()) {
-    while (next != classes.end() && next->scan < reach.scan) send_event(source, class_event(instance_id_, *next++));
-    send_event(source, reach_event(instance_id_, reach));
-    const bool is_next = next != classes.end() && next->number == reach.number && next->scan == reach.scan;
-    if (is_next && reach.step == core::ReachStep::Final) send_event(source, class_event(instance_id_, *next++));
-  }
-  while (next != classes.end()) send_event(source, class_event(instance_id_, *next++));
+void PublishThread::send_next_event(const Source& source, std::uint32_t& left) {
+  core::EventLane& events = source.rig->events();
+  send_event(source, event_message(instance_id_, *events.front(), source.trigger_channel));
+  events.release();
+  --left;
 }
 
 void PublishThread::send_event(const Source& source, const dts::v1::Event& event) {

@@ -66,7 +66,7 @@ class PublishThread {
   void publish(Source& source);
   void send_streams(Source& source, const core::Frame& frame);
   void note_latency(Source& source, const core::Frame& frame);
-  void send_reaches(const Source& source, const core::FrameEvents& events);
+  void send_next_event(const Source& source, std::uint32_t& left);
   void post(Outgoing outgoing);
   void send_event(const Source& source, const dts::v1::Event& event);
   void send_outbox();

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "core/frame.h"
+#include "core/event.h"
 #include "core/result.h"
 
 namespace dts::pipeline {

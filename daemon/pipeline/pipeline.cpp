@@ -135,9 +135,9 @@ void Pipeline::process(const core::Acquired& acquired, core::Frame& frame) noexc
   frame.host_time_ns = block.host_time_ns;
   frame.lost_scans_total = acquired.lost_scans_total;
   if (acquired.gap_before.reason != core::GapReason::None) reset_stages();
-  frame.events.clear();
+  events_.clear();
   take(block);
-  if (trigger_) trigger_->process(device_, trigger_column_, frame.events.triggers);
+  if (trigger_) trigger_->process(device_, trigger_column_, events_.triggers);
   run_stages(frame);
 }
 
@@ -216,7 +216,7 @@ void Pipeline::run_stages(core::Frame& frame) noexcept {
     out.copy_position(*in);
     if (in->count() > 0) {
       stage->process(*in, out);
-      stage->tell(frame.events);
+      stage->tell(events_);
     }
     if (stream) in = &out;
   }

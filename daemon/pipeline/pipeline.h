@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/event.h"
 #include "core/frame.h"
 #include "core/result.h"
 #include "pipeline/edge_detector.h"
@@ -47,6 +48,8 @@ class Pipeline {
   /// scans is rejected: the frame says only where it is.
   /// Thread: pipeline. Realtime-safe: yes.
   void process(const core::Acquired& acquired, core::Frame& frame) noexcept;
+  /// What the trigger and the stages noticed in the newest block. Thread: pipeline. Realtime-safe: yes.
+  [[nodiscard]] const core::FrameEvents& events() const noexcept { return events_; }
 
   /// State of the trigger and of every stage as numbers, for a replay that begins in the middle of a stream. Fixed after `create`.
   [[nodiscard]] std::size_t state_size() const noexcept;
@@ -88,6 +91,7 @@ class Pipeline {
   std::vector<std::uint64_t> sequences_;  ///< Blocks made so far, per stream.
   std::optional<EdgeDetector> trigger_;
   std::size_t trigger_column_ = 0;  ///< In `device_`.
+  core::FrameEvents events_;        ///< Of the newest block.
   core::Block device_;              ///< Input of the first stage: the sensors in their order, then the aux channels.
   std::uint32_t segment_ = 0;
   core::ScanIndex next_scan_;  ///< What continues the segment.

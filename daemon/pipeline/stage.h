@@ -12,7 +12,7 @@
 
 #include "classifier/trunk_model.h"
 #include "core/block.h"
-#include "core/frame.h"
+#include "core/event.h"
 #include "core/result.h"
 #include "physics/cop/cop_calibration.h"
 #include "physics/rig_model.h"

@@ -90,7 +90,7 @@ std::optional<double> Recorder::time_s(std::uint32_t segment, core::ScanIndex sc
   return seconds(origin->second + rate_.time_ns(scan));
 }
 
-core::Status Recorder::take(const core::Frame& frame) {
+core::Status Recorder::take(const core::Frame& frame, std::span<const core::Event> events) {
   if (frame.gap_before.reason != core::GapReason::None) gap_ = frame.gap_before;
   const core::Block& raw = frame.streams[columns_.front().recorded.frame_index];
   if (raw.count() == 0) return {};
@@ -102,7 +102,7 @@ core::Status Recorder::take(const core::Frame& frame) {
   offset_ns_ = raw.host_time_ns - (origins_ns_[segment_] + rate_.time_ns(raw.first_scan));
   if (std::abs(offset_ns_) <= kRoundingNs) offset_ns_ = 0;
   take_quality(frame);
-  take_events(frame.events);
+  for (const core::Event& event : events) take(event);
   next_raw_ = raw.first_scan + raw.count();
   for (Column& column : columns_) {
     if (auto taken = take_block(column, frame.streams[column.recorded.frame_index], raw); !taken) return taken;
@@ -197,14 +197,14 @@ void Recorder::take_quality(const core::Frame& frame) {
   }
 }
 
-void Recorder::take_events(const core::FrameEvents& events) {
-  for (const core::TriggerEvent& trigger : events.triggers.all_of()) {
-    RecordedEvent event{.event = "trigger", .segment = trigger.segment, .scan = trigger.scan};
-    event.values.emplace_back("edge", std::string(trigger.is_rising ? "rising" : "falling"));
-    keep(event);
+void Recorder::take(const core::Event& event) {
+  if (const auto* trigger = std::get_if<core::TriggerEvent>(&event)) {
+    RecordedEvent edge{.event = "trigger", .segment = trigger->segment, .scan = trigger->scan};
+    edge.values.emplace_back("edge", std::string(trigger->is_rising ? "rising" : "falling"));
+    keep(edge);
   }
-  for (const core::ReachEvent& reach : events.reaches.all_of()) keep(to_record(reach));
-  for (const core::ClassEvent& movement : events.classes.all_of()) keep(to_record(movement));
+  if (const auto* reach = std::get_if<core::ReachEvent>(&event)) keep(to_record(*reach));
+  if (const auto* movement = std::get_if<core::ClassEvent>(&event)) keep(to_record(*movement));
 }
 
 void Recorder::keep(const RecordedEvent& event) {

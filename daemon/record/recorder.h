@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/event.h"
 #include "core/frame.h"
 #include "core/rate.h"
 #include "record/event.h"
@@ -42,8 +43,10 @@ class Recorder {
 
   /// State of the stages before the first frame. Before the first `take`.
   void set_stage_state(std::span<const double> state);
-  /// Buffers a frame; writes what has become a chunk.
-  [[nodiscard]] core::Status take(const core::Frame& frame);
+  /// Buffers a frame with the events that were noticed in it or before; writes what has become a chunk.
+  [[nodiscard]] core::Status take(const core::Frame& frame, std::span<const core::Event> events = {});
+  /// Buffers an event of a segment that is known.
+  void take(const core::Event& event);
   /// Of a segment that is not known yet (nothing was recorded): it waits for its first frame. When none comes, the event goes to the start
   /// of the next segment, or to the end of the recording.
   [[nodiscard]] core::Status take(const RecordedEvent& event);
@@ -84,7 +87,6 @@ class Recorder {
   void note_jump(const core::Block& raw);
   core::Status take_block(Column& column, const core::Block& block, const core::Block& raw);
   void take_quality(const core::Frame& frame);
-  void take_events(const core::FrameEvents& events);
   void keep(const RecordedEvent& event);
   core::Status write_pending(Column& column);
   core::Status write_events();

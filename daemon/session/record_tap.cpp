@@ -24,27 +24,32 @@ bool RecordTap::end_closed() noexcept {
   if (slot == nullptr) return false;
   slot->take = current_;
   slot->is_end = true;
+  slot->frame.event_count = events_.take_count();
   slot->lost_scans = lost_scans_;
   ring_.commit();
   current_ = 0;
   return true;
 }
 
-void RecordTap::offer(const core::Frame& frame) noexcept {
-  if (current_ == 0) return;
+std::uint64_t RecordTap::offer(const core::Frame& frame, const core::FrameEvents& events) noexcept {
+  if (current_ == 0) return 0;
+  const std::uint64_t lost_events = events_.push(events);
   Slot* const slot = ring_.claim();
   if (slot == nullptr) {
     lost_scans_ += frame.streams.front().count();
     lost_gap_ = core::merged(lost_gap_, frame.gap_before);
-    return ring_.drop();
+    ring_.drop();
+    return lost_events;
   }
   slot->frame.copy_from(frame);
+  slot->frame.event_count = events_.take_count();
   slot->frame.gap_before = core::merged(lost_gap_, frame.gap_before);
   lost_gap_ = {};
   slot->take = current_;
   slot->is_end = false;
   slot->lost_scans = lost_scans_;
   ring_.commit();
+  return lost_events;
 }
 
 }  // namespace dts::session

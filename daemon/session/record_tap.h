@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/event.h"
 #include "core/frame.h"
 #include "core/spsc_ring.h"
 #include "pipeline/pipeline.h"
@@ -26,7 +27,7 @@ class RecordTap {
   struct Slot {
     core::Frame frame;
     std::uint64_t take = 0;
-    bool is_end = false;           ///< No frame: the take is over.
+    bool is_end = false;           ///< No frame, at most events: the take is over.
     std::uint64_t lost_scans = 0;  ///< Of the take, that found no room before this slot.
   };
 
@@ -44,9 +45,12 @@ class RecordTap {
   void follow() noexcept;
   /// A take is under way and there is no room for a frame. Thread: pipeline. Realtime-safe: yes.
   [[nodiscard]] bool is_blocked() noexcept { return current_ != 0 && ring_.claim() == nullptr; }
-  /// Copies a frame for the recorder if a take is under way. Thread: pipeline. Realtime-safe: yes.
-  void offer(const core::Frame& frame) noexcept;
+  /// Copies a frame with its events for the recorder if a take is under way. Returns how many events
+  /// found no room. Thread: pipeline. Realtime-safe: yes.
+  std::uint64_t offer(const core::Frame& frame, const core::FrameEvents& events = {}) noexcept;
 
+  /// Events of the slots (`Frame::event_count`). Thread: record.
+  [[nodiscard]] core::EventLane& events() noexcept { return events_; }
   /// The oldest slot, or nullptr; give it back with `release`. Thread: record.
   [[nodiscard]] const Slot* front() noexcept { return ring_.front(); }
   void release() noexcept { ring_.release(); }
@@ -64,6 +68,7 @@ class RecordTap {
 
   const pipeline::Pipeline& pipeline_;
   core::SpscRing<Slot> ring_;
+  core::EventLane events_;
   std::vector<double> state_;  ///< Written by the pipeline thread before the take's first commit, which the record thread sees first.
   std::atomic<std::uint64_t> opened_{0};  ///< Newest take that was begun.
   std::atomic<std::uint64_t> closed_{0};  ///< Newest take that was ended.

@@ -162,16 +162,23 @@ bool RecordThread::drain(const std::string& rig, Line& line) {
 }
 
 void RecordThread::take_slot(const std::string& rig, Line& line, const RecordTap::Slot& slot) {
+  events_.clear();
+  for (std::uint32_t event = 0; event < slot.frame.event_count; ++event, line.tap->events().release()) {
+    events_.push_back(*line.tap->events().front());
+  }
   if (slot.take != line.take || slot.is_end) receive(rig, line);
   if (!line.recorder || slot.take != line.take) return;  // of a recording that has failed: thrown away
   line.lost_scans = slot.lost_scans;
-  if (slot.is_end) return finish(rig, line, "");
+  if (slot.is_end) {
+    for (const core::Event& event : events_) line.recorder->take(event);
+    return finish(rig, line, "");
+  }
   if (!std::exchange(line.has_frames, true)) {
     line.recorder->set_stage_state(line.tap->state());
   } else if (slot.frame.segment != line.recorder->segment()) {
     note_unseen_loss(*line.recorder, line.lost_scans);  // the scan indices start anew: only here is it known where they were lost
   }
-  if (auto taken = line.recorder->take(slot.frame); !taken) finish(rig, line, core::to_string(taken.error()));
+  if (auto taken = line.recorder->take(slot.frame, events_); !taken) finish(rig, line, core::to_string(taken.error()));
 }
 
 void RecordThread::keep_up(const std::string& rig, Line& line) {
@@ -207,7 +214,11 @@ void RecordThread::finish(const std::string& rig, Line& line, const std::string&
     reason = line.view.problem;
   }
   if (reason.empty() && recorder->scans() == 0) reason = "the device delivered no scan";
-  FinishedRecording finished{.rig = rig, .file = line.file + ".part", .scans = recorder->scans(), .duration_s = recorder->duration_s(), .losses = recorder->losses()};
+  FinishedRecording finished{.rig = rig,
+                             .file = line.file + ".part",
+                             .scans = recorder->scans(),
+                             .duration_s = recorder->duration_s(),
+                             .losses = recorder->losses()};
   const auto closed = close(*recorder, reason);
   if (closed) {
     finished.file = closed->file;

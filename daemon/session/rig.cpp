@@ -9,12 +9,12 @@
 namespace dts::session {
 namespace {
 
-constexpr double kScansRingMs = 2000.0;    // how long the pipeline may stall before scans are lost
-constexpr double kFramesRingMs = 1000.0;   // how long the publisher may
-constexpr std::size_t kReachFrames = 256;  // a person reaches once in some seconds, and control looks 20 times in one
-constexpr double kCopRingMs = 4000.0;      // how long the control thread may be busy before a trial of standing is spoilt
-constexpr double kRecordRingMs = 8000.0;   // how long the disk may
-constexpr int kBellPatienceMs = 100;       // how soon a stop is seen on a silent rig
+constexpr double kScansRingMs = 2000.0;   // how long the pipeline may stall before scans are lost
+constexpr double kFramesRingMs = 1000.0;  // how long the publisher may
+constexpr std::size_t kReaches = 256;     // a person reaches once in some seconds, and control looks 20 times in one
+constexpr double kCopRingMs = 4000.0;     // how long the control thread may be busy before a trial of standing is spoilt
+constexpr double kRecordRingMs = 8000.0;  // how long the disk may
+constexpr int kBellPatienceMs = 100;      // how soon a stop is seen on a silent rig
 
 std::size_t blocks_in(const pipeline::RigConfig& config, double ms) {
   return std::max<std::size_t>(8, static_cast<std::size_t>(config.rate.scans_in_ms(ms)) / config.block_scans);
@@ -128,7 +128,7 @@ Rig::Rig(std::unique_ptr<const pipeline::RigConfig> config, core::Clock& clock, 
       scans_(blocks_in(*config_, kScansRingMs),
              core::Acquired{.block = core::Block(device_->describe().channels.size(), config_->block_scans)}),
       frames_(blocks_in(*config_, kFramesRingMs), pipeline_->make_frame()),
-      reaches_(kReachFrames),
+      reaches_(kReaches),
       cop_stream_(cop_stream_of(*pipeline_)),
       cops_(cop_stream_ ? blocks_in(*config_, kCopRingMs) : 1, core::Block(kCopChannels, cop_stream_ ? config_->block_scans : 0)),
       tap_(blocks_in(*config_, kRecordRingMs), *pipeline_),
@@ -193,20 +193,18 @@ void Rig::process(const core::Acquired& acquired) noexcept {
   core::Frame& frame = slot != nullptr ? *slot : spare_frame_;
   tap_.follow();
   pipeline_->process(acquired, frame);
-  tap_.offer(frame);
-  offer_reaches(frame.events);
+  pipeline_state_.lost_events_total += tap_.offer(frame, pipeline_->events());
+  offer_events(pipeline_->events());
   offer_cop(frame);
-  add_unpublished(frame);
+  frame.gap_before = core::merged(unpublished_gap_, frame.gap_before);
   if (slot != nullptr) {
     unpublished_gap_ = {};
-    pipeline_state_.lost_events_total += frame.events.lost();
-    unpublished_events_.clear();
+    frame.event_count = events_.take_count();
     frames_.commit();
     frames_waiting = frames_.waiting();  // before anybody is woken up to take them
     publish_bell_.ring();
   } else {
     unpublished_gap_ = frame.gap_before;
-    unpublished_events_ = frame.events;
     frames_.drop();
   }
   if (acquired.gap_before.reason != core::GapReason::None) statistics_.reset();
@@ -227,15 +225,12 @@ std::string Rig::sensor_problems() {
   return session::sensor_problems(sensor_watch_.latest(), names);
 }
 
-/// What dropped frames said besides their samples must not be lost.
-void Rig::add_unpublished(core::Frame& frame) noexcept {
-  if (!unpublished_events_.empty()) frame.events.prepend(unpublished_events_);
-  frame.gap_before = core::merged(unpublished_gap_, frame.gap_before);
-}
-
-void Rig::offer_reaches(const core::FrameEvents& events) noexcept {
-  if (events.reaches.count + events.classes.count == 0) return;
-  if (!reaches_.push(events)) pipeline_state_.lost_events_total += events.reaches.count + events.classes.count;
+void Rig::offer_events(const core::FrameEvents& events) noexcept {
+  pipeline_state_.lost_events_total += events.lost() + events_.push(events);
+  core::for_each(events, [this](const core::Event& event) {
+    const bool is_of_a_reach = std::holds_alternative<core::ReachEvent>(event) || std::holds_alternative<core::ClassEvent>(event);
+    if (is_of_a_reach && !reaches_.push(event)) ++pipeline_state_.lost_events_total;
+  });
 }
 
 void Rig::offer_cop(const core::Frame& frame) noexcept {

@@ -9,6 +9,7 @@
 
 #include "core/clock.h"
 #include "core/doorbell.h"
+#include "core/event.h"
 #include "core/frame.h"
 #include "core/log.h"
 #include "core/spsc_ring.h"
@@ -29,7 +30,7 @@ namespace dts::session {
 /// What the pipeline thread tells about itself.
 struct PipelineReport {
   std::uint64_t dropped_blocks_total = 0;  ///< Frames that found the publisher's ring full.
-  std::uint64_t lost_events_total = 0;     ///< Triggers, reaches and classes that no frame had room for.
+  std::uint64_t lost_events_total = 0;     ///< Events that found no room in a ring.
   double us_per_scan = 0.0;                ///< Time spent in the stages, moving mean.
   std::uint32_t segment = 0;               ///< Of what was processed last: everything up to there is in the rings.
   core::ScanIndex next_scan;
@@ -91,8 +92,10 @@ class Rig {
 
   /// Finished frames, oldest first. Thread: publish (the consumer).
   [[nodiscard]] core::SpscRing<core::Frame>& frames() noexcept { return frames_; }
-  /// What was noticed in frames with reaches, oldest first: for the results of a session. Thread: control (the consumer).
-  [[nodiscard]] core::SpscRing<core::FrameEvents>& reaches() noexcept { return reaches_; }
+  /// Events of the finished frames (`Frame::event_count`). Thread: publish (the consumer).
+  [[nodiscard]] core::EventLane& events() noexcept { return events_; }
+  /// Reaches and classes, oldest first: for the results of a session. Thread: control (the consumer).
+  [[nodiscard]] core::SpscRing<core::Event>& reaches() noexcept { return reaches_; }
   /// Blocks of the stream "cop", oldest first, of a rig that has one: for the results of a session. Some seconds fit; more is lost, which
   /// shows in the scan indices. Thread: control (the consumer).
   [[nodiscard]] core::SpscRing<core::Block>& cops() noexcept { return cops_; }
@@ -118,8 +121,7 @@ class Rig {
   void run_pipeline(const std::stop_token& stop) noexcept;
   void process(const core::Acquired& acquired) noexcept;
   void wait_for_recorder(const std::stop_token& stop) noexcept;
-  void add_unpublished(core::Frame& frame) noexcept;
-  void offer_reaches(const core::FrameEvents& events) noexcept;
+  void offer_events(const core::FrameEvents& events) noexcept;
   void offer_cop(const core::Frame& frame) noexcept;
   void note_progress(const core::Block& block, std::int64_t spent_ns) noexcept;
 
@@ -132,13 +134,13 @@ class Rig {
   std::unique_ptr<pipeline::Pipeline> pipeline_;
   core::SpscRing<core::Acquired> scans_;
   core::SpscRing<core::Frame> frames_;
-  core::SpscRing<core::FrameEvents> reaches_;
+  core::EventLane events_;
+  core::SpscRing<core::Event> reaches_;
   std::optional<std::size_t> cop_stream_;  ///< Which of the frame's streams is "cop".
   core::SpscRing<core::Block> cops_;
   RecordTap tap_;
-  core::Frame spare_frame_;               ///< Processed into when the publisher's ring is full: the stages must see every scan.
-  core::Gap unpublished_gap_;             ///< These two were in frames that found no room ...
-  core::FrameEvents unpublished_events_;  ///< ... and go with the next.
+  core::Frame spare_frame_;    ///< Processed into when the publisher's ring is full: the stages must see every scan.
+  core::Gap unpublished_gap_;  ///< Stood before frames that found no room; goes with the next.
   core::Doorbell scans_bell_;
   Acquisition acquisition_;
   StatisticsCollector statistics_;

@@ -55,10 +55,10 @@ void RigSession::prepare_results(const Protocol& protocol, const record::Session
 
 /// Empties the rings from the pipeline: into the results of the session, if there are any.
 void RigSession::drain() {
-  while (const core::FrameEvents* events = rig_.reaches().front()) {
+  while (const core::Event* event = rig_.reaches().front()) {
     if (reaches_) {
-      for (const core::ReachEvent& reach : events->reaches.all_of()) reaches_->take(reach);
-      for (const core::ClassEvent& movement : events->classes.all_of()) reaches_->take(movement);
+      if (const auto* reach = std::get_if<core::ReachEvent>(event)) reaches_->take(*reach);
+      if (const auto* movement = std::get_if<core::ClassEvent>(event)) reaches_->take(*movement);
     }
     rig_.reaches().release();
   }

@@ -141,10 +141,10 @@ class ReachRobustness : public testing::TestWithParam<Situation> {
         next_cue_s += kEveryS;
       }
       made->pipeline->process(acquired, frame);
-      for (const core::ReachEvent& reach : frame.events.reaches.all_of()) {
+      for (const core::ReachEvent& reach : made->pipeline->events().reaches.all_of()) {
         if (reach.step == core::ReachStep::Final) result.reaches[reach.number] = reach;
       }
-      for (const core::ClassEvent& answer : frame.events.classes.all_of()) result.classes[answer.number] = answer;
+      for (const core::ClassEvent& answer : made->pipeline->events().classes.all_of()) result.classes[answer.number] = answer;
     }
   }
 

@@ -87,7 +87,8 @@ void measure(const pipeline::RigConfig& whole, const Recorded& recorded, Row& ro
   row.reaches = 0;
   for (const core::Acquired& acquired : recorded.blocks) {
     made->pipeline->process(acquired, frame);
-    for (const core::ReachEvent& reach : frame.events.reaches.all_of()) row.reaches += reach.step == core::ReachStep::Final ? 1 : 0;
+    for (const core::ReachEvent& reach : made->pipeline->events().reaches.all_of())
+      row.reaches += reach.step == core::ReachStep::Final ? 1 : 0;
   }
   const double spent_s = cpu_time_s() - begun_s;
   row.heap_calls += test::heap_calls_of_this_thread() - heap_before;

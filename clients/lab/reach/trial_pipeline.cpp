@@ -26,7 +26,8 @@ core::Result<std::unique_ptr<TrialPipeline>> TrialPipeline::create(const physics
   pipeline::PipelineInput input{
       .rate = rate, .sensor_channels = {}, .aux_channels = {}, .aux_formats = {}, .trigger = std::nullopt, .max_block_scans = kBlockScans};
   for (std::size_t c = 0; c < rig.sensors.size(); ++c) input.sensor_channels.push_back(c);
-  const pipeline::StageContext context{.rig = rig, .input_ranges = std::vector(rig.sensors.size(), kConverter), .tare = owner->tare_, .windows = owner->windows_};
+  const pipeline::StageContext context{
+      .rig = rig, .input_ranges = std::vector(rig.sensors.size(), kConverter), .tare = owner->tare_, .windows = owner->windows_};
   auto created = pipeline::Pipeline::create(stages(), input, context);
   if (!created) return tl::make_unexpected(created.error());
   owner->pipeline_ = std::move(*created);
@@ -61,7 +62,7 @@ void TrialPipeline::process(std::span<const std::array<double, 4>> volts, Watche
   }
   next_scan_ += volts.size();
   pipeline_->process(acquired_, frame_);
-  const auto reaches = frame_.events.reaches.all_of();
+  const auto reaches = pipeline_->events().reaches.all_of();
   watched.events.insert(watched.events.end(), reaches.begin(), reaches.end());
   const core::Block& transient = frame_.streams[transient_];
   for (std::size_t i = 0; i < transient.count(); ++i) {

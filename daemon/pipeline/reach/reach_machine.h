@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/frame.h"
+#include "core/event.h"
 #include "core/reach.h"
 #include "pipeline/reach/reach_record.h"
 #include "pipeline/reach/rest_detector.h"

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/frame.h"
+#include "core/event.h"
 #include "core/rate.h"
 #include "pipeline/stage_state.h"
 #include "posturography/butterworth.h"

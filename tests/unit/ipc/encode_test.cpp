@@ -105,11 +105,12 @@ TEST(Events, OfAFrame_SayWhereAndWhat) {
   EXPECT_EQ(text(gap_event(42, frame)),
             "instance_id: 42 segment: 3 host_time_ns: 6 gap { reason: GAP_REASON_SILENCE missing_scans: 9 is_exact: true }");
   for (const bool is_rising : {true, false}) {
-    EXPECT_EQ(text(trigger_event(42, {.segment = 1, .scan = {900}, .host_time_ns = 77, .is_rising = is_rising}, "ch7")),
+    EXPECT_EQ(text(event_message(42, core::TriggerEvent{.segment = 1, .scan = {900}, .host_time_ns = 77, .is_rising = is_rising}, "ch7")),
               kAt + "trigger { edge: TRIGGER_EDGE_" + (is_rising ? "RISING" : "FALLING") + " channel: \"ch7\" }");
   }
-  EXPECT_EQ(text(reach_event(42, final_reach())), kAt + kReach);
-  EXPECT_EQ(text(class_event(42, {.number = 3, .segment = 1, .scan = {900}, .host_time_ns = 77, .movement = movement()})), kAt + kMovement);
+  EXPECT_EQ(text(event_message(42, final_reach(), "")), kAt + kReach);
+  const core::ClassEvent moved{.number = 3, .segment = 1, .scan = {900}, .host_time_ns = 77, .movement = movement()};
+  EXPECT_EQ(text(event_message(42, moved, "")), kAt + kMovement);
 }
 
 TEST(Events, OfWhatTheSupervisorNoticed_HaveTheirTopicAndSayWhereAndWhat) {
@@ -181,7 +182,7 @@ TEST(EncodeSway, RunningValues_ArePreliminaryAndComplete) {
   const auto measured = [&](std::uint64_t samples) {
     event.values.samples = samples;
     std::string all;
-    const dts::v1::Event out = sway_event(42, event);
+    const dts::v1::Event out = event_message(42, event, "");
     for (const dts::v1::SwayMeasure& measure : out.sway().measures()) all += text(measure).substr(8) + "; ";
     return all;
   };
@@ -200,7 +201,7 @@ TEST(EncodeSway, RunningValues_ArePreliminaryAndComplete) {
   event.values.rdist_mm = kNan;
   EXPECT_EQ(measured(2).substr(0, 10), "\"RDIST_AP\"") << "what is not defined is not listed";
   event.values = {.samples = 1, .rate_hz = 0.5};
-  EXPECT_EQ(text(sway_event(42, event)),
+  EXPECT_EQ(text(event_message(42, event, "")),
             kAt +
                 "sway { is_preliminary: true trial: 3 first_scan: 100 end_scan: 901 profile: \"lp10\" rate_hz: 0.5 "
                 "samples: 1 duration_s: 2 is_valid: true }");

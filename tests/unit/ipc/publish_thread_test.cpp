@@ -36,9 +36,9 @@ class PublishTest : public ::testing::Test {
     publisher_->post(std::move(status));
   }
   /// A session event is retained, a marker is not.
-  void post_session(const std::string& id) {
+  void post_session(const std::string& label) {
     v1::Event event;
-    event.mutable_session()->set_session_id(id);
+    event.mutable_session()->set_label(label);
     publisher_->post("floor", std::move(event));
   }
   void post_marker(const std::string& text) {
@@ -46,14 +46,15 @@ class PublishTest : public ::testing::Test {
     event.mutable_marker()->set_text(text);
     publisher_->post("floor", std::move(event));
   }
-  /// Hands a frame to the publisher; the rig's own threads do not run.
-  void push(const std::function<void(core::Frame&)>& fill) {
+  /// Hands a frame with its events to the publisher; the rig's own threads do not run.
+  void push(const std::function<void(core::Frame&)>& fill, const core::FrameEvents& events = {}) {
     core::Frame* frame = rig_->frames().claim();
     ASSERT_NE(frame, nullptr);
     for (core::Block& block : frame->streams) block.set_count(0);
-    frame->events.clear();
     frame->gap_before = {};
     fill(*frame);
+    EXPECT_EQ(rig_->events().push(events), 0U);
+    frame->event_count = rig_->events().take_count();
     rig_->frames().commit();
   }
   [[nodiscard]] bool is_bell_rung() const {
@@ -75,40 +76,19 @@ class PublishTest : public ::testing::Test {
 
 TEST_F(PublishTest, Frame_LeavesGapFirst_ThenTriggersBlocksAndWhatWasFoundInThem) {
   using enum core::ReachStep;
-  push([&](core::Frame& frame) {
-    frame.gap_before.reason = core::GapReason::Silence;
-    frame.events.triggers.push({});
-    for (const char* name : {"raw", "cop", "deflection"}) frame.streams[stream(name)].set_count(1);
-    frame.events.sways.push({});
-  });
-  EXPECT_EQ(socket_->turn(), "floor/gap floor/trigger floor/raw floor/cop floor/sway ") << "deflection is not published";
+  core::FrameEvents events;
+  events.triggers.push({});
+  events.reaches.push({});
+  events.sways.push({});
+  push(
+      [&](core::Frame& frame) {
+        frame.gap_before.reason = core::GapReason::Silence;
+        for (const char* name : {"raw", "cop", "deflection"}) frame.streams[stream(name)].set_count(1);
+      },
+      events);
+  EXPECT_EQ(socket_->turn(), "floor/gap floor/trigger floor/raw floor/cop floor/reach floor/sway ") << "deflection is not published";
   push([](core::Frame&) {});
   EXPECT_EQ(socket_->turn(), "") << "a block without scans says nothing";
-}
-
-TEST_F(PublishTest, Class_LeavesRightAfterTheFinalStepOfItsReach) {
-  const auto reach = [](core::ReachStep step, std::uint32_t number, std::uint64_t scan) {
-    return core::ReachEvent{.step = step, .number = number, .scan = {scan}};
-  };
-  using enum core::ReachStep;
-  const struct {
-    std::vector<core::ReachEvent> reaches;
-    std::vector<std::pair<std::uint32_t, std::uint64_t>> classes;  // number, scan
-    std::string order;                                             // r: reach, c: class
-  } rows[]{
-      {{reach(P1, 1, 5), reach(Final, 1, 9)}, {{1, 9}}, "rrc"},  {{reach(Final, 1, 9), reach(P1, 2, 9), reach(P2, 2, 9)}, {{1, 9}}, "rcrr"},
-      {{reach(P3, 1, 9), reach(Final, 1, 9)}, {{1, 9}}, "rrc"},  {{reach(Final, 2, 9)}, {{1, 8}, {2, 9}, {3, 10}}, "crcc"},
-      {{reach(Final, 1, 9), reach(P1, 2, 10)}, {{3, 9}}, "rcr"}, {{}, {{1, 3}}, "c"},
-  };
-  for (const auto& row : rows) {
-    push([&](core::Frame& frame) {
-      for (const core::ReachEvent& event : row.reaches) frame.events.reaches.push(event);
-      for (const auto& [number, scan] : row.classes) frame.events.classes.push({.number = number, .scan = {scan}});
-    });
-    std::string expected;
-    for (const char kind : row.order) expected += kind == 'r' ? "floor/reach " : "floor/class ";
-    EXPECT_EQ(socket_->turn(), expected) << row.order;
-  }
 }
 
 TEST_F(PublishTest, ManyFrames_LeaveTurnsToTheOthers) {

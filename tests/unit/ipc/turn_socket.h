@@ -20,7 +20,7 @@ class TurnSocket final : public DataSocket {
     sent_.append(topic);
     if (const auto* status = dynamic_cast<const v1::StatusSnapshot*>(&message)) sent_ += "=" + status->version();
     if (const auto* event = dynamic_cast<const v1::Event*>(&message)) {
-      if (event->has_session()) sent_ += "=" + event->session().session_id();
+      if (!event->session().label().empty()) sent_ += "=" + event->session().label();
       if (event->has_marker()) sent_ += "=" + event->marker().text();
     }
     sent_ += ' ';

@@ -61,7 +61,7 @@ class Running {
 
  private:
   void note(std::vector<std::uint64_t>& out) const {
-    out.push_back(frame_.events.triggers.count);
+    out.push_back(pipeline_->events().triggers.count);
     for (const core::Block& block : frame_.streams) {
       out.push_back(block.first_scan.value);
       for (std::size_t c = 0; c < block.channel_count(); ++c) {

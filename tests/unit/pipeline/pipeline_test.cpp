@@ -72,13 +72,13 @@ TEST_F(PipelineTest, TriggerChannel_GivesItsEdgesWithTheFrame) {
   create(kFloorStages, input);
 
   pipeline_->process(next(2), frame_);
-  EXPECT_EQ(frame_.events.triggers.count, 0U);
+  EXPECT_EQ(pipeline_->events().triggers.count, 0U);
   pipeline_->process(next(2), frame_);
-  ASSERT_EQ(frame_.events.triggers.count, 1U);
-  EXPECT_EQ(frame_.events.triggers.events[0].scan.value, 3U);
-  EXPECT_EQ(frame_.events.triggers.events[0].host_time_ns, 1'030'000'000);
+  ASSERT_EQ(pipeline_->events().triggers.count, 1U);
+  EXPECT_EQ(pipeline_->events().triggers.events[0].scan.value, 3U);
+  EXPECT_EQ(pipeline_->events().triggers.events[0].host_time_ns, 1'030'000'000);
   pipeline_->process(next(2), frame_);
-  EXPECT_EQ(frame_.events.triggers.count, 0U);
+  EXPECT_EQ(pipeline_->events().triggers.count, 0U);
 }
 
 TEST_F(PipelineTest, Formats_AreTheStagesStreamsThenAux) {

@@ -52,7 +52,6 @@ class RecorderTest : public testing::Test {
   core::Frame& frame(std::uint32_t segment, std::uint64_t first, std::size_t scans, std::int64_t host_ns) {
     frame_.segment = segment;
     frame_.gap_before = {};
-    frame_.events.clear();
     for (std::size_t stream = 0; stream < frame_.streams.size(); ++stream) {
       core::Block& block = frame_.streams[stream];
       const std::size_t every = stream == kCop ? 2 : 1;
@@ -197,9 +196,7 @@ TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScan) {
       .event = "marker", .segment = 0, .scan = {15}, .values = {{"text", std::string("before anything was recorded")}}};
   ASSERT_TRUE(recorder->take(early));
   ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
-  core::Frame& next = frame(0, 40, 20, host_ns(40));
-  next.events.triggers.push({.segment = 0, .scan = {47}, .is_rising = true});
-  ASSERT_TRUE(recorder->take(next));
+  ASSERT_TRUE(recorder->take(frame(0, 40, 20, host_ns(40)), std::vector<core::Event>{core::TriggerEvent{.segment = 0, .scan = {47}}}));
 
   const Contents contents = read(close(*recorder));
 
@@ -212,11 +209,11 @@ TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScan) {
 
 TEST_F(RecorderTest, ReachesAndClasses_StandInTheirOrder) {
   auto recorder = this->recorder();
-  core::Frame& next = frame(0, 0, 40, host_ns(0));
-  next.events.reaches.push({.step = core::ReachStep::P3, .number = 2, .scan = {10}});
-  next.events.reaches.push({.step = core::ReachStep::Final, .number = 2, .scan = {30}});
-  next.events.classes.push({.number = 2, .scan = {30}, .movement = {.trunk_class = core::TrunkClass::Moderate}});
-  ASSERT_TRUE(recorder->take(next));
+  const std::vector<core::Event> events{
+      core::ReachEvent{.step = core::ReachStep::P3, .number = 2, .scan = {10}},
+      core::ReachEvent{.step = core::ReachStep::Final, .number = 2, .scan = {30}},
+      core::ClassEvent{.number = 2, .scan = {30}, .movement = {.trunk_class = core::TrunkClass::Moderate}}};
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0)), events));
 
   const Contents contents = read(close(*recorder));
 

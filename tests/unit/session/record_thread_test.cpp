@@ -235,6 +235,29 @@ TEST_F(RecordThreadTest, GapsBeforeFramesThatFoundNoRoom_AddUp) {
   EXPECT_EQ(tap.front()->lost_scans, 2 * kBlockScans);
 }
 
+TEST_F(RecordThreadTest, EventsOfFramesThatFoundNoRoom_GoWithTheNextOrWithTheEnd) {
+  RecordTap tap(1, *pipeline_);
+  core::FrameEvents trigger;
+  trigger.triggers.push({.segment = 1});
+  EXPECT_EQ(tap.offer(at(frame_, 1, 0), trigger), 0U) << "nothing is recorded";
+  EXPECT_EQ(tap.events().front(), nullptr);
+  tap.open();
+  tap.follow();
+  while (!tap.is_blocked()) tap.offer(at(frame_, 1, 0));
+  tap.offer(frame_, trigger);
+  while (tap.front() != nullptr) tap.release();
+  tap.offer(frame_, trigger);
+  EXPECT_EQ(tap.front()->frame.event_count, 2U);
+  while (!tap.is_blocked()) tap.offer(frame_);
+  tap.offer(frame_, trigger);
+  while (tap.front() != nullptr) tap.release();
+  tap.close();
+  tap.follow();
+  ASSERT_NE(tap.front(), nullptr);
+  EXPECT_TRUE(tap.front()->is_end);
+  EXPECT_EQ(tap.front()->frame.event_count, 1U);
+}
+
 TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {
   RecordTap tap(64, *pipeline_);
   RecordThread thread(clock_, storage_);

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <variant>
+
+#include "core/block.h"
+#include "core/reach.h"
+#include "core/spsc_ring.h"
+#include "core/sway.h"
+
+namespace dts::core {
+
+/// The trigger channel crossed its level between the scan before and this one.
+struct TriggerEvent {
+  std::uint32_t segment = 0;
+  ScanIndex scan;
+  std::int64_t host_time_ns = 0;
+  bool is_rising = true;
+};
+
+/// The events of one kind in one frame. What finds no room is counted and dropped.
+template <class Kind, std::size_t kCapacity>
+struct BoundedEvents {
+  std::array<Kind, kCapacity> events{};
+  std::size_t count = 0;
+  std::uint64_t lost = 0;  ///< Found no room.
+
+  void push(const Kind& event) noexcept {
+    if (count < events.size()) {
+      events[count++] = event;
+    } else {
+      ++lost;
+    }
+  }
+  void clear() noexcept {
+    count = 0;
+    lost = 0;
+  }
+  [[nodiscard]] std::span<const Kind> all_of() const noexcept { return std::span(events).first(count); }
+};
+
+inline constexpr std::size_t kMaxTriggersPerFrame = 16;
+inline constexpr std::size_t kMaxReachesPerFrame = 8;
+inline constexpr std::size_t kMaxSwaysPerFrame = 2;  // there are two a second
+
+using TriggerEvents = BoundedEvents<TriggerEvent, kMaxTriggersPerFrame>;
+
+/// What the pipeline noticed while it made one frame.
+struct FrameEvents {
+  TriggerEvents triggers{};
+  BoundedEvents<ReachEvent, kMaxReachesPerFrame> reaches{};
+  BoundedEvents<ClassEvent, kMaxReachesPerFrame> classes{};
+  BoundedEvents<SwayEvent, kMaxSwaysPerFrame> sways{};  ///< Preliminary: if one finds no room, the next supersedes it.
+
+  [[nodiscard]] std::uint64_t lost() const noexcept { return triggers.lost + reaches.lost + classes.lost; }
+  void clear() noexcept {
+    triggers.clear();
+    reaches.clear();
+    classes.clear();
+    sways.clear();
+  }
+};
+
+/// An event of any kind.
+using Event = std::variant<TriggerEvent, ReachEvent, ClassEvent, SwayEvent>;
+
+/// Calls `use` with every event in the order of publication: triggers; reaches, each class right after the final step of its reach; sway.
+template <class Use>
+void for_each(const FrameEvents& events, Use use) {
+  for (const TriggerEvent& trigger : events.triggers.all_of()) use(Event(trigger));
+  const auto classes = events.classes.all_of();
+  auto next = classes.begin();
+  for (const ReachEvent& reach : events.reaches.all_of()) {
+    while (next != classes.end() && next->scan < reach.scan) use(Event(*next++));
+    use(Event(reach));
+    const bool is_next = next != classes.end() && next->number == reach.number && next->scan == reach.scan;
+    if (is_next && reach.step == ReachStep::Final) use(Event(*next++));
+  }
+  while (next != classes.end()) use(Event(*next++));
+  for (const SwayEvent& sway : events.sways.all_of()) use(Event(sway));
+}
+
+/// The events that travel beside a ring of frames. Events are rare: in every slot of the frames they would take 2.9 kB, here they take
+/// what they need.
+///
+///     producer:  push(events)   frame.event_count = take_count()   commit the frame
+///     consumer:  for each frame: pop(frame.event_count)
+///
+/// If the frame finds no room, its events are counted in the next frame.
+class EventLane {
+ public:
+  /// The default holds a trigger in every scan at 1500 Hz for longer than the publisher's ring of frames.
+  explicit EventLane(std::size_t capacity = 2048) : ring_(capacity) {}
+
+  /// Returns how many events found no room. Thread: producer. Realtime-safe: yes.
+  std::uint64_t push(const FrameEvents& events) noexcept {
+    std::uint64_t lost = 0;
+    for_each(events, [&](const Event& event) { ring_.push(event) ? void(++count_) : void(++lost); });
+    return lost;
+  }
+  /// Events that no frame has counted yet. Thread: producer. Realtime-safe: yes.
+  [[nodiscard]] std::uint32_t take_count() noexcept { return std::exchange(count_, 0); }
+
+  /// The oldest event, in place, or nullptr; give it back with `release`. Thread: consumer. Realtime-safe: yes.
+  [[nodiscard]] const Event* front() noexcept { return ring_.front(); }
+  void release() noexcept { ring_.release(); }
+
+ private:
+  SpscRing<Event> ring_;
+  std::uint32_t count_ = 0;  ///< The producer's.
+};
+
+}  // namespace dts::core

@@ -7,8 +7,7 @@
 
 namespace dts::cli {
 
-/// The candidate that `word` was probably meant to be; empty when none is near enough (a third of its letters, at least
-/// one, may be wrong, missing, added or swapped).
+/// `core::suggest` for clients, which do not include core: the candidate that `word` was probably meant to be, or nothing.
 [[nodiscard]] std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace dts::cli

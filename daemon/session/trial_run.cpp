@@ -6,6 +6,8 @@
 #include <numeric>
 #include <utility>
 
+#include "core/split_mix.h"
+
 namespace dts::session {
 namespace {
 
@@ -23,12 +25,7 @@ class SplitMix64 {
  public:
   explicit SplitMix64(std::uint64_t seed) noexcept : state_(seed) {}
 
-  std::uint64_t next() noexcept {
-    std::uint64_t mixed = (state_ += 0x9E3779B97F4A7C15U);
-    mixed = (mixed ^ (mixed >> 30U)) * 0xBF58476D1CE4E5B9U;
-    mixed = (mixed ^ (mixed >> 27U)) * 0x94D049BB133111EBU;
-    return mixed ^ (mixed >> 31U);
-  }
+  std::uint64_t next() noexcept { return core::split_mix(state_ += core::kGoldenGamma); }
   /// Evenly in [0, bound): draws that would favour the small numbers are rejected. `bound` is at least 1.
   std::uint64_t below(std::uint64_t bound) noexcept {
     const std::uint64_t first_fair = (0 - bound) % bound;  // 2^64 modulo bound

@@ -135,25 +135,6 @@ TEST(U6Faults, MuteWhileStreaming_BrokenAndStopInTime) {
   EXPECT_FALSE(rig.device->start({rig.rate, 64}).has_value());
 }
 
-TEST(U6Faults, UnpluggedAtAnyRequest_NeverOpenWithoutDevice) {
-  for (std::uint64_t request = 0; request < 16; ++request) {
-    Rig rig(kEleven);
-    rig.bus.on_request = [&](std::uint64_t count) {
-      if (count == request) rig.bus.unplug(rig.unit);
-    };
-    const bool is_open = rig.device->open().has_value();
-    if (is_open && rig.device->start({test::rate_of(1500), 64}).has_value()) {
-      core::Block block(11, 64);
-      ReadResult result = rig.device->read(block, rig.clock.now_ns() + kSecond);
-      for (int i = 0; i < 20 && result.outcome == ReadOutcome::Scans; ++i) result = rig.device->read(block, rig.clock.now_ns() + kSecond);
-      EXPECT_EQ(result.outcome, rig.bus.requests() > request ? ReadOutcome::Gone : ReadOutcome::Scans) << request;
-    }
-    EXPECT_TRUE(rig.device->close().has_value());
-    EXPECT_EQ(rig.bus.transfers_in_flight(), 0) << request;
-    EXPECT_EQ(rig.bus.open_ports(), 0) << request;
-  }
-}
-
 TEST(U6Faults, StreamOfACrashedProgram_EndedAtOpen) {
   Rig rig(kEleven);
   const StreamSetup setup{.samples_per_packet = 25, .scan_config = 0x08, .interval = 4800, .channels = {3, 4}, .options = {0, 0}};

@@ -257,21 +257,5 @@ TEST(FsPlusFaults, DeviceAtTwiceItsRate_Integrity) {
   EXPECT_EQ(bench.read(30'000).last.gap.reason, GapReason::Integrity);
 }
 
-TEST(FsPlusFaults, OpenFailsWithEachRequestUnanswered_NeverHangsOrLeaks) {
-  for (std::uint64_t lost = 0; lost < 40; ++lost) {
-    FsPlusEmulator unit = faulty_1608();
-    Bench bench("mcc:1608fs-plus", unit);
-    bench.bus.on_request = [&](std::uint64_t number) {
-      if (number == lost) unit.faults.silent_control_requests = 1;
-    };
-    const auto opened = bench.device->open();
-    if (opened) (void)bench.device->start({*core::Rate::from_hz(1500), 64});
-    (void)bench.device->stop();
-    EXPECT_TRUE(bench.device->close());
-    EXPECT_EQ(bench.bus.transfers_in_flight(), 0) << lost;
-    EXPECT_EQ(bench.bus.open_ports(), 0) << lost;
-  }
-}
-
 }  // namespace
 }  // namespace dts::device::mcc

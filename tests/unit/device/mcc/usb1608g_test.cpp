@@ -202,26 +202,6 @@ TEST(Usb1608g, WhatCannotBeOpenedOrStarted_SaysWhy) {
   EXPECT_EQ(bench.device->start({*core::Rate::from_hz(1500), 64}).error().code, core::ErrorCode::DataDamaged);
 }
 
-TEST(Usb1608g, SyncOutput_DrivesTheChosenLineOnly) {
-  const ImageFile image;
-  for (const auto& [options, inputs] : {std::pair{"", 0xFF}, {"&sync_output_bit=3", 0xF7}}) {
-    Usb1608gEmulator unit = unit_g();
-    BenchG bench(image, unit, options);
-    bench.start(1500);
-    const auto read_port = [&](std::uint8_t request) {
-      return unit.control({.request_type = 0xC0, .request = request, .length = 1}, {}, bench.clock.now_ns()).data.at(0);
-    };
-    EXPECT_EQ(read_port(0x00), inputs) << "a bit that is set: an input";
-    for (const bool is_high : {true, false}) {
-      const auto driven = bench.device->set_sync_output(is_high);
-      EXPECT_EQ(driven.has_value(), inputs != 0xFF);
-      EXPECT_EQ(read_port(0x02), driven && is_high ? 1 << 3 : 0);
-      if (driven) continue;
-      EXPECT_EQ(driven.error().what, bench.uri + " has no digital line chosen for the sync pulse");
-    }
-  }
-}
-
 TEST(Usb1608g, ScanLeftRunningByAnotherProgram_EndsAndLeavesNothingBehind) {
   const ImageFile image;
   Usb1608gEmulator unit = unit_g();
@@ -251,23 +231,6 @@ TEST(Usb1608g, FirstConversionAfterLoading_ThrownAway) {
   EXPECT_FALSE(report.checks.empty());
   for (const DeviceCheck& check : report.checks)
     EXPECT_EQ(check.outcome, DeviceCheck::Outcome::Passed) << check.name << ": " << check.detail;
-}
-
-TEST(Usb1608g, ImageFileThatCannotBeOne_RefusedWithoutADevice) {
-  core::VirtualClock clock;
-  emulator::FakeBus bus(clock);
-  const physics::RigModel rig;
-  const ImageFile wrong(100);
-  const ImageFile image;
-  const std::string relative = std::filesystem::relative(image.path()).string();
-  for (const auto& [file, code, what] : {std::tuple{std::string("/nowhere/image.rbf"), core::ErrorCode::NotFound, "/nowhere/image.rbf"},
-                                         {wrong.path(), core::ErrorCode::InvalidArgument, "100 bytes"},
-                                         {relative, core::ErrorCode::InvalidArgument, "not a whole path"}}) {
-    const auto created = create_device("mcc:1608g?fpga=" + file, {clock, rig, &bus});
-    ASSERT_FALSE(created.has_value()) << file;
-    EXPECT_EQ(created.error().code, code) << file;
-    EXPECT_NE(created.error().what.find(what), std::string::npos) << created.error().what;
-  }
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include <map>
 #include <string>
 #include <tuple>
-#include <utility>
 
 #include "device/registry.h"
 

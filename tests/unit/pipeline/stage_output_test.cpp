@@ -7,6 +7,7 @@
 
 #include "contract/expected_text.h"
 #include "contract/stage_contract.h"
+#include "unit/pipeline/chair_chain.h"
 
 namespace dts::pipeline {
 namespace {
@@ -53,8 +54,8 @@ void write_description(std::ostream& text, const StageDescription& is) {
   }
 }
 
-void write_output(std::ostream& text, const std::string& id, const Options& options, std::size_t scans) {
-  text << contract::text_of(options) << '\n';
+void write_output(std::ostream& text, const std::string& id, const Options& options, std::size_t scans, Faults faults) {
+  text << contract::text_of(options) << (faults == Faults::None ? " without faults" : "") << '\n';
   PreparedStage stage(id, options);
   if (!stage.is_prepared()) {
     text << "  takes none of the signals\n";
@@ -63,7 +64,7 @@ void write_output(std::ostream& text, const std::string& id, const Options& opti
   text << "  rate " << stage.format().rate.numerator() << " / " << stage.format().rate.denominator() << " , delay "
        << stage.format().delay_ns << " ns,";
   for (const core::ChannelFormat& channel : stage.format().channels) text << ' ' << channel.name << " '" << channel.unit << "'";
-  const Output output = stage.run(stage.signal(scans, 3, Faults::Some));
+  const Output output = stage.run(stage.signal(scans, 3, faults));
   text << "\n  scans " << sums_of(output.scan) << "\n  times " << sums_of(output.block_host_time_ns) << '\n';
   for (std::size_t c = 0; c < output.values.size(); ++c) {
     text << "  channel " << c << " : " << sums_of(output.values[c]) << " bits " << sums_of(output.bits[c]) << '\n';
@@ -80,11 +81,35 @@ TEST(StageOutput, OfEveryStageWithEveryOption_IsThatOfItsFile) {
     std::ostringstream text;
     text.precision(12);
     write_description(text, description);
-    // A reach takes seconds, and the chair's signal holds several.
-    const std::size_t scans = description.id == "reach" ? 3000 : 700;
-    for (const Options& options : contract::option_sets(description)) write_output(text, std::string(description.id), options, scans);
-    dts::test::expect_text("tests/unit/pipeline/outputs/" + std::string(description.id) + ".txt", text.str());
+    const std::string id(description.id);
+    const std::size_t scans = id == "reach" || id == "steadiness" ? 3000 : 700;  // reaches and quiet standing take seconds
+    for (const Options& options : contract::option_sets(description)) {
+      write_output(text, id, options, scans, Faults::Some);
+      if (options.empty() || id == "steadiness") write_output(text, id, options, scans, Faults::None);
+    }
+    dts::test::expect_text("tests/unit/pipeline/outputs/" + id + ".txt", text.str());
   }
+}
+
+/// At 1500 Hz a scan of the analysis is a block of scans. Two people, one with doubtful sensors.
+TEST(StageOutput, OfReachesAt1500Hz_IsThatOfItsFile) {
+  std::ostringstream text;
+  text.precision(12);
+  const SeatedPerson person{.noise_mm = 0.002,
+                            .reaches = {{}, {.start_s = 6.0, .rise_mm = 0.6}, {.start_s = 9.5, .dip_mm = 0.1, .hold_s = 1.5}},
+                            .sits_down_s = 0.7,
+                            .stands_up_s = 15.0};
+  for (const Faults faults : {Faults::None, Faults::Some}) {
+    Signal signal = transient_of(person, 16.0, 1500.0);
+    for (std::size_t i = 0; i < signal.scans() && faults == Faults::Some; ++i) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        if (i % 7000 < 400) signal.bits[c][i] |= core::quality::kSubstituted;
+        if (i % 5000 < 12) signal.values[c][i] = contract::kNaN;
+      }
+    }
+    write_events(text, faults == Faults::None ? "reach" : "doubtful reach", reaches_of(signal, 64));
+  }
+  dts::test::expect_text("tests/unit/pipeline/outputs/reach_1500.txt", text.str());
 }
 
 }  // namespace

@@ -3,8 +3,6 @@
 
 #include <gmock/gmock.h>
 
-#include <optional>
-
 #include "core/special_numbers.h"
 #include "unit/pipeline/chair_chain.h"
 
@@ -135,22 +133,6 @@ TEST(Transient, RigThatNamesItsSensors_UsesThese) {
   const Output out = prepare_and_run(*stage, steady({9.0, 4.0, 3.0, 3.0, 4.0}, 20));
 
   EXPECT_NEAR(out.values[0][10], 3.5, 0.002);
-}
-
-TEST(Transient, SensorsThatAreNotChosenOrTwice_AreRefused) {
-  using Chosen = physics::RigModel::TransientSensors;
-  for (const auto& [sensors, chosen] : {std::pair<std::size_t, std::optional<Chosen>>{5, {}},
-                                        {4, Chosen{.rear = {0, 0}, .front = {2, 3}}},
-                                        {4, Chosen{.rear = {0, 1}, .front = {2, 4}}}}) {
-    physics::RigModel rig = chair_rig();
-    rig.sensors.resize(sensors, rig.sensors.front());
-    rig.transient_sensors = chosen;
-    StageSurroundings surroundings(std::move(rig));
-    const auto refused = surroundings.make({.id = "transient", .options = {}})->prepare(steady(std::vector(sensors, 1.0), 0).format, 64);
-
-    ASSERT_FALSE(refused);
-    EXPECT_THAT(refused.error().what, testing::HasSubstr(chosen ? "or one twice; 4 channels come in" : "the rig has 5 sensors"));
-  }
 }
 
 }  // namespace

@@ -16,7 +16,6 @@ using test::Bench;
 using test::kMillisecond;
 using test::kSecond;
 using test::moving_source;
-using test::Reading;
 
 FsPlusEmulator unit_1608() { return {FsPlusKind::Usb1608, "01A2B3C4", moving_source()}; }
 

@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <tuple>
 
 #include "unit/device/mcc/mcc_bench.h"
 #include "unit/device/sim_rig.h"

@@ -19,7 +19,6 @@ namespace {
 using core::ErrorCode;
 using core::GapReason;
 using emulator::NiStubControl;
-using test::kLibrary;
 using test::kMillisecond;
 using test::kSecond;
 using test::open_error;

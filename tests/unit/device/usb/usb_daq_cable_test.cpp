@@ -2,9 +2,7 @@
 // The cable: pulled out at any moment, refused transfers, harm at every request, a host controller that gives nothing back.
 #include <gtest/gtest.h>
 
-#include <optional>
 #include <string>
-#include <utility>
 
 #include "device/usb/usb_daq.h"
 #include "unit/device/usb/toy_bench.h"

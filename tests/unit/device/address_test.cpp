@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What an address becomes. addresses.txt has the addresses, and behind each what the device says of itself, or why there is none.
+// What an address becomes. addresses/ has the addresses, and behind each what the device says of itself, or why there is none.
 #include <gtest/gtest.h>
 
 #include <fstream>
@@ -14,17 +14,18 @@
 namespace dts::device {
 namespace {
 
-constexpr const char* kAddressFile = "tests/unit/device/addresses.txt";
+class Address : public testing::TestWithParam<const char*> {};
 
 std::string indented(std::string text) {
   for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', end + 1)) text.insert(end + 1, "    ");
   return text;
 }
 
-TEST(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
+TEST_P(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
+  const std::string file = std::string("tests/unit/device/addresses/") + GetParam() + ".txt";
   std::string found;
   bool has_usb = true;
-  for (const std::string& line : dts::test::lines_of(std::ifstream(std::string(DTS_SOURCE_DIR) + "/" + kAddressFile))) {
+  for (const std::string& line : dts::test::lines_of(std::ifstream(std::string(DTS_SOURCE_DIR) + "/" + file))) {
     if (line.starts_with("    ")) continue;
     found += line + "\n";
     if (line.starts_with("#")) has_usb = line.find("without USB") == std::string::npos;
@@ -36,8 +37,12 @@ TEST(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
     found += created ? test::text_of((*created)->describe(), "    ")
                      : "    " + std::string(core::name(created.error().code)) + ": " + indented(core::to_string(created.error())) + "\n";
   }
-  dts::test::expect_text(kAddressFile, found);
+  dts::test::expect_text(file, found);
 }
+
+INSTANTIATE_TEST_SUITE_P(Files, Address,
+                         testing::Values("no_device", "without_usb", "mcc", "pair", "labjack", "ni", "replay", "floor", "chair"),
+                         [](const auto& file) { return std::string(file.param); });
 
 }  // namespace
 }  // namespace dts::device

@@ -2,10 +2,12 @@
 // What each driver asks of its unit from opening to closing, call by call; what the user is told when one call fails; what the report says.
 // The expected texts are in conversations/: the calls as the vendors' sources give them, with their bytes and time limits.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <fstream>
 #include <functional>
+#include <map>
 #include <memory>
 #include <sstream>
 #include <string>
@@ -156,18 +158,18 @@ Life pair() {
 
 /// A file as long as an FPGA image.
 std::string image() {
-  const std::string path = test::temporary_path("conversation.rbf");
+  const std::string path = testing::TempDir() + "conversation_" + std::to_string(getpid()) + ".rbf";
   std::ofstream(path, std::ios::binary) << std::string(73'829, '\x5A');
   return path;
 }
 
-TEST(Conversation, EveryCallOfALifeAndWhatIsToldWhenItFails) {
-  const std::string fpga = image();
+/// The unit that a name stands for, and how it is asked.
+std::function<Life()> life_of(const std::string& name, const std::string& fpga) {
   const std::string serial = "01A2B3C4";
   const auto fs_plus = [&serial](FsPlusKind kind, const std::string& uri, double rate_hz = 1500, std::size_t block_scans = 64) {
     return one<FsPlusEmulator>(uri, rate_hz, block_scans, kind, serial);
   };
-  const std::vector<std::pair<std::string, std::function<Life()>>> rows = {
+  const std::map<std::string, std::function<Life()>> lives = {
       {"usb_1608fs_plus", fs_plus(FsPlusKind::Usb1608, "mcc:1608fs-plus?channels=0,2,5,7&range_v=10,5,2,1&sync_output_bit=3&sync_pin=out")},
       {"usb_1608fs_plus_slow", fs_plus(FsPlusKind::Usb1608, "mcc:1608fs-plus?channels=1,6&trigger=falling", 100, 2)},
       {"usb_1208fs_plus", fs_plus(FsPlusKind::Usb1208, "mcc:1208fs-plus?channels=1,6&sync_output_bit=5")},
@@ -180,14 +182,24 @@ TEST(Conversation, EveryCallOfALifeAndWhatIsToldWhenItFails) {
       {"u6_slow", one<emulator::U6Emulator>("labjack:u6?channels=13,8", 20, 1)},
       {"joined_pair", pair},
   };
-  for (const auto& [name, make] : rows) {
-    SCOPED_TRACE(name);
-    std::string found = told_calls(make) + report(make());
-    if (const std::size_t at = found.find(fpga); at != std::string::npos) found.replace(at, fpga.size(), "IMAGE");
-    dts::test::expect_text("tests/unit/device/conversations/" + name + ".txt", found);
-  }
-  std::remove(fpga.c_str());
+  return lives.at(name);
 }
+
+class Conversation : public testing::TestWithParam<const char*> {};
+
+TEST_P(Conversation, EveryCallOfALifeAndWhatIsToldWhenItFails) {
+  const std::string fpga = image();
+  const auto make = life_of(GetParam(), fpga);
+  std::string found = told_calls(make) + report(make());
+  std::remove(fpga.c_str());
+  if (const std::size_t at = found.find(fpga); at != std::string::npos) found.replace(at, fpga.size(), "IMAGE");
+  dts::test::expect_text(std::string("tests/unit/device/conversations/") + GetParam() + ".txt", found);
+}
+
+INSTANTIATE_TEST_SUITE_P(Units, Conversation,
+                         testing::Values("usb_1608fs_plus", "usb_1608fs_plus_slow", "usb_1208fs_plus", "usb_204", "usb_1608g",
+                                         "usb_1608g_slow", "u6", "u6_slow", "joined_pair"),
+                         [](const auto& unit) { return std::string(unit.param); });
 
 }  // namespace
 }  // namespace dts::device::conversation

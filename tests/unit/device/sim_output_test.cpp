@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every value that the simulated devices give, in sums: sim_outputs.txt has an address, a rate and how many scans, and what came of it.
+// Every value that the simulated devices give, in sums: sim_outputs/ has an address, a rate and how many scans, and what came of it.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -15,7 +16,7 @@
 namespace dts::device {
 namespace {
 
-constexpr const char* kOutputFile = "tests/unit/device/sim_outputs.txt";
+class SimOutput : public testing::TestWithParam<const char*> {};
 
 /// Of one channel: first, last and a sum in which every scan has a weight of its own.
 struct ChannelSums {
@@ -68,13 +69,14 @@ std::string output_of(Device& device, core::VirtualClock& clock, double rate_hz,
   return text.str();
 }
 
-TEST(SimOutput, EachAddressOfTheFile_GivesItsValues) {
-  const std::string cop = test::temporary_path("cop.csv");
-  const std::string weights = test::temporary_path("weights.csv");
+TEST_P(SimOutput, EachAddressOfTheFile_GivesItsValues) {
+  const std::string file = std::string("tests/unit/device/sim_outputs/") + GetParam() + ".txt";
+  const std::string cop = std::string(testing::TempDir()) + "cop_" + GetParam() + std::to_string(getpid());
+  const std::string weights = std::string(testing::TempDir()) + "weights_" + GetParam() + std::to_string(getpid());
   std::ofstream(cop) << "t_s,x_mm,y_mm\n0,-3,2\n0.5,1,-4\n1.25,6,0\n2,2,9\n";
   std::ofstream(weights) << "x_mm,y_mm,load_n\n-129,0,240\n64.5,-64.5,700\n0,43,1\n";
   std::string found;
-  for (const std::string& line : dts::test::lines_of(std::ifstream(std::string(DTS_SOURCE_DIR) + "/" + kOutputFile))) {
+  for (const std::string& line : dts::test::lines_of(std::ifstream(std::string(DTS_SOURCE_DIR) + "/" + file))) {
     if (line.starts_with(" ")) continue;
     SCOPED_TRACE(line);
     std::string uri;
@@ -92,8 +94,13 @@ TEST(SimOutput, EachAddressOfTheFile_GivesItsValues) {
   }
   std::filesystem::remove(cop);
   std::filesystem::remove(weights);
-  dts::test::expect_text(kOutputFile, found);
+  dts::test::expect_text(file, found);
 }
+
+INSTANTIATE_TEST_SUITE_P(Files, SimOutput,
+                         testing::Values("floor", "floor_fast", "floor_faults", "recording", "bench", "chair_1", "chair_2", "chair_3",
+                                         "chair_4", "chair_5"),
+                         [](const auto& file) { return std::string(file.param); });
 
 }  // namespace
 }  // namespace dts::device

@@ -75,24 +75,31 @@ void write_output(std::ostream& text, const std::string& id, const Options& opti
   text << "  lost " << output.lost_sways << " state " << sums_of(contract::saved(*stage)) << '\n';
 }
 
-TEST(StageOutput, OfEveryStageWithEveryOption_IsThatOfItsFile) {
-  for (const StageEntry& entry : stage_registry()) {
-    const StageDescription& description = entry.describe();
-    std::ostringstream text;
-    text.precision(12);
-    write_description(text, description);
-    const std::string id(description.id);
-    const std::size_t scans = id == "reach" || id == "steadiness" ? 3000 : 700;  // reaches and quiet standing take seconds
-    for (const Options& options : contract::option_sets(description)) {
-      write_output(text, id, options, scans, Faults::Some);
-      if (options.empty() || id == "steadiness") write_output(text, id, options, scans, Faults::None);
-    }
-    dts::test::expect_text("tests/unit/pipeline/outputs/" + id + ".txt", text.str());
+class StageOutput : public contract::StageContract {};
+
+TEST_P(StageOutput, WithEveryOption_IsThatOfItsFile) {
+  const std::string id = GetParam();
+  const std::size_t scans = id == "reach" || id == "steadiness" ? 3000 : 700;  // reaches and quiet standing take seconds
+  std::ostringstream text;
+  text.precision(12);
+  write_description(text, description());
+  for (const Options& options : contract::option_sets(description())) {
+    write_output(text, id, options, scans, Faults::Some);
+    if (options.empty() || id == "steadiness") write_output(text, id, options, scans, Faults::None);
   }
+  dts::test::expect_text("tests/unit/pipeline/outputs/" + id + ".txt", text.str());
 }
 
+std::vector<std::string> ids_of_stages() {
+  std::vector<std::string> ids;
+  for (const StageEntry& entry : stage_registry()) ids.emplace_back(entry.describe().id);
+  return ids;
+}
+
+INSTANTIATE_TEST_SUITE_P(Stages, StageOutput, testing::ValuesIn(ids_of_stages()), [](const auto& stage) { return stage.param; });
+
 /// At 1500 Hz a scan of the analysis is a block of scans. Two people, one with doubtful sensors.
-TEST(StageOutput, OfReachesAt1500Hz_IsThatOfItsFile) {
+TEST(ReachOutput, At1500Hz_IsThatOfItsFile) {
   std::ostringstream text;
   text.precision(12);
   const SeatedPerson person{.noise_mm = 0.002,

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <functional>
@@ -30,6 +31,9 @@ using mcc::test::Bench;
 using mcc::test::moving_source;
 using usb::UsbResult;
 using usb::UsbStatus;
+
+constexpr std::uint16_t kRevision1 = 0x0110;
+constexpr std::uint16_t kRevision2 = 0x0134;
 
 /// A device on its bus with its units.
 struct Life {
@@ -200,6 +204,113 @@ INSTANTIATE_TEST_SUITE_P(Units, Conversation,
                          testing::Values("usb_1608fs_plus", "usb_1608fs_plus_slow", "usb_1208fs_plus", "usb_204", "usb_1608g",
                                          "usb_1608g_slow", "u6", "u6_slow", "joined_pair"),
                          [](const auto& unit) { return std::string(unit.param); });
+
+/// What a unit does wrong before it is opened.
+template <class Unit>
+struct Wrong {
+  const char* name;
+  std::function<void(Unit&)> harm;
+};
+
+/// How opening and starting end with each: the whole error, how long it took, and the state.
+template <class Unit, class... Arguments>
+std::string told_of(const std::vector<Wrong<Unit>>& rows, const std::string& uri, Arguments... arguments) {
+  std::string text;
+  for (const Wrong<Unit>& row : rows) {
+    Unit unit(arguments..., moving_source());
+    row.harm(unit);
+    Life life{{}, std::make_unique<Bench>(uri, unit)};
+    const std::int64_t before_ns = life.bench->clock.now_ns();
+    text += std::string(row.name) + ", " + live(life);
+    text += " after " + std::to_string((life.bench->clock.now_ns() - before_ns) / mcc::test::kMillisecond) + " ms, in state " +
+            std::to_string(static_cast<int>(life.bench->device->state())) + "\n";
+    EXPECT_TRUE(life.bench->device->close().has_value());
+    EXPECT_EQ(life.bench->bus.open_ports(), 0);
+  }
+  return text;
+}
+
+template <class Unit>
+std::vector<Wrong<Unit>> wrong_of_all() {
+  return {{"well", [](Unit&) {}},
+          {"mute", [](Unit& unit) { unit.faults.is_mute = true; }},
+          {"one request is lost", [](Unit& unit) { unit.faults.silent_control_requests = 1; }},
+          {"calibration is garbage", [](Unit& unit) { unit.faults.is_calibration_garbage = true; }},
+          {"calibration is cut", [](Unit& unit) { unit.faults.calibration_bytes = 20; }}};
+}
+
+TEST(WrongUnit, AtOpenAndStart_IsToldAsItsFileSays) {
+  const std::string fpga = image();
+  auto fs_plus = wrong_of_all<FsPlusEmulator>();
+  fs_plus.push_back({"ignores ranges", [](FsPlusEmulator& unit) { unit.ignores_ranges = true; }});
+  std::string found = told_of(fs_plus, "mcc:1608fs-plus", FsPlusKind::Usb1608, "01A2B3C4");
+  found += told_of<FsPlusEmulator>({{"another product", [](FsPlusEmulator&) {}}}, "mcc:1608fs-plus", FsPlusKind::Usb1208, "01AB");
+  found +=
+      told_of<FsPlusEmulator>({{"another serial number", [](FsPlusEmulator&) {}}}, "mcc:1608fs-plus?serial=7", FsPlusKind::Usb1608, "01AB");
+  auto g = wrong_of_all<emulator::Usb1608gEmulator>();
+  g.push_back({"ignores the scan list", [](emulator::Usb1608gEmulator& unit) { unit.ignores_scan_list = true; }});
+  found += told_of(g, "mcc:1608g?fpga=" + fpga, kRevision1, "0123ABCD");
+  found += told_of<emulator::Usb1608gEmulator>({{"no image", [](emulator::Usb1608gEmulator&) {}}}, "mcc:1608g", kRevision1, "0123ABCD");
+  found += told_of<emulator::Usb1608gEmulator>({{"an image of revision 1", [](emulator::Usb1608gEmulator&) {}}}, "mcc:1608g?fpga=" + fpga,
+                                               kRevision2, "0123ABCD");
+  auto u6 = wrong_of_all<emulator::U6Emulator>();
+  for (const std::size_t bytes : {1U, 10U}) {
+    u6.push_back({"replies are cut", [bytes](emulator::U6Emulator& unit) { unit.quirks.reply_bytes = bytes; }});
+  }
+  for (std::uint64_t reply = 0; reply < 10; ++reply) {
+    u6.push_back({"a reply is damaged", [reply](emulator::U6Emulator& unit) { unit.quirks.reply_to_damage = reply; }});
+  }
+  found += told_of(u6, "labjack:u6");
+  std::remove(fpga.c_str());
+  for (std::size_t at = found.find(fpga); at != std::string::npos; at = found.find(fpga)) found.replace(at, fpga.size(), "IMAGE");
+  dts::test::expect_text("tests/unit/device/wrong_units.txt", found);
+}
+
+/// When and how the end of a stream is told, to the nanosecond: of each fault, at each rate.
+template <class Unit, class... Arguments>
+std::string ends_of(const std::string& uri, std::size_t channels, Arguments... arguments) {
+  using emulator::Faults;
+  constexpr std::array<std::pair<const char*, std::uint64_t Faults::*>, 7> kFaults = {{{"silence", &Faults::silence_at_code},
+                                                                                       {"stall", &Faults::stall_at_code},
+                                                                                       {"overrun", &Faults::overrun_at_code},
+                                                                                       {"odd packet", &Faults::short_packet_at_code},
+                                                                                       {"babble", &Faults::babble_at_code},
+                                                                                       {"lost packet", &Faults::drop_packet_at_code},
+                                                                                       {"lost code", &Faults::drop_code_at}}};
+  std::string text;
+  for (const auto& [name, fault] : kFaults) {
+    for (const auto& [rate_hz, at_scan] : {std::pair{10.0, 0}, {10.0, 20}, {100.0, 90}, {1500.0, 900}}) {
+      Unit unit(arguments..., moving_source());
+      unit.faults.*fault = static_cast<std::uint64_t>(at_scan) * channels;
+      Bench bench(uri, unit);
+      bench.start(rate_hz, 16);
+      core::Block block(channels, 16);
+      const std::int64_t start_ns = bench.clock.now_ns();
+      std::uint64_t scans = 0;
+      ReadResult read;
+      do {
+        read = bench.device->read(block, bench.clock.now_ns() + 100 * mcc::test::kMillisecond);
+        scans += block.count();
+      } while ((read.outcome == ReadOutcome::Scans || read.outcome == ReadOutcome::Timeout) &&
+               bench.clock.now_ns() < start_ns + 8 * mcc::test::kSecond);
+      text += std::string(name) + " at scan " + std::to_string(at_scan) + " of " + std::to_string(rate_hz) + " Hz: outcome " +
+              std::to_string(static_cast<int>(read.outcome)) + ", " + std::string(core::name(read.gap.reason)) + ", " +
+              std::to_string(read.gap.missing_scans) + " missing, " + std::to_string(scans) + " scans, after " +
+              std::to_string(bench.clock.now_ns() - start_ns) + " ns\n";
+      EXPECT_TRUE(bench.device->close().has_value());
+    }
+  }
+  return text;
+}
+
+TEST(EndOfAStream, OfEachFault_IsToldWhenAndAsTheFileSays) {
+  const std::string fpga = image();
+  dts::test::expect_text("tests/unit/device/ends.txt",
+                         ends_of<FsPlusEmulator>("mcc:1608fs-plus?channels=0,1,2", 3, FsPlusKind::Usb1608, "01A2B3C4") +
+                             ends_of<emulator::Usb1608gEmulator>("mcc:1608g?channels=0,1,2&fpga=" + fpga, 3, kRevision1, "0123ABCD") +
+                             ends_of<emulator::U6Emulator>("labjack:u6?channels=0,1&marker=15&marker_v=0", 3));
+  std::remove(fpga.c_str());
+}
 
 }  // namespace
 }  // namespace dts::device::conversation

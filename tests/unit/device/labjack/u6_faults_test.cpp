@@ -104,21 +104,6 @@ TEST(U6Faults, LostMoreThanItCanCount_NewScan) {
   expect_restart(rig, 1500);
 }
 
-TEST(U6Faults, Silence_FoundWithin800Ms) {
-  for (const double rate_hz : {100.0, 1500.0}) {
-    Rig rig(kEleven);
-    rig.unit.faults.silence_at_code = 11 * 500;
-    rig.start(rate_hz);
-    ReadResult result = rig.read_and_check(480);
-    const std::int64_t silent_since_ns = rig.clock.now_ns();
-    while (result.outcome == ReadOutcome::Scans) result = rig.read();
-    expect_broken(result, GapReason::Silence);
-    EXPECT_LE(rig.clock.now_ns() - silent_since_ns, rig.rate.time_ns({84}) + 800 * kMillisecond);
-    rig.unit.faults.silence_at_code = emulator::Faults::kNever;
-    expect_restart(rig, rate_hz);
-  }
-}
-
 TEST(U6Faults, MuteWhileStreaming_BrokenAndStopInTime) {
   Rig rig(kEleven);
   rig.start(1500);
@@ -170,25 +155,6 @@ TEST(U6Faults, StopWasLost_NextStartEndsTheOldStream) {
   EXPECT_TRUE(rig.unit.is_streaming());
   rig.restart(1500);
   EXPECT_EQ(rig.read_and_check(1000).outcome, ReadOutcome::Scans);
-}
-
-TEST(U6Faults, ReplyMissingCutOrDamaged_NotOpenedAndSaidWhich) {
-  const auto error_with = [](auto harm) {
-    Rig rig(kEleven);
-    harm(rig.unit);
-    return open_error(rig);
-  };
-  const core::Error mute = error_with([](U6Emulator& unit) { unit.faults.is_mute = true; });
-  EXPECT_EQ(mute.code, ErrorCode::Timeout);
-  EXPECT_NE(mute.what.find("StreamStop"), std::string::npos) << mute.what;
-  const core::Error cut = error_with([](U6Emulator& unit) { unit.quirks.reply_bytes = 10; });
-  EXPECT_EQ(cut.code, ErrorCode::DataDamaged);
-  EXPECT_NE(cut.what.find("ConfigU6 has 10 bytes, not 38"), std::string::npos) << cut.what;
-  const core::Error damaged = error_with([](U6Emulator& unit) { unit.quirks.reply_to_damage = 5; });  // the third block of the calibration
-  EXPECT_EQ(damaged.code, ErrorCode::DataDamaged);
-  EXPECT_NE(damaged.what.find("ReadCal has a wrong checksum"), std::string::npos) << damaged.what;
-  EXPECT_EQ(error_with([](U6Emulator& unit) { unit.faults.is_calibration_garbage = true; }).code, ErrorCode::DataDamaged);
-  EXPECT_EQ(error_with([](U6Emulator& unit) { unit.faults.calibration_bytes = 70; }).code, ErrorCode::DataDamaged);
 }
 
 TEST(U6Faults, WrongChecksumOfACommand_TheUnitSaysB8) {

@@ -3,6 +3,9 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
+#include <array>
+
 #include "core/special_numbers.h"
 #include "unit/pipeline/chair_chain.h"
 
@@ -113,14 +116,23 @@ TEST(Transient, Untared_PassesThrough) {
 }
 
 TEST(Transient, SensorsInAnyOrder_AreSortedByPlace) {
-  physics::RigModel rig = chair_rig();
-  std::swap(rig.sensors[0], rig.sensors[3]);  // the front right one comes first now
-  StageSurroundings surroundings(std::move(rig));
-  const auto stage = surroundings.make({.id = "transient", .options = {}});
+  const std::array<double, 4> mm = {4.0, 4.4, 3.0, 3.2};
+  std::array<std::size_t, 4> order = {0, 1, 2, 3};
+  do {
+    physics::RigModel rig = chair_rig();
+    std::vector<double> levels_mm;
+    for (std::size_t i = 0; i < 4; ++i) {
+      rig.sensors[i] = chair_rig().sensors[order[i]];
+      levels_mm.push_back(mm[order[i]]);
+    }
+    StageSurroundings surroundings(std::move(rig));
+    const auto stage = surroundings.make({.id = "transient", .options = {}});
 
-  const Output out = prepare_and_run(*stage, steady({3.0, 4.0, 3.0, 4.0}, 20));
+    const Output out = prepare_and_run(*stage, steady(levels_mm, 20));
 
-  EXPECT_NEAR(out.values[1][10], -1.0 / 3.5, 0.001);
+    EXPECT_NEAR(out.values[1][10], (3.1 - 4.2) / 3.65, 0.001);
+    EXPECT_NEAR(out.values[2][10], ((4.0 - 4.4) - (3.0 - 3.2)) / 3.65, 0.001);
+  } while (std::ranges::next_permutation(order).found);
 }
 
 TEST(Transient, RigThatNamesItsSensors_UsesThese) {

@@ -40,48 +40,6 @@ TEST_P(DeviceContract, Created_IsDescribedCompletelyBeforeOpen) {
   }
 }
 
-TEST_P(DeviceContract, Closed_EveryOperationAsTheTableSays) {
-  const auto device = create(GetParam().uri);
-  core::Block block = block_for(*device, 8);
-
-  EXPECT_EQ(code(device->start(usual(*device))), core::ErrorCode::WrongState);
-  EXPECT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::NotStreaming);
-  EXPECT_TRUE(device->stop().has_value());
-  EXPECT_TRUE(device->close().has_value());
-  EXPECT_EQ(device->state(), DeviceState::Closed);
-  EXPECT_TRUE(device->open().has_value());
-  EXPECT_EQ(device->state(), DeviceState::Open);
-}
-
-TEST_P(DeviceContract, Open_EveryOperationAsTheTableSays) {
-  const auto device = create(GetParam().uri);
-  ASSERT_TRUE(device->open().has_value());
-  core::Block block = block_for(*device, 8);
-
-  EXPECT_TRUE(device->open().has_value());
-  EXPECT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::NotStreaming);
-  EXPECT_EQ(block.count(), 0U);
-  EXPECT_TRUE(device->stop().has_value());
-  EXPECT_EQ(device->state(), DeviceState::Open);
-  EXPECT_TRUE(device->start(usual(*device)).has_value());
-  EXPECT_EQ(device->state(), DeviceState::Streaming);
-}
-
-TEST_P(DeviceContract, Streaming_EveryOperationAsTheTableSays) {
-  const auto device = streaming(GetParam().uri);
-  core::Block block = block_for(*device, 8);
-
-  EXPECT_TRUE(device->open().has_value());
-  EXPECT_EQ(code(device->start(usual(*device))), core::ErrorCode::WrongState);
-  EXPECT_EQ(device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
-  EXPECT_EQ(device->state(), DeviceState::Streaming);
-  EXPECT_TRUE(device->stop().has_value());
-  EXPECT_EQ(device->state(), DeviceState::Open);
-  EXPECT_TRUE(device->start(usual(*device)).has_value());
-  EXPECT_TRUE(device->close().has_value());
-  EXPECT_EQ(device->state(), DeviceState::Closed);
-}
-
 TEST_P(DeviceContract, Gone_EveryOperationAsTheTableSays) {
   if (!can_unplug()) GTEST_SKIP() << "cannot be unplugged on request";
   const auto device = gone();

@@ -5,7 +5,10 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <sstream>
+#include <utility>
 
+#include "contract/expected_text.h"
 #include "unit/core/late_arrivals.h"
 
 namespace dts::core {
@@ -167,6 +170,44 @@ TEST(HostTime, IsNotImpressedByAStallOfTheMachine) {
   EXPECT_LT(std::abs(machine.error_ms(time)), 0.5);
   EXPECT_LT(time.missing_ns(), kMillisecond);
   EXPECT_LT(std::abs(time.rate_error()), 0.001);
+}
+
+/// All that is known at many moments, against host_times.txt: of clocks that are off, a busy machine, a stall, a hole and a new segment.
+TEST(HostTime, EveryFigureOfAStory_IsThatOfItsFile) {
+  std::ostringstream text;
+  text.precision(12);
+  for (const double ppm : {0.0, 80.0, -150.0, 3000.0, -12'000.0}) {
+    Machine machine{.rate = rate_1500(), .clock_error = ppm * 1e-6, .busy_ms = 2.0};
+    HostTime time(machine.rate, kFrameNs);
+    const auto write = [&](const char* what) {
+      text << what << " at scan " << machine.next << " : " << time.at({machine.next - 1}) - machine.truth_ns(machine.next - 1) << " +- "
+           << time.uncertainty_ns() << " ns off, drift " << time.drift_ppm() << " ppm, rate error " << time.rate_error() << " , missing "
+           << time.missing_ns() << " of " << time.least_loss_ns() << (time.is_judged() ? " judged" : "") << (time.has_loss() ? " loss" : "")
+           << '\n';
+    };
+    text << ppm << " ppm\n";
+    time.restart(machine.truth_ns(0) - 3 * kMillisecond);
+    for (const double seconds : {0.02, 0.5, 0.5, 1.0, 1.0, 2.0, 5.0, 2.0, 20.0, 300.0}) {
+      machine.run(time, seconds);
+      write("runs");
+    }
+    machine.last_arrival_ns += 500 * kMillisecond;
+    machine.run(time, 1.0);
+    write("has stalled");
+    machine.lost += 20;
+    for (int second = 0; second < 3; ++second) {
+      machine.run(time, 1.0);
+      write("has lost scans");
+    }
+    Machine again{.rate = rate_1500(), .clock_error = ppm * 1e-6, .busy_ms = 0.5};
+    std::swap(machine, again);
+    time.restart();
+    for (const double seconds : {0.02, 3.0, 10.0}) {
+      machine.run(time, seconds);
+      write("new segment");
+    }
+  }
+  test::expect_text("tests/unit/core/host_times.txt", text.str(), 1e-5);  // nanoseconds are rounded
 }
 
 }  // namespace

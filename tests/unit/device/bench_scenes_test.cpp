@@ -77,20 +77,18 @@ TEST(SimWeights, Resting_BendsAsTheSamePointContact) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(list.channels[i][200], point.channels[i][200]) << i;
 }
 
-TEST(SimWeights, Repeated_PlacesTheFirstAgain) {
-  const WeightFile file("10,0,100\n20,0,200\n");
-
-  const Recorded recorded = record(file.uri("&step_on_s=0&ramp_s=0.1&hold_s=0.6&pause_s=0.2&loop=1"), 3);  // 1 s each
-
-  EXPECT_EQ(recorded.channels[kBenchLoad][250], 100.0);
-}
-
 TEST(SimWeights, BadRow_RefusedWithFileAndLine) {
-  EXPECT_NE(bench_refusal(WeightFile("0,0,100\n216,0,100\n").uri("")).find(":3: beside the plate"), std::string::npos);
-  EXPECT_NE(bench_refusal(WeightFile("0,0,2001\n").uri("")).find(":2: load_n takes 1 .. 2000"), std::string::npos);
-  EXPECT_NE(bench_refusal(WeightFile("0,0\n").uri("")).find(":2: \"0,0\" is not 3 numbers"), std::string::npos);
-  EXPECT_NE(bench_refusal(WeightFile("").uri("")).find("too few rows, at least 1 needed"), std::string::npos);
-  EXPECT_NE(bench_refusal("sim:floor?contact=weights&weights=no/such.csv").find("no/such.csv: no such file"), std::string::npos);
+  for (const auto& [rows, answer] : {std::pair{"0,0,100\n216,0,100\n", ":3: beside the plate"},
+                                     {"0,0,100\n0,-215.001,100\n", ":3: beside the plate"},
+                                     {"215,-215,1\n-215,215,2000\n", ""},
+                                     {"0,0,2000.1\n", ":2: load_n takes 1 .. 2000"},
+                                     {"0,0,0.999\n", ":2: load_n takes 1 .. 2000"},
+                                     {"0,0\n", ":2: \"0,0\" is not 3 numbers"},
+                                     {"", "too few rows, at least 1 needed"}}) {
+    const std::string refusal = bench_refusal(WeightFile(rows).uri(""));
+    EXPECT_NE(refusal.find(answer), std::string::npos) << refusal;
+    EXPECT_EQ(refusal.empty(), *answer == '\0') << rows << refusal;
+  }
 }
 
 TEST(SimGaps, EverySensor_SeesExactlyTheGapsInTurn) {
@@ -114,12 +112,6 @@ TEST(SimGaps, EverySensor_SeesExactlyTheGapsInTurn) {
   expect_gap(6.9, far_mm);
   EXPECT_EQ(recorded.channels[kBenchLoad][160], 0.0);
   EXPECT_TRUE(std::isnan(recorded.channels[kBenchMl][160]));
-}
-
-TEST(SimGaps, GapBeyondTheCurve_RefusedNamingTheSensorAndItsRange) {
-  const std::string what = bench_refusal("sim:floor?contact=gaps&gaps_mm=12,3");
-
-  EXPECT_NE(what.find("3.000000 mm is outside the curve of sensor w1, 4.000000 .. 13.000000 mm"), std::string::npos) << what;
 }
 
 }  // namespace

@@ -13,28 +13,6 @@
 namespace dts::device {
 namespace {
 
-core::Error registry_refusal(std::string_view uri) {
-  core::VirtualClock clock;
-  const physics::RigModel rig = test::floor_rig();
-  const auto created = create_device(uri, {clock, rig});
-  return created ? core::Error{} : created.error();
-}
-
-TEST(Registry, MisspeltNameSchemeOrOption_SuggestsAndLists) {
-  const core::Error name = registry_refusal("sim:flor");
-  EXPECT_EQ(name.code, core::ErrorCode::InvalidArgument);
-  EXPECT_NE(name.what.find("sim:flor"), std::string::npos);
-  EXPECT_NE(name.hint.find("did you mean \"sim:floor\"?"), std::string::npos);
-  const core::Error scheme = registry_refusal("bluetooth:wii");
-  EXPECT_EQ(scheme.hint.find("did you mean"), std::string::npos);
-  EXPECT_NE(scheme.hint.find("sim:floor"), std::string::npos);
-  EXPECT_NE(registry_refusal("floor").hint.find("scheme:name"), std::string::npos);
-  const core::Error option = registry_refusal("sim:floor?wieght_n=700");
-  EXPECT_NE(option.what.find("wieght_n"), std::string::npos);
-  EXPECT_NE(option.hint.find("did you mean \"weight_n\"?"), std::string::npos);
-  EXPECT_NE(option.hint.find("stance_width_mm"), std::string::npos);  // and all that are known
-}
-
 TEST(Registry, EveryAddressOfTheExampleConfigurationIsAccepted) {
   std::ifstream file(DTS_SOURCE_DIR "/config/dtsd-daq.toml");
   core::VirtualClock clock;

@@ -68,18 +68,6 @@ double deviation(const std::vector<std::vector<double>>& scans, std::size_t chan
   return std::sqrt(sum / static_cast<double>(to - from));
 }
 
-TEST(SimChair, Channels_SensorsMusclesAndTruth) {
-  const Chair chair("aux=emg");
-  const auto& channels = chair.device->describe().channels;
-
-  ASSERT_EQ(channels.size(), 16U + 6U + 3U);
-  EXPECT_EQ(channels[15].role, ChannelRole::Sensor);
-  EXPECT_EQ(channels[16].name, "emg_tr");
-  EXPECT_EQ(channels[16].role, ChannelRole::Auxiliary);
-  EXPECT_EQ(channels[22].name, "true_trunk_deg");
-  EXPECT_EQ(Chair("truth=0").device->describe().channels.size(), 16U);
-}
-
 TEST(SimChair, FirstSeconds_TheChairIsEmpty) {
   Chair chair("gap_spread_mm=0&noise_mv=0");
   for (const auto& values : chair.scans(2.4)) {
@@ -194,20 +182,6 @@ TEST(SimChair, Muscles_NoiseOf25To400Hz) {
   }
   // Of noise that is flat between them: the root of the mean square of the frequency, twice a period.
   EXPECT_NEAR(crossings / 2.0 / 10.0 / sim::kEmgChannels, 238.0, 25.0);
-}
-
-TEST(SimChair, SensorFaults_DeadSaturatedSwapped) {
-  Chair whole("noise_mv=0");
-  Chair broken("noise_mv=0&dead=0&saturated=3&swapped=6:9&sensor_fault_at_s=4");
-  const auto right = whole.scans(5.0);
-  const auto wrong = broken.scans(5.0);
-
-  EXPECT_EQ(wrong[300][0], right[300][0]);
-  EXPECT_EQ(wrong[450][0], 0.0);
-  EXPECT_EQ(wrong[450][3], broken.device->describe().channels[3].maximum);
-  EXPECT_EQ(wrong[300][6], right[300][9]);
-  EXPECT_EQ(wrong[300][9], right[300][6]);
-  EXPECT_EQ(wrong[450][1], right[450][1]);
 }
 
 TEST(SimChair, SameSeed_SameDataAndStandingUpEmptiesTheChair) {

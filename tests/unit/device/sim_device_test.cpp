@@ -113,24 +113,6 @@ TEST(SimDevice, FaultSilence_TimeoutsThenAnEstimatedGap) {
   EXPECT_EQ(block.first_scan.value, 0U);
 }
 
-TEST(SimDevice, FaultStuck_OneChannelKeepsItsCode) {
-  Bench bench("sim:floor?fault=stuck&fault_channel=2&fault_at_s=1&fault_for_s=2");
-  Bench healthy("sim:floor");
-  bench.start(100);
-  healthy.start(100);
-
-  const Recorded recorded = bench.read_scans(500);
-  const Recorded all = healthy.read_scans(500);
-
-  EXPECT_TRUE(recorded.gaps.empty());
-  EXPECT_EQ(recorded.channels[0], all.channels[0]);
-  for (std::size_t scan = 0; scan < 500; ++scan) {
-    const bool is_stuck = scan >= 100 && scan < 300;
-    EXPECT_EQ(recorded.channels[2][scan], all.channels[2][is_stuck ? 100 : scan]) << scan;
-  }
-  EXPECT_NE(all.channels[2][299], all.channels[2][100]);  // somebody has stepped on meanwhile
-}
-
 TEST(SimDevice, FaultUnplug_GoneUntilPluggedInAgain) {
   Bench bench("sim:floor?fault=unplug&fault_at_s=1&fault_for_s=3");
   bench.start(100);

@@ -25,13 +25,6 @@ constexpr std::size_t kTrueMl = 4;
 constexpr std::size_t kTrueAp = 5;
 constexpr std::size_t kTrueLoad = 6;
 
-std::string refusal(const std::string& uri) {
-  core::VirtualClock clock;
-  const physics::RigModel rig = test::floor_rig();
-  const auto device = create_device(uri, {clock, rig});
-  return device ? "" : core::to_string(device.error());
-}
-
 Recorded record(const std::string& uri, double rate_hz, double duration_s, std::size_t block_scans = 64) {
   Bench bench(uri);
   bench.start(rate_hz);
@@ -42,25 +35,6 @@ Recorded record(const std::string& uri, double rate_hz, double duration_s, std::
 bool same(const std::vector<double>& a, const std::vector<double>& b, std::size_t count) {
   return std::equal(a.begin(), a.begin() + static_cast<std::ptrdiff_t>(count), b.begin(),
                     [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
-}
-
-TEST(SimFloor, Described_ChannelsBeforeOpening) {
-  const Bench bench("sim:floor?extra=12");
-
-  const DeviceDescription& description = bench.device->describe();
-
-  ASSERT_EQ(description.channels.size(), 19U);
-  EXPECT_EQ(description.channels[0].name, "ch0");
-  EXPECT_EQ(description.channels[0].unit, "V");
-  EXPECT_EQ(description.channels[0].role, ChannelRole::Sensor);
-  EXPECT_DOUBLE_EQ(description.channels[0].resolution, 10.0 / 2048);
-  EXPECT_EQ(description.channels[4].name, "extra0");
-  EXPECT_EQ(description.channels[4].role, ChannelRole::Auxiliary);
-  EXPECT_EQ(description.channels[16].name, "true_ml_mm");
-  EXPECT_EQ(description.channels[17].name, "true_ap_mm");
-  EXPECT_EQ(description.channels[18].name, "true_load_n");
-  EXPECT_EQ(description.channels[18].unit, "N");
-  EXPECT_EQ(Bench("sim:floor?truth=0&sensors=2").device->describe().channels.size(), 2U);
 }
 
 constexpr const char* kExactPoint = "sim:floor?contact=point&load_n=490&x_mm=-43&y_mm=64.5&noise_mv=0&bits=16&gap_spread_mm=0";
@@ -118,25 +92,6 @@ TEST(SimFloor, PersonAtTheCentre_BendsTheSensorsAlikeWithinItsSway) {
   EXPECT_LT(*high - *low, 0.5);
 }
 
-TEST(SimFloor, BeforeStepOnAndAfterStepOff_UnloadedAndTheTruthIsMarked) {
-  Bench bench("sim:floor?noise_mv=0&gap_spread_mm=0&step_off_s=6");
-  bench.start(100);
-  core::Block block = bench.block(8);
-
-  ASSERT_EQ(bench.device->read(block, test::kNoDeadline).outcome, ReadOutcome::Scans);
-  const Recorded recorded = bench.read_scans(900);  // from scan 8 on
-
-  EXPECT_EQ(block.quality(kTrueMl)[0], core::quality::kNoContact);
-  EXPECT_EQ(block.quality(0)[0], 0);
-  for (const std::size_t scan : {242U, 742U}) {
-    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(recorded.channels[i][scan], 0.9, 10.0 / 2048);
-    EXPECT_TRUE(std::isnan(recorded.channels[kTrueMl][scan]));
-    EXPECT_TRUE(std::isnan(recorded.channels[kTrueAp][scan]));
-    EXPECT_EQ(recorded.channels[kTrueLoad][scan], 0.0);
-  }
-  EXPECT_NEAR(recorded.channels[kTrueLoad][591], 686.0, 5.0);
-}
-
 TEST(SimFloor, Voltages_AreWholeCodesInRange) {
   for (const auto& [bits, range] : {std::pair{11, 5.0}, std::pair{16, 10.0}, std::pair{12, 2.0}}) {
     const Recorded recorded = record("sim:floor?extra=2&bits=" + std::to_string(bits) + "&range_v=" + std::to_string(range), 200, 8);
@@ -149,24 +104,6 @@ TEST(SimFloor, Voltages_AreWholeCodesInRange) {
       }
     }
   }
-}
-
-TEST(SimFloor, Mounting_GapsAndGainsDifferPerSensorAndSeed) {
-  const auto unloaded = [](const std::string& options) {
-    const Recorded recorded = record("sim:floor?noise_mv=0&bits=16&" + options, 100, 0.1);
-    return std::array<double, 4>{recorded.channels[0][0], recorded.channels[1][0], recorded.channels[2][0], recorded.channels[3][0]};
-  };
-
-  const auto equal = unloaded("gap_spread_mm=0");
-  const auto mounted = unloaded("gap_spread_mm=0.1");
-  const auto amplified = unloaded("gap_spread_mm=0&gain_spread=0.1");
-
-  EXPECT_EQ(std::count(equal.begin(), equal.end(), equal[0]), 4);
-  EXPECT_NE(mounted[0], mounted[1]);
-  EXPECT_NE(mounted, unloaded("gap_spread_mm=0.1&seed=2"));
-  for (const double volts : mounted) EXPECT_NEAR(volts, 0.9, 0.1 * 0.37);
-  EXPECT_NE(amplified[0], amplified[1]);
-  for (const double volts : amplified) EXPECT_NEAR(volts, 0.9, 0.1 * 0.91);
 }
 
 TEST(SimFloor, BlockSizeRestartOrLaterChannels_DoNotChangeTheDataButTheSeedDoes) {
@@ -269,28 +206,6 @@ TEST(SimFloor, RealRecording_AppearsInTheTruth) {
 
   ASSERT_EQ(rows.ml_mm.size(), 6000U);
   expect_played(recorded, rows, 0.0, 0.0);
-}
-
-TEST(SimFloor, RecordingRepeated_PersonStays) {
-  const std::string path = test::temporary_path("loop.csv");
-  std::ofstream(path) << "t_s,x_mm,y_mm\n0,-1,0\n1,1,0\n";
-
-  const Recorded recorded = record("sim:floor?loop=1&cop=" + path, 100, 30);
-  std::filesystem::remove(path);
-
-  EXPECT_NEAR(recorded.channels[kTrueLoad].back(), 686.0, 5.0);
-  EXPECT_NEAR(recorded.channels[kTrueMl][kFirstRowAt100Hz + 2000], -1.0, 1e-9);  // ten rounds of 1 s and 1 s back
-  EXPECT_NEAR(recorded.channels[kTrueMl][kFirstRowAt100Hz + 2100], 1.0, 1e-9);
-}
-
-TEST(SimFloor, BadRecordingOrStanceOffThePlate_IsRefusedNamingTheLineOrTheDevice) {
-  const std::string path = test::temporary_path("bad.csv");
-  std::ofstream(path) << "t_s,x_mm,y_mm\n0,1,1\n1,x,1\n";
-
-  EXPECT_NE(refusal("sim:floor?cop=" + path).find(path + ":3"), std::string::npos);
-  std::filesystem::remove(path);
-  EXPECT_NE(refusal("sim:floor?x_mm=150").find("sim:floor?x_mm=150"), std::string::npos);
-  EXPECT_NE(refusal("sim:floor?x_mm=150").find("does not fit"), std::string::npos);
 }
 
 }  // namespace

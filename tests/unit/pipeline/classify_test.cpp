@@ -48,17 +48,5 @@ TEST(Classify, FinalReach_IsJudgedAsTheModelSays) {
   EXPECT_EQ(events.classes.events[2].movement.trunk_class, core::TrunkClass::Rejected);
 }
 
-TEST(Classify, WithoutAModel_IsRefusedWithWhatToDo) {
-  StageSurroundings surroundings;
-  surroundings.trunk_model.reset();
-  const auto stage = surroundings.make({.id = "classify", .options = {}});
-
-  const auto prepared = stage->prepare(transient_of({}, 0.1).format, 64);
-
-  ASSERT_FALSE(prepared);
-  EXPECT_NE(prepared.error().what.find("needs a model"), std::string::npos);
-  EXPECT_NE(prepared.error().hint.find("dtslab reach train"), std::string::npos);
-}
-
 }  // namespace
 }  // namespace dts::pipeline

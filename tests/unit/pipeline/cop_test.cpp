@@ -18,8 +18,6 @@ using core::quality::kRail;
 using core::quality::kRotation;
 using core::quality::kUncalibrated;
 using core::quality::kUntared;
-using testing::Each;
-using testing::HasSubstr;
 
 constexpr double kHalfPlateMm = 215.0;
 
@@ -59,13 +57,6 @@ TEST_F(CopTest, Axes_AreRightAndForwardFromThePlateCentreAndLoadIsInNewtons) {
     EXPECT_NEAR(output.values[2][i], loads[i].load_n, 0.01 * loads[i].load_n);
     for (const auto& bits : output.bits) EXPECT_EQ(bits[i], 0);
   }
-}
-
-TEST_F(CopTest, Prepare_SaysThreeChannelsWithUnits) {
-  const auto format = surroundings_.make({.id = "cop", .options = {}})->prepare(under({}).format, 64);
-
-  ASSERT_TRUE(format);
-  EXPECT_EQ(format->channels, (std::vector<core::ChannelFormat>{{"ml_mm", "mm"}, {"ap_mm", "mm"}, {"load_n", "N"}}));
 }
 
 TEST_F(CopTest, BelowTheThreshold_GivesTheLoadButNoPosition) {
@@ -149,22 +140,6 @@ TEST_F(CopTest, ThesisEstimator_IsGoodOnTheMidLinesAndCoarserOffThem) {
   EXPECT_LT(std::abs(poly3.values[0][1] + 129.0), 0.5);
 }
 
-TEST_F(CopTest, PrepareSenselessInput_IsRefused) {
-  const auto cop = surroundings_.make({.id = "cop", .options = {}});
-
-  EXPECT_FALSE(cop->prepare(make_signal(100, "V", {{}, {}, {}, {}}).format, 64));
-  EXPECT_FALSE(cop->prepare(make_signal(100, "mm", {{}, {}, {}}).format, 64));
-}
-
-TEST_F(CopTest, PrepareWithSwappedSensors_IsRefusedByTheEstimator) {
-  std::swap(surroundings_.rig.sensors[0], surroundings_.rig.sensors[1]);
-
-  const auto format = surroundings_.make({.id = "cop", .options = {}})->prepare(under({}).format, 64);
-
-  ASSERT_FALSE(format);
-  EXPECT_THAT(format.error().what, HasSubstr("stage cop: sensor 1 ('w2')"));
-}
-
 /// What a calibration file of this rig would hold: Thesis, and every sensor 5 % more sensitive than the model.
 physics::CopCalibration thesis_calibration(const physics::RigModel& rig) {
   auto samples = physics::model_samples(physics::CopMethod::Thesis, rig, physics::PlateBehaviour::Stiffening).value();
@@ -180,16 +155,6 @@ TEST_F(CopTest, RigWithACalibration_IsEstimatedByIt) {
   const Output output = run(under({{.load_n = 490.0}}), {{"estimator", "thesis"}});
 
   EXPECT_NEAR(output.values[2][0], 490.0 / 1.05, 2.0);
-}
-
-TEST_F(CopTest, CalibrationForAnotherEstimator_IsRefused) {
-  surroundings_.cop_calibration = thesis_calibration(surroundings_.rig);
-
-  const auto format = surroundings_.make({.id = "cop", .options = {{"estimator", "poly3"}}})->prepare(under({}).format, 64);
-
-  ASSERT_FALSE(format);
-  EXPECT_THAT(format.error().what, HasSubstr("estimator is poly3, but calibration 'cop-20260131T120000Z-"));
-  EXPECT_THAT(format.error().what, HasSubstr("is for thesis"));
 }
 
 void mount_sixteen_sensors(physics::RigModel& rig) {

@@ -18,7 +18,6 @@ using core::quality::kRotation;
 using core::quality::kStuck;
 using testing::Each;
 using testing::ElementsAre;
-using testing::HasSubstr;
 
 /// A guard over one sensor of +-5 V in steps of 10 mV; other channels are auxiliary.
 class OneSensor {
@@ -114,37 +113,6 @@ TEST(Guard, MarkerOffItsVoltage_MarksTheScanOfEverySensor) {
 
   ASSERT_EQ(output.bits.size(), 4U);
   for (const auto& bits : output.bits) EXPECT_THAT(bits, ElementsAre(0, 0, 0, kRotation, kRotation));
-}
-
-TEST(Guard, Prepare_DropsTheAuxiliaryChannels) {
-  StageSurroundings surroundings;
-  Signal signal = make_signal(100, "V", {{}, {}, {}, {}, {}});
-  signal.format.channels[4].unit = "mm";
-
-  const auto output = surroundings.make({.id = "guard", .options = {}})->prepare(signal.format, 64);
-
-  ASSERT_TRUE(output);
-  EXPECT_EQ(output->channels.size(), 4U);
-  EXPECT_EQ(output->rate, signal.format.rate);
-}
-
-TEST(Guard, PrepareMarkerThatDoesNotExist_IsRefused) {
-  StageSurroundings surroundings;
-  const auto guard = surroundings.make({.id = "guard", .options = {{"marker_channel", 1.0}}});
-
-  const auto output = guard->prepare(make_signal(100, "V", {{}, {}, {}, {}, {}}).format, 64);
-
-  ASSERT_FALSE(output);
-  EXPECT_EQ(output.error().code, core::ErrorCode::InvalidArgument);
-  EXPECT_THAT(output.error().what, HasSubstr("'marker_channel' is 1, but the device has 1 channels beside the sensors"));
-}
-
-TEST(Guard, PrepareSenselessInput_IsRefused) {
-  StageSurroundings surroundings;
-  const auto guard = surroundings.make({.id = "guard", .options = {}});
-
-  EXPECT_FALSE(guard->prepare(make_signal(100, "V", {{}, {}, {}}).format, 64));  // four sensors have a range
-  EXPECT_FALSE(guard->prepare(make_signal(100, "mm", {{}, {}, {}, {}}).format, 64));
 }
 
 }  // namespace

@@ -17,7 +17,6 @@ using core::quality::kRail;
 using core::quality::kUntared;
 using testing::Each;
 using testing::ElementsAre;
-using testing::HasSubstr;
 constexpr double kTableMm = 1e-4;  // a curve's tables keep gap -> volts -> gap within this
 
 /// Two sensors on a straight line of 0.5 V/mm from 5 V at 4 mm to 0 V at 14 mm: deflection = 2 mm/V * (V - 1 V).
@@ -76,13 +75,6 @@ TEST(LineariseStage, Volts_BecomeDeflectionFromTheUnloadedGap) {
   EXPECT_NEAR(output.values[1][1], -1.0, kTableMm);
   EXPECT_NEAR(output.values[1][2], 0.5, kTableMm);
   EXPECT_THAT(output.bits[0], Each(kUntared));
-}
-
-TEST(LineariseStage, Prepare_NamesChannelsAfterTheSensors) {
-  Linearise linearise;
-
-  EXPECT_EQ(linearise.format().channels,
-            (std::vector<core::ChannelFormat>{{.name = "w1_mm", .unit = "mm"}, {.name = "w2_mm", .unit = "mm"}}));
 }
 
 TEST(LineariseStage, VoltsBeyondTheCurve_CountAsItsEndAndAreMarked) {
@@ -179,18 +171,6 @@ TEST(LineariseStage, Tare_TakesTheMeanOfAnEmptyPlateThatIsStill) {
     EXPECT_NEAR(output.values[1].back(), row.second_mm, 2 * kTableMm);
     for (const auto& bits : output.bits) EXPECT_EQ(bits.back(), row.bits);
   }
-}
-
-TEST(LineariseStage, PrepareSenselessInput_IsRefused) {
-  Linearise linearise;
-
-  const auto three_channels = linearise->prepare(make_signal(100, "V", {{}, {}, {}}).format, 64);
-  const auto millimetres = linearise->prepare(make_signal(100, "mm", {{}, {}}).format, 64);
-
-  ASSERT_FALSE(three_channels);
-  EXPECT_THAT(three_channels.error().what, HasSubstr("3 channels come in, but the rig has 2 sensors"));
-  ASSERT_FALSE(millimetres);
-  EXPECT_THAT(millimetres.error().what, HasSubstr("is in 'mm', not in 'V'"));
 }
 
 }  // namespace

@@ -106,14 +106,6 @@ TEST(Reach, FidgetBefore_DoesNotHideTheReach) {
   EXPECT_NEAR(seconds(found->p2.scan), 2.57, 0.05);
 }
 
-TEST(Reach, ChannelsThatAreNoTransient_AreRefused) {
-  StageSurroundings surroundings(chair_rig());
-  const auto stage = surroundings.make({.id = "reach", .options = {}});
-
-  EXPECT_FALSE(stage->prepare(deflections_of({}, 0.0).format, 64));
-  EXPECT_FALSE(stage->prepare(transient_of({}, 0.0, 50.0).format, 64));
-}
-
 /// With the stage before: what is wrong with the sensors reaches the reach's flags.
 class ReachOfSensors : public testing::Test {
  protected:

@@ -14,15 +14,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-TEST(StageRegistry, Stages_StandInTheOrderOfTheirPipelines) {
-  std::vector<std::string_view> ids;
-  for (const StageEntry& entry : stage_registry()) ids.push_back(entry.describe().id);
-
-  ASSERT_GE(ids.size(), 7U);
-  ids.resize(7);
-  EXPECT_THAT(ids, ElementsAre("guard", "window_filter", "linearise", "cop", "steadiness", "transient", "reach"));
-}
-
 TEST(CheckStage, GoodOptions_HaveNoProblems) {
   EXPECT_THAT(check_stage({.id = "window_filter", .options = {}}), IsEmpty());
   EXPECT_THAT(check_stage({.id = "window_filter", .options = {{"window_scans", 1.0}, {"shift_scans", 4096.0}}}), IsEmpty());

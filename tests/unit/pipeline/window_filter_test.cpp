@@ -19,7 +19,6 @@ using core::quality::kRail;
 using core::quality::kStuck;
 using testing::Each;
 using testing::ElementsAre;
-using testing::HasSubstr;
 
 std::unique_ptr<Stage> window_filter(std::map<std::string, OptionValue, std::less<>> options) {
   StageSurroundings surroundings;
@@ -163,16 +162,6 @@ TEST(WindowFilter, HundredThousandScansOfNoise_AgreeWithTheDirectMean) {
     // Two orders of adding a thousand numbers: half a thousand roundings each at most, a few in practice.
     ASSERT_NEAR(output.values[0][last - (kWindow - 1)], mean, 2.5 * 500 * std::numeric_limits<double>::epsilon());
   }
-}
-
-TEST(WindowFilter, PrepareWindowTooLong_IsRefusedByName) {
-  const auto filter = window_filter({{"window_ms", 60'000.0}});
-
-  const auto output = filter->prepare(make_signal(100'000, "V", {{}}).format, 64);
-
-  ASSERT_FALSE(output);
-  EXPECT_EQ(output.error().code, core::ErrorCode::LimitExceeded);
-  EXPECT_THAT(output.error().what, HasSubstr("window_ms"));
 }
 
 }  // namespace

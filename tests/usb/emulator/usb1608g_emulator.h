@@ -39,7 +39,6 @@ class Usb1608gEmulator final : public EmulatedDevice {
   void suspend(std::int64_t now_ns);
   void fire_trigger(std::int64_t now_ns);
   [[nodiscard]] bool is_armed() const { return armed_.has_value(); }
-  [[nodiscard]] bool is_configured() const { return is_configured_; }
   [[nodiscard]] int images_loaded() const { return images_loaded_; }
   [[nodiscard]] std::uint8_t trigger_config() const { return trigger_config_; }
   [[nodiscard]] const std::vector<std::uint8_t>& last_start() const { return last_start_; }

@@ -5,6 +5,8 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "core/clock.h"
@@ -40,7 +42,10 @@ class FakeBus final : public device::usb::UsbBus {
   /// Called before each control or bulk OUT request reaches its device, with the number of such requests so far (from 0): unplug
   /// here to lose the device in the middle of a sequence.
   std::function<void(std::uint64_t)> on_request;
-  /// What each of those takes.
+  /// Asked for each call of a port with its words, as "out 11 0 0 0000002a 2000 ms": what the caller is told instead of the device's
+  /// answer.
+  std::function<std::optional<device::usb::UsbResult>(const std::string&)> on_call;
+  /// What each request takes.
   std::int64_t request_ns = core::kNanosecondsPerMillisecond;
   /// A device that asked to leave the bus is back after this.
   std::int64_t absence_ns = 500 * core::kNanosecondsPerMillisecond;
@@ -73,6 +78,7 @@ class FakeBus final : public device::usb::UsbBus {
   [[nodiscard]] std::int64_t now_ns() const noexcept { return clock_.raw_ns(); }
   /// What `now_ns` here will say at a `time_ns` of the clock.
   [[nodiscard]] std::int64_t raw_of(std::int64_t time_ns) const noexcept { return time_ns - (clock_.now_ns() - clock_.raw_ns()); }
+  [[nodiscard]] std::optional<device::usb::UsbResult> told(const std::string& call) const { return on_call ? on_call(call) : std::nullopt; }
   /// A request is made, which takes `time_ns`.
   void spend(std::int64_t time_ns);
   [[nodiscard]] bool accepts_submit() noexcept;

@@ -2,6 +2,7 @@
 #include "usb/fake/fake_port.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <string>
 #include <utility>
@@ -21,6 +22,26 @@ constexpr std::uint8_t kVendorIn = 0xC0;
 constexpr std::uint8_t kEndpointDescriptorType = 5;
 
 UsbResult failed(UsbStatus status) { return tl::make_unexpected(status); }
+
+std::string hex(unsigned number) {
+  char text[8];
+  std::snprintf(text, sizeof text, "%02x", number);
+  return text;
+}
+
+/// The bytes of a short request, the size of a long one.
+std::string hex(std::span<const std::uint8_t> bytes) {
+  if (bytes.size() > 32) return std::to_string(bytes.size()) + " bytes";
+  std::string text;
+  for (const std::uint8_t byte : bytes) text += hex(unsigned{byte});
+  return text.empty() ? "-" : text;
+}
+
+std::string words(const char* direction, const device::usb::ControlRequest& request) {
+  return std::string(direction) + " " + hex(request.request) + " " + hex(request.value) + " " + hex(request.index) + " ";
+}
+
+std::string limit(int timeout_ms) { return " " + std::to_string(timeout_ms) + " ms"; }
 
 /// wMaxPacketSize of an endpoint in a configuration descriptor; 0: not there.
 std::size_t packet_bytes(const std::vector<std::uint8_t>& configuration, std::uint8_t endpoint) {
@@ -79,6 +100,8 @@ std::optional<ControlReply> FakePort::control(const Setup& setup, std::span<cons
 }
 
 UsbResult FakePort::control_in(const device::usb::ControlRequest& request, std::span<std::uint8_t> data, int timeout_ms) {
+  const std::string call = words("in", request) + std::to_string(data.size()) + " bytes" + limit(timeout_ms);
+  if (const auto told = bus_.told(call)) return *told;
   const Setup setup{kVendorIn, request.request, request.value, request.index, static_cast<std::uint16_t>(data.size())};
   UsbStatus status{};
   const auto reply = control(setup, {}, timeout_ms, status);
@@ -89,6 +112,7 @@ UsbResult FakePort::control_in(const device::usb::ControlRequest& request, std::
 }
 
 UsbResult FakePort::control_out(const device::usb::ControlRequest& request, std::span<const std::uint8_t> data, int timeout_ms) {
+  if (const auto told = bus_.told(words("out", request) + hex(data) + limit(timeout_ms))) return *told;
   const Setup setup{kVendorOut, request.request, request.value, request.index, static_cast<std::uint16_t>(data.size())};
   UsbStatus status{};
   if (!control(setup, data, timeout_ms, status)) return failed(status);
@@ -96,6 +120,8 @@ UsbResult FakePort::control_out(const device::usb::ControlRequest& request, std:
 }
 
 UsbResult FakePort::bulk_in(std::uint8_t endpoint, std::span<std::uint8_t> data, int timeout_ms) {
+  const std::string call = "bulk in " + hex(endpoint) + " " + std::to_string(data.size()) + " bytes" + limit(timeout_ms);
+  if (const auto told = bus_.told(call)) return *told;
   bus_.settle();
   UrbQueue* const urbs = queue(endpoint);
   if (plug_->is_gone) return failed(UsbStatus::NoDevice);
@@ -116,7 +142,7 @@ UsbResult FakePort::bulk_in(std::uint8_t endpoint, std::span<std::uint8_t> data,
 }
 
 UsbResult FakePort::bulk_out(std::uint8_t endpoint, std::span<const std::uint8_t> data, int timeout_ms) {
-  (void)timeout_ms;  // no emulated device refuses to take bytes
+  if (const auto told = bus_.told("bulk out " + hex(endpoint) + " " + hex(data) + limit(timeout_ms))) return *told;
   bus_.spend(bus_.request_ns);
   if (plug_->is_gone) return failed(UsbStatus::NoDevice);
   if (queue(endpoint) == nullptr) return failed(UsbStatus::Failed);
@@ -126,6 +152,7 @@ UsbResult FakePort::bulk_out(std::uint8_t endpoint, std::span<const std::uint8_t
 }
 
 UsbResult FakePort::clear_halt(std::uint8_t endpoint) {
+  if (const auto told = bus_.told("clear halt " + hex(endpoint))) return *told;
   bus_.spend(bus_.request_ns);
   if (plug_->is_gone) return failed(UsbStatus::NoDevice);
   UrbQueue* const urbs = queue(endpoint);
@@ -137,6 +164,9 @@ UsbResult FakePort::clear_halt(std::uint8_t endpoint) {
 
 core::Status FakePort::prepare_transfers(std::uint8_t endpoint, std::size_t count, std::size_t bytes,
                                          device::usb::TransferListener& listener) {
+  if (bus_.told(std::to_string(count) + " transfers " + hex(endpoint) + " of " + std::to_string(bytes) + " bytes")) {
+    return core::fail(core::ErrorCode::Failed, "no transfers");
+  }
   const auto packet = max_packet_bytes(endpoint);
   if (!packet) return tl::make_unexpected(packet.error());
   if (count == 0 || bytes == 0 || bytes % *packet != 0) {

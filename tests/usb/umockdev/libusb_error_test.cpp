@@ -6,6 +6,8 @@
 #include <libusb-1.0/libusb.h>
 
 #include <cerrno>
+#include <string>
+#include <tuple>
 
 namespace dts::device::usb {
 namespace {
@@ -15,28 +17,29 @@ using ::testing::HasSubstr;
 
 const UsbUnit kUnit{.vendor = 0x09db, .product = 0x00ea, .release_bcd = 0x0102, .bus = 1, .address = 7, .serial = "01AB"};
 
-TEST(LibusbErrorTest, EveryMessageNamesTheDeviceItsNodeAndItsSerial) {
-  const core::Error error = open_error(LIBUSB_ERROR_OTHER, 0, kUnit);
-
-  EXPECT_THAT(error.what, HasSubstr("09db:00ea"));
-  EXPECT_THAT(error.what, HasSubstr("/dev/bus/usb/001/007"));
-  EXPECT_THAT(error.what, HasSubstr("01AB"));
-}
-
-TEST(LibusbErrorTest, AMissingRuleAndAServicePolicyAreToldApart) {
-  const core::Error rule = open_error(LIBUSB_ERROR_ACCESS, EACCES, kUnit);
-  const core::Error policy = open_error(LIBUSB_ERROR_ACCESS, EPERM, kUnit);
-
-  EXPECT_EQ(rule.code, ErrorCode::NotAllowed);
-  EXPECT_EQ(policy.code, ErrorCode::NotAllowed);
-  EXPECT_THAT(rule.hint, HasSubstr("70-dtsd.rules"));
-  EXPECT_THAT(policy.hint, HasSubstr("DeviceAllow=char-usb_device"));
-}
-
-TEST(LibusbErrorTest, BusyIsAnotherProgramAndNoDeviceIsGone) {
-  EXPECT_EQ(open_error(LIBUSB_ERROR_BUSY, 0, kUnit).code, ErrorCode::WrongState);
-  EXPECT_EQ(open_error(LIBUSB_ERROR_NO_DEVICE, 0, kUnit).code, ErrorCode::DeviceGone);
-  EXPECT_EQ(open_error(LIBUSB_ERROR_IO, ENOENT, kUnit).code, ErrorCode::DeviceGone);
+TEST(LibusbErrorTest, EachRefusalNamesTheDeviceTheReasonAndWhatToDo) {
+  const std::string what = "cannot open USB device 09db:00ea at /dev/bus/usb/001/007, serial 01AB: ";
+  const std::string gone = what + "it is no longer there";
+  const std::string busy = what + "another program or rig is using it";
+  for (const auto& [error, number, expected, hint] :
+       {std::tuple{LIBUSB_ERROR_BUSY, 0, core::Error{ErrorCode::WrongState, busy, ""}, "close the other program"},
+        {LIBUSB_ERROR_IO, EBUSY, {ErrorCode::WrongState, busy, ""}, "close the other program"},
+        {LIBUSB_ERROR_NO_DEVICE, 0, {ErrorCode::DeviceGone, gone, ""}, "plug it in"},
+        {LIBUSB_ERROR_IO, ENOENT, {ErrorCode::DeviceGone, gone, ""}, "plug it in"},
+        {LIBUSB_ERROR_IO, ENODEV, {ErrorCode::DeviceGone, gone, ""}, "plug it in"},
+        {LIBUSB_ERROR_IO, ENXIO, {ErrorCode::DeviceGone, gone, ""}, "plug it in"},
+        {LIBUSB_ERROR_ACCESS,
+         EACCES,
+         {ErrorCode::NotAllowed, what + "no permission to write to the node (EACCES): the udev rule is missing", ""},
+         "70-dtsd.rules"},
+        {LIBUSB_ERROR_ACCESS, EPERM, {ErrorCode::NotAllowed, what + "the system forbids it (EPERM)", ""}, "DeviceAllow=char-usb_device"},
+        {LIBUSB_ERROR_OTHER, EIO, {ErrorCode::Failed, what + "Input/output error", ""}, "unplug the device"},
+        {LIBUSB_ERROR_OTHER, 0, {ErrorCode::Failed, what + "Other error", ""}, "unplug the device"}}) {
+    const core::Error found = open_error(error, number, kUnit);
+    EXPECT_EQ(found.code, expected.code) << found.what;
+    EXPECT_EQ(found.what, expected.what);
+    EXPECT_THAT(found.hint, HasSubstr(hint));
+  }
 }
 
 TEST(LibusbErrorTest, TransferStatusesKeepTheirMeaning) {
@@ -49,6 +52,9 @@ TEST(LibusbErrorTest, TransferStatusesKeepTheirMeaning) {
   EXPECT_EQ(status_of_transfer(LIBUSB_TRANSFER_ERROR), UsbStatus::Failed);
   EXPECT_EQ(status_of_error(LIBUSB_ERROR_NO_DEVICE), UsbStatus::NoDevice);
   EXPECT_EQ(status_of_error(LIBUSB_ERROR_NO_MEM), UsbStatus::NoMemory);
+  EXPECT_EQ(status_of_error(LIBUSB_ERROR_PIPE), UsbStatus::Stall);
+  EXPECT_EQ(status_of_error(LIBUSB_ERROR_TIMEOUT), UsbStatus::TimedOut);
+  EXPECT_EQ(status_of_error(LIBUSB_ERROR_OVERFLOW), UsbStatus::Overflow);
   EXPECT_EQ(status_of_error(LIBUSB_ERROR_BUSY), UsbStatus::Failed);
 }
 

@@ -283,15 +283,5 @@ TEST_F(LibusbStreamTest, AReaderThatIsTooSlowIsToldHowMuchFoundNoRoom) {
   end();
 }
 
-TEST_F(LibusbStreamTest, TransfersOfWrongSizesAreRefused) {
-  host_.plug(device_);
-  port_ = open_port();
-
-  const auto refused = BulkStream::create(*port_, {.endpoint = 0x81, .transfer_bytes = 0}, clock_);
-
-  ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, core::ErrorCode::LimitExceeded);
-}
-
 }  // namespace
 }  // namespace dts::emulator

@@ -93,27 +93,6 @@ TEST(U6Device, DigitalWord_SyncLineInsideEachScan) {
   for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(rig.block.column(2)[i], i < 11 ? 0xFFFE : 0xFFFF) << i;
 }
 
-TEST(U6Device, Plan_FollowsRateAndLatency) {
-  Rig rig(kEleven);
-  U6 driver(*read_u6_options(*DeviceUri::parse(kEleven)));
-  const auto port = rig.bus.open((*rig.bus.units(u6_models()))[0]);
-  ASSERT_TRUE(port.has_value());
-
-  const auto fast = driver.configure(**port, {test::rate_of(1500), 10 * kMillisecond, false});
-  ASSERT_TRUE(fast.has_value());
-  EXPECT_EQ(fast->shape.endpoint, 0x83);
-  EXPECT_EQ(fast->shape.transfer_bytes, 6U * 64U);
-  EXPECT_EQ(fast->shape.transfer_count, 55U);  // for 500 ms
-  EXPECT_EQ(fast->packet_period_ns, 9'090'909);
-  EXPECT_EQ(fast->sentence, "6 packets of 25 samples per transfer");
-
-  const auto slow = driver.configure(**port, {test::rate_of(100), 10 * kMillisecond, false});
-  ASSERT_TRUE(slow.has_value());
-  EXPECT_EQ(slow->shape.transfer_bytes, 64U);
-  EXPECT_EQ(slow->packet_period_ns, 10 * kMillisecond);
-  EXPECT_EQ(slow->sentence, "immediate, one scan per packet");
-}
-
 TEST(U6Device, ExactRate_IsWhatStartGives) {
   Rig rig(kEleven);
   const auto exact = rig.device->exact_rate(test::rate_of(1499.99));
@@ -150,22 +129,6 @@ TEST(U6Device, Report_SaysWhatItIs) {
   std::string all;
   for (const DeviceCheck& check : report.checks) all += check.detail + ";";
   EXPECT_NE(all.find("U6-Pro"), std::string::npos) << all;
-}
-
-core::Error refusal(const std::string& uri) {
-  core::VirtualClock clock;
-  emulator::FakeBus bus(clock);
-  const physics::RigModel plate = test::floor_rig();
-  const auto created = create_device(uri, {clock, plate, &bus});
-  EXPECT_FALSE(created.has_value()) << uri;
-  return created ? core::Error{} : created.error();
-}
-
-TEST(U6Device, WrongOptions_AreRefused) {
-  EXPECT_NE(refusal("labjack:u6?channels=0,14").what.find("thermometer"), std::string::npos);
-  for (const char* options : {"channels=0,16", "channels=0,1&range_v=5", "digital=2"}) {
-    EXPECT_EQ(refusal(std::string("labjack:u6?") + options).code, ErrorCode::InvalidArgument);
-  }
 }
 
 }  // namespace

@@ -104,21 +104,6 @@ TEST(U6Faults, LostMoreThanItCanCount_NewScan) {
   expect_restart(rig, 1500);
 }
 
-TEST(U6Faults, Silence_FoundWithin800Ms) {
-  for (const double rate_hz : {100.0, 1500.0}) {
-    Rig rig(kEleven);
-    rig.unit.faults.silence_at_code = 11 * 500;
-    rig.start(rate_hz);
-    ReadResult result = rig.read_and_check(480);
-    const std::int64_t silent_since_ns = rig.clock.now_ns();
-    while (result.outcome == ReadOutcome::Scans) result = rig.read();
-    expect_broken(result, GapReason::Silence);
-    EXPECT_LE(rig.clock.now_ns() - silent_since_ns, rig.rate.time_ns({84}) + 800 * kMillisecond);
-    rig.unit.faults.silence_at_code = emulator::Faults::kNever;
-    expect_restart(rig, rate_hz);
-  }
-}
-
 TEST(U6Faults, MuteWhileStreaming_BrokenAndStopInTime) {
   Rig rig(kEleven);
   rig.start(1500);
@@ -133,25 +118,6 @@ TEST(U6Faults, MuteWhileStreaming_BrokenAndStopInTime) {
   EXPECT_LE(rig.clock.now_ns() - before_ns, 400 * kMillisecond);  // it does not answer
   EXPECT_EQ(rig.bus.transfers_in_flight(), 0);
   EXPECT_FALSE(rig.device->start({rig.rate, 64}).has_value());
-}
-
-TEST(U6Faults, UnpluggedAtAnyRequest_NeverOpenWithoutDevice) {
-  for (std::uint64_t request = 0; request < 16; ++request) {
-    Rig rig(kEleven);
-    rig.bus.on_request = [&](std::uint64_t count) {
-      if (count == request) rig.bus.unplug(rig.unit);
-    };
-    const bool is_open = rig.device->open().has_value();
-    if (is_open && rig.device->start({test::rate_of(1500), 64}).has_value()) {
-      core::Block block(11, 64);
-      ReadResult result = rig.device->read(block, rig.clock.now_ns() + kSecond);
-      for (int i = 0; i < 20 && result.outcome == ReadOutcome::Scans; ++i) result = rig.device->read(block, rig.clock.now_ns() + kSecond);
-      EXPECT_EQ(result.outcome, rig.bus.requests() > request ? ReadOutcome::Gone : ReadOutcome::Scans) << request;
-    }
-    EXPECT_TRUE(rig.device->close().has_value());
-    EXPECT_EQ(rig.bus.transfers_in_flight(), 0) << request;
-    EXPECT_EQ(rig.bus.open_ports(), 0) << request;
-  }
 }
 
 TEST(U6Faults, StreamOfACrashedProgram_EndedAtOpen) {
@@ -189,25 +155,6 @@ TEST(U6Faults, StopWasLost_NextStartEndsTheOldStream) {
   EXPECT_TRUE(rig.unit.is_streaming());
   rig.restart(1500);
   EXPECT_EQ(rig.read_and_check(1000).outcome, ReadOutcome::Scans);
-}
-
-TEST(U6Faults, ReplyMissingCutOrDamaged_NotOpenedAndSaidWhich) {
-  const auto error_with = [](auto harm) {
-    Rig rig(kEleven);
-    harm(rig.unit);
-    return open_error(rig);
-  };
-  const core::Error mute = error_with([](U6Emulator& unit) { unit.faults.is_mute = true; });
-  EXPECT_EQ(mute.code, ErrorCode::Timeout);
-  EXPECT_NE(mute.what.find("StreamStop"), std::string::npos) << mute.what;
-  const core::Error cut = error_with([](U6Emulator& unit) { unit.quirks.reply_bytes = 10; });
-  EXPECT_EQ(cut.code, ErrorCode::DataDamaged);
-  EXPECT_NE(cut.what.find("ConfigU6 has 10 bytes, not 38"), std::string::npos) << cut.what;
-  const core::Error damaged = error_with([](U6Emulator& unit) { unit.quirks.reply_to_damage = 5; });  // the third block of the calibration
-  EXPECT_EQ(damaged.code, ErrorCode::DataDamaged);
-  EXPECT_NE(damaged.what.find("ReadCal has a wrong checksum"), std::string::npos) << damaged.what;
-  EXPECT_EQ(error_with([](U6Emulator& unit) { unit.faults.is_calibration_garbage = true; }).code, ErrorCode::DataDamaged);
-  EXPECT_EQ(error_with([](U6Emulator& unit) { unit.faults.calibration_bytes = 70; }).code, ErrorCode::DataDamaged);
 }
 
 TEST(U6Faults, WrongChecksumOfACommand_TheUnitSaysB8) {

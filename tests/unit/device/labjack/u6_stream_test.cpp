@@ -161,13 +161,14 @@ TEST(U6Stream, Recovery_OldScansGapNewScans) {
 }
 
 TEST(U6Stream, Recovery_AnyPlaceAndRoom) {
-  constexpr std::size_t kChannels = 3;
   constexpr std::size_t kSamples = 5;
-  for (std::size_t old_scans = 0; old_scans < 5; ++old_scans) {
+  for (std::size_t step = 0; step < 4 * 5; ++step) {
+    const std::size_t channels = std::array<std::size_t, 4>{3, 1, 2, 7}[step / 5];
+    const std::size_t old_scans = step % 5;
     Codes all;
-    for (std::size_t i = 0; i < old_scans * kChannels; ++i) all.push_back(static_cast<std::uint16_t>(100 + i));
+    for (std::size_t i = 0; i < old_scans * channels; ++i) all.push_back(static_cast<std::uint16_t>(100 + i));
     const std::size_t dummy_packet = all.size() / kSamples;
-    all.insert(all.end(), kChannels, kDummy);
+    all.insert(all.end(), channels, kDummy);
     while (all.size() < 8 * kSamples) all.push_back(static_cast<std::uint16_t>(200 + all.size()));
     Bytes bytes;
     for (std::size_t p = 0; p < 8; ++p) {
@@ -177,15 +178,15 @@ TEST(U6Stream, Recovery_AnyPlaceAndRoom) {
       bytes = bytes + packet(static_cast<std::uint8_t>(p), samples, error, p == dummy_packet ? 7 : 0);
     }
     Codes expected = all;
-    expected.erase(expected.begin() + static_cast<std::ptrdiff_t>(old_scans * kChannels),
-                   expected.begin() + static_cast<std::ptrdiff_t>((old_scans + 1) * kChannels));
+    expected.erase(expected.begin() + static_cast<std::ptrdiff_t>(old_scans * channels),
+                   expected.begin() + static_cast<std::ptrdiff_t>((old_scans + 1) * channels));
     for (std::size_t room = 1; room < 12; ++room) {
       StreamParser parser;
-      parser.restart(kChannels, kSamples);
+      parser.restart(channels, kSamples);
       const Outcome outcome = feed(parser, bytes, room);
       EXPECT_EQ(outcome.codes, expected) << old_scans << " " << room;
       ASSERT_EQ(outcome.faults.size(), 1U) << old_scans << " " << room;
-      EXPECT_EQ(outcome.faults_at[0], old_scans * kChannels) << room;
+      EXPECT_EQ(outcome.faults_at[0], old_scans * channels) << room;
       EXPECT_EQ(outcome.faults[0].discarded_scans, 7U);
     }
   }

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <bit>
-#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -80,13 +79,6 @@ TEST(FsPlusRate, ExactRate_IsItsOwnNearestAndNeverTheExternalClock) {
   }
 }
 
-TEST(FsPlusModels, Range_HasItsCode) {
-  EXPECT_EQ(usb_1608fs_plus().range_code(10.0), 0);
-  EXPECT_EQ(usb_1608fs_plus().range_code(5.0), 1);
-  EXPECT_EQ(usb_1608fs_plus().range_code(2.0), 3);
-  EXPECT_EQ(usb_1608fs_plus().range_code(1.0), 5);
-}
-
 TEST(Calibration, Volts_ByTheVendorsFormula) {
   const auto found = decode_calibration(record(1.01F, -300.0F), 16, "ch0");
   ASSERT_TRUE(found.has_value());
@@ -137,37 +129,34 @@ TEST(Codes, LittleEndianBackToBack_HalfACodeOrTooLargeAOneIsDamage) {
   }
 }
 
-TransferChoice choose(double rate_hz, std::size_t channels, std::int64_t latency_ms, bool must_use_large_packets = false) {
-  return choose_transfers({.scan_hz = rate_hz, .channels = channels, .packet_bytes = 64},
-                          {.rate = hz(rate_hz), .latency_ns = latency_ms * 1'000'000, .must_use_large_packets = must_use_large_packets});
-}
-
-TEST(TransferChoice, SlowScan_OnePacketPerScanUnlessTheReaderIsPatientOrItOverran) {
-  const TransferChoice choice = choose(100, 4, 20);  // a packet of 32 codes would take 80 ms
-
-  EXPECT_TRUE(choice.is_immediate);
-  EXPECT_EQ(choice.transfer_bytes, 64U);
-  EXPECT_EQ(choice.transfer_period_ns, 10'000'000);
-  EXPECT_EQ(choice.transfer_count, 50U);  // half a second
-  EXPECT_TRUE(choose(100, 4, 79).is_immediate);
-  EXPECT_FALSE(choose(100, 4, 80).is_immediate);
-  EXPECT_TRUE(choose(1000, 1, 20).is_immediate);
-  EXPECT_FALSE(choose(1001, 1, 20).is_immediate);
-  EXPECT_FALSE(choose(100, 4, 20, true).is_immediate);
-}
-
-TEST(TransferChoice, FastScan_BlocksOfTenMillisecondsOrOfTheLatency) {
-  const TransferChoice choice = choose(1500, 8, 20);  // 2.67 ms per packet
-
-  EXPECT_FALSE(choice.is_immediate);
-  EXPECT_EQ(choice.transfer_bytes, 192U);
-  EXPECT_EQ(choice.transfer_period_ns, 8'000'000);
-  EXPECT_EQ(choice.transfer_count, 63U);
-  EXPECT_EQ(choose(1500, 8, 6).transfer_bytes, 128U);
-  EXPECT_EQ(choose(1500, 8, 1).transfer_bytes, 64U);
-  const TransferChoice fastest = choose(50'000, 8, 20);
-  EXPECT_EQ(fastest.transfer_bytes, 8000U);
-  EXPECT_GE(static_cast<std::int64_t>(fastest.transfer_count) * fastest.transfer_period_ns, 500'000'000);
+TEST(TransferChoice, SlowScansOnePacketEachOthersInBlocksOfTenMillisecondsOrOfTheLatency) {
+  struct Row {
+    double rate_hz;
+    std::size_t channels;
+    std::int64_t latency_ms;
+    bool must_use_large_packets;
+    bool is_immediate;
+    std::size_t transfer_bytes;
+    std::size_t transfer_count;
+    std::int64_t transfer_period_ns;
+  };
+  for (const Row& row : {Row{100, 4, 20, false, true, 64, 50, 10'000'000},  // a packet of 32 codes would take 80 ms
+                         Row{100, 4, 79, false, true, 64, 50, 10'000'000}, Row{100, 4, 80, false, false, 64, 8, 80'000'000},
+                         Row{100, 4, 20, true, false, 64, 8, 80'000'000}, Row{1000, 1, 20, false, true, 64, 500, 1'000'000},
+                         Row{1001, 1, 20, false, false, 64, 16, 31'968'032}, Row{10, 31, 20, false, true, 64, 8, 100'000'000},
+                         Row{10, 32, 20, false, false, 64, 8, 100'000'000}, Row{1500, 8, 20, false, false, 192, 63, 8'000'000},
+                         Row{1500, 8, 6, false, false, 128, 94, 5'333'333}, Row{1500, 8, 1, false, false, 64, 188, 2'666'667},
+                         Row{50'000, 8, 20, false, false, 8000, 50, 10'000'000}, Row{500'000, 8, 20, false, false, 16'384, 245, 2'048'000},
+                         Row{500'000, 8, 0, false, false, 64, 512, 8'000}}) {
+    const TransferChoice choice = choose_transfers(
+        {.scan_hz = row.rate_hz, .channels = row.channels, .packet_bytes = 64},
+        {.rate = hz(row.rate_hz), .latency_ns = row.latency_ms * 1'000'000, .must_use_large_packets = row.must_use_large_packets});
+    SCOPED_TRACE(std::to_string(row.rate_hz) + " Hz, " + std::to_string(row.latency_ms) + " ms");
+    EXPECT_EQ(choice.is_immediate, row.is_immediate);
+    EXPECT_EQ(choice.transfer_bytes, row.transfer_bytes);
+    EXPECT_EQ(choice.transfer_count, row.transfer_count);
+    EXPECT_EQ(choice.transfer_period_ns, row.transfer_period_ns);
+  }
 }
 
 }  // namespace

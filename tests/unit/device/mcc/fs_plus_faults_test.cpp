@@ -80,20 +80,6 @@ TEST(FsPlusFaults, HostAwayForThreeSeconds_RealOverrun) {
   EXPECT_EQ(bench.read(1500).last.gap.reason, GapReason::Overrun);
 }
 
-TEST(FsPlusFaults, SilenceOfADeviceThatSaysItRuns_BrokenWithin800ms) {
-  FsPlusEmulator unit = faulty_1608();
-  Bench bench("mcc:1608fs-plus", unit);
-  bench.start(1500);
-  unit.faults.silence_at_code = 8 * 3000;
-  ASSERT_EQ(bench.read(2900).last.outcome, ReadOutcome::Scans);
-  const std::int64_t before_ns = bench.clock.now_ns();
-
-  const Reading reading = bench.read(3000);
-
-  EXPECT_EQ(reading.last.gap.reason, GapReason::Silence);
-  EXPECT_LT(bench.clock.now_ns() - before_ns, 800 * kMillisecond + 100 * kSecond / 1500);
-}
-
 TEST(FsPlusFaults, HostThatStoodStillWhileTheDeviceHeldItsScans_LosesNone) {
   FsPlusEmulator unit = faulty_1608();
   unit.faults.pause_at_code = 8 * 500;
@@ -148,40 +134,6 @@ TEST(FsPlusFaults, LostSampleLater_MarkerFindsItAtOnce) {
 
   EXPECT_EQ(scans, 2000U);  // not one rotated scan
   EXPECT_EQ(last.gap.reason, GapReason::Integrity);
-}
-
-TEST(FsPlusFaults, DamagedCalibrationOrMuteDevice_NotOpened) {
-  for (const auto& [calibration_bytes, is_garbage, is_mute] : {std::tuple{300, false, false}, {0, true, false}, {0, false, true}}) {
-    FsPlusEmulator unit = faulty_1608();
-    if (calibration_bytes > 0) unit.faults.calibration_bytes = static_cast<std::size_t>(calibration_bytes);
-    unit.faults.is_calibration_garbage = is_garbage;
-    unit.faults.is_mute = is_mute;
-    Bench bench("mcc:1608fs-plus", unit);
-    const std::int64_t before_ns = bench.clock.now_ns();
-
-    const auto opened = bench.device->open();
-
-    ASSERT_FALSE(opened.has_value());
-    EXPECT_EQ(opened.error().code, is_mute ? core::ErrorCode::Timeout : core::ErrorCode::DataDamaged);
-    EXPECT_EQ(bench.device->state(), DeviceState::Closed);
-    EXPECT_EQ(bench.bus.open_ports(), 0);
-    if (!is_mute) continue;
-    EXPECT_GE(bench.clock.now_ns() - before_ns, 200 * kMillisecond);  // it may only be slow
-    EXPECT_LE(bench.clock.now_ns() - before_ns, 250 * kMillisecond);
-  }
-}
-
-TEST(FsPlusFaults, RangesNotTaken_StartRefused) {
-  FsPlusEmulator unit = faulty_1608();
-  unit.ignores_ranges = true;
-  Bench bench("mcc:1608fs-plus", unit);
-  ASSERT_TRUE(bench.device->open());
-
-  const auto started = bench.device->start({*core::Rate::from_hz(1500), 64});
-
-  ASSERT_FALSE(started.has_value());
-  EXPECT_EQ(started.error().code, core::ErrorCode::DataDamaged);
-  EXPECT_EQ(bench.device->state(), DeviceState::Open);
 }
 
 TEST(FsPlusFaults, FaultOrReplugAfterTheTrigger_GoesOnWithoutIt) {
@@ -255,22 +207,6 @@ TEST(FsPlusFaults, DeviceAtTwiceItsRate_Integrity) {
   bench.start(1500);
 
   EXPECT_EQ(bench.read(30'000).last.gap.reason, GapReason::Integrity);
-}
-
-TEST(FsPlusFaults, OpenFailsWithEachRequestUnanswered_NeverHangsOrLeaks) {
-  for (std::uint64_t lost = 0; lost < 40; ++lost) {
-    FsPlusEmulator unit = faulty_1608();
-    Bench bench("mcc:1608fs-plus", unit);
-    bench.bus.on_request = [&](std::uint64_t number) {
-      if (number == lost) unit.faults.silent_control_requests = 1;
-    };
-    const auto opened = bench.device->open();
-    if (opened) (void)bench.device->start({*core::Rate::from_hz(1500), 64});
-    (void)bench.device->stop();
-    EXPECT_TRUE(bench.device->close());
-    EXPECT_EQ(bench.bus.transfers_in_flight(), 0) << lost;
-    EXPECT_EQ(bench.bus.open_ports(), 0) << lost;
-  }
 }
 
 }  // namespace

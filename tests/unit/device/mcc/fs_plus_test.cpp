@@ -16,7 +16,6 @@ using test::Bench;
 using test::kMillisecond;
 using test::kSecond;
 using test::moving_source;
-using test::Reading;
 
 FsPlusEmulator unit_1608() { return {FsPlusKind::Usb1608, "01A2B3C4", moving_source()}; }
 
@@ -61,34 +60,6 @@ TEST(FsPlus, EachRelative_EverySampleRight) {
   }
 }
 
-TEST(FsPlus, Describe_WithoutADevice) {
-  const Bench bench("mcc:1608fs-plus?serial=77&channels=0,1,2,7&marker=7&marker_v=2.5");
-
-  const DeviceDescription& description = bench.device->describe();
-
-  EXPECT_EQ(description.model, "MCC USB-1608FS-Plus");
-  EXPECT_EQ(description.serial, "77");
-  ASSERT_EQ(description.channels.size(), 4U);
-  EXPECT_EQ(description.channels[3].name, "ch7");
-  EXPECT_EQ(description.channels[3].role, ChannelRole::Marker);
-  EXPECT_FALSE(description.has_sync_output);
-  EXPECT_EQ(description.channels[0].maximum, 5.0);
-  EXPECT_NEAR(description.channels[0].resolution, 152.6e-6, 1e-7);
-  EXPECT_EQ(description.maximum_rate_hz, 100e3);
-  EXPECT_EQ(bench.device->exact_rate(*core::Rate::from_hz(1500))->numerator(), 40'000'000);
-}
-
-TEST(FsPlus, NoUsb_Unsupported) {
-  core::VirtualClock clock;
-  const physics::RigModel rig;
-
-  for (const char* uri : {"labjack:u6", "mcc:1608fs-plus", "mcc:usb-201", "mcc:1608g", "mcc:1608fs-plus-pair?serial=1&second_serial=2"}) {
-    const auto created = create_device(uri, {clock, rig});
-    ASSERT_FALSE(created.has_value());
-    EXPECT_EQ(created.error().code, core::ErrorCode::Unsupported);
-  }
-}
-
 TEST(FsPlus, ScanLeftRunningByAnotherProgram_EndsAndLeavesNothingBehind) {
   FsPlusEmulator unit = unit_1608();
   Bench bench("mcc:1608fs-plus", unit);
@@ -114,20 +85,6 @@ TEST(FsPlus, Trigger_ArmedUntilItFires) {
   EXPECT_TRUE(bench.reads_right(3000));
 }
 
-TEST(FsPlus, SyncOutputOfPortsThatTurnAsAWhole_DrivesItsLine) {
-  for (const auto& [kind, uri] : {std::pair{FsPlusKind::Usb1208, "mcc:1208fs-plus"}, std::pair{FsPlusKind::Usb1408, "mcc:1408fs-plus"}}) {
-    FsPlusEmulator unit(kind, "01A2B3C4", moving_source());
-    Bench bench(std::string(uri) + "?sync_output_bit=3", unit);
-    ASSERT_TRUE(bench.device->open());
-    EXPECT_EQ(unit.digital_output(3), false);
-
-    ASSERT_TRUE(bench.device->set_sync_output(true));
-
-    EXPECT_EQ(unit.digital_output(3), true) << uri;
-    EXPECT_EQ(unit.digital_output(2), false);  // an output, too
-  }
-}
-
 TEST(FsPlus, SyncOutput_DrivesItsLineOnlyAndStandsInTheData) {
   FsPlusEmulator unit = unit_1608();
   unit.loop_back(3, 7);
@@ -141,23 +98,6 @@ TEST(FsPlus, SyncOutput_DrivesItsLineOnlyAndStandsInTheData) {
     for (int i = 0; i < 10; ++i) ASSERT_EQ(bench.device->read(block, bench.clock.now_ns() + kSecond).outcome, ReadOutcome::Scans);
     EXPECT_NEAR(block.column(7)[63], is_high ? 5.0 : 0.0, 1e-3);
   }
-
-  FsPlusEmulator other = unit_1608();
-  Bench without_line("mcc:1608fs-plus", other);
-  without_line.start(1500);
-  const auto refused = without_line.device->set_sync_output(true);
-  EXPECT_EQ(refused.error().code, core::ErrorCode::Unsupported);
-  EXPECT_NE(refused.error().hint.find("sync_output_bit"), std::string::npos);
-}
-
-TEST(FsPlus, SyncPinOut_OnlyWhereThereIsOne) {
-  FsPlusEmulator unit = unit_1608();
-  Bench bench("mcc:1608fs-plus?sync_pin=out", unit);
-  bench.start(1500);
-  EXPECT_EQ(unit.last_start()[9] & 2, 2);
-
-  const auto other = create_device("mcc:1208fs-plus?sync_pin=out", {bench.clock, bench.rig, &bench.bus});
-  EXPECT_EQ(other.error().code, core::ErrorCode::InvalidArgument);
 }
 
 TEST(FsPlus, RailCodes_AreMarked) {

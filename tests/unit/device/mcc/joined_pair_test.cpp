@@ -244,19 +244,5 @@ TEST(JoinedPair, Read_AllocatesNothing) {
   EXPECT_EQ(dts::test::heap_calls_of_this_thread(), before);
 }
 
-TEST(JoinedPair, WrongSerialNumbersOrOptionsOfTheSecond_AreNamed) {
-  core::VirtualClock clock;
-  emulator::FakeBus bus(clock);
-  const physics::RigModel rig;
-
-  for (const char* rest :
-       {"", "?serial=1", "?second_serial=1", "?serial=1&second_serial=1", "?serial=1&second_serial=2&second_channels=9"}) {
-    const auto created = create_device("mcc:1608fs-plus-pair" + std::string(rest), {clock, rig, &bus});
-    ASSERT_FALSE(created.has_value()) << rest;
-    EXPECT_EQ(created.error().code, core::ErrorCode::InvalidArgument);
-    EXPECT_NE(created.error().what.find("second"), std::string::npos) << created.error().what;
-  }
-}
-
 }  // namespace
 }  // namespace dts::device::mcc

@@ -7,8 +7,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <tuple>
 
+#include "device/mcc/fpga.h"
 #include "unit/device/mcc/mcc_bench.h"
 #include "unit/device/sim_rig.h"
 #include "usb/emulator/usb1608g_emulator.h"
@@ -173,55 +173,6 @@ TEST(Usb1608g, HostAwayForLongerThanTheFifo_Overrun) {
   EXPECT_EQ(bench.read(3000, Usb1608gEmulator::kSkewS).last.gap.reason, GapReason::Overrun);
 }
 
-TEST(Usb1608g, WhatCannotBeOpenedOrStarted_SaysWhy) {
-  const ImageFile image;
-  const auto open_error = [](const std::string& uri, Usb1608gEmulator& unit) {
-    Bench bench(uri, unit);
-    const auto opened = bench.device->open();
-    EXPECT_FALSE(opened.has_value());
-    return opened ? core::Error{} : opened.error();
-  };
-  Usb1608gEmulator unit = unit_g();
-  const core::Error wrong_length = open_error(ImageFile(73'722).uri(), unit);
-  EXPECT_EQ(wrong_length.code, core::ErrorCode::InvalidArgument);
-  EXPECT_NE(wrong_length.what.find("73829"), std::string::npos);
-  EXPECT_EQ(unit.images_loaded(), 0) << "it was not sent";
-  const core::Error no_image = open_error("mcc:1608g", unit);
-  EXPECT_EQ(no_image.code, core::ErrorCode::NotFound);
-  EXPECT_NE(no_image.hint.find("uldaq"), std::string::npos);
-  EXPECT_NE(no_image.hint.find("fpga=FILE"), std::string::npos);
-  unit.faults.calibration_bytes = 20;
-  EXPECT_EQ(open_error(image.uri(), unit).code, core::ErrorCode::DataDamaged);
-  unit.faults.is_mute = true;
-  EXPECT_EQ(open_error(image.uri(), unit).code, core::ErrorCode::Timeout);
-
-  Usb1608gEmulator deaf = unit_g();
-  deaf.ignores_scan_list = true;
-  BenchG bench(image, deaf);
-  ASSERT_TRUE(bench.device->open());
-  EXPECT_EQ(bench.device->start({*core::Rate::from_hz(1500), 64}).error().code, core::ErrorCode::DataDamaged);
-}
-
-TEST(Usb1608g, SyncOutput_DrivesTheChosenLineOnly) {
-  const ImageFile image;
-  for (const auto& [options, inputs] : {std::pair{"", 0xFF}, {"&sync_output_bit=3", 0xF7}}) {
-    Usb1608gEmulator unit = unit_g();
-    BenchG bench(image, unit, options);
-    bench.start(1500);
-    const auto read_port = [&](std::uint8_t request) {
-      return unit.control({.request_type = 0xC0, .request = request, .length = 1}, {}, bench.clock.now_ns()).data.at(0);
-    };
-    EXPECT_EQ(read_port(0x00), inputs) << "a bit that is set: an input";
-    for (const bool is_high : {true, false}) {
-      const auto driven = bench.device->set_sync_output(is_high);
-      EXPECT_EQ(driven.has_value(), inputs != 0xFF);
-      EXPECT_EQ(read_port(0x02), driven && is_high ? 1 << 3 : 0);
-      if (driven) continue;
-      EXPECT_EQ(driven.error().what, bench.uri + " has no digital line chosen for the sync pulse");
-    }
-  }
-}
-
 TEST(Usb1608g, ScanLeftRunningByAnotherProgram_EndsAndLeavesNothingBehind) {
   const ImageFile image;
   Usb1608gEmulator unit = unit_g();
@@ -253,20 +204,17 @@ TEST(Usb1608g, FirstConversionAfterLoading_ThrownAway) {
     EXPECT_EQ(check.outcome, DeviceCheck::Outcome::Passed) << check.name << ": " << check.detail;
 }
 
-TEST(Usb1608g, ImageFileThatCannotBeOne_RefusedWithoutADevice) {
-  core::VirtualClock clock;
-  emulator::FakeBus bus(clock);
-  const physics::RigModel rig;
-  const ImageFile wrong(100);
-  const ImageFile image;
-  const std::string relative = std::filesystem::relative(image.path()).string();
-  for (const auto& [file, code, what] : {std::tuple{std::string("/nowhere/image.rbf"), core::ErrorCode::NotFound, "/nowhere/image.rbf"},
-                                         {wrong.path(), core::ErrorCode::InvalidArgument, "100 bytes"},
-                                         {relative, core::ErrorCode::InvalidArgument, "not a whole path"}}) {
-    const auto created = create_device("mcc:1608g?fpga=" + file, {clock, rig, &bus});
-    ASSERT_FALSE(created.has_value()) << file;
-    EXPECT_EQ(created.error().code, code) << file;
-    EXPECT_NE(created.error().what.find(what), std::string::npos) << created.error().what;
+TEST(FpgaImage, LengthByTheHardwaresRevision_NothingElseIsTaken) {
+  EXPECT_EQ(fpga_image_bytes(0x0133), 73'829U);
+  EXPECT_EQ(fpga_image_bytes(0x0134), 73'722U);
+  for (const std::size_t bytes : {0U, 73'721U, 73'722U, 73'723U, 73'828U, 73'829U, 73'830U}) {
+    const ImageFile file(bytes);
+    const core::Status checked = check_fpga_file(file.path());
+    EXPECT_EQ(checked.has_value(), bytes == 73'722 || bytes == 73'829) << bytes;
+    if (checked) continue;
+    EXPECT_EQ(checked.error().what, "FPGA image " + file.path() + " has " + std::to_string(bytes) +
+                                        " bytes; MCC's have 73829 or, for hardware revision 2, 73722");
+    EXPECT_EQ(checked.error().code, core::ErrorCode::InvalidArgument);
   }
 }
 

@@ -19,7 +19,6 @@ namespace {
 using core::ErrorCode;
 using core::GapReason;
 using emulator::NiStubControl;
-using test::kLibrary;
 using test::kMillisecond;
 using test::kSecond;
 using test::open_error;
@@ -290,24 +289,6 @@ TEST(NiDaqmx, EveryOperationInEveryState) {
   EXPECT_TRUE(device.start(options).has_value());
   EXPECT_TRUE(device.close().has_value());
   EXPECT_EQ(device.state(), DeviceState::Closed);
-}
-
-core::Error refusal(const std::string& uri) {
-  core::VirtualClock clock;
-  const physics::RigModel plate = device::test::floor_rig();
-  const auto created = create_device(uri, {clock, plate});
-  EXPECT_FALSE(created.has_value()) << uri;
-  return created ? core::Error{} : created.error();
-}
-
-TEST(NiDaqmx, WrongOptions_AreRefused) {
-  for (const char* uri :
-       {"ni:Dev1?channels=0,0", "ni:Dev1?channels=0.5", "ni:Dev1?terminal=single", "ni:Dev1?trigger=pfi99", "ni:Dev1/ai0"}) {
-    EXPECT_EQ(refusal(uri).code, ErrorCode::InvalidArgument) << uri;
-  }
-  std::string many = "0";
-  for (int i = 1; i < 33; ++i) many += "," + std::to_string(i);
-  EXPECT_EQ(refusal("ni:Dev1?channels=" + many).code, ErrorCode::LimitExceeded);
 }
 
 }  // namespace

@@ -12,7 +12,6 @@ namespace dts::device::replay {
 namespace {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::NanSensitiveDoubleEq;
 

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "core/block.h"
@@ -31,17 +30,6 @@ std::string refusal(const std::string& query, const DaqLimits& limits = kLimits)
 
 using Inputs = std::vector<std::size_t>;
 
-TEST(DaqOptions, NothingGiven_AllInputsWithTheFirstRange) {
-  const auto options = read("");
-
-  ASSERT_TRUE(options.has_value());
-  EXPECT_EQ(options->uri, "toy:daq");
-  EXPECT_EQ(options->serial, "");
-  EXPECT_EQ(options->channels, (Inputs{0, 1, 2, 3, 4, 5, 6, 7}));
-  EXPECT_EQ(options->ranges_v, std::vector<double>(8, 10.0));
-  EXPECT_FALSE(options->marker.has_value());
-}
-
 TEST(DaqOptions, Given_Taken) {
   const auto options = read("?serial=01AB&channels=1,3,7&range_v=5,1,2&marker=7&marker_v=-1.5&marker_tolerance_v=0.2");
 
@@ -53,35 +41,6 @@ TEST(DaqOptions, Given_Taken) {
   EXPECT_EQ(options->marker->position, 2U);
   EXPECT_EQ(options->marker->volts, -1.5);
   EXPECT_EQ(options->marker->tolerance_v, 0.2);
-}
-
-TEST(DaqOptions, MarkerNotListed_Appended) {
-  EXPECT_EQ(read("?channels=0,1,2&marker=5&marker_v=1")->channels, (Inputs{0, 1, 2, 5}));
-  EXPECT_EQ(read("?marker=7&marker_v=1")->channels, (Inputs{0, 1, 2, 3, 4, 5, 6, 7}));
-  EXPECT_EQ(read("?channels=4,0&marker=2&marker_v=1", kFree)->channels, (Inputs{4, 0, 2}));
-}
-
-TEST(DaqOptions, WrongInputsMarkersAndRanges_RefusedWithTheReason) {
-  for (const auto& [query, reason] : {std::pair{"?channels=0,1,7&marker=5&marker_v=1", "ascending"},
-                                      {"?marker=3&marker_v=1", "ascending"},
-                                      {"?channels=0,5,7&marker=5&marker_v=1", "not the last"},
-                                      {"?channels=5&marker=5&marker_v=1", "nothing but the marker"},
-                                      {"?marker_v=2", "marker_v has a meaning only with marker"},
-                                      {"?marker_tolerance_v=2", "only with marker"},
-                                      {"?marker=-1&marker_v=2", "only with marker"},
-                                      {"?marker=7", "needs marker_v"},
-                                      {"?marker=7&marker_v=4.95&range_v=5", "within the marker's range"},
-                                      {"?marker=8&marker_v=1&channels=0", "no input 8"},
-                                      {"?channels=0,8", "no input 8"},
-                                      {"?channels=0.5", "no input 0.5"},
-                                      {"?channels=2,1", "ascending"},
-                                      {"?channels=1,1", "stands twice"},
-                                      {"?channels=-1", "-1"},
-                                      {"?channels=0,1,2&range_v=2,1", "2 values for 3 channels"},
-                                      {"?range_v=3", "range_v takes 10, 5, 2, 1"}}) {
-    EXPECT_NE(refusal(query).find(reason), std::string::npos) << query << ": " << refusal(query);
-  }
-  EXPECT_EQ(refusal("?marker=7&marker_v=4.9&range_v=5"), "");
 }
 
 TEST(DaqOptions, FreeScanList_AnyOrderAndRepeatsUpToItsLength) {

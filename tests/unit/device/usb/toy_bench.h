@@ -72,7 +72,6 @@ class Checker {
   core::Block& block() { return block_; }
   [[nodiscard]] std::uint64_t scans() const { return scans_; }
   [[nodiscard]] std::uint64_t wrong() const { return wrong_; }
-  [[nodiscard]] std::uint64_t next_index() const { return next_index_; }
   [[nodiscard]] std::uint64_t rails() const { return rails_; }
 
  private:

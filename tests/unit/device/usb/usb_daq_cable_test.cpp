@@ -2,9 +2,7 @@
 // The cable: pulled out at any moment, refused transfers, harm at every request, a host controller that gives nothing back.
 #include <gtest/gtest.h>
 
-#include <optional>
 #include <string>
-#include <utility>
 
 #include "device/usb/usb_daq.h"
 #include "unit/device/usb/toy_bench.h"
@@ -93,63 +91,6 @@ TEST(UsbDaqCable, UnplugAndReplugOrLeavingByItself_EveryScanRightNothingLeft) {
   }
   bench.run(1500);
   EXPECT_EQ(bench.read_until_trouble(kSecond).outcome, ReadOutcome::Timeout);
-}
-
-enum class Harm { Stall, Silence, Unplug };
-
-/// Opens, starts, reads a little, stops and closes; the code of the first error.
-std::optional<ErrorCode> whole_life(ToyBench& bench) {
-  const core::Status opened = bench.daq->open();
-  if (!opened) return opened.error().code;
-  const auto started = bench.start(1500);
-  if (!started) return started.error().code;
-  const ReadResult result = bench.read_until_trouble(200 * kMillisecond);
-  if (result.outcome == ReadOutcome::Gone) return ErrorCode::DeviceGone;
-  bench.daq->stop();
-  bench.daq->close();
-  return std::nullopt;
-}
-
-TEST(UsbDaqCable, HarmAtEveryRequestOfALife_RightErrorNoHangNothingLeft) {
-  std::uint64_t device_requests = 0;
-  std::uint64_t bus_requests = 0;
-  {
-    ToyBench bench;
-    EXPECT_EQ(whole_life(bench), std::nullopt);
-    device_requests = bench.device.requests;
-    bus_requests = bench.host.bus.requests();
-  }
-  ASSERT_EQ(device_requests, 10U);  // stop, identity, configure, 4 single readings, begin, status, stop
-  ASSERT_EQ(bus_requests, 11U);     // and clear_halt
-  for (const auto& [harm, code] : {std::pair{Harm::Stall, ErrorCode::Failed}, std::pair{Harm::Silence, ErrorCode::Timeout},
-                                   std::pair{Harm::Unplug, ErrorCode::DeviceGone}}) {
-    const std::uint64_t requests = harm == Harm::Unplug ? bus_requests : device_requests;
-    for (std::uint64_t at = 0; at < requests; ++at) {
-      ToyBench bench;
-      if (harm == Harm::Unplug) {
-        bench.host.bus.on_request = [&bench, at](std::uint64_t request) {
-          if (request == at) bench.host.bus.unplug(bench.device);
-        };
-      } else {
-        bench.device.fail_request = at;
-        bench.device.fail_with = harm == Harm::Stall ? emulator::ReplyKind::Stall : emulator::ReplyKind::Silence;
-      }
-      const std::int64_t begun_ns = bench.host.clock.now_ns();
-
-      const std::optional<ErrorCode> error = whole_life(bench);
-
-      const bool is_the_last_stop = at + 1 == requests;
-      EXPECT_EQ(error, is_the_last_stop ? std::nullopt : std::optional(code)) << static_cast<int>(harm) << " at " << at;
-      EXPECT_LE(bench.host.clock.now_ns(), begun_ns + kSecond);
-      EXPECT_EQ(bench.daq->close().has_value(), true);
-      EXPECT_EQ(bench.host.bus.transfers_in_flight(), 0);
-      EXPECT_EQ(bench.host.bus.open_ports(), 0);
-      bench.host.bus.on_request = nullptr;
-      if (harm == Harm::Unplug) bench.host.bus.plug(bench.device);
-      EXPECT_EQ(whole_life(bench), std::nullopt) << static_cast<int>(harm) << " at " << at;
-      EXPECT_EQ(bench.checker->wrong(), 0U);
-    }
-  }
 }
 
 TEST(UsbDaqCable, CancelThatNeverReturns_MemoryIsGivenUpAndSaidSo) {

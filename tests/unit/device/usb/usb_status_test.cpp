@@ -3,32 +3,31 @@
 
 #include <gtest/gtest.h>
 
-#include <set>
+#include <string>
+#include <tuple>
 
 #include "device/usb/usb_port.h"
 
 namespace dts::device::usb {
 namespace {
 
-TEST(UsbStatus, EveryStatus_HasItsWords) {
-  std::set<std::string> texts;
-  for (int i = 0; i <= static_cast<int>(UsbStatus::Failed); ++i) texts.insert(to_string(static_cast<UsbStatus>(i)));
-  EXPECT_EQ(texts.size(), 8U);
-  EXPECT_NE(to_string(static_cast<UsbStatus>(99)).find("99"), std::string::npos);
-}
-
-TEST(UsbStatus, Error_CodeAndSentence) {
-  EXPECT_EQ(to_error(UsbStatus::NoDevice, "x").code, core::ErrorCode::DeviceGone);
-  EXPECT_EQ(to_error(UsbStatus::TimedOut, "x").code, core::ErrorCode::Timeout);
-  for (const UsbStatus status : {UsbStatus::Stall, UsbStatus::Overflow, UsbStatus::Cancelled, UsbStatus::Failed}) {
-    EXPECT_EQ(to_error(status, "x").code, core::ErrorCode::Failed);
+TEST(UsbStatus, EachStatus_HasItsWordsAndItsError) {
+  using enum core::ErrorCode;
+  const std::string memory = "write a larger number to /sys/module/usbcore/parameters/usbfs_memory_mb";
+  for (const auto& [status, code, words, hint] :
+       {std::tuple{UsbStatus::Completed, Failed, "completed", ""},
+        {UsbStatus::Stall, Failed, "device refused it (stall)", ""},
+        {UsbStatus::NoDevice, DeviceGone, "device is gone", ""},
+        {UsbStatus::Overflow, Failed, "device sent more than there was room for", ""},
+        {UsbStatus::TimedOut, Timeout, "device did not answer in time", ""},
+        {UsbStatus::Cancelled, Failed, "cancelled", ""},
+        {UsbStatus::NoMemory, Failed, "the kernel has no memory left for USB transfers", memory.c_str()},
+        {UsbStatus::Failed, Failed, "transfer failed on the bus (cable, hub or host controller)", ""},
+        {static_cast<UsbStatus>(99), Failed, "unknown status 99", ""}}) {
+    EXPECT_EQ(to_string(status), words);
+    EXPECT_EQ(to_error(status, "reading"), (core::Error{code, std::string("reading: ") + words, hint}));
+    EXPECT_EQ(to_error(status, "reading", "plug it in").hint, "plug it in");
   }
-  const core::Error error = to_error(UsbStatus::NoDevice, "reading the calibration", "plug it in");
-  EXPECT_EQ(core::to_string(error), "reading the calibration: device is gone (plug it in)");
-}
-
-TEST(UsbStatus, NoMemory_SaysWhichLimitToRaise) {
-  EXPECT_NE(to_error(UsbStatus::NoMemory, "x").hint.find("/sys/module/usbcore/parameters/usbfs_memory_mb"), std::string::npos);
 }
 
 TEST(UsbUnit, Node_ThreeDigitsEach) {

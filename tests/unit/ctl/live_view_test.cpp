@@ -32,13 +32,6 @@ class LiveViewTest : public ::testing::Test {
   const WatchSink::Time start_{100s};
 };
 
-TEST_F(LiveViewTest, Reading_UnitsOnceUndefinedAsDashAndDoubtsInWords) {
-  CopBlock cop({1.25F, std::numeric_limits<float>::quiet_NaN()});
-  cop.quality[1] = v1::QUALITY_NO_CONTACT;
-
-  EXPECT_EQ(reading(cop.format, cop.values, cop.quality), "ml  1.2500 mm  load       - N  [no_contact]");
-}
-
 TEST_F(LiveViewTest, TextLines_AtMostTenPerSecondAndNoLossUnsaid) {
   TextLines lines(console_);
   CopBlock cop({1.0F, 2.0F});
@@ -53,15 +46,6 @@ TEST_F(LiveViewTest, TextLines_AtMostTenPerSecondAndNoLossUnsaid) {
   EXPECT_THAT(take(), HasSubstr("(missed 7 scans)"));
   EXPECT_THAT(talk_.str(), HasSubstr("at most ten scans a second"));
   EXPECT_EQ(std::ranges::count(talk_.str(), '\n'), 1);
-}
-
-TEST_F(LiveViewTest, TextLines_NewestOfTheScansAskedFor) {
-  TextLines lines(console_);
-  const CopBlock cop({1.0F, 2.0F, 3.0F, 10.0F, 20.0F, 30.0F});
-
-  lines.show(cop.block, 2, start_);
-
-  EXPECT_THAT(take(), HasSubstr("scan 41  ml  2.0000 mm  load   20.00 N"));
 }
 
 TEST_F(LiveViewTest, Table_StreamsThatComeTogetherAreAllUpToDateWhenDrawn) {
@@ -206,52 +190,6 @@ TEST_F(LiveViewTest, Table_RunningValuesOfSwayStandBelowAndFinalOnesScroll) {
   EXPECT_THAT(take(), HasSubstr("floor  sway: 3.5 s"));
   table.refresh(start_ + 10s);
   EXPECT_THAT(take(), Not(HasSubstr("preliminary"))) << "what is not told any more is not shown";
-}
-
-TEST_F(LiveViewTest, EventLine_EveryKindForPeople) {
-  const auto line = [](const char* kind, const auto& fill) {
-    v1::Event event;
-    event.set_segment(3);
-    fill(event);
-    return event_line({.topic = "", .rig = "", .kind = kind, .body = &event});
-  };
-  EXPECT_EQ(line("gap",
-                 [](v1::Event& event) {
-                   event.mutable_gap()->set_reason(v1::GAP_REASON_UNPLUGGED);
-                   event.mutable_gap()->set_missing_scans(12);
-                 }),
-            "gap: unplugged, about 12 scans missing before segment 3");
-  EXPECT_EQ(line("device",
-                 [](v1::Event& event) {
-                   event.mutable_device()->set_state(v1::DEVICE_STATE_GONE);
-                   event.mutable_device()->set_uri("sim:floor");
-                   event.mutable_device()->set_message("plug it in");
-                 }),
-            "device: sim:floor gone: plug it in");
-  EXPECT_EQ(line("session",
-                 [](v1::Event& event) {
-                   event.mutable_session()->set_state(v1::SESSION_STATE_RUNNING);
-                   event.mutable_session()->set_session_id("s1");
-                 }),
-            "session: s1 running");
-  EXPECT_EQ(line("trial",
-                 [](v1::Event& event) {
-                   event.mutable_trial()->set_kind(v1::TRIAL_EVENT_KIND_GO);
-                   event.mutable_trial()->set_trial(3);
-                   event.mutable_trial()->set_attempt(2);
-                   event.mutable_trial()->set_condition("120");
-                   event.mutable_trial()->set_target_cm(85.2);
-                 }),
-            "trial: go, trial 3 attempt 2: 120 at 85.2 cm");
-  EXPECT_EQ(line("trial",
-                 [](v1::Event& event) {
-                   event.mutable_trial()->set_kind(v1::TRIAL_EVENT_KIND_REST);
-                   event.mutable_trial()->set_rest_s(20.0);
-                 }),
-            "trial: rest for 20.0 s");
-  EXPECT_EQ(line("trial", [](v1::Event& event) { event.mutable_trial()->set_kind(v1::TRIAL_EVENT_KIND_FINISHED); }),
-            "trial: all trials are done; end the session: dtsctl session stop");
-  EXPECT_EQ(line("reach", [](v1::Event&) {}), "reach: (of a later version of dtsd)");
 }
 
 }  // namespace

@@ -55,13 +55,6 @@ std::string one_line(const google::protobuf::Message& message) {
   return text;
 }
 
-template <class Message>
-Message message_of(const std::string& text) {
-  Message message;
-  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &message)) << text;
-  return message;
-}
-
 /// Overwrites a byte in the middle, as a bad disk does.
 void damage(const fs::path& file) {
   fs::permissions(file, fs::perms::owner_write, fs::perm_options::add);
@@ -155,7 +148,7 @@ class TranscriptTest : public RunTest, public ::testing::WithParamInterface<std:
     const std::string text = end == std::string::npos ? "" : placed(step.substr(end + 1));
     if (what == "answer") {
       const std::lock_guard lock(mutex_);
-      answers_[name] = message_of<v1::Response>(text);
+      answers_[name] = testing::from_text<v1::Response>(text);
     } else if (what == "publish") {
       published_.emplace_back(name, text);
     } else if (what == "file") {
@@ -205,11 +198,11 @@ class TranscriptTest : public RunTest, public ::testing::WithParamInterface<std:
     for (std::size_t index = 1; index < published_.size(); ++index) {
       const auto& [topic, text] = published_[index];
       if (topic == "dtsd/status") {
-        daemon.send(topic, message_of<v1::StatusSnapshot>(text));
+        daemon.send(topic, testing::from_text<v1::StatusSnapshot>(text));
       } else if (text.find("scan_count") != std::string::npos) {
-        daemon.send(topic, message_of<v1::StreamBlock>(text));
+        daemon.send(topic, testing::from_text<v1::StreamBlock>(text));
       } else {
-        daemon.send(topic, message_of<v1::Event>(text));
+        daemon.send(topic, testing::from_text<v1::Event>(text));
       }
     }
   }

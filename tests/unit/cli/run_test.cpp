@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <sstream>
@@ -13,6 +11,7 @@
 #include "cli/exit_status.h"
 #include "cli/json.h"
 #include "cli/validators.h"
+#include "support/committed_text.h"
 
 namespace dts::cli {
 namespace {
@@ -155,13 +154,7 @@ TEST_F(RunTest, HelpAndDocuments_AreAsCommitted) {
     EXPECT_EQ(run_with(words), kOk);
     documents.emplace_back(name, out_.str());
   }
-  for (const auto& [name, text] : documents) {
-    const std::string file = std::string(DTS_SOURCE_DIR) + "/tests/unit/cli/kettle/" + name + ".txt";
-    if (std::getenv("DTS_GOLDEN_WRITE") != nullptr) std::ofstream(file) << text;
-    std::ostringstream expected;
-    expected << std::ifstream(file).rdbuf();
-    EXPECT_EQ(text, expected.str()) << "If this is meant: DTS_GOLDEN_WRITE=1 build/release/tests/unit_cli";
-  }
+  for (const auto& [name, text] : documents) testing::expect_committed("unit/cli/kettle/" + name + ".txt", text);
 }
 
 TEST(ExitStatus, ErrorCodes_TheirOwnNumberOrFailed) {

@@ -2,7 +2,6 @@
 // Whole conversations with a played daemon, against the committed texts in transcripts/: see transcripts/README.md.
 #include <google/protobuf/text_format.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -12,6 +11,7 @@
 
 #include "cli/json.h"
 #include "ctl/calibrate/rig_facts.h"
+#include "support/committed_text.h"
 #include "unit/cli/command_checks.h"
 #include "unit/ctl/run_fixture.h"
 #include "unit/ctl/sessions/made_recording.h"
@@ -24,6 +24,9 @@ namespace fs = std::filesystem;
 
 const fs::path kFolder = fs::path(DTS_SOURCE_DIR) / "tests/unit/ctl/transcripts";
 
+using testing::content_of;
+using testing::replaced;
+
 std::vector<std::string> transcript_names() {
   std::vector<std::string> names;
   for (const auto& entry : fs::directory_iterator(kFolder)) {
@@ -31,12 +34,6 @@ std::vector<std::string> transcript_names() {
   }
   std::ranges::sort(names);
   return names;
-}
-
-std::string content(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
 }
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -71,16 +68,11 @@ void make_standing(const std::string& file) {
 
 /// All names below a folder, or the text of a file.
 std::string shown(const fs::path& path) {
-  if (!fs::is_directory(path)) return content(path);
+  if (!fs::is_directory(path)) return content_of(path);
   std::vector<std::string> names;
   for (const auto& entry : fs::recursive_directory_iterator(path)) names.push_back(entry.path().string() + "\n");
   std::ranges::sort(names);
   return std::accumulate(names.begin(), names.end(), std::string());
-}
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) text.replace(at, from.size(), to);
-  return text;
 }
 
 /// What begins and ends so becomes `to`.
@@ -89,16 +81,6 @@ std::string replaced_between(std::string text, const std::string& begin, const s
     const std::size_t last = text.find(end, at + begin.size());
     if (last == std::string::npos) break;
     text.replace(at, last + end.size() - at, to);
-  }
-  return text;
-}
-
-/// The last digits of a long number may differ between machines.
-std::string rounded(std::string text) {
-  constexpr std::size_t kDecimals = 9;
-  for (std::size_t at = text.find('.'); at != std::string::npos; at = text.find('.', at + 1)) {
-    const std::size_t end = std::min(text.find_first_not_of("0123456789", at + 1), text.size());
-    if (end - at - 1 > kDecimals) text.erase(at + 1 + kDecimals, end - at - 1 - kDecimals);
   }
   return text;
 }
@@ -228,7 +210,7 @@ class TranscriptTest : public RunTest, public ::testing::WithParamInterface<std:
     for (const std::string& day : {today, replaced(today, "-", "")}) text = replaced_between(std::move(text), day + "T", "Z", "NOW");
     for (const std::string verb : {" arrive", " arrives"}) text = replaced_between(std::move(text), verb + ", after ", " ms", verb);
     std::string marked;
-    for (std::string line : lines_of(without_checksums(rounded(std::move(text))))) {
+    for (std::string line : lines_of(without_checksums(testing::rounded(std::move(text))))) {
       if (line.find("clock source: ") != std::string::npos) line = "CLOCK SOURCE";
       line = line.substr(0, line.find(R"({"name":"clock source")"));
       if (line.find("\"pages\"") != std::string::npos) line = line.substr(0, line.find("\"bytes\""));
@@ -246,15 +228,9 @@ class TranscriptTest : public RunTest, public ::testing::WithParamInterface<std:
 };
 
 TEST_P(TranscriptTest, EveryCommand_PrintsWhatItDid) {
-  const fs::path file = kFolder / (GetParam() + ".txt");
-  const std::string expected = content(file);
-  const std::string played = play(expected);
-  if (const char* write = std::getenv("DTS_GOLDEN_WRITE"); write != nullptr && std::string(write) == "1") {
-    std::ofstream(file) << played;
-    GTEST_SKIP() << "written: " << file;
-  }
-  EXPECT_EQ(played, expected) << "If this is meant: DTS_GOLDEN_WRITE=1 build/release/tests/unit_ctl --gtest_filter='*/" << GetParam()
-                              << "'";
+  const std::string file = "unit/ctl/transcripts/" + GetParam() + ".txt";
+
+  testing::expect_committed(file, play(content_of(fs::path(DTS_SOURCE_DIR) / "tests" / file)));
 }
 
 INSTANTIATE_TEST_SUITE_P(Transcripts, TranscriptTest, ::testing::ValuesIn(transcript_names()),

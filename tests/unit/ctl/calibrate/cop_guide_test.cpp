@@ -63,7 +63,7 @@ class CopGuideTest : public ::testing::Test {
                     .progress = *progress_,
                     .typed = &typed,
                     .prompt = is_guided ? &prompt : nullptr,
-                    .draws = true,
+                    .draws = draws_,
                     .say = [this](const std::string& line) { said_ += line + "\n"; },
                     .estimated_load_n = [this] { return estimated_load_n_; }});
     return guide.measure_until(end);
@@ -78,12 +78,14 @@ class CopGuideTest : public ::testing::Test {
   ScriptedFeed feed_;
   std::optional<double> estimated_load_n_;
   std::deque<std::string> answers_;
+  bool draws_ = false;
   bool is_typing_ = false;  ///< Answers come while nobody asks, too.
   std::ostringstream asked_;
   std::string said_;
 };
 
 TEST_F(CopGuideTest, Alone_EveryLoadAfterALiftOffIsTheNextPoint) {
+  draws_ = true;
   lift_and_put(1.0);
   lift_and_put(2.0);
   lift_and_put(3.0);

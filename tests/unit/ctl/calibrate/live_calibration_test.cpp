@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole calibrations: the daemon that the test plays answers each line of the command with the scans that a person would cause.
 #include <cstdlib>
+#include <optional>
 #include <regex>
 
 #include "physics/plate/influence_table.h"
@@ -77,8 +78,8 @@ class LiveCalibrationTest : public RunTest {
     std::smatch found;
     if (line.starts_with("Zero of") || line.starts_with("Nothing before")) {
       const std::string topic = line.starts_with("Zero of") ? "floor/deflection" : "floor/raw";
-      EXPECT_TRUE(daemon_.wait_for_subscription(topic));
-      daemon_.send("dtsd/status", status_);
+      EXPECT_TRUE(daemon_->wait_for_subscription(topic));
+      daemon_->send("dtsd/status", status_);
       if (topic == "floor/raw") send("raw", {0.6, 0.6, 0.6, 0.6});
     } else if (std::regex_match(line, found, point)) {
       put(std::stoi(found[1]), std::stod(found[2]), physics::test::at(std::stod(found[3]), std::stod(found[4])));
@@ -92,7 +93,7 @@ class LiveCalibrationTest : public RunTest {
   /// The weight is put down after the plate was empty.
   void put(int number, double load_n, physics::Point place) {
     send("deflection", {0.0, 0.0, 0.0, 0.0}, 5);
-    if (number == interrupted_at_) return daemon_.send("dtsd/status", testing::floor_status(8));
+    if (number == interrupted_at_) return daemon_->send("dtsd/status", testing::floor_status(8));
     std::array<double, 4> bent{};
     for (std::size_t k = 0; k < bent.size(); ++k) bent[k] = load_n * plate_.at_point_mm_per_n(k, place);
     doubt("deflection", number, bent);
@@ -111,10 +112,11 @@ class LiveCalibrationTest : public RunTest {
     first_scan_ += scans;
     for (int i = 0; i < block.values_size(); ++i) block.set_values(i, static_cast<float>(values[static_cast<std::size_t>(i) / scans]));
     (*block.mutable_quality())[1] = static_cast<char>(quality_of_second);
-    daemon_.send("floor/" + stream, block);
+    daemon_->send("floor/" + stream, block);
   }
   int calibrate(std::vector<std::string> words) {
     const std::vector<std::string> common{"--rig", "floor", "--auto", "--hold", "0.08", "--json"};
+    daemon_.emplace(data_);
     words.insert(words.begin(), "calibrate");
     words.insert(words.end(), common.begin(), common.end());
     return run_with(words);
@@ -130,7 +132,7 @@ class LiveCalibrationTest : public RunTest {
   int interrupted_at_ = 0;   ///< The daemon restarts at this point.
   std::uint64_t first_scan_ = 0;
   std::uint64_t sequence_ = 0;
-  testing::FakePublisher daemon_{data_};
+  std::optional<testing::FakePublisher> daemon_;  ///< A new one for each command: it knows no subscription of the command before.
   Lines lines_{[this](const std::string& line) { act(line); }};
   testing::FakeController control_daemon_{control_, [this](const v1::Request& request, int) { return answer(request); }};
 };

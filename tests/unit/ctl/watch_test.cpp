@@ -15,9 +15,8 @@ using ::testing::HasSubstr;
 
 class WatchTest : public RunTest {
  protected:
-  /// Runs `watch` in a thread while `publish` acts as the daemon; returns the exit status.
-  int watch(std::vector<std::string> arguments, const std::string& subscription, const std::function<void(FakePublisher&)>& publish) {
-    arguments.insert(arguments.begin(), "watch");
+  /// Runs a command in a thread while `publish` acts as the daemon; returns the exit status.
+  int play(std::vector<std::string> arguments, const std::string& subscription, const std::function<void(FakePublisher&)>& publish) {
     int status = -1;
     FakePublisher daemon(data_);
     std::jthread command([&] { status = run_with(std::move(arguments)); });
@@ -29,15 +28,15 @@ class WatchTest : public RunTest {
 };
 
 TEST_F(WatchTest, SilentBeyondTheTimeout_FailsAndSaysWhy) {
-  const int status = watch({"floor/copp", "--timeout", "0.5", "--jsonl"}, "floor/copp",
-                           [](FakePublisher& daemon) { daemon.send("dtsd/status", floor_status()); });
+  const int status = play({"watch", "floor/copp", "--timeout", "0.5", "--jsonl"}, "floor/copp",
+                          [](FakePublisher& daemon) { daemon.send("dtsd/status", floor_status()); });
 
   EXPECT_EQ(status, cli::kFailed);
   EXPECT_THAT(talk(), HasSubstr("did you mean floor/cop?"));
 }
 
 TEST_F(WatchTest, SilenceBetweenEvents_IsNotToldAgainAndAgain) {
-  const int status = watch({"floor/marker", "--count", "2", "--jsonl"}, "floor/marker", [](FakePublisher& daemon) {
+  const int status = play({"watch", "floor/marker", "--count", "2", "--jsonl"}, "floor/marker", [](FakePublisher& daemon) {
     daemon.send("dtsd/status", floor_status());
     daemon.send("floor/marker", testing::marker("one"));
     v1::StatusSnapshot status_now = floor_status();
@@ -69,22 +68,24 @@ TEST_F(WatchTest, DaemonEndsWhileItIsWatched_IsSaid) {
   EXPECT_THAT(talk(), HasSubstr("no daemon at " + data_));
 }
 
-TEST_F(WatchTest, OutputFails_EndsQuietly) {
+TEST_F(WatchTest, OutputFails_WatchAndTopEndQuietly) {
   out_.setstate(std::ios::badbit);
-
-  const int status = watch({"floor/cop", "--jsonl"}, "floor/cop", [](FakePublisher& daemon) {
+  const auto publish = [](FakePublisher& daemon) {
     daemon.send("dtsd/status", floor_status());
     daemon.send("floor/cop", block(1, 0, 1, 1));
-  });
+  };
 
-  EXPECT_EQ(status, cli::kOk);
+  EXPECT_EQ(play({"watch", "floor/cop", "--jsonl"}, "floor/cop", publish), cli::kOk);
+  EXPECT_EQ(talk(), "");
+  EXPECT_EQ(play({"top"}, "dtsd/status", publish), cli::kOk);
   EXPECT_EQ(talk(), "");
 }
 
-TEST_F(WatchTest, ReaderLeavesWhileNothingComes_EndsQuietly) {
+TEST_F(WatchTest, ReaderLeavesWhileNothingComes_WatchAndTopEndQuietly) {
   console_.is_out_closed = [] { return true; };
 
-  EXPECT_EQ(watch({"floor/cop", "--jsonl"}, "floor/cop", [](FakePublisher&) {}), cli::kOk);
+  EXPECT_EQ(play({"watch", "floor/cop", "--jsonl"}, "floor/cop", [](FakePublisher&) {}), cli::kOk);
+  EXPECT_EQ(play({"top"}, "dtsd/status", [](FakePublisher&) {}), cli::kOk);
 }
 
 TEST(Silence, IsExplainedByTheStatus) {

@@ -147,7 +147,8 @@ class TranscriptTest : public RunTest, public ::testing::WithParamInterface<std:
     } else if (what == "recording") {
       const std::map<std::string, Ending> endings{
           {"closed", Ending::Closed}, {"incomplete", Ending::Incomplete}, {"killed", Ending::Killed}};
-      make_recording(directory_.path() / name, endings.at(text.substr(0, text.find(' '))), text.ends_with(" 2") ? 2 : 1);
+      make_recording(directory_.path() / name, endings.at(text.substr(0, text.find(' '))), text.find(" 2") != std::string::npos ? 2 : 1,
+                     text.ends_with(" gap"));
     } else {
       ADD_FAILURE() << step;
     }

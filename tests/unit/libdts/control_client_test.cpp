@@ -45,6 +45,10 @@ TEST_F(ControlClientTest, SeveralCommands_EachHasItsOwnRequestId) {
 
   const std::lock_guard lock(mutex);
   EXPECT_EQ(ids.size(), 3U);
+  for (const std::string& id : ids) {
+    EXPECT_EQ(id.size(), 32U);
+    EXPECT_EQ(id.find_first_not_of("0123456789abcdef"), std::string::npos) << id;
+  }
 }
 
 TEST_F(ControlClientTest, FirstReplyLost_SameRequestIsSentAgainAndExecutedOnce) {
@@ -59,7 +63,7 @@ TEST_F(ControlClientTest, FirstReplyLost_SameRequestIsSentAgainAndExecutedOnce) 
     v1::StartSessionRequest request;
     request.set_rig("floor");
 
-    const auto session = client(std::chrono::milliseconds(5000), 10).start_session(request);
+    const auto session = client(std::chrono::milliseconds(4000), 2).start_session(request);
 
     ASSERT_TRUE(session.has_value());
     EXPECT_EQ(session->session_id(), "s1");

@@ -130,6 +130,13 @@ TEST_F(SubscriberTest, LatestAfterAStall_FreshBlockAndDeliveredPlusLostIsEveryth
   EXPECT_TRUE(fresh.is_lost_exact);
 }
 
+TEST_F(SubscriberTest, NothingToReceive_EndsAtItsTimeout) {
+  for (const Mode mode : {Mode::All, Mode::Latest}) {
+    Subscriber subscriber = subscribe("floor/raw", mode);
+    for (const auto timeout : {-1ms, 0ms, 1ms}) EXPECT_EQ(subscriber.receive(timeout)->has_value(), false);
+  }
+}
+
 TEST_F(SubscriberTest, StatusTopicAskedFor_StatusIsHandedOut) {
   Subscriber subscriber = subscribe("dtsd/");
   daemon_.send("dtsd/status", floor_status());

@@ -31,6 +31,8 @@ inline std::vector<std::string> shell_words(const std::string& line) {
   for (const char letter : line + " ") {
     if (letter == '"') {
       is_quoted = !is_quoted;
+      if (!is_open) words.emplace_back();
+      is_open = true;
     } else if (letter == ' ' && !is_quoted) {
       is_open = false;
     } else {

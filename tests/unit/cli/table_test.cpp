@@ -119,13 +119,21 @@ TEST(Decimal, Numbers_FixedPlacesAndADashForTheUndefined) {
 }
 
 TEST(Duration, Seconds_InTheTwoLargestUnits) {
-  EXPECT_EQ(duration(0.0), "0.0 s");
-  EXPECT_EQ(duration(59.94), "59.9 s");
-  EXPECT_EQ(duration(60.0), "1 min 0 s");
-  EXPECT_EQ(duration(3661.0), "1 h 1 min");
-  EXPECT_EQ(duration(90000.0), "1 d 1 h");
-  EXPECT_EQ(duration(-1.0), "-");
-  EXPECT_EQ(duration(std::numeric_limits<double>::quiet_NaN()), "-");
+  const std::vector<std::pair<double, std::string>> rows{{0.0, "0.0 s"},
+                                                         {59.94, "59.9 s"},
+                                                         {1e12, "11574074 d 1 h"},
+                                                         {60.0, "1 min 0 s"},
+                                                         {3599.4, "59 min 59 s"},
+                                                         {3600.0, "1 h 0 min"},
+                                                         {3661.0, "1 h 1 min"},
+                                                         {86399.0, "23 h 59 min"},
+                                                         {86400.0, "1 d 0 h"},
+                                                         {90000.0, "1 d 1 h"},
+                                                         {1.001e12, "-"},
+                                                         {-1.0, "-"},
+                                                         {std::numeric_limits<double>::quiet_NaN(), "-"},
+                                                         {std::numeric_limits<double>::infinity(), "-"}};
+  for (const auto& [seconds, text] : rows) EXPECT_EQ(duration(seconds), text) << seconds;
 }
 
 }  // namespace

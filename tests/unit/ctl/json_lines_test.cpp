@@ -73,22 +73,6 @@ TEST_F(JsonLinesTest, AfterForget_NewFormatIsUsed) {
   EXPECT_EQ(nlohmann::json::parse(line_of(cop.block, 1)).at("channels").at(0), "renamed \"quoted\"");
 }
 
-TEST_F(JsonLinesTest, Event_CarriesItsFieldsUnderEvent) {
-  v1::Event gap;
-  gap.set_segment(4);
-  gap.set_scan(0);
-  gap.set_host_time_ns(77);
-  gap.mutable_gap()->set_reason(v1::GAP_REASON_OVERRUN);
-  gap.mutable_gap()->set_missing_scans(12);
-  gap.mutable_gap()->set_is_exact(true);
-
-  lines_.show(client::Event{.topic = "floor/gap", .rig = "floor", .kind = "gap", .body = &gap});
-
-  EXPECT_EQ(nlohmann::json::parse(out_.str()),
-            nlohmann::json::parse(R"({"topic":"floor/gap","rig":"floor","segment":4,"first_scan":0,"host_time_ns":77,)"
-                                  R"("event":{"kind":"gap","reason":"overrun","missing_scans":12,"is_exact":true}})"));
-}
-
 TEST_F(JsonLinesTest, EventOfALaterVersionWithATopicThatIsNotUtf8_StillHasItsKind) {
   const v1::Event later;
 
@@ -97,18 +81,6 @@ TEST_F(JsonLinesTest, EventOfALaterVersionWithATopicThatIsNotUtf8_StillHasItsKin
   const auto json = nlohmann::json::parse(out_.str());
   EXPECT_EQ(json.at("event"), nlohmann::json::parse(R"({"kind":"reach"})"));
   EXPECT_FALSE(json.contains("host_time_ns"));
-}
-
-TEST_F(JsonLinesTest, Status_IsAnEventOfItsOwnKind) {
-  v1::StatusSnapshot snapshot;
-  snapshot.set_version("0.1.0");
-
-  lines_.show(client::Status{&snapshot});
-
-  const auto json = nlohmann::json::parse(out_.str());
-  EXPECT_EQ(json.at("topic"), "dtsd/status");
-  EXPECT_EQ(json.at("event").at("kind"), "status");
-  EXPECT_EQ(json.at("event").at("version"), "0.1.0");
 }
 
 }  // namespace

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The daemon's health for people and programs: quantiles out of its histogram, and `dtsctl top`.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <sstream>
-#include <thread>
 
-#include "cli/table.h"
 #include "ctl/health_view.h"
 #include "ctl/latency.h"
 #include "ctl/screen.h"
@@ -16,11 +13,7 @@
 namespace dts::ctl {
 namespace {
 
-using ::testing::ElementsAre;
-using testing::FakePublisher;
 using testing::floor_status;
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -77,45 +70,9 @@ v1::StatusSnapshot busy_status(std::int64_t host_time_s = 100, std::uint64_t blo
   return status;
 }
 
-std::string text_of(const HealthView& view) {
-  std::string text;
-  for (const std::string& line : view.lines(200)) text += line + "\n";
-  return text;
-}
-
 TEST(HealthView, BeforeTheFirstStatus_SaysNothing) {
   EXPECT_TRUE(HealthView().lines(200).empty());
   EXPECT_TRUE(HealthView().json().empty());
-}
-
-TEST(HealthView, Lines_SayRateLossesCausesQueuesAndLatency) {
-  HealthView view;
-  view.take(busy_status());
-
-  const std::string text = text_of(view);
-
-  EXPECT_THAT(text, HasSubstr("dtsd 0.1.0, up 12.5 s"));
-  EXPECT_THAT(text, HasSubstr("100.02"));
-  EXPECT_THAT(text, HasSubstr("3 0 40"));
-  EXPECT_THAT(text, HasSubstr("12.5"));
-  EXPECT_THAT(text, HasSubstr("1.5"));
-  EXPECT_THAT(text, HasSubstr("floor: lost 150 scans in 1 gap: overrun"));
-  EXPECT_THAT(text, Not(HasSubstr("recording")));
-}
-
-TEST(HealthView, RecordingUnderWay_SaysWhatIsNotYetOnTheDisk) {
-  HealthView view;
-  v1::StatusSnapshot status = busy_status();
-  status.mutable_rigs(0)->mutable_session()->mutable_recording()->set_is_recording(true);
-  status.mutable_rigs(0)->mutable_session()->mutable_recording()->set_bytes(2'500'000);
-  status.mutable_rigs(0)->set_record_lag_s(0.7);
-  status.mutable_rigs(0)->set_measured_rate_hz(0.5);
-
-  view.take(status);
-
-  EXPECT_THAT(text_of(view), HasSubstr("floor: recording 2.5 MB, 0.7 s not yet on the disk"));
-  EXPECT_EQ(view.json().at("rigs").at(0).at("record_lag_s"), 0.7);
-  EXPECT_EQ(view.json().at("rigs").at(0).at("measured_rate_hz"), 0.5);
 }
 
 TEST(HealthView, Latency_IsOfTheLastTenSeconds) {
@@ -144,17 +101,6 @@ TEST(HealthView, AnotherDaemon_StartsAnew) {
   view.take(other);
 
   EXPECT_LT(view.json().at("rigs").at(0).at("latency_p95_ms").get<double>(), 1.0);
-}
-
-TEST(HealthView, NarrowTerminal_EveryColumnIsThere) {
-  HealthView view;
-  view.take(busy_status());
-
-  for (const std::string& line : view.lines(80)) EXPECT_LE(cli::width(line), 80U) << line;
-  for (const char* heading : {"RIG", "QUEUES (%)", "P95 (ms)", "SESSION"}) {
-    const auto has_heading = [heading](const std::string& line) { return line.find(heading) != std::string::npos; };
-    EXPECT_TRUE(std::ranges::any_of(view.lines(80), has_heading)) << heading;
-  }
 }
 
 class ScreenTest : public ::testing::Test {
@@ -195,61 +141,6 @@ TEST_F(ScreenTest, ResizedTerminal_IsErasedWhole) {
   EXPECT_EQ(take(), "\x1b[H\x1b[Jabc\n  d\n");
   screen_.draw({"x"});
   EXPECT_EQ(take(), "\x1b[2A\x1b[Jx\n");
-}
-
-class TopTest : public RunTest {
- protected:
-  int top(std::vector<std::string> arguments, const std::vector<v1::StatusSnapshot>& statuses) {
-    arguments.insert(arguments.begin(), "top");
-    int status = -1;
-    FakePublisher daemon(data_);
-    std::jthread command([&] { status = run_with(std::move(arguments)); });
-    EXPECT_TRUE(daemon.wait_for_subscription("dtsd/status"));
-    for (const v1::StatusSnapshot& one : statuses) daemon.send("dtsd/status", one);
-    command.join();
-    return status;
-  }
-};
-
-TEST_F(TopTest, IntoAPipe_IsALineOfJsonPerStatus) {
-  EXPECT_EQ(top({"--count", "2"}, {busy_status(100), busy_status(101), busy_status(102)}), cli::kOk);
-
-  std::vector<nlohmann::json> lines;
-  std::istringstream text(out());
-  for (std::string line; std::getline(text, line);) lines.push_back(nlohmann::json::parse(line));
-  ASSERT_EQ(lines.size(), 2U);
-  const auto& rig = lines[1].at("rigs").at(0);
-  EXPECT_EQ(lines[1].at("host_time_ns"), 101'000'000'000);
-  EXPECT_EQ(rig.at("rig"), "floor");
-  EXPECT_EQ(rig.at("device"), "streaming");
-  EXPECT_EQ(rig.at("losses").at(0).at("reason"), "overrun");
-  EXPECT_EQ(rig.at("losses").at(0).at("lost_scans_total"), 150);
-  EXPECT_EQ(rig.at("ring_fill").at("record_percent"), 40.0);
-  EXPECT_FALSE(rig.contains("latency_p50_ms")) << "no block between two statuses, no latency";
-  EXPECT_FALSE(rig.contains("record_lag_s"));
-}
-
-TEST_F(TopTest, OnATerminal_IsRedrawnInPlace) {
-  console_.can_redraw = true;
-
-  EXPECT_EQ(top({"--count", "2"}, {busy_status(100), busy_status(101)}), cli::kOk);
-
-  EXPECT_THAT(out(), HasSubstr("RIG"));
-  EXPECT_THAT(out(), HasSubstr("A\x1b[J"));
-}
-
-TEST_F(TopTest, JsonOnATerminal_IsNotRedrawn) {
-  console_.can_redraw = true;
-
-  EXPECT_EQ(top({"--json", "--count", "1"}, {busy_status()}), cli::kOk);
-
-  EXPECT_THAT(out(), Not(HasSubstr("\x1b")));
-  EXPECT_TRUE(json().contains("rigs"));
-}
-
-TEST_F(TopTest, NoStatusWithinTheTimeout_Unreachable) {
-  EXPECT_EQ(top({"--timeout", "0.2"}, {}), 3);
-  EXPECT_THAT(talk(), HasSubstr("no sign of the daemon"));
 }
 
 }  // namespace

@@ -15,9 +15,8 @@ using ::testing::HasSubstr;
 
 class WatchTest : public RunTest {
  protected:
-  /// Runs `watch` in a thread while `publish` acts as the daemon; returns the exit status.
-  int watch(std::vector<std::string> arguments, const std::string& subscription, const std::function<void(FakePublisher&)>& publish) {
-    arguments.insert(arguments.begin(), "watch");
+  /// Runs a command in a thread while `publish` acts as the daemon; returns the exit status.
+  int play(std::vector<std::string> arguments, const std::string& subscription, const std::function<void(FakePublisher&)>& publish) {
     int status = -1;
     FakePublisher daemon(data_);
     std::jthread command([&] { status = run_with(std::move(arguments)); });
@@ -26,101 +25,18 @@ class WatchTest : public RunTest {
     command.join();
     return status;
   }
-  std::vector<nlohmann::json> lines() const {
-    std::vector<nlohmann::json> parsed;
-    std::istringstream text(out());
-    for (std::string line; std::getline(text, line);) parsed.push_back(nlohmann::json::parse(line));
-    return parsed;
-  }
 };
 
-TEST_F(WatchTest, CountInTheMiddleOfABlock_ExactlySoManyScansArePrintedWithWhatWasLost) {
-  const int status = watch({"floor/cop", "--count", "5", "--jsonl"}, "floor/cop", [](FakePublisher& daemon) {
-    daemon.send("dtsd/status", floor_status());
-    for (std::uint64_t number = 0; number < 3; ++number) daemon.send("floor/cop", block(1, 100 * number, 3, 9 * number + 1));
-  });
-
-  EXPECT_EQ(status, cli::kOk);
-  ASSERT_EQ(lines().size(), 2U);
-  EXPECT_EQ(lines()[0].at("values").size(), 3U);
-  EXPECT_EQ(lines()[1].at("values").size(), 2U);
-  EXPECT_EQ(lines()[1].at("first_scan"), 100);
-  EXPECT_EQ(lines()[0].at("lost_scans"), 0);
-  EXPECT_EQ(lines()[1].at("lost_scans"), 97);
-}
-
-TEST_F(WatchTest, Csv_IsOfOneStreamWithALinePerScan) {
-  const int status = watch({"floor/", "--count", "4", "--csv"}, "floor/", [](FakePublisher& daemon) {
-    daemon.send("dtsd/status", floor_status());
-    daemon.send("floor/cop", block(1, 0, 2, 1));
-    daemon.send("floor/raw", block(1, 0, 1, 1, 1));
-    daemon.send("floor/cop", block(1, 2, 1, 2));
-  });
-
-  EXPECT_EQ(status, cli::kOk);
-  std::istringstream text(out());
-  std::vector<std::string> rows;
-  for (std::string row; std::getline(text, row);) rows.push_back(row);
-  ASSERT_EQ(rows.size(), 4U);
-  EXPECT_EQ(rows[0], "segment,scan,ml_mm,ap_mm,load_n");
-  EXPECT_THAT(rows[1], ::testing::StartsWith("1,0,"));
-  EXPECT_THAT(rows[3], ::testing::StartsWith("1,2,"));
-  EXPECT_THAT(talk(), HasSubstr("floor/raw is left out"));
-}
-
-TEST_F(WatchTest, WithoutATopic_EverythingButTheStatusAndEventsCountAsOneEach) {
-  const int status = watch({"--count", "3", "--jsonl"}, "", [](FakePublisher& daemon) {
-    daemon.send("dtsd/status", floor_status());
-    daemon.send("floor/marker", testing::marker("one"));
-    daemon.send("floor/cop", block(1, 0, 1, 1));
-    daemon.send("floor/marker", testing::marker("two"));
-  });
-
-  EXPECT_EQ(status, cli::kOk);
-  ASSERT_EQ(lines().size(), 3U);
-  EXPECT_EQ(lines()[2].at("event").at("text"), "two");
-}
-
-TEST_F(WatchTest, StatusAskedFor_IsShown) {
-  const int status = watch({"dtsd/status", "--count", "1", "--jsonl"}, "dtsd/status",
-                           [](FakePublisher& daemon) { daemon.send("dtsd/status", floor_status()); });
-
-  EXPECT_EQ(status, cli::kOk);
-  EXPECT_EQ(lines().at(0).at("event").at("rigs").at(0).at("device"), "streaming");
-}
-
-TEST_F(WatchTest, DaemonRestarts_IsToldBesideTheData) {
-  const int status = watch({"floor/raw", "--count", "2", "--jsonl"}, "floor/raw", [](FakePublisher& daemon) {
-    daemon.send("dtsd/status", floor_status(7));
-    daemon.send("floor/raw", block(1, 0, 1, 1, 1, 7));
-    daemon.send("dtsd/status", floor_status(8));
-    daemon.send("floor/raw", block(1, 0, 1, 1, 1, 8));
-  });
-
-  EXPECT_EQ(status, cli::kOk);
-  EXPECT_EQ(lines().size(), 2U);
-  EXPECT_THAT(talk(), HasSubstr("restarted"));
-}
-
-TEST_F(WatchTest, WithoutJson_LinesForPeople) {
-  watch({"floor/cop", "--count", "1"}, "floor/cop", [](FakePublisher& daemon) {
-    daemon.send("dtsd/status", floor_status());
-    daemon.send("floor/cop", block(1, 0, 1, 1));
-  });
-
-  EXPECT_THAT(out(), HasSubstr("floor/cop  scan 0  ml"));
-}
-
 TEST_F(WatchTest, SilentBeyondTheTimeout_FailsAndSaysWhy) {
-  const int status = watch({"floor/copp", "--timeout", "0.5", "--jsonl"}, "floor/copp",
-                           [](FakePublisher& daemon) { daemon.send("dtsd/status", floor_status()); });
+  const int status = play({"watch", "floor/copp", "--timeout", "0.5", "--jsonl"}, "floor/copp",
+                          [](FakePublisher& daemon) { daemon.send("dtsd/status", floor_status()); });
 
   EXPECT_EQ(status, cli::kFailed);
   EXPECT_THAT(talk(), HasSubstr("did you mean floor/cop?"));
 }
 
 TEST_F(WatchTest, SilenceBetweenEvents_IsNotToldAgainAndAgain) {
-  const int status = watch({"floor/marker", "--count", "2", "--jsonl"}, "floor/marker", [](FakePublisher& daemon) {
+  const int status = play({"watch", "floor/marker", "--count", "2", "--jsonl"}, "floor/marker", [](FakePublisher& daemon) {
     daemon.send("dtsd/status", floor_status());
     daemon.send("floor/marker", testing::marker("one"));
     v1::StatusSnapshot status_now = floor_status();
@@ -134,12 +50,6 @@ TEST_F(WatchTest, SilenceBetweenEvents_IsNotToldAgainAndAgain) {
 
   EXPECT_EQ(status, cli::kOk);
   EXPECT_EQ(talk(), "");
-}
-
-TEST_F(WatchTest, NotEvenAStatusWithinTheTimeout_Unreachable) {
-  const int status = watch({"floor/cop", "--timeout", "0.2"}, "floor/cop", [](FakePublisher&) {});
-
-  EXPECT_EQ(status, 3);
 }
 
 TEST_F(WatchTest, DaemonEndsWhileItIsWatched_IsSaid) {
@@ -158,38 +68,81 @@ TEST_F(WatchTest, DaemonEndsWhileItIsWatched_IsSaid) {
   EXPECT_THAT(talk(), HasSubstr("no daemon at " + data_));
 }
 
-TEST_F(WatchTest, OutputFails_EndsQuietly) {
+TEST_F(WatchTest, OutputFails_WatchAndTopEndQuietly) {
   out_.setstate(std::ios::badbit);
-
-  const int status = watch({"floor/cop", "--jsonl"}, "floor/cop", [](FakePublisher& daemon) {
+  const auto publish = [](FakePublisher& daemon) {
     daemon.send("dtsd/status", floor_status());
     daemon.send("floor/cop", block(1, 0, 1, 1));
-  });
+  };
 
-  EXPECT_EQ(status, cli::kOk);
+  EXPECT_EQ(play({"watch", "floor/cop", "--jsonl"}, "floor/cop", publish), cli::kOk);
+  EXPECT_EQ(talk(), "");
+  EXPECT_EQ(play({"top"}, "dtsd/status", publish), cli::kOk);
   EXPECT_EQ(talk(), "");
 }
 
-TEST_F(WatchTest, ReaderLeavesWhileNothingComes_EndsQuietly) {
+TEST_F(WatchTest, ReaderLeavesWhileNothingComes_WatchAndTopEndQuietly) {
   console_.is_out_closed = [] { return true; };
 
-  EXPECT_EQ(watch({"floor/cop", "--jsonl"}, "floor/cop", [](FakePublisher&) {}), cli::kOk);
+  EXPECT_EQ(play({"watch", "floor/cop", "--jsonl"}, "floor/cop", [](FakePublisher&) {}), cli::kOk);
+  EXPECT_EQ(play({"top"}, "dtsd/status", [](FakePublisher&) {}), cli::kOk);
 }
 
 TEST(Silence, IsExplainedByTheStatus) {
   const v1::StatusSnapshot well = floor_status();
   v1::StatusSnapshot gone = floor_status();
   gone.mutable_rigs(0)->set_device(v1::DEVICE_STATE_GONE);
-  gone.mutable_rigs(0)->set_device_message("cable pulled");
-  for (const auto& [status, topic, code, says] : {std::tuple<const v1::StatusSnapshot*, const char*, ErrorCode, const char*>(
-                                                      nullptr, "floor/cop", ErrorCode::Unreachable, "ipc:///x/data.sock"),
-                                                  {&gone, "floor/cop", ErrorCode::DeviceGone, "cable pulled"},
-                                                  {&well, "floor/marker", ErrorCode::Timeout, "only when something happens"},
-                                                  {&well, "attic/", ErrorCode::NotFound, "floor/cop floor/raw"},
-                                                  {&well, "", ErrorCode::Timeout, ""}}) {
-    const client::Error error = explain_silence(status, {topic}, "ipc:///x/data.sock");
-    EXPECT_EQ(error.code, code) << topic;
-    EXPECT_THAT(error.what + "\n" + error.hint, HasSubstr(says)) << topic;
+  v1::StatusSnapshot pulled = gone;
+  pulled.mutable_rigs(0)->set_device_message("cable pulled");
+  const v1::StatusSnapshot empty;
+  struct Case {
+    const v1::StatusSnapshot* status;
+    std::vector<std::string> topics;
+    ErrorCode code;
+    std::string what;
+    std::string hint;
+    bool is_of_events = false;
+  };
+  const std::vector<Case> cases{
+      {nullptr,
+       {"floor/cop"},
+       ErrorCode::Unreachable,
+       "no sign of the daemon at ipc:///x/data.sock",
+       "is dtsd running? dtsctl status; another address? --data URI"},
+      {&gone,
+       {"floor/cop"},
+       ErrorCode::DeviceGone,
+       "rig 'floor' is silent: its device does not stream",
+       "dtsctl device list; dtsctl doctor"},
+      {&pulled, {"floor/"}, ErrorCode::DeviceGone, "rig 'floor' is silent: cable pulled", "dtsctl device list; dtsctl doctor"},
+      {&gone, {"floor/gap"}, ErrorCode::Timeout, "no event so far; the daemon is well", "events come only when something happens", true},
+      {&well,
+       {"floor/marker", "x"},
+       ErrorCode::Timeout,
+       "no event so far; the daemon is well",
+       "events come only when something happens",
+       true},
+      {&well,
+       {"attic/", "chair/"},
+       ErrorCode::NotFound,
+       "nothing is published under 'attic/', 'chair/'",
+       "published streams: floor/cop floor/raw"},
+      {&well, {"floor/copp"}, ErrorCode::NotFound, "nothing is published under 'floor/copp'", "did you mean floor/cop?"},
+      {&well, {"floor/reahc"}, ErrorCode::NotFound, "nothing is published under 'floor/reahc'", "did you mean floor/reach?"},
+      {&empty, {"floor/cop"}, ErrorCode::NotFound, "nothing is published under 'floor/cop'", "no rig is configured"},
+      {&well, {""}, ErrorCode::Timeout, "no data, although the daemon says that it streams", "dtsctl status; dtsctl doctor"},
+      {&well,
+       {"floor/marker", "floor/raw"},
+       ErrorCode::Timeout,
+       "no data, although the daemon says that it streams",
+       "dtsctl status; dtsctl doctor"}};
+  for (const Case& given : cases) {
+    SCOPED_TRACE(given.what + ::testing::PrintToString(given.topics));
+    const client::Error error = explain_silence(given.status, given.topics, "ipc:///x/data.sock");
+    EXPECT_EQ(error.code, given.code);
+    EXPECT_EQ(error.what, given.what);
+    EXPECT_EQ(error.hint, given.hint);
+    EXPECT_EQ(asks_for_events_only(given.status, given.topics), given.is_of_events);
   }
 }
 

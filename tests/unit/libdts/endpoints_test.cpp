@@ -58,37 +58,53 @@ TEST(Endpoints, WhatIsGivenMorePrecisely_Wins) {
 }
 
 TEST(Endpoints, ImpossibleAddresses_AreRefusedWithTheReason) {
-  for (const std::string address :
-       {"floor", "ipc://relative/control.sock", "tcp://127.0.0.1", "tcp://127.0.0.1:", "tcp://:1", "udp://1.2.3.4:5", "ipc://"}) {
-    const auto found = find_endpoints({.control = address, .data = {}}, environment({}), kNowhere);
-    ASSERT_FALSE(found.has_value()) << address;
-    EXPECT_EQ(found.error().code, ErrorCode::InvalidArgument);
-    EXPECT_NE(found.error().what.find("--endpoint"), std::string::npos);
+  const std::string at_limit = "/" + std::string(92, 'a') + "/control.sock";
+  const Error none{ErrorCode::InvalidArgument, "", ""};
+  const Error no_address{ErrorCode::InvalidArgument, " is not an address", "write ipc:///path/control.sock or tcp://host:port"};
+  const Error relative{ErrorCode::InvalidArgument, ": the socket path must be absolute", "write ipc:///run/dtsd/control.sock"};
+  const Error too_long{ErrorCode::InvalidArgument, ": a socket path has at most 107 bytes", "choose a shorter runtime directory"};
+  const std::vector<std::pair<std::string, Error>> rows{{"ipc://@abstract", none},
+                                                        {"tcp://h:1", none},
+                                                        {"ipc://" + at_limit, none},
+                                                        {"ipc:///a" + at_limit, too_long},
+                                                        {"ipc://relative/control.sock", relative},
+                                                        {"ipc://", relative},
+                                                        {"floor", no_address},
+                                                        {"tcp://127.0.0.1", no_address},
+                                                        {"tcp://127.0.0.1:", no_address},
+                                                        {"tcp://:1", no_address},
+                                                        {"udp://1.2.3.4:5", no_address}};
+  for (const auto& [address, expected] : rows) {
+    for (const bool is_data : {false, true}) {
+      const EndpointWishes wishes{.control = is_data ? "tcp://h:1" : address, .data = is_data ? address : "tcp://h:1"};
+      const auto found = find_endpoints(wishes, environment({}), kNowhere);
+      EXPECT_EQ(found.has_value(), expected.what.empty()) << address;
+      const std::string what = "'" + address + "' (from --endpoint)" + expected.what;
+      EXPECT_EQ(found ? none : found.error(), found ? none : (Error{expected.code, what, expected.hint}));
+    }
   }
 }
 
-TEST(Endpoints, SocketPathTooLong_IsRefused) {
-  const std::string at_limit = "/" + std::string(92, 'a') + "/control.sock";
-
-  EXPECT_TRUE(find_endpoints({.control = "ipc://" + at_limit, .data = {}}, environment({}), kNowhere).has_value());
-  const std::string beyond = "ipc:///a" + at_limit;
-  EXPECT_EQ(find_endpoints({.control = beyond, .data = {}}, environment({}), kNowhere).error(),
-            (Error{ErrorCode::InvalidArgument, "'" + beyond + "' (from --endpoint): a socket path has at most 107 bytes",
-                   "choose a shorter runtime directory"}));
-}
-
-TEST(Probe, NoSocket_SaysSoAndHowToStartUntilSomebodyListens) {
+TEST(Probe, EachStateOfASocket_IsSaid) {
   const testing::TemporaryDirectory directory;
-
-  const auto outcome = probe(directory.endpoint("control.sock"));
-
-  ASSERT_FALSE(outcome.has_value());
-  EXPECT_EQ(outcome.error().code, ErrorCode::Unreachable);
-  EXPECT_NE(outcome.error().what.find(directory.endpoint("control.sock")), std::string::npos);
-  EXPECT_NE(outcome.error().hint.find("start it"), std::string::npos);
-
-  const testing::FakePublisher publisher(directory.endpoint("control.sock"));
-  EXPECT_TRUE(probe(directory.endpoint("control.sock")).has_value());
+  const std::string endpoint = directory.endpoint("control.sock");
+  const Error missing{ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket does not exist",
+                      "start it: systemctl start dtsd, or dtsd --config FILE; is it elsewhere, as that of scripts/demo? set "
+                      "DTSD_RUNTIME_DIR or give --endpoint"};
+  EXPECT_EQ(probe(endpoint).error(), missing);
+  std::ofstream(directory.path() / "file") << "";
+  EXPECT_EQ(probe(directory.endpoint("file/control.sock")).error().hint, missing.hint);
+  {
+    const testing::FakePublisher publisher(endpoint);
+    EXPECT_TRUE(probe(endpoint).has_value());
+  }
+  std::ofstream(directory.path() / "control.sock") << "";
+  EXPECT_EQ(probe(endpoint).error(),
+            (Error{ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket is a leftover, nobody listens",
+                   "start it: systemctl start dtsd; see why it ended: journalctl -u dtsd"}));
+  for (const std::string other : {"tcp://127.0.0.1:1", "ipc://", "ipc://@abstract"}) EXPECT_TRUE(probe(other)) << other;
+  EXPECT_FALSE(probe("ipc:///" + std::string(106, 'x')));
+  EXPECT_TRUE(probe("ipc:///" + std::string(107, 'x'))) << "libzmq refuses it";
 }
 
 }  // namespace

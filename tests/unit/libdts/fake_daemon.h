@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <google/protobuf/text_format.h>
+#include <gtest/gtest.h>
+
 #include <array>
 #include <atomic>
 #include <chrono>
@@ -40,6 +43,14 @@ class TemporaryDirectory {
  private:
   std::filesystem::path path_;
 };
+
+/// A message in protobuf's text format.
+template <class Message>
+Message from_text(const std::string& text) {
+  Message message;
+  EXPECT_TRUE(google::protobuf::TextFormat::ParseFromString(text, &message)) << text;
+  return message;
+}
 
 /// The floor platform as dtsd would describe it: streams "cop" (ml_mm, ap_mm, load_n) and "raw" (w1_v), 100 Hz.
 inline v1::StatusSnapshot floor_status(std::uint64_t instance_id = 7) {

@@ -130,6 +130,13 @@ TEST_F(SubscriberTest, LatestAfterAStall_FreshBlockAndDeliveredPlusLostIsEveryth
   EXPECT_TRUE(fresh.is_lost_exact);
 }
 
+TEST_F(SubscriberTest, NothingToReceive_EndsAtItsTimeout) {
+  for (const Mode mode : {Mode::All, Mode::Latest}) {
+    Subscriber subscriber = subscribe("floor/raw", mode);
+    for (const auto timeout : {-1ms, 0ms, 1ms}) EXPECT_EQ(subscriber.receive(timeout)->has_value(), false);
+  }
+}
+
 TEST_F(SubscriberTest, StatusTopicAskedFor_StatusIsHandedOut) {
   Subscriber subscriber = subscribe("dtsd/");
   daemon_.send("dtsd/status", floor_status());
@@ -172,15 +179,51 @@ TEST(SubscriberReconnect, DaemonComesBackAtTheSameAddress_BlocksArriveAgain) {
   EXPECT_TRUE(message && *message && std::holds_alternative<Block>(**message));
 }
 
-TEST(SubscriberOptions, OutOfRange_AreRefused) {
-  const auto code = [](const SubscriberOptions& options) { return Subscriber::open(options).error().code; };
+TEST(SubscriberOptions, AtTheirLimits_AreAcceptedAndNotBeyond) {
+  const std::string endpoint = "ipc:///tmp/dts-nobody/data.sock";
+  const std::string longest(200, 'x');
+  const std::string too_long = "a topic prefix has at most 200 bytes";
+  const std::vector<std::pair<SubscriberOptions, Error>> rows{
+      {{.endpoint = endpoint, .topics = {longest}, .queue_messages = 1, .reconnect_after = 10ms}, {}},
+      {{.endpoint = endpoint, .topics = {""}, .queue_messages = 1'000'000}, {}},
+      {{.endpoint = "", .topics = {""}},
+       {ErrorCode::InvalidArgument, "the daemon's data address is not known", "give it: --data URI or DTSD_DATA"}},
+      {{.endpoint = endpoint, .topics = {}}, {ErrorCode::InvalidArgument, "no topic to subscribe to", "\"\" means everything"}},
+      {{.endpoint = endpoint, .topics = {"", longest + "x"}}, {ErrorCode::InvalidArgument, too_long, ""}},
+      {{.endpoint = endpoint, .topics = {""}, .queue_messages = 0}, {ErrorCode::InvalidArgument, "queue_messages must be 1..1000000", ""}},
+      {{.endpoint = endpoint, .topics = {""}, .queue_messages = 1'000'001},
+       {ErrorCode::InvalidArgument, "queue_messages must be 1..1000000", ""}},
+      {{.endpoint = endpoint, .topics = {""}, .reconnect_after = 9ms},
+       {ErrorCode::InvalidArgument, "reconnect_after must be at least 10 ms", ""}},
+      {{.endpoint = "pigeon://x", .topics = {""}},
+       {ErrorCode::InvalidArgument, "cannot use the data address 'pigeon://x': Protocol not supported", ""}}};
+  for (const auto& [options, expected] : rows) {
+    const auto opened = Subscriber::open(options);
+    EXPECT_EQ(opened.has_value(), expected.what.empty()) << options.endpoint;
+    EXPECT_TRUE(opened || opened.error() == expected) << opened.error().what;
+  }
+  auto subscriber = Subscriber::open({.endpoint = endpoint, .topics = {""}});
+  EXPECT_TRUE(subscriber->set_topics({longest}));
+  EXPECT_EQ(subscriber->set_topics({longest + "x"}).error().what, too_long);
+}
 
-  EXPECT_EQ(code({.endpoint = "", .topics = {""}}), ErrorCode::InvalidArgument);
-  EXPECT_EQ(code({.endpoint = "ipc:///x/data.sock", .topics = {}}), ErrorCode::InvalidArgument);
-  EXPECT_EQ(code({.endpoint = "ipc:///x/data.sock", .topics = {std::string(201, 'x')}}), ErrorCode::InvalidArgument);
-  EXPECT_EQ(code({.endpoint = "ipc:///x/data.sock", .topics = {""}, .queue_messages = 0}), ErrorCode::InvalidArgument);
-  EXPECT_EQ(code({.endpoint = "ipc:///x/data.sock", .topics = {""}, .reconnect_after = 0ms}), ErrorCode::InvalidArgument);
-  EXPECT_EQ(code({.endpoint = "pigeon://x", .topics = {""}}), ErrorCode::InvalidArgument);
+TEST_F(SubscriberTest, OtherTopics_AreSubscribedAndTheOldOnesAreNot) {
+  Subscriber subscriber = subscribe("floor/raw");
+  ASSERT_TRUE(subscriber.set_topics({"floor/cop", "dtsd/"}));
+  ASSERT_TRUE(daemon_.wait_for_subscription("floor/cop", [&] { std::ignore = subscriber.receive(1ms); }));
+  ASSERT_TRUE(daemon_.wait_for_subscription("dtsd/", [&] { std::ignore = subscriber.receive(1ms); }));
+  std::optional<Message> got;
+  while (!got) {
+    daemon_.send("dtsd/status", floor_status());
+    got = *subscriber.receive(10ms);
+  }
+
+  EXPECT_TRUE(std::holds_alternative<Status>(*got)) << "the status is handed out now";
+  daemon_.send("floor/raw", block(1, 0, 1, 1, 1));
+  daemon_.send("floor/cop", block(1, 0, 4, 1));
+  while (got && std::holds_alternative<Status>(*got)) got = *subscriber.receive(kDeadline);
+  ASSERT_TRUE(got && std::holds_alternative<Block>(*got));
+  EXPECT_EQ(std::get<Block>(*got).topic, "floor/cop");
 }
 
 }  // namespace

@@ -1,198 +1,149 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "../clients/libdts/wire_check.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <limits>
+
+#include "unit/libdts/fake_daemon.h"
 
 namespace dts::client {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
-v1::SessionRecord session() {
-  v1::SessionRecord record;
-  record.set_session_id("s1");
-  record.add_parts()->set_state(v1::PART_STATE_COMPLETE);
-  return record;
+/// What is wrong with an answer in protobuf's text format; empty: nothing.
+std::string fault_of(const std::string& answer) {
+  const auto checked = check(testing::from_text<v1::Response>(answer));
+  if (checked) return "";
+  const std::string begin = "the daemon's answer makes no sense: ";
+  EXPECT_EQ(checked.error().code, ErrorCode::DataDamaged);
+  EXPECT_EQ(checked.error().what.substr(0, begin.size()), begin);
+  EXPECT_EQ(checked.error().hint, "are dtsd and this program of the same version?");
+  return checked.error().what.substr(begin.size());
 }
 
-v1::ProtocolInfo protocol() {
-  v1::ProtocolInfo info;
-  info.set_name("free");
-  info.add_fields()->set_maximum(1.0);
-  return info;
-}
-
-template <class Message>
-bool is_damaged(const Message& message) {
-  const auto checked = check(message);
-  return !checked && checked.error().code == ErrorCode::DataDamaged && !checked.error().what.empty();
-}
-
-TEST(WireCheck, ProperAnswers_AreAccepted) {
-  EXPECT_TRUE(check(session()).has_value());
-  v1::ListProtocolsResponse protocols;
-  *protocols.add_protocols() = protocol();
-  EXPECT_TRUE(check(protocols).has_value());
-  EXPECT_TRUE(check(v1::ListSessionsResponse()).has_value());
-  EXPECT_TRUE(check(v1::TrialStatus()).has_value());
-  EXPECT_TRUE(check(v1::GetAuditResponse()).has_value());
-  v1::StatusSnapshot status;
-  EXPECT_TRUE(is_damaged(status)) << "no instance id";
-  status.set_instance_id(1);
-  EXPECT_TRUE(check(status).has_value());
-}
-
-TEST(WireCheck, SessionWithoutIdOrWithImpossibleParts_IsRefused) {
-  v1::SessionRecord record = session();
-  record.clear_session_id();
-  EXPECT_TRUE(is_damaged(record));
-  for (const int state : {0, -1, 99}) {
-    record = session();
-    record.mutable_parts(0)->set_state(static_cast<v1::PartState>(state));
-    EXPECT_TRUE(is_damaged(record)) << state;
-  }
-  for (const double value : {kNan, -1.0, std::numeric_limits<double>::infinity()}) {
-    record = session();
-    record.mutable_parts(0)->set_duration_s(value);
-    EXPECT_TRUE(is_damaged(record)) << value;
-    record = session();
-    record.mutable_parts(0)->set_lost_s_at_most(value);
-    EXPECT_TRUE(is_damaged(record)) << value;
-  }
-}
-
-TEST(WireCheck, OneWrongSessionOfMany_RefusesTheList) {
-  v1::ListSessionsResponse list;
-  for (int count = 0; count < 3; ++count) *list.add_sessions() = session();
-  EXPECT_TRUE(check(list).has_value());
-
-  list.mutable_sessions(1)->clear_session_id();
-
-  EXPECT_TRUE(is_damaged(list));
-}
-
-/// Whether `message` is accepted with `most` elements that `add` adds, and refused with one more.
-template <class Message, class Add>
-bool ends_at(int most, Message message, Add add) {
-  for (int count = 0; count < most; ++count) add(message);
-  const bool is_accepted = check(message).has_value();
-  add(message);
-  return is_accepted && is_damaged(message);
-}
-
-v1::StatusSnapshot status() {
-  v1::StatusSnapshot snapshot;
-  snapshot.set_instance_id(7);
-  snapshot.add_rigs()->mutable_rig()->set_name("floor");
-  return snapshot;
-}
-
-v1::RigInfo rig() {
-  v1::RigInfo info = status().rigs(0).rig();
-  v1::StreamFormat& stream = *info.add_streams();
-  stream.set_name("cop");
-  stream.mutable_rate()->set_numerator(1);
-  stream.mutable_rate()->set_denominator(1);
-  stream.add_channels();
-  return info;
-}
-
-TEST(WireCheck, ListsBeyondTheirLimits_AreRefused) {
-  EXPECT_TRUE(ends_at(255, rig(), [](auto& info) { info.mutable_streams(0)->add_channels(); }));
-  EXPECT_TRUE(ends_at(256, rig(), [](auto& info) { info.add_sensors(); }));
-  EXPECT_TRUE(ends_at(63, rig(), [](auto& info) { *info.add_streams() = v1::StreamFormat(info.streams(0)); }));
-  EXPECT_TRUE(ends_at(64, v1::ListRigsResponse(), [](auto& rigs) { *rigs.add_rigs() = rig(); }));
-  EXPECT_TRUE(ends_at(63, status(), [](auto& snapshot) { *snapshot.add_rigs() = v1::RigStatus(snapshot.rigs(0)); }));
-  EXPECT_TRUE(ends_at(1000, status(), [](auto& snapshot) { snapshot.add_notices(); }));
-  EXPECT_TRUE(ends_at(1000, status(), [](auto& snapshot) { snapshot.mutable_rigs(0)->add_losses(); }));
-  EXPECT_TRUE(ends_at(1000, status(), [](auto& snapshot) { snapshot.mutable_rigs(0)->mutable_latency()->add_buckets(); }));
-  EXPECT_TRUE(ends_at(1000, v1::GetDevicesResponse(), [](auto& devices) { devices.add_devices(); }));
-  EXPECT_TRUE(ends_at(1000, v1::GetDevicesResponse(), [](auto& devices) { devices.add_kinds(); }));
-  EXPECT_TRUE(ends_at(1000, v1::TestDeviceResponse(), [](auto& test) { test.add_checks(); }));
-  EXPECT_TRUE(ends_at(256, v1::TestDeviceResponse(), [](auto& test) { test.add_channels(); }));
-  EXPECT_TRUE(ends_at(64, v1::MarkResponse(), [](auto& mark) { mark.add_marks(); }));
-  EXPECT_TRUE(ends_at(256, v1::TareResponse(), [](auto& tare) { tare.add_baseline_mm(0.0); }));
-  EXPECT_TRUE(ends_at(999, session(), [](auto& record) { record.add_parts()->set_state(v1::PART_STATE_COMPLETE); }));
-  EXPECT_TRUE(ends_at(1000, session(), [](auto& record) { record.mutable_parts(0)->add_losses(); }));
-  EXPECT_TRUE(ends_at(10'000, session(), [](auto& record) { record.add_trials(); }));
-  EXPECT_TRUE(ends_at(10'000, v1::ListSessionsResponse(), [](auto& list) { list.add_sessions()->set_session_id("s"); }));
-  EXPECT_TRUE(ends_at(10'000, v1::GetAuditResponse(), [](auto& audit) { audit.add_entries(); }));
-  EXPECT_TRUE(ends_at(10'000, v1::ListKeysResponse(), [](auto& keys) { keys.add_keys(); }));
-  v1::ListProtocolsResponse protocols;
-  EXPECT_TRUE(ends_at(1000, protocols, [](auto& list) { *list.add_protocols() = protocol(); }));
-  *protocols.add_protocols() = protocol();
-  EXPECT_TRUE(ends_at(1000, protocols, [](auto& list) { list.mutable_protocols(0)->add_conditions(); }));
-  EXPECT_TRUE(ends_at(999, protocols, [](auto& list) { list.mutable_protocols(0)->add_fields(); }));
-  EXPECT_TRUE(ends_at(1000, protocols, [](auto& list) { list.mutable_protocols(0)->mutable_fields(0)->add_choices(); }));
-}
-
-TEST(WireCheck, NamesAndRatesOfARig_AreChecked) {
-  const auto is_refused = [](const auto& change) {
-    v1::ListRigsResponse rigs;
-    *rigs.add_rigs() = rig();
-    change(*rigs.mutable_rigs(0));
-    return is_damaged(rigs);
+TEST(WireCheck, ListOfTheGreatestLength_IsAcceptedAndALongerOneIsRefused) {
+  struct Row {
+    std::string before;
+    std::string element;
+    int most;
+    std::string after;
+    std::string what;
   };
-  EXPECT_FALSE(is_refused([](v1::RigInfo& info) { info.set_name(std::string(64, 'x')); }));
-  for (const std::string& name : {std::string(), std::string(65, 'x'), std::string("a/b")}) {
-    EXPECT_TRUE(is_refused([&](v1::RigInfo& info) { info.set_name(name); })) << name;
-    EXPECT_TRUE(is_refused([&](v1::RigInfo& info) { info.mutable_streams(0)->set_name(name); })) << name;
+  const std::string rig = "rig { name: 'floor' } ";
+  const std::string stream = "streams { name: 'cop' rate { numerator: 1 denominator: 1 } ";
+  const std::vector<Row> rows{{"rigs { rigs { name: 'floor' " + stream, "channels { } ", 256, "} } }", "channels"},
+                              {"rigs { rigs { name: 'floor' ", "sensors { } ", 256, "} }", "sensors"},
+                              {"rigs { rigs { name: 'floor' ", stream + "channels { } } ", 64, "} }", "streams"},
+                              {"rigs { ", "rigs { name: 'floor' } ", 64, "}", "rigs"},
+                              {"status { instance_id: 7 ", "rigs { " + rig + "} ", 64, "}", "rigs"},
+                              {"status { instance_id: 7 ", "notices: '' ", 1000, "}", "notices"},
+                              {"status { instance_id: 7 rigs { " + rig, "losses { } ", 1000, "} }", "causes of losses"},
+                              {"status { instance_id: 7 rigs { " + rig + "latency { ", "buckets { } ", 1000, "} } }", "latency buckets"},
+                              {"devices { ", "devices { } ", 1000, "}", "devices"},
+                              {"devices { ", "kinds: '' ", 1000, "}", "kinds of device"},
+                              {"device_test { ", "checks { } ", 1000, "}", "checks"},
+                              {"device_test { ", "channels { } ", 256, "}", "channels"},
+                              {"mark { ", "marks { } ", 64, "}", "marks"},
+                              {"tare { ", "baseline_mm: 0 ", 256, "}", "sensors"},
+                              {"session_record { session_id: 's' ", "parts { state: 2 } ", 1000, "}", "parts"},
+                              {"session_record { session_id: 's' parts { state: 2 ", "losses { } ", 1000, "} }", "causes of losses"},
+                              {"session_record { session_id: 's' ", "trials { } ", 10'000, "}", "trials"},
+                              {"sessions { ", "sessions { session_id: 's' } ", 10'000, "}", "sessions"},
+                              {"audit { ", "entries { } ", 10'000, "}", "entries"},
+                              {"keys { ", "keys { } ", 10'000, "}", "keys"},
+                              {"protocols { ", "protocols { name: 'free' } ", 1000, "}", "protocols"},
+                              {"protocols { protocols { name: 'free' ", "conditions: '' ", 1000, "} }", "conditions of protocol 'free'"},
+                              {"protocols { protocols { name: 'free' ", "fields { } ", 1000, "} }", "fields of protocol 'free'"},
+                              {"protocols { protocols { name: 'free' fields { ", "choices: '' ", 1000, "} } }", "choices"}};
+  for (const Row& row : rows) {
+    std::string elements;
+    for (int count = 0; count < row.most; ++count) elements += row.element;
+    EXPECT_EQ(fault_of(row.before + elements + row.after), "");
+    EXPECT_EQ(fault_of(row.before + elements + row.element + row.after),
+              std::to_string(row.most + 1) + " " + row.what + ", at most " + std::to_string(row.most) + " are possible");
   }
-  EXPECT_TRUE(is_refused([](v1::RigInfo& info) { info.mutable_streams(0)->clear_channels(); }));
+}
+
+TEST(WireCheck, EachValue_IsAcceptedOrRefusedWithTheReason) {
+  const std::string longest(64, 'x');
+  const std::string rig = "rigs { rigs { name: 'floor' streams { name: 'cop' ";
+  const std::string rate = "rate { numerator: 1 denominator: 1 } ";
+  const std::string disk = "status { instance_id: 1 disk { ";
+  const std::string trial = "status { instance_id: 1 rigs { rig { name: 'floor' } session { trial { ";
+  const std::string part = "session_record { session_id: 's' parts { ";
+  const std::string protocol = "protocols { protocols { name: 'a' } protocols { name: 'free' ";
+  const std::vector<std::pair<std::string, std::string>> rows{
+      {"error { }", ""},
+      {"note_login { }", ""},
+      {"status { }", "no instance id"},
+      {"status { instance_id: 1 }", ""},
+      {"status { instance_id: 1 rigs { rig { name: 'floor' } session { } } }", ""},
+      {"status { instance_id: 1 rigs { } }", "a rig without a proper name"},
+      {"rigs { rigs { name: '" + longest + "' } }", ""},
+      {"rigs { rigs { name: '" + longest + "x' } }", "a rig without a proper name"},
+      {"rigs { rigs { name: 'floor' } rigs { name: 'a/b' } }", "a rig without a proper name"},
+      {"rigs { rigs { name: 'floor' streams { " + rate + "channels { } } } }", "a stream without a proper name"},
+      {rig + "channels { } } } }", "stream 'cop' has an impossible rate"},
+      {rig + rate + "} } }", "stream 'cop' has no channels"},
+      {disk + "state: 4 recordable_s: 0 } }", ""},
+      {disk + "state: 99 } }", "a disk in an unknown state"},
+      {disk + "recordable_s: -1 } }", "the recordable time is -1.000000"},
+      {disk + "recordable_s: nan } }", "the recordable time is nan"},
+      {disk + "recordable_s: inf } }", "the recordable time is inf"},
+      {trial + "phase: 6 } } } }", ""},
+      {trial + "phase: 7 } } } }", "a trial in an unknown phase"},
+      {"trial { phase: 7 }", "a trial in an unknown phase"},
+      {"trial { next_target_cm: -1 }", "a trial's target is -1.000000"},
+      {"trial { remaining_s: -1 }", "a trial's time is -1.000000"},
+      {"session { }", "a session without an id"},
+      {"session { session_id: 's' }", ""},
+      {"session { session_id: 's' trial { phase: 7 } }", "a trial in an unknown phase"},
+      {"session_record { }", "a session without an id"},
+      {"sessions { sessions { session_id: 's' } sessions { } sessions { session_id: 's' } }", "a session without an id"},
+      {part + "} }", "a recording in an unknown state"},
+      {part + "state: -1 } }", "a recording in an unknown state"},
+      {part + "state: 7 } }", "a recording in an unknown state"},
+      {part + "state: 6 } }", ""},
+      {part + "state: 6 } parts { } parts { state: 6 } }", "a recording in an unknown state"},
+      {part + "state: 6 duration_s: nan } }", "the length of a recording is nan"},
+      {part + "state: 6 lost_s_at_most: -1 } }", "what a recording lost is -1.000000"},
+      {"protocols { protocols { } protocols { name: 'free' } }", "a protocol without a proper name"},
+      {protocol + "settle_s: -1 } protocols { name: 'b' } }", "the settling time of protocol 'free' is -1.000000"},
+      {protocol + "duration_s: inf } }", "the length of protocol 'free' is inf"},
+      {protocol + "settle_s: 1 duration_s: 1 fields { minimum: -1 maximum: -1 } } }", ""},
+      {protocol + "fields { } fields { name: 'age' minimum: 2 maximum: 1.9 } fields { } } }", "field 'age' without a range"},
+      {protocol + "fields { name: 'age' minimum: nan } } }", "field 'age' without a range"},
+      {protocol + "fields { name: 'age' minimum: -inf } } }", "field 'age' without a range"},
+      {protocol + "fields { name: 'age' maximum: inf } } }", "field 'age' without a range"}};
+  for (const auto& [answer, fault] : rows) EXPECT_EQ(fault_of(answer), fault) << answer;
+}
+
+TEST(WireCheck, BlockAtItsLimits_IsWellFormedAndNotBeyond) {
+  const auto is_good = [](std::uint32_t scans, std::uint32_t channels, std::uint64_t first_scan, std::int64_t numerator = 100,
+                          std::int64_t denominator = 1) {
+    v1::StreamBlock block = testing::block(1, 0, scans, 1, channels);
+    block.set_first_scan(first_scan);
+    block.mutable_rate()->set_numerator(numerator);
+    block.mutable_rate()->set_denominator(denominator);
+    return is_well_formed(block);
+  };
+  constexpr std::uint64_t kLast = std::numeric_limits<std::uint64_t>::max();
   constexpr std::int64_t kMost = 1'000'000'000'000;
-  for (const auto& [numerator, denominator, is_good] :
-       {std::tuple(kMost, kMost, true), {kMost + 1, kMost, false}, {kMost, kMost + 1, false}, {std::int64_t{0}, kMost, false}}) {
-    EXPECT_NE(is_refused([&, n = numerator, d = denominator](v1::RigInfo& info) {
-                info.mutable_streams(0)->mutable_rate()->set_numerator(n);
-                info.mutable_streams(0)->mutable_rate()->set_denominator(d);
-              }),
-              is_good);
+  EXPECT_TRUE(is_good(65536, 1, 0));
+  EXPECT_FALSE(is_good(65537, 1, 0));
+  EXPECT_FALSE(is_good(0, 1, 0));
+  EXPECT_TRUE(is_good(1, 256, 0));
+  EXPECT_FALSE(is_good(1, 257, 0));
+  EXPECT_FALSE(is_good(1, 0, 0));
+  EXPECT_TRUE(is_good(2, 1, kLast - 2));
+  EXPECT_FALSE(is_good(2, 1, kLast - 1));
+  for (const auto& [numerator, denominator, expected] : {std::tuple(kMost, kMost, true),
+                                                         {kMost + 1, kMost, false},
+                                                         {kMost, kMost + 1, false},
+                                                         {std::int64_t{1}, std::int64_t{1}, true},
+                                                         {std::int64_t{0}, kMost, false},
+                                                         {kMost, std::int64_t{0}, false},
+                                                         {std::int64_t{-1}, std::int64_t{-1}, false}}) {
+    EXPECT_EQ(is_good(1, 1, 0, numerator, denominator), expected) << numerator << " / " << denominator;
   }
-}
-
-TEST(WireCheck, ProtocolsWithImpossibleNumbers_AreRefused) {
-  v1::ListProtocolsResponse protocols;
-  v1::ProtocolInfo& info = *protocols.add_protocols();
-  info = protocol();
-  info.set_name("");
-  EXPECT_TRUE(is_damaged(protocols));
-  info = protocol();
-  info.set_duration_s(kNan);
-  EXPECT_TRUE(is_damaged(protocols));
-  info = protocol();
-  info.mutable_fields(0)->set_minimum(2.0);
-  EXPECT_TRUE(is_damaged(protocols)) << "more than the maximum";
-  info = protocol();
-  info.mutable_fields(0)->set_maximum(kNan);
-  EXPECT_TRUE(is_damaged(protocols));
-}
-
-TEST(WireCheck, TrialAndDisk_AreCheckedWhereverTheyStand) {
-  v1::TrialStatus trial;
-  trial.set_phase(static_cast<v1::TrialPhase>(99));
-  EXPECT_TRUE(is_damaged(trial));
-  v1::SessionInfo info;
-  info.set_session_id("s1");
-  EXPECT_FALSE(is_damaged(info));
-  *info.mutable_trial() = trial;
-  EXPECT_TRUE(is_damaged(info));
-  trial.set_phase(v1::TRIAL_PHASE_READY);
-  trial.set_remaining_s(kNan);
-  EXPECT_TRUE(is_damaged(trial));
-
-  v1::StatusSnapshot snapshot = status();
-  EXPECT_FALSE(is_damaged(snapshot));
-  *snapshot.mutable_rigs(0)->mutable_session()->mutable_trial() = trial;
-  EXPECT_TRUE(is_damaged(snapshot));
-  snapshot = status();
-  snapshot.mutable_disk()->set_recordable_s(-1.0);
-  EXPECT_TRUE(is_damaged(snapshot));
-  snapshot.mutable_disk()->set_recordable_s(0.0);
-  snapshot.mutable_disk()->set_state(static_cast<v1::DiskState>(99));
-  EXPECT_TRUE(is_damaged(snapshot));
 }
 
 }  // namespace

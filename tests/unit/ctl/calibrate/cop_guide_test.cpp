@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "dts/v1/stream.pb.h"
+#include "support/committed_text.h"
 #include "unit/ctl/calibrate/scripted_feed.h"
 
 namespace dts::ctl {
@@ -30,6 +31,7 @@ class CopGuideTest : public ::testing::Test {
     progress_ = ProgressFile::create(folder_ / "p.jsonl", {{"points", {1, 2, 3}}}).value();
   }
   ~CopGuideTest() override { std::filesystem::remove_all(folder_); }
+  void TearDown() override { testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(), said_ + asked_.str()); }
 
   [[nodiscard]] client::Result<bool> guide(bool is_guided, std::size_t end = 3) {
     std::optional<Answer> typed;
@@ -61,7 +63,7 @@ class CopGuideTest : public ::testing::Test {
                     .progress = *progress_,
                     .typed = &typed,
                     .prompt = is_guided ? &prompt : nullptr,
-                    .draws = true,
+                    .draws = draws_,
                     .say = [this](const std::string& line) { said_ += line + "\n"; },
                     .estimated_load_n = [this] { return estimated_load_n_; }});
     return guide.measure_until(end);
@@ -76,12 +78,14 @@ class CopGuideTest : public ::testing::Test {
   ScriptedFeed feed_;
   std::optional<double> estimated_load_n_;
   std::deque<std::string> answers_;
+  bool draws_ = false;
   bool is_typing_ = false;  ///< Answers come while nobody asks, too.
   std::ostringstream asked_;
   std::string said_;
 };
 
 TEST_F(CopGuideTest, Alone_EveryLoadAfterALiftOffIsTheNextPoint) {
+  draws_ = true;
   lift_and_put(1.0);
   lift_and_put(2.0);
   lift_and_put(3.0);
@@ -91,9 +95,6 @@ TEST_F(CopGuideTest, Alone_EveryLoadAfterALiftOffIsTheNextPoint) {
   ASSERT_TRUE(measured) << measured.error().what;
   EXPECT_TRUE(*measured);
   for (std::size_t k = 0; k < 3; ++k) EXPECT_NEAR(read(k), 1.0 + static_cast<double>(k), 0.001);
-  EXPECT_THAT(said_,
-              HasSubstr("Point 1 of 3: put 490 N at x 86.00, y 215.00 mm from the left back corner (-129.00, 0.00 mm from the centre)"));
-  EXPECT_THAT(said_, HasSubstr("Point 3 of 3: put 240 N at x 344.00"));
 }
 
 TEST_F(CopGuideTest, Alone_SkipTypedMeanwhileLeavesThePointOut) {
@@ -146,8 +147,6 @@ TEST_F(CopGuideTest, DoubtfulFromTheStart_SaysTheDoubtInsteadOfHanging) {
   feed_.rest({1.0, 1.0}, 40, v1::QUALITY_STUCK);
 
   EXPECT_FALSE(guide(true));
-
-  EXPECT_THAT(said_, HasSubstr("still waiting: w1 is marked stuck"));
 }
 
 TEST_F(CopGuideTest, NothingPutThere_SaysWhatItSees) {
@@ -155,8 +154,6 @@ TEST_F(CopGuideTest, NothingPutThere_SaysWhatItSees) {
   feed_.rest(kEmpty, 40);
 
   EXPECT_FALSE(guide(true));
-
-  EXPECT_THAT(said_, HasSubstr("still waiting: the plate looks empty"));
 }
 
 TEST_F(CopGuideTest, Skipped_IsLeftOutAndTheOthersAreMeasured) {
@@ -177,7 +174,6 @@ TEST_F(CopGuideTest, Redo_MeasuresTheLastPointOrThatOfTheNumberAgain) {
 
   EXPECT_NEAR(read(0), 1.0, 0.001);
   EXPECT_NEAR(read(1), 2.0, 0.001);
-  EXPECT_THAT(said_, HasSubstr("point 9 is none of those"));
 }
 
 TEST_F(CopGuideTest, QuitTypedWhileMeasuring_IsHonoured) {
@@ -198,7 +194,6 @@ TEST_F(CopGuideTest, LiftedTooEarly_TheSamePointAgain) {
   ASSERT_TRUE(guide(false, 1));
 
   EXPECT_NEAR(read(0), 2.0, 0.001);
-  EXPECT_THAT(said_, HasSubstr("taken away before it was measured"));
 }
 
 TEST_F(CopGuideTest, LossInTheMiddleOfAHold_BeginsItAnew) {
@@ -207,7 +202,6 @@ TEST_F(CopGuideTest, LossInTheMiddleOfAHold_BeginsItAnew) {
   ASSERT_TRUE(guide(false, 1));
 
   EXPECT_NEAR(read(0), 2.0, 0.001);
-  EXPECT_THAT(said_, HasSubstr("scans were lost"));
   EXPECT_TRUE(feed_.is_used_up()) << "the hold before the loss must not count";
 }
 
@@ -217,15 +211,12 @@ TEST_F(CopGuideTest, DoubtfulQuality_IsNeverRecorded) {
   ASSERT_TRUE(guide(false, 1));
 
   EXPECT_NEAR(read(0), 2.0, 0.001);
-  EXPECT_THAT(said_, HasSubstr("w1 is marked rail"));
 }
 
 TEST_F(CopGuideTest, NoRest_SaysWhatMovesAndWaits) {
   feed_.rest(kEmpty, 1).move({1.0, 1.0}, {9.0, 1.0}, 60).rest({9.0, 1.0}, kLong);
 
   ASSERT_TRUE(guide(false, 1));
-
-  EXPECT_THAT(said_, HasSubstr("waiting for rest: w1 drifts by"));
 }
 
 TEST_F(CopGuideTest, Guided_MeasuresAtEnterWithoutALiftOff) {
@@ -244,8 +235,6 @@ TEST_F(CopGuideTest, RedoWithoutAnything_IsSaid) {
   answers_ = {"r", "q"};
 
   ASSERT_TRUE(guide(true));
-
-  EXPECT_THAT(said_, HasSubstr("nothing was measured yet"));
 }
 
 TEST_F(CopGuideTest, Quit_KeepsWhatWasMeasured) {
@@ -268,8 +257,6 @@ TEST_F(CopGuideTest, NonsenseAnswer_AsksAgain) {
   answers_ = {"yes", "q"};
 
   ASSERT_TRUE(guide(true));
-
-  EXPECT_THAT(asked_.str(), HasSubstr("'yes' means nothing here"));
 }
 
 TEST(HoldScans, TooFew_RefusedWithTheLeastTime) {
@@ -287,7 +274,6 @@ TEST_F(CopGuideTest, WeightOnTheOtherSide_IsNotRecorded) {
   ASSERT_TRUE(guide(false, 1));
 
   EXPECT_NEAR(read(0), 3.0, 0.001);
-  EXPECT_THAT(said_, HasSubstr("not recorded: the plate bends on the other side"));
 }
 
 }  // namespace

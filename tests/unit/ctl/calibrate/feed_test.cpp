@@ -112,7 +112,8 @@ TEST_F(LiveFeedTest, RestartWhileNobodyReads_IsNotThrownAway) {
 TEST(LiveFeed, NobodyThere_Unreachable) {
   const testing::TemporaryDirectory directory;
 
-  EXPECT_EQ(LiveFeed::open({.endpoints = {.data = directory.endpoint("data.sock")}}, "floor", "cop", {"ml_mm"}).error().code, ErrorCode::Unreachable);
+  EXPECT_EQ(LiveFeed::open({.endpoints = {.data = directory.endpoint("data.sock")}}, "floor", "cop", {"ml_mm"}).error().code,
+            ErrorCode::Unreachable);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <deque>
 #include <sstream>
 
+#include "support/committed_text.h"
 #include "unit/ctl/calibrate/scripted_feed.h"
 
 namespace dts::ctl {
@@ -17,6 +18,7 @@ const std::vector<double> kGapsMm{12.0, 11.0, 10.0};
 
 class GapGuideTest : public ::testing::Test {
  protected:
+  void TearDown() override { testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(), said_ + asked_.str()); }
   [[nodiscard]] client::Result<std::vector<SteadyReading>> guide(bool is_guided) {
     Measurer measurer(feed_, {.labels = {"w1", "w2"},
                               .unit = "V",
@@ -68,8 +70,6 @@ TEST_F(GapGuideTest, Alone_ASensorThatStaysIsNamed) {
   feed_.rest(kOpen, 16).rest({0.9, 0.6}, 90);
 
   EXPECT_FALSE(guide(false));
-
-  EXPECT_NE(said_.find("still waiting: w2 changed by less than 20 mV"), std::string::npos) << said_;
 }
 
 TEST_F(GapGuideTest, Guided_EveryEnterIsAGapAndRedoTakesTheLastBack) {

@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 // Whole calibrations: the daemon that the test plays answers each line of the command with the scans that a person would cause.
 #include <cstdlib>
+#include <optional>
 #include <regex>
 
 #include "physics/plate/influence_table.h"
+#include "support/committed_text.h"
 #include "unit/ctl/run_fixture.h"
 #include "unit/physics/floor_platform.h"
 
 namespace dts::ctl {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 /// Hands each text that a command flushes to `take`, in the command's thread, and keeps all.
 class Lines final : public std::stringbuf {
@@ -55,6 +54,11 @@ class LiveCalibrationTest : public RunTest {
     }
     rig.add_published("deflection");
   }
+  /// All that people read in the case.
+  void TearDown() override {
+    testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(),
+                              testing::replaced(said(), directory_.path().string(), "@"));
+  }
   std::vector<std::string> answer(const v1::Request& request) const {
     return {testing::reply(request, [&](v1::Response& response) {
       if (request.has_status()) *response.mutable_status() = status_;
@@ -74,8 +78,8 @@ class LiveCalibrationTest : public RunTest {
     std::smatch found;
     if (line.starts_with("Zero of") || line.starts_with("Nothing before")) {
       const std::string topic = line.starts_with("Zero of") ? "floor/deflection" : "floor/raw";
-      EXPECT_TRUE(daemon_.wait_for_subscription(topic));
-      daemon_.send("dtsd/status", status_);
+      EXPECT_TRUE(daemon_->wait_for_subscription(topic));
+      daemon_->send("dtsd/status", status_);
       if (topic == "floor/raw") send("raw", {0.6, 0.6, 0.6, 0.6});
     } else if (std::regex_match(line, found, point)) {
       put(std::stoi(found[1]), std::stod(found[2]), physics::test::at(std::stod(found[3]), std::stod(found[4])));
@@ -89,7 +93,7 @@ class LiveCalibrationTest : public RunTest {
   /// The weight is put down after the plate was empty.
   void put(int number, double load_n, physics::Point place) {
     send("deflection", {0.0, 0.0, 0.0, 0.0}, 5);
-    if (number == interrupted_at_) return daemon_.send("dtsd/status", testing::floor_status(8));
+    if (number == interrupted_at_) return daemon_->send("dtsd/status", testing::floor_status(8));
     std::array<double, 4> bent{};
     for (std::size_t k = 0; k < bent.size(); ++k) bent[k] = load_n * plate_.at_point_mm_per_n(k, place);
     doubt("deflection", number, bent);
@@ -108,10 +112,11 @@ class LiveCalibrationTest : public RunTest {
     first_scan_ += scans;
     for (int i = 0; i < block.values_size(); ++i) block.set_values(i, static_cast<float>(values[static_cast<std::size_t>(i) / scans]));
     (*block.mutable_quality())[1] = static_cast<char>(quality_of_second);
-    daemon_.send("floor/" + stream, block);
+    daemon_->send("floor/" + stream, block);
   }
   int calibrate(std::vector<std::string> words) {
     const std::vector<std::string> common{"--rig", "floor", "--auto", "--hold", "0.08", "--json"};
+    daemon_.emplace(data_);
     words.insert(words.begin(), "calibrate");
     words.insert(words.end(), common.begin(), common.end());
     return run_with(words);
@@ -127,7 +132,7 @@ class LiveCalibrationTest : public RunTest {
   int interrupted_at_ = 0;   ///< The daemon restarts at this point.
   std::uint64_t first_scan_ = 0;
   std::uint64_t sequence_ = 0;
-  testing::FakePublisher daemon_{data_};
+  std::optional<testing::FakePublisher> daemon_;  ///< A new one for each command: it knows no subscription of the command before.
   Lines lines_{[this](const std::string& line) { act(line); }};
   testing::FakeController control_daemon_{control_, [this](const v1::Request& request, int) { return answer(request); }};
 };
@@ -137,13 +142,6 @@ TEST_F(LiveCalibrationTest, Cop_DoubtsAreExplainedAndTheFileKnowsItsHardware) {
 
   EXPECT_EQ(calibrate({"cop", "--estimator", "thesis", "--verify", "3", "--out", path("cop.toml")}), cli::kOk) << said();
 
-  for (const char* advice : {"w2 is marked out_of_range: the curve of w2 ends before this deflection", "w2 is marked rail: the converter",
-                             "w2 is marked stuck: the voltage of w2 does not move", "w2 is marked rotation: the channels may be rotated",
-                             "w2 is marked untared: the zero of the plate is lost"}) {
-    EXPECT_THAT(said(), HasSubstr(std::string("again and again ") + advice));
-  }
-  EXPECT_THAT(said(), HasSubstr("Point 13 of 13: put 490 N at x 215.00, y 215.00"));
-  EXPECT_THAT(said(), Not(HasSubstr("warning")));
   EXPECT_EQ(json().at("daq_model"), "DAQ of floor");
   EXPECT_EQ(json().at("daq_serial"), "S-floor");
   EXPECT_EQ(json().at("points").size(), 10U);
@@ -156,17 +154,11 @@ TEST_F(LiveCalibrationTest, Cop_DoubtsAreExplainedAndTheFileKnowsItsHardware) {
 TEST_F(LiveCalibrationTest, CopResumed_GoesOnAsItWasAsked) {
   interrupted_at_ = 4;
   EXPECT_EQ(calibrate({"cop", "--grid", "4", "--loads", "300,599", "--verify", "2", "--out", path("cop.toml")}), 6);
-  EXPECT_THAT(said(), HasSubstr("these are 300 .. 599 N"));
-  EXPECT_THAT(said(), HasSubstr("4 x 4: --grid 6"));
   EXPECT_EQ(calibrate({"cop", "--out", path("cop.toml")}), 6);
-  EXPECT_THAT(said(), HasSubstr("go on with --resume, or begin anew with --fresh"));
-  EXPECT_THAT(said(), Not(HasSubstr("Point 5")));
 
   interrupted_at_ = 0;
   EXPECT_EQ(calibrate({"cop", "--resume", "--out", path("cop.toml")}), cli::kOk) << said();
 
-  EXPECT_NE(said().find("Point 4 of 34: put 300 N"), said().rfind("Point 4 of 34: put 300 N")) << "where it was interrupted";
-  EXPECT_EQ(said().find("Point 3 of 34"), said().rfind("Point 3 of 34"));
   EXPECT_EQ(json().at("points").size(), 32U);
   EXPECT_EQ(json().at("verification").at("points").size(), 2U);
 }
@@ -176,12 +168,6 @@ TEST_F(LiveCalibrationTest, Sensors_EachHasItsOwnCurveAndFile) {
 
   EXPECT_EQ(calibrate({"sensor", "--sensor", "all", "--gaps", "12,11,10,9,8,7", "--out", directory_.path()}), cli::kOk) << said();
 
-  for (const char* advice : {"w2 is marked rail: the converter is at its end", "w2 is marked stuck: the voltage of w2",
-                             "w2 is marked rotation: the channels may be rotated"}) {
-    EXPECT_THAT(said(), HasSubstr(std::string("again and again ") + advice));
-  }
-  EXPECT_THAT(said(), HasSubstr("warning: sensor w2 has an unloaded gap of 11.91 mm, its curve ends at 12.00 mm"));
-  EXPECT_EQ(said().find("warning"), said().rfind("warning"));
   const auto report = json();
   ASSERT_EQ(report.at("sensors").size(), 4U);
   for (std::size_t k = 0; k < 4; ++k) {
@@ -209,8 +195,6 @@ TEST_F(LiveCalibrationTest, WhatCannotBeCalibrated_IsRefusedBeforeAnythingIsMeas
   status_.mutable_rigs(0)->mutable_session()->set_state(v1::SESSION_STATE_RUNNING);
   EXPECT_EQ(calibrate({"cop"}), 6);
   EXPECT_EQ(calibrate({"sensor", "--sensor", "all", "--gaps", "12,11,10,9,8,7"}), 6);
-  EXPECT_THAT(said(), HasSubstr("rig 'floor' has a session under way: s1\n  try: dtsctl session stop --rig floor\n"));
-  EXPECT_THAT(said(), Not(HasSubstr("Zero of")));
 }
 
 }  // namespace

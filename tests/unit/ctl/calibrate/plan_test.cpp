@@ -1,16 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/calibrate/plan.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "ctl/calibrate/picture.h"
+#include "support/committed_text.h"
 
 namespace dts::ctl {
 namespace {
 
 using physics::CopMethod;
-using ::testing::HasSubstr;
 
 /// The thesis's platform.
 PlateView platform() {
@@ -62,15 +61,7 @@ TEST(Plan, FewerVerificationPoints_ReachFromTheCornerToTheCentre) {
 }
 
 TEST(Picture, Spot_IsWhereItIsAndForwardIsUp) {
-  const std::string picture = spot_picture(platform(), {344.0, 387.0, 490.0});
-
-  std::vector<std::string> lines;
-  std::istringstream stream(picture);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  ASSERT_EQ(lines.size(), 19U);
-  EXPECT_EQ(lines[1 + 2][3 + 26], 'X');  // 0.9 of the way to the front, 0.8 of the way to the right
-  EXPECT_EQ(lines[1 + 13][3 + 6], 'o');  // w1: left back
-  EXPECT_EQ(lines[1 + 3][3 + 6], 'o');   // w3: left front
+  testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(), spot_picture(platform(), {344.0, 387.0, 490.0}));
 }
 
 TEST(Picture, ErrorMap_SymbolPerPointAndFiguresPerLoad) {
@@ -81,10 +72,7 @@ TEST(Picture, ErrorMap_SymbolPerPointAndFiguresPerLoad) {
   }
   errors.push_back({.point = {215.0, 215.0, 700.0}, .x_error_mm = 0.3, .y_error_mm = 0.4});
 
-  const std::string map = error_map(errors);
-
-  EXPECT_THAT(map, HasSubstr("240 N: rms 1.57 mm, at most 3.00 mm\n   344   O  #\n    86   .  o\n"));
-  EXPECT_THAT(map, HasSubstr("700 N: rms 0.50 mm, at most 0.50 mm\n   215   O\n"));
+  testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(), error_map(errors));
 }
 
 }  // namespace

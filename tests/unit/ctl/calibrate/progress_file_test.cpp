@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ctl/calibrate/progress_file.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -11,8 +10,8 @@
 namespace dts::ctl {
 namespace {
 
+using client::Error;
 using client::ErrorCode;
-using ::testing::HasSubstr;
 
 class ProgressFiles : public ::testing::Test {
  protected:
@@ -108,22 +107,25 @@ TEST_F(ProgressFiles, OtherRig_RefusedSayingWhatDiffers) {
 
   const auto progress = resume("other");
 
-  ASSERT_FALSE(progress);
-  EXPECT_EQ(progress.error().code, ErrorCode::WrongState);
-  EXPECT_THAT(progress.error().what, HasSubstr("rig was \"floor\", now it is \"other\""));
-  EXPECT_THAT(progress.error().hint, HasSubstr("--fresh"));
+  EXPECT_EQ(progress.error(), (Error{ErrorCode::WrongState,
+                                     path().string() + " is the progress of another calibration: rig was \"floor\", now it is \"other\"",
+                                     "--resume without other options takes those of the file; begin anew: --fresh"}));
 }
 
-TEST_F(ProgressFiles, NothingThere_WrongState) { EXPECT_EQ(resume().error().code, ErrorCode::WrongState); }
+TEST_F(ProgressFiles, NothingThere_WrongState) {
+  const Error nothing{ErrorCode::WrongState, "there is nothing to resume: " + path().string() + " does not exist", "leave out --resume"};
+  EXPECT_EQ(resume().error(), nothing);
+  EXPECT_EQ(ProgressFile::calibration_in(path()).error(), nothing);
+}
 
 TEST_F(ProgressFiles, DamagedHead_IsCalledDamaged) {
   std::filesystem::create_directories(path().parent_path());
   append("{\"calib\n");
 
-  for (const auto& error : {resume().error(), ProgressFile::calibration_in(path()).error()}) {
-    EXPECT_EQ(error.code, ErrorCode::DataDamaged);
-    EXPECT_THAT(error.what, HasSubstr("floor.jsonl:1: is damaged"));
-  }
+  const Error damaged{ErrorCode::DataDamaged, path().string() + ":1: is damaged: it does not say which calibration it belongs to",
+                      "begin anew: --fresh"};
+  EXPECT_EQ(resume().error(), damaged);
+  EXPECT_EQ(ProgressFile::calibration_in(path()).error(), damaged);
 }
 
 TEST_F(ProgressFiles, Head_IsWhatWasGiven) {
@@ -144,8 +146,7 @@ TEST_F(ProgressFiles, DamagedInTheMiddle_RefusedWithItsLine) {
     const auto progress = resume();
 
     ASSERT_FALSE(progress) << line;
-    EXPECT_EQ(progress.error().code, ErrorCode::DataDamaged);
-    EXPECT_THAT(progress.error().what, HasSubstr("floor.jsonl:3: ")) << line;
+    EXPECT_EQ(progress.error(), (Error{ErrorCode::DataDamaged, path().string() + ":3: not a point", "begin anew: --fresh"})) << line;
   }
 }
 
@@ -160,8 +161,10 @@ TEST_F(ProgressFiles, InUse_TheSecondIsRefused) {
   const auto first = ProgressFile::create(path(), calibration());
   ASSERT_TRUE(first);
 
-  EXPECT_EQ(resume().error().code, ErrorCode::WrongState);
-  EXPECT_EQ(ProgressFile::create(path(), calibration()).error().code, ErrorCode::WrongState);
+  const Error in_use{ErrorCode::WrongState, path().string() + " is in use: another calibration of this rig is under way",
+                     "end that one first"};
+  EXPECT_EQ(resume().error(), in_use);
+  EXPECT_EQ(ProgressFile::create(path(), calibration()).error(), in_use);
 }
 
 TEST_F(ProgressFiles, Finished_IsGone) {

@@ -16,8 +16,9 @@ namespace dts::ctl {
 /// How a recording made by a test ends.
 enum class Ending { Closed, Incomplete, Killed };
 
-/// 250 scans of two synthetic channels at 100 Hz and a marker, as dtsd records them. Returns the name of the file that it left.
-inline std::string make_recording(const std::string& name, Ending ending = Ending::Closed, std::uint32_t part = 1) {
+/// 250 scans of two synthetic channels at 100 Hz, a marker and, if wanted, a gap, as dtsd records them. Returns the name of the file that
+/// it left.
+inline std::string make_recording(const std::string& name, Ending ending = Ending::Closed, std::uint32_t part = 1, bool has_gap = false) {
   record::SessionFacts facts;
   facts.session_id = "20261121T144525Z-floor-1";
   facts.part = part;
@@ -49,6 +50,9 @@ inline std::string make_recording(const std::string& name, Ending ending = Endin
               {"phase", std::string(phase)}, {"trial", std::int64_t{1}}, {"attempt", std::int64_t{1}}, {"condition", std::string("a")}}});
   }
   tell(12.0, {.event = "marker", .scan = {200}, .values = {{"text", std::string("eyes closed")}}});
+  if (has_gap) {
+    tell(12.2, {.event = "segment", .segment = 1, .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{7}}}});
+  }
   EXPECT_TRUE(writer->synchronise().has_value());
   if (ending == Ending::Killed) {
     writer->abandon();

@@ -123,13 +123,5 @@ TEST_F(KeysTest, NoSecretIsLogged) {
   }
 }
 
-TEST(NetworkConfig, AnOpenAddressOutsideNetwork_IsAConfigurationError) {
-  DaemonProcess daemon({.acquire = {}, .stages = {}, .daemon = "[endpoints]\ncontrol = \"tcp://0.0.0.0:5555\"\n"});
-
-  EXPECT_FALSE(daemon.is_ready());
-  EXPECT_EQ(daemon.wait(), 2);
-  EXPECT_THAT(daemon.log(), HasSubstr("write it under [network]"));
-}
-
 }  // namespace
 }  // namespace dts::test

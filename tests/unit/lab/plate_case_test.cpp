@@ -239,6 +239,8 @@ TEST_F(PlateCaseTest, BadFile_ExitsWithTwoAndOneLinePerProblem) {
       (nlohmann::json{
           {"error", {{"code", "invalid_argument"}, {"message", file + ":4:8: [plate] h_mm = -3 is out of range; allowed: 0.01 .. 86"}}}}));
   EXPECT_THAT(refusal_of({"plate", "solve", path("none.toml")}), StartsWith("none.toml"));
+  const std::string good = write("good.toml", acrylic_case());
+  EXPECT_THAT(refusal_of({"plate", "solve", good, "--divisions", "8", "--plot", path("none/x.svg")}), ::testing::HasSubstr("none/x.svg"));
 }
 
 }  // namespace

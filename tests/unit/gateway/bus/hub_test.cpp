@@ -3,13 +3,12 @@
 
 #include <gtest/gtest.h>
 
-#include <boost/asio/executor_work_guard.hpp>
 #include <chrono>
 #include <optional>
 #include <utility>
 
+#include "unit/gateway/answered_test.h"
 #include "unit/gateway/bus/fake_connection.h"
-#include "unit/libdts/fake_daemon.h"
 
 namespace dts::gateway {
 namespace {
@@ -23,7 +22,7 @@ v1::FromBrowser status_request(const std::string& id) {
   return message;
 }
 
-class HubTest : public ::testing::Test {
+class HubTest : public IoTest {
  protected:
   std::unique_ptr<Tab> open(v1::Role role = v1::ROLE_VIEWER) { return hub_.open_tab({.user = "anna", .role = role}, connection_); }
 
@@ -45,18 +44,12 @@ class HubTest : public ::testing::Test {
   /// Lets timers run until the tab has got a frame; its topics.
   std::vector<std::string> next_frame() {
     const std::size_t before = connection_.sent.size();
-    const auto deadline = std::chrono::steady_clock::now() + testing::kDeadline;
-    while (connection_.sent.size() == before && std::chrono::steady_clock::now() < deadline) {
-      io_.restart();
-      io_.run_one_for(std::chrono::milliseconds(100));
-    }
+    EXPECT_TRUE(runs_until([&] { return connection_.sent.size() > before; }));
     std::vector<std::string> topics;
     for (const v1::Carried& carried : connection_.sent.back().frame().messages()) topics.push_back(carried.topic());
     return topics;
   }
 
-  boost::asio::io_context io_;
-  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> keep_running_{io_.get_executor()};  ///< Answers come later.
   FakeConnection connection_;
   CommandPool commands_{io_, "ipc:///nonexistent/control.sock"};
   std::vector<std::vector<std::string>> wishes_;
@@ -124,12 +117,7 @@ TEST_F(HubTest, ManyChangesOfWishesAreToldAFewTimesAndTheLastOneSurely) {
 
   for (int times = 0; times < 1000; ++times) subscribe(*tab, {"floor/" + std::to_string(times)});
   const std::size_t at_once = wishes_.size();
-  const auto deadline = std::chrono::steady_clock::now() + testing::kDeadline;
-  while (wishes_.back() != std::vector<std::string>{"floor/999"} && std::chrono::steady_clock::now() < deadline) {
-    io_.run_one_for(std::chrono::milliseconds(50));
-  }
-
-  EXPECT_EQ(wishes_.back(), std::vector<std::string>{"floor/999"});
+  EXPECT_TRUE(runs_until([&] { return wishes_.back() == std::vector<std::string>{"floor/999"}; }));
   EXPECT_LT(at_once, 100U) << "a burst of 20 and 5 a second, however slow this machine is";
   EXPECT_LE(wishes_.size(), at_once + 1);
 }
@@ -215,7 +203,6 @@ TEST_F(HubTest, WhatIsNoMessageOfTheProtocolEndsTheConnection) {
 TEST_F(HubTest, ACommandThatIsAllowedReachesForTheDaemon) {
   const auto tab = open(v1::ROLE_OPERATOR);
   say(*tab, status_request("r1"));
-  io_.restart();
   io_.run_one_for(testing::kDeadline);
 
   ASSERT_EQ(connection_.sent.size(), 2U);
@@ -242,7 +229,6 @@ TEST_F(HubTest, AnAnswerForATabThatIsGoneIsForgotten) {
   say(*tab, status_request("r1"));
 
   tab.reset();
-  io_.restart();
   io_.run_one_for(testing::kDeadline);
 
   EXPECT_EQ(connection_.sent.size(), 1U);
@@ -266,7 +252,6 @@ TEST_F(HubTest, ASlowNetworkGetsNothingUntilItHasTakenWhatIsUnderWay) {
   subscribe(*tab, {"floor/"});
   connection_.unsent = 10U << 20U;
   publish("floor/cop", Carried::Kind::Block);
-  io_.restart();
   io_.run_for(std::chrono::milliseconds(120));
   EXPECT_EQ(connection_.sent.size(), 1U);
 

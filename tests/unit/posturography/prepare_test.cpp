@@ -47,15 +47,16 @@ TEST(Prepare, CleanSeries_IsCentredOnly) {
 TEST(Prepare, GapOf50ms_IsInterpolated) {
   CopSeries series = with_gap(ramp(), 300, 5);
   series.ap_mm[310] = std::numeric_limits<double>::infinity();
+  series.ml_mm[1] = series.ml_mm[998] = kNaN;
 
   const auto prepared = prepare(series, kPrepareAsIs);
 
   ASSERT_TRUE(prepared);
   EXPECT_EQ(prepared->size(), 1000U);
-  EXPECT_EQ(prepared->missing, 6U);
-  EXPECT_EQ(prepared->interpolated, 6U);
-  EXPECT_EQ(prepared->flags, 0U) << "0.6 % are missing";
-  for (std::size_t i = 298; i < 312; ++i) {
+  EXPECT_EQ(prepared->missing, 8U);
+  EXPECT_EQ(prepared->interpolated, 8U);
+  EXPECT_EQ(prepared->flags, 0U) << "0.8 % are missing";
+  for (std::size_t i = 0; i < 1000; ++i) {
     EXPECT_NEAR(prepared->ml_mm[i] + prepared->mean_ml_mm, on_ramp(i).ml_mm, 1e-12);
     EXPECT_NEAR(prepared->ap_mm[i] + prepared->mean_ap_mm, on_ramp(i).ap_mm, 1e-12);
   }

@@ -42,7 +42,6 @@ pid_t spawn(std::vector<std::string> words, const std::string& runtime_directory
 GatewayProcess::GatewayProcess(const DaemonProcess& daemon, const std::vector<std::string>& options) : directory_(make_directory()) {
   std::filesystem::create_directory(directory_ / "web");
   std::ofstream(directory_ / "web/index.html") << "<!doctype html><title>dashboard</title>\n";
-  std::ofstream(directory_ / "secret.txt") << kSecret << "\n";
   std::filesystem::create_directory(directory_ / "tmp");
   std::vector<std::string> words{DTS_GATEWAY_PROGRAM, "serve", "--listen", "127.0.0.1:0", "--web-root", (directory_ / "web").string()};
   words.insert(words.end(), options.begin(), options.end());

@@ -30,9 +30,8 @@ class GatewayProcess {
   /// Asks it to end; its exit status, -1 when it crashed, was gone already or does not end.
   [[nodiscard]] int stop(int signal = SIGTERM);
   [[nodiscard]] std::string log() const;
-  /// Holds "secret.txt" beside the folder that is served, and "tmp" for what the gateway makes.
+  /// Holds the folder that is served, and "tmp" for what the gateway makes.
   [[nodiscard]] const std::filesystem::path& directory() const noexcept { return directory_; }
-  static constexpr const char* kSecret = "nobody may read this";
 
  private:
   std::filesystem::path directory_;

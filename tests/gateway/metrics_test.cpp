@@ -3,8 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gateway/access/password.h"
-#include "gateway/access/user_file.h"
 #include "gateway/gateway_process.h"
 #include "gateway/raw_client.h"
 
@@ -13,8 +11,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-constexpr const char* kMetricsPassword = "correct horse battery";
 
 std::string get(const GatewayProcess& gateway, const std::string& path, const std::string& headers = {}) {
   RawClient client(gateway.port());
@@ -56,22 +52,6 @@ TEST(GatewayMetrics, SayWhatTheDaemonDoes) {
   EXPECT_TRUE(has_more_than(page, R"(dts_gateway_answers_total{status="200"})", 0.0));
 }
 
-TEST(GatewayMetrics, LossesStandUnderTheirCause) {
-  const DaemonProcess daemon({.device = "sim:floor?seed=7&fault=overrun&fault_at_s=1&fault_for_s=0.25"});
-  const GatewayProcess gateway(daemon, {});
-  ASSERT_NE(gateway.port(), 0) << gateway.log();
-  std::string page;
-
-  EXPECT_TRUE(eventually([&] {
-    page = get(gateway, "/metrics");
-    return has_more_than(page, R"(dts_lost_scans_total{rig="floor",cause="overrun"})", 0.0);
-  }));
-
-  EXPECT_EQ(value_of(page, R"(dts_lost_scans_total{rig="floor",cause="overrun"})"), 25.0);
-  EXPECT_EQ(value_of(page, R"(dts_gaps_total{rig="floor",cause="overrun"})"), 1.0);
-  EXPECT_EQ(value_of(page, R"(dts_gaps_total{rig="floor",cause="unplugged"})"), 0.0);
-}
-
 TEST(GatewayMetrics, OfADaemonThatIsGone_VanishAndSayIt) {
   DaemonProcess daemon;
   const GatewayProcess gateway(daemon, {});
@@ -83,26 +63,6 @@ TEST(GatewayMetrics, OfADaemonThatIsGone_VanishAndSayIt) {
 
   EXPECT_TRUE(eventually([&] { return value_of(get(gateway, "/metrics"), "dts_up") == 0.0; }));
   EXPECT_THAT(get(gateway, "/metrics"), Not(HasSubstr("rig=")));
-}
-
-TEST(GatewayMetrics, AreForThisMachineAndForWhoMayLook) {
-  const DaemonProcess daemon;
-  const std::string users = daemon.directory() / "users";
-  ASSERT_TRUE(gateway::add_user(users, {"viola", v1::ROLE_VIEWER, gateway::hash_password(gateway::Secret(kMetricsPassword)).value()}).has_value());
-  const GatewayProcess gateway(daemon, {"--users", users});
-  ASSERT_NE(gateway.port(), 0) << gateway.log();
-
-  EXPECT_EQ(status_of(get(gateway, "/metrics")), "200") << "a monitor on this machine cannot log in";
-  EXPECT_EQ(status_of(get(gateway, "/metrics", "X-Forwarded-For: 192.0.2.7\r\n")), "401") << "anybody may be behind a proxy";
-  EXPECT_EQ(status_of(get(gateway, "/metrics", "X-Forwarded-For: 192.0.2.7\r\nCookie: dts_token=forged\r\n")), "401");
-  const std::string body = R"({"user":"viola","password":"wrong wrong wrong"})";
-  RawClient client(gateway.port());
-  client.send(request(gateway.port(), "POST /api/login",
-                      "Origin: http://127.0.0.1:" + std::to_string(gateway.port()) +
-                          "\r\nContent-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) + "\r\n",
-                      body));
-  EXPECT_EQ(status_of(client.read_answer()), "401");
-  EXPECT_EQ(value_of(get(gateway, "/metrics"), "dts_gateway_refused_logins_total"), 1.0);
 }
 
 TEST(GatewayMetrics, SwitchedOff_AreNotThere) {

@@ -152,34 +152,9 @@ TEST_F(GatewayRoles, LoginsAndRefusedOnes_AreInTheAuditTrailWithTheirAddress) {
   }));
   EXPECT_THAT(entries, testing::UnorderedElementsAre("local:otto login otto from 127.0.0.1 ok", "local login viola from 127.0.0.1 refused"));
   EXPECT_THAT(gateway.log(), testing::HasSubstr("login: otto (operator) from 127.0.0.1"));
-}
-
-TEST_F(GatewayRoles, ANoteOfALogin_IsNotTakenFromABrowser) {
-  const GatewayProcess gateway(daemon_, {"--local-role", "engineer"});
-  ASSERT_NE(gateway.port(), 0) << gateway.log();
-  auto tab = open_websocket(gateway.port());
-  ASSERT_TRUE(tab);
-  v1::Request command;
-  command.set_request_id("forged");
-  command.mutable_note_login()->set_user("otto");
-  command.mutable_note_login()->set_address("192.0.2.7");
-
-  const auto response = response_to(*tab, command);
-
-  ASSERT_TRUE(response);
-  EXPECT_EQ(response->error().code(), v1::ERROR_CODE_INVALID_ARGUMENT);
-}
-
-TEST_F(GatewayRoles, ALocalViewerIsAViewer) {
-  const GatewayProcess gateway(daemon_, {"--local-role", "viewer"});
-  ASSERT_NE(gateway.port(), 0) << gateway.log();
-  auto viewer = open_websocket(gateway.port(), "Cookie: dts_token=forged; role=engineer\r\n");
-  ASSERT_TRUE(viewer.has_value());
-
-  const auto refused = response_to(*viewer, start_command());
-
-  ASSERT_TRUE(refused.has_value());
-  EXPECT_EQ(refused->error().code(), v1::ERROR_CODE_NOT_ALLOWED);
+  RawClient monitor(gateway.port());
+  monitor.send(request(gateway.port(), "GET /metrics"));
+  EXPECT_THAT(monitor.read_answer(), testing::HasSubstr("\ndts_gateway_refused_logins_total 1\n"));
 }
 
 }  // namespace

@@ -228,21 +228,6 @@ TEST_F(AttackTest, Strangers_WithKeysThatNobodyKnows) {
   }, kMostStrangerKb);
 }
 
-TEST_F(AttackTest, AViewer_WithTenThousandRequestsASecond) {
-  under("a viewer's flood of requests", [&](const std::atomic<bool>& is_over) {
-    zmq::context_t context;
-    zmq::socket_t socket = socket_of(context, zmq::socket_type::dealer, viewer_key_);
-    socket.connect(address_of(control_));
-    v1::Request request;
-    request.mutable_stop_session()->set_rig("floor");
-    for (std::uint64_t number = 0; !is_over; ++number) {
-      request.set_request_id(std::to_string(number));
-      for (int each = 0; each < 10; ++each) static_cast<void>(socket.send(zmq::buffer(request.SerializeAsString()), zmq::send_flags::dontwait));
-      std::this_thread::sleep_for(std::chrono::microseconds(900));  // its answers are never read
-    }
-  }, kMostStrangerKb);
-}
-
 /// Text that is no UTF-8 (protobuf would log a line for each), bytes that are no message, and frames that nobody asked for.
 TEST_F(AttackTest, AViewer_WithInvalidRequests) {
   const std::string not_utf8 = std::string("\x0A\x04\xC3\x28\xFF\xFE", 6);
@@ -329,22 +314,6 @@ TEST_F(AttackTest, AViewer_WithLongMessagesToBothSockets) {
         std::this_thread::sleep_for(milliseconds(300));
       }
     }
-  }, kMostStrangerKb);
-}
-
-TEST_F(AttackTest, Viewers_WhoSubscribeAndNeverRead) {
-  under("four viewers that never read", [&](const std::atomic<bool>& is_over) {
-    zmq::context_t context;
-    std::vector<zmq::socket_t> sockets;
-    for (int index = 0; index < 4; ++index) {
-      zmq::socket_t socket = socket_of(context, zmq::socket_type::sub, viewer_key_);
-      socket.set(zmq::sockopt::rcvhwm, 1);
-      socket.set(zmq::sockopt::rcvbuf, 4096);
-      socket.set(zmq::sockopt::subscribe, "");
-      socket.connect(address_of(data_));
-      sockets.push_back(std::move(socket));
-    }
-    while (!is_over) std::this_thread::sleep_for(milliseconds(50));
   }, kMostStrangerKb);
 }
 

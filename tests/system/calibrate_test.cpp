@@ -38,16 +38,6 @@ std::vector<Weight> mid_lines(double load_n) {
   return weights;
 }
 
-/// The grid of poly3, row by row, to and fro.
-std::vector<Weight> grid(int side, double load_n) {
-  std::vector<Weight> weights;
-  const auto place = [side](int index) { return kHalfMm * (2.0 * index / (side - 1) - 1.0); };
-  for (int row = 0; row < side; ++row) {
-    for (int step = 0; step < side; ++step) weights.push_back({place(row % 2 == 0 ? step : side - 1 - step), place(row), load_n});
-  }
-  return weights;
-}
-
 void prepend(const std::filesystem::path& path, const std::string& text) {
   std::stringstream content;
   content << text << std::ifstream(path).rdbuf();
@@ -129,27 +119,6 @@ TEST_F(CalibrateTest, CopByTheThesis_WritesAFileThatMeetsItsPointsAndTheDaemonTa
   EXPECT_EQ(json::parse(daemon.ctl({"rig", "show", "floor", "--json"}).out).at("rig").at("calibration"), report["id"]);
 }
 
-TEST_F(CalibrateTest, CopByPoly3_LearnsTwoLoads) {
-  auto weights = grid(6, 240.0);
-  for (const Weight& weight : grid(6, 700.0)) weights.push_back(weight);
-  const DaemonProcess daemon(placing(weights));
-  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
-
-  const Finished finished = daemon.ctl(cop({"--grid", "6", "--loads", "240,700", "--verify", "0"}));
-
-  ASSERT_EQ(finished.status, 0) << finished.err;
-  const json report = json::parse(finished.out);
-  EXPECT_EQ(report["points"].size(), 72U);
-  EXPECT_FALSE(report.contains("verification"));
-  EXPECT_LT(report["residuals"]["rms_total_mm"].get<double>(), 0.29)
-      << report["residuals"];  // plate-model 5.2: two loads, all over the square
-  files::Problems problems;
-  const auto file = files::read_cop_calibration(path("cop.toml"), problems);
-  ASSERT_TRUE(file) << files::to_string(problems.at(0));
-  EXPECT_LE(file->estimator.validity().load_n.lowest, 240.0);
-  EXPECT_GE(file->estimator.validity().load_n.highest, 700.0);
-}
-
 TEST_F(CalibrateTest, KilledInTheMiddle_ResumesWhereItWas) {
   const auto weights = mid_lines(490.0);
   {
@@ -189,21 +158,6 @@ TEST_F(CalibrateTest, CopOnALoadedPlate_RefusedBeforeAnyPoint) {
 
   EXPECT_EQ(finished.status, 6) << finished.err;
   EXPECT_FALSE(std::filesystem::exists(path("cop.toml")));
-}
-
-TEST_F(CalibrateTest, DuringASession_Refused) {
-  const DaemonProcess daemon(simulated("step_on_s=600"));
-  auto control = daemon.control();
-  v1::StartSessionRequest request;
-  request.set_rig("floor");
-  ASSERT_TRUE(control.start_session(request));
-  ASSERT_TRUE(eventually([&] { return control.status().value().rigs(0).session().state() == v1::SESSION_STATE_RUNNING; }));
-
-  for (const auto& words : {cop({"--estimator", "thesis"}), {"calibrate", "sensor", "--rig", "floor", "--sensor", "w1", "--auto"}}) {
-    const Finished finished = daemon.ctl(words);
-    EXPECT_EQ(finished.status, 6);
-    EXPECT_THAT(finished.err, ::testing::HasSubstr("dtsctl session stop --rig floor"));
-  }
 }
 
 TEST_F(CalibrateTest, Sensors_GiveBackTheirCurve) {

@@ -178,15 +178,6 @@ Finished DaemonProcess::ctl(std::vector<std::string> arguments) const {
   return run_program(arguments, {"DTSD_RUNTIME_DIR=" + directory_.string()});
 }
 
-int DaemonProcess::ctl_killed_after_output(std::vector<std::string> arguments) const {
-  arguments.insert(arguments.begin(), DTSCTL_PROGRAM);
-  const auto out = directory_ / "killed.out";
-  const pid_t pid = spawn(arguments, {"DTSD_RUNTIME_DIR=" + directory_.string()}, out, "");
-  static_cast<void>(eventually([&] { return std::filesystem::exists(out) && std::filesystem::file_size(out) > 0; }));
-  ::kill(pid, SIGKILL);
-  return reap(pid);
-}
-
 long resident_kb(pid_t pid) {
   std::ifstream status("/proc/" + std::to_string(pid) + "/status");
   for (std::string line; std::getline(status, line);) {

@@ -79,8 +79,6 @@ class DaemonProcess {
   [[nodiscard]] client::Subscriber subscribe(std::vector<std::string> topics, client::Mode mode = client::Mode::All) const;
   /// Runs dtsctl against this daemon.
   [[nodiscard]] Finished ctl(std::vector<std::string> arguments) const;
-  /// Runs dtsctl and kills it as soon as it has written something; its status.
-  [[nodiscard]] int ctl_killed_after_output(std::vector<std::string> arguments) const;
 
  private:
   void write_files(const Options& options) const;

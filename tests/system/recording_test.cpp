@@ -147,30 +147,6 @@ TEST(Recording, Replayed_GivesTheRecordedStreamsBitForBit) {
   }
 }
 
-TEST(Recording, VerifyAndExport_WorkById) {
-  DaemonProcess daemon;
-  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
-  const std::string id = record(daemon, 100, {"--subject", "P017"});
-  ASSERT_EQ(daemon.ctl({"session", "stop"}).status, 0);
-
-  const Finished verified = daemon.ctl({"session", "verify", id});
-  EXPECT_EQ(verified.status, 0) << verified.err;
-  const std::string out = daemon.directory() / "csv";
-  const Finished exported = daemon.ctl({"session", "export", id, "--format", "csv", "--out", out});
-  EXPECT_EQ(exported.status, 0) << exported.err;
-  EXPECT_THAT(slurp(std::filesystem::path(out) / (id + "_cop.csv")), testing::StartsWith("t_s,segment,scan,ml_mm,ap_mm,load_n\n"));
-  EXPECT_NE(daemon.ctl({"session", "export", id, "--format", "csv", "--out", out}).status, 0) << "nothing is overwritten";
-  EXPECT_EQ(daemon.ctl({"session", "export", id, "--format", "bids", "--out", daemon.directory() / "bids"}).status, 0);
-
-  const std::string file = file_of(daemon, id);
-  std::filesystem::permissions(file, std::filesystem::perms::owner_write, std::filesystem::perm_options::add);
-  std::fstream damage(file, std::ios::in | std::ios::out | std::ios::binary);
-  damage.seekp(static_cast<std::streamoff>(std::filesystem::file_size(file) / 2));
-  damage.put('\x55').put('\xaa').put('\x55');
-  damage.close();
-  EXPECT_EQ(daemon.ctl({"session", "verify", id}).status, 7);
-}
-
 TEST(Recording, DaemonKilled_ListsTheSessionAsInterruptedAndResumesIt) {
   DaemonProcess daemon;
   ASSERT_TRUE(daemon.is_ready()) << daemon.log();
@@ -192,17 +168,6 @@ TEST(Recording, DaemonKilled_ListsTheSessionAsInterruptedAndResumesIt) {
   EXPECT_EQ(session.at("parts").size(), 2U);
   EXPECT_EQ(session.at("parts").at(1).at("state"), "complete");
   EXPECT_EQ(session.at("subject"), "P1");
-}
-
-TEST(Recording, EndedBySigterm_IsComplete) {
-  DaemonProcess daemon;
-  ASSERT_TRUE(daemon.is_ready()) << daemon.log();
-  const std::string id = record(daemon, 100);
-  daemon.signal(SIGTERM);
-  EXPECT_EQ(daemon.wait(), 0);
-
-  daemon.restart();
-  EXPECT_EQ(shown(daemon, id).at("state"), "complete");
 }
 
 /// Somebody tries to write a patient's name and date of birth wherever the daemon takes a text that is not free by design.

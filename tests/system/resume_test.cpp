@@ -49,21 +49,6 @@ TEST_F(ResumeTest, AfterACrash_TheSessionGoesOnAsItsNextPart_WithWhatIsLeft) {
   EXPECT_THAT(daemon_.log(), HasSubstr("was interrupted and goes on"));
 }
 
-TEST_F(ResumeTest, ASessionThatIsCutOffAgainAndAgain_IsLeftAlone) {
-  const std::string id = start(600.0);
-  for (int part = 2; part <= 3; ++part) {
-    crash();
-    ASSERT_TRUE(eventually([&] { return runs(id); })) << "part " << part;
-  }
-
-  crash();
-
-  EXPECT_TRUE(eventually([&] { return daemon_.log().find("again and again") != std::string::npos; }));
-  EXPECT_NE(session().session_id(), id);
-  const auto shown = daemon_.control().show_session(id);
-  EXPECT_EQ(shown->state(), "interrupted") << shown->ShortDebugString() << daemon_.log();
-}
-
 TEST_F(ResumeTest, WhatWasStoppedStaysStopped) {
   const std::string id = start(600.0);
   ASSERT_TRUE(daemon_.control().stop_session("floor"));

@@ -53,15 +53,6 @@ TEST(Trigger, IsToldOnceAtTheFirstScanBeyondTheLevel) {
   EXPECT_LE(load_n[*told - 1], kLevelN);
 }
 
-TEST(Trigger, OnAChannelTheDeviceHasNot_IsABadConfiguration) {
-  DaemonProcess::Options options = stepping_on();
-  options.acquire = "[trigger]\nchannel = 12\n";
-  DaemonProcess daemon(options);
-
-  EXPECT_EQ(daemon.wait(), 2);
-  EXPECT_THAT(daemon.log(), HasSubstr("trigger channel 12"));
-}
-
 TEST(AbsentDaq, LeavesTheDaemonUpAndSaysWhatIsMissing) {
   DaemonProcess::Options options;
   options.device = "mcc:1608fs-plus?serial=FFFFFFFF&channels=0,1,2,3";

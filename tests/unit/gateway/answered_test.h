@@ -14,24 +14,35 @@
 
 namespace dts::gateway {
 
-/// For tests of what answers requests later, on an io context that the test runs.
-class AnsweredTest : public ::testing::Test {
+/// For tests on an io context that the test runs.
+class IoTest : public ::testing::Test {
+ protected:
+  /// Runs until it holds, or too long.
+  template <class Condition>
+  [[nodiscard]] bool runs_until(const Condition& condition) {
+    const auto deadline = std::chrono::steady_clock::now() + testing::kDeadline;
+    while (!condition() && std::chrono::steady_clock::now() < deadline) io_.run_one_for(std::chrono::milliseconds(10));
+    return condition();
+  }
+
+  boost::asio::io_context io_;
+  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> keep_running_{io_.get_executor()};
+};
+
+/// For tests of what answers requests later.
+class AnsweredTest : public IoTest {
  protected:
   /// Keeps the answer for `wait_for`.
   [[nodiscard]] Respond keep() {
     return [this](HttpResponse answer) { answers_.push_back(std::move(answer)); };
   }
   std::vector<HttpResponse> wait_for(std::size_t count) {
-    const auto deadline = std::chrono::steady_clock::now() + testing::kDeadline;
-    while (answers_.size() < count && io_.run_one_until(deadline) > 0) {
-    }
+    EXPECT_TRUE(runs_until([&] { return answers_.size() >= count; }));
     EXPECT_EQ(answers_.size(), count);
     answers_.resize(count);
     return std::exchange(answers_, {});
   }
 
-  boost::asio::io_context io_;
-  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> keep_running_{io_.get_executor()};
   std::vector<HttpResponse> answers_;
 };
 

@@ -34,14 +34,19 @@ class ProgramTest : public ::testing::Test {
 };
 
 TEST_F(ProgramTest, WordThatServeDoesNotKnow_IsToldWithItsFileAndLine) {
-  EXPECT_EQ(run_with("# the ward\n[serve]\nlocal_role = \"none\"\n", {"serve"}), cli::kUsage);
-  EXPECT_THAT(talk_.str(), HasSubstr(file_ + ":3: unknown key 'local_role' in [serve]; did you mean local-role?"));
-
-  EXPECT_EQ(run_with("local-role = \"none\"\n", {"serve"}), cli::kUsage);
-  EXPECT_THAT(talk_.str(), HasSubstr(file_ + ":1: unknown key 'local-role' before the first table"));
-
-  EXPECT_EQ(run_with("[server]\nlocal-role = \"none\"\n", {"serve"}), cli::kUsage);
-  EXPECT_THAT(talk_.str(), HasSubstr(file_ + ":1: unknown table [server]; did you mean serve?"));
+  for (const auto& [text, says] :
+       {std::pair(std::string("# the ward\n[serve]\nlocal_role = 1\n"),
+                  ":3: unknown key 'local_role' in [serve]; did you mean local-role?"),
+        {"local-role = 1\n", ":1: unknown key 'local-role' before the first table"},
+        {"[server]\nlocal-role = 1\n", ":1: unknown table [server]; did you mean serve?"},
+        {"[serve]\n \"listem\" = 1\n", ":2: unknown key 'listem' in [serve]; did you mean listen?"},
+        {"[serve]\n\t listen\n", ":2: 'listen' has no value"},
+        {"[serve]\nhost-name = [\"ward\",\n  \"floor = 3\"]\nmetrix = 1\n", ":4: unknown key 'metrix' in [serve]; did you mean metrics?"},
+        {std::string((1U << 20U) + 1, '\n'), " is larger than 1 MiB: that is no configuration"}}) {
+    EXPECT_EQ(run_with(text, {"serve"}), cli::kUsage);
+    EXPECT_THAT(talk_.str(), HasSubstr(file_ + says + "\n"));
+  }
+  EXPECT_EQ(run_with(std::string(1U << 20U, '\n'), {"man"}), cli::kOk);
 }
 
 TEST_F(ProgramTest, ListOverSeveralLines_HoldsNoKeys) {

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/routes.h"
 
-#include <gmock/gmock.h>
-
 #include <fstream>
 #include <optional>
 
@@ -11,8 +9,6 @@
 
 namespace dts::gateway {
 namespace {
-
-using ::testing::HasSubstr;
 
 class RoutesTest : public AccessControlTest {
  protected:
@@ -53,6 +49,13 @@ TEST_F(RoutesTest, EveryPath_IsForItsPartAndForWhoMay) {
     EXPECT_EQ(status("GET", "/metrics", is_anna), is_anna ? 200U : 401U);
   }
   EXPECT_EQ(header_of(answer(request("POST", "/")), "Allow"), "GET, HEAD");
+  for (const auto& [asked, what, hint] :
+       {std::tuple(request("POST", "/api/me"), "this path cannot be changed", ""),
+        {request("GET", "/api/nothing"), "there is nothing at this path", ""},
+        {request("GET", "/api/sessions/s1/report"), "nobody is logged in", "log in first"},
+        {request("GET", "/metrics"), "nobody is logged in", "let a monitor on the gateway's own machine read this"}}) {
+    EXPECT_EQ(json_of(answer(asked)), (nlohmann::json{{"what", what}, {"hint", hint}}));
+  }
   EXPECT_EQ(text_of(answer(request("GET", "/"))), "the dashboard");
   HttpRequest out = anna;
   out.method = "POST";
@@ -76,7 +79,10 @@ TEST(Options, Roles_AreThoseThatExistAndSomebodyCanUseTheGateway) {
   EXPECT_EQ(access_options({.local_role = "viewer"})->local_role, v1::ROLE_VIEWER);
   EXPECT_EQ(access_options({.local_role = "admin"}).error(),
             (client::Error{client::ErrorCode::InvalidArgument, "there is no role 'admin'", "viewer, operator, engineer or none"}));
-  EXPECT_THAT(access_options({.local_role = "none"}).error().what, HasSubstr("nobody could use this"));
+  EXPECT_EQ(access_options({.local_role = "none"}).error(),
+            (client::Error{client::ErrorCode::InvalidArgument, "nobody could use this: no users and no local role",
+                           "give --users or --local-role"}));
+  EXPECT_EQ(access_options({.users_file = "users"})->users_file, "users");
 }
 
 TEST(Options, Listen_IsLoopbackOrHasTlsAndUsers) {
@@ -87,10 +93,32 @@ TEST(Options, Listen_IsLoopbackOrHasTlsAndUsers) {
   }
   EXPECT_EQ(server_options({.listen = "[::1]:65535"})->address, "::1");
   EXPECT_EQ(server_options({.listen = "[::1]:65535"})->port, 65535U);
-  EXPECT_THAT(server_options({.listen = "127.0.0.1:0", .key_file = "k"}).error().what, HasSubstr("TLS needs a certificate and its key"));
-  EXPECT_FALSE(server_options({.listen = "0.0.0.0:80", .certificate_file = "c", .key_file = "k"}));
-  EXPECT_FALSE(server_options({.listen = "0.0.0.0:80", .users_file = "u"}));
-  EXPECT_TRUE(server_options({.listen = "0.0.0.0:80", .certificate_file = "c", .key_file = "k", .users_file = "u"}));
+  for (const Options& half :
+       {Options{.listen = "127.0.0.1:0", .key_file = "k"}, Options{.listen = "127.0.0.1:0", .certificate_file = "c"}}) {
+    EXPECT_EQ(server_options(half).error(), (client::Error{client::ErrorCode::InvalidArgument, "TLS needs a certificate and its key",
+                                                           "give --tls-certificate and --tls-key"}));
+  }
+  for (const Options& open :
+       {Options{.listen = "0.0.0.0:80", .certificate_file = "c", .key_file = "k"}, Options{.listen = "0.0.0.0:80", .users_file = "u"}}) {
+    EXPECT_EQ(server_options(open).error(), (client::Error{client::ErrorCode::InvalidArgument,
+                                                           "'0.0.0.0:80' can be reached from other machines: that needs TLS and users",
+                                                           "give --tls-certificate, --tls-key and --users, or listen on 127.0.0.1"}));
+  }
+  const auto complete =
+      server_options({.listen = "0.0.0.0:80", .certificate_file = "c", .key_file = "k", .host_names = {"ward"}, .users_file = "u"});
+  ASSERT_TRUE(complete);
+  EXPECT_EQ(std::tie(complete->address, complete->certificate_file, complete->key_file, complete->host_names),
+            std::tuple("0.0.0.0", "c", "k", std::vector<std::string>{"ward"}));
+}
+
+TEST(Options, WebRoot_IsAFolderWithAnIndex) {
+  const testing::TemporaryDirectory directory;
+  const std::string root = directory.path().string();
+  EXPECT_EQ(web_root({.web_root = root}).error(),
+            (client::Error{client::ErrorCode::InvalidArgument, "the dashboard's files are not in " + root,
+                           "build the target 'dashboard' (needs node), or give --web-root"}));
+  std::ofstream(directory.path() / "index.html") << "the dashboard";
+  EXPECT_EQ(web_root({.web_root = root}), root);
 }
 
 }  // namespace

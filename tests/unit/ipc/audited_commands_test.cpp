@@ -2,23 +2,15 @@
 // Which commands stand in the audit trail, and what of them.
 #include <gmock/gmock.h>
 
-#include <filesystem>
-
 #include "ipc/audit_trail.h"
 #include "session/recordings.h"
+#include "unit/record/xdf_fixture.h"
 
 namespace dts::ipc {
 namespace {
 
 class AuditedCommands : public testing::Test {
  protected:
-  AuditedCommands() {
-    std::string name = (std::filesystem::temp_directory_path() / "dts-audited-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    recordings_ = session::Recordings::open({.directory = folder_.string()}, clock_, core::Log()).value();
-  }
-  ~AuditedCommands() override { std::filesystem::remove_all(folder_); }
-
   /// "who what target result" of what the request added to the trail; "": nothing.
   std::string entered(const v1::Request& request, const v1::Response& response = {}, const std::string& sender = "key:ina") {
     session::Supervisor supervisor(clock_, core::Log(), nullptr, {.recordings = recordings_.get()});
@@ -40,10 +32,10 @@ class AuditedCommands : public testing::Test {
     void sleep_until_ns(std::int64_t) noexcept override {}
     [[nodiscard]] std::int64_t utc_minus_monotonic_ns() const noexcept override { return 1'000; }
   };
-  std::filesystem::path folder_;
+  record::xdf_test::Folder folder_;
   StillClock still_;
   core::Clock& clock_ = still_;
-  std::unique_ptr<session::Recordings> recordings_;
+  std::unique_ptr<session::Recordings> recordings_ = session::Recordings::open({.directory = folder_ / ""}, clock_, core::Log()).value();
   std::uint64_t last_ = 0;
 };
 

@@ -4,23 +4,17 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
 
 #include "core/doorbell.h"
 #include "dts/v1/stream.pb.h"
+#include "unit/record/xdf_fixture.h"
 
 namespace dts::ipc {
 namespace {
 
 class XpubSocketTest : public testing::Test {
  protected:
-  XpubSocketTest() {
-    std::string name = (std::filesystem::temp_directory_path() / "dts-xpub-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~XpubSocketTest() override { std::filesystem::remove_all(folder_); }
-
   /// Waits until the subscriber has said something; false: it says nothing within ten seconds.
   [[nodiscard]] bool hears_of_subscription(XpubSocket& socket) {
     for (int turn = 0; turn < 100; ++turn) {
@@ -30,7 +24,7 @@ class XpubSocketTest : public testing::Test {
     return false;
   }
 
-  std::filesystem::path folder_;
+  record::xdf_test::Folder folder_;
   zmq::context_t context_;
   core::Doorbell bell_;
 };
@@ -43,7 +37,7 @@ TEST_F(XpubSocketTest, AddressThatOthersCanReach_IsRefusedWithoutKeys) {
 }
 
 TEST_F(XpubSocketTest, Subscription_IsNoticedOnce_AndServed) {
-  const std::string endpoint = "ipc://" + (folder_ / "data").string();
+  const std::string endpoint = "ipc://" + (folder_ / "data");
   const auto socket = XpubSocket::bind(context_, endpoint, 10).value();
   socket->wait(bell_.fd(), 0);
   EXPECT_FALSE(socket->take_subscriptions());
@@ -74,7 +68,7 @@ TEST_F(XpubSocketTest, Subscription_IsNoticedOnce_AndServed) {
 
 /// libzmq's descriptor becomes readable once for each input.
 TEST_F(XpubSocketTest, SubscriptionThatWasNotTaken_IsStillThereAfterAnotherWait) {
-  const std::string endpoint = "ipc://" + (folder_ / "data").string();
+  const std::string endpoint = "ipc://" + (folder_ / "data");
   const auto socket = XpubSocket::bind(context_, endpoint, 10).value();
   zmq::socket_t subscriber(context_, zmq::socket_type::xsub);
   subscriber.connect(endpoint);

@@ -1,48 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <gtest/gtest.h>
-
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-
 #include "lab/problems.h"
+#include "unit/lab/run_fixture.h"
 
 namespace dts::lab {
 namespace {
 
-class CheckOut : public testing::Test {
- protected:
-  CheckOut() {
-    std::string name = (std::filesystem::temp_directory_path() / "dts-out-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-  }
-  ~CheckOut() override { std::filesystem::remove_all(folder_); }
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name) << text;
-    return folder_ / name;
-  }
+/// What is said of writing to `out`, "" if nothing.
+std::string refusal(const std::string& out, const std::vector<std::string>& inputs) {
+  const auto status = check_out(out, inputs);
+  return status ? "" : status.error().what + "; " + status.error().hint;
+}
 
-  std::filesystem::path folder_;
-};
-
-TEST_F(CheckOut, WhatIsReadUnderAnyName_IsRefused) {
+TEST_F(RunTest, OutputThatIsReadUnderAnyName_IsRefused) {
   const std::string model = write("model.toml", "x");
-  std::filesystem::create_symlink(model, folder_ / "link.toml");
+  std::filesystem::create_symlink(model, path("link.toml"));
 
-  EXPECT_FALSE(check_out(model, {model}));
-  EXPECT_FALSE(check_out(folder_ / "link.toml", {model}));
-  EXPECT_FALSE(check_out(folder_ / "." / "model.toml", {"", model}));
+  for (const std::string& out : {model, path("link.toml"), path("./model.toml")}) {
+    EXPECT_EQ(refusal(out, {"", model}), out + " is the input file " + model + "; write to another file");
+  }
 }
 
-TEST_F(CheckOut, FilesOfTheTrials_AreRefused) {
-  EXPECT_FALSE(check_out(write("trials.csv", "subject,trial"), {folder_}));
-  EXPECT_FALSE(check_out(write("A.csv", "trial,v1,v2,v3,v4\n"), {folder_}));
+TEST_F(RunTest, OutputOverFilesOfTheTrials_IsRefused) {
+  for (const std::string name : {"subjects.csv", "trials.csv", "sensors.csv", "calibration.csv", "A.csv"}) {
+    const std::string out = write(name, name == "A.csv" ? "trial,v1,v2,v3,v4\n" : "anything");
+    EXPECT_EQ(refusal(out, {directory_}), out + " belongs to the trials in " + directory_.string() + "; write to another file");
+  }
 }
 
-TEST_F(CheckOut, NewFilesAndEarlierResults_AreWritten) {
-  EXPECT_TRUE(check_out(folder_ / "new.csv", {folder_}));
-  EXPECT_TRUE(check_out(write("pred.csv", "subject,trial,t_p1"), {folder_}));
-  EXPECT_TRUE(check_out("new.csv", {folder_, ""}));
+TEST_F(RunTest, NewOutputAndEarlierResults_AreWritten) {
+  EXPECT_EQ(refusal(path("new.csv"), {directory_}), "");
+  EXPECT_EQ(refusal(write("pred.csv", "subject,trial,t_p1"), {directory_}), "");
+  EXPECT_EQ(refusal("new.csv", {directory_, ""}), "");
 }
 
 }  // namespace

@@ -24,15 +24,7 @@ PlateMap slope() {
           .plate = {.a = {400.0}, .b = {300.0}}};
 }
 
-class PlotTest : public RunTest {
- protected:
-  std::string content(const std::string& name) {
-    std::ifstream file(path(name), std::ios::binary);
-    std::stringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
-};
+class PlotTest : public RunTest {};
 
 TEST_F(PlotTest, MapScript_HasEveryPointAndNoNan) {
   const std::string script = map_script(slope());

@@ -7,7 +7,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -28,9 +30,18 @@ class RunTest : public ::testing::Test {
     talk_.str({});
     return run(arguments, console_);
   }
+  /// What a call says that is wrong usage; files by their names without the directory.
+  std::string refusal_of(const std::vector<std::string>& arguments) {
+    EXPECT_EQ(run_with(arguments), cli::kUsage) << ::testing::PrintToString(arguments);
+    return std::regex_replace(talk(), std::regex(path("")), "");
+  }
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(directory_ / name) << text;
     return path(name);
+  }
+  [[nodiscard]] std::string content(const std::string& name) const {
+    std::ifstream file(directory_ / name, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
   }
   [[nodiscard]] std::string path(const std::string& name) const { return (directory_ / name).string(); }
   [[nodiscard]] std::string out() const { return out_.str(); }

@@ -32,11 +32,6 @@ bool are_same(const std::vector<record::RecordedScans>& one, const std::vector<r
   });
 }
 
-std::string text_of(const std::string& file) {
-  std::ifstream in(file);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 TEST_F(RunTest, SimulateWithTheSameSeed_GivesTheSameDataAndTruth) {
   const auto simulate = [&](const std::string& name, const std::string& seed) {
     EXPECT_EQ(run_with({"simulate", "floor", "--duration", "6", "--rate", "100", "--seed", seed, "--out", path(name + ".xdf"), "--truth",
@@ -52,23 +47,31 @@ TEST_F(RunTest, SimulateWithTheSameSeed_GivesTheSameDataAndTruth) {
 
   EXPECT_TRUE(are_same(scans_of(path("a.xdf")), scans_of(path("b.xdf"))));
   EXPECT_FALSE(are_same(scans_of(path("a.xdf")), scans_of(path("c.xdf"))));
-  EXPECT_EQ(text_of(path("a.csv")), text_of(path("b.csv")));
-  EXPECT_NE(text_of(path("a.csv")), text_of(path("c.csv")));
-  EXPECT_THAT(text_of(path("a.csv")), StartsWith("t_s,true_ml_mm,true_ap_mm,true_load_n\n0.0,,,0.0\n0.01,"));
-  EXPECT_EQ(std::ranges::count(text_of(path("a.csv")), '\n'), 601);
+  EXPECT_EQ(content("a.csv"), content("b.csv"));
+  EXPECT_NE(content("a.csv"), content("c.csv"));
+  EXPECT_THAT(content("a.csv"), StartsWith("t_s,true_ml_mm,true_ap_mm,true_load_n\n0.0,,,0.0\n0.01,"));
+  EXPECT_EQ(std::ranges::count(content("a.csv"), '\n'), 601);
 }
 
 TEST_F(RunTest, SimulateWhatIsThereOrCannotBe_IsRefused) {
-  ASSERT_EQ(run_with({"simulate", "floor", "--duration", "1", "--out", path("a.xdf")}), cli::kOk) << talk();
-
-  EXPECT_NE(run_with({"simulate", "floor", "--duration", "1", "--out", path("a.xdf")}), cli::kOk) << "it exists";
-  EXPECT_NE(run_with({"simulate", "chair", "--duration", "1", "--out", path("a.xdf")}), cli::kOk) << "it exists";
+  const std::string there = write("there.xdf", "somebody's");
   const std::string rig = std::string(DTS_SOURCE_DIR) + "/config/rigs/floor16-sim.toml";
-  EXPECT_NE(run_with({"simulate", "chair", "--duration", "1", "--rig", rig, "--out", path("c.xdf")}), cli::kOk) << "no chair";
-  EXPECT_THAT(talk(), HasSubstr("of the kind floor"));
-  EXPECT_EQ(run_with({"simulate", "table", "--duration", "1", "--out", path("c.xdf")}), cli::kUsage);
-  EXPECT_EQ(run_with({"simulate", "floor", "--duration", "0", "--out", path("c.xdf")}), cli::kUsage);
-  EXPECT_EQ(run_with({"simulate", "floor", "--duration", "1", "--seed", "-1", "--out", path("c.xdf")}), cli::kUsage);
+  for (const auto& [kind, option, value, says] :
+       {std::tuple("chair", "--rig", rig, ("dtslab: " + rig + " is a rig of the kind floor\n  try: dtslab simulate floor\n")),
+        {"table", "--seed", "1", "dtslab: simulate: KIND: table not in {floor,chair}\n  try: dtslab simulate --help\n"},
+        {"floor", "--duration", "0",
+         "dtslab: simulate: --duration: '0' is not a number of seconds from 0.1 to 86400\n  try: dtslab simulate --help\n"},
+        {"floor", "--seed", "-1",
+         "dtslab: simulate: --seed: '-1' is not a whole number from 0 to 4294967295\n  try: dtslab simulate --help\n"},
+        {"floor", "--rate", "0", "dtslab: simulate: --rate: '0' is not a number of hertz from 1 to 20000\n  try: dtslab simulate --help\n"},
+        {"floor", "--out", there, "dtslab: " + there + " exists already\n  try: recordings are never overwritten\n"},
+        {"chair", "--out", there, "dtslab: " + there + " exists already\n  try: recordings are never overwritten\n"}}) {
+    std::vector<std::string> words{"simulate", kind, option, value};
+    if (option != std::string("--duration")) words.insert(words.end(), {"--duration", "1"});
+    if (option != std::string("--out")) words.insert(words.end(), {"--out", path("c.xdf")});
+    EXPECT_NE(run_with(words), cli::kOk);
+    EXPECT_EQ(talk(), says);
+  }
   EXPECT_FALSE(std::filesystem::exists(path("c.xdf")));
 }
 
@@ -104,7 +107,7 @@ TEST_F(RunTest, SimulateTheChair_RecordsReachesAndTheirTruth) {
   const auto recording = record::Recording::open(path("a.xdf")).value();
   EXPECT_EQ(recording->streams()[recording->find_stream("raw").value()].channels.size(), 16U);
   EXPECT_TRUE(recording->find_stream("transient").has_value());
-  const std::string truth = text_of(path("a.csv"));
+  const std::string truth = content("a.csv");
   EXPECT_THAT(truth, StartsWith("number,condition,target_cm,t_on_s,t_hit_s,t_back_s,t_end_s,trunk_deg\n1,80,"));
   EXPECT_THAT(truth, HasSubstr("\n5,max,125"));
   EXPECT_EQ(run_with({"replay", path("a.xdf")}), cli::kOk) << talk();
@@ -113,12 +116,12 @@ TEST_F(RunTest, SimulateTheChair_RecordsReachesAndTheirTruth) {
 TEST_F(RunTest, SimulateTheChairForASecond_HasNoReachToTellOf) {
   ASSERT_EQ(run_with({"simulate", "chair", "--duration", "1", "--out", path("a.xdf"), "--truth", path("a.csv")}), cli::kOk) << talk();
 
-  EXPECT_EQ(text_of(path("a.csv")), "number,condition,target_cm,t_on_s,t_hit_s,t_back_s,t_end_s,trunk_deg\n");
+  EXPECT_EQ(content("a.csv"), "number,condition,target_cm,t_on_s,t_hit_s,t_back_s,t_end_s,trunk_deg\n");
 }
 
 TEST_F(RunTest, CompareARecordingWithItsTruth_FindsTheFilterDelayAccountedFor) {
   ASSERT_EQ(run_with({"simulate", "floor", "--duration", "40", "--out", path("a.xdf"), "--truth", path("truth.csv")}), cli::kOk) << talk();
-  std::string truth = text_of(path("truth.csv"));
+  std::string truth = content("truth.csv");
   truth.replace(0, truth.find('\n'), "t_s,x_mm,y_mm,load_n");
   write("b.csv", truth);
 
@@ -136,64 +139,35 @@ TEST_F(RunTest, CompareARecordingWithoutCop_IsAProblem) {
   EXPECT_EQ(run_with({"compare", path("none.xdf"), path("none.xdf")}), cli::kUsage);
 }
 
-TEST(FloorDefinition, OfTheDefaultRig_IsTheThesissPlatform) {
+TEST(Definitions, OfTheDefaultAndTheConfiguredRigs_AreTheThesissPlatformAndTheChair) {
   files::Problems problems;
-
-  const auto config = files::read_rig_text(floor_definition(200.0), "default", problems);
-
+  const std::vector<std::tuple<pipeline::RigConfig, std::string, double, physics::RigModel>> rigs{
+      {files::read_rig_text(floor_definition(200.0), "default", problems), "floor", 200.0, thesis_setup::floor_platform()},
+      {files::read_rig_text(chair_definition(1500.0), "default", problems), "chair", 1500.0, physics::chair_rig()},
+      {files::read_rig_file(std::string(DTS_SOURCE_DIR) + "/config/rigs/chair-sim.toml", problems), "chair", 1500.0, physics::chair_rig()}};
   EXPECT_TRUE(problems.empty()) << files::to_string(problems.front());
-  const physics::RigModel thesis = thesis_setup::floor_platform();
-  EXPECT_EQ(config.rate.hz(), 200.0);
-  EXPECT_EQ(config.model.plate.e_pa, thesis.plate.e_pa);
-  ASSERT_EQ(config.model.sensors.size(), thesis.sensors.size());
-  for (std::size_t s = 0; s < thesis.sensors.size(); ++s) {
-    EXPECT_EQ(config.model.sensors[s].position.x, thesis.sensors[s].position.x);
-    for (double gap_mm = 4.0; gap_mm <= 13.0; gap_mm += 0.1) {
-      EXPECT_NEAR(config.model.sensors[s].curve.volts({gap_mm}).value, thesis.sensors[s].curve.volts({gap_mm}).value, 1e-5);
+  for (const auto& [config, kind, rate_hz, wanted] : rigs) {
+    SCOPED_TRACE(kind);
+    const auto& [plate, support, sensors, transient] = config.model;
+    EXPECT_EQ(config.kind, kind);
+    EXPECT_EQ(config.rate.hz(), rate_hz);
+    EXPECT_EQ(std::tie(plate.a, plate.b, plate.h, plate.e_pa, plate.nu),
+              std::tie(wanted.plate.a, wanted.plate.b, wanted.plate.h, wanted.plate.e_pa, wanted.plate.nu));
+    EXPECT_EQ(support.kind, wanted.support.kind);
+    EXPECT_EQ(support.inset, wanted.support.inset);
+    ASSERT_EQ(transient.has_value(), wanted.transient_sensors.has_value());
+    if (transient) {
+      EXPECT_EQ(std::tie(transient->rear, transient->front), std::tie(wanted.transient_sensors->rear, wanted.transient_sensors->front));
+    }
+    ASSERT_EQ(sensors.size(), wanted.sensors.size());
+    for (std::size_t s = 0; s < sensors.size(); ++s) {
+      EXPECT_EQ(std::tie(sensors[s].label, sensors[s].position, sensors[s].unloaded_gap),
+                std::tie(wanted.sensors[s].label, wanted.sensors[s].position, wanted.sensors[s].unloaded_gap));
+      for (double gap_mm = 0.5; gap_mm <= 13.0; gap_mm += 0.1) {
+        EXPECT_NEAR(sensors[s].curve.volts({gap_mm}).value, wanted.sensors[s].curve.volts({gap_mm}).value, 1e-5);
+      }
     }
   }
-}
-
-void expect_chair(const pipeline::RigConfig& config) {
-  const physics::RigModel chair = physics::chair_rig();
-  EXPECT_EQ(config.kind, "chair");
-  EXPECT_EQ(config.model.plate.a, chair.plate.a);
-  EXPECT_EQ(config.model.plate.b, chair.plate.b);
-  EXPECT_EQ(config.model.plate.h, chair.plate.h);
-  EXPECT_EQ(config.model.plate.e_pa, chair.plate.e_pa);
-  EXPECT_EQ(config.model.plate.nu, chair.plate.nu);
-  EXPECT_EQ(config.model.support.kind, chair.support.kind);
-  ASSERT_TRUE(config.model.transient_sensors.has_value());
-  EXPECT_EQ(config.model.transient_sensors->rear, chair.transient_sensors->rear);
-  EXPECT_EQ(config.model.transient_sensors->front, chair.transient_sensors->front);
-  ASSERT_EQ(config.model.sensors.size(), chair.sensors.size());
-  for (std::size_t s = 0; s < chair.sensors.size(); ++s) {
-    EXPECT_EQ(config.model.sensors[s].label, chair.sensors[s].label);
-    EXPECT_EQ(config.model.sensors[s].position, chair.sensors[s].position);
-    EXPECT_EQ(config.model.sensors[s].unloaded_gap, chair.sensors[s].unloaded_gap);
-    for (double gap_mm = 0.5; gap_mm <= 12.0; gap_mm += 0.1) {
-      EXPECT_NEAR(config.model.sensors[s].curve.volts({gap_mm}).value, chair.sensors[s].curve.volts({gap_mm}).value, 1e-5);
-    }
-  }
-}
-
-TEST(ChairDefinition, OfTheDefaultRig_IsTheChair) {
-  files::Problems problems;
-
-  const auto config = files::read_rig_text(chair_definition(1500.0), "default", problems);
-
-  EXPECT_TRUE(problems.empty()) << files::to_string(problems.front());
-  EXPECT_EQ(config.rate.hz(), 1500.0);
-  expect_chair(config);
-}
-
-TEST(ChairDefinition, OfTheConfiguredRig_IsTheSameChair) {
-  files::Problems problems;
-
-  const auto config = files::read_rig_file(std::string(DTS_SOURCE_DIR) + "/config/rigs/chair-sim.toml", problems);
-
-  EXPECT_TRUE(problems.empty()) << files::to_string(problems.front());
-  expect_chair(config);
 }
 
 }  // namespace

@@ -196,7 +196,6 @@ struct Command {
   std::string request;
   std::string answer;
   std::function<std::string(ControlClient&)> call;  ///< Nothing: it can only be passed on.
-  std::string timeout = "0.1";                      ///< In s, of the options below.
 };
 
 std::string text_of(google::protobuf::Message&& message) {
@@ -222,15 +221,14 @@ std::vector<Command> commands() {
        [](Client& dts) {
          return text_of(dts.start_session(from_text<v1::StartSessionRequest>("rig: 'floor' fields { key: 'a' value: 'b' }")));
        }},
-      {"stop_session { rig: \"floor\" }", "session { session_id: \"s2\" }", [](Client& dts) { return text_of(dts.stop_session("floor")); },
-       "0.3"},
+      {"stop_session { rig: \"floor\" }", "session { session_id: \"s2\" }", [](Client& dts) { return text_of(dts.stop_session("floor")); }},
       {"stop_session { is_abort: true reason: \"dizzy\" }", "session { session_id: \"s3\" }",
-       [](Client& dts) { return text_of(dts.stop_session(from_text<v1::StopSessionRequest>("is_abort: true reason: 'dizzy'"))); }, "0.3"},
+       [](Client& dts) { return text_of(dts.stop_session(from_text<v1::StopSessionRequest>("is_abort: true reason: 'dizzy'"))); }},
       {"resume_session { session_id: \"s4\" }", "session { session_id: \"s4\" }",
        [](Client& dts) { return text_of(dts.resume_session("s4")); }},
       {"mark { text: \"hello\" rig: \"floor\" }", "mark { marks { rig: \"floor\" scan: 5 } }",
        [](Client& dts) { return text_of(dts.mark("hello", "floor")); }},
-      {"tare { rig: \"floor\" }", "tare { baseline_mm: 9.5 }", [](Client& dts) { return text_of(dts.tare("floor")); }, "0.2"},
+      {"tare { rig: \"floor\" }", "tare { baseline_mm: 9.5 }", [](Client& dts) { return text_of(dts.tare("floor")); }},
       {"get_devices { }", "devices { kinds: \"sim:floor\" }", [](Client& dts) { return text_of(dts.devices()); }},
       {"test_device { rig: \"chair\" }", "device_test { scans: 7 }", [](Client& dts) { return text_of(dts.test_device("chair")); }},
       {"list_sessions { subject: \"P017\" }", "sessions { sessions { session_id: \"s5\" } }",
@@ -293,21 +291,6 @@ TEST_F(ControlClientTest, EveryCommand_CarriesItsArgumentsAndReturnsItsAnswer) {
   EXPECT_EQ(text_of(dts.stop_session("floor")), senseless);
   EXPECT_EQ(text_of(dts.forward(testing::from_text<v1::Request>("stop_session { }"))), senseless);
   EXPECT_EQ(text_of(dts.forward({})), "a request without a command, or with one that this version does not know");
-}
-
-TEST_F(ControlClientTest, EveryCommand_HasItsTimeout) {
-  using std::chrono::milliseconds;
-  const FakeController daemon(endpoint_, [](const v1::Request&, int) { return std::vector<std::string>{}; });
-  ControlClient dts = *ControlClient::open({.endpoint = endpoint_,
-                                            .timeout = milliseconds(50),
-                                            .tare_timeout = milliseconds(150),
-                                            .stop_timeout = milliseconds(250),
-                                            .tries = 1});
-  for (const Command& command : commands()) {
-    const std::string what = "no answer from " + endpoint_ + " within " + command.timeout + " s (1 tries)";
-    EXPECT_EQ(command.call ? command.call(dts) : what, what) << command.request;
-    EXPECT_EQ(text_of(dts.forward(testing::from_text<v1::Request>(command.request))), what) << command.request;
-  }
 }
 
 TEST_F(ControlClientTest, TextThatIsNotUtf8_InvalidArgumentAndNothingIsSent) {

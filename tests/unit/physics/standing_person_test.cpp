@@ -164,35 +164,25 @@ TEST(StandingPerson, Point_CarriesTheWholeLoadWhereItStands) {
   EXPECT_EQ(contact.cop, (CopPosition{-129.0, 129.0}));
 }
 
-TEST(StandingPerson, OffThePlate_Refused) {
-  Stance wide;
-  wide.width = core::Millimetres{360.0};
-  Stance corner;
-  corner.kind = ContactKind::Point;
-  corner.centre_ml = core::Millimetres{215.0};
-  corner.centre_ap = core::Millimetres{-215.0};
-  Stance outside = corner;
-  outside.centre_ml = core::Millimetres{215.1};
-
-  EXPECT_NE(refusal(wide).find("does not fit on the"), std::string::npos);
-  EXPECT_EQ(refusal(corner), "");
-  EXPECT_NE(refusal(outside).find("430"), std::string::npos);
-}
-
-TEST(StandingPerson, BadNumbers_Refused) {
-  Stance no_load;
-  no_load.load = core::Newtons{0.0};
-  Stance nan_load;
-  nan_load.load = core::Newtons{std::nan("")};
-  Stance no_width;
-  no_width.width = core::Millimetres{0.0};
-  Stance too_early_off;
-  too_early_off.step_off_s = 3.0;
-
-  EXPECT_NE(refusal(no_load).find("load"), std::string::npos);
-  EXPECT_NE(refusal(nan_load).find("load"), std::string::npos);
-  EXPECT_NE(refusal(no_width).find("width"), std::string::npos);
-  EXPECT_NE(refusal(too_early_off).find("steps off at"), std::string::npos);
+TEST(StandingPerson, StanceThatCannotBe_IsRefused) {
+  const auto point = [](double ml_mm, double ap_mm) {
+    return Stance{.kind = ContactKind::Point, .centre_ml = {ml_mm}, .centre_ap = {ap_mm}};
+  };
+  const std::string beside = " (from the corner) does not fit on the 430.000000 mm x 430.000000 mm plate";
+  const double arrival_s = StandingPerson::kLoadingS + StandingPerson::kShiftS;
+  for (const auto& [stance, says] :
+       {std::pair(point(215.0, -215.0), std::string()),
+        {point(215.1, -215.0), "stance: a contact at x 430.100000 mm, y 0.000000 mm" + beside},
+        {{.width = {360.0}}, "stance: a contact at x 35.000000 mm, y 285.125000 mm" + beside},
+        {{.width = {0.0}}, "stance: width of 0.000000 mm and foot length of 255.000000 mm must both be positive"},
+        {{.load = {0.0}}, "stance: load of 0.000000 N is not positive"},
+        {{.load = {std::nan("")}}, "stance: load of nan N is not positive"},
+        {{.step_off_s = 2.5 + arrival_s}, ""},
+        {{.step_off_s = 2.499 + arrival_s},
+         "stance: steps off at " + std::to_string(2.499 + arrival_s) + " s, but stepping on at 2.500000 s takes " +
+             std::to_string(arrival_s) + " s"}}) {
+    EXPECT_EQ(refusal(stance), says);
+  }
 }
 
 }  // namespace

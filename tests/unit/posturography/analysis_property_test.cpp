@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <string>
 
@@ -12,12 +13,6 @@
 
 namespace dts::posturography {
 namespace {
-
-constexpr std::size_t kPeople = 3;
-
-Measures measures_of(const CopSeries& series) { return analyse(series, test::kReportOptions).value().measures; }
-
-CopSeries person(std::size_t seed) { return test::standing(seed + 20, 100.0, 3001); }
 
 void expect_near(Measure measure, const Measures& measures, double expected, double relative) {
   const auto value = measures.get(measure);
@@ -35,72 +30,75 @@ void expect_all(const Measures& before, const Measures& after, FactorOf factor_o
   }
 }
 
-TEST(AnalysisProperty, Place_DoesNotMatter) {
-  for (std::size_t seed = 0; seed < kPeople; ++seed) {
-    CopSeries series = person(seed);
-    const Measures here = measures_of(series);
-    for (double& value : series.ml_mm) value += 1000.0;
-    for (double& value : series.ap_mm) value -= 250.0;
-
-    expect_all(here, measures_of(series), [](Measure) { return 1.0; });
+/// Changes the series of several people and calls `check` with the measures before and after.
+template <class Change, class Check>
+void change_people(Change change, Check check, const AnalysisOptions& options = test::kReportOptions) {
+  for (std::size_t seed = 20; seed < 23; ++seed) {
+    SCOPED_TRACE(seed);
+    CopSeries series = test::standing(seed, 100.0, 3001);
+    const Measures before = analyse(series, options).value().measures;
+    change(series);
+    check(before, analyse(series, options).value().measures);
   }
+}
+
+/// Changes every sample.
+template <class Change>
+auto each(Change change) {
+  return [change](CopSeries& series) {
+    for (std::size_t i = 0; i < series.ml_mm.size(); ++i) change(series.ml_mm[i], series.ap_mm[i]);
+  };
+}
+
+TEST(AnalysisProperty, Place_DoesNotMatter) {
+  const auto elsewhere = each([](double& ml_mm, double& ap_mm) {
+    ml_mm += 1000.0;
+    ap_mm -= 250.0;
+  });
+  change_people(elsewhere, [](const Measures& here, const Measures& there) { expect_all(here, there, [](Measure) { return 1.0; }); });
 }
 
 TEST(AnalysisProperty, UnitOfLength_ScalesByThePowerOfTheUnit) {
   constexpr double kScale = 3.7;
-  const auto power_of = [](std::string_view unit) {
-    return unit.starts_with("mm2") ? 2 : unit.starts_with("mm") ? 1 : unit == "1/mm" ? -1 : 0;
+  const auto factor_of = [](Measure measure) {
+    const std::string_view unit = info(measure).unit;
+    return std::pow(kScale, unit.starts_with("mm2") ? 2 : unit.starts_with("mm") ? 1 : unit == "1/mm" ? -1 : 0);
   };
-  for (std::size_t seed = 0; seed < kPeople; ++seed) {
-    CopSeries series = person(seed);
-    const Measures before = measures_of(series);
-    for (double& value : series.ml_mm) value *= kScale;
-    for (double& value : series.ap_mm) value *= kScale;
-
-    expect_all(before, measures_of(series), [&](Measure measure) { return std::pow(kScale, power_of(info(measure).unit)); });
-  }
+  const auto scaled = each([](double& ml_mm, double& ap_mm) {
+    ml_mm *= kScale;
+    ap_mm *= kScale;
+  });
+  change_people(scaled, [&](const Measures& before, const Measures& after) { expect_all(before, after, factor_of); });
 }
 
 TEST(AnalysisProperty, AxesExchanged_ExchangesTheirMeasures) {
-  for (std::size_t seed = 0; seed < kPeople; ++seed) {
-    CopSeries series = person(seed);
-    const Measures before = measures_of(series);
-    std::swap(series.ml_mm, series.ap_mm);
-
-    const Measures after = measures_of(series);
-
-    for (std::size_t index = 0; index < kMeasureCount; ++index) {
-      const auto measure = static_cast<Measure>(index);
-      std::string symbol(info(measure).symbol);
-      if (const auto ap = symbol.find("_AP"); ap != std::string::npos) {
-        symbol.replace(ap, 3, "_ML");
-      } else if (const auto ml = symbol.find("_ML"); ml != std::string::npos) {
-        symbol.replace(ml, 3, "_AP");
-      }
-      const auto other = measure_named(symbol);
-      if (!other || !before.has(measure)) continue;
-      double expected = *before.get(measure);
-      if (measure == Measure::EllAngle) expected = expected >= 0.0 ? 90.0 - expected : -90.0 - expected;
-      expect_near(*other, after, expected, 1e-9);
-    }
-  }
+  change_people([](CopSeries& series) { std::swap(series.ml_mm, series.ap_mm); },
+                [](const Measures& before, const Measures& after) {
+                  for (std::size_t index = 0; index < kMeasureCount; ++index) {
+                    const auto measure = static_cast<Measure>(index);
+                    std::string symbol(info(measure).symbol);
+                    if (const auto ap = symbol.find("_AP"); ap != std::string::npos) {
+                      symbol.replace(ap, 3, "_ML");
+                    } else if (const auto ml = symbol.find("_ML"); ml != std::string::npos) {
+                      symbol.replace(ml, 3, "_AP");
+                    }
+                    const auto other = measure_named(symbol);
+                    if (!other || !before.has(measure)) continue;
+                    double expected = *before.get(measure);
+                    if (measure == Measure::EllAngle) expected = expected >= 0.0 ? 90.0 - expected : -90.0 - expected;
+                    expect_near(*other, after, expected, 1e-9);
+                  }
+                });
 }
 
 TEST(AnalysisProperty, FacingElsewhere_TurnsTheEllipseOnly) {
-  for (std::size_t seed = 0; seed < kPeople; ++seed) {
-    CopSeries series = person(seed);
-    const Measures before = measures_of(series);
-    const double angle_deg = 17.0 + 40.0 * static_cast<double>(seed);
-    const double angle = angle_deg * std::numbers::pi / 180.0;
-    for (std::size_t i = 0; i < series.ml_mm.size(); ++i) {
-      const double ml = series.ml_mm[i];
-      const double ap = series.ap_mm[i];
-      series.ml_mm[i] = ml * std::cos(angle) - ap * std::sin(angle);
-      series.ap_mm[i] = ml * std::sin(angle) + ap * std::cos(angle);
-    }
-
-    const Measures after = measures_of(series);
-
+  constexpr double kAngleDeg = 57.0;
+  const auto turned = each([](double& ml_mm, double& ap_mm) {
+    const std::complex<double> place = std::complex(ml_mm, ap_mm) * std::polar(1.0, kAngleDeg * std::numbers::pi / 180.0);
+    ml_mm = place.real();
+    ap_mm = place.imag();
+  });
+  change_people(turned, [](const Measures& before, const Measures& after) {
     for (const Measure measure :
          {Measure::Mdist,     Measure::Rdist,   Measure::Totex,   Measure::Mvelo,     Measure::Range,    Measure::Maxdist,
           Measure::AreaCc,    Measure::AreaCe,  Measure::Pea95F,  Measure::Pea95Chi2, Measure::EllSd1,   Measure::EllSd2,
@@ -109,20 +107,17 @@ TEST(AnalysisProperty, FacingElsewhere_TurnsTheEllipseOnly) {
           Measure::HcMeanabs, Measure::HcSd,    Measure::HcRate}) {
       expect_near(measure, after, *before.get(measure), 1e-8);
     }
-    const double turned = *after.get(Measure::EllAngle) - *before.get(Measure::EllAngle) - angle_deg;
-    EXPECT_NEAR(std::remainder(turned, 180.0), 0.0, 1e-6);
-  }
+    const double change_deg = *after.get(Measure::EllAngle) - *before.get(Measure::EllAngle) - kAngleDeg;
+    EXPECT_NEAR(std::remainder(change_deg, 180.0), 0.0, 1e-6);
+  });
 }
 
 TEST(AnalysisProperty, BackwardsInTime_IsAsSteady) {
-  for (std::size_t seed = 0; seed < kPeople; ++seed) {
-    CopSeries series = person(seed);
-    const Measures before = measures_of(series);
-    std::reverse(series.ml_mm.begin(), series.ml_mm.end());
-    std::reverse(series.ap_mm.begin(), series.ap_mm.end());
-
-    const Measures after = measures_of(series);
-
+  const auto backwards = [](CopSeries& series) {
+    std::ranges::reverse(series.ml_mm);
+    std::ranges::reverse(series.ap_mm);
+  };
+  change_people(backwards, [](const Measures& before, const Measures& after) {
     // Filtering forward and backward is not quite the same as backward and forward: the ends are settled in another order.
     for (std::size_t index = 0; index < kMeasureCount; ++index) {
       const auto measure = static_cast<Measure>(index);
@@ -131,18 +126,11 @@ TEST(AnalysisProperty, BackwardsInTime_IsAsSteady) {
       if (!before.has(measure) || symbol.starts_with("SAMPEN") || measure == Measure::MpfResWelchhalf) continue;
       expect_near(measure, after, *before.get(measure), symbol.starts_with("SDA") ? 1e-2 : 1e-3);
     }
-  }
+  });
 }
 
 TEST(AnalysisProperty, SameSamplesTwiceAsFast_DoublesVelocitiesAndFrequencies) {
-  for (std::size_t seed = 0; seed < kPeople; ++seed) {
-    CopSeries series = person(seed);
-    const AnalysisOptions as_is{.preparation = {.profile = Profile::AsIs}};
-    const Measures slow = analyse(series, as_is).value().measures;
-    series.rate_hz *= 2.0;
-
-    const Measures fast = analyse(series, as_is).value().measures;
-
+  const auto check = [](const Measures& slow, const Measures& fast) {
     for (const Measure measure : {Measure::Mvelo, Measure::MveloAp, Measure::MveloMl, Measure::AreaSw, Measure::Mfreq, Measure::MfreqAp,
                                   Measure::MfreqMl, Measure::VmaxAp, Measure::VmaxMl}) {
       expect_near(measure, fast, 2.0 * *slow.get(measure), 1e-12);
@@ -150,7 +138,8 @@ TEST(AnalysisProperty, SameSamplesTwiceAsFast_DoublesVelocitiesAndFrequencies) {
     for (const Measure measure : {Measure::Mdist, Measure::Totex, Measure::Pea95F, Measure::Range, Measure::FdCc, Measure::Lfs}) {
       expect_near(measure, fast, *slow.get(measure), 1e-12);
     }
-  }
+  };
+  change_people([](CopSeries& series) { series.rate_hz *= 2.0; }, check, {.preparation = {.profile = Profile::AsIs}});
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ TEST(ConvexHull, DegenerateClouds) {
   EXPECT_EQ(diameter_mm(std::span(beside).first(1)), 0.0);
   EXPECT_EQ(diameter_mm(std::span(beside).first(2)), std::hypot(5.0, 4.0));
   EXPECT_EQ(area_mm2(std::span(beside).first(2)), 0.0);
+  EXPECT_EQ(area_mm2(beside), 18.0);
   const auto line = convex_hull(Column{0, 1, 2, 3}, Column{0, 1, 2, 3});
   EXPECT_EQ(line, (std::vector<Point>{{0, 0}, {3, 3}}));
   EXPECT_EQ(diameter_mm(line), std::hypot(3.0, 3.0));

@@ -47,15 +47,16 @@ TEST(Prepare, CleanSeries_IsCentredOnly) {
 TEST(Prepare, GapOf50ms_IsInterpolated) {
   CopSeries series = with_gap(ramp(), 300, 5);
   series.ap_mm[310] = std::numeric_limits<double>::infinity();
+  series.ml_mm[1] = series.ml_mm[998] = kNaN;
 
   const auto prepared = prepare(series, kPrepareAsIs);
 
   ASSERT_TRUE(prepared);
   EXPECT_EQ(prepared->size(), 1000U);
-  EXPECT_EQ(prepared->missing, 6U);
-  EXPECT_EQ(prepared->interpolated, 6U);
-  EXPECT_EQ(prepared->flags, 0U) << "0.6 % are missing";
-  for (std::size_t i = 298; i < 312; ++i) {
+  EXPECT_EQ(prepared->missing, 8U);
+  EXPECT_EQ(prepared->interpolated, 8U);
+  EXPECT_EQ(prepared->flags, 0U) << "0.8 % are missing";
+  for (std::size_t i = 0; i < 1000; ++i) {
     EXPECT_NEAR(prepared->ml_mm[i] + prepared->mean_ml_mm, on_ramp(i).ml_mm, 1e-12);
     EXPECT_NEAR(prepared->ap_mm[i] + prepared->mean_ap_mm, on_ramp(i).ap_mm, 1e-12);
   }
@@ -71,16 +72,6 @@ TEST(Prepare, GapOfMoreThan50ms_IsCutAtAndTheLongestStretchKept) {
   EXPECT_EQ(prepared->missing, 9U);
   EXPECT_EQ(prepared->interpolated, 3U);
   EXPECT_NEAR(prepared->ml_mm.front() + prepared->mean_ml_mm, on_ramp(306).ml_mm, 1e-12);
-}
-
-TEST(Prepare, WhatIsLeftAndNeeded_IsSaid) {
-  const auto what = [](const CopSeries& series, const Preparation& preparation) { return prepare(series, preparation).error().what; };
-
-  EXPECT_EQ(what(ramp(), {.profile = Profile::AsIs, .trim_s = 9.99}),
-            "only 1 samples (0.010000 s) are left of the centre of pressure, and 2 are needed");
-  EXPECT_EQ(what(ramp(12), {.profile = Profile::Lp10}),
-            "only 12 samples (0.120000 s) are left of the centre of pressure, and 16 are needed");
-  EXPECT_EQ(what(with_gap(ramp(), 0, 1000), kPrepareAsIs), "there is no sample of the centre of pressure");
 }
 
 TEST(Prepare, MissingEnds_AreTakenOffWithoutACut) {
@@ -171,12 +162,10 @@ TEST(Prepare, Constant_IsExactlyZero) {
 }
 
 TEST(Prepare, WhatCannotBeAnalysedIsRefused) {
-  const auto code = [](const CopSeries& series, const Preparation& preparation) {
+  const auto refusal = [](const CopSeries& series, const Preparation& preparation) {
     const auto prepared = prepare(series, preparation);
-    return prepared ? core::ErrorCode{} : prepared.error().code;
+    return prepared ? "" : prepared.error().what;
   };
-  constexpr auto kInvalid = core::ErrorCode::InvalidArgument;
-  constexpr auto kFailed = core::ErrorCode::Failed;
   CopSeries uneven = ramp();
   uneven.ap_mm.pop_back();
   CopSeries loads = ramp();
@@ -184,27 +173,31 @@ TEST(Prepare, WhatCannotBeAnalysedIsRefused) {
   CopSeries rate = ramp();
   constexpr Preparation kLp10{};
 
-  EXPECT_EQ(code(uneven, kPrepareAsIs), kInvalid);
-  EXPECT_EQ(code(loads, kPrepareAsIs), kInvalid);
-  for (const double rate_hz : {0.0, -100.0, kNaN, 9.99, 100'001.0, std::numeric_limits<double>::infinity()}) {
+  EXPECT_EQ(refusal(uneven, kPrepareAsIs), "the columns of the centre of pressure are not equally long");
+  EXPECT_EQ(refusal(loads, kPrepareAsIs), "the columns of the centre of pressure are not equally long");
+  for (const double rate_hz : {10.0, 100'000.0, 0.0, -100.0, kNaN, 9.99, 100'001.0, std::numeric_limits<double>::infinity()}) {
     rate.rate_hz = rate_hz;
-    EXPECT_EQ(code(rate, kPrepareAsIs), kInvalid) << rate_hz;
+    EXPECT_EQ(refusal(rate, kPrepareAsIs),
+              rate_hz >= 10.0 && rate_hz <= 1e5 ? "" : "a centre of pressure sampled at " + std::to_string(rate_hz) + " Hz")
+        << rate_hz;
   }
   rate.rate_hz = 20.0;
-  EXPECT_EQ(code(rate, kLp10), kInvalid);
-  EXPECT_EQ(code(rate, kPrepareAsIs), core::ErrorCode{});
-  EXPECT_EQ(code(ramp(15), kLp10), kFailed);
-  EXPECT_EQ(code(ramp(16), kLp10), core::ErrorCode{});
-  EXPECT_EQ(code(ramp(1), kPrepareAsIs), kFailed);
-  EXPECT_EQ(code(ramp(2), kPrepareAsIs), core::ErrorCode{});
-  EXPECT_EQ(code(ramp(0), kPrepareAsIs), kFailed);
-  EXPECT_EQ(code(with_gap(ramp(), 0, 1000), kPrepareAsIs), kFailed);
-  EXPECT_EQ(code(ramp(), {.profile = Profile::AsIs, .trim_s = 9.99}), kFailed);
-  EXPECT_EQ(code(ramp(), {.profile = Profile::AsIs, .trim_s = 9.98}), core::ErrorCode{});
-  EXPECT_EQ(code(ramp(), {.profile = Profile::AsIs, .trim_s = 1e300}), kFailed);
-  EXPECT_EQ(code(ramp(), {.profile = Profile::AsIs, .trim_s = kNaN}), kInvalid);
-  EXPECT_EQ(code(ramp(), {.analysis_rate_hz = -1.0}), kInvalid);
-  EXPECT_EQ(code(ramp(), {.profile = static_cast<Profile>(9)}), kInvalid);
+  EXPECT_EQ(refusal(rate, kLp10), "profile lp10 cannot filter 20.000000 Hz at 10 Hz");
+  EXPECT_EQ(refusal(rate, kPrepareAsIs), "");
+  EXPECT_EQ(refusal(ramp(15), kLp10), "only 15 samples (0.150000 s) are left of the centre of pressure, and 16 are needed");
+  EXPECT_EQ(refusal(ramp(16), kLp10), "");
+  EXPECT_EQ(refusal(ramp(1), kPrepareAsIs), "only 1 samples (0.010000 s) are left of the centre of pressure, and 2 are needed");
+  EXPECT_EQ(refusal(ramp(2), kPrepareAsIs), "");
+  for (const CopSeries& nobody : {ramp(0), with_gap(ramp(), 0, 1000)}) {
+    EXPECT_EQ(refusal(nobody, kPrepareAsIs), "there is no sample of the centre of pressure");
+  }
+  EXPECT_EQ(refusal(ramp(), {.profile = Profile::AsIs, .trim_s = 9.99}),
+            "only 1 samples (0.010000 s) are left of the centre of pressure, and 2 are needed");
+  EXPECT_EQ(refusal(ramp(), {.profile = Profile::AsIs, .trim_s = 9.98}), "");
+  EXPECT_EQ(refusal(ramp(), {.profile = Profile::AsIs, .trim_s = 1e300}), "there is no sample of the centre of pressure");
+  EXPECT_EQ(refusal(ramp(), {.profile = Profile::AsIs, .trim_s = kNaN}), "no settling time");
+  EXPECT_EQ(refusal(ramp(), {.analysis_rate_hz = -1.0}), "no rate of analysis");
+  EXPECT_EQ(refusal(ramp(), {.profile = static_cast<Profile>(9)}), "no such profile");
 }
 
 TEST(Prepare, LoadThatGoesAway_IsSteppingOff) {

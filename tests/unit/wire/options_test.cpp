@@ -35,6 +35,7 @@ TEST(Options, EveryEventHasATopic) {
 }
 
 TEST(Options, EveryCommandHasARoleAndAnAnswer_AndEveryChangeAName) {
+  std::string slow;
   for (int index = 0; index < commands().field_count(); ++index) {
     SCOPED_TRACE(commands().field(index)->name());
     const v1::Request request = request_of(commands().field(index));
@@ -44,11 +45,13 @@ TEST(Options, EveryCommandHasARoleAndAnAnswer_AndEveryChangeAName) {
     ASSERT_NE(answer_field(request), nullptr);
     EXPECT_EQ(answer_field(request)->name(), rules.answer());
     EXPECT_EQ(answer_field(request)->containing_oneof()->name(), "result");
+    if (rules.timeout_s() > 0) slow += commands().field(index)->name() + " " + std::to_string(rules.timeout_s()) + " s, ";
     if (rules.is_change()) {
       EXPECT_NE(rules.audit(), "");
       EXPECT_GT(rules.role(), v1::ROLE_VIEWER);
     }
   }
+  EXPECT_EQ(slow, "stop_session 20 s, tare 15 s, ");
 }
 
 TEST(Options, ARequestWithoutACommand_NeedsWhatNobodyHas) {

@@ -49,9 +49,7 @@ class UserCommandsTest : public ::testing::Test {
 TEST_F(UserCommandsTest, AddListRemove_DoAsTheySay) {
   EXPECT_EQ(run({"user", "add", "anna", "--role", "operator", "--users", file_}), cli::kOk) << talk_.str();
   EXPECT_EQ(run({"user", "list", "--users", file_}), cli::kOk);
-  EXPECT_THAT(out_.str(), HasSubstr("anna"));
-  EXPECT_THAT(out_.str(), HasSubstr("operator"));
-  EXPECT_THAT(out_.str(), Not(HasSubstr("argon2id")));
+  EXPECT_EQ(out_.str(), "user  role\nanna  operator\n");
   const auto users = read_users(file_);
   ASSERT_TRUE(users.has_value());
   EXPECT_TRUE(is_password(users->users.at(0).password_hash, Secret("correct horse battery")));
@@ -74,18 +72,20 @@ TEST_F(UserCommandsTest, PasswordOfWrongLength_IsRefused) {
 }
 
 TEST_F(UserCommandsTest, WrongNameRoleOrFile_IsWrongUse) {
-  EXPECT_EQ(run({"user", "add", "Anna", "--role", "viewer", "--users", file_}), cli::kUsage);
-  EXPECT_EQ(run({"user", "add", "anna", "--role", "none", "--users", file_}), cli::kUsage);
-  EXPECT_EQ(run({"user", "add", "anna", "--users", file_}), cli::kUsage);
-  EXPECT_EQ(run({"user", "add", "anna", "--role", "viewer"}), cli::kUsage);
-  EXPECT_EQ(run({"user", "list"}), cli::kUsage);
-  EXPECT_THAT(talk_.str(), HasSubstr("--users"));
-}
-
-TEST_F(UserCommandsTest, NameOfThoseWithoutALogin_IsTaken) {
-  EXPECT_EQ(run({"user", "add", "local", "--role", "viewer", "--users", file_}), cli::kUsage);
-
-  EXPECT_THAT(talk_.str(), HasSubstr("'local' is what those without a login are called: take another name"));
+  for (const auto& [words, says] :
+       {std::pair(std::vector<std::string>{"add", "Anna", "--role", "viewer", "--users", file_},
+                  "NAME: 'Anna': a name is 1 to 32 of a-z, 0-9, '.', '_', '-'"),
+        {{"add", "local", "--role", "viewer", "--users", file_},
+         "NAME: 'local': 'local' is what those without a login are called: take another name"},
+        {{"add", "anna", "--role", "none", "--users", file_}, "--role: 'none' is none of viewer, operator, engineer"},
+        {{"add", "anna", "--users", file_}, "--role is required"},
+        {{"add", "anna", "--role", "viewer"}, "--users is required"},
+        {{"list"}, "--users is required"}}) {
+    std::vector<std::string> all = words;
+    all.insert(all.begin(), "user");
+    EXPECT_EQ(run(all), cli::kUsage);
+    EXPECT_EQ(talk_.str(), "dts-gateway: user " + words[0] + ": " + says + "\n  try: dts-gateway user " + words[0] + " --help\n");
+  }
   EXPECT_FALSE(std::ifstream(file_).is_open());
 }
 

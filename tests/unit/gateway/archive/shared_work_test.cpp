@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gateway/archive/shared_work.h"
 
-#include <gtest/gtest.h>
-
-#include <boost/asio/executor_work_guard.hpp>
-#include <chrono>
 #include <new>
 #include <optional>
+
+#include "unit/gateway/answered_test.h"
 
 namespace dts::gateway {
 namespace {
 
-TEST(SharedWork, WhatThrowsIsAnErrorForWhoAskedAndTheNextIsMade) {
-  boost::asio::io_context io;
-  const auto keep_running = boost::asio::make_work_guard(io);
-  Worker worker(io);
+using SharedWorkTest = IoTest;
+
+TEST_F(SharedWorkTest, WhatThrowsIsAnErrorForWhoAskedAndTheNextIsMade) {
+  Worker worker(io_);
   SharedWork<int> work(worker, [](const std::string&, int) {});
   std::optional<core::Result<int>> first;
   std::optional<core::Result<int>> second;
@@ -23,11 +21,8 @@ TEST(SharedWork, WhatThrowsIsAnErrorForWhoAskedAndTheNextIsMade) {
       "large", [](const std::stop_token&) -> core::Result<int> { throw std::bad_alloc(); }, [&](const auto& made) { first = made; }));
   ASSERT_TRUE(work.ask(
       "small", [](const std::stop_token&) -> core::Result<int> { return 7; }, [&](const auto& made) { second = made; }));
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-  while (!second && io.run_one_until(deadline) > 0) {
-  }
 
-  ASSERT_TRUE(first && second);
+  ASSERT_TRUE(runs_until([&] { return first && second; }));
   EXPECT_FALSE(first->has_value());
   EXPECT_EQ(second->value_or(0), 7);
 }

@@ -3,14 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <boost/asio/executor_work_guard.hpp>
 #include <chrono>
 #include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "unit/libdts/fake_daemon.h"
+#include "unit/gateway/answered_test.h"
 
 namespace dts::gateway {
 namespace {
@@ -36,19 +35,10 @@ Answers stops_only(const v1::Request& request, int) {
   return {testing::reply(request, [](v1::Response& response) { response.mutable_session()->set_session_id("s1"); })};
 }
 
-class CommandPoolTest : public ::testing::Test {
+class CommandPoolTest : public IoTest {
  protected:
-  template <class Condition>
-  [[nodiscard]] bool runs_until(const Condition& condition) {
-    const auto deadline = Clock::now() + testing::kDeadline;
-    while (!condition() && Clock::now() < deadline) io_.run_one_for(std::chrono::milliseconds(10));
-    return condition();
-  }
-
   testing::TemporaryDirectory directory_;
   std::string endpoint_ = directory_.endpoint("control.sock");
-  boost::asio::io_context io_;
-  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> keep_running_{io_.get_executor()};
 };
 
 TEST_F(CommandPoolTest, AFloodOfLooks_DoesNotKeepAStopFromTheDaemon) {

@@ -2,8 +2,6 @@
 // What the daemon gets of a browser's command.
 #include <gtest/gtest.h>
 
-#include <boost/asio/executor_work_guard.hpp>
-#include <chrono>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,8 +9,8 @@
 
 #include "gateway/access/command_id.h"
 #include "gateway/bus/hub.h"
+#include "unit/gateway/answered_test.h"
 #include "unit/gateway/bus/fake_connection.h"
-#include "unit/libdts/fake_daemon.h"
 
 namespace dts::gateway {
 namespace {
@@ -27,7 +25,7 @@ v1::FromBrowser start_of(const std::string& request_id) {
   return message;
 }
 
-class ForwardedCommandTest : public ::testing::Test {
+class ForwardedCommandTest : public IoTest {
  protected:
   ForwardedCommandTest() {
     daemon_.set(zmq::sockopt::linger, 0);
@@ -54,8 +52,7 @@ class ForwardedCommandTest : public ::testing::Test {
     daemon_.send(zmq::buffer(testing::reply(request, [](v1::Response& response) { response.mutable_session()->set_session_id("s1"); })),
                  zmq::send_flags::none);
     const std::size_t before = connection_.sent.size();
-    const auto deadline = std::chrono::steady_clock::now() + testing::kDeadline;
-    while (connection_.sent.size() == before && std::chrono::steady_clock::now() < deadline) io_.run_one_for(std::chrono::milliseconds(10));
+    EXPECT_TRUE(runs_until([&] { return connection_.sent.size() > before; }));
     return frames.back();
   }
   v1::Request request_of(Tab& tab, const v1::FromBrowser& message) {
@@ -68,8 +65,6 @@ class ForwardedCommandTest : public ::testing::Test {
   std::string endpoint_ = directory_.endpoint("control.sock");
   zmq::context_t context_{1};
   zmq::socket_t daemon_{context_, zmq::socket_type::router};
-  boost::asio::io_context io_;
-  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> keep_running_{io_.get_executor()};
   FakeConnection connection_;
   CommandPool commands_{io_, endpoint_};
   Hub hub_{io_, commands_, [](const std::vector<std::string>&) {}, "1.2.3"};

@@ -3,23 +3,34 @@
 
 #include <gtest/gtest.h>
 
-#include <boost/asio/executor_work_guard.hpp>
 #include <chrono>
 #include <optional>
 #include <utility>
 
+#include "unit/gateway/answered_test.h"
 #include "unit/gateway/bus/fake_connection.h"
-#include "unit/libdts/fake_daemon.h"
 
 namespace dts::gateway {
 namespace {
 
 constexpr unsigned kPolicyViolation = 1008;
 
-class HubTest : public ::testing::Test {
+v1::FromBrowser status_request(const std::string& id) {
+  v1::FromBrowser message;
+  message.mutable_request()->set_request_id(id);
+  message.mutable_request()->mutable_status();
+  return message;
+}
+
+class HubTest : public IoTest {
  protected:
   std::unique_ptr<Tab> open(v1::Role role = v1::ROLE_VIEWER) { return hub_.open_tab({.user = "anna", .role = role}, connection_); }
 
+  void come_up() {
+    v1::Link up;
+    up.set_is_up(true);
+    hub_.take(up);
+  }
   static void subscribe(Tab& tab, const std::vector<std::string>& topics) {
     v1::FromBrowser message;
     for (const std::string& topic : topics) message.mutable_subscribe()->add_topics(topic);
@@ -33,18 +44,12 @@ class HubTest : public ::testing::Test {
   /// Lets timers run until the tab has got a frame; its topics.
   std::vector<std::string> next_frame() {
     const std::size_t before = connection_.sent.size();
-    const auto deadline = std::chrono::steady_clock::now() + testing::kDeadline;
-    while (connection_.sent.size() == before && std::chrono::steady_clock::now() < deadline) {
-      io_.restart();
-      io_.run_one_for(std::chrono::milliseconds(100));
-    }
+    EXPECT_TRUE(runs_until([&] { return connection_.sent.size() > before; }));
     std::vector<std::string> topics;
     for (const v1::Carried& carried : connection_.sent.back().frame().messages()) topics.push_back(carried.topic());
     return topics;
   }
 
-  boost::asio::io_context io_;
-  boost::asio::executor_work_guard<boost::asio::io_context::executor_type> keep_running_{io_.get_executor()};  ///< Answers come later.
   FakeConnection connection_;
   CommandPool commands_{io_, "ipc:///nonexistent/control.sock"};
   std::vector<std::vector<std::string>> wishes_;
@@ -52,9 +57,7 @@ class HubTest : public ::testing::Test {
 };
 
 TEST_F(HubTest, AStatusThatIsOld_IsNone_ThoughDataGoOnArriving) {
-  v1::Link up;
-  up.set_is_up(true);
-  hub_.take(up);
+  come_up();
   publish(std::string(kStatusTopic), Carried::Kind::Status, true);
   publish("floor/cop", Carried::Kind::Block);
   const auto now = std::chrono::steady_clock::now();
@@ -64,10 +67,7 @@ TEST_F(HubTest, AStatusThatIsOld_IsNone_ThoughDataGoOnArriving) {
 }
 
 TEST_F(HubTest, ATabIsToldFirstWhoItIsAndWhetherTheDaemonIsThere) {
-  v1::Link up;
-  up.set_is_up(true);
-  hub_.take(up);
-
+  come_up();
   const auto tab = open(v1::ROLE_OPERATOR);
 
   ASSERT_EQ(connection_.sent.size(), 1U);
@@ -117,12 +117,7 @@ TEST_F(HubTest, ManyChangesOfWishesAreToldAFewTimesAndTheLastOneSurely) {
 
   for (int times = 0; times < 1000; ++times) subscribe(*tab, {"floor/" + std::to_string(times)});
   const std::size_t at_once = wishes_.size();
-  const auto deadline = std::chrono::steady_clock::now() + testing::kDeadline;
-  while (wishes_.back() != std::vector<std::string>{"floor/999"} && std::chrono::steady_clock::now() < deadline) {
-    io_.run_one_for(std::chrono::milliseconds(50));
-  }
-
-  EXPECT_EQ(wishes_.back(), std::vector<std::string>{"floor/999"});
+  EXPECT_TRUE(runs_until([&] { return wishes_.back() == std::vector<std::string>{"floor/999"}; }));
   EXPECT_LT(at_once, 100U) << "a burst of 20 and 5 a second, however slow this machine is";
   EXPECT_LE(wishes_.size(), at_once + 1);
 }
@@ -141,44 +136,73 @@ TEST_F(HubTest, TheReaderIsToldWhatAllTabsWantTogetherAndOnlyWhenThatChanges) {
   EXPECT_EQ(wishes_, (std::vector<std::vector<std::string>>{{"floor/cop"}, {"chair/", "floor/cop"}, {"chair/"}, {}}));
 }
 
-TEST_F(HubTest, AnIdThatIsTooLongIsCutBetweenCharacters) {
-  const auto tab = open(v1::ROLE_VIEWER);
-  std::string id = "a";
-  for (int count = 0; count < 40; ++count) id += "\u00e4";  // two bytes each: byte 64 is the first half of one
-  v1::FromBrowser message;
-  message.mutable_request()->set_request_id(id);
-  message.mutable_request()->mutable_status();
+TEST_F(HubTest, ACommandThatIsNotForItIsRefusedAndGoesNowhere) {
+  v1::FromBrowser note = status_request("r1");
+  note.mutable_request()->mutable_note_login();
+  v1::FromBrowser start = status_request("r1");
+  start.mutable_request()->mutable_start_session()->set_rig("floor");
+  v1::FromBrowser audit = status_request("r1");
+  audit.mutable_request()->mutable_get_audit();
+  v1::FromBrowser nothing;
+  nothing.mutable_request()->set_request_id("r1");
+  std::string umlauts = "a";
+  for (int count = 0; count < 40; ++count) umlauts += "\u00e4";  // two bytes each: byte 64 is the first half of one
+  const std::string unknown = "not a command that this version knows; reload the page";
+  for (const auto& [message, role, id, says] :
+       {std::tuple(start, v1::ROLE_VIEWER, std::string("r1"),
+                   std::string("this needs the role of an operator; log in as somebody who has it")),
+        {audit, v1::ROLE_OPERATOR, "r1", "this needs the role of an engineer; log in as somebody who has it"},
+        {note, v1::ROLE_ENGINEER, "r1", unknown},
+        {nothing, v1::ROLE_ENGINEER, "r1", unknown},
+        {status_request(""), v1::ROLE_ENGINEER, "", unknown},
+        {status_request(std::string(65, 'x')), v1::ROLE_ENGINEER, std::string(64, 'x'), unknown},
+        {status_request(umlauts), v1::ROLE_ENGINEER, umlauts.substr(0, 63), unknown}}) {
+    const auto tab = open(role);
+    connection_.sent.clear();
 
-  say(*tab, message);
+    say(*tab, message);
 
-  ASSERT_EQ(connection_.sent.size(), 2U);  // it could be parsed
-  EXPECT_EQ(connection_.sent[1].response().request_id(), id.substr(0, 63));
+    ASSERT_EQ(connection_.sent.size(), 1U);
+    const v1::Response& response = connection_.sent[0].response();
+    EXPECT_EQ(response.request_id(), id);
+    EXPECT_EQ(response.error().code(), says == unknown ? v1::ERROR_CODE_INVALID_ARGUMENT : v1::ERROR_CODE_NOT_ALLOWED);
+    EXPECT_EQ(response.error().what() + "; " + response.error().hint(), says);
+  }
 }
 
-TEST_F(HubTest, ACommandAboveTheRoleIsRefusedAndGoesNowhere) {
-  const auto tab = open(v1::ROLE_VIEWER);
-  v1::FromBrowser message;
-  message.mutable_request()->set_request_id("r1");
-  message.mutable_request()->mutable_start_session()->set_rig("floor");
+TEST_F(HubTest, TheNinthCommandAtOnceIsRefused) {
+  const auto tab = open();
+  connection_.sent.clear();
+  for (int count = 1; count <= 9; ++count) say(*tab, status_request("r" + std::to_string(count)));
 
-  say(*tab, message);
+  ASSERT_EQ(connection_.sent.size(), 1U);
+  EXPECT_EQ(connection_.sent[0].response().request_id(), "r9");
+  EXPECT_EQ(connection_.sent[0].response().error().code(), v1::ERROR_CODE_LIMIT_EXCEEDED);
+  EXPECT_EQ(connection_.sent[0].response().error().what(), "too many commands at once");
+}
 
-  ASSERT_EQ(connection_.sent.size(), 2U);
-  const v1::Response& response = connection_.sent[1].response();
-  EXPECT_EQ(response.request_id(), "r1");
-  EXPECT_EQ(response.error().code(), v1::ERROR_CODE_NOT_ALLOWED);
-  EXPECT_EQ(response.error().what(), "this needs the role of an operator");
-  EXPECT_EQ(response.error().hint(), "log in as somebody who has it");
+TEST_F(HubTest, WhatIsNoMessageOfTheProtocolEndsTheConnection) {
+  v1::FromBrowser unsent_frame;
+  unsent_frame.mutable_painted()->set_frame(7);
+  v1::FromBrowser mad_rate;
+  mad_rate.mutable_subscribe()->set_frames_per_second(1e9);
+  for (const auto& [bytes, reason] : {std::pair(std::string("\xff\xff\xff"), "not a message of dts.v1"),
+                                      {"", "an empty message"},
+                                      {unsent_frame.SerializeAsString(), "painted a frame that was not sent"},
+                                      {mad_rate.SerializeAsString(), "too many or too long topics, or an impossible rate"}}) {
+    const auto tab = open();
+    connection_.closed_with.reset();
+
+    tab->on_message(bytes);
+
+    EXPECT_EQ(connection_.closed_with, kPolicyViolation) << reason;
+    EXPECT_EQ(connection_.close_reason, reason);
+  }
 }
 
 TEST_F(HubTest, ACommandThatIsAllowedReachesForTheDaemon) {
   const auto tab = open(v1::ROLE_OPERATOR);
-  v1::FromBrowser message;
-  message.mutable_request()->set_request_id("r1");
-  message.mutable_request()->mutable_start_session()->set_rig("floor");
-
-  say(*tab, message);
-  io_.restart();
+  say(*tab, status_request("r1"));
   io_.run_one_for(testing::kDeadline);
 
   ASSERT_EQ(connection_.sent.size(), 2U);
@@ -188,9 +212,6 @@ TEST_F(HubTest, ACommandThatIsAllowedReachesForTheDaemon) {
 TEST_F(HubTest, ATabWhoseLoginHasEndedIsClosedByTheNextCommandOrStatus) {
   bool is_logged_in = true;
   const auto tab = hub_.open_tab({.user = "anna", .role = v1::ROLE_VIEWER, .holds = [&] { return is_logged_in; }}, connection_);
-  v1::FromBrowser message;
-  message.mutable_request()->set_request_id("r1");
-  message.mutable_request()->mutable_status();
   publish("dtsd/status", Carried::Kind::Status);
   EXPECT_FALSE(connection_.closed_with);
 
@@ -198,19 +219,16 @@ TEST_F(HubTest, ATabWhoseLoginHasEndedIsClosedByTheNextCommandOrStatus) {
 
   publish("dtsd/status", Carried::Kind::Status);
   EXPECT_EQ(std::exchange(connection_.closed_with, std::nullopt), 4401U);
-  say(*tab, message);
+  say(*tab, status_request("r1"));
   EXPECT_EQ(connection_.closed_with, 4401U);
+  EXPECT_EQ(connection_.close_reason, "the login has ended");
 }
 
 TEST_F(HubTest, AnAnswerForATabThatIsGoneIsForgotten) {
   auto tab = open(v1::ROLE_OPERATOR);
-  v1::FromBrowser message;
-  message.mutable_request()->set_request_id("r1");
-  message.mutable_request()->mutable_status();
-  say(*tab, message);
+  say(*tab, status_request("r1"));
 
   tab.reset();
-  io_.restart();
   io_.run_one_for(testing::kDeadline);
 
   EXPECT_EQ(connection_.sent.size(), 1U);
@@ -229,41 +247,11 @@ TEST_F(HubTest, AClockProbeIsAnsweredAtOnceWithBothTimes) {
   EXPECT_GE(answer.host_time_ns(), std::chrono::nanoseconds(before).count());
 }
 
-TEST_F(HubTest, WhatIsNoMessageOfTheProtocolEndsTheConnection) {
-  v1::FromBrowser unsent_frame;
-  unsent_frame.mutable_painted()->set_frame(7);
-  v1::FromBrowser mad_rate;
-  mad_rate.mutable_subscribe()->set_frames_per_second(1e9);
-  for (const std::string& bytes :
-       {std::string("\xff\xff\xff"), std::string(), unsent_frame.SerializeAsString(), mad_rate.SerializeAsString()}) {
-    const auto tab = open();
-    connection_.closed_with.reset();
-
-    tab->on_message(bytes);
-
-    EXPECT_EQ(connection_.closed_with, kPolicyViolation) << ::testing::PrintToString(bytes);
-  }
-}
-
-TEST_F(HubTest, ARequestIdThatIsTooLongIsRefusedAndNotRepeatedInFull) {
-  const auto tab = open(v1::ROLE_ENGINEER);
-  v1::FromBrowser message;
-  message.mutable_request()->set_request_id(std::string(1000, 'x'));
-  message.mutable_request()->mutable_status();
-
-  say(*tab, message);
-
-  const v1::Response& response = connection_.sent.back().response();
-  EXPECT_EQ(response.error().code(), v1::ERROR_CODE_INVALID_ARGUMENT);
-  EXPECT_EQ(response.request_id().size(), 64U);
-}
-
 TEST_F(HubTest, ASlowNetworkGetsNothingUntilItHasTakenWhatIsUnderWay) {
   const auto tab = open();
   subscribe(*tab, {"floor/"});
   connection_.unsent = 10U << 20U;
   publish("floor/cop", Carried::Kind::Block);
-  io_.restart();
   io_.run_for(std::chrono::milliseconds(120));
   EXPECT_EQ(connection_.sent.size(), 1U);
 

@@ -3,18 +3,24 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
 #include <vector>
+
+#include "gateway/http/token_bucket.h"
 
 namespace dts::gateway {
 namespace {
 
 using Seat = ConnectionLimits::Seat;
+using boost::asio::ip::make_address;
+using std::chrono::milliseconds;
+using std::chrono::seconds;
 
 class ConnectionLimitsTest : public ::testing::Test {
  protected:
   /// A connection from `address` that is named in `gone_` when it has to go.
   Seat& sit(const std::string& name, const std::string& address = "10.0.0.1") {
-    auto seat = limits_.take_seat(boost::asio::ip::make_address(address));
+    auto seat = limits_.take_seat(make_address(address));
     EXPECT_TRUE(seat) << name;
     seats_.push_back(std::move(*seat));
     seats_.back().on_eviction([this, name] { gone_.push_back(name); });
@@ -74,10 +80,41 @@ TEST_F(ConnectionLimitsTest, UsersOfAllPlaces_LeaveNoneToStrangers) {
   sit("stranger");
   EXPECT_TRUE(sit("newcomer", "10.0.0.2").belongs_to("user 7"));
   EXPECT_EQ(gone_, std::vector<std::string>{"stranger"});
-  EXPECT_FALSE(limits_.take_seat(boost::asio::ip::make_address("10.0.0.9")));
+  EXPECT_FALSE(limits_.take_seat(make_address("10.0.0.9")));
   seats_.clear();
   EXPECT_EQ(limits_.taken(), 0U);
   sit("again");
+}
+
+TEST(CountedAs, ANetworkOfAddressesCountsAsOneHost) {
+  EXPECT_EQ(counted_as(make_address("2001:db8:1:2:3::4")), counted_as(make_address("2001:db8:1:2:ffff::1")));
+  EXPECT_NE(counted_as(make_address("2001:db8:1:2::1")), counted_as(make_address("2001:db8:1:3::1")));
+  EXPECT_EQ(counted_as(make_address("127.0.0.1")), counted_as(make_address("::1")));
+  EXPECT_EQ(counted_as(make_address("127.9.9.9")), counted_as(make_address("::ffff:127.0.0.1")));
+}
+
+TEST(CountedAs, AnAddressAsTextCountsAsTheAddress) {
+  for (const char* text : {"192.0.2.7", "::ffff:192.0.2.7", "2001:db8:1:2::99", "127.0.0.1"}) {
+    EXPECT_EQ(counted_as(std::string(text)), counted_as(make_address(text))) << text;
+  }
+  EXPECT_EQ(counted_as(std::string("::ffff:192.0.2.7")), "192.0.2.7");
+  EXPECT_EQ(counted_as(std::string("nonsense")), "nonsense");
+}
+
+TEST(TokenBucket, ABurstIsFourSecondsWorthAndSilenceSavesUpNoMore) {
+  TokenBucket bucket(10.0);
+  const TokenBucket::Time start{seconds(1000)};
+
+  int taken = 0;
+  while (bucket.take(start)) ++taken;
+
+  EXPECT_EQ(taken, 40);
+  EXPECT_FALSE(bucket.take(start + milliseconds(50)));
+  EXPECT_TRUE(bucket.take(start + milliseconds(150)));
+  EXPECT_FALSE(bucket.take(start + milliseconds(150)));
+  taken = 0;
+  while (bucket.take(start + seconds(3600))) ++taken;
+  EXPECT_EQ(taken, 40);
 }
 
 }  // namespace

@@ -2,11 +2,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <fstream>
 #include <optional>
 
 #include "served_gateway.h"
+#include "unit/libdts/fake_daemon.h"
 
 namespace dts::gateway::test {
 namespace {
@@ -214,18 +214,17 @@ TEST(HttpServer, AMistakeInARouteCostsOneAnswer) {
 }
 
 TEST(HttpServer, AFileIsStreamedAndHeadTellsItsSize) {
-  char name[] = "/tmp/dts-XXXXXX";
-  const std::filesystem::path directory = ::mkdtemp(name);
+  const dts::testing::TemporaryDirectory directory;
   const std::string content(300000, 'f');
-  std::ofstream(directory / "part.xdf") << content;
+  std::ofstream(directory.path() / "part.xdf") << content;
   ServedGateway gateway;
-  gateway.file = directory / "part.xdf";
+  gateway.file = directory.path() / "part.xdf";
   RawClient client(gateway.port());
 
   client.send(request(gateway.port(), "HEAD /file") + request(gateway.port(), "GET /file", "Connection: close\r\n"));
   const std::string head = client.read_head();
   const std::string all = client.read_to_end();
-  std::filesystem::remove_all(directory);
+  std::filesystem::remove(gateway.file);
   const std::string gone = answer_to(gateway.port(), request(gateway.port(), "GET /file"));
 
   EXPECT_THAT(head, HasSubstr("Content-Length: 300000\r\n"));
@@ -235,11 +234,10 @@ TEST(HttpServer, AFileIsStreamedAndHeadTellsItsSize) {
 }
 
 TEST(HttpServer, AFileIsGivenBackWhenThePeerLeavesEarly) {
-  char name[] = "/tmp/dts-XXXXXX";
-  const std::filesystem::path directory = ::mkdtemp(name);
-  std::ofstream(directory / "part.xdf") << std::string(8U << 20U, 'f');
+  const dts::testing::TemporaryDirectory directory;
+  std::ofstream(directory.path() / "part.xdf") << std::string(8U << 20U, 'f');
   ServedGateway gateway;
-  gateway.file = directory / "part.xdf";
+  gateway.file = directory.path() / "part.xdf";
 
   {
     RawClient client(gateway.port(), 4096);
@@ -248,7 +246,6 @@ TEST(HttpServer, AFileIsGivenBackWhenThePeerLeavesEarly) {
   }
 
   EXPECT_TRUE(ServedGateway::eventually([&] { return gateway.files_done() == 1; }));
-  std::filesystem::remove_all(directory);
 }
 
 TEST(HttpServer, StopClosesTheListenerAndIdleConnections) {

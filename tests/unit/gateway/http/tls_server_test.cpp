@@ -7,9 +7,9 @@
 #include <openssl/x509.h>
 
 #include <cstdio>
-#include <cstdlib>
 
 #include "served_gateway.h"
+#include "unit/libdts/fake_daemon.h"
 
 namespace dts::gateway::test {
 namespace {
@@ -21,8 +21,6 @@ using ::testing::StartsWith;
 class Certificate {
  public:
   Certificate() {
-    char name[] = "/tmp/dts-XXXXXX";
-    directory_ = ::mkdtemp(name);
     EVP_PKEY* key = EVP_EC_gen("P-256");
     X509* certificate = X509_new();
     ASN1_INTEGER_set(X509_get_serialNumber(certificate), 1);
@@ -39,15 +37,12 @@ class Certificate {
     X509_free(certificate);
     EVP_PKEY_free(key);
   }
-  ~Certificate() { std::filesystem::remove_all(directory_); }
-  Certificate(const Certificate&) = delete;
-  Certificate& operator=(const Certificate&) = delete;
 
-  [[nodiscard]] std::string certificate_file() const { return directory_ / "certificate.pem"; }
-  [[nodiscard]] std::string key_file() const { return directory_ / "key.pem"; }
+  [[nodiscard]] std::string certificate_file() const { return directory_.path() / "certificate.pem"; }
+  [[nodiscard]] std::string key_file() const { return directory_.path() / "key.pem"; }
 
  private:
-  std::filesystem::path directory_;
+  dts::testing::TemporaryDirectory directory_;
 };
 
 /// TLS on top of a RawClient.

@@ -55,8 +55,9 @@ TEST_F(StaticFilesTest, FileWithAHashInItsName_MayBeKeptForEver) {
 }
 
 TEST_F(StaticFilesTest, WhatIsNotThere_IsNotFound) {
-  for (const char* path : {"/nothing", "/assets", "/assets/", "//index.html", "/index.html/", "/INDEX.HTML", "/./index.html", "index.html",
-                           "/assets/../index.html", "/assets\\index-1a2b.js", ""}) {
+  for (const char* path :
+       {"/nothing", "/assets", "/assets/", "//index.html", "/index.html/", "/INDEX.HTML", "/./index.html", "index.html",
+        "/assets/../index.html", "/....//index.html", "/..;/index.html", "/%2e%2e/index.html", "/assets\\index-1a2b.js", ""}) {
     EXPECT_EQ(get(path).status, 404U) << path;
   }
 }

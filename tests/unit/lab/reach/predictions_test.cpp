@@ -1,19 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/reach/predictions.h"
 
-#include <gmock/gmock.h>
+#include <gtest/gtest.h>
 
 namespace dts::lab::reach {
 namespace {
 
-using testing::EndsWith;
-
 constexpr const char* kHead = "subject,trial,t_p1,t_p2,t_p3,p1_mm,p2_mm,p3_mm,class,p_class,trunk_deg,trunk_lo_deg,trunk_hi_deg\n";
-
-std::string line_of(const Prediction& prediction) {
-  const std::string text = prediction_text({&prediction, 1});
-  return text.substr(std::string(kHead).size());
-}
 
 Prediction reaching() {
   core::ReachEvent reach{.step = core::ReachStep::Final,
@@ -26,54 +19,34 @@ Prediction reaching() {
   return {.subject = "A", .trial = 7, .rate = core::Rate::from_hz(1500.0).value(), .reach = reach, .movement = std::nullopt};
 }
 
-TEST(Predictions, NothingFound_IsEmptyCells) {
+TEST(Predictions, EachTrial_IsALineWithWhatIsKnown) {
+  const std::string points = "0.1000,0.2000,1.0000,3.7000,3.3000,5.2000,";
+  std::vector<std::pair<Prediction, std::string>> cases{
+      {reaching(), "A,7," + points + ",,,,"}, {{.subject = "A", .trial = 7, .rate = {}, .reach = {}, .movement = {}}, "A,7,,,,,,,,,,,"}};
+  const auto add = [&](auto&& change, const std::string& line) { change(cases.emplace_back(reaching(), line).first); };
+  const auto classed = [](core::TrunkClass trunk_class) {
+    return [=](Prediction& prediction) {
+      prediction.movement = core::TrunkMovement{
+          .trunk_class = trunk_class, .probability = {0.02, 0.95, 0.03}, .trunk_deg = 27.3, .trunk_lo_deg = 20.1, .trunk_hi_deg = 33.0};
+    };
+  };
+  add(classed(core::TrunkClass::Minor), "A,7," + points + "1,0.0200,27.30,20.10,33.00");
+  add(classed(core::TrunkClass::Moderate), "A,7," + points + "2,0.9500,27.30,20.10,33.00");
+  add(classed(core::TrunkClass::Maximum), "A,7," + points + "3,0.0300,27.30,20.10,33.00");
+  add(classed(core::TrunkClass::Rejected), "A,7," + points + "-1,,27.30,20.10,33.00");
+  add([](Prediction& prediction) { prediction.movement = core::TrunkMovement{.trunk_class = core::TrunkClass::None}; },
+      "A,7," + points + "0,,,,");
+  add(
+      [](Prediction& prediction) {
+        prediction.reach->p3 = {};
+        prediction.reach->features.p3_mm = core::ReachFeatures::kUnknown;
+      },
+      "A,7,0.1000,0.2000,,3.7000,3.3000,,,,,,");
+  add([](Prediction& prediction) { prediction.subject = "A, the \"first\""; }, "\"A, the \"\"first\"\"\",7," + points + ",,,,");
+  add([](Prediction& prediction) { prediction.subject = "=cmd"; }, "'=cmd,7," + points + ",,,,");
+
+  for (const auto& [prediction, line] : cases) EXPECT_EQ(prediction_text({&prediction, 1}), kHead + line + "\n");
   EXPECT_EQ(prediction_text({}), kHead);
-  EXPECT_EQ(line_of({.subject = "A", .trial = 7, .rate = {}, .reach = std::nullopt, .movement = std::nullopt}), "A,7,,,,,,,,,,,\n");
-}
-
-TEST(Predictions, Times_AreSecondsFromTheFirstSample) {
-  EXPECT_EQ(line_of(reaching()), "A,7,0.1000,0.2000,1.0000,3.7000,3.3000,5.2000,,,,,\n");
-}
-
-TEST(Predictions, UnknownPoint_IsEmpty) {
-  Prediction prediction = reaching();
-  prediction.reach->p3 = {};
-  prediction.reach->features.p3_mm = core::ReachFeatures::kUnknown;
-
-  EXPECT_EQ(line_of(prediction), "A,7,0.1000,0.2000,,3.7000,3.3000,,,,,,\n");
-}
-
-TEST(Predictions, Class_HasItsOwnProbability) {
-  Prediction prediction = reaching();
-  prediction.movement = core::TrunkMovement{.trunk_class = core::TrunkClass::Moderate,
-                                            .probability = {0.02, 0.95, 0.03},
-                                            .trunk_deg = 27.3,
-                                            .trunk_lo_deg = 20.1,
-                                            .trunk_hi_deg = 33.0};
-
-  EXPECT_THAT(line_of(prediction), EndsWith(",2,0.9500,27.30,20.10,33.00\n"));
-}
-
-TEST(Predictions, RejectedAndNone_HaveNoProbability) {
-  Prediction prediction = reaching();
-  prediction.movement = core::TrunkMovement{.trunk_class = core::TrunkClass::Rejected, .probability = {0.5, 0.5, 0.0}};
-  EXPECT_THAT(line_of(prediction), EndsWith(",-1,,,,\n"));
-  prediction.movement->trunk_class = core::TrunkClass::None;
-  EXPECT_THAT(line_of(prediction), EndsWith(",0,,,,\n"));
-}
-
-TEST(Predictions, NameWithAComma_StaysOneCell) {
-  Prediction prediction = reaching();
-  prediction.subject = "A, the \"first\"";
-
-  EXPECT_THAT(line_of(prediction), testing::StartsWith("\"A, the \"\"first\"\"\",7,"));
-}
-
-TEST(Predictions, NameThatASpreadsheetWouldCompute_IsText) {
-  Prediction prediction = reaching();
-  prediction.subject = "=cmd";
-
-  EXPECT_THAT(line_of(prediction), testing::StartsWith("'=cmd,7,"));
 }
 
 }  // namespace

@@ -1,16 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <stdlib.h>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 
 #include "unit/pipeline/reaching_signal.h"
+#include "unit/record/xdf_fixture.h"
 
 namespace dts::lab::reach {
 
@@ -18,9 +16,6 @@ namespace dts::lab::reach {
 class TrialFolder {
  public:
   TrialFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "dts_trials_XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
     write("subjects.csv",
           "subject,group,sex,weight_kg,height_cm,arm_cm,max_reach_cm,fugl_meyer\nP,healthy,M,68,175,67,124,\nQ,stroke,F,52,165,59,115,41/"
           "60\n");
@@ -40,15 +35,9 @@ class TrialFolder {
     write("P.csv", "trial,v1,v2,v3,v4\n" + rows(1, reaching) + rows(2, still));
     write("Q.csv", "trial,v1,v2,v3,v4\n" + rows(1, reaching));
   }
-  ~TrialFolder() { std::filesystem::remove_all(path_); }
-  TrialFolder(const TrialFolder&) = delete;
-  TrialFolder& operator=(const TrialFolder&) = delete;
-  TrialFolder(TrialFolder&&) = delete;
-  TrialFolder& operator=(TrialFolder&&) = delete;
-
-  [[nodiscard]] std::string path() const { return path_.string(); }
-  void write(const std::string& name, const std::string& text) const { std::ofstream(path_ / name) << text; }
-  void remove(const std::string& name) const { std::filesystem::remove(path_ / name); }
+  [[nodiscard]] std::string path() const { return folder_ / ""; }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+  void remove(const std::string& name) const { std::filesystem::remove(folder_ / name); }
 
   /// The shape of reach-model section 4.
   static double volts_at(double gap_mm) { return 0.3 + 4.0 / (1.0 + std::pow(gap_mm / 2.5, 2.0)); }
@@ -66,7 +55,7 @@ class TrialFolder {
   }
 
  private:
-  std::filesystem::path path_;
+  record::xdf_test::Folder folder_;
 };
 
 }  // namespace dts::lab::reach

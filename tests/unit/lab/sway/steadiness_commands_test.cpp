@@ -43,8 +43,7 @@ TEST_F(SteadinessTest, SeparableLabels_AreLearntAndToldAgain) {
   EXPECT_THAT(talk(), HasSubstr("1 rows left out: the subject stepped off or moved"));
 
   ASSERT_EQ(run_with({"steadiness", "classify", path("eyes.json"), training, "--out", path("pred.csv")}), cli::kOk) << talk();
-  EXPECT_THAT(made::content(path("pred.csv")),
-              ::testing::StartsWith("file,session,subject,trial,label,p_closed,p_open,outside\nt0.xdf,,S0,,open,"));
+  EXPECT_THAT(content("pred.csv"), ::testing::StartsWith("file,session,subject,trial,label,p_closed,p_open,outside\nt0.xdf,,S0,,open,"));
   ASSERT_EQ(run_with({"steadiness", "classify", path("eyes.json"), training, "--json"}), cli::kOk);
   ASSERT_EQ(json().at("predictions").size(), 48U);
   EXPECT_EQ(json().at("predictions").at(1).at("label"), "closed");
@@ -92,31 +91,33 @@ TEST_F(SteadinessTest, PredictionsForNamesOfFormulas_AreText) {
 
   ASSERT_EQ(run_with({"steadiness", "classify", path("m.json"), other, "--out", path("pred.csv")}), cli::kOk) << talk();
 
-  EXPECT_THAT(made::content(path("pred.csv")), HasSubstr("\n'=far.csv,,'@S1,,"));
+  EXPECT_THAT(content("pred.csv"), HasSubstr("\n'=far.csv,,'@S1,,"));
 }
 
 TEST_F(SteadinessTest, BadInput_ExitsWithTwo) {
   const std::string training = table("train.csv", 3, 1.0);
-  const auto train = [&](std::vector<std::string> words) {
-    words.insert(words.begin(), {"steadiness", "train"});
-    return run_with(words);
+  const std::string bad = write("bad.csv", "eyes,MVELO\nopen,fast\n");
+  const std::string model = write("m.json", "{\"kind\": 3}");
+  const std::string left_out = "warning: 1 rows left out: the subject stepped off or moved\n";
+  const auto train = [](const std::string& from, const std::string& label, const std::string& out, const std::string& measures) {
+    return std::vector<std::string>{"steadiness", "train", from, "--label", label, "--out", out, "--measures", measures};
   };
-
-  EXPECT_EQ(train({training, "--label", "eye", "--out", path("m.json")}), cli::kUsage);
-  EXPECT_THAT(talk(), HasSubstr("column 'eye' is missing"));
-  EXPECT_EQ(train({training, "--label", "eyes", "--out", path("m.json"), "--measures", "SPEED"}), cli::kUsage);
-  EXPECT_THAT(talk(), HasSubstr("there is no measure 'SPEED'"));
-  EXPECT_EQ(train({training, "--label", "eyes", "--out", path("m.json"), "--measures", "MFREQ"}), cli::kUsage);
-  EXPECT_THAT(talk(), HasSubstr("MFREQ is missing in line 2"));
-  EXPECT_EQ(train({training, "--label", "profile", "--out", path("m.json")}), cli::kUsage);
-  EXPECT_THAT(talk(), HasSubstr("not two different labels"));
-  EXPECT_EQ(train({training, "--label", "eyes", "--out", training}), cli::kUsage);
-  EXPECT_EQ(train({write("bad.csv", "eyes,MVELO\nopen,fast\n"), "--label", "eyes", "--out", path("m.json")}), cli::kUsage);
-  EXPECT_THAT(talk(), HasSubstr("bad.csv:2:6: MVELO: 'fast'"));
-  EXPECT_FALSE(std::filesystem::exists(path("m.json")));
-  EXPECT_EQ(run_with({"steadiness", "classify", write("m.json", "{\"kind\": 3}"), training}), cli::kUsage);
-  EXPECT_THAT(talk(), HasSubstr("m.json is no model of dtslab steadiness train"));
-  EXPECT_EQ(run_with({"steadiness", "classify", path("none.json"), training}), cli::kUsage);
+  for (const auto& [words, says] :
+       {std::pair(train(training, "eye", path("n.json"), "MVELO"),
+                  std::string("train.csv:1:1: column 'eye' is missing; dtslab sway FILES --label eye=... adds it\n")),
+        {train(training, "eyes", path("n.json"), "SPEED"), left_out + "dtslab: there is no measure 'SPEED'\n  try: MVELO,PEA95_F\n"},
+        {train(training, "eyes", path("n.json"), "MFREQ"),
+         left_out + "dtslab: MFREQ is missing in line 2\n  try: another measure, or a table without that row\n"},
+        {train(training, "profile", path("n.json"), "MVELO"),
+         left_out + "dtslab: there are not two different labels to tell apart\n  try: another column\n"},
+        {train(training, "eyes", training, "MVELO"), "dtslab: train.csv is the input file train.csv\n  try: write to another file\n"},
+        {train(bad, "eyes", path("n.json"), "MVELO"), "bad.csv:2:6: MVELO: 'fast' is not a finite number\n"},
+        {{"steadiness", "classify", model, training},
+         "dtslab: m.json is no model of dtslab steadiness train: 'kind' is no text\n  try: train it anew: dtslab steadiness train\n"},
+        {{"steadiness", "classify", path("none.json"), training}, "dtslab: none.json cannot be read\n  try: a file that exists\n"}}) {
+    EXPECT_EQ(refusal_of(words), says);
+  }
+  EXPECT_FALSE(std::filesystem::exists(path("n.json")));
 }
 
 }  // namespace

@@ -3,9 +3,7 @@
 
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <numbers>
 #include <string>
 
@@ -41,11 +39,6 @@ inline std::string swaying(int count, double size_mm, double seed) {
   };
   return csv(
       count, [=](double t_s) { return wave(t_s, seed); }, [=](double t_s) { return 1.6 * wave(t_s, seed + 0.5); });
-}
-
-inline std::string content(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 }  // namespace dts::lab::steadiness::made

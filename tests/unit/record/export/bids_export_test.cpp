@@ -88,17 +88,7 @@ TEST_F(BidsExportTest, Sidecar_HasTheRequiredFieldsAndCountsOfEveryType) {
       "a\",\"MotionChannelCount\":4,\"POSChannelCount\":2,\"RecordingDuration\":1.07,\"SamplingFrequency\":100.0,\"SoftwareVersions\":"
       "\"dtsd 0.1.0\",\"TaskName\":\"quiet-standing\",\"TrackedPointsCount\":1,\"TrackingSystemName\":\"floorcop\"}")
       << "of our own keys, BIDS validators refuse any";
-  EXPECT_EQ(json("sourcedata/sub-P017/20261121T144525Z-floor-1_recording.json").dump(),
-            "{\"damage\":\"torn\",\"device_serial\":\"SIM0001\",\"duration_s\":0.0,\"gaps\":1,\"kind\":\"floor\",\"losses\":{\"unplugged\":"
-            "{\"gaps\":1,\"scans\":100}},\"lost_scans\":100,\"part\":1,\"protocol\":\"quiet-standing\",\"rig\":\"floor\",\"session_id\":"
-            "\"20261121T144525Z-floor-1\",\"software\":\"dtsd "
-            "0.1.0\",\"started_utc\":\"2026-11-21T14:45:25.000000Z\",\"streams\":[{\"channels\":[{\"label\":\"w1_v\",\"unit\":\"V\"},{"
-            "\"label\":\"w2_v\",\"unit\":\"V\"}],\"filter_delay_s\":0.0,\"name\":\"floor/"
-            "raw\",\"rate_hz\":100.0,\"samples\":7},{\"channels\":[{\"label\":\"ml_mm\",\"unit\":\"mm\"},{\"label\":\"ap_mm\",\"unit\":"
-            "\"mm\"},{\"label\":\"load_n\",\"unit\":\"N\"}],\"filter_delay_s\":0.0,\"name\":\"floor/"
-            "cop\",\"rate_hz\":100.0,\"samples\":7},{\"channels\":[{\"label\":\"event\",\"unit\":\"\"}],\"filter_delay_s\":0.0,\"name\":"
-            "\"floor/events\",\"samples\":0},{\"channels\":[{\"label\":\"w1_v\",\"unit\":\"\"}],\"filter_delay_s\":0.0,\"name\":\"floor/"
-            "quality\",\"samples\":2}],\"subject\":\"P-017\",\"subject_fields\":{\"arm_length_cm\":\"71\"}}");
+  EXPECT_EQ(json("sourcedata/sub-P017/20261121T144525Z-floor-1_recording.json").at("damage"), "torn");
 }
 
 TEST_F(BidsExportTest, Events_HaveOnsetDurationAndType) {

@@ -2,69 +2,34 @@
 #include "files/protocol_file.h"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include "unit/files/files_fixture.h"
 
 namespace dts::files {
 namespace {
 
 using testing::ElementsAre;
-using testing::HasSubstr;
 
-const std::string kShipped = std::string(DTS_SOURCE_DIR) + "/config/protocols";
+const std::string kShipped = kConfig / "protocols";
 
-class ProtocolFiles : public testing::Test {
+class ProtocolFiles : public FilesTest {
  protected:
-  ProtocolFiles() {
-    std::string pattern = testing::TempDir() + "dts-protocols-XXXXXX";
-    folder_ = ::mkdtemp(pattern.data());
+  static void read(const std::string& text, Problems& problems) { (void)read_protocol_text(text, "p", problems); }
+  [[nodiscard]] std::vector<std::string> names_in(const std::string& folder) {
+    std::vector<std::string> found;
+    for (const session::Protocol& protocol : read_protocols(folder, problems_)) found.push_back(protocol.name);
+    return found;
   }
-  ~ProtocolFiles() override { std::filesystem::remove_all(folder_); }
+  session::Protocol shipped(const std::string& name) { return read_protocol(kShipped + "/" + name + ".toml", problems_); }
+  [[nodiscard]] std::string told() const { return text_of(problems_); }
 
-  std::string write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-    return folder_ / name;
-  }
-
-  std::filesystem::path folder_;
+  Problems problems_;
 };
 
-std::string all(const Problems& problems) {
-  std::string text;
-  for (const Problem& problem : problems) text += to_string(problem) + "\n";
-  return text;
-}
-std::string problems_of(const std::string& text) {
-  Problems problems;
-  (void)read_protocol_text(text, "p", problems);
-  return all(problems);
-}
-std::vector<std::string> names(const std::vector<session::Protocol>& protocols) {
-  std::vector<std::string> found;
-  for (const session::Protocol& protocol : protocols) found.push_back(protocol.name);
-  return found;
-}
-session::Protocol shipped(const std::string& name) {
-  Problems problems;
-  auto protocol = read_protocol(kShipped + "/" + name + ".toml", problems);
-  EXPECT_EQ(all(problems), "");
-  return protocol;
-}
-
-constexpr const char* kTrials = "name = \"x\"\n[trials]\n";
-constexpr const char* kCondition = "[[trials.condition]]\nname = \"a\"\n";
-
 TEST_F(ProtocolFiles, Shipped_AreAllGood) {
-  Problems problems;
-  EXPECT_THAT(names(read_protocols(kShipped, problems)),
-              ElementsAre("free", "quiet-standing", "reaching-short", "reaching-task", "romberg"));
-  EXPECT_EQ(all(problems), "");
+  EXPECT_THAT(names_in(kShipped), ElementsAre("free", "quiet-standing", "reaching-short", "reaching-task", "romberg"));
+  EXPECT_EQ(told(), "");
 }
 
 TEST_F(ProtocolFiles, QuietStanding_IsTheOneOfTheThesis) {
@@ -111,146 +76,235 @@ TEST_F(ProtocolFiles, ExampleOfTheReadme_IsGood) {
     if (line.starts_with("    ") || (line.empty() && !example.empty())) example += line + "\n";
     if (line.starts_with("## All keys")) break;
   }
-  Problems problems;
-  const auto protocol = read_protocol_text(example, "README.md", problems);
-  EXPECT_EQ(all(problems), "");
+  const auto protocol = read_protocol_text(example, "README.md", problems_);
+  EXPECT_EQ(told(), "");
   EXPECT_EQ(protocol.name, "balance-clinic");
   ASSERT_TRUE(protocol.trials.has_value());
   EXPECT_EQ(protocol.trials->trials_per_block, 2U);
   EXPECT_EQ(protocol.trials->block_rest_s, 30.0);
 }
 
-TEST_F(ProtocolFiles, BuiltInFree_IsItsOwnDefinition) {
-  Problems problems;
-  EXPECT_EQ(read_protocol_text(session::free_protocol().definition, "free", problems), session::free_protocol());
-  EXPECT_EQ(all(problems), "");
+const std::string kTrials = R"(name = "x"
+sentence = "Stand still"
+rig_kind = "chair"
+[[field]]
+name = "arm_length_cm"
+sentence = "From the acromion"
+required = true
+minimum = 30
+maximum = 110
+[[field]]
+name = "max_reach_cm"
+minimum = 1
+maximum = 200
+[[field]]
+name = "side"
+choices = ["left", "right"]
+[trials]
+trials_per_block = 3
+blocks = 2
+order = "randomised"
+starts_by_itself = true
+cue_delay_min_s = 1.0
+cue_delay_max_s = 2.0
+settle_s = 5.0
+duration_s = 20.0
+rest_s = 3.0
+block_rest_s = 60.0
+[[trials.condition]]
+name = "a"
+labels = { eyes = "open", feet = "two" }
+target_percent = 80
+[[trials.condition]]
+name = "b"
+maximum_reach = true
+)";
+constexpr const char* kSession = "name = \"x\"\nsettle_s = 1\nduration_s = 2\n";
+
+TEST_F(ProtocolFiles, EveryKey_ReachesItsField) {
+  EXPECT_EQ(
+      read_protocol(write("x.toml", kTrials), problems_),
+      (session::Protocol{
+          .name = "x",
+          .sentence = "Stand still",
+          .rig_kind = "chair",
+          .fields = {{.name = "arm_length_cm", .sentence = "From the acromion", .is_required = true, .minimum = 30, .maximum = 110},
+                     {.name = "max_reach_cm", .minimum = 1, .maximum = 200},
+                     {.name = "side", .choices = {"left", "right"}}},
+          .trials = session::TrialPlan{.conditions = {{.name = "a", .labels = {{"eyes", "open"}, {"feet", "two"}}, .target_percent = 80.0},
+                                                      {.name = "b", .is_maximum_reach = true}},
+                                       .trials_per_block = 3,
+                                       .blocks = 2,
+                                       .order = session::TrialOrder::Randomised,
+                                       .starts_by_itself = true,
+                                       .cue_delay_min_s = 1.0,
+                                       .cue_delay_max_s = 2.0,
+                                       .settle_s = 5.0,
+                                       .duration_s = 20.0,
+                                       .rest_s = 3.0,
+                                       .block_rest_s = 60.0},
+          .definition = kTrials}));
+  const auto text = [this](const std::string& definition) { return read_protocol_text(definition, "p", problems_); };
+  EXPECT_EQ(text(kSession), (session::Protocol{.name = "x", .settle_s = 1.0, .duration_s = 2.0, .definition = kSession}));
+  const std::string least = "name = \"x\"\n";
+  EXPECT_EQ(text(least), (session::Protocol{.name = "x", .definition = least})) << "until it is stopped";
+  const std::string few =
+      least + "[trials]\ncue_delay_min_s = 1\nrest_s = 2\n[[trials.condition]]\nname = \"a\"\n[[trials.condition]]\nname = \"b\"\n";
+  EXPECT_EQ(text(few).trials, (session::TrialPlan{.conditions = {{.name = "a"}, {.name = "b"}},
+                                                  .trials_per_block = 2,
+                                                  .cue_delay_min_s = 1.0,
+                                                  .cue_delay_max_s = 1.0,
+                                                  .rest_s = 2.0,
+                                                  .block_rest_s = 2.0}));
+  EXPECT_EQ(text(session::free_protocol().definition), session::free_protocol());
+  EXPECT_EQ(told(), "");
 }
 
-TEST_F(ProtocolFiles, Definition_IsTheTextOfTheFile) {
-  const std::string text = "# a clinic's\nname = \"x\"  # one\nduration_s = 60\n";
-  Problems problems;
-  const auto protocol = read_protocol(write("x.toml", text), problems);
-  EXPECT_EQ(all(problems), "");
-  EXPECT_EQ(protocol.definition, text);
-  EXPECT_EQ(protocol, read_protocol_text(protocol.definition, "recorded", problems));
-  EXPECT_EQ(protocol.settle_s, 0.0);
-  EXPECT_EQ(read_protocol_text("name = \"x\"\n", "p", problems).duration_s, 0.0) << "until it is stopped";
-  EXPECT_EQ(read_protocol_text("name = \"x\"\nduration_s = 0.5\n", "p", problems).duration_s, 0.5);
-  EXPECT_EQ(all(problems), "");
-}
-
-TEST_F(ProtocolFiles, NoFolderOrAFile_HasTheBuiltInOne) {
-  Problems problems;
-  EXPECT_THAT(names(read_protocols(folder_ / "none", problems)), ElementsAre("free"));
-  EXPECT_EQ(all(problems), "");
-  EXPECT_THAT(names(read_protocols(write("file", ""), problems)), ElementsAre("free"));
-  EXPECT_THAT(all(problems), HasSubstr("cannot be read"));
-}
-
-TEST_F(ProtocolFiles, FreeOfAFile_ReplacesTheBuiltIn) {
-  write("free.toml", "name = \"free\"\nduration_s = 30\n");
-  Problems problems;
-  const auto protocols = read_protocols(folder_, problems);
-  ASSERT_THAT(names(protocols), ElementsAre("free"));
-  EXPECT_EQ(protocols[0].duration_s, 30.0);
-}
-
-TEST_F(ProtocolFiles, SameNameTwice_NamesBothFiles) {
+TEST_F(ProtocolFiles, Folders_AreReadWhateverStandsInThem) {
+  EXPECT_THAT(names_in(path("none")), ElementsAre("free"));
   write("a.toml", "name = \"x\"\n");
-  write("b.toml", "name = \"x\"\n");
   write("c.txt", "this is none");
-  Problems problems;
-  EXPECT_THAT(names(read_protocols(folder_, problems)), ElementsAre("free", "x"));
-  EXPECT_THAT(all(problems), testing::AllOf(HasSubstr("b.toml: name = \"x\" is taken by "), HasSubstr("a.toml")));
-}
-
-TEST_F(ProtocolFiles, OneBadAmongGood_IsLeftOutAndTold) {
-  write("a.toml", "name = \"a\"\n");
-  write("b.toml", "name = \"b\"\nduration_s = -1\n");
-  Problems problems;
-  EXPECT_THAT(names(read_protocols(folder_, problems)), ElementsAre("a", "free"));
-  EXPECT_THAT(all(problems), HasSubstr("b.toml:2:"));
-}
-
-TEST_F(ProtocolFiles, NotAFileOrTooLarge_IsAProblemAndDoesNotBlock) {
+  write("free.toml", "name = \"free\"\nduration_s = 30\n");
+  EXPECT_THAT(names_in(folder_), ElementsAre("free", "x"));
+  EXPECT_EQ(read_protocols(folder_, problems_)[0].duration_s, 30.0) << "replaces the built-in one";
+  EXPECT_EQ(told(), "");
+  write("b.toml", "name = \"x\"\n");
+  write("d.toml", "name = \"d\"\nduration_s = -1\n");
   ASSERT_EQ(::mkfifo((folder_ / "pipe.toml").c_str(), 0600), 0);
   std::filesystem::create_directory(folder_ / "folder.toml");
-  write("large.toml", "name = \"x\"\n" + std::string(300'000, '#'));
-  Problems problems;
-  (void)read_protocols(folder_, problems);
-  EXPECT_EQ(problems.size(), 3U);
-  EXPECT_THAT(all(problems), HasSubstr("256 KiB"));
+  write("large.toml", "name = \"y\"\n" + std::string((std::size_t{256} << 10U) - 11, '#'));
+  write("larger.toml", "name = \"z\"\n" + std::string((std::size_t{256} << 10U) - 10, '#'));
+  EXPECT_THAT(names_in(folder_), ElementsAre("free", "x", "y"));
+  EXPECT_THAT(names_in(path("c.txt")), ElementsAre("free"));
+  EXPECT_EQ(told(),
+            "b.toml: name = \"x\" is taken by a.toml\n"
+            "d.toml:2:14: duration_s = -1 is out of range; allowed: 0 .. 604800\n"
+            "folder.toml: cannot be read\n"
+            "larger.toml: is larger than 256 KiB: that is no protocol\n"
+            "pipe.toml: cannot be read\n"
+            "c.txt: cannot be read: Not a directory");
 }
 
-TEST_F(ProtocolFiles, UnknownKeys_AreToldWithASuggestionEverywhere) {
-  EXPECT_THAT(problems_of("name = \"x\"\nduraton_s = 3\n"), HasSubstr("did you mean 'duration_s'?"));
-  EXPECT_THAT(problems_of(std::string(kTrials) + "trial_per_block = 3\n" + kCondition), HasSubstr("did you mean 'trials_per_block'?"));
-  EXPECT_THAT(problems_of(std::string(kTrials) + kCondition + "target_procent = 3\n"), HasSubstr("did you mean 'target_percent'?"));
-  EXPECT_THAT(problems_of("name = \"x\"\n[trails]\n"), HasSubstr("did you mean 'trials'?"));
-  EXPECT_THAT(problems_of("name = \"x\"\n[[field]]\nname = \"a\"\nminimum = 0\nmaximum = 1\nrequierd = true\n"),
-              HasSubstr("did you mean 'required'?"));
-}
-
-struct Wrong {
-  std::string text;
-  const char* told;
-};
-
-TEST_F(ProtocolFiles, WrongValues_AreToldEachOnce) {
-  const std::string field = "name = \"x\"\n[[field]]\nname = \"a\"\n";
-  const std::string trials = kTrials;
-  const std::vector<Wrong> cases{
-      {"", "name is missing"},
-      {"name = \"\"\n", "name must be 1 to 32"},
-      {"name = \"Quiet Standing\"\n", "name must be 1 to 32"},
-      {"name = \"" + std::string(33, 'x') + "\"\n", "name must be 1 to 32"},
-      {"name = 3\n", "name must be a text"},
-      {"name = \"x\"\nsentence = \"a\\nb\"\n", "sentence must be one line"},
-      {"name = \"x\"\nsettle_s = 3601\n", "out of range"},
-      {"name = \"x\"\nduration_s = nan\n", "out of range"},
-      {field, "needs minimum and maximum, or choices"},
-      {field + "minimum = 1\n", "maximum is missing"},
-      {field + "maximum = 1\n", "minimum is missing"},
-      {field + "minimum = 2\nmaximum = 1\n", "maximum is less"},
-      {field + "minimum = 2\nmaximum = inf\n", "out of range"},
-      {field + "choices = [\"one\"]\n", "choices must be 2 to 32"},
-      {field + "choices = [\"one\", \"one\"]\n", "'one' stands twice"},
-      {field + "choices = [\"one\", \"Two\"]\n", "a choice must be"},
-      {field + "choices = [\"one\", \"two\"]\nminimum = 1\n", "unknown key 'minimum'"},
-      {field + "choices = [\"o\", \"t\"]\n[[field]]\nname = \"a\"\nchoices = [\"o\", \"t\"]\n", "'a' stands twice"},
-      {trials, "[trials] needs 1 to 32 conditions"},
-      {trials + kCondition + kCondition, "'a' stands twice"},
-      {trials + "order = \"random\"\n" + kCondition, "known: \"as-listed\", \"randomised\""},
-      {trials + "blocks = 0\n" + kCondition, "out of range"},
-      {trials + "trials_per_block = 201\n" + kCondition, "out of range"},
-      {trials + "cue_delay_min_s = 2\ncue_delay_max_s = 1\n" + kCondition, "cue_delay_max_s is less"},
-      {"name = \"x\"\nduration_s = 5\n[trials]\n" + std::string(kCondition), "write it below [trials]"},
-      {trials + kCondition + "target_percent = 80\n", "arm_length_cm"},
-      {trials + kCondition + "maximum_reach = true\n", "max_reach_cm"},
-      {trials + kCondition + "labels = { phase = \"x\" }\n", "label 'phase' has a meaning already"},
-      {trials + kCondition + "labels = { eyes = \"Wide Open\" }\n", "a label must be"},
-      {trials + kCondition + "labels = { Eyes = \"open\" }\n", "a label's name must be"},
-      {trials + kCondition + "labels = \"open\"\n", "must be a table"},
-      {"name = x\n", "p:1:"},
-      {"name = \"\xff\"\n", "p:1:"},
+TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
+  const auto repeated = [](int count, auto text) {
+    std::string all;
+    for (int k = 0; k < count; ++k) all += text(k);
+    return all;
   };
-  for (const Wrong& wrong : cases) {
-    const std::string told = problems_of(wrong.text);
-    EXPECT_THAT(told, HasSubstr(wrong.told)) << wrong.text;
-    EXPECT_EQ(std::ranges::count(told, '\n'), 1) << wrong.text << told;
-  }
-}
-
-TEST_F(ProtocolFiles, ManyThingsWrong_AreAllToldAtOnce) {
-  EXPECT_THAT(problems_of("name = \"X\"\nsettle_s = -1\nbogus = 1\n[trials]\nblocks = 99\n"),
-              testing::AllOf(HasSubstr("p:1:"), HasSubstr("p:2:"), HasSubstr("p:3:"), HasSubstr("p:5:"), HasSubstr("conditions")));
+  const auto words = [&repeated](int count) { return repeated(count, [](int k) { return "\"w" + std::to_string(k) + "\", "; }); };
+  const auto labels = [&repeated](int count) {
+    return repeated(count, [](int k) { return "l" + std::to_string(k) + " = \"a\", "; }) + "eyes = \"open\" }";
+  };
+  const auto fields = [&repeated](int count) {
+    return repeated(count, [](int k) { return "[[field]]\nname = \"f" + std::to_string(k) + "\"\nminimum = 0\nmaximum = 0\n"; });
+  };
+  const auto conditions = [&repeated](int count) {
+    return repeated(count, [](int k) { return "[[trials.condition]]\nname = \"c" + std::to_string(k) + "\"\n"; });
+  };
+  const std::string every_letter = "abcdefghijklmnopqrstuvwxyz-01234";
+  expect_problems(
+      kTrials,
+      {
+          {"name", "", "p:1:1: name is missing"},
+          {"name", "name = \"\"", "p:1:8: name must be 1 to 32 of the characters a-z, 0-9 and -"},
+          {"name", "name = \"Quiet Standing\"", "p:1:8: name must be 1 to 32 of the characters a-z, 0-9 and -"},
+          {"name", "name = \"" + every_letter + "\"", ""},
+          {"name", "name = \"" + every_letter + "5\"", "p:1:8: name must be 1 to 32 of the characters a-z, 0-9 and -"},
+          {"name", "name = 3", "p:1:8: name must be a text in quotes"},
+          {"name", "name = x", "p:1:8: Error while parsing value: could not determine value type"},
+          {"name", "name = \"\xff\"", "p:1:8: Encountered invalid utf-8 sequence"},
+          {"sentence", "sentence = \"a\\nb\"", "p:2:12: sentence must be one line of at most 200 bytes"},
+          {"sentence", "sentence = \" ~\u00e4\"", ""},
+          {"sentence", "sentence = \"" + std::string(200, 's') + "\"", ""},
+          {"sentence", "sentence = \"" + std::string(201, 's') + "\"", "p:2:12: sentence must be one line of at most 200 bytes"},
+          {"rig_kind", "rig_kind = \"bed\"", "p:3:12: rig_kind = \"bed\" is not known; known: \"floor\", \"chair\""},
+          {"rig_kind", "rig_kin = \"floor\"", "p:3:1: unknown key 'rig_kin'"},
+          {"rig_kind", "settle_s = 1", "p:3:12: settle_s is a matter of each trial here: write it below [trials]"},
+          {"rig_kind", "duration_s = 1", "p:3:14: duration_s is a matter of each trial here: write it below [trials]"},
+          {"[[field]]", fields(29) + "[[field]]", ""},
+          {"[[field]]", fields(30) + "[[field]]", "p:4:1: more than 32 fields"},
+          {"name = \"arm", "name = \"max_reach_cm\"",
+           "p:11:8: 'max_reach_cm' stands twice\n"
+           "p:17:1: a target_percent needs a [[field]] named arm_length_cm, in centimetres"},
+          {"name = \"arm", "name = \"arm-length\"",
+           "p:5:8: name must be 1 to 32 of the characters a-z, 0-9 and _\n"
+           "p:17:1: a target_percent needs a [[field]] named arm_length_cm, in centimetres"},
+          {"name = \"max", "name = \"reach\"", "p:17:1: a target at maximum_reach needs a [[field]] named max_reach_cm, in centimetres"},
+          {"name = \"max", "name = \"max_reach_cm\"\nchoices = [\"left\", \"right\"]",
+           "p:14:1: unknown key 'maximum' in [[field]]\n"
+           "p:13:1: unknown key 'minimum' in [[field]]\n"
+           "p:18:1: a target at maximum_reach needs a [[field]] named max_reach_cm, in centimetres"},
+          {"required", "required = 1", "p:7:12: [[field]] required must be true or false"},
+          {"required", "requierd = true", "p:7:1: unknown key 'requierd' in [[field]]; did you mean 'required'?"},
+          {"minimum", "", "p:4:1: [[field]] minimum is missing"},
+          {"maximum", "", "p:4:1: [[field]] maximum is missing"},
+          {"minimum", "minimum = 110", ""},
+          {"minimum", "minimum = 110.1", "p:9:11: maximum is less than minimum"},
+          {"choices", "", "p:14:1: [[field]] needs minimum and maximum, or choices"},
+          {"choices", "choices = [\"one\"]", "p:16:11: choices must be 2 to 32 words"},
+          {"choices", "choices = [" + words(32) + "]", ""},
+          {"choices", "choices = [" + words(33) + "]", "p:16:11: choices must be 2 to 32 words"},
+          {"choices", "choices = [\"one\", \"one\"]", "p:16:11: 'one' stands twice"},
+          {"choices", "choices = [\"one\", \"Two\"]", "p:16:11: a choice must be 1 to 32 of the characters a-z, 0-9 and -"},
+          {"choices", "choices = [\"one\", \"two\"]\nminimum = 1", "p:17:1: unknown key 'minimum' in [[field]]"},
+          {"[trials]", "[trails]", "p:17:2: unknown key 'trails'; did you mean 'trials'?"},
+          {"trials_per_block", "trials_per_block = 201\ntrial_per_block = 3",
+           "p:18:20: [trials] trials_per_block = 201 is out of range; allowed: 1 .. 200\n"
+           "p:19:1: unknown key 'trial_per_block' in [trials]; did you mean 'trials_per_block'?"},
+          {"order", "order = \"random\"", "p:20:9: [trials] order = \"random\" is not known; known: \"as-listed\", \"randomised\""},
+          {"order", "order = \"as-listed\"", ""},
+          {"starts_by_itself", "starts_by_itself = 1", "p:21:20: [trials] starts_by_itself must be true or false"},
+          {"cue_delay_min_s", "cue_delay_min_s = 2.0", ""},
+          {"cue_delay_min_s", "cue_delay_min_s = 2.1", "p:23:19: cue_delay_max_s is less than cue_delay_min_s"},
+          {"duration_s", "duration_s = nan", "p:25:14: [trials] duration_s = nan is out of range; allowed: 0 .. 3600"},
+          {"[[trials.condition]]", conditions(30) + "[[trials.condition]]", ""},
+          {"[[trials.condition]]", conditions(31) + "[[trials.condition]]",
+           "p:17:1: [trials] needs 1 to 32 conditions: [[trials.condition]]"},
+          {"name = \"a\"", "name = \"b\"", "p:33:8: 'b' stands twice"},
+          {"labels", "labels = { phase = \"x\" }", "p:30:20: label 'phase' has a meaning already"},
+          {"labels", "labels = { eyes = \"Wide Open\" }", "p:30:19: a label must be 1 to 32 of the characters a-z, 0-9 and -"},
+          {"labels", "labels = { Eyes = \"open\" }", "p:30:19: a label's name must be 1 to 32 of the characters a-z, 0-9 and _"},
+          {"labels", "labels = { " + labels(7), ""},
+          {"labels", "labels = { " + labels(8), "p:30:10: more than 8 labels"},
+          {"labels", "labels = \"open\"", "p:30:10: [[condition]] labels must be a table: [labels]"},
+          {"target_percent", "target_percent = 301\ntarget_procent = 3",
+           "p:31:18: [[condition]] target_percent = 301 is out of range; allowed: 1 .. 300\n"
+           "p:32:1: unknown key 'target_procent' in [[condition]]; did you mean 'target_percent'?"},
+          {"target_percent", "target_percent = 80\nmaximum_reach = true",
+           "p:32:17: a target stands at maximum_reach or at target_percent, not at both"},
+      },
+      read);
+  expect_ranges(kTrials,
+                {
+                    {"minimum", "[[field]]", "-1e+06", "1e+06", "-1.1e+06", "1.1e+06"},
+                    {"maximum", "[[field]]", "-1e+06", "1e+06", "-1.1e+06", "1.1e+06"},
+                    {"trials_per_block", "[trials]", "1", "200", "0", "201"},
+                    {"blocks", "[trials]", "1", "50", "0", "51"},
+                    {"cue_delay_min_s", "[trials]", "0", "3600", "-0.1", "3960"},
+                    {"cue_delay_max_s", "[trials]", "0", "3600", "-1", "3601"},
+                    {"settle_s", "[trials]", "0", "3600", "-1", "3601"},
+                    {"rest_s", "[trials]", "0", "3600", "-0.1", "3960"},
+                    {"block_rest_s", "[trials]", "0", "3600", "-1", "3601"},
+                    {"target_percent", "[[condition]]", "1", "300", "0.9", "330"},
+                },
+                read);
+  expect_problems(kSession,
+                  {{"duration_s", "[trials]",
+                    "p:3:1: [trials] needs 1 to 32 conditions: [[trials.condition]]\n"
+                    "p:2:12: settle_s is a matter of each trial here: write it below [trials]"}},
+                  read);
+  expect_ranges(kSession,
+                {
+                    {"settle_s", "", "0", "3600", "-0.1", "3601"},
+                    {"duration_s", "", "0", "604800", "-0.1", "604801"},
+                },
+                read);
 }
 
 TEST_F(ProtocolFiles, PlannedTrials_OfATextThatPlansNoneOrDoesNotReadAreNone) {
   EXPECT_EQ(planned_trials(shipped("romberg").definition), 4U);
-  EXPECT_EQ(planned_trials("name = \"x\"\n"), 0U);
-  EXPECT_EQ(planned_trials("name = "), 0U);
-  EXPECT_EQ(planned_trials(""), 0U);
+  EXPECT_EQ(planned_trials(kTrials), 6U);
+  for (const std::string text : {"name = \"x\"\n", "name = ", ""}) EXPECT_EQ(planned_trials(text), 0U);
 }
 
 }  // namespace

@@ -1,245 +1,110 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <unistd.h>
-
-#include <bit>
-#include <filesystem>
-#include <fstream>
-#include <random>
 
 #include "files/cop_calibration_file.h"
 #include "files/rig_file.h"
-#include "physics/cop/cop_calibration.h"
-#include "pipeline/pipeline.h"
+#include "unit/files/calibration_of_test.h"
+#include "unit/files/files_fixture.h"
 
 namespace dts::files {
 namespace {
 
-using testing::Contains;
-using testing::ElementsAre;
-using testing::HasSubstr;
-using testing::IsEmpty;
-
-const std::filesystem::path kConfig = std::filesystem::path(DTS_SOURCE_DIR) / "config";
-
-std::vector<std::string> texts_of(const Problems& problems) {
-  std::vector<std::string> texts;
-  for (const Problem& problem : problems) texts.push_back(to_string(problem));
-  return texts;
-}
-
-/// A rig's pipeline with all it needs, fed with made-up volts.
-class Fed {
- public:
-  explicit Fed(pipeline::RigConfig config) : config_(std::move(config)) {
-    config_.block_scans = 50;
-    std::size_t channels = 0;
-    for (const std::size_t channel : config_.sensor_channels) channels = std::max(channels, channel + 1);
-    if (config_.trigger) channels = std::max(channels, config_.trigger->channel + 1);
-    pipeline::PipelineInput input{.rate = config_.rate, .sensor_channels = config_.sensor_channels, .max_block_scans = 50};
-    for (std::size_t channel = 0; channel < channels; ++channel) {
-      if (std::ranges::find(config_.sensor_channels, channel) != config_.sensor_channels.end()) continue;
-      input.aux_channels.push_back(channel);
-      input.aux_formats.push_back({.name = "ch" + std::to_string(channel), .unit = "V"});
-    }
-    input.trigger = config_.trigger;
-    auto made = pipeline::Pipeline::create(
-        config_.stages, input,
-        {.rig = config_.model,
-         .input_ranges = std::vector<pipeline::StageContext::InputRange>(config_.sensor_channels.size(), {-10.0, 10.0, 0.0003}),
-         .tare = tare_,
-         .windows = windows_,
-         .cop_calibration = config_.cop_calibration ? &*config_.cop_calibration : nullptr,
-         .trunk_model = config_.trunk_model ? &*config_.trunk_model : nullptr});
-    EXPECT_TRUE(made) << (made ? "" : core::to_string(made.error()));
-    if (!made) return;
-    pipeline_ = std::move(*made);
-    acquired_.block = core::Block(channels, 50);
-  }
-
-  /// Bits of every value of every stream.
-  std::vector<std::uint64_t> run() {
-    std::mt19937_64 random(5);
-    std::uniform_real_distribution<double> volts(0.6, 2.5);
-    core::Frame frame = pipeline_->make_frame();
-    std::vector<std::uint64_t> bits;
-    for (std::uint64_t first = 0; first < 500; first += 50) {
-      acquired_.block.first_scan = {first};
-      acquired_.block.set_count(50);
-      for (std::size_t c = 0; c < acquired_.block.channel_count(); ++c) {
-        for (double& value : acquired_.block.column(c)) value = volts(random);
-      }
-      pipeline_->process(acquired_, frame);
-      for (const core::Block& block : frame.streams) {
-        for (std::size_t c = 0; c < block.channel_count(); ++c) {
-          for (const double value : block.column(c)) bits.push_back(std::isnan(value) ? 0 : std::bit_cast<std::uint64_t>(value));
-        }
-      }
-    }
-    return bits;
-  }
-  [[nodiscard]] const std::vector<std::string>& stages() const { return pipeline_->stage_texts(); }
-
- private:
-  pipeline::RigConfig config_;
-  pipeline::Tare tare_;
-  pipeline::SteadinessWindows windows_;
-  std::unique_ptr<pipeline::Pipeline> pipeline_;
-  core::Acquired acquired_;
-};
-
-void expect_equal(const pipeline::RigConfig& one, const pipeline::RigConfig& other) {
-  EXPECT_EQ(one.kind, other.kind);
-  EXPECT_EQ(one.sensor_channels, other.sensor_channels);
-  EXPECT_EQ(one.rate, other.rate);
-  EXPECT_EQ(one.block_scans, other.block_scans);
-  EXPECT_EQ(one.published, other.published);
-  EXPECT_EQ(one.recorded, other.recorded);
-  EXPECT_EQ(one.sync_pulse_ms, other.sync_pulse_ms);
-  EXPECT_EQ(one.trigger.has_value(), other.trigger.has_value());
-  EXPECT_EQ(one.model.plate.e_pa, other.model.plate.e_pa);
-  EXPECT_EQ(one.model.plate.h, other.model.plate.h);
-  EXPECT_EQ(one.model.support.inset, other.model.support.inset);
-  ASSERT_EQ(one.model.sensors.size(), other.model.sensors.size());
-  for (std::size_t s = 0; s < one.model.sensors.size(); ++s) {
-    const physics::SensorModel& a = one.model.sensors[s];
-    const physics::SensorModel& b = other.model.sensors[s];
-    EXPECT_EQ(a.label, b.label);
-    EXPECT_EQ(a.position.x, b.position.x);
-    EXPECT_EQ(a.unloaded_gap, b.unloaded_gap);
-    EXPECT_EQ(a.curve.name(), b.curve.name());
-    for (double gap_mm = 4.0; gap_mm < 13.0; gap_mm += 0.037) EXPECT_EQ(a.curve.volts({gap_mm}), b.curve.volts({gap_mm}));
-  }
-  EXPECT_EQ(one.trunk_model_text, other.trunk_model_text);
-  ASSERT_EQ(one.model.transient_sensors.has_value(), other.model.transient_sensors.has_value());
-  if (one.model.transient_sensors) {
-    EXPECT_EQ(one.model.transient_sensors->rear, other.model.transient_sensors->rear);
-    EXPECT_EQ(one.model.transient_sensors->front, other.model.transient_sensors->front);
-  }
-  ASSERT_EQ(one.cop_calibration.has_value(), other.cop_calibration.has_value());
-  if (!one.cop_calibration) return;
-  EXPECT_EQ(one.cop_calibration->id, other.cop_calibration->id);
-  EXPECT_EQ(one.cop_calibration->points.size(), other.cop_calibration->points.size());
-}
-
-void expect_self_contained(const std::filesystem::path& file) {
-  SCOPED_TRACE(file);
-  Problems problems;
-  const pipeline::RigConfig from_files = read_rig_file(file.string(), problems);
-  const auto definition = rig_definition(file.string());
-  ASSERT_TRUE(definition) << core::to_string(definition.error());
-
-  const pipeline::RigConfig from_text = read_rig_text(*definition, "definition", problems);
-
-  ASSERT_THAT(texts_of(problems), IsEmpty());
-  expect_equal(from_files, from_text);
-  Fed one(from_files);
-  Fed other(from_text);
-  EXPECT_EQ(one.stages(), other.stages());
-  EXPECT_EQ(one.run(), other.run());
-}
-
-class Definition : public testing::Test {
+class Definition : public FilesTest {
  protected:
-  Definition() {
-    std::string name = (std::filesystem::temp_directory_path() / "dts-definition-XXXXXX").string();
-    folder_ = mkdtemp(name.data());
-    std::filesystem::copy(kConfig / "sensors", folder_ / "sensors");
-    std::filesystem::create_directory(folder_ / "rigs");
-  }
-  ~Definition() override { std::filesystem::remove_all(folder_); }
+  Definition() { std::filesystem::copy(kConfig / "sensors", folder_ / "sensors"); }
 
-  /// The repository's floor rig with `head` above it.
-  std::filesystem::path rig_with(const std::string& head, const std::string& tail = "") const {
-    std::ifstream in(kConfig / "rigs/floor-sim.toml");
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    std::ofstream(folder_ / "rigs/floor.toml") << head << text << tail;
-    return folder_ / "rigs/floor.toml";
+  /// The shipped floor rig with `head` above it and `tail` below.
+  [[nodiscard]] std::string rig_with(const std::string& head, const std::string& tail = "") const {
+    return write("rigs/floor.toml", head + shipped_ + tail);
   }
-  void calibrate(std::size_t extra_points = 0) const {
-    Problems none;
-    const auto rig = read_rig_file((kConfig / "rigs/floor-sim.toml").string(), none);
-    const auto samples = physics::model_samples(physics::CopMethod::Poly3, rig.model, physics::PlateBehaviour::Linear).value();
-    auto calibration =
-        physics::calibrate_cop(physics::CopMethod::Poly3, samples, {.created_utc = "2026-01-31T12:00:00Z", .rig = "floor"}).value();
-    while (calibration.points.size() < extra_points) calibration.points.push_back(calibration.points.front());
-    ASSERT_TRUE(write_cop_calibration((folder_ / "calibration.toml").string(), calibration));
+  [[nodiscard]] physics::CopCalibration calibrate(std::size_t points) const {
+    auto calibration = calibration_of_test(physics::CopMethod::Poly3);
+    while (calibration.points.size() < points) calibration.points.push_back(calibration.points.front());
+    EXPECT_TRUE(write_cop_calibration(path("calibration.toml"), calibration));
+    return calibration;
+  }
+  /// The rig with the tables of its files in the places of their names.
+  static toml::table whole_table(const std::filesystem::path& file) {
+    toml::table table = toml::parse_file(file.string());
+    const auto replace = [&file](toml::table& within, std::string_view key) {
+      const auto name = within[key].value<std::string>();
+      if (name) within.insert_or_assign(key, toml::parse_file((file.parent_path() / *name).string()));
+    };
+    for (const char* key : {"calibration", "model"}) replace(table, key);
+    for (toml::node& sensor : *table["sensor"].as_array()) replace(*sensor.as_table(), "curve");
+    return table;
   }
 
-  std::filesystem::path folder_;
+  const std::string shipped_ = content_of(kConfig / "rigs/floor-sim.toml");
 };
 
-TEST_F(Definition, EveryRigOfTheRepository_ReadsBackToTheSameRigAndTheSameValues) {
-  std::size_t rigs = 0;
+TEST_F(Definition, HoldsTheRigAndAllItsFilesAndReadsBack) {
+  (void)calibrate(0);
+  std::vector<std::filesystem::path> rigs{
+      rig_with("calibration = \"../calibration.toml\"\n", "\n[record]\nstreams = [\"raw\", \"cop\"]\n")};
   for (const auto& entry : std::filesystem::directory_iterator(kConfig / "rigs")) {
-    if (entry.path().extension() != ".toml") continue;
-    expect_self_contained(entry.path());
-    ++rigs;
+    if (entry.path().extension() == ".toml") rigs.push_back(entry.path());
   }
-  EXPECT_GE(rigs, 3U);
-}
-
-TEST_F(Definition, RigWithCalibrationAndRecordTable_ReadsBackWithoutItsFiles) {
-  calibrate();
-  const auto file = rig_with("calibration = \"../calibration.toml\"\n", "\n[record]\nstreams = [\"raw\", \"cop\"]\n");
-
-  expect_self_contained(file);
-
-  const std::string definition = rig_definition(file.string()).value();
-  EXPECT_THAT(definition, testing::Not(HasSubstr(".toml")));
-  std::filesystem::remove_all(folder_ / "sensors");
-  Problems problems;
-  const auto read = read_rig_text(definition, "definition", problems);
-  EXPECT_THAT(texts_of(problems), IsEmpty());
-  EXPECT_TRUE(read.cop_calibration.has_value());
-  EXPECT_THAT(read.recorded, ElementsAre("raw", "cop"));
+  EXPECT_GE(rigs.size(), 4U);
+  for (const auto& rig : rigs) {
+    SCOPED_TRACE(rig);
+    const auto definition = rig_definition(rig.string());
+    ASSERT_TRUE(definition) << core::to_string(definition.error());
+    EXPECT_EQ(toml::parse(*definition), whole_table(rig));
+    EXPECT_EQ(definition->find(".toml"), std::string::npos);
+    Problems problems;
+    const auto from_file = read_rig_file(rig.string(), problems);
+    const auto from_text = read_rig_text(*definition, "definition", problems);
+    EXPECT_EQ(text_of(problems), "");
+    EXPECT_EQ(from_text.trunk_model_text, from_file.trunk_model_text);
+    EXPECT_EQ(from_text.cop_calibration.has_value(), from_file.cop_calibration.has_value());
+    for (std::size_t k = 0; k < from_file.model.sensors.size(); ++k) {
+      for (double gap_mm = 4.0; gap_mm < 13.0; gap_mm += 0.37) {
+        EXPECT_EQ(from_text.model.sensors[k].curve.volts({gap_mm}), from_file.model.sensors[k].curve.volts({gap_mm}));
+      }
+    }
+  }
 }
 
 TEST_F(Definition, LargeCalibration_LeavesOutItsPointsOnly) {
-  calibrate(9'000);
-  const auto file = rig_with("calibration = \"../calibration.toml\"\n");
+  const auto calibration = calibrate(9'000);
 
-  const auto definition = rig_definition(file.string());
+  const auto definition = rig_definition(rig_with("calibration = \"../calibration.toml\"\n"));
 
   ASSERT_TRUE(definition) << core::to_string(definition.error());
-  EXPECT_LE(definition->size(), std::size_t{1} << 20U);
   Problems problems;
   const auto from_text = read_rig_text(*definition, "definition", problems);
-  ASSERT_THAT(texts_of(problems), IsEmpty());
-  EXPECT_THAT(from_text.cop_calibration->points, IsEmpty());
-  EXPECT_EQ(Fed(from_text).run(), Fed(read_rig_file(file.string(), problems)).run());
+  ASSERT_EQ(text_of(problems), "");
+  EXPECT_THAT(from_text.cop_calibration->points, testing::IsEmpty());
+  EXPECT_EQ(from_text.cop_calibration->estimator.form(), calibration.estimator.form());
 }
 
 TEST_F(Definition, TextThatNamesFiles_IsRefusedWithoutReadingThem) {
   Problems problems;
-  std::ifstream in(kConfig / "rigs/floor-sim.toml");
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-
-  (void)read_rig_text("calibration = \"/etc/passwd\"\n" + text, "definition", problems);
-
-  EXPECT_THAT(texts_of(problems), Contains(HasSubstr("calibration names a file")));
-  EXPECT_THAT(texts_of(problems), Contains(HasSubstr("curve names a file")));
-  for (const std::string& problem : texts_of(problems)) EXPECT_THAT(problem, testing::StartsWith("definition:"));
+  (void)read_rig_text("calibration = \"/etc/passwd\"\n" + shipped_, "definition", problems);
+  EXPECT_EQ(text_of(problems),
+            "definition:27:9: [[sensor]] curve names a file, but a definition has none beside it: it must be a table\n"
+            "definition:35:9: [[sensor]] curve names a file, but a definition has none beside it: it must be a table\n"
+            "definition:41:9: [[sensor]] curve names a file, but a definition has none beside it: it must be a table\n"
+            "definition:47:9: [[sensor]] curve names a file, but a definition has none beside it: it must be a table\n"
+            "definition:1:15: calibration names a file, but a definition has none beside it: it must be a table");
 }
 
-TEST_F(Definition, RigFileInDisorder_FailsWithItsFirstProblem) {
-  const auto file = rig_with("no_such_key = 1\n");
-
-  const auto definition = rig_definition(file.string());
-
-  ASSERT_FALSE(definition);
-  EXPECT_EQ(definition.error().code, core::ErrorCode::InvalidArgument);
-  EXPECT_THAT(definition.error().what, HasSubstr("unknown key 'no_such_key'"));
-  EXPECT_FALSE(rig_definition((folder_ / "none.toml").string()));
-}
-
-TEST_F(Definition, EmptyListOfRecordedStreams_IsAProblem) {
-  Problems problems;
-
-  (void)read_rig_file(rig_with("", "\n[record]\nstreams = []\n").string(), problems);
-
-  EXPECT_THAT(texts_of(problems), ElementsAre(HasSubstr("[record] streams is empty")));
+TEST_F(Definition, RigThatHasNone_SaysWhy) {
+  const auto refusal = [this](const std::string& head, const std::string& tail = "") {
+    const auto definition = rig_definition(rig_with(head, tail));
+    return definition ? std::to_string(definition->size()) : without_folder(definition.error().what);
+  };
+  const auto streams = [](std::size_t bytes) { return "[record]\nstreams = [\"" + std::string(bytes, 'x') + "\"]\n"; };
+  const std::size_t room = (std::size_t{1} << 20U) - std::stoul(refusal("", streams(0)));
+  EXPECT_EQ(refusal("", streams(room)), "1048576");
+  EXPECT_EQ(refusal("", streams(room + 1)),
+            "the rig in rigs/floor.toml is too large to be recorded with a session: 1048577 bytes of at most 1048576");
+  EXPECT_EQ(refusal("no_such_key = 1\n"), "no definition of the rig in rigs/floor.toml: rigs/floor.toml:1:1: unknown key 'no_such_key'");
+  EXPECT_EQ(refusal("", "[record]\nstreams = []\n"),
+            "no definition of the rig in rigs/floor.toml: rigs/floor.toml:70:11: [record] streams is empty; leave it out to record all "
+            "streams of the rig");
+  EXPECT_EQ(rig_definition(path("none.toml")).error().code, core::ErrorCode::InvalidArgument);
 }
 
 }  // namespace

@@ -2,41 +2,21 @@
 #include "files/sensor_curve_file.h"
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
-#include "files/whole_file.h"
+#include "unit/files/files_fixture.h"
 
 namespace dts::files {
 namespace {
 
-class SensorCurveFiles : public testing::Test {
+class SensorCurveFiles : public FilesTest {
  protected:
-  SensorCurveFiles() {
-    std::string pattern = testing::TempDir() + "dts-curve-XXXXXX";
-    folder_ = ::mkdtemp(pattern.data());
+  static void read(const std::string& text, Problems& problems) {
+    const auto table = parse_toml_text(text, "curve", problems);
+    if (!table) return;
+    TomlReader reader(&*table, "", "curve", problems);
+    const bool is_read = read_sensor_curve(reader, problems).has_value();
+    EXPECT_EQ(is_read, problems.empty());
   }
-  ~SensorCurveFiles() override { std::filesystem::remove_all(folder_); }
-
-  [[nodiscard]] std::string path(const std::string& name) const { return folder_ / name; }
-  [[nodiscard]] std::string write(const std::string& text) const {
-    std::ofstream(path("curve.toml")) << text;
-    return path("curve.toml");
-  }
-  /// All problems of a text, without the folder.
-  [[nodiscard]] std::string problems_of(const std::string& text) const {
-    Problems problems;
-    const auto file = read_sensor_curve(write(text), problems);
-    EXPECT_EQ(file.has_value(), problems.empty());
-    std::string all;
-    for (const Problem& problem : problems) all += to_string(problem).substr(folder_.string().size() + 1) + "\n";
-    return all;
-  }
-
-  std::filesystem::path folder_;
 };
 
 const std::vector<physics::CurvePoint> kPoints{
@@ -56,90 +36,113 @@ SensorCalibrationFacts facts() {
           .samples_per_point = 300};
 }
 
+constexpr const char* kHead =
+    R"(# A measured sensor curve: output voltage over the gap between sensor and plate, rising gaps.
+# Between the points: monotone cubic (Fritsch-Carlson). Use it in a rig file: [[sensor]] curve = "this file"
+# residual_mv: rms of the points about a smooth curve; repeat_mv: rms of repeated readings about their mean.
+)";
+constexpr const char* kFacts = R"(name = 'floor-w1'
+
+[calibration]
+id = 'sensor-20260131T120000Z-2898dd44'
+created_utc = '2026-01-31T12:00:00Z'
+rig = 'floor'
+sensor = 'w1'
+daq_model = 'USB-6008 "lab"'
+daq_serial = '01A2'
+channel = 'ai0'
+range_v = 5.0
+residual_mv = 0.3333333333333333
+repeat_mv = 0.25
+readings_per_gap = 2
+samples_per_point = 300
+)";
+constexpr const char* kPointsText = R"(
+[[point]]
+gap_mm = 7.1
+volts = 1.3333333333333333
+
+[[point]]
+gap_mm = 9.0
+volts = 1.0
+
+[[point]]
+gap_mm = 12.0
+volts = 0.1
+)";
+
 TEST_F(SensorCurveFiles, Written_ReadsBackExactly) {
-  const auto written = with_id(facts(), kPoints);
-  ASSERT_TRUE(write_sensor_curve(path("w1.toml"), "floor-w1", kPoints, written));
+  ASSERT_TRUE(write_sensor_curve(path("w1.toml"), "floor-w1", kPoints, with_id(facts(), kPoints)));
+  EXPECT_EQ(content_of(path("w1.toml")), std::string(kHead) + kFacts + kPointsText);
 
   Problems problems;
   const auto read = read_sensor_curve(path("w1.toml"), problems);
 
-  ASSERT_TRUE(read) << to_string(problems.at(0));
-  EXPECT_EQ(read->curve.name(), "floor-w1");
-  EXPECT_EQ(read->curve.minimum_gap().value, 7.1);
-  EXPECT_EQ(read->curve.maximum_gap().value, 12.0);
+  ASSERT_TRUE(read) << text_of(problems);
   EXPECT_EQ(read->curve.volts({7.1}).value, 4.0 / 3.0);
-  ASSERT_TRUE(read->calibration);
-  EXPECT_EQ(read->calibration->id, written.id);
-  EXPECT_EQ(read->calibration->created_utc, "2026-01-31T12:00:00Z");
-  EXPECT_EQ(read->calibration->rig, "floor");
-  EXPECT_EQ(read->calibration->sensor, "w1");
-  EXPECT_EQ(read->calibration->daq_model, "USB-6008 \"lab\"");
-  EXPECT_EQ(read->calibration->daq_serial, "01A2");
-  EXPECT_EQ(read->calibration->channel, "ai0");
-  EXPECT_EQ(read->calibration->range_v, 5.0);
-  EXPECT_EQ(read->calibration->residual_mv, 1.0 / 3.0);
-  EXPECT_EQ(read->calibration->repeat_mv, 0.25);
-  EXPECT_EQ(read->calibration->readings_per_gap, 2U);
-  EXPECT_EQ(read->calibration->samples_per_point, 300U);
-}
-
-TEST_F(SensorCurveFiles, Id_NamesTheDateAndChangesWithThePoints) {
-  const std::string id = with_id(facts(), kPoints).id;
-  auto others = kPoints;
-  others[1].volts.value += 1e-12;
-
-  EXPECT_EQ(id.rfind("sensor-20260131T120000Z-", 0), 0U) << id;
-  EXPECT_EQ(id.size(), std::string("sensor-20260131T120000Z-01234567").size());
-  EXPECT_NE(id, with_id(facts(), others).id);
+  // The points as the curve gives them back: what was read is what would be written again.
+  EXPECT_EQ(sensor_curve_text(read->curve.name(), kPoints, *read->calibration), content_of(path("w1.toml")));
 }
 
 TEST_F(SensorCurveFiles, UnknownFacts_AreAbsent) {
   const std::string text = sensor_curve_text("bench", kPoints, {.created_utc = "2026-01-31T12:00:00Z"});
-
-  for (const char* key : {"daq_model", "daq_serial", "channel", "range_v", "repeat_mv =", "rig ="}) {
-    EXPECT_EQ(text.find(key, text.find("[calibration]")), std::string::npos) << key;
-  }
-  EXPECT_EQ(problems_of(text), "");
+  EXPECT_EQ(text, std::string(kHead) +
+                      "name = 'bench'\n\n[calibration]\ncreated_utc = '2026-01-31T12:00:00Z'\nresidual_mv = 0.0\n"
+                      "readings_per_gap = 1\nsamples_per_point = 1\n" +
+                      kPointsText);
+  expect_problems(text, {{"name", "name = \"bench\"", ""}}, read);
 }
 
 TEST_F(SensorCurveFiles, ShippedFile_HasNoCalibration) {
   Problems problems;
 
-  const auto file = read_sensor_curve(std::string(DTS_SOURCE_DIR) + "/config/sensors/hoa1405-assumed.toml", problems);
+  const auto file = read_sensor_curve(kConfig / "sensors/hoa1405-assumed.toml", problems);
 
-  ASSERT_TRUE(file) << to_string(problems.at(0));
+  ASSERT_TRUE(file) << text_of(problems);
   EXPECT_FALSE(file->calibration.has_value());
 }
 
-TEST_F(SensorCurveFiles, WrongValues_ReportedWithLineAndRange) {
-  EXPECT_EQ(problems_of("[[point]]\ngap_mm = 7\nvolts = 101.0\n").substr(0, 12), "curve.toml:1");  // the name is missing
-  EXPECT_NE(
-      problems_of("name = \"a\"\n[[point]]\ngap_mm = 7\nvolts = 101.0\n").find("curve.toml:4:9: [[point]] volts = 101 is out of range"),
-      std::string::npos);
-  EXPECT_NE(problems_of("name = \"a\"\n[calibration]\nsamples_per_point = 0\n[[point]]\ngap_mm = 7\nvolts = 1.0\n")
-                .find("curve.toml:3:21: [calibration] samples_per_point = 0 is out of range"),
-            std::string::npos);
-  EXPECT_NE(problems_of("name = \"a\"\n[calibration]\nresidual_mv = nan\n").find("curve.toml:3:15: "), std::string::npos);
-  EXPECT_NE(problems_of("name = \"a\"\n[calibration]\nserial = \"x\"\n").find("unknown key 'serial'"), std::string::npos);
-}
-
-TEST_F(SensorCurveFiles, VoltsThatTurnBack_RefusedNamingThePoint) {
-  const std::string two = "name = \"a\"\n[[point]]\ngap_mm = 0.0\nvolts = 3\n[[point]]\ngap_mm = 8\nvolts = 2\n";
-  const std::string what = problems_of(two + "[[point]]\ngap_mm = 9\nvolts = 2.5\n");
-
-  EXPECT_NE(what.find("point 2 (9 mm, 2.5 V)"), std::string::npos) << what;
-  EXPECT_EQ(problems_of(two + "[[point]]\ngap_mm = 9\nvolts = 1.5\n"), "");
-}
-
-TEST_F(SensorCurveFiles, WholeFileThatCannotReplace_LeavesTheOldAndNothingBeside) {
-  std::filesystem::create_directories(path("a.txt/inside"));  // a folder that is not empty cannot be renamed over
-
-  const auto status = write_whole_file(path("a.txt"), "new");
-
-  ASSERT_FALSE(status);
-  EXPECT_NE(status.error().what.find(path("a.txt")), std::string::npos);
-  EXPECT_TRUE(std::filesystem::exists(path("a.txt/inside")));
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+TEST_F(SensorCurveFiles, Limits_AreReportedWithPlaceAndRange) {
+  expect_problems(
+      std::string(kFacts) + kPointsText,
+      {
+          {"name", "", "curve:1:1: name is missing"},
+          {"name", "nam = \"a\"",
+           "curve:1:1: name is missing\n"
+           "curve:1:1: unknown key 'nam'; did you mean 'name'?"},
+          {"id", "serial = \"x\"", "curve:4:1: unknown key 'serial' in [calibration]"},
+          {"id", "id = 3", "curve:4:6: [calibration] id must be a text in quotes"},
+          {"gap_mm = 12", "gap_mm = 1000",
+           "curve:1:1: sensor curve 'floor-w1' is nearly flat somewhere: gap to volts and back is off by 0.00129516 mm, above 0.0001 "
+           "(leave out the flat end of the curve)"},
+          {"gap_mm", "", "curve:17:1: [[point]] gap_mm is missing"},
+          {"gap_mm", "gap_mm = 7\ngap = 7", "curve:19:1: unknown key 'gap' in [[point]]"},
+          {"volts", "volts = 100.0",
+           "curve:1:1: sensor curve 'floor-w1' is nearly flat somewhere: gap to volts and back is off by 5.48133e-05 mm, above 0.0001 "
+           "(leave out the flat end of the curve)"},
+          {"volts", "", "curve:17:1: [[point]] volts is missing"},
+          {"volts = 0.1", "volts = -100.0",
+           "curve:1:1: sensor curve 'floor-w1' is nearly flat somewhere: gap to volts and back is off by 0.000371607 mm, above 0.0001 "
+           "(leave out the flat end of the curve)"},
+          {"volts = 0.1", "volts = 1.1",
+           "curve:1:1: sensor curve 'floor-w1', point 2 (12 mm, 1.1 V): the volts must keep rising or keep falling, so that a voltage "
+           "means one gap"},
+      },
+      read);
+  expect_ranges(std::string(kFacts) + kPointsText,
+                {
+                    {"range_v", "[calibration]", "0.001", "1000", "0.0009", "1000.1"},
+                    {"residual_mv", "[calibration]", "0", "1e+06", "-0.1", "1.1e+06"},
+                    {"repeat_mv", "[calibration]", "0", "1e+06", "-0.1", "1.1e+06"},
+                    {"readings_per_gap", "[calibration]", "1", "1000000000", "0", "1000000001"},
+                    {"samples_per_point", "[calibration]", "1", "1000000000", "0", "1000000001"},
+                    {"gap_mm", "[[point]]", "0", "1000", "-0.1", "1000.1"},
+                    {"volts", "[[point]]", "-100", "100", "-100.1", "100.1"},
+                },
+                read);
+  Problems problems;
+  EXPECT_FALSE(read_sensor_curve(path("none.toml"), problems));
+  EXPECT_EQ(text_of(problems), "none.toml: cannot be read: No such file or directory");
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "record/xdf/xdf_reader.h"
+#include "unit/record/recording_text.h"
 
 namespace dts::record {
 namespace {
@@ -96,6 +97,19 @@ class RecorderTest : public testing::Test {
     EXPECT_TRUE(recorder.flush());
     return recorder.close("").value().file;
   }
+  [[nodiscard]] static std::vector<RecordedScans> scans_of(Recording& recording) {
+    std::vector<RecordedScans> found;
+    while (auto item = recording.next().value()) {
+      if (auto* scans = std::get_if<RecordedScans>(&*item)) found.push_back(std::move(*scans));
+    }
+    return found;
+  }
+  /// Of the recording once it is closed: all items, or those of one kind.
+  [[nodiscard]] std::string text(Recorder& recorder, const std::string& only = "") const {
+    const auto recording = Recording::open(close(recorder)).value();
+    EXPECT_EQ(recording->damage(), "");
+    return items_text(*recording, only);
+  }
 
   std::filesystem::path folder_;
   std::string file_;
@@ -106,10 +120,10 @@ TEST_F(RecorderTest, Frames_EveryScanComesBackAtItsPlaceWithItsValue) {
   auto recorder = this->recorder();
   for (std::uint64_t first = 100; first < 1100; first += 20) ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first))));
 
-  const Contents contents = read(close(*recorder));
+  const auto recording = Recording::open(close(*recorder)).value();
 
   std::array<std::uint64_t, 3> next{100, 50, 100};
-  for (const RecordedScans& scans : contents.scans) {
+  for (const RecordedScans& scans : scans_of(*recording)) {
     const std::size_t stream = scans.values.size() / scans.count == 2 ? kRaw : (scans.values[0] >= 2000.0 ? kAux : kCop);
     ASSERT_EQ(scans.first_scan.value, next[stream]);
     const double rate_hz = stream == kCop ? 500.0 : 1000.0;
@@ -131,37 +145,59 @@ TEST_F(RecorderTest, DriftingClock_TimeAxisHasNoJitterAndOffsetsTellTheDrift) {
     ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first) + drift_ns + static_cast<std::int64_t>(first % 7) * 1000)));
   }
 
-  const Contents contents = read(close(*recorder));
-
-  const double start_s = contents.scans.front().first_time_s;
-  for (const RecordedScans& scans : contents.scans) {
+  const std::string file = close(*recorder);
+  const auto recording = Recording::open(file).value();
+  EXPECT_EQ(items_text(*recording, "offset"),
+            "offset @8000.180000123 raw 1.4e-05\n"
+            "offset @8000.180000123 cop 1.4e-05\n"
+            "offset @8000.180000123 aux 1.4e-05\n"
+            "offset @8000.180000123 events 1.4e-05\n"
+            "offset @8000.180000123 quality 1.4e-05\n"
+            "offset @8005.180000123 raw 0.000259\n"
+            "offset @8005.180000123 cop 0.000259\n"
+            "offset @8005.180000123 aux 0.000259\n"
+            "offset @8005.180000123 events 0.000259\n"
+            "offset @8005.180000123 quality 0.000259\n"
+            "offset @8010.180000123 raw 0.000511\n"
+            "offset @8010.180000123 cop 0.000511\n"
+            "offset @8010.180000123 aux 0.000511\n"
+            "offset @8010.180000123 events 0.000511\n"
+            "offset @8010.180000123 quality 0.000511\n")
+      << "at the start and every 5 s: of three streams, the events and the quality";
+  ASSERT_TRUE(recording->rewind());
+  const auto all = scans_of(*recording);
+  for (const RecordedScans& scans : all) {
     const double rate_hz = scans.values.size() == scans.count && scans.values[0] < 2000.0 ? 500.0 : 1000.0;
-    EXPECT_NEAR(scans.first_time_s, start_s + static_cast<double>(scans.first_scan.value) / rate_hz, 2e-9);
+    EXPECT_NEAR(scans.first_time_s, all.front().first_time_s + static_cast<double>(scans.first_scan.value) / rate_hz, 2e-9);
   }
-  EXPECT_EQ(contents.offsets.size(), 3U * 5U) << "at the start and every 5 s: of three streams, the events and the quality";
-  EXPECT_NEAR(contents.offsets.back().offset_s, (contents.offsets.back().time_s - start_s) * 50e-6, 8e-6);
 }
 
 TEST_F(RecorderTest, Gap_StartsASegmentWhoseEventSaysWhy) {
   auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
-  core::Frame& after = frame(1, 0, 40, host_ns(540));
+  ASSERT_TRUE(recorder->take(frame(0, 0, 4, host_ns(0))));
+  core::Frame& after = frame(1, 0, 4, host_ns(540));
   after.gap_before = {.reason = core::GapReason::Overrun, .missing_scans = 500, .is_exact = true};
+  after.streams[kCop].column(0)[1] = std::numeric_limits<double>::quiet_NaN();
   ASSERT_TRUE(recorder->take(after));
 
-  const Contents contents = read(close(*recorder));
-
-  ASSERT_EQ(contents.events.size(), 2U);
-  const TimedEvent& gap = contents.events[1];
-  EXPECT_EQ(gap.event.event, "segment");
-  EXPECT_EQ(gap.event.segment, 1U);
-  EXPECT_EQ(text_of(gap.event, "reason"), "overrun");
-  EXPECT_EQ(text_of(gap.event, "missing_scans"), "500");
-  EXPECT_NEAR(gap.time_s - contents.events[0].time_s, 0.54, 1e-9);
-  for (const RecordedScans& scans : contents.scans) {
-    EXPECT_EQ(scans.first_scan.value, 0U);
-    EXPECT_EQ(std::lround(std::floor(scans.values[0] / 10.0)) % 10, static_cast<long>(scans.segment));
-  }
+  EXPECT_EQ(text(*recorder),
+            "event @8000.000000123 {\"event\":\"segment\",\"segment\":0,\"scan\":0,\"host_time_ns\":8000000000123}\n"
+            "raw 0:0 @8000.000000123 0 100 0.0009765625 100.0009765625 0.001953125 100.001953125 0.0029296875 100.0029296875\n"
+            "quality 0:0 @8000.000000123 0 0 0\n"
+            "cop 0:0 @8000.000000123 1000 1000.000976562\n"
+            "aux 0:0 @8000.000000123 2000 2000.000976562 2000.001953125 2000.002929688\n"
+            "event @8000.540000123 "
+            "{\"event\":\"segment\",\"segment\":1,\"scan\":0,\"host_time_ns\":8000540000123,\"reason\":\"overrun\",\"missing_scans\":500,"
+            "\"is_exact\":true}\n"
+            "offset @8000.540000123 raw 0\n"
+            "offset @8000.540000123 cop 0\n"
+            "offset @8000.540000123 aux 0\n"
+            "offset @8000.540000123 events 0\n"
+            "offset @8000.540000123 quality 0\n"
+            "raw 1:0 @8000.540000123 10 110 10.0009765625 110.0009765625 10.001953125 110.001953125 10.0029296875 110.0029296875\n"
+            "quality 1:0 @8000.540000123 0 0 0\n"
+            "cop 1:0 @8000.540000123 1010 nan\n"
+            "aux 1:0 @8000.540000123 2010 2010.000976562 2010.001953125 2010.002929688\n");
 }
 
 TEST_F(RecorderTest, Gap_IsALossThatWriterAndReadersTellAlike) {
@@ -190,53 +226,48 @@ TEST_F(RecorderTest, Gap_IsALossThatWriterAndReadersTellAlike) {
   EXPECT_NEAR(verify(file).value().duration_s, 0.6, 1e-9);
 }
 
-TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScan) {
+RecordedEvent event(const std::string& kind, std::uint32_t segment, std::uint64_t scan, const std::string& text) {
+  return {.event = kind, .segment = segment, .scan = {scan}, .values = {{"text", text}}};
+}
+
+TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScanInTheirOrder) {
   auto recorder = this->recorder();
-  const RecordedEvent early{
-      .event = "marker", .segment = 0, .scan = {15}, .values = {{"text", std::string("before anything was recorded")}}};
-  ASSERT_TRUE(recorder->take(early));
+  ASSERT_TRUE(recorder->take(event("marker", 0, 15, "before anything was recorded")));
   ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
-  ASSERT_TRUE(recorder->take(frame(0, 40, 20, host_ns(40)), std::vector<core::Event>{core::TriggerEvent{.segment = 0, .scan = {47}}}));
-
-  const Contents contents = read(close(*recorder));
-
-  ASSERT_EQ(contents.events.size(), 3U);
-  EXPECT_EQ(contents.events[1].event, early);
-  EXPECT_NEAR(contents.events[1].time_s, 8000.000000123 + 0.015, 1e-9);
-  EXPECT_EQ(contents.events[2].event.event, "trigger");
-  EXPECT_NEAR(contents.events[2].time_s, 8000.000000123 + 0.047, 1e-9);
-}
-
-TEST_F(RecorderTest, ReachesAndClasses_StandInTheirOrder) {
-  auto recorder = this->recorder();
   const std::vector<core::Event> events{
-      core::ReachEvent{.step = core::ReachStep::P3, .number = 2, .scan = {10}},
-      core::ReachEvent{.step = core::ReachStep::Final, .number = 2, .scan = {30}},
-      core::ClassEvent{.number = 2, .scan = {30}, .movement = {.trunk_class = core::TrunkClass::Moderate}}};
-  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0)), events));
+      core::TriggerEvent{.segment = 0, .scan = {47}, .is_rising = true},
+      core::ReachEvent{.step = core::ReachStep::P3, .number = 2, .scan = {50}},
+      core::ReachEvent{.step = core::ReachStep::Final, .number = 2, .scan = {58}},
+      core::ClassEvent{.number = 2, .scan = {58}, .movement = {.trunk_class = core::TrunkClass::Moderate}}};
+  ASSERT_TRUE(recorder->take(frame(0, 40, 20, host_ns(40)), events));
 
-  const Contents contents = read(close(*recorder));
-
-  ASSERT_EQ(contents.events.size(), 4U);
-  EXPECT_EQ(text_of(contents.events[1].event, "step"), "p3");
-  EXPECT_EQ(text_of(contents.events[2].event, "step"), "final");
-  EXPECT_EQ(contents.events[3].event.event, "class");
-  EXPECT_EQ(text_of(contents.events[3].event, "class"), "2");
-  EXPECT_NEAR(contents.events[3].time_s, 8000.000000123 + 0.030, 1e-9);
+  EXPECT_EQ(text(*recorder, "event"),
+            "event @8000.000000123 {\"event\":\"segment\",\"segment\":0,\"scan\":0,\"host_time_ns\":8000000000123}\n"
+            "event @8000.015000123 {\"event\":\"marker\",\"segment\":0,\"scan\":15,\"text\":\"before anything was recorded\"}\n"
+            "event @8000.047000123 {\"event\":\"trigger\",\"segment\":0,\"scan\":47,\"edge\":\"rising\"}\n"
+            "event @8000.050000123 "
+            "{\"event\":\"reach\",\"segment\":0,\"scan\":50,\"step\":\"p3\",\"number\":2,\"p1_scan\":0,\"p1_mm\":null,\"p2_scan\":0,\"p2_"
+            "mm\":null,\"p3_scan\":0,\"p3_mm\":null,\"hold_mm\":null,\"rise_s\":null,\"rest_ratio\":null,\"ratio_change\":null,\"twist\":"
+            "null,\"smoothness\":null,\"flags\":0,\"resumed\":0}\n"
+            "event @8000.058000123 "
+            "{\"event\":\"reach\",\"segment\":0,\"scan\":58,\"step\":\"final\",\"number\":2,\"p1_scan\":0,\"p1_mm\":null,\"p2_scan\":0,"
+            "\"p2_mm\":null,\"p3_scan\":0,\"p3_mm\":null,\"hold_mm\":null,\"rise_s\":null,\"rest_ratio\":null,\"ratio_change\":null,"
+            "\"twist\":null,\"smoothness\":null,\"flags\":0,\"resumed\":0}\n"
+            "event @8000.058000123 "
+            "{\"event\":\"class\",\"segment\":0,\"scan\":58,\"number\":2,\"class\":2,\"p_1\":0.0,\"p_2\":0.0,\"p_3\":0.0,\"trunk_deg\":"
+            "null,\"trunk_lo_deg\":null,\"trunk_hi_deg\":null,\"reasons\":0}\n");
 }
 
-TEST_F(RecorderTest, EventOfASegmentBeforeTheRecording_StandsAtItsFirstScan) {
+TEST_F(RecorderTest, EventsOfOtherSegments_StandAtTheFirstOrTheLastScan) {
   auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take({.event = "session", .segment = 3, .scan = {900}, .values = {{"state", std::string("starting")}}}));
+  ASSERT_TRUE(recorder->take(event("session", 3, 900, "before the recording")));
   ASSERT_TRUE(recorder->take(frame(4, 20, 40, host_ns(20))));
+  ASSERT_TRUE(recorder->take(event("device", 5, 0, "never came")));
 
-  const Contents contents = read(close(*recorder));
-
-  ASSERT_EQ(contents.events.size(), 2U);
-  EXPECT_EQ(contents.events[1].event.event, "session");
-  EXPECT_EQ(contents.events[1].event.segment, 4U);
-  EXPECT_EQ(contents.events[1].event.scan.value, 20U);
-  EXPECT_EQ(contents.events[1].time_s, contents.scans.front().first_time_s);
+  EXPECT_EQ(text(*recorder, "event"),
+            "event @8000.020000123 {\"event\":\"segment\",\"segment\":4,\"scan\":20,\"host_time_ns\":8000020000123}\n"
+            "event @8000.020000123 {\"event\":\"session\",\"segment\":4,\"scan\":20,\"text\":\"before the recording\"}\n"
+            "event @8000.060000123 {\"event\":\"device\",\"segment\":5,\"scan\":0,\"text\":\"never came\"}\n");
 }
 
 TEST_F(RecorderTest, NoScanAtAll_TheFileSaysSoWithItsEvents) {
@@ -252,18 +283,6 @@ TEST_F(RecorderTest, NoScanAtAll_TheFileSaysSoWithItsEvents) {
   EXPECT_EQ(std::get<TimedEvent>(*item).time_s, 9.0);
 }
 
-TEST_F(RecorderTest, EventOfASegmentThatNeverCame_StandsAtTheEnd) {
-  auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
-  ASSERT_TRUE(recorder->take({.event = "device", .segment = 1, .scan = {0}, .values = {{"state", std::string("gone")}}}));
-
-  const Contents contents = read(close(*recorder));
-
-  ASSERT_EQ(contents.events.size(), 2U);
-  EXPECT_EQ(contents.events[1].event.event, "device");
-  EXPECT_NEAR(contents.events[1].time_s, 8000.000000123 + 0.04, 1e-9);
-}
-
 TEST_F(RecorderTest, Quality_StandsInTheFileWhereverItChanges) {
   auto recorder = this->recorder();
   core::Frame& bad = frame(0, 0, 40, host_ns(0));
@@ -271,13 +290,11 @@ TEST_F(RecorderTest, Quality_StandsInTheFileWhereverItChanges) {
   bad.streams[kAux].quality(0)[39] = core::quality::kNoContact;
   ASSERT_TRUE(recorder->take(bad));
 
-  const Contents contents = read(close(*recorder));
-
-  std::vector<std::pair<std::uint64_t, std::vector<double>>> seen;
-  for (const RecordedChange& change : contents.changes) seen.emplace_back(change.scan.value, change.values);
-  EXPECT_THAT(seen,
-              testing::ElementsAre(testing::Pair(0, testing::ElementsAre(0, 0, 0)), testing::Pair(10, testing::ElementsAre(0, 1, 0)),
-                                   testing::Pair(13, testing::ElementsAre(0, 0, 0)), testing::Pair(39, testing::ElementsAre(0, 0, 16))));
+  EXPECT_EQ(text(*recorder, "quality"),
+            "quality 0:0 @8000.000000123 0 0 0\n"
+            "quality 0:10 @8000.010000123 0 1 0\n"
+            "quality 0:13 @8000.013000123 0 0 0\n"
+            "quality 0:39 @8000.039000123 0 0 16\n");
 }
 
 TEST_F(RecorderTest, FramesThatNeverCame_AreALossThatTheFileTells) {
@@ -290,17 +307,6 @@ TEST_F(RecorderTest, FramesThatNeverCame_AreALossThatTheFileTells) {
   const std::string file = recorder->close("").value().file;
 
   EXPECT_EQ(verify(file).value().incomplete, "1 scans found no room on the way to the file");
-}
-
-TEST_F(RecorderTest, UndefinedValues_ComeBackAsNaN) {
-  auto recorder = this->recorder();
-  core::Frame& nobody = frame(0, 0, 40, host_ns(0));
-  nobody.streams[kCop].column(0)[3] = std::numeric_limits<double>::quiet_NaN();
-  ASSERT_TRUE(recorder->take(nobody));
-
-  const Contents contents = read(close(*recorder));
-
-  EXPECT_TRUE(std::ranges::any_of(contents.scans, [](const RecordedScans& scans) { return std::isnan(scans.values[3]); }));
 }
 
 TEST_F(RecorderTest, StageState_StandsInTheRawStreamsHeader) {

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "session/acquisition.h"
@@ -71,28 +71,32 @@ struct Bench {
   core::Doorbell bell;
   core::SpscRing<core::Acquired> ring{2, core::Acquired{.block = core::Block(1, kScans)}};
   Acquisition acquisition{device, clock, ring, bell, core::Rate::create(100, 1).value(), kScans};
+
+  /// Segment, first scan and reason of the gap before, of each block, when a block is taken at every sleep and the rest at the end.
+  std::vector<std::tuple<std::uint32_t, std::uint64_t, core::GapReason>> run() {
+    std::vector<std::tuple<std::uint32_t, std::uint64_t, core::GapReason>> seen;
+    const auto take_one = [&] {
+      const core::Acquired* acquired = ring.front();
+      if (acquired == nullptr) return false;
+      seen.emplace_back(acquired->block.segment, acquired->block.first_scan.value, acquired->gap_before.reason);
+      ring.release();
+      return true;
+    };
+    clock.on_sleep = [&] { (void)take_one(); };
+    device.on_end = [&] { acquisition.request_stop(); };
+    acquisition.run();
+    while (take_one()) {
+    }
+    return seen;
+  }
 };
 
 TEST(AcquisitionOfAPatientDevice, SlowPipeline_LosesNothing) {
   Bench bench(50);
-  std::vector<std::uint64_t> seen;
-  const auto take_one = [&] {
-    const core::Acquired* acquired = bench.ring.front();
-    if (acquired == nullptr) return false;
-    EXPECT_EQ(acquired->gap_before.reason, core::GapReason::None);
-    seen.push_back(acquired->block.first_scan.value);
-    bench.ring.release();
-    return true;
-  };
-  bench.clock.on_sleep = [&] { (void)take_one(); };
-  bench.device.on_end = [&] { bench.acquisition.request_stop(); };
-
-  bench.acquisition.run();
-  while (take_one()) {
-  }
+  const auto seen = bench.run();
 
   ASSERT_EQ(seen.size(), 50U);
-  for (std::size_t block = 0; block < seen.size(); ++block) EXPECT_EQ(seen[block], block * kScans);
+  for (std::size_t block = 0; block < seen.size(); ++block) EXPECT_EQ(seen[block], std::tuple(0U, block * kScans, core::GapReason::None));
   EXPECT_EQ(bench.ring.dropped(), 0U);
   EXPECT_EQ(bench.acquisition.report().losses.total().gaps, 0U);
 }
@@ -101,23 +105,10 @@ TEST(AcquisitionOfAPatientDevice, RecordingFromTheMiddleOfASegment_BeginsAtItsIn
   Bench bench(4);
   bench.device.begin_at(77);
   bench.device.gap_before_left = 2;
-  std::vector<std::pair<std::uint32_t, std::uint64_t>> seen;
-  const auto take_one = [&] {
-    const core::Acquired* acquired = bench.ring.front();
-    if (acquired == nullptr) return false;
-    seen.emplace_back(acquired->block.segment, acquired->block.first_scan.value);
-    bench.ring.release();
-    return true;
-  };
-  bench.clock.on_sleep = [&] { (void)take_one(); };
-  bench.device.on_end = [&] { bench.acquisition.request_stop(); };
-
-  bench.acquisition.run();
-  while (take_one()) {
-  }
-
-  const std::vector<std::pair<std::uint32_t, std::uint64_t>> expected{{0, 77}, {0, 77 + kScans}, {1, 0}, {1, kScans}};
-  EXPECT_EQ(seen, expected);
+  using enum core::GapReason;
+  const std::vector<std::tuple<std::uint32_t, std::uint64_t, core::GapReason>> expected{
+      {0, 77, None}, {0, 77 + kScans, None}, {1, 0, Silence}, {1, kScans, None}};
+  EXPECT_EQ(bench.run(), expected);
   EXPECT_EQ(bench.acquisition.report().losses.total().gaps, 1U);
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/acquisition.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <sstream>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -25,160 +26,110 @@ struct Live {
   ScriptedDevice device;
   core::SpscRing<core::Acquired> ring;
   Acquisition acquisition{device, clock, ring, bell, core::Rate::create(100, 1).value(), kBlock};
+
+  /// Takes all blocks out of the ring: "segment:first scan+count", the gap before it, and all scans lost until then.
+  void take(std::string& blocks) {
+    for (; const core::Acquired* acquired = ring.front(); ring.release()) {
+      const auto& [reason, missing, is_exact] = acquired->gap_before;
+      std::ostringstream text;
+      if (reason != core::GapReason::None) text << core::name(reason) << (is_exact ? " of " : " of about ") << missing << ", ";
+      text << acquired->block.segment << ':' << acquired->block.first_scan.value << '+' << acquired->block.count();
+      if (acquired->lost_scans_total != 0) text << " (" << acquired->lost_scans_total << " lost)";
+      blocks += (blocks.empty() ? "" : "; ") + text.str();
+    }
+  }
 };
+
+std::string totals_of(const AcquisitionReport& report, const ScriptedDevice& device) {
+  std::ostringstream text;
+  text << report.scans_total << " scans, " << report.losses.total().gaps << " gaps of " << report.losses.total().scans << ", "
+       << report.reconnects_total << " reconnects, " << report.restarts_total << " restarts, " << device.opens << " opens, "
+       << device.starts << " starts";
+  return text.str();
+}
 
 /// Runs an acquisition over a script on the calling thread and keeps what came out.
 struct Playback : Live {
-  struct Seen {
-    std::uint32_t segment;
-    std::uint64_t first_scan;
-    std::size_t count;
-    core::Gap gap;
-    std::uint64_t lost_total;
-  };
   explicit Playback(std::deque<ScriptedDevice::Step> script, std::size_t ring_blocks = 64, int failing_opens = 0)
       : Live(std::move(script), ring_blocks) {
     device.failing_opens = failing_opens;
     device.on_end = [&] { acquisition.request_stop(); };
     acquisition.run();
     report = acquisition.report();
-    while (const core::Acquired* acquired = ring.front()) {
-      seen.push_back({acquired->block.segment, acquired->block.first_scan.value, acquired->block.count(), acquired->gap_before,
-                      acquired->lost_scans_total});
-      ring.release();
-    }
+    take(blocks);
   }
   AcquisitionReport report;
-  std::vector<Seen> seen;
+  std::string blocks;  ///< "segment:first scan+count", and the gap before it; all lost by then in brackets.
 };
 
-TEST(Acquisition, UnbrokenStream_IsOneSegmentWithoutGap) {
-  const Playback run({{.scans = 2}, {.scans = 8}, {.scans = 1}});
-
-  ASSERT_EQ(run.seen.size(), 3U);
-  EXPECT_EQ(run.seen[0].segment, 0U);
-  EXPECT_EQ(run.seen[2].first_scan, 10U);
-  EXPECT_EQ(run.seen[2].segment, 0U);
-  EXPECT_EQ(run.report.scans_total, 11U);
-  EXPECT_EQ(run.report.losses.total().gaps, 0U);
-}
-
-TEST(Acquisition, DeviceGap_StartsASegmentAtZeroAndIsToldOnce) {
-  const core::Gap overrun{.reason = core::GapReason::Overrun, .missing_scans = 5, .is_exact = true};
-  const Playback run({{.scans = 3}, {.outcome = ReadOutcome::Gap, .gap = overrun}, {.scans = 2}, {.scans = 2}});
-
-  ASSERT_EQ(run.seen.size(), 3U);
-  EXPECT_EQ(run.seen[1].segment, 1U);
-  EXPECT_EQ(run.seen[1].first_scan, 0U);
-  EXPECT_EQ(run.seen[1].gap.reason, core::GapReason::Overrun);
-  EXPECT_EQ(run.seen[1].gap.missing_scans, 5U);
-  EXPECT_TRUE(run.seen[1].gap.is_exact);
-  EXPECT_EQ(run.seen[2].gap.reason, core::GapReason::None);
-  EXPECT_EQ(run.seen[2].first_scan, 2U);
-  EXPECT_EQ(run.report.losses.total().scans, 5U);
-}
-
-TEST(Acquisition, Unplug_ReopensAndEstimatesTheHoleFromHostTime) {
-  const Playback run({{.scans = 1}, {.outcome = ReadOutcome::Gone}, {.scans = 1, .pause_ns = 40 * ScriptedDevice::kPeriodNs}});
-
-  ASSERT_EQ(run.seen.size(), 2U);
-  EXPECT_EQ(run.seen[1].gap.reason, core::GapReason::Unplugged);
-  EXPECT_EQ(run.seen[1].gap.missing_scans, 40U);
-  EXPECT_FALSE(run.seen[1].gap.is_exact);
-  EXPECT_EQ(run.report.reconnects_total, 1U);
-  EXPECT_EQ(run.device.opens, 2);
-}
-
-TEST(Acquisition, FullRing_DropsTheNewBlocksAndCountsThemExactly) {
-  // The ring has 8 slots and nobody reads: of 12 blocks the last 4 are lost, and nothing can tell of it yet.
-  const Playback run(std::deque<ScriptedDevice::Step>(12, {.scans = 2}), 8);
-
-  EXPECT_EQ(run.seen.size(), 8U);
-  EXPECT_EQ(run.ring.dropped(), 4U);
-}
-
-TEST(Acquisition, RoomAfterFullRing_TellsTheExactLossBeforeTheNextBlock) {
-  Live live(std::deque<ScriptedDevice::Step>(6, {.scans = 2}), 2);
-  std::vector<core::Gap> gaps;
-  const auto drain = [&] {
-    while (const core::Acquired* acquired = live.ring.front()) {
-      gaps.push_back(acquired->gap_before);
-      live.ring.release();
-    }
+TEST(Acquisition, Gaps_AreToldOnceWithTheirLengthAndStartASegmentAtZero) {
+  const auto gap = [](core::GapReason reason, std::uint64_t missing, bool is_exact) {
+    return ScriptedDevice::Step{.outcome = ReadOutcome::Gap, .gap = {.reason = reason, .missing_scans = missing, .is_exact = is_exact}};
   };
-  int rounds = 0;
-  live.device.on_end = [&] {
-    if (++rounds == 4) return live.acquisition.request_stop();
-    drain();  // room again: one more block must carry the loss of four, and none behind it
-    live.device.extend({{.scans = 2}});
-  };
-
-  live.acquisition.run();
-  drain();
-
-  ASSERT_EQ(gaps.size(), 5U);
-  for (const std::size_t whole : {0U, 1U, 3U, 4U}) EXPECT_EQ(gaps[whole].reason, core::GapReason::None) << whole;
-  EXPECT_EQ(gaps[2].reason, core::GapReason::RingFull);
-  EXPECT_EQ(gaps[2].missing_scans, 8U);
-  EXPECT_TRUE(gaps[2].is_exact);
-}
-
-TEST(Acquisition, CounterJumpWithoutNotice_IsAnIntegrityGap) {
-  const Playback run({{.scans = 2}, {.scans = 2, .skip_index = 3}});
-
-  ASSERT_EQ(run.seen.size(), 2U);
-  EXPECT_EQ(run.seen[1].gap.reason, core::GapReason::Integrity);
-  EXPECT_EQ(run.seen[1].gap.missing_scans, 3U);
-  EXPECT_EQ(run.seen[1].first_scan, 0U);
+  const auto overrun = gap(core::GapReason::Overrun, 5, true);
+  const ScriptedDevice::Step gone{.outcome = ReadOutcome::Gone};
+  const auto after = [](std::int64_t periods) { return ScriptedDevice::Step{.scans = 1, .pause_ns = periods * ScriptedDevice::kPeriodNs}; };
+  for (const auto& [why, script, expected] : std::vector<std::tuple<const char*, std::deque<ScriptedDevice::Step>, const char*>>{
+           {"unbroken",
+            {{.scans = 2}, {.scans = 8}, {.scans = 1}},
+            "0:0+2; 0:2+8; 0:10+1 | 11 scans, 0 gaps of 0, 0 reconnects, 0 restarts, 1 opens, 1 starts"},
+           {"of the device",
+            {{.scans = 3}, overrun, {.scans = 2}, {.scans = 2}},
+            "0:0+3; overrun of 5, 1:0+2 (5 lost); 1:2+2 (5 lost) | 7 scans, 1 gaps of 5, 0 reconnects, 0 restarts, 1 opens, 1 starts"},
+           {"unplugged: estimated from host time",
+            {{.scans = 1}, gone, after(40)},
+            "0:0+1; unplugged of about 40, 1:0+1 (40 lost) | 2 scans, 1 gaps of 40, 1 reconnects, 0 restarts, 2 opens, 2 starts"},
+           {"counter jumps without notice",
+            {{.scans = 2}, {.scans = 2, .skip_index = 3}},
+            "0:0+2; integrity of about 3, 1:0+2 (3 lost) | 4 scans, 1 gaps of 3, 0 reconnects, 0 restarts, 1 opens, 1 starts"},
+           {"two in a row become one longer",
+            {{.scans = 1}, overrun, gap(core::GapReason::Silence, 7, false), {.scans = 1}},
+            "0:0+1; overrun of about 12, 1:0+1 (12 lost) | 2 scans, 1 gaps of 12, 0 reconnects, 0 restarts, 1 opens, 1 starts"},
+           {"unknown after a counted one: the time between the scans",
+            {{.scans = 1}, overrun, gone, after(600)},
+            "0:0+1; overrun of about 600, 1:0+1 (600 lost) | 2 scans, 1 gaps of 600, 1 reconnects, 0 restarts, 2 opens, 2 starts"},
+           {"host time jumps by a second",
+            {{.scans = 1}, after(100)},
+            "0:0+1; 0:1+1 | 2 scans, 0 gaps of 0, 0 reconnects, 0 restarts, 1 opens, 1 starts"},
+           {"by more",
+            {{.scans = 2}, after(500)},
+            "0:0+2; silence of about 500, 1:0+1 (500 lost) | 3 scans, 1 gaps of 500, 0 reconnects, 0 restarts, 1 opens, 1 starts"},
+       }) {
+    const Playback run(script);
+    EXPECT_EQ(run.blocks + " | " + totals_of(run.report, run.device), expected) << why;
+  }
 }
 
 TEST(Acquisition, DeviceAbsentAtStart_IsTriedAgainAndIsNoGap) {
   const Playback run({{.scans = 1}}, 64, 3);
 
-  ASSERT_EQ(run.seen.size(), 1U);
-  EXPECT_EQ(run.seen[0].gap.reason, core::GapReason::None);
-  EXPECT_EQ(run.device.opens, 4);
-  EXPECT_EQ(run.report.reconnects_total, 0U);
+  EXPECT_EQ(run.blocks, "0:0+1");
+  EXPECT_EQ(totals_of(run.report, run.device), "1 scans, 0 gaps of 0, 0 reconnects, 0 restarts, 4 opens, 1 starts");
 }
 
-TEST(Acquisition, TwoGapsInARow_BecomeOneLongerGap) {
-  const core::Gap exact{.reason = core::GapReason::Overrun, .missing_scans = 5, .is_exact = true};
-  const core::Gap estimated{.reason = core::GapReason::Silence, .missing_scans = 7, .is_exact = false};
-  const Playback run(
-      {{.scans = 1}, {.outcome = ReadOutcome::Gap, .gap = exact}, {.outcome = ReadOutcome::Gap, .gap = estimated}, {.scans = 1}});
+TEST(Acquisition, FullRing_DropsTheNewBlocksAndTellsTheExactLossBeforeTheNextBlock) {
+  // The ring has 2 slots and nobody reads: of 6 blocks the last 4 are lost, and nothing can tell of it yet.
+  Live live(std::deque<ScriptedDevice::Step>(6, {.scans = 2}), 2);
+  std::string blocks;
+  int rounds = 0;
+  live.device.on_end = [&] {
+    if (++rounds == 4) return live.acquisition.request_stop();
+    EXPECT_EQ(live.ring.dropped(), 4U);
+    live.take(blocks);  // room again: one more block must carry the loss of four, and none behind it
+    live.device.extend({{.scans = 2}});
+  };
 
-  ASSERT_EQ(run.seen.size(), 2U);
-  EXPECT_EQ(run.seen[1].gap.missing_scans, 12U);
-  EXPECT_FALSE(run.seen[1].gap.is_exact);
-  EXPECT_EQ(run.report.losses.total().gaps, 1U);
-}
+  live.acquisition.run();
+  live.take(blocks);
 
-TEST(Acquisition, UnknownHoleAfterACountedOne_IsAsLongAsTheTimeBetweenTheScans) {
-  const core::Gap exact{.reason = core::GapReason::Overrun, .missing_scans = 5, .is_exact = true};
-  const Playback run({{.scans = 1},
-                      {.outcome = ReadOutcome::Gap, .gap = exact},
-                      {.outcome = ReadOutcome::Gone},
-                      {.scans = 1, .pause_ns = 600 * ScriptedDevice::kPeriodNs}});
-
-  ASSERT_EQ(run.seen.size(), 2U);
-  EXPECT_EQ(run.seen[1].gap.missing_scans, 600U);
-  EXPECT_EQ(run.report.losses.total().scans, 600U);
-}
-
-TEST(Acquisition, HostTimeJumpsByMoreThanASecond_IsASilenceGap) {
-  const Playback run({{.scans = 2}, {.scans = 2, .pause_ns = 500 * ScriptedDevice::kPeriodNs}});
-
-  ASSERT_EQ(run.seen.size(), 2U);
-  EXPECT_EQ(run.seen[1].gap.reason, core::GapReason::Silence);
-  EXPECT_EQ(run.seen[1].gap.missing_scans, 500U);
-  EXPECT_EQ(run.seen[1].segment, 1U);
+  EXPECT_EQ(blocks, "0:0+2; 0:2+2; ring_full of 8, 1:0+2 (8 lost); 1:2+2 (8 lost); 1:4+2 (8 lost)");
 }
 
 TEST(Acquisition, DeviceGoneAtEveryFirstRead_IsRetriedWithGrowingPauses) {
   const Playback run(std::deque<ScriptedDevice::Step>(5, {.outcome = ReadOutcome::Gone}));
 
   // 0.25, 0.5, 1, 2, 4 s: as fast as it computes would be none of them.
-  EXPECT_GE(run.clock.now_ns(), 7'750'000'000);
+  EXPECT_EQ(run.clock.now_ns(), 7'750'000'000);
   EXPECT_EQ(run.report.losses.total().gaps, 0U);
 }
 
@@ -189,15 +140,8 @@ TEST(Acquisition, StreamThatBreaksAfterSeconds_IsStartedAgainAtOnceInANewSegment
   script.push_back({.scans = 2, .pause_ns = 30 * ScriptedDevice::kPeriodNs});
   const Playback run(script, 256);
 
-  ASSERT_EQ(run.seen.size(), 131U);
-  EXPECT_EQ(run.seen[130].segment, 1U);
-  EXPECT_EQ(run.seen[130].first_scan, 0U);
-  EXPECT_EQ(run.seen[130].gap.reason, core::GapReason::Integrity);
-  EXPECT_EQ(run.seen[130].gap.missing_scans, 30U);
-  EXPECT_FALSE(run.seen[130].gap.is_exact);
-  EXPECT_EQ(run.device.starts, 2);
-  EXPECT_EQ(run.report.restarts_total, 1U);
-  EXPECT_EQ(run.report.reconnects_total, 0U);
+  EXPECT_EQ(run.blocks.substr(run.blocks.rfind("; ")), "; integrity of about 30, 1:0+2 (30 lost)");
+  EXPECT_EQ(totals_of(run.report, run.device), "1042 scans, 1 gaps of 30, 0 reconnects, 1 restarts, 2 opens, 2 starts");
   EXPECT_EQ(run.clock.now_ns(), 0) << "a stream that ran before is started again without a pause";
 }
 
@@ -210,7 +154,7 @@ TEST(Acquisition, StreamThatBreaksSecondsAfterItsReturn_IsStartedAgainAtOnce) {
   const Playback run(script);
 
   EXPECT_EQ(run.clock.now_ns(), 3'750'000'000) << "0.25 + 0.5 + 1 + 2 s while it was away, and nothing after the stall";
-  EXPECT_EQ(run.seen.back().gap.reason, core::GapReason::Stall);
+  EXPECT_EQ(run.blocks.substr(run.blocks.rfind("; ")), "; stall of about 0, 2:0+8");
 }
 
 TEST(Acquisition, StreamThatBreaksRightAfterItsReturn_IsStartedAgainAtOnce) {
@@ -241,7 +185,7 @@ TEST(Acquisition, StreamThatBreaksAgainAndAgain_IsRetriedWithGrowingPauses) {
   }
   const Playback run(script);
 
-  EXPECT_GE(run.clock.now_ns(), 7'750'000'000);
+  EXPECT_EQ(run.clock.now_ns(), 7'750'000'000);
   EXPECT_EQ(run.report.losses.total().gaps, 5U);
 }
 
@@ -258,10 +202,9 @@ TEST(Acquisition, SuspendedMachine_TheTimeAsleepIsInTheGap) {
 
   live.acquisition.run();
 
-  ASSERT_NE(live.ring.front(), nullptr);
-  live.ring.release();
-  ASSERT_NE(live.ring.front(), nullptr);
-  EXPECT_EQ(live.ring.front()->gap_before.missing_scans, 360'000U + 40U);
+  std::string blocks;
+  live.take(blocks);
+  EXPECT_EQ(blocks, "0:0+1; unplugged of about 360040, 1:0+1 (360040 lost)");
 }
 
 TEST(Acquisition, ArmedDevice_IsWaitingAndNotSilent) {
@@ -297,7 +240,7 @@ std::string report_after_reads_that_took(std::int64_t read_ns, int reads) {
 }
 
 TEST(Acquisition, DeviceThatDeliversNothing_IsToldAfterASecond) {
-  EXPECT_NE(report_after_reads_that_took(200'000'000, 8).find("check its cable"), std::string::npos);
+  EXPECT_EQ(report_after_reads_that_took(200'000'000, 8), "device is present but delivers nothing; check its cable and power");
 }
 
 TEST(Acquisition, ProcessThatStoodStill_IsNoNewsOfTheDevice) { EXPECT_EQ(report_after_reads_that_took(5'000'000'000, 1), ""); }
@@ -311,7 +254,7 @@ TEST(Acquisition, UnitThatIsPluggedIn_EndsThePauseBeforeTheNextTry) {
   live.acquisition.run();
 
   EXPECT_EQ(live.device.opens, 6);
-  EXPECT_LT(live.clock.now_ns(), 4'000'000'000) << "0.25 + 0.5 + 1 + 2 s, and not 4 s more";
+  EXPECT_EQ(live.clock.now_ns(), 3'800'000'000) << "0.25 + 0.5 + 1 + 2 s, and not 4 s more";
 }
 
 TEST(Acquisition, DeviceThatRunsAtAnotherRateThanItPromised_IsNotBelieved) {
@@ -325,7 +268,7 @@ TEST(Acquisition, DeviceThatRunsAtAnotherRateThanItPromised_IsNotBelieved) {
   live.acquisition.run();
 
   EXPECT_EQ(live.ring.front(), nullptr);
-  EXPECT_THAT(std::string(live.acquisition.report().text()), testing::HasSubstr("promised 100"));
+  EXPECT_EQ(std::string(live.acquisition.report().text()), " runs at 101.000000 Hz, but promised 100.000000 Hz");
 }
 
 TEST(AcquisitionReport, LongMessage_IsCutNotOverrun) {

@@ -4,7 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
+#include <sstream>
+#include <string>
+#include <tuple>
+#include <vector>
 
 #include "reach_results_events.h"
 
@@ -20,20 +25,46 @@ using enum TrialEventKind;
 
 ReachResults without_model() { return {made::volunteer(), nullptr}; }
 
-void go(ReachResults& results, std::uint32_t trial, std::uint64_t scan, std::uint32_t segment = 0, std::uint32_t attempt = 1) {
-  results.take(step(Ready, trial, attempt), segment, {scan - 10});
-  results.take(step(Go, trial, attempt), segment, {scan});
-  results.take(step(Measure, trial, attempt), segment, {scan + 5});
+using Act = std::function<void(ReachResults&)>;
+
+Act at(TrialEventKind kind, std::uint32_t trial, std::uint64_t scan, std::uint32_t segment = 0, std::uint32_t attempt = 1) {
+  return [=](ReachResults& results) { results.take(step(kind, trial, attempt), segment, {scan}); };
 }
-void done(ReachResults& results, std::uint32_t trial, std::uint64_t scan, std::uint32_t segment = 0, std::uint32_t attempt = 1) {
-  results.take(step(Done, trial, attempt), segment, {scan});
-  results.take(step(Rest, trial, attempt), segment, {scan});
+Act go(std::uint32_t trial, std::uint64_t scan, std::uint32_t segment = 0, std::uint32_t attempt = 1) {
+  return [=](ReachResults& results) {
+    for (const auto& [kind, later] : {std::pair{Ready, -10}, {Go, 0}, {Measure, 5}}) {
+      at(kind, trial, scan + static_cast<std::uint64_t>(later), segment, attempt)(results);
+    }
+  };
 }
-/// Number of the reach in the only result; 0: it has none.
-std::uint32_t only_reach(const ReachResults& results) {
-  const auto all = results.results();
-  EXPECT_EQ(all.size(), 1U);
-  return all.empty() || !all[0].reach ? 0 : all[0].reach->number;
+Act done(std::uint32_t trial, std::uint64_t scan, std::uint32_t segment = 0, std::uint32_t attempt = 1) {
+  return [=](ReachResults& results) {
+    for (const TrialEventKind kind : {Done, Rest}) at(kind, trial, scan, segment, attempt)(results);
+  };
+}
+template <class Event>
+Act take(Event event) {
+  return [event](ReachResults& results) { results.take(event); };
+}
+Act advance(std::uint32_t segment, std::uint64_t scan) {
+  return [=](ReachResults& results) { results.advance(segment, {scan}); };
+}
+void finish(ReachResults& results) { results.finish(); }
+core::ReachEvent final_at(core::ReachEvent event, std::uint64_t scan) {
+  event.scan = {scan};
+  return event;
+}
+
+/// "1.1 reach 2 of 1.5 mm, class 2;" of each trial.
+std::string text_of(const std::vector<ReachTrialResult>& results) {
+  std::ostringstream text;
+  for (const ReachTrialResult& result : results) {
+    text << result.trial << '.' << result.attempt << (result.has_gap ? " gap" : "");
+    if (result.reach) text << " reach " << result.reach->number << " of " << result.reach->features.d2_mm() << " mm";
+    if (result.movement) text << ", class " << static_cast<int>(result.movement->trunk_class);
+    text << "; ";
+  }
+  return text.str();
 }
 
 TEST(ReachResults, Trial_HasTheLargestReachWhoseTrunkWentForwardInIt) {
@@ -58,160 +89,52 @@ TEST(ReachResults, Trial_HasTheLargestReachWhoseTrunkWentForwardInIt) {
                         {"several", {reach(1, 1050, 0.5), reach(2, 1200, 1.5), reach(3, 1350, 0.7)}, 2}}) {
     SCOPED_TRACE(what);
     ReachResults results = without_model();
-    go(results, 1, 1000);
+    go(1, 1000)(results);
     for (const core::ReachEvent& event : reaches) results.take(event);
-    done(results, 1, 1500);
+    done(1, 1500)(results);
     results.advance(0, {1500});
-    EXPECT_EQ(only_reach(results), number);
+    ASSERT_EQ(results.results().size(), 1U);
+    EXPECT_EQ(results.results()[0].reach ? results.results()[0].reach->number : 0, number);
   }
 }
 
-TEST(ReachResults, FinalToldAfterTheTrial_DoesNotCount) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  results.take(reach(1, 1100, 1.0));
-  core::ReachEvent higher = reach(1, 1100, 2.0);
-  higher.scan = {1500};
-  results.take(higher);
-  done(results, 1, 1500);
-  results.finish();
-  const auto all = results.results();
-  ASSERT_EQ(all.size(), 1U);
-  ASSERT_TRUE(all[0].reach.has_value());
-  EXPECT_DOUBLE_EQ(all[0].reach->features.d2_mm(), 1.0);
-}
-
-TEST(ReachResults, OtherFinalOfTheSameNumber_ReplacesTheFirst) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  core::ReachEvent higher = reach(1, 1100, 2.0);
-  higher.scan = {1400};
-  results.take(higher);
-  results.take(reach(1, 1100, 1.0));  // told earlier, arrives later
-  done(results, 1, 1500);
-  results.advance(0, {1500});
-  EXPECT_DOUBLE_EQ(results.results().at(0).reach->features.d2_mm(), 2.0);
-}
-
-TEST(ReachResults, Advance_DecidesOnlyWhatHasEnded) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  done(results, 1, 1500);
-  results.advance(0, {1499});
-  EXPECT_TRUE(results.take_decided().empty());
-  results.take(reach(1, 1100));
-  results.advance(0, {1500});
-  const auto decided = results.take_decided();
-  ASSERT_EQ(decided.size(), 1U);
-  EXPECT_TRUE(decided[0].reach.has_value());
-  EXPECT_TRUE(results.take_decided().empty());
-}
-
-TEST(ReachResults, StepsToldAfterTheScansTheyStandAt_AreDecidedAtOnce) {
-  ReachResults results = without_model();
-  results.take(reach(1, 1100));
-  results.advance(0, {2000});
-  go(results, 1, 1000);
-  done(results, 1, 1500);
-  EXPECT_EQ(results.take_decided().size(), 1U);
-  EXPECT_EQ(only_reach(results), 1U);
-}
-
-TEST(ReachResults, EverythingBackwards_GivesTheSame) {
-  ReachResults results = without_model();
-  const core::ReachEvent event = reach(7, 1100);
-  done(results, 1, 1500);
-  results.take(classed(event, TrunkClass::Moderate, 25.0));
-  results.take(event);
-  go(results, 1, 1000);
-  results.finish();
-  ASSERT_EQ(only_reach(results), 7U);
-  EXPECT_EQ(results.results()[0].movement->trunk_class, TrunkClass::Moderate);
-}
-
-TEST(ReachResults, GapWithinTheTrial_LeavesItWithoutResultAndSaysSo) {
-  ReachResults results = without_model();
-  go(results, 1, 1000, 3);
-  results.take(reach(1, 1100, 1.0, 3));
-  results.take(reach(1, 50, 1.0, 4));
-  done(results, 1, 400, 4);
-  results.advance(4, {400});
-  const auto all = results.results();
-  ASSERT_EQ(all.size(), 1U);
-  EXPECT_TRUE(all[0].has_gap);
-  EXPECT_FALSE(all[0].reach.has_value());
-  EXPECT_FALSE(all[0].movement.has_value());
-}
-
-TEST(ReachResults, NumbersRestartInANewSegment_AreOtherReaches) {
-  ReachResults results = without_model();
-  go(results, 1, 1000, 0);
-  const core::ReachEvent first = reach(1, 1100, 1.0, 0);
-  results.take(first);
-  results.take(classed(first, TrunkClass::Moderate, 25.0));
-  done(results, 1, 1500, 0);
-  go(results, 2, 1000, 1);
-  const core::ReachEvent second = reach(1, 1100, 2.0, 1);
-  results.take(second);
-  results.take(classed(second, TrunkClass::Maximum, 55.0));
-  done(results, 2, 1500, 1);
-  results.advance(1, {1500});
-  const auto all = results.results();
-  ASSERT_EQ(all.size(), 2U);
-  EXPECT_EQ(all[0].movement->trunk_class, TrunkClass::Moderate);
-  EXPECT_EQ(all[1].movement->trunk_class, TrunkClass::Maximum);
-}
-
-TEST(ReachResults, ClassOfAnEarlierFinal_IsNotThatOfTheLast) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  const core::ReachEvent first = reach(1, 1100, 1.0);
-  results.take(first);
-  results.take(classed(first, TrunkClass::Moderate, 25.0));
-  core::ReachEvent second = reach(1, 1100, 2.0);
-  second.scan = {1400};
-  results.take(second);
-  done(results, 1, 1500);
-  results.advance(0, {1500});
-  EXPECT_FALSE(results.results().at(0).movement.has_value());
-}
-
-TEST(ReachResults, RedoneTrial_CountsOnceByItsLastAttempt) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  results.take(reach(1, 1100));
-  done(results, 1, 1500);
-  results.advance(0, {1500});
-  EXPECT_EQ(results.take_decided().size(), 1U);
-  results.take(step(Redone, 1, 1), 0, {1600});
-  go(results, 1, 2000, 0, 2);
-  results.take(reach(2, 2100));
-  done(results, 1, 2500, 0, 2);
-  results.advance(0, {2500});
-  EXPECT_EQ(only_reach(results), 2U);
-  EXPECT_EQ(results.results()[0].attempt, 2U);
-}
-
-TEST(ReachResults, RejectedBeforeItWasAskedFor_IsNotDecided) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  done(results, 1, 1500);
-  results.advance(0, {1500});
-  results.take(step(Rejected, 1), 0, {1510});
-  EXPECT_TRUE(results.take_decided().empty());
-  EXPECT_TRUE(results.results().empty());
-  EXPECT_TRUE(results.summary().empty());
-}
-
-TEST(ReachResults, TrialsWithoutCueOrEnd_AreNone) {
-  ReachResults results = without_model();
-  go(results, 1, 1000);
-  done(results, 2, 1500);
-  go(results, 3, 2000);
-  results.take(step(Aborted, 3), 0, {2100});
-  results.take(step(Finished, 0), 0, {2200});
-  results.finish();
-  EXPECT_TRUE(results.results().empty());
+TEST(ReachResults, WhatIsToldInAnyOrder_GivesTheSameResults) {
+  const core::ReachEvent low = reach(1, 1100, 1.0);
+  const core::ReachEvent high = final_at(reach(1, 1100, 2.0), 1400);
+  const core::ReachEvent other_segment = reach(1, 1100, 2.0, 1);
+  const auto classed_low = classed(low, TrunkClass::Moderate, 25.0);
+  for (const auto& [why, acts, expected] : std::vector<std::tuple<const char*, std::vector<Act>, const char*>>{
+           {"a final told after the trial",
+            {go(1, 1000), take(low), take(final_at(high, 1500)), done(1, 1500), finish},
+            "1.1 reach 1 of 1 mm; "},
+           {"told earlier, arrives later", {go(1, 1000), take(high), take(low), done(1, 1500), advance(0, 1500)}, "1.1 reach 1 of 2 mm; "},
+           {"has not ended", {go(1, 1000), done(1, 1500), advance(0, 1499)}, ""},
+           {"ended", {go(1, 1000), done(1, 1500), advance(0, 1499), take(low), advance(0, 1500)}, "1.1 reach 1 of 1 mm; "},
+           {"told after the scans", {take(low), advance(0, 2000), go(1, 1000), done(1, 1500)}, "1.1 reach 1 of 1 mm; "},
+           {"backwards", {done(1, 1500), take(classed_low), take(low), go(1, 1000), finish}, "1.1 reach 1 of 1 mm, class 2; "},
+           {"a gap within",
+            {go(1, 1000, 3), take(reach(1, 1100, 1.0, 3)), take(reach(1, 50, 1.0, 4)), done(1, 400, 4), advance(4, 400)},
+            "1.1 gap; "},
+           {"numbers restart in a segment",
+            {go(1, 1000), take(low), take(classed_low), done(1, 1500), go(2, 1000, 1), take(other_segment),
+             take(classed(other_segment, TrunkClass::Maximum, 55.0)), done(2, 1500, 1), advance(1, 1500)},
+            "1.1 reach 1 of 1 mm, class 2; 2.1 reach 1 of 2 mm, class 3; "},
+           {"the class of an earlier final",
+            {go(1, 1000), take(low), take(classed_low), take(high), done(1, 1500), advance(0, 1500)},
+            "1.1 reach 1 of 2 mm; "},
+           {"redone",
+            {go(1, 1000), take(low), done(1, 1500), advance(0, 1500), at(Redone, 1, 1600), go(1, 2000, 0, 2), take(reach(2, 2100)),
+             done(1, 2500, 0, 2), advance(0, 2500)},
+            "1.2 reach 2 of 1 mm; "},
+           {"rejected before it was asked for", {go(1, 1000), done(1, 1500), advance(0, 1500), at(Rejected, 1, 1510)}, ""},
+           {"without cue or end", {go(1, 1000), done(2, 1500), go(3, 2000), at(Aborted, 3, 2100), at(Finished, 0, 2200), finish}, ""},
+       }) {
+    ReachResults results = without_model();
+    for (const Act& act : acts) act(results);
+    EXPECT_EQ(text_of(results.take_decided()), expected) << why;
+    EXPECT_TRUE(results.take_decided().empty()) << why;
+    EXPECT_EQ(text_of(results.results()), expected) << why;
+  }
 }
 
 TEST(ReachResults, ThousandsOfEventsWithoutATrial_LeaveTheNewestForTheNext) {
@@ -221,18 +144,17 @@ TEST(ReachResults, ThousandsOfEventsWithoutATrial_LeaveTheNewestForTheNext) {
     results.take(event);
     results.take(classed(event, TrunkClass::Minor, 5.0));
   }
-  go(results, 1, 499'000);
-  done(results, 1, 600'000);
+  go(1, 499'000)(results);
+  done(1, 600'000)(results);
   results.finish();
-  EXPECT_GE(only_reach(results), 49'898U);
-  EXPECT_TRUE(results.results()[0].movement.has_value());
+  EXPECT_EQ(text_of(results.results()), "1.1 reach 49898 of 1 mm, class 1; ");
 }
 
 TEST(ReachResults, EndlessAttempts_StopBeingKept) {
   ReachResults results = without_model();
   for (std::uint32_t k = 1; k <= ReachResults::kMostAttempts + 1000; ++k) results.take(step(Rejected, k), 0, {k});
-  go(results, 500'000, 1'000'000);
-  done(results, 500'000, 1'000'500);
+  go(500'000, 1'000'000)(results);
+  done(500'000, 1'000'500)(results);
   results.finish();
   EXPECT_TRUE(results.results().empty());
 }

@@ -258,24 +258,6 @@ TEST_F(RecordingsTest, CatalogueThatRefuses_LeavesNoFileBehind) {
   EXPECT_TRUE(std::filesystem::is_empty(folder_ / "sessions"));
 }
 
-TEST_F(RecordingsTest, Resume_GoesOnAsTheNextPartOfTheSameSession) {
-  start();
-  const std::string id = record(300, {.subject = "P1"});
-  ASSERT_TRUE(stop(true, "fire alarm"));
-  EXPECT_EQ(row(id).state, "aborted");
-
-  const auto resumed = supervisor_->resume_session(id);
-  ASSERT_TRUE(resumed) << resumed.error().what;
-  EXPECT_EQ(resumed->second.id, id);
-  EXPECT_EQ(resumed->second.request.subject, "P1");
-  ASSERT_TRUE(is_in(SessionState::Running));
-  ASSERT_TRUE(stop());
-
-  EXPECT_THAT(row(id).parts, ElementsAre(testing::Field(&record::PartRow::part, 1U), testing::Field(&record::PartRow::part, 2U)));
-  EXPECT_EQ(row(id).state, "complete");
-  EXPECT_FALSE(supervisor_->resume_session(id)) << "a complete session is over";
-}
-
 TEST_F(RecordingsTest, StoppedAtOnce_IsClosedThoughThePipelineNeverSawItBegin) {
   start();
   for (int round = 0; round < 5; ++round) {

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/sway_results.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <set>
+#include <sstream>
 #include <string>
 #include <tuple>
 
@@ -60,32 +61,6 @@ TEST(SwayResults, OfATrialAreTheAnalysisOfItsSamplesWhateverTheBlockSize) {
   }
 }
 
-TEST(SwayResults, WaitsForTheLastSamples) {
-  SwayResults results(rate_100(), rate_100());
-  results.take(standing_step(Measure, 1), 0, {0});
-  results.take(cop_block(0, 1990));
-  results.take(standing_step(Done, 1), 0, {2000});
-  EXPECT_TRUE(results.take_decided().empty());
-  results.take(cop_block(1990, 10));
-  EXPECT_TRUE(results.take_decided().empty()) << "running values are told a little later";
-  results.take(cop_block(2000, 20));
-  EXPECT_EQ(results.take_decided().size(), 1U);
-}
-
-TEST(SwayResults, KeepTrialsThatFollowWithoutRestApart) {
-  SwayResults results(rate_100(), rate_100());
-  results.take(standing_step(Measure, 1), 0, {0});
-  results.take(cop_block(0, 1990));
-  results.take(standing_step(Done, 1), 0, {2000});
-  results.take(standing_step(Measure, 2), 0, {2000});  // while the first still waits
-  results.take(cop_block(1990, 2030));
-  results.take(standing_step(Done, 2), 0, {4000});
-  const auto decided = results.take_decided();
-  ASSERT_EQ(decided.size(), 2U);
-  EXPECT_EQ(decided[0].analysis->measures, expected(0, 2000).measures);
-  EXPECT_EQ(decided[1].analysis->measures, expected(2000, 4000).measures);
-}
-
 /// A block of segment 1, of which scan 0 is scan `origin` of the signal.
 core::Block after_gap(std::uint64_t origin, std::uint64_t first, std::size_t count) {
   core::Block block = cop_block(origin + first, count, 1);
@@ -93,84 +68,79 @@ core::Block after_gap(std::uint64_t origin, std::uint64_t first, std::size_t cou
   return block;
 }
 
-TEST(SwayResults, OfATrialThatAGapDivides_AreThoseOfItsLongestStretch) {
-  SwayResults results(rate_100(), rate_100());
-  results.take(standing_step(Measure, 1), 0, {0});
-  results.take(cop_block(0, 500));
-  results.take(after_gap(800, 0, 2300));  // three seconds are missing
-  results.take(standing_step(Done, 1), 1, {2200});
-  const auto decided = results.take_decided();
-  ASSERT_EQ(decided.size(), 1U);
-  EXPECT_EQ(decided[0].end_segment, 1U);
-  ASSERT_TRUE(decided[0].analysis) << decided[0].problem;
-  EXPECT_EQ(decided[0].analysis->samples, 2200U);
-  EXPECT_EQ(decided[0].analysis->missing, 300U);
-  EXPECT_EQ(decided[0].analysis->measures, expected(800, 3000).measures);
-  using namespace posturography::sway_flag;
-  EXPECT_EQ(decided[0].analysis->flags & (kCutAtGap | kMissingSamples), kCutAtGap | kMissingSamples);
-}
+using SwayAct = std::function<void(SwayResults&)>;
 
-TEST(SwayResults, GapBetweenTrials_IsNoneOfTheirs) {
-  SwayResults results(rate_100(), rate_100());
-  results.take(cop_block(0, 500));
-  results.take(after_gap(800, 0, 100));
-  results.take(standing_step(Measure, 1), 1, {100});
-  results.take(after_gap(800, 100, 2100));
-  results.take(standing_step(Done, 1), 1, {2100});
-  const auto decided = results.take_decided();
-  ASSERT_EQ(decided.size(), 1U);
-  ASSERT_TRUE(decided[0].analysis) << decided[0].problem;
-  EXPECT_EQ(decided[0].analysis->measures, expected(900, 2900).measures);
-  EXPECT_EQ(decided[0].analysis->missing, 0U);
+SwayAct standing(TrialEventKind kind, std::uint32_t trial, std::uint64_t scan, std::uint32_t segment = 0) {
+  return [=](SwayResults& results) { results.take(standing_step(kind, trial), segment, {scan}); };
 }
-
-TEST(SwayResults, SayWhyThereIsNone) {
-  SwayResults results(rate_100(), rate_100());
-  results.take(cop_block(0, 500));
-  results.take(standing_step(Measure, 2), 0, {400});
-  results.take(standing_step(Done, 2), 0, {2400});  // the session ends before its samples come
-  results.finish();
-  const auto decided = results.take_decided();
-  ASSERT_EQ(decided.size(), 1U);
-  EXPECT_FALSE(decided[0].analysis);
-  EXPECT_EQ(decided[0].problem, "the session ended before its last samples came");
-  EXPECT_TRUE(results.summary().empty());
+SwayAct samples(const core::Block& block) {
+  return [block](SwayResults& results) { results.take(block); };
 }
+void end_of_session(SwayResults& results) { results.finish(); }
 
-TEST(SwayResults, SayWhenATrialHasNoSamplesOrTooMany) {
-  SwayResults results(rate_100(), rate_100());
-  results.take(cop_block(0, 1000));
-  results.take(standing_step(Measure, 1), 0, {1000});
-  results.take(standing_step(Done, 1), 0, {1000});  // the device was silent meanwhile
+TEST(SwayResults, OfATrial_AreThoseOfItsLongestStretchOrSayWhyThereAreNone) {
   constexpr std::uint64_t kEnd = 1000 + CopTrace::kMostSamples + 1000;
-  results.take(standing_step(Measure, 2), 0, {1000});
-  results.take(cop_block(kEnd - 100, 100));
-  results.take(standing_step(Done, 2), 0, {kEnd});
-  results.finish();
-  const auto decided = results.take_decided();
-  ASSERT_EQ(decided.size(), 2U);
-  EXPECT_EQ(decided[0].problem, "no samples came while it was measured");
-  EXPECT_THAT(decided[1].problem, testing::HasSubstr("longer than 10 min"));  // whatever else is wrong with it
-}
-
-TEST(SwayResults, SamplesLostOnTheWayAreNeverAnalysedAround) {
-  SwayResults results(rate_100(), rate_100());
-  results.take(standing_step(Measure, 1), 0, {0});
-  results.take(cop_block(0, 500));
-  results.take(cop_block(501, 1600));  // one sample did not come; in the recording it stands
-  results.take(standing_step(Done, 1), 0, {2000});
-  const auto decided = results.take_decided();
-  ASSERT_EQ(decided.size(), 1U);
-  EXPECT_FALSE(decided[0].analysis);
-  EXPECT_NE(decided[0].problem.find("lost on the way"), std::string::npos) << decided[0].problem;
-}
-
-TEST(SwayResults, ARedoneTrialIsVoid) {
-  SwayResults results(rate_100(), rate_100());
-  measure(results, 1, 0);
-  results.take(standing_step(Redone, 1), 0, {2100});
-  EXPECT_TRUE(results.take_decided().empty());
-  EXPECT_TRUE(results.summary().empty());
+  struct Row {
+    const char* why;
+    std::vector<SwayAct> acts;
+    std::string decided;  ///< Trial, segment:first scan to segment:end, and the samples or the problem.
+    std::vector<std::pair<std::uint64_t, std::uint64_t>> stretches{};  ///< Of the signal, whose measures the results have.
+  };
+  for (const auto& [why, acts, expected_text, stretches] : std::vector<Row>{
+           {"the last samples have not come", {standing(Measure, 1, 0), samples(cop_block(0, 1990)), standing(Done, 1, 2000)}, ""},
+           {"running values are told a little later", {standing(Measure, 1, 0), samples(cop_block(0, 2000)), standing(Done, 1, 2000)}, ""},
+           {"they have",
+            {standing(Measure, 1, 0), samples(cop_block(0, 2020)), standing(Done, 1, 2000)},
+            "1 0:0 to 0:2000: 2000 samples, 0 missing, flags 4; ",
+            {{0, 2000}}},
+           {"the next follows while the first still waits",
+            {standing(Measure, 1, 0), samples(cop_block(0, 1990)), standing(Done, 1, 2000), standing(Measure, 2, 2000),
+             samples(cop_block(1990, 2030)), standing(Done, 2, 4000)},
+            "1 0:0 to 0:2000: 2000 samples, 0 missing, flags 4; 2 0:2000 to 0:4000: 2000 samples, 0 missing, flags 4; ",
+            {{0, 2000}, {2000, 4000}}},
+           {"a gap of three seconds divides it",
+            {standing(Measure, 1, 0), samples(cop_block(0, 500)), samples(after_gap(800, 0, 2300)), standing(Done, 1, 2200, 1)},
+            "1 0:0 to 1:2200: 2200 samples, 300 missing, flags 28; ",
+            {{800, 3000}}},
+           {"a gap before it",
+            {samples(cop_block(0, 500)), samples(after_gap(800, 0, 100)), standing(Measure, 1, 100, 1), samples(after_gap(800, 100, 2100)),
+             standing(Done, 1, 2100, 1)},
+            "1 1:100 to 1:2100: 2000 samples, 0 missing, flags 4; ",
+            {{900, 2900}}},
+           {"the session ends before its samples come",
+            {samples(cop_block(0, 500)), standing(Measure, 2, 400), standing(Done, 2, 2400), end_of_session},
+            "2 0:400 to 0:2400: the session ended before its last samples came; "},
+           {"no samples: the device was silent",
+            {samples(cop_block(0, 1000)), standing(Measure, 1, 1000), standing(Done, 1, 1000), end_of_session},
+            "1 0:1000 to 0:1000: no samples came while it was measured; "},
+           {"too many",
+            {standing(Measure, 2, 1000), samples(cop_block(kEnd - 100, 100)), standing(Done, 2, kEnd), end_of_session},
+            "2 0:1000 to 0:5002000: longer than 10 min: dtslab sway measures it from the recording; "},
+           {"one sample did not come; in the recording it stands",
+            {standing(Measure, 1, 0), samples(cop_block(0, 500)), samples(cop_block(501, 1600)), standing(Done, 1, 2000)},
+            "1 0:0 to 0:2000: samples were lost on the way to the analysis: dtslab sway measures it from the recording; "},
+           {"redone", {standing(Measure, 1, 0), samples(cop_block(0, 2040)), standing(Done, 1, 2000), standing(Redone, 1, 2100)}, ""},
+       }) {
+    SCOPED_TRACE(why);
+    SwayResults results(rate_100(), rate_100());
+    for (const SwayAct& act : acts) act(results);
+    std::ostringstream text;
+    std::size_t analysed = 0;
+    for (const SwayTrialResult& result : results.take_decided()) {
+      text << result.trial << ' ' << result.segment << ':' << result.first_scan.value << " to " << result.end_segment << ':'
+           << result.end_scan.value << ": " << result.problem;
+      if (result.analysis) {
+        text << result.analysis->samples << " samples, " << result.analysis->missing << " missing, flags " << result.analysis->flags;
+        ASSERT_LT(analysed, stretches.size());
+        EXPECT_EQ(result.analysis->measures, expected(stretches[analysed].first, stretches[analysed].second).measures);
+        ++analysed;
+      }
+      text << "; ";
+    }
+    EXPECT_EQ(text.str(), expected_text);
+    EXPECT_EQ(analysed, stretches.size());
+    EXPECT_EQ(results.summary().empty(), analysed == 0);
+  }
 }
 
 TEST(SwayResults, MemoryOfAnEndlessTrialIsBounded) {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "session/trial_run.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <memory>
+#include <cmath>
 #include <sstream>
 
 #include "core/clock.h"
@@ -30,122 +28,176 @@ TrialPlan timed() {
 /// No times at all: every trial lasts from one `next` to the following.
 TrialPlan untimed() { return {.conditions = {{.name = "a"}, {.name = "b"}}, .trials_per_block = 2}; }
 
-/// "ready 1.1@0 go 1.1@2": kind, trial.attempt, second at which it was due.
+TrialPlan by_itself(TrialPlan plan) {
+  plan.starts_by_itself = true;
+  return plan;
+}
+
+const std::vector<std::pair<std::string, std::string>> kArm{{"arm_length_cm", "70"}};
+
+/// "ready 1.1a@0 go 1.1a@2": kind, trial.attempt, condition and second at which it was due; a rest with its length, a target with its
+/// distance.
 std::string notices_of(TrialRun& run) {
   std::ostringstream text;
   for (const TrialEvent& event : run.take_events()) {
-    text << (text.tellp() > 0 ? " " : "") << name(event.kind);
-    if (event.trial != 0) text << ' ' << event.trial << '.' << event.attempt;
+    text << ' ' << name(event.kind);
+    if (event.trial != 0) text << ' ' << event.trial << '.' << event.attempt << event.condition;
     text << '@' << static_cast<double>(event.at_ns) / kNanosecondsPerSecond;
+    if (event.rest_s != 0.0) text << '(' << event.rest_s << "s)";
+    if (event.kind == TrialEventKind::Ready && event.target_cm) text << '(' << *event.target_cm << "cm)";
   }
   return text.str();
 }
 
-core::ErrorCode code(const core::Status& status) { return status ? core::ErrorCode{} : status.error().code; }
-constexpr auto kWrongState = core::ErrorCode::WrongState;
-
-TrialPhase phase_at(const TrialRun& run, std::int64_t now_ns) { return run.view(now_ns).phase; }
-
-TEST(TrialRun, Next_LeadsThroughAllPhases) {
-  TrialRun run(timed(), 1, {});
-  run.tick(100 * kNanosecondsPerSecond);
-  EXPECT_EQ(notices_of(run), "");  // waits
-  ASSERT_TRUE(run.next(0));
-  run.tick(2 * kNanosecondsPerSecond - 1);
-  EXPECT_EQ(notices_of(run), "ready 1.1@0");
-  run.tick(2 * kNanosecondsPerSecond);
-  EXPECT_EQ(phase_at(run, 2 * kNanosecondsPerSecond), TrialPhase::Settling);
-  run.tick(7 * kNanosecondsPerSecond);
-  EXPECT_EQ(phase_at(run, 7 * kNanosecondsPerSecond), TrialPhase::Measuring);
-  run.tick(27 * kNanosecondsPerSecond);
-  EXPECT_EQ(phase_at(run, 27 * kNanosecondsPerSecond), TrialPhase::Resting);
-  run.tick(37 * kNanosecondsPerSecond);
-  EXPECT_EQ(phase_at(run, 37 * kNanosecondsPerSecond), TrialPhase::Waiting);
-  EXPECT_EQ(notices_of(run), "go 1.1@2 measure 1.1@7 done 1.1@27 rest 1.1@27");
+/// "waiting 1.1a of 4, next b at 105 cm, 0 s".
+std::string view_of(const TrialRun& run, std::int64_t now_ns) {
+  const TrialView view = run.view(now_ns);
+  std::ostringstream text;
+  text << name(view.phase) << ' ' << view.trial << '.' << view.attempt << view.condition << " of " << view.of << " block " << view.block;
+  if (!view.next_condition.empty()) text << ", next " << view.next_condition;
+  if (view.next_target_cm) text << " at " << *view.next_target_cm << " cm";
+  text << ", " << view.remaining_s << " s" << (run.is_finished() ? ", finished" : "");
+  return text.str();
 }
 
-TEST(TrialRun, Events_SayEverythingAboutTheTrial) {
-  TrialRun run(timed(), 1, {{"arm_length_cm", "70"}});
+/// What a run says while the commands are given: "next@0 tick@7"; a "!" before a command expects that it is refused.
+std::string told(TrialRun& run, const std::string& commands) {
+  std::istringstream words(commands);
+  std::string all;
+  std::int64_t now_ns = 0;
+  for (std::string word; words >> word;) {
+    const bool is_refusal = word[0] == '!';
+    const std::string command = word.substr(is_refusal ? 1 : 0, word.find('@') - (is_refusal ? 1 : 0));
+    now_ns = std::llround(std::stod(word.substr(word.find('@') + 1)) * kNanosecondsPerSecond);
+    core::Status status;
+    if (command == "next") status = run.next(now_ns);
+    if (command == "redo") status = run.redo(now_ns);
+    if (command == "reject") status = run.reject(now_ns);
+    if (command == "tick") run.tick(now_ns);
+    if (command == "abort") run.abort(now_ns);
+    EXPECT_EQ(!status, is_refusal) << word << " of " << commands;
+    EXPECT_TRUE(status || status.error().code == core::ErrorCode::WrongState) << word;
+    all += notices_of(run);
+  }
+  return all + " | " + view_of(run, now_ns);
+}
+
+struct Script {
+  const char* why;
+  TrialPlan plan;
+  std::string commands;
+  std::string told;
+  std::vector<std::uint32_t> done{};  ///< In earlier parts.
+};
+
+TEST(TrialRun, Commands_LeadThroughThePhasesAndTheWholePlan) {
+  for (const auto& [why, plan, commands, expected, done] : std::vector<Script>{
+           {"waits for the first command", timed(), "tick@100", " | waiting 0.1 of 4 block 1, next a, 0 s"},
+           {"all phases", timed(), "next@0 tick@1.999999999 tick@2 tick@7 tick@27 tick@37",
+            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | waiting 1.1a of 4 block 1, next b at 105 cm, 0 s"},
+           {"settling", timed(), "next@0 tick@2", " ready 1.1a@0 go 1.1a@2 | settling 1.1a of 4 block 1, next b at 105 cm, 5 s"},
+           {"measuring", timed(), "next@0 tick@7",
+            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 | measuring 1.1a of 4 block 1, next b at 105 cm, 20 s"},
+           {"resting", timed(), "next@0 tick@27",
+            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | resting 1.1a of 4 block 1, next b at 105 cm, 10 s"},
+           {"remaining time", timed(), "next@0 tick@1", " ready 1.1a@0 | ready 1.1a of 4 block 1, next b at 105 cm, 1 s"},
+           {"a late tick passes through phases without drift", timed(), "next@0 tick@1000",
+            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | waiting 1.1a of 4 block 1, next b at 105 cm, 0 s"},
+           {"a block over rests for the block", timed(), "next@0 next@30 tick@57",
+            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) ready 2.1b@30(105cm) go 2.1b@32 measure 2.1b@37 done "
+            "2.1b@57 rest 2.1b@57(60s) | resting 2.1b of 4 block 1, next a, 60 s"},
+           {"starts by itself, all but the first", by_itself(timed()), "tick@500 next@500 tick@5000",
+            " ready 1.1a@500 go 1.1a@502 measure 1.1a@507 done 1.1a@527 rest 1.1a@527(10s) ready 2.1b@537(105cm) go 2.1b@539 measure "
+            "2.1b@544 done 2.1b@564 rest 2.1b@564(60s) ready 3.1a@624 go 3.1a@626 measure 3.1a@631 done 3.1a@651 rest 3.1a@651(10s) ready "
+            "4.1b@661(105cm) go 4.1b@663 measure 4.1b@668 done 4.1b@688 finished@688 | finished 4.1b of 4 block 2, 0 s, finished"},
+           {"without times, next ends or starts a trial", untimed(), "next@1 tick@1000 next@1001 next@1002 next@1003 !next@1004",
+            " ready 1.1a@1 go 1.1a@1 measure 1.1a@1 done 1.1a@1001 ready 2.1b@1002 go 2.1b@1002 measure 2.1b@1002 done 2.1b@1003 "
+            "finished@1003 | finished 2.1b of 2 block 1, 0 s, finished"},
+           {"without times and by itself", by_itself(untimed()), "next@0 next@1",
+            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@1 ready 2.1b@1 go 2.1b@1 measure 2.1b@1 | measuring 2.1b of 2 block 1, 0 s"},
+           {"next cuts nothing but a rest", timed(), "next@0 !next@1 !next@3 !next@10 next@28",
+            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) ready 2.1b@28(105cm) | ready 2.1b of 4 block 1, next a, "
+            "2 s"},
+           {"nothing to void yet", timed(), "!redo@0 !reject@0 abort@0", " | waiting 0.1 of 4 block 1, next a, 0 s"},
+           {"rejected under way: rests before the next", by_itself(timed()), "next@0 reject@3 tick@13",
+            " ready 1.1a@0 go 1.1a@2 rejected 1.1a@3 rest 1.1a@3(10s) ready 2.1b@13(105cm) | ready 2.1b of 4 block 1, next a, 2 s"},
+           {"rejected while resting: the rest goes on", timed(), "next@0 reject@30",
+            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) rejected 1.1a@30 | resting 1.1a of 4 block 1, next b at "
+            "105 cm, 7 s"},
+           {"redone twice", untimed(), "next@0 redo@0 redo@0",
+            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 redone 1.1a@0 ready 1.2a@0 go 1.2a@0 measure 1.2a@0 redone 1.2a@0 ready 1.3a@0 go "
+            "1.3a@0 measure 1.3a@0 | measuring 1.3a of 2 block 1, next b, 0 s"},
+           {"attempts count anew in the next", untimed(), "next@0 redo@0 redo@0 next@0 next@0",
+            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 redone 1.1a@0 ready 1.2a@0 go 1.2a@0 measure 1.2a@0 redone 1.2a@0 ready 1.3a@0 go "
+            "1.3a@0 measure 1.3a@0 done 1.3a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 | measuring 2.1b of 2 block 1, 0 s"},
+           {"the last can still be redone", untimed(), "next@0 next@0 next@0 next@0 redo@1",
+            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 redone 2.1b@1 "
+            "ready 2.2b@1 go 2.2b@1 measure 2.2b@1 | measuring 2.2b of 2 block 1, 0 s"},
+           {"and is then done", untimed(), "next@0 next@0 next@0 next@0 redo@1 next@2",
+            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 redone 2.1b@1 "
+            "ready 2.2b@1 go 2.2b@1 measure 2.2b@1 done 2.2b@2 finished@2 | finished 2.2b of 2 block 1, 0 s, finished"},
+           {"the last rejected stays finished, told once", untimed(), "next@0 next@0 next@0 next@0 reject@1",
+            " ready 1.1a@0 go 1.1a@0 measure 1.1a@0 done 1.1a@0 ready 2.1b@0 go 2.1b@0 measure 2.1b@0 done 2.1b@0 finished@0 rejected "
+            "2.1b@1 | finished 2.1b of 2 block 1, 0 s, finished"},
+           {"aborted after its time: done", timed(), "next@0 abort@28",
+            " ready 1.1a@0 go 1.1a@2 measure 1.1a@7 done 1.1a@27 rest 1.1a@27(10s) | waiting 1.1a of 4 block 1, next b at 105 cm, 0 s"},
+           {"time goes back", timed(), "next@10 tick@0", " ready 1.1a@10 | ready 1.1a of 4 block 1, next b at 105 cm, 12 s"},
+           {"no plan", {}, "tick@1 abort@1", " finished@0 | finished 0.1 of 0 block 1, 0 s, finished"},
+           {"earlier parts: none shown yet, not this one's to void",
+            timed(),
+            "!redo@0",
+            " | waiting 0.1 of 4 block 1, next b at 105 cm, 0 s",
+            {1, 3, 0, 99, 4'000'000'000U}},
+           {"earlier parts: passed over",
+            timed(),
+            "next@0 tick@27 next@30 tick@100",
+            " ready 2.1b@0(105cm) go 2.1b@2 measure 2.1b@7 done 2.1b@27 rest 2.1b@27(60s) ready 4.1b@30(105cm) go 4.1b@32 measure 4.1b@37 "
+            "done 4.1b@57 finished@57 | finished 4.1b of 4 block 2, 0 s, finished",
+            {1, 3}},
+           {"all in earlier parts", untimed(), "!next@0", " finished@0 | finished 0.1 of 2 block 1, 0 s, finished", {2, 1}},
+       }) {
+    TrialRun run(plan, 1, kArm, done);
+    EXPECT_EQ(told(run, commands), expected) << why;
+  }
+}
+
+TEST(TrialRun, RedoRejectAndAbort_InEachPhase) {
+  for (const int second : {1, 3, 10, 30, 50}) {
+    const auto at = [second](int later) { return "@" + std::to_string(second + later); };
+    const auto after = [&at](std::string commands) {
+      TrialRun run(timed(), 1, {});
+      (void)told(run, "next@0 tick" + at(0));
+      for (std::size_t place = commands.find('#'); place != std::string::npos; place = commands.find('#'))
+        commands.replace(place, 1, at(0));
+      return told(run, commands);
+    };
+    EXPECT_EQ(after("redo# tick@1000 next@1000"), " redone 1.1a" + at(0) + " ready 1.2a" + at(0) + " go 1.2a" + at(2) + " measure 1.2a" +
+                                                      at(7) + " done 1.2a" + at(27) + " rest 1.2a" + at(27) +
+                                                      "(10s) ready 2.1b@1000 | ready 2.1b of 4 block 1, next a, 2 s");
+    EXPECT_EQ(after("reject# !reject# !redo# next# redo#"), " rejected 1.1a" + at(0) + (second < 27 ? " rest 1.1a" + at(0) + "(10s)" : "") +
+                                                                " ready 2.1b" + at(0) + " redone 2.1b" + at(0) + " ready 2.2b" + at(0) +
+                                                                " | ready 2.2b of 4 block 1, next a, 2 s");
+    EXPECT_EQ(after("abort# abort# !next# !redo# !reject# tick@1000"),
+              (second < 27 ? " aborted 1.1a" + at(0) : "") + " | waiting 1.1a of 4 block 1, next b, 0 s");
+  }
+}
+
+TEST(TrialRun, Events_HaveTheLabelsOfTheirCondition) {
+  TrialRun run(timed(), 1, kArm);
   ASSERT_TRUE(run.next(0));
-  run.tick(40 * kNanosecondsPerSecond);
-  ASSERT_TRUE(run.next(40 * kNanosecondsPerSecond));
   const auto events = run.take_events();
-  EXPECT_EQ(events[0].condition, "a");
   EXPECT_EQ(events[0].labels, (std::vector<std::pair<std::string, std::string>>{{"eyes", "open"}}));
-  EXPECT_FALSE(events[0].target_cm.has_value());
-  EXPECT_EQ(events[4].kind, TrialEventKind::Rest);
-  EXPECT_EQ(events[4].rest_s, 10.0);
-  EXPECT_EQ(events[5].condition, "b");
-  EXPECT_DOUBLE_EQ(events[5].target_cm.value_or(0), 105.0);
+  EXPECT_EQ(events[0].block, 1U);
   EXPECT_TRUE(run.take_events().empty());
 }
 
-TEST(TrialRun, BlockOver_RestsForTheBlock) {
-  TrialRun run(timed(), 1, {});
-  ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.next(30 * kNanosecondsPerSecond));
-  run.tick(57 * kNanosecondsPerSecond);
-  EXPECT_DOUBLE_EQ(run.view(57 * kNanosecondsPerSecond).remaining_s, 60.0);
-  EXPECT_EQ(run.take_events().back().rest_s, 60.0);
-}
-
-TEST(TrialRun, LateTick_PassesThroughSeveralPhasesWithoutDrift) {
-  TrialRun run(timed(), 1, {});
-  ASSERT_TRUE(run.next(0));
-  run.tick(1000 * kNanosecondsPerSecond);
-  EXPECT_EQ(notices_of(run), "ready 1.1@0 go 1.1@2 measure 1.1@7 done 1.1@27 rest 1.1@27");
-  EXPECT_EQ(phase_at(run, 1000 * kNanosecondsPerSecond), TrialPhase::Waiting);
-}
-
-TEST(TrialRun, LateTickOfAPlanThatStartsByItself_RunsToTheEnd) {
-  auto plan = timed();
-  plan.starts_by_itself = true;
-  TrialRun run(plan, 1, {});
-  run.tick(500 * kNanosecondsPerSecond);
-  EXPECT_EQ(notices_of(run), "");  // the first trial waits all the same
-  ASSERT_TRUE(run.next(500 * kNanosecondsPerSecond));
-  run.tick(5000 * kNanosecondsPerSecond);
-  EXPECT_TRUE(run.is_finished());
-  EXPECT_THAT(notices_of(run),
-              testing::EndsWith("done 3.1@651 rest 3.1@651 ready 4.1@661 go 4.1@663 measure 4.1@668 done 4.1@688 finished@688"));
-}
-
 TEST(TrialRun, ManySmallTicks_TellTheSameAsOneLate) {
-  auto plan = timed();
-  plan.starts_by_itself = true;
-  TrialRun patient(plan, 1, {});
-  TrialRun late(plan, 1, {});
+  TrialRun patient(by_itself(timed()), 1, {});
+  TrialRun late(by_itself(timed()), 1, {});
   ASSERT_TRUE(patient.next(0));
   ASSERT_TRUE(late.next(0));
   for (std::int64_t now_ns = 0; now_ns <= 300 * kNanosecondsPerSecond; now_ns += 7'000'003) patient.tick(now_ns);
-  patient.tick(300 * kNanosecondsPerSecond);
-  late.tick(300 * kNanosecondsPerSecond);
-  EXPECT_EQ(notices_of(patient), notices_of(late));
-}
-
-TEST(TrialRun, NoTimes_EveryNextEndsOrStartsATrial) {
-  TrialRun run(untimed(), 1, {});
-  ASSERT_TRUE(run.next(1 * kNanosecondsPerSecond));
-  EXPECT_EQ(phase_at(run, kNanosecondsPerSecond), TrialPhase::Measuring);
-  EXPECT_EQ(run.view(kNanosecondsPerSecond).remaining_s, 0.0);
-  run.tick(1000 * kNanosecondsPerSecond);
-  ASSERT_TRUE(run.next(1001 * kNanosecondsPerSecond));
-  EXPECT_EQ(phase_at(run, 1001 * kNanosecondsPerSecond), TrialPhase::Waiting);
-  ASSERT_TRUE(run.next(1002 * kNanosecondsPerSecond));
-  ASSERT_TRUE(run.next(1003 * kNanosecondsPerSecond));
-  EXPECT_EQ(notices_of(run),
-            "ready 1.1@1 go 1.1@1 measure 1.1@1 done 1.1@1001 ready 2.1@1002 go 2.1@1002 measure 2.1@1002 done 2.1@1003 finished@1003");
-  EXPECT_TRUE(run.is_finished());
-  EXPECT_EQ(code(run.next(1004 * kNanosecondsPerSecond)), kWrongState);
-}
-
-TEST(TrialRun, NoTimesAndStartingByItself_TheEndOfATrialIsTheStartOfTheNext) {
-  auto plan = untimed();
-  plan.starts_by_itself = true;
-  TrialRun run(plan, 1, {});
-  ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.next(kNanosecondsPerSecond));
-  EXPECT_EQ(notices_of(run), "ready 1.1@0 go 1.1@0 measure 1.1@0 done 1.1@1 ready 2.1@1 go 2.1@1 measure 2.1@1");
+  EXPECT_EQ(told(patient, "tick@300"), told(late, "tick@300"));
 }
 
 TEST(TrialRun, DurationBelowANanosecond_EndsAWholePlanWithoutNesting) {
@@ -157,112 +209,6 @@ TEST(TrialRun, DurationBelowANanosecond_EndsAWholePlanWithoutNesting) {
   EXPECT_EQ(run.take_events().size(), std::size_t{4} * kMostTrials + 1);
 }
 
-TEST(TrialRun, NextInEachPhase_WorksOnlyWhereNothingIsCut) {
-  TrialRun run(timed(), 1, {});
-  ASSERT_TRUE(run.next(0));
-  EXPECT_EQ(code(run.next(1 * kNanosecondsPerSecond)), kWrongState);   // ready
-  EXPECT_EQ(code(run.next(3 * kNanosecondsPerSecond)), kWrongState);   // settling
-  EXPECT_EQ(code(run.next(10 * kNanosecondsPerSecond)), kWrongState);  // measuring for a fixed time
-  ASSERT_TRUE(run.next(28 * kNanosecondsPerSecond));                   // resting: cut short
-  EXPECT_EQ(run.view(28 * kNanosecondsPerSecond).trial, 2U);
-  EXPECT_EQ(phase_at(run, 28 * kNanosecondsPerSecond), TrialPhase::Ready);
-}
-
-/// A run in each phase of its first trial, with its notices until then removed.
-void in_each_phase(const std::function<void(TrialRun&, std::int64_t now_ns, const std::string& at)>& test) {
-  const std::vector<std::pair<std::string, std::int64_t>> moments{
-      {"ready", 1}, {"settling", 3}, {"measuring", 10}, {"resting", 30}, {"waiting", 50}};
-  for (const auto& [phase, second] : moments) {
-    SCOPED_TRACE(phase);
-    TrialRun run(timed(), 1, {});
-    ASSERT_TRUE(run.next(0));
-    const std::int64_t now_ns = second * kNanosecondsPerSecond;
-    run.tick(now_ns);
-    ASSERT_EQ(name(phase_at(run, now_ns)), phase);
-    static_cast<void>(run.take_events());
-    test(run, now_ns, "@" + std::to_string(second));
-  }
-}
-
-TEST(TrialRun, Redo_StartsTheSamePlaceAgainAsAnotherAttempt) {
-  in_each_phase([](TrialRun& run, std::int64_t now_ns, const std::string& at) {
-    ASSERT_TRUE(run.redo(now_ns));
-
-    EXPECT_EQ(notices_of(run), "redone 1.1" + at + " ready 1.2" + at);
-    EXPECT_EQ(phase_at(run, now_ns), TrialPhase::Ready);
-    run.tick(now_ns + 1000 * kNanosecondsPerSecond);
-    ASSERT_TRUE(run.next(now_ns + 1000 * kNanosecondsPerSecond));
-    EXPECT_EQ(run.view(now_ns + 1000 * kNanosecondsPerSecond).trial, 2U);
-    EXPECT_EQ(run.view(now_ns + 1000 * kNanosecondsPerSecond).attempt, 1U);
-  });
-}
-
-TEST(TrialRun, Reject_GoesOnWithTheNextPlace) {
-  in_each_phase([](TrialRun& run, std::int64_t now_ns, const std::string& at) {
-    ASSERT_TRUE(run.reject(now_ns));
-
-    EXPECT_THAT(notices_of(run), testing::StartsWith("rejected 1.1" + at));
-    EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
-    EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
-    ASSERT_TRUE(run.next(now_ns));
-    EXPECT_EQ(notices_of(run), "ready 2.1" + at);
-    EXPECT_TRUE(run.redo(now_ns));  // the new one is not void
-  });
-}
-
-TEST(TrialRun, Abort_TellsOnlyATrialUnderWayAndEndsEverything) {
-  in_each_phase([](TrialRun& run, std::int64_t now_ns, const std::string& at) {
-    run.abort(now_ns);
-    run.abort(now_ns);
-
-    EXPECT_EQ(notices_of(run), now_ns < 27 * kNanosecondsPerSecond ? "aborted 1.1" + at : "");
-    EXPECT_EQ(code(run.next(now_ns)), kWrongState);
-    EXPECT_EQ(code(run.redo(now_ns)), kWrongState);
-    EXPECT_EQ(code(run.reject(now_ns)), kWrongState);
-    run.tick(now_ns + 1000 * kNanosecondsPerSecond);
-    EXPECT_EQ(notices_of(run), "");
-    EXPECT_FALSE(run.is_finished());
-  });
-}
-
-TEST(TrialRun, NothingStartedYet_CannotBeVoidedOrAborted) {
-  TrialRun run(timed(), 1, {});
-  EXPECT_EQ(code(run.redo(0)), kWrongState);
-  EXPECT_EQ(code(run.reject(0)), kWrongState);
-  run.abort(0);
-  EXPECT_EQ(notices_of(run), "");
-}
-
-TEST(TrialRun, RejectedUnderWay_RestsBeforeTheNext) {
-  auto plan = timed();
-  plan.starts_by_itself = true;
-  TrialRun run(plan, 1, {});
-  ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.reject(3 * kNanosecondsPerSecond));
-  run.tick(13 * kNanosecondsPerSecond);
-  EXPECT_EQ(notices_of(run), "ready 1.1@0 go 1.1@2 rejected 1.1@3 rest 1.1@3 ready 2.1@13");
-}
-
-TEST(TrialRun, RejectedWhileResting_TheRestGoesOn) {
-  TrialRun run(timed(), 1, {});
-  ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.reject(30 * kNanosecondsPerSecond));
-  EXPECT_EQ(phase_at(run, 30 * kNanosecondsPerSecond), TrialPhase::Resting);
-  EXPECT_DOUBLE_EQ(run.view(30 * kNanosecondsPerSecond).remaining_s, 7.0);
-}
-
-TEST(TrialRun, RedoTwice_CountsAttempts) {
-  TrialRun run(untimed(), 1, {});
-  ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.redo(0));
-  ASSERT_TRUE(run.redo(0));
-  EXPECT_EQ(run.view(0).attempt, 3U);
-  ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.next(0));
-  EXPECT_EQ(run.view(0).trial, 2U);
-  EXPECT_EQ(run.view(0).attempt, 1U);
-}
-
 TEST(TrialRun, Redo_DrawsAnotherDelayOfTheCue) {
   auto plan = timed();
   plan.cue_delay_max_s = 3600;  // that two of 3.6 million are the same is not what this seed gives
@@ -272,84 +218,6 @@ TEST(TrialRun, Redo_DrawsAnotherDelayOfTheCue) {
   EXPECT_DOUBLE_EQ(first_s, make_plan(plan, 5)[0].cue_delay_s);
   ASSERT_TRUE(run.redo(0));
   EXPECT_NE(run.view(0).remaining_s, first_s);
-}
-
-TEST(TrialRun, LastTrialDone_CanStillBeRedone) {
-  TrialRun run(untimed(), 1, {});
-  for (int call = 0; call < 4; ++call) ASSERT_TRUE(run.next(0));
-  ASSERT_TRUE(run.is_finished());
-  ASSERT_TRUE(run.redo(kNanosecondsPerSecond));
-  EXPECT_FALSE(run.is_finished());
-  EXPECT_EQ(run.view(kNanosecondsPerSecond).trial, 2U);
-  ASSERT_TRUE(run.next(2 * kNanosecondsPerSecond));
-  EXPECT_TRUE(run.is_finished());
-}
-
-TEST(TrialRun, LastTrialRejected_StaysFinishedAndIsToldOnce) {
-  TrialRun run(untimed(), 1, {});
-  for (int call = 0; call < 4; ++call) ASSERT_TRUE(run.next(0));
-  static_cast<void>(run.take_events());
-  ASSERT_TRUE(run.reject(kNanosecondsPerSecond));
-  EXPECT_EQ(notices_of(run), "rejected 2.1@1");
-  EXPECT_TRUE(run.is_finished());
-}
-
-TEST(TrialRun, AbortAfterTheTimeWasOver_TheTrialIsDone) {
-  TrialRun run(timed(), 1, {});
-  ASSERT_TRUE(run.next(0));
-  run.abort(28 * kNanosecondsPerSecond);  // nobody called tick since
-  EXPECT_THAT(notices_of(run), testing::EndsWith("done 1.1@27 rest 1.1@27"));
-}
-
-TEST(TrialRun, DoneInEarlierParts_IsPassedOver) {
-  TrialRun run(timed(), 1, {}, {1, 3, 0, 99, 4'000'000'000U});
-  EXPECT_EQ(run.view(0).trial, 0U);
-  EXPECT_EQ(run.view(0).of, 4U);
-  EXPECT_EQ(run.view(0).next_condition, "b");
-  EXPECT_EQ(code(run.redo(0)), kWrongState);  // what an earlier part recorded is not this one's to void
-  ASSERT_TRUE(run.next(0));
-  EXPECT_EQ(run.view(0).trial, 2U);
-  run.tick(27 * kNanosecondsPerSecond);
-  EXPECT_EQ(run.take_events().back().rest_s, 60.0);  // the next place lies in another block
-  ASSERT_TRUE(run.next(30 * kNanosecondsPerSecond));
-  EXPECT_EQ(run.view(30 * kNanosecondsPerSecond).trial, 4U);
-  run.tick(100 * kNanosecondsPerSecond);
-  EXPECT_TRUE(run.is_finished());
-}
-
-TEST(TrialRun, AllDoneInEarlierParts_IsFinishedFromTheStart) {
-  TrialRun run(untimed(), 1, {}, {2, 1});
-  EXPECT_TRUE(run.is_finished());
-  EXPECT_EQ(notices_of(run), "finished@0");
-  EXPECT_EQ(code(run.next(0)), kWrongState);
-}
-
-TEST(TrialRun, EmptyPlan_IsFinishedFromTheStart) {
-  TrialRun run({}, 1, {});
-  EXPECT_TRUE(run.is_finished());
-  EXPECT_EQ(run.view(0).of, 0U);
-  run.tick(kNanosecondsPerSecond);
-  run.abort(kNanosecondsPerSecond);
-}
-
-TEST(TrialRun, View_KnowsWhatComesNext) {
-  TrialRun run(timed(), 1, {{"arm_length_cm", "70"}});
-  EXPECT_EQ(run.view(0).next_condition, "a");
-  EXPECT_EQ(run.view(0).block, 1U);
-  ASSERT_TRUE(run.next(0));
-  const auto view = run.view(kNanosecondsPerSecond);
-  EXPECT_EQ(view.condition, "a");
-  EXPECT_EQ(view.next_condition, "b");
-  EXPECT_DOUBLE_EQ(view.next_target_cm.value_or(0), 105.0);
-  EXPECT_DOUBLE_EQ(view.remaining_s, 1.0);
-  EXPECT_EQ(run.view(100 * kNanosecondsPerSecond).remaining_s, 0.0);  // never negative, even before tick
-}
-
-TEST(TrialRun, TimeGoingBack_ChangesNothing) {
-  TrialRun run(timed(), 1, {});
-  ASSERT_TRUE(run.next(10 * kNanosecondsPerSecond));
-  run.tick(0);
-  EXPECT_EQ(phase_at(run, 0), TrialPhase::Ready);
 }
 
 }  // namespace

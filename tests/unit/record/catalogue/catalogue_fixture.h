@@ -7,10 +7,12 @@
 
 #include <filesystem>
 #include <memory>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 
 #include "record/catalogue/catalogue.h"
+#include "record/losses.h"
 
 /// For the tests of the catalogue: a folder of their own, an open catalogue, and a way past it to the database.
 namespace dts::record::catalogue_test {
@@ -44,6 +46,31 @@ class CatalogueFixture : public testing::Test {
     return *catalogue_;
   }
   void close() { catalogue_.reset(); }
+
+  /// All sessions with their parts and trials, one a line, newest session first; files as seen from the test's folder.
+  std::string sessions_text() {
+    std::ostringstream text;
+    const auto sessions = catalogue().sessions({}).value();
+    for (const SessionRow& listed : sessions) {
+      const SessionRow session = catalogue().session(listed.id).value();
+      text << session.id << ' ' << session.rig << ' ' << session.protocol << ' ' << session.subject << ' ' << session.state << " from "
+           << session.started_utc_ns << " to " << session.ended_utc_ns << (session.message.empty() ? "" : ": ") << session.message << '\n';
+      for (const PartRow& part : session.parts) {
+        text << "  part " << part.part << ' ' << std::filesystem::path(part.file).lexically_proximate(folder_).string() << ' '
+             << name(part.state) << ' ' << part.scans << " scans " << part.duration_s << " s, " << part.valid_trials << " valid, lost "
+             << (part.losses ? to_json(*part.losses) : "unknown") << ' ' << part.lost_s_at_most << " s" << (part.reason.empty() ? "" : ": ")
+             << part.reason << '\n';
+      }
+      for (const TrialRow& trial : session.trials) {
+        text << "  trial " << trial.part << '.' << trial.trial << '.' << trial.attempt << ' ' << trial.condition << ' ' << trial.outcome
+             << ' ' << trial.segment << ':' << trial.first_scan << " to " << trial.last_segment << ':' << trial.last_scan << trial.result
+             << '\n';
+      }
+    }
+    std::string all = text.str();
+    for (std::size_t at = all.find(folder_); at != std::string::npos; at = all.find(folder_)) all.erase(at, folder_.string().size());
+    return all;
+  }
 
   /// What somebody with another program does to the file. False: refused.
   [[nodiscard]] bool meddle(const std::string& sql) const {

@@ -98,10 +98,12 @@ TEST(TrialCollector, ResultAndFigures_AreKeptAsTold) {
   RecordedEvent undefined = figure;
   undefined.values[0].second = std::string("other");
   undefined.values[1].second = std::numeric_limits<double>::quiet_NaN();
+  RecordedEvent nameless = figure;
+  nameless.values[0].second = std::string();
 
   trials.take(event("measure", 1, 1, 20));
   trials.take(event("done", 1, 1, 99));
-  for (const RecordedEvent& told : {result, stray, figure, undefined}) trials.take(TimedEvent{.event = told});
+  for (const RecordedEvent& told : {result, stray, figure, undefined, nameless}) trials.take(TimedEvent{.event = told});
 
   ASSERT_EQ(trials.rows().size(), 1U);
   EXPECT_EQ(trials.rows()[0].result, to_json(result));

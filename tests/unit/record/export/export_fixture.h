@@ -52,6 +52,12 @@ class ExportTest : public ::testing::Test {
     std::ranges::sort(found);
     return found;
   }
+  /// Empty after a success; paths as seen from the test's folder.
+  [[nodiscard]] std::string refusal(const core::Result<Exported>& exported) const {
+    std::string text = exported ? "" : core::to_string(exported.error());
+    for (std::size_t at = text.find(base_); at != std::string::npos; at = text.find(base_)) text.erase(at, base_.string().size());
+    return text;
+  }
   void write(const std::string& name, const std::string& content) const {
     std::filesystem::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name) << content;

@@ -44,7 +44,7 @@ std::vector<std::string_view> split_choices(std::string_view choices) {
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> known) {
   const std::string meant = core::suggest(word, known);
-  return meant.empty() ? "" : "did you mean \"" + meant + "\"? ";
+  return meant.empty() ? "" : "did you mean \"" + meant + "\"?";
 }
 
 /// What is wrong with one option.
@@ -77,7 +77,7 @@ std::vector<Mistake> unknown_names(const DeviceUri& uri, std::span<const UriOpti
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     mistakes.push_back({"unknown option \"" + name + "\"", did_you_mean(name, names)});
   }
-  if (!mistakes.empty()) mistakes.back().hint += "Known: " + list;
+  if (!mistakes.empty()) mistakes.back().hint += (mistakes.back().hint.empty() ? "Known: " : " Known: ") + list;
   return mistakes;
 }
 

@@ -79,10 +79,12 @@ core::Result<core::StreamFormat> Transient::prepare(const core::StreamFormat& in
   columns_ = {chosen->rear[0], chosen->rear[1], chosen->front[0], chosen->front[1]};
   auto sorted = columns_;
   std::ranges::sort(sorted);
-  if (sorted.back() >= input.channels.size() || std::ranges::adjacent_find(sorted) != sorted.end()) {
+  if (sorted.back() >= input.channels.size()) {
     return core::fail(core::ErrorCode::InvalidArgument, "stage transient: the rig names sensor " + std::to_string(sorted.back() + 1) +
-                                                            " or one twice; " + std::to_string(input.channels.size()) +
-                                                            " channels come in");
+                                                            ", but only " + std::to_string(input.channels.size()) + " channels come in");
+  }
+  if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end()) {
+    return core::fail(core::ErrorCode::InvalidArgument, "stage transient: the rig names sensor " + std::to_string(*twice + 1) + " twice");
   }
   still_limit_ = still_scans(resolution_v_, noise_mv_ / 1000.0);
   if (still_limit_ > 0) still_limit_ = std::max(still_limit_, input.rate.scans_in_ms(50.0)) - 1;  // noise of real sensors is not white

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <utility>
 
-#include "contract/expected_text.h"
+#include "support/committed_text.h"
 #include "unit/core/late_arrivals.h"
 
 namespace dts::core {
@@ -207,7 +207,7 @@ TEST(HostTime, EveryFigureOfAStory_IsThatOfItsFile) {
       write("new segment");
     }
   }
-  test::expect_text("tests/unit/core/host_times.txt", text.str(), 1e-5);  // nanoseconds are rounded
+  testing::expect_committed("unit/core/host_times.txt", text.str(), 1e-5);  // nanoseconds are rounded
 }
 
 }  // namespace

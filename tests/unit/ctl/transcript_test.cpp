@@ -36,13 +36,6 @@ std::vector<std::string> transcript_names() {
   return names;
 }
 
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
 std::string one_line(const google::protobuf::Message& message) {
   google::protobuf::TextFormat::Printer printer;
   printer.SetSingleLineMode(true);
@@ -106,7 +99,7 @@ class TranscriptTest : public RunTest, public ::testing::WithParamInterface<std:
   std::string play(const std::string& transcript) {
     std::string played;
     std::vector<std::string> set_up;
-    for (const std::string& line : lines_of(transcript)) {
+    for (const std::string& line : testing::lines_of(transcript)) {
       if (line.starts_with("> ") || line.starts_with("| ") || line.starts_with("! ") || line.starts_with("= ")) continue;
       played += line + "\n";
       if (line.starts_with("$")) {
@@ -211,7 +204,7 @@ class TranscriptTest : public RunTest, public ::testing::WithParamInterface<std:
     for (const std::string& day : {today, replaced(today, "-", "")}) text = replaced_between(std::move(text), day + "T", "Z", "NOW");
     for (const std::string verb : {" arrive", " arrives"}) text = replaced_between(std::move(text), verb + ", after ", " ms", verb);
     std::string marked;
-    for (std::string line : lines_of(without_checksums(testing::rounded(std::move(text))))) {
+    for (std::string line : testing::lines_of(without_checksums(testing::rounded(std::move(text))))) {
       if (line.find("clock source: ") != std::string::npos) line = "CLOCK SOURCE";
       line = line.substr(0, line.find(R"({"name":"clock source")"));
       if (line.find("\"pages\"") != std::string::npos) line = line.substr(0, line.find("\"bytes\""));

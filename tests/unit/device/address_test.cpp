@@ -5,8 +5,8 @@
 #include <fstream>
 #include <string>
 
-#include "contract/expected_text.h"
 #include "physics/body/chair_rig.h"
+#include "support/committed_text.h"
 #include "unit/device/description_text.h"
 #include "unit/device/sim_rig.h"
 #include "usb/fake/fake_bus.h"
@@ -22,10 +22,10 @@ std::string indented(std::string text) {
 }
 
 TEST_P(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
-  const std::string file = std::string("tests/unit/device/addresses/") + GetParam() + ".txt";
+  const std::string file = std::string("unit/device/addresses/") + GetParam() + ".txt";
   std::string found;
   bool has_usb = true;
-  for (const std::string& line : dts::test::lines_of(std::ifstream(std::string(DTS_SOURCE_DIR) + "/" + file))) {
+  for (const std::string& line : dts::testing::lines_of(dts::testing::content_of(dts::testing::committed_file(file)))) {
     if (line.starts_with("    ")) continue;
     found += line + "\n";
     if (line.starts_with("#")) has_usb = line.find("without USB") == std::string::npos;
@@ -37,7 +37,7 @@ TEST_P(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
     found += created ? test::text_of((*created)->describe(), "    ")
                      : "    " + std::string(core::name(created.error().code)) + ": " + indented(core::to_string(created.error())) + "\n";
   }
-  dts::test::expect_text(file, found);
+  dts::testing::expect_committed(file, found, 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, Address,

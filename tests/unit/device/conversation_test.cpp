@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "contract/expected_text.h"
+#include "support/committed_text.h"
 #include "unit/device/description_text.h"
 #include "unit/device/mcc/pair_bench.h"
 #include "unit/device/sim_rig.h"
@@ -197,7 +197,7 @@ TEST_P(Conversation, EveryCallOfALifeAndWhatIsToldWhenItFails) {
   std::string found = told_calls(make) + report(make());
   std::remove(fpga.c_str());
   if (const std::size_t at = found.find(fpga); at != std::string::npos) found.replace(at, fpga.size(), "IMAGE");
-  dts::test::expect_text(std::string("tests/unit/device/conversations/") + GetParam() + ".txt", found);
+  dts::testing::expect_committed(std::string("unit/device/conversations/") + GetParam() + ".txt", found, 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Units, Conversation,
@@ -263,7 +263,7 @@ TEST(WrongUnit, AtOpenAndStart_IsToldAsItsFileSays) {
   found += told_of(u6, "labjack:u6");
   std::remove(fpga.c_str());
   for (std::size_t at = found.find(fpga); at != std::string::npos; at = found.find(fpga)) found.replace(at, fpga.size(), "IMAGE");
-  dts::test::expect_text("tests/unit/device/wrong_units.txt", found);
+  dts::testing::expect_committed("unit/device/wrong_units.txt", found);
 }
 
 /// When and how the end of a stream is told, to the nanosecond: of each fault, at each rate.
@@ -305,10 +305,10 @@ std::string ends_of(const std::string& uri, std::size_t channels, Arguments... a
 
 TEST(EndOfAStream, OfEachFault_IsToldWhenAndAsTheFileSays) {
   const std::string fpga = image();
-  dts::test::expect_text("tests/unit/device/ends.txt",
-                         ends_of<FsPlusEmulator>("mcc:1608fs-plus?channels=0,1,2", 3, FsPlusKind::Usb1608, "01A2B3C4") +
-                             ends_of<emulator::Usb1608gEmulator>("mcc:1608g?channels=0,1,2&fpga=" + fpga, 3, kRevision1, "0123ABCD") +
-                             ends_of<emulator::U6Emulator>("labjack:u6?channels=0,1&marker=15&marker_v=0", 3));
+  dts::testing::expect_committed(
+      "unit/device/ends.txt", ends_of<FsPlusEmulator>("mcc:1608fs-plus?channels=0,1,2", 3, FsPlusKind::Usb1608, "01A2B3C4") +
+                                  ends_of<emulator::Usb1608gEmulator>("mcc:1608g?channels=0,1,2&fpga=" + fpga, 3, kRevision1, "0123ABCD") +
+                                  ends_of<emulator::U6Emulator>("labjack:u6?channels=0,1&marker=15&marker_v=0", 3));
   std::remove(fpga.c_str());
 }
 

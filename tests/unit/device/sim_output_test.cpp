@@ -9,8 +9,8 @@
 #include <sstream>
 #include <string>
 
-#include "contract/expected_text.h"
 #include "physics/body/chair_rig.h"
+#include "support/committed_text.h"
 #include "unit/device/sim_rig.h"
 
 namespace dts::device {
@@ -70,13 +70,13 @@ std::string output_of(Device& device, core::VirtualClock& clock, double rate_hz,
 }
 
 TEST_P(SimOutput, EachAddressOfTheFile_GivesItsValues) {
-  const std::string file = std::string("tests/unit/device/sim_outputs/") + GetParam() + ".txt";
+  const std::string file = std::string("unit/device/sim_outputs/") + GetParam() + ".txt";
   const std::string cop = std::string(testing::TempDir()) + "cop_" + GetParam() + std::to_string(getpid());
   const std::string weights = std::string(testing::TempDir()) + "weights_" + GetParam() + std::to_string(getpid());
   std::ofstream(cop) << "t_s,x_mm,y_mm\n0,-3,2\n0.5,1,-4\n1.25,6,0\n2,2,9\n";
   std::ofstream(weights) << "x_mm,y_mm,load_n\n-129,0,240\n64.5,-64.5,700\n0,43,1\n";
   std::string found;
-  for (const std::string& line : dts::test::lines_of(std::ifstream(std::string(DTS_SOURCE_DIR) + "/" + file))) {
+  for (const std::string& line : dts::testing::lines_of(dts::testing::content_of(dts::testing::committed_file(file)))) {
     if (line.starts_with(" ")) continue;
     SCOPED_TRACE(line);
     std::string uri;
@@ -94,7 +94,7 @@ TEST_P(SimOutput, EachAddressOfTheFile_GivesItsValues) {
   }
   std::filesystem::remove(cop);
   std::filesystem::remove(weights);
-  dts::test::expect_text(file, found);
+  dts::testing::expect_committed(file, found, 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, SimOutput,

@@ -5,9 +5,9 @@
 #include <functional>
 #include <sstream>
 
-#include "contract/expected_text.h"
 #include "core/special_numbers.h"
 #include "pipeline/pipeline.h"
+#include "support/committed_text.h"
 #include "unit/pipeline/chair_chain.h"
 #include "unit/pipeline/standing_cop.h"
 
@@ -127,7 +127,7 @@ TEST(StageRefusal, OfEachInput_IsThatOfTheFile) {
   create("trigger nowhere", floor, [](PipelineInput& input) { input.trigger = TriggerInput{.channel = 17}; });
   create("trigger on an auxiliary", floor, [](PipelineInput& input) { input.trigger = TriggerInput{.channel = 5}; });
   create("trigger without a level", floor, [](PipelineInput& input) { input.trigger = TriggerInput{.channel = 5, .level = core::kNaN}; });
-  dts::test::expect_text("tests/unit/pipeline/outputs/refusals.txt", text);
+  dts::testing::expect_committed("unit/pipeline/outputs/refusals.txt", text);
 }
 
 }  // namespace

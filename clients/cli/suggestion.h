@@ -7,7 +7,7 @@
 
 namespace dts::cli {
 
-/// `core::suggest` for clients, which do not include core: the candidate that `word` was probably meant to be, or nothing.
+/// `core::suggest` for rooms that do not include core: the candidate that `word` was probably meant to be, or nothing.
 [[nodiscard]] std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace dts::cli

@@ -57,8 +57,8 @@ cli::Json scalar(const Message& message, const FieldDescriptor& field) {
     }
     case FieldDescriptor::CPPTYPE_UINT32: {
       const std::uint32_t value = reflection.GetUInt32(message, &field);
-      const auto* enumeration = field.file()->pool()->FindEnumTypeByName("dts.v1." + field.options().GetExtension(v1::bits));
-      return enumeration == nullptr ? cli::Json(value) : cli::Json(bit_words(*enumeration, value));
+      const std::string& bits = field.options().GetExtension(v1::bits);
+      return bits.empty() ? cli::Json(value) : cli::Json(bit_words(*field.file()->pool()->FindEnumTypeByName("dts.v1." + bits), value));
     }
     case FieldDescriptor::CPPTYPE_UINT64: return reflection.GetUInt64(message, &field);
     default: return nullptr;

@@ -29,9 +29,7 @@ std::vector<std::string> streams_of(const v1::RigInfo& rig) {
 
 std::vector<std::string> events_of(const v1::RigInfo& rig) {
   std::vector<std::string> topics;
-  for (const v1::Topic& topic : wire::event_topics()) {
-    if (topic.rig_kind().empty() || topic.rig_kind() == rig.kind()) topics.push_back(rig.name() + "/" + topic.name());
-  }
+  for (const v1::Topic& topic : wire::event_topics()) topics.push_back(rig.name() + "/" + topic.name());
   return topics;
 }
 

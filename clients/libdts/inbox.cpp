@@ -156,6 +156,10 @@ void Inbox::enqueue_event(Topic& topic, v1::Event&& event) {
 }
 
 void Inbox::accept_block(Topic& topic, std::span<const std::byte> body, std::int64_t arrived_ns) {
+  if (knows_formats_ && !formats_.contains(topic.text)) {  // of a later version of the protocol, perhaps
+    ++statistics_.unknown_topics;
+    return;
+  }
   if (!parse(scratch_, body) || !is_well_formed(scratch_)) {
     ++statistics_.malformed;
     return;

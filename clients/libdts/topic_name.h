@@ -16,7 +16,7 @@ struct TopicName {
   TopicKind kind = TopicKind::Stream;
 };
 
-/// Nothing if `topic` has not this form. What is neither the status nor an event topic of the protocol is a stream.
+/// Nothing if `topic` is not "<rig>/<name>". What is neither the status nor an event topic of the protocol is a stream.
 [[nodiscard]] std::optional<TopicName> parse_topic(std::string_view topic);
 
 }  // namespace dts::client

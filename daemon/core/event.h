@@ -85,22 +85,26 @@ void for_each(const FrameEvents& events, Use use) {
   for (const SwayEvent& sway : events.sways.all_of()) use(Event(sway));
 }
 
-/// The events that travel beside a ring of frames. Events are rare: in every slot of the frames they would take 2.9 kB, here they take
-/// what they need.
+/// The events that travel beside a ring of frames. Events are rare: room for them in every slot of the frames would take 2.9 kB a slot,
+/// this ring takes some 350 kB in all.
 ///
 ///     producer:  push(events)   frame.event_count = take_count()   commit the frame
-///     consumer:  for each frame: pop(frame.event_count)
+///     consumer:  for each frame: event_count times front() and release()
 ///
-/// If the frame finds no room, its events are counted in the next frame.
+/// If the publisher's ring of frames is full, the events are counted in its next frame.
 class EventLane {
  public:
-  /// The default holds a trigger in every scan at 1500 Hz for longer than the publisher's ring of frames.
+  /// 2048 events: a trigger in every scan at 1500 Hz for longer than the publisher's ring of frames holds, 250 a second for the recorder's.
   explicit EventLane(std::size_t capacity = 2048) : ring_(capacity) {}
 
-  /// Returns how many events found no room. Thread: producer. Realtime-safe: yes.
+  /// Returns how many events found no room, without preliminary sway, which the next one supersedes. Thread: producer. Realtime-safe: yes.
   std::uint64_t push(const FrameEvents& events) noexcept {
     std::uint64_t lost = 0;
-    for_each(events, [&](const Event& event) { ring_.push(event) ? void(++count_) : void(++lost); });
+    for_each(events, [&](const Event& event) {
+      const bool has_room = ring_.push(event);
+      if (has_room) ++count_;
+      if (!has_room && !std::holds_alternative<SwayEvent>(event)) ++lost;
+    });
     return lost;
   }
   /// Events that no frame has counted yet. Thread: producer. Realtime-safe: yes.

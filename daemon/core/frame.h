@@ -74,7 +74,6 @@ struct Frame {
   /// Takes everything that `other`, made for the same pipeline, says, into the memory that is there. Realtime-safe: yes.
   void copy_from(const Frame& other) noexcept {
     for (std::size_t s = 0; s < std::min(streams.size(), other.streams.size()); ++s) streams[s].copy_from(other.streams[s]);
-    event_count = other.event_count;
     gap_before = other.gap_before;
     segment = other.segment;
     host_time_ns = other.host_time_ns;

@@ -172,6 +172,9 @@ pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, 
   read_stages(top, config);
   TomlReader publish = top.table("publish");
   config.published = publish.texts("streams", {});
+  if (publish.has("streams") && config.published.empty()) {
+    publish.report("streams", "streams is empty; leave it out to publish all streams of the rig");
+  }
   publish.finish();
   read_recorded(top, config);
   top.finish();

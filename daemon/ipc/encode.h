@@ -40,7 +40,7 @@ struct Identity {
 
 /// Gap event standing before scan 0 of the frame's segment.
 [[nodiscard]] dts::v1::Event gap_event(std::uint64_t instance_id, const core::Frame& frame);
-/// `trigger_channel`: name of the rig's channel, of which a trigger is an edge.
+/// `trigger_channel`: name of the channel on which the rig finds triggers.
 [[nodiscard]] dts::v1::Event event_message(std::uint64_t instance_id, const core::Event& event, const std::string& trigger_channel);
 [[nodiscard]] dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice);
 

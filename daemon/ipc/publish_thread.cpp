@@ -84,7 +84,7 @@ void PublishThread::run(const std::stop_token& stop) {
     socket_->wait(bell_.fd(), is_retained_due_ ? kRetainedMs : kWaitMs);
     bell_.clear();
     turns_.fetch_add(1, std::memory_order_relaxed);
-    // Once an order: where it fails, the control thread gives it again.
+    // Tries once per request; the control thread retries.
     if (is_drop_due_.exchange(false, std::memory_order_acq_rel))
       is_remote_down_.store(!socket_->drop_remote_peers(), std::memory_order_relaxed);
     for (Source& source : sources_) publish(source);
@@ -102,7 +102,7 @@ void PublishThread::publish(Source& source) {
     core::Frame* frame = frames.front();
     if (frame == nullptr) return;
     if (frame->gap_before.reason != core::GapReason::None) send_event(source, gap_event(instance_id_, *frame));
-    // Triggers come first of a frame's events; what was found in its scans leaves after them.
+    // Triggers come first of the events of a frame: these leave before its blocks, everything else after them.
     std::uint32_t left = frame->event_count;
     while (left > 0 && std::holds_alternative<core::TriggerEvent>(*source.rig->events().front())) send_next_event(source, left);
     send_streams(source, *frame);

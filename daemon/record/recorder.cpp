@@ -102,7 +102,7 @@ core::Status Recorder::take(const core::Frame& frame, std::span<const core::Even
   offset_ns_ = raw.host_time_ns - (origins_ns_[segment_] + rate_.time_ns(raw.first_scan));
   if (std::abs(offset_ns_) <= kRoundingNs) offset_ns_ = 0;
   take_quality(frame);
-  for (const core::Event& event : events) take(event);
+  for (const core::Event& event : events) keep(event);
   next_raw_ = raw.first_scan + raw.count();
   for (Column& column : columns_) {
     if (auto taken = take_block(column, frame.streams[column.recorded.frame_index], raw); !taken) return taken;
@@ -197,7 +197,7 @@ void Recorder::take_quality(const core::Frame& frame) {
   }
 }
 
-void Recorder::take(const core::Event& event) {
+void Recorder::keep(const core::Event& event) {
   if (const auto* trigger = std::get_if<core::TriggerEvent>(&event)) {
     RecordedEvent edge{.event = "trigger", .segment = trigger->segment, .scan = trigger->scan};
     edge.values.emplace_back("edge", std::string(trigger->is_rising ? "rising" : "falling"));

@@ -43,10 +43,8 @@ class Recorder {
 
   /// State of the stages before the first frame. Before the first `take`.
   void set_stage_state(std::span<const double> state);
-  /// Buffers a frame with the events that were noticed in it or before; writes what has become a chunk.
+  /// Buffers a frame with the events that were noticed in it; writes what has become a chunk.
   [[nodiscard]] core::Status take(const core::Frame& frame, std::span<const core::Event> events = {});
-  /// Buffers an event of a segment that is known.
-  void take(const core::Event& event);
   /// Of a segment that is not known yet (nothing was recorded): it waits for its first frame. When none comes, the event goes to the start
   /// of the next segment, or to the end of the recording.
   [[nodiscard]] core::Status take(const RecordedEvent& event);
@@ -87,6 +85,7 @@ class Recorder {
   void note_jump(const core::Block& raw);
   core::Status take_block(Column& column, const core::Block& block, const core::Block& raw);
   void take_quality(const core::Frame& frame);
+  void keep(const core::Event& event);
   void keep(const RecordedEvent& event);
   core::Status write_pending(Column& column);
   core::Status write_events();

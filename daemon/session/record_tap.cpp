@@ -12,6 +12,7 @@ void RecordTap::follow() noexcept {
   if (current_ != 0 || opened == begun_) return;
   pipeline_.save(state_);
   lost_scans_ = 0;
+  lost_events_ = 0;
   lost_gap_ = {};
   current_ = begun_ = opened;
   static_cast<void>(end_closed());  // a take may be over before it was seen; without room its end mark comes later
@@ -24,23 +25,23 @@ bool RecordTap::end_closed() noexcept {
   if (slot == nullptr) return false;
   slot->take = current_;
   slot->is_end = true;
-  slot->frame.event_count = events_.take_count();
+  slot->frame.event_count = 0;
   slot->lost_scans = lost_scans_;
+  slot->lost_events = lost_events_;
   ring_.commit();
   current_ = 0;
   return true;
 }
 
-std::uint64_t RecordTap::offer(const core::Frame& frame, const core::FrameEvents& events) noexcept {
-  if (current_ == 0) return 0;
-  const std::uint64_t lost_events = events_.push(events);
+void RecordTap::offer(const core::Frame& frame, const core::FrameEvents& events) noexcept {
+  if (current_ == 0) return;
   Slot* const slot = ring_.claim();
   if (slot == nullptr) {
     lost_scans_ += frame.streams.front().count();
     lost_gap_ = core::merged(lost_gap_, frame.gap_before);
-    ring_.drop();
-    return lost_events;
+    return ring_.drop();
   }
+  lost_events_ += events.lost() + events_.push(events);
   slot->frame.copy_from(frame);
   slot->frame.event_count = events_.take_count();
   slot->frame.gap_before = core::merged(lost_gap_, frame.gap_before);
@@ -48,8 +49,8 @@ std::uint64_t RecordTap::offer(const core::Frame& frame, const core::FrameEvents
   slot->take = current_;
   slot->is_end = false;
   slot->lost_scans = lost_scans_;
+  slot->lost_events = lost_events_;
   ring_.commit();
-  return lost_events;
 }
 
 }  // namespace dts::session

@@ -27,8 +27,9 @@ class RecordTap {
   struct Slot {
     core::Frame frame;
     std::uint64_t take = 0;
-    bool is_end = false;           ///< No frame, at most events: the take is over.
-    std::uint64_t lost_scans = 0;  ///< Of the take, that found no room before this slot.
+    bool is_end = false;            ///< No frame: the take is over.
+    std::uint64_t lost_scans = 0;   ///< Of the take, that found no room before this slot.
+    std::uint64_t lost_events = 0;  ///< The same, of frames that found room.
   };
 
   RecordTap(std::size_t slots, const pipeline::Pipeline& pipeline);
@@ -45,9 +46,9 @@ class RecordTap {
   void follow() noexcept;
   /// A take is under way and there is no room for a frame. Thread: pipeline. Realtime-safe: yes.
   [[nodiscard]] bool is_blocked() noexcept { return current_ != 0 && ring_.claim() == nullptr; }
-  /// Copies a frame with its events for the recorder if a take is under way. Returns how many events
-  /// found no room. Thread: pipeline. Realtime-safe: yes.
-  std::uint64_t offer(const core::Frame& frame, const core::FrameEvents& events = {}) noexcept;
+  /// Copies a frame with its events for the recorder if a take is under way. The events of a frame
+  /// that is dropped are dropped with it: a replay could not find them. Thread: pipeline. Realtime-safe: yes.
+  void offer(const core::Frame& frame, const core::FrameEvents& events = {}) noexcept;
 
   /// Events of the slots (`Frame::event_count`). Thread: record.
   [[nodiscard]] core::EventLane& events() noexcept { return events_; }
@@ -76,6 +77,7 @@ class RecordTap {
   std::uint64_t current_ = 0;             ///< The pipeline thread's; 0: none.
   std::uint64_t begun_ = 0;               ///< The same; the newest that was current.
   std::uint64_t lost_scans_ = 0;          ///< The same; of the current take.
+  std::uint64_t lost_events_ = 0;         ///< The same.
   core::Gap lost_gap_;                    ///< The same; stood before frames that found no room.
 };
 

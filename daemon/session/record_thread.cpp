@@ -128,6 +128,7 @@ std::vector<record::RecordedEvent> RecordThread::take_orders(const std::string& 
     line.take = line.next_take;
     line.has_frames = false;
     line.lost_scans = 0;
+    line.lost_events = 0;
     line.is_new = true;
     line.emptied_ns = line.written_ns = line.flushed_ns = line.synchronised_ns = line.on_disk_ns = clock_.now_ns();
   }
@@ -169,10 +170,8 @@ void RecordThread::take_slot(const std::string& rig, Line& line, const RecordTap
   if (slot.take != line.take || slot.is_end) receive(rig, line);
   if (!line.recorder || slot.take != line.take) return;  // of a recording that has failed: thrown away
   line.lost_scans = slot.lost_scans;
-  if (slot.is_end) {
-    for (const core::Event& event : events_) line.recorder->take(event);
-    return finish(rig, line, "");
-  }
+  line.lost_events = slot.lost_events;
+  if (slot.is_end) return finish(rig, line, "");
   if (!std::exchange(line.has_frames, true)) {
     line.recorder->set_stage_state(line.tap->state());
   } else if (slot.frame.segment != line.recorder->segment()) {
@@ -209,6 +208,7 @@ void RecordThread::finish(const std::string& rig, Line& line, const std::string&
   if (reason.empty() && !flushed) reason = core::to_string(flushed.error());
   const std::uint64_t lost_scans = recorder->lost_scans();
   if (reason.empty() && lost_scans > 0) reason = std::to_string(lost_scans) + " scans found no room on the way to the file";
+  if (reason.empty() && line.lost_events > 0) reason = std::to_string(line.lost_events) + " events found no room on the way to the file";
   if (reason.empty()) {
     const std::lock_guard lock(mutex_);
     reason = line.view.problem;

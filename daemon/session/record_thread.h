@@ -80,11 +80,12 @@ class RecordThread {
     std::string file;
     std::uint64_t take = 0;
     bool has_frames = false;
-    std::uint64_t lost_scans = 0;  ///< As the tap says.
-    bool is_new = false;           ///< Its files are not known to the synchronising thread yet.
-    bool is_synced_aside = false;  ///< They are; otherwise this thread does it.
-    std::int64_t emptied_ns = 0;   ///< The last time that nothing waited in the tap.
-    std::int64_t written_ns = 0;   ///< The same at the last flush: what was taken up to then has left this process.
+    std::uint64_t lost_scans = 0;   ///< As the tap says.
+    std::uint64_t lost_events = 0;  ///< The same.
+    bool is_new = false;            ///< Its files are not known to the synchronising thread yet.
+    bool is_synced_aside = false;   ///< They are; otherwise this thread does it.
+    std::int64_t emptied_ns = 0;    ///< The last time that nothing waited in the tap.
+    std::int64_t written_ns = 0;    ///< The same at the last flush: what was taken up to then has left this process.
     std::int64_t flushed_ns = 0;
     std::int64_t synchronised_ns = 0;
     std::int64_t on_disk_ns = 0;  ///< What was taken up to then is on the disk, but for what `sync_` knows better.

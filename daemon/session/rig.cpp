@@ -193,7 +193,7 @@ void Rig::process(const core::Acquired& acquired) noexcept {
   core::Frame& frame = slot != nullptr ? *slot : spare_frame_;
   tap_.follow();
   pipeline_->process(acquired, frame);
-  pipeline_state_.lost_events_total += tap_.offer(frame, pipeline_->events());
+  tap_.offer(frame, pipeline_->events());
   offer_events(pipeline_->events());
   offer_cop(frame);
   frame.gap_before = core::merged(unpublished_gap_, frame.gap_before);

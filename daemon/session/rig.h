@@ -30,7 +30,7 @@ namespace dts::session {
 /// What the pipeline thread tells about itself.
 struct PipelineReport {
   std::uint64_t dropped_blocks_total = 0;  ///< Frames that found the publisher's ring full.
-  std::uint64_t lost_events_total = 0;     ///< Events that found no room in a ring.
+  std::uint64_t lost_events_total = 0;     ///< Events that found no room on the way to the publisher or to the session's results.
   double us_per_scan = 0.0;                ///< Time spent in the stages, moving mean.
   std::uint32_t segment = 0;               ///< Of what was processed last: everything up to there is in the rings.
   core::ScanIndex next_scan;

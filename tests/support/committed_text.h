@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace dts::testing {
+namespace dts::test {
 
 /// `name` is a path below tests/.
 [[nodiscard]] inline std::filesystem::path committed_file(const std::string& name) {
@@ -34,9 +34,11 @@ namespace dts::testing {
   return lines;
 }
 
-/// Whether two words are equal, or numbers that differ by at most `tolerance` of their size.
+/// Whether two words are equal, or decimal numbers that differ by at most `tolerance` of their size. Whole numbers (also bytes and codes)
+/// have to be equal.
 [[nodiscard]] inline bool is_same_word(const std::string& a, const std::string& b, double tolerance) {
   if (a == b) return true;
+  if ((a + b).find('.') == std::string::npos && (a + b).find("e-") == std::string::npos) return false;
   char* end_a = nullptr;
   char* end_b = nullptr;
   const double x = std::strtod(a.c_str(), &end_a);
@@ -64,6 +66,7 @@ inline void expect_committed(const std::string& name, const std::string& text, d
   if (const char* write = std::getenv("DTS_GOLDEN_WRITE"); write != nullptr && std::string(write) == "1") {
     std::filesystem::create_directories(file.parent_path());
     std::ofstream(file) << text;
+    GTEST_SKIP() << "written: " << file;
   }
   const std::vector<std::string> expected = lines_of(content_of(file));
   const std::vector<std::string> found = lines_of(text);
@@ -94,8 +97,8 @@ inline void expect_committed(const std::string& name, const std::string& text, d
 
 /// The running case as a file's name.
 [[nodiscard]] inline std::string case_file() {
-  const auto& info = *::testing::UnitTest::GetInstance()->current_test_info();
+  const auto& info = *testing::UnitTest::GetInstance()->current_test_info();
   return std::string(info.test_suite_name()) + "." + info.name() + ".txt";
 }
 
-}  // namespace dts::testing
+}  // namespace dts::test

@@ -53,11 +53,13 @@ void add_losses(const v1::RigStatus& rig, const std::string& name, Exposition& o
 }
 
 void add_device(const v1::RigStatus& rig, const MetricLabels& labels, Exposition& out) {
-  add_states({"dts_device_state", "1 for the state in which the rig's device is."}, *v1::DeviceState_descriptor(), rig.device(), labels, out);
-  out.counter({"dts_scans_total", "Scans taken from the device; those that found the ring full are among the lost."}, number(rig.scans_total()), labels);
+  add_states({"dts_device_state", "1 for the state in which the rig's device is."}, *v1::DeviceState_descriptor(), rig.device(), labels,
+             out);
+  out.counter({"dts_scans_total", "Scans taken from the device; those that found the ring full are among the lost."},
+              number(rig.scans_total()), labels);
   out.counter({"dts_reconnects_total", "Times that a lost device came back."}, number(rig.reconnects_total()), labels);
-  out.counter({"dts_device_restarts_total", "Times that the scan of a present device had to be started again."}, number(rig.restarts_total()),
-              labels);
+  out.counter({"dts_device_restarts_total", "Times that the scan of a present device had to be started again."},
+              number(rig.restarts_total()), labels);
   out.gauge({"dts_nominal_rate_hertz", "Scans per second as the device promised them."}, rig.nominal_rate_hz(), labels);
   out.gauge({"dts_measured_rate_hertz", "Scans per second over the last seconds by the host's clock; 0: silent, or not known yet."},
             rig.measured_rate_hz(), labels);
@@ -78,8 +80,8 @@ prometheus::ClientMetric::Histogram latency_of(const v1::LatencyHistogram& laten
 }
 
 void add_flow(const v1::RigStatus& rig, const std::string& name, const MetricLabels& labels, Exposition& out) {
-  out.gauge({"dts_pipeline_seconds_per_scan", "Time spent in the stages, moving mean."}, rig.pipeline_us_per_scan() / kMicrosecondsPerSecond,
-            labels);
+  out.gauge({"dts_pipeline_seconds_per_scan", "Time spent in the stages, moving mean."},
+            rig.pipeline_us_per_scan() / kMicrosecondsPerSecond, labels);
   const v1::RingFill& fill = rig.ring_fill();
   for (const auto& [ring, percent] :
        {std::pair{"scans", fill.scans_percent()}, {"frames", fill.frames_percent()}, {"record", fill.record_percent()}}) {
@@ -87,7 +89,7 @@ void add_flow(const v1::RigStatus& rig, const std::string& name, const MetricLab
               percent / kPercent, {{"rig", name}, {"ring", ring}});
   }
   out.counter({"dts_dropped_blocks_total", "Blocks that found the publisher's queue full."}, number(rig.dropped_blocks_total()), labels);
-  out.counter({"dts_lost_events_total", "Triggers, reaches and classes beyond what a block can carry."}, number(rig.lost_events_total()),
+  out.counter({"dts_lost_events_total", "Triggers, reaches and classes that found no room in a queue."}, number(rig.lost_events_total()),
               labels);
   out.histogram({"dts_block_latency_seconds", "From the instant of a block's newest scan until it was handed to the data socket."},
                 latency_of(rig.latency()), labels);
@@ -106,7 +108,8 @@ void add_session(const v1::RigStatus& rig, const MetricLabels& labels, Expositio
 
 void add_disk(const v1::DiskStatus& disk, Exposition& out) {
   if (disk.state() == v1::DISK_STATE_UNSPECIFIED) return;
-  add_states({"dts_disk_state", "1 for the state in which the disk of the recordings is."}, *v1::DiskState_descriptor(), disk.state(), {}, out);
+  add_states({"dts_disk_state", "1 for the state in which the disk of the recordings is."}, *v1::DiskState_descriptor(), disk.state(), {},
+             out);
   out.gauge({"dts_disk_free_bytes", "Room on the disk of the recordings."}, number(disk.free_bytes()));
   out.gauge({"dts_disk_recordable_seconds", "How long there is room with every rig recording."}, disk.recordable_s());
 }

@@ -16,14 +16,14 @@ namespace dts::wire {
 [[nodiscard]] const std::vector<v1::Topic>& event_topics();
 /// Whether events are published on "<rig>/<name>"; all other topics of a rig carry streams.
 [[nodiscard]] bool is_event_topic(std::string_view name);
-/// Topic of an event; that of an event without a body that this version knows has no name.
+/// Topic of an event. It has no name if this version does not know the body of the event.
 [[nodiscard]] const v1::Topic& topic_of(const v1::Event& event);
 
-/// The field of Request.command that is set; nullptr if this version knows none of what was sent.
+/// The field of Request.command that is set; nullptr if this version does not know the command.
 [[nodiscard]] const google::protobuf::FieldDescriptor* command_field(const v1::Request& request);
-/// What is true of the request's command; of an unknown one: ROLE_UNSPECIFIED, and nothing else.
+/// Rules of the request's command; the default, without a role, if this version does not know the command.
 [[nodiscard]] const v1::CommandRules& rules_of(const v1::Request& request);
-/// The field of Response.result that answers the request's command; nullptr for an unknown one.
+/// The field of Response.result that answers the request; nullptr if this version does not know the command.
 [[nodiscard]] const google::protobuf::FieldDescriptor* answer_field(const v1::Request& request);
 
 }  // namespace dts::wire

@@ -154,7 +154,7 @@ TEST_F(RunTest, HelpAndDocuments_AreAsCommitted) {
     EXPECT_EQ(run_with(words), kOk);
     documents.emplace_back(name, out_.str());
   }
-  for (const auto& [name, text] : documents) testing::expect_committed("unit/cli/kettle/" + name + ".txt", text);
+  for (const auto& [name, text] : documents) dts::test::expect_committed("unit/cli/kettle/" + name + ".txt", text);
 }
 
 TEST(ExitStatus, ErrorCodes_TheirOwnNumberOrFailed) {

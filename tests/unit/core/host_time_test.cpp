@@ -176,14 +176,15 @@ TEST(HostTime, IsNotImpressedByAStallOfTheMachine) {
 TEST(HostTime, EveryFigureOfAStory_IsThatOfItsFile) {
   std::ostringstream text;
   text.precision(12);
+  const auto us = [](std::int64_t ns) { return static_cast<double>(ns) / 1000.0; };
   for (const double ppm : {0.0, 80.0, -150.0, 3000.0, -12'000.0}) {
     Machine machine{.rate = rate_1500(), .clock_error = ppm * 1e-6, .busy_ms = 2.0};
     HostTime time(machine.rate, kFrameNs);
     const auto write = [&](const char* what) {
-      text << what << " at scan " << machine.next << " : " << time.at({machine.next - 1}) - machine.truth_ns(machine.next - 1) << " +- "
-           << time.uncertainty_ns() << " ns off, drift " << time.drift_ppm() << " ppm, rate error " << time.rate_error() << " , missing "
-           << time.missing_ns() << " of " << time.least_loss_ns() << (time.is_judged() ? " judged" : "") << (time.has_loss() ? " loss" : "")
-           << '\n';
+      text << what << " at scan " << machine.next << " : " << us(time.at({machine.next - 1}) - machine.truth_ns(machine.next - 1)) << " +- "
+           << us(time.uncertainty_ns()) << " us off, drift " << time.drift_ppm() << " ppm, rate error " << time.rate_error()
+           << " , missing " << us(time.missing_ns()) << " of " << us(time.least_loss_ns()) << (time.is_judged() ? " judged" : "")
+           << (time.has_loss() ? " loss" : "") << '\n';
     };
     text << ppm << " ppm\n";
     time.restart(machine.truth_ns(0) - 3 * kMillisecond);
@@ -207,7 +208,7 @@ TEST(HostTime, EveryFigureOfAStory_IsThatOfItsFile) {
       write("new segment");
     }
   }
-  testing::expect_committed("unit/core/host_times.txt", text.str(), 1e-5);  // nanoseconds are rounded
+  dts::test::expect_committed("unit/core/host_times.txt", text.str(), 1e-5);  // nanoseconds are rounded
 }
 
 }  // namespace

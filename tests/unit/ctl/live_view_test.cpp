@@ -23,13 +23,13 @@ class LiveViewTest : public ::testing::Test {
   std::string take() {
     std::string text = out_.str();
     out_.str({});
-    all_ += testing::replaced(text, "\x1b", "^") + "----\n";
+    all_ += dts::test::replaced(text, "\x1b", "^") + "----\n";
     return text;
   }
   /// All that was drawn, up to each look at it.
   void TearDown() override {
     take();
-    testing::expect_committed("unit/ctl/said/" + testing::case_file(), all_ + talk_.str());
+    dts::test::expect_committed("unit/ctl/said/" + dts::test::case_file(), all_ + talk_.str());
   }
   std::ostringstream out_;
   std::ostringstream talk_;

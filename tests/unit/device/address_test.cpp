@@ -25,7 +25,7 @@ TEST_P(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
   const std::string file = std::string("unit/device/addresses/") + GetParam() + ".txt";
   std::string found;
   bool has_usb = true;
-  for (const std::string& line : dts::testing::lines_of(dts::testing::content_of(dts::testing::committed_file(file)))) {
+  for (const std::string& line : dts::test::lines_of(dts::test::content_of(dts::test::committed_file(file)))) {
     if (line.starts_with("    ")) continue;
     found += line + "\n";
     if (line.starts_with("#")) has_usb = line.find("without USB") == std::string::npos;
@@ -37,7 +37,7 @@ TEST_P(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
     found += created ? test::text_of((*created)->describe(), "    ")
                      : "    " + std::string(core::name(created.error().code)) + ": " + indented(core::to_string(created.error())) + "\n";
   }
-  dts::testing::expect_committed(file, found, 1e-9);
+  dts::test::expect_committed(file, found, 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, Address,

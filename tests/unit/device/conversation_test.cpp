@@ -70,8 +70,8 @@ std::string live(const Life& life) {
   return live(life, step);
 }
 
-/// A life in which the calls from `first` to `last` get an answer that is not the device's. Nothing is left of it, and the next life is
-/// fine.
+/// Runs open, start, sync and stop once; the calls from `first` to `last` get `answer` instead of the device's. Afterwards nothing is open,
+/// and the next run succeeds.
 std::string live_with(const Life& life, const UsbResult& answer, std::size_t first, std::size_t last) {
   std::size_t number = 0;
   life.bench->bus.on_call = [&](const std::string&) {
@@ -121,6 +121,7 @@ std::string told_calls(const std::function<Life()>& make) {
     if (call.count > 1) text << ", " << call.count << " times";
     const std::string error = live_with(make(), tl::make_unexpected(UsbStatus::Stall), call.first, call.first);
     text << (error == "fine" ? "" : "\n    " + error) << '\n';
+    static_cast<void>(live_with(make(), tl::make_unexpected(UsbStatus::Timeout), call.first, call.first));
     const bool is_request = call.words.starts_with("in") || call.words.starts_with("out");
     if (is_request && error != "fine") {
       EXPECT_NE(live_with(make(), 999, call.first, call.first).find(" 999 of "), std::string::npos) << "another number of bytes";
@@ -197,7 +198,7 @@ TEST_P(Conversation, EveryCallOfALifeAndWhatIsToldWhenItFails) {
   std::string found = told_calls(make) + report(make());
   std::remove(fpga.c_str());
   if (const std::size_t at = found.find(fpga); at != std::string::npos) found.replace(at, fpga.size(), "IMAGE");
-  dts::testing::expect_committed(std::string("unit/device/conversations/") + GetParam() + ".txt", found, 1e-9);
+  dts::test::expect_committed(std::string("unit/device/conversations/") + GetParam() + ".txt", found, 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Units, Conversation,
@@ -263,7 +264,7 @@ TEST(WrongUnit, AtOpenAndStart_IsToldAsItsFileSays) {
   found += told_of(u6, "labjack:u6");
   std::remove(fpga.c_str());
   for (std::size_t at = found.find(fpga); at != std::string::npos; at = found.find(fpga)) found.replace(at, fpga.size(), "IMAGE");
-  dts::testing::expect_committed("unit/device/wrong_units.txt", found);
+  dts::test::expect_committed("unit/device/wrong_units.txt", found);
 }
 
 /// When and how the end of a stream is told, to the nanosecond: of each fault, at each rate.
@@ -305,8 +306,8 @@ std::string ends_of(const std::string& uri, std::size_t channels, Arguments... a
 
 TEST(EndOfAStream, OfEachFault_IsToldWhenAndAsTheFileSays) {
   const std::string fpga = image();
-  dts::testing::expect_committed(
-      "unit/device/ends.txt", ends_of<FsPlusEmulator>("mcc:1608fs-plus?channels=0,1,2", 3, FsPlusKind::Usb1608, "01A2B3C4") +
+  dts::test::expect_committed("unit/device/ends.txt",
+                              ends_of<FsPlusEmulator>("mcc:1608fs-plus?channels=0,1,2", 3, FsPlusKind::Usb1608, "01A2B3C4") +
                                   ends_of<emulator::Usb1608gEmulator>("mcc:1608g?channels=0,1,2&fpga=" + fpga, 3, kRevision1, "0123ABCD") +
                                   ends_of<emulator::U6Emulator>("labjack:u6?channels=0,1&marker=15&marker_v=0", 3));
   std::remove(fpga.c_str());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The tables of options of the simulated devices. What the options do is in sim_outputs.txt, what is refused in addresses.txt.
+// The tables of options of the simulated devices. What the options do is in sim_outputs/, what is refused in addresses/.
 #include <gtest/gtest.h>
 
 #include <fstream>

@@ -76,7 +76,7 @@ TEST_P(SimOutput, EachAddressOfTheFile_GivesItsValues) {
   std::ofstream(cop) << "t_s,x_mm,y_mm\n0,-3,2\n0.5,1,-4\n1.25,6,0\n2,2,9\n";
   std::ofstream(weights) << "x_mm,y_mm,load_n\n-129,0,240\n64.5,-64.5,700\n0,43,1\n";
   std::string found;
-  for (const std::string& line : dts::testing::lines_of(dts::testing::content_of(dts::testing::committed_file(file)))) {
+  for (const std::string& line : dts::test::lines_of(dts::test::content_of(dts::test::committed_file(file)))) {
     if (line.starts_with(" ")) continue;
     SCOPED_TRACE(line);
     std::string uri;
@@ -94,7 +94,7 @@ TEST_P(SimOutput, EachAddressOfTheFile_GivesItsValues) {
   }
   std::filesystem::remove(cop);
   std::filesystem::remove(weights);
-  dts::testing::expect_committed(file, found, 1e-9);
+  dts::test::expect_committed(file, found, 1e-9);
 }
 
 INSTANTIATE_TEST_SUITE_P(Files, SimOutput,

@@ -127,7 +127,7 @@ TEST_F(PipelineTest, Frames_OfAStoryWithGapsHolesAndBadBlocks) {
   create({{"guard", {}}, {"window_filter", {}}, {"linearise", {}}, {"cop", {}}}, input);
   describe();
   step("without auxiliaries", next(3));
-  testing::expect_committed("unit/pipeline/outputs/frames.txt", text_.str(), 1e-9);
+  dts::test::expect_committed("unit/pipeline/outputs/frames.txt", text_.str(), 1e-9);
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ TEST(StageRefusal, OfEachInput_IsThatOfTheFile) {
   create("trigger nowhere", floor, [](PipelineInput& input) { input.trigger = TriggerInput{.channel = 17}; });
   create("trigger on an auxiliary", floor, [](PipelineInput& input) { input.trigger = TriggerInput{.channel = 5}; });
   create("trigger without a level", floor, [](PipelineInput& input) { input.trigger = TriggerInput{.channel = 5, .level = core::kNaN}; });
-  dts::testing::expect_committed("unit/pipeline/outputs/refusals.txt", text);
+  dts::test::expect_committed("unit/pipeline/outputs/refusals.txt", text);
 }
 
 }  // namespace

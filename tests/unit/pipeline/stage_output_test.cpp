@@ -87,7 +87,7 @@ TEST_P(StageOutput, WithEveryOption_IsThatOfItsFile) {
     write_output(text, id, options, scans, Faults::Some);
     if (options.empty() || id == "steadiness") write_output(text, id, options, scans, Faults::None);
   }
-  dts::testing::expect_committed("unit/pipeline/outputs/" + id + ".txt", text.str(), 1e-9);
+  dts::test::expect_committed("unit/pipeline/outputs/" + id + ".txt", text.str(), 1e-9);
 }
 
 std::vector<std::string> ids_of_stages() {
@@ -116,7 +116,7 @@ TEST(ReachOutput, At1500Hz_IsThatOfItsFile) {
     }
     write_events(text, faults == Faults::None ? "reach" : "doubtful reach", reaches_of(signal, 64));
   }
-  dts::testing::expect_committed("unit/pipeline/outputs/reach_1500.txt", text.str(), 1e-9);
+  dts::test::expect_committed("unit/pipeline/outputs/reach_1500.txt", text.str(), 1e-9);
 }
 
 }  // namespace

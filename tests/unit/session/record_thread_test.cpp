@@ -235,27 +235,37 @@ TEST_F(RecordThreadTest, GapsBeforeFramesThatFoundNoRoom_AddUp) {
   EXPECT_EQ(tap.front()->lost_scans, 2 * kBlockScans);
 }
 
-TEST_F(RecordThreadTest, EventsOfFramesThatFoundNoRoom_GoWithTheNextOrWithTheEnd) {
+TEST_F(RecordThreadTest, EventsTravelWithTheirFrame_OrAreDroppedWithIt) {
   RecordTap tap(1, *pipeline_);
   core::FrameEvents trigger;
   trigger.triggers.push({.segment = 1});
-  EXPECT_EQ(tap.offer(at(frame_, 1, 0), trigger), 0U) << "nothing is recorded";
-  EXPECT_EQ(tap.events().front(), nullptr);
+  tap.offer(at(frame_, 1, 0), trigger);
+  EXPECT_EQ(tap.events().front(), nullptr) << "nothing is recorded";
   tap.open();
   tap.follow();
-  while (!tap.is_blocked()) tap.offer(at(frame_, 1, 0));
-  tap.offer(frame_, trigger);
-  while (tap.front() != nullptr) tap.release();
-  tap.offer(frame_, trigger);
-  EXPECT_EQ(tap.front()->frame.event_count, 2U);
-  while (!tap.is_blocked()) tap.offer(frame_);
-  tap.offer(frame_, trigger);
-  while (tap.front() != nullptr) tap.release();
+  tap.offer(at(frame_, 1, 0), trigger);
+  tap.offer(at(frame_, 1, kBlockScans), trigger);
+  ASSERT_NE(tap.front(), nullptr);
+  EXPECT_EQ(tap.front()->frame.event_count, 1U);
+  tap.release();
+  EXPECT_EQ(tap.front(), nullptr) << "the second frame found no room";
+  tap.events().release();
+  EXPECT_EQ(tap.events().front(), nullptr);
+}
+
+TEST_F(RecordThreadTest, EventsThatFoundNoRoom_MakeTheRecordingIncomplete) {
+  RecordTap tap(256, *pipeline_);
+  RecordThread thread(clock_, storage_);
+  thread.add("floor", tap);
+  begin(thread, "floor", tap);
+  core::FrameEvents triggers;
+  for (int trigger = 0; trigger < 16; ++trigger) triggers.triggers.push({.segment = 1});
+  for (std::uint64_t block = 0; block < 129; ++block) tap.offer(at(frame_, 1, block * kBlockScans), triggers);
   tap.close();
   tap.follow();
-  ASSERT_NE(tap.front(), nullptr);
-  EXPECT_TRUE(tap.front()->is_end);
-  EXPECT_EQ(tap.front()->frame.event_count, 1U);
+  thread.start();
+
+  EXPECT_EQ(wait(thread).incomplete, "16 events found no room on the way to the file");
 }
 
 TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {

@@ -10,11 +10,11 @@ import { create, fromBinary, getOption, toBinary } from '@bufbuild/protobuf';
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { batch, signal } from '@preact/signals';
 
-import { ErrorCode, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
+import { ErrorCode, RequestSchema, StatusSnapshotSchema } from '../generated/dts/v1/control_pb';
 import type { StatusSnapshot } from '../generated/dts/v1/control_pb';
 import type { Frame, FromGateway, Welcome } from '../generated/dts/v1/gateway_pb';
 import { FromBrowserSchema, FromGatewaySchema } from '../generated/dts/v1/gateway_pb';
-import { Role, topic as topicOption } from '../generated/dts/v1/options_pb';
+import { Role, rules, topic as topicOption } from '../generated/dts/v1/options_pb';
 import { EventSchema, StreamBlockSchema } from '../generated/dts/v1/stream_pb';
 import { strings } from '../strings';
 import { askWho, logIn, logOut, nobody } from './account';
@@ -47,6 +47,11 @@ const statusTopic = 'dtsd/status';
 const tickTopic = 'tick';
 // After these the status is another one: it is asked for at once, instead of waiting for the next second.
 const changingNames = new Set(['session', 'trial', 'device']);
+// The daemon's time for the command, and ten seconds for the way.
+const timeoutMs = ({ case: name }: Command): number => {
+  const field = RequestSchema.fields.find(({ localName }) => localName === name);
+  return 10_000 + 1000 * (field === undefined ? 0 : getOption(field, rules).timeoutS);
+};
 // Topics "<rig>/..." that carry an Event; everything else is a stream.
 const eventNames = new Set(EventSchema.oneofs[0]?.fields.map((field) => getOption(field, topicOption).name));
 
@@ -121,12 +126,12 @@ export class GatewayLink implements Link {
     return this.#tickHandlers.add(tickTopic, handler);
   }
 
-  send(command: Command, timeoutMs = 10_000): Promise<Answer> {
+  send(command: Command): Promise<Answer> {
     if (!this.#isWelcome) {
       const { notConnected, notConnectedHint } = strings.common.command;
       return Promise.reject(new CommandError(ErrorCode.UNREACHABLE, notConnected, notConnectedHint));
     }
-    return this.#commands.send((requestId) => this.#post({ case: 'request', value: { requestId, command } }), timeoutMs);
+    return this.#commands.send((requestId) => this.#post({ case: 'request', value: { requestId, command } }), timeoutMs(command));
   }
 
   async logIn(user: string, password: string): Promise<void> {

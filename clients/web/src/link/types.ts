@@ -90,8 +90,8 @@ export interface Link {
   /** Called 4 times a second while the tab is shown, also when no frame is painted: the place to judge ages. */
   onTick(handler: (nowMs: number) => void): () => void;
 
-  /** Sends a command; rejects with CommandError: what the daemon or gateway says, or that nobody answered within `timeoutMs`. */
-  send(command: Command, timeoutMs?: number): Promise<Answer>;
+  /** Sends a command; rejects with CommandError: what the daemon or gateway says, or that no answer came within the time that the protocol allows. */
+  send(command: Command): Promise<Answer>;
   logIn(user: string, password: string): Promise<void>; // rejects with CommandError
   logOut(): Promise<void>;
 }

@@ -138,25 +138,23 @@ export const Field = (props: { label: string; hint?: string; children: (id: stri
 
 export interface Commands {
   /** The answer, or nothing: then `error` says why. One at a time: while one is under way, further ones are ignored. */
-  run(command: Command, timeoutMs?: number): Promise<Answer | undefined>;
+  run(command: Command): Promise<Answer | undefined>;
   readonly isBusy: ReadonlySignal<boolean>;
   readonly error: ReadonlySignal<CommandError | undefined>;
   dismiss(): void;
 }
 
-export const tareTimeoutMs = 15_000; // answered when the average is complete
-export const stopTimeoutMs = 30_000; // answered when the recording is closed and safe on the disk
 
 /** Commands of one place on a page; their error is shown there with <CommandNotice>. */
 export const useCommands = (link: Link): Commands => {
   const isBusy = useSignal(false);
   const error = useSignal<CommandError | undefined>(undefined);
-  const run = async (command: Command, timeoutMs?: number): Promise<Answer | undefined> => {
+  const run = async (command: Command): Promise<Answer | undefined> => {
     if (isBusy.value) return undefined;
     isBusy.value = true;
     error.value = undefined;
     try {
-      return await link.send(command, timeoutMs);
+      return await link.send(command);
     } catch (problem) {
       error.value = problem instanceof CommandError ? problem : new CommandError(0, String(problem), '');
       return undefined;

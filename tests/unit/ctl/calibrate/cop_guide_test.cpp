@@ -31,7 +31,7 @@ class CopGuideTest : public ::testing::Test {
     progress_ = ProgressFile::create(folder_ / "p.jsonl", {{"points", {1, 2, 3}}}).value();
   }
   ~CopGuideTest() override { std::filesystem::remove_all(folder_); }
-  void TearDown() override { testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(), said_ + asked_.str()); }
+  void TearDown() override { dts::test::expect_committed("unit/ctl/calibrate/said/" + dts::test::case_file(), said_ + asked_.str()); }
 
   [[nodiscard]] client::Result<bool> guide(bool is_guided, std::size_t end = 3) {
     std::optional<Answer> typed;

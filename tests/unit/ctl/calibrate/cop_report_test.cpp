@@ -32,8 +32,8 @@ TEST(CopReport, SaysForWhichLoadsItIsValidAndHowWellItWasVerified) {
 
   print(console, report);
 
-  const std::string text = testing::replaced(out.str() + cli::document(to_json(report)), std::filesystem::current_path().string(), "@");
-  testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(), testing::rounded(text));
+  const std::string text = dts::test::replaced(out.str() + cli::document(to_json(report)), std::filesystem::current_path().string(), "@");
+  dts::test::expect_committed("unit/ctl/calibrate/said/" + dts::test::case_file(), dts::test::rounded(text));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ const std::vector<double> kGapsMm{12.0, 11.0, 10.0};
 
 class GapGuideTest : public ::testing::Test {
  protected:
-  void TearDown() override { testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(), said_ + asked_.str()); }
+  void TearDown() override { dts::test::expect_committed("unit/ctl/calibrate/said/" + dts::test::case_file(), said_ + asked_.str()); }
   [[nodiscard]] client::Result<std::vector<SteadyReading>> guide(bool is_guided) {
     Measurer measurer(feed_, {.labels = {"w1", "w2"},
                               .unit = "V",

@@ -56,8 +56,8 @@ class LiveCalibrationTest : public RunTest {
   }
   /// All that people read in the case.
   void TearDown() override {
-    testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(),
-                              testing::replaced(said(), directory_.path().string(), "@"));
+    dts::test::expect_committed("unit/ctl/calibrate/said/" + dts::test::case_file(),
+                                dts::test::replaced(said(), directory_.path().string(), "@"));
   }
   std::vector<std::string> answer(const v1::Request& request) const {
     return {testing::reply(request, [&](v1::Response& response) {

@@ -61,7 +61,7 @@ TEST(Plan, FewerVerificationPoints_ReachFromTheCornerToTheCentre) {
 }
 
 TEST(Picture, Spot_IsWhereItIsAndForwardIsUp) {
-  testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(), spot_picture(platform(), {344.0, 387.0, 490.0}));
+  dts::test::expect_committed("unit/ctl/calibrate/said/" + dts::test::case_file(), spot_picture(platform(), {344.0, 387.0, 490.0}));
 }
 
 TEST(Picture, ErrorMap_SymbolPerPointAndFiguresPerLoad) {
@@ -72,7 +72,7 @@ TEST(Picture, ErrorMap_SymbolPerPointAndFiguresPerLoad) {
   }
   errors.push_back({.point = {215.0, 215.0, 700.0}, .x_error_mm = 0.3, .y_error_mm = 0.4});
 
-  testing::expect_committed("unit/ctl/calibrate/said/" + testing::case_file(), error_map(errors));
+  dts::test::expect_committed("unit/ctl/calibrate/said/" + dts::test::case_file(), error_map(errors));
 }
 
 }  // namespace

@@ -6,7 +6,7 @@ import type { ComponentChildren, JSX } from 'preact';
 import { TrialAction } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import type { Commands } from '../../parts/controls';
-import { Button, CommandNotice, stopTimeoutMs, tareTimeoutMs, useCommands, whyNotOperate } from '../../parts/controls';
+import { Button, CommandNotice, useCommands, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
 import { clockTime } from '../../parts/numbers';
 import { strings } from '../../strings';
@@ -55,7 +55,7 @@ export const TrialControls = ({ link, rig, examination, children }: ControlsProp
   const next = (): void => act(TrialAction.NEXT);
   const redo = (): void => act(TrialAction.REDO);
   const reject = (): void => act(TrialAction.REJECT);
-  const stop = (): void => void commands.run({ case: 'stopSession', value: { rig } }, stopTimeoutMs);
+  const stop = (): void => void commands.run({ case: 'stopSession', value: { rig } });
   useKeys({
     a: () => whyNotNext === '' && next(),
     r: () => whyNotVoid === '' && redo(),
@@ -85,7 +85,7 @@ export const StartControls = ({ link, rig, onStart }: { link: Link; rig: string;
   const isTared = useSignal(false);
   const whyNot = whyNotOperate(link);
   const tare = async (): Promise<void> => {
-    isTared.value = (await commands.run({ case: 'tare', value: { rig } }, tareTimeoutMs)) !== undefined;
+    isTared.value = (await commands.run({ case: 'tare', value: { rig } })) !== undefined;
   };
   return (
     <div class="chair-controls">

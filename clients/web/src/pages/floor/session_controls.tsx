@@ -8,7 +8,7 @@ import { TrialAction, TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { DeviceState, SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
 import type { Commands } from '../../parts/controls';
-import { Button, Notice, stopTimeoutMs, tareTimeoutMs, whyNotOperate } from '../../parts/controls';
+import { Button, Notice, whyNotOperate } from '../../parts/controls';
 import { useKeys } from '../../parts/keys';
 import { whole } from '../../parts/numbers';
 import { strings } from '../../strings';
@@ -83,7 +83,7 @@ interface DuringProps {
 
 const DuringSession = ({ link, rig, session, commands, marking }: DuringProps): JSX.Element => {
   const whyNot = whyNotOperate(link);
-  const stop = (): void => void commands.run({ case: 'stopSession', value: { rig } }, stopTimeoutMs);
+  const stop = (): void => void commands.run({ case: 'stopSession', value: { rig } });
   const act = (action: TrialAction): void => void commands.run({ case: 'trial', value: { rig, action } });
   return (
     <>
@@ -103,7 +103,7 @@ const BetweenSessions = (props: { link: Link; status: RigStatus; commands: Comma
   const whyNot = whyNotOperate(props.link) || (props.status.device === DeviceState.STREAMING ? '' : words.needsDevice);
   const tare = async (): Promise<void> => {
     told.value = '';
-    if ((await props.commands.run({ case: 'tare', value: { rig } }, tareTimeoutMs)) !== undefined) told.value = words.tareDone;
+    if ((await props.commands.run({ case: 'tare', value: { rig } })) !== undefined) told.value = words.tareDone;
   };
   return (
     <>

@@ -7,7 +7,7 @@ import type { TestDeviceResponse } from '../../generated/dts/v1/control_pb';
 import { CheckOutcome } from '../../generated/dts/v1/control_pb';
 import { Role } from '../../generated/dts/v1/options_pb';
 import type { Link } from '../../link/types';
-import { Button, CommandNotice, Notice, tareTimeoutMs, useCommands, whyNotOperate } from '../../parts/controls';
+import { Button, CommandNotice, Notice, useCommands, whyNotOperate } from '../../parts/controls';
 import { fixed, measured } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { QualityText } from './sensor_table';
@@ -70,7 +70,7 @@ export const DeviceTest = ({ link, rig }: { link: Link; rig: string }): JSX.Elem
     if (answer?.case === 'deviceTest') test.value = answer.value;
   };
   const tare = async (): Promise<void> => {
-    const answer = await commands.run({ case: 'tare', value: { rig } }, tareTimeoutMs);
+    const answer = await commands.run({ case: 'tare', value: { rig } });
     isTared.value = answer !== undefined;
   };
   return (

@@ -277,10 +277,10 @@ class Answers(unittest.TestCase):
     def test_CommandsThatTakeLongerHaveTheirTime(self) -> None:
         context: "zmq.Context[zmq.Socket[bytes]]" = zmq.Context()
         self.addCleanup(context.destroy, 0)
-        given = {"status": [3.0, 17.0, 30.0], "tare": [15.0, 17.0, 30.0], "stop_session": [20.0, 20.0, 30.0]}
+        given = {"status": [3.0, 2.0, 30.0], "tare": [15.0, 2.0, 30.0], "stop_session": [20.0, 2.0, 30.0]}
 
         for command, expected in given.items():
-            clients = [ControlClient(context, "tcp://127.0.0.1:9", timeout_s) for timeout_s in (3.0, 17.0, 30.0)]
+            clients = [ControlClient(context, "tcp://127.0.0.1:9", timeout_s) for timeout_s in (None, 2.0, 30.0)]
             self.assertEqual([client._timeout_of(command) for client in clients], expected)
 
     def test_EnvelopesAreThoseOfARequester(self) -> None:

@@ -14,6 +14,7 @@ from .v1 import control_pb2
 from .wire_check import MAX_ANSWER_BYTES, check_answer
 
 _LONGEST_TEXT = 2000
+_TIMEOUT_S = 3.0
 
 
 class ControlClient:
@@ -21,10 +22,10 @@ class ControlClient:
     (the "Lazy Pirate" of the ZeroMQ guide, chapter 4). Any thread; one command at a time.
     """
 
-    def __init__(self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, timeout_s: float = 3.0, tries: int = 3) -> None:
+    def __init__(self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, timeout_s: float | None = None, tries: int = 3) -> None:
         if not endpoint:
             raise InvalidArgument("the daemon's control address is not known", "give it: dts.connect(control=...) or DTSD_CONTROL")
-        if not 0.03 <= timeout_s <= 86400.0:
+        if timeout_s is not None and not 0.03 <= timeout_s <= 86400.0:
             raise InvalidArgument("a timeout must be between 0.03 and 86400 seconds")
         self._context = context
         self._endpoint = endpoint
@@ -36,14 +37,14 @@ class ControlClient:
 
     def call(self, request: control_pb2.Request) -> control_pb2.Response:
         """Fills in the request id, sends, waits; the answer is checked and is the one that belongs to the command."""
-        command = COMMANDS[request.WhichOneof("command") or ""]
+        command = request.WhichOneof("command") or ""
         with self._lock:
-            response = self._exchange(request, max(self._timeout_s, command.timeout_s))
+            response = self._exchange(request, self._timeout_of(command))
         if response.HasField("error"):
             error = response.error
             what = error.what[:_LONGEST_TEXT] or "the daemon refused and gave no reason"
             raise error_of(error.code, what, error.hint[:_LONGEST_TEXT])
-        if response.WhichOneof("result") != command.answer:
+        if response.WhichOneof("result") != COMMANDS[command].answer:
             raise DataDamaged("the daemon's answer does not belong to the command", "are dtsd and this package of the same version?")
         check_answer(response)
         return response
@@ -51,6 +52,10 @@ class ControlClient:
     def close(self) -> None:
         with self._lock:
             self._close_socket()
+
+    def _timeout_of(self, command: str) -> float:
+        """What was given; otherwise 3 s, or as long as the protocol says that the command may take."""
+        return max(_TIMEOUT_S, COMMANDS[command].timeout_s) if self._timeout_s is None else self._timeout_s
 
     def _exchange(self, request: control_pb2.Request, timeout_s: float) -> control_pb2.Response:
         probe(self._endpoint)

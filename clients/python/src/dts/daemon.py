@@ -26,12 +26,12 @@ _SUBSCRIBED_S = 5.0  # a daemon that runs answers a subscription at once
 _OVER = (stream_pb2.SESSION_STATE_UNSPECIFIED, stream_pb2.SESSION_STATE_IDLE, stream_pb2.SESSION_STATE_FAILED)
 
 
-def connect(control: str = "", data: str = "", timeout: float = 3.0, key: str | os.PathLike[str] = "") -> "Daemon":
+def connect(control: str = "", data: str = "", timeout: float | None = None, key: str | os.PathLike[str] = "") -> "Daemon":
     """Finds a daemon (see `find_endpoints`) and asks for its status: who is not there is `Unreachable` at once.
 
     `key` is a file of `dtsctl key new`, for a daemon on another machine; it knows the addresses. Without it DTSD_KEY is looked at.
 
-    `timeout` is that of a command in seconds, all tries together; `tare` and the end of a session take longer by nature.
+    `timeout` is that of a command in seconds, all tries together: 3 s unless given, 15 s for `tare`, 20 s for the end of a session.
     """
     file = key or os.environ.get("DTSD_KEY", "")
     found = read_key(file) if file else None
@@ -52,7 +52,7 @@ class Daemon:
     Commands return the messages of dts.v1, where every field is explained (proto/dts/v1/*.proto).
     """
 
-    def __init__(self, endpoints: Endpoints, timeout: float = 3.0, key: Key | None = None) -> None:
+    def __init__(self, endpoints: Endpoints, timeout: float | None = None, key: Key | None = None) -> None:
         self.endpoints = endpoints
         self._context: "zmq.Context[zmq.Socket[bytes]]" = zmq.Context()
         if key:

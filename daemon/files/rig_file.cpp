@@ -145,13 +145,16 @@ void read_trigger(TomlReader& top, pipeline::RigConfig& config, const Problems& 
 }
 
 /// `[record] streams`: what a recording keeps. The raw stream makes all others again, so leaving some out loses nothing but time.
-void read_recorded(TomlReader& top, pipeline::RigConfig& config) {
-  TomlReader reader = top.table("record");
-  config.recorded = reader.texts("streams", {});
-  if (reader.has("streams") && config.recorded.empty()) {
-    reader.report("streams", "[record] streams is empty; leave it out to record all streams of the rig");
+/// The streams that a table names; none: all of the rig.
+std::vector<std::string> read_streams(TomlReader& top, const std::string& verb) {
+  TomlReader reader = top.table(verb);
+  std::vector<std::string> streams = reader.texts("streams", {});
+  const toml::node* list = reader.node("streams");
+  if (list != nullptr && list->is_array() && list->as_array()->empty()) {
+    reader.report("streams", "[" + verb + "] streams is empty; leave it out to " + verb + " all streams of the rig");
   }
   reader.finish();
+  return streams;
 }
 
 pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, References references, Problems& problems) {
@@ -170,13 +173,8 @@ pipeline::RigConfig read_rig(const toml::table& table, const std::string& name, 
   read_calibration(top, config, references, problems);
   read_model(top, config, references, problems);
   read_stages(top, config);
-  TomlReader publish = top.table("publish");
-  config.published = publish.texts("streams", {});
-  if (publish.has("streams") && config.published.empty()) {
-    publish.report("streams", "streams is empty; leave it out to publish all streams of the rig");
-  }
-  publish.finish();
-  read_recorded(top, config);
+  config.published = read_streams(top, "publish");
+  config.recorded = read_streams(top, "record");
   top.finish();
   return config;
 }

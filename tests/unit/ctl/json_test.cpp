@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "ctl/reading.h"
 #include "ctl/recording_view.h"
 
 namespace dts::ctl {
@@ -17,6 +18,17 @@ TEST(EnumeratorWord, KnownAndUnknownNumbers) {
 
 TEST(BitWords, OfALaterVersion_AreUnknown) {
   EXPECT_EQ(bit_words(*v1::ReachFlag_descriptor(), 1U | 1U << 31U), (std::vector<std::string>{"minor", "unknown"}));
+}
+
+TEST(QualityWords, EachBitIsAWord) {
+  EXPECT_EQ(quality_words(0xff), (std::vector<std::string>{"rail", "stuck", "out_of_range", "rotation", "no_contact", "uncalibrated",
+                                                           "untared", "substituted"}));
+}
+
+TEST(EventLine, OfALaterVersion_SaysSo) {
+  const v1::Event unknown;
+  const std::string line = event_line({.topic = "chair/new", .rig = "chair", .kind = "new", .body = &unknown});
+  EXPECT_NE(line.find("(of a later version of dtsd)"), std::string::npos) << line;
 }
 
 TEST(BytesText, UnitsChangeAtThousands) {

@@ -121,7 +121,7 @@ std::string told_calls(const std::function<Life()>& make) {
     if (call.count > 1) text << ", " << call.count << " times";
     const std::string error = live_with(make(), tl::make_unexpected(UsbStatus::Stall), call.first, call.first);
     text << (error == "fine" ? "" : "\n    " + error) << '\n';
-    static_cast<void>(live_with(make(), tl::make_unexpected(UsbStatus::Timeout), call.first, call.first));
+    static_cast<void>(live_with(make(), tl::make_unexpected(UsbStatus::TimedOut), call.first, call.first));
     const bool is_request = call.words.starts_with("in") || call.words.starts_with("out");
     if (is_request && error != "fine") {
       EXPECT_NE(live_with(make(), 999, call.first, call.first).find(" 999 of "), std::string::npos) << "another number of bytes";

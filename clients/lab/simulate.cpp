@@ -185,13 +185,16 @@ core::Status record_scans(device::Device& device, pipeline::Pipeline& pipeline, 
                           std::uint64_t scans, const std::function<void(double)>& progress) {
   core::Acquired acquired{.block = core::Block(device.describe().channels.size(), kSimulatedScans)};
   core::Frame frame = pipeline.make_frame();
+  std::vector<core::Event> events;
   for (std::uint64_t done = 0; done < scans; done += acquired.block.count()) {
     if (device.read(acquired.block, kNever).outcome != device::ReadOutcome::Scans) {
       return core::fail(core::ErrorCode::Internal, device.describe().uri + " stopped giving scans");
     }
     acquired.block.set_count(static_cast<std::size_t>(std::min<std::uint64_t>(acquired.block.count(), scans - done)));
     pipeline.process(acquired, frame);
-    if (auto taken = recorder.take(frame); !taken) return taken;
+    events.clear();
+    core::for_each(pipeline.events(), [&](const core::Event& event) { events.push_back(event); });
+    if (auto taken = recorder.take(frame, events); !taken) return taken;
     if (truth != nullptr) truth->add(acquired.block);
     progress(static_cast<double>(done) / static_cast<double>(scans));
   }

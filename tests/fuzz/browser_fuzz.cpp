@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "dts/v1/gateway.pb.h"
+#include "dts/wire/options.h"
 #include "fuzz/fuzz_support.h"
 #include "gateway/bus/hub.h"
 #include "gateway/bus/tab_queue.h"

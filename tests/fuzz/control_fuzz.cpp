@@ -12,6 +12,7 @@
 
 #include "../clients/libdts/wire_check.h"
 #include "access/gate.h"
+#include "dts/wire/options.h"
 #include "fuzz/fuzz_support.h"
 #include "ipc/audit_trail.h"
 #include "ipc/command_handler.h"

@@ -26,10 +26,11 @@ using std::chrono::steady_clock;
 constexpr long kMostStrangerKb = 32 * 1024;
 constexpr double kFloodKbPerS = 128 * 1024;  // what remote clients may send while the control thread waits; measured 45 MB/s
 constexpr std::chrono::seconds kAttack{kIsSanitized ? 1 : 3};  // sanitizers look for other things than figures
-constexpr std::chrono::seconds kCommandTime{1};                       // an operator waits no longer, on a machine that is in time
-constexpr steady_clock::duration kMostLateness = std::chrono::seconds(2);  // excuses a command no further: the attack itself may be what is late
-constexpr std::chrono::seconds kQueueTime{2};                         // the daemon keeps so much for a subscriber that does not read
-constexpr int kThreadsOfACommand = 4;  // I/O thread of the client, I/O and control thread of the daemon, and the waiting thread
+constexpr std::chrono::seconds kCommandTime{1};                // an operator waits no longer, on a machine that is in time
+constexpr steady_clock::duration kMostLateness =
+    std::chrono::seconds(2);                   // excuses a command no further: the attack itself may be what is late
+constexpr std::chrono::seconds kQueueTime{2};  // the daemon keeps so much for a subscriber that does not read
+constexpr int kThreadsOfACommand = 4;          // I/O thread of the client, I/O and control thread of the daemon, and the waiting thread
 
 /// A TCP connection that speaks what it likes.
 class Raw {
@@ -113,45 +114,71 @@ class AttackTest : public NetworkedDaemon {
   }
 
   /// While `attack` goes on: an operator's marks, one after the other, each answered in time; a subscriber on this machine that misses
-  /// nothing; the daemon's memory. In time is a second more than without the attack, and what the machine was late meanwhile.
+  /// nothing; the daemon's memory. In time is a second more than without the attack, and what the machine was late meanwhile. The machine
+  /// may be late in a way that is not measured (one slow write to its disk is enough): then the attack is repeated, three times at most.
   template <class Attack>
   void under(const char* name, Attack attack, long most_kb) {
+    for (int attempts_left = 3; attempts_left > 0; --attempts_left) {
+      before_kb_ = resident_kb(daemon_.pid());
+      const Figures figures = measure(name, attack);
+      const double late_s = std::chrono::duration<double>(std::min(figures.late, kMostLateness)).count();
+      const long largest_kb = most_kb + std::lround(kFloodKbPerS * late_s);
+      const auto longest = figures.undisturbed + kCommandTime + kThreadsOfACommand * std::min(figures.late, kMostLateness);
+      const bool is_within = figures.memory_kb < largest_kb && figures.slowest < longest;
+      if (!kIsSanitized && attempts_left == 1) {
+        EXPECT_LT(figures.memory_kb, largest_kb);
+        EXPECT_LT(in_ms(figures.slowest), in_ms(longest));
+      }
+      if (kIsSanitized || is_within || HasFailure()) return;
+    }
+  }
+
+  struct Figures {
+    steady_clock::duration undisturbed{};  ///< The slowest command before the attack.
+    steady_clock::duration slowest{};      ///< The slowest command under attack.
+    steady_clock::duration late{};         ///< What the machine was late.
+    long memory_kb = 0;                    ///< That the daemon took more.
+  };
+  template <class Attack>
+  Figures measure(const char* name, Attack attack) {
     client::ControlClient mate = client_of(operator_key_);
     long most_resident_kb = before_kb_;
     const DiskProbe disk(daemon_.state_directory());  // a mark is in the audit trail, on the disk, before it is answered
     const MachineLateness lateness(milliseconds(10), [&disk] { disk.write(); });
-    const auto undisturbed = slowest_mark(mate, kAttack / 3, most_resident_kb);
-    const auto late_before = lateness.worst();
+    Figures figures;
+    figures.undisturbed = slowest_mark(mate, kAttack / 3, most_resident_kb);
+    if (!kIsSanitized) {
+      EXPECT_LT(in_ms(figures.undisturbed), in_ms(kCommandTime + kThreadsOfACommand * lateness.worst()));
+    }
     std::atomic<bool> is_over{false};
     std::thread attacker([&] { attack(is_over); });
     Loss lost;
     // A thread of its own: it must not wait for the operator's answers, or the queue overflows.
     std::jthread reader(
         [&, subscriber = daemon_.subscribe({"floor/cop"})](const std::stop_token& stop) mutable { lost = loss_of(subscriber, stop); });
-    const auto slowest = slowest_mark(mate, kAttack, most_resident_kb);
-    const auto late = lateness.worst();
+    figures.slowest = slowest_mark(mate, kAttack, most_resident_kb);
+    figures.late = lateness.worst();
+    figures.memory_kb = most_resident_kb - before_kb_;
     is_over = true;
     attacker.join();
     reader.request_stop();
     reader.join();
     const auto status = daemon_.control().status();
-    ASSERT_TRUE(status) << status.error().what;
-    const auto in_ms = [](steady_clock::duration time) {
-      return static_cast<long long>(std::chrono::duration_cast<milliseconds>(time).count());
-    };
+    if (!status) {
+      ADD_FAILURE() << status.error().what;
+      return figures;
+    }
     std::printf(
         "%s: operator's slowest command %lld ms (%lld ms before), machine late by %lld ms, memory +%ld kB, %llu scans lost by a "
         "subscriber, %llu by the daemon\n",
-        name, in_ms(slowest), in_ms(undisturbed), in_ms(late), most_resident_kb - before_kb_, static_cast<unsigned long long>(lost.scans),
-        static_cast<unsigned long long>(status->rigs(0).lost_scans_total()));
+        name, in_ms(figures.slowest), in_ms(figures.undisturbed), in_ms(figures.late), figures.memory_kb,
+        static_cast<unsigned long long>(lost.scans), static_cast<unsigned long long>(status->rigs(0).lost_scans_total()));
     EXPECT_EQ(status->rigs(0).lost_scans_total(), 0U);
     EXPECT_EQ(lost.unexcused_scans, 0U);
-    if (!kIsSanitized) {
-      const double late_s = std::chrono::duration<double>(std::min(late, kMostLateness)).count();
-      EXPECT_LT(most_resident_kb - before_kb_, most_kb + std::lround(kFloodKbPerS * late_s));
-      EXPECT_LT(in_ms(undisturbed), in_ms(kCommandTime + kThreadsOfACommand * late_before));
-      EXPECT_LT(in_ms(slowest), in_ms(undisturbed + kCommandTime + kThreadsOfACommand * std::min(late, kMostLateness)));
-    }
+    return figures;
+  }
+  static long long in_ms(steady_clock::duration time) {
+    return static_cast<long long>(std::chrono::duration_cast<milliseconds>(time).count());
   }
 
   /// A socket of libzmq's that does not behave: it comes with this key and is dropped without a word.
@@ -170,62 +197,75 @@ class AttackTest : public NetworkedDaemon {
 };
 
 TEST_F(AttackTest, Strangers_WhoConnectAndSayNothing) {
-  under("500 silent connections, again and again", [&](const std::atomic<bool>& is_over) {
-    while (!is_over) {
-      std::vector<std::unique_ptr<Raw>> connections;
-      for (int index = 0; index < 500 && !is_over; ++index) connections.push_back(std::make_unique<Raw>(index % 2 == 0 ? control_ : data_));
-      std::this_thread::sleep_for(milliseconds(500));
-    }
-  }, kMostStrangerKb);
+  under(
+      "500 silent connections, again and again",
+      [&](const std::atomic<bool>& is_over) {
+        while (!is_over) {
+          std::vector<std::unique_ptr<Raw>> connections;
+          for (int index = 0; index < 500 && !is_over; ++index)
+            connections.push_back(std::make_unique<Raw>(index % 2 == 0 ? control_ : data_));
+          std::this_thread::sleep_for(milliseconds(500));
+        }
+      },
+      kMostStrangerKb);
 }
 
 TEST_F(AttackTest, Strangers_WhoStopInTheMiddleOfTheHandshake) {
-  under("half-open handshakes", [&](const std::atomic<bool>& is_over) {
-    std::vector<std::unique_ptr<Raw>> connections;
-    while (!is_over) {
-      if (connections.size() == 300) connections.clear();
-      connections.push_back(std::make_unique<Raw>(data_));
-      connections.back()->send(greeting("CURVE"));
-      connections.back()->send(std::string("\x04\xC8\x05HELLO", 8) + std::string(40, 'x'));  // and the rest never
-    }
-  }, kMostStrangerKb);
+  under(
+      "half-open handshakes",
+      [&](const std::atomic<bool>& is_over) {
+        std::vector<std::unique_ptr<Raw>> connections;
+        while (!is_over) {
+          if (connections.size() == 300) connections.clear();
+          connections.push_back(std::make_unique<Raw>(data_));
+          connections.back()->send(greeting("CURVE"));
+          connections.back()->send(std::string("\x04\xC8\x05HELLO", 8) + std::string(40, 'x'));  // and the rest never
+        }
+      },
+      kMostStrangerKb);
 }
 
 TEST_F(AttackTest, Strangers_WhoSpeakNonsense) {
-  under("malformed ZMTP", [&](const std::atomic<bool>& is_over) {
-    std::mt19937 random(7);
-    std::string noise(64 * 1024, '\0');
-    while (!is_over) {
-      for (char& byte : noise) byte = static_cast<char>(random());
-      for (const int port : {control_, data_}) {
-        Raw plain(port);
-        plain.send(noise);
-        Raw greeted(port);
-        greeted.send(greeting("CURVE"));
-        greeted.send(noise);
-        Raw other(port);
-        other.send(greeting("NULL"));
-        other.send(std::string("\x06\0\0\0\0\x04\0\0\0", 9) + noise);  // a command of 64 MB is announced
-      }
-    }
-  }, kMostStrangerKb);
+  under(
+      "malformed ZMTP",
+      [&](const std::atomic<bool>& is_over) {
+        std::mt19937 random(7);
+        std::string noise(64 * 1024, '\0');
+        while (!is_over) {
+          for (char& byte : noise) byte = static_cast<char>(random());
+          for (const int port : {control_, data_}) {
+            Raw plain(port);
+            plain.send(noise);
+            Raw greeted(port);
+            greeted.send(greeting("CURVE"));
+            greeted.send(noise);
+            Raw other(port);
+            other.send(greeting("NULL"));
+            other.send(std::string("\x06\0\0\0\0\x04\0\0\0", 9) + noise);  // a command of 64 MB is announced
+          }
+        }
+      },
+      kMostStrangerKb);
 }
 
 TEST_F(AttackTest, Strangers_WithKeysThatNobodyKnows) {
-  under("handshakes with unknown keys", [&](const std::atomic<bool>& is_over) {
-    zmq::context_t context;
-    while (!is_over) {
-      std::vector<zmq::socket_t> sockets;
-      for (int index = 0; index < 50; ++index) {
-        client::Key unknown = client::new_key("stranger").value();
-        unknown.server_public_key = viewer_key_.server_public_key;
-        zmq::socket_t socket = socket_of(context, zmq::socket_type::dealer, unknown);
-        socket.connect(address_of(control_));
-        sockets.push_back(std::move(socket));
-      }
-      std::this_thread::sleep_for(milliseconds(200));
-    }
-  }, kMostStrangerKb);
+  under(
+      "handshakes with unknown keys",
+      [&](const std::atomic<bool>& is_over) {
+        zmq::context_t context;
+        while (!is_over) {
+          std::vector<zmq::socket_t> sockets;
+          for (int index = 0; index < 50; ++index) {
+            client::Key unknown = client::new_key("stranger").value();
+            unknown.server_public_key = viewer_key_.server_public_key;
+            zmq::socket_t socket = socket_of(context, zmq::socket_type::dealer, unknown);
+            socket.connect(address_of(control_));
+            sockets.push_back(std::move(socket));
+          }
+          std::this_thread::sleep_for(milliseconds(200));
+        }
+      },
+      kMostStrangerKb);
 }
 
 /// Text that is no UTF-8 (protobuf would log a line for each), bytes that are no message, and frames that nobody asked for.
@@ -281,40 +321,46 @@ TEST_F(AttackTest, AViewer_WithInvalidRequests) {
 }
 
 TEST_F(AttackTest, AViewer_WhoPingsInAFloodAndLeaves) {
-  under("a viewer's pings in a flood of requests, again and again", [&](const std::atomic<bool>& is_over) {
-    zmq::context_t context;
-    v1::Request request;
-    request.set_request_id("1");
-    request.mutable_stop_session()->set_rig("floor");
-    const std::string bytes = request.SerializeAsString();
-    while (!is_over) {
-      zmq::socket_t socket = socket_of(context, zmq::socket_type::dealer, viewer_key_);
-      socket.set(zmq::sockopt::heartbeat_ivl, 1);
-      socket.set(zmq::sockopt::heartbeat_timeout, 60'000);
-      socket.connect(address_of(control_));
-      const auto end = steady_clock::now() + milliseconds(100);
-      while (steady_clock::now() < end && !is_over) {
-        for (int each = 0; each < 200; ++each) static_cast<void>(socket.send(zmq::buffer(bytes), zmq::send_flags::dontwait));
-        std::this_thread::sleep_for(std::chrono::microseconds(500));
-      }
-    }
-  }, kMostStrangerKb);
+  under(
+      "a viewer's pings in a flood of requests, again and again",
+      [&](const std::atomic<bool>& is_over) {
+        zmq::context_t context;
+        v1::Request request;
+        request.set_request_id("1");
+        request.mutable_stop_session()->set_rig("floor");
+        const std::string bytes = request.SerializeAsString();
+        while (!is_over) {
+          zmq::socket_t socket = socket_of(context, zmq::socket_type::dealer, viewer_key_);
+          socket.set(zmq::sockopt::heartbeat_ivl, 1);
+          socket.set(zmq::sockopt::heartbeat_timeout, 60'000);
+          socket.connect(address_of(control_));
+          const auto end = steady_clock::now() + milliseconds(100);
+          while (steady_clock::now() < end && !is_over) {
+            for (int each = 0; each < 200; ++each) static_cast<void>(socket.send(zmq::buffer(bytes), zmq::send_flags::dontwait));
+            std::this_thread::sleep_for(std::chrono::microseconds(500));
+          }
+        }
+      },
+      kMostStrangerKb);
 }
 
 TEST_F(AttackTest, AViewer_WithLongMessagesToBothSockets) {
-  under("a viewer's messages of 64 MB", [&](const std::atomic<bool>& is_over) {
-    zmq::context_t context;
-    const std::string long_message(64U << 20U, 'x');
-    while (!is_over) {
-      for (const auto& [type, port] : {std::pair(zmq::socket_type::dealer, control_), {zmq::socket_type::xsub, data_}}) {
-        zmq::socket_t socket = socket_of(context, type, viewer_key_);
-        socket.set(zmq::sockopt::sndtimeo, 200);
-        socket.connect(address_of(port));
-        static_cast<void>(socket.send(zmq::buffer(long_message), zmq::send_flags::none));
-        std::this_thread::sleep_for(milliseconds(300));
-      }
-    }
-  }, kMostStrangerKb);
+  under(
+      "a viewer's messages of 64 MB",
+      [&](const std::atomic<bool>& is_over) {
+        zmq::context_t context;
+        const std::string long_message(64U << 20U, 'x');
+        while (!is_over) {
+          for (const auto& [type, port] : {std::pair(zmq::socket_type::dealer, control_), {zmq::socket_type::xsub, data_}}) {
+            zmq::socket_t socket = socket_of(context, type, viewer_key_);
+            socket.set(zmq::sockopt::sndtimeo, 200);
+            socket.connect(address_of(port));
+            static_cast<void>(socket.send(zmq::buffer(long_message), zmq::send_flags::none));
+            std::this_thread::sleep_for(milliseconds(300));
+          }
+        }
+      },
+      kMostStrangerKb);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ struct TracePlace {
 /// Keeps the centre of pressure of the last seconds and of the trials being measured, as float32 like the recording.
 ///
 ///     segment 3            gap     segment 4
-/// ///     |================|  . . . .  |===========>     within a trial, a gap becomes missing samples (NaN), as many as fit its duration
+///     |================|  . . . .  |===========>     within a trial, a gap becomes missing samples (NaN), as many as fit its duration
 class CopTrace {
  public:
   static constexpr std::size_t kMostSamples = 5'000'000;  ///< Almost one hour at 1500 Hz; 80 MB.

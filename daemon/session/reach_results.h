@@ -46,7 +46,7 @@ struct ReachTrialResult {
 /// laboratory compute the same results. Thread: one at a time.
 ///
 ///     scans     go        P1     P2      P3    final   done
-/// ///     events    |---------x------x-------x-------x------|    a reach belongs to this trial if its P2 and its final are in [go, done)
+///     events    |---------x------x-------x-------x------|    a reach belongs to this trial if its P2 and its final are in [go, done)
 ///
 /// P2, where the trunk starts to move forward, has the most exact time. P1 is traced back into the noise and may lie before the cue.
 ///

@@ -13,15 +13,14 @@ namespace dts::session {
 ///
 /// | name | unit | what |
 /// |---|---|---|
-/// /// | trials | 1 | valid trials |
-/// /// | reaches_detected_share | 1 | reaches found, of the trials without a gap |
-/// /// | rejected_share | 1 | rejected reaches, of the classified ones |
-/// /// | class_agreement_share | 1 | class equals the expected class, of the reaches with a class; no reach where "none" is expected agrees
-/// too |
-/// /// | trunk_at_critical_boundary_deg | deg | mean trunk flexion at P3 in reaches to the critical boundary, see below |
+/// | trials | 1 | valid trials |
+/// | reaches_detected_share | 1 | reaches found, of the trials without a gap |
+/// | rejected_share | 1 | rejected reaches, of the classified ones |
+/// | class_agreement_share | 1 | class equals the expected class, of the classified reaches; finding no reach agrees with "none" |
+/// | trunk_at_critical_boundary_deg | deg | mean trunk flexion at P3 in reaches to the critical boundary, see below |
 /// | trunk_sd_deg, d2_sd_mm | deg, mm | consistency: standard deviation within a target, pooled over the targets |
 /// | sparc_mean | 1 | smoothness: spectral arc length of P1 to P3 (Balasubramanian et al. 2012), nearer 0 is smoother |
-/// /// | targets | 1 | number of targets; `details` has all of the above per target, and the number of reaches in each class |
+/// | targets | 1 | number of targets; `details` has all of the above per target, and the number of reaches in each class |
 ///
 /// The critical boundary is the farthest distance that the fingertips reach without the trunk: 1.15 arm lengths (thesis 5.3). Uses only the
 /// trials to the one target nearest to this distance. For a person who reaches less far, that is the nearest target within it (thesis

@@ -60,7 +60,8 @@ class Recordings {
   void enter_result(const record::ResultRow& result) {
     enter_or_owe([this, result] { return catalogue_->put_result(result); });
   }
-  /// Enters a line into the audit trail, with the same retries. Of more than 1000 waiting entries, only the number reaches the trail.
+  /// Enters a line into the audit trail, with the same retries. Beyond 1000 waiting entries, only the number of further ones
+  /// reaches the trail.
   void enter_audit(record::AuditEntry entry);
   /// Returns why entries are missing in the audit trail at the moment; empty: none is missing.
   [[nodiscard]] const std::string& audit_problem() const noexcept { return audit_problem_; }

@@ -120,8 +120,8 @@ class Supervisor {
   /// Cancels a tare whose client no longer waits.
   void cancel_tare(const std::string& rig, std::uint64_t request);
   [[nodiscard]] core::Result<pipeline::TareReport> tare_report(const std::string& rig);
-  /// Returns statistics and report of a rig's device. Fails if the device is not streaming, or with WrongState if it has streamed for less
-  /// than 1 s.
+  /// Returns statistics and report of a rig's device. If the device is not streaming, returns its failed checks, or
+  /// fails with DeviceGone if there are none. Fails with WrongState if it has streamed for less than 1 s.
   [[nodiscard]] core::Result<DeviceTest> test_device(const std::string& rig);
 
   /// Returns USB devices that the daemon can drive and that no rig uses or waits for.

@@ -9,7 +9,7 @@
 
 namespace dts::pipeline {
 
-/// A reach with a smaller d2, as a part of P1, is minor: the arm alone raises the transient by 2.5 to 8 % of P1 (reach-model section 5).
+/// A reach is minor if its d2 is below this part of P1: the arm alone raises the transient by 2.5 to 8 % of P1 (reach-model section 5).
 inline constexpr double kMinorPart = 0.05;
 
 /// A point of the smoothed transient.

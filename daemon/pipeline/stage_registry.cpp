@@ -29,8 +29,14 @@ constexpr StageEntry entry() {
 }
 
 constexpr std::array kStages = {
-    entry<Guard>(),      entry<WindowFilter>(), entry<Linearise>(), entry<Cop>(),
-    entry<Steadiness>(), entry<Transient>(),    entry<Reach>(),     entry<Classify>(),
+    entry<Guard>(),
+    entry<WindowFilter>(),
+    entry<Linearise>(),
+    entry<Cop>(),
+    entry<Steadiness>(),
+    entry<Transient>(),
+    entry<Reach>(),
+    entry<Classify>(),
 };
 
 const StageEntry* find_stage(std::string_view id) {

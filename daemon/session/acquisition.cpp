@@ -196,8 +196,7 @@ void Acquisition::lose_to_full_ring(const core::Block& block) noexcept {
 }
 
 void Acquisition::note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) noexcept {
-  if (now_ns - deadline_ns > kSilenceNs / 2)
-    quiet_since_ns_ = now_ns;  // this process was suspended, which does not prove that the device is silent
+  if (now_ns - deadline_ns > kSilenceNs / 2) quiet_since_ns_ = now_ns;  // this process was suspended: no proof of a silent device
   const bool is_silent = now_ns - quiet_since_ns_ > kSilenceNs;
   if (!is_silent || report_.is_silent) return;
   report_.is_silent = true;
@@ -208,7 +207,7 @@ void Acquisition::note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) no
 void Acquisition::note_jumps(const core::Block& block) noexcept {
   const std::uint64_t expected = segment_base_ + report_.next_scan;
   const std::uint64_t index = block.first_scan.value;
-  if (index != expected) {  // a driver that miscounts must not shift the time axis silently
+  if (index != expected) {  // a miscounting driver must not shift the time axis unnoticed
     note_gap({.reason = core::GapReason::Integrity, .missing_scans = index > expected ? index - expected : 0});
   } else if (block.host_time_ns - report_.last_scan_host_ns > kSilenceNs + report_.rate.time_ns({1})) {
     note_gap({.reason = core::GapReason::Silence});

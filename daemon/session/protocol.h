@@ -45,8 +45,7 @@ struct TrialPlan {
   std::uint32_t blocks = 1;
   TrialOrder order = TrialOrder::AsListed;
   bool starts_by_itself = false;  ///< Starts the next trial after the rest. false, and for the first trial: waits for `session trial next`.
-  double cue_delay_min_s =
-      0.0;  ///< From the trial's start to "Go". Random between minimum and maximum, so that nobody anticipates the cue.
+  double cue_delay_min_s = 0.0;   ///< From the trial's start to "Go"; random up to the maximum, so that nobody anticipates the cue.
   double cue_delay_max_s = 0.0;
   double settle_s = 0.0;      ///< After the cue, before the measurement starts (thesis 4.6: 5 s).
   double duration_s = 0.0;    ///< After settling; 0: until the next command.

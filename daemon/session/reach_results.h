@@ -26,11 +26,10 @@ struct ReachTrialResult {
   std::string condition{};
   std::optional<double> target_cm;
   std::uint32_t segment = 0;
-  core::ScanIndex go;                     ///< Scan of the cue.
-  bool has_gap = false;                   ///< Scans are missing between cue and end: the trial has no result.
-  std::optional<core::ReachEvent> reach;  ///< Nothing if no reach was found between cue and end.
-  std::optional<core::TrunkMovement>
-      movement;  ///< Classified on the subject's own scale once that is known; nothing without a reach or a model.
+  core::ScanIndex go;                           ///< Scan of the cue.
+  bool has_gap = false;                         ///< Scans are missing between cue and end: the trial has no result.
+  std::optional<core::ReachEvent> reach;        ///< Nothing if no reach was found between cue and end.
+  std::optional<core::TrunkMovement> movement;  ///< On the subject's own scale once it is known; nothing without a reach or a model.
   /// Class of the trunk flexion expected for this target and subject; nothing without a target or the subject's measures.
   std::optional<core::TrunkClass> expected;
 };

@@ -78,8 +78,7 @@ void count_class(Counts& counts, const ReachTrialResult& result) {
     ++counts.of_class[static_cast<std::size_t>(static_cast<int>(result.movement->trunk_class) + 1)];
   }
   if (!result.expected || result.has_gap) return;
-  const bool is_still =
-      !result.reach && *result.expected == TrunkClass::None;  // with the arm alone, the deflection of the seat hardly changes
+  const bool is_still = !result.reach && *result.expected == TrunkClass::None;  // the arm alone hardly moves the seat
   const bool has_class = is_judged && result.movement->trunk_class != TrunkClass::Rejected;
   if (!is_still && !has_class) return;
   ++counts.compared;

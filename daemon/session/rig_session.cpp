@@ -139,8 +139,7 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
   const std::vector<std::uint32_t> done = places_done(row);
   const bool has_open_trials = (*protocol)->trials && done.size() < make_plan(*(*protocol)->trials, earlier->plan_seed).size();
-  if (row.state == "complete" && row.message.empty() &&
-      !has_open_trials) {  // a message means that the session ended before its planned end
+  if (row.state == "complete" && row.message.empty() && !has_open_trials) {  // a message: the session ended early
     return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: there is nothing to resume", "start a new one");
   }
   // The requested duration, or the protocol's, less what is already recorded.

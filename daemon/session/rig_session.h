@@ -127,8 +127,7 @@ class RigSession {
   bool is_aborted_ = false;
   bool is_next_wanted_ = false;  ///< Start the first trial as soon as the session runs.
   std::string end_reason_;
-  std::int64_t utc_minus_monotonic_ns_ =
-      0;  ///< At the start of the session: if the clock is set during the session, the session must not end before it began.
+  std::int64_t utc_minus_monotonic_ns_ = 0;  ///< At the start: a clock set during the session must not make it end before it began.
   std::vector<SessionChange> changes_;
   std::vector<TrialChange> trial_changes_;
   std::optional<ReachResults> reaches_;  ///< If the session has trials and the rig detects reaches.

@@ -13,9 +13,8 @@ struct StorageConfig {
   std::string directory;           ///< State folder: catalogue.sqlite, and sessions/ with the recordings.
   double refuse_below_min = 10.0;  ///< Minimum free space to start a session, in minutes of recording.
   double warn_below_min = 60.0;
-  double resume_within_min =
-      0.0;  ///< An interrupted session is resumed at the daemon's start if it was interrupted less than this many minutes ago; 0: never.
-  double stop_below_mib = 64.0;  ///< Below this free space, recordings are closed properly before the disk is full.
+  double resume_within_min = 0.0;  ///< The daemon's start resumes a session that was interrupted less than this ago; 0: never.
+  double stop_below_mib = 64.0;    ///< Below this free space, recordings are closed properly before the disk is full.
 };
 
 enum class DiskState : std::uint8_t { Fine = 1, Low, Full, Unusable };

@@ -45,7 +45,7 @@ enum class TrialEventKind : std::uint8_t {
   Redone,     ///< This attempt is void; the trial is repeated.
   Rejected,   ///< This attempt is void; the plan continues with the next trial.
   Aborted,    ///< The session ended during the trial.
-  Rest,       ///< Rest begins; `rest_s` says how long.
+  Rest,       ///< Rest begins and lasts `rest_s`.
   Finished,   ///< All trials of the plan are done.
 };
 [[nodiscard]] std::string_view name(TrialPhase phase) noexcept;
@@ -124,7 +124,7 @@ class TrialRun {
   std::uint64_t seed_;
   std::vector<PlannedTrial> places_;
   std::vector<std::optional<double>> targets_cm_;  ///< Per condition.
-  std::vector<bool> is_done_before_;               ///< Per place.
+  std::vector<bool> is_done_before_;               ///< Per trial of the plan.
   TrialPhase phase_ = TrialPhase::Waiting;
   std::optional<std::int64_t> phase_ends_ns_;  ///< Nothing: a command ends it.
   std::optional<std::size_t> current_;         ///< Position of the current or last trial.

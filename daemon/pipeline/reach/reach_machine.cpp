@@ -181,7 +181,7 @@ void ReachMachine::find_lowest(const ReachSample& sample, Events& events) noexce
   if (now() - started_ > ticks(kLongestDipS) || (now() - started_ > ticks(kSteadyS) && is_steady())) {
     reach_.highest = {.tick = now(), .mm = sample.mm};
     reach_.ratio_at_highest = sample.ratio;
-    const bool was_at_rest = (reach_.flags & flag::kBaselineUncertain) == 0;  // else what fell may be the end of a movement
+    const bool was_at_rest = (reach_.flags & flag::kBaselineUncertain) == 0;  // otherwise the fall may be the end of a movement
     was_at_rest ? finish(flag::kDipOnly, events) : cancel(events);
     return rest_anew(sample);
   }
@@ -218,7 +218,8 @@ void ReachMachine::find_highest(const ReachSample& sample, Events& events) noexc
   tell(core::ReachStep::P3, events);
 }
 
-/// What rose first and then falls below rest was no reach yet: a wobble before the initiation stage (reach-model section 5).
+/// Returns whether the rise is no reach: a small rise that falls below rest is a wobble before the initiation stage (reach-model section
+/// 5).
 bool ReachMachine::is_false_rise(const ReachSample& sample, Events& events) noexcept {
   const bool is_small = reach_.rise_mm() < std::max(4.0 * reach_.threshold_mm, kMinorPart * reach_.rest_mm);
   if (is_small && sample.mm < reach_.rest_mm - reach_.threshold_mm) {

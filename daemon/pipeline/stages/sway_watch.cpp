@@ -32,8 +32,7 @@ void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_m
   divisor_ = static_cast<std::uint64_t>(std::max(1.0, std::round(hz / kAnalysisRateHz)));
   every_ = rate.scans_in_ms(every_ms);
   settle_ = settle_ms > 0.0 ? rate.scans_in_ms(settle_ms) : 0;
-  longest_gap_ =
-      static_cast<std::uint64_t>(std::floor(kLongestGapMs * 1e-3 * hz + 1e-6));  // at 100.000001 Hz, 0.05 s must still be five samples
+  longest_gap_ = static_cast<std::uint64_t>(std::floor(kLongestGapMs * 1e-3 * hz + 1e-6));  // five samples also at 99.999999 Hz
   lag_ = static_cast<std::uint64_t>(std::round(static_cast<double>(kPasses) * posturography::lag_near_dc(kCutOffHz, hz)));
   const posturography::LowPass low_pass = posturography::butterworth4(kCutOffHz, hz);
   ml_filter_.fill(posturography::CausalLowPass(low_pass));

@@ -8,8 +8,8 @@
 
 namespace dts::session {
 
-/// Builds a JSON object as text for the details of a session's result. This folder uses no JSON library: it only writes JSON. Skips numbers
-/// that are absent or not finite.
+/// Builds a JSON object as text for the details of a session's result. This folder uses no JSON library, because writing needs none. Skips
+/// numbers that are absent or not finite.
 class JsonObject {
  public:
   void add(std::string_view name, double value);

@@ -115,7 +115,7 @@ class Supervisor {
   /// Sets a marker at the newest scan of one rig, or of every rig for an empty name.
   [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text);
   /// Requests a tare. Fails with WrongState during a session, because the recorded values would change their meaning. The tare is done when
-  /// `RigState::tare.request` equals the returned number.
+  /// `RigState::tare.request` equals the returned number and the outcome is no longer Running.
   [[nodiscard]] core::Result<std::uint64_t> tare(const std::string& rig);
   /// Cancels a tare whose client no longer waits.
   void cancel_tare(const std::string& rig, std::uint64_t request);

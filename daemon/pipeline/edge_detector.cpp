@@ -15,7 +15,7 @@ core::Status check(const TriggerInput& input) {
 EdgeDetector::Side EdgeDetector::side_of(double volts) const noexcept {
   if (volts > input_.level + input_.hysteresis / 2.0) return Side::High;
   if (volts < input_.level - input_.hysteresis / 2.0) return Side::Low;
-  return side_;  // in the band, or not a number: nothing new
+  return side_;  // within the band or NaN: no change
 }
 
 bool EdgeDetector::is_wanted(bool is_rising) const noexcept {

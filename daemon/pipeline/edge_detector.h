@@ -12,29 +12,29 @@ namespace dts::pipeline {
 
 enum class TriggerEdges : std::uint8_t { Rising, Falling, Both };
 
-/// A channel on which another instrument (force plate, stimulator, our own sync output) tells of itself.
+/// A channel with signals of another instrument (force plate, stimulator) or of our own sync output.
 struct TriggerInput {
   std::size_t channel = 0;  ///< Device channel; must not be a sensor's.
-  double level = 2.5;       ///< In the channel's unit, as a rule V.
-  double hysteresis = 0.5;  ///< Width of a band around the level; a crossing counts when it leaves the band.
+  double level = 2.5;       ///< In the channel's unit, usually V.
+  double hysteresis = 0.5;  ///< Width of a band around the level; a crossing is detected when the signal leaves the band on the other side.
   TriggerEdges edges = TriggerEdges::Rising;
 };
 
 /// Fails with InvalidArgument unless level and hysteresis are finite and the hysteresis is not negative.
 [[nodiscard]] core::Status check(const TriggerInput& input);
 
-/// Finds the scans at which a channel crosses a level: the event is at the first scan beyond the band, so it is exact to one scan
-/// (thesis 4.6: plate and force plate started by one analogue signal and aligned afterwards). The first scan of a segment only
-/// says where the signal stands: what happened in a gap is not known. Thread: pipeline. Realtime-safe: yes.
+/// Finds the scans at which a channel crosses a level. The event is at the first scan beyond the band, so it is exact to one scan (thesis
+/// 4.6: plate and force plate were started by one analogue signal and aligned afterwards). The first scan of a segment only sets the
+/// initial side: a crossing within a gap is unknown. Thread: pipeline. Realtime-safe: yes.
 class EdgeDetector {
  public:
   EdgeDetector(const TriggerInput& input, core::Rate rate) noexcept : input_(input), rate_(rate) {}
 
-  /// Looks at column `column` of `block` and appends what it finds to `out`.
+  /// Searches column `column` of `block` and appends the events to `out`.
   void process(const core::Block& block, std::size_t column, core::TriggerEvents& out) noexcept;
   void reset() noexcept { side_ = Side::Unknown; }
 
-  /// As of a stage: one number.
+  /// Number of values in the saved state, as in a stage.
   static constexpr std::size_t kStateSize = 1;
   void save(std::span<double> state) const noexcept;
   [[nodiscard]] bool restore(std::span<const double> state) noexcept;

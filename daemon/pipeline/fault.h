@@ -8,11 +8,11 @@
 
 namespace dts::pipeline {
 
-/// Quality bits that make a value unfit to compute with. The others (no contact, uncalibrated, untared) qualify a result.
+/// Quality bits of values that must not be used in computations. The other bits (no contact, uncalibrated, untared) only qualify a result.
 inline constexpr std::uint8_t kFaultBits =
     core::quality::kRail | core::quality::kStuck | core::quality::kOutOfRange | core::quality::kRotation;
 
-/// Bits of `value` with the promise of Stage::process kept: a value that is not finite has a bit that says why.
+/// Returns the bits of `value`, with a reason added if it is not finite and has none: Stage::process promises such a bit.
 /// Realtime-safe: yes.
 [[nodiscard]] inline std::uint8_t explained(double value, std::uint8_t bits) noexcept {
   const bool needs_reason = !std::isfinite(value) && (bits & kFaultBits) == 0;

@@ -9,8 +9,8 @@
 
 namespace dts::pipeline {
 
-/// What every stage refuses in `prepare`: no or too many channels, no or too large blocks, channels in a unit other than
-/// `unit` (empty: any). Fails with InvalidArgument, naming `stage` and the value.
+/// Checks that every stage does in `prepare`. Fails with InvalidArgument, naming `stage` and the value, for no or too many channels, empty
+/// or too large blocks, or channels in a unit other than `unit` (empty: any).
 [[nodiscard]] core::Status check_input(std::string_view stage, const core::StreamFormat& input, std::size_t max_scans,
                                        std::string_view unit);
 

@@ -8,7 +8,7 @@
 namespace dts::pipeline {
 namespace {
 
-/// Of two reaches the one that is more of a reach is the larger.
+/// Returns the key for the comparison of reaches: a full reach outranks a minor one or a dip only, then the larger swing counts.
 std::tuple<bool, double> weight(const core::ReachEvent& event) {
   constexpr int kHardlyAny = core::reach_flag::kMinor | core::reach_flag::kDipOnly;
   const double swing_mm = event.features.p3_mm - event.features.p2_mm;

@@ -8,8 +8,8 @@
 
 namespace dts::pipeline {
 
-/// Which reach of a trial is meant: of all events told in it, the last Final of each number that was not cancelled, and of these the one
-/// with the largest swing P3 - P2; a reach that is minor or only dips stands behind every other. Nothing when there is no Final.
+/// Returns the main reach of a trial: of all its reaches with a Final that was not cancelled later, the one with the largest swing P3 - P2
+/// in its last Final. A minor reach or a dip only counts if there is no other. Returns nothing without a Final.
 [[nodiscard]] std::optional<core::ReachEvent> main_reach(std::span<const core::ReachEvent> events);
 
 }  // namespace dts::pipeline

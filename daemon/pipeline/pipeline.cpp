@@ -37,7 +37,7 @@ core::Status check_channels(const PipelineInput& input, const physics::RigModel&
   return {};
 }
 
-/// What the first stage sees.
+/// Returns the input format of the first stage.
 core::StreamFormat device_format(const PipelineInput& input, const physics::RigModel& rig) {
   core::StreamFormat format{.name = "device", .rate = input.rate, .channels = {}};
   for (const physics::SensorModel& sensor : rig.sensors) format.channels.push_back({.name = sensor.label + "_v", .unit = "V"});
@@ -191,7 +191,7 @@ core::Status Pipeline::restore(std::span<const double> state, std::uint32_t segm
   return {};
 }
 
-/// Who refuses its part of the state; empty when nobody does. Then everything is as fresh: a half restored pipeline is neither.
+/// Returns the stage that rejected its saved state; empty if none did. Otherwise resets everything: a partly restored pipeline is invalid.
 std::string Pipeline::take_up(std::span<const double> state) {
   std::string refusing;
   if (trigger_) {

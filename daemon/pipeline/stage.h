@@ -23,28 +23,29 @@ namespace dts::pipeline {
 
 using OptionValue = std::variant<double, std::string>;
 
-/// One setting of a stage: either a number with unit and range, or one of `choices`.
+/// One option of a stage: a number with unit and range, or one of `choices`.
 struct OptionDescription {
-  std::string_view name;  ///< "window_scans"; the unit is part of it.
+  std::string_view name;  ///< "window_scans"; includes the unit.
   std::string_view sentence;
   double default_value = 0.0;
   double minimum = 0.0;
   double maximum = 0.0;
-  bool is_whole = false;                  ///< Only whole numbers make sense: a count, a channel.
-  std::vector<std::string_view> choices;  ///< Not empty: a word; the first is the default.
+  bool is_whole = false;                  ///< Only whole numbers are allowed, as for a count or a channel.
+  std::vector<std::string_view> choices;  ///< If not empty, the option is one of these words; the first is the default.
 };
 
 struct StageDescription {
   std::string_view id;  ///< [a-z0-9_]
   std::string_view sentence;
-  std::string_view output_stream;  ///< Name of the stream it makes: "filtered". Empty: it only watches, the next stage gets the same input.
+  std::string_view output_stream;  ///< Name of the stream that the stage makes: "filtered". Empty: it only finds events, and the next stage
+                                   ///< has the same input.
   std::vector<OptionDescription> options;
 };
 
-/// What a stage may use besides its input. `rig`, `tare`, `windows` and the calibration outlive the stage; the context itself need not.
+/// The environment of a stage. `rig`, `tare`, `windows`, calibration and model outlive the stage; the context itself need not.
 struct StageContext {
   const physics::RigModel& rig;
-  /// Range of each sensor channel of the device, V: for rail detection.
+  /// Input range of each sensor channel of the device, V, to detect values at the rail.
   struct InputRange {
     double minimum_v = -10.0;
     double maximum_v = 10.0;
@@ -53,20 +54,21 @@ struct StageContext {
   std::vector<InputRange> input_ranges;
   Tare& tare;
   SteadinessWindows& windows;
-  /// Of the rig's raw stream, whose scans windows and events name; the pipeline fills it in. Without: a stage's input counts as raw.
+  /// Rate of the rig's raw stream, whose scan indices are used in windows and events; set by the pipeline. Without it, a stage's input
+  /// counts as raw.
   std::optional<core::Rate> raw_rate{};
-  /// The rig's own calibration of the centre of pressure; nullptr: the rig's plate model stands in for it.
+  /// The rig's own calibration of the centre of pressure; nullptr: the stage `cop` uses the plate model.
   const physics::CopCalibration* cop_calibration = nullptr;
-  /// What tells trunk movement from a reach; nullptr: the rig has none.
+  /// The model that classifies the trunk movement in a reach; nullptr: the rig has none.
   const classifier::TrunkModel* trunk_model = nullptr;
 };
 
-/// Option values by name, complete and in range: `create_stage` checks them against the description and fills in the
-/// defaults, so that a stage never sees a bad one.
+/// Option values by name, complete and in range: `create_stage` checks them against the description and adds the defaults, so that a stage
+/// never receives a wrong value.
 class StageOptions {
  public:
   explicit StageOptions(std::map<std::string, OptionValue, std::less<>> values) : values_(std::move(values)) {}
-  /// Only for names of the stage's description, as what they are described there: anything else is a bug and throws.
+  /// Returns an option's value. Throws if the stage's description has no such option of this kind: that is a bug.
   [[nodiscard]] double number(std::string_view name) const;
   [[nodiscard]] const std::string& word(std::string_view name) const;
 
@@ -74,37 +76,38 @@ class StageOptions {
   std::map<std::string, OptionValue, std::less<>> values_;
 };
 
-/// One step of the pipeline: a block of one stream in, a block of the next out.
+/// One step of the pipeline: reads a block of one stream and makes a block of the next.
 ///
-/// Promises, checked by the contract test for every registered stage: the same result whatever the block size; finite
-/// output for finite, contact-making input; no allocation in `process`; `reset` equals fresh; a fresh stage that takes up a saved
-/// state goes on as the other did; bad options and states are refused.
+/// Guarantees, checked by the contract test for every registered stage: the result does not depend on the block size; the output is finite
+/// for finite input with contact; `process` does not allocate; `reset` restores the initial state; a new stage with a restored state
+/// continues like the stage that saved it; wrong options and states are rejected.
 class Stage {
  public:
   virtual ~Stage() = default;
 
   [[nodiscard]] virtual const StageDescription& describe() const noexcept = 0;
-  /// Sees the format of its input and says the format of its output (the pipeline sets its name). All memory for blocks
-  /// of up to `max_scans` is taken here. Thread: control.
+  /// Receives the format of its input and returns the format of its output (the pipeline sets the name). Allocates all memory for blocks of
+  /// up to `max_scans`. Thread: control.
   [[nodiscard]] virtual core::Result<core::StreamFormat> prepare(const core::StreamFormat& input, std::size_t max_scans) = 0;
-  /// Fills `out` from `in`. `out` arrives with the position and count of `in` and capacity for as many scans; a stage that gives fewer
-  /// scans sets count, first scan and host time itself. Values may be NaN only where a quality bit says why. Thread: pipeline.
-  /// Realtime-safe: yes.
-  /// A stage that makes no stream gets an `out` without channels.
+  /// Fills `out` from `in`. `out` already has the position and count of `in` and capacity for as many scans; a stage that makes fewer scans
+  /// sets count, first scan and host time itself. A value may be NaN only with a quality bit that explains it. A stage that makes no stream
+  /// gets an `out` without channels. Thread: pipeline. Realtime-safe: yes.
   virtual void process(const core::Block& in, core::Block& out) noexcept = 0;
-  /// Adds what the last `process` noticed to `events`, where the stages before it have put theirs: told in the order of scans, the same
-  /// whatever the block size. Called once after each `process`. Thread: pipeline. Realtime-safe: yes.
+  /// Appends the events of the last `process` to `events`, after those of the stages before it: in the order of scans, independent of the
+  /// block size. Called once after each `process`. Thread: pipeline. Realtime-safe: yes.
   virtual void tell(core::FrameEvents& events) noexcept { static_cast<void>(events); }
-  /// Forgets the signal's history: called between segments. What a command has set (a tare) stays.
+  /// Forgets the signal's history; called between segments. Keeps the effect of commands (a tare).
   /// Thread: pipeline. Realtime-safe: yes.
   virtual void reset() noexcept = 0;
 
-  /// The signal's history as numbers, so that a replay can begin in the middle of a stream. How many there are; fixed after `prepare`.
+  /// Returns the number of values in the saved history of the signal, with which a replay can begin in the middle of a stream; fixed after
+  /// `prepare`.
   [[nodiscard]] virtual std::size_t state_size() const noexcept = 0;
-  /// Writes them to `state`, of `state_size()`. Thread: pipeline. Realtime-safe: yes.
+  /// Writes this history to `state`, which has `state_size()` values. Thread: pipeline. Realtime-safe: yes.
   virtual void save(std::span<double> state) const noexcept = 0;
-  /// Goes on as the stage that saved them would have. They come from a file: false when their count is wrong or one is impossible; the
-  /// stage is then as fresh. Thread: pipeline, or control before there is one.
+  /// Restores a saved history, so that the stage continues like the one that saved it. The values come from a file: returns false for a
+  /// wrong number of values or an impossible value; the stage is then in its initial state. Thread: pipeline, or control before the
+  /// pipeline thread runs.
   [[nodiscard]] virtual bool restore(std::span<const double> state) noexcept = 0;
 };
 

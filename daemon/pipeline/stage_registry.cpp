@@ -55,7 +55,7 @@ std::string shortest(double value) {
   return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
 }
 
-/// "; did you mean 'x'?", or what there is.
+/// Returns "; did you mean 'x'?", or the list of known words.
 std::string advice(std::string_view word, std::span<const std::string_view> known) {
   const std::string near = core::suggest(word, known);
   if (!near.empty()) return "; did you mean '" + near + "'?";
@@ -64,7 +64,7 @@ std::string advice(std::string_view word, std::span<const std::string_view> know
 
 std::string check_number(const OptionDescription& option, double value) {
   std::ostringstream text;
-  if (!(value >= option.minimum && value <= option.maximum)) {  // refuses NaN, too
+  if (!(value >= option.minimum && value <= option.maximum)) {  // also rejects NaN
     text << "is " << value << "; the range is " << option.minimum << " to " << option.maximum;
   } else if (option.is_whole && value != std::floor(value)) {
     text << "is " << value << "; it must be a whole number from " << option.minimum << " to " << option.maximum;
@@ -72,7 +72,7 @@ std::string check_number(const OptionDescription& option, double value) {
   return text.str();
 }
 
-/// What is wrong with `value`, as the end of a sentence about the option; empty when it is fine.
+/// Returns the problem with `value` as the end of a sentence about the option; empty if there is none.
 std::string check_value(const OptionDescription& option, const OptionValue& value) {
   const std::string* const word = std::get_if<std::string>(&value);
   if (option.choices.empty()) {
@@ -83,7 +83,7 @@ std::string check_value(const OptionDescription& option, const OptionValue& valu
   return "cannot be '" + *word + "'" + advice(*word, option.choices);
 }
 
-/// The problem of one option as a sentence; empty when there is none.
+/// Returns the problem with one option as a sentence; empty if there is none.
 std::string check_option(const StageDescription& stage, const std::string& name, const OptionValue& value) {
   const auto option = std::ranges::find(stage.options, name, &OptionDescription::name);
   if (option == stage.options.end()) {

@@ -10,7 +10,7 @@
 
 namespace dts::pipeline {
 
-/// Fills the numbers of a stage's state one after the other; what does not fit is left out. Realtime-safe: yes.
+/// Writes the values of a stage's state in sequence; values beyond the end are ignored. Realtime-safe: yes.
 class StateWriter {
  public:
   explicit StateWriter(std::span<double> state) noexcept : state_(state) {}
@@ -25,22 +25,22 @@ class StateWriter {
   std::size_t next_ = 0;
 };
 
-/// Takes them again and remembers whether all were possible: they come from a file. A number that was not possible reads as 0.
+/// Reads the values again and records whether all were possible, because they come from a file. Returns 0 for an impossible value.
 class StateReader {
  public:
-  /// `expected` numbers, or nothing is right.
+  /// `state` is wrong if it does not have `expected` values.
   StateReader(std::span<const double> state, std::size_t expected) noexcept : state_(state), is_right_(state.size() == expected) {}
 
   [[nodiscard]] bool is_right() const noexcept { return is_right_; }
 
-  /// Anything, also NaN.
+  /// Accepts any value, also NaN.
   double any() noexcept { return next_ < state_.size() && is_right_ ? state_[next_++] : 0.0; }
-  /// In [minimum, maximum]; NaN is not.
+  /// Accepts a value in [minimum, maximum], but not NaN.
   double number(double minimum, double maximum) noexcept {
     const double value = any();
     return accept(value >= minimum && value <= maximum) ? value : 0.0;
   }
-  /// A whole number from 0 to `maximum`, which a double holds exactly.
+  /// Accepts a whole number from 0 to `maximum`, at most 2^53, which a double holds exactly.
   std::uint64_t count(std::uint64_t maximum) noexcept {
     constexpr std::uint64_t kExact = std::uint64_t{1} << 53U;
     const double value = number(0.0, static_cast<double>(maximum < kExact ? maximum : kExact));
@@ -48,7 +48,7 @@ class StateReader {
   }
   bool flag() noexcept { return count(1) == 1; }
   std::uint8_t bits() noexcept { return static_cast<std::uint8_t>(count(0xFF)); }
-  /// A value as a stage keeps it: not finite only with a bit that says why (see `explained`).
+  /// Accepts a value that is not finite only with a quality bit that explains it (see `explained`).
   void check_explained(double value, std::uint8_t bits) noexcept { accept(std::isfinite(value) || (bits & kFaultBits) != 0); }
 
  private:

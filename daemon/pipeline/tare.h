@@ -11,34 +11,34 @@
 namespace dts::pipeline {
 
 enum class TareOutcome : std::uint8_t {
-  None,       ///< Never asked for.
+  None,       ///< No tare was requested, or it was cancelled.
   Running,    ///< Averaging.
   Done,       ///< `baseline_mm` is in use.
-  Loaded,     ///< Refused: a sensor is further from its nominal unloaded gap than the limit. Somebody is on the plate.
-  Unsteady,   ///< Refused: the plate moved while averaging.
-  BadSensor,  ///< Refused: a sensor has a quality fault.
+  Loaded,     ///< Rejected: a sensor is farther from its nominal unloaded gap than the limit. There is a load on the plate.
+  Unsteady,   ///< Rejected: the plate moved while averaging.
+  BadSensor,  ///< Rejected: a sensor has a quality fault.
 };
 
 struct TareReport {
-  std::uint64_t request = 0;  ///< Number of the request this answers.
+  std::uint64_t request = 0;  ///< Number of the request that this report answers.
   TareOutcome outcome = TareOutcome::None;
-  bool is_older_in_use = false;  ///< Refused or withdrawn: `baseline_mm` stays that of before.
+  bool is_older_in_use = false;  ///< The tare was rejected or cancelled, and the earlier `baseline_mm` stays in use.
   std::size_t channel_count = 0;
-  std::array<double, core::kMaxChannels> baseline_mm{};  ///< Deflection taken as zero from now on, per sensor.
+  std::array<double, core::kMaxChannels> baseline_mm{};  ///< Zero of the deflection in use, per sensor.
 };
 
-/// The letter box between whoever asks for a tare and the stage that does it.
+/// Passes tare requests from the control thread to the stage that executes them, and reports back.
 class Tare {
  public:
-  /// Asks for a new baseline; returns the request's number. Thread: control. Realtime-safe: yes.
+  /// Requests a new baseline; returns the request's number. Thread: control. Realtime-safe: yes.
   std::uint64_t request() noexcept { return requested_.fetch_add(1, std::memory_order_acq_rel) + 1; }
-  /// Withdraws a request nobody waits for any more: an average that is still running for it changes nothing.
+  /// Cancels a request whose client no longer waits: its average, if still running, will not be used.
   /// Thread: control. Realtime-safe: yes.
   void cancel(std::uint64_t request) noexcept { cancelled_.store(request, std::memory_order_release); }  // pairs with is_cancelled()
-  /// The newest report. Thread: control (the one reader).
+  /// Returns the newest report. Thread: control (the one reader).
   [[nodiscard]] const TareReport& latest() noexcept { return report_.load(); }
 
-  /// Number of the newest request; 0 when there was none. Thread: pipeline. Realtime-safe: yes.
+  /// Returns the number of the newest request; 0: none yet. Thread: pipeline. Realtime-safe: yes.
   [[nodiscard]] std::uint64_t requested() const noexcept { return requested_.load(std::memory_order_acquire); }  // pairs with request()
   /// Thread: pipeline. Realtime-safe: yes.
   [[nodiscard]] bool is_cancelled(std::uint64_t request) const noexcept {

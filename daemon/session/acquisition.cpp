@@ -13,9 +13,9 @@ using core::kNanosecondsPerMillisecond;
 constexpr std::int64_t kShortestRetryNs = 250 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kLongestRetryNs = 4000 * kNanosecondsPerMillisecond;
 constexpr std::int64_t kStopLatencyNs = 50 * kNanosecondsPerMillisecond;
-constexpr std::int64_t kRoomPauseNs = core::kNanosecondsPerMillisecond;  // for the pipeline to make room: 20 blocks and more
+constexpr std::int64_t kRoomPauseNs = core::kNanosecondsPerMillisecond;  // long enough for the pipeline to process 20 or more blocks
 constexpr std::int64_t kReadPatienceNs = 100 * kNanosecondsPerMillisecond;
-constexpr double kProvenMs = 1000.0;  // a stream that lasted for this long is worth starting again at once
+constexpr double kProvenMs = 1000.0;  // a stream that lasted this long is restarted immediately
 constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
 
 std::string_view restart_message(core::GapReason reason) noexcept {
@@ -57,10 +57,10 @@ void Acquisition::run() noexcept {
       retry_pause_ns_ = 0;
       has_retried_at_once_ = true;
     } else if (was_away && !was_lost_ && scans_since_start_ > 0) {
-      retry_pause_ns_ = 0;  // it is back: the pauses of its absence are over
+      retry_pause_ns_ = 0;  // the device has returned: forget the pauses of its absence
       has_retried_at_once_ = true;
     } else if (scans_since_start_ == 0 || std::exchange(has_retried_at_once_, true)) {
-      wait_before_retry();  // absent, or present and useless, or broken again and again
+      wait_before_retry();  // absent, or connected without scans, or broken repeatedly
     }
   }
   device_.close();
@@ -71,12 +71,12 @@ void Acquisition::run() noexcept {
 bool Acquisition::bring_up() {
   if (device_.state() == device::DeviceState::Gone) device_.close();
   auto started = device_.open().and_then([&] { return device_.start({.rate = wanted_rate_, .max_block_scans = block_scans_}); });
-  if (started && !(*started == wanted_rate_)) {  // every format downstream says otherwise
+  if (started && !(*started == wanted_rate_)) {  // but every format downstream has the wanted rate
     started = core::fail(core::ErrorCode::Internal, device_.describe().uri + " runs at " + std::to_string(started->hz()) +
                                                         " Hz, but promised " + std::to_string(wanted_rate_.hz()) + " Hz");
   }
   if (!started) {
-    // A device that has streamed stays "gone" until it is back, however often opening it fails meanwhile.
+    // A device that has streamed stays Gone until it streams again, however often opening it fails in between.
     report_.device = has_streamed_ ? device::DeviceState::Gone : device::DeviceState::Closed;
     report_.set_message(core::to_string(started.error()));
     publish_report();
@@ -171,14 +171,14 @@ void Acquisition::note_armed(std::int64_t now_ns) noexcept {
 void Acquisition::note_gap(const core::Gap& gap) noexcept {
   if (pending_gap_.reason == core::GapReason::None) {
     pending_gap_ = gap;
-  } else {  // a second hole before any scan came through: one longer hole, told with its first cause
+  } else {  // second gap without a scan in between: merge both into one gap with the first reason
     pending_gap_.missing_scans += gap.missing_scans;
     pending_gap_.is_exact = pending_gap_.is_exact && gap.is_exact;
   }
   needs_segment_ = true;
 }
 
-/// The device is neither silent nor waiting; whether anybody takes its scans is another matter.
+/// The device is neither silent nor waiting for its trigger, even if its scans are then lost to a full ring.
 void Acquisition::note_delivery() noexcept {
   if (report_.is_silent || report_.is_armed) report_.set_message("");
   report_.is_silent = false;
@@ -196,7 +196,7 @@ void Acquisition::lose_to_full_ring(const core::Block& block) noexcept {
 }
 
 void Acquisition::note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) noexcept {
-  if (now_ns - deadline_ns > kSilenceNs / 2) quiet_since_ns_ = now_ns;  // this process stood still, which is no news of the device
+  if (now_ns - deadline_ns > kSilenceNs / 2) quiet_since_ns_ = now_ns;  // this process was suspended: no proof of a silent device
   const bool is_silent = now_ns - quiet_since_ns_ > kSilenceNs;
   if (!is_silent || report_.is_silent) return;
   report_.is_silent = true;
@@ -207,7 +207,7 @@ void Acquisition::note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) no
 void Acquisition::note_jumps(const core::Block& block) noexcept {
   const std::uint64_t expected = segment_base_ + report_.next_scan;
   const std::uint64_t index = block.first_scan.value;
-  if (index != expected) {  // a driver that miscounts must not shift the time axis silently
+  if (index != expected) {  // a miscounting driver must not shift the time axis unnoticed
     note_gap({.reason = core::GapReason::Integrity, .missing_scans = index > expected ? index - expected : 0});
   } else if (block.host_time_ns - report_.last_scan_host_ns > kSilenceNs + report_.rate.time_ns({1})) {
     note_gap({.reason = core::GapReason::Silence});
@@ -217,7 +217,7 @@ void Acquisition::note_jumps(const core::Block& block) noexcept {
 void Acquisition::open_segment(core::Acquired& acquired) noexcept {
   if (pending_gap_.reason != core::GapReason::None) {
     if (!pending_gap_.is_exact && has_streamed_) {
-      // What was counted is a part of the hole; the time between the scans around it covers all of it.
+      // The counted scans are only part of the gap; the time between the scans before and after it covers the whole gap.
       const std::int64_t asleep_ns = clock_.suspended_ns() - suspended_at_last_scan_ns_;
       const auto hole_ns = static_cast<double>(acquired.block.host_time_ns - report_.last_scan_host_ns + asleep_ns);
       const double scans = std::max(0.0, std::round(hole_ns * 1e-9 * report_.rate.hz()) - 1.0);
@@ -229,7 +229,7 @@ void Acquisition::open_segment(core::Acquired& acquired) noexcept {
   }
   acquired.gap_before = pending_gap_;
   pending_gap_ = {};
-  // A replay begins at the index at which its recording did. The difference may wrap, as whatever it is taken from does again.
+  // A replay starts at the index of its recording. The unsigned difference may wrap; the subtraction in `take` wraps it back.
   segment_base_ = acquired.block.first_scan.value - (has_streamed_ ? 0 : device_.describe().recorded_pipeline.first_scan);
   report_.next_scan = 0;
   needs_segment_ = false;
@@ -253,7 +253,7 @@ void Acquisition::take(core::Acquired& acquired) noexcept {
   scans_since_start_ += block.count();
   has_streamed_ = true;
   report_.ring_blocks.note(ring_.waiting() + 1, quiet_since_ns_);
-  publish_report();  // before the block: a marker that answers to a scan is never refused because the report knows of none
+  publish_report();  // before the block: otherwise a marker sent in reply to a scan could be rejected because the report shows no scans yet
   ring_.commit();
   bell_.ring();
 }

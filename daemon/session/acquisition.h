@@ -17,47 +17,46 @@
 
 namespace dts::session {
 
-/// What the acquire thread tells the rest of the daemon about itself. Trivially copyable: it travels in a LatestValue.
+/// The acquire thread's report to the rest of the daemon. Trivially copyable, as LatestValue requires.
 struct AcquisitionReport {
   device::DeviceState device = device::DeviceState::Closed;
   std::uint32_t segment = 0;
-  std::uint64_t next_scan = 0;         ///< Index that the next scan of this segment will have.
-  std::int64_t last_scan_host_ns = 0;  ///< Instant of the newest scan; 0 before the first.
+  std::uint64_t next_scan = 0;         ///< Index of the next scan within this segment.
+  std::int64_t last_scan_host_ns = 0;  ///< Host time of the newest scan; 0 before the first.
   std::uint64_t scans_total = 0;
   core::Losses losses;
   core::Gap last_gap;
-  RecentPeak ring_blocks;                     ///< Waiting for the pipeline.
-  std::uint64_t turns = 0;                    ///< Counts up while the thread lives without scans.
-  std::uint64_t reconnects_total = 0;         ///< Times that a lost device came back.
-  std::uint64_t restarts_total = 0;           ///< Times that the scan of a present device had to be started again.
-  bool is_silent = false;                     ///< Streaming, but nothing came for over a second.
+  RecentPeak ring_blocks;                     ///< Blocks that wait for the pipeline.
+  std::uint64_t turns = 0;                    ///< Increases while the thread runs without scans: a sign of life for the watchdog.
+  std::uint64_t reconnects_total = 0;         ///< Number of times that a lost device was opened again.
+  std::uint64_t restarts_total = 0;           ///< Number of times that the scan of a connected device was restarted.
+  bool is_silent = false;                     ///< Streaming, but without scans for more than 1 s.
   bool is_armed = false;                      ///< Streaming, but the scan waits for its external trigger.
-  std::int64_t host_time_uncertainty_ns = 0;  ///< Of the newest block.
-  double clock_drift_ppm = 0.0;               ///< Of the device's clock, as the newest block says.
-  core::Rate rate;                            ///< Exact, as the device runs.
-  std::array<char, 512> message{};            ///< Why the device is not streaming, and what to do; empty when it is.
+  std::int64_t host_time_uncertainty_ns = 0;  ///< Uncertainty of the newest block's host time.
+  double clock_drift_ppm = 0.0;               ///< Drift of the device's clock, from the newest block.
+  core::Rate rate;                            ///< The device's exact rate.
+  std::array<char, 512> message{};            ///< Why the device is not streaming, and what to do; empty while it streams.
 
   void set_message(std::string_view text) noexcept;
   [[nodiscard]] std::string_view text() const noexcept { return message.data(); }
 };
 
-/// The acquire thread's work: keeps one device open and streaming and moves its scans into the ring.
+/// The acquire thread's work: keeps one device open and streaming, and moves its scans into the ring.
 ///
 ///     device --read--> [claimed slot] --SpscRing--> pipeline
 ///
-/// Owns the segments: any hole (device gap, unplug, silence, full ring) closes the segment, is counted, and stands as
-/// `gap_before` on the first block of the next one. A device whose scans wait for their reader loses none to a full ring: it is not read
-/// until there is room. A lost device is opened again with a growing pause (0.25 to 4 s), at once
-/// when something was plugged in. A stream that breaks is started again at once, and again after a second or more of scans; one that breaks
-/// sooner than that again waits as an absent device does; one that was absent and breaks soon after its return is started again at once,
-/// too.
+/// Owns the segments: any gap (reported by the device, unplugged device, silence, full ring) closes the segment, is counted, and becomes
+/// `gap_before` of the next segment's first block. If the device waits for its reader (`waits_for_reader`), a full ring loses no scans:
+/// this thread reads the device only when there is room. A lost device is opened again with growing pauses (0.25 to 4 s), or immediately
+/// when a new device is plugged in. A broken stream is restarted immediately if it lasted at least 1 s, or if the device had just returned.
+/// If it breaks sooner again, the next restart waits like the retries for an absent device.
 class Acquisition {
  public:
-  /// All of it outlives this object. `rate`: as the device's `exact_rate` gave it.
+  /// All references must outlive this object. `rate`: the result of the device's `exact_rate`.
   Acquisition(device::Device& device, core::Clock& clock, core::SpscRing<core::Acquired>& ring, core::Doorbell& bell, core::Rate rate,
               std::size_t block_scans);
 
-  /// Runs until `request_stop`. Between (re)starts of the device it may allocate and wait; while streaming it does not.
+  /// Runs until `request_stop`. May allocate and wait while it opens or starts the device; does neither while streaming.
   void run() noexcept;
   /// Thread: any.
   void request_stop() noexcept;
@@ -93,17 +92,17 @@ class Acquisition {
 
   AcquisitionReport report_;
   core::LatestValue<AcquisitionReport> latest_;
-  core::Acquired spare_;            ///< Filled when the ring has no slot: the scans must leave the device all the same.
-  core::Gap pending_gap_;           ///< To stand before the next block that finds room.
+  core::Acquired spare_;            ///< Filled when the ring is full, because the scans must be read from the device in any case.
+  core::Gap pending_gap_;           ///< Becomes `gap_before` of the next block that fits into the ring.
   std::uint64_t segment_base_ = 0;  ///< Device index of the segment's scan 0.
   bool needs_segment_ = true;       ///< The next block starts a segment.
   bool has_streamed_ = false;
   bool was_lost_ = false;
-  std::uint64_t scans_since_start_ = 0;  ///< Since it was last brought up.
+  std::uint64_t scans_since_start_ = 0;  ///< Since the device was last started.
   std::int64_t suspended_at_last_scan_ns_ = 0;
-  std::int64_t quiet_since_ns_ = 0;  ///< Of the last scan or the last start, whichever is later.
+  std::int64_t quiet_since_ns_ = 0;  ///< Time of the last scan or of the last start, whichever is later.
   std::int64_t retry_pause_ns_ = 0;
-  bool has_retried_at_once_ = false;  ///< Since a stream last lasted.
+  bool has_retried_at_once_ = false;  ///< Retried without a pause since a stream last lasted 1 s.
 };
 
 }  // namespace dts::session

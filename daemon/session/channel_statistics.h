@@ -30,13 +30,13 @@ class StatisticsCollector {
 
   /// Thread: pipeline. Realtime-safe: yes.
   void add(const core::Block& block) noexcept;
-  /// Starts the period anew: what lies before a gap is another story. Thread: pipeline. Realtime-safe: yes.
+  /// Restarts the period after a gap: scans before and after a gap do not belong together. Thread: pipeline. Realtime-safe: yes.
   void reset() noexcept { scans_ = 0; }
-  /// The last complete period. Thread: control (the one reader).
+  /// Returns the last complete period. Thread: control (the one reader).
   [[nodiscard]] const StatisticsReport& latest() noexcept { return latest_.load(); }
 
  private:
-  /// Sums are kept around the period's first value: raw squares would lose the noise of a 5 V signal.
+  /// Sums of offsets from the period's first value: sums of the values themselves would lose the noise of a 5 V signal in rounding.
   struct Sums {
     double origin = 0.0;
     double sum = 0.0;

@@ -8,13 +8,13 @@
 namespace dts::session {
 namespace {
 
-/// Qualify a value and let it pass.
+/// Bits that qualify a value but do not make it invalid.
 constexpr std::uint32_t kDoubts = core::quality::kUncalibrated | core::quality::kUntared | core::quality::kSubstituted;
 
 }  // namespace
 
 std::uint64_t cop_index(core::ScanIndex raw, core::Rate raw_rate, core::Rate cop_rate) noexcept {
-  constexpr double kLast = 9e18;  // of what a file says
+  constexpr double kLast = 9e18;  // upper limit, because the index may come from a damaged file
   if (raw_rate == cop_rate) return raw.value;
   return static_cast<std::uint64_t>(std::min(kLast, std::ceil(static_cast<double>(raw.value) * cop_rate.hz() / raw_rate.hz() - 1e-6)));
 }
@@ -25,7 +25,8 @@ bool CopTrace::continues(const core::Block& cop) const noexcept {
   return cop.first_scan.value == newest.first_index + (end_number() - newest.first_number);
 }
 
-/// Between the newest sample and a block of the next segment; nothing when nobody needs to know, or it cannot be known.
+/// Returns the number of samples missing between the newest sample and a block of the next segment; nothing if no trial needs it or it is
+/// unknown.
 std::optional<std::uint64_t> CopTrace::samples_missing(const core::Block& cop) const noexcept {
   if (!kept_from_ || stretches_.empty() || cop.segment != stretches_.back().segment + 1) return std::nullopt;
   const double missing = std::round(static_cast<double>(cop.host_time_ns - end_host_ns_) * 1e-9 * cop_rate_.hz());

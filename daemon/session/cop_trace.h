@@ -12,34 +12,34 @@
 
 namespace dts::session {
 
-/// Index in the stream "cop" of the first of its scans that is not before a scan of the raw stream.
+/// Returns the index in the stream "cop" of its first scan that is not earlier than the raw scan `raw`.
 [[nodiscard]] std::uint64_t cop_index(core::ScanIndex raw, core::Rate raw_rate, core::Rate cop_rate) noexcept;
 
-/// A scan of the raw stream, in its segment.
+/// A scan of the raw stream within its segment.
 struct TracePlace {
   std::uint32_t segment = 0;
   core::ScanIndex scan;
 };
 
-/// The centre of pressure of the last seconds, and of a trial that is being measured, as it stands in the recording: float32.
+/// Keeps the centre of pressure of the last seconds and of the trials being measured, as float32 like the recording.
 ///
 ///     segment 3            gap     segment 4
-///     |================|  . . . .  |===========>     within a trial the gap is as many missing samples as its time says
+///     |================|  . . . .  |===========>     within a trial, a gap becomes missing samples (NaN), as many as fit its duration
 class CopTrace {
  public:
-  static constexpr std::size_t kMostSamples = 5'000'000;  ///< Nearly an hour at 1500 Hz; 80 MB.
-  static constexpr double kKeptS = 5.0;                   ///< Steps of a protocol are told later than the samples that they are about.
+  static constexpr std::size_t kMostSamples = 5'000'000;  ///< Almost one hour at 1500 Hz; 80 MB.
+  static constexpr double kKeptS = 5.0;                   ///< Events of a protocol arrive later than the samples that they refer to.
 
   CopTrace(core::Rate raw_rate, core::Rate cop_rate) : raw_rate_(raw_rate), cop_rate_(cop_rate) {}
 
-  /// A block of the stream "cop". One that does not continue its segment begins anew: what was lost on the way here stands in the recording,
-  /// and is measured there.
+  /// Adds a block of the stream "cop". Deletes all samples if the block does not continue its segment, except after a gap within a trial.
+  /// Scans that were lost before this point are in the recording and are measured there.
   void take(const core::Block& cop);
-  /// Samples from here on are not forgotten; nothing: only the last seconds are kept.
+  /// Keeps all samples from `first` on; without `first`, keeps only the last seconds.
   void keep_from(std::optional<TracePlace> first) noexcept { kept_from_ = first; }
-  /// Everything of `segment` before `end_scan` is here, or never comes.
+  /// Returns whether no further sample before `end` can arrive.
   [[nodiscard]] bool reaches(const TracePlace& end) const noexcept;
-  /// The samples of [first, end), NaN where a gap is; nothing when these are not all here: lost, forgotten, or more than fit.
+  /// Returns the samples of [first, end), with NaN for gaps; nothing if any of them is not kept: lost, deleted, or beyond the limit.
   [[nodiscard]] std::optional<posturography::CopSeries> cut(const TracePlace& first, const TracePlace& end) const;
 
  private:
@@ -49,11 +49,11 @@ class CopTrace {
     float load_n;
     std::uint32_t quality;
   };
-  /// Samples of one segment. Numbers count all samples ever taken, missing ones too.
+  /// Consecutive samples of one segment. Sample numbers count all samples since the start, missing ones too.
   struct Stretch {
     std::uint32_t segment = 0;
-    std::uint64_t first_index = 0;   ///< In the stream "cop" of this segment,
-    std::uint64_t first_number = 0;  ///< and its number.
+    std::uint64_t first_index = 0;   ///< Index of the first sample in the stream "cop" of this segment.
+    std::uint64_t first_number = 0;  ///< Number of the same sample.
   };
 
   [[nodiscard]] bool continues(const core::Block& cop) const noexcept;
@@ -65,9 +65,9 @@ class CopTrace {
   core::Rate raw_rate_;
   core::Rate cop_rate_;
   std::deque<Stretch> stretches_;
-  std::uint64_t begin_number_ = 0;  ///< Of the oldest sample.
+  std::uint64_t begin_number_ = 0;  ///< Number of the oldest sample kept.
   std::deque<Sample> samples_;
-  std::int64_t end_host_ns_ = 0;  ///< When the sample after the newest is due.
+  std::int64_t end_host_ns_ = 0;  ///< Host time at which the next sample is due.
   std::optional<TracePlace> kept_from_;
 };
 

@@ -7,7 +7,7 @@
 
 namespace dts::session {
 
-/// One word, for logs and recordings: "streaming".
+/// Returns one word for logs and recordings: "streaming".
 [[nodiscard]] constexpr std::string_view name(device::DeviceState state) noexcept {
   switch (state) {
     case device::DeviceState::Closed: return "closed";

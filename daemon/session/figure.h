@@ -5,12 +5,12 @@
 
 namespace dts::session {
 
-/// A figure of a whole session.
+/// A result of a whole session.
 struct SessionFigure {
   std::string name;  ///< "trunk_at_critical_boundary_deg", "eyes-open-two-feet/MVELO"
   double value = 0.0;
   std::string unit;
-  std::string details{};  ///< JSON; may be empty.
+  std::string details{};  ///< JSON; optional.
 };
 
 }  // namespace dts::session

@@ -8,8 +8,8 @@
 namespace dts::session {
 namespace {
 
-/// RFC 8259 section 7. Bytes that are not ASCII become '?': names of conditions are words of a protocol file, and text that is no UTF-8
-/// would make the whole document unreadable.
+/// RFC 8259 section 7. Replaces bytes outside ASCII by '?': names of conditions are words from a protocol file, and invalid UTF-8 would
+/// make the whole document unreadable.
 std::string quoted(std::string_view words) {
   std::string text = "\"";
   for (const char letter : words) {

@@ -8,15 +8,15 @@
 
 namespace dts::session {
 
-/// A JSON object as text, for the details of a figure: the room knows no JSON library, and needs none to write. Numbers that are absent or
-/// not finite are left out.
+/// Builds a JSON object as text for the details of a session's result. This folder uses no JSON library, because writing needs none. Skips
+/// numbers that are absent or not finite.
 class JsonObject {
  public:
   void add(std::string_view name, double value);
   void add(std::string_view name, std::optional<double> value);
   void add(std::string_view name, std::size_t count);
   void add(std::string_view name, const std::string& words);
-  /// `json` is a JSON value already.
+  /// Adds `json`, which must already be a JSON value.
   void add_json(std::string_view name, const std::string& json);
 
   [[nodiscard]] std::string text() const { return "{" + members_ + "}"; }

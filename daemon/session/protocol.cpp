@@ -17,7 +17,7 @@ using Fields = std::vector<std::pair<std::string, std::string>>;
 
 constexpr const char* kArmLength = "arm_length_cm";
 constexpr const char* kMaximumReach = "max_reach_cm";
-/// Arm and reach are measured to half a centimetre (thesis Table 6.1): a target is not refused for less.
+/// Arm and reach are measured to 0.5 cm (thesis Table 6.1), so a smaller excess does not reject a target.
 constexpr double kReachToleranceCm = 0.5;
 
 tl::unexpected<core::Error> wrong(std::string what, std::string hint) {
@@ -27,7 +27,7 @@ tl::unexpected<core::Error> wrong(std::string what, std::string hint) {
 std::optional<double> number_of(const std::string& text) {
   double value = 0.0;
   const char* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);  // whatever the locale
+  const auto [stop, error] = std::from_chars(text.data(), end, value);  // independent of the locale
   if (error != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
   return value;
 }
@@ -45,10 +45,10 @@ std::string listed(const std::vector<std::string>& words) {
   return text;
 }
 
-/// What is wrong with fields, each with the name of its field.
+/// Errors of fields, each with the field's name.
 using FieldErrors = std::vector<std::pair<std::string, core::Error>>;
 
-/// All of them in one, so that nobody has to come back for each. With several, each hint says which field it is about.
+/// Combines all errors into one, so that the user sees them at once. If there are several, each hint names its field.
 core::Status all_of(const FieldErrors& errors) {
   if (errors.empty()) return {};
   if (errors.size() == 1) return tl::make_unexpected(errors.front().second);
@@ -85,7 +85,7 @@ core::Status check_value(const ProtocolField& field, const std::string& value) {
   return wrong("field '" + field.name + "' is out of range", "allowed: " + shown(field.minimum) + " .. " + shown(field.maximum));
 }
 
-/// What one would have to add, for every required field that was not given: "--field sex=female|male --field age_years=1..120".
+/// Returns the options for all required fields that are missing: "--field sex=female|male --field age_years=1..120".
 std::string missing(const Protocol& protocol, const Fields& fields) {
   std::string options;
   for (const ProtocolField& field : protocol.fields) {
@@ -102,7 +102,7 @@ std::string missing(const Protocol& protocol, const Fields& fields) {
 core::Status check_field(const ProtocolField& field, const Fields& fields) {
   const auto is_named = [&field](const auto& given) { return given.first == field.name; };
   const auto found = std::ranges::find_if(fields, is_named);
-  if (found == fields.end()) return {};  // all that are missing are told together
+  if (found == fields.end()) return {};  // `check_fields` reports all missing fields together
   if (std::ranges::count_if(fields, is_named) > 1) return wrong("field '" + field.name + "' is given twice", "give it once");
   return check_value(field, found->second);
 }

@@ -11,77 +11,77 @@
 
 namespace dts::session {
 
-/// Something that a protocol asks about the subject before it starts (thesis Table 6.1): measures, never names.
+/// A value that a protocol requests about the subject before the session starts (thesis Table 6.1): body measures, never names.
 struct ProtocolField {
-  std::string name;  ///< "arm_length_cm": the unit is part of it.
+  std::string name;  ///< "arm_length_cm": includes the unit.
   std::string sentence;
   bool is_required = false;
-  double minimum = 0.0;  ///< Of a number.
+  double minimum = 0.0;  ///< For a number.
   double maximum = 0.0;
-  std::vector<std::string> choices{};  ///< Not empty: one of these words instead of a number.
+  std::vector<std::string> choices{};  ///< If not empty, the value is one of these words and not a number.
 
   friend bool operator==(const ProtocolField&, const ProtocolField&) = default;
 };
 
-/// One kind of trial: a target, a stance.
+/// One kind of trial, for example a target or a stance.
 struct Condition {
   std::string name;                                           ///< "120", "max", "eyes-open-two-feet"
-  std::vector<std::pair<std::string, std::string>> labels{};  ///< {"eyes", "open"}: go with every event of the trial.
-  std::optional<double> target_percent;                       ///< Of the arm's length.
-  bool is_maximum_reach = false;                              ///< The target stands at the subject's own maximum reach.
+  std::vector<std::pair<std::string, std::string>> labels{};  ///< {"eyes", "open"}: part of every event of the trial.
+  std::optional<double> target_percent;                       ///< In percent of the arm length.
+  bool is_maximum_reach = false;                              ///< The target is at the subject's own maximum reach.
 
   friend bool operator==(const Condition&, const Condition&) = default;
 };
 
 enum class TrialOrder : std::uint8_t {
-  AsListed,    ///< All repetitions of a round in the order of the conditions.
-  Randomised,  ///< Every block is a shuffled multiset: each condition as often as any other, give or take one (thesis 6.3.3).
+  AsListed,    ///< Repeats the conditions in the order of the list, across blocks.
+  Randomised,  ///< Each block is shuffled; the counts of any two conditions in it differ by at most one (thesis 6.3.3).
 };
 
-/// How the trials of a protocol run. Times in s; 0: at once, or none.
+/// How the trials of a protocol run. Times in s; 0: no delay, no limit or no rest.
 struct TrialPlan {
   std::vector<Condition> conditions{};
   std::uint32_t trials_per_block = 0;
   std::uint32_t blocks = 1;
   TrialOrder order = TrialOrder::AsListed;
-  bool starts_by_itself = false;  ///< The next trial after the rest; false: on `session trial next`, as always the first one.
-  double cue_delay_min_s = 0.0;   ///< From the trial's start to "Go": drawn evenly between the two, so that nobody anticipates it.
+  bool starts_by_itself = false;  ///< Starts the next trial after the rest. false, and for the first trial: waits for `session trial next`.
+  double cue_delay_min_s = 0.0;   ///< From the trial's start to "Go"; random up to the maximum, so that nobody anticipates the cue.
   double cue_delay_max_s = 0.0;
-  double settle_s = 0.0;      ///< After the cue, before the trial counts (thesis 4.6: 5 s).
+  double settle_s = 0.0;      ///< After the cue, before the measurement starts (thesis 4.6: 5 s).
   double duration_s = 0.0;    ///< After settling; 0: until the next command.
-  double rest_s = 0.0;        ///< After a trial.
-  double block_rest_s = 0.0;  ///< After a block, instead.
+  double rest_s = 0.0;        ///< After each trial.
+  double block_rest_s = 0.0;  ///< After the last trial of a block, in place of `rest_s`.
 
   friend bool operator==(const TrialPlan&, const TrialPlan&) = default;
 };
 
-/// A protocol as a clinic writes it (config/protocols): checked values only.
+/// A protocol as the clinic writes it (config/protocols), with checked values.
 struct Protocol {
   std::string name = "free";  ///< [a-z0-9-], at most 32
   std::string sentence;
   std::string rig_kind{};   ///< "floor", "chair"; empty: any.
-  double settle_s = 0.0;    ///< Of the whole session; protocols with trials have it there.
+  double settle_s = 0.0;    ///< For the whole session; a protocol with trials sets it per trial.
   double duration_s = 0.0;  ///< 0: until stopped.
   std::vector<ProtocolField> fields{};
   std::optional<TrialPlan> trials;
-  std::string definition;  ///< The file's text: recorded with every session.
+  std::string definition;  ///< The file's text, recorded with every session.
 
   friend bool operator==(const Protocol&, const Protocol&) = default;
 };
 
-/// The protocol that always exists: records until it is stopped, asks for nothing.
+/// Returns the protocol that always exists: it records until it is stopped and has no fields.
 [[nodiscard]] Protocol free_protocol();
 
-/// Fails with InvalidArgument, naming the field: unknown, twice, missing though required, no number, out of range, none of the choices.
-/// What was given is not repeated in the message, nor the name of an unknown field: it might be a person's. A condition at maximum reach
-/// needs the field max_reach_cm, one in percent arm_length_cm; a target beyond the maximum reach is refused, since the thesis (6.3.3) and
-/// caution ask nobody for it.
+/// Fails with InvalidArgument, naming the field, if it is unknown, duplicate, missing though required, not a number, out of range or not
+/// one of the choices. The message repeats neither the value nor the name of an unknown field: either could be a person's name. A condition
+/// at maximum reach needs the field max_reach_cm; a condition in percent needs arm_length_cm. Rejects a target beyond the maximum reach,
+/// for safety and as in the thesis (6.3.3).
 [[nodiscard]] core::Status check_fields(const Protocol& protocol, const std::vector<std::pair<std::string, std::string>>& fields);
 
-/// A field's number; nothing when it is absent or none.
+/// Returns a field's number; nothing if the field is absent or not a number.
 [[nodiscard]] std::optional<double> field_number(const std::vector<std::pair<std::string, std::string>>& fields, const std::string& name);
 
-/// How far from the acromion a condition's target stands for this subject; nothing when it has no target or the field is missing.
+/// Returns the distance in cm from the acromion to the condition's target for this subject; nothing without a target or the field.
 [[nodiscard]] std::optional<double> target_cm(const Condition& condition, const std::vector<std::pair<std::string, std::string>>& fields);
 
 }  // namespace dts::session

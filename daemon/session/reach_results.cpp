@@ -14,11 +14,10 @@ namespace {
 
 namespace flag = core::reach_flag;
 
-/// The protocol's targets are written in whole millimetres at best.
+/// Targets in protocols have a resolution of 1 mm at best.
 constexpr double kSameTargetCm = 0.05;
 
-/// A reach with one of these does not set a person's scale. That it went on after a pause, or began without a dip, leaves its height as it
-/// is.
+/// A reach with one of these flags cannot set a person's scale. A resumed reach, or one without a dip, can: its height is still valid.
 constexpr std::uint16_t kNoScale = flag::kMinor | flag::kBaselineUncertain | flag::kDipOnly | flag::kTimeout | flag::kSubstituted |
                                    flag::kSaturated | flag::kImplausible | flag::kStoodUp | flag::kUntared;
 
@@ -60,7 +59,7 @@ std::optional<core::TrunkClass> expected_class(const std::optional<physics::Pers
 }
 
 void ReachResults::take(const core::ReachEvent& event) {
-  // What is provisional says nothing that the final does not say.
+  // Provisional steps contain nothing that the final does not contain.
   const bool is_final = event.step == core::ReachStep::Final && is_measured(event);
   if (is_final || event.step == core::ReachStep::Cancelled) keep_newest(reaches_, event);
 }
@@ -116,7 +115,7 @@ void ReachResults::decide(const Key& key, Attempt& attempt) {
 }
 
 std::optional<core::ReachEvent> ReachResults::reach_of(const Attempt& attempt) const {
-  if (attempt.go->segment != attempt.done->segment) return std::nullopt;  // a gap: what was in it is not known
+  if (attempt.go->segment != attempt.done->segment) return std::nullopt;  // a gap: its content is unknown
   std::vector<core::ReachEvent> told;
   for (const core::ReachEvent& event : reaches_) {
     if (event.segment != attempt.go->segment || event.scan >= attempt.done->scan) continue;
@@ -150,10 +149,10 @@ bool ReachResults::is_at_maximum(const Attempt& attempt) const {
   return person_ && attempt.target_cm && std::abs(*attempt.target_cm - person_->max_reach_cm) <= kSameTargetCm;
 }
 
-/// Of the first three maximum reaches in a row that agree: one that went wrong does not spoil the session, and later ones do not change
-/// what was said already.
+/// Returns the scale from the first three consecutive maximum reaches that agree. One wrong reach does not prevent it, and later ones do
+/// not change earlier results.
 std::optional<classifier::SubjectCalibration> ReachResults::own_scale() const {
-  if (!person_ || person_->has_stroke || model_ == nullptr) return std::nullopt;  // geometry is their scale, and it fails them
+  if (!person_ || person_->has_stroke || model_ == nullptr) return std::nullopt;  // the geometric model is invalid after a stroke
   const double flexion_deg = physics::trunk_flexion_deg(*person_, person_->max_reach_cm);
   std::vector<core::ReachFeatures> maxima;
   for (const Attempt* attempt : counting()) {

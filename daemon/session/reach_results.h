@@ -19,7 +19,7 @@
 
 namespace dts::session {
 
-/// What came of one trial of the reaching task.
+/// The result of one trial of the reaching task.
 struct ReachTrialResult {
   std::uint32_t trial = 0;
   std::uint32_t attempt = 1;
@@ -27,53 +27,53 @@ struct ReachTrialResult {
   std::optional<double> target_cm;
   std::uint32_t segment = 0;
   core::ScanIndex go;                           ///< Scan of the cue.
-  bool has_gap = false;                         ///< Scans are missing between cue and end: no result.
-  std::optional<core::ReachEvent> reach;        ///< Nothing: none was found between cue and end.
-  std::optional<core::TrunkMovement> movement;  ///< By the subject's own scale as soon as there is one; nothing without a reach or a model.
-  /// Of the trunk flexion that the target takes by the subject's measures; nothing without these or a target.
+  bool has_gap = false;                         ///< Scans are missing between cue and end: the trial has no result.
+  std::optional<core::ReachEvent> reach;        ///< Nothing if no reach was found between cue and end.
+  std::optional<core::TrunkMovement> movement;  ///< On the subject's own scale once it is known; nothing without a reach or a model.
+  /// Class of the trunk flexion expected for this target and subject; nothing without a target or the subject's measures.
   std::optional<core::TrunkClass> expected;
 };
 
-/// The subject of a session by the fields of its protocol (thesis Table 6.1): weight_kg, height_cm, arm_length_cm, max_reach_cm, group.
-/// Nothing when one is missing or no positive number.
+/// Builds the subject from the fields of the protocol (thesis Table 6.1): weight_kg, height_cm, arm_length_cm, max_reach_cm, group. Returns
+/// nothing if a number is missing or not positive.
 [[nodiscard]] std::optional<physics::Person> person_of(const std::vector<std::pair<std::string, std::string>>& fields);
 
-/// The class of a reach to a target `target_cm` away, by the trunk flexion that it takes; nothing when that is not known.
+/// Returns the class of the trunk flexion expected for a target at `target_cm`; nothing if the flexion is unknown.
 [[nodiscard]] std::optional<core::TrunkClass> expected_class(const std::optional<physics::Person>& person, std::optional<double> target_cm);
 
-/// Turns the events of a session into results: of each trial, and of all. A pure function of what it is told, so that daemon, replay and
-/// laboratory say the same. Thread: one at a time.
+/// Computes results from the events of a session: one per trial, and one summary. Depends only on its inputs, so that daemon, replay and
+/// laboratory compute the same results. Thread: one at a time.
 ///
 ///     scans     go        P1     P2      P3    final   done
-///     told      |---------x------x-------x-------x------|    belongs to this trial: P2 and its final in [go, done)
+///     events    |---------x------x-------x-------x------|    a reach belongs to this trial if its P2 and its final are in [go, done)
 ///
-/// P2, where the trunk goes forward, is what is found most exactly; P1 is traced back into the noise and may come to lie before the cue.
+/// P2, where the trunk starts to move forward, has the most exact time. P1 is traced back into the noise and may lie before the cue.
 ///
-/// Memory is bounded: of the newest `kMostPending` events that no trial has taken up, and of trials as many as a plan may have, twice.
+/// Memory is bounded: the newest `kMostPending` events of each kind, and twice as many attempts as a plan may have trials.
 class ReachResults {
  public:
   static constexpr std::size_t kMostPending = 1024;
   static constexpr std::size_t kMostAttempts = std::size_t{2} * kMostTrials;
 
-  /// `model` (nullptr: nothing is classified again) outlives this.
+  /// `model` outlives this object; nullptr: reaches are not classified again.
   ReachResults(std::optional<physics::Person> person, const classifier::TrunkModel* model) : person_(person), model_(model) {}
 
   void take(const core::ReachEvent& event);
   void take(const core::ClassEvent& event);
-  /// A step of the protocol, at its scan.
+  /// Processes an event of the protocol at its scan.
   void take(const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan);
-  /// Everything before `scan` of `segment` has been told: trials that were done until then are decided.
+  /// Decides the trials that ended before `scan` of `segment`: all reaches and classes before this scan were passed to `take`.
   void advance(std::uint32_t segment, core::ScanIndex scan);
-  /// The session is over: so is everything.
+  /// Decides all remaining trials at the end of the session.
   void finish();
 
-  /// Of trials that were decided since the last call, oldest first; how often it is called changes nothing. A trial that is redone or
-  /// rejected later is void in the summary.
+  /// Returns the trials decided since the last call, oldest first; how often it is called does not change the results. A trial that is
+  /// redone or rejected later is void in the summary.
   [[nodiscard]] std::vector<ReachTrialResult> take_decided();
-  /// All trials that count, judged with everything that is known now.
+  /// Returns all valid trials, classified with everything that is known now.
   [[nodiscard]] std::vector<ReachTrialResult> results() const;
-  /// Trunk contribution at the critical boundary, classes per target, agreement with what the target takes, consistency, smoothness:
-  /// see reach_summary.h. Empty when no trial counts.
+  /// Returns trunk contribution at the critical boundary, classes per target, agreement with the expected class, consistency and
+  /// smoothness: see reach_summary.h. Empty without a valid trial.
   [[nodiscard]] std::vector<SessionFigure> summary() const;
 
  private:
@@ -91,7 +91,7 @@ class ReachResults {
     bool is_void = false;
     bool is_decided = false;
     std::optional<core::ReachEvent> reach;
-    std::optional<core::TrunkMovement> told;  ///< What the pipeline's own model said.
+    std::optional<core::TrunkMovement> told;  ///< The class from the rig's own pipeline.
   };
   using Key = std::pair<std::uint32_t, std::uint32_t>;  ///< Trial, attempt.
 
@@ -109,7 +109,7 @@ class ReachResults {
   const classifier::TrunkModel* model_;
   std::map<Key, Attempt> attempts_;
   std::vector<Key> undecided_;
-  std::vector<ReachTrialResult> fresh_;  ///< Decided since `take_decided` was called, each by what was known when it was.
+  std::vector<ReachTrialResult> fresh_;  ///< Decided since the last `take_decided`, each with what was known at that time.
   std::deque<core::ReachEvent> reaches_;
   std::deque<core::ClassEvent> classes_;
   std::optional<Place> told_until_;

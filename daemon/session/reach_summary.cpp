@@ -13,10 +13,10 @@ namespace {
 using core::TrunkClass;
 
 constexpr double kFingertipsPerArm = 1.15;
-/// A little more than 1.2: targets are set to the millimetre.
+/// Slightly above 1.2, because targets are placed to the millimetre.
 constexpr double kFarthestBoundaryPerArm = 1.205;
 
-/// Mean and spread of what has been added.
+/// Mean and spread of the added values.
 class Sample {
  public:
   void add(double value) {
@@ -43,7 +43,7 @@ struct Counts {
   std::size_t trials = 0;
   std::size_t gaps = 0;
   std::size_t found = 0;
-  std::size_t judged = 0;                 ///< There is a class, if only Rejected.
+  std::size_t judged = 0;                 ///< Has a class, Rejected included.
   std::array<std::size_t, 5> of_class{};  ///< From Rejected to Maximum.
   std::size_t agreed = 0;
   std::size_t compared = 0;
@@ -96,7 +96,7 @@ void add(Target& target, const ReachTrialResult& result) {
   if (result.movement && has_sound_angle(*result.movement)) target.trunk_deg.add(result.movement->trunk_deg);
 }
 
-/// In the order in which the targets first came, so that the same session always reads the same.
+/// Groups the results by target, in the order in which the targets first occur, so that the result is reproducible.
 std::vector<Target> by_target(std::span<const ReachTrialResult> results) {
   std::map<std::pair<std::string, std::optional<double>>, std::size_t> places;
   std::vector<Target> targets;
@@ -122,7 +122,7 @@ Counts total(const std::vector<Target>& targets) {
   return sum;
 }
 
-/// Root of the mean variance within a target, each by its degrees of freedom.
+/// Returns the root of the mean variance within a target, weighted by degrees of freedom.
 std::optional<double> pooled_deviation(const std::vector<Target>& targets, Sample Target::*sample) {
   double squares = 0.0;
   std::size_t freedom = 0;

@@ -9,22 +9,23 @@
 
 namespace dts::session {
 
-/// Figures of all trials of a session. Each is there only when something gives it a value; `details` is one JSON object.
+/// Results over all trials of a session. A result is present only if it has a value; `details` is one JSON object.
 ///
 /// | name | unit | what |
 /// |---|---|---|
-/// | trials | 1 | trials that count |
-/// | reaches_detected_share | 1 | of the trials without a gap |
-/// | rejected_share | 1 | of the classified reaches: no class was given |
-/// | class_agreement_share | 1 | class is what the target takes, of the reaches with a class; arm alone and no reach found agree, too |
+/// | trials | 1 | valid trials |
+/// | reaches_detected_share | 1 | reaches found, of the trials without a gap |
+/// | rejected_share | 1 | rejected reaches, of the classified ones |
+/// | class_agreement_share | 1 | class equals the expected class, of the classified reaches; finding no reach agrees with "none" |
 /// | trunk_at_critical_boundary_deg | deg | mean trunk flexion at P3 in reaches to the critical boundary, see below |
 /// | trunk_sd_deg, d2_sd_mm | deg, mm | consistency: standard deviation within a target, pooled over the targets |
 /// | sparc_mean | 1 | smoothness: spectral arc length of P1 to P3 (Balasubramanian et al. 2012), nearer 0 is smoother |
-/// | targets | 1 | how many targets; in `details` all of the above per target, with the count of each class |
+/// | targets | 1 | number of targets; `details` has all of the above per target, and the number of reaches in each class |
 ///
-/// The critical boundary is how far the finger tips come without the trunk: 1.15 arm lengths (thesis 5.3). Trials to the one target nearest
-/// to it count, whatever is nearest within it for a person who reaches less far (thesis 6.4.2.1: S1), but none beyond 1.2 arm lengths,
-/// where the target itself makes the trunk bend. A rejected reach gives an angle only when no more than its class is unsure.
+/// The critical boundary is the farthest distance that the fingertips reach without the trunk: 1.15 arm lengths (thesis 5.3). Uses only the
+/// trials to the one target nearest to this distance. For a person who reaches less far, that is the nearest target within it (thesis
+/// 6.4.2.1: S1). Skips targets beyond 1.2 arm lengths, which themselves require trunk flexion. Uses the angle of a rejected reach only if
+/// nothing but its class is uncertain.
 [[nodiscard]] std::vector<SessionFigure> summarize(std::span<const ReachTrialResult> results, const std::optional<physics::Person>& person);
 
 }  // namespace dts::session

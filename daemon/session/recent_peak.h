@@ -7,10 +7,10 @@
 
 namespace dts::session {
 
-/// The highest of what was noted lately: within the last 15 s for certain, never longer ago than 45 s. Whoever looks changes nothing, so that any
-/// number may look, as seldom as a monitor does. Trivially copyable: it travels in the reports of the sample threads. Realtime-safe: yes.
+/// The highest recent value: at least the last 15 s count, and nothing older than 45 s. Reading changes nothing, so that any number of
+/// monitors may read at any interval. Trivially copyable, for the reports of the sample threads. Realtime-safe: yes.
 ///
-///     [ before ............ ][ now ...   ]      two windows; the older goes when the newer is full
+///     [ before ............ ][ now ...   ]      two windows; the older is dropped when the newer is full
 class RecentPeak {
  public:
   static constexpr std::int64_t kWindowNs = 15'000'000'000;

@@ -12,7 +12,7 @@
 
 namespace dts::session {
 
-/// The two files of a recording; closed with the last who uses them.
+/// The two files of a recording; closed when their last user releases them.
 struct RecordSync::Files {
   ~Files() {
     for (const int descriptor : descriptors) {
@@ -21,7 +21,7 @@ struct RecordSync::Files {
   }
   [[nodiscard]] core::Status open() {
     for (std::size_t i = 0; i < descriptors.size(); ++i) {
-      // An error of writing back is told once to every descriptor that was open by then: these learn of it like the writer's.
+      // The kernel reports a write-back error once to every descriptor that was open at the time, so these see it like the writer's.
       descriptors[i] = ::open(names[i].c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
       if (descriptors[i] < 0) return core::fail_errno(errno, "cannot open " + names[i] + " to synchronise it");
     }
@@ -44,7 +44,7 @@ struct RecordSync::Files {
 
 void RecordSync::start() {
   thread_ = std::jthread([this](const std::stop_token& stop) {
-    static_cast<void>(core::configure_this_thread("record-sync", {}));  // asks for nothing that could be refused
+    static_cast<void>(core::configure_this_thread("record-sync", {}));  // default policy, cannot be refused
     run(stop);
   });
 }
@@ -64,7 +64,7 @@ core::Status RecordSync::add(const std::string& rig, const std::string& name) {
 }
 
 void RecordSync::remove(const std::string& rig) {
-  std::shared_ptr<Files> last;  // closed after the lock
+  std::shared_ptr<Files> last;  // closes the files after the lock is released
   const std::lock_guard lock(mutex_);
   const auto found = files_.find(rig);
   if (found == files_.end()) return;
@@ -89,7 +89,7 @@ std::int64_t RecordSync::done_ns(const std::string& rig) {
   return found == files_.end() ? 0 : found->second->done_ns;
 }
 
-/// In turn: on a slow disk every rig is due again by the time that another is done.
+/// Takes turns: on a slow disk, every rig is due again before the others are done.
 std::map<std::string, std::shared_ptr<RecordSync::Files>>::iterator RecordSync::next_due() {
   const auto is_due = [](const auto& entry) { return entry.second->is_due; };
   const auto after = files_.upper_bound(last_);

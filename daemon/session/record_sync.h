@@ -14,10 +14,10 @@
 
 namespace dts::session {
 
-/// Synchronises recordings under way, on a thread of its own: fdatasync takes a second and more on a busy disk (measured: 0.9 s each for
-/// file and index), and what the record thread cannot write meanwhile is lost when the daemon is killed. Works on descriptors of its own of
-/// the same files, so that nothing is shared with whoever writes.
-/// Thread: all of it on the record thread, start and stop when that does not run.
+/// Synchronises open recordings on its own thread: fdatasync may need 1 s or more on a busy disk (measured: 0.9 s each for file and index),
+/// and whatever the record thread could not write in that time would be lost if the daemon were killed. Opens its own descriptors of the
+/// same files and shares nothing with the writer.
+/// Thread: all calls on the record thread; start and stop while that thread does not run.
 class RecordSync {
  public:
   RecordSync() = default;
@@ -26,17 +26,17 @@ class RecordSync {
   RecordSync& operator=(const RecordSync&) = delete;
 
   void start();
-  /// Waits for the synchronisation under way.
+  /// Waits for the current fdatasync.
   void stop() noexcept;
 
-  /// Looks after NAME.part and NAME.idx from now on. Fails when they cannot be opened.
+  /// Adds NAME.part and NAME.idx. Fails if they cannot be opened.
   [[nodiscard]] core::Status add(const std::string& rig, const std::string& name);
-  /// Waits for nothing. No effect for a rig that is not known.
+  /// Does not wait. No effect for an unknown rig.
   void remove(const std::string& rig);
-  /// Asks for a synchronisation of what has been written by now: all that was taken up to `taken_ns`. Fails with the first error of those
-  /// before.
+  /// Requests an fdatasync of everything written so far, which covers the data received up to `taken_ns`. Fails with the first error of
+  /// earlier requests.
   [[nodiscard]] core::Status request(const std::string& rig, std::int64_t taken_ns);
-  /// `taken_ns` of the newest that is done; 0: none is, or the rig is not known.
+  /// Returns the newest `taken_ns` whose fdatasync is done; 0: none yet, or the rig is unknown.
   [[nodiscard]] std::int64_t done_ns(const std::string& rig);
 
  private:
@@ -47,7 +47,7 @@ class RecordSync {
   std::mutex mutex_;  ///< Never held across I/O.
   std::condition_variable_any is_asked_;
   std::map<std::string, std::shared_ptr<Files>> files_;  ///< By rig.
-  std::string last_;                                     ///< The rig whose turn it was.
+  std::string last_;                                     ///< The rig that was synchronised last.
   std::jthread thread_;
 };
 

@@ -15,10 +15,10 @@ void RecordTap::follow() noexcept {
   lost_events_ = 0;
   lost_gap_ = {};
   current_ = begun_ = opened;
-  static_cast<void>(end_closed());  // a take may be over before it was seen; without room its end mark comes later
+  static_cast<void>(end_closed());  // a take may be closed before this thread saw it open; if the ring is full, the end mark follows later
 }
 
-/// false: the end mark found no room.
+/// Returns false if there was no room for the end mark.
 bool RecordTap::end_closed() noexcept {
   if (current_ == 0 || closed_.load(std::memory_order_acquire) < current_) return true;  // pairs with close()
   Slot* const slot = ring_.claim();

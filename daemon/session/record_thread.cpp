@@ -12,20 +12,20 @@
 namespace dts::session {
 namespace {
 
-constexpr std::int64_t kTurnNs = 40'000'000;  // two turns and kFlushNs: written within kLongestUnwrittenS
+constexpr std::int64_t kTurnNs = 40'000'000;  // with two turns and kFlushNs, data are written within kLongestUnwrittenS
 constexpr auto kSynchroniseNs = static_cast<std::int64_t>(record::kLongestUnsynchronisedS * 0.9e9);
 constexpr auto kFlushNs = static_cast<std::int64_t>(record::kLongestUnwrittenS * 0.6e9);
 constexpr std::int64_t kLookAtDiskNs = 1'000'000'000;
-constexpr std::size_t kSlotsPerTurn = 256;  // then the other rigs get their turn
+constexpr std::size_t kSlotsPerTurn = 256;  // after that, the other rigs have their turn
 
-/// A name that leads nowhere: what is written now is lost with the last descriptor.
+/// Fails with NotFound if the file was deleted: later writes would vanish when it is closed.
 core::Status check_there(const std::string& file) {
   if (::access(file.c_str(), F_OK) == 0 || errno != ENOENT) return {};
   return core::fail(core::ErrorCode::NotFound, file + " is gone", "somebody removed or moved it while it was written");
 }
 
-/// Closed as what it is: when a whole recording cannot be closed as whole, `reason` says why, and it is tried again with that in its
-/// footers.
+/// Closes a recording. If a complete recording cannot be closed as complete, stores the error in `reason` and tries again with this reason
+/// in the footers.
 core::Result<record::XdfWriter::Closed> close(record::Recorder& recorder, std::string& reason) {
   auto closed = recorder.close(reason);
   if (closed || !reason.empty()) return closed;
@@ -33,7 +33,7 @@ core::Result<record::XdfWriter::Closed> close(record::Recorder& recorder, std::s
   return recorder.close(reason);
 }
 
-/// Tells the recorder of lost scans that no jump between two frames shows.
+/// Reports lost scans to the recorder that no jump between two frames shows.
 void note_unseen_loss(record::Recorder& recorder, std::uint64_t lost_scans) {
   if (lost_scans > recorder.lost_scans()) recorder.note_loss(lost_scans - recorder.lost_scans());
 }
@@ -45,7 +45,7 @@ void RecordThread::add(const std::string& rig, RecordTap& tap) { lines_[rig].tap
 void RecordThread::start() {
   sync_.start();
   thread_ = std::jthread([this](const std::stop_token& stop) {
-    static_cast<void>(core::configure_this_thread("record", {}));  // asks for nothing that could be refused
+    static_cast<void>(core::configure_this_thread("record", {}));  // default policy, cannot be refused
     run(stop);
   });
 }
@@ -103,14 +103,14 @@ void RecordThread::run(const std::stop_token& stop) {
   for (auto& [rig, line] : lines_) serve_rest(rig, line);
 }
 
-/// What is in the tap by now, and no more: a rig that goes on must not keep the daemon from ending.
+/// Writes only what is in the tap now: a rig that still streams must not keep the daemon from ending.
 void RecordThread::serve_rest(const std::string& rig, Line& line) {
   receive(rig, line);
   for (std::size_t taken = 0; taken <= line.tap->capacity() && drain(rig, line);) taken += kSlotsPerTurn;
   if (line.recorder) finish(rig, line, "the daemon stopped before the recording ended");
 }
 
-/// Takes what the control thread has left here: a new recording, and events.
+/// Receives a new recording and events from the control thread.
 void RecordThread::receive(const std::string& rig, Line& line) {
   const auto events = take_orders(rig, line);
   if (std::exchange(line.is_new, false)) line.is_synced_aside = sync_.add(rig, line.file).has_value();
@@ -140,7 +140,7 @@ std::vector<record::RecordedEvent> RecordThread::take_orders(const std::string& 
   return std::exchange(line.events, {});
 }
 
-/// true when there may be more.
+/// Returns true if there may be more slots.
 bool RecordThread::serve(const std::string& rig, Line& line) {
   receive(rig, line);
   const bool has_more = drain(rig, line);
@@ -148,7 +148,7 @@ bool RecordThread::serve(const std::string& rig, Line& line) {
   return has_more;
 }
 
-/// true when there may be more.
+/// Returns true if there may be more slots.
 bool RecordThread::drain(const std::string& rig, Line& line) {
   for (std::size_t taken = 0; taken < kSlotsPerTurn; ++taken) {
     const RecordTap::Slot* slot = line.tap->front();
@@ -168,14 +168,14 @@ void RecordThread::take_slot(const std::string& rig, Line& line, const RecordTap
     events_.push_back(*line.tap->events().front());
   }
   if (slot.take != line.take || slot.is_end) receive(rig, line);
-  if (!line.recorder || slot.take != line.take) return;  // of a recording that has failed: thrown away
+  if (!line.recorder || slot.take != line.take) return;  // its recording has failed: drop the slot
   line.lost_scans = slot.lost_scans;
   line.lost_events = slot.lost_events;
   if (slot.is_end) return finish(rig, line, "");
   if (!std::exchange(line.has_frames, true)) {
     line.recorder->set_stage_state(line.tap->state());
   } else if (slot.frame.segment != line.recorder->segment()) {
-    note_unseen_loss(*line.recorder, line.lost_scans);  // the scan indices start anew: only here is it known where they were lost
+    note_unseen_loss(*line.recorder, line.lost_scans);  // scan indices restart here, so a later jump cannot show this loss
   }
   if (auto taken = line.recorder->take(slot.frame, events_); !taken) finish(rig, line, core::to_string(taken.error()));
 }

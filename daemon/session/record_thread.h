@@ -20,82 +20,82 @@
 
 namespace dts::session {
 
-/// A recording that came to its end, one way or another.
+/// A recording that has ended, complete or not.
 struct FinishedRecording {
   std::string rig;
-  std::string file;    ///< What is on the disk now.
-  std::string sha256;  ///< Empty when it could not be closed.
+  std::string file;    ///< The file as it is now on the disk.
+  std::string sha256;  ///< Empty if the file could not be closed.
   std::uint64_t bytes = 0;
   std::uint64_t scans = 0;
   double duration_s = 0.0;
   core::Losses losses{};
-  std::string incomplete;  ///< Why something is missing; empty: whole.
-  bool is_closed = false;  ///< false: the .part file stays and waits for its recovery.
+  std::string incomplete;  ///< Why data are missing; empty: complete.
+  bool is_closed = false;  ///< false: the .part file remains until it is recovered.
 };
 
-/// How a recording under way stands.
+/// State of a recording.
 struct RecordingView {
   bool is_recording = false;
   std::string file;
   std::uint64_t bytes = 0;
   std::uint64_t lost_scans = 0;
   std::string problem;
-  double lag_s = 0.0;  ///< What a power cut now would take; 0: nothing is recorded.
+  double lag_s = 0.0;  ///< Length of data that a power cut now would lose; 0 while nothing is recorded.
 };
 
-/// The record thread: takes frames from the taps of all rigs, writes chunks, has them synchronised twice a second, and closes recordings.
-/// It may wait for the disk as long as the taps hold; nobody waits for it. A recording that fails, or that meets a disk nearly full, is
-/// closed as incomplete at once; its frames are then thrown away until the control thread ends the take. So is one whose file was removed.
+/// The record thread: reads frames from the taps of all rigs, writes chunks, requests an fdatasync twice a second, and closes recordings.
+/// It may wait for the disk as long as the taps have room; no other thread waits for it. A recording that fails, whose disk is nearly full,
+/// or whose file was removed is closed as incomplete immediately; its remaining frames are dropped until the control thread ends the take.
 class RecordThread {
  public:
-  /// `stop_below_mib` of `storage` is watched every second.
+  /// Checks the disk against `storage.stop_below_mib` every second.
   RecordThread(core::Clock& clock, StorageConfig storage) : clock_(clock), storage_(std::move(storage)) {}
   ~RecordThread() { stop(); }
   RecordThread(const RecordThread&) = delete;
   RecordThread& operator=(const RecordThread&) = delete;
 
-  /// Before `start`. The tap outlives the thread.
+  /// Call before `start`. The tap outlives the thread.
   void add(const std::string& rig, RecordTap& tap);
   void start();
-  /// Closes what is still open as incomplete.
+  /// Closes open recordings as incomplete.
   void stop() noexcept;
 
-  /// Hands a recording over, before its take is opened: it consists of the frames of `take`. Thread: control.
+  /// Starts a recording of the frames of `take`; call it before that take is opened. Thread: control.
   void begin(const std::string& rig, std::unique_ptr<record::Recorder> recorder, std::string file, std::uint64_t take);
-  /// Something that happened during the recording. Thread: control.
+  /// Adds an event to the recording. Thread: control.
   void post(const std::string& rig, record::RecordedEvent event);
-  /// The recording under way lacks something that its frames do not show: it will be closed as incomplete. Thread: control.
+  /// Marks the current recording as incomplete for a reason that its frames do not show. Thread: control.
   void mark_incomplete(const std::string& rig, std::string reason);
   /// Thread: control.
   [[nodiscard]] std::vector<FinishedRecording> take_finished();
   [[nodiscard]] RecordingView view(const std::string& rig);
-  /// Waits until no recording is open any more, or for `limit`. Thread: control.
+  /// Waits until no recording is open, at most `limit`. Thread: control.
   void wait_until_closed(std::chrono::milliseconds limit);
 
  private:
-  /// What a rig's recording is made of. The first part belongs to the thread, the second to whoever holds the mutex.
+  /// The recording of one rig. The first part belongs to the record thread, the second part is protected by the mutex.
   struct Line {
     RecordTap* tap = nullptr;
-    std::unique_ptr<record::Recorder> recorder;  ///< Absent: nothing is recorded, or it has failed.
+    std::unique_ptr<record::Recorder> recorder;  ///< Absent: nothing is recorded, or the recording failed.
     std::string file;
     std::uint64_t take = 0;
     bool has_frames = false;
-    std::uint64_t lost_scans = 0;   ///< As the tap says.
-    std::uint64_t lost_events = 0;  ///< The same.
-    bool is_new = false;            ///< Its files are not known to the synchronising thread yet.
-    bool is_synced_aside = false;   ///< They are; otherwise this thread does it.
-    std::int64_t emptied_ns = 0;    ///< The last time that nothing waited in the tap.
-    std::int64_t written_ns = 0;    ///< The same at the last flush: what was taken up to then has left this process.
+    std::uint64_t lost_scans = 0;   ///< As reported by the tap.
+    std::uint64_t lost_events = 0;  ///< As reported by the tap.
+    bool is_new = false;            ///< Its files are not yet added to `sync_`.
+    bool is_synced_aside = false;   ///< `sync_` synchronises its files; false: this thread does.
+    std::int64_t emptied_ns = 0;    ///< Last time that the tap was empty.
+    std::int64_t written_ns = 0;    ///< `emptied_ns` at the last flush: data received up to then were written to the file.
     std::int64_t flushed_ns = 0;
     std::int64_t synchronised_ns = 0;
-    std::int64_t on_disk_ns = 0;  ///< What was taken up to then is on the disk, but for what `sync_` knows better.
+    std::int64_t on_disk_ns = 0;  ///< Data received up to then are on the disk; `sync_` may know a later time.
 
     std::unique_ptr<record::Recorder> next_recorder;
     std::string next_file;
     std::uint64_t next_take = 0;
     std::vector<record::RecordedEvent> events;
     RecordingView view;
-    std::int64_t safe_until_ns = 0;  ///< What was taken up to then is on the disk.
+    std::int64_t safe_until_ns = 0;  ///< Data received up to then are on the disk.
   };
   void run(const std::stop_token& stop);
   void receive(const std::string& rig, Line& line);
@@ -116,7 +116,7 @@ class RecordThread {
   std::vector<FinishedRecording> finished_;
   std::int64_t looked_at_disk_ns_ = 0;
   bool is_disk_full_ = false;
-  std::vector<core::Event> events_;  ///< Of the slot under way.
+  std::vector<core::Event> events_;  ///< Events of the current slot.
   RecordSync sync_;
   std::jthread thread_;
 };

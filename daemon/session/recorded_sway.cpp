@@ -14,10 +14,10 @@ namespace {
 
 using Key = std::pair<std::uint32_t, std::uint32_t>;  ///< Trial, attempt.
 
-constexpr double kLeastStandingS = 10.0;  // of a recording without trials: less is somebody who steps on and off
-constexpr double kSteppingOnS = 1.0;      // as the stage `steadiness`
-constexpr double kSteppingOffS = 0.5;     // the load is on its way down before the centre of pressure is away
-constexpr double kLongestHoleS = 0.05;    // posturography sheet section 7: up to here a hole is interpolated
+constexpr double kLeastStandingS = 10.0;  // for a recording without trials: a shorter time is a person who steps on and off
+constexpr double kSteppingOnS = 1.0;      // as in the stage `steadiness`
+constexpr double kSteppingOffS = 0.5;     // the load decreases before the centre of pressure becomes invalid
+constexpr double kLongestHoleS = 0.05;    // posturography sheet section 7: a gap up to this length is interpolated
 
 /// The stream "cop" of a recording.
 struct CopColumns {
@@ -67,7 +67,7 @@ core::Status for_each(record::Recording& recording, double from, const std::func
   }
 }
 
-/// Trials by their steps, as SwayResults takes them.
+/// Collects trials from their events, like SwayResults.
 class TrialSteps {
  public:
   core::Status take(const record::TimedEvent& timed) {
@@ -77,13 +77,13 @@ class TrialSteps {
     if (event.event == "figure") take_figure(event);
     return {};
   }
-  /// In the order of their beginning. Those that were never measured are left out.
+  /// Returns the trials in the order of their beginning, without those that were never measured.
   [[nodiscard]] RecordedStanding result() const {
     RecordedStanding standing;
     for (const auto& [key, trial] : trials_) {
       if (trial.outcome.empty() || trial.trial == 0) continue;
       standing.trials.push_back(trial);
-      // The bits of the stream "cop" are not recorded: what they said is in what the daemon told.
+      // The quality bits of the stream "cop" are not recorded, but their effect is in the daemon's recorded result.
       if (trial.told && trial.told->analysis)
         standing.trials.back().cop.flags = trial.told->analysis->flags & posturography::sway_flag::kDoubtful;
     }
@@ -142,7 +142,7 @@ class TrialSteps {
   std::vector<SessionFigure> figures_;
 };
 
-/// Sample `i` of `scans`; what was not recorded before it is missing.
+/// Appends sample `i` of `scans`.
 void append(posturography::CopSeries& series, const record::RecordedScans& scans, std::size_t i, const CopColumns& cop) {
   const double* const sample = &scans.values[i * cop.width];
   series.ml_mm.push_back(sample[cop.ml]);
@@ -154,7 +154,7 @@ void pad(posturography::CopSeries& series, std::size_t samples) {
   for (auto* column : {&series.ml_mm, &series.ap_mm, &series.load_n}) column->resize(samples, std::nan(""));
 }
 
-/// Cuts the samples of every trial out of the stream.
+/// Copies the samples of every trial from the stream.
 class TrialSamples {
  public:
   TrialSamples(std::vector<StandingTrial>& trials, const CopColumns& cop) : trials_(trials), cop_(cop) {
@@ -170,12 +170,12 @@ class TrialSamples {
   }
 
  private:
-  /// Within the trial's first segment by the indices, behind a gap by the time.
+  /// Locates samples by index in the trial's first segment, and by time after a gap.
   void take(const record::RecordedScans& scans, StandingTrial& trial) {
     const std::uint64_t begin = cop_index(trial.first_scan, cop_.raw_rate, cop_.rate);
     const std::uint64_t end = cop_index(trial.end_scan, cop_.raw_rate, cop_.rate);
     const bool is_first = scans.segment == trial.segment;
-    if (is_first && trial.cop.ml_mm.empty()) {  // more exact than the time of a raw scan
+    if (is_first && trial.cop.ml_mm.empty()) {  // more exact than the time of the event
       trial.begin_s = scans.first_time_s + (static_cast<double>(begin) - static_cast<double>(scans.first_scan.value)) / cop_.rate.hz();
     }
     const double first = is_first ? static_cast<double>(scans.first_scan.value) - static_cast<double>(begin)
@@ -193,7 +193,7 @@ class TrialSamples {
       append(trial.cop, scans, i, cop_);
     }
   }
-  static constexpr double kMostPlaces = 9e15;  // below 2^53: whole numbers, exactly
+  static constexpr double kMostPlaces = 9e15;  // whole numbers below 2^53 are exact
   void give_up(StandingTrial& trial) {
     trial.problem = "the trial has more than " + std::to_string(kMostStandingSamples) + " samples, gaps included";
     samples_ -= trial.cop.ml_mm.size();
@@ -205,7 +205,7 @@ class TrialSamples {
   std::size_t samples_ = 0;
 };
 
-/// Stretches in which somebody stands, of a recording without trials.
+/// Finds the periods in which a person stands on the plate, in a recording without trials.
 class FreeStanding {
  public:
   FreeStanding(std::vector<StandingTrial>& trials, const CopColumns& cop)
@@ -241,8 +241,11 @@ class FreeStanding {
       }
       current_.rate_hz = cop_.rate.hz();
       const std::uint64_t first = first_ + settling;
-      trials_.push_back(
-          {.segment = segment_, .first_scan = raw(first), .end_scan = raw(first + current_.ml_mm.size()), .end_segment = segment_, .cop = std::move(current_)});
+      trials_.push_back({.segment = segment_,
+                         .first_scan = raw(first),
+                         .end_scan = raw(first + current_.ml_mm.size()),
+                         .end_segment = segment_,
+                         .cop = std::move(current_)});
     } else {
       samples_ -= std::min(samples_, current_.ml_mm.size());
     }

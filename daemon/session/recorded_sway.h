@@ -14,37 +14,38 @@
 
 namespace dts::session {
 
-/// One trial of a recording with its centre of pressure. Of a recording without trials there is one, with trial 0, for each stretch in
-/// which somebody stands for 10 s: without the second of stepping on, and the half second of stepping off.
+/// One trial of a recording with its centre of pressure. A recording without trials has one entry, trial 0, for each period of at least 10
+/// s in which a person stands on the plate, without the first 1 s (stepping on) and the last 0.5 s (stepping off).
 struct StandingTrial {
   std::uint32_t trial = 0;
   std::uint32_t attempt = 1;
   std::uint32_t block = 1;
   std::string condition{};
   std::vector<std::pair<std::string, std::string>> labels{};
-  std::string outcome{};  ///< "done", "redone", "rejected", "aborted"; of the newest step. Empty: no trial.
+  std::string outcome{};  ///< "done", "redone", "rejected", "aborted"; from the newest event. Empty: the recording has no trials.
   std::uint32_t segment = 0;
   core::ScanIndex first_scan;
   core::ScanIndex end_scan;
-  std::uint32_t end_segment = 0;  ///< Of `end_scan`: another than `segment` when gaps divide the trial.
-  double begin_s = 0.0;           ///< Stream time of its first sample.
-  posturography::CopSeries cop{};         ///< NaN where a gap is. Empty if there is a problem.
-  std::string problem{};                  ///< Why the samples are not here: gaps make the trial too long.
-  std::optional<SwayTrialResult> told{};  ///< What the daemon recorded for it.
+  std::uint32_t end_segment = 0;          ///< Segment of `end_scan`: differs from `segment` if the trial has gaps.
+  double begin_s = 0.0;                   ///< Stream time of the first sample.
+  posturography::CopSeries cop{};         ///< NaN in gaps. Empty if there is a problem.
+  std::string problem{};                  ///< Why there are no samples: with its gaps, the trial is too long.
+  std::optional<SwayTrialResult> told{};  ///< The daemon's recorded result.
 
   [[nodiscard]] bool counts() const noexcept { return outcome.empty() || outcome == "done"; }
 };
 
-/// What a recording says of quiet standing.
+/// Trials of quiet standing in a recording.
 struct RecordedStanding {
   std::vector<StandingTrial> trials{};
-  std::vector<SessionFigure> told_figures{};  ///< Events "figure".
-  double raw_rate_hz = 0.0;                   ///< Of the scans that segments and trials count in.
+  std::vector<SessionFigure> told_figures{};  ///< From the events "figure".
+  double raw_rate_hz = 0.0;                   ///< Rate of the raw scans, which segments and trials use as index.
 };
 
-/// Reads trials, their centre of pressure and what the daemon told of them. Fails as the reading does; NotFound: the recording has no
-/// stream "cop"; DataDamaged: an event does not read; Unsupported: no trials, and longer than `kMostStandingSamples`. A trial that does not
-/// fit into as many samples, those of the trials before and its gaps included, has a problem; the others are read.
+/// Reads the trials, their centre of pressure and the daemon's results. Fails like the reading of the file, and with NotFound if the
+/// recording has no stream "cop", DataDamaged if an event cannot be parsed, Unsupported if a recording without trials is longer than
+/// `kMostStandingSamples`. This limit also holds for all trials together, gaps included: a trial beyond it has a problem, the other trials
+/// are read.
 inline constexpr std::size_t kMostStandingSamples = 20'000'000;
 [[nodiscard]] core::Result<RecordedStanding> read_recorded_standing(record::Recording& recording,
                                                                     const std::function<void(double)>& progress);

@@ -38,7 +38,7 @@ std::string file_of(const StorageConfig& config, const record::SessionFacts& fac
 
 std::string catalogue_of(const StorageConfig& config) { return config.directory + "/catalogue.sqlite"; }
 
-/// A daemon that died between closing a file and saying so in the catalogue left a whole recording.
+/// Returns the closed recording of a part if the daemon ended between closing the file and updating the catalogue.
 std::optional<record::FoundRecording> closed_already(const record::PartRow& part) {
   const std::string closed = part.file.substr(0, part.file.rfind(".part"));
   std::error_code unknown;
@@ -49,7 +49,7 @@ std::optional<record::FoundRecording> closed_already(const record::PartRow& part
   return *found;
 }
 
-/// When the data of a closed or repaired part end. A file may claim any length: what no recording can have counts as none.
+/// Returns the end time of the data in a closed or repaired part. A damaged file may contain any duration; an impossible one counts as 0.
 std::int64_t end_of_data_utc_ns(const record::PartRow& part) {
   constexpr double kLongest_s = 1e8;  // three years
   const bool is_possible = part.duration_s >= 0.0 && part.duration_s <= kLongest_s;
@@ -84,12 +84,12 @@ core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& 
   }
   if (!opened) return opened;
   std::unique_ptr<Recordings> recordings = std::move(*opened);
-  // Measuring goes on, but nobody should have to ask for the trail to hear of it.
+  // A damaged audit trail does not stop the measurements, but must appear in the log without a request.
   if (auto sound = recordings->catalogue_->verify_audit(); !sound) recordings->log_.error(core::to_string(sound.error()));
   return recordings;
 }
 
-/// What was being written when the last daemon ended, and what lies in the folder without being known.
+/// Enters parts that were being written when the last daemon ended, and unknown files in the folder.
 core::Status Recordings::enter_interrupted() {
   auto unfinished = catalogue_->unfinished_parts();
   if (!unfinished) return tl::make_unexpected(unfinished.error());
@@ -115,7 +115,7 @@ core::Status Recordings::enter_interrupted() {
   return {};
 }
 
-/// As the file says it, and with it the session when this is how it ended.
+/// Enters a part as its file describes it. If the session ended with this part, enters the session's end too.
 core::Status Recordings::enter(const record::FoundRecording& found) {
   const record::PartRow& part = found.part;
   if (auto entered = catalogue_->enter(found); !entered) return entered;
@@ -126,7 +126,8 @@ core::Status Recordings::enter(const record::FoundRecording& found) {
   return catalogue_->end_session(part.session_id, found.session_state, part.reason, found.ended_utc_ns);
 }
 
-/// No session runs before the daemon does: one that is listed so ended with its newest part, and the catalogue was not told.
+/// Ends a session that is listed as "running" although no session can run yet: it ended with its newest part, before the catalogue was
+/// updated.
 void Recordings::end_left_running(record::SessionRow& session) {
   if (session.state != "running") return;
   session.state = "interrupted";
@@ -144,14 +145,14 @@ void Recordings::end_left_running(record::SessionRow& session) {
   if (session.state == "interrupted") audit("interrupted", session.id, "failed");
 }
 
-/// What the daemon did by itself, or what became of it.
+/// Writes an action of the daemon itself to the audit trail.
 void Recordings::audit(const std::string& what, const std::string& target, const std::string& result) {
   enter_audit(
       {.utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns(), .who = "dtsd", .what = what, .target = target, .result = result});
 }
 
-/// Of each rig what ran last, if a crash ended it and not long ago: also a crash before the last one, when the daemon between the two did
-/// not come so far as to go on.
+/// Finds the last session of each rig, if a crash ended it recently. This may be an earlier crash, if the daemon ended again before it
+/// resumed the session.
 void Recordings::find_resumable(const std::vector<record::SessionRow>& sessions) {
   std::map<std::string_view, const record::SessionRow*> last;
   for (const record::SessionRow& session : sessions) {
@@ -170,7 +171,7 @@ void Recordings::find_resumable(const std::vector<record::SessionRow>& sessions)
   }
 }
 
-/// When a part that was cut off ends: what its repaired copy says, or its file, which is written several times a second.
+/// Returns the end of a part that was cut off: from its repaired copy, or from its file, which is written several times a second.
 std::optional<std::int64_t> Recordings::cut_off_utc_ns(const record::PartRow& part) {
   if (part.state == record::PartState::Recovered) return end_of_data_utc_ns(part);
   if (part.state != record::PartState::Interrupted) return std::nullopt;
@@ -180,7 +181,7 @@ std::optional<std::int64_t> Recordings::cut_off_utc_ns(const record::PartRow& pa
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::file_clock::to_sys(written).time_since_epoch()).count();
 }
 
-/// Three parts in a row that were cut off within a minute: the session itself may be what ends the daemon.
+/// Returns whether the last three parts were each cut off within 1 min: the session itself may cause the crashes.
 bool Recordings::is_suspicious(const record::SessionRow& session) {
   constexpr std::ptrdiff_t kMostShortParts = 3;
   constexpr std::int64_t kShortNs = 60'000'000'000;
@@ -210,7 +211,7 @@ void Recordings::start() {
   if (interrupted_.empty()) return;
   log_.warning(std::to_string(interrupted_.size()) + " interrupted recording(s) found; repaired copies are being made");
   recovery_thread_ = std::jthread([this](const std::stop_token& stop) {
-    static_cast<void>(core::configure_this_thread("recover", {}));  // asks for nothing that could be refused
+    static_cast<void>(core::configure_this_thread("recover", {}));  // default policy, cannot be refused
     recover_all(stop);
   });
 }
@@ -228,7 +229,7 @@ void Recordings::stop() noexcept {
   thread_.stop();
 }
 
-/// Why a copy of the part would leave sessions without the room that they start with; empty: it would not.
+/// Returns why a copy of the part would leave too little free space to start sessions; empty if there is enough.
 std::string Recordings::lacks_room(const record::PartRow& part) const {
   std::error_code unknown;
   const auto size = std::filesystem::file_size(part.file, unknown);
@@ -238,7 +239,7 @@ std::string Recordings::lacks_room(const record::PartRow& part) const {
   return "no room for a repaired copy on the disk of " + view.directory + "; tried again at the next start";
 }
 
-/// Thread: recovery. Hours of data take a while, and the daemon is to be up at once.
+/// Thread: recovery. Copying hours of data is slow, and the daemon must start without a delay.
 void Recordings::recover_all(const std::stop_token& stop) {
   for (const record::PartRow& part : interrupted_) {
     record::FoundRecording found;
@@ -295,7 +296,7 @@ core::Status Recordings::begin(Rig& rig, record::SessionFacts facts) {
   auto recorder = record::Recorder::create(file, facts, streams_of(rig));
   if (!recorder) return tl::make_unexpected(recorder.error());
   if (auto entered = catalogue_->begin_part(facts, file + ".part"); !entered) {
-    recorder->reset();  // nothing is in it, and a file without a session would be entered as one
+    recorder->reset();  // the file is empty, and the next start would enter it as a session
     for (const char* ending : {".part", ".idx"}) ::unlink((file + ending).c_str());
     return entered;
   }
@@ -354,7 +355,8 @@ bool Recordings::is_being_closed(const record::SessionRow& row) const {
 
 record::SessionRow Recordings::corrected(record::SessionRow row) const {
   if (is_being_closed(row)) {
-    // The catalogue has an end already, in case the daemon dies before the file is closed. Only the closed file decides how it ended.
+    // The catalogue already has an end, in case the daemon ends before the file is closed. Only the closed file decides how the session
+    // ended.
     row.state = "running";
     row.message.clear();
     row.ended_utc_ns = 0;
@@ -376,7 +378,7 @@ record::SessionRow Recordings::corrected(record::SessionRow row) const {
   return row;
 }
 
-/// The file is the truth and stays; that the catalogue does not know is mended at the next start.
+/// Logs an error of the catalogue. The recording has the data; the next start corrects the catalogue from it.
 void Recordings::complain(const core::Status& status) {
   if (!status) log_.error("catalogue: " + core::to_string(status.error()));
 }

@@ -22,7 +22,7 @@
 
 namespace dts::session {
 
-/// All recordings of a daemon: the folder, the catalogue, the record thread, and the recovery of what an earlier daemon left behind.
+/// Manages all recordings of a daemon: the folder, the catalogue, the record thread, and the recovery of recordings interrupted by a crash.
 ///
 ///     open: folder, catalogue, rebuild --> begin (file on the disk) --> note ... note --> end --> take_finished
 ///                       interrupted parts --> recovery thread --> catalogue
@@ -30,53 +30,57 @@ namespace dts::session {
 /// Thread: control, all of it.
 class Recordings {
  public:
-  /// Prepares folder and catalogue, enters recordings that the catalogue does not know, and lists what was interrupted. A damaged catalogue
-  /// is set aside with its audit trail, and made anew from the recordings: `notice` says so. Fails with what is wrong and what to do.
-  /// `clock` outlives the object.
+  /// Prepares folder and catalogue, enters recordings that are missing in the catalogue, and lists interrupted ones. Sets a damaged
+  /// catalogue aside together with its audit trail and rebuilds it from the recordings; `notice` then reports this. An error says what
+  /// failed and what to do. `clock` outlives the object.
   [[nodiscard]] static core::Result<std::unique_ptr<Recordings>> open(const StorageConfig& config, core::Clock& clock, core::Log log);
   ~Recordings() { stop(); }
   Recordings(const Recordings&) = delete;
   Recordings& operator=(const Recordings&) = delete;
 
-  /// Before `start`; the rig outlives the object or its `stop`.
+  /// Call before `start`. The rig must exist until `stop` or the end of this object.
   void add(Rig& rig);
   /// Starts the record thread and the recovery of interrupted recordings.
   void start();
   void stop() noexcept;
 
-  /// Creates the file of a session's (next) part. It is on the disk when this returns. LimitExceeded: too little room.
+  /// Creates the file of a session's first or next part; the file is on the disk when this returns. Fails with LimitExceeded if the disk
+  /// has too little room.
   [[nodiscard]] core::Status begin(Rig& rig, record::SessionFacts facts);
-  /// Ends it: what is on its way is written, then it is closed; as incomplete when the device is away at that moment.
+  /// Ends the recording: queued data are written, then the file is closed. The recording is incomplete if the device is away at this
+  /// moment.
   void end(Rig& rig);
   void note(const std::string& rig, record::RecordedEvent event) { thread_.post(rig, std::move(event)); }
 
-  /// Into the catalogue; what it refuses is logged and tried again every second or so. The recording says the same.
+  /// Enters a row into the catalogue. If the catalogue fails, the error is logged and the entry is retried about every second. The
+  /// recording has the same content.
   void enter_trial(const record::TrialRow& trial) {
     enter_or_owe([this, trial] { return catalogue_->put_trial(trial); });
   }
   void enter_result(const record::ResultRow& result) {
     enter_or_owe([this, result] { return catalogue_->put_result(result); });
   }
-  /// The same for the audit trail. Of entries that found no room in a thousand the trail gets the number.
+  /// Enters a line into the audit trail, with the same retries. Beyond 1000 waiting entries, only the number of further ones
+  /// reaches the trail.
   void enter_audit(record::AuditEntry entry);
-  /// Why the trail lacks entries at the moment; empty: it does not.
+  /// Returns why entries are missing in the audit trail at the moment; empty: none is missing.
   [[nodiscard]] const std::string& audit_problem() const noexcept { return audit_problem_; }
-  /// What everybody should know about the catalogue; empty: nothing.
+  /// Returns what users must know about the catalogue (it was rebuilt); empty: nothing.
   [[nodiscard]] const std::string& notice() const noexcept { return notice_; }
   void end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
-  /// Returns the catalogue's row with the entries that the catalogue has refused so far. A session whose file is still open is "running".
+  /// Returns the catalogue's row, corrected by entries that still wait for a retry. A session whose file is still open is "running".
   [[nodiscard]] record::SessionRow corrected(record::SessionRow row) const;
 
-  /// Waits until no recording is open any more, or for `limit`.
+  /// Waits until no recording is open, at most `limit`.
   void wait_until_closed(std::chrono::milliseconds limit) { thread_.wait_until_closed(limit); }
-  /// Sessions that a crash ended, at most one for each rig, no longer ago than the configuration says.
+  /// Returns the sessions that a crash interrupted, at most one per rig, within the configured time.
   [[nodiscard]] std::vector<std::string> take_resumable() { return std::exchange(resumable_, {}); }
-  /// Recordings that ended since the last call, entered into the catalogue already.
+  /// Returns the recordings that ended since the last call. Their catalogue entries are made first.
   [[nodiscard]] std::vector<FinishedRecording> take_finished();
   [[nodiscard]] RecordingView view(const std::string& rig) { return thread_.view(rig); }
   [[nodiscard]] DiskView disk() const { return look_at_disk(config_, bytes_per_s_); }
   [[nodiscard]] record::Catalogue& catalogue() noexcept { return *catalogue_; }
-  /// Part of the recording under way, or of the last.
+  /// Returns the part number of the current or last recording.
   [[nodiscard]] std::uint32_t part(const std::string& rig) const;
 
  private:
@@ -111,17 +115,17 @@ class Recordings {
   std::vector<std::string> resumable_;
   RecordThread thread_;
   double bytes_per_s_ = 0.0;                        ///< Of all rigs together.
-  std::deque<std::function<core::Status()>> owed_;  ///< Entries that the catalogue has refused, oldest first.
-  int calls_to_retry_ = 0;                          ///< Of `take_finished`, until they are tried again.
-  std::deque<record::AuditEntry> owed_audit_;       ///< The same of the audit trail.
-  std::uint64_t unwritten_audit_ = 0;               ///< Entries that found no room among them.
+  std::deque<std::function<core::Status()>> owed_;  ///< Entries that wait for a retry, oldest first.
+  int calls_to_retry_ = 0;                          ///< Calls of `take_finished` until the next retry.
+  std::deque<record::AuditEntry> owed_audit_;       ///< Audit entries that wait for a retry.
+  std::uint64_t unwritten_audit_ = 0;               ///< Number of audit entries that did not fit into `owed_audit_`.
   std::string audit_problem_;
   std::string notice_;
   bool is_started_ = false;
-  std::map<std::string, record::SessionRow> owed_ends_;  ///< Ends of sessions among them, by id.
-  std::map<std::string, record::PartRow> under_way_;     ///< By rig; the last one stays.
+  std::map<std::string, record::SessionRow> owed_ends_;  ///< The ends of sessions within `owed_`, by session ID.
+  std::map<std::string, record::PartRow> under_way_;     ///< The current or last part, by rig.
 
-  std::vector<record::PartRow> interrupted_;  ///< The recovery thread's, once it runs.
+  std::vector<record::PartRow> interrupted_;  ///< Used by the recovery thread only, once it runs.
   std::mutex recovered_mutex_;
   std::vector<record::FoundRecording> recovered_;  ///< A part that could not be recovered has no facts.
   std::jthread recovery_thread_;

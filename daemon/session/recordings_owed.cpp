@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the catalogue refuses: kept, and entered later.
+// Entries that the catalogue rejected: kept, and retried later.
 #include <utility>
 
 #include "session/recordings.h"
@@ -12,8 +12,8 @@ constexpr int kCallsToRetry = 20;  // about a second
 
 }  // namespace
 
-/// A full disk refuses the catalogue too; once there is room again it has to say what happened. In order: a later entry may stand on an
-/// earlier.
+/// Makes an entry, or keeps it for a retry: a full disk makes the catalogue fail too, and it must be complete once there is room again.
+/// Keeps the order, because a later entry may depend on an earlier one.
 void Recordings::enter_or_owe(std::function<core::Status()> entry) {
   core::Status entered;
   if (owed_.empty()) entered = entry();
@@ -32,7 +32,7 @@ void Recordings::enter_owed() {
   if (owed_.empty()) owed_ends_.clear();
 }
 
-/// Fails only when the entry is not in the trail: what the second trail lacks of a full disk is no reason to enter it twice.
+/// Fails only if the entry is missing in the trail. A failed copy to the second trail (full disk) must not enter it twice.
 core::Status Recordings::append_audit(const record::AuditEntry& entry) {
   auto entered = catalogue_->append_audit(entry);
   if (entered) return entered;
@@ -64,7 +64,8 @@ void Recordings::enter_owed_audit() {
   }
   const std::string target = std::to_string(unwritten_audit_) + " entries";
   const std::int64_t utc_ns = clock_.now_ns() + clock_.utc_minus_monotonic_ns();
-  if (unwritten_audit_ > 0 && !append_audit({.utc_ns = utc_ns, .who = "dtsd", .what = "audit_lost", .target = target, .result = "failed"})) return;
+  if (unwritten_audit_ > 0 && !append_audit({.utc_ns = utc_ns, .who = "dtsd", .what = "audit_lost", .target = target, .result = "failed"}))
+    return;
   unwritten_audit_ = 0;
   audit_problem_.clear();
 }

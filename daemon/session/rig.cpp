@@ -9,12 +9,12 @@
 namespace dts::session {
 namespace {
 
-constexpr double kScansRingMs = 2000.0;   // how long the pipeline may stall before scans are lost
-constexpr double kFramesRingMs = 1000.0;  // how long the publisher may
-constexpr std::size_t kReaches = 256;     // a person reaches once in some seconds, and control looks 20 times in one
-constexpr double kCopRingMs = 4000.0;     // how long the control thread may be busy before a trial of standing is spoilt
-constexpr double kRecordRingMs = 8000.0;  // how long the disk may
-constexpr int kBellPatienceMs = 100;      // how soon a stop is seen on a silent rig
+constexpr double kScansRingMs = 2000.0;   // the pipeline may stall this long before scans are lost
+constexpr double kFramesRingMs = 1000.0;  // the publisher may stall this long
+constexpr std::size_t kReaches = 256;     // a person reaches once in several seconds, and the control thread reads 20 times a second
+constexpr double kCopRingMs = 4000.0;     // the control thread may be busy this long before a standing trial is lost
+constexpr double kRecordRingMs = 8000.0;  // the disk may stall this long
+constexpr int kBellPatienceMs = 100;      // the maximum delay of a stop on a silent rig
 
 std::size_t blocks_in(const pipeline::RigConfig& config, double ms) {
   return std::max<std::size_t>(8, static_cast<std::size_t>(config.rate.scans_in_ms(ms)) / config.block_scans);
@@ -24,7 +24,7 @@ core::Status check_streams(const pipeline::RigConfig& config, const pipeline::Pi
                            const std::string& verb) {
   for (const std::string& stream : wanted) {
     if (std::ranges::find(pipeline.formats(), stream, &core::StreamFormat::name) != pipeline.formats().end()) continue;
-    if (stream == "aux") continue;  // a device without further channels simply has nothing to say there
+    if (stream == "aux") continue;  // a device without further channels has an empty stream "aux"
     std::string known;
     for (const core::StreamFormat& format : pipeline.formats()) known += (known.empty() ? "" : ", ") + format.name;
     return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "' has no stream '" + stream + "' to " + verb,
@@ -41,7 +41,7 @@ std::optional<std::size_t> cop_stream_of(const pipeline::Pipeline& pipeline) {
   return static_cast<std::size_t>(found - pipeline.formats().begin());
 }
 
-/// The stages pass doubts on, so the last stream that still has a channel per sensor has them all.
+/// Returns the last stream that still has one channel per sensor. It has all quality bits, because the stages pass them on.
 std::optional<std::size_t> sensor_stream_of(const pipeline::Pipeline& pipeline, std::size_t sensor_count) {
   for (const std::string_view name : {"deflection", "filtered", "raw"}) {
     const auto found = std::ranges::find(pipeline.formats(), name, &core::StreamFormat::name);
@@ -60,7 +60,7 @@ core::Status check_device(const pipeline::RigConfig& config, const device::Devic
   return {};
 }
 
-/// A trigger that can never be seen, a pulse that can never be sent: a mistake that would show when a trial is lost.
+/// Rejects a trigger that can never be detected and a pulse that can never be sent: otherwise the mistake shows only when a trial is lost.
 core::Status check_sync(const pipeline::RigConfig& config, const device::DeviceDescription& device) {
   const auto refuse = [&](const std::string& what, const std::string& hint = {}) {
     return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "': " + what, hint);
@@ -68,7 +68,7 @@ core::Status check_sync(const pipeline::RigConfig& config, const device::DeviceD
   if (config.sync_pulse_ms > 0.0 && !device.has_sync_output) {
     return refuse("[session] sync_pulse_ms needs a device with a sync output", "for MCC devices: sync_output_bit=0 in the device address");
   }
-  if (!config.trigger || config.trigger->channel >= device.channels.size()) return {};  // the pipeline tells of a missing channel
+  if (!config.trigger || config.trigger->channel >= device.channels.size()) return {};  // the pipeline rejects a missing channel
   const device::ChannelDescription& channel = device.channels[config.trigger->channel];
   if (channel.role == device::ChannelRole::Marker) return refuse("[trigger] channel " + channel.name + " is the marker: it never changes");
   const double half_band = config.trigger->hysteresis / 2.0;
@@ -103,7 +103,7 @@ core::Result<std::unique_ptr<Rig>> Rig::assemble(std::unique_ptr<pipeline::RigCo
     error.what = "rig '" + config->name + "': " + error.what;
     return tl::make_unexpected(error);
   }
-  config->rate = *exact_rate;  // of this every format, window and time is made
+  config->rate = *exact_rate;  // all formats, windows and times depend on the exact rate
   auto made = make_rig_pipeline(*config, described);
   if (!made) return tl::make_unexpected(made.error());
   if (auto restored = restore_recorded(*made->pipeline, described); !restored) return tl::make_unexpected(restored.error());
@@ -201,7 +201,7 @@ void Rig::process(const core::Acquired& acquired) noexcept {
     unpublished_gap_ = {};
     frame.event_count = events_.take_count();
     frames_.commit();
-    frames_waiting = frames_.waiting();  // before anybody is woken up to take them
+    frames_waiting = frames_.waiting();  // before the publisher is woken up
     publish_bell_.ring();
   } else {
     unpublished_gap_ = frame.gap_before;
@@ -257,7 +257,7 @@ RingFill Rig::ring_fill() noexcept {
           .record_percent = percent(pipeline.slots_waiting, tap_.capacity())};
 }
 
-/// After everything that the block brought stands in the rings: who reads this first misses nothing before it.
+/// Call after all data of the block are in the rings: a reader of this report then finds everything before its position.
 void Rig::note_progress(const core::Block& block, std::int64_t spent_ns) noexcept {
   if (block.count() == 0) return;
   constexpr double kWeight = 0.02;  // about the last 50 blocks

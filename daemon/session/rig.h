@@ -27,50 +27,50 @@
 
 namespace dts::session {
 
-/// What the pipeline thread tells about itself.
+/// The pipeline thread's report about itself.
 struct PipelineReport {
-  std::uint64_t dropped_blocks_total = 0;  ///< Frames that found the publisher's ring full.
-  std::uint64_t lost_events_total = 0;     ///< Events that found no room on the way to the publisher or to the session's results.
+  std::uint64_t dropped_blocks_total = 0;  ///< Frames dropped because the publisher's ring was full.
+  std::uint64_t lost_events_total = 0;     ///< Events dropped on the way to the publisher or to the session's results.
   double us_per_scan = 0.0;                ///< Time spent in the stages, moving mean.
-  std::uint32_t segment = 0;               ///< Of what was processed last: everything up to there is in the rings.
+  std::uint32_t segment = 0;               ///< With `next_scan`, the end of the processed scans: all data before it are in the rings.
   core::ScanIndex next_scan;
-  RecentPeak frames_waiting;  ///< For the publisher.
-  RecentPeak slots_waiting;   ///< For the recorder.
+  RecentPeak frames_waiting;  ///< Frames that wait for the publisher.
+  RecentPeak slots_waiting;   ///< Slots that wait for the recorder.
 };
 
-/// How full the rings were at their fullest lately (RecentPeak).
+/// The recent peak fill of each ring (RecentPeak).
 struct RingFill {
   double scans_percent = 0.0;
   double frames_percent = 0.0;
   double record_percent = 0.0;
 };
 
-/// One rig at work: a device, its two sample threads and the rings between them.
+/// A running rig: a device, its two sample threads and the rings between them.
 ///
 ///     acquire thread: device --> [scans ring] --> pipeline thread: stages --> [frames ring] --> publish thread
 ///                                                                         --> [record tap] --> record thread
 ///
-/// Threads start with `start` and end with `stop` or the destructor; each has a name and, if permitted, SCHED_FIFO.
+/// `start` starts the threads; `stop` or the destructor ends them. Each has a name and, if permitted, SCHED_FIFO.
 class Rig {
  public:
-  /// Creates device and pipeline; fails with what is wrong in `config`. `publish_bell` is rung for every frame; `clock`, the
-  /// bell and `usb` (nullptr: simulated devices only) outlive the rig.
+  /// Creates device and pipeline; an error says what is wrong in `config`. Rings `publish_bell` for every frame. `clock`, the bell and
+  /// `usb` (nullptr: simulated devices only) outlive the rig.
   [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(pipeline::RigConfig config, core::Clock& clock,
                                                                  core::Doorbell& publish_bell, device::usb::UsbBus* usb = nullptr);
-  /// The same with a ready device instead of the one that `config.device_uri` names: for tests and benchmarks.
+  /// Like above, with a ready device in place of `config.device_uri`: for tests and benchmarks.
   [[nodiscard]] static core::Result<std::unique_ptr<Rig>> create(pipeline::RigConfig config, std::unique_ptr<device::Device> device,
                                                                  core::Clock& clock, core::Doorbell& publish_bell);
   ~Rig();
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
 
-  /// Thread: control. Refused scheduling wishes go to `log` and to `notices`.
+  /// Thread: control. Refused scheduling requests go to `log` and to `notices`.
   void start(core::Log log);
   void stop() noexcept;
 
   [[nodiscard]] const pipeline::RigConfig& config() const noexcept { return *config_; }
   [[nodiscard]] const device::DeviceDescription& device() const noexcept { return device_->describe(); }
-  /// What the device found at its unit. Thread: control; may wait for a control request.
+  /// Returns what the connected device reports about itself. Thread: control; may wait for a control request.
   [[nodiscard]] device::DeviceReport device_report() const { return device_->report(); }
   /// Thread: control; may wait for a control request.
   [[nodiscard]] core::Status set_sync_output(bool is_high) { return device_->set_sync_output(is_high); }
@@ -81,7 +81,7 @@ class Rig {
   [[nodiscard]] const AcquisitionReport& acquisition() noexcept { return acquisition_.report(); }
   [[nodiscard]] const PipelineReport& pipeline_report() noexcept { return pipeline_report_.load(); }
   [[nodiscard]] const StatisticsReport& statistics() noexcept { return statistics_.latest(); }
-  /// Which sensors of a streaming device did not measure in the last second; empty: none.
+  /// Returns which sensors of a streaming device did not measure in the last second; empty: all measured.
   [[nodiscard]] std::string sensor_problems();
   [[nodiscard]] pipeline::Tare& tare() noexcept { return *tare_; }
   [[nodiscard]] RingFill ring_fill() noexcept;
@@ -90,26 +90,26 @@ class Rig {
   /// Thread: publish (the one writer).
   void note_latency(const LatencyReport& report) noexcept { latency_.store(report); }
 
-  /// Finished frames, oldest first. Thread: publish (the consumer).
+  /// Returns the finished frames, oldest first. Thread: publish (the consumer).
   [[nodiscard]] core::SpscRing<core::Frame>& frames() noexcept { return frames_; }
-  /// Events of the finished frames (`Frame::event_count`). Thread: publish (the consumer).
+  /// Returns the events of the finished frames (`Frame::event_count`). Thread: publish (the consumer).
   [[nodiscard]] core::EventLane& events() noexcept { return events_; }
-  /// Reaches and classes, oldest first: for the results of a session. Thread: control (the consumer).
+  /// Returns reaches and classes, oldest first, for the results of a session. Thread: control (the consumer).
   [[nodiscard]] core::SpscRing<core::Event>& reaches() noexcept { return reaches_; }
-  /// Blocks of the stream "cop", oldest first, of a rig that has one: for the results of a session. Some seconds fit; more is lost, which
-  /// shows in the scan indices. Thread: control (the consumer).
+  /// Returns the blocks of the stream "cop", oldest first, for the results of a session. The ring holds several seconds; a loss shows as a
+  /// jump of the scan indices. Thread: control (the consumer).
   [[nodiscard]] core::SpscRing<core::Block>& cops() noexcept { return cops_; }
-  /// Rate of the stream "cop"; nothing when the rig has none.
+  /// Returns the rate of the stream "cop"; nothing if the rig has none.
   [[nodiscard]] std::optional<core::Rate> cop_rate() const noexcept;
-  /// Where the measuring time of trials is told to the stage `steadiness`. Thread: control.
+  /// Returns the measuring windows of trials, which the control thread sends to the stage `steadiness`. Thread: control.
   [[nodiscard]] pipeline::SteadinessWindows& windows() noexcept { return *windows_; }
-  /// Thread: control.
+  /// Passes a cue to the device: a simulated subject follows it. Thread: control.
   void hear(const device::Cue& cue) noexcept { device_->hear(cue); }
-  /// Where recordings branch off.
+  /// Returns the branch of the frames to the recorder.
   [[nodiscard]] RecordTap& tap() noexcept { return tap_; }
-  /// "window_filter window_scans=3 shift_scans=1", in order.
+  /// Returns the stages in order: "window_filter window_scans=3 shift_scans=1".
   [[nodiscard]] const std::vector<std::string>& stage_texts() const noexcept { return pipeline_->stage_texts(); }
-  /// Frames dropped because the publisher was too slow. Thread: any.
+  /// Returns the number of frames dropped because the publisher was too slow. Thread: any.
   [[nodiscard]] std::uint64_t dropped_blocks() const noexcept { return frames_.dropped(); }
 
  private:
@@ -125,7 +125,7 @@ class Rig {
   void offer_cop(const core::Frame& frame) noexcept;
   void note_progress(const core::Block& block, std::int64_t spent_ns) noexcept;
 
-  std::unique_ptr<const pipeline::RigConfig> config_;  ///< On the heap: device and stages keep references into its model.
+  std::unique_ptr<const pipeline::RigConfig> config_;  ///< On the heap: device and stages keep references to its model.
   core::Clock& clock_;
   core::Doorbell& publish_bell_;
   std::unique_ptr<device::Device> device_;
@@ -136,15 +136,15 @@ class Rig {
   core::SpscRing<core::Frame> frames_;
   core::EventLane events_;
   core::SpscRing<core::Event> reaches_;
-  std::optional<std::size_t> cop_stream_;  ///< Which of the frame's streams is "cop".
+  std::optional<std::size_t> cop_stream_;  ///< Index of the frame's stream "cop".
   core::SpscRing<core::Block> cops_;
   RecordTap tap_;
-  core::Frame spare_frame_;    ///< Processed into when the publisher's ring is full: the stages must see every scan.
-  core::Gap unpublished_gap_;  ///< Stood before frames that found no room; goes with the next.
+  core::Frame spare_frame_;    ///< Filled when the publisher's ring is full, because the stages must process every scan.
+  core::Gap unpublished_gap_;  ///< Gap before dropped frames; goes with the next frame that is published.
   core::Doorbell scans_bell_;
   Acquisition acquisition_;
   StatisticsCollector statistics_;
-  std::optional<std::size_t> sensor_stream_;  ///< Which of the frame's streams has the most processed values of each sensor.
+  std::optional<std::size_t> sensor_stream_;  ///< Index of the frame's stream that has the most processed values of each sensor.
   SensorWatch sensor_watch_;
   PipelineReport pipeline_state_;
   core::LatestValue<PipelineReport> pipeline_report_;

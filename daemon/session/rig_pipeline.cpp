@@ -39,7 +39,7 @@ std::vector<pipeline::StageContext::InputRange> input_ranges(const pipeline::Rig
   return ranges;
 }
 
-/// XDF wiki: what a channel measures.
+/// Returns the kind of quantity, in the words of the XDF wiki.
 std::string channel_type(const std::string& unit) {
   if (unit == "V") return "Voltage";
   if (unit == "mm") return "Position";
@@ -59,7 +59,7 @@ record::ChannelInfo device_channel(const core::ChannelFormat& format, const devi
           .is_marker = described.role == device::ChannelRole::Marker};
 }
 
-/// Device channels of the columns of "raw" and "aux", in order: the sensors as configured, then the rest as they come.
+/// Returns the device channels of the columns of "raw" and "aux", in order: the sensors as configured, then the others in device order.
 std::vector<std::size_t> device_channels(const pipeline::RigConfig& config, const device::DeviceDescription& device,
                                          const std::string& stream) {
   if (stream == "raw") return config.sensor_channels;

@@ -16,34 +16,34 @@
 
 namespace dts::session {
 
-/// The pipeline of a rig with the letter boxes that its stages refer to, which therefore live longer.
+/// A rig's pipeline, with the exchange objects that its stages refer to and that must outlive it.
 struct RigPipeline {
   std::unique_ptr<pipeline::Tare> tare;
   std::unique_ptr<pipeline::SteadinessWindows> windows;
   std::unique_ptr<pipeline::Pipeline> pipeline;
 };
 
-/// Assembles what `config` describes for the channels of `device`; `config.rate` is the device's exact rate. One place for daemon and
-/// laboratory: a replay that assembled anything else would prove nothing. The stages refer into `config.model` and
-/// `config.cop_calibration`: `config` stays where it is and outlives the pipeline. Fails with InvalidArgument, naming the rig.
+/// Builds the pipeline that `config` describes for the channels of `device`; `config.rate` is the device's exact rate. Used by daemon and
+/// laboratory alike, so that a replay uses the same pipeline. The stages refer to `config.model` and `config.cop_calibration`: `config`
+/// must not move and must outlive the pipeline. Fails with InvalidArgument, naming the rig.
 [[nodiscard]] core::Result<RigPipeline> make_rig_pipeline(const pipeline::RigConfig& config, const device::DeviceDescription& device);
 
-/// Whether the pipeline went on from where a recording began.
+/// Whether the pipeline continues from the state at the start of a recording.
 enum class Restored : std::uint8_t {
-  NoRecording,  ///< The device plays none, or one without the state of its stages: nothing to restore.
-  OtherStages,  ///< The recording was made by other stages or with other options: their state means nothing here.
+  NoRecording,  ///< The device plays no recording, or one without the state of the stages.
+  OtherStages,  ///< The recording has other stages or options, so their state cannot be used.
   Done,         ///< The next block continues the recorded stream.
 };
 
-/// Takes up the state that the device's recording holds, so that its replay gives what was recorded bit for bit from the first scan on.
-/// Before the pipeline's first block, which comes at `next_scan` of `segment`; acquisition lets a replay begin at the recorded index. Fails
-/// with DataDamaged, naming the stage, when the state is impossible; the pipeline is then as fresh.
+/// Restores the state of the stages from the device's recording, so that the replay equals the recording bit for bit from the first scan
+/// on. Call it before the pipeline's first block, which must start at `next_scan` of `segment` (acquisition starts a replay at the recorded
+/// index). Fails with DataDamaged, naming the stage, if the state is impossible; the pipeline is then in its initial state.
 [[nodiscard]] core::Result<Restored> restore_recorded(pipeline::Pipeline& pipeline, const device::DeviceDescription& device,
                                                       std::uint32_t segment, core::ScanIndex next_scan);
 [[nodiscard]] core::Result<Restored> restore_recorded(pipeline::Pipeline& pipeline, const device::DeviceDescription& device);
 
-/// What is recorded of a rig: the streams that its configuration names, or all; "raw" and "aux" always, since everything else can be
-/// computed from them again. They keep every bit that the device gave, what was computed stands as it is published.
+/// Returns the streams to record: those in the configuration, or all. Always includes "raw" and "aux", from which all others can be
+/// computed again. These two keep every bit of the device's values; the other streams are recorded as published (float32).
 [[nodiscard]] std::vector<record::RecordedStream> recorded_streams(const pipeline::RigConfig& config,
                                                                    const device::DeviceDescription& device,
                                                                    std::span<const core::StreamFormat> formats);

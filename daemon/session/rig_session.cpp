@@ -17,16 +17,16 @@ namespace {
 using core::ErrorCode;
 
 constexpr std::size_t kLongestReason = 200;
-constexpr double kFurthestS = 1.0;  // between what happened and the newest scan, in either direction
+constexpr double kFurthestS = 1.0;  // maximum distance between an event and the newest scan, in either direction
 
-/// FNV-1a: the same order of trials for the same session on every machine.
+/// FNV-1a: gives the same order of trials for the same session on every machine.
 std::uint64_t seed_of(const std::string& id) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (const char c : id) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
   return hash;
 }
 
-/// What the session's newest recording says of itself; its parts agree on all that is taken over, and one that is missing holds nothing up.
+/// Reads the facts of the session from its newest readable part; all parts agree on the facts used here, and unreadable parts are skipped.
 core::Result<record::SessionFacts> facts_of(const record::SessionRow& row) {
   core::Result<record::SessionFacts> facts = core::fail(ErrorCode::NotFound, "session " + row.id + " has no recording to go on from");
   for (const record::PartRow& part : std::views::reverse(row.parts)) {
@@ -37,7 +37,8 @@ core::Result<record::SessionFacts> facts_of(const record::SessionRow& row) {
   return facts;
 }
 
-/// Length of all parts without their settling. Of one that is not repaired yet: from its beginning to the last write to its file.
+/// Returns the duration of all parts without their settling. A part that is not repaired yet counts from its start to the last write to its
+/// file.
 double recorded_s(const record::SessionRow& row, double settle_s) {
   double sum_s = 0.0;
   for (const record::PartRow& part : row.parts) {
@@ -53,7 +54,7 @@ double recorded_s(const record::SessionRow& row, double settle_s) {
   return sum_s;
 }
 
-/// Places of the plan that need no repetition: done, or rejected with the plan going on.
+/// Returns the trials of the plan that need no repetition: done, or rejected (the plan continued).
 std::vector<std::uint32_t> places_done(const record::SessionRow& row) {
   std::map<std::uint32_t, const record::TrialRow*> last;
   for (const record::TrialRow& trial : row.trials) {
@@ -138,14 +139,15 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
   const std::vector<std::uint32_t> done = places_done(row);
   const bool has_open_trials = (*protocol)->trials && done.size() < make_plan(*(*protocol)->trials, earlier->plan_seed).size();
-  if (row.state == "complete" && row.message.empty() && !has_open_trials) {  // a message: it ended, but not because it was over
+  if (row.state == "complete" && row.message.empty() && !has_open_trials) {  // a message: the session ended early
     return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: there is nothing to resume", "start a new one");
   }
-  // Asked for or the protocol's; what was recorded of it is not recorded again.
+  // The requested duration, or the protocol's, less what is already recorded.
   if (const double whole_s = earlier->duration_s > 0.0 ? earlier->duration_s : (*protocol)->duration_s; whole_s > 0.0) {
     request.duration_s = whole_s - recorded_s(row, earlier->settle_s > 0.0 ? earlier->settle_s : (*protocol)->settle_s);
     if (request.duration_s < 1.0) {
-      return core::fail(ErrorCode::WrongState, "session " + row.id + " was over but for its last second: there is nothing to resume", "start a new one");
+      return core::fail(ErrorCode::WrongState, "session " + row.id + " was over but for its last second: there is nothing to resume",
+                        "start a new one");
     }
   }
   record::SessionFacts next = facts(row.id, request, **protocol, moment);
@@ -185,16 +187,16 @@ core::Status RigSession::stop(bool is_abort, const std::string& reason, const Mo
   return {};
 }
 
-/// What happened until now goes to the recording before it is told to end.
+/// Adds everything up to now to the recording before it ends.
 void RigSession::end_recording(const Moment& moment) {
   if (trials_) trials_->abort(moment.now_ns);
   collect(moment.at);
   conclude(moment.at);
-  if (is_aborted_) {  // the recording says so itself: the catalogue may have to be made from it again
+  if (is_aborted_) {  // in the recording too, because the catalogue may be rebuilt from it
     note({.event = "session", .values = {{"state", std::string("aborted")}, {"message", end_reason_}}}, moment.at);
   }
   if (is_recording_) {
-    // Should the daemon end before the file is closed: this one was not interrupted, and must not go on by itself.
+    // In case the daemon ends before the file is closed: this session was not interrupted and must not be resumed automatically.
     services_.recordings->end_session(session_.view(moment.now_ns).id, is_aborted_ ? "aborted" : "incomplete",
                                       is_aborted_ ? end_reason_ : "it was stopped, and its recording was being closed",
                                       moment.now_ns + utc_minus_monotonic_ns_);
@@ -239,7 +241,7 @@ void RigSession::tick(const Moment& moment, std::uint64_t scans_total) {
   const SessionState state = session_.view(moment.now_ns).state;
   if (trials_ && state == SessionState::Running) {
     trials_->tick(moment.now_ns);
-    if (std::exchange(is_next_wanted_, false)) static_cast<void>(trials_->next(moment.now_ns));  // a fresh plan waits for it
+    if (std::exchange(is_next_wanted_, false)) static_cast<void>(trials_->next(moment.now_ns));  // the plan is waiting for its first trial
   }
   collect(moment.at);
   follow(moment.at);
@@ -249,7 +251,7 @@ void RigSession::tick(const Moment& moment, std::uint64_t scans_total) {
 void RigSession::recording_finished(const FinishedRecording& finished, const Moment& moment) {
   is_recording_ = false;
   if (session_.is_under_way() && session_.view(moment.now_ns).state != SessionState::Stopping) {
-    session_.fail(moment.now_ns, "the recording stopped: " + finished.incomplete);  // what is not recorded is no session
+    session_.fail(moment.now_ns, "the recording stopped: " + finished.incomplete);  // a session must be recorded
     if (trials_) trials_->abort(moment.now_ns);
     collect(moment.at);
     conclude(moment.at);
@@ -267,7 +269,7 @@ void RigSession::note(record::RecordedEvent event, const DataPosition& at) {
   services_.recordings->note(rig_.config().name, std::move(event));
 }
 
-/// What the state machines have to tell: into the recording and the catalogue, and kept for the bus.
+/// Writes the changes of the state machines to the recording and the catalogue, and keeps them for the bus.
 void RigSession::collect(const DataPosition& at) {
   for (SessionView& change : session_.take_changes()) {
     record::RecordedEvent event{.event = "session"};
@@ -289,12 +291,13 @@ void RigSession::collect(const DataPosition& at) {
   }
 }
 
-/// Phases are as long as they are meant to be, however late they were noticed: their scans are counted from the newest by the exact rate.
+/// Returns the position of `host_ns`, calculated back from the newest scan with the exact rate: so phases have their exact length, even if
+/// they are detected late.
 DataPosition RigSession::position_at(std::int64_t host_ns, const DataPosition& newest) const {
   const double scans = std::round(static_cast<double>(host_ns - newest.host_time_ns) * 1e-9 * rig_.config().rate.hz());
-  if (newest.host_time_ns == 0 || std::abs(scans) > kFurthestS * rig_.config().rate.hz()) return newest;  // no data for a while
+  if (newest.host_time_ns == 0 || std::abs(scans) > kFurthestS * rig_.config().rate.hz()) return newest;  // no scans for some time
   const double scan = static_cast<double>(newest.scan.value) + scans;
-  if (scan < 0.0) return newest;  // before this segment
+  if (scan < 0.0) return newest;  // before the start of this segment
   return {.segment = newest.segment, .scan = {static_cast<std::uint64_t>(scan)}, .host_time_ns = host_ns};
 }
 
@@ -318,7 +321,7 @@ void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
     case TrialEventKind::Rejected:
     case TrialEventKind::Aborted: break;
   }
-  if (row.outcome.empty()) {  // a trial that was done already and is voided now ended where it ended
+  if (row.outcome.empty()) {  // a trial that is voided after its end keeps its end
     row.last_segment = at.segment;
     row.last_scan = at.scan.value;
   }
@@ -327,7 +330,7 @@ void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
 }
 
 void RigSession::put_trial(record::TrialRow& row) {
-  if (services_.recordings == nullptr || row.outcome.empty()) return;  // one under way is entered when it ends
+  if (services_.recordings == nullptr || row.outcome.empty()) return;  // a trial under way is entered when it ends
   row.session_id = session_.view(0).id;
   row.part = services_.recordings->part(rig_.config().name);
   services_.recordings->enter_trial(row);

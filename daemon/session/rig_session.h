@@ -29,14 +29,14 @@ struct DataPosition {
   std::int64_t host_time_ns = 0;
 };
 
-/// When something happens, and at which scan: the newest.
+/// The current time and the newest scan.
 struct Moment {
   std::int64_t now_ns = 0;
-  std::int64_t utc_minus_monotonic_ns = 0;  ///< By the wall clock at this moment.
+  std::int64_t utc_minus_monotonic_ns = 0;  ///< By the wall clock at this time.
   DataPosition at;
 };
 
-/// What happened, and at which scan.
+/// A change of the session, and its scan.
 struct SessionChange {
   SessionView view;
   DataPosition at;
@@ -46,7 +46,7 @@ struct TrialChange {
   DataPosition at;
 };
 
-/// A trial was decided.
+/// The result of a trial.
 struct TrialOutcome {
   std::variant<ReachTrialResult, SwayTrialResult> result;
   DataPosition at;
@@ -54,44 +54,44 @@ struct TrialOutcome {
 
 enum class TrialAction : std::uint8_t { Next = 1, Redo, Reject };
 
-/// What a session needs besides its rig; outlives it.
+/// What a session needs besides its rig; must outlive the session.
 struct SessionServices {
-  Recordings* recordings = nullptr;  ///< Without: sessions label the stream and write nothing. For tests and benchmarks.
+  Recordings* recordings = nullptr;  ///< nullptr: sessions label the stream but record nothing. For tests and benchmarks.
   std::vector<Protocol> protocols{Protocol{}};
   std::string software{};  ///< "dtsd 0.1.0"
   std::string boot_id{};
-  /// Returns how many trials the text of a recorded protocol plans: this room reads no files.
+  /// Returns the number of trials in a recorded protocol's text. A function, because this folder reads no files.
   std::function<std::uint32_t(const std::string&)> planned_trials = [](const std::string&) { return 0U; };
 };
 
-/// One rig's session with all that belongs to it: its state, its recording, its trials. Thread: control.
+/// One rig's session: its state, its recording and its trials. Thread: control.
 class RigSession {
  public:
   RigSession(Rig& rig, SessionServices& services) : rig_(rig), services_(services), session_(rig.config().name) {}
 
-  /// Starts; the recording is safe on the disk when this returns. InvalidArgument: request, protocol or fields; WrongState; or what the
-  /// disk says.
+  /// Starts a session; its recording is safe on the disk when this returns. Fails with InvalidArgument (request, protocol or fields),
+  /// WrongState, or the error of the recording.
   [[nodiscard]] core::Status start(std::string id, const SessionRequest& request, const Moment& moment);
-  /// Goes on with an interrupted, incomplete or aborted session of this rig as a further part; trials that count are not repeated.
+  /// Continues an interrupted, incomplete or aborted session of this rig as a new part; valid trials are not repeated.
   [[nodiscard]] core::Status resume(const record::SessionRow& row, const Moment& moment);
-  /// Goes to Stopping; `view` says when the recording is closed. An abort is listed as one; `reason` says why it ended in either case.
+  /// Enters Stopping; `view` shows when the recording is closed. The catalogue lists an abort as aborted, and in both cases `reason`.
   [[nodiscard]] core::Status stop(bool is_abort, const std::string& reason, const Moment& moment);
-  /// `Next` before the session runs counts as soon as it does. WrongState: no session, none with trials, not running yet, or what TrialRun
-  /// says.
+  /// Executes `action`. `Next` before the session runs is done as soon as it runs. Fails with WrongState if there is no session, it has no
+  /// trials or does not run yet, or if TrialRun rejects the action.
   [[nodiscard]] core::Status trial(TrialAction action, const Moment& moment);
 
-  /// Lets time pass; `scans_total` is the rig's counter.
+  /// Advances the session to `moment`; `scans_total` is the rig's counter.
   void tick(const Moment& moment, std::uint64_t scans_total);
-  /// The rig's recording ended, for whatever reason.
+  /// Ends the session if the rig's recording ended for any reason.
   void recording_finished(const FinishedRecording& finished, const Moment& moment);
-  /// Something happened on the rig: goes to the recording.
+  /// Writes an event of the rig to the recording.
   void note(record::RecordedEvent event, const DataPosition& at);
 
   [[nodiscard]] bool is_under_way() const noexcept { return session_.is_under_way(); }
   [[nodiscard]] SessionView view(std::int64_t now_ns) const { return session_.view(now_ns); }
-  /// Nothing when the protocol has no trials.
+  /// Returns nothing if the protocol has no trials.
   [[nodiscard]] std::optional<TrialView> trial_view(std::int64_t now_ns) const;
-  /// What happened since the last call, oldest first: it stands in the recording already.
+  /// Returns the changes since the last call, oldest first. They are already in the recording.
   [[nodiscard]] std::vector<SessionChange> take_changes() { return std::exchange(changes_, {}); }
   [[nodiscard]] std::vector<TrialChange> take_trial_changes() { return std::exchange(trial_changes_, {}); }
   [[nodiscard]] std::vector<TrialOutcome> take_outcomes() { return std::exchange(outcomes_, {}); }
@@ -125,14 +125,14 @@ class RigSession {
   std::map<std::pair<std::uint32_t, std::uint32_t>, record::TrialRow> trial_rows_;  ///< By trial and attempt.
   bool is_recording_ = false;
   bool is_aborted_ = false;
-  bool is_next_wanted_ = false;  ///< The first trial begins as soon as the session runs.
+  bool is_next_wanted_ = false;  ///< Start the first trial as soon as the session runs.
   std::string end_reason_;
-  std::int64_t utc_minus_monotonic_ns_ = 0;  ///< At the start: a clock that is set meanwhile must not end a session before it began.
+  std::int64_t utc_minus_monotonic_ns_ = 0;  ///< At the start: a clock set during the session must not make it end before it began.
   std::vector<SessionChange> changes_;
   std::vector<TrialChange> trial_changes_;
-  std::optional<ReachResults> reaches_;  ///< Of a session with trials on a rig that finds reaches.
-  std::optional<SwayResults> sways_;     ///< The same, on a rig with a centre of pressure.
-  TrialPlan plan_;                       ///< Of the session's protocol.
+  std::optional<ReachResults> reaches_;  ///< If the session has trials and the rig detects reaches.
+  std::optional<SwayResults> sways_;     ///< If the session has trials and the rig has a centre of pressure.
+  TrialPlan plan_;                       ///< From the session's protocol.
   std::vector<TrialOutcome> outcomes_;
 };
 

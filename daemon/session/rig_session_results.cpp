@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a session with trials makes of reaches: cues to the subject, a result for each trial, figures at the end.
+// Results in a session with trials: cues to the subject, a result for each trial, results of the session at its end.
 #include <algorithm>
 #include <iterator>
 #include <limits>
@@ -38,7 +38,7 @@ void RigSession::give_cue(const TrialEvent& event) {
   rig_.hear({.is_go = event.kind == TrialEventKind::Go, .at_ns = event.at_ns, .target_cm = event.target_cm.value_or(0.0)});
 }
 
-/// What the session's trials are judged by. What the rings hold is from before the session.
+/// Prepares the results of a new session. Empties the rings, whose content is from before the session.
 void RigSession::prepare_results(const Protocol& protocol, const record::SessionFacts& facts) {
   reaches_.reset();
   sways_.reset();
@@ -53,7 +53,7 @@ void RigSession::prepare_results(const Protocol& protocol, const record::Session
   if (const auto cop_rate = rig_.cop_rate()) sways_.emplace(rig_.config().rate, *cop_rate);
 }
 
-/// Empties the rings from the pipeline: into the results of the session, if there are any.
+/// Empties the rings from the pipeline; passes their content to the results of the session, if any.
 void RigSession::drain() {
   while (const core::Event* event = rig_.reaches().front()) {
     if (reaches_) {
@@ -68,7 +68,7 @@ void RigSession::drain() {
   }
 }
 
-/// Takes what the pipeline noticed since the last time. The position is read first: everything before it is in the rings by then.
+/// Processes what the pipeline found since the last call. Reads the position first: everything before it is in the rings by then.
 void RigSession::follow(const DataPosition& at) {
   const PipelineReport processed = rig_.pipeline_report();
   drain();
@@ -76,7 +76,7 @@ void RigSession::follow(const DataPosition& at) {
   tell_outcomes(at);
 }
 
-/// The stage `steadiness` is told when a trial will be measured as soon as that is known.
+/// Announces the measuring window of a trial to the stage `steadiness` as soon as it is known.
 void RigSession::open_window(const TrialEvent& event, const DataPosition& at) {
   if (!sways_) return;
   using enum TrialEventKind;
@@ -94,7 +94,7 @@ void RigSession::open_window(const TrialEvent& event, const DataPosition& at) {
   }
 }
 
-/// Into the recording, and beside the trial in the catalogue.
+/// Writes a result to the recording, and to its trial in the catalogue.
 void RigSession::enter_result(record::RecordedEvent event, std::uint32_t trial, std::uint32_t attempt, const DataPosition& at) {
   event.segment = at.segment;
   event.scan = at.scan;
@@ -120,8 +120,8 @@ void RigSession::tell_outcomes(const DataPosition& at) {
   }
 }
 
-/// The session's trials are over: each reach is judged once more, by the subject's own scale if there is one now; and what came of them
-/// as a whole. A resumed session has figures for each of its parts.
+/// Concludes the session's trials: classifies each reach again, on the subject's own scale if it is known now, and computes the results of
+/// the session. A resumed session has such results for each part.
 void RigSession::conclude(const DataPosition& at) {
   follow(at);
   std::vector<SessionFigure> figures;

@@ -11,7 +11,7 @@ namespace {
 namespace quality = core::quality;
 
 constexpr std::uint8_t kAll = 0xFF;
-/// The first that holds for a sensor is the one to report: a sensor at 10 V is outside of its curve, too.
+/// In order of priority; only the first match of a sensor is reported. A sensor at 10 V, for example, is also outside its curve.
 constexpr std::array<std::pair<std::uint8_t, std::string_view>, 3> kProblems{{{quality::kStuck, "unchanged"},
                                                                               {quality::kRail, "at the end of the range"},
                                                                               {quality::kOutOfRange, "outside of the calibration curve"}}};

@@ -11,21 +11,21 @@
 
 namespace dts::session {
 
-/// Quality bits that every scan of the last second had, by sensor.
+/// Quality bits that were set in every scan of the last second, by sensor.
 struct SensorDoubts {
   std::size_t sensor_count = 0;
   std::array<std::uint8_t, core::kMaxChannels> bits{};
 };
 
-/// Finds sensors that do not measure, by the quality that the stages gave their values (`guard`, `linearise`): it judges nothing itself.
+/// Finds sensors that do not measure from the quality bits set by the stages `guard` and `linearise`. Makes no judgement of its own.
 class SensorWatch {
  public:
   /// `period_scans`: about a second.
   SensorWatch(std::size_t sensor_count, std::uint64_t period_scans);
 
-  /// Takes a block with one column per sensor; ignores one of another shape. Thread: pipeline. Realtime-safe: yes.
+  /// Adds a block with one column per sensor; ignores a block with any other number of columns. Thread: pipeline. Realtime-safe: yes.
   void add(const core::Block& sensors) noexcept;
-  /// The last complete period. Thread: control (the one reader).
+  /// Returns the last complete period. Thread: control (the one reader).
   [[nodiscard]] const SensorDoubts& latest() noexcept { return latest_.load(); }
 
  private:
@@ -35,7 +35,7 @@ class SensorWatch {
   core::LatestValue<SensorDoubts> latest_;
 };
 
-/// Returns which sensors do not measure, why, and what to do; empty if all measure. `names`: of the sensors' channels.
+/// Returns which sensors do not measure, why, and what to do; empty if all measure. `names`: the names of the sensors' channels.
 [[nodiscard]] std::string sensor_problems(const SensorDoubts& doubts, const std::vector<std::string>& names);
 
 }  // namespace dts::session

@@ -83,7 +83,7 @@ core::Status Session::stop(std::int64_t now_ns) {
 void Session::fail(std::int64_t now_ns, std::string message) {
   if (!is_under_way()) return;
   failure_ = std::move(message);
-  if (state_ != SessionState::Stopping) static_cast<void>(stop(now_ns));  // cannot fail: it is under way
+  if (state_ != SessionState::Stopping) static_cast<void>(stop(now_ns));  // cannot fail: a session is under way
 }
 
 void Session::closed(std::int64_t now_ns) {

@@ -11,55 +11,54 @@
 namespace dts::session {
 
 /// Idle --start--> Starting --first scan--> Settling --settle_s--> Running --stop, duration--> Stopping --closed--> Idle
-/// Starting --no scans for 10 s--> Stopping --closed--> Failed, and so does a recording that breaks. A lost device does not end a running
-/// session: it goes on in the next segment.
+/// Starting --no scans for 10 s--> Stopping --closed--> Failed. The same happens if the recording fails. A lost device does not end a
+/// running session: the session continues in the next segment.
 enum class SessionState : std::uint8_t { Idle = 1, Starting, Settling, Running, Stopping, Failed };
 
 [[nodiscard]] std::string_view name(SessionState state) noexcept;
 
-/// What a person asks for. Checked by `check`, and against its protocol by `check_fields`.
+/// The request of an operator. Checked by `check`, and against its protocol by `check_fields`.
 struct SessionRequest {
   std::string protocol = "free";
-  std::string subject;      ///< Pseudonym given by the clinic: [A-Za-z0-9_.-], at most 64 characters; may be empty.
+  std::string subject;      ///< Subject ID assigned by the clinic: [A-Za-z0-9_.-], at most 64 characters; optional.
   std::string label;        ///< At most 200 bytes.
-  double duration_s = 0.0;  ///< 0: until stopped; else up to 7 days, counted after settling.
+  double duration_s = 0.0;  ///< 0: until stopped; at most 7 days, counted after settling.
   double settle_s = 0.0;    ///< 0..3600.
-  std::vector<std::pair<std::string, std::string>> fields{};  ///< What the protocol asks about the subject.
+  std::vector<std::pair<std::string, std::string>> fields{};  ///< The protocol's fields about the subject.
 };
 
-/// Fails with InvalidArgument, naming the field and its range.
+/// Fails with InvalidArgument, naming the wrong field and its range.
 [[nodiscard]] core::Status check(const SessionRequest& request);
 
 struct SessionView {
-  std::string id;  ///< Empty: there has been none.
+  std::string id;  ///< Empty: no session yet.
   SessionState state = SessionState::Idle;
   SessionRequest request;
   double elapsed_s = 0.0;
   std::string message;
 };
 
-/// The state machine of one rig's session. Knows time only as what it is told, so that tests run it without waiting.
-/// Thread: control.
+/// The state machine of one rig's session. Uses only the times passed to it, so that tests need not wait. Thread: control.
 class Session {
  public:
   explicit Session(std::string rig) : rig_(std::move(rig)) {}
 
-  /// WrongState when one is under way.
+  /// Fails with WrongState if a session is under way.
   [[nodiscard]] core::Status check_free() const;
-  /// Starts a session named `id`. WrongState when one is under way. The request must have passed `check`.
+  /// Starts a session with this ID. Fails with WrongState if one is under way. The request must have passed `check`.
   [[nodiscard]] core::Status start(std::string id, const SessionRequest& request, std::int64_t now_ns);
-  /// Goes to Stopping, where the recording is closed. WrongState when none is under way, or it is stopping already.
+  /// Enters Stopping, in which the recording is closed. Fails with WrongState if no session is under way or it is already stopping.
   [[nodiscard]] core::Status stop(std::int64_t now_ns);
-  /// The same, because something went wrong: it ends as Failed. No effect when none is under way.
+  /// Stops the session because of an error: it ends as Failed. No effect if no session is under way.
   void fail(std::int64_t now_ns, std::string message);
-  /// What was recorded is closed: Stopping ends.
+  /// Ends Stopping: the recording is closed.
   void closed(std::int64_t now_ns);
-  /// Lets time pass; `scans_total` is the rig's counter (a rising one means that it streams).
+  /// Advances to `now_ns`; `scans_total` is the rig's counter (if it increases, the rig streams).
   void tick(std::int64_t now_ns, std::uint64_t scans_total);
 
   [[nodiscard]] bool is_under_way() const noexcept { return state_ != SessionState::Idle && state_ != SessionState::Failed; }
   [[nodiscard]] SessionView view(std::int64_t now_ns) const;
-  /// The states entered since the last call, oldest first: each becomes an event.
+  /// Returns the states entered since the last call, oldest first; each becomes an event.
   [[nodiscard]] std::vector<SessionView> take_changes();
 
  private:
@@ -70,7 +69,7 @@ class Session {
   SessionState state_ = SessionState::Idle;
   SessionRequest request_;
   std::string message_;
-  std::string failure_;  ///< Why it will end as Failed; empty: it will not.
+  std::string failure_;  ///< Why the session will end as Failed; empty: it will not.
   std::int64_t entered_ns_ = 0;
   std::int64_t running_since_ns_ = 0;
   std::int64_t stopped_ns_ = 0;

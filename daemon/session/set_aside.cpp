@@ -10,8 +10,8 @@
 namespace dts::session {
 namespace {
 
-/// The database, then the files beside it that are its own. It is the first to be renamed: without its log it would be an older one. The
-/// log is the last: a log without a database shows that the renames were interrupted.
+/// The database is renamed first: without its log it would contain older data. The log is last: a log without a database shows that the
+/// renames were interrupted.
 constexpr std::array<const char*, 4> kCatalogueEndings{"", ".audit", "-shm", "-wal"};
 
 bool is_there(const std::string& file) {
@@ -19,7 +19,7 @@ bool is_there(const std::string& file) {
   return std::filesystem::exists(std::filesystem::symlink_status(file, unknown));
 }
 
-/// A name under which nothing lies yet: a rename must not replace what was set aside earlier.
+/// Returns an unused name, so that a rename never replaces what was set aside earlier.
 std::string name_to_set_aside(const std::string& catalogue, std::int64_t utc_ns) {
   std::string aside = catalogue + ".damaged-" + core::utc_text(utc_ns);
   std::ranges::replace(aside, ':', '-');

@@ -64,7 +64,7 @@ DiskView look_at_disk(const StorageConfig& config, double bytes_per_s) {
     view.state = DiskState::Unusable;
     view.problem = view.directory + " is on a disk mounted read-only; " + kHint;
   } else if (bytes_per_s == 0.0) {
-    // Without a rig nothing is recorded: no disk is too small for it.
+    // Without rigs, nothing is recorded and any disk is large enough.
   } else if (view.recordable_s < config.refuse_below_min * 60.0) {
     view.state = DiskState::Full;
     view.problem = view.directory + " has room for " + minutes(view.recordable_s) + " of recording; sessions start from " +

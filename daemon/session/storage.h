@@ -8,31 +8,31 @@
 
 namespace dts::session {
 
-/// Where recordings go, and how much room there must be.
+/// Where recordings are stored, and how much free space they need.
 struct StorageConfig {
   std::string directory;           ///< State folder: catalogue.sqlite, and sessions/ with the recordings.
-  double refuse_below_min = 10.0;  ///< No session starts with room for less.
+  double refuse_below_min = 10.0;  ///< Minimum free space to start a session, in minutes of recording.
   double warn_below_min = 60.0;
-  double resume_within_min = 0.0;  ///< A session that a crash interrupted is gone on with at start when it is not older; 0: never.
-  double stop_below_mib = 64.0;  ///< Recordings are closed in order before the disk is full to the last byte.
+  double resume_within_min = 0.0;  ///< The daemon's start resumes a session that was interrupted less than this ago; 0: never.
+  double stop_below_mib = 64.0;    ///< Below this free space, recordings are closed properly before the disk is full.
 };
 
 enum class DiskState : std::uint8_t { Fine = 1, Low, Full, Unusable };
 [[nodiscard]] std::string_view name(DiskState state) noexcept;
 
-/// How the state folder's disk stands.
+/// Free space on the disk of the state folder.
 struct DiskView {
   DiskState state = DiskState::Fine;
   std::uint64_t free_bytes = 0;
-  double recordable_s = 0.0;  ///< With every rig recording.
+  double recordable_s = 0.0;  ///< Remaining time if all rigs record.
   std::string directory;
-  std::string problem;  ///< What is wrong and what to do; empty: nothing.
+  std::string problem;  ///< What is wrong and what to do; empty: no problem.
 };
 
-/// Looks at the disk. `bytes_per_s`: what all rigs together write.
+/// Checks the disk. `bytes_per_s`: the data rate of all rigs together.
 [[nodiscard]] DiskView look_at_disk(const StorageConfig& config, double bytes_per_s);
 
-/// Makes `<directory>/sessions` (0750) and tries whether files can be written there. Fails with what is wrong and what to do.
+/// Creates `<directory>/sessions` (0750) and checks the access rights to it. An error says what is wrong and what to do.
 [[nodiscard]] core::Status prepare_storage(const StorageConfig& config);
 [[nodiscard]] std::string sessions_directory(const StorageConfig& config);
 

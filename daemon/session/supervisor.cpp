@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int64_t kRateWindowNs = 2'000'000'000;
 constexpr std::size_t kLongestMark = 200;
-constexpr std::chrono::seconds kCloseLimit{10};  // a disk that hangs longer is left to the recovery at the next start
+constexpr std::chrono::seconds kCloseLimit{10};  // if the disk hangs longer, the next start recovers the recordings
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void Supervisor::start() {
 void Supervisor::stop() {
   for (auto& [rig_name, entry] : entries_) {
     if (entry.session.is_under_way())
-      static_cast<void>(entry.session.stop(false, "the daemon was stopped", moment(entry)));  // refused: it is stopping already
+      static_cast<void>(entry.session.stop(false, "the daemon was stopped", moment(entry)));  // fails only if it is stopping already
   }
   if (services_.recordings != nullptr) {
     services_.recordings->wait_until_closed(kCloseLimit);
@@ -94,13 +94,14 @@ std::string Supervisor::new_session_id(const std::string& rig) {
   std::array<char, 32> stamp{};
   std::strftime(stamp.data(), stamp.size(), "%Y%m%dT%H%M%SZ", &utc);
   const auto id = [&] { return std::string(stamp.data()) + "-" + rig + "-" + std::to_string(sessions_started_ + 1); };
-  // A daemon that was started again in the same second, or after the clock was set back, has used it before.
+  // The ID may exist already: the daemon was restarted in the same second, or after the clock was set back.
   while (services_.recordings != nullptr && services_.recordings->catalogue().session(id())) ++sessions_started_;
   return id();
 }
 
-/// A device that is opened just now is waited for; one that is known to be away would cost a subject the way here. A tare under way would
-/// take effect within the recording: what it records, and what a replay makes of it, would change in the middle.
+/// Accepts a device that is just being opened, but rejects one that is known to be away: the subject would have come for nothing. Rejects a
+/// start while a tare is under way, because it would take effect during the recording and change the meaning of its values, also for a
+/// replay.
 core::Status Supervisor::check_startable(Entry& entry) {
   const std::string where = "rig '" + entry.rig->config().name + "' ";
   const AcquisitionReport& acquisition = entry.rig->acquisition();
@@ -183,7 +184,7 @@ core::Result<TrialView> Supervisor::trial(const std::string& rig, TrialAction ac
   return (*entry)->session.trial_view(clock_.now_ns()).value_or(TrialView{});
 }
 
-/// Recordings that came to their end: their sessions end with them.
+/// Ends the sessions whose recordings have ended.
 void Supervisor::finish_recordings() {
   if (services_.recordings == nullptr) return;
   for (const FinishedRecording& finished : services_.recordings->take_finished()) {
@@ -268,7 +269,7 @@ void Supervisor::tick() {
   }
 }
 
-/// Every hole leaves a line, also when it was over before anybody looked.
+/// Logs every gap, even one that ended between two calls.
 void Supervisor::log_gaps(Entry& entry, const AcquisitionReport& report) {
   const std::uint64_t fresh = report.losses.total().gaps - entry.told_gaps;
   if (fresh == 0) return;

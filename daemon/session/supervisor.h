@@ -18,9 +18,9 @@ namespace dts::session {
 
 struct DeviceTest {
   Rig* rig = nullptr;
-  StatisticsReport statistics;  ///< Of the last second; no scans when there is a problem.
+  StatisticsReport statistics;  ///< Of the last second; has no scans if there is a problem.
   device::DeviceReport report;
-  std::string problem;  ///< Why it is not streaming; empty: it is.
+  std::string problem;  ///< Why the device is not streaming; empty while it streams.
 };
 
 struct MarkerNotice {
@@ -44,18 +44,18 @@ struct TrialResultNotice {
 
 struct SwayNotice {
   std::string session_id;
-  std::string software;  ///< Who computed it.
+  std::string software;  ///< The software that computed the result.
   SwayTrialResult result;
 };
 
-/// Something that the control thread has to tell the bus.
+/// A message from the control thread to the bus.
 struct Notice {
   std::string rig;
   DataPosition at;
   std::variant<MarkerNotice, DeviceNotice, SessionView, TrialNotice, TrialResultNotice, SwayNotice> body;
 };
 
-/// The state of one rig for status answers; references live as long as the supervisor and until its next call.
+/// The state of one rig for status answers. References are valid until the supervisor's next call.
 struct RigState {
   Rig& rig;
   AcquisitionReport acquisition;
@@ -63,18 +63,18 @@ struct RigState {
   pipeline::TareReport tare;
   SessionView session;
   RecordingView recording;
-  std::uint32_t part = 0;  ///< Of the recording under way, or of the last.
+  std::uint32_t part = 0;  ///< Of the current or last recording.
   std::optional<TrialView> trial;
   double measured_rate_hz = 0.0;  ///< Scans per host second over the last seconds; 0 until known.
   RingFill ring_fill;
   LatencyReport latency;
-  std::string sensor_problems{};  ///< Which sensors did not measure in the last second; empty: none.
+  std::string sensor_problems{};  ///< Sensors that did not measure in the last second; empty: all measured.
 };
 
 /// Owns the rigs and their sessions and executes commands on them. Thread: control, all of it.
 class Supervisor {
  public:
-  /// `usb` (nullptr: none) and the recordings of `services` outlive the supervisor.
+  /// `usb` (nullptr: none) and the recordings in `services` must outlive the supervisor.
   Supervisor(core::Clock& clock, core::Log log, device::usb::UsbBus* usb = nullptr, SessionServices services = {})
       : clock_(clock), log_(std::move(log)), usb_(usb), services_(std::move(services)) {}
 
@@ -84,52 +84,54 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  /// Takes a rig over; names must differ.
+  /// Adds a rig and owns it. Fails with InvalidArgument if the name is used already.
   [[nodiscard]] core::Status add(std::unique_ptr<Rig> rig);
   void start();
-  /// Ends all sessions properly and stops all rigs.
+  /// Stops all sessions, closes their recordings and stops all rigs.
   void stop();
 
   [[nodiscard]] std::vector<RigState> states();
   [[nodiscard]] std::vector<Rig*> rigs();
   [[nodiscard]] core::Result<SessionView> start_session(const std::string& rig, const SessionRequest& request);
-  /// Goes on with a session of the catalogue as a new part.
+  /// Continues a session of the catalogue as a new part.
   [[nodiscard]] core::Result<std::pair<std::string, SessionView>> resume_session(const std::string& id);
-  /// Goes on with what a crash interrupted, if the configuration says so: tried until it succeeds or the time that it gives has passed.
-  /// Call it once, after `start`.
+  /// Resumes the sessions that a crash interrupted, if configured. Retries for up to a minute while this can still succeed. Call it once,
+  /// after `start`.
   void resume_interrupted();
-  /// An empty name means the only rig that has a session. It is over when `session` says so: the recording is being closed.
+  /// Stops a session. An empty rig name means the only rig with a session. The session ends later, when its recording is closed: see
+  /// `session`.
   [[nodiscard]] core::Result<std::pair<std::string, SessionView>> stop_session(const std::string& rig, bool is_abort = false,
                                                                                const std::string& reason = {});
   [[nodiscard]] core::Result<SessionView> session(const std::string& rig);
-  /// A step of a session with trials; an empty name as above.
+  /// Executes a step of a session with trials. An empty rig name means the only rig with a session.
   [[nodiscard]] core::Result<TrialView> trial(const std::string& rig, TrialAction action);
   [[nodiscard]] const std::vector<Protocol>& protocols() const noexcept { return services_.protocols; }
-  /// Of a session of the catalogue; 0: its protocol plans none.
+  /// Returns the number of trials planned in a session of the catalogue; 0: its protocol has none.
   [[nodiscard]] std::uint32_t planned_trials(const record::SessionRow& session) const {
     return services_.planned_trials(session.protocol_definition);
   }
-  /// nullptr: nothing is recorded.
+  /// Returns nullptr if the daemon records nothing.
   [[nodiscard]] Recordings* recordings() noexcept { return services_.recordings; }
-  /// Marks the newest scan of one rig, or of every rig for an empty name.
+  /// Sets a marker at the newest scan of one rig, or of every rig for an empty name.
   [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text);
-  /// Asks for a tare (WrongState during a session: what it recorded so far would mean something else); compare the number with
-  /// `RigState::tare.request` to see when it is answered.
+  /// Requests a tare. Fails with WrongState during a session, because the recorded values would change their meaning. The tare is done when
+  /// `RigState::tare.request` equals the returned number and the outcome is no longer Running.
   [[nodiscard]] core::Result<std::uint64_t> tare(const std::string& rig);
-  /// Withdraws a tare that nobody waits for any more.
+  /// Cancels a tare whose client no longer waits.
   void cancel_tare(const std::string& rig, std::uint64_t request);
   [[nodiscard]] core::Result<pipeline::TareReport> tare_report(const std::string& rig);
-  /// What is known of a rig's device. WrongState: it has never been opened, or streams for less than a second.
+  /// Returns statistics and report of a rig's device. If the device is not streaming, returns its failed checks, or
+  /// fails with DeviceGone if there are none. Fails with WrongState if it has streamed for less than 1 s.
   [[nodiscard]] core::Result<DeviceTest> test_device(const std::string& rig);
 
-  /// Units on USB that this program could drive and that no rig uses or waits for.
+  /// Returns USB devices that the daemon can drive and that no rig uses or waits for.
   [[nodiscard]] core::Result<std::vector<device::FoundUnit>> unused_units();
-  /// One line per device kind that this program can drive.
+  /// Returns one line per kind of device that the daemon can drive.
   [[nodiscard]] static std::vector<std::string> device_kinds();
 
-  /// Lets sessions and devices move on; call it about 20 times per second.
+  /// Advances sessions and devices; call it about 20 times per second.
   void tick();
-  /// What happened since the last call, oldest first.
+  /// Returns the notices since the last call, oldest first.
   [[nodiscard]] std::vector<Notice> take_notices();
 
  private:
@@ -139,15 +141,15 @@ class Supervisor {
     device::DeviceState told_state = device::DeviceState::Closed;
     std::string told_message{};
     std::uint64_t told_gaps = 0;
-    bool has_pulse_due = false;  ///< A session has started and does not run yet.
+    bool has_pulse_due = false;  ///< A session has started but has no scans yet; the sync pulse is due.
     std::int64_t rate_since_ns = 0;
     std::uint64_t rate_since_scans = 0;
     double measured_rate_hz = 0.0;
-    std::int64_t sync_low_at_ns = 0;  ///< When the sync pulse ends; 0: none under way.
-    std::uint64_t tare_request = 0;   ///< The newest that was not withdrawn.
+    std::int64_t sync_low_at_ns = 0;  ///< End of the sync pulse; 0: no pulse.
+    std::uint64_t tare_request = 0;   ///< The newest request that was not cancelled.
   };
   [[nodiscard]] core::Result<Entry*> find(const std::string& name);
-  /// The rig named, or for an empty name the only one with a session.
+  /// Returns the rig with this name, or for an empty name the only rig with a session.
   [[nodiscard]] core::Result<Entry*> find_with_session(const std::string& name);
   [[nodiscard]] static DataPosition position(Entry& entry);
   [[nodiscard]] Moment moment(Entry& entry) {
@@ -164,7 +166,7 @@ class Supervisor {
   [[nodiscard]] std::string new_session_id(const std::string& rig);
   [[nodiscard]] static core::Status check_startable(Entry& entry);
   void try_resumes(std::int64_t now_ns);
-  /// Somebody decided what happens on this rig now.
+  /// Stops resuming on this rig, because a person decided what runs on it.
   void forget_resumable(const std::string& rig);
   [[nodiscard]] bool waits_for_device(const std::string& session_id, std::int64_t now_ns);
 

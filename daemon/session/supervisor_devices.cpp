@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the supervisor knows and does of devices: their test, what is plugged in, the sync pulse.
+// The supervisor's work with devices: their test, connected devices, the sync pulse.
 #include <algorithm>
 
 #include "device/registry.h"
@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::int64_t kSyncRetryNs = 1'000'000'000;
 
-/// The rig has opened this unit, or would open it if it could.
+/// Returns whether the rig has opened this unit, or would open it.
 bool uses(const Rig& rig, const device::FoundUnit& unit) {
   const std::vector<std::string> nodes = rig.device_report().nodes;
   if (!nodes.empty()) return std::ranges::find(nodes, unit.unit.node()) != nodes.end();
@@ -26,7 +26,7 @@ core::Result<DeviceTest> Supervisor::test_device(const std::string& rig) {
   DeviceTest test{.rig = (*entry)->rig.get(), .statistics = {}, .report = (*entry)->rig->device_report(), .problem = {}};
   if (acquisition.device != device::DeviceState::Streaming || acquisition.is_armed) {
     test.problem = acquisition.text();
-    if (!test.report.checks.empty()) return test;  // they say what failed
+    if (!test.report.checks.empty()) return test;  // the checks show what failed
     return core::fail(core::ErrorCode::DeviceGone, "rig '" + rig + "' is not streaming: " + test.problem);
   }
   test.statistics = (*entry)->rig->statistics();
@@ -40,8 +40,8 @@ std::vector<std::string> Supervisor::device_kinds() {
   return kinds;
 }
 
-/// Tells other instruments that a session starts: they record the line, or it is looped back into an input of the scan. At the
-/// first scan, so that the pulse is in the data.
+/// Signals the start of a session to other instruments: they record the sync line, or it is looped back into an input of the scan. Waits
+/// for the first scan, so that the pulse is in the data.
 void Supervisor::begin_sync_pulse(Entry& entry, std::int64_t now_ns) {
   const bool has_scans = entry.session.view(now_ns).state != SessionState::Starting;
   if (!entry.has_pulse_due || !has_scans) return;
@@ -65,7 +65,8 @@ void Supervisor::end_sync_pulse(Entry& entry, std::int64_t now_ns) {
   const auto fallen = entry.rig->set_sync_output(false);
   if (fallen) return;
   log_.warning("rig '" + entry.rig->config().name + "': the sync pulse did not end: " + core::to_string(fallen.error()));
-  // A line that stays high has no edge at the next session. A device that is not there forgets its outputs.
+  // Retries: a line that stays high would have no edge at the next session. Does not retry if the device is away, because it loses its
+  // outputs.
   const bool is_there = fallen.error().code != core::ErrorCode::DeviceGone && entry.told_state != device::DeviceState::Closed;
   if (is_there) entry.sync_low_at_ns = now_ns + kSyncRetryNs;
 }

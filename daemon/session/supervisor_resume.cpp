@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How the supervisor goes on after a crash.
+// How the supervisor resumes sessions after a crash.
 #include <vector>
 
 #include "session/supervisor.h"
@@ -7,7 +7,7 @@
 namespace dts::session {
 namespace {
 
-constexpr std::int64_t kTryForNs = 60'000'000'000;  // a device that is found late; after that a person has decided what to do
+constexpr std::int64_t kTryForNs = 60'000'000'000;  // for a device that is found late; later, the operator decides
 constexpr std::int64_t kTryEveryNs = 1'000'000'000;
 
 }  // namespace
@@ -25,7 +25,7 @@ void Supervisor::forget_resumable(const std::string& rig) {
   });
 }
 
-/// Whether the session's rig has not delivered yet, and may do so soon: its session would begin with nothing.
+/// Returns whether the session's rig has no scans yet but may have some soon: a session without scans would begin empty.
 bool Supervisor::waits_for_device(const std::string& session_id, std::int64_t now_ns) {
   if (now_ns >= resume_until_ns_) return false;
   const auto row = services_.recordings->catalogue().session(session_id);
@@ -36,12 +36,13 @@ bool Supervisor::waits_for_device(const std::string& session_id, std::int64_t no
 void Supervisor::try_resumes(std::int64_t now_ns) {
   if (resumable_.empty() || now_ns < next_resume_ns_) return;
   next_resume_ns_ = now_ns + kTryEveryNs;
-  for (const std::string& id : std::vector(resumable_)) {  // a copy: a session that goes on is forgotten
+  for (const std::string& id : std::vector(resumable_)) {  // a copy, because a resumed session is removed from the list
     if (waits_for_device(id, now_ns)) continue;
     const auto resumed = resume_session(id);
     if (resumed) {
       log_.warning("session " + id + " was interrupted and goes on");
-      services_.recordings->enter_audit({.utc_ns = now_ns + clock_.utc_minus_monotonic_ns(), .who = "dtsd", .what = "resume_session", .target = id, .result = "ok"});
+      services_.recordings->enter_audit(
+          {.utc_ns = now_ns + clock_.utc_minus_monotonic_ns(), .who = "dtsd", .what = "resume_session", .target = id, .result = "ok"});
       continue;
     }
     const bool may_work_later = resumed.error().code == core::ErrorCode::WrongState && now_ns < resume_until_ns_;

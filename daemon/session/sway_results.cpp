@@ -6,15 +6,14 @@
 namespace dts::session {
 namespace {
 
-/// The control thread computes: a minute at 100 Hz takes 5 ms, ten minutes at 1500 Hz half a second.
+/// The control thread computes this: 1 min at 100 Hz needs 5 ms, 10 min at 1500 Hz 0.5 s.
 constexpr double kLongestTrialS = 600.0;
-constexpr double kLastWordMs =
-    200.0;  // the stage `steadiness` tells its last running value 80 ms and a block after the end: it comes first
+constexpr double kLastWordMs = 200.0;  // waits for the last event of the stage `steadiness`, 80 ms and one block after the end
 
 TracePlace begin_of(const SwayTrialResult& result) { return {.segment = result.segment, .scan = result.first_scan}; }
 TracePlace end_of(const SwayTrialResult& result) { return {.segment = result.end_segment, .scan = result.end_scan}; }
 
-/// Of a trial that cannot be cut out of the trace.
+/// Returns why a trial cannot be cut from the trace.
 std::string why_not(const SwayTrialResult& result, const CopTrace& trace) {
   if (result.end_segment == result.segment && result.end_scan <= result.first_scan) return "no samples came while it was measured";
   if (!trace.reaches(end_of(result))) return "the session ended before its last samples came";
@@ -26,7 +25,8 @@ void analyse(SwayTrialResult& result, const CopTrace& trace, core::Rate raw_rate
   const auto series = trace.cut(begin_of(result), end_of(result));
   const bool is_divided = result.end_segment != result.segment;
   const double scans = static_cast<double>(result.end_scan.value) - static_cast<double>(result.first_scan.value);
-  if (is_too_long(series ? static_cast<double>(series->ml_mm.size()) / series->rate_hz : 0.0) || (!is_divided && is_too_long(scans / raw_rate.hz()))) {
+  if (is_too_long(series ? static_cast<double>(series->ml_mm.size()) / series->rate_hz : 0.0) ||
+      (!is_divided && is_too_long(scans / raw_rate.hz()))) {
     result.problem = "longer than 10 min: dtslab sway measures it from the recording";
     return;
   }
@@ -92,7 +92,7 @@ void SwayResults::finish() {
   decide();
 }
 
-/// Of the trials under way: finishes those whose samples are all here, and keeps the samples of the others.
+/// Finishes trials whose samples have all arrived, and keeps the samples of the other trials under way.
 void SwayResults::decide() {
   std::optional<TracePlace> kept_from;
   const auto order = [](const TracePlace& place) { return std::pair(place.segment, place.scan); };

@@ -18,42 +18,42 @@
 
 namespace dts::session {
 
-/// What came of one trial of quiet standing.
+/// The result of one trial of quiet standing.
 struct SwayTrialResult {
   std::uint32_t trial = 0;
   std::uint32_t attempt = 1;
   std::string condition{};
   std::vector<std::pair<std::string, std::string>> labels{};  ///< eyes=open, feet=two
   std::uint32_t segment = 0;
-  core::ScanIndex first_scan;  ///< Of the rig's raw stream: from here on it counted,
-  core::ScanIndex end_scan;    ///< up to here, exclusive;
-  std::uint32_t end_segment = 0;  ///< of this segment: another than `segment` when gaps divide the trial.
+  core::ScanIndex first_scan;     ///< In the rig's raw stream: the first scan of the measurement,
+  core::ScanIndex end_scan;       ///< and its end (exclusive),
+  std::uint32_t end_segment = 0;  ///< in this segment: differs from `segment` if the trial has gaps.
   std::optional<posturography::Analysis> analysis{};
-  std::string problem{};  ///< Why there is none.
+  std::string problem{};  ///< Why there is no analysis.
 };
 
-/// Figures of all trials that count, and are valid: the mean of each core measure by condition ("eyes-open-two-feet/MVELO"), and the
-/// Romberg quotient of the two conditions that differ in nothing but the label eyes = open, closed, and are equally long
-/// ("romberg/feet=two/MVELO"). More than two of the same other labels: none, it would be anybody's choice.
+/// Returns results over all valid trials: the mean of each core measure by condition ("eyes-open-two-feet/MVELO"), and the Romberg quotient
+/// ("romberg/feet=two/MVELO") of two conditions of equal duration that differ only in the label eyes = open, closed. With several such
+/// conditions for the same other labels, there is no quotient: the choice between them would be arbitrary.
 [[nodiscard]] std::vector<SessionFigure> sway_summary(const std::vector<SwayTrialResult>& trials);
 
-/// Turns the centre of pressure and the steps of a protocol into results by the report's definition (lp10, 100 Hz). A pure function of what
-/// it is told, so that daemon, report and laboratory say the same of the same recording. Memory is bounded: of a trial at most
-/// `CopTrace::kMostSamples` are kept. Thread: one at a time.
+/// Computes results from the centre of pressure and the events of a protocol, with the report's definition (lp10, 100 Hz). Depends only on
+/// its inputs, so that daemon, report and laboratory agree on the same recording. Memory is bounded: keeps at most `CopTrace::kMostSamples`
+/// samples. Thread: one at a time.
 class SwayResults {
  public:
   static constexpr std::size_t kMostAttempts = std::size_t{2} * kMostTrials;
 
   SwayResults(core::Rate raw_rate, core::Rate cop_rate);
 
-  /// A block of the stream "cop".
+  /// Adds a block of the stream "cop".
   void take(const core::Block& cop);
-  /// A step of the protocol, at its scan of the raw stream.
+  /// Processes an event of the protocol at its scan of the raw stream.
   void take(const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan);
-  /// The session is over: trials whose last samples did not come are decided without them.
+  /// Decides the remaining trials at the end of the session, even if their last samples are missing.
   void finish();
 
-  /// Of trials that were decided since the last call, oldest first. A trial that is redone or rejected later is void in the summary.
+  /// Returns the trials decided since the last call, oldest first. A trial that is redone or rejected later is void in the summary.
   [[nodiscard]] std::vector<SwayTrialResult> take_decided();
   [[nodiscard]] std::vector<SessionFigure> summary() const;
 
@@ -73,7 +73,7 @@ class SwayResults {
   CopTrace trace_;
   std::uint64_t last_word_scans_;
   std::map<Key, Attempt> attempts_;
-  std::vector<Key> open_;  ///< Measured, or waiting for their last samples.
+  std::vector<Key> open_;  ///< Being measured, or waiting for their last samples.
   std::vector<SwayTrialResult> decided_;
 };
 

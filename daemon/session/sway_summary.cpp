@@ -12,7 +12,7 @@ namespace {
 
 using posturography::Measure;
 
-/// Trials that count of one condition.
+/// The valid trials of one condition.
 struct StandingCondition {
   std::string name;
   std::vector<std::pair<std::string, std::string>> labels;
@@ -22,7 +22,7 @@ struct StandingCondition {
     const auto found = std::ranges::find(labels, wanted, &std::pair<std::string, std::string>::first);
     return found == labels.end() ? "" : found->second;
   }
-  /// "feet=two": all labels but eyes.
+  /// "feet=two": all labels except eyes.
   [[nodiscard]] std::string stance() const {
     auto others = labels;
     std::erase_if(others, [](const auto& label) { return label.first == "eyes"; });
@@ -35,8 +35,8 @@ struct StandingCondition {
 
 bool is_cut(const SwayTrialResult* trial) { return (trial->analysis->flags & posturography::sway_flag::kCutAtGap) != 0; }
 
-/// Values of different durations do not compare: what a gap left of a trial stays out of the means, unless no trial of the condition is
-/// whole.
+/// Values of different durations cannot be compared: leaves trials cut short by a gap out of the means, unless the condition has no
+/// complete trial.
 void leave_out_cut_trials(StandingCondition& condition) {
   if (!std::ranges::all_of(condition.trials, is_cut)) std::erase_if(condition.trials, is_cut);
 }
@@ -53,11 +53,11 @@ std::vector<StandingCondition> by_condition(const std::vector<SwayTrialResult>& 
   return conditions;
 }
 
-/// Of one measure over the trials of a condition: those in which it is defined.
+/// Spread of one measure over the trials of a condition in which it is defined.
 struct Spread {
   std::size_t count = 0;
   double mean = 0.0;
-  double sd = 0.0;  ///< 1/(n - 1); 0 of one.
+  double sd = 0.0;  ///< 1/(n - 1); 0 for one trial.
 };
 
 Spread spread_of(const StandingCondition& condition, Measure measure) {
@@ -73,10 +73,10 @@ Spread spread_of(const StandingCondition& condition, Measure measure) {
   return spread;
 }
 
-/// The shortest and the longest trial may differ by the cut of a sample or two, not by more.
+/// The shortest and the longest trial may differ by one or two samples, but not by more.
 constexpr double kSameDurationS = 0.1;
 
-/// All trials as long as one another; nothing when they are not.
+/// Returns the common duration of all trials; nothing if they differ.
 std::optional<double> common_duration_s(const StandingCondition& condition) {
   const auto [shortest, longest] = std::ranges::minmax(condition.trials, {}, [](const auto* trial) { return trial->analysis->duration_s; });
   if (longest->analysis->duration_s - shortest->analysis->duration_s > kSameDurationS) return std::nullopt;
@@ -110,7 +110,7 @@ void add_means(const StandingCondition& condition, std::vector<SessionFigure>& f
   }
 }
 
-/// Eyes closed over eyes open: only for the same stance, surface and duration (posturography sheet section 6).
+/// Eyes closed divided by eyes open, only for equal stance, surface and duration (posturography sheet section 6).
 void add_romberg(const StandingCondition& open, const StandingCondition& closed, std::vector<SessionFigure>& figures) {
   const auto open_s = common_duration_s(open);
   const auto closed_s = common_duration_s(closed);
@@ -121,7 +121,7 @@ void add_romberg(const StandingCondition& open, const StandingCondition& closed,
     const Spread without = spread_of(closed, measure);
     if (!about.is_ratio_scaled || with.count == 0 || without.count == 0) continue;
     const double quotient = without.mean / with.mean;
-    if (!std::isfinite(quotient)) continue;  // also of nothing over nothing
+    if (!std::isfinite(quotient)) continue;  // also skips 0 / 0
     JsonObject details;
     details.add("open", with.mean);
     details.add("closed", without.mean);
@@ -136,7 +136,7 @@ void add_romberg(const StandingCondition& open, const StandingCondition& closed,
   }
 }
 
-/// nullptr: there is none, or there are several, and nobody can say which of them a quotient would be of.
+/// Returns nullptr if there is none, or if there are several: it would be unclear which one the quotient refers to.
 const StandingCondition* only_one(const std::vector<StandingCondition>& conditions, const std::string& eyes, const std::string& stance) {
   const auto is_wanted = [&](const StandingCondition& condition) {
     return condition.label("eyes") == eyes && condition.stance() == stance;

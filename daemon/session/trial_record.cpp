@@ -12,7 +12,7 @@
 namespace dts::session {
 namespace {
 
-/// Whatever else is text is a label.
+/// Every other key with text is a label.
 constexpr std::array<std::string_view, 7> kOwnKeys{"phase", "trial", "attempt", "block", "condition", "target_cm", "rest_s"};
 
 std::optional<TrialEventKind> kind_of(const std::string& phase) {
@@ -23,7 +23,7 @@ std::optional<TrialEventKind> kind_of(const std::string& phase) {
   return std::nullopt;
 }
 
-/// A whole number of centimetres may read back as an integer.
+/// Reads a number; a whole number of centimetres may have been recorded as an integer.
 std::optional<double> number_of(record::EventValues& values, const std::string& key) {
   if (values.find(key) == nullptr) return std::nullopt;
   const double number = values.number(key);

@@ -7,9 +7,9 @@
 
 namespace dts::session {
 
-/// Event "trial": phase, trial, attempt, block, condition, its labels and, where there are any, target_cm, rest_s.
+/// Writes the event "trial": phase, trial, attempt, block, condition, its labels and, if present, target_cm and rest_s.
 [[nodiscard]] record::RecordedEvent to_record(const TrialEvent& event);
-/// Fails with DataDamaged, naming the key.
+/// Reads the event "trial". Fails with DataDamaged, naming the key.
 [[nodiscard]] core::Result<TrialEvent> trial_of(const record::RecordedEvent& event);
 
 }  // namespace dts::session

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kLongestPhaseS = 7.0 * 86400.0;
 
-/// Whole numbers of a time that may be anything: plans are checked where they are read, but nothing here depends on it.
+/// Converts a time to whole units. Accepts any number: plans are checked where they are read, but this function does not rely on it.
 std::int64_t whole(double seconds, double per_second) {
   if (!(seconds > 0.0)) return 0;
   return std::llround(std::min(seconds, kLongestPhaseS) * per_second);
@@ -26,7 +26,7 @@ class SplitMix64 {
   explicit SplitMix64(std::uint64_t seed) noexcept : state_(seed) {}
 
   std::uint64_t next() noexcept { return core::split_mix(state_ += core::kGoldenGamma); }
-  /// Evenly in [0, bound): draws that would favour the small numbers are rejected. `bound` is at least 1.
+  /// Returns a number evenly distributed in [0, bound): rejects draws that would favour small numbers. `bound` is at least 1.
   std::uint64_t below(std::uint64_t bound) noexcept {
     const std::uint64_t first_fair = (0 - bound) % bound;  // 2^64 modulo bound
     std::uint64_t drawn = next();
@@ -45,7 +45,7 @@ class SplitMix64 {
   std::uint64_t state_;
 };
 
-/// Each attempt has a delay of its own, whatever was drawn for others: who did a trial again must not know it.
+/// Each attempt has its own delay, so that a subject who repeats a trial cannot know it.
 double cue_delay_s(const TrialPlan& plan, std::uint64_t seed, std::uint32_t trial, std::uint32_t attempt) {
   const std::int64_t shortest_ms = milliseconds(plan.cue_delay_min_s);
   const std::int64_t longest_ms = std::max(shortest_ms, milliseconds(plan.cue_delay_max_s));
@@ -55,8 +55,8 @@ double cue_delay_s(const TrialPlan& plan, std::uint64_t seed, std::uint32_t tria
   return static_cast<double>(shortest_ms + drawn_ms) / 1000.0;
 }
 
-/// Conditions in turn, cut into blocks: any stretch of it holds each as often as any other, give or take one. Randomised: in a random turn,
-/// so that chance decides who comes more often, and every block shuffled.
+/// Repeats the list of conditions and cuts it into blocks: in any section, the counts of two conditions differ by at most one. If
+/// randomised, the list itself is shuffled first, so that chance decides which conditions occur once more often, and then every block.
 std::vector<std::size_t> condition_order(const TrialPlan& plan, std::size_t trials, SplitMix64& random) {
   std::vector<std::size_t> turn(plan.conditions.size());
   std::iota(turn.begin(), turn.end(), std::size_t{0});
@@ -178,7 +178,7 @@ void TrialRun::abort(std::int64_t now_ns) {
 }
 
 void TrialRun::tick(std::int64_t now_ns) {
-  // Ends: every turn leads on in a plan of at most kMostTrials places, and a trial without a duration has no end to be reached.
+  // Terminates: the plan has at most kMostTrials trials, each step continues in it, and a trial without a duration has no end to reach.
   while (phase_ends_ns_ && *phase_ends_ns_ <= now_ns) leave_phase(*phase_ends_ns_);
 }
 
@@ -237,11 +237,11 @@ void TrialRun::settle(std::int64_t at_ns) {
 
 void TrialRun::measure(std::int64_t at_ns) {
   tell(TrialEventKind::Measure, at_ns);
-  // At least 1 ns: a duration that rounds to none would nest all trials of the plan in one call.
+  // At least 1 ns: a duration that rounds to 0 would nest all trials of the plan in one call.
   enter(TrialPhase::Measuring, at_ns, plan_.duration_s > 0.0 ? std::optional(std::max(plan_.duration_s, 1e-9)) : std::nullopt);
 }
 
-/// After a trial that is over, for good or void.
+/// Continues after a trial that is done or void.
 void TrialRun::go_on(std::int64_t at_ns) {
   if (upcoming_ == places_.size()) {
     enter(TrialPhase::Finished, at_ns, std::nullopt);
@@ -277,7 +277,7 @@ void TrialRun::leave_phase(std::int64_t at_ns) {
   phase_ends_ns_.reset();
 }
 
-/// Phases without length are passed through at once: `tick` need not be called for them.
+/// Enters a phase. Leaves a phase of length 0 immediately, without a call of `tick`.
 void TrialRun::enter(TrialPhase phase, std::int64_t at_ns, std::optional<double> length_s) {
   phase_ = phase;
   phase_ends_ns_.reset();

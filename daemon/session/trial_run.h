@@ -12,9 +12,9 @@
 
 namespace dts::session {
 
-/// One place of the plan.
+/// One trial of the plan.
 struct PlannedTrial {
-  std::uint32_t trial = 1;  ///< Place in the plan, from 1.
+  std::uint32_t trial = 1;  ///< Position in the plan, from 1.
   std::uint32_t block = 1;
   std::size_t condition = 0;  ///< Index into the plan's conditions.
   double cue_delay_s = 0.0;
@@ -22,30 +22,30 @@ struct PlannedTrial {
   friend bool operator==(const PlannedTrial&, const PlannedTrial&) = default;
 };
 
-inline constexpr std::uint32_t kMostTrials = 10'000;  ///< Of a plan; what lies beyond is left out.
+inline constexpr std::uint32_t kMostTrials = 10'000;  ///< Maximum per plan; further trials are left out.
 [[nodiscard]] std::uint32_t planned_trials(const TrialPlan& plan);
 
-/// The order of all trials. Blocks of fewer trials than conditions take turns, so that over all blocks every condition comes equally often,
-/// give or take one. No conditions, no trials.
+/// Returns the order of all trials. If a block has fewer trials than conditions, the next block continues with the others, so that the
+/// counts of any two conditions over the whole plan differ by at most one. Without conditions there are no trials.
 ///
-/// The same seed gives the same plan on every machine: numbers come from SplitMix64 (Steele, Lea, Flood: "Fast splittable pseudorandom
-/// number generators", OOPSLA 2014) by rejection, the order from Fisher and Yates' shuffle, since the results of std::shuffle and of the
-/// standard distributions differ between libraries; delays are drawn in whole milliseconds, so that no rounding differs.
+/// The same seed produces the same plan on every machine: random numbers from SplitMix64 (Steele, Lea, Flood: "Fast splittable pseudorandom
+/// number generators", OOPSLA 2014) with rejection, order from the Fisher-Yates shuffle, because std::shuffle and the standard
+/// distributions differ between libraries. Delays are whole milliseconds, to avoid differences in rounding.
 [[nodiscard]] std::vector<PlannedTrial> make_plan(const TrialPlan& plan, std::uint64_t seed);
 
 /// Waiting --next--> Ready --cue delay--> Settling --settle_s--> Measuring --duration_s, next--> Resting --rest--> Waiting ... Finished
 enum class TrialPhase : std::uint8_t { Waiting = 1, Ready, Settling, Measuring, Resting, Finished };
 
-/// What happened in a trial: an event in the recording and on the bus.
+/// A step of a trial: an event in the recording and on the bus.
 enum class TrialEventKind : std::uint8_t {
   Ready = 1,  ///< The trial begins; the subject waits for the cue.
   Go,         ///< The cue. Settling, if any, begins.
-  Measure,    ///< What follows counts.
-  Done,       ///< It is over, and counts unless redone or rejected later.
-  Redone,     ///< The trial named is void; the same place of the plan comes again.
-  Rejected,   ///< The trial named is void; the plan goes on.
-  Aborted,    ///< The session ended in the middle of it.
-  Rest,       ///< Rest begins; `rest_s` says how long.
+  Measure,    ///< The measurement begins.
+  Done,       ///< The trial is over, and valid unless redone or rejected later.
+  Redone,     ///< This attempt is void; the trial is repeated.
+  Rejected,   ///< This attempt is void; the plan continues with the next trial.
+  Aborted,    ///< The session ended during the trial.
+  Rest,       ///< Rest begins and lasts `rest_s`.
   Finished,   ///< All trials of the plan are done.
 };
 [[nodiscard]] std::string_view name(TrialPhase phase) noexcept;
@@ -60,51 +60,50 @@ struct TrialEvent {
   std::vector<std::pair<std::string, std::string>> labels{};
   std::optional<double> target_cm;  ///< From the acromion, of this subject.
   double rest_s = 0.0;
-  std::int64_t at_ns = 0;  ///< When it was due: before the `tick` that found it, by up to the time between two.
+  std::int64_t at_ns = 0;  ///< When the step was due. `tick` may detect it later, by up to the time between two calls.
 
   friend bool operator==(const TrialEvent&, const TrialEvent&) = default;
 };
 
-/// Where a session stands in its plan, for status answers.
+/// Position of a session in its plan, for status answers.
 struct TrialView {
   TrialPhase phase = TrialPhase::Waiting;
-  std::uint32_t trial = 0;  ///< Under way, or done last; 0: none yet.
+  std::uint32_t trial = 0;  ///< Current or last trial; 0: none yet.
   std::uint32_t attempt = 1;
   std::uint32_t block = 1;
-  std::uint32_t of = 0;  ///< Trials of the plan.
+  std::uint32_t of = 0;  ///< Number of trials in the plan.
   std::string condition{};
   std::string next_condition{};
   std::optional<double> next_target_cm;
-  double remaining_s = 0.0;  ///< Of the phase; 0: it waits for a command.
+  double remaining_s = 0.0;  ///< Of the phase; 0: waits for a command.
 };
 
-/// Walks a subject through the plan. Knows time only as what it is told. Every call lets time pass first, so that what it does depends on
-/// the time it is given and not on when `tick` was called last; phases begin when they are due, so that lateness does not add up. Thread:
-/// control.
+/// Runs the trials of the plan. Uses only the times passed to it. Every call first advances to its `now_ns`, so that its effect does not
+/// depend on the last call of `tick`. Phases begin when they are due, so that delays do not add up. Thread: control.
 class TrialRun {
  public:
-  /// `fields` have passed `check_fields`: arm length and maximum reach make the targets' distances. `done`: places of the plan that earlier
-  /// parts of the session are through with; the run goes on with the first place that is not among them, and passes over the others.
+  /// `fields` must have passed `check_fields`: targets depend on arm length and maximum reach. `done`: trials that earlier parts of the
+  /// session completed; the run skips them and starts with the first other trial.
   TrialRun(const TrialPlan& plan, std::uint64_t seed, const std::vector<std::pair<std::string, std::string>>& fields,
            const std::vector<std::uint32_t>& done = {});
 
-  /// Starts the next trial (also cutting a rest short), or ends one that has no duration of its own and waits for it.
-  /// WrongState: a trial is under way that this does not end (redo or reject it instead), or all are done.
+  /// Starts the next trial (and ends a rest early), or ends a trial that has no duration. Fails with WrongState if another trial is under
+  /// way (redo or reject it instead), or if all are done.
   [[nodiscard]] core::Status next(std::int64_t now_ns);
-  /// Voids the trial under way, or else the last one, and starts it again as another attempt, with another delay of the cue; also after the
-  /// last trial of the plan. WrongState: there was none, or it is void already.
+  /// Voids the current or last attempt and starts the trial again as a new attempt with a new cue delay; also possible after the last trial
+  /// of the plan. Fails with WrongState if no trial was started or the attempt is void already.
   [[nodiscard]] core::Status redo(std::int64_t now_ns);
-  /// Voids it and goes on: to the rest when it was under way. WrongState as above.
+  /// Voids the current or last attempt and continues: with the rest, if the trial is under way. Fails with WrongState like `redo`.
   [[nodiscard]] core::Status reject(std::int64_t now_ns);
-  /// The session ends: a trial under way is aborted. From then on every command fails with WrongState.
+  /// Ends the run with the session: a trial under way is aborted, and every later command fails with WrongState.
   void abort(std::int64_t now_ns);
-  /// Lets time pass.
+  /// Advances to `now_ns`.
   void tick(std::int64_t now_ns);
 
-  /// All trials of the plan are done; `redo` can still take that back.
+  /// Returns whether all trials of the plan are done; `redo` can still reopen the last one.
   [[nodiscard]] bool is_finished() const noexcept { return phase_ == TrialPhase::Finished; }
   [[nodiscard]] TrialView view(std::int64_t now_ns) const;
-  /// What happened since the last call, oldest first.
+  /// Returns the events since the last call, oldest first.
   [[nodiscard]] std::vector<TrialEvent> take_events();
 
  private:
@@ -125,13 +124,13 @@ class TrialRun {
   std::uint64_t seed_;
   std::vector<PlannedTrial> places_;
   std::vector<std::optional<double>> targets_cm_;  ///< Per condition.
-  std::vector<bool> is_done_before_;               ///< Per place.
+  std::vector<bool> is_done_before_;               ///< Per trial of the plan.
   TrialPhase phase_ = TrialPhase::Waiting;
   std::optional<std::int64_t> phase_ends_ns_;  ///< Nothing: a command ends it.
-  std::optional<std::size_t> current_;         ///< Place under way, or the last one.
-  std::size_t upcoming_ = 0;                   ///< Place that `next` starts; `places_.size()`: none.
+  std::optional<std::size_t> current_;         ///< Position of the current or last trial.
+  std::size_t upcoming_ = 0;                   ///< Position that `next` starts; `places_.size()`: none.
   std::uint32_t attempt_ = 1;
-  bool is_void_ = false;  ///< The current trial.
+  bool is_void_ = false;  ///< The current attempt is void.
   bool has_ended_ = false;
   std::vector<TrialEvent> events_;
 };

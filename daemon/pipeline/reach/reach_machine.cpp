@@ -10,9 +10,9 @@ namespace {
 
 namespace flag = core::reach_flag;
 
-// Reach-model section 5, times in seconds.
+// Reach-model section 5; times in s.
 constexpr double kSeatedMm = 0.8;
-constexpr double kLeftMm = 0.5;  // lower: a child's dip may pass the other one
+constexpr double kLeftMm = 0.5;  // lower than kSeatedMm, because a child's dip may go below that
 constexpr double kLeftS = 0.1;
 constexpr double kCrossS = 0.06;
 constexpr double kOnsetBackS = 0.5;
@@ -22,16 +22,16 @@ constexpr double kLongestRiseS = 6.0;
 constexpr double kLongestReturnS = 6.0;
 constexpr double kNoHigherS = 0.6;
 constexpr double kReturnedS = 0.3;
-constexpr double kStoppedS = 0.03;  // without a new extreme: worth telling
+constexpr double kStoppedS = 0.03;  // time without a new extreme before it is reported
 constexpr double kFallPart = 0.25;
 constexpr double kResumePart = 0.10;
 constexpr double kWentBackPart = 0.5;
-constexpr double kHigherPart = 0.02;  // a later hump that is higher by less is the same one
+constexpr double kHigherPart = 0.02;  // a later peak that is higher by less belongs to the same one
 constexpr double kTellPart = 0.005;
-constexpr double kDoubtfulS = 0.05;  // of substituted values; a dropped sample does no harm
+constexpr double kDoubtfulS = 0.05;  // of substituted values; a single dropped sample does no harm
 constexpr double kRememberedS = 0.6;
 constexpr double kSteadyS = 1.0;
-constexpr double kPauseS = 0.15;  // at rest for as long: what was before belongs to the reach before
+constexpr double kPauseS = 0.15;  // after a rest of this length, everything earlier belongs to the previous reach
 
 }  // namespace
 
@@ -66,7 +66,7 @@ void ReachMachine::enter(State state) noexcept {
   is_between_ = false;
 }
 
-/// Counts up while something is wrong; at rest it fades within 0.6 s, in a reach it stays.
+/// Increases while a doubt persists. At rest, it fades within 0.6 s; during a reach it stays.
 void ReachMachine::count_doubts(const ReachSample& sample) noexcept {
   const bool is_fading = state_ <= State::Quiet;
   const auto count = [&](std::uint64_t& doubts, bool is_doubtful) {
@@ -98,7 +98,7 @@ void ReachMachine::leave(const ReachSample& sample, Events& events) noexcept {
   enter(State::Absent);
 }
 
-/// Who reaches again at once gives no rest to learn from: the rest before the first reach then stands in, for a rise that no wobble makes.
+/// Back-to-back reaches: without a rest in between, uses the rest before the first reach, if the rise is larger than a wobble.
 void ReachMachine::settle(const ReachSample& sample, Events& events) noexcept {
   if (is_between_) {
     const bool is_at_rest = is_back(sample, reach_.threshold_mm, kPauseS);
@@ -112,7 +112,7 @@ void ReachMachine::settle(const ReachSample& sample, Events& events) noexcept {
   if (rest_.settle(sample)) rest_until(now());
 }
 
-/// The rest is known. Nothing of the next reach lies before it: there may be an empty seat, or another movement.
+/// The rest is known. Ignores everything before it for the next reach: an empty seat, or another movement.
 void ReachMachine::rest_until(std::uint64_t tick) noexcept {
   history_.forget_before(tick - std::min(tick, rest_.length()) + 1);
   enter(State::Quiet);
@@ -181,7 +181,7 @@ void ReachMachine::find_lowest(const ReachSample& sample, Events& events) noexce
   if (now() - started_ > ticks(kLongestDipS) || (now() - started_ > ticks(kSteadyS) && is_steady())) {
     reach_.highest = {.tick = now(), .mm = sample.mm};
     reach_.ratio_at_highest = sample.ratio;
-    const bool was_at_rest = (reach_.flags & flag::kBaselineUncertain) == 0;  // else what fell may be the end of a movement
+    const bool was_at_rest = (reach_.flags & flag::kBaselineUncertain) == 0;  // otherwise the fall may be the end of a movement
     was_at_rest ? finish(flag::kDipOnly, events) : cancel(events);
     return rest_anew(sample);
   }
@@ -218,7 +218,8 @@ void ReachMachine::find_highest(const ReachSample& sample, Events& events) noexc
   tell(core::ReachStep::P3, events);
 }
 
-/// What rose first and then falls below rest was no reach yet: a wobble before the initiation stage (reach-model section 5).
+/// Returns whether the rise is no reach: a small rise that falls below rest is a wobble before the initiation stage (reach-model section
+/// 5).
 bool ReachMachine::is_false_rise(const ReachSample& sample, Events& events) noexcept {
   const bool is_small = reach_.rise_mm() < std::max(4.0 * reach_.threshold_mm, kMinorPart * reach_.rest_mm);
   if (is_small && sample.mm < reach_.rest_mm - reach_.threshold_mm) {
@@ -258,7 +259,7 @@ void ReachMachine::await_return(const ReachSample& sample, Events& events) noexc
     reach_.ratio_at_highest = sample.ratio;
     return enter(State::Rise);
   }
-  // A wobble first and then the dip of a reach: the rest is still the same.
+  // A wobble followed by the dip of a reach: the rest is unchanged.
   const bool was_minor = reach_.rise_mm() < kMinorPart * reach_.rest_mm;
   const bool was_small = reach_.rise_mm() < 2.0 * kMinorPart * reach_.rest_mm;
   below_ = was_minor && sample.mm < reach_.rest_mm - reach_.threshold_mm ? below_ + 1 : 0;
@@ -291,7 +292,7 @@ bool ReachMachine::is_steady() const noexcept {
   return highest_mm - lowest_mm < RestDetector::steady_mm(lowest_mm);
 }
 
-/// The person sits otherwise than before: what was learnt of the rest is void. If the last samples are steady, they are the new one.
+/// The person's posture has changed: forgets what was known of the rest. If the last samples are steady, they are the new rest.
 void ReachMachine::rest_anew(const ReachSample& sample) noexcept {
   rest_.forget_session();
   enter(State::Settle);

@@ -12,19 +12,19 @@
 
 namespace dts::pipeline {
 
-/// Finds the reaches in the smoothed transient: the states of reach-model section 5.
+/// Finds reaches in the smoothed transient with the states of reach-model section 5.
 ///
 ///     Absent -> Settle -> Quiet -+-> Ris -> Rise -> Return -> Settle
-///                                +---------^  ^-------+          any -> Absent when the seat is left
+///                                +---------^  ^-------+          any -> Absent when the person leaves the seat
 ///
-/// A second reach may begin right after the first has come back: Settle -> Rise, from the rest before the first.
+/// A second reach may begin right after the first has returned: Settle -> Rise, with the rest before the first.
 class ReachMachine {
  public:
   using Events = core::BoundedEvents<core::ReachEvent, core::kMaxReachesPerFrame>;
   static constexpr std::size_t kStateSize = TransientHistory::kStateSize + RestDetector::kStateSize + ReachRecord::kStateSize + 16;
 
   void prepare(double rate_hz, const SeatLimits& limits) noexcept;
-  /// Takes the next sample. Events name points by the number of the sample (`TransientHistory`); whoever knows scans translates.
+  /// Processes the next sample. Events contain the sample's number (`TransientHistory`) in place of a scan; the stage converts it.
   /// Realtime-safe: yes.
   void step(const ReachSample& sample, Events& events) noexcept;
   [[nodiscard]] std::uint64_t now() const noexcept { return history_.now(); }
@@ -53,10 +53,10 @@ class ReachMachine {
   [[nodiscard]] bool is_false_rise(const ReachSample& sample, Events& events) noexcept;
   [[nodiscard]] bool has_passed_highest(const ReachSample& sample) const noexcept;
   void await_return(const ReachSample& sample, Events& events) noexcept;
-  /// True when the transient has been within `limit_mm` of rest for `seconds`.
+  /// Returns whether the transient has been within `limit_mm` of rest for `seconds`.
   [[nodiscard]] bool is_back(const ReachSample& sample, double limit_mm, double seconds) noexcept;
 
-  /// True when the transient has stayed at one level for a second: a new posture, not a movement.
+  /// Returns whether the transient has stayed at one level for 1 s: a new posture and not a movement.
   [[nodiscard]] bool is_steady() const noexcept;
   [[nodiscard]] double lowest_since(std::uint64_t tick) const noexcept;
   void rest_anew(const ReachSample& sample) noexcept;
@@ -74,18 +74,18 @@ class ReachMachine {
   ReachRecord reach_;
   State state_ = State::Absent;
   std::uint32_t number_ = 0;
-  bool is_between_ = false;    ///< A reach has just come back: another may follow before the rest is known anew ...
+  bool is_between_ = false;    ///< A reach has just returned; another may follow before the new rest is known ...
   TickPoint between_;          ///< ... from the lowest point since then.
-  bool is_final_ = false;      ///< The reach's Final was told; it may go on.
+  bool is_final_ = false;      ///< The reach's Final was reported; the reach may still continue.
   std::uint64_t below_ = 0;    ///< Samples in a row below the rest's band ...
   std::uint64_t above_ = 0;    ///< ... above it ...
   std::uint64_t back_ = 0;     ///< ... and back at rest.
   std::uint64_t light_ = 0;    ///< Samples in a row with nearly nothing on the seat.
-  std::uint64_t started_ = 0;  ///< Tick at which the reach, or its going on, was noticed.
-  double told_mm_ = 0.0;       ///< The extreme that was told last.
+  std::uint64_t started_ = 0;  ///< Tick at which the reach, or its continuation, was detected.
+  double told_mm_ = 0.0;       ///< The extreme that was reported last.
   bool is_told_ = false;
-  std::uint64_t substituted_ = 0;  ///< How many samples of the reach and the rest before it had a sensor replaced ...
-  std::uint64_t at_end_ = 0;       ///< ... or at the end of its range.
+  std::uint64_t substituted_ = 0;  ///< Number of samples, in the reach and the rest before it, with a replaced sensor ...
+  std::uint64_t at_end_ = 0;       ///< ... or with a sensor at the end of its range.
   bool is_untared_ = false;
 };
 

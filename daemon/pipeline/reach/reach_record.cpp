@@ -17,9 +17,9 @@ constexpr double kOnsetPart = 0.05;
 constexpr double kOnsetSpreads = 1.5;
 constexpr double kOnsetSearchS = 1.0;
 
-// Bending forward makes the transient rise because the weight moves forward. By the plate model of section 4 (patch moved from 30 to 130
-// mm) the ratio then grows by 0.575 + 1.8 R of d2 / P1, where R is the ratio at rest; the trials of the development set agree. Less than
-// half of that is not bending, or sensors swapped crosswise.
+// Bending forward raises the transient because the weight moves forward. According to the plate model of section 4 (patch moved from 30 to
+// 130 mm), the ratio then increases by 0.575 + 1.8 R times d2 / P1, where R is the ratio at rest; the trials of the development set agree.
+// Less than half of this means no bending, or sensors swapped crosswise.
 constexpr double kRatioGain = 0.575;
 constexpr double kRatioGainPerRatio = 1.8;
 constexpr double kRatioNoise = 0.01;

@@ -9,7 +9,7 @@
 
 namespace dts::pipeline {
 
-/// Of P1; the arm alone lifts the seat by 2.5 to 8 % of it (reach-model section 5).
+/// A reach is minor if its d2 is below this part of P1: the arm alone raises the transient by 2.5 to 8 % of P1 (reach-model section 5).
 inline constexpr double kMinorPart = 0.05;
 
 /// A point of the smoothed transient.
@@ -18,7 +18,7 @@ struct TickPoint {
   double mm = 0.0;
 };
 
-/// One reach as far as it is known: what it began from and its extremes.
+/// What is known of one reach so far: the rest before it and its extremes.
 struct ReachRecord {
   double rest_mm = 0.0;
   double spread_mm = 0.0;
@@ -54,28 +54,29 @@ struct ReachRecord {
   }
 };
 
-/// When the transient left its rest, seen from `from`: the last sample before it that is still within `limit_mm` of rest.
+/// Returns the tick at which the transient left its rest: the last one before `from` that is still within `limit_mm` of rest.
 [[nodiscard]] std::uint64_t find_onset(const TransientHistory& history, std::uint64_t from, std::uint64_t earliest, double rest_mm,
                                        double limit_mm) noexcept;
 
-/// Goes over a finished reach once more, with hindsight: a dip that was too shallow for the threshold but lies right before the rise.
+/// Searches a finished reach again for its dip: one below the threshold, immediately before the rise.
 void find_shallow_dip(ReachRecord& reach, const TransientHistory& history, double rate_hz) noexcept;
 
-/// The same for the onset: it is where a twentieth of the dip was passed.
+/// Corrects the onset of a finished reach: the tick at which the transient passes 5 % of the dip.
 void refine_onset(ReachRecord& reach, const TransientHistory& history, double rate_hz) noexcept;
 
 [[nodiscard]] core::ReachFeatures features_of(const ReachRecord& reach, const TransientHistory& history, double rate_hz) noexcept;
 
-/// What a person who sits can look like to the sensors. The defaults are for the layout of reach-model section 4 (rows at 120 and 220 mm,
-/// 120 mm apart) by its plate model: weight centred 30 to 100 mm from the rear edge and up to 60 mm aside gives ratios of -0.27 to -0.11
-/// and twists of up to 0.12; with a rear and a front sensor of one side swapped the twist is above 0.22, crosswise the ratio is near 0.
+/// Plausible sensor patterns of a seated person. The defaults are for the layout of reach-model section 4 (rows at 120 and 220 mm, 120 mm
+/// apart) and its plate model: a weight centred 30 to 100 mm from the rear edge and up to 60 mm to a side gives ratios of -0.27 to -0.11
+/// and twists of up to 0.12. If a rear and a front sensor of one side are swapped, the twist is above 0.22; if they are swapped crosswise,
+/// the ratio is near 0.
 struct SeatLimits {
   double least_rest_ratio = -0.4;
   double most_rest_ratio = -0.10;
   double most_twist = 0.17;
 };
 
-/// Doubts that the features themselves raise: kMinor, kImplausible.
+/// Returns the flags that follow from the features themselves: kMinor, kImplausible.
 [[nodiscard]] std::uint16_t doubts_of(const core::ReachFeatures& features, const SeatLimits& limits) noexcept;
 
 }  // namespace dts::pipeline

@@ -9,21 +9,21 @@ namespace dts::pipeline {
 namespace {
 
 // Reach-model section 5.
-constexpr double kNoiseMm = 0.03;      // three times what 3 mV of noise leaves of the smoothed mean
+constexpr double kNoiseMm = 0.03;      // three times the noise of the smoothed mean for sensors with 3 mV
 constexpr double kSteadyPart = 0.02;   // of the level, peak to peak
-constexpr double kRelaxS = 0.4;        // nobody sits still forever: the limit grows by itself once in this time
-constexpr double kSessionPart = 0.06;  // how far a rest may lie from the session's
+constexpr double kRelaxS = 0.4;        // nobody sits still forever: in this time, the limit grows by its own size
+constexpr double kSessionPart = 0.06;  // maximum distance of a rest from the session's baseline
 constexpr double kElsewhereS = 0.5;
-constexpr double kShortS = 0.2;     // rest of this length before a movement is a rest ...
-constexpr double kOnsetS = 0.08;    // ... of which the end may belong to the movement already ...
-constexpr double kMovedOnS = 0.06;  // ... and that has been left for this long
+constexpr double kShortS = 0.2;     // a rest of this length before a movement is used ...
+constexpr double kOnsetS = 0.08;    // ... without its end, which may already belong to the movement ...
+constexpr double kMovedOnS = 0.06;  // ... and only after the transient has left it for this long
 constexpr std::size_t kLeastSession = 3;
 constexpr double kLevelS = 0.5;
 constexpr double kSpreadS = 1.0;
 constexpr double kLeastThresholdMm = 0.03;
 constexpr double kThresholdSpreads = 5.0;
 constexpr double kThresholdPart = 0.012;
-constexpr double kMostThresholdPart = 0.04;  // a fidget must not hide a reach
+constexpr double kMostThresholdPart = 0.04;  // small movements at rest must not hide a reach
 
 template <std::size_t kSize>
 double median_of(std::array<double, kSize> values, std::size_t count) noexcept {
@@ -87,7 +87,7 @@ bool RestDetector::settle(const ReachSample& sample) noexcept {
   return true;
 }
 
-/// True when it was steady at first and has been left since, before the window was full of rest.
+/// Returns true if the transient was steady at first and has then left this rest before the window was full.
 bool RestDetector::settle_shortly(const ReachSample& sample) noexcept {
   const auto ticks = [this](double seconds) { return static_cast<std::uint64_t>(seconds * rate_hz_ + 0.5); };
   if (!is_first_ || settling_ > kWindow + ticks(kMovedOnS)) return false;

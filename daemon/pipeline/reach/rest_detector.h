@@ -10,35 +10,34 @@
 
 namespace dts::pipeline {
 
-/// Where the transient rests and how much it wanders there: states SETTLE and QUIET of reach-model section 5.
+/// Finds the level at which the transient rests, and its spread there: states SETTLE and QUIET of reach-model section 5.
 ///
-/// Settling ends when a window of 0.6 s is steady and its level lies near the session's baseline, the median of the last reaches'. A level
-/// that is steady but elsewhere for half a second is the plateau of a movement or a new posture: the session's baseline then stands in,
-/// and `is_uncertain` says so. Quiet, baseline and spread follow the older half of the window only, so that the beginning of a reach does
-/// not pull them along.
+/// Settling ends when a window of 0.6 s is steady and near the session's baseline, the median of the last reaches' baselines. A level that
+/// is steady elsewhere for 0.5 s is the plateau of a movement or a new posture: then the session's baseline is used, and `is_uncertain` is
+/// true. In Quiet, baseline and spread follow only the older half of the window, so that the beginning of a reach does not change them.
 ///
-/// Who is at rest for a fifth of a second when all begins and then moves gives no whole window: that short rest is taken, and is
-/// uncertain, too.
+/// At the very beginning, a person may rest for only 0.2 s and then move, so that there is no full window. This short rest is used, and is
+/// uncertain too.
 class RestDetector {
  public:
   static constexpr std::size_t kWindow = 60;  ///< 0.6 s at 100 Hz.
   static constexpr std::size_t kSession = 9;
   static constexpr std::size_t kStateSize = 3 * kWindow + kSession + 14;
 
-  /// Peak to peak of a transient at rest, at most.
+  /// Maximum peak-to-peak range of a transient at rest.
   [[nodiscard]] static double steady_mm(double level_mm) noexcept;
   void prepare(double rate_hz) noexcept { rate_hz_ = rate_hz; }
-  /// Settling begins; `is_first`: a short rest will do, since somebody has just sat down, or the recording has just begun.
+  /// Begins settling; `is_first`: a short rest is enough, because the person has just sat down or the recording has just begun.
   void restart(bool is_first) noexcept;
-  /// Forgets where earlier reaches began: the person sits otherwise now.
+  /// Forgets the baselines of earlier reaches, because the person's posture has changed.
   void forget_session() noexcept { session_count_ = session_next_ = 0; }
-  /// While settling; true: at rest from now on. Realtime-safe: yes.
+  /// Call while settling; returns true when the rest is found. Realtime-safe: yes.
   bool settle(const ReachSample& sample) noexcept;
-  /// Of the rest that was found, in samples until now.
+  /// Length of the rest that was found, in samples until now.
   [[nodiscard]] std::uint64_t length() const noexcept { return is_short_ ? settling_ : kWindow; }
-  /// While quiet. Realtime-safe: yes.
+  /// Call while quiet. Realtime-safe: yes.
   void track(const ReachSample& sample) noexcept;
-  /// A reach has begun at this baseline.
+  /// Adds the current baseline to the session's baselines, because a reach began from it.
   void remember() noexcept;
 
   [[nodiscard]] double level_mm() const noexcept { return level_mm_; }
@@ -61,7 +60,7 @@ class RestDetector {
   void put(const ReachSample& sample) noexcept;
   [[nodiscard]] static double median_mm(std::span<const Entry> rest) noexcept;
   [[nodiscard]] double session_mm() const noexcept;
-  /// Of the first `filled_`.
+  /// Range of the first `filled_` samples.
   [[nodiscard]] double range_mm() const noexcept;
   void begin(double level_mm, std::span<const Entry> rest) noexcept;
   [[nodiscard]] bool settle_shortly(const ReachSample& sample) noexcept;
@@ -73,7 +72,7 @@ class RestDetector {
   std::size_t next_ = 0;
   std::size_t filled_ = 0;
   std::uint64_t settling_ = 0;   ///< Samples since settling began.
-  std::uint64_t calm_ = 0;       ///< Of these how many in a row were steady from the first on; counted at first only.
+  std::uint64_t calm_ = 0;       ///< How many of them, from the first on, were steady; only used if `is_first_`.
   std::uint64_t elsewhere_ = 0;  ///< Steady samples in a row away from the session's baseline.
   std::array<double, kSession> session_{};
   std::size_t session_next_ = 0;
@@ -83,7 +82,7 @@ class RestDetector {
   double ratio_ = 0.0;
   double twist_ = 0.0;
   bool is_first_ = false;
-  bool is_short_ = false;  ///< All the rest there was is shorter than a window.
+  bool is_short_ = false;  ///< The whole rest was shorter than a window.
   bool is_uncertain_ = false;
 };
 

@@ -10,20 +10,20 @@
 
 namespace dts::pipeline {
 
-/// The transient as the extractor looks at it: at 100 Hz, averaged over 50 ms.
+/// A sample of the transient for the detection of reaches: at 100 Hz, averaged over 50 ms.
 struct ReachSample {
   double mm = 0.0;
   double ratio = 0.0;
   double twist = 0.0;
-  bool is_known = false;  ///< false: the sensors have said nothing for a while.
+  bool is_known = false;  ///< false: the sensors had no valid value for some time.
   bool is_substituted = false;
   bool is_at_end = false;  ///< A sensor was at the end of its range.
   bool is_untared = false;
 };
 
-/// From scans of any rate to `ReachSample`s: block means to 100 Hz or the nearest rate that divides, then a moving average of 50 ms
-/// (reach-model section 5). The thesis's window of three scans is 30 ms at 100 Hz and 2 ms at 1500: windows are times here.
-/// Values that are missing for up to 250 ms are bridged by the last one.
+/// Converts scans of any rate to `ReachSample`s: block means at 100 Hz, or the nearest rate that divides the scan rate, then a moving
+/// average over 50 ms (reach-model section 5). The thesis's window of three scans is 30 ms at 100 Hz but 2 ms at 1500 Hz; here, windows
+/// have fixed durations. Missing values are replaced by the last one for up to 250 ms.
 class Smoother {
  public:
   static constexpr double kRateHz = 100.0;
@@ -33,9 +33,9 @@ class Smoother {
   void prepare(const core::Rate& rate) noexcept;
   /// Scans per sample.
   [[nodiscard]] std::uint64_t divisor() const noexcept { return divisor_; }
-  /// Between the middle of what a sample describes and the scan that completes it.
+  /// Delay from the middle of a sample's window to the scan that completes the sample.
   [[nodiscard]] std::uint64_t delay_scans() const noexcept { return (divisor_ * kWindow) / 2; }
-  /// Takes one scan; true when it completes `sample()`. Realtime-safe: yes.
+  /// Adds one scan; returns true if it completes `sample()`. Realtime-safe: yes.
   bool add(double mm, double ratio, double twist, std::uint8_t bits) noexcept;
   [[nodiscard]] const ReachSample& sample() const noexcept { return sample_; }
   void reset() noexcept;
@@ -61,8 +61,8 @@ class Smoother {
   double sum_mm_ = 0.0;
   double sum_ratio_ = 0.0;
   double sum_twist_ = 0.0;
-  std::uint64_t scans_ = 0;  ///< Of the block so far ...
-  std::uint64_t known_ = 0;  ///< ... of these with a value.
+  std::uint64_t scans_ = 0;  ///< Scans in the current block ...
+  std::uint64_t known_ = 0;  ///< ... and how many of them have a value.
   std::uint64_t substituted_ = 0;
   std::uint64_t at_end_ = 0;
   bool is_untared_ = false;

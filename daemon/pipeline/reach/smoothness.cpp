@@ -13,9 +13,10 @@ namespace {
 
 constexpr double kHighestHz = 10.0;
 constexpr double kLeastAmplitude = 0.05;
-constexpr std::size_t kFrequencies = 101;  ///< Steps of 0.1 Hz; as finely the literature pads the speed with zeros.
+constexpr std::size_t kFrequencies = 101;  ///< Steps of 0.1 Hz, as fine as the zero-padded spectra in the literature.
 
-/// |Fourier sum| of the speed of the transient at `hz`; the rotation by one sample is multiplied up, which is exact enough for 1000.
+/// Returns the magnitude of the Fourier sum of the transient's speed. Multiplies the rotation of one sample repeatedly, which is exact
+/// enough for 1000 samples.
 double amplitude(const TransientHistory& history, std::uint64_t first, std::uint64_t last, double radians) noexcept {
   const std::complex<double> turn = std::polar(1.0, -radians);
   std::complex<double> phase{1.0, 0.0};

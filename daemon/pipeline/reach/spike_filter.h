@@ -10,17 +10,17 @@
 
 namespace dts::pipeline {
 
-/// Takes single wild values out of a signal: a value further from the median of the last seven (itself included) than six times their
-/// median absolute deviation, and than `kLeast`, gives way to the median (Hampel 1974, The influence curve and its role in robust
-/// estimation; Pearson 2002, Outliers in process modeling and identification). Looks back only, so that it delays nothing; a step is let
-/// through after three values. Slopes pass: what makes the newest value lag the median makes the deviation larger, too.
+/// Removes single outliers from a signal: if a value differs from the median of the last seven (itself included) by more than six times
+/// their median absolute deviation, and by more than `kLeast`, returns the median in its place (Hampel 1974, The influence curve and its
+/// role in robust estimation; Pearson 2002, Outliers in process modeling and identification). Uses past values only, so there is no delay;
+/// a step passes after three values. Slopes pass too, because they increase the deviation as much as the distance from the median.
 class SpikeFilter {
  public:
   static constexpr std::size_t kWindow = 7;
-  static constexpr double kLeast = 0.15;  ///< mm; a hundred times what noise of 3 mV is on the median.
+  static constexpr double kLeast = 0.15;  ///< mm; 100 times the noise of the median for sensors with 3 mV noise.
   static constexpr std::size_t kStateSize = 2 + kWindow;
 
-  /// `value` is finite. Realtime-safe: yes.
+  /// `value` must be finite. Realtime-safe: yes.
   double filter(double value) noexcept {
     values_[next_] = value;
     next_ = (next_ + 1) % kWindow;
@@ -51,7 +51,7 @@ class SpikeFilter {
   }
 
  private:
-  /// All lie so near together that none can be wild, wherever the median is: nearly always, and much cheaper to see.
+  /// Returns whether all values are so close together that none can be an outlier. Nearly always true, and cheaper than a median.
   [[nodiscard]] bool is_calm() const noexcept {
     double lowest = values_[0];
     double highest = values_[0];
@@ -67,7 +67,7 @@ class SpikeFilter {
     return *middle;
   }
 
-  std::array<double, kWindow> values_{};  ///< The first `count_` are in use until it is full.
+  std::array<double, kWindow> values_{};  ///< The first `count_` values are valid.
   std::size_t next_ = 0;
   std::size_t count_ = 0;
 };

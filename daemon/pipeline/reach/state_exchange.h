@@ -9,7 +9,7 @@
 
 namespace dts::pipeline {
 
-/// Both ways of a state, so that the list of what belongs to it stands once: `exchange(self, StateSaver)` and `exchange(self,
+/// Saves or loads a state with the same code, so that its members are listed only once: `exchange(self, StateSaver)` and `exchange(self,
 /// StateLoader)`.
 class StateSaver {
  public:
@@ -40,6 +40,6 @@ class StateLoader {
 };
 
 inline constexpr std::uint64_t kAnyCount = std::numeric_limits<std::uint64_t>::max();
-inline constexpr double kMostStateMm = 1e6;  ///< No seat bends further.
+inline constexpr double kMostStateMm = 1e6;  ///< Beyond any possible deflection of a seat.
 
 }  // namespace dts::pipeline

@@ -9,19 +9,19 @@
 
 namespace dts::pipeline {
 
-/// The last ten seconds of the smoothed transient, by the number of the sample (tick) since the reset.
+/// The last 10 s of the smoothed transient, by sample number (tick) since the reset.
 class TransientHistory {
  public:
   static constexpr std::uint64_t kTicks = 1024;
   static constexpr std::size_t kStateSize = 2 + kTicks;
 
   void push(double mm) noexcept { values_[++now_ % kTicks] = mm; }
-  /// What was before does not count any more: an empty seat, silent sensors, or another movement.
+  /// Ignores everything before `tick`: an empty seat, invalid sensor values, or another movement.
   void forget_before(std::uint64_t tick) noexcept { first_ = std::max(first_, tick); }
-  /// The newest; the first has number 1.
+  /// Returns the newest tick; the first sample has tick 1.
   [[nodiscard]] std::uint64_t now() const noexcept { return now_; }
   [[nodiscard]] std::uint64_t oldest() const noexcept { return std::max(first_, now_ < kTicks ? 1 : now_ - kTicks + 1); }
-  /// What is not kept any more (or not yet) reads as the nearest that is.
+  /// Returns the value at `tick`; for a tick outside the kept range, the value at the nearest kept tick.
   [[nodiscard]] double at(std::uint64_t tick) const noexcept {
     return values_[std::clamp(tick, oldest(), std::max(now_, oldest())) % kTicks];
   }

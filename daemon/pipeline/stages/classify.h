@@ -5,9 +5,8 @@
 
 namespace dts::pipeline {
 
-/// Tells the degree of trunk bending of every reach that the stage `reach` before it calls final, at once: "knowledge of results" (thesis
-/// 7.2). Judges by the rig's model alone; what a subject's own maximum reaches say is the session's matter. Makes no stream and remembers
-/// nothing.
+/// Classifies the trunk movement of every reach as soon as the stage `reach` before it reports its Final: "knowledge of results" (thesis
+/// 7.2). Uses the rig's model only; the session adds the scale from a subject's own maximum reaches. Makes no stream and has no state.
 class Classify final : public Stage {
  public:
   Classify(const StageOptions& options, const StageContext& context);

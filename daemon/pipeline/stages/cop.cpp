@@ -14,7 +14,7 @@ namespace {
 
 using core::kNaN;
 
-/// Contact is lost below this part of the threshold, so that a load near it does not flicker.
+/// Contact ends below this part of the threshold, so that it does not flicker near the threshold.
 constexpr double kReleaseRatio = 0.8;
 
 }  // namespace
@@ -87,10 +87,10 @@ void Cop::process(const core::Block& in, core::Block& out) noexcept {
 }
 
 std::array<Cop::Value, 3> Cop::evaluate(std::span<const double> deflection_mm, std::uint8_t bits) noexcept {
-  // A faulty scan tells nothing about contact either: that stays as it was.
+  // A faulty scan does not show whether there is contact: the state stays.
   if ((bits & kFaultBits) != 0) return {Value{kNaN, bits}, Value{kNaN, bits}, Value{kNaN, bits}};
   const physics::CopEstimate estimate = estimator_->estimate(deflection_mm);
-  const double load_n = std::isfinite(estimate.load_n) ? estimate.load_n : 0.0;  // not bent downwards at all
+  const double load_n = std::isfinite(estimate.load_n) ? estimate.load_n : 0.0;  // the plate is not bent downwards
   if (!update_contact(load_n)) {
     const auto no_contact = static_cast<std::uint8_t>(bits | core::quality::kNoContact);
     return {Value{kNaN, no_contact}, Value{kNaN, no_contact}, Value{load_n, bits}};

@@ -12,15 +12,15 @@
 
 namespace dts::pipeline {
 
-/// Centre of pressure and load from the deflections of a plate (thesis 4.4, plate-model section 5): by the rig's own calibration
-/// when it has one, by an estimator calibrated on the rig's plate model otherwise. As many channels come in as that is made for.
+/// Computes centre of pressure and load from the deflections of a plate (thesis 4.4, plate-model section 5), with the rig's own calibration
+/// if present, otherwise with an estimator calibrated on the rig's plate model. The number of input channels must match the estimator.
 ///
-/// Published axes: ml_mm = x to the subject's right, ap_mm = y forward, origin at the plate's centre. The estimators, like
-/// the thesis's tables, count from a plate corner: this is the edge where that is converted.
+/// Published axes: ml_mm = x to the subject's right, ap_mm = y forward, origin at the plate's centre. Estimators and the thesis's tables
+/// use a plate corner as origin; this stage converts between the two.
 ///
-/// Below the contact threshold there is no COP: ml and ap are NaN with kNoContact, the load is still given. Outside the
-/// calibrated area or load range values carry kUncalibrated, and positions are clamped to the area. A fault bit or a
-/// NaN on any sensor makes the whole scan NaN with the bits of all sensors: fewer sensors give a wrong COP.
+/// Below the contact threshold there is no COP: ml and ap are NaN with kNoContact, and the load is still computed. Outside the calibrated
+/// area or load range, values have kUncalibrated, and positions are clamped to the area. A fault bit or NaN on any sensor makes the whole
+/// scan NaN with the bits of all sensors, because a COP from fewer sensors is wrong.
 class Cop final : public Stage {
  public:
   Cop(const StageOptions& options, const StageContext& context);
@@ -40,7 +40,7 @@ class Cop final : public Stage {
     std::uint8_t bits;
   };
   [[nodiscard]] core::Result<physics::CopEstimator> make_estimator() const;
-  /// ml, ap, load of one scan; `bits` are those of all sensors.
+  /// Returns ml, ap and load of one scan; `bits` are those of all sensors.
   std::array<Value, 3> evaluate(std::span<const double> deflection_mm, std::uint8_t bits) noexcept;
   bool update_contact(double load_n) noexcept;
 

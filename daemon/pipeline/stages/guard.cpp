@@ -13,7 +13,7 @@ namespace dts::pipeline {
 namespace {
 
 using core::kNaN;
-constexpr std::uint64_t kMinimumStuckScans = 50;  // at 10 Hz a second of equal codes is chance, not a fault
+constexpr std::uint64_t kMinimumStuckScans = 50;  // at 10 Hz, 1 s of equal codes may be chance
 
 }  // namespace
 
@@ -77,7 +77,7 @@ core::Result<core::StreamFormat> Guard::prepare(const core::StreamFormat& input,
 
   sensors_.clear();
   for (const StageContext::InputRange& range : ranges_) {
-    // Half a code more: the codes themselves come out of a multiplication and may miss the exact voltage by a rounding.
+    // Half a code more: the voltage of a code is the result of a multiplication and may be off by a rounding error.
     const double margin_v = (rail_codes_ + 0.5) * range.resolution_v;
     sensors_.push_back({.low_rail_v = range.minimum_v + margin_v, .high_rail_v = range.maximum_v - margin_v});
   }
@@ -96,7 +96,7 @@ void Guard::mark_sensor(std::size_t index, const core::Block& in, core::Block& o
   const auto bits_in = in.quality(index);
   const auto volts_out = out.column(index);
   const auto bits_out = out.quality(index);
-  Sensor sensor = sensors_[index];  // a copy in registers: the columns might overlap the member for all the compiler knows
+  Sensor sensor = sensors_[index];  // a local copy: otherwise the compiler must assume that the columns overlap the member
   for (std::size_t i = 0; i < volts_in.size(); ++i) {
     const double volts = volts_in[i];
     sensor.repeats = volts == sensor.last_v ? sensor.repeats + 1 : 0;
@@ -119,7 +119,7 @@ void Guard::mark_rotation(std::span<const double> marker, core::Block& out) cons
 }
 
 void Guard::reset() noexcept {
-  for (Sensor& sensor : sensors_) sensor.last_v = kNaN;  // equals nothing: the count of repeats starts anew
+  for (Sensor& sensor : sensors_) sensor.last_v = kNaN;  // NaN equals no value, so the count of repeats restarts
 }
 
 std::size_t Guard::state_size() const noexcept { return 2 * sensors_.size(); }
@@ -127,7 +127,7 @@ std::size_t Guard::state_size() const noexcept { return 2 * sensors_.size(); }
 void Guard::save(std::span<double> state) const noexcept {
   StateWriter writer(state);
   for (const Sensor& sensor : sensors_) {
-    const bool is_number = std::isfinite(sensor.last_v);  // the stream says NaN for all others, and so will its replay
+    const bool is_number = std::isfinite(sensor.last_v);  // the recorded stream has NaN for every other value, and so will its replay
     writer.put(is_number ? sensor.last_v : kNaN);
     writer.put_count(is_number ? sensor.repeats : 0);
   }

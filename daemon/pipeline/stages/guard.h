@@ -8,8 +8,8 @@
 
 namespace dts::pipeline {
 
-/// Passes the sensors' volts on and marks what cannot be believed. Input: one column per sensor of the rig, then the
-/// auxiliary channels, which end here; one of them may be the marker.
+/// Copies the sensors' volts and marks invalid values. Input: one column per sensor of the rig, then the auxiliary channels, which this
+/// stage does not pass on; one of them may be the marker.
 ///
 /// kRail        within `rail_codes` codes of an end of the converter's range
 /// kStuck       unchanged for longer than `stuck_ms` and 50 scans: even an idle sensor has noise
@@ -17,7 +17,7 @@ namespace dts::pipeline {
 ///              COP is a mirror image that looks plausible
 /// kOutOfRange  not a finite number; the value becomes NaN
 ///
-/// Bits that the device has set stay.
+/// Keeps the bits that the device has set.
 class Guard final : public Stage {
  public:
   Guard(const StageOptions& options, const StageContext& context);
@@ -36,7 +36,7 @@ class Guard final : public Stage {
     double low_rail_v = 0.0;
     double high_rail_v = 0.0;
     double last_v = std::numeric_limits<double>::quiet_NaN();
-    std::uint64_t repeats = 0;  ///< Scans that gave exactly the value of the scan before.
+    std::uint64_t repeats = 0;  ///< Consecutive scans with exactly the previous value.
   };
   void mark_sensor(std::size_t index, const core::Block& in, core::Block& out) noexcept;
   void mark_rotation(std::span<const double> marker, core::Block& out) const noexcept;
@@ -48,7 +48,7 @@ class Guard final : public Stage {
   double marker_v_;
   double marker_tolerance_v_;
   std::vector<Sensor> sensors_;
-  std::uint64_t stuck_limit_ = 0;  ///< Repeats that are still believed.
+  std::uint64_t stuck_limit_ = 0;  ///< More repeats than this mark the sensor as stuck.
 };
 
 }  // namespace dts::pipeline

@@ -12,7 +12,7 @@
 namespace dts::pipeline {
 namespace {
 
-/// Deflection from the nominal unloaded gap, not yet from the baseline.
+/// Converts volts to deflection from the nominal unloaded gap, before the baseline is subtracted.
 void convert(const physics::SensorModel& sensor, const core::Block& in, core::Block& out, std::size_t channel) noexcept {
   const auto volts = in.column(channel);
   const auto bits_in = in.quality(channel);
@@ -81,7 +81,7 @@ core::Result<core::StreamFormat> Linearise::prepare(const core::StreamFormat& in
 void Linearise::process(const core::Block& in, core::Block& out) noexcept {
   take_request();
   for (std::size_t c = 0; c < out.channel_count(); ++c) convert(rig_->sensors[c], in, out, c);
-  // A tare ends at a scan, not at a block: the block is cut where the baseline changes.
+  // A tare ends at a scan and not at a block: the block is split where the baseline changes.
   const std::size_t averaged = static_cast<std::size_t>(std::min<std::uint64_t>(average_.remaining_scans(), out.count()));
   if (averaged > 0) {
     if (average_.remaining_scans() == tare_scans_) report(TareOutcome::Running);
@@ -144,7 +144,7 @@ bool Linearise::restore(std::span<const double> state) noexcept {
   const std::size_t sensors = rig_->sensors.size();
   StateReader reader(state, state_size());
   is_tared_ = reader.flag() || is_nominal_;
-  const double largest_mm = is_tared_ ? tare_limit_mm_ : 0.0;  // further off no tare is accepted
+  const double largest_mm = is_tared_ ? tare_limit_mm_ : 0.0;  // a larger offset is rejected by a tare
   for (std::size_t c = 0; c < sensors; ++c) baseline_mm_[c] = reader.number(-largest_mm, largest_mm);
   average_.restore(reader, sensors, tare_scans_);
   if (!reader.is_right()) {

@@ -10,14 +10,14 @@
 
 namespace dts::pipeline {
 
-/// Volts to deflection: unloaded gap - gap of the sensor's curve - baseline, in mm, downwards positive. Estimators need this and not
-/// volts: calibrated on raw volts they err by 19-38 mm (plate-model section 5).
+/// Converts volts to deflection: unloaded gap - gap of the sensor's curve - baseline, in mm, positive downwards. Estimators need the
+/// deflection: calibrated on raw volts, they have errors of 19-38 mm (plate-model section 5).
 ///
-/// The baseline is 0 (and every value kUntared) until a tare is done: on a request in the `Tare` letter box, taken up at the
-/// next block, and with `tare_at_start` by itself over the first `tare_ms` of every segment until one succeeds, so that a
-/// plate that is empty when the daemon starts needs no command. The baseline counts from the scan after the average;
-/// a refused tare changes nothing, and neither does a new segment. With `baseline` nominal the rig's unloaded gaps were measured on this
-/// very plate and are the baseline from the start; a commanded tare still replaces them.
+/// The baseline is 0 (and every value has kUntared) until a tare succeeds. A request through `Tare` starts a tare at the next block. With
+/// `tare_at_start`, the first `tare_ms` of every segment also tare until one succeeds, so that a plate that is empty when the daemon starts
+/// needs no command. The new baseline applies from the scan after the average. A rejected tare or a new segment changes nothing. With
+/// `baseline` = nominal, the rig's unloaded gaps were measured on this very plate and are the baseline from the start; a requested tare
+/// still replaces them.
 class Linearise final : public Stage {
  public:
   Linearise(const StageOptions& options, const StageContext& context);
@@ -47,7 +47,7 @@ class Linearise final : public Stage {
   bool is_nominal_;  ///< The rig's unloaded gaps count as a tare.
 
   std::uint64_t tare_scans_ = 1;
-  std::uint64_t request_ = 0;  ///< The newest one taken up; 0 while the start's own tare runs.
+  std::uint64_t request_ = 0;  ///< The newest request; 0 during the automatic tare at the start.
   BaselineAverage average_;
   std::array<double, core::kMaxChannels> baseline_mm_{};
   bool is_tared_ = false;

@@ -11,7 +11,7 @@
 namespace dts::pipeline {
 namespace {
 
-constexpr double kSlowestHz = 75.0;  // below, a dip of the reach initiation stage is a handful of samples
+constexpr double kSlowestHz = 75.0;  // below this rate, the dip of the reach initiation stage has only a few samples
 
 }  // namespace
 
@@ -75,7 +75,7 @@ void Reach::process(const core::Block& in, core::Block& /*out*/) noexcept {
   }
 }
 
-/// From numbers of samples to scans.
+/// Converts sample numbers to scans.
 void Reach::translate(core::ReachEvent& event, const core::Block& in, std::size_t scan) const noexcept {
   const std::uint64_t completing = in.first_scan.value + scan;
   const std::uint64_t now = event.scan.value;

@@ -7,10 +7,11 @@
 
 namespace dts::pipeline {
 
-/// Finds the reaches in the transient and tells P1, P2, P3, d1, d2 (thesis 5.3.3, reach-model section 5): provisional within 60 ms, Final
-/// at most 0.65 s after P3. Input: transient_mm, ratio, twist. Makes no stream.
+/// Finds reaches in the transient and reports P1, P2, P3, d1, d2 (thesis 5.3.3, reach-model section 5): provisional within 60 ms, Final at
+/// most 0.65 s after P3. Input: transient_mm, ratio, twist. Makes no stream.
 ///
-/// Points have the scans of the input, less its delay and the extractor's own; the same at every rate, since all windows are times.
+/// Points refer to scans of the input, corrected for its delay and that of the smoother. They are the same at every rate, because all
+/// windows are durations.
 class Reach final : public Stage {
  public:
   Reach(const StageOptions& options, const StageContext& context);

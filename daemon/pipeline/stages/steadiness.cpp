@@ -14,10 +14,10 @@ namespace dts::pipeline {
 namespace {
 
 using core::kNaN;
-constexpr double kSlowestSwayHz = 20.0;                          // not above, there is nothing for a low-pass of 10 Hz to pass
-constexpr std::uint64_t kLargestScan = std::uint64_t{1} << 53U;  // that a state can hold
+constexpr double kSlowestSwayHz = 20.0;                          // a low-pass of 10 Hz needs more than this
+constexpr std::uint64_t kLargestScan = std::uint64_t{1} << 53U;  // the largest that a state can hold
 
-/// The same, whatever its number in the letter box.
+/// Returns whether the windows are equal, apart from their number.
 bool is_same_window(const SteadinessWindow& a, const SteadinessWindow& b) noexcept {
   return a.trial == b.trial && a.segment == b.segment && a.first_scan == b.first_scan && a.end_scan == b.end_scan;
 }
@@ -75,7 +75,7 @@ void Steadiness::process(const core::Block& in, core::Block& /*out*/) noexcept {
   const auto ap_mm = in.column(1);
   const auto load_n = in.column(2);
   for (std::size_t i = 0; i < in.count(); ++i) {
-    const bool is_empty = load_n[i] <= 0.0;  // a COP without a load means nothing; one whose load is not known may
+    const bool is_empty = load_n[i] <= 0.0;  // a COP without load is meaningless; with an unknown load (NaN) it may be valid
     watch_.take(in.first_scan.value + i, is_empty ? kNaN : ml_mm[i], ap_mm[i], events_);
   }
   for (core::SwayEvent& event : std::span(events_.events).first(events_.count)) translate(event, in);
@@ -96,7 +96,7 @@ SwayWatch::Trial Steadiness::trial_in(std::uint32_t segment) const noexcept {
   return {.number = window_.trial, .begin = index_of(window_.first_scan), .end = index_of(window_.end_scan)};
 }
 
-/// The first of the input that describes `scan` or what comes after it.
+/// Returns the first index of the input that describes `scan` or a later one.
 std::uint64_t Steadiness::index_of(core::ScanIndex scan) const noexcept {
   return (std::min(scan.value, kLargestScan) + delay_scans_ + raw_per_scan_ - 1) / raw_per_scan_;
 }
@@ -106,10 +106,10 @@ core::ScanIndex Steadiness::scan_of(std::uint64_t index) const noexcept {
   return {completing - std::min(completing, delay_scans_)};
 }
 
-/// From indices to scans.
+/// Converts indices to scans.
 void Steadiness::translate(core::SwayEvent& event, const core::Block& in) const noexcept {
   event.segment = in.segment;
-  // Not after the block, whatever a restored state had to say: times stay times.
+  // Not after this block, even with a wrong restored state: times must stay valid.
   event.scan = scan_of(std::min(event.scan.value, in.first_scan.value + in.count() - 1));
   event.first_scan = std::min(scan_of(event.first_scan.value), event.scan);
   const core::ScanIndex completing{in.first_scan.value * raw_per_scan_};
@@ -127,7 +127,7 @@ void Steadiness::reset() noexcept {
   events_.clear();
 }
 
-/// As fresh: what is in the letter box will be taken up again.
+/// Returns to the initial state, so that the current window will be read again.
 void Steadiness::forget() noexcept {
   letter_ = 0;
   window_ = {};

@@ -9,14 +9,14 @@
 
 namespace dts::pipeline {
 
-/// Tells running values of quiet standing (`core::SwayEvent`; posturography sheet sections 2 and 3, "live"): of the causally filtered
-/// centre of pressure at 100 Hz or the nearest rate that divides, over a window that grows, every half a second and when it ends.
-/// Input: ml_mm, ap_mm, load_n. Makes no stream.
+/// Reports running values of quiet standing (`core::SwayEvent`; posturography sheet sections 2 and 3, "live") from the causally filtered
+/// centre of pressure at 100 Hz, or the nearest rate that divides the input's: over a growing window, every 0.5 s and at its end. Input:
+/// ml_mm, ap_mm, load_n. Makes no stream.
 ///
-/// A window is a trial's measuring time, out of the letter box `SteadinessWindows`; without one it begins when somebody has stood for a
-/// second and ends when the centre of pressure is away for more than 50 ms. A trial's window goes on over such a gap, without it. A new
-/// segment ends every window without a last word. Scans are those the values describe: the input's delay and the filter's own 80 ms are
-/// taken off, so a window's last value comes 80 ms after its end.
+/// A window is a trial's measuring time, from `SteadinessWindows`. Without a trial, it begins when a person has stood for 1 s and ends when
+/// the centre of pressure is missing for more than 50 ms. A trial's window continues after such a gap, without the missing samples. A new
+/// segment ends every window without a last event. Events name the scans that their values describe, corrected for the input's delay and
+/// the filter's own 80 ms; so a window's last event is 80 ms after its end.
 class Steadiness final : public Stage {
  public:
   Steadiness(const StageOptions& options, const StageContext& context);
@@ -45,10 +45,10 @@ class Steadiness final : public Stage {
   double settle_ms_;
   core::Rate raw_rate_;
   std::uint64_t raw_per_scan_ = 1;
-  std::uint64_t delay_scans_ = 0;  ///< Of the raw stream.
-  std::uint64_t letter_ = 0;       ///< Number of the window that was taken up last.
-  SteadinessWindow window_;        ///< The trial's that is known.
-  std::uint32_t segment_ = 0;      ///< What the watch runs in.
+  std::uint64_t delay_scans_ = 0;  ///< In scans of the raw stream.
+  std::uint64_t letter_ = 0;       ///< Number of the window read last.
+  SteadinessWindow window_;        ///< The known window of a trial.
+  std::uint32_t segment_ = 0;      ///< Current segment of `watch_`.
   SwayWatch watch_;
   SwayWatch::Events events_;  ///< Of the last block.
 };

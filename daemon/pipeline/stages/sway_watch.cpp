@@ -9,13 +9,13 @@ namespace dts::pipeline {
 namespace {
 
 constexpr double kCutOffHz = 10.0;
-constexpr double kFarthestMm = 1e5;                               // further off is no place on a plate
-constexpr double kLargestInFilter = 1e9;                          // of what a file says
-constexpr std::uint64_t kLargestIndex = std::uint64_t{1} << 53U;  // that a state can hold
+constexpr double kFarthestMm = 1e5;                               // farther away is not on a plate
+constexpr double kLargestInFilter = 1e9;                          // limit for values from a file
+constexpr std::uint64_t kLargestIndex = std::uint64_t{1} << 53U;  // the largest that a state can hold
 
 bool is_place(double ml_mm, double ap_mm) noexcept { return std::abs(ml_mm) <= kFarthestMm && std::abs(ap_mm) <= kFarthestMm; }
 
-/// Room is for the newest: each says more than the one before.
+/// Keeps the newest events, because each contains more than the one before.
 void push_newest(SwayWatch::Events& events, const core::SwayEvent& event) noexcept {
   if (events.count == events.events.size()) {
     std::ranges::move(events.events.begin() + 1, events.events.end(), events.events.begin());
@@ -32,7 +32,7 @@ void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_m
   divisor_ = static_cast<std::uint64_t>(std::max(1.0, std::round(hz / kAnalysisRateHz)));
   every_ = rate.scans_in_ms(every_ms);
   settle_ = settle_ms > 0.0 ? rate.scans_in_ms(settle_ms) : 0;
-  longest_gap_ = static_cast<std::uint64_t>(std::floor(kLongestGapMs * 1e-3 * hz + 1e-6));  // 0.05 s of 100.000001 Hz are five samples
+  longest_gap_ = static_cast<std::uint64_t>(std::floor(kLongestGapMs * 1e-3 * hz + 1e-6));  // five samples also at 99.999999 Hz
   lag_ = static_cast<std::uint64_t>(std::round(static_cast<double>(kPasses) * posturography::lag_near_dc(kCutOffHz, hz)));
   const posturography::LowPass low_pass = posturography::butterworth4(kCutOffHz, hz);
   ml_filter_.fill(posturography::CausalLowPass(low_pass));
@@ -43,7 +43,7 @@ void SwayWatch::prepare(const core::Rate& rate, double every_ms, double settle_m
 }
 
 void SwayWatch::expect(const Trial& trial, Events& events) noexcept {
-  const bool goes_on = trial.number == trial_.number && trial.begin == trial_.begin;  // with another end
+  const bool goes_on = trial.number == trial_.number && trial.begin == trial_.begin;  // the end may differ
   if (window_ == Window::OfTrial && !goes_on) close(events);
   trial_ = trial;
 }
@@ -62,7 +62,7 @@ void SwayWatch::miss(std::uint64_t now, Events& events) noexcept {
   if (++gap_ > longest_gap_) lose(now, events);
 }
 
-/// A short gap is over: a straight line through it.
+/// Fills a short gap by linear interpolation.
 void SwayWatch::bridge(std::uint64_t now, double ml_mm, double ap_mm, Events& events) noexcept {
   const std::uint64_t missing = gap_;
   const auto steps = static_cast<double>(missing + 1);
@@ -80,7 +80,7 @@ void SwayWatch::settle(std::uint64_t now, double ml_mm, double ap_mm) noexcept {
   for (posturography::CausalLowPass& pass : ap_filter_) pass.settle_at(ap_mm);
 }
 
-/// The gap is too long to be one: nobody stands since its beginning.
+/// The gap is too long to be bridged: the person left the plate when it began.
 void SwayWatch::lose(std::uint64_t now, Events& events) noexcept {
   const std::uint64_t missing = gap_;
   is_standing_ = false;
@@ -93,7 +93,7 @@ void SwayWatch::lose(std::uint64_t now, Events& events) noexcept {
 void SwayWatch::measure(std::uint64_t now, double ml_mm, double ap_mm, Events& events) noexcept {
   for (posturography::CausalLowPass& pass : ml_filter_) ml_mm = pass.step(ml_mm);
   for (posturography::CausalLowPass& pass : ap_filter_) ap_mm = pass.step(ap_mm);
-  if (now - since_ < lag_) return;  // describes what was before anybody stood
+  if (now - since_ < lag_) return;  // describes a time before the person stood there
   const std::uint64_t described = now - lag_;
   follow_trial(described, events);
   if (window_ == Window::None && described - since_ >= settle_) open(Window::Free, described);

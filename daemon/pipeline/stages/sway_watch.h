@@ -13,15 +13,16 @@
 
 namespace dts::pipeline {
 
-/// The work of stage `steadiness`, sample by sample: bridges gaps, filters, decimates, sums over windows. Knows samples by their index in
-/// its input; whoever knows scans of the rig translates.
+/// The work of stage `steadiness` per sample: bridges gaps, filters, decimates, and sums over windows. Uses sample indices of its input;
+/// the stage converts them to scans of the rig.
 ///
 ///     sample --gap of up to 50 ms: held back, then interpolated--> lp10, causal, twice --every n-th--> sums of the window --> event
-///            --longer: the filter settles anew
+///            --longer: the filter starts again
 ///
-/// The low-pass is run over twice, both times forward: -6 dB at 10 Hz as the zero-phase one of the final values, or the paths would differ
-/// by a percent. A filtered sample describes the one `lag` before it (the group delay near DC, 80 ms): running values are of the same time
-/// as the final ones. Every index passes once and in order; those of a possible gap as soon as it is known what it was.
+/// The low-pass runs twice, both times forward, for -6 dB at 10 Hz like the zero-phase filter of the final values; otherwise path lengths
+/// would differ by a percent. A filtered sample describes the sample `lag` before it (the group delay near DC, 80 ms), so that running and
+/// final values refer to the same time. Every index is processed once and in order; samples in a possible gap wait until its length is
+/// known.
 class SwayWatch {
  public:
   using Events = core::BoundedEvents<core::SwayEvent, core::kMaxSwaysPerFrame>;
@@ -29,25 +30,26 @@ class SwayWatch {
   static constexpr std::size_t kStateSize =
       10 + 2 * kPasses * posturography::CausalLowPass::kStateSize + posturography::RunningSwaySums::kStateSize;
   static constexpr double kAnalysisRateHz = 100.0;
-  static constexpr double kLongestGapMs = 50.0;  ///< That is interpolated: posturography sheet section 7.
+  static constexpr double kLongestGapMs = 50.0;  ///< A longer gap is not interpolated: posturography sheet section 7.
 
   /// Measuring time of a trial, as indices.
   struct Trial {
     std::uint32_t number = 0;  ///< 0: none.
     std::uint64_t begin = 0;
-    std::uint64_t end = 0;  ///< First that does not count.
+    std::uint64_t end = 0;  ///< First index after the window.
   };
 
-  /// Also forgets the trial.
+  /// Sets the parameters. Also forgets the trial.
   void prepare(const core::Rate& rate, double every_ms, double settle_ms) noexcept;
-  /// From the next index on; what runs for another trial ends. The same trial with another end goes on.
+  /// Sets the trial from the next index on; ends the window of another trial. If only the end differs, the window continues.
   void expect(const Trial& trial, Events& events) noexcept;
-  /// Takes index `now`, the one after the last; what is not finite is missing. Events have indices for scans. Realtime-safe: yes.
+  /// Processes index `now`, which must follow the last one; a value that is not finite is missing. Events contain indices in place of
+  /// scans. Realtime-safe: yes.
   void take(std::uint64_t now, double ml_mm, double ap_mm, Events& events) noexcept;
-  /// Forgets the signal, not the trial.
+  /// Forgets the signal but keeps the trial.
   void reset() noexcept;
   void save(StateWriter& writer) const noexcept;
-  /// false: something is impossible; the watch is then as after `reset`. `trial` is the one that was expected at `save`.
+  /// Restores a state; returns false if a value is impossible, with the watch as after `reset`. `trial` must be the trial set at `save`.
   [[nodiscard]] bool restore(StateReader& reader, const Trial& trial) noexcept;
 
  private:
@@ -72,18 +74,18 @@ class SwayWatch {
   Trial trial_;
 
   bool is_standing_ = false;  ///< The filters run.
-  std::uint64_t since_ = 0;   ///< Somebody stands since this index.
-  std::uint64_t gap_ = 0;     ///< Samples missing in a row, held back.
-  double last_ml_mm_ = 0.0;   ///< The newest there was.
+  std::uint64_t since_ = 0;   ///< Index since which a person stands.
+  std::uint64_t gap_ = 0;     ///< Missing samples in a row, waiting for the end of the gap.
+  double last_ml_mm_ = 0.0;   ///< The newest valid sample.
   double last_ap_mm_ = 0.0;
   Filter ml_filter_;
   Filter ap_filter_;
 
   Window window_ = Window::None;
-  std::uint64_t first_ = 0;   ///< Of the window.
-  std::uint64_t due_ = 0;     ///< When to tell again.
-  std::uint64_t newest_ = 0;  ///< That counts.
-  bool has_news_ = false;     ///< Something counts that was not told.
+  std::uint64_t first_ = 0;   ///< First index of the window.
+  std::uint64_t due_ = 0;     ///< Index of the next event.
+  std::uint64_t newest_ = 0;  ///< Newest index in the sums.
+  bool has_news_ = false;     ///< The sums changed since the last event.
   posturography::RunningSwaySums sums_;
 };
 

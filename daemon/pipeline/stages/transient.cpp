@@ -18,14 +18,14 @@ namespace {
 
 using core::kNaN;
 constexpr double kMostMm = 1e6;
-constexpr double kRestS = 1.0;  ///< How fast a channel's own baseline follows.
+constexpr double kRestS = 1.0;  ///< Time constant of a channel's rest level.
 
 /// Channel of the same row, on the other side.
 constexpr std::size_t partner(std::size_t channel) noexcept { return channel ^ 1U; }
 
-/// How many scans in a row may give the same code by chance: two readings of a channel with noise of `noise_v` rms agree with probability
-/// q / (2 sqrt(pi) noise) for codes of q; a chance of 1e-9 per scan is a fault. 16 bit of +-5 V and 3 mV: 5, as in reach-model section 5;
-/// 12 bit: 15. 0: such a channel tells nothing by standing still.
+/// Returns the number of equal codes in a row that chance does not explain. Two readings of a channel with noise of `noise_v` rms agree
+/// with probability q / (2 sqrt(pi) noise) for codes of width q; a chance below 1e-9 per scan is a fault. 16 bit of +-5 V and 3 mV: 5, as
+/// in reach-model section 5; 12 bit: 15. Returns 0 if the noise is too small to detect a fault in this way.
 std::uint64_t still_scans(double resolution_v, double noise_v) {
   if (noise_v <= 0.0) return 0;
   const double chance = resolution_v / (2.0 * std::sqrt(std::numbers::pi) * noise_v);
@@ -33,7 +33,8 @@ std::uint64_t still_scans(double resolution_v, double noise_v) {
   return std::max<std::uint64_t>(5, static_cast<std::uint64_t>(std::ceil(std::log(1e-9) / std::log(std::max(chance, 1e-9)))));
 }
 
-/// The rig's own choice, or of four sensors the two with the smaller y, each pair from left to right.
+/// Returns the rig's own choice; otherwise, of four sensors, the two with the smaller y as the rear pair. Each pair is ordered from left to
+/// right.
 std::optional<physics::RigModel::TransientSensors> choose_sensors(const physics::RigModel& rig) {
   if (rig.transient_sensors) return rig.transient_sensors;
   if (rig.sensors.size() != Transient::kSensors) return std::nullopt;
@@ -87,7 +88,7 @@ core::Result<core::StreamFormat> Transient::prepare(const core::StreamFormat& in
     return core::fail(core::ErrorCode::InvalidArgument, "stage transient: the rig names sensor " + std::to_string(*twice + 1) + " twice");
   }
   still_limit_ = still_scans(resolution_v_, noise_mv_ / 1000.0);
-  if (still_limit_ > 0) still_limit_ = std::max(still_limit_, input.rate.scans_in_ms(50.0)) - 1;  // noise of real sensors is not white
+  if (still_limit_ > 0) still_limit_ = std::max(still_limit_, input.rate.scans_in_ms(50.0)) - 1;  // the noise of real sensors is not white
   rest_gain_ = 1.0 - std::exp(-1.0 / (kRestS * input.rate.hz()));
   reset();
   core::StreamFormat output = input;
@@ -123,7 +124,7 @@ std::uint8_t Transient::look(const core::Block& in, std::size_t scan, Values& va
 
 void Transient::follow_rest(const Values& values, const Goods& goods) noexcept {
   for (std::size_t k = 0; k < kSensors; ++k) {
-    if (channels_[k].was_good && !goods[k]) return;  // the rest levels of all belong together
+    if (channels_[k].was_good && !goods[k]) return;  // the rest levels of all channels must be of the same time
   }
   for (std::size_t k = 0; k < kSensors; ++k) {
     Channel& channel = channels_[k];
@@ -167,7 +168,7 @@ void Transient::process(const core::Block& in, core::Block& out) noexcept {
     std::array<double, 3> result{kNaN, kNaN, kNaN};
     if (is_whole || substitute(values, goods)) {
       const double mean_mm = (values[0] + values[1] + values[2] + values[3]) / 4.0;
-      const double divisor_mm = std::max(mean_mm, kEmptyMm);  // what is said of an empty seat stays finite
+      const double divisor_mm = std::max(mean_mm, kEmptyMm);  // values stay finite on an empty seat
       result = {mean_mm, (values[2] + values[3] - values[0] - values[1]) / 2.0 / divisor_mm,
                 ((values[0] - values[1]) - (values[2] - values[3])) / divisor_mm};
       const bool is_at_end = (bits & (core::quality::kRail | core::quality::kOutOfRange)) != 0;

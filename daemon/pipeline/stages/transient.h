@@ -11,22 +11,23 @@
 
 namespace dts::pipeline {
 
-/// How far the seat of a chair bends: the thesis's transient (5.3.3), from the four sensors that the rig uses for it.
+/// Computes the transient, the deflection of a chair's seat (thesis 5.3.3), from four sensors of the rig.
 ///
-/// transient_mm  mean of the four (reach-model section 1: bigger with more trunk flexion)
-/// ratio         (front pair - rear pair) / mean: where the weight rests, without the weight
-/// twist         ((rear left - rear right) - (front left - front right)) / mean: near 0 on a seat, far from it with swapped sensors
+/// transient_mm  mean of the four (reach-model section 1: larger with more trunk flexion)
+/// ratio         (front pair - rear pair) / mean: where the weight rests, independent of the weight
+/// twist         ((rear left - rear right) - (front left - front right)) / mean: near 0 on a seat, large with swapped sensors
 ///
-/// A channel with a fault bit, or standing still for longer than its noise allows, is replaced (section 5, channel guard): by where it was
-/// at rest plus the change of its partner on the other side of the same row, or of the other row when that is bad as well. Dropping it
-/// would step the mean. One that was never good follows its partner. Such scans have kSubstituted, and kUncalibrated when the channel was
-/// at the end of its range. With fewer than two good channels, or without any idea of a missing row, everything is NaN with the fault bits.
+/// Replaces a channel that has a fault bit, or is unchanged for longer than its noise allows (section 5, channel guard): by its rest level
+/// plus the change of its partner in the same row, or of the other row if the partner is bad too. Omitting the channel would cause a step
+/// in the mean. A channel that was never good has its partner's value. Such scans have kSubstituted, and kUncalibrated if the channel was
+/// at the end of its range. With fewer than two good channels, or without any rest level for a missing row, all values are NaN with the
+/// fault bits.
 ///
-/// On an empty seat values stay finite with kNoContact. kUntared passes through.
+/// On an empty seat, values stay finite with kNoContact. kUntared is passed on.
 class Transient final : public Stage {
  public:
   static constexpr std::size_t kSensors = 4;  ///< Rear left, rear right, front left, front right.
-  static constexpr double kEmptyMm = 0.8;     ///< Below nobody sits there (reach-model section 5).
+  static constexpr double kEmptyMm = 0.8;     ///< Below this, the seat is empty (reach-model section 5).
 
   Transient(const StageOptions& options, const StageContext& context);
 
@@ -42,19 +43,19 @@ class Transient final : public Stage {
  private:
   struct Channel {
     SpikeFilter spikes;
-    double last_mm = std::numeric_limits<double>::quiet_NaN();  ///< As it came; NaN: unlike anything.
+    double last_mm = std::numeric_limits<double>::quiet_NaN();  ///< Unfiltered; NaN: equal to no value.
     std::uint64_t repeats = 0;
-    double rest_mm = 0.0;  ///< Slow average while all channels that ever were good are good.
+    double rest_mm = 0.0;  ///< Slow average while no channel that was ever good is bad.
     bool was_good = false;
   };
   using Values = std::array<double, kSensors>;
   using Goods = std::array<bool, kSensors>;
 
-  /// Takes in one scan: what is good, and the bits of what is not.
+  /// Reads one scan: returns the good values, and the bits of the bad ones.
   std::uint8_t look(const core::Block& in, std::size_t scan, Values& values, Goods& goods) noexcept;
   bool is_believed(Channel& channel, double value_mm, std::uint8_t bits) const noexcept;
   void follow_rest(const Values& values, const Goods& goods) noexcept;
-  /// False when there is no way to tell what the bad channels would say.
+  /// Returns false if the values of the bad channels cannot be replaced.
   [[nodiscard]] bool substitute(Values& values, const Goods& goods) const noexcept;
 
   const physics::RigModel* rig_;
@@ -62,7 +63,7 @@ class Transient final : public Stage {
   double noise_mv_;
   std::array<std::size_t, kSensors> columns_{};
   std::array<Channel, kSensors> channels_{};
-  std::uint64_t still_limit_ = 0;  ///< Repeats that are still believed; 0: any number.
+  std::uint64_t still_limit_ = 0;  ///< This many repeats mark a channel as bad; 0: no limit.
   double rest_gain_ = 0.0;
 };
 

@@ -62,7 +62,7 @@ core::Result<core::StreamFormat> WindowFilter::prepare(const core::StreamFormat&
   reset();
   core::StreamFormat output = input;
   output.rate = rate_.divided_by(static_cast<std::int64_t>(shift_scans_));
-  // The mean of evenly spaced scans describes their middle.
+  // The mean of evenly spaced scans refers to the middle of their time.
   output.delay_ns += rate_.time_ns(core::ScanIndex{window_scans_ - 1}) / 2;
   return output;
 }
@@ -136,7 +136,7 @@ void WindowFilter::save(std::span<double> state) const noexcept {
     writer.put(channel.head_sum);
     writer.put_count(channel.head_bits);
     for (std::size_t slot = 0; slot < window_scans_; ++slot) {
-      const bool is_known = slot < seen_scans_;  // else it holds what was before the segment and is not looked at
+      const bool is_known = slot < seen_scans_;  // other slots hold values from before the segment, which are not used
       writer.put(is_known ? channel.sums[slot] : 0.0);
       writer.put_count(is_known ? channel.bits[slot] : 0);
     }

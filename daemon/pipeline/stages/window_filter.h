@@ -9,19 +9,19 @@
 
 namespace dts::pipeline {
 
-/// Moving average of the last `window` scans (thesis 4.5: window 3, shift 1). Says nothing until the window is full.
-/// With a shift of n it gives every n-th scan: those whose index is a multiple of n, as scan index / n at rate / n.
+/// Moving average of the last `window` scans (thesis 4.5: window 3, shift 1). No output until the window is full. With a shift of n, only
+/// scans whose index is a multiple of n are output, as scan index / n at rate / n.
 ///
-/// The stream is cut into chunks as long as the window. Then a window is the tail of one chunk and the head of the next:
+/// The stream is divided into chunks as long as the window. A window is then the end of one chunk and the beginning of the next:
 ///
 ///     scans      | a b c d e | f g h i j |        window 5, now at h: mean of d e f g h
-///     slots        f g h . .                      1. the new scans overwrite the chunk before
-///                  . . . S S                      2. what is not overwritten holds sums to the chunk's end: d+e, e
-///     head = f+g+h,  window = head + slot[3]      3. at j the slots are folded into sums to the end: f+..+j, ..., j
+///     slots        f g h . .                      1. the new scans overwrite the previous chunk
+///                  . . . S S                      2. the other slots hold sums to the chunk's end: d+e, e
+///     head = f+g+h,  window = head + slot[3]      3. at j the slots become sums to the end: f+..+j, ..., j
 ///
-/// No value is ever subtracted again, so nothing drifts, a NaN is gone when it leaves the window, and the cost per scan
-/// does not grow with the window. Chunks count from the start of the segment: blocks play no part. Quality bits go the
-/// same way, or-ed instead of added. (M. van Herk's scheme for running maxima, Pattern Recognition Letters 13, 1992.)
+/// No value is ever subtracted, so rounding errors do not accumulate, a NaN disappears when it leaves the window, and the cost per scan
+/// does not depend on the window. Chunks start at the beginning of the segment, independent of blocks. Quality bits are combined in the
+/// same way, with OR in place of the sum. (M. van Herk's scheme for running maxima, Pattern Recognition Letters 13, 1992.)
 class WindowFilter final : public Stage {
  public:
   WindowFilter(const StageOptions& options, const StageContext& context);
@@ -37,8 +37,8 @@ class WindowFilter final : public Stage {
 
  private:
   struct Channel {
-    std::vector<double> sums;        ///< The slots of the picture, and a last one that is always 0.
-    std::vector<std::uint8_t> bits;  ///< The same for quality.
+    std::vector<double> sums;        ///< The slots of the diagram, and a last one that is always 0.
+    std::vector<std::uint8_t> bits;  ///< The same for the quality bits.
     double head_sum = 0.0;
     std::uint8_t head_bits = 0;
   };
@@ -51,8 +51,8 @@ class WindowFilter final : public Stage {
   std::size_t shift_scans_;
   core::Rate rate_;
   std::vector<Channel> channels_;
-  std::size_t slot_ = 0;          ///< Of the next scan, in [0, window).
-  std::uint64_t seen_scans_ = 0;  ///< Since the start of the segment.
+  std::size_t slot_ = 0;          ///< Slot of the next scan, in [0, window).
+  std::uint64_t seen_scans_ = 0;  ///< Since the beginning of the segment.
 };
 
 }  // namespace dts::pipeline

@@ -21,8 +21,8 @@ namespace dts::record {
 /// The lengths keep "a" + "bc" and "ab" + "c" apart.
 [[nodiscard]] std::string audit_hash(const std::string& before, const AuditEntry& entry);
 
-/// The table `audit`, and a second trail in the file NAME.audit beside the catalogue. Each entry appends its line "number hash" to the file.
-/// The file is not synchronised and may lack lines (after a crash, a full disk), but every line must match the table.
+/// The table `audit`, and a second trail in the file NAME.audit beside the catalogue. Each entry appends its line "number hash" to the
+/// file. The file is not synchronised and may lack lines (after a crash, a full disk), but every line must match the table.
 ///
 /// | somebody                                                     | is detected                                            |
 /// |--------------------------------------------------------------|--------------------------------------------------------|

@@ -35,7 +35,7 @@ struct PartRow {
   std::string sha256;  ///< Empty until closed.
   std::uint64_t bytes = 0;
   std::uint64_t scans = 0;
-  double duration_s = 0.0;      ///< From the first scan to the end of the last, gaps included.
+  double duration_s = 0.0;  ///< From the first scan to the end of the last, gaps included.
   /// Between the first scan and the last. Absent: not known, because the recording is not closed yet or its file cannot be read.
   std::optional<core::Losses> losses{};
   double lost_s_at_most = 0.0;  ///< Of a recovered recording: time lost after its last scan, upper limit.
@@ -118,7 +118,7 @@ struct SessionFilter {
 struct AuditEntry {
   std::uint64_t number = 0;  ///< Counts from 1 without missing numbers.
   std::int64_t utc_ns = 0;
-  std::string who;     ///< "local", or "key:NAME".
+  std::string who;     ///< "local", "local:USER" for a user of a gateway, or "key:NAME".
   std::string what;    ///< "start_session"
   std::string target;  ///< "floor", a session's id
   std::string result;  ///< "ok", or the error code's name
@@ -132,9 +132,9 @@ struct AuditEntry {
 /// ones. Thread: control.
 class Catalogue {
  public:
-  /// Opens the catalogue, or creates it with mode 0640. Fails with DataDamaged if the file is no database or a damaged one (Recordings::open
-  /// sets it aside), with WrongState if it is a database of another program, with Unsupported if a newer version made it, and with NotFound,
-  /// NotAllowed or Failed if the folder does not exist, cannot be written or is full.
+  /// Opens the catalogue, or creates it with mode 0640. Fails with DataDamaged if the file is no database or a damaged one
+  /// (Recordings::open sets it aside), with WrongState if it is a database of another program, with Unsupported if a newer version made it,
+  /// and with NotFound, NotAllowed or Failed if the folder does not exist, cannot be written or is full.
   [[nodiscard]] static core::Result<std::unique_ptr<Catalogue>> open(const std::string& file);
   ~Catalogue();
   Catalogue(const Catalogue&) = delete;
@@ -143,7 +143,8 @@ class Catalogue {
   Catalogue& operator=(Catalogue&&) = delete;
 
   /// Adds a new session with its first part, or a further part to a known session, which then is "running" again. Adds the subject, the
-  /// protocol and the calibration too. Fails with WrongState if the part is known, or if the known session has another rig, subject or protocol.
+  /// protocol and the calibration too. Fails with WrongState if the part is known, or if the known session has another rig, subject or
+  /// protocol.
   [[nodiscard]] core::Status begin_part(const SessionFacts& facts, const std::string& file);
   /// Updates all fields of a part except when it started. Fails with NotFound if there is no such part.
   [[nodiscard]] core::Status update_part(const PartRow& part);
@@ -196,9 +197,9 @@ struct Rebuilt {
 };
 /// Adds every recording (*.xdf, *.xdf.part) in `folder` and its subfolders that the catalogue does not know, with its trials. Marks parts
 /// whose file does not exist any more as Missing. Identifies a recording by the facts in its header, not by its file name. If one part has
-/// several files, uses the closed one, or else the repaired copy. Adds a recording without footers as Interrupted. Reads the headers of files
-/// whose path the catalogue does not know, and the whole file if it adds the recording or does not know its losses. Fails with NotFound, and
-/// marks no part, if the folder does not exist.
+/// several files, uses the closed one, or else the repaired copy. Adds a recording without footers as Interrupted. Reads the headers of
+/// files whose path the catalogue does not know, and the whole file if it adds the recording or does not know its losses. Fails with
+/// NotFound, and marks no part, if the folder does not exist.
 [[nodiscard]] core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder);
 
 }  // namespace dts::record

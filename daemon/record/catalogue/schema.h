@@ -15,9 +15,9 @@ inline constexpr std::int64_t kCatalogueMark = 0x44545363;
 /// entry at the end for each change of the schema.
 [[nodiscard]] std::span<const char* const> catalogue_migrations() noexcept;
 
-/// Applies the missing migrations. Each runs in its own transaction, which also sets the version (PRAGMA user_version). Fails with WrongState
-/// for a database of another program and with Unsupported for a newer version, and changes neither of them. If a migration fails, the
-/// database keeps the version that it had before that migration.
+/// Applies the missing migrations. Each runs in its own transaction, which also sets the version (PRAGMA user_version). Fails with
+/// WrongState for a database of another program and with Unsupported for a newer version, and changes neither of them. If a migration
+/// fails, the database keeps the version that it had before that migration.
 [[nodiscard]] core::Status migrate(const Database& database, std::span<const char* const> migrations);
 
 }  // namespace dts::record

@@ -35,8 +35,8 @@ class Statement {
   /// Prepares the statement for another run with new values.
   void reset() noexcept;
 
-  /// Read a column of the row; `column` counts from 0. If a stored value has another type or is out of range, they return an empty value, and
-  /// `sound` fails.
+  /// Read a column of the row; `column` counts from 0. If a stored value has another type or is out of range, they return an empty value,
+  /// and `sound` fails.
   [[nodiscard]] std::string text(int column);
   [[nodiscard]] double number(int column);
   [[nodiscard]] std::int64_t integer(int column);

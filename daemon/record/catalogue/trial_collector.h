@@ -14,9 +14,9 @@
 
 namespace dts::record {
 
-/// Makes trial rows from the events of a recording. The rows equal those that the daemon stored during the recording. Uses the events "trial"
-/// with phase (ready, go, measure, done, redone, rejected, aborted), trial, attempt, block and condition. Skips invalid events. If the
-/// recording ends during a trial, the trial counts as aborted there.
+/// Makes trial rows from the events of a recording. The rows equal those that the daemon stored during the recording. Uses the events
+/// "trial" with phase (ready, go, measure, done, redone, rejected, aborted), trial, attempt, block and condition. Skips invalid events. If
+/// the recording ends during a trial, the trial counts as aborted there.
 class TrialCollector {
  public:
   /// `raw`: index of the stream whose scans the events count; absent: the end of the recording is the place of its last event.

@@ -8,8 +8,8 @@
 
 namespace dts::record {
 
-/// Returns everything about a recording that its tables do not contain, as JSON: session, fields of the subject, device, stages, streams and
-/// missing scans (lost_scans, gaps, losses by reason). `has_label`: includes the session's label, which is free text.
+/// Returns everything about a recording that its tables do not contain, as JSON: session, fields of the subject, device, stages, streams
+/// and missing scans (lost_scans, gaps, losses by reason). `has_label`: includes the session's label, which is free text.
 [[nodiscard]] std::string recording_document(const Recording& recording, bool has_label);
 
 /// Collects the trials of a recording during an export. Scans and events arrive on different threads.

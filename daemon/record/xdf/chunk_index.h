@@ -19,7 +19,8 @@ inline constexpr std::string_view kPart = ".part";  ///< File name suffix of a r
 ///     offset length crc32c stream segment first_scan samples time_s
 ///     1824 3022 9f3c2a11 1 0 375 375 8123.251000000
 ///
-/// For chunks without samples, `stream` and the fields after it are 0. The CRC32C (Castagnoli) covers the whole chunk with its length prefix.
+/// For chunks without samples, `stream` and the fields after it are 0. The CRC32C (Castagnoli) covers the whole chunk with its length
+/// prefix.
 struct ChunkNote {
   std::uint64_t offset = 0;
   std::uint64_t length = 0;
@@ -37,8 +38,8 @@ struct ChunkNote {
 [[nodiscard]] std::string to_line(const ChunkNote& note);
 /// Returns nothing if the line has another form.
 [[nodiscard]] std::optional<ChunkNote> note_of_line(std::string_view line);
-/// Returns the notes of a file up to the first line that is torn or does not continue the previous one (offset = offset + length). Fails with
-/// NotFound if there is no file. Hours of recording need tens of megabytes of memory here; `IndexReader` does not.
+/// Returns the notes of a file up to the first line that is torn or does not continue the previous one (offset = offset + length). Fails
+/// with NotFound if there is no file. Hours of recording need tens of megabytes of memory here; `IndexReader` does not.
 [[nodiscard]] core::Result<std::vector<ChunkNote>> read_index(const std::string& file);
 
 /// Reads the notes of an index file one by one.

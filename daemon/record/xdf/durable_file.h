@@ -19,8 +19,8 @@ struct NotedChunk {
   ChunkNote note{};
 };
 
-/// The two files of an open recording, NAME.part and NAME.idx. Appends chunks without knowing their content. Cuts off torn chunks if the disk
-/// allows it. Computes the SHA-256 while writing, so that nobody must read the file again. Thread: one at a time.
+/// The two files of an open recording, NAME.part and NAME.idx. Appends chunks without knowing their content. Cuts off torn chunks if the
+/// disk allows it. Computes the SHA-256 while writing, so that nobody must read the file again. Thread: one at a time.
 class DurableFile {
  public:
   /// A state to which `cut_back` can truncate the files.

@@ -35,8 +35,8 @@ inline constexpr std::size_t kMaxFooterOffsets = 20'000;  ///< A footer is one X
 [[nodiscard]] std::string stream_header_xml(const StreamInfo& info, const StreamOrigin& origin);
 [[nodiscard]] std::string stream_footer_xml(const StreamSummary& summary);
 
-/// Read a header or footer. Fail with DataDamaged if the text is no XML, has more than 8 MiB, or holds an invalid number, format or rate, and
-/// with Unsupported if the version is not XDF 1.x.
+/// Read a header or footer. Fail with DataDamaged if the text is no XML, has more than 8 MiB, or holds an invalid number, format or rate,
+/// and with Unsupported if the version is not XDF 1.x.
 [[nodiscard]] core::Result<FileHeader> file_header_of_xml(std::string_view xml);
 [[nodiscard]] core::Result<StreamInfo> stream_info_of_xml(std::string_view xml);
 [[nodiscard]] core::Result<StreamFooter> stream_footer_of_xml(std::string_view xml);

@@ -27,11 +27,11 @@ struct Recovery {
 /// Called with the progress of long work, in bytes: `done` of `of`. Returns false to stop the work.
 using Progress = std::function<bool(std::uint64_t done, std::uint64_t of)>;
 
-/// Copies the whole chunks of `file` to `copy` and closes the copy. Stops after the last chunk with a correct length prefix, content and (if
-/// the index has it) CRC; then adds a footer per stream with the facts `recovered` and `lost_s_at_most`. Does not change the original.
-/// Without an index, checks only lengths and contents. Fails with WrongState if `file` is whole, closed and has its final name (a whole file
-/// still named .part is copied without loss), or if `copy` exists. Fails with DataDamaged if the file header is not whole. If it fails, it
-/// leaves no files behind. Skips the header of a regular stream without samples, because libxdf crashes on it.
+/// Copies the whole chunks of `file` to `copy` and closes the copy. Stops after the last chunk with a correct length prefix, content and
+/// (if the index has it) CRC; then adds a footer per stream with the facts `recovered` and `lost_s_at_most`. Does not change the original.
+/// Without an index, checks only lengths and contents. Fails with WrongState if `file` is whole, closed and has its final name (a whole
+/// file still named .part is copied without loss), or if `copy` exists. Fails with DataDamaged if the file header is not whole. If it
+/// fails, it leaves no files behind. Skips the header of a regular stream without samples, because libxdf crashes on it.
 [[nodiscard]] core::Result<Recovery> recover(const std::string& file, const std::string& copy, const Progress& progress = {});
 
 /// Returns "x.recovered.xdf" for "x.xdf.part", in the same folder.
@@ -49,8 +49,8 @@ struct Verification {
   bool is_recovered = false;
   double lost_s_at_most = 0.0;
 };
-/// Reads the whole file and checks its structure, its counts against the footers and its checksums against the index. Fails with DataDamaged
-/// if something is wrong; the message names the fault and its place. A sound file without footers is no error: see `is_closed`.
+/// Reads the whole file and checks its structure, its counts against the footers and its checksums against the index. Fails with
+/// DataDamaged if something is wrong; the message names the fault and its place. A sound file without footers is no error: see `is_closed`.
 [[nodiscard]] core::Result<Verification> verify(const std::string& file, const Progress& progress = {});
 
 }  // namespace dts::record

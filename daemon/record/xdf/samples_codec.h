@@ -21,8 +21,8 @@ namespace dts::record {
 ///
 /// A text is [length of length: 1, 4, 8][length][bytes].
 
-/// `times_s` holds the time of every sample, of the first only, or of none. Replaces a number outside the type's range by the nearest in it,
-/// and NaN by 0 in integer types.
+/// `times_s` holds the time of every sample, of the first only, or of none. Replaces a number outside the type's range by the nearest in
+/// it, and NaN by 0 in integer types.
 [[nodiscard]] std::string encode_samples(std::uint32_t stream, ValueType type, std::size_t channels, std::span<const double> times_s,
                                          std::span<const double> values);
 [[nodiscard]] std::string encode_texts(std::uint32_t stream, std::span<const std::pair<double, std::string>> texts);

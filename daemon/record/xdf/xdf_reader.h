@@ -64,8 +64,8 @@ class XdfReader {
   [[nodiscard]] static core::Result<std::unique_ptr<XdfReader>> open(const std::string& file);
   virtual ~XdfReader() = default;
 
-  /// Returns the next chunk; nothing at the end of the file. Fails with DataDamaged if the next chunk cannot be read; `offset()` is then the
-  /// end of the last whole chunk. After an error every call fails with the same error.
+  /// Returns the next chunk; nothing at the end of the file. Fails with DataDamaged if the next chunk cannot be read; `offset()` is then
+  /// the end of the last whole chunk. After an error every call fails with the same error.
   [[nodiscard]] virtual core::Result<std::optional<Chunk>> next() = 0;
   [[nodiscard]] virtual std::uint64_t offset() const noexcept = 0;
   [[nodiscard]] virtual std::uint64_t size() const noexcept = 0;

@@ -23,10 +23,10 @@ namespace dts::record {
 ///     NAME.part      the file while it grows; renamed to NAME when closed, read-only
 ///     NAME.idx       one line per chunk, see `ChunkNote`; is kept
 ///
-/// After an error the writer is broken: every call except `abandon` and `close_incomplete` fails with the first error. The writer cuts off a
-/// torn chunk if the disk allows it, so that the file ends with a whole chunk. A wrong call (InvalidArgument, WrongState, LimitExceeded: half
-/// a scan, a time that is not finite, a chunk of more than 64 MiB) writes nothing and does not break the writer.
-/// Thread: one at a time.
+/// After an error the writer is broken: every call except `abandon` and `close_incomplete` fails with the first error. The writer cuts off
+/// a torn chunk if the disk allows it, so that the file ends with a whole chunk. A wrong call (InvalidArgument, WrongState, LimitExceeded:
+/// half a scan, a time that is not finite, a chunk of more than 64 MiB) writes nothing and does not break the writer. Thread: one at a
+/// time.
 class XdfWriter {
  public:
   /// Place of a chunk's samples, for the index.
@@ -47,15 +47,15 @@ class XdfWriter {
   [[nodiscard]] std::uint32_t add_stream(StreamInfo info);
   void add_fact(std::uint32_t stream, const std::string& name, const std::string& value);
 
-  /// Writes samples of a regular stream, scan by scan (`values[scan * channels + channel]`). Only the first has a time stamp; readers compute
-  /// the others from it.
+  /// Writes samples of a regular stream, scan by scan (`values[scan * channels + channel]`). Only the first has a time stamp; readers
+  /// compute the others from it.
   [[nodiscard]] core::Status write_samples(std::uint32_t stream, double first_time_s, std::span<const double> values, Position position);
   /// Writes samples of an irregular stream, each with its time stamp.
   [[nodiscard]] core::Status write_timed(std::uint32_t stream, std::span<const double> times_s, std::span<const double> values,
                                          Position position);
   [[nodiscard]] core::Status write_texts(std::uint32_t stream, std::span<const std::pair<double, std::string>> texts, Position position);
-  /// Writes a clock offset measured at `stream_time_s`: `offset_s` + stream time = CLOCK_MONOTONIC of the host. The stream must have samples
-  /// in the file.
+  /// Writes a clock offset measured at `stream_time_s`: `offset_s` + stream time = CLOCK_MONOTONIC of the host. The stream must have
+  /// samples in the file.
   [[nodiscard]] core::Status write_clock_offset(std::uint32_t stream, double stream_time_s, double offset_s);
   /// Writes a mark at which a reader can continue after damage.
   [[nodiscard]] core::Status write_boundary();

@@ -14,7 +14,7 @@ namespace {
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
 constexpr std::size_t kMaxTextBytes = 1U << 20U;
-constexpr std::size_t kMaxListed = 256;  ///< Stages, and fields.
+constexpr std::size_t kMaxListed = 256;  ///< Most stages, and most fields.
 constexpr std::string_view kField = "field.";
 constexpr const char* kVersion = "format_version";
 

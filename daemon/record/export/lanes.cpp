@@ -70,7 +70,7 @@ void Lanes::run(Lane& lane) {
   }
 }
 
-/// Memory may run out; nothing else throws.
+/// Runs the work on one item. The work throws only if there is no memory left.
 void Lanes::work_on(Lane& lane, const RecordedItem& item) {
   try {
     lane.status = work_(item);

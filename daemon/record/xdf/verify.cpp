@@ -9,7 +9,7 @@
 namespace dts::record {
 namespace {
 
-constexpr double kTimeToleranceS = 1e-3;  ///< Other programs write fewer digits into their footers.
+constexpr double kTimeToleranceS = 1e-3;  ///< Other programs write footers with fewer digits.
 
 tl::unexpected<core::Error> contradiction(const StreamSurvey& stream, const std::string& what) {
   return core::fail(core::ErrorCode::DataDamaged, "the footer of stream " + stream.name + " contradicts its samples: " + what);

@@ -277,8 +277,8 @@ core::Status Recorder::flush() {
   return write_quality();
 }
 
-/// Writes the events whose segment has no scan. In a recording without scans they also create a stream with a footer, which holds the reason
-/// why the recording is incomplete.
+/// Writes the events whose segment has no scan. In a recording without scans they also create a stream with a footer, which holds the
+/// reason why the recording is incomplete.
 core::Status Recorder::write_waiting() {
   const double at_s = time_s(segment_, next_raw_).value_or(created_at_s_);
   for (const RecordedEvent& waiting : std::exchange(waiting_events_, {})) events_.emplace_back(at_s, to_json(waiting));

@@ -223,7 +223,8 @@ core::Status Rebuild::mark_missing() {
 
 PartState state_of(const Verification& verified, const std::string& file) {
   if (!verified.is_closed) return PartState::Interrupted;
-  if (verified.is_recovered || rank(file) == kRepaired) return PartState::Recovered;  // a copy without streams has no footer with `recovered`
+  if (verified.is_recovered || rank(file) == kRepaired)
+    return PartState::Recovered;  // a copy without streams has no footer with `recovered`
   return verified.incomplete.empty() && verified.scans > 0 ? PartState::Complete : PartState::Incomplete;
 }
 

@@ -14,7 +14,8 @@
 namespace dts::record {
 namespace {
 
-constexpr double kRateTolerance = 1e-9;  ///< Largest relative difference between the exact rate and nominal_srate: allows only rounding of 17 digits.
+constexpr double kRateTolerance =
+    1e-9;  ///< Largest relative difference between the exact rate and nominal_srate: allows only rounding of 17 digits.
 
 std::string_view trimmed(std::string_view text) noexcept {
   constexpr std::string_view kSpace = " \t\r\n";

@@ -81,8 +81,8 @@ bool Surveyor::step() {
   return true;
 }
 
-/// Compares a chunk with the index. A wrong checksum is a fault of the chunk. A wrong offset or length is a fault of the index: if the chunk's
-/// length were damaged, its content could not be decoded.
+/// Compares a chunk with the index. A wrong checksum is a fault of the chunk. A wrong offset or length is a fault of the index: if the
+/// chunk's length were damaged, its content could not be decoded.
 bool Surveyor::fits_index(const RawChunk& raw) {
   const auto note = index_.next();
   if (!note) {

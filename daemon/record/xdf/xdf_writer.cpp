@@ -113,7 +113,8 @@ core::Status XdfWriter::Implementation::write_samples(std::uint32_t number, cons
   const std::uint64_t bytes_before = file_->bytes();
   auto status = keep_error(file_->append(chunks));
   if (file_->bytes() == bytes_before) return status;
-  if (stream.summary.sample_count == 0) stream.summary.first_time_s = first_s;  // the samples are in the file, even if writing the index failed
+  if (stream.summary.sample_count == 0)
+    stream.summary.first_time_s = first_s;  // the samples are in the file, even if writing the index failed
   stream.is_written = true;
   stream.summary.last_time_s = last_s;
   stream.summary.sample_count += count;

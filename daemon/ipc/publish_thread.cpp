@@ -84,7 +84,7 @@ void PublishThread::run(const std::stop_token& stop) {
     socket_->wait(bell_.fd(), is_retained_due_ ? kRetainedMs : kWaitMs);
     bell_.clear();
     turns_.fetch_add(1, std::memory_order_relaxed);
-    // Tries once per request; the control thread retries.
+    // Tries once per request. The control thread retries.
     if (is_drop_due_.exchange(false, std::memory_order_acq_rel))
       is_remote_down_.store(!socket_->drop_remote_peers(), std::memory_order_relaxed);
     for (Source& source : sources_) publish(source);

@@ -12,7 +12,7 @@
 namespace dts::record {
 namespace {
 
-constexpr double kChunkMs = 0.8 * 1000.0 * kLongestUnwrittenS;  // the rest is for the way here
+constexpr double kChunkMs = 0.8 * 1000.0 * kLongestUnwrittenS;  // leaves 20 % of the time for the way from the pipeline
 constexpr std::int64_t kOffsetEveryNs = 5'000'000'000;
 constexpr std::int64_t kBoundaryEveryNs = 2'000'000'000;
 constexpr std::int64_t kRoundingNs = 2;  // rounding error of two conversions, not clock drift

@@ -27,7 +27,7 @@ struct RecordedStream {
   StreamInfo info;              ///< Regular; name, rate and channels as in the frame.
 };
 
-/// Writes frames to a file: scans as chunks of at most 0.25 s, quality bits as a stream of changes, everything else as events, and the
+/// Writes frames to a file: scans as chunks of at most 0.2 s, quality bits as a stream of changes, everything else as events, and the
 /// drift of the device's clock as clock offsets.
 ///
 /// Computes every time stamp: start of the segment + scan / exact rate. The start is the host time of the segment's first scan. The drift

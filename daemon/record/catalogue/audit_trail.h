@@ -18,7 +18,7 @@ namespace dts::record {
 ///         length                  8 bytes, little-endian
 ///         text                    numbers in decimal
 ///
-/// The lengths keep "a" + "bc" and "ab" + "c" apart.
+/// The lengths make the hashes of "a" + "bc" and "ab" + "c" different.
 [[nodiscard]] std::string audit_hash(const std::string& before, const AuditEntry& entry);
 
 /// The table `audit`, and a second trail in the file NAME.audit beside the catalogue. Each entry appends its line "number hash" to the
@@ -29,7 +29,7 @@ namespace dts::record {
 /// | changes, removes or inserts an entry                         | by the chain of hashes                                 |
 /// | removes the newest entries, or restores an older catalogue   | by the second trail: it has lines without entries      |
 /// | does the same and also rewrites the second trail or computes | only if the second trail cannot be rewritten:          |
-/// | a new chain                                                  | `chattr +a` by root, or a copy on another machine      |
+/// | a new chain                                                  | `chattr +a` by root, or a copy kept elsewhere          |
 /// | removes the second trail                                     | only until the next entry creates a new one            |
 /// | does something that writes no entry                          | never                                                  |
 ///

@@ -49,7 +49,7 @@ struct PartRow {
 struct TrialRow {
   std::string session_id;
   std::uint32_t part = 1;
-  std::uint32_t trial = 0;  ///< Place in the plan, from 1.
+  std::uint32_t trial = 0;  ///< Number in the plan, from 1.
   std::uint32_t attempt = 1;
   std::uint32_t block = 1;
   std::string condition;
@@ -162,7 +162,7 @@ class Catalogue {
   [[nodiscard]] core::Status enter(const FoundRecording& found);
 
   [[nodiscard]] core::Result<std::vector<SessionRow>> sessions(const SessionFilter& filter) const;  ///< With parts, without trials.
-  [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;                      ///< With all. NotFound.
+  [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;                      ///< With all rows. Fails with NotFound.
   [[nodiscard]] core::Result<std::vector<ResultRow>> results(const std::string& session_id) const;
   /// Returns the parts in the state Recording. When the daemon starts, these are the interrupted ones.
   [[nodiscard]] core::Result<std::vector<PartRow>> unfinished_parts() const;

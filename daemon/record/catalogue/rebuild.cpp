@@ -46,7 +46,7 @@ core::Result<std::vector<std::string>> recordings_in(const std::string& folder) 
     const std::string file = entry->path().string();
     std::error_code unknown;
     const bool is_named_so = file.ends_with(".xdf") || file.ends_with(".xdf.part");
-    if (is_named_so && entry->is_regular_file(unknown)) files.push_back(file);  // opening a pipe would wait
+    if (is_named_so && entry->is_regular_file(unknown)) files.push_back(file);  // opening a pipe would block
   }
   if (error) return core::fail_errno(error.value(), "cannot look for recordings in " + folder, "is the disk with the recordings mounted?");
   std::ranges::sort(files, {}, [](const std::string& file) { return std::pair{rank(file), file}; });

@@ -52,7 +52,7 @@ class Lanes {
   void end_all();
 
   Work work_;
-  std::atomic<bool> has_failed_ = false;  ///< Only a hint; the failure itself is read after the threads have ended.
+  std::atomic<bool> has_failed_ = false;  ///< Only for an early stop; `finish` reads the failure after the threads have ended.
   std::vector<std::unique_ptr<Lane>> lanes_{};
 };
 

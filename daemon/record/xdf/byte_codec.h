@@ -13,7 +13,7 @@
 namespace dts::record {
 
 inline constexpr std::string_view kMagic = "XDF:";
-inline constexpr std::uint64_t kMaxChunkBytes = 64U << 20U;  ///< Readers reject longer chunks; our chunks hold 0.25 s.
+inline constexpr std::uint64_t kMaxChunkBytes = 64U << 20U;  ///< Readers reject longer chunks; our chunks hold at most 0.2 s.
 inline constexpr std::size_t kMaxXmlBytes = 8U << 20U;
 inline constexpr std::size_t kMaxChannels = 4096;
 

@@ -56,7 +56,7 @@ class IndexReader {
   bool is_over_ = false;
 };
 
-/// "x.xdf" or "x.xdf.part" -> "x.xdf.idx"
+/// Returns "x.xdf.idx" for "x.xdf" or "x.xdf.part".
 [[nodiscard]] std::string index_name(const std::string& recording);
 
 [[nodiscard]] std::uint32_t crc32c(std::string_view bytes) noexcept;

@@ -30,7 +30,7 @@ class ChunkStream {
 
   /// Returns the next chunk, or nothing at the end. Fails with DataDamaged if there is no whole chunk at `offset()`.
   [[nodiscard]] core::Result<std::optional<RawChunk>> next();
-  [[nodiscard]] std::uint64_t offset() const noexcept { return offset_; }  ///< Where the last whole chunk ends.
+  [[nodiscard]] std::uint64_t offset() const noexcept { return offset_; }  ///< End of the last whole chunk.
   [[nodiscard]] std::uint64_t size() const noexcept { return size_; }      ///< Size when the file was opened.
 
  private:

@@ -21,7 +21,8 @@ struct Recovery {
   std::uint64_t chunks = 0;
   double duration_s = 0.0;      ///< Same meaning as in `Verification`.
   double lost_s_at_most = 0.0;  ///< Time in the removed end of the file and in data that was not yet on the disk, upper limit.
-  std::string reason;           ///< Why the original ended: "no footer", "chunk torn at byte 1234", "checksum wrong at byte 1234"
+  std::string
+      reason;  ///< Why the readable part of the original ends: "no footer", "chunk torn at byte 1234", "checksum wrong at byte 1234"
 };
 
 /// Called with the progress of long work, in bytes: `done` of `of`. Returns false to stop the work.

@@ -10,7 +10,7 @@
 namespace dts::record {
 namespace {
 
-/// Of one chunk, as it stands in memory: a hostile one may be made of the shortest samples there are.
+/// Most memory for one decoded chunk: a malicious chunk may consist of the shortest possible samples.
 constexpr std::uint64_t kMaxDecodedBytes = 4 * kMaxChunkBytes;
 
 template <class Number>

@@ -65,7 +65,7 @@ class XdfReader {
   virtual ~XdfReader() = default;
 
   /// Returns the next chunk; nothing at the end of the file. Fails with DataDamaged if the next chunk cannot be read; `offset()` is then
-  /// the end of the last whole chunk. After an error every call fails with the same error.
+  /// the end of the last readable chunk. After an error every call fails with the same error.
   [[nodiscard]] virtual core::Result<std::optional<Chunk>> next() = 0;
   [[nodiscard]] virtual std::uint64_t offset() const noexcept = 0;
   [[nodiscard]] virtual std::uint64_t size() const noexcept = 0;

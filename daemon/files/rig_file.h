@@ -18,7 +18,7 @@ namespace dts::files {
 /// Returns a rig file and all files that it names as one TOML text, so that a recording can be computed again without the files. Replaces
 /// the names of curves and calibration by tables. Every number reads back as exactly the same double. If the text is longer than 1 MiB,
 /// leaves out the points of the calibration: they only document it. Fails with InvalidArgument and the first problem if the rig file has an
-/// error.
+/// error, and with LimitExceeded if the text is still too long.
 [[nodiscard]] core::Result<std::string> rig_definition(const std::string& file);
 
 }  // namespace dts::files

@@ -64,7 +64,7 @@ class TomlReader {
   [[nodiscard]] std::optional<TomlReader> table_or_file(std::string_view key, References references, std::optional<toml::table>& parsed);
   /// Returns a reader for each table of an array of tables [[key]].
   [[nodiscard]] std::vector<TomlReader> tables(std::string_view key);
-  /// Returns all keys with scalar values that were not read yet, and marks them as read. For a stage's options, which the stage checks.
+  /// Returns all keys that were not read yet, and marks them as read. For a stage's options, which the stage checks.
   [[nodiscard]] std::vector<std::string> remaining_keys();
   [[nodiscard]] const toml::node* node(std::string_view key);
 

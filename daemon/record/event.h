@@ -51,7 +51,8 @@ struct RecordedEvent {
 
 /// Returns one line of JSON. Replaces bytes that are not UTF-8.
 [[nodiscard]] std::string to_json(const RecordedEvent& event);
-/// Fails with DataDamaged if the text is no JSON object, has no "event", has numbers out of range, or has more than 64 keys or 64 KiB.
+/// Fails with DataDamaged if the text is no JSON object, has no "event", is nested too deeply, has numbers out of range, or has more than
+/// 64 keys or 64 KiB.
 /// Keeps nested values as text.
 [[nodiscard]] core::Result<RecordedEvent> event_of_json(const std::string& text);
 

@@ -12,8 +12,7 @@ namespace dts::app {
 [[nodiscard]] std::string runtime_directory();
 
 /// Returns the folder of the recordings and the catalogue: $DTSD_STATE_DIR, else systemd's $STATE_DIRECTORY, else $XDG_STATE_HOME/dtsd,
-/// else
-/// ~/.local/state/dtsd, else a folder in the runtime directory.
+/// else ~/.local/state/dtsd, else a folder in the runtime directory.
 [[nodiscard]] std::string state_directory();
 
 /// Creates the folder `path` (mode 0750) if it does not exist. Checks that this user owns it, that this user can write into it, and that

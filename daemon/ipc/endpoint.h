@@ -15,8 +15,8 @@ inline constexpr int kHandshakeMs = 2000;  ///< Longest time for a peer's handsh
 /// Checks an endpoint for other machines, whose clients need keys: "tcp://*:port" or "tcp://address:port". Fails like `check_endpoint`.
 [[nodiscard]] core::Status check_remote_endpoint(const std::string& endpoint);
 
-/// Fails with WrongState if a program already listens on this ipc path, or if the path is a file that is no socket: libzmq would silently
-/// delete either of them. Accepts the socket file that a dead daemon left. Does nothing for other transports.
+/// Fails with WrongState if a program already listens on this ipc path, and with InvalidArgument if the path is a file but no socket:
+/// libzmq would silently delete either of them. Accepts the socket file that a dead daemon left. Does nothing for other transports.
 [[nodiscard]] core::Status check_not_in_use(const std::string& endpoint);
 
 /// Returns what to do if an address cannot be bound with this system error; empty if there is no hint.

@@ -22,7 +22,7 @@ namespace dts::record {
 [[nodiscard]] std::string audit_hash(const std::string& before, const AuditEntry& entry);
 
 /// The table `audit`, and a second trail in the file NAME.audit beside the catalogue. Each entry appends its line "number hash" to the
-/// file. The file is not synchronised and may lack lines (after a crash, a full disk), but every line must match the table.
+/// file. The file is not synchronised and may lack lines (after a crash, a full disk), but every whole line must match the table.
 ///
 /// | somebody                                                     | is detected                                            |
 /// |--------------------------------------------------------------|--------------------------------------------------------|

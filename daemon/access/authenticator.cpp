@@ -13,8 +13,9 @@ namespace dts::access {
 namespace {
 
 constexpr const char* kEndpoint = "inproc://zeromq.zap.01";
-constexpr int kLookMs = 100;  // how soon it ends when asked to
-/// A client that connects again and again. libzmq has computed its handshake before it asks here: what is saved is what follows.
+constexpr int kLookMs = 100;  // longest delay of a stop request
+/// Limits for a client that connects again and again. libzmq computes the handshake before it asks, so the limits only save the work after
+/// it.
 constexpr double kHandshakesPerSecond = 5.0;
 constexpr double kHandshakeBurst = 50.0;
 constexpr std::size_t kKeyBytes = 32;
@@ -30,7 +31,8 @@ struct Verdict {
   const char* code;
   const char* text;
 };
-constexpr Verdict kTooOften{"300", "too often, come again"};  // libzmq's clients do, when the handshake has timed out; of 400 they believe that it is for ever
+// 300: libzmq's clients retry after their handshake timeout. 400: they never retry.
+constexpr Verdict kTooOften{"300", "too often, come again"};
 constexpr Verdict kStranger{"400", "no such key"};
 
 std::optional<std::vector<zmq::message_t>> receive(zmq::socket_t& socket) {
@@ -65,7 +67,7 @@ Authenticator::Authenticator(zmq::socket_t socket, const KeyStore& keys, core::C
 
 Authenticator::~Authenticator() {
   thread_.request_stop();
-  thread_.join();  // before the socket goes, which the thread uses
+  thread_.join();  // the thread uses the socket, so it must end first
 }
 
 void Authenticator::run(const std::stop_token& stop) {
@@ -76,9 +78,9 @@ void Authenticator::run(const std::stop_token& stop) {
       zmq_poll(&item, 1, kLookMs);
       while (const auto request = receive(socket_)) answer(*request);
     } catch (const zmq::error_t& error) {
-      if (error.num() == ETERM) return;  // the context is being torn down
+      if (error.num() == ETERM) return;  // the context is being destroyed
     } catch (const std::bad_alloc&) {
-      // One client is not answered, and tries again.
+      // One client gets no answer and retries.
     }
   }
 }

@@ -16,13 +16,14 @@
 
 namespace dts::access {
 
-/// Answers libzmq's question who may connect (ZeroMQ RFC 27, ZAP): a CURVE client whose key is in the store, which is its "User-Id".
-/// Everybody else is refused. Every socket of the context that is a CURVE server asks here; local sockets do not.
+/// Decides for libzmq which clients may connect (ZeroMQ RFC 27, ZAP). Accepts a CURVE client whose public key is in the store, and sets
+/// that key as its "User-Id". Rejects all others. libzmq asks for every CURVE server socket of the context, but not for local sockets.
 /// Thread: its own, "access".
 class Authenticator {
  public:
-  /// Must exist before such a socket is bound. `keys` and `clock` outlive it.
-  [[nodiscard]] static core::Result<std::unique_ptr<Authenticator>> start(zmq::context_t& context, const KeyStore& keys, core::Clock& clock);
+  /// Starts the thread. Call it before a CURVE server socket is bound. `keys` and `clock` must outlive this object.
+  [[nodiscard]] static core::Result<std::unique_ptr<Authenticator>> start(zmq::context_t& context, const KeyStore& keys,
+                                                                          core::Clock& clock);
   ~Authenticator();
   Authenticator(const Authenticator&) = delete;
   Authenticator& operator=(const Authenticator&) = delete;

@@ -11,9 +11,9 @@
 namespace dts::access {
 
 inline constexpr std::size_t kLongestKeyName = 32;
-inline constexpr std::size_t kKeyCharacters = 40;  ///< Of a CURVE key in Z85 (ZeroMQ RFC 32): 32 bytes.
+inline constexpr std::size_t kKeyCharacters = 40;  ///< Length of a CURVE key (32 bytes) in Z85 (ZeroMQ RFC 32).
 
-/// A client on another machine that may connect. It proves that it is the one by its secret half, which this daemon never sees.
+/// A client on another machine that may connect. The client proves its identity with its secret key, which this daemon never receives.
 struct ClientKey {
   std::string name;
   v1::Role role = v1::ROLE_UNSPECIFIED;
@@ -23,12 +23,12 @@ struct ClientKey {
   friend bool operator==(const ClientKey&, const ClientKey&) = default;
 };
 
-/// 1..32 of a-z 0-9 . _ -, and not "local", which is what the audit trail calls this machine's own sockets.
+/// Returns true for 1 to 32 characters of a-z 0-9 . _ -, but not for "local", the audit trail's name for this machine's local sockets.
 [[nodiscard]] bool is_key_name(std::string_view name) noexcept;
-/// 40 characters that stand for 32 bytes.
+/// Returns true for 40 characters of Z85 that encode 32 bytes.
 [[nodiscard]] bool is_public_key(std::string_view text);
 
-/// "viewer", "operator", "engineer"; "none" for what is no role.
+/// Returns "viewer", "operator" or "engineer"; "none" for any other value.
 [[nodiscard]] std::string_view role_word(v1::Role role) noexcept;
 [[nodiscard]] std::optional<v1::Role> role_of_word(std::string_view word) noexcept;
 

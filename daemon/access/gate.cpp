@@ -6,7 +6,7 @@
 namespace dts::access {
 namespace {
 
-// A person with a quick finger sends ten a second, a dashboard two; a script that wants more streams.
+// A fast person sends ten commands a second, a dashboard two. A script that needs more must subscribe to a stream.
 constexpr double kCommandsPerSecond = 50.0;
 constexpr double kCommandBurst = 100.0;
 constexpr double kNotesPerSecond = 0.1;
@@ -33,7 +33,7 @@ core::Status Gate::admit(const Peer& peer, std::int64_t now_ns) {
 
 core::Status Gate::check(const Peer& peer, const v1::Request& request) {
   const v1::Role needed = wire::rules_of(request).role();
-  // A request without a command that this daemon knows changes nothing: the handler says what is wrong with it.
+  // A request without a known command changes nothing. The handler answers it with an error.
   if (request.command_case() == v1::Request::COMMAND_NOT_SET) return {};
   if (request.has_note_login() && peer.is_limited) {
     return core::fail(core::ErrorCode::NotAllowed, "logins are noted by a gateway on this machine only");

@@ -12,32 +12,34 @@
 
 namespace dts::access {
 
-/// Who sent a command, and what he may do now.
+/// The sender of a command, and its current rights.
 struct Peer {
   std::string who;                       ///< For the audit trail: "local", "key:anna", "revoked key".
-  v1::Role role = v1::ROLE_UNSPECIFIED;  ///< Nothing, until somebody gave one.
-  bool is_limited = true;                ///< In how much it may send.
+  v1::Role role = v1::ROLE_UNSPECIFIED;  ///< Unspecified: no rights.
+  bool is_limited = true;                ///< True: the rate limits apply.
 };
 
-/// Decides whether a command may run: by the role that the sender's key has now (not when it connected), and by how many it sent lately.
-/// Local senders are engineers, and are not limited: the loop takes turns among all. Thread: control.
+/// Decides whether a command may run. The decision depends on the current role of the sender's key (not the role at connection time) and on
+/// the rate of its recent commands. Local senders have the role engineer and no limit, because the control loop serves all sockets in
+/// turns. Thread: control.
 class Gate {
  public:
-  /// `keys` outlives it; nullptr: there are none.
+  /// `keys` must outlive this object; nullptr: there are no keys.
   explicit Gate(const KeyStore* keys);
 
-  /// Behind a local socket is whoever the file system lets in.
+  /// Returns the sender behind a local socket. The file system's permissions decide who can use the socket.
   [[nodiscard]] static Peer local() { return {.who = "local", .role = v1::ROLE_ENGINEER, .is_limited = false}; }
-  /// `public_key`: "User-Id" as the authenticator gave it.
+  /// Returns the sender with this key. `public_key`: the "User-Id" that the authenticator set.
   [[nodiscard]] Peer remote(const std::string& public_key) const;
 
-  /// Counts a message of this peer, before anybody reads it. LimitExceeded: it is one too many.
+  /// Counts a message of this peer, before it is decoded. Fails with LimitExceeded if the peer is above its limit.
   [[nodiscard]] core::Status admit(const Peer& peer, std::int64_t now_ns);
-  /// Whether a message that is one too many gets an answer. Counts it: answers have the same limit as commands, a flood gets no more.
+  /// Returns true if a message above the limit gets an answer. Counts it: these answers have their own limit, so that a flood gets few.
   [[nodiscard]] bool is_worth_an_answer(const Peer& peer, std::int64_t now_ns) { return refusals_.take(peer.who, now_ns); }
-  /// NotAllowed with the role that is missing.
+  /// Fails with NotAllowed, naming the required role, if the peer's role does not allow the request.
   [[nodiscard]] static core::Status check(const Peer& peer, const v1::Request& request);
-  /// Whether a failed command of this peer goes into the trail that nobody can erase: 20 at once and six a minute do. Counts it.
+  /// Returns true if the audit trail records a failed command of this peer: at most 20 at once and six a minute, because nobody can erase
+  /// the trail. Counts it.
   [[nodiscard]] bool is_worth_a_note(const Peer& peer, std::int64_t now_ns) { return notes_.take(peer.who, now_ns); }
 
  private:

@@ -19,7 +19,8 @@ constexpr mode_t kFolderMode = 0700;
 constexpr mode_t kFileMode = 0600;
 
 core::Status prepare_folder(const std::string& directory) {
-  if (::mkdir(directory.c_str(), kFolderMode) != 0 && errno != EEXIST) return core::fail_errno(errno, "key folder " + directory + " cannot be made");
+  if (::mkdir(directory.c_str(), kFolderMode) != 0 && errno != EEXIST)
+    return core::fail_errno(errno, "key folder " + directory + " cannot be made");
   struct stat found {};
   if (::lstat(directory.c_str(), &found) != 0) return core::fail_errno(errno, "key folder " + directory);
   if (!S_ISDIR(found.st_mode)) return core::fail(core::ErrorCode::Failed, "key folder " + directory + " is no folder");
@@ -32,7 +33,7 @@ core::Status prepare_folder(const std::string& directory) {
   return {};
 }
 
-/// Only when it certainly is not there: a disk that cannot be asked must not cost the keys.
+/// Returns true only if the file certainly does not exist: after an error of the disk, existing keys must not be replaced.
 bool is_absent(const std::string& file) {
   struct stat found {};
   return ::lstat(file.c_str(), &found) != 0 && errno == ENOENT;
@@ -111,19 +112,25 @@ void KeyStore::replace(std::vector<ClientKey> keys) {
 
 core::Status KeyStore::add(const ClientKey& key) {
   if (!is_key_name(key.name)) {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + key.name + "' cannot name a key", "1..32 of a-z 0-9 . _ -, and not \"local\"");
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + key.name + "' cannot name a key",
+                      "1..32 of a-z 0-9 . _ -, and not \"local\"");
   }
-  if (!is_public_key(key.public_key)) return core::fail(core::ErrorCode::InvalidArgument, "the public key is none", "dtsctl key new makes a pair");
-  if (role_word(key.role) == "none") return core::fail(core::ErrorCode::InvalidArgument, "the key has no role", "viewer, operator or engineer");
+  if (!is_public_key(key.public_key))
+    return core::fail(core::ErrorCode::InvalidArgument, "the public key is none", "dtsctl key new makes a pair");
+  if (role_word(key.role) == "none")
+    return core::fail(core::ErrorCode::InvalidArgument, "the key has no role", "viewer, operator or engineer");
   const std::lock_guard change(change_mutex_);
   auto known = read();
   if (!known) return tl::make_unexpected(known.error());
   std::vector<ClientKey>& all = *known;
   if (found(all, key.name, &ClientKey::name)) {
-    return core::fail(core::ErrorCode::WrongState, "there is a key '" + key.name + "' already", "revoke it first: dtsctl key revoke " + key.name);
+    return core::fail(core::ErrorCode::WrongState, "there is a key '" + key.name + "' already",
+                      "revoke it first: dtsctl key revoke " + key.name);
   }
-  if (found(all, key.public_key, &ClientKey::public_key)) return core::fail(core::ErrorCode::WrongState, "another name has this key already");
-  if (all.size() == kMostKeys) return core::fail(core::ErrorCode::LimitExceeded, "there are 1000 keys already", "dtsctl key list, revoke what nobody uses");
+  if (found(all, key.public_key, &ClientKey::public_key))
+    return core::fail(core::ErrorCode::WrongState, "another name has this key already");
+  if (all.size() == kMostKeys)
+    return core::fail(core::ErrorCode::LimitExceeded, "there are 1000 keys already", "dtsctl key list, revoke what nobody uses");
   all.push_back(key);
   return write(std::move(all));
 }
@@ -151,9 +158,7 @@ std::vector<ClientKey> KeyStore::keys() const {
   return keys_;
 }
 
-std::optional<ClientKey> KeyStore::find_by_key(std::span<const std::uint8_t> key) const {
-  return find_by_public_key(z85_of(key));
-}
+std::optional<ClientKey> KeyStore::find_by_key(std::span<const std::uint8_t> key) const { return find_by_public_key(z85_of(key)); }
 
 std::optional<ClientKey> KeyStore::find_by_public_key(const std::string& text) const {
   const std::lock_guard lock(mutex_);

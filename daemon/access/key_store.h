@@ -15,20 +15,22 @@
 
 namespace dts::access {
 
-/// The keys of a daemon, and the folder in which they live: server.toml, made when there is none, and clients.toml. The folder and both
-/// files are for their owner only. Thread: any; looking up never waits for a file.
+/// The keys of a daemon and their folder, with server.toml (created if missing) and clients.toml. Only the owner may read the folder and
+/// both files. Thread: any; a lookup never waits for a file.
 class KeyStore {
  public:
-  /// Fails when the folder cannot be made or used by this user, or a file is damaged; a damaged one is never replaced.
+  /// Opens the folder, or creates it. Fails if this user cannot create or use the folder, or if a file is damaged. Never replaces a damaged
+  /// file.
   [[nodiscard]] static core::Result<std::unique_ptr<KeyStore>> open(const std::string& directory);
 
-  /// Both change what the file says now, which somebody may have edited. WrongState: there is such a name or such a key; InvalidArgument: a field is wrong; LimitExceeded: 1000 keys.
+  /// Adds a key to the file, which it reads again first because a person may have edited it. Fails with WrongState if the name or the key
+  /// exists, with InvalidArgument if a field is wrong, and with LimitExceeded if there are 1000 keys.
   [[nodiscard]] core::Status add(const ClientKey& key);
-  /// NotFound: there is none of that name.
+  /// Removes a key from the file, which it reads again first. Fails with NotFound if there is no key with this name.
   [[nodiscard]] core::Status revoke(const std::string& name);
-  /// Reads clients.toml again. Fails, keeping what it knew, with every problem in one text.
+  /// Reads clients.toml again. If it fails, keeps the previous keys and returns every problem in one text.
   [[nodiscard]] core::Status reload();
-  /// Whether, since the last call, a key that was there has gone or got another name or role: connections that use it must end.
+  /// Returns true if a key was removed, renamed or given another role since the last call. The caller must then end its connections.
   [[nodiscard]] bool take_losses() noexcept { return has_losses_.exchange(false); }
 
   [[nodiscard]] std::vector<ClientKey> keys() const;

@@ -7,7 +7,7 @@
 namespace dts::access {
 namespace {
 
-constexpr std::size_t kManyBuckets = 2000;  // names come from the key store, which has at most 1000
+constexpr std::size_t kManyBuckets = 2000;  // the names are those of keys, of which there are at most 1000
 
 }  // namespace
 
@@ -17,7 +17,8 @@ double RateLimit::tokens_now(const Bucket& bucket, std::int64_t now_ns) const no
 }
 
 bool RateLimit::take(const std::string& name, std::int64_t now_ns) {
-  if (buckets_.size() >= kManyBuckets) std::erase_if(buckets_, [&](const auto& entry) { return tokens_now(entry.second, now_ns) >= burst_; });
+  if (buckets_.size() >= kManyBuckets)
+    std::erase_if(buckets_, [&](const auto& entry) { return tokens_now(entry.second, now_ns) >= burst_; });
   const auto [at, is_new] = buckets_.try_emplace(name, Bucket{.tokens = burst_, .filled_ns = now_ns});
   Bucket& bucket = at->second;
   bucket.tokens = tokens_now(bucket, now_ns);

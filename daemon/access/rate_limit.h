@@ -7,13 +7,13 @@
 
 namespace dts::access {
 
-/// So many events a second for each name, and `burst` at once after a rest (a token bucket). Bounded: a name whose bucket is full again
-/// is forgotten when there are many. Thread: one.
+/// Limits the events of each name to `per_second`, and to `burst` at once after a pause (a token bucket). Bounded: if there are many names,
+/// forgets those whose bucket is full again. Thread: one.
 class RateLimit {
  public:
   RateLimit(double per_second, double burst) : per_second_(per_second), burst_(burst) {}
 
-  /// Whether one more may happen now; if so it is counted. `now_ns` does not go back.
+  /// Returns true, and counts the event, if one more event is allowed now. `now_ns` must never decrease.
   [[nodiscard]] bool take(const std::string& name, std::int64_t now_ns);
 
  private:

@@ -15,7 +15,7 @@ namespace dts::app {
 namespace {
 
 constexpr std::size_t kLongestRigName = 32;
-constexpr int kStepsBelow = 3;  // the lowest of our threads is that far below fifo_priority
+constexpr int kStepsBelow = 3;  // our lowest thread priority is fifo_priority minus this
 
 bool is_rig_name(const std::string& name) {
   return !name.empty() && name.size() <= kLongestRigName && name != "dtsd" &&
@@ -55,7 +55,8 @@ std::optional<NetworkConfig> read_network(files::TomlReader& top) {
   if (!top.has("network")) return std::nullopt;
   files::TomlReader reader = top.table("network");
   NetworkConfig network{.control_endpoint = read_remote_endpoint(reader, "control"), .data_endpoint = read_remote_endpoint(reader, "data")};
-  if (reader.has("data") && network.control_endpoint == network.data_endpoint) reader.report("data", "control and data need different ports");
+  if (reader.has("data") && network.control_endpoint == network.data_endpoint)
+    reader.report("data", "control and data need different ports");
   reader.finish();
   return network;
 }
@@ -76,7 +77,7 @@ RealtimeConfig read_realtime(files::TomlReader reader) {
 
 std::string absolute_name(const std::filesystem::path& path) {
   std::error_code error;
-  const auto whole = std::filesystem::absolute(path, error);  // fails where there is no working directory
+  const auto whole = std::filesystem::absolute(path, error);  // fails if there is no working directory
   return (error ? path : whole).lexically_normal().string();
 }
 
@@ -86,7 +87,7 @@ session::StorageConfig read_storage(files::TomlReader reader) {
   const auto folder = std::filesystem::path(reader.file()).parent_path();
   const char* const state_dir = std::getenv("DTSD_STATE_DIR");
   const bool is_overridden = state_dir != nullptr && *state_dir != '\0';
-  // Absolute: the catalogue and its clients keep the names of recordings, and work in other folders than this daemon.
+  // Absolute, because the catalogue and clients store the paths of recordings and may run in another folder.
   storage.directory = absolute_name(given.empty() || is_overridden ? std::filesystem::path(state_directory()) : folder / given);
   storage.refuse_below_min = reader.number("refuse_below_min", storage.refuse_below_min, 0.0, 100'000.0);
   storage.warn_below_min = reader.number("warn_below_min", storage.warn_below_min, 0.0, 100'000.0);
@@ -99,7 +100,8 @@ session::StorageConfig read_storage(files::TomlReader reader) {
   return storage;
 }
 
-/// `[protocols] directory`, relative to the daemon's file; without it the folder "protocols" beside it, if there is one.
+/// Reads `[protocols] directory`, relative to the configuration file. The default is the folder "protocols" beside that file; it may be
+/// missing.
 std::vector<session::Protocol> read_protocols(files::TomlReader reader, files::Problems& problems) {
   const std::string given = reader.text("directory", "protocols");
   const auto folder = (std::filesystem::path(reader.file()).parent_path() / given).lexically_normal();
@@ -128,7 +130,7 @@ void read_rig(files::TomlReader& reader, DaemonConfig& config, files::Problems& 
   if (!reader.can_read("file", rig_file)) return;
   const std::size_t problems_before = problems.size();
   pipeline::RigConfig rig = files::read_rig_file(rig_file, problems);
-  if (problems.size() > problems_before || device.empty()) return;  // told already; there is nothing sound to build
+  if (problems.size() > problems_before || device.empty()) return;  // the problems are reported, and the rig cannot be built
   rig.name = name;
   rig.device_uri = device;
   if (auto definition = files::rig_definition(rig_file)) rig.definition = std::move(*definition);

@@ -13,36 +13,36 @@
 
 namespace dts::app {
 
-/// How the sample and publish threads are scheduled. The USB event thread runs one above `fifo_priority`, acquire threads at it, pipelines
-/// one below, the publish thread two and libzmq's own thread three below: whoever is nearer to the device goes first.
+/// How the sample and publish threads are scheduled. The priorities relative to `fifo_priority` are: USB event thread +1, acquire threads
+/// 0, pipelines -1, publish thread -2, libzmq's own threads -3. A thread nearer to the device has a higher priority.
 struct RealtimeConfig {
-  int fifo_priority = 50;  ///< 0: SCHED_FIFO is not asked for.
+  int fifo_priority = 50;  ///< 0: do not use SCHED_FIFO.
   bool locks_memory = true;
   std::vector<int> cpus;  ///< Cores for the sample and publish threads; empty: all.
 
   [[nodiscard]] core::ThreadPolicy policy(int steps_below) const;
 };
 
-/// Addresses for clients on other machines, which need keys.
+/// Addresses for clients on other machines. These clients need keys.
 struct NetworkConfig {
   std::string control_endpoint;
   std::string data_endpoint;
 };
 
-/// A rig whose own files are fine, and where the daemon's file names it.
+/// A rig whose own files have no error, and its place in the daemon's configuration file.
 struct ConfiguredRig {
   pipeline::RigConfig rig;
   std::string rig_file;
   files::Problem where;  ///< Position of its [[rig]] table; no text.
 };
 
-/// The daemon's configuration: checked values only.
+/// The daemon's configuration. All values are checked.
 struct DaemonConfig {
   std::string runtime_directory;
   std::string control_endpoint;
   std::string data_endpoint;
   std::optional<NetworkConfig> network;  ///< Absent: this machine only.
-  std::string key_directory;             ///< Of the daemon's own key and its clients' (daemon/access).
+  std::string key_directory;             ///< Folder of the daemon's own key and its clients' keys (daemon/access).
   core::LogLevel log_level = core::LogLevel::Info;
   RealtimeConfig realtime;
   session::StorageConfig storage;
@@ -52,10 +52,10 @@ struct DaemonConfig {
 
 struct LoadedConfig {
   DaemonConfig config;
-  files::Problems problems;  ///< All of them; the configuration may be used only when there is none.
+  files::Problems problems;  ///< All errors. Use the configuration only if there is none.
 };
 
-/// Reads the daemon's configuration and every rig and sensor file it names (see config/dtsd.toml).
+/// Reads the daemon's configuration and every file that it names (see config/dtsd.toml).
 [[nodiscard]] LoadedConfig load_config(const std::string& file);
 
 }  // namespace dts::app

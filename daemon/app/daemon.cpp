@@ -28,7 +28,7 @@
 namespace dts::app {
 namespace {
 
-constexpr int kServeMs = 100;  // how soon a signal is seen
+constexpr int kServeMs = 100;  // longest delay before a signal is handled
 constexpr double kSubscriberQueueMs = 2000.0;
 constexpr int kShortestSubscriberQueue = 1000;
 
@@ -44,7 +44,7 @@ std::string boot_id() {
   return id;
 }
 
-/// Messages that all rigs together publish in `kSubscriberQueueMs`: what a slow subscriber may lag behind.
+/// Returns the number of messages that all rigs together publish in `kSubscriberQueueMs`: so far a slow subscriber may lag behind.
 int subscriber_queue(const std::vector<session::Rig*>& rigs) {
   double messages = 0.0;
   for (const session::Rig* rig : rigs) {
@@ -55,7 +55,7 @@ int subscriber_queue(const std::vector<session::Rig*>& rigs) {
   return std::max(kShortestSubscriberQueue, static_cast<int>(messages));
 }
 
-/// libzmq's own thread inherits no policy of ours, and aborts the process when the one it is given is refused: try first.
+/// Sets the policy of libzmq's own threads. libzmq aborts the process if the system rejects the policy, so a probe thread tries it first.
 void schedule_zmq(zmq::context_t& context, const core::ThreadPolicy& policy) {
   if (policy.fifo_priority == 0) return;
   bool is_allowed = false;
@@ -65,7 +65,7 @@ void schedule_zmq(zmq::context_t& context, const core::ThreadPolicy& policy) {
   zmq_ctx_set(context.handle(), ZMQ_THREAD_PRIORITY, policy.fifo_priority);
 }
 
-/// The signal that arrived, or 0.
+/// Returns the signal that arrived, or 0.
 int pending_signal() {
   sigset_t wanted;
   sigemptyset(&wanted);
@@ -74,7 +74,7 @@ int pending_signal() {
   return std::max(0, sigtimedwait(&wanted, nullptr, &at_once));
 }
 
-/// On SIGHUP. A damaged file leaves everything as it was.
+/// Handles SIGHUP: reads the keys again. If the file is damaged, keeps the previous keys.
 void reload_keys(access::KeyStore* keys, ipc::ControlServer& server, const core::Log& log) {
   if (keys == nullptr) return log.error("SIGHUP: the keys could not be read at the start; restart the daemon");
   if (auto reloaded = keys->reload(); !reloaded) return log.error("SIGHUP: " + core::to_string(reloaded.error()));
@@ -84,7 +84,7 @@ void reload_keys(access::KeyStore* keys, ipc::ControlServer& server, const core:
            (has_less ? "; remote connections are ended, good ones return" : ""));
 }
 
-/// Feeds systemd's watchdog while everything moves; says once what does not.
+/// Sends keep-alives to systemd's watchdog while all parts make progress. Logs once which part does not.
 class WatchdogFeeder {
  public:
   WatchdogFeeder(ServiceManager& manager, session::Supervisor& supervisor, const ipc::PublishThread& publisher, const core::Log& log)
@@ -102,7 +102,7 @@ class WatchdogFeeder {
 
  private:
   static constexpr std::int64_t kLookNs = 1'000'000'000;
-  static constexpr std::int64_t kPatienceNs = 4'000'000'000;  // longer than any pause of a sound machine, shorter than WatchdogSec
+  static constexpr std::int64_t kPatienceNs = 4'000'000'000;  // longer than any pause of a healthy machine, shorter than WatchdogSec
 
   ServiceManager& manager_;
   session::Supervisor& supervisor_;
@@ -137,7 +137,7 @@ std::string_view version() noexcept { return DTS_VERSION; }
 
 namespace {
 
-/// Two rigs on one unit: whoever opens it first would have it, and which one that is would be chance.
+/// Reports two rigs with the same device: only the one that opens it first would work, and that would be random.
 void check_competitors(const DaemonConfig& config, files::Problems& problems) {
   for (std::size_t later = 1; later < config.rigs.size(); ++later) {
     for (std::size_t earlier = 0; earlier < later; ++earlier) {
@@ -170,7 +170,7 @@ std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& confi
 
 namespace {
 
-/// Both folders are this daemon's alone while the locks are held.
+/// Locks of both folders: no other daemon can use them while this object exists.
 struct Folders {
   DirectoryLock runtime;
   DirectoryLock state;
@@ -186,10 +186,10 @@ core::Result<Folders> take_folders(const DaemonConfig& config) {
   return Folders{std::move(*runtime), std::move(*state)};
 }
 
-/// What was wished for and cannot be had; each a sentence for log and status.
+/// Returns notices for the log and the status: what the configuration asks for and this machine cannot do.
 std::vector<std::string> first_notices(const DaemonConfig& config, bool has_rigs) {
   std::vector<std::string> notices;
-  // As installed: it serves dtsctl device list, which says what to write there.
+  // State after installation. The daemon must run anyway: dtsctl device list needs it and shows what to write in the configuration.
   if (!has_rigs) notices.emplace_back("no rig is configured: see dtsctl device list, then add a [[rig]] to the configuration");
   for (const files::Problem& warning : plate_warnings(config)) notices.push_back(to_string(warning));
   if (!config.realtime.locks_memory) return notices;
@@ -204,7 +204,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   const auto folders = take_folders(config);
   if (!folders) return tl::make_unexpected(folders.error());
   std::vector<std::string> notices = first_notices(config, !rigs.empty());
-  ::umask(0007);  // sockets, catalogue and recordings: for owner and group
+  ::umask(0007);  // sockets, catalogue and recordings: only for owner and group
   auto recordings = session::Recordings::open(config.storage, clock, log);
   if (!recordings) return tl::make_unexpected(recordings.error());
   if (!(*recordings)->notice().empty()) notices.push_back((*recordings)->notice());
@@ -223,10 +223,10 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
 
   auto opened_keys = access::KeyStore::open(config.key_directory);
   if (!opened_keys && config.network) return tl::make_unexpected(opened_keys.error());
-  if (!opened_keys) notices.push_back(core::to_string(opened_keys.error()));  // nobody needs one
+  if (!opened_keys) notices.push_back(core::to_string(opened_keys.error()));  // without [network] no client needs a key
   access::KeyStore* const keys = opened_keys ? opened_keys->get() : nullptr;
-  zmq::context_t context(config.network ? 2 : 1);  // network threads: the second for other machines (ipc::bind_remote)
-  // Not with a network: the policy is that of all its threads, and what strangers let one compute must not go before the recorder.
+  zmq::context_t context(config.network ? 2 : 1);  // network threads: the second one serves other machines (ipc::bind_remote)
+  // Not with [network]: the policy applies to all threads of libzmq, and work caused by remote clients must not delay the recorder.
   if (!config.network) schedule_zmq(context, config.realtime.policy(3));
   auto sockets = Sockets::bind(context, config, keys, clock, subscriber_queue(supervisor.rigs()));
   if (!sockets) return tl::make_unexpected(sockets.error());

@@ -18,13 +18,13 @@ namespace dts::app {
 
 [[nodiscard]] std::string_view version() noexcept;
 
-/// Creates every rig of the configuration without starting anything, so that a bad device or stage shows before a
-/// socket is bound; USB is not touched. What fails is added to `problems`.
+/// Creates every rig of the configuration without starting it, so that a wrong device or stage is found before a socket is bound. Does not
+/// use USB. Adds every error to `problems`.
 [[nodiscard]] std::vector<std::unique_ptr<session::Rig>> create_rigs(const DaemonConfig& config, core::Clock& clock, core::Doorbell& bell,
                                                                      device::usb::UsbBus& usb, files::Problems& problems);
 
-/// Runs the daemon on the calling thread, which becomes the control thread, until SIGTERM or SIGINT (which the caller
-/// must have blocked, with SIGHUP). Fails when the directories or sockets cannot be had.
+/// Runs the daemon on the calling thread, which becomes the control thread, until SIGTERM or SIGINT. The caller must have blocked SIGTERM,
+/// SIGINT and SIGHUP. Fails if the directories or sockets cannot be used.
 [[nodiscard]] core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<session::Rig>> rigs, core::Clock& clock,
                                       core::Doorbell& bell, device::usb::UsbBus& usb, core::Log log);
 

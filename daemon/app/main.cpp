@@ -22,7 +22,7 @@ int report(const dts::files::Problems& problems) {
   return kBadInput;
 }
 
-/// Blocked before the first thread starts, so that every thread inherits it; the control thread asks for them.
+/// Blocks the signals. Must run before the first thread starts, so that every thread inherits the mask. The control thread polls for them.
 void block_signals() {
   sigset_t ours;
   sigemptyset(&ours);
@@ -31,7 +31,8 @@ void block_signals() {
   ::signal(SIGPIPE, SIG_IGN);
 }
 
-/// libzmq 4.3.4 aborts the process when accepting finds no descriptor left: take all that the hard limit allows.
+/// Raises the limit of descriptors to the hard limit: libzmq 4.3.4 aborts the process if it cannot accept a connection for lack of
+/// descriptors.
 void raise_descriptor_limit() {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
@@ -54,7 +55,7 @@ int run(const std::string& file, bool is_check, bool is_foreground) {
   dts::core::Doorbell bell;
   if (is_foreground) ::unsetenv("JOURNAL_STREAM");
   const auto log = dts::core::Log::to_stderr(loaded.config.log_level);
-  // Nearer to the device than any acquire thread. It must outlive the rigs.
+  // Its thread has a higher priority than the acquire threads. It must outlive the rigs.
   dts::device::usb::LibusbBus usb(clock, loaded.config.realtime.policy(-1), log);
   auto rigs = dts::app::create_rigs(loaded.config, clock, bell, usb, loaded.problems);
   if (!loaded.problems.empty()) return report(loaded.problems);
@@ -92,10 +93,10 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : kBadInput;
   }
 
-  google::protobuf::SetLogHandler(nullptr);  // ControlServer answers and counts what cannot be parsed; a flood must not fill the log
+  google::protobuf::SetLogHandler(nullptr);  // ControlServer counts and answers invalid messages; a flood of them must not fill the log
   try {
     return run(file, is_check, is_foreground);
-  } catch (const std::exception& error) {  // no memory, descriptors or threads left
+  } catch (const std::exception& error) {  // no memory, descriptor or thread left
     std::cerr << "dtsd: " << error.what() << '\n';
     return 1;
   }

@@ -46,7 +46,7 @@ core::Status prepare_directory(const std::string& path, const std::string& varia
     return core::fail_errno(errno, "directory " + path + " cannot be made", hint);
   }
   struct stat found {};
-  // lstat: in /tmp somebody else could have put a link in our place.
+  // lstat, not stat: in /tmp another user could have created a link with this name.
   if (::lstat(path.c_str(), &found) != 0) return core::fail_errno(errno, "directory " + path, hint);
   if (!S_ISDIR(found.st_mode)) return core::fail(core::ErrorCode::Failed, "directory " + path + " is not a directory", hint);
   if (found.st_uid != ::geteuid()) {
@@ -72,7 +72,7 @@ core::Result<DirectoryLock> DirectoryLock::take(const std::string& directory, co
 }
 
 DirectoryLock::~DirectoryLock() {
-  if (fd_ >= 0) ::close(fd_);  // closing gives the lock back; the file stays, removing it would race with another taker
+  if (fd_ >= 0) ::close(fd_);  // releases the lock; keeps the file, because removing it would race with another daemon
 }
 
 }  // namespace dts::app

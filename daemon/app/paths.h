@@ -7,23 +7,23 @@
 
 namespace dts::app {
 
-/// Where sockets live: $DTSD_RUNTIME_DIR, else systemd's $RUNTIME_DIRECTORY, else $XDG_RUNTIME_DIR/dtsd, else
+/// Returns the folder of the sockets: $DTSD_RUNTIME_DIR, else systemd's $RUNTIME_DIRECTORY, else $XDG_RUNTIME_DIR/dtsd, else
 /// /tmp/dtsd-<uid>. Clients follow the same rule.
 [[nodiscard]] std::string runtime_directory();
 
-/// Where recordings and catalogue live: $DTSD_STATE_DIR, else systemd's $STATE_DIRECTORY, else $XDG_STATE_HOME/dtsd, else
-/// ~/.local/state/dtsd, else a folder in the runtime directory.
+/// Returns the folder of the recordings and the catalogue: $DTSD_STATE_DIR, else systemd's $STATE_DIRECTORY, else $XDG_STATE_HOME/dtsd,
+/// else ~/.local/state/dtsd, else a folder in the runtime directory.
 [[nodiscard]] std::string state_directory();
 
-/// Makes `path` (mode 0750) if need be and checks that it belongs to us, that others cannot write into it, and that we can.
-/// Fails with NotAllowed or Failed, naming the path and what to do.
-/// `variable` is the environment variable to set to another directory.
+/// Creates the folder `path` (mode 0750) if it does not exist. Checks that this user owns it, that this user can write into it, and that
+/// others cannot. Fails with NotAllowed or Failed, naming the path and what to do. `variable`: the environment variable for another folder,
+/// for the message.
 [[nodiscard]] core::Status prepare_directory(const std::string& path, const std::string& variable = "DTSD_RUNTIME_DIR");
 
-/// Holds a lock on "<directory>/dtsd.lock" while it lives, so that two daemons cannot share one directory for sockets or recordings.
+/// Holds a lock on "<directory>/dtsd.lock" until it is destroyed, so that two daemons cannot use one folder for sockets or recordings.
 class DirectoryLock {
  public:
-  /// WrongState when another dtsd holds it.
+  /// Locks the folder. Fails with WrongState if another dtsd holds the lock.
   [[nodiscard]] static core::Result<DirectoryLock> take(const std::string& directory, const std::string& variable = "DTSD_RUNTIME_DIR");
   DirectoryLock(DirectoryLock&& other) noexcept : fd_(other.fd_) { other.fd_ = -1; }
   DirectoryLock& operator=(DirectoryLock&&) = delete;

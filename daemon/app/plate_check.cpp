@@ -19,7 +19,7 @@ bool needs_plate_model(const pipeline::RigConfig& rig) {
   return rig.kind == "floor" && (!rig.cop_calibration || rig.device_uri.starts_with("sim:"));
 }
 
-/// Deflection of the plate's centre under one foot. Nothing for a plate that cannot be made: whoever makes it says why.
+/// Returns the deflection of the plate's centre under one foot; nothing if the plate is invalid, which is reported when the rig is created.
 std::optional<double> deflection_mm(const physics::RigModel& model, const physics::Stance& stance) {
   const std::array centre{physics::Point{model.plate.a * 0.5, model.plate.b * 0.5}};
   const auto plate = physics::StiffeningPlate::create(model.plate, model.support, centre);
@@ -31,7 +31,7 @@ std::optional<double> deflection_mm(const physics::RigModel& model, const physic
 
 files::Problems plate_warnings(const DaemonConfig& config) {
   files::Problems warnings;
-  const physics::Stance stance;  // the person of the simulator
+  const physics::Stance stance;  // the simulator's default person
   for (const ConfiguredRig& configured : config.rigs) {
     if (!needs_plate_model(configured.rig)) continue;
     const double h_mm = configured.rig.model.plate.h.value;

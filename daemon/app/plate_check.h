@@ -5,9 +5,9 @@
 
 namespace dts::app {
 
-/// Warns of every floor rig whose plate model does not hold: under a person on one foot it bends by more than `physics::StiffeningPlate`
-/// can follow, so that simulated volts and a centre of pressure without a calibration of the rig's own are wrong. A rig with its own
-/// calibration on a real device needs no plate model. Each warning has the place of the rig's device.
+/// Returns a warning for every floor rig whose plate model is invalid: a person on one foot bends the plate by more than
+/// `physics::StiffeningPlate` can model. Then simulated volts are wrong, and so is a centre of pressure without the rig's own calibration.
+/// A rig with its own calibration on a real device needs no plate model. Each warning has the position of the rig's device in the file.
 [[nodiscard]] files::Problems plate_warnings(const DaemonConfig& config);
 
 }  // namespace dts::app

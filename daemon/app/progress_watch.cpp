@@ -29,7 +29,7 @@ void ProgressWatch::find_hung_rigs(const std::vector<session::RigState>& rigs, s
 }
 
 std::string ProgressWatch::stuck_part(const std::vector<session::RigState>& rigs, std::uint64_t publish_turns, std::int64_t now_ns) {
-  // Whoever did not look for long (the machine or the whole process stood still) knows nothing of what moved meanwhile.
+  // After a long time without a call (the machine or the whole process was suspended) the old marks prove nothing.
   if (now_ns - looked_ns_ > patience_ns_) parts_.clear();
   looked_ns_ = now_ns;
   std::string stuck;
@@ -45,7 +45,7 @@ std::string ProgressWatch::stuck_part(const std::vector<session::RigState>& rigs
     const session::AcquisitionReport& acquired = state.acquisition;
     const bool is_streaming = acquired.device == device::DeviceState::Streaming && !acquired.is_silent && !acquired.is_armed;
     const bool is_behind = state.pipeline.segment != acquired.segment || state.pipeline.next_scan.value != acquired.next_scan;
-    // Both marks change with every scan: of two that meet by chance the next look sees another.
+    // The mark changes with every scan. If two marks are equal by chance, the next call sees a different one.
     const std::uint64_t processed = (std::uint64_t{state.pipeline.segment} << 48U) ^ state.pipeline.next_scan.value;
     if (is_stuck("acquire " + rig, acquired.scans_total, is_streaming, now_ns, patience_ns_)) stuck = "the acquire thread of " + rig;
     if (may_restart && hung_rigs_.contains(state.rig.config().name)) stuck = "the acquire thread of " + rig + ", which opens its device,";

@@ -11,21 +11,23 @@
 
 namespace dts::app {
 
-/// Whether the work goes on: systemd's watchdog is fed only while scans move from every device through its pipeline and the publish thread
-/// takes its turns. A timer in a frozen daemon would feed it for ever.
+/// Checks that the daemon makes progress. The daemon sends keep-alives to systemd's watchdog only while scans move from every device
+/// through its pipeline and the publish thread runs. A plain timer would keep a frozen daemon alive for ever.
 ///
-/// An acquire thread that hangs while it opens a device (a driver that does not return) is hung after `kOpeningNs`. It is stuck, too, while
-/// no other rig has a session: a restart would interrupt those. Not judged: the record thread. The control thread, which asks, is judged by
-/// asking at all: it writes the catalogue, so a disk that hangs for longer than WatchdogSec ends the daemon. Thread: control.
+/// If an acquire thread opens a device for longer than `kOpeningNs` (a driver that does not return), its rig is hung. A hung rig counts as
+/// stuck only if no other rig has a session, because the restart would interrupt that session. Does not check the record thread. The
+/// control thread is checked because it makes this call: it also writes the catalogue, so a disk that hangs for longer than WatchdogSec
+/// ends the daemon. Thread: control.
 class ProgressWatch {
  public:
-  /// `patience_ns`: for how long a part may stand still.
+  /// `patience_ns`: longest time without progress.
   explicit ProgressWatch(std::int64_t patience_ns) : patience_ns_(patience_ns) {}
 
-  /// What has stood still for too long, "the pipeline of rig 'floor'"; empty: nothing. `publish_turns` counts up while that thread lives.
+  /// Returns the name of a part without progress for too long, such as "the pipeline of rig 'floor'"; empty if there is none.
+  /// `publish_turns`: a counter that rises while the publish thread works.
   [[nodiscard]] std::string stuck_part(const std::vector<session::RigState>& rigs, std::uint64_t publish_turns, std::int64_t now_ns);
 
-  /// Says of each rig that was found hung by the last look, and not by the one before, what to do: stuck or not.
+  /// Returns a message with what to do for each rig that the last `stuck_part` found newly hung, whether or not it counts as stuck.
   [[nodiscard]] const std::vector<std::string>& new_hangs() const noexcept { return new_hangs_; }
 
  private:
@@ -33,11 +35,11 @@ class ProgressWatch {
     std::uint64_t mark = 0;
     std::int64_t moved_ns = 0;
   };
-  /// Notes how far a part is; true when it has not moved for too long. `has_work`: it could have.
+  /// Stores the progress `mark` of a part; returns true if the part had work but no progress for too long.
   [[nodiscard]] bool is_stuck(const std::string& name, std::uint64_t mark, bool has_work, std::int64_t now_ns, std::int64_t patience_ns);
   void find_hung_rigs(const std::vector<session::RigState>& rigs, std::int64_t now_ns);
 
-  static constexpr std::int64_t kOpeningNs = 60'000'000'000;  // an FPGA image and every request unanswered take less
+  static constexpr std::int64_t kOpeningNs = 60'000'000'000;  // longer than loading an FPGA image with a timeout on every request
 
   std::int64_t patience_ns_;
   std::int64_t looked_ns_ = 0;

@@ -11,7 +11,7 @@ core::Result<Sockets> Sockets::bind(zmq::context_t& context, const DaemonConfig&
   Sockets sockets;
   std::optional<ipc::RemoteEndpoint> remote_data;
   if (config.network) {
-    auto authenticator = access::Authenticator::start(context, *keys, clock);  // before anybody can knock
+    auto authenticator = access::Authenticator::start(context, *keys, clock);  // before any client can connect
     if (!authenticator) return tl::make_unexpected(authenticator.error());
     sockets.authenticator = std::move(*authenticator);
     remote_data = ipc::RemoteEndpoint{config.network->data_endpoint, keys->server()};

@@ -13,22 +13,23 @@
 
 namespace dts::app {
 
-/// Everything that a daemon listens on: for this machine, and for others if the configuration says so. The authenticator comes first and goes
-/// last: without it libzmq lets everybody in.
+/// All sockets of the daemon: for this machine, and for others if the configuration has [network]. The authenticator is created first and
+/// destroyed last, because libzmq accepts every client without it.
 struct Sockets {
-  std::unique_ptr<access::Authenticator> authenticator;  ///< Only with [network]; answers as long as it exists.
+  std::unique_ptr<access::Authenticator> authenticator;  ///< Only with [network].
   std::unique_ptr<ipc::XpubSocket> data;
   std::vector<ipc::ControlSocket> control;
 
-  /// Binds all or fails with the one that cannot be had. `queue_messages` is kept for each subscriber. `keys` (nullptr without [network]) and `clock` outlive them.
+  /// Binds all sockets, or fails with the one that cannot be bound. `queue_messages`: size of each subscriber's queue. `keys` (nullptr
+  /// without [network]) and `clock` must outlive the sockets.
   [[nodiscard]] static core::Result<Sockets> bind(zmq::context_t& context, const DaemonConfig& config, const access::KeyStore* keys,
                                                   core::Clock& clock, int queue_messages);
 };
 
-/// Where clients with keys connect; empty without [network].
+/// Returns the addresses to which clients with keys connect; empty without [network].
 [[nodiscard]] ipc::RemoteAddresses addresses_of(const DaemonConfig& config);
 
-/// Says where they do, and how many they are.
+/// Logs these addresses and the number of keys.
 void log_network(const NetworkConfig& network, const access::KeyStore& keys, const core::Log& log);
 
 }  // namespace dts::app

@@ -48,7 +48,7 @@ physics::CopErrorFigures read_cop_figures(TomlReader reader) {
   return figures;
 }
 
-/// Rows of 21 coefficients of one output, one row per power of the sum.
+/// Reads the coefficients of one output: one row of 21 per power of the sum.
 void read_coefficients(TomlReader& reader, std::string_view key, std::size_t output, SumPolynomial& polynomial, bool is_first) {
   const toml::node* const found = reader.node(key);
   const toml::array* const rows = found == nullptr ? nullptr : found->as_array();
@@ -156,7 +156,7 @@ std::vector<physics::CopCalibrationPoint> read_points(TomlReader& top, std::size
   return points;
 }
 
-/// What the file says about itself; the estimator's parts come after it.
+/// Identity, origin and format of a calibration: everything except the estimator's coefficients.
 struct Head {
   std::string id;
   physics::CopCalibrationOrigin origin;

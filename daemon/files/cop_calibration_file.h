@@ -10,17 +10,17 @@
 
 namespace dts::files {
 
-/// The calibration as TOML, format 1. Its head comments say how to compute with the coefficients; every number reads back as
-/// exactly the same double.
+/// Returns the calibration as TOML, format 1. Comments at its start explain how to compute with the coefficients. Every number reads back
+/// as exactly the same double.
 [[nodiscard]] std::string cop_calibration_text(const physics::CopCalibration& calibration);
 
-/// Writes `file` whole or not at all: a temporary file beside it, synchronised, then renamed. Fails with Failed, naming the file and why.
+/// Writes `file` completely or not at all, see `write_whole_file`. Fails like `write_whole_file`.
 [[nodiscard]] core::Status write_cop_calibration(const std::string& file, const physics::CopCalibration& calibration);
 
-/// Reads and checks everything: versions, counts, ranges, finiteness. What is wrong is added to `problems` with file:line:column and
-/// nothing is returned. The estimator read computes bit for bit what the one written did.
+/// Reads a calibration and checks everything: versions, counts, ranges, finite numbers. If something is wrong, adds it to `problems` with
+/// file:line:column and returns nothing. A calibration that was written and read back gives bit for bit the same results.
 [[nodiscard]] std::optional<physics::CopCalibration> read_cop_calibration(const std::string& file, Problems& problems);
-/// The same of a table that was parsed already: a file's, or one inside a rig definition.
+/// Reads the same from a parsed table: of a file, or inside a rig definition.
 [[nodiscard]] std::optional<physics::CopCalibration> read_cop_calibration(TomlReader& top, Problems& problems);
 
 }  // namespace dts::files

@@ -110,7 +110,7 @@ class CalibrationWriter {
     out_ << "]\n";
   }
 
-  void form(const physics::ModelForm&) {}  // never calibrated: CopEstimator::fit refuses it
+  void form(const physics::ModelForm&) {}  // never in a calibration: CopEstimator::fit rejects it
 
   void points(const CopCalibration& calibration) {
     out_ << "\n# The loads it was fitted to, and estimate minus truth.\n";

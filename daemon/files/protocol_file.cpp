@@ -19,7 +19,7 @@ using session::Protocol;
 using session::ProtocolField;
 using session::TrialPlan;
 
-constexpr std::size_t kMostProtocolBytes = std::size_t{256} << 10U;  // stands in the header of every recording
+constexpr std::size_t kMostProtocolBytes = std::size_t{256} << 10U;  // the header of every recording contains it
 constexpr std::size_t kMostFiles = 1000;
 constexpr std::size_t kLongestWord = 32;
 constexpr std::size_t kLongestSentence = 200;
@@ -34,7 +34,7 @@ constexpr double kLargestNumber = 1e6;
 
 constexpr std::string_view kNameLetters = "abcdefghijklmnopqrstuvwxyz0123456789-";
 constexpr std::string_view kFieldLetters = "abcdefghijklmnopqrstuvwxyz0123456789_";
-/// Keys that trial events have of their own (record/event.h).
+/// Keys that trial events already use (record/event.h).
 constexpr std::string_view kReservedLabels[] = {"event",     "segment", "scan",      "phase",  "trial", "attempt",
                                                 "condition", "block",   "target_cm", "rest_s", "at_ns"};
 
@@ -59,7 +59,7 @@ std::string sentence(TomlReader& reader) {
   return given;
 }
 
-/// True the first time; else told at `key`.
+/// Returns true the first time; else reports a problem at `key`.
 bool is_first(std::set<std::string>& known, const std::string& given, TomlReader& reader, std::string_view key) {
   if (known.insert(given).second) return true;
   reader.report(key, "'" + given + "' stands twice");
@@ -82,7 +82,7 @@ ProtocolField read_field(TomlReader& reader) {
   field.name = word(reader, "name", kFieldLetters);
   field.sentence = sentence(reader);
   field.is_required = reader.boolean("required", false);
-  if (reader.node("choices") != nullptr) {  // asking marks the key as known, for suggestions
+  if (reader.node("choices") != nullptr) {  // `node` marks the key as known
     field.choices = choices(reader);
   } else if (!reader.has("minimum") && !reader.has("maximum")) {
     reader.report("", "[[field]] needs minimum and maximum, or choices");
@@ -156,7 +156,7 @@ TrialPlan read_trials(TomlReader reader) {
   return plan;
 }
 
-/// What a target is computed from must be asked for, or no session could ever start.
+/// Checks that the protocol asks for the fields from which targets are computed; without them no session could start.
 void check_targets(const Protocol& protocol, TomlReader& reader) {
   const auto asks_for = [&protocol](std::string_view name) {
     return std::ranges::any_of(protocol.fields, [&](const ProtocolField& field) { return field.name == name && field.choices.empty(); });
@@ -197,7 +197,7 @@ std::optional<toml::table> parse_text(const std::string& text, const std::string
   return parse_toml_text(text, name, problems);
 }
 
-/// The files of a folder in the order of their names, so that problems come in the same order everywhere.
+/// Returns the files of a folder, sorted by name, so that the order of problems is the same on every machine.
 std::vector<std::string> toml_files(const std::string& folder, Problems& problems) {
   std::vector<std::string> files;
   std::error_code error;
@@ -237,7 +237,7 @@ Protocol read_protocol(const std::string& file, Problems& problems) {
   std::error_code unknown;
   std::ifstream stream;
   std::string text(kMostProtocolBytes + 1, '\0');
-  if (std::filesystem::is_regular_file(file, unknown)) stream.open(file, std::ios::binary);  // opening a pipe would wait
+  if (std::filesystem::is_regular_file(file, unknown)) stream.open(file, std::ios::binary);  // opening a pipe would block
   if (stream.is_open()) stream.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (!stream.is_open() || stream.bad()) {
     problems.push_back({.file = file, .text = "cannot be read"});

@@ -9,15 +9,15 @@
 
 namespace dts::files {
 
-/// Reads a protocol file (see config/protocols/README.md). Everything wrong is added to `problems`; what is returned is complete only when
-/// nothing was.
+/// Reads a protocol file (see config/protocols/README.md). Adds every error to `problems`; the returned protocol is complete only if there
+/// was no error.
 [[nodiscard]] session::Protocol read_protocol(const std::string& file, Problems& problems);
-/// The same from a text, for protocols recorded with a session; `name` stands for the file in problems.
+/// Reads the same from a text, for protocols recorded with a session. `name` replaces the file name in problems.
 [[nodiscard]] session::Protocol read_protocol_text(const std::string& text, const std::string& name, Problems& problems);
-/// Trials that a protocol's text plans; 0: it plans none, or does not read.
+/// Returns the number of trials that a protocol's text plans; 0 if it plans none or cannot be read.
 [[nodiscard]] std::uint32_t planned_trials(const std::string& definition);
-/// All *.toml of a folder, by name; a name that stands twice is a problem. A folder that is not there has none. The built-in `free` is
-/// always among them, unless a file describes another protocol of that name.
+/// Reads all *.toml files of a folder, sorted by name; a duplicate name is a problem. A missing folder is no problem. Always includes the
+/// built-in protocol `free`, unless a file defines a protocol with that name.
 [[nodiscard]] std::vector<session::Protocol> read_protocols(const std::string& folder, Problems& problems);
 
 }  // namespace dts::files

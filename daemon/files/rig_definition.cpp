@@ -8,9 +8,9 @@
 namespace dts::files {
 namespace {
 
-constexpr std::size_t kLargestDefinition = std::size_t{1} << 20U;  // the longest fact of a recording
+constexpr std::size_t kLargestDefinition = std::size_t{1} << 20U;  // the longest fact allowed in a recording
 
-/// Puts the table of the file that `key` names in the place of its name.
+/// Replaces the file name at `key` by the table of that file.
 void embed(toml::table& table, std::string_view key, const std::filesystem::path& folder, Problems& problems) {
   const toml::node* given = table.get(key);
   if (given == nullptr || !given->is_string()) return;
@@ -24,7 +24,7 @@ void embed(toml::table& table, std::string_view key, const std::filesystem::path
 
 std::string text_of(const toml::table& table) {
   std::ostringstream text;
-  text << toml::toml_formatter(table, toml::format_flags::none) << '\n';  // floats with 17 digits
+  text << toml::toml_formatter(table, toml::format_flags::none) << '\n';  // writes floats with 17 digits
   return std::move(text).str();
 }
 

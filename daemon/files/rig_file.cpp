@@ -15,7 +15,7 @@ namespace {
 
 void read_acquisition(TomlReader reader, pipeline::RigConfig& config) {
   const double rate_hz = reader.number("rate_hz", 100.0, 1.0, 20000.0);
-  config.rate = core::Rate::from_hz(rate_hz).value();  // in range by the line above
+  config.rate = core::Rate::from_hz(rate_hz).value();  // the line above ensures the range
   const double block_ms = reader.number("block_ms", 20.0, 0.05, 1000.0);
   const bool is_low_latency = reader.boolean("low_latency", false);
   config.block_scans = is_low_latency ? 1 : config.rate.scans_in_ms(block_ms);
@@ -26,7 +26,7 @@ void read_acquisition(TomlReader reader, pipeline::RigConfig& config) {
   reader.finish();
 }
 
-/// `calibration = "file.toml"`, relative to the rig file: measured on this rig with `dtsctl calibrate cop` or `dtslab cop fit`. In a
+/// Reads `calibration = "file.toml"`, relative to the rig file; `dtsctl calibrate cop` or `dtslab cop fit` writes this file. In a rig
 /// definition it is a table.
 void read_calibration(TomlReader& top, pipeline::RigConfig& config, References references, Problems& problems) {
   std::optional<toml::table> parsed;
@@ -40,7 +40,7 @@ void read_calibration(TomlReader& top, pipeline::RigConfig& config, References r
                                 " sensors, the rig has " + std::to_string(config.model.sensors.size()));
 }
 
-/// The cop stage computes with the rig's calibration when there is one: a word about the estimator has to say the same.
+/// If the rig has a calibration, the cop stage uses its estimator: the stage's option `estimator` must be absent or the same.
 void settle_estimator(TomlReader& reader, pipeline::StageConfig& stage, const pipeline::RigConfig& config) {
   if (stage.id != "cop" || !config.cop_calibration) return;
   const auto& [id, origin, estimator, points, residuals, cross_validated] = *config.cop_calibration;
@@ -50,7 +50,7 @@ void settle_estimator(TomlReader& reader, pipeline::StageConfig& stage, const pi
   reader.report("estimator", "the rig's calibration '" + id + "' is for estimator \"" + method + "\"; leave estimator out or say the same");
 }
 
-/// `model = "file.toml"`: what tells trunk movement, as `dtslab reach train` writes it. In a definition it is a table.
+/// Reads `model = "file.toml"`, the trunk model; `dtslab reach train` writes this file. In a rig definition it is a table.
 void read_model(TomlReader& top, pipeline::RigConfig& config, References references, Problems& problems) {
   std::optional<toml::table> parsed;
   auto reader = top.table_or_file("model", references, parsed);
@@ -63,7 +63,7 @@ bool has_stage(const pipeline::RigConfig& config, std::string_view id) {
   return std::ranges::any_of(config.stages, [id](const pipeline::StageConfig& stage) { return stage.id == id; });
 }
 
-/// `transient_sensors = ["2", "5", "10", "13"]`: rear left, rear right, front left, front right (thesis 5.3.2).
+/// Reads `transient_sensors = ["2", "5", "10", "13"]`: rear left, rear right, front left, front right (thesis 5.3.2).
 void read_transient_sensors(TomlReader& top, pipeline::RigConfig& config) {
   constexpr std::string_view kKey = "transient_sensors";
   const std::vector<std::string> labels = top.texts(std::string(kKey), {});
@@ -124,7 +124,7 @@ pipeline::TriggerEdges read_edges(TomlReader& reader) {
   return word == "both" ? pipeline::TriggerEdges::Both : pipeline::TriggerEdges::Rising;
 }
 
-/// `[trigger]`: the device channel on which another instrument tells of itself.
+/// Reads `[trigger]`: the device channel with the trigger signal of another instrument.
 void read_trigger(TomlReader& top, pipeline::RigConfig& config, const Problems& problems) {
   if (!top.has("trigger")) return;
   TomlReader reader = top.table("trigger");
@@ -144,8 +144,8 @@ void read_trigger(TomlReader& top, pipeline::RigConfig& config, const Problems& 
   config.trigger = input;
 }
 
-/// `[record] streams`: what a recording keeps. The raw stream makes all others again, so leaving some out loses nothing but time.
-/// The streams that a table names; none: all of the rig.
+/// Returns the streams that the table `verb` names, for example `[record] streams`; an empty list means all streams of the rig. A recording
+/// may leave out any stream except raw, because all others can be computed again from it.
 std::vector<std::string> read_streams(TomlReader& top, const std::string& verb) {
   TomlReader reader = top.table(verb);
   std::vector<std::string> streams = reader.texts("streams", {});

@@ -15,18 +15,18 @@
 namespace dts::files {
 namespace {
 
-// The ranges of physics::check_plate and check_support, here with the place in the file; a test holds them together.
+// The same ranges as in physics::check_plate and check_support, checked here to report the place in the file. A test compares them.
 constexpr double kShortestSideMm = 10.0;
 constexpr double kLongestSideMm = 10'000.0;
 constexpr int kLargestSideRatio = 20;
 constexpr double kThinnestMm = 0.01;
-constexpr double kThickest = 0.2;  ///< Of the shorter side: above it, thin-plate theory does not hold.
+constexpr double kThickest = 0.2;  ///< Fraction of the shorter side. Above it, thin-plate theory is invalid.
 
 /// Thesis 4.3: distance of the unloaded plate from the sensors.
 constexpr double kUnloadedGapMm = 12.0;
 constexpr std::size_t kMostSensors = 16;
 
-/// A number of a range from which one end or both are excluded.
+/// Reads a number in a range; the values in `excluded` (one end or both) are not allowed.
 double number_off(std::initializer_list<double> excluded, TomlReader& reader, std::string_view key, double fallback, double minimum,
                   double maximum) {
   const double value = reader.number(key, fallback, minimum, maximum);
@@ -37,12 +37,12 @@ double number_off(std::initializer_list<double> excluded, TomlReader& reader, st
   return fallback;
 }
 
-/// Sensor files are read once per rig, however many sensors share them.
+/// Reads each sensor file only once per rig, even if several sensors use it.
 class CurveShelf {
  public:
   CurveShelf(References references, Problems& problems) : references_(references), problems_(problems) {}
 
-  /// The curve of a sensor; nothing when it cannot be had.
+  /// Returns the curve of a sensor; nothing if it cannot be read.
   std::optional<physics::SensorCurve> get(TomlReader& sensor) {
     const toml::node* given = sensor.node("curve");
     const std::string name = given != nullptr ? given->value_or(std::string()) : std::string();
@@ -126,7 +126,7 @@ physics::Support read_support(TomlReader reader, const physics::Plate& plate) {
   physics::Support support;
   const std::string kind = reader.choice("kind", {kKinds[0].first, kKinds[1].first, kKinds[2].first, kKinds[3].first});
   support.kind = std::ranges::find(kKinds, kind, &std::pair<std::string_view, SupportKind>::first)->second;
-  // With the point supports in the middle the plate tips.
+  // With all point supports in the middle, the plate would tip.
   const double middle_mm = std::min(plate.a.value, plate.b.value) / 2.0;
   support.inset = {number_off({middle_mm}, reader, "inset_mm", 0.0, 0.0, middle_mm)};
   reader.finish();

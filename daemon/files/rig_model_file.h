@@ -9,17 +9,17 @@
 
 namespace dts::files {
 
-/// The physical part of a rig file: what is bent, what holds it, what looks at it.
+/// The physical part of a rig file: plate, support and sensors.
 struct RigModelFile {
   physics::RigModel model;
   std::vector<std::size_t> sensor_channels;  ///< Device channel of each sensor of the model.
 };
 
-/// Reads [plate], [support] and [[sensor]] of a rig file, and the sensor files they name (relative to the rig file) unless the
-/// curves are tables themselves. Everything
-/// wrong is added to `problems`; what is returned is complete only when nothing was. The caller reads, or ignores, the rest.
+/// Reads [plate], [support] and [[sensor]] of a rig file, and the sensor files that they name (relative to the rig file) unless the curves
+/// are tables. Adds every error to `problems`; the returned model is complete only if there was no error. The caller handles all other
+/// keys.
 [[nodiscard]] RigModelFile read_rig_model(TomlReader& top, Problems& problems, References references = References::Files);
-/// For [plate] and [support] alone: a plate case of the laboratory has the same tables.
+/// Read only [plate] and [support]: a plate case of the laboratory has the same tables.
 [[nodiscard]] physics::Plate read_plate(TomlReader reader);
 [[nodiscard]] physics::Support read_support(TomlReader reader, const physics::Plate& plate);
 

@@ -26,7 +26,7 @@ std::string shown(double value) {
 
 std::string range_text(const std::string& minimum, const std::string& maximum) { return "; allowed: " + minimum + " .. " + maximum; }
 
-/// Far more than any file people write; a parsed file takes twenty times its size.
+/// Far larger than any file that people write. A parsed file needs twenty times its size in memory.
 constexpr std::size_t kMostTomlBytes = std::size_t{4} << 20U;
 
 std::optional<std::string> read_bounded(const std::string& file, Problems& problems) {
@@ -36,11 +36,11 @@ std::optional<std::string> read_bounded(const std::string& file, Problems& probl
   return std::nullopt;
 }
 
-/// Of a dotted key. toml++ 3.3 bounds how deep values nest, but not this: it makes a table of each part and takes tables apart by
-/// recursion, so that a hundred thousand parts, which fit into a definition, end the stack.
+/// Most parts of a dotted key. toml++ 3.3 limits the nesting of values, but not this: it makes a table of each part and destroys tables by
+/// recursion, so that a key of a hundred thousand parts, which fits into a definition, would overflow the stack.
 constexpr std::size_t kMostKeyParts = 16;
 
-/// Behind the string whose opening quote stands at `at`.
+/// Returns the position after the string whose opening quote is at `at`.
 std::size_t end_of_string(std::string_view text, std::size_t at) {
   const char quote = text[at];
   const std::string closing(text.substr(at, 3) == std::string(3, quote) ? 3 : 1, quote);
@@ -56,7 +56,8 @@ std::size_t end_of_string(std::string_view text, std::size_t at) {
   return text.size();
 }
 
-/// Where a key has more parts than that; npos: nowhere. Strings and comments may hold any dots, numbers have one each.
+/// Returns the position of a key with more than kMostKeyParts parts; npos if there is none. Ignores dots in strings and comments; a number
+/// has only one dot.
 std::size_t find_deep_key(std::string_view text) {
   std::size_t parts = 1;
   for (std::size_t at = 0; at < text.size();) {

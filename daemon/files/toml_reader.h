@@ -12,7 +12,7 @@
 
 namespace dts::files {
 
-/// One thing wrong with a configuration file. Line and column are 0 when the whole file is meant.
+/// One error in a configuration file. Line and column are 0 if the error concerns the whole file.
 struct Problem {
   std::string file;
   std::uint32_t line = 0;
@@ -20,62 +20,61 @@ struct Problem {
   std::string text;
 };
 
-/// "file:line:column: text", as editors jump to.
+/// Returns "file:line:column: text", which editors can open.
 [[nodiscard]] std::string to_string(const Problem& problem);
 
 using Problems = std::vector<Problem>;
 
-/// Parses `file`; a syntax error or an unreadable file becomes a problem and nothing is returned.
+/// Parses `file`. If it has a syntax error or cannot be read, adds a problem and returns nothing.
 [[nodiscard]] std::optional<toml::table> parse_toml(const std::string& file, Problems& problems);
 
-/// The same for a text that is in memory already; `name` stands for the file in problems.
+/// Parses a text in memory. `name` replaces the file name in problems.
 [[nodiscard]] std::optional<toml::table> parse_toml_text(std::string_view text, const std::string& name, Problems& problems);
 
-/// Where what a file refers to may stand: in files beside it, or in itself alone (a definition out of a recording must not make
-/// anybody read files of this machine).
+/// Whether a definition may name other files. A definition from a recording must not: it could make the reader open files of this machine.
 enum class References : std::uint8_t { Files, None };
 
-inline constexpr std::size_t kLongestText = 200;  ///< Of a name, a serial number, a time.
+inline constexpr std::size_t kLongestText = 200;  ///< Characters of a name, a serial number or a time.
 
-/// Reads one table and keeps the books: what is missing, of the wrong type or out of range becomes a problem with its
-/// position, and `finish` reports every key that nobody asked for. Reading goes on after a problem, so that one run
-/// shows them all; the value returned then is the default.
+/// Reads one table and reports errors: a value that is missing, of the wrong type or out of range becomes a problem with its position, and
+/// `finish` reports every key that was not read. After a problem the reader returns the default value and continues, so that one run shows
+/// all problems.
 class TomlReader {
  public:
-  /// `where` names the table in messages: "[plate]"; empty for the top level. `table` outlives the reader; nullptr: the
-  /// table is absent, everything takes its default.
+  /// `where`: name of the table in messages, such as "[plate]"; empty for the top level. `table` must outlive the reader; nullptr: the
+  /// table is absent, and every value is its default.
   TomlReader(const toml::table* table, std::string where, std::string file, Problems& problems);
 
   [[nodiscard]] double number(std::string_view key, double fallback, double minimum, double maximum);
   [[nodiscard]] std::int64_t integer(std::string_view key, std::int64_t fallback, std::int64_t minimum, std::int64_t maximum);
   [[nodiscard]] bool boolean(std::string_view key, bool fallback);
   [[nodiscard]] std::string text(std::string_view key, std::string_view fallback);
-  [[nodiscard]] std::string short_text(std::string_view key);  ///< At most `kLongestText` characters; empty when absent.
-  [[nodiscard]] std::string choice(std::string_view key, const std::vector<std::string_view>& choices);  ///< First is the default.
+  [[nodiscard]] std::string short_text(std::string_view key);  ///< At most `kLongestText` characters; empty if absent.
+  [[nodiscard]] std::string choice(std::string_view key, const std::vector<std::string_view>& choices);  ///< The first is the default.
   [[nodiscard]] std::vector<std::int64_t> integers(std::string_view key, std::int64_t minimum, std::int64_t maximum);
   [[nodiscard]] std::vector<std::string> texts(std::string_view key, std::vector<std::string> fallback);
-  /// Marks a value as required: its absence is a problem. Of a table that is absent only the absence of the table is one.
+  /// Marks a value as required: its absence is a problem. If the whole table is absent, reports only that, and only once.
   void require(std::string_view key);
   [[nodiscard]] bool has(std::string_view key) const;
 
   [[nodiscard]] TomlReader table(std::string_view key);
-  /// The table that is the value of `key`, or that of the file whose name is, relative to this file. Nothing, and a problem, when that
-  /// cannot be had; nothing without a problem when the key is absent or an empty text. `parsed` keeps a file's table and outlives the
-  /// reader.
+  /// Returns a reader of the table at `key`, or of the file named at `key` (relative to this file). If it cannot be read, adds a problem
+  /// and returns nothing. If the key is absent or an empty text, returns nothing without a problem. `parsed` holds the table of the file
+  /// and must outlive the returned reader.
   [[nodiscard]] std::optional<TomlReader> table_or_file(std::string_view key, References references, std::optional<toml::table>& parsed);
-  /// Each table of an array of tables [[key]].
+  /// Returns a reader for each table of an array of tables [[key]].
   [[nodiscard]] std::vector<TomlReader> tables(std::string_view key);
-  /// All keys with scalar values that were not asked for yet (a stage's options are checked elsewhere), as asked for.
+  /// Returns all keys that were not read yet, and marks them as read. For a stage's options, which the stage checks.
   [[nodiscard]] std::vector<std::string> remaining_keys();
   [[nodiscard]] const toml::node* node(std::string_view key);
 
-  /// A problem at a key of this table, or at the table itself for an empty key.
+  /// Adds a problem at a key of this table, or at the table itself if the key is empty.
   void report(std::string_view key, const std::string& text);
-  /// False, and a problem at the key, when the file that it names cannot be read.
+  /// Returns true if `file`, named at `key`, can be read; else adds a problem at the key.
   [[nodiscard]] bool can_read(std::string_view key, const std::string& file);
-  /// Where a key's value stands, as a problem without text.
+  /// Returns the position of a key's value as a problem without text.
   [[nodiscard]] Problem position(std::string_view key) const;
-  /// Reports unknown keys with a suggestion. Call it once, when everything was read.
+  /// Reports unknown keys with a suggestion. Call it once, after all reads.
   void finish();
 
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
@@ -93,8 +92,8 @@ class TomlReader {
   std::set<std::string, std::less<>> asked_;
 };
 
-/// Returns the numbers of the list `found`, which stands at `key` or within it. Reports a problem and returns nothing unless there are
-/// `minimum_count` to `maximum_count`, all finite and at most `largest` in size.
+/// Returns the numbers of the list `found`, which is the value of `key` or a part of that value. Reports a problem and returns an empty
+/// list unless there are `minimum_count` to `maximum_count` numbers, all finite and with a magnitude of at most `largest`.
 [[nodiscard]] std::vector<double> read_list(TomlReader& reader, std::string_view key, const toml::node* found, std::size_t minimum_count,
                                             std::size_t maximum_count, double largest);
 

@@ -12,7 +12,7 @@ std::string toml_number(double value) {
   std::array<char, 32> buffer{};
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
   const std::string text(buffer.data(), end);
-  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;  // a number without either is an integer
+  return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;  // without '.' or 'e' TOML reads an integer
 }
 
 std::string toml_numbers(std::span<const double> values) {

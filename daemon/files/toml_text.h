@@ -7,11 +7,11 @@
 
 namespace dts::files {
 
-/// The shortest TOML float that reads back as the same double; `value` is finite.
+/// Returns the shortest TOML float that reads back as the same double; `value` must be finite.
 [[nodiscard]] std::string toml_number(double value);
-/// "[1.0, 2.0]"
+/// Returns a list such as "[1.0, 2.0]".
 [[nodiscard]] std::string toml_numbers(std::span<const double> values);
-/// In quotes, with whatever needs it escaped.
+/// Returns the text in quotes, with special characters escaped.
 [[nodiscard]] std::string toml_quoted(std::string_view text);
 
 }  // namespace dts::files

@@ -109,7 +109,7 @@ classifier::ArmAloneRule read_arm_alone(TomlReader reader) {
   return rule;
 }
 
-/// A 64-bit number, which TOML's integers cannot hold.
+/// Reads the seed from a text, because it is an unsigned 64-bit number and TOML's integers are signed.
 std::uint64_t read_seed(TomlReader& reader) {
   const std::string text = reader.short_text("seed");
   std::uint64_t seed = 0;
@@ -204,7 +204,7 @@ std::optional<classifier::TrunkModel> read_trunk_model(TomlReader& top, Problems
     top.report("kind", core::to_string(model.error()));
     return std::nullopt;
   }
-  // Models inside of recordings that dtsd made before model files had checksums have none; the recording's own checksums protect them.
+  // Models in recordings of older dtsd versions have no checksum; the recording's own checksums protect them.
   if (const std::string sha256 = trunk_model_sha256(*model); has_sha256 && sha256 != said_sha256) {
     top.report("sha256", "the model is damaged or was edited: its sha256 is " + sha256 +
                              "; copy it again, or train it again with dtslab reach train");

@@ -33,7 +33,7 @@ class ModelWriter {
   void numbers(std::string_view key, std::span<const double> values) { out_ << key << " = " << toml_numbers(values) << '\n'; }
   void count(std::string_view key, std::uint64_t value) { out_ << key << " = " << value << '\n'; }
 
-  /// Absent when not measured.
+  /// Writes a number; leaves it out if it was not measured (NaN).
   void figure(std::string_view key, double value) {
     if (std::isfinite(value)) number(key, value);
   }
@@ -119,7 +119,7 @@ class ModelWriter {
 
 namespace {
 
-/// All but the head.
+/// Returns the model's text without its head (comments, format, checksum).
 std::string body_of(const TrunkModelForm& form) {
   ModelWriter writer;
   writer.text("kind", form.kind == classifier::ModelKind::Raw5 ? "raw5" : "recommended");

@@ -14,7 +14,7 @@
 namespace dts::files {
 namespace {
 
-/// A descriptor that is closed with its scope.
+/// A file descriptor that the destructor closes.
 class Descriptor {
  public:
   explicit Descriptor(int number) noexcept : number_(number) {}
@@ -39,13 +39,13 @@ bool write_all(int descriptor, std::string_view text) noexcept {
   return true;
 }
 
-/// What is there and is no ordinary file (a pipe, /dev/stdout) is written to, never replaced.
+/// Writes into an existing file that is not regular (a pipe, /dev/stdout); never replaces it.
 bool write_through(const std::string& path, std::string_view text) noexcept {
   const Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
   return file.get() >= 0 && write_all(file.get(), text);
 }
 
-/// A new file beside `path`, with the rights of the file that it will replace, if there is one, else those of `new_mode`.
+/// Creates the temporary file with the permissions of the file that it will replace; if there is none, with `new_mode` minus the umask.
 int open_temporary(const std::string& temporary, const struct stat* replaced, mode_t new_mode) noexcept {
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, new_mode);
   if (file < 0 || replaced == nullptr || ::fchmod(file, replaced->st_mode & 07777U) == 0) return file;
@@ -66,7 +66,7 @@ core::Status write_whole_file(const std::string& path, std::string_view text, mo
     return {};
   }
   std::error_code unresolved;
-  const auto resolved = std::filesystem::weakly_canonical(path, unresolved);  // a link stays, the file it leads to is replaced
+  const auto resolved = std::filesystem::weakly_canonical(path, unresolved);  // if `path` is a link, keeps it and replaces its target
   const std::string target = unresolved ? path : resolved.string();
   const std::string temporary = target + "." + std::to_string(::getpid()) + ".part";
   const Descriptor file(open_temporary(temporary, exists ? &there : nullptr, new_mode));
@@ -76,7 +76,7 @@ core::Status write_whole_file(const std::string& path, std::string_view text, mo
     ::unlink(temporary.c_str());
     return failed(error);
   }
-  // The file is in place. That its name survives a power cut too is worth trying; where it is refused nothing can be done.
+  // The file is written. Synchronise the folder, so that the new name survives a power failure; ignore a failure: nothing can be done.
   const auto folder = std::filesystem::path(target).parent_path();
   const Descriptor directory(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (directory.get() >= 0) ::fsync(directory.get());

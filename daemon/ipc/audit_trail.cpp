@@ -9,7 +9,7 @@
 namespace dts::ipc {
 namespace {
 
-/// Name of the command in the trail: of the option `audit`, or of what the command asks for in particular.
+/// Returns the command's name in the trail: a special name for some commands, else its option `audit`.
 std::string audit_name(const dts::v1::Request& request) {
   if (request.has_stop_session() && request.stop_session().is_abort()) return "abort_session";
   switch (request.trial().action()) {
@@ -20,7 +20,7 @@ std::string audit_name(const dts::v1::Request& request) {
   }
 }
 
-/// The field `rig` or `session_id` of the command; empty without such a field.
+/// Returns the field `rig` or `session_id` of the command; empty without such a field.
 std::string asked_target(const dts::v1::Request& request) {
   const auto& command = request.GetReflection()->GetMessage(request, wire::command_field(request));
   for (const char* name : {"rig", "session_id"}) {
@@ -29,8 +29,8 @@ std::string asked_target(const dts::v1::Request& request) {
   return {};
 }
 
-/// Returns the session under way on the rig, or on the only rig that has one; else the rig's name. Other text that somebody typed as a rig
-/// is not entered.
+/// Returns the ID of the session in progress on `rig` (empty: on any rig); else the name of the rig if it exists; else nothing, so that the
+/// trail contains no text that a person typed.
 std::string known_target(session::Supervisor& supervisor, const std::string& rig) {
   std::string target;
   for (const session::RigState& state : supervisor.states()) {
@@ -42,12 +42,12 @@ std::string known_target(session::Supervisor& supervisor, const std::string& rig
   return target;
 }
 
-/// "local", or "local:anna" for a user whom a gateway logged in: the trail shows both, since it trusts the gateway for the second.
+/// Returns "local", or "local:anna" for a user of a gateway. The trail shows both, because only the gateway vouches for the user's name.
 std::string who(const std::string& sender, const dts::v1::Request& request) {
   return access::is_key_name(request.on_behalf_of()) ? sender + ":" + request.on_behalf_of() : sender;
 }
 
-/// The key that a command is about, with its role; empty for text that is no name; nothing for other commands.
+/// Returns the name of the key that a command adds (with its role) or revokes; empty if the name is invalid; nothing for other commands.
 std::optional<std::string> key_of(const dts::v1::Request& request) {
   if (!request.has_add_key() && !request.has_revoke_key()) return std::nullopt;
   const std::string& name = request.has_add_key() ? request.add_key().name() : request.revoke_key().name();
@@ -55,7 +55,7 @@ std::optional<std::string> key_of(const dts::v1::Request& request) {
   return request.has_add_key() ? name + ":" + std::string(access::role_word(request.add_key().role())) : name;
 }
 
-/// "anna from 192.0.2.7, and 12 more"
+/// Returns a text such as "anna from 192.0.2.7, and 12 more".
 std::string login_text(const dts::v1::NoteLoginRequest& login) {
   const std::string more = login.more() > 0 ? ", and " + std::to_string(login.more()) + " more" : "";
   return (login.user().empty() ? "unknown name" : login.user()) + " from " + login.address() + more;

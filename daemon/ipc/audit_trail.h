@@ -9,11 +9,11 @@
 
 namespace dts::ipc {
 
-/// Whether a command with this answer is entered in the audit trail: every change, and what failed of the commands that the trail names.
+/// Returns true if the audit trail records this command: the command has a name in the trail, and it is a change or it failed.
 [[nodiscard]] bool is_audited(const dts::v1::Request& request, const dts::v1::Response& response);
 
-/// Enters a command with its answer: who, what, on what, how it ended. `sender` is "local" or "key:NAME". Texts that people typed (labels,
-/// markers, fields) are not entered: nobody can erase the trail. Does nothing without recordings. Thread: control.
+/// Records a command and its answer in the audit trail: sender, command, target, result. `sender` is "local" or "key:NAME". Does not record
+/// texts that people typed (labels, markers, fields), because nobody can erase the trail. Does nothing without recordings. Thread: control.
 void enter_audit(session::Supervisor& supervisor, core::Clock& clock, const std::string& sender, const dts::v1::Request& request,
                  const dts::v1::Response& response);
 

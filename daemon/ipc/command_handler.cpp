@@ -12,7 +12,7 @@ using core::ErrorCode;
 
 dts::v1::Response error_response(const core::Error& error) {
   dts::v1::Response response;
-  // What is wrong may quote what somebody sent, cut: one byte that is no UTF-8 would make the answer unreadable.
+  // The message may quote shortened text of a client. One byte that is not UTF-8 would make the whole answer unreadable.
   *response.mutable_error() = error_message({error.code, record::clean_text(error.what), record::clean_text(error.hint)});
   return response;
 }
@@ -143,7 +143,7 @@ CommandHandler::Answer CommandHandler::tare(const dts::v1::TareRequest& request)
 
 dts::v1::Response CommandHandler::list_rigs() {
   dts::v1::Response response;
-  response.mutable_rigs();  // present even without rigs
+  response.mutable_rigs();  // set the field even if there are no rigs
   for (const session::Rig* rig : supervisor_.rigs()) *response.mutable_rigs()->add_rigs() = rig_info(*rig);
   return response;
 }

@@ -15,46 +15,46 @@
 
 namespace dts::ipc {
 
-/// A tare that was asked for and is not answered yet.
+/// A requested tare without an answer yet.
 struct PendingTare {
   std::string rig;
-  std::uint64_t request = 0;  ///< Number given by the supervisor.
+  std::uint64_t request = 0;  ///< Number that the supervisor assigned.
 };
 
-/// A session that was asked to stop and whose recording is not closed yet.
+/// A stopping session whose recording is not closed yet.
 struct PendingStop {
   std::string rig;
   std::string session_id;
 };
 
-/// A command whose answer is not known yet.
+/// A command without an answer yet.
 using Pending = std::variant<PendingTare, PendingStop>;
 
-/// Executes commands: wire messages in, calls on the supervisor, wire messages out. Knows no sockets.
+/// Executes commands: converts requests to calls of the supervisor, and their results to responses. Uses no sockets.
 /// Thread: control.
 class CommandHandler {
  public:
-  /// `authenticator` (nullptr: there is no network) outlives the handler.
+  /// `authenticator` must outlive the handler; nullptr: there is no network.
   CommandHandler(session::Supervisor& supervisor, core::Clock& clock, Identity identity, std::vector<std::string> notices, KeyCommands keys,
                  const access::Authenticator* authenticator = nullptr);
 
   struct Answer {
     dts::v1::Response response;
-    std::optional<Pending> pending{};  ///< Set: `response` is not complete; ask `finish` until it is.
+    std::optional<Pending> pending{};  ///< If set, `response` is not complete: call `finish` until it returns a response.
   };
-  /// Total: every request, however senseless, gets an answer.
+  /// Executes a request. Answers every request, even an invalid one.
   [[nodiscard]] Answer execute(const dts::v1::Request& request);
-  /// The answer to a pending command, or nothing yet.
+  /// Returns the answer to a pending command, or nothing if there is none yet.
   [[nodiscard]] std::optional<dts::v1::Response> finish(const Pending& pending);
-  /// The answer when nobody wants to wait any longer. A tare is withdrawn: it must not happen minutes later, unasked.
+  /// Returns the answer after a timeout. Cancels a pending tare, which must not run minutes later without a request.
   [[nodiscard]] dts::v1::Response give_up(const Pending& pending);
-  /// Whether, since the last call, a client's key has gone or changed.
+  /// Returns true if a client's key was removed or changed since the last call.
   [[nodiscard]] bool has_lost_keys() noexcept { return keys_.has_lost(); }
-  /// Other machines cannot connect any more, or can again; shown in the status.
+  /// Sets whether other machines cannot connect because of a problem; shown in the status.
   void note_remote_problem(bool is_there) noexcept { has_remote_problem_ = is_there; }
 
   [[nodiscard]] dts::v1::StatusSnapshot status();
-  /// Counts a message that was no request at all; shown in the status.
+  /// Counts a rejected message; shown in the status.
   void count_rejected() noexcept { ++rejected_total_; }
 
  private:
@@ -77,7 +77,7 @@ class CommandHandler {
   dts::v1::Response list_sessions(const dts::v1::ListSessionsRequest& request);
   dts::v1::Response show_session(const dts::v1::ShowSessionRequest& request);
   dts::v1::Response audit(const dts::v1::GetAuditRequest& request);
-  /// Only checks it; the audit trail has the note.
+  /// Only checks the request; the audit trail records the login.
   static dts::v1::Response note_login(const dts::v1::NoteLoginRequest& request);
 
   session::Supervisor& supervisor_;
@@ -90,7 +90,7 @@ class CommandHandler {
   bool has_remote_problem_ = false;
 };
 
-/// A response that carries `error`.
+/// Returns a response with `error`.
 [[nodiscard]] dts::v1::Response error_response(const core::Error& error);
 
 }  // namespace dts::ipc

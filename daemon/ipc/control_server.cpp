@@ -14,15 +14,16 @@ namespace {
 
 constexpr std::size_t kLongestRequestId = 64;
 constexpr std::size_t kRepliesKept = 256;
-constexpr int kRequestsPerTurn = 32;  // of a key, or of a local socket; then the others, sessions and devices get their turn
-constexpr int kReadPerTurn = 4096;    // of a remote socket, whose queue has no limit: what a key sent beyond the above is thrown away
+constexpr int kRequestsPerTurn = 32;  // for each key and for each local socket; then the others, sessions and devices are served
+constexpr int kReadPerTurn = 4096;    // for a remote socket, whose queue has no limit: requests of a key above kRequestsPerTurn are dropped
 constexpr std::size_t kMostWaiting = 64;
 constexpr std::int64_t kPendingTimeoutNs = 10'000'000'000;
 constexpr std::int64_t kTickNs = 50'000'000;
 constexpr std::int64_t kStatusNs = 1'000'000'000;
-constexpr std::int64_t kLogNs = 1'000'000'000;  // whatever is rejected, it is one line of the log
+constexpr std::int64_t kLogNs = 1'000'000'000;  // at most one log line for rejected requests in this time
 
-/// Nobody gets the answer to what somebody else asked, or keeps another from using an id.
+/// Returns the key for the reply cache. It includes the sender, so that two senders can use the same request ID and never get each other's
+/// answer.
 std::string known_as(const access::Peer& peer, const std::string& request_id) { return peer.who + '\n' + request_id; }
 
 }  // namespace
@@ -62,12 +63,13 @@ void ControlServer::serve(int ms) {
 }
 
 void ControlServer::drop_remote_peers() {
-  is_drop_due_ = true;  // at the next tick: the answer to whoever revoked a key leaves first
+  is_drop_due_ = true;  // at the next tick, so that the answer to the revoke command is sent first
   next_drop_ns_ = 0;
   publisher_.drop_remote_peers();
 }
 
-/// An address that somebody else took while it was free for a moment is tried again once a second.
+/// Drops remote connections if requested. Retries once a second if the address cannot be bound again, because another program bound it
+/// first.
 void ControlServer::renew_remote(std::int64_t now_ns) {
   next_drop_ns_ = now_ns + kStatusNs;
   if (publisher_.is_remote_down()) publisher_.drop_remote_peers();
@@ -78,7 +80,7 @@ void ControlServer::renew_remote(std::int64_t now_ns) {
 }
 
 void ControlServer::receive(ControlSocket& socket) {
-  std::unordered_map<std::string, int> requests;  // of each key
+  std::unordered_map<std::string, int> requests;  // by public key
   for (int turn = 0; turn < (socket.is_remote() ? kReadPerTurn : kRequestsPerTurn); ++turn) {
     auto incoming = socket.receive();
     if (!incoming) return;
@@ -95,7 +97,7 @@ void ControlServer::admit(ControlSocket& socket, Incoming asked) {
   if (auto admitted = gate_.admit(peer, clock_.now_ns()); !admitted) {
     count_rejected();
     last_rejected_ = peer.who;
-    // Without its request_id: nobody has read it.
+    // Without request_id: the message was not decoded.
     if (gate_.is_worth_an_answer(peer, clock_.now_ns())) socket.reply(asked.envelope, error_response(admitted.error()).SerializeAsString());
     return;
   }
@@ -146,7 +148,7 @@ bool ControlServer::answer_repeat(ControlSocket& socket, Incoming& asked, const 
       waiting_, [&](const Waiting& waiting) { return waiting.request.request_id() == id && waiting.peer.who == peer.who; });
   if (same == waiting_.end()) return false;
   if (same->asked.payload == asked.payload) {
-    same->asked.envelope = std::move(asked.envelope);  // the answer in the making goes to whoever asked last
+    same->asked.envelope = std::move(asked.envelope);  // only the latest repeat gets the answer
     same->socket = &socket;
   } else {
     refuse_id();
@@ -177,7 +179,7 @@ void ControlServer::refuse(ControlSocket& socket, const Incoming& asked, const a
   enter_audit(peer, request, response);
 }
 
-/// Each entry is a write to the disk: a flood of commands that fail must neither fill it nor keep this thread busy.
+/// Limits the entries of failed commands: each entry is a write to the disk, and a flood must not fill the disk or keep this thread busy.
 void ControlServer::enter_audit(const access::Peer& peer, const dts::v1::Request& request, const dts::v1::Response& response) {
   if (!is_audited(request, response)) return;
   if (response.has_error() && !gate_.is_worth_a_note(peer, clock_.now_ns())) return;

@@ -16,24 +16,24 @@
 
 namespace dts::ipc {
 
-/// The control loop: commands from the ROUTER sockets, the passing of time for sessions and devices, and their events
-/// and the status towards the bus. Everything here runs on one thread, the daemon's control thread.
+/// The control loop: answers commands from the ROUTER sockets, drives the timers of sessions and devices, and passes their events and the
+/// status to the publish thread. Everything here runs on one thread, the daemon's control thread.
 ///
-/// A message is [identity] [empty, from REQ clients] [Request]; anything else, oversized or malformed, is counted and,
-/// where a sender is known, answered with a typed error. What may be answered at all is the gate's to say.
+/// A message is [identity] [empty, from REQ clients] [Request]. The server counts every other message (too large or malformed) and, if the
+/// sender is known, answers with a typed error. The gate decides whether a message gets an answer.
 class ControlServer {
  public:
-  /// `sockets` are asked in turns. The references outlive the server.
+  /// Serves `sockets` in turns. The references must outlive the server.
   ControlServer(std::vector<ControlSocket> sockets, access::Gate gate, session::Supervisor& supervisor, CommandHandler& handler,
                 PublishThread& publisher, core::Clock& clock, core::Log log, std::uint64_t instance_id);
 
   /// Serves for up to `ms` milliseconds, then returns; call it in a loop. Thread: control.
   void serve(int ms);
-  /// Hands what the supervisor noticed to the bus; also called once more when all sessions were stopped.
+  /// Passes the supervisor's notices to the publish thread. Call it once more after all sessions have stopped.
   void publish_notices();
-  /// Answers the commands that were waited for, as far as there is an answer now; also called once more when all sessions were stopped.
+  /// Answers the waiting commands that have an answer now. Call it once more after all sessions have stopped.
   void answer_waiting();
-  /// Ends all connections from other machines soon; those whose keys are still good come again by themselves.
+  /// Ends all connections from other machines soon. Clients that are still authorised reconnect by themselves.
   void drop_remote_peers();
 
  private:
@@ -47,10 +47,10 @@ class ControlServer {
   };
   void renew_remote(std::int64_t now_ns);
   void receive(ControlSocket& socket);
-  /// Answers a message if its sender may send one more.
+  /// Answers a message if its sender is below its message limit.
   void admit(ControlSocket& socket, Incoming asked);
   void answer(ControlSocket& socket, Incoming asked, access::Peer peer);
-  /// Serves a repeat of a known request, or refuses another request under its id; true when it did either.
+  /// Answers a repeated request from the cache, or rejects a different request with the same ID. Returns true if it did one of these.
   [[nodiscard]] bool answer_repeat(ControlSocket& socket, Incoming& asked, const access::Peer& peer, const std::string& id);
   void refuse(ControlSocket& socket, const Incoming& asked, const access::Peer& peer, const dts::v1::Request& request,
               const core::Error& why);
@@ -76,7 +76,7 @@ class ControlServer {
   std::int64_t next_status_ns_ = 0;
   std::int64_t next_log_ns_ = 0;
   std::uint64_t unlogged_rejections_ = 0;
-  std::string last_rejected_;  ///< Who sent the newest one that was looked at.
+  std::string last_rejected_;  ///< Sender of the newest rejected message whose sender was looked up.
 };
 
 }  // namespace dts::ipc

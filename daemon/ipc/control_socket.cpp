@@ -8,13 +8,13 @@
 namespace dts::ipc {
 namespace {
 
-constexpr std::int64_t kLongestRequestBytes = 4 * 1024;  // our largest is under 1 kB
+constexpr std::int64_t kLongestRequestBytes = 4 * 1024;  // our largest request has less than 1 kB
 constexpr std::size_t kMostFrames = 3;                   // identity, delimiter, request
 constexpr int kQueueMessages = 100;
 
 zmq::socket_t router(zmq::context_t& context) {
   zmq::socket_t socket(context, zmq::socket_type::router);
-  socket.set(zmq::sockopt::linger, 200);  // the last answers still get out at shutdown
+  socket.set(zmq::sockopt::linger, 200);  // time to send the last answers at shutdown
   socket.set(zmq::sockopt::maxmsgsize, kLongestRequestBytes);
   socket.set(zmq::sockopt::rcvhwm, kQueueMessages);
   socket.set(zmq::sockopt::sndhwm, kQueueMessages);
@@ -55,11 +55,11 @@ std::optional<Incoming> ControlSocket::receive() {
   while (has_more) {
     zmq::message_t frame;
     if (!socket_.recv(frame, zmq::recv_flags::dontwait))
-      return std::nullopt;  // parts of a message arrive together: only the first can be absent
+      return std::nullopt;  // frames of a message arrive together: only the first can be missing
     has_more = frame.more();
     if (is_remote() && !has_more) {
-      const char* name = zmq_msg_gets(frame.handle(), "User-Id");  // of the authenticator
-      incoming.public_key = name == nullptr ? "" : name;           // without one it is nobody's
+      const char* name = zmq_msg_gets(frame.handle(), "User-Id");  // set by the authenticator
+      incoming.public_key = name == nullptr ? "" : name;           // empty: matches no key
     }
     is_too_long = is_too_long || incoming.envelope.size() == kMostFrames;
     if (!is_too_long) incoming.envelope.push_back(frame.to_string());

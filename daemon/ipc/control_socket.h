@@ -11,26 +11,26 @@
 
 namespace dts::ipc {
 
-/// A message to the daemon: [identity] [empty, from REQ clients] [payload], and who sent it.
+/// A message to the daemon, [identity] [empty, from REQ clients] [payload], and its sender.
 struct Incoming {
-  std::vector<std::string> envelope;  ///< What goes back in front of the answer.
+  std::vector<std::string> envelope;  ///< The frames to send before the answer.
   std::string payload;
-  std::optional<std::string> public_key{};  ///< Of a client with a key; nothing: it came over a local socket.
-  bool is_well_formed = false;  ///< False: it had other frames than these; there is no payload.
+  std::optional<std::string> public_key{};  ///< Public key of a remote client; absent: from a local socket.
+  bool is_well_formed = false;              ///< False: the message had other frames; `payload` is empty.
 };
 
-/// A ROUTER socket for commands, of this machine or of others: one socket for each, so that who somebody is never depends on what he
-/// says (over a local socket anybody could send a "User-Id"). Thread: control.
+/// A ROUTER socket for commands, either from this machine or from others. Local and remote clients have separate sockets, so that the
+/// identity of a sender never depends on its message (a local client could send any "User-Id"). Thread: control.
 class ControlSocket {
  public:
-  /// Binds. Fails with the endpoint and the reason.
+  /// Binds a socket. Fails with the endpoint and the reason.
   [[nodiscard]] static core::Result<ControlSocket> bind(zmq::context_t& context, const std::string& endpoint);
   [[nodiscard]] static core::Result<ControlSocket> bind(zmq::context_t& context, const RemoteEndpoint& remote);
 
   [[nodiscard]] std::optional<Incoming> receive();
-  /// Never waits: a client that left or does not read asks again if it still wants to know.
+  /// Sends an answer without waiting. Drops it if the client has left or does not read; the client can repeat its request.
   void reply(const std::vector<std::string>& envelope, const std::string& bytes) noexcept;
-  /// Ends all connections of a remote socket; false: try again later. A local one keeps its own.
+  /// Ends all connections of a remote socket; does nothing for a local one. Returns false if it failed: try again later.
   [[nodiscard]] bool drop_peers() noexcept { return !is_remote() || drop_connections(socket_, bound_); }
   [[nodiscard]] bool is_remote() const noexcept { return !bound_.empty(); }
   [[nodiscard]] void* handle() noexcept { return socket_.handle(); }

@@ -7,21 +7,21 @@
 
 namespace dts::ipc {
 
-/// The sending end of the data bus. libzmq's XPUB is the reference; whatever replaces it speaks the same topics.
-/// Thread: publish, all of it.
+/// The sending end of the data bus. libzmq's XPUB is the reference; a replacement must use the same topics.
+/// Thread: publish, for all functions.
 class DataSocket {
  public:
   virtual ~DataSocket() = default;
 
-  /// Sends one message to whoever subscribes to a prefix of `topic`. Never blocks: a subscriber whose queue is full
-  /// misses it, and sees that in the sequence numbers.
+  /// Sends one message to every subscriber of a prefix of `topic`. Never blocks: drops the message for a subscriber whose queue is full,
+  /// and that subscriber sees the drop in the sequence numbers.
   virtual void send(std::string_view topic, const google::protobuf::MessageLite& message) = 0;
-  /// Sleeps until the descriptor `bell_fd` is readable, a subscriber has something to say, or the time is over.
+  /// Sleeps until the descriptor `bell_fd` is readable, a subscriber's message arrives, or the timeout ends.
   virtual void wait(int bell_fd, int timeout_ms) = 0;
-  /// Handles a bounded number of subscribers' messages, if the last `wait` saw any; true when somebody newly subscribed to
-  /// something.
+  /// Handles a bounded number of subscribers' messages if the last `wait` saw any. Returns true if there was a new subscription.
   [[nodiscard]] virtual bool take_subscriptions() = 0;
-  /// Ends all connections from other machines; those that still may come again at once. False: nobody can, try again.
+  /// Ends all connections from other machines. Clients that are still authorised may reconnect immediately. Returns false if the socket no
+  /// longer listens for other machines: try again.
   [[nodiscard]] virtual bool drop_remote_peers() noexcept = 0;
 };
 

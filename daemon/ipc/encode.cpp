@@ -15,7 +15,7 @@ void set_rate(dts::v1::Rate& out, const core::Rate& rate) {
   out.set_denominator(rate.denominator());
 }
 
-/// What is in use now: a refused tare leaves the one before it.
+/// Returns the state of the tare in use: after a rejected tare, the previous one stays in use.
 dts::v1::TareState tare_state(const pipeline::TareReport& tare) {
   if (tare.is_older_in_use) return dts::v1::TARE_STATE_DONE;
   switch (tare.outcome) {
@@ -99,7 +99,7 @@ const dts::v1::StreamBlock& StreamEncoder::encode(const core::Block& block, std:
   std::string& quality = *message_.mutable_quality();
   quality.assign(channels, '\0');
   for (std::size_t channel = 0; channel < channels; ++channel) {
-    // float32 has 24 bits, more than any DAQ here: 0.03 um at 430 mm.
+    // float32 has 24 significant bits, more than any DAQ here: 0.03 um at 430 mm.
     values = std::ranges::transform(block.column(channel), values, [](double value) { return static_cast<float>(value); }).out;
     std::uint8_t bits = 0;
     for (const std::uint8_t of_scan : block.quality(channel)) bits |= of_scan;

@@ -15,12 +15,12 @@
 
 namespace dts::ipc {
 
-/// Turns blocks of one stream into wire messages, reusing one message and its memory.
+/// Converts blocks of one stream to wire messages; reuses one message and its memory.
 class StreamEncoder {
  public:
   StreamEncoder(std::uint64_t instance_id, const std::string& rig, const core::StreamFormat& format);
 
-  /// The message is valid until the next call.
+  /// Returns a message that is valid until the next call.
   [[nodiscard]] const dts::v1::StreamBlock& encode(const core::Block& block, std::uint64_t lost_scans_total,
                                                    std::uint64_t dropped_blocks_total);
   [[nodiscard]] const std::string& topic() const noexcept { return topic_; }
@@ -30,24 +30,24 @@ class StreamEncoder {
   dts::v1::StreamBlock message_;
 };
 
-/// Constant facts of the running daemon, stamped on everything that leaves it.
+/// Constant facts of the running daemon, which identify it to clients.
 struct Identity {
-  std::uint64_t instance_id = 0;  ///< Random per start.
+  std::uint64_t instance_id = 0;  ///< A new random number at each start.
   std::string version;
   std::string boot_id;
   std::int64_t started_ns = 0;  ///< Monotonic.
 };
 
-/// Gap event standing before scan 0 of the frame's segment.
+/// Returns the event for the gap before scan 0 of the frame's segment.
 [[nodiscard]] dts::v1::Event gap_event(std::uint64_t instance_id, const core::Frame& frame);
-/// `trigger_channel`: name of the channel on which the rig finds triggers.
+/// `trigger_channel`: name of the channel on which the rig detects triggers.
 [[nodiscard]] dts::v1::Event event_message(std::uint64_t instance_id, const core::Event& event, const std::string& trigger_channel);
 [[nodiscard]] dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice);
 
 [[nodiscard]] dts::v1::StatusSnapshot status_snapshot(const Identity& identity, const core::Clock& clock,
                                                       const std::vector<session::RigState>& states,
                                                       const std::vector<std::string>& notices);
-/// With its buckets adding up, and an infinite last one.
+/// Returns cumulative bucket counts; the last bucket has no upper limit.
 [[nodiscard]] dts::v1::LatencyHistogram latency_histogram(const session::LatencyReport& report);
 [[nodiscard]] dts::v1::RigInfo rig_info(const session::Rig& rig);
 [[nodiscard]] dts::v1::DeviceState device_state(device::DeviceState state);

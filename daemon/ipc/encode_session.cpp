@@ -17,7 +17,7 @@ using session::SessionState;
 using session::TrialEventKind;
 using session::TrialPhase;
 
-// The enumerations of the daemon have the numbers of the wire.
+// The daemon's enumerations have the same numbers as the protobuf ones.
 static_assert(static_cast<int>(SessionState::Idle) == dts::v1::SESSION_STATE_IDLE);
 static_assert(static_cast<int>(SessionState::Starting) == dts::v1::SESSION_STATE_STARTING);
 static_assert(static_cast<int>(SessionState::Settling) == dts::v1::SESSION_STATE_SETTLING);
@@ -33,8 +33,7 @@ static_assert(static_cast<int>(PartState::Recording) == dts::v1::PART_STATE_RECO
 static_assert(static_cast<int>(PartState::Missing) == dts::v1::PART_STATE_MISSING);
 static_assert(static_cast<int>(session::DiskState::Unusable) == dts::v1::DISK_STATE_UNUSABLE);
 
-// Texts are cleaned where they may come from files, of whatever origin, or may have been cut: one byte that is no UTF-8 makes a whole
-// answer unreadable.
+// Texts from files, or shortened ones, pass through clean_text: one byte that is not UTF-8 would make the whole answer unreadable.
 
 dts::v1::SessionState session_state(SessionState state) { return static_cast<dts::v1::SessionState>(state); }
 
@@ -152,7 +151,7 @@ double number_of(const record::RecordedEvent& event, const std::string& key, dou
   return whole != nullptr ? static_cast<double>(*whole) : otherwise;
 }
 
-/// From -1 to 3; anything else is -1: it comes from a file.
+/// Returns a class from -1 to 3; -1 for any other value, because the value is from a file.
 int class_of(const record::RecordedEvent& event, const std::string& key) {
   const double number = number_of(event, key, -1.0);
   return number >= -1.0 && number <= 3.0 ? static_cast<int>(number) : -1;

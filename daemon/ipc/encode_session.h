@@ -11,7 +11,7 @@
 
 namespace dts::ipc {
 
-/// One entry for every reason that occurred.
+/// Adds one entry for each reason that occurred.
 void add_losses(const core::Losses& losses, google::protobuf::RepeatedPtrField<dts::v1::LossCount>& out);
 [[nodiscard]] dts::v1::SessionInfo session_info(const std::string& rig, const session::SessionView& view);
 [[nodiscard]] dts::v1::SessionState session_state(session::SessionState state);

@@ -10,9 +10,9 @@
 
 namespace dts::ipc {
 
-/// Preliminary values: those measures of the sheet that can be exact while a trial runs.
+/// Returns preliminary values: only the measures that can be exact during a trial.
 [[nodiscard]] dts::v1::Event sway_event(std::uint64_t instance_id, const core::SwayEvent& event);
-/// Final values of a trial.
+/// Returns the final values of a trial.
 [[nodiscard]] dts::v1::Sway sway(const session::SwayTrialResult& result, const std::string& session_id, const std::string& software);
 
 }  // namespace dts::ipc

@@ -68,7 +68,8 @@ core::Status check_endpoint(const std::string& endpoint) {
 
 core::Status check_remote_endpoint(const std::string& endpoint) {
   if (!endpoint.starts_with(kTcp)) {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is not tcp://", "write tcp://*:5555, or one address of this machine");
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' is not tcp://",
+                      "write tcp://*:5555, or one address of this machine");
   }
   if (auto checked = check_tcp(endpoint); !checked) return checked;
   const std::string_view host = host_of(endpoint);
@@ -85,13 +86,13 @@ core::Status check_not_in_use(const std::string& endpoint) {
   address.sun_family = AF_UNIX;
   std::copy_n(path.begin(), std::min(path.size(), kLongestPath), std::begin(address.sun_path));
   struct stat found {};
-  if (::lstat(path.c_str(), &found) != 0) return {};  // nothing there
+  if (::lstat(path.c_str(), &found) != 0) return {};  // no such file
   if (!S_ISSOCK(found.st_mode)) {
     return core::fail(core::ErrorCode::InvalidArgument, path + " exists and is no socket", "choose another path for the endpoint");
   }
   const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (probe < 0) return {};  // no descriptor left: binding will say so
-  // EAGAIN: somebody listens and is too busy to take one more connection.
+  if (probe < 0) return {};  // no descriptor left: bind will fail and report it
+  // EAGAIN: a program listens, but its queue of connections is full.
   const bool is_taken = ::connect(probe, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 || errno == EAGAIN;
   ::close(probe);
   if (is_taken) {

@@ -7,24 +7,22 @@
 
 namespace dts::ipc {
 
-inline constexpr int kHandshakeMs = 2000;  ///< A peer that takes longer to say who it is, is none.
+inline constexpr int kHandshakeMs = 2000;  ///< Longest time for a peer's handshake; then the connection ends.
 
-/// Checks an endpoint before libzmq sees it: "ipc:///absolute/path" (short enough for a socket address) or
-/// "tcp://127.0.0.1:port". Any other TCP address is refused: nothing leaves this machine without
-/// keys. Fails with InvalidArgument and the reason.
+/// Checks a local endpoint before libzmq uses it: "ipc:///absolute/path" (short enough for a socket address) or "tcp://127.0.0.1:port".
+/// Rejects any other TCP address, because other machines need keys. Fails with InvalidArgument and the reason.
 [[nodiscard]] core::Status check_endpoint(const std::string& endpoint);
-/// The same for an address that other machines may reach, whose clients need keys: "tcp://*:port" or "tcp://address:port".
+/// Checks an endpoint for other machines, whose clients need keys: "tcp://*:port" or "tcp://address:port". Fails like `check_endpoint`.
 [[nodiscard]] core::Status check_remote_endpoint(const std::string& endpoint);
 
-/// Fails with WrongState when somebody already listens on this ipc path. libzmq would silently unlink the socket file of
-/// a running daemon and take its place, and any other file likewise: that one is refused too. A dead daemon's leftover is not "in use".
-/// Other transports: no effect.
+/// Fails with WrongState if a program already listens on this ipc path, and with InvalidArgument if the path is a file but no socket:
+/// libzmq would silently delete either of them. Accepts the socket file that a dead daemon left. Does nothing for other transports.
 [[nodiscard]] core::Status check_not_in_use(const std::string& endpoint);
 
-/// What to do about an address that cannot be bound, by the system's error; empty: nothing is known.
+/// Returns what to do if an address cannot be bound with this system error; empty if there is no hint.
 [[nodiscard]] std::string bind_hint(int system_errno);
 
-/// Removes the file of an ipc endpoint that is about to be closed: libzmq leaves it. Other transports: no effect.
+/// Removes the file of an ipc endpoint before it is closed, because libzmq does not. Does nothing for other transports.
 void remove_socket_file(const std::string& endpoint) noexcept;
 
 }  // namespace dts::ipc

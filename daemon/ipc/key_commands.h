@@ -10,23 +10,23 @@
 
 namespace dts::ipc {
 
-/// Where clients with keys connect; empty: nothing listens for them.
+/// Addresses to which clients with keys connect; empty: the daemon does not listen for them.
 struct RemoteAddresses {
   std::string control;
   std::string data;
 };
 
-/// Commands on the keys of clients: wire messages in, calls on the store, wire messages out. Thread: control.
+/// Executes commands on the clients' keys: converts requests to calls of the key store, and their results to responses. Thread: control.
 class KeyCommands {
  public:
-  /// `keys` outlives it; nullptr: they cannot be used, as `problem` says.
+  /// `keys` must outlive this object; nullptr: keys cannot be used, and `problem` is the reason.
   KeyCommands(access::KeyStore* keys, core::Clock& clock, RemoteAddresses addresses, core::Error problem = {})
       : keys_(keys), clock_(clock), addresses_(std::move(addresses)), problem_(std::move(problem)) {}
 
   [[nodiscard]] dts::v1::Response list() const;
   [[nodiscard]] dts::v1::Response add(const dts::v1::AddKeyRequest& request);
   [[nodiscard]] dts::v1::Response revoke(const dts::v1::RevokeKeyRequest& request);
-  /// Whether, since the last call, a key has gone or changed: ending its connections is the server's part.
+  /// Returns true if a key was removed or changed since the last call. The caller must then end its connections.
   [[nodiscard]] bool has_lost() noexcept { return keys_ != nullptr && keys_->take_losses(); }
 
  private:

@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kLongestOutbox = 1000;
 constexpr int kWaitMs = 200;
 constexpr int kRetainedMs = 100;
-/// Frames of one rig sent before the others, subscriptions and stop requests get their turn.
+/// Most frames of one rig per turn; then the other rigs, subscriptions and stop requests are handled.
 constexpr int kFramesPerTurn = 64;
 
 std::string event_topic(const std::string& rig, const dts::v1::Event& event) { return rig + "/" + wire::topic_of(event).name(); }
@@ -84,7 +84,7 @@ void PublishThread::run(const std::stop_token& stop) {
     socket_->wait(bell_.fd(), is_retained_due_ ? kRetainedMs : kWaitMs);
     bell_.clear();
     turns_.fetch_add(1, std::memory_order_relaxed);
-    // Tries once per request; the control thread retries.
+    // Tries once per request. The control thread retries.
     if (is_drop_due_.exchange(false, std::memory_order_acq_rel))
       is_remote_down_.store(!socket_->drop_remote_peers(), std::memory_order_relaxed);
     for (Source& source : sources_) publish(source);
@@ -102,7 +102,7 @@ void PublishThread::publish(Source& source) {
     core::Frame* frame = frames.front();
     if (frame == nullptr) return;
     if (frame->gap_before.reason != core::GapReason::None) send_event(source, gap_event(instance_id_, *frame));
-    // Triggers come first of the events of a frame: these leave before its blocks, everything else after them.
+    // Triggers are the first events of a frame. They are sent before its blocks, all other events after them.
     std::uint32_t left = frame->event_count;
     while (left > 0 && std::holds_alternative<core::TriggerEvent>(*source.rig->events().front())) send_next_event(source, left);
     send_streams(source, *frame);
@@ -110,7 +110,7 @@ void PublishThread::publish(Source& source) {
     while (left > 0) send_next_event(source, left);
     frames.release();
   }
-  bell_.ring();  // more is waiting: come back after the others had their turn
+  bell_.ring();  // more frames may be waiting: continue after the other rigs
 }
 
 void PublishThread::send_streams(Source& source, const core::Frame& frame) {
@@ -121,7 +121,7 @@ void PublishThread::send_streams(Source& source, const core::Frame& frame) {
   }
 }
 
-/// Of the device's own stream, the first: it has no delay of filters, and a block in every frame.
+/// Measures the latency of the first stream, the raw one: it has no filter delay.
 void PublishThread::note_latency(Source& source, const core::Frame& frame) {
   const core::Block& raw = frame.streams.front();
   if (raw.count() == 0) return;

@@ -18,36 +18,37 @@
 
 namespace dts::ipc {
 
-/// The publish thread: frames of all rigs, events and status onto the data socket.
+/// The publish thread: sends frames of all rigs, events and the status to the data socket.
 ///
 ///     rig frames rings --bell--> encode --> DataSocket
 ///     control thread --post()--> outbox ---^
 ///
-/// A new subscriber triggers a repeat of the retained messages (status, last session and device event of each rig), so
-/// that it knows at once where things stand; live streams start at now. A flood of subscriptions gets one repeat per 100 ms.
+/// A new subscription triggers a repeat of the retained messages (status, last session event and last device event of each rig), so that
+/// the subscriber knows the current state at once. Streams are not repeated. At most one repeat per 100 ms, however many subscriptions
+/// arrive.
 class PublishThread {
  public:
-  /// `bell` is the one given to the rigs; it and the rigs outlive this object.
+  /// `bell` is the doorbell that the rigs ring. `bell` and the rigs must outlive this object.
   PublishThread(std::unique_ptr<DataSocket> socket, core::Doorbell& bell, const std::vector<session::Rig*>& rigs, core::Clock& clock,
                 std::uint64_t instance_id);
   ~PublishThread() { stop(); }
   PublishThread(const PublishThread&) = delete;
   PublishThread& operator=(const PublishThread&) = delete;
 
-  /// Refused scheduling wishes are returned.
+  /// Starts the thread. Returns the scheduling requests that the system rejected.
   [[nodiscard]] std::vector<std::string> start(const core::ThreadPolicy& policy);
   void stop() noexcept;
 
-  /// Queues an event of that rig, or a status. The status and events whose topic is retained are repeated for new subscribers until
-  /// another replaces them. Bounded: beyond 1000 queued messages the oldest that is not retained is dropped. Thread: any but the sample
-  /// threads.
+  /// Queues an event of a rig, or a status. Retains the status and events with a retained topic until a newer one replaces them, to repeat
+  /// them for new subscribers. If 1000 messages are queued, drops the oldest one, first those that are not retained. Thread: any but the
+  /// sample threads.
   void post(const std::string& rig, dts::v1::Event event);
   void post(dts::v1::StatusSnapshot status);
   /// Ends all connections from other machines soon: a key was revoked. Thread: any but the sample threads.
   void drop_remote_peers();
-  /// They cannot come again, since their address could not be bound. Thread: any.
+  /// Returns true if other machines cannot connect, because their address could not be bound again. Thread: any.
   [[nodiscard]] bool is_remote_down() const noexcept { return is_remote_down_.load(std::memory_order_relaxed); }
-  /// Counts up several times a second while the thread lives. Thread: any.
+  /// Returns a counter that rises several times a second while the thread works. Thread: any.
   [[nodiscard]] std::uint64_t turns() const noexcept { return turns_.load(std::memory_order_relaxed); }
 
  private:
@@ -58,7 +59,7 @@ class PublishThread {
   };
   struct Source {
     session::Rig* rig;
-    std::string trigger_channel;                                 ///< Its name.
+    std::string trigger_channel;                                 ///< Name of the channel.
     std::vector<std::pair<std::size_t, StreamEncoder>> streams;  ///< Index in the frame, encoder; published streams only.
     session::LatencyReport latency{};
   };
@@ -82,7 +83,7 @@ class PublishThread {
   std::atomic<std::uint64_t> turns_{0};
   bool is_retained_due_ = false;
   std::int64_t retained_sent_ns_ = 0;
-  std::mutex outbox_mutex_;  ///< Held for moving pointers only, never across a send.
+  std::mutex outbox_mutex_;  ///< Locked only to move pointers, never during a send.
   std::vector<Outgoing> outbox_;
   std::vector<Outgoing> retained_;
   std::jthread thread_;

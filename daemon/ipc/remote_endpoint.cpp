@@ -8,11 +8,12 @@ namespace {
 constexpr std::uint64_t kLocalThread = 1;
 constexpr std::uint64_t kRemoteThread = 2;
 
-constexpr int kQuietS = 2;  // then the kernel asks whether the peer is still there, every second
+constexpr int kQuietS = 2;  // after this silence, the kernel probes the peer every second
 constexpr int kGoneMs = 5000;
 
-/// A cable that was pulled must not keep a connection for hours, nor a subscriber that reads nothing. The kernel watches for both. libzmq's
-/// own heartbeats end the whole process when a peer leaves whose queue is full (4.3.5: the timer calls out_event(), which asserts !_io_error).
+/// Lets the kernel end connections of unplugged peers and of subscribers that read nothing; otherwise they stay open for hours. Does not
+/// use libzmq's heartbeats: they abort the process when a peer with a full queue leaves (4.3.5: the timer calls out_event(), which asserts
+/// !_io_error).
 void watch_for_dead_peers(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::tcp_keepalive, 1);
   socket.set(zmq::sockopt::tcp_keepalive_idle, kQuietS);
@@ -21,8 +22,9 @@ void watch_for_dead_peers(zmq::socket_t& socket) {
   socket.set(zmq::sockopt::tcp_maxrt, kGoneMs);
 }
 
-/// The same assertion ends the process when a peer with a full queue has left and libzmq then reads a ping of that peer's heartbeats. So no
-/// receive queue has a limit. ControlServer::receive keeps that of commands short; it grows while the control thread waits for the disk.
+/// Removes the limit of the receive queue. The same assertion aborts the process when a peer with a full queue has left and libzmq then
+/// reads a ping of that peer's heartbeats. ControlServer::receive keeps the queue of commands short; it grows only while the control thread
+/// waits for the disk.
 void never_stop_reading(zmq::socket_t& socket) { socket.set(zmq::sockopt::rcvhwm, 0); }
 
 }  // namespace
@@ -40,7 +42,7 @@ std::string bind_remote(zmq::socket_t& socket, const RemoteEndpoint& remote) {
 }
 
 bool drop_connections(zmq::socket_t& socket, const std::string& bound) noexcept {
-  // Unbinding fails when an earlier attempt did it already.
+  // Ignores a failure: an earlier attempt may have unbound the socket.
   static_cast<void>(zmq_unbind(socket.handle(), bound.c_str()));
   return zmq_bind(socket.handle(), bound.c_str()) == 0;
 }

@@ -9,21 +9,22 @@
 
 namespace dts::ipc {
 
-/// An address that other machines may reach, and the key pair by which they know this daemon. Without a key of their own nobody gets in.
+/// An address for other machines, and the key pair that identifies this daemon to them. Clients without their own key cannot connect.
 struct RemoteEndpoint {
   std::string endpoint;
   access::ServerKey key;
 };
 
-/// Has what `socket` binds from now on served by the first of the context's network threads, which strangers never keep busy.
+/// Makes the first network thread of the context serve all addresses that `socket` binds from now on. Remote clients never use that thread,
+/// so they cannot keep it busy.
 void use_local_thread(zmq::socket_t& socket);
 
-/// Binds `socket` at it, beside whatever it is bound to already: options count for listeners that come after them. Gives the address as
-/// libzmq calls it. Its network thread is another than that of the local listeners. Throws zmq::error_t.
+/// Binds `socket` to `remote` too; options apply only to later listeners, so earlier ones do not change. Returns the address as libzmq
+/// names it. The listener uses another network thread than the local ones. Throws zmq::error_t.
 std::string bind_remote(zmq::socket_t& socket, const RemoteEndpoint& remote);
 
-/// Ends every connection through the listener `bound` (a name that bind_remote gave) and listens again; the local ones are not touched.
-/// False: the address could not be taken again, and nobody listens there; try again later.
+/// Ends every connection through the listener `bound` (returned by bind_remote) and listens again. Does not change local connections.
+/// Returns false if the address could not be bound again: then nothing listens there; try again later.
 [[nodiscard]] bool drop_connections(zmq::socket_t& socket, const std::string& bound) noexcept;
 
 }  // namespace dts::ipc

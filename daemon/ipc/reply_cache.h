@@ -8,18 +8,18 @@
 
 namespace dts::ipc {
 
-/// Remembers the answers to recent commands by request id, so that a client which heard nothing can ask again without
-/// the command being executed twice (zguide chapter 4, Lazy Pirate). Bounded; the oldest answer goes first.
+/// Remembers the answers to recent commands by request ID. If an answer was lost, the client can repeat its request and the command is not
+/// executed twice (zguide chapter 4, Lazy Pirate). Bounded: removes the oldest answer first.
 class ReplyCache {
  public:
   explicit ReplyCache(std::size_t capacity) : capacity_(capacity) {}
 
   struct Entry {
-    std::string request;  ///< All bytes of it: the same id over another command is a mistake, not a repeat.
+    std::string request;  ///< All bytes of the request: a different request with the same ID is an error, not a repeat.
     std::string reply;
   };
 
-  /// nullptr when the id is not known (any more).
+  /// Returns nullptr if the ID is not in the cache.
   [[nodiscard]] const Entry* find(const std::string& request_id) const;
   void store(const std::string& request_id, Entry entry);
 

@@ -15,7 +15,7 @@ namespace {
 using core::ErrorCode;
 
 constexpr std::uint32_t kDefaultLimit = 100;
-constexpr std::uint32_t kLargestLimit = 1000;  // an answer stays below a few MB
+constexpr std::uint32_t kLargestLimit = 1000;  // keeps an answer below a few MB
 constexpr std::size_t kMostFields = 64;
 
 std::size_t limit_of(std::uint32_t asked) { return std::clamp(asked == 0 ? kDefaultLimit : asked, 1U, kLargestLimit); }
@@ -24,7 +24,7 @@ dts::v1::Response nothing_is_recorded() {
   return error_response({ErrorCode::Unsupported, "this daemon records nothing", "it was started without storage"});
 }
 
-/// What the protocol asked about the subject: the catalogue does not have it, the recordings do.
+/// Adds the protocol's fields about the subject. Reads them from the recordings, because the catalogue does not have them.
 void add_fields(const record::SessionRow& row, dts::v1::SessionRecord& out) {
   for (const record::PartRow& part : row.parts) {
     const auto facts = record::read_session_facts(part.file);
@@ -46,7 +46,7 @@ dts::v1::Response CommandHandler::start_session(const dts::v1::StartSessionReque
     return error_response({ErrorCode::LimitExceeded, "a session has at most 64 fields", "see dtsctl protocol show " + asked.protocol});
   }
   for (const auto& [field, value] : request.fields()) asked.fields.emplace_back(field, value);
-  std::ranges::sort(asked.fields);  // a map of the wire has no order
+  std::ranges::sort(asked.fields);  // a protobuf map has no order
   const auto started = supervisor_.start_session(request.rig(), asked);
   if (!started) return error_response(started.error());
   dts::v1::Response response;

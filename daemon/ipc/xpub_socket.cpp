@@ -10,9 +10,9 @@
 namespace dts::ipc {
 namespace {
 
-// 256 would do for our topics, but admits nobody once CURVE handshakes (their largest frame is bigger).
+// 256 would be enough for our topics, but the limit also applies to CURVE handshakes, whose largest frame is longer.
 constexpr int kLongestSubscriptionBytes = 512;
-// Draining all subscription messages at once would silence the publisher during a flood of them.
+// Limited, because handling a flood of subscription messages at once would stop publishing.
 constexpr int kSubscriptionsPerTurn = 64;
 
 }  // namespace
@@ -27,10 +27,10 @@ core::Result<std::unique_ptr<XpubSocket>> XpubSocket::bind(zmq::context_t& conte
   std::string trying = endpoint;
   try {
     zmq::socket_t socket(context, zmq::socket_type::xpub);
-    socket.set(zmq::sockopt::linger, 200);  // the last events still get out at shutdown
+    socket.set(zmq::sockopt::linger, 200);  // time to send the last events at shutdown
     socket.set(zmq::sockopt::sndhwm, queue_messages);
     socket.set(zmq::sockopt::maxmsgsize, std::int64_t{kLongestSubscriptionBytes});
-    socket.set(zmq::sockopt::xpub_verbose, true);  // a second subscriber to a topic wants its snapshot too
+    socket.set(zmq::sockopt::xpub_verbose, true);  // reports every subscription, so that each subscriber gets the retained messages
     socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
     use_local_thread(socket);
     socket.bind(endpoint);
@@ -52,7 +52,7 @@ void XpubSocket::send(std::string_view topic, const google::protobuf::MessageLit
     socket_.send(zmq::buffer(topic), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
     socket_.send(payload, zmq::send_flags::dontwait);
   } catch (const zmq::error_t&) {
-    // Only a context being torn down fails an XPUB send; the next wait() ends the loop.
+    // An XPUB send fails only while the context is being destroyed.
   }
 }
 
@@ -62,8 +62,9 @@ bool XpubSocket::has_input() {
   return zmq_getsockopt(socket_.handle(), ZMQ_EVENTS, &events, &size) == 0 && (events & ZMQ_POLLIN) != 0;
 }
 
-// Not zmq_poll: it looks into the socket several times per turn, two system calls each, and every frame is a turn. The
-// socket's descriptor is edge-triggered (zmq_getsockopt(3), ZMQ_FD): sending may have taken the edge, so ask before sleeping.
+// Does not use zmq_poll, which checks the socket several times per turn with two system calls each, and every frame needs a turn. The
+// socket's descriptor is edge-triggered (zmq_getsockopt(3), ZMQ_FD), and a send may have consumed the edge: so check the socket before
+// sleeping.
 void XpubSocket::wait(int bell_fd, int timeout_ms) {
   has_input_ = has_input();
   if (has_input_) return;
@@ -78,7 +79,7 @@ bool XpubSocket::take_subscriptions() {
   for (int turn = 0; turn < kSubscriptionsPerTurn; ++turn) {
     zmq::message_t message;
     if (!socket_.recv(message, zmq::recv_flags::dontwait)) break;
-    // XPUB hands up "\1<topic>" for a subscription and "\0<topic>" for its end; anything else is a stranger's message.
+    // XPUB receives "\1<topic>" for a subscription and "\0<topic>" for its end. Ignore all other messages.
     if (message.size() >= 1 && *message.data<char>() == 1) has_new = true;
   }
   return has_new;

@@ -15,8 +15,7 @@ namespace dts::ipc {
 /// DataSocket over a libzmq XPUB socket.
 class XpubSocket final : public DataSocket {
  public:
-  /// Binds, at `remote` too if there is one. `queue_messages` bounds what is kept for each slow subscriber. Fails with the endpoint and
-  /// the reason.
+  /// Binds `endpoint`, and `remote` if present. `queue_messages`: size of each subscriber's queue. Fails with the endpoint and the reason.
   [[nodiscard]] static core::Result<std::unique_ptr<XpubSocket>> bind(zmq::context_t& context, const std::string& endpoint,
                                                                       int queue_messages, const std::optional<RemoteEndpoint>& remote = {});
 
@@ -32,8 +31,8 @@ class XpubSocket final : public DataSocket {
 
   zmq::socket_t socket_;
   std::string bound_;       ///< The remote address; empty: there is none.
-  int socket_fd_;           ///< Readable when libzmq has something for this socket; belongs to it.
-  bool has_input_ = false;  ///< Of the last wait.
+  int socket_fd_;           ///< Readable when libzmq has an event for this socket; libzmq owns it.
+  bool has_input_ = false;  ///< Result of the last `wait`.
 };
 
 }  // namespace dts::ipc

@@ -5,7 +5,7 @@
 
 namespace dts::record {
 
-/// What every reader of a file answers to bytes that no writer of ours makes.
+/// The error of every file reader for bytes that our writers never produce.
 inline constexpr core::ErrorCode kDamaged = core::ErrorCode::DataDamaged;
 
 }  // namespace dts::record

@@ -19,7 +19,7 @@ constexpr std::size_t kMaxKeys = 64;
 constexpr std::size_t kMaxBytes = 64U << 10U;
 constexpr int kMaxDepth = 32;
 
-/// Nested values are written out again, which the JSON library does by recursion: a few thousand brackets would be our stack.
+/// The JSON library writes nested values by recursion, so that a few thousand brackets would overflow the stack.
 bool is_too_deep(const std::string& text) noexcept {
   int depth = 0;
   bool is_in_text = false;
@@ -65,7 +65,7 @@ void add(Json& object, const std::string& key, const EventValue& value) {
       value);
 }
 
-/// A number that counts something; absent: 0.
+/// Returns a count; 0 if the key is absent; nothing if the value is no count or above `largest`.
 std::optional<std::uint64_t> count_of(const Json& object, const char* key, std::uint64_t largest) {
   const auto found = object.find(key);
   if (found == object.end()) return 0;

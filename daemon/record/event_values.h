@@ -11,13 +11,13 @@
 
 namespace dts::record {
 
-/// Takes values out of an event; remembers the first key that was not as it should be.
+/// Reads values of an event and remembers the first key whose value is missing or invalid.
 class EventValues {
  public:
   explicit EventValues(const RecordedEvent& event) : event_(event) {}
 
   [[nodiscard]] const EventValue* find(const std::string& key) const;
-  /// NaN is allowed: what is not known. A whole number counts as a number.
+  /// Returns a number; NaN means "not known". Accepts whole numbers too.
   double number(const std::string& key);
   std::int64_t whole(const std::string& key, std::int64_t minimum, std::int64_t maximum);
   template <class Number>
@@ -26,10 +26,11 @@ class EventValues {
     return static_cast<Number>(whole(key, 0, static_cast<std::int64_t>(kLargest)));
   }
   std::string text(const std::string& key);
-  /// A nested value, as it is written.
+  /// Returns the text of a nested JSON value.
   std::string json(const std::string& key);
+  /// Remembers `key` as invalid, unless an earlier key is remembered.
   void refuse(const std::string& key);
-  /// DataDamaged, naming the first key that was refused.
+  /// Fails with DataDamaged if a key was missing or invalid; the message names the first one.
   [[nodiscard]] core::Status check() const;
 
  private:

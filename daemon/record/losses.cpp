@@ -10,7 +10,7 @@ namespace {
 
 using core::GapReason;
 
-/// Returns None for a word that is unknown here.
+/// Returns None for an unknown word.
 GapReason reason_of(std::string_view word) {
   for (std::size_t index = 0; index < core::kGapReasons; ++index) {
     if (core::name(static_cast<GapReason>(index)) == word) return static_cast<GapReason>(index);

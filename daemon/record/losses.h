@@ -9,8 +9,8 @@
 
 namespace dts::record {
 
-/// Sums up what a recording lacks between its first scan and its last, from its events in the order of the file: "segment" after a gap,
-/// and "loss". What was missing before the first segment began is not of the recording.
+/// Adds up the scans that are missing between the first and the last scan of a recording. Reads its events "segment" and "loss" in file
+/// order. Ignores the gap before the first segment, because it lies before the recording.
 class LossCounter {
  public:
   void take(const RecordedEvent& event);
@@ -21,10 +21,10 @@ class LossCounter {
   bool has_begun_ = false;
 };
 
-/// {"ring_full":{"gaps":1,"scans":10560}}: the reasons that occurred.
+/// Returns {"ring_full":{"gaps":1,"scans":10560}}, with only the reasons that occurred.
 [[nodiscard]] std::string to_json(const core::Losses& losses);
-/// Returns what `to_json` wrote, and nothing if the text does not count losses. An unknown reason counts as `GapReason::None`, as in a
-/// recording: a later version may know more reasons.
+/// Reads the text of `to_json`; returns nothing if the text has another form. Counts an unknown reason as `GapReason::None`, because a
+/// later version may have more reasons.
 [[nodiscard]] std::optional<core::Losses> losses_of_json(const std::string& text);
 
 }  // namespace dts::record

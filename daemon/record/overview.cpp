@@ -18,7 +18,7 @@ class Looker {
     std::visit([this](const auto& content) { take(content); }, chunk.content);
     overview_.end = chunk.offset + chunk.length;
   }
-  /// `torn`: why reading ended early, or empty.
+  /// Returns the result. `torn`: why reading ended early; empty: it did not.
   Overview finish(const std::string& torn);
 
  private:
@@ -27,7 +27,7 @@ class Looker {
     core::ScanIndex scan;
     double time_s;
   };
-  /// What only this look needs of a stream.
+  /// Data of a stream that is needed only during this pass.
   struct Traits {
     std::optional<GridTracker> grid;
     SegmentTable segments{};
@@ -62,7 +62,7 @@ class Looker {
 void Looker::say(const std::string& damage) { overview_.damage += (overview_.damage.empty() ? "" : "; ") + damage; }
 
 void Looker::take(const FileHeader& header) {
-  if (fact(header.facts, "format_version").empty()) return;  // another program's
+  if (fact(header.facts, "format_version").empty()) return;  // a file of another program
   auto session = session_facts(header.facts);
   if (session) {
     overview_.session = std::move(*session);
@@ -94,7 +94,7 @@ void Looker::take(const Samples& samples) {
 }
 
 void Looker::take_time(double time_s, double scan_s, Traits& traits) {
-  constexpr double kMostScans = 9e15;  // below 2^53: whole numbers, exactly
+  constexpr double kMostScans = 9e15;  // below 2^53, where a double holds every whole number exactly
   if (traits.grid->take(time_s)) {
     const auto segment = traits.grid->place().segment;
     traits.segments.add({segment, time_s, time_s});
@@ -125,7 +125,7 @@ void Looker::take(const StreamFooter& footer) {
   if (recovered_.empty() && !fact(footer.facts, "recovered").empty()) recovered_ = fact(footer.facts, "lost_s_at_most");
 }
 
-/// Events count in scans of the raw stream; where that is not recorded, in those of the fastest one.
+/// Returns the stream whose scans the events count: the raw stream, or the fastest stream without one.
 std::optional<std::size_t> Looker::reference() const {
   std::optional<std::size_t> best;
   for (std::size_t index = 0; index < traits_.size(); ++index) {

@@ -15,23 +15,24 @@
 
 namespace dts::record {
 
-/// What one look through a whole recording finds.
+/// Result of one pass through a whole recording.
 struct Overview {
   std::vector<StreamInfo> streams;
   std::vector<std::uint64_t> sample_counts;
-  std::map<std::uint32_t, std::size_t> index_of_number;  ///< Of a stream in the file.
+  std::map<std::uint32_t, std::size_t> index_of_number;  ///< From the stream number in the file to the index in `streams`.
   std::optional<SessionFacts> session;
-  std::string damage;
-  std::uint64_t end = 0;  ///< Where the last chunk ends that makes sense.
-  /// From our events, or else from the time stamps of the stream that `reference_rate` is of.
+  std::string damage;     ///< Why the file is not whole; empty: it is.
+  std::uint64_t end = 0;  ///< End of the last readable chunk, in bytes.
+  /// From our events; without them, from the time stamps of the reference stream.
   SegmentTable segments;
   bool has_segment_events = false;
-  std::optional<core::Rate> reference_rate;  ///< Of "raw", or of the fastest stream: what events count in.
-  double duration_s = 0.0;                   ///< Of the same stream: from its first scan to the end of its last, gaps included.
-  core::Losses losses;                       ///< From our events; of other programs' files from the time stamps of that stream.
+  /// Rate of the reference stream: "raw", or the fastest stream without one. Events count its scans.
+  std::optional<core::Rate> reference_rate;
+  double duration_s = 0.0;  ///< Of the reference stream: from its first scan to the end of its last, gaps included.
+  core::Losses losses;      ///< From our events; in files of other programs from the time stamps of the reference stream.
 };
 
-/// Fails when not even the file header can be read.
+/// Fails if the file header cannot be read.
 [[nodiscard]] core::Result<Overview> look_through(const std::string& file);
 
 }  // namespace dts::record

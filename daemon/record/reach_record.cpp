@@ -11,7 +11,7 @@
 namespace dts::record {
 namespace {
 
-constexpr std::array<std::string_view, 5> kSteps{"p1", "p2", "p3", "final", "cancelled"};  // ReachStep counts from 1
+constexpr std::array<std::string_view, 5> kSteps{"p1", "p2", "p3", "final", "cancelled"};  // index: ReachStep - 1
 
 core::ReachPoint point_of(EventValues& values, const std::string& name) {
   return {.scan = {values.count<std::uint64_t>(name + "_scan")}, .value_mm = values.number(name + "_mm")};

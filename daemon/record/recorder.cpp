@@ -12,10 +12,10 @@
 namespace dts::record {
 namespace {
 
-constexpr double kChunkMs = 0.8 * 1000.0 * kLongestUnwrittenS;  // the rest is for the way here
+constexpr double kChunkMs = 0.8 * 1000.0 * kLongestUnwrittenS;  // leaves 20 % of the time for the way from the pipeline
 constexpr std::int64_t kOffsetEveryNs = 5'000'000'000;
 constexpr std::int64_t kBoundaryEveryNs = 2'000'000'000;
-constexpr std::int64_t kRoundingNs = 2;  // of two conversions: no drift of a clock
+constexpr std::int64_t kRoundingNs = 2;  // rounding error of two conversions, not clock drift
 constexpr std::size_t kMostWaitingEvents = 10'000;
 
 double seconds(std::int64_t ns) { return static_cast<double>(ns) * 1e-9; }
@@ -110,8 +110,8 @@ core::Status Recorder::take(const core::Frame& frame, std::span<const core::Even
   return write_offsets(raw);
 }
 
-/// Everything of the segment before goes to the file first, then the event that says where the new one lies: readers find the place of
-/// samples by it.
+/// Writes the rest of the previous segment first, then the event with the start of the new segment. Readers need this event to place the
+/// samples that follow.
 core::Status Recorder::begin_segment(const core::Frame& frame) {
   if (auto flushed = flush(); !flushed) return flushed;
   const core::Block& raw = frame.streams[columns_.front().recorded.frame_index];
@@ -131,7 +131,7 @@ core::Status Recorder::begin_segment(const core::Frame& frame) {
   next_raw_ = raw.first_scan;
   if (auto taken = take(event); !taken) return taken;
   for (RecordedEvent& waiting : std::exchange(waiting_events_, {})) {
-    if (waiting.segment < segment_) {  // of a segment before the recording
+    if (waiting.segment < segment_) {  // its segment was never recorded
       waiting.segment = segment_;
       waiting.scan = raw.first_scan;
     }
@@ -159,7 +159,7 @@ void Recorder::note_loss(std::uint64_t scans) {
 core::Status Recorder::take_block(Column& column, const core::Block& block, const core::Block& raw) {
   if (block.count() == 0) return {};
   const core::Rate& rate = *column.recorded.info.rate;
-  if (!column.has_origin) {  // by the same frame as the raw stream's, so that all streams of a segment have one time axis
+  if (!column.has_origin) {  // from the same frame as the raw stream's origin, so that all streams of a segment have one time axis
     const std::int64_t raw_zero_ns = raw.host_time_ns - rate_.time_ns(raw.first_scan);
     column.origin_ns = origins_ns_[segment_] + (block.host_time_ns - rate.time_ns(block.first_scan) - raw_zero_ns);
     column.has_origin = true;
@@ -277,7 +277,8 @@ core::Status Recorder::flush() {
   return write_quality();
 }
 
-/// Events for which no scan came. They are also what tells of a recording without any: only streams with samples have a footer.
+/// Writes the events whose segment has no scan. In a recording without scans they also create a stream with a footer, which holds the
+/// reason why the recording is incomplete.
 core::Status Recorder::write_waiting() {
   const double at_s = time_s(segment_, next_raw_).value_or(created_at_s_);
   for (const RecordedEvent& waiting : std::exchange(waiting_events_, {})) events_.emplace_back(at_s, to_json(waiting));

@@ -21,63 +21,62 @@
 
 namespace dts::record {
 
-/// Which streams of a rig's frames are recorded, and as what.
+/// One stream of a rig's frames, and how it is recorded.
 struct RecordedStream {
   std::size_t frame_index = 0;  ///< In `Frame::streams`.
   StreamInfo info;              ///< Regular; name, rate and channels as in the frame.
 };
 
-/// Turns frames into a file: scans into chunks of at most a quarter of a second, quality bits into a stream of changes, everything else
-/// into events, and the drift of the device's clock into clock offsets.
+/// Writes frames to a file: scans as chunks of at most 0.2 s, quality bits as a stream of changes, everything else as events, and the
+/// drift of the device's clock as clock offsets.
 ///
-/// Time stamps are computed, never measured: start of the segment + scan / exact rate. The start is the host time of the segment's first
-/// scan; what the device's clock has drifted since stands in the clock offsets (every 5 s), as XDF means it, so that the time axis of a
-/// segment has no jitter at all and yet maps to the host's clock. A new segment starts by the same mapping: the offset goes on. Thread: one
-/// at a time.
+/// Computes every time stamp: start of the segment + scan / exact rate. The start is the host time of the segment's first scan. The drift
+/// of the device's clock since then is in the clock offsets (every 5 s), as XDF specifies. So the time axis of a segment has no jitter,
+/// and readers can map it to the host's clock. A new segment keeps the current offset. Thread: one at a time.
 class Recorder {
  public:
-  /// Creates the file (see XdfWriter::create: it is safe on the disk before this returns). The first stream must be "<rig>/raw": it decides
-  /// about segments and scans. Streams that never deliver have no header.
+  /// Creates the file (see XdfWriter::create: it is safe on the disk before this returns). The first stream must be "<rig>/raw": its blocks
+  /// define segments and scans. A stream without samples has no header in the file.
   [[nodiscard]] static core::Result<std::unique_ptr<Recorder>> create(const std::string& file, const SessionFacts& facts,
                                                                       std::vector<RecordedStream> streams);
 
-  /// State of the stages before the first frame. Before the first `take`.
+  /// Sets the state of the stages before the first frame. Call it before the first `take`.
   void set_stage_state(std::span<const double> state);
-  /// Buffers a frame with the events that were noticed in it; writes what has become a chunk.
+  /// Buffers a frame and the events found in it; writes every chunk that is full.
   [[nodiscard]] core::Status take(const core::Frame& frame, std::span<const core::Event> events = {});
-  /// Of a segment that is not known yet (nothing was recorded): it waits for its first frame. When none comes, the event goes to the start
-  /// of the next segment, or to the end of the recording.
+  /// Buffers an event. If no frame of its segment was recorded yet, the event waits for the first one. If that segment is never recorded,
+  /// the event moves to the start of the next segment, or to the end of the recording.
   [[nodiscard]] core::Status take(const RecordedEvent& event);
-  /// Writes all that is buffered.
+  /// Writes everything that is buffered.
   [[nodiscard]] core::Status flush();
   [[nodiscard]] core::Status synchronise() { return writer_->synchronise(); }
-  /// After `flush`. `incomplete` empty: the recording is whole.
+  /// Closes the file; call `flush` before. `incomplete`: why the recording is not complete; empty: it is complete.
   [[nodiscard]] core::Result<XdfWriter::Closed> close(const std::string& incomplete);
 
   [[nodiscard]] std::uint64_t bytes() const noexcept { return writer_->bytes(); }
-  /// Scans that stand in the file: what is buffered, or was lost to an error, is not counted.
+  /// Scans in the file, without buffered scans and scans lost to an error.
   [[nodiscard]] std::uint64_t scans() const noexcept { return writer_->sample_count(columns_.front().number); }
-  /// Of what stands in the file: from its first scan to the end of its last, gaps included.
+  /// Duration of the data in the file: from its first scan to the end of its last, gaps included.
   [[nodiscard]] double duration_s() const noexcept { return end_s_ - begin_s_; }
-  /// Scans that were lost between the pipeline and here.
+  /// Scans lost between the pipeline and this recorder.
   [[nodiscard]] std::uint64_t lost_scans() const noexcept { return lost_scans_; }
-  /// Of the newest frame.
+  /// Segment of the newest frame.
   [[nodiscard]] std::uint32_t segment() const noexcept { return segment_; }
-  /// Counts `scans` that no jump between two frames shows: behind the newest frame.
+  /// Counts `scans` lost after the newest frame, where no later frame shows the jump.
   void note_loss(std::uint64_t scans);
-  /// All that is missing between the first scan and the last, whoever lost it.
+  /// All scans missing between the first and the last, whatever the reason.
   [[nodiscard]] const core::Losses& losses() const noexcept { return losses_.losses(); }
 
  private:
   struct Column {
     RecordedStream recorded;
-    std::uint32_t number = 0;     ///< In the file.
-    std::size_t chunk_scans = 1;  ///< Never more in one chunk.
+    std::uint32_t number = 0;     ///< Stream number in the file.
+    std::size_t chunk_scans = 1;  ///< Most scans in one chunk.
     std::int64_t origin_ns = 0;   ///< Stream time of scan 0 of the segment.
     bool has_origin = false;
     std::vector<double> pending{};  ///< Scan by scan.
     core::ScanIndex first_pending{};
-    core::ScanIndex next{};  ///< What continues the chunk.
+    core::ScanIndex next{};  ///< The scan that continues the chunk.
   };
   explicit Recorder(std::unique_ptr<XdfWriter> writer) : writer_(std::move(writer)) {}
 
@@ -97,30 +96,30 @@ class Recorder {
 
   std::unique_ptr<XdfWriter> writer_;
   std::vector<Column> columns_;
-  std::vector<std::size_t> quality_sources_;  ///< Frame indices of the streams whose bits are recorded: raw, and aux.
+  std::vector<std::size_t> quality_sources_;  ///< Frame indices of the streams whose quality bits are recorded: raw and aux.
   std::uint32_t events_number_ = 0;
   std::uint32_t quality_number_ = 0;
   core::Rate rate_;
-  double created_at_s_ = 0.0;  ///< Host clock.
+  double created_at_s_ = 0.0;  ///< Host clock (CLOCK_MONOTONIC).
 
   std::uint32_t segment_ = 0;
   std::map<std::uint32_t, std::int64_t> origins_ns_;  ///< Stream time of scan 0 of the raw stream, by segment.
   std::int64_t offset_ns_ = 0;                        ///< Host clock minus stream time, newest.
-  std::int64_t next_offset_ns_ = 0;                   ///< Stream time at which it is written next.
+  std::int64_t next_offset_ns_ = 0;                   ///< Stream time of the next clock offset in the file.
   std::int64_t next_boundary_ns_ = 0;
   core::ScanIndex next_raw_;
-  core::Gap gap_;  ///< Stands before the next scan.
+  core::Gap gap_;  ///< The gap before the next segment; written with its event.
   std::uint64_t lost_scans_ = 0;
   LossCounter losses_;
-  double begin_s_ = 0.0;  ///< Of the raw stream, as far as it is written; stream time.
+  double begin_s_ = 0.0;  ///< Begin and end of the written raw stream, in stream time.
   double end_s_ = 0.0;
 
-  std::vector<RecordedEvent> waiting_events_;  ///< Of segments that are not known yet.
+  std::vector<RecordedEvent> waiting_events_;  ///< Events of segments without a recorded frame.
   std::vector<std::pair<double, std::string>> events_;
   std::vector<double> quality_times_s_;
   std::vector<double> quality_values_;
   std::vector<std::uint8_t> last_quality_;
-  bool is_quality_due_ = true;  ///< The next scan's bits are written, changed or not.
+  bool is_quality_due_ = true;  ///< True: the bits of the next scan are written even if unchanged.
 };
 
 }  // namespace dts::record

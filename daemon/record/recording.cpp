@@ -40,10 +40,10 @@ class FileRecording : public Recording {
   std::string file_;
   Overview overview_;
   std::unique_ptr<XdfReader> reader_;
-  std::vector<std::optional<GridTracker>> grids_;  ///< By stream; where no event tells of segments.
-  Samples samples_;                                ///< Of the chunk under way.
-  std::size_t stream_ = 0;                         ///< Its stream.
-  std::size_t taken_ = 0;                          ///< Samples of it; texts, when it has such.
+  std::vector<std::optional<GridTracker>> grids_;  ///< By stream; used if no event defines segments.
+  Samples samples_;                                ///< Samples of the current chunk.
+  std::size_t stream_ = 0;                         ///< Stream of the current chunk.
+  std::size_t taken_ = 0;                          ///< Number of its samples (or texts) returned so far.
 };
 
 std::optional<std::size_t> FileRecording::find_stream(const std::string& name) const {
@@ -73,7 +73,7 @@ core::Status FileRecording::rewind() {
 core::Result<std::optional<RecordedItem>> FileRecording::next() {
   while (true) {
     if (taken_ < std::max(samples_.texts.size(), samples_.times_s.size())) return std::optional(next_of_samples());
-    if (reader_->offset() >= overview_.end) return std::optional<RecordedItem>();  // what follows is torn, or was written since
+    if (reader_->offset() >= overview_.end) return std::optional<RecordedItem>();  // the rest is torn, or was written after `open`
     auto chunk = reader_->next();
     if (!chunk) return tl::make_unexpected(chunk.error());
     if (!*chunk) return std::optional<RecordedItem>();
@@ -81,7 +81,7 @@ core::Result<std::optional<RecordedItem>> FileRecording::next() {
   }
 }
 
-/// An item that is a chunk by itself; samples are only kept.
+/// Returns an item if the whole chunk is one item; stores samples for `next_of_samples`.
 std::optional<RecordedItem> FileRecording::take_chunk(Chunk& chunk) {
   if (const auto* offset = std::get_if<ClockOffset>(&chunk.content)) {
     const auto stream = overview_.index_of_number.find(offset->stream);
@@ -93,7 +93,7 @@ std::optional<RecordedItem> FileRecording::take_chunk(Chunk& chunk) {
   const auto stream = overview_.index_of_number.find(samples->stream);
   if (stream == overview_.index_of_number.end()) return std::nullopt;
   const std::size_t values = samples->times_s.size() * overview_.streams[stream->second].channels.size();
-  if (samples->values.size() + samples->texts.size() != values) return std::nullopt;  // the file was exchanged meanwhile
+  if (samples->values.size() + samples->texts.size() != values) return std::nullopt;  // the file was replaced after `open`
   samples_ = std::move(*samples);
   stream_ = stream->second;
   taken_ = 0;
@@ -119,7 +119,7 @@ RecordedItem FileRecording::next_of_samples() {
                         .values = {first, first + static_cast<std::ptrdiff_t>(info.channels.size())}};
 }
 
-/// As many scans as follow each other without a hole.
+/// Returns the next scans, up to the next gap.
 RecordedScans FileRecording::next_scans(const StreamInfo& info) {
   GridTracker& grid = *grids_[stream_];
   const std::size_t begin = taken_;

@@ -8,11 +8,11 @@ namespace dts::record {
 namespace {
 
 constexpr std::size_t kMaxStarts = 1'000'000;
-constexpr double kMaxScan = 9e15;  ///< Below 2^53: whole numbers, exactly.
+constexpr double kMaxScan = 9e15;  ///< Below 2^53, where a double holds every whole number exactly.
 
 core::ScanIndex scan_after(double duration_s, core::Rate rate) noexcept {
   const double scans = std::round(duration_s * rate.hz());
-  return {scans > 0.0 ? static_cast<std::uint64_t>(std::min(scans, kMaxScan)) : 0U};  // also when it is not a number
+  return {scans > 0.0 ? static_cast<std::uint64_t>(std::min(scans, kMaxScan)) : 0U};  // NaN gives 0 too
 }
 
 }  // namespace

@@ -10,46 +10,46 @@
 
 namespace dts::record {
 
-/// Which segment a time belongs to, and which scan of it.
+/// Finds the segment and the scan that a time belongs to.
 ///
 ///     segment   0                      gap   1
 ///     time    --|=======================|    |==================>
-///            time of scan 0        start of 1: a sample less than half a scan before it belongs to it
+///            time of scan 0        start of segment 1; a sample less than half a scan earlier is part of segment 1
 class SegmentTable {
  public:
   struct Start {
     std::uint32_t segment = 0;
-    double time_s = 0.0;         ///< From here on.
-    double scan_0_time_s = 0.0;  ///< Earlier than `time_s` when a recording starts within a segment.
+    double time_s = 0.0;         ///< The segment begins here.
+    double scan_0_time_s = 0.0;  ///< Earlier than `time_s` if the recording starts within the segment.
   };
   struct Place {
     std::uint32_t segment = 0;
     core::ScanIndex scan;
   };
 
-  /// Takes no more than a million, nor such as have no finite time: files of other programs may say anything.
+  /// Adds a start. Ignores starts beyond one million and starts whose times are not finite: files of other programs may hold anything.
   void add(const Start& start);
-  /// To be called once after all have been added: they need not come in order of time.
+  /// Sorts the starts by time. Call it once, after the last `add`.
   void sort();
   [[nodiscard]] bool is_empty() const noexcept { return starts_.empty(); }
-  /// In the segment's first scan at the earliest: nothing lies before the recording.
+  /// Returns the segment and scan at `time_s`. A time before the recording belongs to the first segment, a time before scan 0 to scan 0.
   [[nodiscard]] Place place_of(double time_s, core::Rate rate) const noexcept;
 
  private:
   std::vector<Start> starts_;
 };
 
-/// Finds the segments of a regular stream in its time stamps alone: one that is off the grid by more than half a scan starts another. The
-/// grid goes on from the sample before, so that a clock that is a little off does not make segments.
+/// Finds the segments of a regular stream from its time stamps alone: a time stamp off the grid by more than half a scan starts a segment.
+/// The grid continues from the previous sample, so a clock that is slightly wrong starts no segments.
 class GridTracker {
  public:
   explicit GridTracker(core::Rate rate) noexcept;
 
-  /// Whether a sample at `time_s` after one at `previous_s` continues it.
+  /// Returns true if a sample at `time_s` is the next one after the sample at `previous_s`.
   [[nodiscard]] bool continues(double previous_s, double time_s) const noexcept;
-  /// Takes one more sample; true when it starts a segment.
+  /// Adds one more sample; returns true if it starts a segment.
   bool take(double time_s) noexcept;
-  [[nodiscard]] SegmentTable::Place place() const noexcept { return {segment_, {scan_}}; }  ///< Of the sample taken last.
+  [[nodiscard]] SegmentTable::Place place() const noexcept { return {segment_, {scan_}}; }  ///< Of the sample added last.
 
  private:
   double scan_s_;

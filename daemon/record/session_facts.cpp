@@ -14,7 +14,7 @@ namespace {
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
 constexpr std::size_t kMaxTextBytes = 1U << 20U;
-constexpr std::size_t kMaxListed = 256;  ///< Stages, and fields.
+constexpr std::size_t kMaxListed = 256;  ///< Most stages, and most fields.
 constexpr std::string_view kField = "field.";
 constexpr const char* kVersion = "format_version";
 
@@ -106,8 +106,8 @@ core::Result<SessionFacts> session_facts(const Facts& facts) {
   for (const auto& status :
        {read_version(facts), read_number(facts, "part", session.part), read_number(facts, "started_utc_ns", session.started_utc_ns),
         read_number(facts, "utc_minus_monotonic_ns", session.utc_minus_monotonic_ns), read_number(facts, "plan_seed", session.plan_seed),
-        read_number(facts, "duration_s", session.duration_s), read_number(facts, "settle_s", session.settle_s),
-        read_stages(facts, session), read_fields(facts, session)})
+        read_number(facts, "duration_s", session.duration_s), read_number(facts, "settle_s", session.settle_s), read_stages(facts, session),
+        read_fields(facts, session)})
     if (!status) return tl::make_unexpected(status.error());
   return session;
 }

@@ -6,7 +6,7 @@
 
 namespace dts::record {
 
-/// SHA-256 of a text, 64 lower-case hexadecimal digits: names a calibration, a model, a set of training data.
+/// Returns the SHA-256 of a text, 64 lower-case hexadecimal digits. Identifies a calibration, a model or a set of training data.
 [[nodiscard]] std::string sha256_of(std::string_view text);
 
 }  // namespace dts::record

@@ -13,14 +13,15 @@ namespace dts::record {
 
 using Labels = std::vector<std::pair<std::string, std::string>>;
 
-/// {"MVELO":{"value":8.19,"unit":"mm/s"}, ...}: measures that are defined, in their order. Values read back as the same double.
+/// Returns {"MVELO":{"value":8.19,"unit":"mm/s"}, ...} with the defined measures, in their order. Values read back as the same double.
 [[nodiscard]] JsonText to_json(const posturography::Measures& measures);
-/// Measures that this program does not know, or knows by another unit, are left out. DataDamaged: no object of such objects.
+/// Reads the text of `to_json`. Skips measures that this program does not know or has in another unit. Fails with DataDamaged if the text
+/// has another form.
 [[nodiscard]] core::Result<posturography::Measures> measures_of_json(const std::string& text);
 
-/// {"eyes":"open","feet":"two"}. Bytes that are not UTF-8 are replaced.
+/// Returns {"eyes":"open","feet":"two"}. Replaces bytes that are not UTF-8.
 [[nodiscard]] JsonText to_json(const Labels& labels);
-/// DataDamaged: no object of texts, or more than 32 of them.
+/// Fails with DataDamaged if the text is no JSON object of texts, or has more than 32 labels.
 [[nodiscard]] core::Result<Labels> labels_of_json(const std::string& text);
 
 }  // namespace dts::record

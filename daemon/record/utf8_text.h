@@ -6,8 +6,9 @@
 
 namespace dts::record {
 
-/// The text as XML 1.0 and JSON may hold it: bytes that are no UTF-8 and characters that XML forbids (control characters but tab and line
-/// ends, U+FFFE, U+FFFF) become U+FFFD, one for one. Texts come from users and from files of other programs.
+/// Returns the text in a form that XML 1.0 and JSON allow. Replaces by U+FFFD each byte that is not UTF-8, and each byte of a character
+/// that XML forbids (control characters except tab and line ends, U+FFFE, U+FFFF). Needed because users and files of other programs supply
+/// texts.
 [[nodiscard]] std::string clean_text(std::string_view text);
 
 }  // namespace dts::record

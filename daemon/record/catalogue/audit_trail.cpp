@@ -23,7 +23,7 @@ constexpr std::uint64_t kLargestNumber = std::numeric_limits<std::int64_t>::max(
 
 constexpr const char* kColumns = "SELECT number, utc_ns, who, what, target, result, hash FROM audit ";
 
-/// What stands for the entry before the first.
+/// Returns the "previous hash" of the first entry.
 std::string first_hash() { return std::string(kHashLetters, '0'); }
 
 void add(crypto_hash_sha256_state& state, std::string_view bytes) {
@@ -97,7 +97,7 @@ core::Status AuditTrail::append(AuditEntry entry) const {
                                 entry.number, entry.utc_ns, entry.who, entry.what, entry.target, entry.result, entry.hash);
   if (!written) return written;
   if (auto committed = transaction->commit(); !committed) return committed;
-  return append_second(entry);  // after the commit: a line without an entry would look like an entry cut off
+  return append_second(entry);  // after the commit: a line without its entry would look like a removed entry
 }
 
 core::Status AuditTrail::append_second(const AuditEntry& entry) const {
@@ -155,7 +155,7 @@ core::Status AuditTrail::verify_second(std::uint64_t entries) const {
   }
   auto find = database_->prepare("SELECT hash FROM audit WHERE number = ?");
   if (!find) return tl::make_unexpected(find.error());
-  std::array<char, 128> buffer{};  // a line is at most 85 characters; longer ones are none of ours
+  std::array<char, 128> buffer{};  // our lines have at most 85 characters
   while (file.getline(buffer.data(), buffer.size()) || (file.gcount() > 0 && !file.eof())) {
     const bool is_cut = file.fail();
     file.clear(file.rdstate() & ~std::ios::failbit);
@@ -165,7 +165,7 @@ core::Status AuditTrail::verify_second(std::uint64_t entries) const {
   return {};
 }
 
-/// A line that is none (torn by a crash) says nothing.
+/// Compares a line with its entry. Ignores an invalid line (torn by a crash).
 core::Status AuditTrail::verify_line(Statement& find, const std::string& line) const {
   std::uint64_t number = 0;
   const auto [stop, error] = std::from_chars(line.data(), line.data() + line.size(), number);

@@ -11,34 +11,34 @@
 
 namespace dts::record {
 
-/// SHA-256 in lower-case hexadecimal over
+/// Returns SHA-256 in lower-case hexadecimal over
 ///
-///     hash of the entry before    64 bytes, as text; of the first entry: 64 times '0'
+///     hash of the previous entry  64 bytes, as text; for the first entry: 64 times '0'
 ///     number, utc_ns, who, what, target, result, each as
 ///         length                  8 bytes, little-endian
 ///         text                    numbers in decimal
 ///
-/// The lengths keep "a" + "bc" and "ab" + "c" apart.
+/// The lengths make the hashes of "a" + "bc" and "ab" + "c" different.
 [[nodiscard]] std::string audit_hash(const std::string& before, const AuditEntry& entry);
 
-/// The table `audit`, and a second trail beside the catalogue: NAME.audit, to which every entry adds its line "number hash". It is not
-/// synchronised and may lack lines (a crash, a full disk), but what it has must agree with the table.
+/// The table `audit`, and a second trail in the file NAME.audit beside the catalogue. Each entry appends its line "number hash" to the
+/// file. The file is not synchronised and may lack lines (after a crash, a full disk), but every whole line must match the table.
 ///
-/// | somebody                                                         | shows                                              |
-/// |------------------------------------------------------------------|----------------------------------------------------|
-/// | changes, removes or puts in an entry                             | by the chain                                       |
-/// | cuts off the newest entries, or puts back an older catalogue     | by the second trail: it has lines without entries  |
-/// | the same, and cuts the second trail too, or computes a new chain | only where the second trail cannot be rewritten:   |
-/// |                                                                  | `chattr +a` by root, or a copy kept elsewhere      |
-/// | removes the second trail                                         | until the next entry makes it anew                 |
-/// | does something that writes no entry                              | never                                              |
+/// | somebody                                                     | is detected                                            |
+/// |--------------------------------------------------------------|--------------------------------------------------------|
+/// | changes, removes or inserts an entry                         | by the chain of hashes                                 |
+/// | removes the newest entries, or restores an older catalogue   | by the second trail: it has lines without entries      |
+/// | does the same and also rewrites the second trail or computes | only if the second trail cannot be rewritten:          |
+/// | a new chain                                                  | `chattr +a` by root, or a copy kept elsewhere          |
+/// | removes the second trail                                     | only until the next entry creates a new one            |
+/// | does something that writes no entry                          | never                                                  |
 ///
 /// Thread: one at a time.
 class AuditTrail {
  public:
   explicit AuditTrail(const Database& database) : database_(&database), second_file_(database.file() + ".audit") {}
 
-  /// Texts longer than 1 KiB are cut.
+  /// Appends an entry. Cuts texts longer than 1 KiB.
   [[nodiscard]] core::Status append(AuditEntry entry) const;
   [[nodiscard]] core::Result<std::vector<AuditEntry>> newest(std::size_t count) const;
   [[nodiscard]] core::Result<std::uint64_t> verify() const;

@@ -32,7 +32,7 @@ tl::unexpected<core::Error> no_part(const std::string& id, std::uint32_t part) {
   return core::fail(ErrorCode::NotFound, "no part " + std::to_string(part) + " of session " + id.substr(0, kLongestId));
 }
 
-/// An id becomes part of file names.
+/// Checks the session ID strictly, because it becomes part of file names.
 core::Status check_facts(const SessionFacts& facts) {
   const bool is_word =
       facts.session_id.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-") == std::string::npos;
@@ -45,10 +45,10 @@ core::Status check_facts(const SessionFacts& facts) {
   return {};
 }
 
-/// The writer of a file and its readers add up the same time differently, by less than this.
+/// Rounds to 1 us: the writer of a file and its readers compute the same duration with smaller rounding differences.
 double whole_microseconds(double time_s) noexcept { return std::round(time_s * 1e6) / 1e6; }
 
-/// Whether the only row that a query may find is there; a statement that failed says why.
+/// Returns true if the query finds a row; fails if the query fails.
 core::Result<bool> has_row(core::Result<Statement> rows) {
   if (!rows) return tl::make_unexpected(rows.error());
   return rows->step();
@@ -85,7 +85,7 @@ class Catalogue::Implementation {
   AuditTrail audit;
 };
 
-/// The protocol and the subject, then the session: new, or running again.
+/// Adds the protocol and the subject, then adds the session or sets a known one to "running".
 core::Status Catalogue::Implementation::enter_session(const SessionFacts& facts) const {
   const std::string protocol_sha256 = sha256_of(facts.protocol_definition);
   auto entered = database.run("INSERT OR IGNORE INTO protocols (name, sha256, definition) VALUES (?, ?, ?)", facts.protocol,
@@ -130,7 +130,7 @@ core::Result<std::unique_ptr<Catalogue>> Catalogue::open(const std::string& file
   auto database = Database::open(file);
   if (!database) return tl::make_unexpected(database.error());
   if (auto migrated = migrate(*database, catalogue_migrations()); !migrated) return tl::make_unexpected(migrated.error());
-  // After the migration: what is none of ours stays as it is.
+  // After the migration, so that a database of another program is not changed.
   if (auto logged = database->execute("PRAGMA journal_mode = WAL"); !logged) return tl::make_unexpected(logged.error());
   return std::unique_ptr<Catalogue>(new Catalogue(std::make_unique<Implementation>(std::move(*database))));
 }
@@ -230,11 +230,11 @@ core::Status Catalogue::enter(const FoundRecording& found) {
     if (done) done = put_trial(trial);
   }
   for (const ResultRow& result : found.results) {
-    if (done) done = put_result(result);  // of any part: their names differ
+    if (done) done = put_result(result);  // results belong to the session, not to a part
   }
   if (done && is_newest) {
     done = end_session(found.facts.session_id, found.session_state, found.part.reason, found.ended_utc_ns);
-  } else if (done && before->state != "running") {  // an older part came to light
+  } else if (done && before->state != "running") {  // an older part was added: `begin_part` set the state to "running"
     done = end_session(before->id, before->state, before->message, before->ended_utc_ns);
   }
   return done ? transaction->commit() : done;

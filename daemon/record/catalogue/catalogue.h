@@ -15,14 +15,14 @@
 
 namespace dts::record {
 
-/// How far a recording came. Everything but Complete is shown as what it is, everywhere.
+/// State of one recording. Every program shows it unless it is Complete.
 enum class PartState : std::uint8_t {
-  Recording = 1,  ///< Being written. Found at start: the daemon died, see `Interrupted`.
+  Recording = 1,  ///< Being written. If the daemon finds this state when it starts, the part was interrupted.
   Complete,
-  Incomplete,   ///< Closed, but something is missing: write error, disk full, scans that found no room.
-  Interrupted,  ///< The daemon or the power died while writing; no repaired copy yet.
-  Recovered,    ///< The same, with a repaired copy.
-  Missing,      ///< The file is gone.
+  Incomplete,   ///< Closed, but data is missing: write error, disk full, scans lost because a queue was full.
+  Interrupted,  ///< The daemon or the power failed during the recording; there is no repaired copy yet.
+  Recovered,    ///< Interrupted, with a repaired copy.
+  Missing,      ///< The file does not exist any more.
 };
 [[nodiscard]] std::string_view name(PartState state) noexcept;
 
@@ -30,18 +30,18 @@ enum class PartState : std::uint8_t {
 struct PartRow {
   std::string session_id;
   std::uint32_t part = 1;
-  std::string file;  ///< Path; of the repaired copy once there is one.
+  std::string file;  ///< Path; the path of the repaired copy if there is one.
   PartState state = PartState::Recording;
   std::string sha256;  ///< Empty until closed.
   std::uint64_t bytes = 0;
   std::uint64_t scans = 0;
-  double duration_s = 0.0;      ///< From the first scan to the end of the last, gaps included.
-  /// Between the two. Absent: not known, because the recording is not closed yet or its file could not be read.
+  double duration_s = 0.0;  ///< From the first scan to the end of the last, gaps included.
+  /// Between the first scan and the last. Absent: not known, because the recording is not closed yet or its file cannot be read.
   std::optional<core::Losses> losses{};
-  double lost_s_at_most = 0.0;  ///< Behind the last, of a recovered recording.
+  double lost_s_at_most = 0.0;  ///< Of a recovered recording: time lost after its last scan, upper limit.
   std::string reason;           ///< Why it is not complete.
   std::int64_t started_utc_ns = 0;
-  std::uint32_t valid_trials = 0;  ///< Counted by the catalogue, from the part's trials; `update_part` ignores it.
+  std::uint32_t valid_trials = 0;  ///< The catalogue counts the part's valid trials; `update_part` ignores this field.
 
   friend bool operator==(const PartRow&, const PartRow&) = default;
 };
@@ -49,21 +49,21 @@ struct PartRow {
 struct TrialRow {
   std::string session_id;
   std::uint32_t part = 1;
-  std::uint32_t trial = 0;  ///< Place in the plan, from 1.
+  std::uint32_t trial = 0;  ///< Number in the plan, from 1.
   std::uint32_t attempt = 1;
   std::uint32_t block = 1;
   std::string condition;
   std::string outcome;           ///< "done", "redone", "rejected", "aborted"
   std::uint32_t segment = 0;     ///< Of `first_scan`.
-  std::uint64_t first_scan = 0;  ///< Where it begins to count; where it began, if it never came so far.
+  std::uint64_t first_scan = 0;  ///< First measured scan; if the trial ended before it was measured, the scan of its latest phase.
   std::uint64_t last_scan = 0;
-  std::uint32_t last_segment = 0;  ///< Of `last_scan`. Stored as `segment` when it is less; more: a gap lies within the trial.
-  std::string result{};            ///< What came of it: the event "result" or "sway" as JSON; empty: nothing.
+  std::uint32_t last_segment = 0;  ///< Of `last_scan`. If less than `segment`, stored as `segment`; if greater, the trial has a gap.
+  std::string result{};            ///< The event "result" or "sway" as JSON; empty: no result.
 
   friend bool operator==(const TrialRow&, const TrialRow&) = default;
 };
 
-/// Whether a trial counts: it was done, and its steadiness result, if it has one, is valid.
+/// Returns true if the trial was done and its steadiness result, if it has one, is valid.
 [[nodiscard]] bool is_valid(const TrialRow& trial);
 
 struct SessionRow {
@@ -72,7 +72,7 @@ struct SessionRow {
   std::string protocol;
   std::string subject;
   std::string label;
-  std::string state;  ///< "running", "complete", "incomplete", "interrupted", "aborted": how its newest part ended.
+  std::string state;  ///< "running", or how its newest part ended: "complete", "incomplete", "interrupted", "aborted".
   std::string message;
   std::int64_t started_utc_ns = 0;
   std::int64_t ended_utc_ns = 0;  ///< 0: not ended.
@@ -83,11 +83,11 @@ struct SessionRow {
   friend bool operator==(const SessionRow&, const SessionRow&) = default;
 };
 
-/// The one word that every program shows for a session: its state. A complete session of which not every part is complete is "recovered"
-/// when the others are repaired copies, else "incomplete".
+/// Returns the session's state as every program shows it. If a complete session has parts that are not complete, the state is "recovered"
+/// if all of those are repaired copies, else "incomplete".
 [[nodiscard]] std::string state_of(const SessionRow& session);
 
-/// A figure that came out of a session: a steadiness measure, a trunk angle.
+/// A result of a session: a steadiness measure, a trunk angle.
 struct ResultRow {
   std::string session_id;
   std::string name;
@@ -102,7 +102,7 @@ struct FoundRecording {
   PartRow part{};  ///< Names the same session and part as `facts`.
   std::vector<TrialRow> trials{};
   std::vector<ResultRow> results{};
-  std::string session_state;  ///< What the session is when this is its newest part.
+  std::string session_state;  ///< State of the session if this is its newest part.
   std::int64_t ended_utc_ns = 0;
 };
 
@@ -110,15 +110,15 @@ struct SessionFilter {
   std::string rig{};  ///< Empty: all.
   std::string subject{};
   std::string protocol{};
-  std::size_t limit = 100;  ///< Newest first; at most 10,000.
+  std::size_t limit = 100;  ///< Most sessions to return, newest first; at most 10,000.
 };
 
-/// One entry of the audit trail. `hash` is SHA-256 over the one before and this one's fields: an entry that was changed, removed or put in
-/// shows. What shows and what does not: audit_trail.h.
+/// One entry of the audit trail. `hash` is SHA-256 over the hash of the previous entry and the fields of this one, so that changed, removed
+/// and inserted entries are detected. For what is detected and what is not, see audit_trail.h.
 struct AuditEntry {
-  std::uint64_t number = 0;  ///< From 1, without holes.
+  std::uint64_t number = 0;  ///< Counts from 1 without missing numbers.
   std::int64_t utc_ns = 0;
-  std::string who;     ///< "local", later the name of a key.
+  std::string who;     ///< "local", "local:USER" for a user of a gateway, or "key:NAME".
   std::string what;    ///< "start_session"
   std::string target;  ///< "floor", a session's id
   std::string result;  ///< "ok", or the error code's name
@@ -127,14 +127,14 @@ struct AuditEntry {
   friend bool operator==(const AuditEntry&, const AuditEntry&) = default;
 };
 
-/// The index of everything recorded: SQLite (WAL, synchronous = FULL) in the state folder. The files are the truth, this is how one finds
-/// them: it can be rebuilt from them, all but the audit trail. Schema versions migrate forward when it is opened; one of a
-/// newer program is refused. Thread: control.
+/// The index of all recordings: an SQLite database (WAL, synchronous = FULL) in the state folder. If a file and the catalogue differ, the
+/// file is right. Everything except the audit trail can be rebuilt from the files. `open` migrates older schema versions and rejects newer
+/// ones. Thread: control.
 class Catalogue {
  public:
-  /// Opens or creates. DataDamaged: no database, or a damaged one (Recordings::open sets it aside). WrongState: another program's database.
-  /// Unsupported: made by a newer version.
-  /// Creates with mode 0640. NotFound, NotAllowed, Failed: the folder is not there, cannot be written, or is full.
+  /// Opens the catalogue, or creates it with mode 0640. Fails with DataDamaged if the file is no database or a damaged one
+  /// (Recordings::open sets it aside), with WrongState if it is a database of another program, with Unsupported if a newer version made it,
+  /// and with NotFound, NotAllowed or Failed if the folder does not exist, cannot be written or is full.
   [[nodiscard]] static core::Result<std::unique_ptr<Catalogue>> open(const std::string& file);
   ~Catalogue();
   Catalogue(const Catalogue&) = delete;
@@ -142,35 +142,37 @@ class Catalogue {
   Catalogue(Catalogue&&) = delete;
   Catalogue& operator=(Catalogue&&) = delete;
 
-  /// A new session with its first part, or a further part of a known one, which is running again; the subject, the protocol and the
-  /// calibration are entered too. WrongState: the part is known already, or the session is one of another rig, subject or protocol.
+  /// Adds a new session with its first part, or a further part to a known session, which then is "running" again. Adds the subject, the
+  /// protocol and the calibration too. Fails with WrongState if the part is known, or if the known session has another rig, subject or
+  /// protocol.
   [[nodiscard]] core::Status begin_part(const SessionFacts& facts, const std::string& file);
-  /// All but when it started. NotFound when there is no such part.
+  /// Updates all fields of a part except when it started. Fails with NotFound if there is no such part.
   [[nodiscard]] core::Status update_part(const PartRow& part);
-  /// NotFound when there is no such session; InvalidArgument for any state but those of an ended one.
+  /// Ends a session. Fails with NotFound if there is no such session, and with InvalidArgument if `state` is not the state of an ended one.
   [[nodiscard]] core::Status end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns);
-  /// Replaces the row of the same trial and attempt. NotFound when there is no such part.
+  /// Adds a trial, or replaces the row of the same trial and attempt. Fails with NotFound if there is no such part.
   [[nodiscard]] core::Status put_trial(const TrialRow& trial);
   [[nodiscard]] core::Status put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
                                              const std::string& text);
-  /// Replaces the one of the same name. NotFound when there is no such session; InvalidArgument when the value is not finite.
+  /// Adds a result, or replaces the result of the same name. Fails with NotFound if there is no such session, and with InvalidArgument if
+  /// the value is not finite.
   [[nodiscard]] core::Status put_result(const ResultRow& result);
-  /// Enters it whole or not at all: a part that is new, or a known one with its new place and its trials as they stand in the file. How the
-  /// session stands changes only when this is its newest part, and a new one.
+  /// Adds a recording completely or not at all. If the part is known, replaces its row and its trials by those of the file. Changes the
+  /// session's state only if this part is newer than all known parts.
   [[nodiscard]] core::Status enter(const FoundRecording& found);
 
   [[nodiscard]] core::Result<std::vector<SessionRow>> sessions(const SessionFilter& filter) const;  ///< With parts, without trials.
-  [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;                      ///< With all. NotFound.
+  [[nodiscard]] core::Result<SessionRow> session(const std::string& id) const;                      ///< With all rows. Fails with NotFound.
   [[nodiscard]] core::Result<std::vector<ResultRow>> results(const std::string& session_id) const;
-  /// Parts that are being written, as far as the catalogue knows: at start these were interrupted.
+  /// Returns the parts in the state Recording. When the daemon starts, these are the interrupted ones.
   [[nodiscard]] core::Result<std::vector<PartRow>> unfinished_parts() const;
-  [[nodiscard]] core::Result<std::vector<PartRow>> parts() const;  ///< All, in the order of sessions' ids.
+  [[nodiscard]] core::Result<std::vector<PartRow>> parts() const;  ///< All, sorted by session ID.
 
-  /// Appends; `number` and `hash` are made here, texts longer than 1 KiB are cut.
+  /// Appends an entry. Sets `number` and `hash`; cuts texts longer than 1 KiB.
   [[nodiscard]] core::Status append_audit(AuditEntry entry);
   [[nodiscard]] core::Result<std::vector<AuditEntry>> audit(std::size_t newest) const;  ///< Oldest first; at most 10,000.
-  /// Recomputes the whole chain and compares it with the second trail; DataDamaged names the first entry that does not fit. Returns the
-  /// number of entries.
+  /// Recomputes the whole chain, compares it with the second trail and returns the number of entries. Fails with DataDamaged, naming the
+  /// first entry that does not match.
   [[nodiscard]] core::Result<std::uint64_t> verify_audit() const;
 
  private:
@@ -179,25 +181,25 @@ class Catalogue {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// All that a recording says of itself, for `Catalogue::enter`: how it stands, and its trials. Reads the whole file, twice. Thread: any.
+/// Returns everything that `Catalogue::enter` needs of a recording: its state, trials and results. Reads the whole file twice. Thread: any.
 [[nodiscard]] core::Result<FoundRecording> read_recording(const std::string& file);
 
-/// How a recording stands by itself, and why it is not complete: the same words in the catalogue, `session verify` and the report.
+/// Return the state of a recording file, and why it is not complete. The catalogue, `session verify` and the report use the same words.
 [[nodiscard]] PartState state_of(const Verification& verified, const std::string& file);
 [[nodiscard]] std::string reason_of(const Verification& verified, const std::string& file);
 
 struct Rebuilt {
   std::size_t added = 0;                ///< Parts that the catalogue did not know.
-  std::size_t missing = 0;              ///< Parts whose file is gone.
+  std::size_t missing = 0;              ///< Parts whose file does not exist any more.
   std::vector<std::string> unreadable;  ///< "file: why"
   std::size_t read_again = 0;           ///< Parts whose losses the catalogue did not know.
-  std::size_t found_again = 0;          ///< Parts whose file was gone or elsewhere, or that have a repaired copy now.
+  std::size_t found_again = 0;          ///< Parts whose file was missing or elsewhere, or that now have a repaired copy.
 };
-/// Enters every recording of `folder` and the folders in it (*.xdf, *.xdf.part) that the catalogue does not know, with its trials, and
-/// marks parts whose file is gone. Knows recordings by the facts in their header, not by their names; of several files of one part the
-/// closed one counts, then the repaired copy. A recording without footers is entered as Interrupted. Reads the headers of files whose place
-/// the catalogue does not know, and the whole of those that it enters or whose losses are not known. NotFound: there is no folder, nothing
-/// is marked.
+/// Adds every recording (*.xdf, *.xdf.part) in `folder` and its subfolders that the catalogue does not know, with its trials. Marks parts
+/// whose file does not exist any more as Missing. Identifies a recording by the facts in its header, not by its file name. If one part has
+/// several files, uses the closed one, or else the repaired copy. Adds a recording without footers as Interrupted. Reads the headers of
+/// files whose path the catalogue does not know, and the whole file if it adds the recording or does not know its losses. Fails with
+/// NotFound, and marks no part, if the folder does not exist.
 [[nodiscard]] core::Result<Rebuilt> rebuild(Catalogue& catalogue, const std::string& folder);
 
 }  // namespace dts::record

@@ -10,7 +10,7 @@
 
 namespace dts::record {
 
-/// All rows, each made into a value by `read`.
+/// Returns all rows; `read` converts each row to a value.
 template <class Read>
 [[nodiscard]] auto rows_of(core::Result<Statement> rows, const Read& read) -> core::Result<std::vector<decltype(read(*rows))>> {
   std::vector<decltype(read(*rows))> all;
@@ -37,7 +37,7 @@ inline constexpr const char* kTrialColumns =
     "SELECT session_id, part, trial, attempt, block, condition, outcome, segment, first_scan, last_scan, last_segment, result"
     " FROM trials ";
 
-[[nodiscard]] SessionRow read_session(Statement& row);  ///< Of `kSessionColumns`; without parts and trials.
+[[nodiscard]] SessionRow read_session(Statement& row);  ///< Reads `kSessionColumns`; leaves parts and trials empty.
 [[nodiscard]] PartRow read_part(Statement& row);
 [[nodiscard]] TrialRow read_trial(Statement& row);
 [[nodiscard]] ResultRow read_result(Statement& row);  ///< session_id, name, value, unit, details

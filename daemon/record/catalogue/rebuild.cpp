@@ -24,13 +24,13 @@ constexpr std::int64_t kLatestStartNs = 8'000'000'000'000'000'000;
 bool is_gone(const std::string& file) {
   std::error_code error;
   const auto status = fs::status(file, error);
-  return status.type() == fs::file_type::not_found;  // not when it may not be looked at
+  return status.type() == fs::file_type::not_found;  // false if this user may not look at it
 }
 
-/// A recording that is being written may be known by the name that it gets when it is closed.
+/// Also looks for the .part file, because the catalogue may know an open recording by its final name.
 bool is_gone(const PartRow& part) { return is_gone(part.file) && (part.state != PartState::Recording || is_gone(part.file + ".part")); }
 
-/// Of several files of one part the first in this order counts.
+/// If one part has several files, the first in this order is used.
 enum Rank : std::uint8_t { kClosed, kRepaired, kUnfinished };
 
 Rank rank(std::string_view file) {
@@ -46,7 +46,7 @@ core::Result<std::vector<std::string>> recordings_in(const std::string& folder) 
     const std::string file = entry->path().string();
     std::error_code unknown;
     const bool is_named_so = file.ends_with(".xdf") || file.ends_with(".xdf.part");
-    if (is_named_so && entry->is_regular_file(unknown)) files.push_back(file);  // opening a pipe would wait
+    if (is_named_so && entry->is_regular_file(unknown)) files.push_back(file);  // opening a pipe would block
   }
   if (error) return core::fail_errno(error.value(), "cannot look for recordings in " + folder, "is the disk with the recordings mounted?");
   std::ranges::sort(files, {}, [](const std::string& file) { return std::pair{rank(file), file}; });
@@ -63,7 +63,7 @@ void set_state(const Verification& verified, PartRow& part) {
   if (verified.is_closed) part.sha256 = verified.sha256;
 }
 
-/// What can be said of a file that does not pass verification.
+/// Fills the row of a file that does not pass verification.
 void set_damaged(const core::Error& error, const Recording& recording, PartRow& part) {
   part.state = part.file.ends_with(".part") ? PartState::Interrupted : PartState::Incomplete;
   part.reason = error.what;
@@ -95,7 +95,7 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
   bool is_aborted = false;
   while (true) {
     const auto item = (*recording)->next();
-    if (!item || !*item) break;  // what cannot be read is told by `verify`
+    if (!item || !*item) break;  // `verify` reports what cannot be read
     trials.take(**item);
     const auto* timed = std::get_if<TimedEvent>(&**item);
     if (timed != nullptr && timed->event.event == "session") is_aborted = text_of(timed->event, "state") == "aborted";
@@ -125,7 +125,7 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
   return found;
 }
 
-/// What a part lacks was never looked up, or the catalogue cannot tell any more.
+/// Returns true if the part is closed but its losses are not known.
 bool is_to_be_read_again(const PartRow& part) {
   const bool is_whole = part.state == PartState::Complete || part.state == PartState::Incomplete || part.state == PartState::Recovered;
   return is_whole && !part.losses;
@@ -155,7 +155,7 @@ class Rebuild {
   Rebuilt result_;
 };
 
-/// Where the file cannot be read, the losses stay unknown.
+/// Reads unknown losses from the files. They stay unknown if the file cannot be read.
 core::Status Rebuild::fill_in_losses() {
   for (auto& [key, part] : parts_) {
     if (!is_to_be_read_again(part)) continue;
@@ -169,13 +169,13 @@ core::Status Rebuild::fill_in_losses() {
   return {};
 }
 
-/// Whether a file serves for a part that the catalogue knows at another place.
+/// Returns true if `file` must replace the file that the catalogue knows for this part.
 bool Rebuild::is_better(const PartRow& known, const std::string& file) const {
   if (known.state == PartState::Missing || is_gone(known)) return true;
   return known.state == PartState::Interrupted && rank(file) == kRepaired;
 }
 
-/// Fails only for a reason of the catalogue's.
+/// Adds a file if it is needed. Fails only if the catalogue fails; a bad file is listed in `unreadable`.
 core::Status Rebuild::consider(const std::string& file) {
   if (files_.contains(file)) return {};
   const auto facts = read_session_facts(file);
@@ -188,7 +188,7 @@ core::Status Rebuild::consider(const std::string& file) {
   if (is_known && !is_better(known->second, file)) return {};
   const auto found = read_whole(file, *facts);
   const bool is_original_there = is_known && known->second.state == PartState::Interrupted && !is_gone(known->second);
-  if (is_original_there && (!found || found->part.state != PartState::Recovered)) return {};  // half a copy is none
+  if (is_original_there && (!found || found->part.state != PartState::Recovered)) return {};  // the copy is not complete
   return enter(found, file, is_known);
 }
 
@@ -223,7 +223,8 @@ core::Status Rebuild::mark_missing() {
 
 PartState state_of(const Verification& verified, const std::string& file) {
   if (!verified.is_closed) return PartState::Interrupted;
-  if (verified.is_recovered || rank(file) == kRepaired) return PartState::Recovered;  // a copy without any stream has no footer to say so
+  if (verified.is_recovered || rank(file) == kRepaired)
+    return PartState::Recovered;  // a copy without streams has no footer with `recovered`
   return verified.incomplete.empty() && verified.scans > 0 ? PartState::Complete : PartState::Incomplete;
 }
 

@@ -7,7 +7,7 @@
 namespace dts::record {
 namespace {
 
-/// `state` of parts is PartState. Files, not rows, are the truth: nothing here is needed to read a recording.
+/// `state` of parts is PartState. No table is needed to read a recording: if a file and a row differ, the file is right.
 constexpr const char* kVersion1 = R"sql(
 CREATE TABLE subjects (
   id INTEGER PRIMARY KEY,
@@ -101,21 +101,21 @@ CREATE TRIGGER audit_is_only_continued BEFORE INSERT ON audit
   BEGIN SELECT RAISE(ABORT, 'the audit trail is append-only'); END;
 )sql";
 
-/// What came of a trial of the reaching task: its event "result" as JSON; empty: nothing did.
+/// Result of a trial of the reaching task: its event "result" as JSON; empty: no result.
 constexpr const char* kVersion2 = "ALTER TABLE trials ADD COLUMN result TEXT NOT NULL DEFAULT '';";
 
-/// What is missing between a part's first scan and its last: record/losses.h.
+/// Scans missing between a part's first scan and its last, see record/losses.h.
 constexpr const char* kVersion3 = "ALTER TABLE parts ADD COLUMN losses TEXT NOT NULL DEFAULT '{}';";
 
-/// Whether a trial counts: `is_valid` in catalogue.h.
+/// Whether a trial is valid, see `is_valid` in catalogue.h.
 constexpr const char* kVersion4 = R"sql(
 ALTER TABLE trials ADD COLUMN is_valid INTEGER NOT NULL DEFAULT 0 CHECK (is_valid IN (0, 1));
 UPDATE trials SET is_valid = 1 WHERE outcome = 'done' AND
   CASE WHEN json_valid(result) AND json_extract(result, '$.event') = 'sway' THEN json_extract(result, '$.is_valid') IS 1 ELSE 1 END;
 )sql";
 
-/// An empty `losses`: not known. Version 3 gave "{}" to parts of which nobody had looked, and kept their durations without gaps: `rebuild`
-/// reads their files again.
+/// An empty `losses` means "not known". Version 3 set "{}" for parts whose files it had not read, and kept their durations without gaps.
+/// `rebuild` reads these files again.
 constexpr const char* kVersion5 = "UPDATE parts SET losses = '' WHERE losses = '{}';";
 
 constexpr std::array<const char*, 5> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5};
@@ -126,7 +126,7 @@ core::Status check_owner(const Database& database, std::int64_t version) {
   if (*mark == kCatalogueMark) return {};
   const auto tables = database.number("SELECT count(*) FROM sqlite_schema");
   if (!tables) return tl::make_unexpected(tables.error());
-  if (*mark == 0 && version == 0 && *tables == 0) return {};  // just made
+  if (*mark == 0 && version == 0 && *tables == 0) return {};  // a new file
   return core::fail(core::ErrorCode::WrongState, database.file() + " is no catalogue of dtsd but a database of another program",
                     "move it away, or choose another folder: directory under [storage] in dtsd.toml");
 }
@@ -135,7 +135,7 @@ core::Status apply(const Database& database, const char* migration, std::size_t 
   auto transaction = Transaction::begin(database);
   if (!transaction) return tl::make_unexpected(transaction.error());
   if (auto applied = database.execute(migration); !applied) return applied;
-  // Numbers of this program, not of a caller: pragmas take no bound values.
+  // PRAGMA statements cannot have bound values. The numbers are safe: they are from this program, not from a caller.
   const std::string marks =
       "PRAGMA application_id = " + std::to_string(kCatalogueMark) + "; PRAGMA user_version = " + std::to_string(version);
   if (auto marked = database.execute(marks); !marked) return marked;

@@ -8,16 +8,16 @@
 
 namespace dts::record {
 
-/// "DTSc": marks a database as a catalogue (PRAGMA application_id), so that no other program's file is written to.
+/// "DTSc": marks a database as a catalogue (PRAGMA application_id), so that we never write to a database of another program.
 inline constexpr std::int64_t kCatalogueMark = 0x44545363;
 
-/// SQL that leads from one version of the schema to the next; the first makes version 1. What has been released never changes: a change of
-/// the schema is another entry at the end.
+/// Returns the SQL of each step from one schema version to the next; the first creates version 1. Never change a released entry: add a new
+/// entry at the end for each change of the schema.
 [[nodiscard]] std::span<const char* const> catalogue_migrations() noexcept;
 
-/// Applies the migrations that the file lacks, each in a transaction of its own with its version (PRAGMA user_version). A file of another
-/// program: WrongState; of a newer version: Unsupported. Neither is touched. After a failure the file is at the last version that was
-/// reached.
+/// Applies the missing migrations. Each runs in its own transaction, which also sets the version (PRAGMA user_version). Fails with
+/// WrongState for a database of another program and with Unsupported for a newer version, and changes neither of them. If a migration
+/// fails, the database keeps the version that it had before that migration.
 [[nodiscard]] core::Status migrate(const Database& database, std::span<const char* const> migrations);
 
 }  // namespace dts::record

@@ -15,10 +15,10 @@ namespace {
 
 using core::ErrorCode;
 
-constexpr int kBusyTimeoutMs = 1000;         // the control thread waits for it
+constexpr int kBusyTimeoutMs = 1000;         // the control thread waits so long if another program locks the file
 constexpr int kLongestValueBytes = 4 << 20;  // texts of recordings are at most 1 MiB
 
-/// SQLite would create the file with 0644. Also sorts out what is no file, with the reason that the system gives.
+/// Creates the file with mode 0640 (SQLite would use 0644). Fails with the system's reason if the path is no usable file.
 core::Status create_private(const std::string& file) {
   const int descriptor = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NONBLOCK, 0640);
   if (descriptor < 0) {
@@ -70,7 +70,7 @@ tl::unexpected<core::Error> damaged_catalogue(const std::string& file, const std
 }
 
 Statement& Statement::bind(std::string_view text) {
-  const char* bytes = text.data() == nullptr ? "" : text.data();  // a null pointer would be NULL
+  const char* bytes = text.data() == nullptr ? "" : text.data();  // SQLite would store a null pointer as NULL
   has_bad_value_ |= sqlite3_bind_text64(statement_.get(), ++bound_, bytes, text.size(), SQLITE_TRANSIENT, SQLITE_UTF8) != SQLITE_OK;
   return *this;
 }
@@ -118,7 +118,7 @@ bool Statement::has_type(int column, int type) {
 
 std::string Statement::text(int column) {
   if (!has_type(column, SQLITE_TEXT)) return {};
-  const void* bytes = sqlite3_column_blob(statement_.get(), column);  // the text as it is, NUL characters and all
+  const void* bytes = sqlite3_column_blob(statement_.get(), column);  // the whole text, even if it contains NUL characters
   const auto size = static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column));
   return bytes == nullptr ? std::string() : std::string(static_cast<const char*>(bytes), size);
 }
@@ -152,18 +152,18 @@ core::Status Statement::sound() const {
 core::Result<Database> Database::open(const std::string& file) {
   if (auto created = create_private(file); !created) return tl::make_unexpected(created.error());
   std::error_code error;
-  const auto path = std::filesystem::absolute(file, error);  // no name with a meaning of its own, such as ":memory:"
+  const auto path = std::filesystem::absolute(file, error);  // SQLite gives some relative names a special meaning, such as ":memory:"
   if (error) return core::fail_errno(error.value(), "cannot open the catalogue " + file);
   sqlite3* handle = nullptr;
   const int result = sqlite3_open_v2(path.c_str(), &handle, SQLITE_OPEN_READWRITE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_EXRESCODE, nullptr);
-  Database database(file, handle);  // also a handle that could not be opened is closed
+  Database database(file, handle);  // closes the handle even if opening failed
   if (result != SQLITE_OK) return database.failure("cannot open the catalogue");
   if (auto configured = database.configure(); !configured) return tl::make_unexpected(configured.error());
   if (auto sound = database.check(); !sound) return tl::make_unexpected(sound.error());
   return database;
 }
 
-/// The file may come from a stranger: nothing in its schema runs with more rights than its own functions.
+/// Restricts what the file's schema can do, because the file may be from an untrusted person.
 core::Status Database::configure() const {
   sqlite3_busy_timeout(handle_.get(), kBusyTimeoutMs);
   sqlite3_limit(handle_.get(), SQLITE_LIMIT_LENGTH, kLongestValueBytes);
@@ -216,7 +216,7 @@ tl::unexpected<core::Error> Database::failure(const std::string& doing) const {
 
 core::Result<Transaction> Transaction::begin(const Database& database) {
   if (database.is_in_transaction()) return Transaction(nullptr);
-  // Immediate: what follows reads before it writes, and must not find the file taken by another writer in between.
+  // IMMEDIATE locks the file for writing now: the caller reads before it writes, and no other program may write in between.
   if (auto begun = database.execute("BEGIN IMMEDIATE"); !begun) return tl::make_unexpected(begun.error());
   return Transaction(&database);
 }

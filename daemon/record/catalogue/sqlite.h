@@ -16,34 +16,34 @@ namespace dts::record {
 
 class Database;
 
-/// A prepared statement. Values are bound in the order of their `bind`, never pasted into the text. An error of `bind` is told by the
-/// `step` that follows. Outlived by its database. Thread: one at a time.
+/// A prepared statement. `bind` binds values in the order of its calls; values are never part of the SQL text. If a `bind` failed, the next
+/// `step` fails. The database must outlive the statement. Thread: one at a time.
 class Statement {
  public:
   Statement& bind(std::string_view text);
   Statement& bind(double value);
   template <std::integral Integer>
   Statement& bind(Integer value) {
-    if (!std::in_range<std::int64_t>(value)) has_bad_value_ = true;  // SQLite knows signed numbers only
+    if (!std::in_range<std::int64_t>(value)) has_bad_value_ = true;  // SQLite stores only signed numbers
     return bind_integer(static_cast<std::int64_t>(value));
   }
 
-  /// True: there is a row; false: there are no more.
+  /// Steps to the next row; returns false if there are no more rows.
   [[nodiscard]] core::Result<bool> step();
-  /// Runs what has no rows.
+  /// Runs a statement that returns no rows.
   [[nodiscard]] core::Status run();
-  /// For another run with other values.
+  /// Prepares the statement for another run with new values.
   void reset() noexcept;
 
-  /// Columns of the row, from 0. What is stored is not trusted: a value of another type, or a number that is negative where it counts or
-  /// too large, reads as empty or 0 and makes `sound` fail.
+  /// Read a column of the row; `column` counts from 0. If a stored value has another type or is out of range, they return an empty value,
+  /// and `sound` fails.
   [[nodiscard]] std::string text(int column);
   [[nodiscard]] double number(int column);
   [[nodiscard]] std::int64_t integer(int column);
   [[nodiscard]] std::uint64_t count(int column);
   [[nodiscard]] std::uint32_t count32(int column);
   [[nodiscard]] std::int64_t integer_in(int column, std::int64_t minimum, std::int64_t maximum);
-  /// DataDamaged when a value read since the last `reset` was not what it should be.
+  /// Fails with DataDamaged if a value read since the last `reset` had the wrong type or was out of range.
   [[nodiscard]] core::Status sound() const;
 
  private:
@@ -65,8 +65,7 @@ class Statement {
 /// An SQLite file. Thread: one at a time.
 class Database {
  public:
-  /// Opens or creates (mode 0640) and checks that it is sound: DataDamaged when not. Nothing has been written to an existing file when this
-  /// returns.
+  /// Opens or creates (mode 0640) a database. Fails with DataDamaged if it is damaged. Does not write to an existing file.
   [[nodiscard]] static core::Result<Database> open(const std::string& file);
 
   [[nodiscard]] core::Result<Statement> prepare(std::string_view sql) const;
@@ -81,15 +80,15 @@ class Database {
     auto statement = query(sql, values...);
     return statement ? statement->run() : core::Status(tl::make_unexpected(statement.error()));
   }
-  /// Several statements without values: schemas.
+  /// Runs several statements without values, such as a schema.
   [[nodiscard]] core::Status execute(const std::string& sql) const;
-  /// The first column of the first row.
+  /// Returns the first column of the first row.
   [[nodiscard]] core::Result<std::int64_t> number(std::string_view sql) const;
 
   [[nodiscard]] std::uint64_t changes() const noexcept { return static_cast<std::uint64_t>(sqlite3_changes64(handle_.get())); }
   [[nodiscard]] bool is_in_transaction() const noexcept { return sqlite3_get_autocommit(handle_.get()) == 0; }
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
-  /// The last error of SQLite, with what to do.
+  /// Returns the last error of SQLite and what to do about it.
   [[nodiscard]] tl::unexpected<core::Error> failure(const std::string& doing) const;
 
  private:
@@ -104,7 +103,7 @@ class Database {
   std::unique_ptr<sqlite3, Close> handle_;
 };
 
-/// All or nothing: what was written since `begin` is undone unless it is committed. Within another transaction it is a part of that one.
+/// Undoes all changes since `begin` unless `commit` succeeds. Inside another transaction it has no effect: the outer one decides.
 class Transaction {
  public:
   [[nodiscard]] static core::Result<Transaction> begin(const Database& database);
@@ -117,10 +116,10 @@ class Transaction {
 
  private:
   explicit Transaction(const Database* database) : database_(database) {}
-  const Database* database_;  ///< Null: within another, or over.
+  const Database* database_;  ///< Null: inside another transaction, or ended.
 };
 
-/// Why a catalogue that is damaged cannot be mended here, and what to do.
+/// Returns the error for a damaged catalogue, with what to do.
 [[nodiscard]] tl::unexpected<core::Error> damaged_catalogue(const std::string& file, const std::string& why);
 
 }  // namespace dts::record

@@ -48,7 +48,7 @@ void TrialCollector::take_event(const RecordedEvent& event) {
   if (!trial || !attempt || !(is_start || is_end(phase))) return;
   if (rows_.size() >= kMostTrials && !rows_.contains({*trial, *attempt})) return;
   TrialRow& row = rows_[{*trial, *attempt}];
-  if (row.trial == 0) {  // the first that is heard of it, whatever it is
+  if (row.trial == 0) {  // the first event of this trial, of any phase
     row.trial = *trial;
     row.attempt = *attempt;
     begin(event, row);
@@ -79,7 +79,7 @@ std::vector<ResultRow> TrialCollector::figures() const {
   return rows;
 }
 
-/// Counts from the last of ready, go and measure.
+/// Sets the start of the trial. Called for ready, go and measure, so that the last of them is the start.
 void TrialCollector::begin(const RecordedEvent& event, TrialRow& row) const {
   row.block = event_number(event, "block").value_or(1);
   row.condition = text_of(event, "condition").substr(0, kLongestCondition);
@@ -87,7 +87,7 @@ void TrialCollector::begin(const RecordedEvent& event, TrialRow& row) const {
   row.first_scan = event.scan.value;
 }
 
-/// A trial that was done and voided later keeps the place where it ended.
+/// Sets the outcome. A trial that was done and later rejected or redone keeps its end.
 void TrialCollector::end(const std::string& phase, const RecordedEvent& event, TrialRow& row) const {
   if (row.outcome.empty()) {
     row.last_segment = event.segment;

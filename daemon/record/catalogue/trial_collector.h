@@ -14,18 +14,18 @@
 
 namespace dts::record {
 
-/// Makes trial rows of the events of a recording, as the daemon made them when it was recorded: event "trial" with phase (ready, go,
-/// measure, done, redone, rejected, aborted), trial, attempt, block and condition. What makes no sense is passed over. A trial that the
-/// recording ends in the middle of was aborted there.
+/// Makes trial rows from the events of a recording. The rows equal those that the daemon stored during the recording. Uses the events
+/// "trial" with phase (ready, go, measure, done, redone, rejected, aborted), trial, attempt, block and condition. Skips invalid events. If
+/// the recording ends during a trial, the trial counts as aborted there.
 class TrialCollector {
  public:
-  /// `raw`: index of the stream that events count in; nothing: only events tell how far the recording went.
+  /// `raw`: index of the stream whose scans the events count; absent: the end of the recording is the place of its last event.
   explicit TrialCollector(std::optional<std::size_t> raw) : raw_(raw) {}
 
   void take(const RecordedItem& item);
-  /// In the order of trial and attempt. `session_id` and `part` are the caller's.
+  /// Returns the rows, sorted by trial and attempt. The caller sets `session_id` and `part`.
   [[nodiscard]] std::vector<TrialRow> rows() const;
-  /// Figures of the whole session. `session_id` is the caller's.
+  /// Returns the results of the whole session. The caller sets `session_id`.
   [[nodiscard]] std::vector<ResultRow> figures() const;
 
  private:
@@ -38,7 +38,7 @@ class TrialCollector {
 
   std::optional<std::size_t> raw_;
   Place newest_;
-  std::map<std::pair<std::uint32_t, std::uint32_t>, TrialRow> rows_;  ///< By trial and attempt; no outcome: still under way.
+  std::map<std::pair<std::uint32_t, std::uint32_t>, TrialRow> rows_;  ///< By trial and attempt. Empty outcome: the trial has not ended.
   std::map<std::string, ResultRow> figures_;
 };
 

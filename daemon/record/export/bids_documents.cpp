@@ -17,14 +17,14 @@ constexpr std::string_view kProgram = "dtsd";
 
 std::string document(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
-/// How BIDS sees a channel.
+/// Description of a channel in BIDS terms.
 struct ChannelMotion {
   std::string component = "n/a";
   std::string type = "MISC";
   std::string point = "n/a";
 };
 
-/// Positions are the centre of pressure on the plate and the deflections of its sensors; everything else is no motion.
+/// Positions are the centre of pressure on the plate and the deflections at its sensors. All other channels are not motion (MISC).
 ChannelMotion motion_of(const StreamInfo& stream, const ChannelInfo& channel) {
   if (channel.unit != "mm") return {};
   if (channel.label == "ml_mm") return {.component = "x", .type = "POS", .point = "cop"};

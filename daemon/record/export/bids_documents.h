@@ -8,16 +8,16 @@
 
 namespace dts::record {
 
-/// What is known about a stream's file when it is whole.
+/// Facts about a stream's file that are known only after it was written.
 struct MotionFacts {
   std::string tracking_system;  ///< "floorcop"
   std::uint64_t scans = 0;
   std::int64_t duration_ns = 0;  ///< From the first scan to the end of the last, gaps included.
 };
 
-/// The documents of a BIDS dataset beside its data (BIDS 1.9, "Motion").
+/// Return the documents of a BIDS dataset (BIDS 1.9, "Motion").
 [[nodiscard]] std::string dataset_description(const std::string& software);
-/// Made by us: only then it is added to.
+/// Returns true if this program made the dataset. Recordings are added only to such datasets.
 [[nodiscard]] bool is_our_dataset(const std::string& description);
 [[nodiscard]] std::string dataset_readme();
 [[nodiscard]] std::string participants_description();

@@ -25,9 +25,9 @@ constexpr std::size_t kLargestList = 16U << 20U;
 constexpr std::string_view kParticipants = "participant_id\tpseudonym\n";
 constexpr std::string_view kScans = "filename\tacq_time\n";
 
-/// One regular stream on its way into its file.
+/// One regular stream and its file.
 struct Motion {
-  OutputFile* file = nullptr;  ///< Not one of ours.
+  OutputFile* file = nullptr;  ///< Null: the stream is not exported.
   std::size_t stream = 0;
   MotionFacts facts{};
   std::optional<TimeAxis> times{};
@@ -42,7 +42,7 @@ class BidsSink : public ExportSink {
   [[nodiscard]] core::Status take(const RecordedScans& scans) override;
   [[nodiscard]] core::Status take(const RecordedChange& /*change*/) override { return {}; }
   [[nodiscard]] core::Status take(const TimedEvent& event) override;
-  /// What is known only now, and the lists of the dataset.
+  /// Writes the documents that need the whole recording, and the lists of the dataset.
   [[nodiscard]] core::Status write_documents();
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_.load(); }
 
@@ -80,7 +80,8 @@ core::Status BidsSink::create_files() {
   return create_events();
 }
 
-/// Events belong to the whole recording; BIDS wants them with one tracking system: the centre of pressure, else the first.
+/// Creates the file of events. Events belong to the whole recording, but BIDS requires one tracking system: uses the centre of pressure, or
+/// else the first stream.
 core::Status BidsSink::create_events() {
   const Motion* owner = nullptr;
   for (const Motion& motion : motions_) {
@@ -135,7 +136,7 @@ core::Status BidsSink::take(const TimedEvent& timed) {
   return events_->status();
 }
 
-/// The lists of a dataset that may be there already.
+/// Returns a list of an existing dataset, or only its header if the list does not exist.
 core::Result<std::string> read_list(const std::string& file, std::string_view header) {
   std::error_code none;
   if (!std::filesystem::exists(file, none)) return std::string(header);
@@ -197,14 +198,14 @@ core::Status BidsSink::write_documents() {
         });
     if (!written) return written;
   }
-  // Facts of ours that BIDS has no place for: its validators do not look into sourcedata.
+  // Our facts that BIDS does not define: BIDS validators ignore the folder sourcedata.
   return files_
       .put("sourcedata/" + names_.subject() + "/" + file_stem(recording_) + "_recording.json", recording_document(recording_, false))
       .and_then([&] { return add_participant(); })
       .and_then([&] { return add_scans(); });
 }
 
-/// A folder that is empty or not there becomes a dataset; one of ours is added to; anything else stays alone.
+/// Makes a dataset of an empty or missing folder. Accepts an existing dataset of ours. Fails for any other folder.
 core::Status prepare_dataset(const Recording& recording, OutputFiles& files) {
   namespace fs = std::filesystem;
   std::error_code none;

@@ -7,7 +7,7 @@
 namespace dts::record {
 namespace {
 
-constexpr std::size_t kLongestLabel = 48;  // four of them and what stands between make a name that every file system takes
+constexpr std::size_t kLongestLabel = 48;  // four labels and their separators fit the name limit of every file system
 
 bool is_letter_or_digit(char letter) {
   return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') || (letter >= '0' && letter <= '9');

@@ -8,11 +8,11 @@
 
 namespace dts::record {
 
-/// Letters and digits only, at most 48: all that BIDS allows in a label. `otherwise` when nothing is left.
+/// Returns at most 48 letters and digits of the text, because BIDS allows nothing else in a label. Returns `otherwise` if none is left.
 [[nodiscard]] std::string bids_label(std::string_view text, std::string_view otherwise);
 
-/// Where the files of one recording stand in a dataset. Made of pseudonym, session, protocol, rig and streams, never of the label that
-/// somebody typed.
+/// File names of one recording in a dataset. Uses subject ID, session, protocol, rig and streams, but never the label, which is free text
+/// and may identify a person.
 ///
 ///     sub-P017/ses-20261121T144525Zfloor1/motion/sub-P017_ses-20261121T144525Zfloor1_task-free_tracksys-floorcop[_run-2]_motion.tsv
 class BidsNames {
@@ -21,11 +21,11 @@ class BidsNames {
 
   [[nodiscard]] const std::string& subject() const noexcept { return subject_; }  ///< "sub-P017"
   [[nodiscard]] const std::string& task() const noexcept { return task_; }        ///< "free"
-  /// "floorcop" for the stream "floor/cop".
+  /// Returns "floorcop" for the stream "floor/cop".
   [[nodiscard]] std::string tracking_system(const StreamInfo& stream) const;
-  /// Path of a file of one tracking system below the dataset; `suffix`: "motion.tsv".
+  /// Returns the path of a file of one tracking system, relative to the dataset; `suffix`: "motion.tsv".
   [[nodiscard]] std::string path(const std::string& tracking_system, const std::string& suffix) const;
-  /// The same as the table of scans names it: below the session's folder.
+  /// Returns the path relative to the session's folder, as in the table of scans.
   [[nodiscard]] std::string path_in_session(const std::string& tracking_system, const std::string& suffix) const;
   [[nodiscard]] std::string scans_table() const;
 

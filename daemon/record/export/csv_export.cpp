@@ -16,13 +16,13 @@ namespace {
 
 /// The file of one stream of numbers.
 struct Column {
-  OutputFile* file = nullptr;  ///< Not one of ours: a stream of texts, or one without samples.
+  OutputFile* file = nullptr;  ///< Null: not exported (a stream of texts or without samples).
   ValueType type = ValueType::Double64;
   std::size_t channels = 0;
-  std::optional<TimeAxis> times{};  ///< Absent: every sample has its own time.
+  std::optional<TimeAxis> times{};  ///< Absent: every sample has its own time stamp.
 };
 
-/// t_s,segment,scan and as many values as there are channels.
+/// Returns the longest row in bytes: t_s, segment, scan and one value per channel.
 std::size_t longest_row(std::size_t channels) { return (channels + 3) * (kLongestNumber + 1) + 1; }
 
 char* put_values(char* at, const double* values, const Column& column) noexcept {
@@ -51,7 +51,7 @@ class CsvSink : public ExportSink {
   [[nodiscard]] core::Status take(const RecordedScans& scans) override;
   [[nodiscard]] core::Status take(const RecordedChange& change) override;
   [[nodiscard]] core::Status take(const TimedEvent& event) override;
-  /// What is known only now.
+  /// Writes the documents that need the whole recording.
   [[nodiscard]] core::Status write_documents();
   [[nodiscard]] std::uint64_t rows() const noexcept { return rows_.load(); }
 
@@ -66,7 +66,7 @@ class CsvSink : public ExportSink {
   OutputFile* events_ = nullptr;
   TrialTable trials_;
   std::set<std::string> names_{"events", "trials"};
-  std::atomic<std::uint64_t> rows_ = 0;  ///< Of all streams, which come on several threads.
+  std::atomic<std::uint64_t> rows_ = 0;  ///< Of all streams. Several threads count.
 };
 
 core::Status CsvSink::create_files() {
@@ -96,7 +96,7 @@ core::Status CsvSink::create_file(std::size_t stream) {
   return {};
 }
 
-/// Files of other programs may hold streams of the same name.
+/// Returns a name that no other stream has: files of other programs may have several streams of the same name.
 std::string CsvSink::unused_name(const std::string& stream) {
   const std::string wanted = fit_for_file_name(short_name(stream));
   std::string name = wanted;
@@ -107,7 +107,7 @@ std::string CsvSink::unused_name(const std::string& stream) {
 core::Status CsvSink::take(const RecordedScans& scans) {
   trials_.take(scans);
   Column& column = columns_[scans.stream];
-  if (!column.times) return {};  // of no regular stream, or not exported
+  if (!column.times) return {};  // an irregular stream, or not exported
   column.times->begin(scans);
   for (std::size_t scan = 0; scan < scans.count; ++scan) {
     char* at = column.file->reserve(longest_row(column.channels));

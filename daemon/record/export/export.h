@@ -16,16 +16,18 @@ struct Exported {
   std::uint64_t bytes = 0;
 };
 
-/// One CSV file per stream, `<session>_<stream>.csv` (a second part: `<session>.2_<stream>.csv`): header `t_s,segment,scan,<channels>`,
-/// every channel name ending in its unit; undefined values are empty cells; and `<session>_events.csv` with
-/// `t_s,segment,scan,event,text,details`. t_s counts from the recording's first scan; numbers read back as exactly the recorded values.
-/// `folder` is made; a file that exists is never overwritten (WrongState). Stopped by `progress`, or failed: nothing is left behind.
+/// Writes one CSV file per stream, `<session>_<stream>.csv` (a second part: `<session>.2_<stream>.csv`), with the header
+/// `t_s,segment,scan,<channels>`. Every channel name ends with its unit; undefined values are empty cells. Also writes
+/// `<session>_events.csv` with `t_s,segment,scan,event,text,details`. t_s counts from the recording's first scan; numbers read back as
+/// exactly the recorded values. Creates `folder`. Fails with WrongState instead of overwriting a file. If it fails, or `progress` stops it,
+/// it leaves no files behind.
 [[nodiscard]] core::Result<Exported> export_csv(Recording& recording, const std::string& folder, const Progress& progress = {});
 
-/// A BIDS dataset in `folder` (BIDS 1.9, motion): dataset_description.json, README, participants.tsv/.json, and below
+/// Writes a BIDS dataset to `folder` (BIDS 1.9, motion): dataset_description.json, README, participants.tsv/.json, and in
 /// `sub-<subject>/ses-<session>/motion/` for each regular stream `..._task-<protocol>_tracksys-<rig><stream>_motion.tsv`, its
-/// `_channels.tsv` and `_motion.json`, and `_events.tsv/.json`. Labels are stripped to letters and digits, as BIDS asks. A LATENCY channel
-/// carries the time, so that gaps are not hidden. Never overwrites: an existing dataset of ours is added to when subject or session differ.
+/// `_channels.tsv` and `_motion.json`, and `_events.tsv/.json`. Reduces BIDS labels to letters and digits, as BIDS requires. A LATENCY
+/// channel holds the time, so that gaps are visible. Never overwrites: adds to an existing dataset of ours if the subject or the session
+/// is new.
 [[nodiscard]] core::Result<Exported> export_bids(Recording& recording, const std::string& folder, const Progress& progress = {});
 
 }  // namespace dts::record

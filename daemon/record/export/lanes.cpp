@@ -7,7 +7,7 @@
 namespace dts::record {
 namespace {
 
-constexpr std::size_t kMostQueuedValues = 1U << 20U;  // 8 MiB: seconds of the fastest rig
+constexpr std::size_t kMostQueuedValues = 1U << 20U;  // 8 MiB: some seconds of the fastest rig
 
 std::size_t values_of(const RecordedItem& item) {
   const auto* scans = std::get_if<RecordedScans>(&item);
@@ -70,7 +70,7 @@ void Lanes::run(Lane& lane) {
   }
 }
 
-/// Memory may run out; nothing else throws.
+/// Runs the work on one item. The work throws only if there is no memory left.
 void Lanes::work_on(Lane& lane, const RecordedItem& item) {
   try {
     lane.status = work_(item);

@@ -16,25 +16,25 @@
 
 namespace dts::record {
 
-/// Threads that turn items into text side by side: of hours at 1500 Hz that is most of the work. What is given to one lane is done in
-/// order. Thread: one gives.
+/// Threads that convert items to text in parallel, because this is most of the work of an export. Each lane handles its items in order.
+/// Thread: one calls `give`.
 class Lanes {
  public:
-  /// Called on the lanes' threads, by several at a time.
+  /// Runs on the lanes' threads, on several of them at the same time.
   using Work = std::function<core::Status(const RecordedItem& item)>;
 
   Lanes(std::size_t count, Work work);
-  /// Throws away what has not been begun.
+  /// Discards the items that no thread has started.
   ~Lanes();
   Lanes(const Lanes&) = delete;
   Lanes& operator=(const Lanes&) = delete;
 
   [[nodiscard]] std::size_t count() const noexcept { return lanes_.size(); }
-  /// Waits while the lane has much to do.
+  /// Queues an item; waits while the lane's queue is full.
   void give(std::size_t lane, RecordedItem&& item);
-  /// Some work failed: to go on is useless.
+  /// True if some work failed; the caller can stop early.
   [[nodiscard]] bool has_failed() const noexcept { return has_failed_.load(std::memory_order_relaxed); }
-  /// Waits until everything is done; the first failure.
+  /// Waits until all work is done; returns the first failure.
   [[nodiscard]] core::Status finish();
 
  private:
@@ -45,14 +45,14 @@ class Lanes {
     std::size_t queued_values = 0;
     bool is_last_given = false;
     core::Status status;
-    std::jthread thread;  // last: ends before the rest goes
+    std::jthread thread;  // last member: the thread ends before the other members are destroyed
   };
   void run(Lane& lane);
   void work_on(Lane& lane, const RecordedItem& item);
   void end_all();
 
   Work work_;
-  std::atomic<bool> has_failed_ = false;  ///< Only a hint; the failure itself is read after the threads have ended.
+  std::atomic<bool> has_failed_ = false;  ///< Only for an early stop; `finish` reads the failure after the threads have ended.
   std::vector<std::unique_ptr<Lane>> lanes_{};
 };
 

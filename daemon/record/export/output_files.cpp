@@ -14,7 +14,7 @@ namespace dts::record {
 namespace {
 
 constexpr std::size_t kBufferBytes = 1U << 18U;
-constexpr mode_t kFileMode = 0640;  // data of people
+constexpr mode_t kFileMode = 0640;  // not for others: data of subjects
 constexpr mode_t kFolderMode = 0750;
 constexpr const char* kOtherFolder = "choose a folder that you may write into";
 
@@ -23,8 +23,8 @@ core::Status already_there(const std::string& path) {
                     "choose another folder, or move it away");
 }
 
-/// Renames, but never over an existing file. File systems without RENAME_NOREPLACE (some network ones) get the same by a link;
-/// those without links too (FAT) are looked at first.
+/// Renames a file, but never replaces an existing one. Uses a hard link on file systems without RENAME_NOREPLACE (some network ones), and
+/// checks for the file first on those without hard links (FAT).
 int rename_without_replacing(const std::string& from, const std::string& to) {
   if (::renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
   if (errno != EINVAL && errno != ENOSYS) return errno;
@@ -143,7 +143,7 @@ core::Result<OutputFiles::Written> OutputFiles::commit() {
     file->close();
     if (auto whole = file->status(); !whole) return tl::make_unexpected(whole.error());
   }
-  // Lists that others share come last, when nothing else can fail any more.
+  // Files that replace existing ones are last: then only their own renames can still fail.
   std::vector<std::string> new_files;
   std::ranges::stable_partition(files_, [](const auto& file) { return !file->may_replace_; });
   for (const auto& file : files_) {

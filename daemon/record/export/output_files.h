@@ -12,16 +12,16 @@
 
 namespace dts::record {
 
-/// A file that is written under a temporary name, with a buffer of its own. The first error stays: `append` may be called on.
+/// A file with a temporary name and its own buffer. Keeps the first error, so that callers need not check each `append`.
 class OutputFile {
  public:
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
-  /// Room for `bytes` more, to be filled from the front and given to `advance`.
+  /// Returns room for `bytes` more bytes. Fill it from the front, then call `advance`.
   [[nodiscard]] char* reserve(std::size_t bytes);
-  /// `end`: behind the last byte that was written into what `reserve` gave.
+  /// `end`: one past the last byte written into the room that `reserve` returned.
   void advance(const char* end) noexcept { used_ = static_cast<std::size_t>(end - buffer_.data()); }
   void append(std::string_view text);
   [[nodiscard]] core::Status status() const;
@@ -43,29 +43,29 @@ class OutputFile {
   int system_errno_ = 0;
 };
 
-/// Files that come into being together or not at all. Until `commit` they have names of their own (".NAME.part"), and what was made,
-/// folders too, goes with the object.
+/// A group of files of which all or none appear. Before `commit` they have temporary names (".NAME.part"). Without `commit` the destructor
+/// removes all files and folders that were created.
 class OutputFiles {
  public:
-  /// `folder` is made when it is not there; empty: the present one.
+  /// `folder` is created if it does not exist; empty: the current directory.
   explicit OutputFiles(std::string folder);
   ~OutputFiles();
   OutputFiles(const OutputFiles&) = delete;
   OutputFiles& operator=(const OutputFiles&) = delete;
 
-  /// A new file; `name` may lead through folders below ours, which are made. WrongState when there is such a file. Ours; valid until
-  /// `commit`.
+  /// Creates a file and the subfolders in `name`. Fails with WrongState if the file exists. This object owns the file; the pointer is valid
+  /// until `commit`.
   [[nodiscard]] core::Result<OutputFile*> create(const std::string& name);
-  /// The same with its whole content.
+  /// Creates a file with its whole content. Fails like `create`.
   [[nodiscard]] core::Status put(const std::string& name, std::string_view text);
-  /// Whole content that takes the place of what is there: for lists that grow.
+  /// Creates a file with its whole content, or replaces an existing one: for lists that grow.
   [[nodiscard]] core::Status replace(const std::string& name, std::string_view text);
 
   struct Written {
-    std::vector<std::string> files{};  ///< Paths, in the order of their making.
+    std::vector<std::string> files{};  ///< Paths, in the order of creation.
     std::uint64_t bytes = 0;
   };
-  /// Gives all files their names. Nothing is ever replaced but by `replace`; after a failure nothing new is left.
+  /// Renames all files to their final names. Only `replace` replaces existing files. If it fails, no new file is left.
   [[nodiscard]] core::Result<Written> commit();
 
   [[nodiscard]] std::string path(const std::string& name) const { return folder_ + "/" + name; }

@@ -8,20 +8,20 @@
 
 namespace dts::record {
 
-/// Everything about a recording that its tables do not show, as JSON: session, subject's fields, device, stages, streams, and what is
-/// missing (lost_scans, gaps, losses by reason). `has_label`: the session's label, free text, may be among it.
+/// Returns everything about a recording that its tables do not contain, as JSON: session, fields of the subject, device, stages, streams
+/// and missing scans (lost_scans, gaps, losses by reason). `has_label`: includes the session's label, which is free text.
 [[nodiscard]] std::string recording_document(const Recording& recording, bool has_label);
 
-/// The trials of a recording, collected on the way of an export: scans and events come from different threads.
+/// Collects the trials of a recording during an export. Scans and events arrive on different threads.
 class TrialTable {
  public:
   explicit TrialTable(const Recording& recording) : raw_(recording.find_stream("raw")), trials_(raw_) {}
 
-  /// Thread: that of the stream.
+  /// Thread: the stream's thread.
   void take(const RecordedScans& scans) noexcept;
-  /// Thread: that of the events.
+  /// Thread: the events' thread.
   void take(const TimedEvent& event) { trials_.take(RecordedItem(event)); }
-  /// As CSV, when all has been taken; empty: there was no trial.
+  /// Returns the trials as CSV; empty if there was none. Call it after the last `take`.
   [[nodiscard]] std::string text();
 
  private:

@@ -11,9 +11,9 @@ namespace dts::record {
 namespace {
 
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
-/// More than the rounding of a time stamp in the order of the Unix time (0.24 us), less than any scan.
+/// Greater than the rounding error of a time stamp as large as Unix time (0.24 us), smaller than any scan.
 constexpr std::int64_t kStampToleranceNs = 1'000;
-/// Keys that say the main thing about an event, the first that it has counts.
+/// Keys of an event's main text. The first key that the event has is used.
 constexpr std::array<std::string_view, 5> kMainKeys{"text", "phase", "state", "edge", "reason"};
 
 using Values = std::vector<std::pair<std::string, EventValue>>;
@@ -31,13 +31,13 @@ char* put_shortest(char* at, Number value) noexcept {
   return std::to_chars(at, at + kLongestNumber, value).ptr;
 }
 
-/// Distance of two times; they may lie at both ends of what 64 bits hold.
+/// Returns |a - b| without overflow, for all 64-bit values.
 std::uint64_t distance(std::int64_t a, std::int64_t b) noexcept {
   const auto difference = static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b);
   return a >= b ? difference : 0 - difference;
 }
 
-/// Exactly `digits` decimals of a fraction, zeros in front.
+/// Writes exactly `digits` decimals of a fraction, with leading zeros.
 char* put_decimals(char* at, std::uint64_t fraction, int digits) noexcept {
   for (int place = digits - 1; place >= 0; --place) {
     at[place] = static_cast<char>('0' + fraction % 10);
@@ -73,7 +73,7 @@ char* put_microseconds(char* at, std::int64_t time_ns) noexcept {
 char* put_value(char* at, double value, ValueType type, std::string_view undefined) noexcept {
   if (std::isnan(value)) return std::copy(undefined.begin(), undefined.end(), at);
   if (type == ValueType::Float32) return put_shortest(at, static_cast<float>(value));
-  constexpr double kLargestExact = 9007199254740992.0;  // 2^53: beyond, doubles have no ones
+  constexpr double kLargestExact = 9007199254740992.0;  // 2^53: above it, doubles do not hold every whole number
   const bool is_whole = type != ValueType::Double64 && std::abs(value) <= kLargestExact;
   return is_whole ? put_shortest(at, static_cast<std::int64_t>(value)) : put_shortest(at, value);
 }
@@ -110,7 +110,7 @@ std::string value_text(const RecordedEvent& event, std::string_view key) {
 }
 
 std::int64_t to_ns(double seconds) noexcept {
-  constexpr double kLargest = 9.2e9;  // of what 64 bits of nanoseconds hold
+  constexpr double kLargest = 9.2e9;  // seconds that fit into 64 bits of nanoseconds
   if (std::isnan(seconds)) return 0;
   return static_cast<std::int64_t>(std::llround(std::clamp(seconds, -kLargest, kLargest) * 1e9));
 }

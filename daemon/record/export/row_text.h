@@ -17,43 +17,43 @@
 
 namespace dts::record {
 
-/// Longest text that any of the functions below makes of one number.
+/// Longest text that a function below writes for one number.
 inline constexpr std::size_t kLongestNumber = 32;
 
-/// Each writes at `at`, where room for kLongestNumber must be, and returns where the text ends.
+/// Write a number at `at`, which must have room for kLongestNumber, and return the end of the text.
 [[nodiscard]] char* put_count(char* at, std::uint64_t count) noexcept;
-/// Seconds, with no more of the nine decimals than are needed: "0.01", "-1.5", "3".
+/// Writes seconds with up to nine decimals, without trailing zeros: "0.01", "-1.5", "3".
 [[nodiscard]] char* put_seconds(char* at, std::int64_t time_ns) noexcept;
-/// Seconds with exactly six decimals, rounded.
+/// Writes seconds with exactly six decimals, rounded.
 [[nodiscard]] char* put_microseconds(char* at, std::int64_t time_ns) noexcept;
-/// The shortest text that reads back, as the stream's own type, as exactly this value; `undefined` for NaN.
+/// Writes the shortest text that reads back as exactly this value in the stream's type; `undefined` for NaN.
 [[nodiscard]] char* put_value(char* at, double value, ValueType type, std::string_view undefined) noexcept;
 
-/// "ml_mm" stays; "Fz" in "N" becomes "Fz_n": units stand in every header.
+/// Returns the channel's name with its unit at the end: "ml_mm" does not change; "Fz" in "N" becomes "Fz_n".
 [[nodiscard]] std::string name_with_unit(const ChannelInfo& channel);
 using core::csv_cell;
-/// A cell of a BIDS table, which knows no quotes: `core::as_cell` without tabs and line ends, "n/a" for nothing.
+/// Returns a cell of a BIDS table, which has no quotes: `core::as_cell` without tabs and line ends; "n/a" for an empty text.
 [[nodiscard]] std::string tsv_cell(std::string_view text);
 
-/// What an event says in one word or sentence: a marker's text, a trial's phase, a state, an edge, a reason.
+/// Returns the main text of an event: a marker's text, a trial's phase, a state, an edge or a reason.
 [[nodiscard]] std::string main_text(const RecordedEvent& event);
-/// Everything else it says, as a JSON object; empty when there is nothing else.
+/// Returns all other values of an event as a JSON object; empty if there are none.
 [[nodiscard]] std::string further_details(const RecordedEvent& event);
-/// The value of a key as text; empty when absent.
+/// Returns the value of a key as text; empty if the key is absent.
 [[nodiscard]] std::string value_text(const RecordedEvent& event, std::string_view key);
 
-/// Seconds as whole nanoseconds; times that no clock can show become the nearest that one can.
+/// Converts seconds to whole nanoseconds. Limits values outside the range of 64 bits to the nearest one inside.
 [[nodiscard]] std::int64_t to_ns(double seconds) noexcept;
 
-/// Times of a regular stream's scans since the recording's first one. Within a segment they follow from the scan index and the exact
-/// rate, so that they do not jitter by the rounding of time stamps; a time stamp that disagrees begins anew.
+/// Times of a regular stream's scans since the recording's first scan. Within a segment they are computed from the scan index and the exact
+/// rate, so that rounded time stamps cause no jitter. If a time stamp differs from the computed time, the computation restarts from it.
 class TimeAxis {
  public:
   TimeAxis(double origin_s, core::Rate rate) : origin_s_(origin_s), rate_(rate) {}
 
-  /// To be called with everything that is recorded of the stream, in order.
+  /// Call it with all recorded scans of the stream, in order.
   void begin(const RecordedScans& scans) noexcept;
-  /// Of the scan with this place among those that `begin` got.
+  /// Returns the time of one scan; `place` is its index in the scans of the last `begin`.
   [[nodiscard]] std::int64_t time_ns(std::size_t place) const noexcept;
 
  private:

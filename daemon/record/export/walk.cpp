@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::uint64_t kReportEveryBytes = 4U << 20U;
 constexpr std::size_t kLongestName = 100;
-constexpr std::size_t kMostLanes = 4;  // there are not more large streams
+constexpr std::size_t kMostLanes = 4;  // a recording has at most this many large streams
 
-/// Where the regular streams begin, gathered until all of them have.
+/// Collects the times of the first scans until every regular stream has one.
 class Beginnings {
  public:
   explicit Beginnings(const Recording& recording) : waits_for_(recording.streams().size(), false) {
@@ -56,7 +56,7 @@ class Beginnings {
   std::optional<double> first_other_s_{};
 };
 
-/// An item that does not fit its own stream would be our bug; it must not become a wrong access.
+/// Returns false if an item does not match its stream. That would be our bug; this check prevents an access out of bounds.
 bool fits(const Recording& recording, const RecordedItem& item) {
   if (const auto* scans = std::get_if<RecordedScans>(&item)) {
     return scans->stream < recording.streams().size() &&
@@ -75,7 +75,7 @@ core::Status hand_over(const RecordedItem& item, ExportSink& sink) {
   return {};
 }
 
-/// Gives every stream to one lane, the heaviest first and each to the lane that has least to do.
+/// Assigns every stream to a lane: the largest stream first, and each to the lane with the least work so far.
 std::vector<std::size_t> share_out(const Recording& recording, std::size_t lanes) {
   std::vector<std::pair<double, std::size_t>> weights;
   for (std::size_t stream = 0; stream < recording.streams().size(); ++stream) {
@@ -97,7 +97,7 @@ std::vector<std::size_t> share_out(const Recording& recording, std::size_t lanes
 std::size_t lane_of(const RecordedItem& item, const std::vector<std::size_t>& lanes) {
   if (const auto* scans = std::get_if<RecordedScans>(&item)) return lanes[scans->stream];
   if (const auto* change = std::get_if<RecordedChange>(&item)) return lanes[change->stream];
-  return 0;  // the events
+  return 0;  // events use lane 0
 }
 
 std::size_t usual_lanes() { return std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, kMostLanes); }

@@ -13,17 +13,17 @@
 namespace dts::record {
 
 inline constexpr std::string_view kMagic = "XDF:";
-inline constexpr std::uint64_t kMaxChunkBytes = 64U << 20U;  ///< Longer ones are refused: ours hold a quarter of a second.
+inline constexpr std::uint64_t kMaxChunkBytes = 64U << 20U;  ///< Readers reject longer chunks; our chunks hold at most 0.2 s.
 inline constexpr std::size_t kMaxXmlBytes = 8U << 20U;
 inline constexpr std::size_t kMaxChannels = 4096;
 
 /// [prefix bytes: 1, 4 or 8][length, little endian: of tag and content][tag, u16][content]
 enum class ChunkTag : std::uint16_t { FileHeader = 1, StreamHeader = 2, Samples = 3, ClockOffset = 4, Boundary = 5, StreamFooter = 6 };
 
-/// The specification's mark, for readers that look for a place to start again.
+/// The specification's mark: a reader that lost its place can search for it and continue there.
 inline constexpr std::string_view kBoundaryMark = "\x43\xA5\x46\xDC\xCB\xF5\x41\x0F\xB3\x0E\xD5\x46\x73\x83\xCB\xE4";
 
-/// Appends a number in little-endian order.
+/// Appends a number in little-endian byte order.
 template <class Number>
 void put(std::string& bytes, Number number) {
   std::array<char, sizeof(Number)> raw{};
@@ -32,7 +32,7 @@ void put(std::string& bytes, Number number) {
   bytes.append(raw.data(), raw.size());
 }
 
-/// A length with the number of its own bytes before it, as short as the specification allows.
+/// Appends the number of bytes of the length, then the length, in the shortest form that the specification allows.
 inline void put_length(std::string& bytes, std::uint64_t length) {
   if (length <= std::numeric_limits<std::uint8_t>::max()) {
     put(bytes, std::uint8_t{1});
@@ -54,7 +54,7 @@ inline void put_length(std::string& bytes, std::uint64_t length) {
   return chunk.append(content);
 }
 
-/// Takes numbers from the front of some bytes; every `take` says whether there was enough left.
+/// Reads numbers from the front of `bytes`. Each `take` returns false if too few bytes are left.
 class ByteCursor {
  public:
   explicit ByteCursor(std::string_view bytes) noexcept : left_(bytes) {}

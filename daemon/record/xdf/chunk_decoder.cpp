@@ -8,7 +8,7 @@
 namespace dts::record {
 namespace {
 
-/// Readers keep what headers say; without a bound a file of headers only would fill the memory.
+/// Limit of all headers together: readers keep them in memory, and a file could consist of headers only.
 constexpr std::uint64_t kMaxHeaderBytes = 64U << 20U;
 constexpr std::size_t kMaxStreams = 4096;
 
@@ -24,7 +24,7 @@ std::string part_name(std::uint16_t tag) {
   return "chunk of tag " + std::to_string(tag);
 }
 
-/// Puts a result into the chunk.
+/// Moves the decoded content into the chunk.
 template <class Content>
 core::Status keep(core::Result<Content> content, Chunk& chunk) {
   if (!content) return tl::make_unexpected(content.error());

@@ -11,10 +11,10 @@
 
 namespace dts::record {
 
-/// Understands chunks one after the other: what a samples chunk means depends on its stream's header, and its times on the chunks before.
+/// Decodes chunks in file order. The order matters: a samples chunk needs its stream's header, and its times need the previous chunks.
 class ChunkDecoder {
  public:
-  /// DataDamaged (Unsupported: another version of XDF) with the chunk's offset.
+  /// Fails with DataDamaged, or with Unsupported for another version of XDF; the message contains the chunk's offset.
   [[nodiscard]] core::Result<Chunk> decode(const RawChunk& raw);
 
  private:

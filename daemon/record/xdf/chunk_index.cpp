@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxLineBytes = 1024;  ///< A double written with %f has at most 309 digits before its point.
 
-/// The next word of the line; empty when there is none, or more than one space before it.
+/// Removes the next word from the line and returns it; empty if there is none, or if there is more than one space before it.
 std::string_view take_word(std::string_view& line) noexcept {
   const std::size_t end = std::min(line.find(' '), line.size());
   const std::string_view word = line.substr(0, end);
@@ -63,7 +63,7 @@ std::optional<ChunkNote> IndexReader::next() {
   is_over_ = true;
   std::array<char, kMaxLineBytes> line{};
   file_.getline(line.data(), line.size());
-  if (!file_ || file_.eof()) return std::nullopt;  // too long, or without its end: torn
+  if (!file_ || file_.eof()) return std::nullopt;  // too long, or no line end: torn
   const auto note = note_of_line(std::string_view(line.data(), static_cast<std::size_t>(file_.gcount()) - 1));
   const bool continues = note && note->offset == next_offset_ && note->length <= std::numeric_limits<std::uint64_t>::max() - note->offset;
   if (!continues) return std::nullopt;

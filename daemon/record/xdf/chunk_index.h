@@ -12,14 +12,15 @@
 
 namespace dts::record {
 
-inline constexpr std::string_view kPart = ".part";  ///< Ends the name of a recording that is not closed.
+inline constexpr std::string_view kPart = ".part";  ///< File name suffix of a recording that is not closed.
 
-/// One line of the index beside a recording: what a chunk must be like when it is whole.
+/// One line of the index file of a recording: describes one whole chunk.
 ///
 ///     offset length crc32c stream segment first_scan samples time_s
 ///     1824 3022 9f3c2a11 1 0 375 375 8123.251000000
 ///
-/// `stream` is 0 for chunks without samples; then the last four are 0. CRC32C (Castagnoli) is of the whole chunk with its length prefix.
+/// For chunks without samples, `stream` and the fields after it are 0. The CRC32C (Castagnoli) covers the whole chunk with its length
+/// prefix.
 struct ChunkNote {
   std::uint64_t offset = 0;
   std::uint64_t length = 0;
@@ -33,20 +34,20 @@ struct ChunkNote {
   friend bool operator==(const ChunkNote&, const ChunkNote&) = default;
 };
 
-/// Without the line's end.
+/// Returns the line without its line end.
 [[nodiscard]] std::string to_line(const ChunkNote& note);
-/// Nothing when the line is not of that form.
+/// Returns nothing if the line has another form.
 [[nodiscard]] std::optional<ChunkNote> note_of_line(std::string_view line);
-/// The notes of a file up to the first line that is torn or does not continue the one before (offset = offset + length). NotFound when
-/// there is no file. Hours of recording are tens of megabytes of notes: `IndexReader` needs none.
+/// Returns the notes of a file up to the first line that is torn or does not continue the previous one (offset = offset + length). Fails
+/// with NotFound if there is no file. Hours of recording need tens of megabytes of memory here; `IndexReader` does not.
 [[nodiscard]] core::Result<std::vector<ChunkNote>> read_index(const std::string& file);
 
-/// The same, one note after the other.
+/// Reads the notes of an index file one by one.
 class IndexReader {
  public:
   explicit IndexReader(const std::string& file);
   [[nodiscard]] bool is_open() const noexcept { return file_.is_open(); }
-  /// Nothing at the end, and for ever after the first line that is torn or does not continue.
+  /// Returns the next note. Returns nothing at the end, and from the first line on that is torn or does not continue the previous one.
   [[nodiscard]] std::optional<ChunkNote> next();
 
  private:
@@ -55,7 +56,7 @@ class IndexReader {
   bool is_over_ = false;
 };
 
-/// "x.xdf" or "x.xdf.part" -> "x.xdf.idx"
+/// Returns "x.xdf.idx" for "x.xdf" or "x.xdf.part".
 [[nodiscard]] std::string index_name(const std::string& recording);
 
 [[nodiscard]] std::uint32_t crc32c(std::string_view bytes) noexcept;

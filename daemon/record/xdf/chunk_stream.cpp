@@ -19,7 +19,7 @@ constexpr std::size_t kReadBytes = 256U << 10U;
 }  // namespace
 
 core::Result<std::unique_ptr<ChunkStream>> ChunkStream::open(const std::string& file) {
-  // Not to block on a pipe that somebody put there under a recording's name.
+  // O_NONBLOCK: opening a pipe with a recording's name must not block.
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) return core::fail_errno(errno, "cannot open " + file);
   struct stat there {};
@@ -38,7 +38,7 @@ tl::unexpected<core::Error> ChunkStream::damaged(const std::string& why) const {
   return core::fail(kDamaged, why + " at byte " + std::to_string(offset_));
 }
 
-/// Appends to the chunk. The caller has checked that the file is long enough; it may have been cut meanwhile.
+/// Appends bytes of the file to the chunk. The caller has checked the size of the file, but the file may have been truncated since then.
 core::Status ChunkStream::append_bytes(std::size_t count) {
   while (count > 0) {
     if (buffer_used_ == buffer_.size()) {
@@ -59,7 +59,7 @@ core::Status ChunkStream::append_bytes(std::size_t count) {
   return {};
 }
 
-/// The length of tag and content; the prefix stands in `chunk_` afterwards.
+/// Returns the length of tag and content; leaves the length prefix in `chunk_`.
 core::Result<std::uint64_t> ChunkStream::read_length() {
   if (auto status = append_bytes(1); !status) return tl::make_unexpected(status.error());
   const auto length_bytes = static_cast<unsigned char>(chunk_.front());

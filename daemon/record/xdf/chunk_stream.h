@@ -11,7 +11,7 @@
 
 namespace dts::record {
 
-/// A chunk as it stands in the file. The views live until the next one is read.
+/// The bytes of a chunk in the file. The views are valid until the next `next`.
 struct RawChunk {
   std::uint64_t offset = 0;
   std::string_view bytes;  ///< With its length prefix.
@@ -19,19 +19,19 @@ struct RawChunk {
   std::string_view content;  ///< After the tag.
 };
 
-/// Splits a file into chunks, knowing nothing of what is in them. Holds one chunk, of at most 64 MiB, and a read buffer.
+/// Splits a file into chunks without decoding their content. Holds one chunk, of at most 64 MiB, and a read buffer in memory.
 class ChunkStream {
  public:
-  /// NotFound, NotAllowed or Failed (cannot be read), DataDamaged (does not start as XDF).
+  /// Fails with NotFound, NotAllowed or Failed if the file cannot be read, and with DataDamaged if it does not start like XDF.
   [[nodiscard]] static core::Result<std::unique_ptr<ChunkStream>> open(const std::string& file);
   ~ChunkStream();
   ChunkStream(const ChunkStream&) = delete;
   ChunkStream& operator=(const ChunkStream&) = delete;
 
-  /// Nothing at the end. DataDamaged: no whole chunk stands at `offset()`.
+  /// Returns the next chunk, or nothing at the end. Fails with DataDamaged if there is no whole chunk at `offset()`.
   [[nodiscard]] core::Result<std::optional<RawChunk>> next();
-  [[nodiscard]] std::uint64_t offset() const noexcept { return offset_; }  ///< Where the last whole chunk ends.
-  [[nodiscard]] std::uint64_t size() const noexcept { return size_; }      ///< When it was opened.
+  [[nodiscard]] std::uint64_t offset() const noexcept { return offset_; }  ///< End of the last whole chunk.
+  [[nodiscard]] std::uint64_t size() const noexcept { return size_; }      ///< Size when the file was opened.
 
  private:
   ChunkStream(int descriptor, std::uint64_t size) noexcept : descriptor_(descriptor), size_(size) {}
@@ -42,7 +42,7 @@ class ChunkStream {
   int descriptor_;
   std::uint64_t size_;
   std::uint64_t offset_ = 0;
-  std::string buffer_;  ///< Read from the file, not yet taken.
+  std::string buffer_;  ///< Bytes from the file; `buffer_used_` of them are already used.
   std::size_t buffer_used_ = 0;
   std::string chunk_;
 };

@@ -19,7 +19,7 @@ constexpr mode_t kGrowing = 0640;
 constexpr mode_t kClosed = 0440;
 constexpr const char* kRoomHint = "is there room on the disk, and may you write there?";
 
-/// 0, or the errno. A loop, since a write may be short; it is whole in all but the cases that matter.
+/// Writes all bytes; returns 0 or the errno. Loops because a write may be short (for example on a full disk).
 int write_all(int descriptor, std::string_view bytes) noexcept {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor, bytes.data(), bytes.size());
@@ -47,7 +47,7 @@ core::Status synchronise_folder(const std::string& file) {
   if (descriptor < 0) return core::fail_errno(errno, "cannot open the folder " + folder);
   const int error = ::fsync(descriptor) == 0 ? 0 : errno;
   ::close(descriptor);
-  // Some network file systems cannot synchronise a folder; they do it at every change.
+  // Some network file systems reject this call: they synchronise a folder at every change.
   if (error == 0 || error == EINVAL || error == ENOTSUP) return {};
   return core::fail_errno(error, "cannot synchronise the folder " + folder);
 }
@@ -91,7 +91,7 @@ core::Status DurableFile::open_both() {
 core::Status DurableFile::begin(NotedChunk first) {
   if (auto status = write_bytes(kMagic); !status) return status;
   if (auto status = append({&first, 1}); !status) return status;
-  // fsync, not fdatasync: the files are new, so that their metadata matter.
+  // fsync, not fdatasync: the files are new, so their metadata must be on the disk too.
   if (::fsync(file_) != 0) return core::fail_errno(errno, "cannot synchronise " + part_name_, kRoomHint);
   if (::fsync(index_) != 0) return core::fail_errno(errno, "cannot synchronise " + index_name_, kRoomHint);
   return synchronise_folder(name_);
@@ -99,7 +99,7 @@ core::Status DurableFile::begin(NotedChunk first) {
 
 core::Status DurableFile::write_bytes(std::string_view bytes) {
   if (const int error = write_all(file_, bytes); error != 0) {
-    // What of this is on the disk is torn. When it cannot be cut off either, `cut_back` will try again.
+    // The bytes on the disk are torn: cut them off. If that fails, `cut_back` tries again later.
     [[maybe_unused]] const int ignored = ::ftruncate(file_, static_cast<off_t>(bytes_));
     return core::fail_errno(error, "cannot write " + part_name_, kRoomHint);
   }
@@ -151,10 +151,10 @@ core::Status DurableFile::cut_back(const Mark& mark) {
 }
 
 core::Status DurableFile::rename_to_final() {
-  if (part_name_ == name_) return {};  // done by an earlier attempt, which failed after it
+  if (part_name_ == name_) return {};  // an earlier attempt did this and failed later
   int error = 0;
   if (::renameat2(AT_FDCWD, part_name_.c_str(), AT_FDCWD, name_.c_str(), RENAME_NOREPLACE) != 0) error = errno;
-  if (error == EINVAL || error == ENOSYS) {  // a file system without the flag: a link does not replace either
+  if (error == EINVAL || error == ENOSYS) {  // the file system does not know the flag; link() never replaces a file either
     error = ::link(part_name_.c_str(), name_.c_str()) == 0 ? 0 : errno;
     if (error == 0) ::unlink(part_name_.c_str());
   }
@@ -168,7 +168,7 @@ core::Status DurableFile::publish() {
   if (auto status = synchronise(); !status) return status;
   if (auto status = rename_to_final(); !status) return status;
   if (auto status = synchronise_folder(name_); !status) return status;
-  // A protection against mistakes, not part of being whole: file systems without rights refuse it.
+  // Only a protection against mistakes, so a failure is ignored: file systems without permissions reject it.
   [[maybe_unused]] const int ignored = ::fchmod(file_, kClosed) + ::fchmod(index_, kClosed);
   return {};
 }

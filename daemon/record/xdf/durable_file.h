@@ -13,17 +13,17 @@
 
 namespace dts::record {
 
-/// A whole chunk and what the index says of it. `note`: offset, length and CRC are filled in by `DurableFile::append`.
+/// A whole chunk and its note for the index. `DurableFile::append` sets offset, length and CRC of `note`.
 struct NotedChunk {
   std::string bytes;
   ChunkNote note{};
 };
 
-/// A recording's two files while they grow, NAME.part and NAME.idx, as far as nothing in them depends on what chunks mean: append-only,
-/// never torn as far as the disk lets it, their SHA-256 at hand without reading them again. Thread: one at a time.
+/// The two files of an open recording, NAME.part and NAME.idx. Appends chunks without knowing their content. Cuts off torn chunks if the
+/// disk allows it. Computes the SHA-256 while writing, so that nobody must read the file again. Thread: one at a time.
 class DurableFile {
  public:
-  /// A place to which the files can be cut back.
+  /// A state to which `cut_back` can truncate the files.
   struct Mark {
     std::uint64_t bytes = 0;
     std::uint64_t index_bytes = 0;
@@ -31,22 +31,22 @@ class DurableFile {
     std::string owed_lines{};
   };
 
-  /// Creates both (0640); the magic bytes and `first` stand in the file, and all of it is on the disk, when this returns. WrongState when
-  /// NAME or one of the two exists. Leaves nothing behind when it fails.
+  /// Creates both files (mode 0640), writes the magic bytes and `first`, and synchronises them to the disk before it returns. Fails with
+  /// WrongState if NAME or one of the two files exists. If it fails, it leaves no files behind.
   [[nodiscard]] static core::Result<std::unique_ptr<DurableFile>> create(const std::string& name, NotedChunk first);
   ~DurableFile() { close_descriptors(); }
   DurableFile(const DurableFile&) = delete;
   DurableFile& operator=(const DurableFile&) = delete;
 
-  /// All chunks with one write, then their index lines with another. When the first fails, what was torn is cut off again.
+  /// Writes all chunks with one write, then their index lines with another. If the first write fails, cuts off the torn chunk.
   [[nodiscard]] core::Status append(std::span<NotedChunk> chunks);
   [[nodiscard]] core::Status synchronise();
   [[nodiscard]] Mark mark() const { return {bytes_, index_bytes_, hash_, owed_lines_}; }
   [[nodiscard]] core::Status cut_back(const Mark& mark);
 
-  /// Synchronises, gives it its final name unless that is taken, synchronises the folder and takes away the right to write.
+  /// Synchronises the file, renames it to its final name unless that exists, synchronises the folder and makes the file read-only.
   [[nodiscard]] core::Status publish();
-  /// Removes both files: for what nobody needs.
+  /// Removes both files.
   void discard() noexcept;
   void close_descriptors() noexcept;
 
@@ -69,11 +69,11 @@ class DurableFile {
   int index_ = -1;
   std::uint64_t bytes_ = 0;
   std::uint64_t index_bytes_ = 0;
-  std::string owed_lines_;  ///< Of the index: their chunks are in the file, they could not be written.
+  std::string owed_lines_;  ///< Index lines that could not be written although their chunks are in the file.
   crypto_hash_sha256_state hash_{};
 };
 
-/// A SHA-256 as text.
+/// Returns a SHA-256 as hexadecimal text.
 [[nodiscard]] std::string hexadecimal_sha256(crypto_hash_sha256_state state);
 
 }  // namespace dts::record

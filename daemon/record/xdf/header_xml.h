@@ -15,13 +15,13 @@ namespace dts::record {
 
 using Facts = std::vector<std::pair<std::string, std::string>>;
 
-/// What a stream's header says beside `StreamInfo`, for readers that look for it.
+/// Content of a stream's header that is not in `StreamInfo`: only other readers use it.
 struct StreamOrigin {
   std::string session_id;
   std::uint32_t stream = 0;
   double created_at_s = 0.0;
 };
-/// What a stream's footer sums up.
+/// Content of a stream's footer.
 struct StreamSummary {
   double first_time_s = 0.0;
   double last_time_s = 0.0;
@@ -29,18 +29,19 @@ struct StreamSummary {
   std::vector<std::pair<double, double>> clock_offsets{};  ///< (time, offset), at most `kMaxFooterOffsets`.
   Facts facts{};
 };
-inline constexpr std::size_t kMaxFooterOffsets = 20'000;  ///< A footer is one piece of XML of at most 8 MiB; the chunks have them all.
+inline constexpr std::size_t kMaxFooterOffsets = 20'000;  ///< A footer is one XML text of at most 8 MiB; the chunks hold all offsets.
 
 [[nodiscard]] std::string file_header_xml(const Facts& facts);
 [[nodiscard]] std::string stream_header_xml(const StreamInfo& info, const StreamOrigin& origin);
 [[nodiscard]] std::string stream_footer_xml(const StreamSummary& summary);
 
-/// Reading. DataDamaged: no XML, more than 8 MiB, a number that is none, a format or a rate that cannot be; Unsupported: not XDF 1.x.
+/// Read a header or footer. Fail with DataDamaged if the text is no XML, has more than 8 MiB, or holds an invalid number, format or rate,
+/// and with Unsupported if the version is not XDF 1.x.
 [[nodiscard]] core::Result<FileHeader> file_header_of_xml(std::string_view xml);
 [[nodiscard]] core::Result<StreamInfo> stream_info_of_xml(std::string_view xml);
 [[nodiscard]] core::Result<StreamFooter> stream_footer_of_xml(std::string_view xml);
 
-/// "double64"
+/// Returns XDF's word for the type: "double64".
 [[nodiscard]] std::string_view name(ValueType type) noexcept;
 
 }  // namespace dts::record

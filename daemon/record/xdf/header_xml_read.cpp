@@ -14,7 +14,8 @@
 namespace dts::record {
 namespace {
 
-constexpr double kRateTolerance = 1e-9;  ///< Between the exact rate and nominal_srate, relative: rounding of 17 digits and no more.
+constexpr double kRateTolerance =
+    1e-9;  ///< Largest relative difference between the exact rate and nominal_srate: allows only rounding of 17 digits.
 
 std::string_view trimmed(std::string_view text) noexcept {
   constexpr std::string_view kSpace = " \t\r\n";
@@ -25,7 +26,7 @@ std::string_view trimmed(std::string_view text) noexcept {
 
 std::string text_of_child(pugi::xml_node node, const char* name) { return clean_text(node.child(name).text().get()); }
 
-/// The number in a child node. Absent or empty: `number` stays. Fails when there is something else in it.
+/// Reads the number in a child node. Leaves `number` unchanged if the node is absent or empty. Fails if the text is no number.
 template <class Number>
 core::Status read_number(pugi::xml_node node, const char* name, std::optional<Number>& number) {
   const std::string_view text = trimmed(node.child(name).text().get());
@@ -73,7 +74,7 @@ core::Result<core::Rate> exact_rate(pugi::xml_node node, double nominal_hz) {
   return *rate;
 }
 
-/// Absent for an irregular stream. Files of other programs have nominal_srate only.
+/// Returns the rate; nothing for an irregular stream. Files of other programs have only nominal_srate.
 core::Result<std::optional<core::Rate>> rate_of(pugi::xml_node info) {
   std::optional<double> nominal_hz;
   if (auto status = read_number(info, "nominal_srate", nominal_hz); !status) return tl::make_unexpected(status.error());
@@ -100,7 +101,7 @@ core::Result<ChannelInfo> channel_of(pugi::xml_node node) {
   return channel;
 }
 
-/// As many as channel_count says: other programs leave the descriptions out, or describe more.
+/// Returns `channel_count` channels: other programs may describe fewer or more than that.
 core::Result<std::vector<ChannelInfo>> channels_of(pugi::xml_node info) {
   std::optional<std::uint64_t> count;
   if (auto status = read_number(info, "channel_count", count); !status) return tl::make_unexpected(status.error());

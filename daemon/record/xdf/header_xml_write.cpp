@@ -92,7 +92,7 @@ std::string stream_header_xml(const StreamInfo& info, const StreamOrigin& origin
   add(node, "created_at", shortest_text(origin.created_at_s));
   add(node, "uid", origin.session_id + "/" + std::to_string(origin.stream));
   add(node, "session_id", origin.session_id);
-  add(node, "hostname", "");  // nothing identifying leaves the clinic in a file
+  add(node, "hostname", "");  // empty: a file must not identify the clinic
   pugi::xml_node description = node.append_child("desc");
   pugi::xml_node channels = description.append_child("channels");
   for (const auto& channel : info.channels) add_channel(channels, channel);

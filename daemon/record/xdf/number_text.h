@@ -12,7 +12,7 @@
 
 namespace dts::record {
 
-/// The whole text as a number, in every locale the same; nothing when it is none or does not fit.
+/// Reads the whole text as a number, independent of the locale. Returns nothing if it is no number or does not fit the type.
 template <class Number>
 [[nodiscard]] std::optional<Number> number_of(std::string_view text) noexcept {
   Number number{};
@@ -21,7 +21,7 @@ template <class Number>
   return number;
 }
 
-/// 17 significant digits: reads back as exactly the same double.
+/// Returns 17 significant digits, which read back as exactly the same double.
 [[nodiscard]] inline std::string text_of_double(double value) {
   std::array<char, 40> text{};
   const auto [end, error] =
@@ -29,7 +29,7 @@ template <class Number>
   return error == std::errc{} ? std::string(text.data(), end) : std::string("nan");
 }
 
-/// The shortest text that reads back as exactly the same double.
+/// Returns the shortest text that reads back as exactly the same double.
 [[nodiscard]] inline std::string shortest_text(double value) {
   std::array<char, 40> text{};
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value);

@@ -22,14 +22,15 @@ namespace {
 constexpr std::string_view kRecording = ".xdf";
 constexpr std::string_view kRecovered = ".recovered.xdf";
 
-/// What is written into the copy beside what was whole.
+/// Facts for the footers of the copy.
 struct Ending {
   std::string reason;
   std::string incomplete;
   double lost_s_at_most = 0.0;
 };
 
-/// Dropped bytes as time, by the mean of those kept; and what had not reached the file, or not the disk.
+/// Estimates the lost time: the removed bytes at the mean byte rate of the kept ones, plus the longest time of data that was not yet in the
+/// file or not yet on the disk.
 Ending ending_of(const Survey& found) {
   const std::string told = found.footer_fact("incomplete");
   if (found.is_closed() && !found.streams.empty()) return {.reason = "closed, but not renamed", .incomplete = told};
@@ -66,7 +67,7 @@ class Copier {
   std::map<std::uint32_t, std::vector<std::pair<double, double>>> offsets_;
 };
 
-/// Footers are written anew. Regular streams without samples would crash libxdf.
+/// Returns true for chunks that are not copied: footers, which `close` writes anew, and streams without samples, on which libxdf crashes.
 bool Copier::is_left_out(const Chunk& chunk) const {
   const auto is_empty = [this](std::uint32_t number) {
     const auto stream = found_.streams.find(number);
@@ -79,7 +80,7 @@ bool Copier::is_left_out(const Chunk& chunk) const {
   return false;
 }
 
-/// Where the index does not say it, scans are counted on from the chunk before.
+/// Returns a note for a chunk that is not in the index: its scans continue those of the stream's previous chunk.
 ChunkNote Copier::continued_note(const Samples& samples) const {
   ChunkNote note{.stream = samples.stream, .samples = samples.times_s.size()};
   if (!samples.times_s.empty()) note.time_s = samples.times_s.front();
@@ -146,7 +147,7 @@ core::Status Copier::close(const Ending& ending) {
   return file_->publish();
 }
 
-/// What a recovery that was interrupted itself left behind. Only ours: nobody records under such a name.
+/// Removes the files of an interrupted recovery. This is safe: no recording has such a name.
 void remove_leftovers(const std::string& copy) {
   struct stat there {};
   if (!copy.ends_with(kRecovered) || ::lstat(copy.c_str(), &there) == 0) return;
@@ -173,7 +174,7 @@ std::string recovered_name(const std::string& file) {
 }
 
 core::Result<Recovery> recover(const std::string& file, const std::string& copy, const Progress& progress) {
-  // Two passes, each half of the work: what is kept is known only at the end of the first.
+  // Two passes, each half of the work: only the first pass finds which chunks to keep.
   const auto first_half = [&progress](std::uint64_t done, std::uint64_t of) { return !progress || progress(done, 2 * of); };
   const auto second_half = [&progress](std::uint64_t done, std::uint64_t of) { return !progress || progress(of + done, 2 * of); };
   const auto found = survey(file, first_half);

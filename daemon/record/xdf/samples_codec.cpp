@@ -10,7 +10,7 @@
 namespace dts::record {
 namespace {
 
-/// Of one chunk, as it stands in memory: a hostile one may be made of the shortest samples there are.
+/// Most memory for one decoded chunk: a malicious chunk may consist of the shortest possible samples.
 constexpr std::uint64_t kMaxDecodedBytes = 4 * kMaxChunkBytes;
 
 template <class Number>
@@ -22,7 +22,7 @@ void put_value(std::string& bytes, double value) {
     constexpr Number kLowest = std::numeric_limits<Number>::min();
     constexpr Number kHighest = std::numeric_limits<Number>::max();
     const double rounded = std::isnan(value) ? 0.0 : std::round(value);
-    // The largest of 64 bits is no double: the comparison is with the next one above, which it must not reach.
+    // For 64 bits, kHighest is not a double and converts to the next double above it, which does not fit the type. So >=, not >.
     if (rounded >= static_cast<double>(kHighest)) return put(bytes, kHighest);
     if (rounded <= static_cast<double>(kLowest)) return put(bytes, kLowest);
     put(bytes, static_cast<Number>(rounded));
@@ -85,8 +85,8 @@ core::Status take_texts(ByteCursor& cursor, Samples& samples, std::size_t channe
 }
 
 struct Layout {
-  std::uint64_t value_bytes = 0;    ///< At least, in the file.
-  std::uint64_t decoded_bytes = 0;  ///< In memory.
+  std::uint64_t value_bytes = 0;    ///< Fewest bytes of a value in the file.
+  std::uint64_t decoded_bytes = 0;  ///< Bytes of a value in memory.
   core::Status (*take)(ByteCursor&, Samples&, std::size_t) = nullptr;
 };
 
@@ -103,7 +103,7 @@ Layout layout_of(ValueType type) noexcept {
   return {2, sizeof(std::string), take_texts};
 }
 
-/// A declared count that the bytes cannot hold is refused before anything is allocated for it.
+/// Rejects a declared count that the bytes cannot hold, before memory is allocated for it.
 core::Status check_count(std::uint64_t count, std::size_t bytes_left, const Layout& layout, std::size_t channels) {
   const std::uint64_t sample_bytes = 1 + channels * layout.value_bytes;
   if (count > bytes_left / sample_bytes)

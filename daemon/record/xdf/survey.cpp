@@ -37,7 +37,7 @@ class Surveyor {
   core::Result<Survey> run(const Progress& progress);
 
  private:
-  /// False when the file ends here, one way or the other.
+  /// Reads the next chunk; returns false at the end of the file or at a fault.
   bool step();
   bool fits_index(const RawChunk& raw);
   void finish_index();
@@ -81,7 +81,8 @@ bool Surveyor::step() {
   return true;
 }
 
-/// A wrong checksum condemns the chunk. A wrong length condemns the index: content that is damaged so would make no sense either.
+/// Compares a chunk with the index. A wrong checksum is a fault of the chunk. A wrong offset or length is a fault of the index: if the
+/// chunk's length were damaged, its content could not be decoded.
 bool Surveyor::fits_index(const RawChunk& raw) {
   const auto note = index_.next();
   if (!note) {
@@ -102,11 +103,11 @@ bool Surveyor::fits_index(const RawChunk& raw) {
 
 void Surveyor::finish_index() {
   while (const auto note = index_.next()) survey_.indexed_end = note->offset + note->length;
-  if (survey_.index_fault) survey_.indexed_end = 0;  // it tells nothing that could be believed
+  if (survey_.index_fault) survey_.indexed_end = 0;  // a wrong index is not trusted
   std::error_code unknown;
   const std::uint64_t size_now = std::filesystem::file_size(file_, unknown);
   if (!unknown && size_now >= survey_.indexed_end)
-    survey_.indexed_end = std::min(survey_.indexed_end, survey_.size);  // it is being written
+    survey_.indexed_end = std::min(survey_.indexed_end, survey_.size);  // the file is being written
   const bool is_longer = survey_.indexed_end > survey_.size;
   if (is_longer && !survey_.fault)
     survey_.index_fault = damaged("the index tells of " + std::to_string(survey_.indexed_end - survey_.size) + " bytes more", survey_.size);

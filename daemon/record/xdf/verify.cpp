@@ -9,7 +9,7 @@
 namespace dts::record {
 namespace {
 
-constexpr double kTimeToleranceS = 1e-3;  ///< Other programs write fewer digits into their footers.
+constexpr double kTimeToleranceS = 1e-3;  ///< Other programs write footers with fewer digits.
 
 tl::unexpected<core::Error> contradiction(const StreamSurvey& stream, const std::string& what) {
   return core::fail(core::ErrorCode::DataDamaged, "the footer of stream " + stream.name + " contradicts its samples: " + what);
@@ -45,7 +45,8 @@ core::Result<Verification> verify(const std::string& file, const Progress& progr
   if (!found) return tl::make_unexpected(found.error());
   if (auto status = check(*found); !status) return core::fail(status.error().code, file + ": " + status.error().what, status.error().hint);
   const StreamSurvey* const longest = found->longest_stream();
-  Verification verification{.sha256 = found->sha256, .bytes = found->size, .chunks = found->chunks, .scans = longest ? longest->samples : 0};
+  Verification verification{
+      .sha256 = found->sha256, .bytes = found->size, .chunks = found->chunks, .scans = longest ? longest->samples : 0};
   verification.duration_s = found->duration_s();
   verification.has_index = found->is_all_indexed;
   verification.is_closed = found->is_closed();

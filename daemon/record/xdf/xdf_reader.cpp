@@ -33,7 +33,7 @@ class FileReader : public XdfReader {
   std::unique_ptr<ChunkStream> stream_;
   ChunkDecoder decoder_;
   std::optional<core::Error> error_;
-  std::uint64_t offset_;  ///< Not the stream's: that goes on over a chunk that is whole, but makes no sense.
+  std::uint64_t offset_;  ///< End of the last readable chunk. `stream_->offset()` can be later: after a whole chunk with invalid content.
 };
 
 }  // namespace

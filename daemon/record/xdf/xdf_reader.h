@@ -14,21 +14,21 @@
 
 namespace dts::record {
 
-/// What the file header holds: the facts under <desc>, of whatever program.
+/// The file header: the facts under <desc>, written by any program.
 struct FileHeader {
   std::vector<std::pair<std::string, std::string>> facts;
 };
 struct StreamHeader {
-  std::uint32_t stream = 0;  ///< Number in the file.
+  std::uint32_t stream = 0;  ///< Stream number in the file.
   StreamInfo info;
 };
-/// Samples of one chunk; times of all of them, given or counted on from the one before.
+/// Samples of one chunk. Each has a time: its time stamp, or one computed from the previous time stamp.
 struct Samples {
   std::uint32_t stream = 0;
   std::vector<double> times_s;
   std::vector<double> values;      ///< `values[sample * channels + channel]`; empty for texts.
-  std::vector<std::string> texts;  ///< The same for texts.
-  bool has_first_time = false;     ///< The first time stamp stands in the file.
+  std::vector<std::string> texts;  ///< `texts[sample * channels + channel]`; empty for numbers.
+  bool has_first_time = false;     ///< The first sample has a time stamp in the file.
 };
 struct ClockOffset {
   std::uint32_t stream = 0;
@@ -43,7 +43,7 @@ struct StreamFooter {
   std::optional<std::uint64_t> sample_count;
   std::vector<std::pair<std::string, std::string>> facts;  ///< "incomplete", "recovered", "lost_s_at_most"
 };
-/// A tag this reader does not know: skipped, as the specification asks for.
+/// A chunk with a tag that this reader does not know. Readers skip it, as the specification requires.
 struct UnknownChunk {
   std::uint16_t tag = 0;
 };
@@ -51,21 +51,21 @@ struct UnknownChunk {
 /// One chunk with its place in the file.
 struct Chunk {
   std::uint64_t offset = 0;
-  std::uint64_t length = 0;  ///< With its length prefix.
+  std::uint64_t length = 0;  ///< In bytes, with its length prefix.
   std::variant<FileHeader, StreamHeader, Samples, ClockOffset, Boundary, StreamFooter, UnknownChunk> content;
 };
 
-/// Reads an XDF 1.0 file of any program chunk by chunk. Never trusts the file: lengths and counts are checked against what is left of it
-/// before memory is taken, at most a few times the largest chunk (64 MiB) is held, and every fault is told with its offset.
+/// Reads an XDF 1.0 file of any program chunk by chunk. Does not trust the file: checks lengths and counts against the rest of the file
+/// before it allocates memory, holds at most a few times the largest chunk (64 MiB), and reports every fault with its offset.
 /// Thread: one at a time.
 class XdfReader {
  public:
-  /// Fails with NotFound or Failed (it cannot be read) and with DataDamaged (it is no XDF).
+  /// Fails with NotFound, NotAllowed or Failed if the file cannot be read, and with DataDamaged if it is no XDF.
   [[nodiscard]] static core::Result<std::unique_ptr<XdfReader>> open(const std::string& file);
   virtual ~XdfReader() = default;
 
-  /// The next chunk; nothing at the end of the file. DataDamaged: what follows cannot be read; `offset()` is where the last whole
-  /// chunk ends. After an error every call fails the same way.
+  /// Returns the next chunk; nothing at the end of the file. Fails with DataDamaged if the next chunk cannot be read; `offset()` is then
+  /// the end of the last readable chunk. After an error every call fails with the same error.
   [[nodiscard]] virtual core::Result<std::optional<Chunk>> next() = 0;
   [[nodiscard]] virtual std::uint64_t offset() const noexcept = 0;
   [[nodiscard]] virtual std::uint64_t size() const noexcept = 0;

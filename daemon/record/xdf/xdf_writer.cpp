@@ -79,7 +79,7 @@ core::Status XdfWriter::Implementation::keep_error(core::Status status) {
   return status;
 }
 
-/// The stream, when something can be written to it now. What the caller did wrong does not break the writer.
+/// Returns the stream if samples can be written to it now. A wrong call does not break the writer.
 core::Result<XdfWriter::Implementation::Stream*> XdfWriter::Implementation::usable(std::uint32_t number, bool is_text) {
   if (error_) return tl::make_unexpected(*error_);
   Stream* stream = find(number);
@@ -97,7 +97,8 @@ NotedChunk XdfWriter::Implementation::header_of(Stream& stream, std::uint32_t nu
   return {.bytes = make_chunk(ChunkTag::StreamHeader, with_stream(number, stream_header_xml(stream.info, origin)))};
 }
 
-/// A stream's header goes with its first samples in one write: a crash between them would leave what libxdf crashes on.
+/// Writes samples. Writes a stream's header and its first samples with one write: a crash between two writes would leave a header without
+/// samples, on which libxdf crashes.
 core::Status XdfWriter::Implementation::write_samples(std::uint32_t number, const std::string& content, std::size_t count, double first_s,
                                                       double last_s, Position position) {
   Stream& stream = *find(number);
@@ -112,7 +113,8 @@ core::Status XdfWriter::Implementation::write_samples(std::uint32_t number, cons
   const std::uint64_t bytes_before = file_->bytes();
   auto status = keep_error(file_->append(chunks));
   if (file_->bytes() == bytes_before) return status;
-  if (stream.summary.sample_count == 0) stream.summary.first_time_s = first_s;  // they are in the file, even when the index failed
+  if (stream.summary.sample_count == 0)
+    stream.summary.first_time_s = first_s;  // the samples are in the file, even if writing the index failed
   stream.is_written = true;
   stream.summary.last_time_s = last_s;
   stream.summary.sample_count += count;
@@ -146,9 +148,9 @@ core::Status XdfWriter::Implementation::synchronise() {
   return keep_error(file_->synchronise());
 }
 
-/// All or none: a file with some of its footers would say that it is closed to readers that look for one.
+/// Writes all footers or none: a reader that finds one footer may think that the file is closed.
 core::Status XdfWriter::Implementation::write_footers(const std::string& incomplete) {
-  // Also cuts off what an earlier error left torn, or an earlier attempt's footers.
+  // Also cuts off a torn chunk of an earlier error, or the footers of an earlier attempt.
   if (!before_footers_) before_footers_ = file_->mark();
   if (auto status = file_->cut_back(*before_footers_); !status) return status;
   std::vector<NotedChunk> footers;

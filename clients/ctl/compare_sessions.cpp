@@ -93,8 +93,7 @@ void warn_of_differences(const v1::SessionResult& first, const v1::SessionResult
        {std::pair{"duration_s", "last"}, std::pair{"profile", "are of profile"}, std::pair{"rate_hz", "are analysed at"}}) {
     const cli::Json in_one = told_of(one, key);
     const cli::Json in_two = told_of(two, key);
-    if (in_one.is_null() != in_two.is_null() &&
-        std::string_view(key) == "duration_s") {  // a mean over trials of different lengths has no duration
+    if (in_one.is_null() != in_two.is_null() && std::string_view(key) == "duration_s") {  // a mean over unequal trials has none
       warnings.insert(what + ": trials are equally long in one session and not in another; such values do not compare");
     }
     if (in_one.is_null() || in_two.is_null() || in_one == in_two) continue;

@@ -136,11 +136,11 @@ void add_files(CommandTree& tree, CLI::App& session) {
                           "dtsctl session recover floor.xdf.part | makes floor.recovered.xdf; the original stays\n", run_session_recover);
   add_id(*recover, tree, "FILE", "The recording");
   recover->add_option("--out", wishes.out, "Name of the copy (NAME.recovered.xdf beside it); never overwritten")->option_text("FILE");
-  CLI::App* exported = add(tree, session, "export", "Write a recording as CSV or as a BIDS dataset",
-                           "dtsctl session export 20261121T144525Z-floor-1 --format csv --out tables | a table per stream, events, trials, "
-                           "and what is known of it\n"
-                           "dtsctl session export floor.xdf --format bids --out study | a file; a dataset of ours is added to\n",
-                           run_session_export);
+  CLI::App* exported =
+      add(tree, session, "export", "Write a recording as CSV or as a BIDS dataset",
+          "dtsctl session export 20261121T144525Z-floor-1 --format csv --out tables | a table per stream, events, trials, and what is known of it\n"
+          "dtsctl session export floor.xdf --format bids --out study | a file; a dataset of ours is added to\n",
+          run_session_export);
   add_id(*exported, tree, "ID|FILE", "Session, or a file of one: what exists, has a '/', or ends in .xdf or .part");
   exported->add_option("--format", wishes.format, "csv or bids")->option_text("NAME")->required()->check(CLI::IsMember({"csv", "bids"}));
   exported->add_option("--out", wishes.out, "Folder to write into (csv: here; bids: bids)")->option_text("DIR");
@@ -153,9 +153,7 @@ void add_report(CommandTree& tree) {
                          "dtsctl report floor.xdf --format html --out pages | of a file; needs no daemon\n",
                          run_report);
   add_id(*report, tree, "ID|FILE", "Session, or a file of one: what exists, has a '/', or ends in .xdf or .part");
-  report->add_option("--format", wishes.format, "html, svg or all (all)")
-      ->option_text("NAME")
-      ->check(CLI::IsMember({"html", "svg", "all"}));
+  report->add_option("--format", wishes.format, "html, svg or all (all)")->option_text("NAME")->check(CLI::IsMember({"html", "svg", "all"}));
   report->add_option("--out", wishes.out, "Folder to write into (ID-report); pages of ours are replaced")->option_text("DIR");
 }
 

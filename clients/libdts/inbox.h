@@ -104,8 +104,7 @@ class Inbox {
   bool is_same_host_ = false;
   std::uint64_t instance_id_ = 0;
   v1::StatusSnapshot status_;
-  v1::StreamBlock
-      scratch_;  ///< Messages are decoded here first, so that a malformed one does not destroy the block that waits in its topic.
+  v1::StreamBlock scratch_;  ///< Decoded here first, so that a malformed message does not destroy the block in its topic.
   std::deque<Ready> ready_;
   Ready current_;  ///< The item that the caller's view points to.
   std::deque<Held> held_;

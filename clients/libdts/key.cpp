@@ -32,8 +32,7 @@ Result<void> check_mode(const std::string& file) {
     return fail(ErrorCode::InvalidArgument, "key file " + file + ": " + std::generic_category().message(errno),
                 "dtsctl key new makes one, on the daemon's machine");
   }
-  if (!S_ISREG(found.st_mode))
-    return fail(ErrorCode::InvalidArgument, "key file " + file + " is no regular file");  // opening a pipe would block
+  if (!S_ISREG(found.st_mode)) return fail(ErrorCode::InvalidArgument, "key file " + file + " is no regular file");  // a pipe would block
   if ((found.st_mode & 0077U) == 0) return {};
   return fail(ErrorCode::NotAllowed, "key file " + file + " is open to others: its secret is none", "chmod 0600 " + file);
 }

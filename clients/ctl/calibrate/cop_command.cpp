@@ -27,9 +27,8 @@ constexpr std::uint8_t kRefusedDeflectionQuality =
 constexpr double kDriftMm = 0.01;       // changes the estimate by about 0.1 mm at 490 N
 constexpr double kNoiseMm = 0.1;        // as for the tare: more noise means movement
 constexpr double kThesisLoadN = 490.0;  // thesis 4.5: 50 kgf
-constexpr double kLeastRatio =
-    2.0;  // between the loads of poly3: a smaller ratio shows too little of how its coefficients depend on the load
-constexpr std::size_t kGoodGrid = 6;  // plate-model 5.2: 6 x 6 places are ten times better than 5 x 5
+constexpr double kLeastRatio = 2.0;     // between the loads: poly3 needs it to fit how its coefficients depend on the load
+constexpr std::size_t kGoodGrid = 6;    // plate-model 5.2: 6 x 6 places are ten times better than 5 x 5
 
 /// All settings that are fixed before the first measurement.
 struct Job {

@@ -25,8 +25,7 @@ struct MeasureOptions {
   std::size_t patience_scans = 1000;                                ///< After this many scans the talk repeats what is still moving.
   std::function<void(const std::string&)> say;                      ///< Prints one line of talk.
   std::function<std::string(std::span<const double> scan)> sees{};  ///< Describes a scan; may be empty.
-  std::function<std::string(const std::string& label, std::uint8_t quality)>
-      advise{};                        ///< Returns what to do about a quality bit; may be empty.
+  std::function<std::string(const std::string& label, std::uint8_t quality)> advise{};  ///< Advice on a quality bit; may be empty.
   std::function<bool()> is_stopped{};  ///< Returns true if the person wants to stop measuring; may be empty.
 };
 

@@ -12,8 +12,7 @@ namespace {
 
 constexpr std::size_t kQuarters = 4;
 constexpr double kDependentScans = 3.0;  // because of the thesis's window filter
-constexpr double kDeviations =
-    4.0;  // the range of five means exceeds this in about 4 % of windows at rest, and the next window follows soon
+constexpr double kDeviations = 4.0;      // at rest the range of five means exceeds this in about 4 % of windows
 
 }  // namespace
 

@@ -12,9 +12,8 @@ namespace dts::client {
 /// Where a daemon listens, as ZeroMQ addresses: "ipc:///run/dtsd/control.sock" or "tcp://127.0.0.1:5555".
 struct Endpoints {
   std::string control;
-  std::string data;  ///< Empty if only a TCP control address is known: the port of the data socket cannot be guessed.
-  std::string
-      origin;  ///< The setting that decided the addresses, for messages: "--endpoint", "DTSD_CONTROL", "DTSD_RUNTIME_DIR", "/run/dtsd", ...
+  std::string data;    ///< Empty if only a TCP control address is known: the port of the data socket cannot be guessed.
+  std::string origin;  ///< What decided the addresses, for messages: "--endpoint", "DTSD_CONTROL", "DTSD_RUNTIME_DIR", "/run/dtsd", ...
 };
 
 /// Addresses from the user. An empty one is looked up.

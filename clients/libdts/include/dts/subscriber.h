@@ -20,9 +20,8 @@ enum class Mode : std::uint8_t {
 };
 
 struct SubscriberOptions {
-  std::string endpoint;  ///< `Endpoints::data`
-  std::vector<std::string>
-      topics;  ///< Prefixes: "floor/cop", "floor/", "" for everything. Compared by bytes: "floor" also matches "floor2/cop".
+  std::string endpoint;             ///< `Endpoints::data`
+  std::vector<std::string> topics;  ///< Prefixes: "floor/cop", "floor/", "" for all. Byte-wise: "floor" also matches "floor2/cop".
   Mode mode = Mode::All;
   int queue_messages = 8192;  ///< Messages kept while the caller does not call `receive` (1..1000000).
   /// For mode Latest after a stall: the queued blocks are old, and newer ones follow. `receive` reads on until the blocks are as fresh as

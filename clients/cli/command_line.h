@@ -78,11 +78,11 @@ struct Example {
 /// Returns the options that are not positional.
 [[nodiscard]] std::vector<const CLI::Option*> options(const CLI::App& command);
 [[nodiscard]] std::vector<const CLI::Option*> positionals(const CLI::App& command);
-/// "--count N", "--json", "RIG"
+/// Returns "--count N", "--json", "RIG".
 [[nodiscard]] std::string option_label(const CLI::Option& option);
-/// "dtsctl session start"
+/// Returns "dtsctl session start".
 [[nodiscard]] std::string full_name(const CLI::App& command);
-/// "dtsctl session start --rig RIG [OPTIONS]"
+/// Returns "dtsctl session start --rig RIG [OPTIONS]".
 [[nodiscard]] std::string usage(const CLI::App& command);
 /// Returns the program itself.
 [[nodiscard]] const CLI::App& root_of(const CLI::App& command);

@@ -8,7 +8,7 @@
 
 namespace dts::cli {
 
-/// Prints help with the examples first, because most readers look for them (clig.dev).
+/// Prints help with the examples first, because most readers look for examples (clig.dev).
 class HelpFormatter : public CLI::Formatter {
  public:
   /// `glossaries` must outlive the formatter.

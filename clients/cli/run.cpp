@@ -116,7 +116,7 @@ class Witness final : public std::streambuf {
   bool has_seen_text_ = false;
 };
 
-/// {"error": {"code": "not_found", "message": ..., "hint": ...}}
+/// Returns {"error": {"code": "not_found", "message": ..., "hint": ...}}.
 Json error_json(const Failure& failure, int status) {
   const int code = failure.code != 0 ? failure.code : status;
   Json error{{"code", core::name(static_cast<core::ErrorCode>(code))}, {"message", failure.what}};

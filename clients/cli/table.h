@@ -11,7 +11,7 @@ namespace dts::cli {
 
 /// Returns a number for people, with fixed decimals; "-" if it is undefined.
 [[nodiscard]] std::string decimal(double value, int decimals);
-/// "12.3 s", "4 min 5 s", "3 h 12 min", "2 d 3 h".
+/// Returns "12.3 s", "4 min 5 s", "3 h 12 min", "2 d 3 h".
 [[nodiscard]] std::string duration(double seconds);
 /// Returns the number of columns that `text` needs on a terminal (code points of UTF-8).
 [[nodiscard]] std::size_t width(std::string_view text) noexcept;

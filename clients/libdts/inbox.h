@@ -22,7 +22,7 @@ namespace dts::client {
 /// Has no clock: the caller passes the time.
 ///
 ///     accept --decode--> block --format known?--> [ready] --next--> caller
-///                                 | no: mode All    --> [held]  replayed when the status comes
+///                                 | no: mode All    --> [held]  replayed when the status arrives
 ///                                 |     mode Latest --> stays in its topic, overwritten by newer ones
 class Inbox {
  public:

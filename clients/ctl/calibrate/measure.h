@@ -14,7 +14,7 @@
 
 namespace dts::ctl {
 
-inline constexpr double kPatienceS = 10.0;  ///< After this time the talk repeats what is still moving.
+inline constexpr double kPatienceS = 10.0;  ///< After this time the program prints again what is still moving.
 
 /// Settings of a measurement.
 struct MeasureOptions {
@@ -22,7 +22,7 @@ struct MeasureOptions {
   std::string unit;
   SteadyLimits limits;
   std::uint8_t refused_quality = 0;                                 ///< Bits of v1::Quality that make a hold invalid.
-  std::size_t patience_scans = 1000;                                ///< After this many scans the talk repeats what is still moving.
+  std::size_t patience_scans = 1000;                                ///< After this many scans it prints again what is still moving.
   std::function<void(const std::string&)> say;                      ///< Prints one line of talk.
   std::function<std::string(std::span<const double> scan)> sees{};  ///< Describes a scan; may be empty.
   std::function<std::string(const std::string& label, std::uint8_t quality)> advise{};  ///< Advice on a quality bit; may be empty.

@@ -27,11 +27,11 @@ using std::chrono::seconds;
 constexpr std::string_view kCookie = "dts_token";
 constexpr std::size_t kMostWaiting = 16;
 constexpr seconds kQueueIsShorterIn{2};
-// A name from one address: somebody who guesses waits long. Colleagues behind the same router, and the user at another address, do not.
+// For a name at one address the wait is long: it stops guesses, but neither colleagues behind the same router nor the user elsewhere.
 constexpr seconds kLongestForBoth{900};
 constexpr unsigned kFreeForBoth = 5;
-// One name from many addresses, or many names from one address: half a minute allows only few guesses (2880 a day), and locks out others
-// only while the guessing lasts.
+// For an address or a name alone the wait is short, because it also locks out others while somebody guesses: half a minute still allows
+// only few guesses (2880 a day).
 constexpr seconds kLongestForOne{30};
 constexpr unsigned kFreeForOne = 20;
 

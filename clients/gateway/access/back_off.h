@@ -9,8 +9,8 @@
 namespace dts::gateway {
 
 /// Makes a key wait after too many failures: no wait for the first failures, then 1 s, 2 s, 4 s ... up to the longest wait. An hour without
-/// a failure resets the count. Bounded: if there are too many keys, the one with the oldest failure is dropped. Has no clock: the caller
-/// passes the time.
+/// a failure resets the count. Bounded: if there are too many keys, the key whose last failure is oldest is dropped. Has no clock: the
+/// caller passes the time.
 class BackOff {
  public:
   using Time = std::chrono::steady_clock::time_point;

@@ -43,7 +43,7 @@ class TabQueue {
   [[nodiscard]] bool wants(std::string_view topic) const noexcept;
 
   void push(const CarriedPointer& message, Time now);
-  /// Returns false if no frame with this number is being painted.
+  /// Returns false if no unpainted frame has this number.
   [[nodiscard]] bool painted(std::uint64_t frame) noexcept;
 
   /// Returns when the next frame may leave; nothing if no message waits or two frames are not painted yet.

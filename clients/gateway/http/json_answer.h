@@ -10,7 +10,7 @@ namespace dts::gateway {
 
 /// Returns an answer with a JSON document that no cache may store.
 [[nodiscard]] HttpResponse json_answer(unsigned status, const cli::Json& document);
-/// {"what","hint"}
+/// Returns an answer with {"what","hint"}.
 [[nodiscard]] HttpResponse error_answer(unsigned status, std::string_view what, std::string_view hint = {});
 
 /// Returns the HTTP status for an error code, a number of `dts.v1.ErrorCode`.

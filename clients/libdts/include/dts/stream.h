@@ -49,7 +49,7 @@ struct Block {
   Rate rate;
   std::int64_t host_time_ns = 0;              ///< Time of the first scan: CLOCK_MONOTONIC of the daemon's host.
   std::int64_t host_time_uncertainty_ns = 0;  ///< Largest error of `host_time_ns`; 0: exact (simulated).
-  std::uint64_t sequence = 0;                 ///< Number of this block in its stream since the daemon started.
+  std::uint64_t sequence = 0;                 ///< Blocks of this stream since the daemon started.
   /// Scans of this stream that are missing between the previously delivered block and this one: lost in transit, dropped by a full queue,
   /// or skipped in mode Latest. Before the first block: scans received and dropped while the formats were not known yet. Scans that the
   /// device lost are not counted here; gap events report them.

@@ -13,7 +13,7 @@
 namespace dts::cli {
 namespace {
 
-/// Lines of "left | right".
+/// Parses lines of "left | right".
 std::vector<std::pair<std::string, std::string>> pairs_of(const std::string& text) {
   std::vector<std::pair<std::string, std::string>> found;
   std::istringstream lines(text);

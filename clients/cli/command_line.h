@@ -15,14 +15,14 @@ namespace dts::cli {
 /// Executes a command and returns the exit status.
 using Handler = std::function<int(Console& console)>;
 
-/// What the manual page says beyond the commands. Plain text unless said otherwise.
+/// Contents of the manual page, besides the commands. Plain text unless noted otherwise.
 struct Manual {
   using Entry = std::pair<std::string, std::string>;  ///< Name and meaning.
 
-  std::string summary;      ///< After the program's name: "command line of the daemon".
+  std::string summary;      ///< Follows the program's name: "command line of the daemon".
   std::string description;  ///< Sentences, in man(7) macros.
   std::vector<Entry> environment;
-  std::vector<int> exit_statuses;  ///< Those of kExitMeanings that this program has.
+  std::vector<int> exit_statuses;  ///< The statuses of kExitMeanings that this program uses.
   std::string further_sections;    ///< In man(7) macros, each with its .SH.
   std::vector<Entry> files;
   std::vector<std::pair<std::string, int>> see_also;  ///< {"jq", 1}
@@ -33,18 +33,18 @@ struct Program {
   std::string version;       ///< "0.1.0"
   std::string description;   ///< Without full stop.
   std::string examples;      ///< Common tasks, lines of "command | purpose".
-  bool takes_files = false;  ///< Completion falls back to the names of files.
+  bool takes_files = false;  ///< Completion also offers file names.
 };
 
-/// Words that a command's results are written in, with their meanings; for its help and the manual page.
+/// Words in a command's results, with their meanings; shown in its help and in the manual page.
 struct Glossary {
   std::string title;  ///< "Measures"
   std::vector<Manual::Entry> words;
 };
 using Glossaries = std::map<const CLI::App*, std::vector<Glossary>>;
 
-/// One of our command-line programs: its commands with options, help and examples. Help, completion and the manual page
-/// are all made from it. Bound to itself by pointers: stays where it is made.
+/// A command-line program: its commands with options, help and examples. Help, completion and the manual page are generated from it. Holds
+/// pointers to itself, so it must not be moved.
 struct CommandLine {
   explicit CommandLine(Program about);
 
@@ -56,35 +56,35 @@ struct CommandLine {
   std::string shell;  ///< The argument of `completion`.
 };
 
-/// A command that only leads to its subcommands. `examples`: lines of "command | purpose".
+/// Adds a command that only groups its subcommands. `examples`: lines of "command | purpose".
 CLI::App* add_group(CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples);
-/// A command that does something.
+/// Adds a command that executes `handler`.
 CLI::App* add_command(CommandLine& line, CLI::App& parent, const std::string& name, const std::string& description,
                       const std::string& examples, Handler handler);
-/// Adds the words that a command prints to its help and manual: lines of "WORD | meaning".
+/// Adds the words that a command prints to its help and to the manual page: lines of "WORD | meaning".
 void explain(CommandLine& line, const CLI::App& command, const std::string& words);
-/// What every program has, after its own: `--version`, and the commands `completion` and `man`.
+/// Adds what every program has, after the program's own commands: `--version`, and the commands `completion` and `man`.
 void add_common(CommandLine& line);
 
-/// The examples of a command, one "command line  what it does" per element.
+/// One example of a command: "command line  what it does".
 struct Example {
   std::string command;
   std::string purpose;
 };
 [[nodiscard]] std::vector<Example> examples(const CLI::App& command);
 
-/// Visible subcommands, in the order of their definition.
+/// Returns the visible subcommands, in the order of their definition.
 [[nodiscard]] std::vector<const CLI::App*> subcommands(const CLI::App& command);
-/// Options that are not positional.
+/// Returns the options that are not positional.
 [[nodiscard]] std::vector<const CLI::Option*> options(const CLI::App& command);
 [[nodiscard]] std::vector<const CLI::Option*> positionals(const CLI::App& command);
-/// "--count N", "--json", "RIG"
+/// Returns "--count N", "--json", "RIG".
 [[nodiscard]] std::string option_label(const CLI::Option& option);
-/// "dtsctl session start"
+/// Returns "dtsctl session start".
 [[nodiscard]] std::string full_name(const CLI::App& command);
-/// "dtsctl session start --rig RIG [OPTIONS]"
+/// Returns "dtsctl session start --rig RIG [OPTIONS]".
 [[nodiscard]] std::string usage(const CLI::App& command);
-/// The program itself.
+/// Returns the program itself.
 [[nodiscard]] const CLI::App& root_of(const CLI::App& command);
 
 }  // namespace dts::cli

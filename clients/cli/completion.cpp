@@ -9,7 +9,7 @@ namespace {
 
 using Candidate = std::pair<std::string, std::string>;  ///< Word and description.
 
-/// Every command below `command`, and itself, as "path of words" (" session start").
+/// Collects `command` and every command below it, as "path of words" (" session start").
 void collect(const CLI::App& command, const std::string& path, std::vector<std::pair<std::string, const CLI::App*>>& found) {
   found.emplace_back(path, &command);
   for (const CLI::App* subcommand : subcommands(command)) collect(*subcommand, path + " " + subcommand->get_name(), found);
@@ -21,7 +21,7 @@ void add_options(const CLI::App& command, std::vector<Candidate>& words) {
   }
 }
 
-/// What may stand next after `command`.
+/// Returns the words that may follow `command`.
 std::vector<Candidate> candidates(const CLI::App& command, const CLI::App& root) {
   std::vector<Candidate> words;
   for (const CLI::App* subcommand : subcommands(command)) words.emplace_back(subcommand->get_name(), subcommand->get_description());
@@ -41,7 +41,7 @@ std::string shell_quoted(const std::string& text) {
   return safe + "'";
 }
 
-/// The alternatives of the `case` that recognises commands: " rig list"|" rig show"
+/// Returns the pattern of the `case` that recognises commands: " rig list"|" rig show"
 std::string patterns(const std::vector<std::pair<std::string, const CLI::App*>>& commands) {
   std::string text;
   for (const auto& [path, command] : commands) {

@@ -8,22 +8,22 @@
 
 namespace dts::cli {
 
-/// Texts made from the command line, so that they cannot disagree with it.
+/// Documents generated from the command line, so that they always match it.
 
-/// Completes commands and options: a bash-completion file.
+/// Returns a bash-completion file that completes commands and options.
 [[nodiscard]] std::string bash_completion(const CommandLine& line);
-/// The same for zsh, with descriptions: a file named _dtsctl in fpath.
+/// Returns the same for zsh, with descriptions: a file named _dtsctl in fpath.
 [[nodiscard]] std::string zsh_completion(const CommandLine& line);
-/// For the manual of a program with --json, in man(7) macros.
+/// Text about JSON errors for the manual of a program with --json, in man(7) macros.
 inline constexpr const char* kJsonErrors =
     "With\n.B \\-\\-json\na command that fails prints {\"error\": {\"code\", \"message\", \"hint\"}} unless it has printed a result; the "
     "code is "
     "a word such as not_found.\n";
 
-/// The manual page dtsctl(1), in man(7) macros.
+/// Returns the manual page dtsctl(1), in man(7) macros.
 [[nodiscard]] std::string manual_page(const CommandLine& line);
 
-/// Commands: print the script for `line.shell`, print the page. Both return the exit status.
+/// Handlers of the commands `completion` (for `line.shell`) and `man`. Both return the exit status.
 [[nodiscard]] int print_completion(const CommandLine& line, Console& console);
 [[nodiscard]] int print_manual(const CommandLine& line, Console& console);
 

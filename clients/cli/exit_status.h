@@ -14,15 +14,15 @@ inline constexpr int kFailed = 1;
 inline constexpr int kUsage = 2;
 inline constexpr int kInterrupted = 130;
 
-/// The exit status that tells of an error, given by its number in `dts.v1.ErrorCode`. Several codes share "failed": scripts
-/// need not tell them apart.
+/// Returns the exit status for an error code, a number of `dts.v1.ErrorCode`. Several codes share the status "failed": scripts need not
+/// distinguish them.
 [[nodiscard]] int exit_status(int code) noexcept;
 template <class Code>
 requires std::is_enum_v<Code>
 [[nodiscard]] int exit_status(Code code) noexcept { return exit_status(static_cast<int>(code)); }
 
-/// Prints an error and returns its exit status. dts::client and dts::core each have an Error of `code`, `what` and `hint`, with the
-/// same numbers for codes.
+/// Prints an error and returns its exit status. Error is dts::client::Error or dts::core::Error: both have `code`, `what` and `hint`, and
+/// the same numbers for codes.
 template <class Error>
 [[nodiscard]] int fail_with(Console& console, const Error& error) {
   print_error(console, error.what, error.hint);
@@ -34,7 +34,7 @@ struct ExitMeaning {
   int status;
   std::string_view meaning;
 };
-/// What the manual page says.
+/// Exit statuses for the manual page.
 inline constexpr std::array<ExitMeaning, 9> kExitMeanings{{{0, "success"},
                                                            {1, "failed, or time is up"},
                                                            {2, "wrong usage or bad input"},

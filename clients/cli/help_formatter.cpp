@@ -13,7 +13,7 @@ using Row = std::pair<std::string, std::string>;
 
 constexpr std::size_t kWidestName = 44;
 
-/// A headline and two columns; a name that is too wide gets a line of its own.
+/// Returns a heading and two columns; a name that is too wide gets its own line.
 std::string section(const std::string& title, const std::vector<Row>& rows) {
   if (rows.empty()) return {};
   std::size_t column = 0;

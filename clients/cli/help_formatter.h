@@ -8,10 +8,10 @@
 
 namespace dts::cli {
 
-/// Help with the examples first: that is what most readers look for (clig.dev).
+/// Prints help with the examples first, because most readers look for examples (clig.dev).
 class HelpFormatter : public CLI::Formatter {
  public:
-  /// `glossaries` outlives the formatter.
+  /// `glossaries` must outlive the formatter.
   explicit HelpFormatter(const Glossaries& glossaries) : glossaries_(glossaries) {}
   [[nodiscard]] std::string make_help(const CLI::App* command, std::string name, CLI::AppFormatMode mode) const override;
 

@@ -7,7 +7,7 @@
 namespace dts::cli {
 namespace {
 
-std::atomic<bool> is_interrupted = false;  // a signal handler may touch it, on whatever thread
+std::atomic<bool> is_interrupted = false;  // a signal handler writes it, on any thread
 static_assert(std::atomic<bool>::is_always_lock_free);
 
 extern "C" void note_interruption(int /*signal*/) { is_interrupted.store(true); }

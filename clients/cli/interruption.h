@@ -3,7 +3,7 @@
 
 namespace dts::cli {
 
-/// While it lives, Ctrl-C does not end the program but is noted: for work that cleans up behind itself. One at a time.
+/// While this object lives, Ctrl-C does not end the program but sets a flag, for work that cleans up before it ends. Only one at a time.
 class Interruption {
  public:
   Interruption();

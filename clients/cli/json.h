@@ -9,11 +9,11 @@ namespace dts::cli {
 
 using Json = nlohmann::ordered_json;
 
-/// Without line ends. Text that is not UTF-8 (a topic may be anything) is repaired, here and in `document`.
+/// Returns one document without line ends. Replaces bytes that are not UTF-8 (a topic may have any bytes), as `document` does.
 [[nodiscard]] std::string one_line(const Json& json);
-/// One document, indented, with a line end.
+/// Returns one document, indented, with a line end.
 [[nodiscard]] std::string document(const Json& json);
-/// Adds a number unless it is undefined (not finite): that is absent, never NaN and never 0.
+/// Adds a number, but only if it is finite: an undefined number is absent, never NaN and never 0.
 void set_number(Json& object, std::string_view key, double value);
 
 }  // namespace dts::cli

@@ -9,7 +9,7 @@
 namespace dts::cli {
 namespace {
 
-/// Text for roff: a backslash, a hyphen that can be copied, and no line that starts as a macro.
+/// Escapes text for roff: backslashes, hyphens (so that they can be copied), and lines that would start as a macro.
 std::string roff(const std::string& text) {
   std::string safe;
   for (const char letter : text) {
@@ -19,7 +19,7 @@ std::string roff(const std::string& text) {
     } else if (letter == '-') {
       safe += "\\-";
     } else if (letter == '"') {
-      safe += "\\(dq";  // a plain one would group the words of a macro
+      safe += "\\(dq";  // a plain quotation mark would group the words of a macro
     } else {
       safe += letter;
     }
@@ -40,7 +40,7 @@ std::string example_text(const CLI::App& command) {
   return text;
 }
 
-/// A command that does something; groups like "session" are only the way to theirs.
+/// Describes a command with its options; a group like "session" only describes its subcommands.
 void describe(const CLI::App& command, const Glossaries& glossaries, std::string& text) {
   for (const CLI::App* subcommand : subcommands(command)) describe(*subcommand, glossaries, text);
   if (command.get_parent() == nullptr || !subcommands(command).empty()) return;

@@ -17,7 +17,7 @@
 namespace dts::cli {
 namespace {
 
-/// Every line is flushed when it is complete, so there is nothing to save.
+/// Ends at once: every line is flushed when it is complete, so no output is lost.
 extern "C" void on_interrupt(int /*signal*/) { ::_exit(kInterrupted); }
 
 bool is_set(const char* variable) {
@@ -50,7 +50,7 @@ Console make_console(const std::string& name) {
   return console;
 }
 
-/// A reader that has seen enough ("dtsctl watch | head") is no failure; a full disk is.
+/// A reader that closes the pipe early ("dtsctl watch | head") is not a failure; a full disk is.
 int check_output(const std::string& name, int status) {
   std::cout.flush();
   if (std::cout || has_reader_left()) return status;

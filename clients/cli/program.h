@@ -9,8 +9,8 @@
 
 namespace dts::cli {
 
-/// All of `main`: the process's signals, terminal and streams around `run`, which gets the words after the program's name.
-/// Ctrl-C ends the process at once with 130; a reader that leaves early is no failure, output that cannot be written is.
+/// The whole `main`: sets up signals, terminal and streams, then calls `run` with the words after the program's name. Ctrl-C ends the
+/// process at once with status 130. A reader that closes the output early is not a failure; output that cannot be written is.
 [[nodiscard]] int run_program(const std::string& name, int count, char** words,
                               const std::function<int(const std::vector<std::string>&, Console&)>& run);
 

@@ -12,7 +12,7 @@
 
 namespace dts::cli {
 
-/// A bar for work that takes longer than two seconds, on a terminal only, on `talk`, in one line that is removed at the end.
+/// A bar for work that lasts longer than two seconds: on a terminal only, on `talk`, in one line that is removed at the end.
 ///
 ///     solving  [############........]  60 %  13 s
 class Progress {
@@ -26,26 +26,27 @@ class Progress {
   Progress(Progress&&) = delete;
   Progress& operator=(Progress&&) = delete;
 
-  /// How much is done, 0..1. Draws at most ten times per second.
+  /// Sets how much is done, 0..1. Draws at most ten times per second.
   void report(double fraction);
-  /// Draws what was reported last; nothing before two seconds are over.
+  /// Draws the last reported value; draws nothing during the first two seconds.
   void tick();
-  /// From now on a thread calls `tick`: for work that reports nothing for seconds, and writes nothing to `talk` before this ends.
+  /// Starts a thread that calls `tick`: for work that reports nothing for seconds. The work must not write to `talk` until this object
+  /// ends.
   void tick_by_itself();
 
  private:
-  void draw();  ///< `mutex_` is held.
+  void draw();  ///< Requires that `mutex_` is held.
 
   Console& console_;
   std::string what_;
   std::function<Time()> now_;
-  std::mutex mutex_;  ///< Over what follows, and over what is drawn.
+  std::mutex mutex_;  ///< Protects all members below, and the drawing.
   std::condition_variable_any end_;
   Time begun_;
   Time drawn_;
   double fraction_ = 0.0;
   std::size_t columns_drawn_ = 0;
-  std::jthread ticker_;  ///< Last: it uses all of the above.
+  std::jthread ticker_;  ///< Must be the last member: it uses the others.
 };
 
 }  // namespace dts::cli

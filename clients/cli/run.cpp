@@ -18,7 +18,7 @@ struct UsageError {
   std::string hint;
 };
 
-/// The command that the words reached before something went wrong, the root if none.
+/// Returns the command that the words selected before an error; the root if none.
 const CLI::App& reached(const CLI::App& command) {
   const auto chosen = command.get_subcommands();
   return chosen.empty() ? command : reached(*chosen.back());
@@ -31,7 +31,7 @@ void add_long_names(const CLI::App& command, std::vector<std::string>& names) {
   if (command.get_parent() != nullptr) add_long_names(*command.get_parent(), names);
 }
 
-/// What `word` could have meant at `command`; empty: no idea.
+/// Returns the name at `command` that is most similar to `word`; empty if none is.
 std::string meant(const std::string& word, const CLI::App& command) {
   std::vector<std::string> names;
   if (word.starts_with('-')) {
@@ -42,7 +42,7 @@ std::string meant(const std::string& word, const CLI::App& command) {
   return nearest(word.substr(0, word.find('=')), names);
 }
 
-/// "session start: ", nothing for the program itself, which the line names anyway.
+/// Returns "session start: "; empty for the program itself, because the line already names it.
 std::string prefix(const CLI::App& command) {
   return command.get_parent() == nullptr ? "" : full_name(command).substr(root_of(command).get_name().size() + 1) + ": ";
 }
@@ -57,7 +57,7 @@ UsageError unexpected_word(const std::string& word, const CLI::App& command) {
   return {prefix(command) + "unexpected " + kind + " '" + word + "'", hint};
 }
 
-/// A key that no option has: CLI11 says "INI was not able to parse KEY", whatever the file is.
+/// Reports a key that no option has: CLI11 reports "INI was not able to parse KEY" for files of any format.
 UsageError unknown_key(const CLI::App& root, const CLI::ConfigError& error) {
   const std::string text = error.what();
   const std::string start = "INI was not able to parse ";
@@ -65,11 +65,11 @@ UsageError unknown_key(const CLI::App& root, const CLI::ConfigError& error) {
   return {"configuration file: " + what, full_name(root) + " --help"};
 }
 
-/// One text for every way in which CLI11 can be dissatisfied.
+/// Returns one text for every kind of parse error in CLI11.
 UsageError usage_error(const CLI::App& root, const CLI::ParseError& error) {
   if (const auto* wrong_file = dynamic_cast<const CLI::ConfigError*>(&error)) return unknown_key(root, *wrong_file);
   const CLI::App& command = reached(root);
-  // A misspelt command is first noticed as the lack of a right one.
+  // CLI11 first reports a misspelt command as a missing one.
   const std::vector<std::string> left_over = root.remaining(true);
   if (!left_over.empty()) return unexpected_word(left_over.front(), command);
   const std::string help = full_name(command) + " --help";
@@ -81,7 +81,7 @@ UsageError usage_error(const CLI::App& root, const CLI::ParseError& error) {
   return {prefix(command) + error.what(), help};
 }
 
-/// Forwards what is written to `out`, and remembers whether anything was. Restores `out` at the end.
+/// Forwards everything written to `out`, and records whether anything was written. Restores `out` at the end.
 class Witness final : public std::streambuf {
  public:
   explicit Witness(std::ostream& out) : out_(out), behind_(out.rdbuf()) { put(this); }
@@ -104,7 +104,7 @@ class Witness final : public std::streambuf {
   int sync() override { return behind_->pubsync(); }
 
  private:
-  /// A stream forgets with its old buffer that writing has failed: a full disk would be success.
+  /// Keeps the error state: a new buffer clears it, and a full disk would then look like success.
   void put(std::streambuf* buffer) {
     const auto state = out_.rdstate();
     out_.rdbuf(buffer);
@@ -116,7 +116,7 @@ class Witness final : public std::streambuf {
   bool has_seen_text_ = false;
 };
 
-/// {"error": {"code": "not_found", "message": ..., "hint": ...}}
+/// Returns {"error": {"code": "not_found", "message": ..., "hint": ...}}.
 Json error_json(const Failure& failure, int status) {
   const int code = failure.code != 0 ? failure.code : status;
   Json error{{"code", core::name(static_cast<core::ErrorCode>(code))}, {"message", failure.what}};
@@ -126,7 +126,7 @@ Json error_json(const Failure& failure, int status) {
 
 int run_words(CommandLine& line, const std::vector<std::string>& arguments, Console& console) {
   try {
-    line.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes words from the back
+    line.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 expects the words in reverse order
   } catch (const CLI::CallForHelp&) {
     console.out << line.app.help() << std::flush;
     return kOk;
@@ -149,7 +149,8 @@ int run(CommandLine& line, const std::vector<std::string>& arguments, Console& c
   if (std::ranges::find(arguments, "--json") == arguments.end()) return run_words(line, arguments, console);
   const Witness witness(console.out);
   const int status = run_words(line, arguments, console);
-  // Where a result is on its way already, a second document would spoil it. What an interrupted command printed before is not why it ended.
+  // If a result was already written, a second document would break the output. After Ctrl-C, an error printed before is not the reason for
+  // the end.
   if (status != kOk && status != kInterrupted && console.failure && !witness.has_seen_text()) {
     console.out << document(error_json(*console.failure, status)) << std::flush;
   }

@@ -10,8 +10,8 @@
 
 namespace dts::cli {
 
-/// A program but for signals and the terminal: reads the command line (without the program's name), executes the command and
-/// returns the exit status. Blocks as long as the command does. Once per CommandLine.
+/// A program without signals and terminal: parses the command line (without the program's name), executes the command and returns the exit
+/// status. Blocks until the command ends. Call it only once per CommandLine.
 [[nodiscard]] int run(CommandLine& line, const std::vector<std::string>& arguments, Console& console);
 
 }  // namespace dts::cli

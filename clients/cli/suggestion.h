@@ -7,7 +7,7 @@
 
 namespace dts::cli {
 
-/// `core::suggest` for rooms that do not include core: the candidate that `word` was probably meant to be, or nothing.
+/// Calls `core::suggest` for folders that must not include core: returns the candidate most similar to `word`, or an empty text.
 [[nodiscard]] std::string nearest(std::string_view word, const std::vector<std::string>& candidates);
 
 }  // namespace dts::cli

@@ -9,10 +9,10 @@
 namespace dts::cli {
 namespace {
 
-constexpr std::string_view kBetween = "  ";  ///< Two columns.
-constexpr std::string_view kFolded = "  ";   ///< At the beginning of a line that goes on.
+constexpr std::string_view kBetween = "  ";  ///< Between two columns.
+constexpr std::string_view kFolded = "  ";   ///< Indents the continued lines of a row.
 
-/// Bytes of the first `columns` columns of UTF-8 text.
+/// Returns the number of bytes in the first `columns` columns of UTF-8 text.
 std::size_t bytes_of(std::string_view text, std::size_t columns) noexcept {
   std::size_t bytes = 0;
   for (std::size_t shown = 0; bytes < text.size(); ++bytes) {
@@ -75,7 +75,7 @@ std::vector<std::string> filled(const std::vector<std::string>& pieces, std::str
 }
 
 std::vector<std::string> wrapped(std::string_view text, std::size_t columns, std::string_view indent) {
-  if (width(text) <= columns) return {std::string(text)};  // as it is: spaces may mean something
+  if (width(text) <= columns) return {std::string(text)};  // unchanged: spaces may have a meaning
   std::vector<std::string> words;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find(' '), text.size());

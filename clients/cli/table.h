@@ -9,18 +9,18 @@
 
 namespace dts::cli {
 
-/// A number for people: fixed decimals; "-" for what is undefined.
+/// Returns a number for people, with fixed decimals; "-" if it is undefined.
 [[nodiscard]] std::string decimal(double value, int decimals);
-/// "12.3 s", "4 min 5 s", "3 h 12 min", "2 d 3 h".
+/// Returns "12.3 s", "4 min 5 s", "3 h 12 min", "2 d 3 h".
 [[nodiscard]] std::string duration(double seconds);
-/// Columns that `text` takes on a terminal (code points of UTF-8).
+/// Returns the number of columns that `text` needs on a terminal (code points of UTF-8).
 [[nodiscard]] std::size_t width(std::string_view text) noexcept;
 
-/// The pieces in a row, in lines of at most `columns` columns; all but the first line begin with `indent`. A piece that is wider than a
-/// line is split.
+/// Joins the pieces into lines of at most `columns` columns; all lines but the first begin with `indent`. A piece wider than a line is
+/// split.
 [[nodiscard]] std::vector<std::string> filled(const std::vector<std::string>& pieces, std::string_view separator, std::size_t columns,
                                               std::string_view indent);
-/// The same of the words of a text.
+/// The same for the words of a text.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t columns, std::string_view indent);
 
 struct Cell {
@@ -28,8 +28,8 @@ struct Cell {
   Style style = Style::Plain;
 };
 
-/// Text in columns. A header that starts with '>' makes its column right-aligned. On a terminal that is too narrow, the last columns
-/// stand in lines of their own below the first ones:
+/// Text in columns. A header that starts with '>' makes its column right-aligned. On a terminal that is too narrow, the last columns move
+/// to separate lines below the first ones:
 ///
 ///     SESSION                   RIG    STARTED (UTC)
 ///       STATE     LABEL
@@ -40,11 +40,11 @@ class Table {
   explicit Table(std::vector<std::string> headers);
   /// Missing cells are empty; more cells than headers are ignored.
   void add(std::vector<Cell> row);
-  /// To `console.out`; nothing at all without rows.
+  /// Prints to `console.out`; prints nothing if there are no rows.
   void print(Console& console) const;
 
  private:
-  /// The first column of each line of a row, and behind them the number of columns.
+  /// Returns the first column of each line of a row, then the number of columns.
   [[nodiscard]] std::vector<std::size_t> line_borders(const Console& console) const;
   [[nodiscard]] std::string line(const Console& console, const std::vector<Cell>& cells, std::size_t begin, std::size_t end) const;
 

@@ -7,7 +7,7 @@
 namespace dts::cli {
 namespace {
 
-/// The whole of `text` as a value; false when it is anything else.
+/// Parses the whole `text` as a value; returns false for anything else.
 template <class Value>
 bool read(const std::string& text, Value& value) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

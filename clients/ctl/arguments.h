@@ -11,25 +11,25 @@
 
 namespace dts::ctl {
 
-/// What only `dtsctl key` says.
+/// Options of `dtsctl key` only.
 struct KeyArguments {
   std::string name;
   std::string role;
   std::string out;   ///< Empty: NAME.key
-  std::string host;  ///< By which other machines reach this one; empty: its host name.
+  std::string host;  ///< The name by which other machines reach this one; empty: its host name.
 };
 
-/// Everything that the command line can say, checked for syntax and range.
+/// All values of the command line, checked for syntax and range.
 struct Arguments {
-  // Of every command.
-  std::string endpoint;             ///< Empty: find the daemon.
-  std::string data;                 ///< Empty: beside the control socket.
-  std::string key_file;             ///< Empty: DTSD_KEY, else none.
+  // For every command.
+  std::string endpoint;             ///< Empty: search for the daemon.
+  std::string data;                 ///< Empty: in the same folder as the control socket.
+  std::string key_file;             ///< Empty: DTSD_KEY, otherwise none.
   std::optional<double> timeout_s;  ///< Absent: each command's default.
   bool is_json = false;
 
   std::string rig;
-  std::string text;  ///< Of a marker.
+  std::string text;  ///< For a marker.
   std::vector<std::string> topics;
   std::optional<std::uint64_t> count;
   bool is_jsonl = false;

@@ -7,7 +7,7 @@
 
 namespace dts::ctl {
 
-/// Connects, asks, and prints the answer as JSON or through `view`.
+/// Connects, sends the request with `ask`, and prints the answer as JSON or with `view`.
 template <class Ask, class View>
 [[nodiscard]] int ask_and_print(const Arguments& arguments, cli::Console& console, Ask&& ask, View&& view) {
   auto dts = connect(arguments);

@@ -10,7 +10,7 @@
 
 namespace dts::ctl {
 
-/// dtsctl's commands, and where their arguments arrive.
+/// dtsctl's commands, and the arguments that they fill in.
 struct CommandTree {
   Arguments arguments;
   cli::CommandLine line{{.name = "dtsctl",
@@ -29,11 +29,11 @@ struct CommandTree {
 
 using Command = int (*)(const Arguments& arguments, cli::Console& console);
 
-/// A command of dtsctl: `handler` gets the arguments of the command line.
+/// Adds a command of dtsctl. `handler` receives the arguments of the command line.
 CLI::App* add(CommandTree& tree, CLI::App& parent, const std::string& name, const std::string& description, const std::string& examples,
               Command handler);
 
-/// Bound to itself by pointers: stays where it is made.
+/// Returns a tree that holds pointers to itself, so it must not be moved.
 [[nodiscard]] std::unique_ptr<CommandTree> make_command_tree();
 
 }  // namespace dts::ctl

@@ -68,7 +68,8 @@ bool has_session(const v1::StatusSnapshot& status, const std::string& name) {
   });
 }
 
-/// Without a session a marker reaches only the clients that are watching now. Of several rigs one with a session is enough.
+/// Warns that a marker without a session reaches only the clients that are connected now. If there are several rigs, one with a session is
+/// enough.
 void warn_unrecorded(const v1::StatusSnapshot& status, const v1::MarkResponse& mark, cli::Console& console) {
   const auto& marks = mark.marks();
   if (marks.empty() || std::ranges::any_of(marks, [&](const v1::MarkResponse::At& at) { return has_session(status, at.rig()); })) return;
@@ -119,7 +120,7 @@ int run_mark(const Arguments& arguments, cli::Console& console) {
       [&](ControlClient& dts) {
         auto mark = dts.mark(arguments.text, arguments.rig);
         if (!mark) return mark;
-        if (const auto status = dts.status()) warn_unrecorded(*status, *mark, console);  // behind the marker, which must not wait
+        if (const auto status = dts.status()) warn_unrecorded(*status, *mark, console);  // after the marker, which must not be delayed
         return mark;
       },
       [&](const v1::MarkResponse& mark) {

@@ -21,17 +21,17 @@ namespace dts::ctl {
 [[nodiscard]] int run_mark(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_tare(const Arguments& arguments, cli::Console& console);
 
-/// Where the daemon is, and with which key to come.
+/// The daemon's addresses, and the key to connect with.
 struct Target {
   client::Endpoints endpoints;
   std::optional<client::Key> key;
 };
-/// What the arguments and the environment give. The addresses in a key file count unless others are given.
+/// Returns the target from the arguments and the environment. Addresses from the arguments override those in a key file.
 [[nodiscard]] client::Result<Target> target(const Arguments& arguments);
-/// A client with the time-outs of the arguments.
+/// Returns a client with the time limit from the arguments.
 [[nodiscard]] client::Result<client::ControlClient> connect(const Arguments& arguments);
 
-/// The rig of that name; fails with NotFound, naming those there are.
+/// Returns the rig with this name. Fails with NotFound, naming the existing rigs.
 [[nodiscard]] client::Result<v1::RigStatus> find_rig(const v1::StatusSnapshot& status, const std::string& name);
 
 }  // namespace dts::ctl

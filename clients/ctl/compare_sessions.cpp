@@ -17,9 +17,9 @@
 namespace dts::ctl {
 namespace {
 
-constexpr std::uint32_t kMostCompared = 12;  // more columns than a page is wide
+constexpr std::uint32_t kMostCompared = 12;  // a wider table would not fit on a page
 
-/// A figure of the sessions: one value each, or none.
+/// One result of all sessions: one value each, or none.
 struct Row {
   std::string name;
   std::string unit;
@@ -42,8 +42,8 @@ struct Comparison {
   std::vector<std::string> warnings;
 };
 
-/// A subject's sessions on the rig of the newest that has figures: those of a chair and of a platform have none in common. Returns how many
-/// were left out.
+/// Keeps only a subject's sessions on one rig, the rig of the newest session with results: sessions on a chair and on a platform have no
+/// common results. Returns how many were removed.
 std::size_t keep_comparable(std::vector<v1::SessionRecord>& sessions) {
   const auto has_figures = [](const v1::SessionRecord& session) { return session.results_size() > 0; };
   const auto newest = std::ranges::find_if(sessions, has_figures);
@@ -74,7 +74,7 @@ client::Result<std::vector<v1::SessionRecord>> ask_sessions(client::ControlClien
   return sessions;
 }
 
-/// What a figure's details say of `key`; nothing else than a number or a word is believed.
+/// Returns the value of `key` in the details of a result. Accepts only numbers and short texts.
 cli::Json told_of(const cli::Json& details, const std::string& key) {
   const auto found = details.find(key);
   const bool is_plain =
@@ -82,7 +82,7 @@ cli::Json told_of(const cli::Json& details, const std::string& key) {
   return is_plain ? *found : cli::Json();
 }
 
-/// What has to be equal for values to compare, as details of figures tell it.
+/// Adds warnings about details that must be equal for comparable values.
 void warn_of_differences(const v1::SessionResult& first, const v1::SessionResult& other, std::set<std::string>& warnings) {
   if (first.unit() != other.unit()) warnings.insert(other.name() + " has not the same unit in all sessions; such values do not compare");
   const cli::Json one = cli::Json::parse(first.details(), nullptr, false);
@@ -93,7 +93,7 @@ void warn_of_differences(const v1::SessionResult& first, const v1::SessionResult
        {std::pair{"duration_s", "last"}, std::pair{"profile", "are of profile"}, std::pair{"rate_hz", "are analysed at"}}) {
     const cli::Json in_one = told_of(one, key);
     const cli::Json in_two = told_of(two, key);
-    if (in_one.is_null() != in_two.is_null() && std::string_view(key) == "duration_s") {  // a mean over several lengths tells none
+    if (in_one.is_null() != in_two.is_null() && std::string_view(key) == "duration_s") {  // a mean over unequal trials has none
       warnings.insert(what + ": trials are equally long in one session and not in another; such values do not compare");
     }
     if (in_one.is_null() || in_two.is_null() || in_one == in_two) continue;

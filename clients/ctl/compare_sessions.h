@@ -6,8 +6,8 @@
 
 namespace dts::ctl {
 
-/// Figures of several sessions side by side, with the difference to the first. Values of other durations or profiles are not compared
-/// silently: what differs is said.
+/// Prints results of several sessions side by side, with the difference to the first. Warns if values are not comparable, for example
+/// because durations or profiles differ.
 [[nodiscard]] int run_session_compare(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -8,8 +8,8 @@
 
 namespace dts::ctl {
 
-/// One stream as CSV: a line of names, then a line per scan; undefined values are empty. Events are not in it. Of a second stream it says,
-/// once, that it is left out.
+/// Prints one stream as CSV: a line of names, then a line per scan; undefined values are empty. Omits events. For a second stream it prints
+/// once that the stream is omitted.
 ///
 ///     segment,scan,ml_mm,ap_mm,load_n
 ///     1,1036,-1.7779222,3.3133867,585.61926
@@ -27,7 +27,7 @@ class CsvLines final : public WatchSink {
   void begin(const client::Block& block);
 
   cli::Console& console_;
-  std::string topic_;  ///< Of the first block.
+  std::string topic_;  ///< Topic of the first block.
   std::string text_;
   bool has_told_other_ = false;
 };

@@ -23,12 +23,12 @@ using std::chrono::milliseconds;
 constexpr milliseconds kDataDeadline{2000};
 constexpr double kRateTolerance = 0.01;
 constexpr double kFullestPercent = 50.0;
-constexpr double kMostLatencyMs = 50.0;  // a picture of 20 per second is late then
+constexpr double kMostLatencyMs = 50.0;  // above this, live plots with 20 frames per second are visibly late
 constexpr double kNearlyAllBlocks = 0.95;
 
 Check good(std::string name, std::string finding) { return {std::move(name), true, std::move(finding), {}}; }
 Check bad(std::string name, std::string finding, std::string fix) { return {std::move(name), false, std::move(finding), std::move(fix)}; }
-/// Works, though not as well as it could.
+/// For a setting that works but can be improved.
 Check note(std::string name, std::string finding, std::string fix) { return {std::move(name), true, std::move(finding), std::move(fix)}; }
 Check bad(std::string name, const client::Error& error) { return bad(std::move(name), error.what, error.hint); }
 
@@ -46,7 +46,7 @@ Check check_rate(const v1::RigStatus& rig) {
   return bad(name, finding, "is the machine overloaded? see dtsctl status for losses; is the device set to another rate?");
 }
 
-/// What to look at first: the machine was too slow, or the way from the device is not sound.
+/// Returns what to check first: the machine was too slow, or the connection to the device is bad.
 std::string advice_on(const v1::RigStatus& rig) {
   bool is_machine = rig.dropped_blocks_total() > 0;
   bool is_cable = false;
@@ -78,7 +78,7 @@ Check check_queues(const v1::RigStatus& rig) {
   return bad(name, finding, "what else runs on this machine? allow SCHED_FIFO; when it is the recorder: is the disk slow?");
 }
 
-/// A replay goes as fast as it was told to: neither its rate nor its queues nor its latency say anything of this machine.
+/// A replay runs at any requested speed: its rate, queues and latency show nothing about this machine.
 bool is_replay(const v1::RigStatus& rig) { return rig.rig().device_uri().starts_with("replay:"); }
 
 std::optional<Check> check_latency(const v1::RigStatus& rig) {
@@ -99,7 +99,7 @@ Check check_data(const Target& where, const v1::StatusSnapshot& status, millisec
   if (auto somebody = client::probe(endpoint); !somebody) return bad(name, somebody.error());
   auto subscriber = client::Subscriber::open({.endpoint = endpoint, .topics = {""}, .key = where.key});
   if (!subscriber) return bad(name, subscriber.error());
-  const bool has_scans = std::ranges::any_of(status.rigs(), sends_scans);  // else the daemon's status has to do
+  const bool has_scans = std::ranges::any_of(status.rigs(), sends_scans);  // without scans, the daemon's status is sufficient
   const auto begin = std::chrono::steady_clock::now();
   const auto spent = [&] { return std::chrono::ceil<milliseconds>(std::chrono::steady_clock::now() - begin); };
   while (spent() < deadline) {
@@ -119,7 +119,7 @@ Check check_data(const Target& where, const v1::StatusSnapshot& status, millisec
 Check check_clock(const SystemFacts& facts) {
   const std::string name = "clock source";
   const std::string finding = facts.clock_source.empty() ? "unknown" : facts.clock_source;
-  // Anything else costs a microsecond and more per reading (measured for hpet and acpi_pm by their users, not by us).
+  // Other clock sources need a microsecond or more per reading (values from users of hpet and acpi_pm, not measured here).
   const bool is_fast = finding.find("tsc") != std::string::npos || finding == "arch_sys_counter" || finding == "kvm-clock";
   if (is_fast) return good(name, finding);
   return note(name, finding, "echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; look for 'tsc' in dmesg");
@@ -149,7 +149,7 @@ int report(const std::vector<Check>& checks, bool is_json, cli::Console& console
   return is_well ? cli::kOk : cli::kFailed;
 }
 
-/// The daemon's status; what it took to get it goes to `checks`.
+/// Returns the daemon's status; adds the steps of the connection to `checks`.
 std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::vector<Check>& checks) {
   auto dts = connect(arguments);
   auto status = dts ? dts->status() : tl::make_unexpected(dts.error());
@@ -215,7 +215,7 @@ std::vector<Check> check_disk(const v1::DiskStatus& disk) {
   }
 }
 
-/// The daemon's word counts when it is there; what this user may do tells only what a daemon of theirs would get.
+/// The daemon's report decides if there is one; this user's rights matter only for a daemon of this user.
 std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status) {
   std::vector<Check> checks;
   if (status ? !has_notice_about(*status, "SCHED_FIFO") : facts.may_use_fifo) {

@@ -13,25 +13,26 @@
 
 namespace dts::ctl {
 
-/// One thing looked at.
+/// The result of one check.
 struct Check {
   std::string name;  ///< "floor rate"
   bool is_good = false;
   std::string finding;  ///< "100.02 of 100 Hz"
-  std::string fix;      ///< What to do, or, when it is good, what would be better; empty: nothing.
+  std::string fix;      ///< What to do; for a good result, an optional improvement; empty: nothing.
 };
 
-/// Each makes checks from what was found out; nothing here asks or waits.
+/// These functions build checks from collected facts; they send no requests and do not wait.
 [[nodiscard]] Check check_version(const std::string& daemon_version);
 [[nodiscard]] std::vector<Check> check_rig(const v1::RigStatus& rig);
-/// Whether other machines can connect, and whether they did.
+/// Checks whether other machines can connect, and whether they have connected.
 [[nodiscard]] Check check_network(const v1::StatusSnapshot& status);
-/// Nothing when the daemon says nothing of a disk.
+/// Returns nothing if the daemon reports no disk.
 [[nodiscard]] std::vector<Check> check_disk(const v1::DiskStatus& disk);
-/// `status`: absent when the daemon did not answer. When it did, it knows what it was given, whatever this user may do.
+/// `status`: absent if the daemon did not answer. Otherwise it decides, because it shows what the daemon really has, whatever this user may
+/// do.
 [[nodiscard]] std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status);
 
-/// Runs all checks; exit status 0 when nothing is wrong, 1 otherwise.
+/// Runs all checks. Returns exit status 0 if nothing is wrong, otherwise 1.
 [[nodiscard]] int run_doctor(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -15,17 +15,18 @@ namespace dts::ctl {
 namespace {
 
 constexpr std::int64_t kLatencyWindowNs = 10'000'000'000;
-constexpr std::size_t kMostSeen = 100;  ///< A status comes every second, and whenever something happens.
+constexpr std::size_t kMostSeen = 100;  ///< A status arrives every second, and after each change.
 constexpr double kMedian = 0.5;
 constexpr double kNearlyAll = 0.95;
 
 std::string milliseconds_text(const std::optional<double>& ms) { return ms ? cli::decimal(*ms, 1) : "-"; }
 
 std::string percent_text(const v1::RingFill& fill) {
-  return cli::decimal(fill.scans_percent(), 0) + " " + cli::decimal(fill.frames_percent(), 0) + " " + cli::decimal(fill.record_percent(), 0);
+  return cli::decimal(fill.scans_percent(), 0) + " " + cli::decimal(fill.frames_percent(), 0) + " " +
+         cli::decimal(fill.record_percent(), 0);
 }
 
-/// "floor: lost 150 scans in 1 gap: overrun"
+/// Returns "floor: lost 150 scans in 1 gap: overrun".
 std::string loss_line(const std::string& rig, const v1::LossCount& loss) {
   return rig + ": lost " + counted(loss.lost_scans_total(), "scan") + " in " + counted(loss.gaps_total(), "gap") + ": " +
          enumerator_word(*v1::GapReason_descriptor(), loss.reason());
@@ -33,8 +34,8 @@ std::string loss_line(const std::string& rig, const v1::LossCount& loss) {
 
 std::string recording_line(const v1::RigStatus& rig) {
   const v1::RecordingStatus& recording = rig.session().recording();
-  std::string line =
-      rig.rig().name() + ": recording " + bytes_text(recording.bytes()) + ", " + cli::decimal(rig.record_lag_s(), 1) + " s not yet on the disk";
+  std::string line = rig.rig().name() + ": recording " + bytes_text(recording.bytes()) + ", " + cli::decimal(rig.record_lag_s(), 1) +
+                     " s not yet on the disk";
   if (recording.lost_scans_total() > 0) line += ", lacks " + counted(recording.lost_scans_total(), "scan");
   return line;
 }
@@ -65,7 +66,8 @@ std::optional<double> HealthView::latency_ms(const v1::RigStatus& rig, double sh
 std::vector<std::string> HealthView::table(std::size_t columns) const {
   std::ostringstream text;
   cli::Console plain{.out = text, .talk = text, .is_out_terminal = true, .columns = columns};
-  cli::Table rigs({"RIG", "DEVICE", ">RATE (Hz)", ">LOST", ">GAPS", ">DROPPED", ">QUEUES (%)", ">US/SCAN", ">P50 (ms)", ">P95 (ms)", "SESSION"});
+  cli::Table rigs(
+      {"RIG", "DEVICE", ">RATE (Hz)", ">LOST", ">GAPS", ">DROPPED", ">QUEUES (%)", ">US/SCAN", ">P50 (ms)", ">P95 (ms)", "SESSION"});
   for (const v1::RigStatus& rig : seen_.back().rigs()) {
     rigs.add({{rig.rig().name()},
               {enumerator_word(*v1::DeviceState_descriptor(), rig.device())},

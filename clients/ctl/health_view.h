@@ -12,15 +12,15 @@
 
 namespace dts::ctl {
 
-/// What `top` shows of the daemon's status: how much comes, what is lost and why, how full the queues are, how long blocks take. Latencies
-/// are of the last ten seconds, or since the daemon's start while less has been seen.
+/// The contents of `top`, from the daemon's status: rates, losses with their causes, fill levels of the queues, latencies. Latencies cover
+/// the last ten seconds, or the time since the daemon's start while less was seen.
 class HealthView {
  public:
   void take(const v1::StatusSnapshot& status);
 
-  /// For people, the table in `columns` columns; nothing before the first status.
+  /// Returns lines for people, with the table in `columns` columns; nothing before the first status.
   [[nodiscard]] std::vector<std::string> lines(std::size_t columns) const;
-  /// One object; keys as in the .proto files where they say the same.
+  /// Returns one object; keys as in the .proto files if they mean the same.
   [[nodiscard]] cli::Json json() const;
 
  private:
@@ -28,7 +28,7 @@ class HealthView {
   [[nodiscard]] cli::Json rig_json(const v1::RigStatus& rig) const;
   [[nodiscard]] std::vector<std::string> table(std::size_t columns) const;
 
-  std::deque<v1::StatusSnapshot> seen_;  ///< Of one daemon, oldest first.
+  std::deque<v1::StatusSnapshot> seen_;  ///< From one run of the daemon, oldest first.
 };
 
 }  // namespace dts::ctl

@@ -17,7 +17,7 @@ using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
 
-/// Fields whose 0 says that there is no such value (see the comments in the .proto files).
+/// Fields whose 0 means that there is no value (see the comments in the .proto files).
 constexpr std::array<std::string_view, 14> kZeroMeansUnknown{
     "dts.v1.RigStatus.clock_drift_ppm",  "dts.v1.SessionInfo.duration_s",
     "dts.v1.RigStatus.measured_rate_hz", "dts.v1.RigStatus.pipeline_us_per_scan",
@@ -33,7 +33,7 @@ bool means_unknown_at_zero(const FieldDescriptor& field) {
 
 cli::Json number(double value) { return std::isfinite(value) ? cli::Json(value) : cli::Json(nullptr); }
 
-/// The value of a scalar field; null for what is undefined.
+/// Returns the value of a scalar field; null if it is undefined.
 cli::Json scalar(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   switch (field.cpp_type()) {
@@ -71,15 +71,15 @@ cli::Json element(const Message& message, const FieldDescriptor& field, int inde
     case FieldDescriptor::CPPTYPE_MESSAGE: return to_json(reflection.GetRepeatedMessage(message, &field, index));
     case FieldDescriptor::CPPTYPE_STRING: return reflection.GetRepeatedString(message, &field, index);
     case FieldDescriptor::CPPTYPE_DOUBLE: return number(reflection.GetRepeatedDouble(message, &field, index));
-    default: return nullptr;  // the protocol's answers repeat nothing else
+    default: return nullptr;  // answers of the protocol have no other repeated scalar types
   }
 }
 
-/// A map of texts by texts: the protocol has no others. Null for an empty one, as for an empty text.
+/// Converts a map from text to text, the only map type in the protocol. Returns null for an empty one, as for an empty text.
 cli::Json map_of(const Message& message, const FieldDescriptor& field) {
   const Reflection& reflection = *message.GetReflection();
   if (reflection.FieldSize(message, &field) == 0) return nullptr;
-  std::map<std::string, std::string> sorted;  // protobuf's maps have another order each time
+  std::map<std::string, std::string> sorted;  // the order in protobuf's maps varies
   for (int index = 0; index < reflection.FieldSize(message, &field); ++index) {
     const Message& entry = reflection.GetRepeatedMessage(message, &field, index);
     const google::protobuf::Descriptor& type = *entry.GetDescriptor();
@@ -102,7 +102,7 @@ cli::Json value_of(const Message& message, const FieldDescriptor& field) {
   return reflection.HasField(message, &field) ? to_json(reflection.GetMessage(message, &field)) : cli::Json(nullptr);
 }
 
-/// Sums that stand beside their parts, of the session and of each of its parts.
+/// Adds the sums of the session and of each of its parts next to the single values.
 void add_counts(const v1::SessionRecord& session, cli::Json& json) {
   const auto add = [&session](const LossSum& sum, cli::Json& to) {
     if (!sum.is_unknown) {
@@ -116,13 +116,13 @@ void add_counts(const v1::SessionRecord& session, cli::Json& json) {
   for (int part = 0; part < session.parts_size(); ++part) add(sum_of(session.parts(part)), json["parts"][static_cast<std::size_t>(part)]);
 }
 
-/// What a field means only together with another.
+/// Removes fields that have a meaning only together with another field.
 void remove_meaningless(const Message& message, cli::Json& json) {
   if (const auto* channel = dynamic_cast<const v1::TestDeviceResponse::ChannelTest*>(&message)) {
     if (!channel->is_sensor()) json.erase("gap_mm");
   }
   if (const auto* session = dynamic_cast<const v1::SessionInfo*>(&message)) {
-    if (session->session_id().empty()) {  // there has been none: no length, no settling
+    if (session->session_id().empty()) {  // no session so far: no duration, no settling time
       for (const char* key : {"elapsed_s", "settle_s"}) json.erase(key);
     }
   }
@@ -132,20 +132,20 @@ void remove_meaningless(const Message& message, cli::Json& json) {
     const std::array<std::pair<const char*, const v1::ReachPoint*>, 3> points{
         {{"p1", &reach->p1()}, {"p2", &reach->p2()}, {"p3", &reach->p3()}}};
     for (const auto& [name, point] : points) {
-      if (!std::isfinite(point->value_mm())) json.erase(name);  // not known yet: it has no scan either
+      if (!std::isfinite(point->value_mm())) json.erase(name);  // not known yet, so it has no scan either
     }
   }
   if (const auto* result = dynamic_cast<const v1::TrialResult*>(&message); result != nullptr && result->expected_class() < 0) {
     json.erase("expected_class");
   }
   if (const auto* sway = dynamic_cast<const v1::Sway*>(&message)) {
-    if (sway->is_preliminary()) json.erase("attempt");  // a stage knows trials, not attempts
+    if (sway->is_preliminary()) json.erase("attempt");  // preliminary values belong to a trial, not to an attempt
     if (!sway->problem().empty()) {
       for (const char* key : {"rate_hz", "samples", "duration_s", "is_valid", "flags"}) json.erase(key);
     }
   }
   if (const auto* asked = dynamic_cast<const v1::ProtocolField*>(&message); asked != nullptr && asked->choices_size() > 0) {
-    for (const char* key : {"minimum", "maximum"}) json.erase(key);  // a word has no range
+    for (const char* key : {"minimum", "maximum"}) json.erase(key);  // a choice has no range
   }
 }
 
@@ -173,7 +173,7 @@ cli::Json event_json(std::string_view kind, const v1::Event& event) {
 std::string enumerator_word(const google::protobuf::EnumDescriptor& type, int number) {
   const auto* value = type.FindValueByNumber(number);
   if (value == nullptr) return "unknown";
-  // "DeviceState" names its values "DEVICE_STATE_...".
+  // The values of "DeviceState" are named "DEVICE_STATE_...".
   std::size_t prefix = 1;
   for (std::size_t index = 0; index < type.name().size(); ++index) {
     prefix += index > 0 && std::isupper(static_cast<unsigned char>(type.name()[index])) != 0 ? 2 : 1;

@@ -12,19 +12,18 @@
 
 namespace dts::ctl {
 
-/// A wire message as JSON: keys are the field names of the .proto files, enumerators are lower-case words ("streaming").
-/// What is undefined is absent: unset messages, empty strings, unspecified enumerators, numbers that are not finite, and
-/// the few numbers whose 0 means "unknown" (listed in json.cpp).
+/// Converts a wire message to JSON: keys are the field names of the .proto files, enumerators are lower-case words ("streaming"). Undefined
+/// values are absent: unset messages, empty strings, unspecified enumerators, numbers that are not finite, and the few numbers whose 0
+/// means "unknown" (listed in json.cpp).
 [[nodiscard]] cli::Json to_json(const google::protobuf::Message& message);
 
-/// {"kind": "gap", fields of the gap...}
+/// Returns {"kind": "gap", fields of the gap...}.
 [[nodiscard]] cli::Json event_json(std::string_view kind, const v1::Event& event);
 
-/// The word for an enumerator: "DEVICE_STATE_STREAMING" to "streaming"; "unknown" for a number of a later version.
+/// Returns the word for an enumerator: "DEVICE_STATE_STREAMING" becomes "streaming"; "unknown" for a number of a later version.
 [[nodiscard]] std::string enumerator_word(const google::protobuf::EnumDescriptor& type, int number);
 
-/// The bits of v1::Quality as words: {"rail", "untared"}.
-/// The same of any enumeration of bits.
+/// Return bits as words: of any enumeration of bits, and of v1::Quality, for example {"rail", "untared"}.
 [[nodiscard]] std::vector<std::string> bit_words(const google::protobuf::EnumDescriptor& type, std::uint32_t bits);
 [[nodiscard]] std::vector<std::string> quality_words(std::uint8_t bits);
 

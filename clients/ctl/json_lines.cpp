@@ -81,7 +81,7 @@ void JsonLines::show(const client::Event& event) {
                  {"event", event_json(event.kind, *event.body)},
                  {"segment", event.body->segment()},
                  {"first_scan", event.body->scan()}};
-  // Before the first scan there is no instant to speak of.
+  // The time is 0 before the first scan.
   if (event.body->host_time_ns() != 0) json["host_time_ns"] = event.body->host_time_ns();
   line_ = cli::one_line(json);
   write();
@@ -101,7 +101,7 @@ const JsonLines::Fixed& JsonLines::fixed_of(const client::Block& block) {
   if (known != fixed_.end()) return known->second;
   Fixed fixed;
   fixed.head = cli::one_line(cli::Json{{"topic", block.topic}, {"rig", block.rig}, {"stream", block.stream}});
-  fixed.head.pop_back();  // the object goes on
+  fixed.head.pop_back();  // removes the closing brace, because more keys follow
   cli::Json names = cli::Json::array();
   cli::Json units = cli::Json::array();
   for (const client::ChannelFormat& channel : block.format->channels) {

@@ -8,14 +8,14 @@
 
 namespace dts::ctl {
 
-/// One JSON object per block or event, each line flushed when it is complete: a reader never sees half an object late.
+/// Prints one JSON object per block or event, and flushes each complete line at once: a reader never waits for the rest of an object.
 ///
 ///     {"topic":"floor/cop","rig":"floor","stream":"cop","segment":1,"first_scan":0,"rate_hz":100,"host_time_ns":...,
 ///      "sequence":1,"lost_scans":0,"age_ms":0.4,"quality":{"ml_mm":["no_contact"]},
 ///      "channels":["ml_mm","ap_mm","load_n"],"units":["mm","mm","N"],"values":[[null,null,0.5],...]}
 ///
-/// Numbers have the fewest digits that give the same 32-bit float back; undefined values are null. `quality` names the
-/// channels in doubt only, `age_ms` is absent when unknown, and "lost_scans_at_least":true says that more may be missing.
+/// Numbers have the fewest digits that convert back to the same 32-bit float; undefined values are null. `quality` lists only channels with
+/// quality bits, `age_ms` is absent if unknown, and "lost_scans_at_least":true means that more scans may be missing.
 class JsonLines final : public WatchSink {
  public:
   explicit JsonLines(std::ostream& out) : out_(out) {}
@@ -27,7 +27,7 @@ class JsonLines final : public WatchSink {
   void refresh(Time /*now*/) override {}
 
  private:
-  /// The parts of a stream's lines that never change, made once: JSON text costs more than everything else here.
+  /// The constant parts of a stream's lines, made only once, because JSON text is the most expensive part of this class.
   struct Fixed {
     std::string head;      ///< {"topic":...,"rig":...,"stream":...
     std::string channels;  ///< ,"channels":[...],"units":[...]

@@ -13,7 +13,8 @@ namespace {
 
 using client::ControlClient;
 
-/// Of the daemon's machine, by which others reach it: as it was reached just now, else, on the machine itself, its name.
+/// Returns a host name of the daemon's machine for other machines: the host of the present connection or, on the machine itself, its own
+/// name.
 std::string host_of(const std::string& endpoint) {
   constexpr std::string_view kTcp = "tcp://";
   if (endpoint.starts_with(kTcp)) return endpoint.substr(kTcp.size(), endpoint.rfind(':') - kTcp.size());
@@ -26,7 +27,7 @@ v1::Role role_of(const std::string& word) {
   return word == "operator" ? v1::ROLE_OPERATOR : v1::ROLE_VIEWER;
 }
 
-/// A key file made now would name no address.
+/// Fails if the daemon does not listen on the network: a key file would have no address.
 client::Result<void> check_listens(const v1::ListKeysResponse& keys) {
   if (!keys.control_endpoint().empty()) return {};
   return client::fail(
@@ -50,7 +51,7 @@ int run_key_new(const Arguments& arguments, cli::Console& console) {
   if (!key) return cli::fail_with(console, key.error());
   auto dts = connect(arguments);
   if (!dts) return cli::fail_with(console, dts.error());
-  const auto before = dts->list_keys();  // of a daemon that does not answer no file stays behind
+  const auto before = dts->list_keys();  // before the key file is made: if the daemon does not answer, no file remains
   if (!before) return cli::fail_with(console, before.error());
   if (auto listens = check_listens(*before); !listens) return cli::fail_with(console, listens.error());
   const auto where = target(arguments);
@@ -59,14 +60,14 @@ int run_key_new(const Arguments& arguments, cli::Console& console) {
   key->server_public_key = before->server_public_key();
   key->control = dialled(before->control_endpoint(), host);
   key->data = dialled(before->data_endpoint(), host);
-  // The file first: a key that the daemon knows and nobody has would have to be revoked by hand.
+  // Writes the file first: a key that only the daemon has must be revoked by hand.
   if (auto written = client::write_new_key(file, *key); !written) return cli::fail_with(console, written.error());
   v1::AddKeyRequest request;
   request.set_name(wishes.name);
   request.set_role(role_of(wishes.role));
   request.set_public_key(key->public_key);
   if (const auto added = dts->add_key(request); !added) {
-    // Of an answer that was lost nobody knows whether the daemon has the key.
+    // If the answer was lost, the daemon may have the key, so the file is kept.
     if (added.error().code != client::ErrorCode::Unreachable) ::unlink(file.c_str());
     return cli::fail_with(console, added.error());
   }
@@ -88,7 +89,9 @@ int run_key_list(const Arguments& arguments, cli::Console& console) {
 int run_key_revoke(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
       arguments, console, [&](ControlClient& dts) { return dts.revoke_key(arguments.key.name); },
-      [&](const v1::ListKeysResponse&) { console.out << "revoked " << cli::printable(arguments.key.name) << "; its connections are ended\n"; });
+      [&](const v1::ListKeysResponse&) {
+        console.out << "revoked " << cli::printable(arguments.key.name) << "; its connections are ended\n";
+      });
 }
 
 void print_keys(cli::Console& console, const v1::ListKeysResponse& keys) {

@@ -9,13 +9,13 @@
 
 namespace dts::ctl {
 
-/// `dtsctl key`: who may connect from other machines. Each returns the exit status.
+/// Commands of `dtsctl key`: which clients may connect from other machines. Each returns the exit status.
 [[nodiscard]] int run_key_new(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_key_list(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_key_revoke(const Arguments& arguments, cli::Console& console);
 
-/// What a client dials: the address on which a daemon listens, "tcp://*:5555", with `host` in place of "every address of this machine".
-/// Empty for an empty one.
+/// Returns the address that a client connects to: the address on which the daemon listens, "tcp://*:5555", with `host` instead of "*".
+/// Returns an empty text for an empty address.
 [[nodiscard]] std::string dialled(const std::string& endpoint, const std::string& host);
 
 void print_keys(cli::Console& console, const v1::ListKeysResponse& keys);

@@ -7,7 +7,8 @@
 namespace dts::ctl {
 namespace {
 
-/// Blocks that took no longer than the bucket's bound. What has become less is of another daemon: then the old state says nothing.
+/// Returns the number of blocks within the bucket's bound. A smaller count than before belongs to a restarted daemon: `earlier` is then
+/// ignored.
 double blocks_within(const v1::LatencyHistogram& now, const v1::LatencyHistogram* earlier, int bucket) {
   const std::uint64_t all = now.buckets(bucket).blocks_total();
   const bool is_comparable = earlier != nullptr && earlier->buckets_size() == now.buckets_size();

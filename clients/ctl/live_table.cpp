@@ -36,7 +36,7 @@ void LiveTable::show(const client::Block& block, std::size_t scans, Time now) {
   row.seen = now;
   row.lost_scans += block.lost_scans;
   if (is_new) {
-    row.since = now;  // the first block came before the time that is measured
+    row.since = now;  // the first block arrived before the measured time
     return;
   }
   row.scans_since += scans;
@@ -108,7 +108,7 @@ void LiveTable::draw_running(Time now) {
   }
 }
 
-/// The cursor cannot go back above the screen: its own line stays free, and one for "and n more".
+/// The cursor cannot move above the screen: one line stays free for the cursor and one for "and n more".
 bool LiveTable::draw_lines(const std::vector<std::string>& lines, cli::Style style) {
   constexpr std::size_t kKeptFree = 2;
   if (lines_drawn_ + lines.size() + kKeptFree > std::max<std::size_t>(console_.lines, kKeptFree + 2)) return false;
@@ -117,7 +117,7 @@ bool LiveTable::draw_lines(const std::vector<std::string>& lines, cli::Style sty
   return true;
 }
 
-/// Of what is looked at now, not of what it was on arrival: a frozen picture must not look alive.
+/// Returns the present age, not the age on arrival, so that old values never look current.
 std::string LiveTable::age_text(const Row& row, Time now) {
   const std::chrono::duration<double, std::milli> waited = now - row.seen;
   if (waited > kFrozen) return cli::decimal(waited.count() / 1000.0, 0) + " s ago";

@@ -13,15 +13,14 @@
 
 namespace dts::ctl {
 
-/// A table of streams that is redrawn in place ten times per second; events scroll by above it, but for running values of sway, which
-/// stand below it.
+/// A table of streams that is redrawn in place ten times per second. Events scroll above it; running sway values are in lines below it.
 ///
 ///     12.4 s  floor  marker: eyes closed
 ///     TOPIC      RATE (Hz)     AGE  LOST  VALUES
 ///     floor/cop      100.1  1.2 ms     0  ml 1.2300 mm  ap -4.5600 mm  load 701.20 N
 ///     floor/sway: preliminary, 12.5 s: MVELO 8.12 mm/s
 ///
-/// Values that do not fit into the terminal's width stand in a second line.
+/// Values that do not fit into the terminal's width move to a second line.
 class LiveTable final : public WatchSink {
  public:
   explicit LiveTable(cli::Console& console) : console_(console) {}
@@ -37,19 +36,19 @@ class LiveTable final : public WatchSink {
   void refresh(Time now) override;
 
  private:
-  /// Kept as numbers: text is made for what is drawn, ten times per second, not for what arrives.
+  /// Kept as numbers: text is made only when it is drawn, ten times per second, not for each block.
   struct Row {
     const client::StreamFormat* format = nullptr;
     std::vector<float> scan;
     std::vector<std::uint8_t> quality;
-    std::optional<std::int64_t> age_ns;  ///< When it was seen.
+    std::optional<std::int64_t> age_ns;  ///< Age at the time `seen`.
     Time seen{};
-    std::uint64_t lost_scans = 0;  ///< In all.
+    std::uint64_t lost_scans = 0;  ///< Total.
     Time since{};                  ///< Start of the second over which the rate is counted.
     std::uint64_t scans_since = 0;
     double rate_hz = std::numeric_limits<double>::quiet_NaN();
   };
-  /// What is told again and again, by topic.
+  /// The last preliminary sway values, by topic.
   struct Running {
     std::string text;
     Time seen{};
@@ -59,7 +58,7 @@ class LiveTable final : public WatchSink {
   void draw(Time now);
   void draw_rows(Time now);
   void draw_running(Time now);
-  /// Returns false when there is no room for all the lines; then none is drawn.
+  /// Returns false and draws nothing if there is no room for all the lines.
   bool draw_lines(const std::vector<std::string>& lines, cli::Style style);
   void put(const std::string& line);
 

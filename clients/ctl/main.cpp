@@ -5,6 +5,6 @@
 #include "ctl/run.h"
 
 int main(int count, char** words) {
-  google::protobuf::SetLogHandler(nullptr);  // what cannot be parsed is counted or told, not logged
+  google::protobuf::SetLogHandler(nullptr);  // messages that cannot be parsed are counted or reported, not logged
   return dts::cli::run_program("dtsctl", count, words, dts::ctl::run);
 }

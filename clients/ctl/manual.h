@@ -5,7 +5,7 @@
 
 namespace dts::ctl {
 
-/// What dtsctl's manual page says beyond its commands.
+/// Returns the contents of dtsctl's manual page besides the commands.
 [[nodiscard]] cli::Manual make_manual();
 
 }  // namespace dts::ctl

@@ -17,10 +17,10 @@ std::string in_brackets(const std::vector<std::string>& words) {
   return text.empty() ? text : text + "]";
 }
 
-/// "moderate trunk movement, p 0.97, trunk 25.2 deg (18.1 .. 32.4)"
+/// Returns "moderate trunk movement, p 0.97, trunk 25.2 deg (18.1 .. 32.4)".
 std::string judgement(const v1::TrunkMovement& movement, std::uint32_t reach_flags) {
   std::string text = class_words(movement, reach_flags) + (movement.trunk_class() < 0 ? "" : " trunk movement");
-  if (movement.trunk_class() > 0 && movement.trunk_class() <= movement.probability_size()) {  // of a minor reach not the highest
+  if (movement.trunk_class() > 0 && movement.trunk_class() <= movement.probability_size()) {  // not always the highest
     text += ", p " + number_text(movement.probability(movement.trunk_class() - 1), 2);
   }
   if (std::isfinite(movement.trunk_deg())) {

@@ -16,7 +16,7 @@
 namespace dts::ctl {
 namespace {
 
-/// "ml_mm" with unit "mm" to "ml".
+/// Converts "ml_mm" with unit "mm" to "ml".
 std::string label(const client::ChannelFormat& channel) {
   std::string suffix = "_" + channel.unit;
   std::ranges::transform(suffix, suffix.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
@@ -24,7 +24,7 @@ std::string label(const client::ChannelFormat& channel) {
   return cli::printable(has_suffix ? channel.name.substr(0, channel.name.size() - suffix.size()) : channel.name);
 }
 
-/// Of fixed width, so that live values do not dance: six significant places or so.
+/// Returns a value of constant width, about six significant digits, so that live values do not move on the screen.
 std::string value_text(float value) {
   if (!std::isfinite(value)) return "      -";
   const double magnitude = std::abs(static_cast<double>(value));
@@ -44,7 +44,7 @@ std::string change_text(const std::string& state, const std::string& subject, co
   return subject + (subject.empty() ? "" : " ") + state + (message.empty() ? "" : ": " + message);
 }
 
-/// "go, trial 3: 120 at 85.2 cm", "rest for 20.0 s"
+/// Returns "go, trial 3: 120 at 85.2 cm", "rest for 20.0 s".
 std::string trial_text(const v1::TrialChange& change) {
   const std::string what = enumerator_word(*v1::TrialEventKind_descriptor(), change.kind());
   if (change.kind() == v1::TRIAL_EVENT_KIND_FINISHED) return "all trials are done; end the session: dtsctl session stop";
@@ -86,7 +86,7 @@ std::vector<std::string> reading_parts(const client::StreamFormat& format, std::
   std::uint8_t doubts = 0;
   for (std::size_t channel = 0; channel < format.channels.size(); ++channel) {
     const client::ChannelFormat& described = format.channels[channel];
-    const bool has_unit = described.unit != "1";  // as UCUM writes a pure number
+    const bool has_unit = described.unit != "1";  // UCUM's unit for a pure number
     parts.push_back(label(described) + " " + value_text(scan[channel]) + (has_unit ? " " + cli::printable(described.unit) : ""));
     doubts = static_cast<std::uint8_t>(doubts | quality[channel]);
   }

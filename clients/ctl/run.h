@@ -8,8 +8,8 @@
 
 namespace dts::ctl {
 
-/// dtsctl but for signals and the terminal: reads the command line (without the program's name), executes the command and
-/// returns the exit status. Blocks as long as the command does.
+/// dtsctl without signals and terminal: parses the command line (without the program's name), executes the command and returns the exit
+/// status. Blocks until the command ends.
 [[nodiscard]] int run(const std::vector<std::string>& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -18,9 +18,9 @@ void erase(cli::Console& console, std::size_t lines) {
   console.measure(console);
   if (lines == 0) return;
   if (console.columns != columns) {
-    console.out << "\x1b[H\x1b[J";  // to the top, then clear to the end
+    console.out << "\x1b[H\x1b[J";  // to the top, then clear to the end of the screen
   } else {
-    console.out << "\x1b[" << lines << "A\x1b[J";  // up, then clear to the end
+    console.out << "\x1b[" << lines << "A\x1b[J";  // up, then clear to the end of the screen
   }
 }
 
@@ -32,7 +32,7 @@ std::size_t Screen::clear() {
 
 void Screen::draw(const std::vector<std::string>& lines) {
   std::ignore = clear();
-  // The cursor cannot go back above the screen, and stands below the last line.
+  // The cursor cannot move above the screen, and it is below the last line.
   const std::size_t room = std::max<std::size_t>(console_.lines, 2) - 1;
   for (std::size_t index = 0; index < lines.size(); ++index) {
     for (const std::string& line : cli::wrapped(cli::printable(lines[index]), console_.columns, kWrapIndent)) {

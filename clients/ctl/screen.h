@@ -9,19 +9,19 @@
 
 namespace dts::ctl {
 
-/// Erases the `lines` lines drawn last and reads the terminal's size. A terminal that was resized since has wrapped them anew, nobody
-/// knows into how many: then everything on it is erased.
+/// Erases the `lines` lines drawn last and reads the terminal's size. If the terminal was resized since, it has wrapped the lines again and
+/// their number is unknown: then the whole screen is erased.
 void erase(cli::Console& console, std::size_t lines);
 
-/// Lines on a terminal that are drawn over those drawn before, as many as there is room for, the first one bold. Too long ones are wrapped.
+/// Lines on a terminal that replace the lines drawn before, as many as fit; the first one is bold. Long lines are wrapped.
 class Screen {
  public:
   explicit Screen(cli::Console& console) : console_(console) {}
 
-  /// Makes room for new lines and returns how many columns they have.
+  /// Erases the lines and returns the number of columns.
   [[nodiscard]] std::size_t clear();
   void draw(const std::vector<std::string>& lines);
-  /// What stands there stays; the next lines are drawn below.
+  /// Keeps the drawn lines; the next ones are drawn below them.
   void make_room() noexcept { drawn_ = 0; }
 
  private:

@@ -17,7 +17,7 @@ using client::ControlClient;
 using client::ErrorCode;
 using client::Result;
 
-/// KEY=VALUE into the request; a key that comes twice is a mistake, not a choice.
+/// Adds KEY=VALUE to the request. Fails if a key occurs twice.
 Result<void> add_fields(const std::vector<std::string>& fields, v1::StartSessionRequest& request) {
   for (const std::string& field : fields) {
     const std::size_t equals = field.find('=');
@@ -28,7 +28,7 @@ Result<void> add_fields(const std::vector<std::string>& fields, v1::StartSession
   return {};
 }
 
-/// The id, and for people what may come next.
+/// Prints the id and, for people, the next commands.
 void print_begun(cli::Console& console, const v1::SessionInfo& session) {
   console.out << cli::printable(session.session_id()) << '\n';
   if (session.has_trial()) cli::print_hint(console, "first trial: dtsctl session trial next --rig " + session.rig());
@@ -60,7 +60,7 @@ v1::TrialAction action_of(const std::string& word) {
 
 }  // namespace
 
-/// A whole examination without a class would be the price.
+/// Warns before a whole session is recorded: without a tare, no reach can be classified.
 void warn_untared(const v1::StatusSnapshot& status, const std::string& name, cli::Console& console) {
   for (const v1::RigStatus& rig : status.rigs()) {
     if (rig.rig().name() != name || !needs_tare(rig)) continue;
@@ -69,7 +69,7 @@ void warn_untared(const v1::StatusSnapshot& status, const std::string& name, cli
   }
 }
 
-/// The session is there at once, its first scan is not.
+/// The session starts at once, but its first scan must wait for the device.
 void tell_wait(const v1::StatusSnapshot& status, const v1::SessionInfo& session, cli::Console& console) {
   const auto rig = find_rig(status, session.rig());
   if (!rig || rig->device() == v1::DEVICE_STATE_STREAMING) return;
@@ -131,7 +131,7 @@ int run_session_list(const Arguments& arguments, cli::Console& console) {
   const auto ask = [&](ControlClient& dts) -> Result<v1::ListSessionsResponse> {
     auto sessions = dts.list_sessions(request);
     if (!sessions || sessions->sessions_size() > 0 || arguments.rig.empty()) return sessions;
-    // A rig of earlier days may have sessions; one that has none and is not there is a slip.
+    // A rig that was removed may still have sessions. A name without a rig and without sessions is a typing error.
     if (const auto rig = dts.status().and_then([&](const auto& status) { return find_rig(status, arguments.rig); }); !rig) {
       return tl::make_unexpected(rig.error());
     }

@@ -6,7 +6,7 @@
 
 namespace dts::ctl {
 
-/// Commands about sessions that one request to the daemon answers. Each returns the exit status.
+/// Session commands that send one request to the daemon. Each returns the exit status.
 [[nodiscard]] int run_session_start(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_session_stop(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_session_abort(const Arguments& arguments, cli::Console& console);
@@ -16,7 +16,7 @@ namespace dts::ctl {
 [[nodiscard]] int run_session_trial(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_protocol_list(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_protocol_show(const Arguments& arguments, cli::Console& console);
-/// DataDamaged when the chain of the audit trail is broken; its entries are shown all the same.
+/// Fails with DataDamaged if the chain of the audit trail is broken; prints its entries anyway.
 [[nodiscard]] int run_audit(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -18,9 +18,9 @@ using cli::number_between;
 using cli::text_of;
 using cli::whole_number_between;
 
-constexpr std::int64_t kLongestList = 1000;  // more does not go into one answer
+constexpr std::int64_t kLongestList = 1000;  // an answer cannot hold more
 
-/// KEY=VALUE, as `start_session` takes it apart.
+/// Checks for KEY=VALUE, the format that `start_session` parses.
 CLI::Validator key_and_value() {
   const auto check = [](std::string& text) -> std::string {
     const std::size_t equals = text.find('=');

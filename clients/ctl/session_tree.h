@@ -5,7 +5,7 @@
 
 namespace dts::ctl {
 
-/// `session`, `protocol` and `audit` with all that is below them.
+/// Adds `session`, `protocol` and `audit` with all their subcommands.
 void add_sessions(CommandTree& tree);
 
 }  // namespace dts::ctl

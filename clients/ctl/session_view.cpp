@@ -18,7 +18,7 @@
 namespace dts::ctl {
 namespace {
 
-/// As it was written: a limit of 0.5 is not 0.
+/// Returns the shortest exact text, so that a limit of 0.5 is not shown as 0.
 std::string shortest(double value) {
   std::array<char, 32> text{};
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
@@ -28,7 +28,7 @@ std::string or_dash(const std::string& text) { return text.empty() ? "-" : text;
 
 std::string state_word(v1::PartState state) { return enumerator_word(*v1::PartState_descriptor(), state); }
 
-/// The session's state, and in brackets what is missing in its recordings: "complete (10560 scans lost in 1 gap)".
+/// Returns the session's state and, in brackets, the losses of its recordings: "complete (10560 scans lost in 1 gap)".
 std::string state_text(const v1::SessionRecord& session) {
   const std::string lost = loss_text(sum_of(session));
   return or_dash(session.state()) + (lost.empty() ? "" : " (" + lost + ")");
@@ -70,7 +70,7 @@ void print_parts(cli::Console& console, const v1::SessionRecord& session) {
   }
 }
 
-/// What a trial of the reaching task came to; a class other than the target takes stands out.
+/// Returns the class of a trial of the reaching task; highlights a class that is not expected for this target.
 cli::Cell trunk_cell(const v1::TrialResult& result) {
   if (!result.has_movement()) return {"-"};
   const int found = result.movement().trunk_class();
@@ -96,14 +96,14 @@ void print_results(cli::Console& console, const v1::SessionRecord& session) {
   if (session.results_size() > 0) results.print(console);
 }
 
-/// "812 .. 2312"; "0:812 .. 1:212" (segment:scan) when a gap divides the trial.
+/// Returns "812 .. 2312"; "0:812 .. 1:212" (segment:scan) if the trial has a gap.
 std::string place_text(const v1::TrialRecord& trial) {
   if (trial.last_segment() <= trial.segment()) return std::to_string(trial.first_scan()) + " .. " + std::to_string(trial.last_scan());
   return std::to_string(trial.segment()) + ":" + std::to_string(trial.first_scan()) + " .. " + std::to_string(trial.last_segment()) + ":" +
          std::to_string(trial.last_scan());
 }
 
-/// Of trials of quiet standing.
+/// Prints trials of quiet standing.
 void print_standing(cli::Console& console, const v1::SessionRecord& session) {
   cli::Table trials({">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">MVELO mm/s", ">RDIST mm", ">ELLIPSE mm2", "FLAGS", ">PART",
                      ">FROM .. TO SCAN"});

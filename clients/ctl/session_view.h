@@ -6,7 +6,7 @@
 
 namespace dts::ctl {
 
-/// Tables of what the catalogue and the protocols say.
+/// Print tables from the catalogue and the protocols.
 void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessions);
 void print_session(cli::Console& console, const v1::SessionRecord& session);
 void print_protocols(cli::Console& console, const v1::ListProtocolsResponse& protocols);

@@ -9,13 +9,13 @@
 
 namespace dts::ctl {
 
-/// Why nothing comes for the topic prefixes, and what to check, as far as the daemon's last status tells (nullptr: none
-/// was heard). The code is Unreachable without a status, NotFound when nothing is published under any prefix,
-/// DeviceGone when a rig's device does not stream, Timeout otherwise.
+/// Explains why no messages arrive for the topic prefixes, and what to check, based on the daemon's last status (nullptr: none arrived).
+/// The code is Unreachable without a status, NotFound if nothing is published under any prefix, DeviceGone if a rig's device does not
+/// stream, otherwise Timeout.
 [[nodiscard]] client::Error explain_silence(const v1::StatusSnapshot* status, const std::vector<std::string>& prefixes,
                                             const std::string& endpoint);
 
-/// Events of a rig that exists are asked for, and no stream: silence is what one expects.
+/// Returns true if the prefixes match only events of an existing rig, and no stream: then silence is normal.
 [[nodiscard]] bool asks_for_events_only(const v1::StatusSnapshot* status, const std::vector<std::string>& prefixes);
 
 }  // namespace dts::ctl

@@ -10,7 +10,7 @@
 namespace dts::ctl {
 namespace {
 
-/// The word for an enumerator, "-" when unspecified.
+/// Returns the word for an enumerator, "-" if unspecified.
 template <class Enum>
 std::string word(Enum value, const google::protobuf::EnumDescriptor* type) {
   return value == 0 ? "-" : enumerator_word(*type, static_cast<int>(value));
@@ -76,7 +76,7 @@ void print_streams(cli::Console& console, const v1::RigInfo& rig) {
 std::vector<std::string> notice_lines(const v1::StatusSnapshot& status) {
   constexpr std::string_view kThread = "thread ";
   struct Line {
-    std::string threads;  ///< Empty: of no thread.
+    std::string threads;  ///< Empty: the notice names no thread.
     std::size_t count = 0;
     std::string text;
   };
@@ -161,7 +161,7 @@ void print_rigs(cli::Console& console, const v1::ListRigsResponse& rigs) {
 
 namespace {
 
-/// "drift -12.3 ppm, host times within 1.20 ms"
+/// Returns "drift -12.3 ppm, host times within 1.20 ms".
 std::string clock_text(const v1::RigStatus& status) {
   if (status.scans_total() == 0) return "";
   const std::string drift =

@@ -9,11 +9,11 @@
 
 namespace dts::ctl {
 
-/// Value of a measure by its symbol; nothing when it is not there.
+/// Returns the value of a measure by its symbol; nothing if it is absent.
 [[nodiscard]] std::optional<double> measure_value(const dts::v1::Sway& sway, std::string_view symbol);
-/// "short_for_quantiles moved": words of the flags.
+/// Returns the words of the flags: "short_for_quantiles moved".
 [[nodiscard]] std::string sway_flag_words(const dts::v1::Sway& sway);
-/// "preliminary, trial 3, 12.5 s: MVELO 8.1 mm/s  RDIST 5.2 mm  ellipse 223 mm2"
+/// Returns "preliminary, trial 3, 12.5 s: MVELO 8.1 mm/s  RDIST 5.2 mm  ellipse 223 mm2".
 [[nodiscard]] std::string sway_text(const dts::v1::Sway& sway);
 
 }  // namespace dts::ctl

@@ -12,7 +12,7 @@
 namespace dts::ctl {
 namespace {
 
-/// Tried, not read from RLIMIT_RTPRIO: capabilities and control groups have a say too. In a thread of its own, which ends.
+/// Tries it instead of reading RLIMIT_RTPRIO, because capabilities and control groups matter too. Uses a separate thread that ends at once.
 bool try_fifo() {
   bool is_allowed = false;
   std::thread([&is_allowed] {

@@ -6,10 +6,10 @@
 
 namespace dts::ctl {
 
-/// What this machine allows this user, as far as latency depends on it.
+/// The rights of this user on this machine that affect latency.
 struct SystemFacts {
   bool may_use_fifo = false;         ///< A thread of this user was allowed to become SCHED_FIFO.
-  std::uint64_t lockable_bytes = 0;  ///< The largest number: no limit.
+  std::uint64_t lockable_bytes = 0;  ///< The largest value means no limit.
   std::string clock_source;          ///< "tsc"; empty when unknown.
 };
 

@@ -10,7 +10,7 @@
 
 namespace dts::ctl {
 
-/// Lines for people, where a table cannot be redrawn: at most ten per second and stream (the newest scan), each event.
+/// Prints lines for people if a table cannot be redrawn: each event, and at most ten scans per second and stream (the newest).
 class TextLines final : public WatchSink {
  public:
   explicit TextLines(cli::Console& console) : console_(console) {}
@@ -33,7 +33,7 @@ class TextLines final : public WatchSink {
   bool has_told_thinning_ = false;
 };
 
-/// "dtsd 0.1.0, up 3.2 s: floor streaming 100.02 Hz, lost 0"
+/// Returns "dtsd 0.1.0, up 3.2 s: floor streaming 100.02 Hz, lost 0".
 [[nodiscard]] std::string status_line(const v1::StatusSnapshot& status);
 
 }  // namespace dts::ctl

@@ -68,7 +68,7 @@ int Top::run() {
         --remaining_;
       }
     }
-    if (!console_.out || (!*message && console_.is_out_closed())) return cli::kOk;  // nobody reads any more
+    if (!console_.out || (!*message && console_.is_out_closed())) return cli::kOk;  // the reader has closed the output
     if (const auto status = check_silence()) return *status;
   }
   return cli::kOk;
@@ -79,7 +79,7 @@ void Top::show() {
   console_.out << cli::one_line(view_.json()) << std::endl;
 }
 
-/// As `watch`: told once, an exit status when `--timeout` has passed, and only time spent listening counts.
+/// As in `watch`: reports a silence once, returns an exit status after `--timeout`, and counts only time spent receiving.
 std::optional<int> Top::check_silence() {
   const auto now = std::chrono::steady_clock::now();
   silence_ += std::min<duration<double>>(now - looked_, 2 * kTurn);
@@ -87,7 +87,7 @@ std::optional<int> Top::check_silence() {
   const bool is_over = arguments_.timeout_s && silence_.count() >= *arguments_.timeout_s;
   if (!is_over && (has_told_ || silence_ < kLongestWithoutStatus)) return std::nullopt;
   has_told_ = true;
-  screen_.make_room();  // what stands there is old: it stays, above what is said of it
+  screen_.make_room();  // the old picture stays, above the error message
   const client::Error error = explain_silence(nullptr, {}, endpoint_);
   cli::print_error(console_, error.what, error.hint);
   return is_over ? std::optional(cli::exit_status(error.code)) : std::nullopt;

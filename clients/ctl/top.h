@@ -6,8 +6,8 @@
 
 namespace dts::ctl {
 
-/// Shows the daemon's health with every status, that is once a second, until `--count`, a closed output or a signal: redrawn in place on a
-/// terminal, else one JSON object per line. Returns the exit status.
+/// Shows the daemon's health at every status, about once a second, until `--count` is reached, the output is closed or a signal arrives.
+/// Redraws in place on a terminal; otherwise prints one JSON object per line. Returns the exit status.
 [[nodiscard]] int run_top(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -61,9 +61,9 @@ class Watch {
   std::unique_ptr<WatchSink> sink_;
   std::uint64_t remaining_;
   Clock::time_point looked_ = Clock::now();
-  std::chrono::duration<double> silence_{};         ///< Of what is watched.
-  std::chrono::duration<double> daemon_silence_{};  ///< Of the daemon altogether: a status comes every second.
-  std::int64_t status_time_ns_ = 0;                 ///< Of the newest status.
+  std::chrono::duration<double> silence_{};         ///< Of the watched topics.
+  std::chrono::duration<double> daemon_silence_{};  ///< Of the daemon as a whole: it publishes a status every second.
+  std::int64_t status_time_ns_ = 0;                 ///< Time of the newest status.
   bool has_told_ = false;
   bool has_told_daemon_ = false;
 };
@@ -75,7 +75,7 @@ int Watch::run() {
     if (*message) take(**message);
     const auto now = Clock::now();
     sink_->refresh(now);
-    if (!console_.out || (!*message && console_.is_out_closed())) return cli::kOk;  // nobody reads any more
+    if (!console_.out || (!*message && console_.is_out_closed())) return cli::kOk;  // the reader has closed the output
     if (const auto status = check_silence(now)) return *status;
   }
   return cli::kOk;
@@ -102,17 +102,17 @@ void Watch::take(const client::Message& message) {
   silence_ = {};
   daemon_silence_ = {};
   has_told_daemon_ = false;
-  has_told_ = asks_for_events_only(subscriber_.status(), topics_);  // whoever has seen one event knows that they are rare
+  has_told_ = asks_for_events_only(subscriber_.status(), topics_);  // silence is normal if only events are watched
 }
 
-/// "Everything" means everything about rigs: a status line per second would drown it.
+/// An empty prefix means everything about rigs: a status line per second would hide it.
 bool Watch::wants_status() const {
   return std::ranges::any_of(
       topics_, [](const std::string& prefix) { return !prefix.empty() && std::string_view("dtsd/status").starts_with(prefix); });
 }
 
-/// Says once per silence what is wrong; an exit status when `--timeout` has passed. Only time spent listening counts: after
-/// Ctrl-Z and fg nothing was heard because nobody listened.
+/// Reports the cause once per silence; returns an exit status after `--timeout`. Counts only time spent receiving: a process stopped with
+/// Ctrl-Z cannot receive.
 std::optional<int> Watch::check_silence(Clock::time_point now) {
   const auto listened = std::min<std::chrono::duration<double>>(now - looked_, 2 * kLook);
   looked_ = now;
@@ -144,7 +144,7 @@ bool Watch::is_status_new() {
   return true;
 }
 
-/// What the daemon said last counts only as long as it speaks.
+/// Uses the daemon's last status only while the daemon is not silent.
 client::Error Watch::explain() const {
   const std::string& endpoint = where_.endpoints.data;
   if (auto somebody = client::probe(endpoint); !somebody) return somebody.error();
@@ -172,10 +172,8 @@ int run_watch(const Arguments& arguments, cli::Console& console) {
   const std::string& address = where->endpoints.data;
   if (auto somebody = client::probe(address); !somebody) return cli::fail_with(console, somebody.error());
   const std::vector<std::string> topics = arguments.topics.empty() ? std::vector<std::string>{""} : arguments.topics;
-  auto subscriber = client::Subscriber::open({.endpoint = address,
-                                              .topics = topics,
-                                              .mode = arguments.is_latest ? client::Mode::Latest : client::Mode::All,
-                                              .key = where->key});
+  auto subscriber = client::Subscriber::open(
+      {.endpoint = address, .topics = topics, .mode = arguments.is_latest ? client::Mode::Latest : client::Mode::All, .key = where->key});
   if (!subscriber) return cli::fail_with(console, subscriber.error());
   return Watch(arguments, topics, *where, std::move(*subscriber), console).run();
 }

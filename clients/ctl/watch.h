@@ -6,7 +6,8 @@
 
 namespace dts::ctl {
 
-/// Shows live data until `--count`, a closed output or a signal; `--timeout` bounds silence. Returns the exit status.
+/// Shows live data until `--count` is reached, the output is closed or a signal arrives; `--timeout` limits silence. Returns the exit
+/// status.
 [[nodiscard]] int run_watch(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

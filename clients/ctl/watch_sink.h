@@ -8,7 +8,7 @@
 
 namespace dts::ctl {
 
-/// A way of showing what `watch` receives.
+/// One output format for the messages that `watch` receives.
 class WatchSink {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -18,11 +18,11 @@ class WatchSink {
   virtual void show(const client::Block& block, std::size_t scans, Time now) = 0;
   virtual void show(const client::Event& event) = 0;
   virtual void show(const client::Status& status) = 0;
-  /// The daemon was restarted: formats seen so far are gone.
+  /// The daemon was restarted: formats seen so far are invalid.
   virtual void forget() = 0;
-  /// Somebody else is about to write to the terminal.
+  /// Called before other text is written to the terminal.
   virtual void make_room() {}
-  /// Called at least ten times per second, also when nothing comes.
+  /// Called at least ten times per second, also if no messages arrive.
   virtual void refresh(Time now) = 0;
 };
 

@@ -41,12 +41,12 @@ std::vector<std::string> tables_of(const CLI::App& app) {
   return tables;
 }
 
-/// Follows the lines of a file.
+/// Checks the lines of a file one by one.
 class Lines {
  public:
   explicit Lines(const CLI::App& app) : app_(app), table_(&app) {}
 
-  /// Returns what is wrong with the next line; empty: nothing.
+  /// Returns what is wrong with the next line; empty if it is correct.
   [[nodiscard]] std::string take(const std::string& line) {
     if (is_in_list_) return end_of_list(line);
     if (line.empty() || line.front() == '#') return {};

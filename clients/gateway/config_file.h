@@ -6,8 +6,8 @@
 
 namespace dts::gateway {
 
-/// Looks through a configuration file before CLI11 reads it, since CLI11 would wait for a pipe and names no lines. Returns "FILE:LINE: what
-/// is wrong" for the first key or table that no option of `app` has; empty: nothing is wrong. Values are checked where they are used.
+/// Checks a configuration file before CLI11 reads it, because CLI11 would block on a pipe and reports no line numbers. Returns "FILE:LINE:
+/// what is wrong" for the first key or table that no option of `app` has; empty if there is none. Values are checked where they are used.
 [[nodiscard]] std::string problem_of_config(const std::string& file, const CLI::App& app);
 
 }  // namespace dts::gateway

@@ -34,15 +34,15 @@ namespace {
 
 namespace asio = boost::asio;
 
-/// Items on the way from the bus thread to the io thread. When there are more the bus waits; what libzmq then drops is seen by every tab
-/// as missing scans.
+/// Most items on the way from the bus thread to the io thread. If there are more, the bus thread waits; libzmq then drops messages, and
+/// every tab sees missing scans.
 constexpr std::ptrdiff_t kMostItemsUnderWay = 4096;
 constexpr std::chrono::milliseconds kLookForEnd{100};
-/// How long browsers have to answer that the gateway leaves them.
+/// How long browsers may take to answer the close frame when the gateway ends.
 constexpr std::chrono::milliseconds kLongestGoodbye{500};
 constexpr std::chrono::milliseconds kGoodbyeTurn{10};
 
-/// Whether somebody (nohup) wants us to outlive the terminal.
+/// Returns true if SIGHUP is ignored (nohup): the gateway must then outlive the terminal.
 bool is_hangup_ignored() noexcept {
   struct sigaction now {};
   return ::sigaction(SIGHUP, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
@@ -62,7 +62,7 @@ FindSession find_session_through(CommandPool& commands) {
   };
 }
 
-/// Everything there is, in the order in which it depends on each other.
+/// All parts of the gateway, in the order of their dependencies.
 class Gateway {
  public:
   Gateway(const Options& options, const client::Endpoints& endpoints, std::function<void(const std::string&)> log)
@@ -72,7 +72,7 @@ class Gateway {
         commands_(io_, endpoints.control),
         hub_(
             io_, commands_, [this](std::vector<std::string> prefixes) { reader_->want(std::move(prefixes)); }, DTS_VERSION) {
-    // What ends by default would leave its temporary folder behind.
+    // The default action of SIGHUP would leave the temporary folder behind.
     if (!is_hangup_ignored()) signals_.add(SIGHUP);
   }
   ~Gateway() { is_ending_.store(true, std::memory_order_relaxed); }
@@ -99,7 +99,7 @@ class Gateway {
   std::function<void(const std::string&)> log_;
   client::Endpoints endpoints_;
   asio::io_context io_{1};
-  asio::signal_set signals_{io_, SIGINT, SIGTERM};  ///< From before there is anything to tidy up.
+  asio::signal_set signals_{io_, SIGINT, SIGTERM};  ///< First, so that a signal during the construction also ends in an orderly way.
   asio::steady_timer patience_{io_};
   std::chrono::steady_clock::time_point leaves_at_{};
   std::optional<WorkFolder> temporary_;
@@ -112,7 +112,7 @@ class Gateway {
   std::counting_semaphore<kMostItemsUnderWay> free_places_{kMostItemsUnderWay};
   std::atomic<bool> is_ending_ = false;  ///< Read by the bus thread, which must not wait for an io thread that has ended.
   std::unique_ptr<BusReader> reader_;
-  std::unique_ptr<Server> server_;  ///< Last: tabs that go tell the reader that nobody wants their topics any more.
+  std::unique_ptr<Server> server_;  ///< Last: its closing tabs remove their topics from the reader.
 };
 
 /// Thread: bus.
@@ -123,7 +123,7 @@ void Gateway::pass(BusItem item) {
   asio::post(io_, [this, item = std::move(item)] {
     free_places_.release();
     hub_.take(item);
-    access_->report_rest(false);  // the daemon's status comes every second; without it the next login or the end does this
+    access_->report_rest(false);  // called with the daemon's status every second; without a daemon, the next login or the end calls it
   });
 }
 
@@ -137,7 +137,7 @@ std::optional<Identity> Gateway::admit(const HttpRequest& request) {
   return identity;
 }
 
-/// Into the daemon's audit trail. Without a daemon the log alone has it.
+/// Sends the note to the daemon's audit trail. Without a daemon only the log has it.
 void Gateway::enter(const LoginNote& note) {
   v1::Request request;
   request.set_on_behalf_of(note.is_refused ? "" : note.user);
@@ -164,14 +164,14 @@ ServerHooks Gateway::hooks() {
           .open_tab = [this](const Identity& identity, TabConnection& connection) { return hub_.open_tab(identity, connection); }};
 }
 
-/// Where the archive puts what it makes: the user's wish, systemd's, or a temporary folder that goes with the gateway.
+/// Returns the folder for exports: the user's choice, systemd's, or a temporary folder that is removed when the gateway ends.
 client::Result<std::filesystem::path> Gateway::cache_directory() {
   if (!options_.cache_directory.empty()) return options_.cache_directory;
   const char* given = std::getenv("CACHE_DIRECTORY");
   if (given != nullptr && *given != '\0') return given;
   std::error_code failed;
   std::string name = (std::filesystem::temp_directory_path(failed) / "dts-gateway-XXXXXX").string();
-  // Under a name that can be guessed somebody else may have put a link, or a folder of theirs.
+  // mkdtemp: at a predictable name another user may have put a link or a folder.
   if (!failed && ::mkdtemp(name.data()) == nullptr) failed.assign(errno, std::generic_category());
   if (failed) {
     return client::fail(client::ErrorCode::Failed, "cannot make the temporary folder '" + name + "': " + failed.message(),
@@ -230,10 +230,10 @@ void Gateway::run() {
   access_->report_rest(true);
 }
 
-/// Connections say goodbye. The answer to a command under way is told nobody any more.
+/// Ends the connections in an orderly way. Answers to commands in progress are dropped.
 void Gateway::end() {
   sd_notify(0, "STOPPING=1");
-  access_->report_rest(true);  // while the commands are still sent
+  access_->report_rest(true);  // while commands can still be sent
   server_->stop();
   leaves_at_ = std::chrono::steady_clock::now() + kLongestGoodbye;
   await_goodbyes();

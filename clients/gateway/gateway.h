@@ -6,7 +6,7 @@
 
 namespace dts::gateway {
 
-/// Runs the gateway until SIGINT, SIGTERM or SIGHUP, then ends within a second; says on `console.talk` where it listens. Returns the exit
+/// Runs the gateway until SIGINT, SIGTERM or SIGHUP, then ends within a second. Prints its address on `console.talk`. Returns the exit
 /// status.
 [[nodiscard]] int serve(const Options& options, cli::Console& console);
 

@@ -67,7 +67,7 @@ int run(const std::vector<std::string>& words, cli::Console& console) {
                          .description = "The browser dashboard of dtsd",
                          .examples = "dts-gateway serve | then open http://127.0.0.1:8080/\n"
                                      "dts-gateway user add anna --role operator --users users | asks for the password\n"});
-  line.app.allow_config_extras(CLI::config_extras_mode::error);  // a word written wrongly in [serve] must not be a default
+  line.app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt key in [serve] must not silently select the default
   line.app.set_config("--config", "", "Read options from a TOML file, those of serve from its table [serve]")
       ->option_text("FILE")
       ->check([&app = line.app](const std::string& file) { return problem_of_config(file, app); });

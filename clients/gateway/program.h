@@ -8,7 +8,7 @@
 
 namespace dts::gateway {
 
-/// The program but for signals and the terminal: reads the words after its name, does what they say, returns the exit status.
+/// The program without signals and terminal: parses the words after its name, executes the command and returns the exit status.
 [[nodiscard]] int run(const std::vector<std::string>& words, cli::Console& console);
 
 }  // namespace dts::gateway

@@ -11,15 +11,15 @@
 
 namespace dts::gateway {
 
-/// What is found under which path. Thread: io.
+/// Maps paths to handlers. Thread: io.
 ///
 ///     /api/me /api/login /api/logout    AccessControl
-///     /api/sessions/...                 Archive, for whoever may view
-///     /metrics                          for whoever may view, and for a monitor on this machine, which cannot log in: it names nobody
-///     everything else                   the dashboard's files: they hold no secrets, and a login page must be had before a login
+///     /api/sessions/...                 Archive, for users who may view
+///     /metrics                          for users who may view, and for a monitor on this machine (cannot log in; sees no names)
+///     everything else                   the dashboard's files: they hold no secrets, and the login page must load before a login
 class Routes {
  public:
-  /// `metrics` makes the text of /metrics; empty: there is no such page.
+  /// `metrics` returns the text of /metrics; empty: the page does not exist.
   Routes(AccessControl& access, Archive& archive, const StaticFiles& files, std::function<std::string()> metrics)
       : access_(access), archive_(archive), files_(files), metrics_(std::move(metrics)) {}
   void handle(HttpRequest request, Respond respond) const;

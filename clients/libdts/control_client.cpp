@@ -28,7 +28,7 @@ constexpr std::size_t kLongestText = 2000;
 constexpr milliseconds kTimeout{3000};
 constexpr milliseconds kLookForStop{50};
 
-/// 128 random bits: no two commands of any client share it.
+/// Returns 128 random bits, so that no two commands of any clients have the same id.
 std::string new_request_id() {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::random_device random;
@@ -37,7 +37,8 @@ std::string new_request_id() {
   return id;
 }
 
-/// The same bytes for the same request: of a repeat the daemon compares them with those it knows, and maps have no order otherwise.
+/// Serialises deterministically: the daemon compares the bytes of a repeated request with the first ones, and the order of protobuf maps is
+/// otherwise not defined.
 std::string bytes_of(const v1::Request& request) {
   std::string bytes;
   {
@@ -80,7 +81,8 @@ class ControlClient::Implementation {
  public:
   explicit Implementation(ControlOptions options) : options_(std::move(options)) {}
 
-  /// Fills in the request id when there is none, sends, waits; fails unless the answer belongs to the command and is checked.
+  /// Sets a request id if there is none, sends the request and waits for the answer. Fails unless the answer belongs to the command and
+  /// passes its checks.
   Result<v1::Response> answer(v1::Request&& request, const std::stop_token& stop);
 
   [[nodiscard]] std::uint64_t ignored_replies() const noexcept { return ignored_replies_; }
@@ -131,7 +133,7 @@ Result<v1::Response> ControlClient::Implementation::exchange(v1::Request&& reque
   if (auto somebody = probe(options_.endpoint); !somebody) return tl::make_unexpected(somebody.error());
   if (request.request_id().empty()) request.set_request_id(new_request_id());
   const std::string bytes = bytes_of(request);
-  // Serialising lets text through that no peer can parse; such a request would never be answered.
+  // protobuf serialises invalid UTF-8 without an error, but the daemon cannot parse it, so such a request would never be answered.
   if (v1::Request echo; !echo.ParseFromString(bytes)) return fail(ErrorCode::InvalidArgument, "the text is not valid UTF-8");
   const milliseconds timeout = timeout_of(request);
   const std::uint64_t ignored_before = ignored_replies_;
@@ -154,7 +156,7 @@ void ControlClient::Implementation::reopen() {
   socket_.connect(options_.endpoint);
 }
 
-/// In the envelope of a REQ socket (an empty frame first): every ROUTER that serves REQ understands it.
+/// Uses the envelope of a REQ socket (an empty frame first), because every ROUTER that serves REQ understands it.
 void ControlClient::Implementation::send(const std::string& request) {
   socket_.send(zmq::message_t(), zmq::send_flags::sndmore | zmq::send_flags::dontwait);
   socket_.send(zmq::buffer(request), zmq::send_flags::dontwait);
@@ -166,14 +168,14 @@ std::optional<v1::Response> ControlClient::Implementation::wait_for(const std::s
     const milliseconds left = std::chrono::ceil<milliseconds>(deadline - now);
     const milliseconds turn = stop.stop_possible() ? std::min(left, kLookForStop) : left;
     zmq::pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
-    // A signal ends the wait early; the deadline decides whether to go on.
+    // A signal ends the wait early; the deadline decides whether the loop continues.
     zmq_poll(&item, 1, static_cast<long>(turn.count()));
     if (auto response = take(request_id)) return response;
   }
   return std::nullopt;
 }
 
-/// One message; nothing, and counted, when it is not the answer to `request_id`.
+/// Reads one message. Returns nothing if none waits, or if it does not answer `request_id`; the latter is counted.
 std::optional<v1::Response> ControlClient::Implementation::take(const std::string& request_id) {
   zmq::message_t frame;
   int frames = 0;
@@ -186,7 +188,7 @@ std::optional<v1::Response> ControlClient::Implementation::take(const std::strin
   v1::Response response;
   const bool is_response = frames <= 2 && has_envelope && frame.size() <= kMaxAnswerBytes &&
                            response.ParseFromArray(frame.data(), static_cast<int>(frame.size()));
-  // A daemon that cannot read a request refuses it without its id.
+  // If the daemon cannot parse a request, its refusal has no request id.
   const bool is_refusal = is_response && response.request_id().empty() && response.has_error();
   if (is_response && (response.request_id() == request_id || is_refusal)) return response;
   ++ignored_replies_;

@@ -7,7 +7,7 @@
 
 namespace dts::client {
 
-/// Makes the connections that `socket` begins from now on use the key. Throws zmq::error_t.
+/// Makes all new connections of `socket` use the key. Throws zmq::error_t.
 inline void use(zmq::socket_t& socket, const Key& key) {
   socket.set(zmq::sockopt::curve_serverkey, key.server_public_key);
   socket.set(zmq::sockopt::curve_publickey, key.public_key);

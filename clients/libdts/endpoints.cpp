@@ -30,7 +30,7 @@ std::string value_of(const Environment& environment, const char* variable) {
   return value == nullptr ? std::string() : std::string(value);
 }
 
-/// ".../control.sock" to ".../data.sock" or back; empty when `endpoint` does not end in `from`.
+/// Changes ".../control.sock" to ".../data.sock" or the reverse. Returns an empty text if `endpoint` does not end in `from`.
 std::string sibling(const std::string& endpoint, std::string_view from, std::string_view to) {
   const std::string ending = "/" + std::string(from);
   if (!endpoint.starts_with(kIpc) || !endpoint.ends_with(ending)) return {};
@@ -42,14 +42,14 @@ Endpoints in_directory(const fs::path& directory, std::string origin) {
   return {.control = base + std::string(kControlName), .data = base + std::string(kDataName), .origin = std::move(origin)};
 }
 
-/// A pair of which at least one address is known.
+/// Derives the missing address; at least one of the two is known.
 Endpoints completed(std::string control, std::string data, std::string origin) {
   if (control.empty()) control = sibling(data, kDataName, kControlName);
   if (data.empty()) data = sibling(control, kControlName, kDataName);
   return {.control = std::move(control), .data = std::move(data), .origin = std::move(origin)};
 }
 
-/// Anybody may create a directory in /tmp: one that is not ours could be a trap for commands.
+/// Any user may create a directory in /tmp: a directory of another user could be there to receive our commands.
 Result<Endpoints> in_tmp() {
   const fs::path directory = "/tmp/dtsd-" + std::to_string(::geteuid());
   struct stat status {};
@@ -62,7 +62,7 @@ Result<Endpoints> in_tmp() {
 
 Result<Endpoints> by_directory(const Environment& environment, const fs::path& system_directory) {
   if (const auto given = value_of(environment, "DTSD_RUNTIME_DIR"); !given.empty()) return in_directory(given, "DTSD_RUNTIME_DIR");
-  // A directory that we may not look into is the daemon's all the same: probe() then says what permission is missing.
+  // A directory without read permission still belongs to the daemon; probe() then reports which permission is missing.
   std::error_code why;
   if (fs::exists(system_directory / kControlName, why) || why == std::errc::permission_denied) {
     return in_directory(system_directory, system_directory.string());
@@ -107,7 +107,7 @@ Result<Endpoints> find_endpoints(const EndpointWishes& wishes, const Environment
     found = by_directory(environment, system_directory);
   }
   if (!found) return found;
-  // A TCP address tells nothing about its sibling: the environment may.
+  // A TCP address does not determine the other address, but the environment may have it.
   if (found->control.empty()) found->control = control;
   if (found->data.empty()) found->data = data;
   for (const std::string& address : {found->control, found->data}) {
@@ -125,15 +125,16 @@ Result<void> probe(const std::string& endpoint) {
   address.sun_family = AF_UNIX;
   std::copy(path.begin(), path.end(), std::begin(address.sun_path));
   const int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (descriptor < 0) return {};  // no descriptor left: the real attempt will say so
+  if (descriptor < 0) return {};  // no file descriptor left: the real connection will report this
   const int outcome = ::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 ? 0 : errno;
   ::close(descriptor);
   switch (outcome) {
     case ENOENT:
     case ENOTDIR:
-      return fail(ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket does not exist",
-                  "start it: systemctl start dtsd, or dtsd --config FILE; is it elsewhere, as that of scripts/demo? set DTSD_RUNTIME_DIR or "
-                  "give --endpoint");
+      return fail(
+          ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket does not exist",
+          "start it: systemctl start dtsd, or dtsd --config FILE; is it elsewhere, as that of scripts/demo? set DTSD_RUNTIME_DIR or "
+          "give --endpoint");
     case ECONNREFUSED:
       return fail(ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket is a leftover, nobody listens",
                   "start it: systemctl start dtsd; see why it ended: journalctl -u dtsd");
@@ -141,7 +142,7 @@ Result<void> probe(const std::string& endpoint) {
     case EPERM:
       return fail(ErrorCode::NotAllowed, "no permission to open " + endpoint,
                   "join the group that owns the socket's directory (usermod -aG dtsd $USER), then log in again");
-    default: return {};  // connected, or a reason that libzmq handles by trying again
+    default: return {};  // connected, or an error after which libzmq retries
   }
 }
 

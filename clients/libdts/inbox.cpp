@@ -14,7 +14,7 @@ constexpr std::size_t kMaxTopics = 1024;
 constexpr std::size_t kMaxReady = 4096;
 constexpr std::size_t kMaxHeld = 16384;
 constexpr std::size_t kMaxHeldBytes = 32U << 20U;
-/// More than the jitter of a busy machine, less than an eye notices.
+/// More than the scheduling jitter of a busy machine, less than a person notices.
 constexpr std::int64_t kStaleNs = 50'000'000;
 
 template <class Wire>
@@ -22,7 +22,7 @@ bool parse(Wire& message, std::span<const std::byte> body) {
   return message.ParseFromArray(body.data(), static_cast<int>(body.size()));
 }
 
-/// Time from `host_time_ns` plus the block's length to now. Modular: times from the wire may be anything.
+/// Returns the time from the newest scan of the block to `now_ns`. Uses modular arithmetic: times from the wire may have any value.
 std::int64_t delay_of(const v1::StreamBlock& block, std::int64_t now_ns) noexcept {
   const double length_ns = 1e9 * static_cast<double>(block.scan_count() - 1) * static_cast<double>(block.rate().denominator()) /
                            static_cast<double>(block.rate().numerator());
@@ -107,12 +107,12 @@ void Inbox::enqueue_pending() {
       ready_.emplace_back(&topic);
     } else {
       topic.is_pending = false;
-      --statistics_.messages;  // `has_format` has counted it as what it is
+      --statistics_.messages;  // `has_format` has counted the block as unknown or malformed
     }
   }
 }
 
-/// Resolves the topic's format; false, and counted, when there is none or it does not fit.
+/// Finds the topic's format. Returns false, and counts the reason, if there is no format or the block does not match it.
 bool Inbox::has_format(Topic& topic, const v1::StreamBlock& block) {
   if (topic.format == nullptr) {
     const auto format = formats_.find(topic.text);
@@ -134,7 +134,7 @@ void Inbox::accept_event(Topic& topic, std::span<const std::byte> body) {
     return;
   }
   note_instance(event.instance_id());
-  if (!held_.empty() && !knows_formats_) return hold(topic, body, 0);  // keeps its place among the blocks
+  if (!held_.empty() && !knows_formats_) return hold(topic, body, 0);  // keeps its order among the held blocks
   ++statistics_.messages;
   if (wire::topic_of(event).is_retained()) {
     const std::string_view bytes(reinterpret_cast<const char*>(body.data()), body.size());
@@ -156,7 +156,7 @@ void Inbox::enqueue_event(Topic& topic, v1::Event&& event) {
 }
 
 void Inbox::accept_block(Topic& topic, std::span<const std::byte> body, std::int64_t arrived_ns) {
-  if (knows_formats_ && !formats_.contains(topic.text)) {  // of a later version of the protocol, perhaps
+  if (knows_formats_ && !formats_.contains(topic.text)) {  // perhaps a topic of a later version of the protocol
     ++statistics_.unknown_topics;
     return;
   }
@@ -174,7 +174,7 @@ void Inbox::accept_block(Topic& topic, std::span<const std::byte> body, std::int
   ready_.emplace_back(&topic);
 }
 
-/// `scratch_` becomes the topic's block. A block that still waits there is superseded: its scans count as missed.
+/// Makes `scratch_` the topic's block. If a block still waits there, its scans count as lost.
 void Inbox::take_block(Topic& topic, std::int64_t arrived_ns) {
   count_hole(topic, scratch_);
   if (topic.is_pending) topic.lost_scans += topic.block.scan_count();
@@ -223,7 +223,7 @@ void Inbox::note_instance(std::uint64_t instance_id) {
   const std::uint64_t old = std::exchange(instance_id_, instance_id);
   if (old == 0) return;
   ++statistics_.restarts;
-  // Blocks of the old instance go: their formats do. What it told last stays.
+  // Blocks of the old run are dropped because their formats become invalid; its events and status still wait for the caller.
   std::erase_if(ready_, [](const Ready& item) { return std::holds_alternative<Topic*>(item); });
   held_.clear();
   held_bytes_ = 0;
@@ -287,7 +287,7 @@ Block Inbox::block_view(Topic& topic, std::int64_t now_ns) {
   return block;
 }
 
-// Halves: times from the wire may lie further apart than 64 bits hold.
+// Compares halves: the difference of two times from the wire may exceed 64 bits.
 bool Inbox::is_late(const Ready& item) noexcept {
   const auto* topic = std::get_if<Topic*>(&item);
   return topic != nullptr && (*topic)->usual_delay_ns && (*topic)->delay_ns / 2 - *(*topic)->usual_delay_ns / 2 > kStaleNs / 2;

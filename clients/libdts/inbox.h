@@ -18,33 +18,33 @@
 
 namespace dts::client {
 
-/// The subscriber without its socket: decodes, orders or conflates, counts what is missing. Knows no time but what it is
-/// told.
+/// The subscriber without its socket: decodes messages, delivers them in order or keeps only the newest block, and counts missing scans.
+/// Has no clock: the caller passes the time.
 ///
 ///     accept --decode--> block --format known?--> [ready] --next--> caller
-///                                 | no: mode All    --> [held]  replayed when the status comes
+///                                 | no: mode All    --> [held]  replayed when the status arrives
 ///                                 |     mode Latest --> stays in its topic, overwritten by newer ones
 class Inbox {
  public:
-  /// `boot_id`: of this host; a status with the same one makes block ages meaningful.
+  /// `boot_id`: of this host. Block ages are valid only if the daemon's status has the same one.
   Inbox(Mode mode, bool hands_out_status, std::string boot_id);
 
   void hand_out_status(bool is_wanted) noexcept { hands_out_status_ = is_wanted; }
 
-  /// Takes one message from the wire. Mode All: call `next` until it has nothing before accepting more.
+  /// Processes one message from the wire. In mode All, call `next` until it returns nothing before the next call.
   void accept(std::string_view topic, std::span<const std::byte> body, std::int64_t now_ns);
-  /// The next message to hand out; its views are valid until the next `accept` or `next`.
+  /// Returns the next message for the caller; its views are valid until the next `accept` or `next`.
   [[nodiscard]] std::optional<Message> next(std::int64_t now_ns);
 
-  /// Mode Latest: a block is waiting that is much older than blocks of its stream used to be on arrival: newer ones are
-  /// on their way.
+  /// In mode Latest, returns true if a waiting block is much older than blocks of its stream usually are on arrival. Newer blocks are then
+  /// still on their way.
   [[nodiscard]] bool is_behind() const noexcept;
-  /// Newer ones did not come: takes the present delays as usual.
+  /// Makes the present delays the usual ones, because no newer blocks arrived.
   void accept_delays() noexcept;
 
   [[nodiscard]] const v1::StatusSnapshot* status() const noexcept { return has_status_ ? &status_ : nullptr; }
   [[nodiscard]] const SubscriberStatistics& statistics() const noexcept { return statistics_; }
-  /// For what the socket layer finds malformed.
+  /// Counts a message that the socket layer found malformed.
   void count_malformed() noexcept { ++statistics_.malformed; }
 
  private:
@@ -54,15 +54,15 @@ class Inbox {
     const StreamFormat* format = nullptr;
     v1::StreamBlock block;
     bool is_pending = false;  ///< `block` has not been handed out.
-    bool is_queued = false;   ///< ... and stands in `ready_`.
+    bool is_queued = false;   ///< `ready_` has an entry for `block`.
     LossTracker tracker;
     std::uint64_t lost_scans = 0;
     bool is_lost_exact = true;
-    std::int64_t delay_ns = 0;                   ///< Of `block`: from its newest scan to its arrival.
+    std::int64_t delay_ns = 0;                   ///< Time from the newest scan of `block` to its arrival.
     std::optional<std::int64_t> usual_delay_ns;  ///< The smallest so far.
-    std::string last_retained;                   ///< Wire bytes of the last retained event, to know a repeat.
+    std::string last_retained;                   ///< Wire bytes of the last retained event, to recognise a repeat.
 
-    void forget();  ///< Everything about an earlier run of the daemon.
+    void forget();  ///< Clears everything that belongs to an earlier run of the daemon.
   };
   struct Held {
     Topic* topic;
@@ -98,15 +98,15 @@ class Inbox {
   bool hands_out_status_;
   std::string boot_id_;
   std::map<std::string, Topic, std::less<>> topics_;
-  std::map<std::string, StreamFormat, std::less<>> formats_;  ///< By topic, of the present instance.
+  std::map<std::string, StreamFormat, std::less<>> formats_;  ///< By topic, of the present run of the daemon.
   bool knows_formats_ = false;
   bool has_status_ = false;
   bool is_same_host_ = false;
   std::uint64_t instance_id_ = 0;
   v1::StatusSnapshot status_;
-  v1::StreamBlock scratch_;  ///< Decoded into first: a bad message must not destroy the block that waits in its topic.
+  v1::StreamBlock scratch_;  ///< Decoded here first, so that a malformed message does not destroy the block in its topic.
   std::deque<Ready> ready_;
-  Ready current_;  ///< What the caller looks at.
+  Ready current_;  ///< The item that the caller's view points to.
   std::deque<Held> held_;
   std::size_t held_bytes_ = 0;
   SubscriberStatistics statistics_;

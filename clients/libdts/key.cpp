@@ -32,7 +32,7 @@ Result<void> check_mode(const std::string& file) {
     return fail(ErrorCode::InvalidArgument, "key file " + file + ": " + std::generic_category().message(errno),
                 "dtsctl key new makes one, on the daemon's machine");
   }
-  if (!S_ISREG(found.st_mode)) return fail(ErrorCode::InvalidArgument, "key file " + file + " is no regular file");  // a pipe would wait
+  if (!S_ISREG(found.st_mode)) return fail(ErrorCode::InvalidArgument, "key file " + file + " is no regular file");  // a pipe would block
   if ((found.st_mode & 0077U) == 0) return {};
   return fail(ErrorCode::NotAllowed, "key file " + file + " is open to others: its secret is none", "chmod 0600 " + file);
 }
@@ -90,7 +90,7 @@ Result<Key> read_key(const std::string& file) {
 }
 
 std::string key_text(const Key& key) {
-  // No character of a key, a name or an address means anything within quotes of TOML.
+  // No character that may occur in a key, a name or an address is special within a quoted TOML string.
   return "# Key of a client of dtsd: dtsctl --key FILE ..., or DTSD_KEY=FILE. Whoever has this file is \"" + key.name +
          "\": keep it to yourself.\nname = \"" + key.name + "\"\npublic_key = \"" + key.public_key + "\"\nsecret_key = \"" +
          key.secret_key + "\"\nserver_public_key = \"" + key.server_public_key + "\"\ncontrol = \"" + key.control + "\"\ndata = \"" +

@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, like the daemon's host times
 
 constexpr std::string_view kStatusTopic = "dtsd/status";
-constexpr std::size_t kLongestPrefix = 200;  // the daemon hangs up on subscriptions beyond 512 bytes
+constexpr std::size_t kLongestPrefix = 200;  // the daemon disconnects clients with subscriptions beyond 512 bytes
 constexpr int kMaxQueue = 1'000'000;
 constexpr milliseconds kLongestWait = std::chrono::hours(24);
 constexpr milliseconds kShortestSilence{10};
@@ -27,11 +27,11 @@ constexpr int kHeartbeatMs = 1000;
 constexpr int kHeartbeatTimeoutMs = 5000;
 constexpr int kReconnectMs = 100;
 constexpr int kReconnectMaxMs = 1000;
-/// Socket-level guard against a peer that announces gigabytes; what is merely too large for us is counted by the inbox.
+/// Limit at the socket against a peer that announces gigabytes; the inbox counts messages that are only slightly too large.
 constexpr std::int64_t kDataSocketBytes = 4 * static_cast<std::int64_t>(kMaxMessageBytes);
-/// Messages handled per call even if the deadline has passed, so that polling with timeout 0 gets somewhere.
+/// Messages processed per call even after the deadline, so that polling with timeout 0 makes progress.
 constexpr int kMessagesPerCall = 256;
-/// Bounds one drain in mode Latest against a publisher faster than this reader.
+/// Limits one drain in mode Latest if the publisher is faster than this reader.
 constexpr int kMessagesPerDrain = 65536;
 
 std::int64_t to_ns(Clock::time_point time) noexcept {
@@ -102,7 +102,7 @@ class Subscriber::Implementation {
   zmq::socket_t socket_;
   zmq::message_t topic_;
   zmq::message_t body_;
-  Clock::time_point looked_;  ///< Last look into the socket.
+  Clock::time_point looked_;  ///< When the socket was last read.
   Clock::duration silence_{};
   Inbox inbox_;
 };
@@ -128,7 +128,8 @@ void Subscriber::Implementation::connect() {
   note_life();
 }
 
-/// The new ones first: what both lists have is never unsubscribed in between (libzmq counts subscriptions).
+/// Subscribes the new topics before it unsubscribes the old ones, so that a topic in both lists stays subscribed (libzmq counts
+/// subscriptions).
 void Subscriber::Implementation::set_topics(const std::vector<std::string>& topics) {
   for (const std::string& prefix : topics) socket_.set(zmq::sockopt::subscribe, prefix);
   for (const std::string& prefix : options_.topics) socket_.set(zmq::sockopt::unsubscribe, prefix);
@@ -167,7 +168,7 @@ void Subscriber::Implementation::catch_up() {
   inbox_.accept_delays();
 }
 
-/// False when the socket has nothing at the moment.
+/// Returns false if no message waits at the socket.
 bool Subscriber::Implementation::take_one() {
   if (!socket_.recv(topic_, zmq::recv_flags::dontwait)) return false;
   note_life();
@@ -175,7 +176,7 @@ bool Subscriber::Implementation::take_one() {
     inbox_.count_malformed();
     return true;
   }
-  // The frames of a message arrive together: this does not wait.
+  // The frames of a message arrive together, so this does not block.
   std::ignore = socket_.recv(body_, zmq::recv_flags::none);
   if (!body_.more()) {
     inbox_.accept(topic_.to_string_view(), {body_.data<std::byte>(), body_.size()}, to_ns(looked_));
@@ -186,15 +187,15 @@ bool Subscriber::Implementation::take_one() {
   return true;
 }
 
-/// True when it is worth looking into the socket; false at the deadline or when a signal arrived.
+/// Returns true if the socket may have a message; false at the deadline or if a signal arrived.
 bool Subscriber::Implementation::wait(Clock::time_point deadline) {
   const Clock::duration slice = options_.reconnect_after / kLooksPerSilence;
   const auto timeout = std::chrono::ceil<milliseconds>(std::min(deadline - Clock::now(), slice));
   zmq::pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
   if (zmq::poll(&item, 1, std::max(timeout, milliseconds::zero())) > 0) return true;
-  // libzmq gives a peer up for good after a violation of its protocol, a message beyond its limit for one. A status comes
-  // every second, so silence means that nobody is connected. Only silence that was listened to counts: a process that was
-  // stopped meanwhile must first read what has piled up.
+  // libzmq closes a connection for good after a protocol violation, for example after a message beyond its size limit. The daemon publishes
+  // a status every second, so silence means that there is no connection. Only time during which this process could read counts as silence:
+  // a process that was suspended must first read the queued messages.
   const auto now = Clock::now();
   silence_ += std::min(now - looked_, slice);
   looked_ = now;

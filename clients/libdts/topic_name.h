@@ -9,14 +9,14 @@ namespace dts::client {
 
 enum class TopicKind : std::uint8_t { Stream, Event, Status };
 
-/// "<rig>/<name>" taken apart; the views point into the text.
+/// The parts of a topic "<rig>/<name>"; the views point into the topic's text.
 struct TopicName {
   std::string_view rig;
   std::string_view name;
   TopicKind kind = TopicKind::Stream;
 };
 
-/// Nothing if `topic` is not "<rig>/<name>". What is neither the status nor an event topic of the protocol is a stream.
+/// Returns nothing if `topic` is not "<rig>/<name>". Every topic that is neither the status nor an event of the protocol is a stream.
 [[nodiscard]] std::optional<TopicName> parse_topic(std::string_view topic);
 
 }  // namespace dts::client

@@ -13,7 +13,7 @@ constexpr int kMaxStreams = 64;
 constexpr int kMaxChannels = 256;
 constexpr std::uint32_t kMaxScans = 65536;
 constexpr int kMaxTexts = 1000;
-constexpr int kMaxSessions = 10'000;  ///< Of the catalogue, and entries of its audit trail.
+constexpr int kMaxSessions = 10'000;  ///< Sessions of the catalogue; also entries of the audit trail.
 constexpr int kMaxParts = 1000;
 constexpr int kMaxTrials = 10'000;
 constexpr std::size_t kLongestName = 64;
@@ -28,7 +28,7 @@ Result<void> check_count(int count, int limit, const char* of_what) {
   return damaged(std::to_string(count) + " " + of_what + ", at most " + std::to_string(limit) + " are possible");
 }
 
-/// A duration or a length: never negative, never NaN.
+/// Checks a duration or a length: never negative, never NaN.
 Result<void> check_amount(double value, const std::string& of_what) {
   if (std::isfinite(value) && value >= 0.0) return {};
   return damaged(of_what + " is " + std::to_string(value));

@@ -10,14 +10,14 @@
 
 namespace dts::client {
 
-/// Nothing the daemon publishes is larger; a block of its largest size has 512 KiB.
+/// No published message is larger; the largest block has 512 KiB.
 inline constexpr std::size_t kMaxMessageBytes = 1U << 20U;
 
-/// An answer may hold a whole list: a thousand sessions, ten thousand trials.
+/// Limit for answers, which may hold a whole list: a thousand sessions, ten thousand trials.
 inline constexpr std::size_t kMaxAnswerBytes = 4 * kMaxMessageBytes;
 
-/// The daemon is checked like any other peer: everything that is used as a size, a divisor or a name must make sense.
-/// Each fails with DataDamaged and what is wrong.
+/// Checks of the daemon's answers: the client does not trust the daemon more than any other peer. Every value used as a size, a divisor or
+/// a name must be valid. Each function fails with DataDamaged and the reason.
 [[nodiscard]] Result<void> check(const v1::RigInfo& rig);
 [[nodiscard]] Result<void> check(const v1::StatusSnapshot& status);
 [[nodiscard]] Result<void> check(const v1::ListRigsResponse& rigs);
@@ -32,10 +32,10 @@ inline constexpr std::size_t kMaxAnswerBytes = 4 * kMaxMessageBytes;
 [[nodiscard]] Result<void> check(const v1::ListProtocolsResponse& protocols);
 [[nodiscard]] Result<void> check(const v1::GetAuditResponse& audit);
 [[nodiscard]] Result<void> check(const v1::ListKeysResponse& keys);
-/// Whatever it answers.
+/// Checks the answer that the response holds, for every command.
 [[nodiscard]] Result<void> check(const v1::Response& response);
 
-/// No error text: this one runs per block.
+/// Returns no error text, because it runs for every block.
 [[nodiscard]] bool is_well_formed(const v1::StreamBlock& block) noexcept;
 [[nodiscard]] bool is_well_formed(const v1::Rate& rate) noexcept;
 

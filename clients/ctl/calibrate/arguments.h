@@ -8,17 +8,17 @@
 
 namespace dts::ctl {
 
-/// What only `dtsctl calibrate` says, checked for syntax and range.
+/// Options of `dtsctl calibrate` only, checked for syntax and range.
 struct CalibrateArguments {
-  double hold_s = 3.0;  ///< How long a load or gap must rest; it is averaged over this time.
-  std::string out;      ///< Empty: a name made from rig and date.
+  double hold_s = 3.0;  ///< How long a load or gap must be steady; the mean is computed over this time.
+  std::string out;      ///< Empty: a name from rig and date.
   bool is_auto = false;
 
   std::string sensor;           ///< Label, or "all".
-  std::vector<double> gaps_mm;  ///< In the order of measuring.
-  std::string points_file;      ///< Not empty: no measuring.
+  std::vector<double> gaps_mm;  ///< In the order of measurement.
+  std::string points_file;      ///< If not empty: readings from this file, no measurement.
 
-  // Not given: as an interrupted calibration was begun, or the usual ones.
+  // If absent: as in the interrupted calibration, or the default.
   std::optional<std::string> estimator;
   std::vector<double> loads_n;
   std::optional<std::size_t> grid;

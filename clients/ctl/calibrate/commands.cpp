@@ -27,7 +27,7 @@ void add_sensor(CommandTree& tree, CLI::App& parent) {
                        [&tree](cli::Console& console) { return run_calibrate_sensor(tree.arguments, console); });
   sensor->add_option("--rig", arguments.rig, "Rig of the sensors; not needed with --points")->option_text("RIG");
   sensor->add_option("--sensor", wishes.sensor, "Label of the sensor, or all")->option_text("LABEL")->required();
-  wishes.gaps_mm = {12.5, 12.0, 11.0, 10.0, 9.0, 8.0, 7.0, 6.5};  // thesis 3.4, and beyond both ends: unloaded and 600 N
+  wishes.gaps_mm = {12.5, 12.0, 11.0, 10.0, 9.0, 8.0, 7.0, 6.5};  // thesis 3.4, extended at both ends: unloaded and 600 N
   sensor
       ->add_option("--gaps", wishes.gaps_mm, "Gaps in mm, in the order of measuring (12.5,12,11,10,9,8,7,6.5); repeated ones are averaged")
       ->option_text("MM,MM,...")

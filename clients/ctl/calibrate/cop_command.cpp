@@ -21,16 +21,16 @@ using client::ErrorCode;
 using client::Result;
 using physics::CopMethod;
 
-/// A deflection with any of these doubts is not averaged into a point.
+/// A deflection with any of these quality bits is not used for a point.
 constexpr std::uint8_t kRefusedDeflectionQuality =
     v1::QUALITY_RAIL | v1::QUALITY_STUCK | v1::QUALITY_OUT_OF_RANGE | v1::QUALITY_ROTATION | v1::QUALITY_UNTARED;
-constexpr double kDriftMm = 0.01;       // moves the estimate by about 0.1 mm at 490 N
-constexpr double kNoiseMm = 0.1;        // as the tare: more means that something moves
+constexpr double kDriftMm = 0.01;       // changes the estimate by about 0.1 mm at 490 N
+constexpr double kNoiseMm = 0.1;        // as for the tare: more noise means movement
 constexpr double kThesisLoadN = 490.0;  // thesis 4.5: 50 kgf
-constexpr double kLeastRatio = 2.0;     // of the loads of poly3: less tells too little about how its coefficients depend on the load
+constexpr double kLeastRatio = 2.0;     // between the loads: poly3 needs it to fit how its coefficients depend on the load
 constexpr std::size_t kGoodGrid = 6;    // plate-model 5.2: 6 x 6 places are ten times better than 5 x 5
 
-/// Everything that is decided before the first weight is lifted.
+/// All settings that are fixed before the first measurement.
 struct Job {
   RigFacts facts;
   CopMethod method = CopMethod::Poly3;
@@ -38,8 +38,8 @@ struct Job {
   std::vector<double> loads_n;
   std::size_t grid = 7;
   std::size_t verify = kVerificationPoints;
-  std::vector<PlannedPoint> points;  ///< To calibrate, then to verify.
-  std::size_t fit_count = 0;         ///< So many of them are for the fit.
+  std::vector<PlannedPoint> points;  ///< First the points to calibrate, then those to verify.
+  std::size_t fit_count = 0;         ///< Number of points for the fit.
   double rate_hz = 0.0;
   std::string file;
 };
@@ -52,7 +52,7 @@ Result<std::filesystem::path> progress_path(const std::string& rig) {
   return *folder / ("calibrate-cop-" + rig + ".jsonl");
 }
 
-/// With --resume: what is not given is as in the interrupted calibration. Numbers of a damaged file count as not given: it is refused
+/// Fills in missing options for --resume from the interrupted calibration. Numbers of a damaged file count as missing: the file is rejected
 /// later, because it differs.
 Result<CalibrateArguments> completed(const Arguments& arguments) {
   CalibrateArguments wishes = arguments.calibrate;
@@ -89,7 +89,7 @@ Result<void> check_loads(CopMethod method, const std::vector<double>& loads_n) {
   return {};
 }
 
-/// What will not come out well is said before the first weight is lifted.
+/// Warns about settings with poor results before the first measurement.
 void warn(const Job& job, cli::Console& console) {
   if (job.method != CopMethod::Poly3) return;
   const auto [least, most] = std::ranges::minmax(job.loads_n);
@@ -103,7 +103,7 @@ void warn(const Job& job, cli::Console& console) {
   }
 }
 
-/// What a doubt about a deflection means at the plate.
+/// Returns the cause of a quality bit of a deflection, and what to do at the plate.
 std::string deflection_advice(const std::string& label, std::uint8_t quality) {
   if ((quality & v1::QUALITY_UNTARED) != 0) return "the zero of the plate is lost; quit and begin again with --resume";
   if ((quality & v1::QUALITY_RAIL) != 0) return "the converter is at its end; use a lighter weight or a wider input range";
@@ -147,7 +147,7 @@ Result<Job> plan(const Arguments& arguments, const CalibrateArguments& wishes, c
   return job;
 }
 
-/// What must be equal for points of two runs to belong together.
+/// Returns the properties that must be equal, so that points of two runs can be combined.
 Json identity(const Job& job) {
   Json points = Json::array();
   for (const PlannedPoint& point : job.points) points.push_back({point.x_mm, point.y_mm, point.load_n});
@@ -178,7 +178,7 @@ Result<ProgressFile> open_progress(const CalibrateArguments& wishes, const Job& 
   return ProgressFile::create(file, identity(job));
 }
 
-/// The empty plate becomes zero. False: the person quit.
+/// Tares the empty plate. Returns false if the person quit.
 Result<bool> tare(client::ControlClient& dts, const std::string& rig, const Prompt* prompt, cli::Console& console) {
   while (true) {
     console.talk << "Zero of the empty plate: nothing and nobody on it." << std::endl;
@@ -248,7 +248,7 @@ MeasureOptions deflections(const Job& job, std::size_t scans, const std::functio
           .is_stopped = is_stopped};
 }
 
-/// What the daemon takes the load on the plate for, as its calibration so far or the plate's model has it. Nothing: it does not say.
+/// Returns the daemon's estimate of the load on the plate, from its present calibration or the plate's model; nothing if none arrives.
 std::optional<double> ask_load(LiveFeed& feed) {
   constexpr int kLooks = 5;
   if (!feed.discard()) return std::nullopt;
@@ -260,7 +260,7 @@ std::optional<double> ask_load(LiveFeed& feed) {
   return std::nullopt;
 }
 
-/// All that happens at the plate.
+/// Runs the whole measurement at the plate.
 int work(const Arguments& arguments, client::ControlClient& dts, const Job& job, ProgressFile& progress, Feed& feed,
          std::optional<LiveFeed> loads, std::size_t scans, cli::Console& console) {
   const bool guided = is_guided(arguments);
@@ -268,7 +268,7 @@ int work(const Arguments& arguments, client::ControlClient& dts, const Job& job,
   const Prompt* const asks = guided ? &prompt : nullptr;
   const auto say = [&console](const std::string& line) { console.talk << line << std::endl; };
   std::optional<Answer> typed;
-  const bool hears = is_input_terminal();  // with --auto too: s skips, q quits
+  const bool hears = is_input_terminal();  // also with --auto: s skips, q quits
   const auto is_stopped = [&] {
     if (hears) typed = prompt.overhear();
     return typed.has_value();
@@ -295,7 +295,7 @@ int work(const Arguments& arguments, client::ControlClient& dts, const Job& job,
   const auto calibration = fit_and_write(job, progress);
   if (!calibration) return cli::fail_with(console, calibration.error());
   if (progress.next() < job.points.size()) say("Fitted and written. Now points that the fit has not seen, to verify it.");
-  const auto verified = guide.measure_until(job.points.size());  // whoever quits here has a calibration all the same
+  const auto verified = guide.measure_until(job.points.size());  // the calibration exists even if the person quits here
   if (!verified) cli::print_error(console, verified.error().what, "the calibration is written; only its verification is incomplete");
   return finish(job, progress, *calibration, arguments.is_json, console);
 }
@@ -322,7 +322,7 @@ int run_calibrate_cop(const Arguments& arguments, cli::Console& console) {
   warn(*job, console);
   const InterruptNote note("Interrupted. The points measured so far are kept in " + cli::printable(progress->path().string()) +
                            "; go on: dtsctl calibrate cop --rig " + cli::printable(arguments.rig) + " --resume");
-  std::optional<LiveFeed> loads;  // nobody's hands are quick enough to be ahead of it, a script's are
+  std::optional<LiveFeed> loads;  // only with a person: a script can change the load before the estimate arrives
   if (is_guided(arguments) && job->facts.rate_hz("cop")) {
     if (auto opened = LiveFeed::open(*where, arguments.rig, "cop", {"load_n"})) loads = std::move(*opened);
   }

@@ -6,7 +6,7 @@
 
 namespace dts::ctl {
 
-/// `dtsctl calibrate cop`: tare, guided points, fit, file, verification. Returns the exit status.
+/// Runs `dtsctl calibrate cop`: tare, guided points, fit, file, verification. Returns the exit status.
 [[nodiscard]] int run_calibrate_cop(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -13,16 +13,16 @@ namespace {
 using cli::decimal;
 using client::Result;
 
-/// Four sensors of 3 mV noise scatter by 0.01 mm in sum; 20 N in the middle of the thesis's plate give 0.5 mm.
+/// The sum of four sensors with 3 mV noise varies by 0.01 mm; 20 N in the middle of the thesis's plate cause 0.5 mm.
 constexpr double kEmptySumMm = 0.1;
 
-/// A plate that was never calibrated takes loads for others; two feet on it read 9 % low. Kilograms are 9.81 times off.
+/// A plate without calibration measures wrong loads: two feet on it read 9 % low. Kilograms instead of newtons differ by a factor of 9.81.
 constexpr double kWrongWeightRatio = 1.6;
 
-/// How far the deflections' centre may lie on the wrong side of the plate's, for noise and unequal sensors.
+/// How far the centre of the deflections may be on the wrong side of the plate's centre, because of noise and unequal sensors.
 constexpr double kWrongSideMm = 3.0;
 
-/// Centre of the deflections along one axis: always on the load's side of the sensors' middle, though much nearer to it.
+/// Returns the centre of the deflections along one axis: always on the load's side of the sensors' middle, but much closer to the middle.
 double deflection_centre_mm(const std::vector<double>& position_mm, const std::vector<double>& deflection_mm) {
   double moment = 0.0;
   double sum = 0.0;
@@ -33,7 +33,7 @@ double deflection_centre_mm(const std::vector<double>& position_mm, const std::v
   return moment / sum;
 }
 
-/// A load left of the middle that bends the plate to the right: the wrong place, or sensors in the wrong order.
+/// Returns true if a load left of the middle bends the plate to the right, or the reverse: a wrong place, or sensors in the wrong order.
 bool is_on_the_other_side(const std::vector<double>& position_mm, const std::vector<double>& deflection_mm, double place_mm) {
   const auto [first, last] = std::ranges::minmax(position_mm);
   const double middle_mm = 0.5 * (first + last);
@@ -82,7 +82,7 @@ Result<bool> CopGuide::measure_until(std::size_t end) {
   return true;
 }
 
-/// True: the point is to be measured now.
+/// Returns true if the point is to be measured now.
 Result<bool> CopGuide::go_on(const Reply& reply, std::size_t index) {
   if (reply == Answer::Go) return true;
   if (reply == Answer::Skip) {

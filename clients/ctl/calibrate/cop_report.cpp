@@ -12,7 +12,8 @@ namespace {
 using cli::decimal;
 using cli::Json;
 
-/// The line of the rig's file that makes the daemon use the calibration. Absolute, because the daemon reads it relative to that file.
+/// Returns the line for the rig's file that makes the daemon use the calibration. The path is absolute, because the daemon resolves
+/// relative paths from the folder of the rig's file.
 std::string rig_line(const std::string& file) { return "calibration = " + files::toml_quoted(std::filesystem::absolute(file).string()); }
 
 Json figures(const ErrorSummary& summary) {
@@ -88,7 +89,7 @@ void print(cli::Console& console, const CopReport& report) {
   const auto errors = residuals(report.calibration);
   console.out << "Residuals at the calibration's own points:\n" << error_map(errors);
   console.out << figures_text(summary(errors)) << '\n';
-  if (const auto& unseen = report.calibration.cross_validated) {  // each point estimated by a fit without it
+  if (const auto& unseen = report.calibration.cross_validated) {  // each point is estimated by a fit without it
     console.out << "each left out in turn: total " << decimal(unseen->rms_total_mm, 2) << " mm, load "
                 << decimal(unseen->load_rms_percent, 2) << " % rms\n";
   }

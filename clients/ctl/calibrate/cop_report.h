@@ -11,21 +11,21 @@
 
 namespace dts::ctl {
 
-/// What a finished calibration of the centre of pressure is worth.
+/// A finished calibration of the centre of pressure and its errors.
 struct CopReport {
   const physics::CopCalibration& calibration;
-  std::string file;                      ///< Where it was written.
-  std::vector<PointError> verification;  ///< Empty: none was made.
+  std::string file;                      ///< The written file.
+  std::vector<PointError> verification;  ///< Empty: not verified.
 };
 
-/// Errors of the calibration at its own points.
+/// Returns the errors of the calibration at its own points.
 [[nodiscard]] std::vector<PointError> residuals(const physics::CopCalibration& calibration);
-/// Errors at points that the calibration has not seen.
+/// Returns the error at a point that was not used for the fit.
 [[nodiscard]] PointError verify(const physics::CopCalibration& calibration, const PlannedPoint& point,
                                 const std::vector<double>& deflection_mm);
 
 [[nodiscard]] cli::Json to_json(const CopReport& report);
-/// Residual map, verification and the line for the rig's file, on `console.out`.
+/// Prints residual map, verification and the line for the rig's file on `console.out`.
 void print(cli::Console& console, const CopReport& report);
 
 }  // namespace dts::ctl

@@ -22,8 +22,7 @@ tl::unexpected<client::Error> restarted() {
 
 }  // namespace
 
-Result<LiveFeed> LiveFeed::open(const Target& where, const std::string& rig, const std::string& stream,
-                                std::vector<std::string> channels) {
+Result<LiveFeed> LiveFeed::open(const Target& where, const std::string& rig, const std::string& stream, std::vector<std::string> channels) {
   const std::string& endpoint = where.endpoints.data;
   if (auto somebody = client::probe(endpoint); !somebody) return tl::make_unexpected(somebody.error());
   const std::string topic = rig + "/" + stream;
@@ -39,7 +38,7 @@ Result<std::optional<FeedBlock>> LiveFeed::next() {
   return std::nullopt;
 }
 
-/// Messages of other kinds count as nothing.
+/// Ignores messages of other kinds; a restart is a failure, an event marks a loss.
 Result<std::optional<FeedBlock>> LiveFeed::receive(std::chrono::milliseconds timeout) {
   const auto message = subscriber_.receive(timeout);
   if (!message) return tl::make_unexpected(message.error());

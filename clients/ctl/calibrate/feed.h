@@ -13,27 +13,27 @@
 
 namespace dts::ctl {
 
-/// Consecutive scans of the stream that a calibration looks at.
+/// Consecutive scans of the stream that a calibration uses.
 struct FeedBlock {
-  std::vector<std::vector<double>> columns;  ///< Per channel; all of one length, at least 1.
+  std::vector<std::vector<double>> columns;  ///< Per channel; all of the same length, at least 1.
   std::vector<std::uint8_t> quality;         ///< Per channel: bits of v1::Quality.
-  bool follows_loss = false;                 ///< Scans before these are missing.
+  bool follows_loss = false;                 ///< Scans before this block are missing.
 };
 
-/// Where a calibration gets its scans: the daemon, or a test's script.
+/// Source of scans for a calibration: the daemon, or a test's script.
 class Feed {
  public:
   virtual ~Feed() = default;
-  /// The next scans; nothing when none came in time. Fails when the daemon was restarted or the device is silent for long.
+  /// Returns the next scans; nothing if none arrived in time. Fails if the daemon was restarted or the device is silent for too long.
   [[nodiscard]] virtual client::Result<std::optional<FeedBlock>> next() = 0;
-  /// Throws away what was measured up to now. Fails when the daemon was restarted meanwhile.
+  /// Drops all scans received so far. Fails if the daemon was restarted meanwhile.
   [[nodiscard]] virtual client::Result<void> discard() = 0;
 };
 
 /// One stream of one rig of a running daemon.
 class LiveFeed final : public Feed {
  public:
-  /// `where`: its data socket; `channels`: names, in the order wanted. Contacts nobody yet.
+  /// `where`: the daemon whose data socket is used; `channels`: names, in the desired order. Does not connect yet.
   [[nodiscard]] static client::Result<LiveFeed> open(const Target& where, const std::string& rig, const std::string& stream,
                                                      std::vector<std::string> channels);
 

@@ -11,7 +11,7 @@ namespace {
 using cli::decimal;
 using client::Result;
 
-constexpr double kNewLevelV = 0.02;  // four codes of 11 bit over +-5 V
+constexpr double kNewLevelV = 0.02;  // four codes of an 11-bit converter over +-5 V
 constexpr std::size_t kPatienceHolds = 5;
 
 bool always(std::span<const double> /*scan*/) { return true; }
@@ -33,7 +33,7 @@ void report(const GapGuideParts& parts, const SteadyReading& reading) {
   parts.say(text + " V; noise to " + decimal(1e3 * noise_v, 1) + " mV over " + std::to_string(reading.scans) + " scans");
 }
 
-/// One sensor that stays where it was keeps the gap of all from being taken.
+/// Reports sensors whose voltage does not change: one such sensor blocks the gap for all.
 void say_stuck(const GapGuideParts& parts, const SteadyReading& now, const SteadyReading& last) {
   std::string stuck;
   bool has_mover = false;

@@ -10,7 +10,7 @@
 
 namespace dts::ctl {
 
-/// Leads a person with spacers from gap to gap. All parts outlive the guide.
+/// Guides a person with spacers from gap to gap. All parts must outlive the guide.
 struct GapGuideParts {
   const std::vector<double>& gaps_mm;
   Measurer& measurer;
@@ -19,10 +19,10 @@ struct GapGuideParts {
   std::vector<std::string> labels{};  ///< Of the sensors, for messages.
 };
 
-/// The voltages of all sensors at each gap, in the order of the gaps; fewer when the person quit.
+/// Returns the voltages of all sensors at each gap, in the order of the gaps; fewer if the person quit.
 ///
-/// Without a person the first steady voltage is that of the sensors with nothing before them; it is never recorded. Every other steady
-/// voltage that differs from the one before by more than 20 mV at all sensors is the next gap.
+/// Without a prompt, the first steady voltage belongs to the sensors without a spacer; it is never recorded. After that, a steady voltage
+/// is the next gap if it differs at all sensors by more than 20 mV from the one before, and from the voltage without a spacer.
 [[nodiscard]] client::Result<std::vector<SteadyReading>> measure_gaps(const GapGuideParts& parts);
 
 }  // namespace dts::ctl

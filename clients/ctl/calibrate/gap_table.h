@@ -9,8 +9,8 @@
 
 namespace dts::ctl {
 
-/// Reads a CSV file with the header `gap_mm,volts`; a reading's row is its line in the file. Fails with
-/// InvalidArgument, naming "file:line:column".
+/// Reads a CSV file with the header `gap_mm,volts`; the row of a reading is its line in the file. Fails with InvalidArgument, naming
+/// "file:line:column".
 [[nodiscard]] client::Result<std::vector<physics::GapReading>> read_gap_table(const std::string& file);
 
 }  // namespace dts::ctl

@@ -13,7 +13,7 @@
 namespace dts::ctl {
 namespace {
 
-std::array<char, 1024> note{};  // a signal handler may only touch what is there already
+std::array<char, 1024> note{};  // a signal handler must not allocate memory
 volatile std::sig_atomic_t note_size = 0;
 
 extern "C" void on_interrupt_with_note(int /*signal*/) {

@@ -5,7 +5,7 @@
 
 namespace dts::ctl {
 
-/// While it lives, Ctrl-C ends the program with a last word on the standard error. One at a time.
+/// While this object lives, Ctrl-C prints a note on the standard error and ends the program. Only one at a time.
 class InterruptNote {
  public:
   explicit InterruptNote(const std::string& text);

@@ -31,13 +31,13 @@ char symbol(double error_mm) {
   return '?';  // NaN: no estimate
 }
 
-/// Cell of a position on a raster of `cells` over `length_mm`.
+/// Returns the cell of a position in a grid of `cells` over `length_mm`.
 std::size_t cell(double position_mm, double length_mm, int cells) {
   const double part = length_mm > 0.0 ? position_mm / length_mm : 0.0;
   return static_cast<std::size_t>(std::clamp(std::lround(part * (cells - 1)), 0L, static_cast<long>(cells - 1)));
 }
 
-/// Positions that belong to one row or column of a map.
+/// Returns the same key for positions in the same row or column of a map.
 long grid_key(double position_mm) { return std::lround(10.0 * position_mm); }
 
 std::string one_map(const std::vector<PointError>& errors) {

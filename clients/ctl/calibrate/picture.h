@@ -8,13 +8,14 @@
 
 namespace dts::ctl {
 
-/// The plate from above, forward at the top, sensors as 'o' and the spot as 'X'; lines end with '\n'.
+/// Returns the plate from above, forward at the top, sensors as 'o' and the spot as 'X'; lines end with '
+/// '.
 [[nodiscard]] std::string spot_picture(const PlateView& plate, const PlannedPoint& spot);
 
-/// "x 86.00, y 215.00 mm from the left back corner (-129.00, 0.00 mm from the centre)"
+/// Returns "x 86.00, y 215.00 mm from the left back corner (-129.00, 0.00 mm from the centre)".
 [[nodiscard]] std::string place_text(const PlateView& plate, const PlannedPoint& spot);
 
-/// How far an estimate is from the truth at one point.
+/// The difference between an estimate and the true place at one point.
 struct PointError {
   PlannedPoint point;
   double x_error_mm = 0.0;
@@ -31,7 +32,7 @@ struct ErrorSummary {
 };
 [[nodiscard]] ErrorSummary summary(const std::vector<PointError>& errors);
 
-/// One map per load: a symbol per point, told apart by shape and not by colour, with legend, rms and maximum.
+/// Returns one map per load: a symbol per point, distinguished by shape and not by colour, with legend, rms and maximum.
 [[nodiscard]] std::string error_map(const std::vector<PointError>& errors);
 
 }  // namespace dts::ctl

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kMidlinePoints = 5;  // thesis 4.4
 
-/// The rectangle of the sensors along one axis.
+/// Range of the sensors' rectangle along one axis.
 struct Extent {
   double first = 0.0;
   double last = 0.0;

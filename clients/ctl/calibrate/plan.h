@@ -19,7 +19,7 @@ struct PlannedPoint {
   friend bool operator==(const PlannedPoint&, const PlannedPoint&) = default;
 };
 
-/// The plate seen from above, as the guide draws and names places on it.
+/// The plate from above, with the geometry for drawing and naming places.
 struct PlateView {
   double a_mm = 0.0;
   double b_mm = 0.0;
@@ -30,15 +30,15 @@ struct PlateView {
 
 [[nodiscard]] PlateView plate_view(const v1::RigInfo& rig);
 
-/// Where the loads go, in the order of working: at each load row by row, to and fro, so that the way with the weight is short.
-/// Thesis (4.4): five equally spaced points on each mid-line between the sensors, the centre in both. Poly3: grid x grid points over
-/// the rectangle of the sensors.
+/// Returns the load points in the order of measurement: at each load row by row, in alternating directions, so that the distances for the
+/// weight are short. Thesis (4.4): five equally spaced points on each mid-line between the sensors, with the centre in both. Poly3: grid x
+/// grid points over the rectangle of the sensors.
 [[nodiscard]] std::vector<PlannedPoint> plan_points(const PlateView& plate, physics::CopMethod method, const std::vector<double>& loads_n,
                                                     std::size_t grid);
 
 inline constexpr std::size_t kVerificationPoints = 15;
 
-/// The points of thesis Table 4.1 in its order (for the thesis's platform exactly its coordinates), evenly thinned out to `count`.
+/// Returns the points of thesis Table 4.1 in its order (for the thesis's platform exactly its coordinates), evenly reduced to `count`.
 [[nodiscard]] std::vector<PlannedPoint> verification_points(const PlateView& plate, double load_n, std::size_t count);
 
 }  // namespace dts::ctl

@@ -35,7 +35,7 @@ tl::unexpected<client::Error> nothing_to_resume(const std::filesystem::path& pat
   return client::fail(ErrorCode::WrongState, "there is nothing to resume: " + path.string() + " does not exist", "leave out --resume");
 }
 
-/// "estimator is \"thesis\", now \"poly3\"": the first thing in which two calibrations differ.
+/// Returns "estimator is \"thesis\", now \"poly3\"": the first difference between two calibrations.
 std::string difference(const Json& then, const Json& now) {
   for (const auto& [key, value] : now.items()) {
     const Json old = then.is_object() ? then.value(key, Json()) : Json();

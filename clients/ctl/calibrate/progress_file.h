@@ -15,36 +15,37 @@
 
 namespace dts::ctl {
 
-/// $XDG_STATE_HOME/dts, else ~/.local/state/dts. Fails with Failed when there is no home either.
+/// Returns $XDG_STATE_HOME/dts, otherwise ~/.local/state/dts. Fails with Failed if there is no home either.
 [[nodiscard]] client::Result<std::filesystem::path> state_folder(const client::Environment& environment = client::process_environment);
 
-/// The points measured so far, on the disk as soon as they are measured: a crash costs the point under way at most.
+/// The points measured so far. Each is written to the disk at once: a crash loses at most the point in progress.
 ///
 ///     {"calibration": {...what is calibrated, how, at which points...}}        first line
 ///     {"index": 0, "mean": [...], "noise": [...], "scans": 300}               one line per point; a later one replaces an earlier
 ///     {"index": 0, "redo": true}                                              the point is to be measured again
 ///
-/// A last line that a crash has cut off is removed. Held exclusively while it is open.
+/// Removes a last line that a crash has cut off. Locks the file while it is open.
 class ProgressFile {
  public:
-  /// Begins anew. Fails with WrongState when another calibration holds the file.
+  /// Starts a new file. Fails with WrongState if another calibration has locked the file.
   [[nodiscard]] static client::Result<ProgressFile> create(const std::filesystem::path& file, const cli::Json& calibration);
-  /// What the calibration in the file is, as it was given to `create`. Fails with WrongState when there is no file, with DataDamaged.
+  /// Returns the calibration in the file, as passed to `create`. Fails with WrongState if there is no file, with DataDamaged if it is
+  /// damaged.
   [[nodiscard]] static client::Result<cli::Json> calibration_in(const std::filesystem::path& file);
-  /// Goes on. Fails with WrongState when there is nothing, when the file is of another calibration (naming what differs) or held by another
-  /// process, with DataDamaged naming "file:line".
+  /// Continues an interrupted calibration. Fails with WrongState if there is no file, if it belongs to another calibration (naming the
+  /// difference) or if another process has locked it; with DataDamaged, naming "file:line", if it is damaged.
   [[nodiscard]] static client::Result<ProgressFile> resume(const std::filesystem::path& file, const cli::Json& calibration,
                                                            std::size_t point_count, std::size_t channel_count);
 
   [[nodiscard]] const std::vector<std::optional<SteadyReading>>& points() const noexcept { return points_; }
-  /// The first point that is not measured; the number of points when all are.
+  /// Returns the first point that is not measured; the number of points if all are.
   [[nodiscard]] std::size_t next() const noexcept;
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
-  /// Appends and synchronises.
+  /// Appends the point and synchronises the file.
   [[nodiscard]] client::Result<void> record(std::size_t index, const SteadyReading& reading);
-  /// The point is to be measured again.
+  /// Marks the point to be measured again.
   [[nodiscard]] client::Result<void> forget(std::size_t index);
-  /// The calibration is complete: removes the file.
+  /// Removes the file, because the calibration is complete.
   void finish() noexcept;
 
  private:

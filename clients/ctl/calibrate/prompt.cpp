@@ -10,7 +10,7 @@
 namespace dts::ctl {
 namespace {
 
-/// The number in "r 13".
+/// Returns the number in "r 13".
 std::optional<std::size_t> redo_number(const std::string& line) {
   if (!line.starts_with("r ")) return std::nullopt;
   std::size_t number = 0;

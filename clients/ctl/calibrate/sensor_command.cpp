@@ -26,13 +26,13 @@ using client::ErrorCode;
 using client::Result;
 
 constexpr std::uint8_t kRefusedVoltageQuality = v1::QUALITY_RAIL | v1::QUALITY_STUCK | v1::QUALITY_ROTATION;
-constexpr double kDriftV = 0.005;  // one code of 11 bit over +-5 V
+constexpr double kDriftV = 0.005;  // one code of an 11-bit converter over +-5 V
 constexpr double kNoiseV = 0.05;
 constexpr const char* kAll = "all";
 
-/// One sensor's way from readings to a file.
+/// A sensor with its readings and its file.
 struct SensorJob {
-  v1::SensorInfo sensor;  ///< Without rig: only the label.
+  v1::SensorInfo sensor;  ///< Without a rig only the label is set.
   std::vector<physics::GapReading> readings;
   std::string file;
   std::size_t samples_per_point = 1;
@@ -48,7 +48,7 @@ std::string default_name(const std::string& rig, const std::string& label) {
   return (rig.empty() ? "" : rig + "-") + label + "-" + utc_now().substr(0, 10) + ".toml";
 }
 
-/// `--out` names the file of one sensor, or the folder of all.
+/// Returns the sensor's file. `--out` names the file of one sensor, or the folder for all.
 Result<std::string> file_for(const Arguments& arguments, const std::string& label) {
   const CalibrateArguments& wishes = arguments.calibrate;
   if (label.find_first_of("/\\") != std::string::npos || label != cli::printable(label) || label.empty()) {
@@ -77,7 +77,7 @@ Result<std::vector<SensorJob>> choose_sensors(const Arguments& arguments, const 
                       "there are: " + known + "; or: all");
 }
 
-/// What a doubt about a voltage means at the sensor.
+/// Returns the cause of a quality bit of a voltage, and what to do at the sensor.
 std::string voltage_advice(const std::string& label, std::uint8_t quality) {
   if ((quality & v1::QUALITY_RAIL) != 0) return "the converter is at its end; leave this gap out (--gaps) or use a wider input range";
   if ((quality & v1::QUALITY_STUCK) != 0) return "the voltage of " + label + " does not move at all; look at its cable and supply";
@@ -107,7 +107,7 @@ Result<std::vector<SteadyReading>> measure(const Arguments& arguments, const std
       {.gaps_mm = wishes.gaps_mm, .measurer = measurer, .prompt = is_guided ? &prompt : nullptr, .say = say, .labels = labels});
 }
 
-/// Fills in the readings; false when the person quit.
+/// Fills in the readings; returns false if the person quit.
 Result<bool> measure_jobs(const Arguments& arguments, const RigFacts& facts, std::vector<SensorJob>& jobs, cli::Console& console) {
   if (auto idle = facts.check_idle(); !idle) return tl::make_unexpected(idle.error());
   const auto where = target(arguments);
@@ -115,7 +115,7 @@ Result<bool> measure_jobs(const Arguments& arguments, const RigFacts& facts, std
   const auto rate_hz = facts.rate_hz("raw");
   if (!rate_hz) return tl::make_unexpected(rate_hz.error());
   std::vector<std::string> channels;
-  for (const SensorJob& job : jobs) channels.push_back(job.sensor.label() + "_v");  // as the pipeline names the columns of its input
+  for (const SensorJob& job : jobs) channels.push_back(job.sensor.label() + "_v");  // the pipeline's names of its input columns
   auto feed = LiveFeed::open(*where, arguments.rig, "raw", channels);
   if (!feed) return tl::make_unexpected(feed.error());
   const auto levels = measure(arguments, jobs, *rate_hz, *feed, console);
@@ -145,7 +145,7 @@ Result<Finished> finish(const SensorJob& job, const std::optional<RigFacts>& fac
     about.daq_serial = facts->daq_serial;
     about.channel = job.sensor.channel();
     const double range_v = std::max(std::abs(job.sensor.range_low_v()), std::abs(job.sensor.range_high_v()));
-    if (range_v > 0.0) about.range_v = range_v;  // 0: the daemon is older and does not say
+    if (range_v > 0.0) about.range_v = range_v;  // 0: an older daemon does not report it
   }
   about.residual_mv = 1e3 * calibration->residual_v;
   if (calibration->repeat_v) about.repeat_mv = 1e3 * *calibration->repeat_v;
@@ -179,9 +179,9 @@ Json to_json(const Finished& finished) {
   return json;
 }
 
-/// An empty plate whose gap lies at or beyond the end of the curve cannot be tared.
+/// Warns if the unloaded gap is at or beyond the end of the curve: the empty plate could then not be tared.
 void warn_of_range(const SensorJob& job, const Finished& finished, cli::Console& console) {
-  constexpr double kMarginMm = 0.1;  // how exactly sensors are mounted
+  constexpr double kMarginMm = 0.1;  // mounting tolerance of the sensors
   const double unloaded_mm = job.sensor.unloaded_gap_mm();
   const double largest_mm = finished.calibration.points.back().gap.value;
   if (!(unloaded_mm + kMarginMm > largest_mm)) return;
@@ -206,7 +206,7 @@ void print(cli::Console& console, const std::vector<Finished>& all) {
   console.out.flush();
 }
 
-/// Without a rig: one sensor, one table of points, nothing known about the hardware.
+/// Without a rig: one sensor, one table of points, no facts about the hardware.
 Result<std::vector<SensorJob>> offline_job(const Arguments& arguments) {
   SensorJob job;
   job.sensor.set_label(arguments.calibrate.sensor);
@@ -244,7 +244,7 @@ Result<std::optional<RigFacts>> facts_if_any(const Arguments& arguments) {
   return std::optional<RigFacts>(std::move(*facts));
 }
 
-/// From a file, or from the sensors themselves. False: the person quit.
+/// Reads the points from a file, or measures them. Returns false if the person quit.
 Result<bool> fill_in(const Arguments& arguments, const std::optional<RigFacts>& facts, std::vector<SensorJob>& jobs,
                      cli::Console& console) {
   if (arguments.calibrate.points_file.empty()) return measure_jobs(arguments, *facts, jobs, console);
@@ -254,7 +254,7 @@ Result<bool> fill_in(const Arguments& arguments, const std::optional<RigFacts>& 
   return true;
 }
 
-/// The readings of a refused sensor, as --points takes them, so that the measuring was not in vain. Nothing: they cannot be written.
+/// Writes the readings of a rejected sensor in the format of --points, so that the measurement is not lost. Returns nothing if this fails.
 std::optional<std::string> rescue(const SensorJob& job) {
   const auto file = free_file(job.file + ".readings.csv");
   if (!file) return std::nullopt;
@@ -268,7 +268,7 @@ std::optional<std::string> rescue(const SensorJob& job) {
   return *file;
 }
 
-/// Says why a sensor has no curve; the others go on. Returns the exit status.
+/// Reports why a sensor has no curve; other sensors continue. Returns the exit status.
 int refuse(const Arguments& arguments, const SensorJob& job, const client::Error& error, cli::Console& console) {
   if (!arguments.calibrate.points_file.empty()) return cli::fail_with(console, error);
   const int status = cli::fail_with(console, error);

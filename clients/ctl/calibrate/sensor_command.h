@@ -6,7 +6,8 @@
 
 namespace dts::ctl {
 
-/// `dtsctl calibrate sensor`: known gaps against volts, measured or from a file; checked; a file per sensor. Returns the exit status.
+/// Runs `dtsctl calibrate sensor`: measures volts at known gaps or reads them from a file, checks them, and writes a file per sensor.
+/// Returns the exit status.
 [[nodiscard]] int run_calibrate_sensor(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -11,8 +11,8 @@ namespace dts::ctl {
 namespace {
 
 constexpr std::size_t kQuarters = 4;
-constexpr double kDependentScans = 3.0;  // of the thesis's window filter
-constexpr double kDeviations = 4.0;  // the range of five means stays below this in all but some 4 % of windows, and the next one comes soon
+constexpr double kDependentScans = 3.0;  // because of the thesis's window filter
+constexpr double kDeviations = 4.0;      // at rest the range of five means exceeds this in about 4 % of windows
 
 }  // namespace
 
@@ -30,7 +30,7 @@ void SteadyDetector::reset() noexcept { count_ = 0; }
 SteadyDetector::Judgement SteadyDetector::judge(std::size_t channel) const {
   const std::size_t window = limits_.window_scans;
   const std::size_t lead = ring_scans() - window;
-  const auto value = [&](std::size_t age) { return ring_[channel][(count_ + age) % ring_scans()]; };  // 0 is the oldest
+  const auto value = [&](std::size_t age) { return ring_[channel][(count_ + age) % ring_scans()]; };  // age 0 is the oldest
   const auto mean = [&](std::size_t first, std::size_t end) {
     double sum = 0.0;
     for (std::size_t i = first; i < end; ++i) sum += value(i);

@@ -21,7 +21,7 @@ core::Result<record::Exported> export_one(const RecordedFile& file, const Sessio
   auto recording = record::Recording::open(file.path);
   if (!recording) return tl::make_unexpected(recording.error());
   if ((*recording)->damage().empty()) {
-    // Wrong values look like any others: only the checksums know. A figure in a table must not come from a damaged file.
+    // Wrong values look plausible; only the checksums reveal them. A table must not have values from a damaged file.
     if (const auto verified = record::verify(file.path); !verified) {
       return core::fail(verified.error().code, verified.error().what, "keep what is whole: dtsctl session recover " + file.path);
     }
@@ -45,7 +45,7 @@ int run_session_export(const Arguments& arguments, cli::Console& console) {
   if (!files) return cli::fail_with(console, files.error());
   WorkBar work(console, "exporting");
   record::Exported all;
-  cli::Json damaged = cli::Json::array();  // a program that reads the answer must not take a part for the whole
+  cli::Json damaged = cli::Json::array();  // reported, so that a program does not mistake a partial export for a complete one
   cli::Json losses = cli::Json::array();
   for (const RecordedFile& file : *files) {
     auto exported = export_one(file, arguments.session, console, work, damaged, losses);

@@ -6,7 +6,7 @@
 
 namespace dts::ctl {
 
-/// Writes a session's recordings, all parts of them, as CSV or as a BIDS dataset. Nothing is overwritten; what is stopped leaves nothing.
+/// Writes the recordings of all parts of a session as CSV or as a BIDS dataset. Overwrites nothing; an interrupted export leaves no files.
 [[nodiscard]] int run_session_export(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

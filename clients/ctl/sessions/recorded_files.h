@@ -10,23 +10,22 @@
 
 namespace dts::ctl {
 
-/// A recording that can be read here.
+/// A recording that can be read on this machine.
 struct RecordedFile {
   std::string path;
   std::string session_id;  ///< Empty: named on the command line.
   std::uint32_t part = 0;  ///< 0: named on the command line.
-  std::string sha256;      ///< As the catalogue has it; empty: not known.
+  std::string sha256;      ///< From the catalogue; empty: not known.
 };
 
-/// Whether an argument means a file rather than a session: there is one of that name, or it looks like a path or a recording.
+/// Returns true if an argument names a file rather than a session: a file of that name exists, or it looks like a path or a recording.
 [[nodiscard]] bool means_file(const std::string& argument);
 
-/// Fails with InvalidArgument unless `path` is a file that can be read and begins as XDF does; with NotAllowed when only the permission is
-/// missing.
+/// Fails with InvalidArgument unless `path` is a readable file that begins as XDF; fails with NotAllowed if only the permission is missing.
 [[nodiscard]] client::Result<void> check_recording(const std::string& path);
 
-/// The file, or the files of all parts of the session as the daemon knows them. What is still being recorded is WrongState, a file that is
-/// gone DataDamaged, one that lies elsewhere Failed.
+/// Returns the file, or the files of all parts of the session from the daemon's catalogue. Fails with WrongState if a part is still being
+/// recorded, with DataDamaged if a file is missing, with Failed if it is not on this machine.
 [[nodiscard]] client::Result<std::vector<RecordedFile>> find_recordings(const Arguments& arguments);
 
 }  // namespace dts::ctl

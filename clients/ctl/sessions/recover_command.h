@@ -6,7 +6,7 @@
 
 namespace dts::ctl {
 
-/// Copies what is whole of a recording that was never closed; the original stays as it is. Needs no daemon.
+/// Copies the complete part of a recording that was never closed; leaves the original unchanged. Needs no daemon.
 [[nodiscard]] int run_session_recover(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -22,10 +22,10 @@
 namespace dts::ctl {
 namespace {
 
-/// Pages that come into being together; each of them is open until then.
+/// Pages that are renamed to their final names together; each file is open until then.
 constexpr std::size_t kPagesAtOnce = 100;
 
-/// A page that this program wrote says so near its beginning.
+/// Checks for the mark near the beginning of every page that this program wrote.
 core::Status check_is_ours(const std::string& path) {
   std::error_code none;
   if (!std::filesystem::exists(std::filesystem::symlink_status(path, none))) return {};

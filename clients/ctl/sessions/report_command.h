@@ -6,8 +6,8 @@
 
 namespace dts::ctl {
 
-/// Writes pages about a session, or about any recording: one of the session, one of every trial. Pages of ours are replaced whole; a file
-/// of the same name that is none is never touched.
+/// Writes pages about a session, or about any recording: one for the session, one for every trial. Replaces its own pages as a whole; never
+/// changes another file of the same name.
 [[nodiscard]] int run_report(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

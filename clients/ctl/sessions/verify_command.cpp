@@ -23,29 +23,29 @@
 namespace dts::ctl {
 namespace {
 
-/// What one recording, or all of a session, says of itself.
+/// Counts from one recording, or from all recordings of a session.
 struct Counts {
   core::LossCount lost{};
   std::uint64_t valid_trials = 0;
   std::uint64_t planned_trials = 0;
 };
 
-/// What came out of one file.
+/// The result for one file.
 struct Verified {
   RecordedFile file;
   record::Verification found{};
-  core::Losses losses{};  ///< Of scans: the file is sound, and says itself what is missing in it.
+  core::Losses losses{};  ///< Losses of scans: the file itself is sound and lists them.
   Counts counts{};
   std::optional<core::Error> problem{};
 };
 
-/// Counts what the recording says of itself.
+/// Collects the counts in the recording.
 void count(record::Recording& recording, Verified& verified) {
   verified.losses = recording.losses();
   Counts& counts = verified.counts;
   counts.lost = verified.losses.total();
   if (recording.session()) counts.planned_trials = report::planned_trials(*recording.session());
-  if (counts.planned_trials == 0) return;  // without trials nothing would be found
+  if (counts.planned_trials == 0) return;  // without planned trials there is nothing to find
   record::TrialCollector trials(recording.find_stream("raw"));
   for (auto item = recording.next(); item && *item; item = recording.next()) trials.take(**item);
   const auto rows = trials.rows();
@@ -70,7 +70,7 @@ Verified verify(const RecordedFile& file, cli::Console& console) {
   return verified;
 }
 
-/// What is wrong with the file; a message that begins with the file's name loses it.
+/// Returns what is wrong with the file, without the file's name at the beginning.
 std::string problem_of(const Verified& verified) {
   const std::string name = verified.file.path + ": ";
   const std::string& what = verified.problem->what;

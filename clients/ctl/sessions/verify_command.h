@@ -6,8 +6,8 @@
 
 namespace dts::ctl {
 
-/// Reads every file of a session whole, and compares it with its checksums and with the catalogue's. A recording that is incomplete but
-/// sound is no failure, and says loudly what it is.
+/// Reads every file of a session completely and compares it with its own checksums and those of the catalogue. An incomplete but sound
+/// recording is not a failure, but its state is printed in capitals.
 [[nodiscard]] int run_session_verify(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::ctl

@@ -9,7 +9,7 @@
 
 namespace dts::ctl {
 
-/// Long work on recordings that Ctrl-C ends properly: it is told to stop, and cleans up behind itself.
+/// Progress of long work on recordings. Ctrl-C requests the work to stop; the work then cleans up and ends.
 class WorkBar {
  public:
   WorkBar(cli::Console& console, const std::string& what) : bar_(console, what) {}

@@ -27,33 +27,33 @@ using std::chrono::seconds;
 constexpr std::string_view kCookie = "dts_token";
 constexpr std::size_t kMostWaiting = 16;
 constexpr seconds kQueueIsShorterIn{2};
-// A name from an address: whoever guesses waits long, and neither the colleagues behind the same router nor the owner elsewhere do.
+// For a name at one address the wait is long: it stops guesses, but neither colleagues behind the same router nor the user elsewhere.
 constexpr seconds kLongestForBoth{900};
 constexpr unsigned kFreeForBoth = 5;
-// Guesses at many names from one address, or at one name from many: half a minute keeps them few (2880 a day), and others out only as
-// long as somebody bothers.
+// For an address or a name alone the wait is short, because it also locks out others while somebody guesses: half a minute still allows
+// only few guesses (2880 a day).
 constexpr seconds kLongestForOne{30};
 constexpr unsigned kFreeForOne = 20;
 
 constexpr double kLinesPerSecond = 1.0;
 constexpr double kRefusedLinesAtOnce = 1.0;
-constexpr double kLoginLinesAtOnce = 20.0;  // a ward begins its shift
-// Nobody can erase the audit trail: as many as the daemon enters of commands that failed.
+constexpr double kLoginLinesAtOnce = 20.0;  // many users log in when a shift begins
+// The audit trail cannot be erased, so its size must be limited: the same limits as for the daemon's entries about failed commands.
 constexpr double kNotesPerSecond = 0.1;
 constexpr double kNotesAtOnce = 20.0;
 
-/// Lets some through and counts the others.
+/// Lets some items pass and counts the others.
 struct Thinned {
   TokenBucket bucket;
   std::uint64_t others = 0;
 
-  /// How many were kept back since the last that was let through; nothing: this one is, too.
+  /// Returns how many items were held back since the last one that passed; nothing if this item is held back too.
   [[nodiscard]] std::optional<std::uint64_t> pass(TokenBucket::Time now) noexcept {
     if (bucket.take(now)) return std::exchange(others, 0);
     ++others;
     return std::nullopt;
   }
-  /// Whether the newest that was kept back may follow now; `others` are then those before it.
+  /// Returns true if the newest item held back may pass now; `others` then counts those before it.
   [[nodiscard]] bool follows(TokenBucket::Time now, bool is_end) noexcept {
     if (others == 0 || !(is_end || bucket.take(now))) return false;
     --others;
@@ -61,7 +61,7 @@ struct Thinned {
   }
 };
 
-/// What becomes known of logins of one kind.
+/// What is reported about logins of one kind.
 struct Told {
   Thinned lines;
   Thinned notes{.bucket = TokenBucket(kNotesPerSecond, kNotesAtOnce)};
@@ -99,7 +99,8 @@ HttpResponse come_later(seconds wait) {
   return answer;
 }
 
-/// Nothing is wrong: nullopt. Another page of the same browser can send neither our Origin nor, unasked, this content type.
+/// Returns nothing if the request is acceptable. Another page in the same browser cannot send our Origin, nor this content type without a
+/// CORS permission.
 std::optional<HttpResponse> refuse_foreign(const HttpRequest& request) {
   if (!request.is_same_origin) return error_answer(403, "this came from a page that is not ours", "log in at the dashboard itself");
   const std::string type = request.header("content-type");
@@ -174,7 +175,7 @@ class AccessControlImpl final : public AccessControl {
                      names_.wait(attempt.login.user, now)});
   }
 
-  /// Whether somebody may try is asked when it is their turn: otherwise many attempts at a time would all be the first.
+  /// Checks the waiting time only when an attempt is next in the queue: otherwise many attempts at once would all pass as the first.
   void compare_next() {
     while (!is_comparing_ && !waiting_.empty()) {
       Attempt attempt = std::move(waiting_.front());
@@ -208,7 +209,7 @@ class AccessControlImpl final : public AccessControl {
   }
 
   [[nodiscard]] HttpResponse welcome(const User& user, const Stranger& stranger, bool is_secure) {
-    // The address is not forgiven: with a login of their own somebody could else guess on at those of others for ever.
+    // Failures of the address are kept: otherwise an attacker with a login could reset them and guess other users' passwords without limit.
     names_.forgive(user.name);
     pairs_.forgive(pair_of(user.name, stranger));
     const Identity identity{.user = user.name, .role = user.role};
@@ -265,7 +266,7 @@ class AccessControlImpl final : public AccessControl {
   std::uint64_t refused_logins_total_ = 0;
   Told logins_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kLoginLinesAtOnce)}};
   Told refusals_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kRefusedLinesAtOnce)}};
-  PasswordThread passwords_;  // last: its thread ends before the rest goes
+  PasswordThread passwords_;  // last: its thread ends before the other members are destroyed
 };
 
 }  // namespace

@@ -15,7 +15,7 @@ namespace {
 using client::ErrorCode;
 using client::Result;
 
-/// No echo while it lives. Ctrl-C waits until the echo is back.
+/// Switches the echo off while it lives. Ctrl-C waits until the echo is on again.
 class Silence {
  public:
   explicit Silence(int descriptor) : descriptor_(descriptor) {
@@ -43,12 +43,12 @@ class Silence {
 
 constexpr int kLookEvery_ms = 100;
 
-/// A letter at a time: nothing of the password stays in a buffer of somebody else's.
+/// Reads one letter at a time, so that no other buffer holds parts of the password.
 Result<Secret> read_line(int descriptor, const std::function<bool()>& is_interrupted) {
   std::string line;
-  line.reserve(kMostPasswordBytes + 2);  // never moves, hence leaves nothing behind
+  line.reserve(kMostPasswordBytes + 2);  // never reallocates, so it leaves no copy behind
   while (true) {
-    // A read would sleep through Ctrl-C.
+    // A blocking read would not notice Ctrl-C.
     pollfd input{.fd = descriptor, .events = POLLIN, .revents = 0};
     if (::poll(&input, 1, kLookEvery_ms) <= 0 && !is_interrupted()) continue;
     if (is_interrupted()) {
@@ -60,7 +60,7 @@ Result<Secret> read_line(int descriptor, const std::function<bool()>& is_interru
     if (got <= 0 && line.empty()) return client::fail(ErrorCode::InvalidArgument, "no password was given");
     if (got <= 0 || letter == '\n') return Secret(std::move(line));
     line += letter;
-    if (line.size() > kMostPasswordBytes) return Secret(std::move(line));  // enough to be refused
+    if (line.size() > kMostPasswordBytes) return Secret(std::move(line));  // long enough to be rejected
   }
 }
 

@@ -8,8 +8,9 @@
 
 namespace dts::gateway {
 
-/// Who failed too often waits: nothing for the first failures, then 1 s, 2 s, 4 s ... up to the longest. An hour without a failure
-/// forgives. Bounded: of too many keys the one that failed longest ago goes. No clock: told the time.
+/// Makes a key wait after too many failures: no wait for the first failures, then 1 s, 2 s, 4 s ... up to the longest wait. An hour without
+/// a failure resets the count. Bounded: if there are too many keys, the key whose last failure is oldest is dropped. Has no clock: the
+/// caller passes the time.
 class BackOff {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -18,7 +19,7 @@ class BackOff {
 
   BackOff(std::chrono::seconds longest, unsigned free_failures) : longest_(longest), free_failures_(free_failures) {}
 
-  /// How long `key` still has to wait; zero: it may try.
+  /// Returns how long `key` must still wait; zero: it may try.
   [[nodiscard]] std::chrono::seconds wait(const std::string& key, Time now) const;
   void add_failure(const std::string& key, Time now);
   void forgive(const std::string& key) { failures_.erase(key); }

@@ -8,7 +8,7 @@
 namespace dts::gateway {
 
 std::string command_id(const std::string& user, const std::string& browsers_id) {
-  const std::string both = user + '\0' + browsers_id;  // no name has a NUL: where it ends is certain
+  const std::string both = user + '\0' + browsers_id;  // no name has a NUL, so the end of the name is unambiguous
   std::array<unsigned char, 32> hash{};
   crypto_generichash(hash.data(), hash.size(), reinterpret_cast<const unsigned char*>(both.data()), both.size(), nullptr, 0);
   std::array<char, 2 * hash.size() + 1> text{};

@@ -5,8 +5,8 @@
 
 namespace dts::gateway {
 
-/// The request id under which the daemon gets a command of `user` that the browser calls `browsers_id`, 64 letters: the same for a repeat,
-/// also over another connection or after a restart of the gateway, and no other user's.
+/// Returns the daemon's request id, 64 letters, for the command that the browser of `user` calls `browsers_id`. A repeat has the same id,
+/// also over another connection or after a restart of the gateway; ids of different users always differ.
 [[nodiscard]] std::string command_id(const std::string& user, const std::string& browsers_id);
 
 }  // namespace dts::gateway

@@ -7,7 +7,7 @@
 
 namespace dts::gateway {
 
-/// An open file that closes itself.
+/// A file descriptor that closes itself.
 class Descriptor {
  public:
   explicit Descriptor(int descriptor) noexcept : descriptor_(descriptor) {}

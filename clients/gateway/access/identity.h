@@ -9,14 +9,14 @@
 
 namespace dts::gateway {
 
-/// Who uses the gateway without a login. Nobody else may have this name: nothing could tell them apart.
+/// The name of the user without a login. No other user may have this name, because the two would be indistinguishable.
 inline constexpr std::string_view kLocalUser = "local";
 
-/// Who is at the other end of a connection, and what they may do.
+/// The user of a connection, and the user's role.
 struct Identity {
-  std::string user;  ///< `kLocalUser`: without a login
+  std::string user;  ///< `kLocalUser` if not logged in
   v1::Role role = v1::ROLE_UNSPECIFIED;
-  /// False once the login that this came from has ended: a tab may stay open longer.
+  /// Returns false after this user's login has ended: a tab may stay open longer.
   std::function<bool()> holds = [] { return true; };
 };
 

@@ -12,7 +12,7 @@ struct LoginRequest {
   std::string user;
   Secret password;
 };
-/// {"user","password"}, both texts, and nothing else. Wipes `body`.
+/// Parses {"user","password"}: both must be texts, and nothing else is allowed. Wipes `body`.
 [[nodiscard]] client::Result<LoginRequest> read_login(std::string& body);
 
 }  // namespace dts::gateway

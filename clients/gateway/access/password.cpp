@@ -39,9 +39,9 @@ client::Result<std::string> hash_password(const Secret& password) {
 }
 
 bool is_password_hash(const std::string& hash) noexcept {
-  // libsodium reads up to a NUL: what stands behind one is nobody's hash.
-  return hash.size() < crypto_pwhash_STRBYTES && hash.find('\0') == std::string::npos && hash.starts_with(crypto_pwhash_argon2id_STRPREFIX) &&
-         crypto_pwhash_str_needs_rehash(hash.c_str(), kOperations, kMemoryBytes) == 0;
+  // libsodium reads up to a NUL, so a text with a NUL is not a valid hash.
+  return hash.size() < crypto_pwhash_STRBYTES && hash.find('\0') == std::string::npos &&
+         hash.starts_with(crypto_pwhash_argon2id_STRPREFIX) && crypto_pwhash_str_needs_rehash(hash.c_str(), kOperations, kMemoryBytes) == 0;
 }
 
 bool is_password(const std::string& hash, const Secret& password) noexcept {
@@ -50,7 +50,7 @@ bool is_password(const std::string& hash, const Secret& password) noexcept {
   std::array<unsigned char, crypto_pwhash_SALTBYTES> salt{};
   std::array<unsigned char, 32> unused{};
   randombytes_buf(salt.data(), salt.size());
-  // The answer is no, whatever comes of this: only its time is wanted.
+  // The result is always false; the hash is computed only to need the same time.
   [[maybe_unused]] const int ended = crypto_pwhash(unused.data(), unused.size(), text.data(), text.size(), salt.data(), kOperations,
                                                    kMemoryBytes, crypto_pwhash_ALG_ARGON2ID13);
   return false;

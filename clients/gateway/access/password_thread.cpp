@@ -22,7 +22,7 @@ void PasswordThread::compare(std::string hash, Secret password, Compared compare
 
 void PasswordThread::run(const std::stop_token& stop) {
   ::pthread_setname_np(::pthread_self(), "password");
-  // Copied here, while the object surely lives: what is posted may outlive it.
+  // Copied here, while the object certainly exists: posted work may outlive it.
   const std::weak_ptr<bool> is_alive = is_alive_;
   while (true) {
     std::unique_lock lock(mutex_);

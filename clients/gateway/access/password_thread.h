@@ -15,7 +15,7 @@
 
 namespace dts::gateway {
 
-/// Compares passwords on a thread of its own ("password"), one at a time: each takes 64 MiB and a tenth of a second.
+/// Compares passwords on its own thread ("password"), one at a time: each comparison needs 64 MiB and a tenth of a second.
 class PasswordThread {
  public:
   using Compared = std::function<void(bool is_right)>;
@@ -23,12 +23,12 @@ class PasswordThread {
   using IsPassword = std::function<bool(const std::string& hash, const Secret& password)>;
 
   PasswordThread(boost::asio::io_context& io, IsPassword is_password);
-  /// Waits for a comparison under way; its answer is not told any more.
+  /// Waits for a comparison in progress; its result is dropped.
   ~PasswordThread() = default;
   PasswordThread(const PasswordThread&) = delete;
   PasswordThread& operator=(const PasswordThread&) = delete;
 
-  /// `compared` is called on the io thread. Not again before that. Thread: io.
+  /// Calls `compared` on the io thread. Do not call this again before that. Thread: io.
   void compare(std::string hash, Secret password, Compared compared);
 
  private:
@@ -40,12 +40,12 @@ class PasswordThread {
   void run(const std::stop_token& stop);
 
   boost::asio::io_context& io_;
-  IsPassword is_password_;                                         ///< Called on the thread.
-  std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);  ///< Goes with this object: looked at on the io thread only.
+  IsPassword is_password_;                                         ///< Called on the thread "password".
+  std::shared_ptr<bool> is_alive_ = std::make_shared<bool>(true);  ///< Ends with this object: read on the io thread only.
   std::mutex mutex_;
   std::condition_variable_any changed_;
   std::unique_ptr<Job> job_;
-  std::jthread thread_;  // last: ends before the rest goes
+  std::jthread thread_;  // last: ends before the other members are destroyed
 };
 
 }  // namespace dts::gateway

@@ -6,7 +6,7 @@
 namespace dts::gateway {
 
 void wipe(std::string& text) noexcept {
-  text.resize(text.capacity());  // a longer text may have been here before; never reallocates
+  text.resize(text.capacity());  // an earlier text may have been longer; never reallocates
   sodium_memzero(text.data(), text.size());
   text.clear();
 }

@@ -6,15 +6,15 @@
 
 namespace dts::gateway {
 
-/// Overwrites a text, so that what it said is not found in memory later. Afterwards it is empty.
+/// Overwrites a text, so that its content cannot be found in memory later. Afterwards the text is empty.
 void wipe(std::string& text) noexcept;
 
-/// A password in memory: never copied, wiped when it goes.
+/// A password in memory: never copied, wiped in the destructor.
 class Secret {
  public:
-  /// Takes over what `text` says and wipes it.
+  /// Copies the content of `text` and wipes `text`.
   explicit Secret(std::string&& text) : text_(text) { wipe(text); }
-  Secret(Secret&& other) : Secret(std::move(other.text_)) {}  // a moved std::string may leave its text behind
+  Secret(Secret&& other) : Secret(std::move(other.text_)) {}  // a moved std::string may leave its text in memory
   Secret& operator=(Secret&&) = delete;
   Secret(const Secret&) = delete;
   Secret& operator=(const Secret&) = delete;

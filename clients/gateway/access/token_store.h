@@ -12,19 +12,19 @@
 
 namespace dts::gateway {
 
-/// Who is logged in, by token: 256 random bits as 43 letters of base64url. Only their hashes are kept, so that neither memory nor the time
-/// of a comparison tells a token. No clock: told the time.
+/// The logins, by token: 256 random bits as 43 letters of base64url. Only hashes of tokens are kept, so that neither memory nor the time of
+/// a comparison reveals a token. Has no clock: the caller passes the time.
 class TokenStore {
  public:
   using Time = std::chrono::steady_clock::time_point;
   static constexpr std::size_t kMost = 1000;
-  static constexpr std::size_t kMostOfOne = 20;  ///< Of one user: browsers, tablets.
+  static constexpr std::size_t kMostOfOne = 20;  ///< Per user: browsers, tablets.
 
   TokenStore(std::chrono::seconds life, std::chrono::seconds idle_life) : life_(life), idle_life_(idle_life) {}
 
-  /// A new token. When there are too many, the one that was not used for longest goes.
+  /// Returns a new token. If there are too many, drops the one that was unused for longest.
   [[nodiscard]] std::string issue(const Identity& identity, Time now);
-  /// Whose token it is, while it lives; its idle life begins anew.
+  /// Returns the user of a valid token and restarts its idle time.
   [[nodiscard]] std::optional<Identity> use(const std::string& token, Time now);
   void revoke(const std::string& token);
   void revoke_all_of(const std::string& user);

@@ -9,14 +9,15 @@
 
 namespace dts::gateway {
 
-/// Asks for a new password; talks to `console.talk`.
+/// Asks for a new password; writes to `console.talk`.
 using AskPassword = std::function<client::Result<Secret>(cli::Console& console)>;
 
-/// From a terminal twice and without echo; from anything else one line. `descriptor`: of the standard input, but for tests.
+/// Reads the password from a terminal twice and without echo; from any other input as one line. `descriptor`: standard input, except in
+/// tests.
 [[nodiscard]] client::Result<Secret> ask_password(int descriptor, cli::Console& console);
 
-/// The commands `user add NAME --role ROLE`, `user remove NAME` and `user list`, each for the file `--users FILE`. A gateway that runs with
-/// that file takes notice by itself.
+/// Adds the commands `user add NAME --role ROLE`, `user remove NAME` and `user list`, each for the file `--users FILE`. A running gateway
+/// with that file detects the change by itself.
 void add_user_commands(cli::CommandLine& line, AskPassword ask);
 
 }  // namespace dts::gateway

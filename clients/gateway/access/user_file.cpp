@@ -30,7 +30,7 @@ constexpr mode_t kForbidden = S_IWGRP | S_IROTH | S_IWOTH;
 constexpr std::array<std::pair<std::string_view, v1::Role>, 3> kRoles{
     {{"viewer", v1::ROLE_VIEWER}, {"operator", v1::ROLE_OPERATOR}, {"engineer", v1::ROLE_ENGINEER}}};
 
-/// What is wrong with a line, in words; empty: nothing.
+/// Returns what is wrong with a line, in words; empty if it is correct.
 std::string read_line(std::string_view line, User& user) {
   const std::size_t first = line.find(':');
   const std::size_t second = first == std::string_view::npos ? first : line.find(':', first + 1);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The half of user_file.h that writes.
+// The functions of user_file.h that write.
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -28,17 +28,17 @@ tl::unexpected<client::Error> fail_to(const std::string& verb, const std::string
   return client::fail(ErrorCode::Failed, "cannot " + verb + " '" + file + "': " + std::generic_category().message(why));
 }
 
-/// Open and ours until closed: two changes at a time would lose one. `may_create`: an empty one when there is none.
+/// Opens and locks the file: of two changes at the same time, one would be lost. `may_create`: creates an empty file if there is none.
 Result<Descriptor> open_locked(const std::string& file, bool may_create) {
   while (true) {
     Descriptor made(may_create ? ::open(file.c_str(), O_RDONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kNewMode) : -1);
-    if (made) static_cast<void>(::fchmod(*made, kNewMode));  // whatever the umask
+    if (made) static_cast<void>(::fchmod(*made, kNewMode));  // independent of the umask
     Descriptor opened = made ? std::move(made) : Descriptor(::open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
     if (!opened || ::flock(*opened, LOCK_EX) != 0) return fail_to("open", file, errno);
     struct stat locked {};
     struct stat named {};
     const bool is_known = ::fstat(*opened, &locked) == 0 && ::stat(file.c_str(), &named) == 0;
-    // Another change put a new file in its place while we waited: that one must be locked.
+    // Another change may have replaced the file during the wait: the new file must be locked.
     if (is_known && locked.st_ino == named.st_ino && locked.st_dev == named.st_dev) return opened;
   }
 }
@@ -58,7 +58,7 @@ Result<void> fill(int descriptor, const std::string& file, const std::string& te
   return {};
 }
 
-/// Puts a new file with this text in the place of the old one.
+/// Replaces the old file by a new one with this text.
 Result<void> replace(const std::string& file, const std::string& text, const struct stat& like) {
   std::string temporary = file + ".XXXXXX";
   const Descriptor made(::mkostemp(temporary.data(), O_CLOEXEC));
@@ -74,7 +74,7 @@ Result<void> replace(const std::string& file, const std::string& text, const str
   }
   const std::size_t slash = file.rfind('/');
   const Descriptor folder(::open(slash == std::string::npos ? "." : file.substr(0, slash + 1).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (folder) static_cast<void>(::fsync(*folder));  // the change is made; at worst a power cut undoes it
+  if (folder) static_cast<void>(::fsync(*folder));  // the change is done; without this, a power failure could undo it
   return {};
 }
 

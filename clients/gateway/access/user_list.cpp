@@ -10,7 +10,7 @@ client::Result<void> UserList::refresh() {
   const bool is_as_read = now && now == stamp_;
   if (!is_as_read) {
     auto read = read_users(file_);
-    // What was read is stamped by what was open, not by what was looked at before.
+    // Uses the stamp of the file that was read: `now` may belong to an older version.
     stamp_ = read ? std::optional(read->stamp) : now;
     problem_ = read ? std::nullopt : std::optional(read.error());
     if (read) {

@@ -10,15 +10,15 @@
 
 namespace dts::gateway {
 
-/// The users of a file, read again whenever it changes. Thread: one.
+/// The users of a file, read again after every change. Thread: one.
 class UserList {
  public:
-  /// `left` is told of everybody whose line changed or went.
+  /// Calls `left` for every user whose line was changed or removed.
   UserList(std::string file, std::function<void(const std::string& user)> left) : file_(std::move(file)), left_(std::move(left)) {}
 
-  /// Looks whether the file changed. Fails as `read_users`, until it can be read again.
+  /// Reads the file again if it changed. Fails as `read_users`, until the file can be read again.
   [[nodiscard]] client::Result<void> refresh();
-  /// As of the last `refresh`; nothing: nobody of that name.
+  /// Returns the user as of the last `refresh`; nullptr if there is none of that name.
   [[nodiscard]] const User* find(const std::string& name) const;
 
  private:

@@ -9,12 +9,12 @@
 
 namespace dts::gateway {
 
-/// An open users file as it stands there.
+/// The text and attributes of an open users file.
 struct UserText {
   std::string text{};
   struct stat facts {};
 };
-/// InvalidArgument when others may read or change it, or it is too large to be one.
+/// Fails with InvalidArgument if other users may read or change the file, or if it is too large for a users file.
 [[nodiscard]] client::Result<UserText> read_user_text(int descriptor, const std::string& file);
 
 }  // namespace dts::gateway

@@ -9,7 +9,7 @@ namespace dts::gateway {
 namespace {
 
 bool is_through_proxy(const HttpRequest& request) {
-  // What proxies add. A list can be no more than a help: an operator who puts a proxy on this machine gives no local role.
+  // Headers that proxies add. The list cannot be complete: an operator with a proxy on this machine must not set a local role.
   constexpr std::array kOfProxies{"x-forwarded-for", "forwarded", "x-real-ip", "via"};
   return std::ranges::any_of(kOfProxies, [&](const char* name) { return request.headers.contains(name); });
 }

@@ -5,10 +5,12 @@
 
 namespace dts::gateway {
 
-/// Whether somebody at this machine asks: from 127.0.0.0/8 or ::1, and not through a proxy, behind which anybody may be.
+/// Returns true if the request was sent on this machine: from 127.0.0.0/8 or ::1, and not through a proxy, because a proxy
+/// forwards requests from other machines.
 [[nodiscard]] bool is_local(const HttpRequest& request);
 
-/// The same, or from the address of this machine that was asked at: what a monitor here has when the gateway listens on that one only.
+/// The same, or if the request came from the machine's own address to which it was sent: a local monitor uses that address if the gateway
+/// listens only there.
 [[nodiscard]] bool is_same_machine(const HttpRequest& request);
 
 }  // namespace dts::gateway

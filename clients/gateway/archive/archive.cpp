@@ -19,8 +19,8 @@ namespace dts::gateway {
 namespace {
 
 constexpr std::size_t kReportBytes = 64U << 20U;
-// A page has no script and fetches nothing. With an origin of its own ("sandbox" alone) a browser would take a click on a link to the next
-// page for somebody else's and send it without the cookie, since that is SameSite=Strict.
+// A page has no script and loads nothing. With "sandbox" alone, the page would have another origin: a click on a link to the next page
+// would be cross-site, and the browser would omit the cookie (SameSite=Strict).
 constexpr std::string_view kPagePolicy =
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'; sandbox allow-same-origin";
 
@@ -30,7 +30,7 @@ HttpResponse busy() {
   return answer;
 }
 
-/// Too large is so for good: 429 would say that it helps to wait.
+/// An export that is too large stays too large: 429 would suggest that waiting helps.
 HttpResponse not_made(const core::Error& error) {
   if (error.code == core::ErrorCode::LimitExceeded) return error_answer(507, error.what, error.hint);
   return error_answer(error);
@@ -38,7 +38,7 @@ HttpResponse not_made(const core::Error& error) {
 
 HttpResponse not_found(std::string_view what) { return error_answer(404, what); }
 
-/// A file that a browser is to keep, not to show.
+/// Makes the browser save the file instead of showing it.
 HttpResponse download(FileBody file, const std::string& name, std::string content_type) {
   return {.content_type = std::move(content_type),
           .body = std::move(file),
@@ -63,7 +63,7 @@ HttpResponse show_page(const report::Report& made, const std::string& name) {
 }
 
 core::Result<ReportPointer> make_pages(const std::vector<std::string>& files, const std::stop_token& stop) {
-  // The program's name stands on the pages: they are to be the same bytes as `dtsctl report` makes.
+  // The pages show the program's name, and must have the same bytes as those of `dtsctl report`.
   const report::ReportSource source{.files = files, .software = "dtsctl " + std::string(client::version())};
   auto made = report::make_report(source, [&stop](double) { return !stop.stop_requested(); });
   if (made) return std::make_shared<const report::Report>(std::move(*made));
@@ -72,7 +72,7 @@ core::Result<ReportPointer> make_pages(const std::vector<std::string>& files, co
 }
 
 struct MadeExport {
-  std::shared_ptr<WorkFolder> folder;  ///< Goes when the zip has found its place, or none.
+  std::shared_ptr<WorkFolder> folder;  ///< Removed when the zip file is in the cache, or cannot be kept.
   std::uint64_t bytes = 0;
 };
 
@@ -85,7 +85,7 @@ class ArchiveImpl final : public Archive {
         reports_(worker_, [this](const std::string& key, const ReportPointer& made) { shelf_.keep(key, made); }),
         exports_(worker_,
                  [this](const std::string& key, const MadeExport& made) {
-                   // Without room `find` has nothing for those who asked, and they are told to come again.
+                   // If there is no room, `find` returns nothing for the waiting requests, and they are answered with "try again".
                    static_cast<void>(cache_->keep(key, made.folder->path() / "export.zip", made.bytes));
                  }),
         worker_(io) {}
@@ -125,7 +125,7 @@ class ArchiveImpl final : public Archive {
     respond(download({.path = path}, path.filename().string(), "application/octet-stream"));
   }
 
-  /// `page` empty: the list of pages.
+  /// An empty `page` means the list of pages.
   void send_report(const v1::SessionRecord& session, const std::string& page, std::vector<std::string> files, const Respond& respond) {
     const auto show = [page](const report::Report& made) { return page.empty() ? list_pages(made) : show_page(made, page); };
     const std::string key = session.session_id() + "\n" + fingerprint_of(session);
@@ -155,7 +155,7 @@ class ArchiveImpl final : public Archive {
     if (!is_taken) respond(busy());
   }
 
-  /// The cache cannot drop the file before it is sent.
+  /// Holds the export, so that the cache cannot remove the file before it is sent.
   static HttpResponse zip_answer(ExportCache::Held held, const std::string& file_name) {
     FileBody body{.path = held->file};
     body.when_done = [held = std::move(held)]() mutable { held.reset(); };
@@ -169,16 +169,16 @@ class ArchiveImpl final : public Archive {
   ReportShelf shelf_{kReportBytes};
   SharedWork<ReportPointer> reports_;
   SharedWork<MadeExport> exports_;
-  Worker worker_;  // last: its thread ends before the rest goes
+  Worker worker_;  // last: its thread ends before the other members are destroyed
 };
 
 }  // namespace
 
 client::Result<std::unique_ptr<Archive>> Archive::open(boost::asio::io_context& io, const ArchiveOptions& options,
                                                        FindSession find_session) {
-  // Half of the bytes is for what is kept, half for what is being made: never more lies on the disk.
+  // Half of the bytes for the cache, half for the export in progress, so that the limit for the disk always holds.
   const std::uint64_t work_bytes = options.cache_bytes / 2;
-  // In a folder of its own within: a directory that was given by mistake keeps what it holds.
+  // Uses a separate folder inside, so that the content of a directory given by mistake is not removed.
   auto cache = ExportCache::open(options.cache_directory / "dts-gateway-exports", options.cache_bytes - work_bytes);
   if (!cache) return tl::make_unexpected(cache.error());
   return std::make_unique<ArchiveImpl>(io, work_bytes, std::move(*cache), std::move(find_session));

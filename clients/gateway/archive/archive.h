@@ -14,21 +14,21 @@
 
 namespace dts::gateway {
 
-/// Asks the daemon for a session of its catalogue; answers on the io thread.
+/// Requests a session from the daemon's catalogue; answers on the io thread.
 using FindSession = std::function<void(const std::string& session_id, std::function<void(client::Result<v1::SessionRecord>)>)>;
 
 struct ArchiveOptions {
-  std::filesystem::path cache_directory;  ///< What is made lies in "dts-gateway-exports" within: emptied at the start, bounded.
+  std::filesystem::path cache_directory;  ///< Exports are stored in "dts-gateway-exports" inside: emptied at the start, bounded.
   std::uint64_t cache_bytes = 2ULL << 30U;
 };
 
-/// Finished sessions as files: report pages (the bytes of `dtsctl report`), recordings and exports. Made on a thread of its own, one at
-/// a time, from the recording; what was made is kept for a while.
+/// Finished sessions as files: report pages (the bytes of `dtsctl report`), recordings and exports. A separate thread makes them from the
+/// recording, one at a time; the results are cached for a while.
 ///
 ///     GET /api/sessions/ID/report             {"pages":["session.html","trial-01.html",...],"damage":[...]}
 ///     GET /api/sessions/ID/report/PAGE        the page, html or svg, with a Content-Security-Policy of its own
-///     GET /api/sessions/ID/export/xdf/PART    the recording as it lies on the disk
-///     GET /api/sessions/ID/export/csv|bids    a zip file; HEAD tells its size
+///     GET /api/sessions/ID/export/xdf/PART    the recording, unchanged
+///     GET /api/sessions/ID/export/csv|bids    a zip file; HEAD returns its size
 ///
 /// Errors are JSON: {"what","hint"}. Thread: io.
 class Archive {
@@ -39,7 +39,7 @@ class Archive {
   Archive(const Archive&) = delete;
   Archive& operator=(const Archive&) = delete;
 
-  /// A path below /api/sessions/, of somebody who may view.
+  /// Handles a path below /api/sessions/; the caller has checked that the user may view.
   virtual void handle(HttpRequest request, Respond respond) = 0;
 
  protected:

@@ -8,18 +8,18 @@
 
 namespace dts::gateway {
 
-/// What is asked for below /api/sessions/.
+/// The parsed path below /api/sessions/.
 struct ArchivePath {
   enum class Kind : std::uint8_t { Report, Page, Recording, Csv, Bids };
 
   std::string session_id;
   Kind kind = Kind::Report;
-  std::string page{};      ///< Of Page: "trial-01.html"
-  std::uint32_t part = 0;  ///< Of Recording.
+  std::string page{};      ///< For Page: "trial-01.html"
+  std::uint32_t part = 0;  ///< For Recording.
 };
 
-/// Nothing for a path that leads nowhere, whatever sessions there are. Ids and pages are letters, digits, '.', '_' and '-' and do not begin
-/// with a '.'.
+/// Returns nothing for a path that no session can have. Ids and pages consist of letters, digits, '.', '_' and '-' and do not begin with a
+/// '.'.
 [[nodiscard]] std::optional<ArchivePath> read_archive_path(std::string_view path);
 
 }  // namespace dts::gateway

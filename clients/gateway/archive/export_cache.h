@@ -12,8 +12,9 @@
 
 namespace dts::gateway {
 
-/// Exports that were made lately, as files in a folder of its own: of too many the one that was not asked for longest goes, but none that
-/// somebody holds. Other people's data lie here: nobody else may look into the folder, and it is empty before and after.
+/// Recent exports, as files in their own folder. If there is no room, the export that was unused for longest is removed, but never one that
+/// is in use. The exports hold data of subjects: only the gateway's user may read the folder, and it is emptied at the start and at the
+/// end.
 /// Thread: one.
 class ExportCache {
  public:
@@ -23,17 +24,17 @@ class ExportCache {
   };
   using Held = std::shared_ptr<const Export>;
 
-  /// Removes all that is in `folder`.
+  /// Removes everything in `folder`.
   [[nodiscard]] static client::Result<std::unique_ptr<ExportCache>> open(const std::filesystem::path& folder, std::uint64_t most_bytes);
   ~ExportCache();
   ExportCache(const ExportCache&) = delete;
   ExportCache& operator=(const ExportCache&) = delete;
 
-  /// Null: not here.
+  /// Returns null if there is no such export.
   [[nodiscard]] Held find(const std::string& key);
-  /// Moves `file`, which lies below the folder, to its place. False, and the file is left: what is here is being sent and leaves no room.
+  /// Moves `file`, which must be below the folder, into the cache. Returns false and leaves the file if exports in use leave no room.
   [[nodiscard]] bool keep(const std::string& key, const std::filesystem::path& file, std::uint64_t bytes);
-  /// The name of a folder in the cache's that is not there yet.
+  /// Returns an unused name for a folder inside the cache's folder.
   [[nodiscard]] std::filesystem::path new_folder();
 
  private:
@@ -48,7 +49,7 @@ class ExportCache {
   std::uint64_t most_bytes_;
   std::uint64_t bytes_ = 0;
   std::uint64_t names_ = 0;
-  std::list<Place> places_{};  ///< The latest in front.
+  std::list<Place> places_{};  ///< The most recently used is first.
 };
 
 }  // namespace dts::gateway

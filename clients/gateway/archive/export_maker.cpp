@@ -23,7 +23,7 @@ core::Status check_size(const ExportOrder& order, std::uint64_t bytes) {
                     "on the daemon's host: dtsctl session export " + order.session_id + " --format " + name(order.format));
 }
 
-/// Into `folder`; adds to `damage` what is not whole of the recording.
+/// Exports into `folder`; adds to `damage` what the recording lacks.
 core::Status export_part(const ExportOrder& order, const std::string& file, const fs::path& folder, const record::Progress& progress,
                          std::string& damage) {
   const auto recording = record::Recording::open(file);
@@ -31,7 +31,7 @@ core::Status export_part(const ExportOrder& order, const std::string& file, cons
   if (!(*recording)->damage().empty()) {
     damage += fs::path(file).filename().string() + ": " + (*recording)->damage() + "; what is whole is exported\n";
   } else if (const auto verified = record::verify(file, progress); !verified) {
-    // Wrong values look like any others: only the checksums know. A figure in a table must not come from a damaged file.
+    // Wrong values look plausible; only the checksums reveal them. A table must not have values from a damaged file.
     return tl::make_unexpected(verified.error());
   }
   const auto exported = order.format == ExportFormat::Csv ? record::export_csv(**recording, folder.string(), progress)
@@ -51,7 +51,7 @@ core::Status export_parts(const ExportOrder& order, const fs::path& data, const 
   for (const std::string& file : order.files) {
     const auto exported = export_part(order, file, folder, progress, damage);
     if (stop.stop_requested()) return core::fail(core::ErrorCode::Failed, "the gateway stops: nothing was exported");
-    if (fits) fits = check_size(order, bytes_below(data));  // small ones make no progress that is told
+    if (fits) fits = check_size(order, bytes_below(data));  // small recordings report no progress, so the size is checked here
     if (!fits) return fits;
     if (!exported) return exported;
   }

@@ -12,19 +12,19 @@
 namespace dts::gateway {
 
 enum class ExportFormat : std::uint8_t { Csv, Bids };
-/// "csv", "bids"
+/// Returns "csv" or "bids".
 [[nodiscard]] std::string name(ExportFormat format);
 
 struct ExportOrder {
   std::string session_id;
   ExportFormat format = ExportFormat::Csv;
   std::vector<std::string> files;  ///< The session's parts.
-  std::uint64_t most_bytes = 0;    ///< Text and zip together.
+  std::uint64_t most_bytes = 0;    ///< Limit for text files and zip together.
 };
 
-/// Writes the export into "data" below `folder`, which is made, and packs it into `folder`/export.zip, whose size it returns. In the zip
-/// all is below "SESSION-FORMAT"; for recordings that are not whole there is a file DAMAGE.txt beside that. Fails with DataDamaged when a
-/// recording contradicts its checksums, with LimitExceeded when there is too much; then some of it may be left in `folder`. Thread: any.
+/// Writes the export into "data" below `folder`, which it creates, and packs it into `folder`/export.zip. Returns the size of the zip file.
+/// In the zip, all files are below "SESSION-FORMAT"; if a recording is incomplete, there is also a file DAMAGE.txt. Fails with DataDamaged
+/// if a recording contradicts its checksums, with LimitExceeded if the export is too large; `folder` may then hold some files. Thread: any.
 [[nodiscard]] core::Result<std::uint64_t> make_export(const ExportOrder& order, const std::filesystem::path& folder,
                                                       const std::stop_token& stop);
 

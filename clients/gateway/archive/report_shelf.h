@@ -13,14 +13,14 @@ namespace dts::gateway {
 
 using ReportPointer = std::shared_ptr<const report::Report>;
 
-/// Reports that were asked for lately: of too many the one that was not asked for longest goes.
+/// Recently requested reports. If there are too many, the one that was unused for longest is dropped.
 class ReportShelf {
  public:
   explicit ReportShelf(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// Null: not here.
+  /// Returns null if there is no such report.
   [[nodiscard]] ReportPointer find(const std::string& key);
-  /// One that is larger than the whole shelf is not kept.
+  /// A report larger than the whole shelf is not kept.
   void keep(const std::string& key, ReportPointer report);
 
  private:
@@ -31,7 +31,7 @@ class ReportShelf {
   };
   std::size_t most_bytes_;
   std::size_t bytes_ = 0;
-  std::list<Place> places_{};  ///< The latest in front.
+  std::list<Place> places_{};  ///< The most recently used is first.
 };
 
 }  // namespace dts::gateway

@@ -18,7 +18,8 @@ namespace {
 using client::ErrorCode;
 using client::Result;
 
-/// The path comes from the daemon, the file is ours to check: a recording, and nothing else that this user may read.
+/// The daemon supplies the path, but the gateway checks the file: it must be a recording, not any other file that the gateway's user may
+/// read.
 Result<void> check_recording(const std::string& path, const std::string& what) {
   constexpr std::string_view kMagic = "XDF:";
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
@@ -43,7 +44,7 @@ Result<std::string> readable_file(const v1::SessionRecord& session, const v1::Se
   switch (part.state()) {
     case v1::PART_STATE_COMPLETE:
     case v1::PART_STATE_INCOMPLETE:
-    case v1::PART_STATE_INTERRUPTED:  // torn, but what is whole of it can be read
+    case v1::PART_STATE_INTERRUPTED:  // cut off, but its complete part can be read
     case v1::PART_STATE_RECOVERED: break;
     case v1::PART_STATE_RECORDING: return client::fail(ErrorCode::WrongState, what + " is still being recorded", "stop the session first");
     default: return client::fail(ErrorCode::DataDamaged, what + " is gone", "restore it from a backup");

@@ -10,13 +10,13 @@
 
 namespace dts::gateway {
 
-/// The files of a session that is over, part by part. WrongState while it runs, NotFound when nothing was recorded, DataDamaged for a part
-/// that is gone, NotAllowed or Failed for one that cannot be read here.
+/// Returns the files of a finished session, part by part. Fails with WrongState while it runs, NotFound if nothing was recorded,
+/// DataDamaged for a missing part, NotAllowed or Failed for a file that the gateway cannot read.
 [[nodiscard]] client::Result<std::vector<std::string>> files_of(const v1::SessionRecord& session);
-/// The same of one part; the session may be running, that part not.
+/// The same for one part; the session may still be running, but not that part.
 [[nodiscard]] client::Result<std::string> file_of(const v1::SessionRecord& session, std::uint32_t part);
 
-/// The same for the same recordings, another one when a part came or was repaired.
+/// Returns a text that stays the same for the same recordings, and changes when a part is added or repaired.
 [[nodiscard]] std::string fingerprint_of(const v1::SessionRecord& session);
 
 }  // namespace dts::gateway

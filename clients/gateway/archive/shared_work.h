@@ -15,18 +15,18 @@
 
 namespace dts::gateway {
 
-/// Has things made by the worker: each once, however many ask for it meanwhile. Thread: io, but for `Make`.
+/// Makes things on the worker: each thing once, even if several callers request it meanwhile. Thread: io, but for `Make`.
 template <class Thing>
 class SharedWork {
  public:
   using Make = std::function<core::Result<Thing>(const std::stop_token& stop)>;
   using Made = std::function<void(const core::Result<Thing>& thing)>;
 
-  /// `keep` is told of each thing once, before those who asked.
+  /// Calls `keep` once for each thing, before the callers get it.
   SharedWork(Worker& worker, std::function<void(const std::string& key, const Thing& thing)> keep)
       : worker_(worker), keep_(std::move(keep)) {}
 
-  /// False, with nothing begun: too much is waiting.
+  /// Returns false and starts nothing if too much work is waiting.
   [[nodiscard]] bool ask(const std::string& key, Make make, Made made) {
     if (const auto under_way = askers_.find(key); under_way != askers_.end()) {
       under_way->second.push_back(std::move(made));
@@ -41,7 +41,7 @@ class SharedWork {
   }
 
  private:
-  /// What is too large for the memory costs an answer, not the gateway.
+  /// If memory runs out, one answer fails, not the gateway.
   static core::Result<Thing> made_by(const Make& make, const std::stop_token& stop) {
     try {
       return make(stop);
@@ -52,7 +52,7 @@ class SharedWork {
 
   void tell(const std::string& key, const core::Result<Thing>& thing) {
     if (thing) keep_(key, *thing);
-    const auto askers = askers_.extract(key);  // one of them may ask again
+    const auto askers = askers_.extract(key);  // a caller may request again
     for (const Made& made : askers.mapped()) made(thing);
   }
 

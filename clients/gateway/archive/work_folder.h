@@ -8,7 +8,7 @@
 
 namespace dts::gateway {
 
-/// A folder that goes with the object, and all that is in it.
+/// A folder that is removed with this object, including all its content.
 class WorkFolder {
  public:
   explicit WorkFolder(std::filesystem::path path) : path_(std::move(path)) {}
@@ -25,7 +25,7 @@ class WorkFolder {
   std::filesystem::path path_;
 };
 
-/// Of all files in it; 0 for what cannot be read.
+/// Returns the total size of all files in the folder; 0 for those that cannot be read.
 [[nodiscard]] std::uint64_t bytes_below(const std::filesystem::path& folder) noexcept;
 
 }  // namespace dts::gateway

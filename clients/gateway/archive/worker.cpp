@@ -22,7 +22,7 @@ bool Worker::submit(Work work) {
 }
 
 void Worker::run(const std::stop_token& stop) {
-  static_cast<void>(core::configure_this_thread("archive", {}));  // it wishes for nothing but its name
+  static_cast<void>(core::configure_this_thread("archive", {}));  // sets only the thread's name
   const std::weak_ptr<bool> is_alive = is_alive_;
   while (true) {
     std::unique_lock lock(mutex_);
@@ -31,7 +31,7 @@ void Worker::run(const std::stop_token& stop) {
     waiting_.pop_front();
     lock.unlock();
     Told told = work(stop);
-    work = nullptr;  // what it held is let go before anybody is told
+    work = nullptr;  // releases what the work holds before the result is passed on
     boost::asio::post(io_, [this, is_alive, told = std::move(told)] {
       if (is_alive.expired()) return;
       --not_done_;

@@ -54,7 +54,7 @@ class ZipWriter {
     archive_entry_set_pathname(entry.get(), name.c_str());
     archive_entry_set_size(entry.get(), static_cast<la_int64_t>(bytes));
     archive_entry_set_filetype(entry.get(), AE_IFREG);
-    archive_entry_set_perm(entry.get(), 0640);  // no time: zip's own zero, 1980, is written then
+    archive_entry_set_perm(entry.get(), 0640);  // no time is set, so zip stores its zero, 1980
     if (archive_write_header(zip_.get(), entry.get()) != ARCHIVE_OK) return fail_with(zip_.get());
     std::vector<char> piece(kPieceBytes);
     for (ssize_t got = 0; (got = ::read(*opened, piece.data(), piece.size())) != 0;) {

@@ -16,11 +16,11 @@
 namespace dts::gateway {
 namespace {
 
-using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, as host times
+using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, like host times
 
-/// A status comes every second. Together with the way to the browser this must stay below two.
+/// The daemon publishes a status every second. Together with the time to the browser this must stay below two seconds.
 constexpr std::chrono::milliseconds kSilence{1500};
-/// How late a change of wishes may be noticed while the daemon is silent.
+/// Longest delay before new topics are noticed while the daemon is silent.
 constexpr std::chrono::milliseconds kTurn{50};
 constexpr std::chrono::milliseconds kPauseBeforeReopening{500};
 
@@ -46,7 +46,7 @@ struct ToCarried {
                                              .is_retained = true,
                                              .instance_id = status.snapshot->instance_id()});
   }
-  /// Whoever needs to know sees it by the instance id.
+  /// Returns nothing: the instance id in later messages shows the restart.
   CarriedPointer operator()(const client::Restart&) const { return nullptr; }
 };
 
@@ -82,7 +82,7 @@ class BusReader::Loop {
   bool is_up_ = false;
   std::mutex mutex_;
   std::condition_variable_any stopped_;
-  std::optional<std::vector<std::string>> wishes_;  ///< New ones, not granted yet; guarded by `mutex_`.
+  std::optional<std::vector<std::string>> wishes_;  ///< New topics, not subscribed yet; guarded by `mutex_`.
 };
 
 client::Result<void> BusReader::Loop::open() {
@@ -92,7 +92,7 @@ client::Result<void> BusReader::Loop::open() {
   return {};
 }
 
-/// Nothing may leave this thread but items: what libraries throw (memory is short) costs a pause and a new socket.
+/// Catches what libraries throw (for example if memory runs out): an exception leads to a pause and a new socket.
 void BusReader::Loop::run(const std::stop_token& stop) noexcept {
   ::pthread_setname_np(::pthread_self(), "bus");
   while (!stop.stop_requested()) {
@@ -108,7 +108,7 @@ void BusReader::Loop::run(const std::stop_token& stop) noexcept {
   }
 }
 
-/// Ends at once with a stop.
+/// Ends at once when a stop is requested.
 void BusReader::Loop::pause(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
   stopped_.wait_for(lock, stop, kPauseBeforeReopening, [] { return false; });
@@ -144,7 +144,7 @@ client::Result<void> BusReader::Loop::grant_wishes() {
   return subscriber_->set_topics(topics());
 }
 
-/// Status, the states of every rig, and what the tabs want.
+/// Returns the status, the retained events of every rig, and the topics of the tabs.
 std::vector<std::string> BusReader::Loop::topics() const {
   std::vector<std::string> all{std::string(kStatusTopic)};
   for (const std::string& rig : rigs_) {
@@ -164,7 +164,7 @@ void BusReader::Loop::learn_rigs() {
   if (rigs == rigs_) return;
   rigs_ = std::move(rigs);
   const std::lock_guard lock(mutex_);
-  if (!wishes_) wishes_ = wanted_;  // granted again, with the new rigs
+  if (!wishes_) wishes_ = wanted_;  // subscribed again, with the new rigs
 }
 
 void BusReader::Loop::tell(bool is_up, std::string problem) {

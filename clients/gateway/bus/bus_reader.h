@@ -17,8 +17,8 @@ namespace dts::gateway {
 
 using BusItem = std::variant<CarriedPointer, v1::Link>;
 
-/// Reads the daemon's data socket on a thread of its own ("bus") and hands everything on, in order, as it comes; tells when the daemon
-/// falls silent and when it is back.
+/// Reads the daemon's data socket on its own thread ("bus") and passes all messages on in order. Reports when the daemon falls silent and
+/// when it is back.
 class BusReader {
  public:
   /// `on_item` is called on the reader's thread.
@@ -27,7 +27,7 @@ class BusReader {
   BusReader(const BusReader&) = delete;
   BusReader& operator=(const BusReader&) = delete;
 
-  /// Topics to read from now on; status and retained events are always read. Thread: any.
+  /// Sets the topics to read; status and retained events are always read. Thread: any.
   void want(std::vector<std::string> prefixes);
 
  private:

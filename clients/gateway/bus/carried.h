@@ -8,19 +8,19 @@
 
 namespace dts::gateway {
 
-/// The one topic that every tab gets.
+/// The only topic that every tab receives.
 inline constexpr std::string_view kStatusTopic = "dtsd/status";
 
-/// A message of the bus on its way to any number of tabs. Never changes, hence shared.
+/// A message of the bus for any number of tabs. Immutable, therefore shared.
 struct Carried {
   enum class Kind : std::uint8_t { Block, Event, Status };
 
   std::string topic;
   Kind kind = Kind::Block;
   std::string bytes;              ///< The dts.v1 message.
-  std::uint64_t scans = 0;        ///< Of a block.
-  bool is_retained = false;       ///< A state, not a happening: who comes late is told the last one.
-  std::uint64_t instance_id = 0;  ///< Of the daemon that said it: another one after a restart.
+  std::uint64_t scans = 0;        ///< Number of scans in a block.
+  bool is_retained = false;       ///< True for a state that later subscribers must also receive.
+  std::uint64_t instance_id = 0;  ///< Of the daemon that sent it; changes when the daemon restarts.
 };
 using CarriedPointer = std::shared_ptr<const Carried>;
 

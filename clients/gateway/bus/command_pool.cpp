@@ -35,11 +35,11 @@ void CommandPool::submit(v1::Request request, Answered answered) {
   });
 }
 
-/// Thread: command. What libraries throw (memory or descriptors are short) costs an answer, not the gateway.
+/// Thread: command. Catches what libraries throw (for example if memory or descriptors run out): one answer fails, not the gateway.
 client::Result<v1::Response> CommandPool::send(const v1::Request& request) const {
   try {
     ::pthread_setname_np(::pthread_self(), "command");
-    // A client per command: a socket is made in a fraction of a millisecond, and no answer of an earlier command can come between.
+    // One client per command: a new socket needs a fraction of a millisecond, and a late answer to an earlier command cannot interfere.
     auto client = client::ControlClient::open({.endpoint = endpoint_});
     if (!client) return tl::make_unexpected(client.error());
     return client->forward(request, stop_.get_token());

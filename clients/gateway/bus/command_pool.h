@@ -13,26 +13,26 @@
 
 namespace dts::gateway {
 
-/// Sends commands to the daemon from a few threads ("command"), since some answers take long (a stop waits for the disk). Commands that
-/// only look, those a viewer may give, have threads and places of their own: however many there are, a stop is sent at once.
+/// Sends commands to the daemon from a few threads ("command"), because some answers need long (a stop waits for the disk). Commands that a
+/// viewer may send, which only read, have their own threads and queue: they never delay a stop.
 class CommandPool {
  public:
-  static constexpr std::size_t kThreads = 4;       ///< Of those that look, and of the others.
-  static constexpr std::size_t kMostWaiting = 64;  ///< The same, with those under way.
+  static constexpr std::size_t kThreads = 4;       ///< For reading commands, and again for the other commands.
+  static constexpr std::size_t kMostWaiting = 64;  ///< The same, including the commands being sent.
 
   CommandPool(boost::asio::io_context& io, std::string endpoint);
-  /// What waits is given up, and so is waiting for the answers to what was sent.
+  /// Drops waiting commands, and stops waiting for answers to commands already sent.
   ~CommandPool();
   CommandPool(const CommandPool&) = delete;
   CommandPool& operator=(const CommandPool&) = delete;
 
   using Answered = std::function<void(client::Result<v1::Response>)>;
-  /// `answered` is called on the io thread; at once with LimitExceeded when too many wait. Thread: io.
+  /// Calls `answered` on the io thread; immediately with LimitExceeded if too many commands wait. Thread: io.
   void submit(v1::Request request, Answered answered);
 
  private:
   struct Lane {
-    std::size_t taken = 0;  ///< Thread: io.
+    std::size_t taken = 0;  ///< Commands waiting or being sent. Thread: io.
     boost::asio::thread_pool threads{kThreads};
   };
   [[nodiscard]] client::Result<v1::Response> send(const v1::Request& request) const;

@@ -10,7 +10,7 @@ namespace dts::gateway {
 namespace {
 
 constexpr std::chrono::milliseconds kTellingPause{200};
-constexpr std::chrono::seconds kLongestStatus{5};  // it is told every second
+constexpr std::chrono::seconds kLongestStatus{5};  // the daemon publishes it every second
 
 TabQueue::Dropped sum(const TabQueue::Dropped& one, const TabQueue::Dropped& other) {
   return {.blocks = one.blocks + other.blocks, .scans = one.scans + other.scans, .events = one.events + other.events};
@@ -33,7 +33,7 @@ void Hub::take(const BusItem& item) {
   for (HubTab* tab : tabs_) tab->tell(link_);
 }
 
-/// The states of a daemon that is gone are no longer told anybody.
+/// Keeps retained messages; drops those of a daemon that was restarted.
 void Hub::keep(const CarriedPointer& message) {
   if (message->instance_id != instance_id_) retained_.clear();
   instance_id_ = message->instance_id;

@@ -24,11 +24,11 @@ namespace dts::gateway {
 
 class HubTab;
 
-/// Between the bus and the tabs: every message to those that want it, states also to those that come late.
+/// Connects the bus and the tabs: passes each message to the tabs that subscribed to it, and retained messages also to later subscribers.
 /// Thread: io. Outlives its tabs.
 class Hub {
  public:
-  /// `want` tells the reader what all tabs together want.
+  /// `want` passes the topics of all tabs together to the reader.
   Hub(boost::asio::io_context& io, CommandPool& commands, std::function<void(std::vector<std::string>)> want, std::string version);
   ~Hub();
   Hub(const Hub&) = delete;
@@ -37,17 +37,18 @@ class Hub {
   void take(const BusItem& item);
   [[nodiscard]] std::unique_ptr<Tab> open_tab(const Identity& identity, TabConnection& connection);
 
-  /// The daemon's newest status; nullptr while it says nothing of itself, even when data of it go on arriving.
+  /// Returns the daemon's newest status; nullptr if no status arrived lately, even if its data still arrive.
   [[nodiscard]] CarriedPointer status(std::chrono::steady_clock::time_point now = std::chrono::steady_clock::now()) const;
-  /// For all tabs, also those that are closed.
+  /// Returns the sum over all tabs, including closed ones.
   [[nodiscard]] TabQueue::Dropped dropped() const;
 
-  /// For tabs: what they want has changed; they are gone.
+  /// Called by tabs: when their topics changed, and when they close.
   void wishes_changed(HubTab& tab);
   void close_tab(HubTab& tab);
 
  private:
-  /// How often in a second the reader is told at most, but for a burst: each time costs it and the daemon as much as there are topics.
+  /// Most topic updates per second for the reader, apart from a burst: each update costs reader and daemon work in proportion to the
+  /// topics.
   static constexpr double kTellings_hz = 5.0;
   void keep(const CarriedPointer& message);
   void tell_wishes();
@@ -58,15 +59,15 @@ class Hub {
   std::function<void(std::vector<std::string>)> want_;
   std::string version_;
   v1::Link link_;
-  boost::asio::steady_timer timer_;  ///< Runs while wishes wait to be told.
+  boost::asio::steady_timer timer_;  ///< Runs while changed topics wait to be passed to the reader.
   TokenBucket tellings_{kTellings_hz};
   bool is_telling_later_ = false;
   std::set<HubTab*> tabs_;
-  TabQueue::Dropped dropped_for_closed_;  ///< For tabs that are closed.
-  std::set<std::string> wishes_;                    ///< As told last.
+  TabQueue::Dropped dropped_for_closed_;  ///< Of tabs that are closed.
+  std::set<std::string> wishes_;          ///< The topics last passed to the reader.
   std::chrono::steady_clock::time_point told_status_{};
-  std::uint64_t instance_id_ = 0;                   ///< Of the daemon that said what is retained.
-  std::map<std::string, CarriedPointer> retained_;  ///< By topic; as many as the daemon's rigs have states.
+  std::uint64_t instance_id_ = 0;                   ///< Of the daemon that sent the retained messages.
+  std::map<std::string, CarriedPointer> retained_;  ///< By topic; limited by the number of states of the daemon's rigs.
 };
 
 }  // namespace dts::gateway

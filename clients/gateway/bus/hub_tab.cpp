@@ -12,13 +12,13 @@
 namespace dts::gateway {
 namespace {
 
-using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, as host times
+using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, like host times
 
 constexpr unsigned kPolicyViolation = 1008;  // RFC 6455, 7.4.1
-constexpr unsigned kLoggedOut = 4401;        // ours; the like of HTTP's 401
+constexpr unsigned kLoggedOut = 4401;        // our own code, similar to HTTP's 401
 constexpr std::size_t kMostCommandsUnderWay = 8;
 constexpr std::size_t kLongestRequestId = 64;
-/// So much on the way to the kernel means a slow network: what comes now waits in the queue, where it can be dropped.
+/// With more unsent bytes the network is slow: new messages wait in the queue, where they can be dropped.
 constexpr std::size_t kMostUnsentBytes = 256U << 10U;
 constexpr std::chrono::milliseconds kSlowNetworkPause{50};
 
@@ -26,7 +26,7 @@ client::Error refusal(client::ErrorCode code, std::string what, std::string hint
   return {.code = code, .what = std::move(what), .hint = std::move(hint)};
 }
 
-/// Whole characters of it only: half of one would make the message unreadable.
+/// Cuts only between characters: half a character would make the message unreadable.
 std::string short_id(const std::string& id) {
   std::size_t length = std::min(id.size(), kLongestRequestId);
   while (length > 0 && length < id.size() && (static_cast<unsigned char>(id[length]) & 0xC0U) == 0x80) --length;
@@ -62,7 +62,7 @@ void HubTab::tell(const v1::Link& link) {
 }
 
 void HubTab::push(const CarriedPointer& message) {
-  // The status comes every second: often enough to notice that a login has ended.
+  // The status arrives every second: often enough to detect that a login has ended.
   if (message->kind == Carried::Kind::Status && !identity_.holds()) return connection_.close(kLoggedOut, "the login has ended");
   queue_.push(message, Clock::now());
   arm();
@@ -116,7 +116,7 @@ void HubTab::on_request(v1::Request&& request) {
   }
   ++commands_under_way_;
   request.set_request_id(command_id(identity_.user, id));
-  // Of who has no login the daemon itself says "local"; what the browser says of itself counts for nothing.
+  // For a user without a login the daemon itself sets "local"; the browser's own value is ignored.
   request.set_on_behalf_of(identity_.user == kLocalUser ? std::string() : identity_.user);
   commands_.submit(std::move(request), [self = std::weak_ptr(self_), id](client::Result<v1::Response> answer) {
     const auto tab = self.lock();
@@ -140,7 +140,7 @@ void HubTab::refuse(const std::string& request_id, const client::Error& error) {
   send(message);
 }
 
-/// Sees to it that the next frame leaves when it is due.
+/// Sets the timer for the next frame.
 void HubTab::arm() {
   if (is_armed_) return;
   auto due = queue_.due();

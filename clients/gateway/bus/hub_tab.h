@@ -20,7 +20,7 @@ namespace dts::gateway {
 
 class Hub;
 
-/// One tab: its queue, its timer, its commands.
+/// One browser tab: its queue, its timer, its commands.
 class HubTab final : public Tab {
  public:
   HubTab(Hub& hub, boost::asio::io_context& io, CommandPool& commands, Identity identity, TabConnection& connection);
@@ -50,7 +50,7 @@ class HubTab final : public Tab {
   boost::asio::steady_timer timer_;
   bool is_armed_ = false;
   std::size_t commands_under_way_ = 0;
-  std::shared_ptr<HubTab*> self_;  ///< Answers hold it weakly: the tab may be closed before they come.
+  std::shared_ptr<HubTab*> self_;  ///< Pending answers hold it weakly: the tab may close before they arrive.
 };
 
 }  // namespace dts::gateway

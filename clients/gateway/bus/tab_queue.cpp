@@ -24,7 +24,7 @@ bool TabQueue::subscribe(std::vector<std::string> prefixes, double frames_per_se
   if (std::ranges::any_of(prefixes, [](const std::string& prefix) { return prefix.size() > kLongestPrefix; })) return false;
   prefixes_ = std::move(prefixes);
   spacing_ = std::chrono::nanoseconds(std::llround(1e9 / rate_hz));
-  // What waits of topics no longer wanted is not missed by anybody.
+  // Waiting messages of topics that are not subscribed any more are dropped without counting.
   std::erase_if(waiting_, [this](const CarriedPointer& message) { return !wants(message->topic); });
   bytes_ = 0;
   for (const CarriedPointer& message : waiting_) bytes_ += message->bytes.size();
@@ -38,10 +38,10 @@ bool TabQueue::wants(std::string_view topic) const noexcept {
 
 void TabQueue::push(const CarriedPointer& message, Time now) {
   if (!wants(message->topic)) return;
-  // A state is told again to whoever subscribes again: once is enough.
+  // The hub sends a retained message again after each subscription: it is needed only once.
   if (message->is_retained && std::ranges::find(waiting_, message) != waiting_.end()) return;
   if (message->kind == Carried::Kind::Status) {
-    // Only the newest says anything.
+    // Only the newest status matters.
     const auto old = std::ranges::find(waiting_, Carried::Kind::Status, [](const CarriedPointer& other) { return other->kind; });
     if (old != waiting_.end()) {
       bytes_ -= (*old)->bytes.size();

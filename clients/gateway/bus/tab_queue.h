@@ -14,19 +14,19 @@
 
 namespace dts::gateway {
 
-/// What waits for one tab. Frames leave at the display's rate while the tab paints them; when it does not, the oldest blocks go first and
-/// are counted: a tab that comes back is shown now, not then.
+/// Messages that wait for one tab. Frames leave at the display's rate while the tab paints them. If it does not, the oldest blocks are
+/// dropped first and counted, so that a tab that becomes active again shows the present data.
 ///
 ///     push --wanted?--> [blocks and events in order, bounded] --is_due--> take_frame        painted
 ///
-/// No clock and no socket: told the time.
+/// Has no clock and no socket: the caller passes the time.
 class TabQueue {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// What the tab was not shown because it was too slow, in all.
+  /// All messages that were dropped because the tab was too slow.
   struct Dropped {
     std::uint64_t blocks = 0;
-    std::uint64_t scans = 0;  ///< Of those blocks.
+    std::uint64_t scans = 0;  ///< Scans in those blocks.
     std::uint64_t events = 0;
   };
   static constexpr std::size_t kMostBytes = 512U << 10U;
@@ -34,21 +34,21 @@ class TabQueue {
   static constexpr std::size_t kMostPrefixes = 32;
   static constexpr std::size_t kLongestPrefix = 200;
   static constexpr std::uint64_t kFramesUnderWay = 2;
-  /// What the daemon publishes together (all streams of a rig) shall leave together.
+  /// Time to collect the messages that the daemon publishes together (all streams of a rig), so that one frame carries them.
   static constexpr std::chrono::milliseconds kGathering{2};
 
-  /// False, with nothing changed: too many or too long prefixes, or a rate out of range.
+  /// Returns false and changes nothing if there are too many prefixes, a prefix is too long, or the rate is out of range.
   [[nodiscard]] bool subscribe(std::vector<std::string> prefixes, double frames_per_second);
   [[nodiscard]] const std::vector<std::string>& prefixes() const noexcept { return prefixes_; }
   [[nodiscard]] bool wants(std::string_view topic) const noexcept;
 
   void push(const CarriedPointer& message, Time now);
-  /// False: no frame of that number is under way.
+  /// Returns false if no unpainted frame has this number.
   [[nodiscard]] bool painted(std::uint64_t frame) noexcept;
 
-  /// When a frame may leave: nothing while there is nothing to send or two are under way.
+  /// Returns when the next frame may leave; nothing if no message waits or two frames are not painted yet.
   [[nodiscard]] std::optional<Time> due() const noexcept;
-  /// Serialised FromGateway with all that waits.
+  /// Returns a serialised FromGateway with all waiting messages.
   [[nodiscard]] std::string take_frame(Time now);
 
   [[nodiscard]] std::size_t bytes() const noexcept { return bytes_; }
@@ -66,7 +66,7 @@ class TabQueue {
   std::uint64_t last_frame_ = 0;
   std::uint64_t last_painted_ = 0;
   Time last_sent_{};
-  Time first_pushed_{};  ///< Of what waits.
+  Time first_pushed_{};  ///< When the oldest waiting message arrived.
   Dropped dropped_;
 };
 

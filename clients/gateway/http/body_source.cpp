@@ -19,7 +19,7 @@ BodySource::BodySource(std::variant<std::string, FileBody> body) {
   }
   auto& from = std::get<FileBody>(body);
   when_done_ = std::move(from.when_done);
-  // O_NONBLOCK: opening a fifo must not stop the one thread of all connections.
+  // O_NONBLOCK: opening a fifo must not block the only thread of all connections.
   file_ = ::open(from.path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
   struct stat status {};
   is_good_ = file_ >= 0 && ::fstat(file_, &status) == 0 && S_ISREG(status.st_mode);

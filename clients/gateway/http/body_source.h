@@ -13,7 +13,7 @@
 
 namespace dts::gateway {
 
-/// The body of one answer, in pieces. Whatever becomes of it, `FileBody::when_done` is called once.
+/// The body of one answer, read in pieces. `FileBody::when_done` is called exactly once, whatever happens.
 class BodySource {
  public:
   static constexpr std::size_t kPieceBytes = 64U << 10U;
@@ -22,13 +22,13 @@ class BodySource {
   ~BodySource();
   BodySource(BodySource&&) = delete;
 
-  /// False: the file cannot be read, or is none.
+  /// Returns false if the file cannot be read or is not a regular file.
   [[nodiscard]] bool is_good() const noexcept { return is_good_; }
-  /// All of it, also what was already taken. A file's size at the start is what is promised, and what is sent.
+  /// Returns the size of the whole body, including pieces already read. For a file, its size at the start: this size is announced and sent.
   [[nodiscard]] std::uint64_t size_bytes() const noexcept { return size_bytes_; }
-  /// The next piece, valid until the next call; empty at the end; nothing when the file turned out shorter than promised.
+  /// Returns the next piece, valid until the next call; empty at the end. Returns nothing if the file is now shorter than announced.
   [[nodiscard]] std::optional<std::string_view> next();
-  /// Nothing more will be taken; the last piece stays valid.
+  /// Ends the reading; the last piece stays valid.
   void give_up();
 
  private:

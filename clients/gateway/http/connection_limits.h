@@ -12,19 +12,19 @@
 
 namespace dts::gateway {
 
-/// Counts the connections. A new one is a stranger's, counted by its address; it becomes a user's once its request says whose it is.
-/// Strangers can neither take the places of users nor, from a user's own address, keep that user out: when there are too many, the oldest
-/// of them goes. Thread: io.
+/// Counts the connections. A new connection is a stranger and counts for its address; when its request identifies a user, it counts for
+/// that user. Strangers cannot use up the places of users, and strangers at a user's own address cannot keep that user out: if there are
+/// too many strangers, the oldest is closed. Thread: io.
 class ConnectionLimits {
  public:
   struct Most {
     std::size_t all = 256;
-    std::size_t strangers = 192;  ///< Of all: the others are kept for users.
+    std::size_t strangers = 192;  ///< Part of `all`: the other places are reserved for users.
     std::size_t per_address = 64;
     std::size_t per_user = 64;
   };
 
-  /// The place of one connection; given back when it is destroyed, and at once when a stranger has to go.
+  /// The place of one connection. Released when the object is destroyed, or at once when a stranger is evicted.
   class Seat {
    public:
     Seat(ConnectionLimits& limits, std::uint64_t number) : limits_(&limits), number_(number) {}
@@ -34,21 +34,21 @@ class ConnectionLimits {
       if (limits_ != nullptr) limits_->give_back(*this);
     }
 
-    /// `leave` is called, once, when a newcomer needs the place of this stranger; never for a user.
+    /// Calls `leave`, once, when a new connection needs the place of this stranger; never for a user.
     void on_eviction(std::function<void()> leave);
-    /// From now on it is counted for `user`, no longer for its address. False, and nothing changes: that user has too many already.
+    /// Counts this connection for `user` instead of its address. Returns false and changes nothing if that user has too many connections.
     [[nodiscard]] bool belongs_to(const std::string& user);
 
    private:
     friend class ConnectionLimits;
     ConnectionLimits* limits_;
     std::uint64_t number_;
-    std::string user_{};  ///< Empty: a stranger's.
+    std::string user_{};  ///< Empty: a stranger.
   };
 
   explicit ConnectionLimits(const Most& most) noexcept : most_(most) {}
 
-  /// Nothing: users have all places. The seat must not outlive this object.
+  /// Returns nothing if users hold all places. The seat must not outlive this object.
   [[nodiscard]] std::optional<Seat> take_seat(const boost::asio::ip::address& remote);
   [[nodiscard]] std::size_t taken() const noexcept { return strangers_.size() + users_; }
   [[nodiscard]] std::uint64_t evicted_total() const noexcept { return evicted_total_; }
@@ -58,7 +58,7 @@ class ConnectionLimits {
     std::string address;
     std::function<void()> leave{};
   };
-  using Strangers = std::map<std::uint64_t, Stranger>;  ///< By number: the oldest first.
+  using Strangers = std::map<std::uint64_t, Stranger>;  ///< By number, so the oldest is first.
 
   void give_back(const Seat& seat) noexcept;
   void forget(Strangers::iterator stranger) noexcept;
@@ -74,11 +74,12 @@ class ConnectionLimits {
   std::map<std::string, std::size_t> by_user_;
 };
 
-/// An IPv4 address that a socket of both families shows as ::ffff:1.2.3.4 as what it is.
+/// Converts an IPv4-mapped IPv6 address, ::ffff:1.2.3.4, to the IPv4 address; other addresses stay unchanged.
 [[nodiscard]] boost::asio::ip::address unmapped(const boost::asio::ip::address& address);
-/// What counts as one address: an IPv6 host owns 2^64 of them, hence its /64; all of loopback; IPv4 however it is written.
+/// Returns the key under which an address is counted: for IPv6 its /64, because one host owns 2^64 addresses; one key for all of loopback;
+/// the same key for an IPv4 address in both notations.
 [[nodiscard]] std::string counted_as(const boost::asio::ip::address& remote);
-/// The same of an address as text; any other text is what it is.
+/// The same for an address as text; any other text is returned unchanged.
 [[nodiscard]] std::string counted_as(const std::string& remote);
 
 }  // namespace dts::gateway

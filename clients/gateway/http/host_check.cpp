@@ -26,7 +26,7 @@ std::optional<std::uint16_t> parse_port(std::string_view text) {
   return port;
 }
 
-/// The address that a host spells, if it is one: "::1" of "[::1]".
+/// Returns the address in a host text, if it is one: "::1" for "[::1]".
 std::optional<boost::asio::ip::address> address_of(std::string_view host) {
   const bool has_brackets = host.size() > 2 && host.front() == '[' && host.back() == ']';
   if (has_brackets) host = host.substr(1, host.size() - 2);

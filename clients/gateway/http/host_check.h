@@ -15,23 +15,23 @@ struct Authority {
   std::optional<std::uint16_t> port;
 };
 
-/// Nothing for what is not exactly that: user names, empty hosts, ports out of range, blanks.
+/// Returns nothing for any other text: user names, empty hosts, ports out of range, blanks.
 [[nodiscard]] std::optional<Authority> parse_authority(std::string_view text);
 
-/// By which names a browser may call us. A page of somebody else that made its own name point to our address (DNS rebinding) shares an
-/// origin with us in the browser's eyes; the name in its Host header gives it away.
+/// The host names by which a browser may address the gateway. A foreign page that makes its own name point to our address (DNS rebinding)
+/// has the same origin as the gateway for the browser; the name in its Host header reveals it.
 class HostCheck {
  public:
   HostCheck(std::vector<std::string> host_names, bool is_loopback);
 
-  /// `local_address` is the one the connection came to. Any port: one that is forwarded to us is ours as well.
+  /// `local_address` is the one that the client connected to. Any port is accepted: a forwarded port is also ours.
   [[nodiscard]] bool is_ours(const Authority& host, std::string_view local_address) const;
 
  private:
   std::vector<std::string> names_;
 };
 
-/// Whether `origin` is that of a page which came from `host`: same scheme, name and port. "null" is nobody's.
+/// Returns true if `origin` belongs to a page from `host`: same scheme, name and port. "null" matches no host.
 [[nodiscard]] bool is_same_origin(std::string_view origin, const Authority& host, bool is_secure);
 
 }  // namespace dts::gateway

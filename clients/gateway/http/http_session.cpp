@@ -29,12 +29,12 @@ namespace beast = boost::beast;
 namespace http = boost::beast::http;
 using boost::system::error_code;
 
-/// How long, and for how much, a peer is still listened to after its last answer. Closing with unread bytes would reset the connection,
-/// and the peer might never see why it was refused.
+/// Limits in time and bytes for reading from a peer after its last answer. Closing with unread bytes would reset the connection, and the
+/// peer might not receive the reason for the refusal.
 constexpr std::chrono::seconds kLingerTime{2};
 constexpr std::size_t kLingerBytes = 256U << 10U;
 
-/// One request after the other:
+/// Handles one request after the other:
 ///
 ///     wait for the first byte (idle_timeout) --> read the rest (handshake_timeout) --> check --> route --> write head, pieces
 ///            ^                                                                                                |
@@ -72,7 +72,7 @@ class HttpSession : public Connection, public std::enable_shared_from_this<HttpS
   void linger();
 
   PeerStream stream_;
-  beast::flat_buffer buffer_{16384};  // holds a whole header, and pipelined requests until their turn
+  beast::flat_buffer buffer_{16384};  // holds a whole header, and pipelined requests until they are handled
   std::optional<http::request_parser<http::string_body>> parser_;
   TokenBucket requests_;
   std::uint64_t request_number_ = 0;
@@ -139,7 +139,7 @@ void HttpSession::on_request(error_code error) {
   path_ = request->path;
   if (is_upgrade) return upgrade(std::move(raw), *request);
   keeps_alive_ = keeps_alive;
-  // Who has logged in need not make room for strangers. Beyond a user's places a connection is as good as a stranger's.
+  // A logged-in user gets a user's place and need not make room for strangers. Connections beyond the user's limit stay strangers.
   if (request->headers.contains("cookie")) {
     const auto identity = identify(*request);
     if (identity && identity->user != kLocalUser) static_cast<void>(seat_.belongs_to(identity->user));
@@ -163,7 +163,7 @@ void HttpSession::route(HttpRequest request) {
 
 void HttpSession::upgrade(RawRequest raw, const HttpRequest& request) {
   if (auto refused = refuse_upgrade(raw, request)) return refuse(std::move(*refused));
-  // A browser speaks only after the answer; what came early would be read as a request, or lost.
+  // A browser sends data only after the answer; earlier bytes would be parsed as a request, or lost.
   if (buffer_.size() > 0) return refuse(error_answer(400, "bytes before the answer to an upgrade", "wait for it"));
   auto identity = identify(request);
   if (!identity) return refuse(error_answer(401, "not logged in", "log in first"));
@@ -179,7 +179,7 @@ void HttpSession::refuse(HttpResponse response) {
   answer(request_number_, std::move(response));
 }
 
-/// Routes may answer late, twice or after the connection's end: one answer to each request, none to what is gone.
+/// Routes may answer late, twice or after the end of the connection. Sends one answer per request, and none after the end.
 void HttpSession::answer(std::uint64_t number, HttpResponse response) {
   if (is_over_ || number != request_number_ || number == answered_number_) {
     const BodySource given_up(std::move(response.body));
@@ -198,7 +198,7 @@ void HttpSession::answer(std::uint64_t number, HttpResponse response) {
   write(head_);
 }
 
-/// Each piece has its own deadline: large exports over slow links take their time.
+/// Each piece has its own deadline, because large exports over slow links need long.
 void HttpSession::write(std::string_view bytes) {
   stream_.expires_after(server_->limits.write_timeout);
   asio::async_write(stream_, asio::buffer(bytes.data(), bytes.size()), [self = shared_from_this()](error_code error, std::size_t) {

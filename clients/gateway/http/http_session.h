@@ -8,7 +8,7 @@
 
 namespace dts::gateway {
 
-/// Serves one accepted connection until it ends or becomes a WebSocket. Owns itself.
+/// Serves one accepted connection until it ends or becomes a WebSocket. The session keeps itself alive.
 void serve_http(std::shared_ptr<ServerState> server, boost::asio::ip::tcp::socket socket, Peer peer, ConnectionLimits::Seat seat);
 
 }  // namespace dts::gateway

@@ -8,14 +8,14 @@
 
 namespace dts::gateway {
 
-/// A JSON document that nobody on the way may keep.
+/// Returns an answer with a JSON document that no cache may store.
 [[nodiscard]] HttpResponse json_answer(unsigned status, const cli::Json& document);
-/// {"what","hint"}
+/// Returns an answer with {"what","hint"}.
 [[nodiscard]] HttpResponse error_answer(unsigned status, std::string_view what, std::string_view hint = {});
 
-/// The HTTP status that tells of an error, given by its number in `dts.v1.ErrorCode`.
+/// Returns the HTTP status for an error code, a number of `dts.v1.ErrorCode`.
 [[nodiscard]] unsigned http_status(int code) noexcept;
-/// dts::client and dts::core each have an Error of `code`, `what` and `hint`, with the same numbers for codes.
+/// Error is dts::client::Error or dts::core::Error: both have `code`, `what` and `hint`, and the same numbers for codes.
 template <class Error>
 [[nodiscard]] HttpResponse error_answer(const Error& error) {
   return error_answer(http_status(static_cast<int>(error.code)), error.what, error.hint);

@@ -22,8 +22,8 @@
 
 namespace dts::gateway {
 
-/// How many more bytes may be read from a peer. Without a limit until one is set. Reading stops when it is used up: Beast skips empty
-/// fragments of a message without telling anybody, so only the bytes on the wire show that they never end.
+/// How many more bytes may be read from a peer. Unlimited until a limit is set. Reading stops when the budget is used up: Beast skips empty
+/// fragments of a message without a notice, so an endless series of them is visible only in the bytes on the wire.
 class ReadBudget {
  public:
   void allow(std::size_t bytes) noexcept { left_ = bytes; }
@@ -41,14 +41,14 @@ class ReadBudget {
   std::size_t left_ = std::numeric_limits<std::size_t>::max();
 };
 
-/// Any completion handler: can be moved, is called once. TLS and TCP are compiled for this type alone, not for each of Beast's handlers: the
-/// server compiles in half the time.
+/// Any completion handler: movable, called once. TLS and TCP are compiled for this type only, not for each of Beast's handlers, which
+/// halves the compile time of the server.
 template <class... Results>
 class AnyHandler {
  public:
   template <class Handler>
-    requires(!std::same_as<std::decay_t<Handler>, AnyHandler>)
-  explicit AnyHandler(Handler&& handler) : kept_(std::make_unique<KeptHandler<std::decay_t<Handler>>>(std::forward<Handler>(handler))) {}
+  requires(!std::same_as<std::decay_t<Handler>, AnyHandler>) explicit AnyHandler(Handler&& handler)
+      : kept_(std::make_unique<KeptHandler<std::decay_t<Handler>>>(std::forward<Handler>(handler))) {}
 
   void operator()(Results... results) { std::exchange(kept_, nullptr)->call(results...); }
 
@@ -69,8 +69,8 @@ class AnyHandler {
 using IoHandler = AnyHandler<boost::system::error_code, std::size_t>;
 using EndHandler = AnyHandler<boost::system::error_code>;
 
-/// The first buffers of any sequence that are not empty. async_read_some and async_write_some may stop after them. `Buffer`:
-/// asio::mutable_buffer or asio::const_buffer.
+/// The first non-empty buffers of any sequence. async_read_some and async_write_some may stop after them. `Buffer`: asio::mutable_buffer or
+/// asio::const_buffer.
 template <class Buffer>
 class FirstBuffers {
  public:
@@ -90,12 +90,12 @@ class FirstBuffers {
   [[nodiscard]] const_iterator end() const noexcept { return buffers_.data() + count_; }
 
  private:
-  static constexpr std::size_t kMost = 64;  // what Asio hands to one system call
+  static constexpr std::size_t kMost = 64;  // as many as Asio passes to one system call
   std::array<Buffer, kMost> buffers_;
   std::size_t count_ = 0;
 };
 
-/// A TCP connection, with TLS or without: one type, so that HTTP and WebSocket are compiled once. A stream as Asio understands it.
+/// A TCP connection, with or without TLS: one type, so that HTTP and WebSocket are compiled once. Models an Asio stream.
 class PeerStream {
  public:
   using executor_type = boost::asio::io_context::executor_type;
@@ -104,7 +104,7 @@ class PeerStream {
   /// `tls`: null for plain TCP.
   PeerStream(boost::asio::ip::tcp::socket socket, executor_type executor, boost::asio::ssl::context* tls)
       : tcp_(std::make_unique<Tcp>(executor)) {
-    const auto protocol = socket.local_endpoint().protocol();  // before the release: arguments have no order
+    const auto protocol = socket.local_endpoint().protocol();  // before the release: the order of evaluation of arguments is not defined
     tcp_->socket() = Tcp::socket_type(executor, protocol, socket.release());
     if (tls != nullptr) tls_ = std::make_unique<boost::asio::ssl::stream<Tcp&>>(*tcp_, *tls);
   }
@@ -115,7 +115,7 @@ class PeerStream {
   [[nodiscard]] ReadBudget& read_budget() noexcept { return tcp_->rate_policy(); }
   void close() { tcp_->close(); }
 
-  /// Every read and write that begins or goes on from now on ends by then, with the connection.
+  /// Sets a deadline for every read and write that is in progress or starts later; the connection ends at the deadline.
   void expires_after(std::chrono::milliseconds time) { tcp_->expires_after(time); }
   void expires_never() { tcp_->expires_never(); }
 
@@ -133,7 +133,7 @@ class PeerStream {
   void async_tls_shutdown(EndHandler handler);
 
  private:
-  // How Beast's WebSocket closes a stream it does not know; found by argument-dependent lookup.
+  // Beast's WebSocket closes a stream of an unknown type with these functions; argument-dependent lookup finds them.
   friend void beast_close_socket(PeerStream& stream) { stream.close(); }
   template <class Handler>
   friend void async_teardown(boost::beast::role_type role, PeerStream& stream, Handler&& handler) {

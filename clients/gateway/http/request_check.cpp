@@ -18,7 +18,7 @@ namespace {
 
 namespace http = boost::beast::http;
 
-/// Said twice, two readers may each believe another one.
+/// Headers that may occur only once: two programs could each use a different one of two values.
 constexpr std::array kOnlyOnce{http::field::host,   http::field::content_length,    http::field::transfer_encoding,
                                http::field::origin, http::field::sec_websocket_key, http::field::sec_websocket_version,
                                http::field::cookie};
@@ -37,7 +37,7 @@ std::optional<HttpResponse> refuse_method(http::verb method) {
   return response;
 }
 
-/// A body where none belongs, or with two ideas of its length, is how one request is smuggled inside another (RFC 9112, 11.2).
+/// Rejects a body where none is allowed, or with two different lengths: attackers hide a second request this way (RFC 9112, 11.2).
 std::optional<HttpResponse> refuse_framing(const RawRequest& raw) {
   for (const http::field name : kOnlyOnce) {
     if (raw.count(name) > 1) return no_request("a header that may be there once is there twice");
@@ -54,7 +54,7 @@ std::optional<HttpResponse> refuse_framing(const RawRequest& raw) {
   return std::nullopt;
 }
 
-/// RFC 6455, 4.2.1: base64 of 16 bytes.
+/// Checks for base64 of 16 bytes (RFC 6455, 4.2.1).
 bool is_websocket_key(std::string_view key) noexcept {
   constexpr std::size_t kDigits = 22;
   constexpr std::string_view kBase64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

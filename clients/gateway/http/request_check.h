@@ -14,15 +14,15 @@ namespace dts::gateway {
 
 using RawRequest = boost::beast::http::request<boost::beast::http::string_body>;
 
-/// Takes a parsed request to what the routes may see, or says why they may not. All refusals end the connection: what follows on it
-/// cannot be trusted to be a request.
+/// Converts a parsed request to one for the routes, or returns the reason for its refusal. Every refusal ends the connection: the bytes
+/// after a bad request cannot be trusted to be a request.
 [[nodiscard]] tl::expected<HttpRequest, HttpResponse> check_request(RawRequest raw, const Peer& peer, bool is_secure,
                                                                     const HostCheck& hosts);
 
-/// For "/ws": a page of ours that speaks dts.v1. Nothing: fine.
+/// Checks a request for "/ws": it must come from a page of ours and use dts.v1. Returns nothing if it may be upgraded.
 [[nodiscard]] std::optional<HttpResponse> refuse_upgrade(const RawRequest& raw, const HttpRequest& request);
 
-/// The answer to something that is no request; nothing when nobody is there to read one.
+/// Returns the answer to data that is not a valid request; nothing if the peer cannot read an answer any more.
 [[nodiscard]] std::optional<HttpResponse> refuse_unreadable(const boost::system::error_code& error);
 
 }  // namespace dts::gateway

@@ -16,7 +16,8 @@ int hex_value(char digit) noexcept {
   return -1;
 }
 
-/// Bytes of the sequence that `first` begins, and the least code point that needs so many; {0, 0}: it begins none.
+/// Returns the length of the sequence that starts with `first`, and the smallest code point that needs this length; {0, 0} if none starts
+/// with it.
 std::pair<std::size_t, std::uint32_t> sequence_of(unsigned char first) noexcept {
   if (first < 0x80) return {1, 0};
   if ((first & 0xE0U) == 0xC0) return {2, 0x80};

@@ -14,8 +14,8 @@ struct Header {
   std::string_view value;
 };
 
-/// The page may load from and talk to us only, be framed by nobody, and use nothing of the device: OWASP's list for such headers. The
-/// "connect-src" of 'self' covers ws: and wss: (CSP level 3, 6.7.2.8).
+/// A page may load from this gateway only, connect to it only, must not be shown in a frame of a foreign page, and cannot use device
+/// features: OWASP's list of such headers. 'self' in "connect-src" includes ws: and wss: (CSP level 3, 6.7.2.8).
 constexpr std::array kSecurityHeaders{
     Header{"Content-Security-Policy",
            "default-src 'self'; connect-src 'self'; frame-ancestors 'self'; base-uri 'none'; form-action 'self'; object-src 'none'"},
@@ -41,7 +41,7 @@ bool sets(const HttpResponse& response, std::string_view name) {
                      [&](const auto& header) { return is_same_name(header.first, name); });
 }
 
-/// How long the answer is and whether the connection stays is the transport's business.
+/// Returns true for headers that only the transport sets: the length of the answer and the life of the connection.
 bool is_ours_to_say(std::string_view name) noexcept {
   return is_same_name(name, "Content-Length") || is_same_name(name, "Transfer-Encoding") || is_same_name(name, "Connection");
 }

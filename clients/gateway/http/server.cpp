@@ -16,10 +16,10 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
 
-/// Out of file descriptors: the connections that end meanwhile give some back.
+/// After a lack of file descriptors: connections that end during the pause release some.
 constexpr std::chrono::milliseconds kPauseAfterFailure{100};
 
-/// Accepts, and outlives the Server by what is still under way in `io`.
+/// Accepts connections. Outlives the Server while its handlers wait in `io`.
 class Listener : public std::enable_shared_from_this<Listener> {
  public:
   explicit Listener(std::shared_ptr<ServerState> state) : state_(std::move(state)), acceptor_(state_->io), pause_(state_->io) {}
@@ -66,7 +66,7 @@ void Listener::greet(tcp::socket socket) {
   error_code error;
   const auto remote = unmapped(socket.remote_endpoint(error).address());
   const auto local = error ? remote : unmapped(socket.local_endpoint(error).address());
-  if (error) return;  // gone already
+  if (error) return;  // already closed
   ++state_->statistics.connections_total;
   auto seat = state_->seats.take_seat(remote);
   if (!seat) {
@@ -105,7 +105,7 @@ class TcpServer : public Server {
   }
 
  private:
-  /// None of them is destroyed in drop() or go_away(): what is under way in `io` holds it.
+  /// drop() and go_away() destroy none of them: pending handlers in `io` hold them.
   [[nodiscard]] std::set<Connection*> connections() const { return state_->connections; }
 
   std::shared_ptr<ServerState> state_;

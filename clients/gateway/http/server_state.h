@@ -18,7 +18,7 @@ namespace dts::gateway {
 
 class Connection;
 
-/// What the listener and all connections share. Lives as long as the last of them.
+/// State that the listener and all connections share. Lives as long as the last of them.
 struct ServerState {
   ServerState(boost::asio::io_context& context, const ServerOptions& options, ServerHooks its_hooks, bool is_loopback)
       : io(context),
@@ -43,7 +43,7 @@ struct Peer {
   std::string local_address;
 };
 
-/// What a connection is to the server, whatever it speaks.
+/// A connection as the server sees it, for every protocol.
 class Connection {
  public:
   Connection(std::shared_ptr<ServerState> server, Peer peer, ConnectionLimits::Seat seat)
@@ -54,9 +54,9 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// The server stops: ends in an orderly way, soon.
+  /// The server stops: ends soon, in an orderly way.
   virtual void go_away() = 0;
-  /// The server is gone: ends now, and calls none of its hooks any more.
+  /// The server is gone: ends now, and calls no hooks any more.
   virtual void drop() = 0;
 
  protected:
@@ -65,7 +65,7 @@ class Connection {
   ConnectionLimits::Seat seat_;
 };
 
-/// Calls into the rest of the gateway. An exception from there is a bug; it costs one connection, not the process. False: it threw.
+/// Calls the rest of the gateway. An exception there is a bug; it ends one connection, not the process. Returns false if the call threw.
 template <class Call>
 [[nodiscard]] bool returns(Call&& call) noexcept {
   try {

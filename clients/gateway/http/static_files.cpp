@@ -23,7 +23,7 @@ using client::Result;
 
 constexpr std::uintmax_t kMostFileBytes = 64ULL << 20U;
 constexpr std::string_view kIndex = "/index.html";
-constexpr std::string_view kHashedFolder = "/assets/";  // where Vite puts files that carry their hash in the name
+constexpr std::string_view kHashedFolder = "/assets/";  // Vite puts files with a hash in their name here
 
 std::string content_type_of(const fs::path& path) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kTypes{{{".html", "text/html; charset=utf-8"},
@@ -44,7 +44,7 @@ std::string content_type_of(const fs::path& path) {
   return "application/octet-stream";
 }
 
-/// A checksum is enough: nobody gains by making two files of ours look alike.
+/// A checksum is sufficient: an attacker gains nothing from two files with the same tag.
 std::string etag_of(const std::string& bytes) {
   boost::crc_optimal<64, 0x42F0E1EBA9EA3693ULL, ~0ULL, ~0ULL, true, true> crc;  // CRC-64/XZ
   crc.process_bytes(bytes.data(), bytes.size());
@@ -54,7 +54,7 @@ std::string etag_of(const std::string& bytes) {
   return tag + "\"";
 }
 
-/// Without following a link in its last step, and never more than `most` bytes.
+/// Reads a file of at most `most` bytes; does not follow a link at the end of the path.
 Result<std::string> read_file(const fs::path& path, std::uintmax_t most) {
   const auto unreadable = [&path](int why) {
     return client::fail(ErrorCode::Failed, "cannot read '" + path.string() + "': " + std::generic_category().message(why));
@@ -74,7 +74,7 @@ Result<std::string> read_file(const fs::path& path, std::uintmax_t most) {
   return bytes;
 }
 
-/// RFC 9110, 13.1.2: "*", or a list of tags of which one is ours; weak ones count.
+/// Checks a list of tags for ours (RFC 9110, 13.1.2): "*" matches every tag; weak tags count.
 bool names_tag(std::string_view list, std::string_view tag) {
   if (list == "*") return true;
   while (!list.empty()) {

@@ -10,13 +10,14 @@
 
 namespace dts::gateway {
 
-/// The dashboard's files, all read at the start: what is not among them cannot be asked for, whatever the path looks like.
+/// The dashboard's files, all read at the start: no path, however it is written, can request another file.
 class StaticFiles {
  public:
-  /// Every regular file below `root`, at most 64 MiB. Links are not followed. NotFound when there is no index.html.
+  /// Reads every regular file below `root`, at most 64 MiB together. Does not follow links. Fails with NotFound if there is no index.html.
   [[nodiscard]] static client::Result<StaticFiles> load(const std::filesystem::path& root);
 
-  /// GET and HEAD. "/" is index.html; ETag and 304; names with a hash in them (assets/) may be kept for ever, index.html never unasked.
+  /// Serves GET and HEAD. "/" is index.html. Supports ETag and 304. Browsers may cache files with a hash in their name (assets/) for ever;
+  /// they must always check index.html again.
   void serve(const HttpRequest& request, const Respond& respond) const;
 
  private:

@@ -10,8 +10,8 @@ namespace {
 
 namespace ssl = boost::asio::ssl;
 
-/// Forward secrecy and authenticated encryption only: the "intermediate" list of Mozilla's server-side TLS guidelines, without DHE. Those
-/// of TLS 1.3 are all good.
+/// Only forward secrecy and authenticated encryption: the "intermediate" list of Mozilla's server-side TLS guidelines, without DHE. All
+/// cipher suites of TLS 1.3 are acceptable.
 constexpr const char* kCiphersOfTls12 = "ECDHE+AESGCM:ECDHE+CHACHA20";
 
 tl::unexpected<client::Error> unusable(const std::string& file, const std::string& why) {
@@ -26,12 +26,12 @@ client::Result<std::unique_ptr<ssl::context>> open_tls(const std::string& certif
   if (key_file.empty()) return unusable(certificate_file, "a certificate without a key");
   for (const std::string& file : {certificate_file, key_file}) {
     std::error_code unknown;
-    if (!std::filesystem::is_regular_file(file, unknown)) return unusable(file, "is no file that can be read");  // a pipe would wait
+    if (!std::filesystem::is_regular_file(file, unknown)) return unusable(file, "is no file that can be read");  // a pipe would block
   }
   auto context = std::make_unique<ssl::context>(ssl::context::tls_server);
   SSL_CTX* const raw = context->native_handle();
   SSL_CTX_set_options(raw, SSL_OP_NO_COMPRESSION | SSL_OP_NO_RENEGOTIATION | SSL_OP_CIPHER_SERVER_PREFERENCE);
-  SSL_CTX_set_mode(raw, SSL_MODE_RELEASE_BUFFERS);  // 34 kB less for each connection that is idle
+  SSL_CTX_set_mode(raw, SSL_MODE_RELEASE_BUFFERS);  // saves 34 kB for each idle connection
   if (SSL_CTX_set_min_proto_version(raw, TLS1_2_VERSION) != 1 || SSL_CTX_set_cipher_list(raw, kCiphersOfTls12) != 1) {
     return client::fail(client::ErrorCode::Unsupported, "this OpenSSL has no TLS 1.2 with forward secrecy");
   }

@@ -9,7 +9,8 @@
 
 namespace dts::gateway {
 
-/// TLS 1.2 or newer with forward secrecy, no compression, no renegotiation. Fails with InvalidArgument, naming the file.
+/// Returns a TLS context: TLS 1.2 or newer with forward secrecy, no compression, no renegotiation. Fails with InvalidArgument, naming the
+/// file.
 [[nodiscard]] client::Result<std::unique_ptr<boost::asio::ssl::context>> open_tls(const std::string& certificate_file,
                                                                                   const std::string& key_file);
 

@@ -6,7 +6,8 @@
 
 namespace dts::gateway {
 
-/// So many happenings per second, and a burst of them at once: four seconds' worth when nothing else is said. Told the time.
+/// Limits how often something may happen per second, with a burst: four seconds' worth by default. Has no clock: the caller passes the
+/// time.
 class TokenBucket {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -15,7 +16,7 @@ class TokenBucket {
   explicit TokenBucket(double per_second) noexcept : TokenBucket(per_second, per_second * kBurst_s) {}
   TokenBucket(double per_second, double burst) noexcept : per_second_(per_second), burst_(burst), left_(burst) {}
 
-  /// False: one too many.
+  /// Returns false if the limit is exceeded.
   [[nodiscard]] bool take(Time now) noexcept {
     if (last_ != Time()) left_ += per_second_ * std::chrono::duration<double>(now - last_).count();
     left_ = std::min(left_, burst_);

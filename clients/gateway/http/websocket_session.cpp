@@ -24,15 +24,15 @@ namespace websocket = boost::beast::websocket;
 using boost::system::error_code;
 using Clock = std::chrono::steady_clock;
 
-/// A peer that does not answer a close frame is left after this long.
+/// Disconnects a peer that does not answer a close frame within this time.
 constexpr std::chrono::seconds kCloseTime{2};
-/// What a message, or a control frame, may cost on the wire besides its payload: frame headers, TLS records.
+/// Bytes on the wire for a message, or a control frame, in addition to its payload: frame headers, TLS records.
 constexpr std::size_t kMessageOverheadBytes = 16U << 10U;
 constexpr std::size_t kControlOverheadBytes = 70;
 constexpr std::size_t kLongestReason = 120;
 
-/// One WebSocket and its Tab. Beast does the protocol, the pings and the idle deadline; here is what it leaves open: the queue of what is
-/// to be sent, how long a write may take, how many messages may come, and that a message has an end.
+/// One WebSocket and its Tab. Beast handles the protocol, the pings and the idle deadline. This class adds the queue of unsent messages,
+/// the deadline for a write, the limit for messages per second, and a limit for endless messages.
 class WebSocketSession : public Connection, public TabConnection, public std::enable_shared_from_this<WebSocketSession> {
  public:
   WebSocketSession(std::shared_ptr<ServerState> server, PeerStream stream, Peer peer, ConnectionLimits::Seat seat, Identity identity)
@@ -81,7 +81,7 @@ class WebSocketSession : public Connection, public TabConnection, public std::en
 
 void WebSocketSession::prepare() {
   const ServerLimits& limits = server_->limits;
-  socket_.next_layer().expires_never();  // Beast's own deadlines from here on
+  socket_.next_layer().expires_never();  // from here on Beast's own deadlines apply
   socket_.set_option(websocket::stream_base::timeout{
       .handshake_timeout = limits.handshake_timeout, .idle_timeout = limits.idle_timeout, .keep_alive_pings = true});
   socket_.set_option(
@@ -94,7 +94,7 @@ void WebSocketSession::prepare() {
 
 void WebSocketSession::start(RawRequest upgrade) {
   prepare();
-  // Beast reads the request before this returns and keeps nothing of it.
+  // Beast reads the request before this call returns and keeps no reference to it.
   socket_.async_accept(upgrade, [self = shared_from_this()](error_code error) {
     if (!error) self->open();
   });
@@ -114,7 +114,7 @@ void WebSocketSession::open() {
 
 void WebSocketSession::read() {
   socket_.async_read(incoming_, [self = shared_from_this()](error_code error, std::size_t) {
-    // While a close frame waits for its turn Beast ends the read; the close itself goes on.
+    // While a close frame waits to be sent, Beast ends the read; the close itself continues.
     if (error) return self->is_close_sent_ ? void() : self->end();
     self->on_message();
   });
@@ -137,7 +137,7 @@ void WebSocketSession::on_message() {
   if (!is_close_sent_ && !is_over_) read();
 }
 
-/// Called by Beast in the middle of a read: nothing may be done to the stream in here.
+/// Beast calls this during a read: the stream must not be used here.
 void WebSocketSession::on_control(websocket::frame_type kind, std::size_t payload_bytes) {
   socket_.next_layer().read_budget().allow_more(payload_bytes + kControlOverheadBytes);
   if (kind == websocket::frame_type::close || messages_.take(Clock::now())) return;
@@ -173,7 +173,7 @@ void WebSocketSession::on_written(error_code error) {
   }
 }
 
-/// What was sent before goes out before.
+/// Messages queued before the close are sent first.
 void WebSocketSession::close(unsigned code, std::string reason) {
   if (is_over_ || closes_since_) return;
   reason.resize(std::min(reason.size(), kLongestReason));
@@ -183,7 +183,7 @@ void WebSocketSession::close(unsigned code, std::string reason) {
   if (!writes_since_) send_close();
 }
 
-/// Closes without what still waits, but for the message that is half out.
+/// Closes without the waiting messages, except for one that is partly sent.
 void WebSocketSession::give_up(unsigned code, const char* reason) {
   while (outgoing_.size() > (writes_since_ ? 1U : 0U)) {
     unsent_bytes_ -= outgoing_.back().size();
@@ -197,7 +197,7 @@ void WebSocketSession::send_close() {
   socket_.async_close(reason_, [self = shared_from_this()](error_code) { self->end(); });
 }
 
-/// Looks after what Beast has no deadline for.
+/// Checks the deadlines that Beast does not have.
 void WebSocketSession::watch() {
   const ServerLimits& limits = server_->limits;
   const auto now = Clock::now();

@@ -9,7 +9,7 @@
 
 namespace dts::gateway {
 
-/// Answers the upgrade and serves the WebSocket until it ends. Owns itself.
+/// Answers the upgrade and serves the WebSocket until it ends. The session keeps itself alive.
 void serve_websocket(std::shared_ptr<ServerState> server, PeerStream stream, Peer peer, ConnectionLimits::Seat seat, RawRequest upgrade,
                      Identity identity);
 

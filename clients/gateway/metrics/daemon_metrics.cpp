@@ -19,7 +19,7 @@ constexpr double kPercent = 100.0;
 
 double number(std::uint64_t count) { return static_cast<double>(count); }
 
-/// "GAP_REASON_RING_FULL" is "ring_full".
+/// Converts "GAP_REASON_RING_FULL" to "ring_full".
 std::string word(const google::protobuf::EnumValueDescriptor& value) {
   constexpr std::string_view kNone = "UNSPECIFIED";
   const std::size_t prefix = value.type()->value(0)->name().size() - kNone.size();
@@ -28,7 +28,7 @@ std::string word(const google::protobuf::EnumValueDescriptor& value) {
   return text;
 }
 
-/// One series per state, 1 for the present one: a state that comes and goes leaves no hole in any of them.
+/// Adds one series per state, 1 for the present one, so that a change of state leaves no series with a hole.
 void add_states(const Described& what, const google::protobuf::EnumDescriptor& type, int present, const MetricLabels& labels,
                 Exposition& out) {
   for (int index = 1; index < type.value_count(); ++index) {
@@ -38,7 +38,7 @@ void add_states(const Described& what, const google::protobuf::EnumDescriptor& t
   }
 }
 
-/// Every cause from the start on, also those that never happened: the first loss is then a rise, which a rule can see.
+/// Adds every cause from the start, with 0 if it never occurred: the first loss is then an increase, which an alert rule can detect.
 void add_losses(const v1::RigStatus& rig, const std::string& name, Exposition& out) {
   const google::protobuf::EnumDescriptor& causes = *v1::GapReason_descriptor();
   for (int index = 1; index < causes.value_count(); ++index) {
@@ -73,7 +73,7 @@ prometheus::ClientMetric::Histogram latency_of(const v1::LatencyHistogram& laten
   prometheus::ClientMetric::Histogram histogram;
   for (const v1::LatencyHistogram::Bucket& bucket : latency.buckets()) {
     histogram.bucket.push_back({.cumulative_count = bucket.blocks_total(), .upper_bound = bucket.upper_ms() / kMillisecondsPerSecond});
-    histogram.sample_count = bucket.blocks_total();  // of the last, infinite one
+    histogram.sample_count = bucket.blocks_total();  // the count of the last, infinite bucket is the total
   }
   histogram.sample_sum = latency.sum_ms() / kMillisecondsPerSecond;
   return histogram;

@@ -6,7 +6,7 @@
 
 namespace dts::gateway {
 
-/// What the daemon's status says, as metrics. No names of sessions or subjects: a monitor has no business with people.
+/// Adds the daemon's status as metrics. Adds no names of sessions or subjects: a monitor must not see personal data.
 void add_daemon(const v1::StatusSnapshot& status, Exposition& out);
 
 }  // namespace dts::gateway

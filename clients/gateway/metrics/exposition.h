@@ -9,7 +9,7 @@
 
 namespace dts::gateway {
 
-/// What a metric is called and what it says. Base units are in the name (seconds, bytes, ratio); what only grows ends in _total.
+/// Name and help text of a metric. The name has the base unit (seconds, bytes, ratio); the name of a counter ends in _total.
 struct Described {
   const char* name;
   const char* help;

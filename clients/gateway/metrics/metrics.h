@@ -10,16 +10,16 @@
 
 namespace dts::gateway {
 
-/// What the gateway counts of itself.
+/// The gateway's own counters.
 struct GatewayCounts {
   std::string version;
   ServerStatistics server;
-  TabQueue::Dropped dropped;  ///< For all tabs, also those that are closed.
+  TabQueue::Dropped dropped;  ///< Sum over all tabs, including closed ones.
   std::uint64_t refused_logins_total = 0;
 };
 
-/// The body of GET /metrics: what the daemon said last (`status`; nullptr: it is silent, then dts_up is 0 and all that is the daemon's is
-/// absent) and what the gateway counts.
+/// Returns the body of GET /metrics: the daemon's last status and the gateway's counters. `status`: nullptr if the daemon is silent; dts_up
+/// is then 0 and all other metrics of the daemon are absent.
 [[nodiscard]] std::string metrics_text(const CarriedPointer& status, const GatewayCounts& counts);
 
 }  // namespace dts::gateway

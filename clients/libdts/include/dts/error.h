@@ -9,14 +9,14 @@
 
 namespace dts::client {
 
-/// What went wrong, as a stable code: the numbers of `dts.v1.ErrorCode`.
+/// What failed, as a stable code: the numbers of `dts.v1.ErrorCode`.
 enum class ErrorCode : std::uint8_t {
-  Failed = 1,           ///< The operation failed for a reason of the world.
+  Failed = 1,           ///< The operation failed for a reason outside the program.
   InvalidArgument = 2,  ///< A value given by the caller is wrong.
-  Unreachable = 3,      ///< Nobody answers at the endpoint.
+  Unreachable = 3,      ///< No daemon answers at the endpoint.
   NotAllowed = 4,       ///< The caller's role or the operating system forbids it.
   NotFound = 5,         ///< No such rig, device or session.
-  WrongState = 6,       ///< Legal, but not now.
+  WrongState = 6,       ///< The operation is valid, but not in the present state.
   DataDamaged = 7,      ///< Received data contradict themselves.
   Timeout = 8,          ///< The deadline passed.
   DeviceGone = 9,       ///< The device was unplugged or stopped answering.
@@ -25,10 +25,10 @@ enum class ErrorCode : std::uint8_t {
   Internal = 12,        ///< A bug in the daemon or in this library.
 };
 
-/// One word per code, for JSON: "wrong_state".
+/// Returns one word per code, for JSON: "wrong_state".
 [[nodiscard]] std::string_view name(ErrorCode code) noexcept;
 
-/// What failed, on what and why (`what`), and what to try (`hint`, may be empty). Both are one line of UTF-8.
+/// `what`: what failed, on which thing, and why. `hint`: what to try; may be empty. Both are one line of UTF-8.
 struct Error {
   ErrorCode code = ErrorCode::Failed;
   std::string what;
@@ -44,7 +44,7 @@ using Result = tl::expected<T, Error>;
   return tl::make_unexpected(Error{code, std::move(what), std::move(hint)});
 }
 
-/// Version of this library, "0.1.0"; equal to the daemon's when both come from one build.
+/// Returns the version of this library, "0.1.0"; equal to the daemon's version if both are from the same build.
 [[nodiscard]] std::string_view version() noexcept;
 
 }  // namespace dts::client

@@ -29,41 +29,41 @@ struct ChannelFormat {
   std::string unit;  ///< "mm"
 };
 
-/// What is constant about a stream while the daemon runs.
+/// Properties of a stream that stay constant while the daemon runs.
 struct StreamFormat {
   std::string name;  ///< "cop"
   Rate rate;
   std::vector<ChannelFormat> channels;
-  std::int64_t delay_ns = 0;  ///< A value describes the input this long before its scan (group delay of the filters).
+  std::int64_t delay_ns = 0;  ///< Group delay of the filters: a value describes the input this long before its scan.
 };
 
-/// Consecutive scans of one stream. A view: everything it points to is valid until the next `Subscriber::receive`.
+/// Consecutive scans of one stream. A view: everything that it points to is valid until the next `Subscriber::receive`.
 struct Block {
   std::string_view topic;   ///< "floor/cop"
   std::string_view rig;     ///< "floor"
   std::string_view stream;  ///< "cop"
   const StreamFormat* format = nullptr;
-  std::uint32_t segment = 0;     ///< Counts up at every gap of the device; scan indices restart.
+  std::uint32_t segment = 0;     ///< Increases by 1 at every gap of the device; scan indices then restart.
   std::uint64_t first_scan = 0;  ///< Index within the segment.
   std::size_t scan_count = 0;    ///< At least 1.
   Rate rate;
-  std::int64_t host_time_ns = 0;              ///< CLOCK_MONOTONIC of the daemon's host at the first scan's instant.
-  std::int64_t host_time_uncertainty_ns = 0;  ///< How far that may be off; 0: exact (simulated).
-  std::uint64_t sequence = 0;                 ///< Blocks of this stream so far.
-  /// Scans of this stream missing between the block delivered before and this one: lost on the way, dropped by a full
-  /// queue, or skipped in mode Latest. Before the first block: what was received and dropped while the formats were not
-  /// known yet. Holes that the device made are not in it; a gap event tells of those.
+  std::int64_t host_time_ns = 0;              ///< Time of the first scan: CLOCK_MONOTONIC of the daemon's host.
+  std::int64_t host_time_uncertainty_ns = 0;  ///< Largest error of `host_time_ns`; 0: exact (simulated).
+  std::uint64_t sequence = 0;                 ///< Blocks of this stream since the daemon started.
+  /// Scans of this stream that are missing between the previously delivered block and this one: lost in transit, dropped by a full queue,
+  /// or skipped in mode Latest. Before the first block: scans received and dropped while the formats were not known yet. Scans that the
+  /// device lost are not counted here; gap events report them.
   std::uint64_t lost_scans = 0;
-  /// False when blocks around a segment's end are missing: how long that segment was is then unknown, and `lost_scans`
-  /// is the least it can be.
+  /// False if blocks around the end of a segment are missing. The length of that segment is then unknown, and `lost_scans` is a lower
+  /// limit.
   bool is_lost_exact = true;
-  /// From the newest scan's instant to now; absent when the daemon runs on another host or boot.
+  /// Time from the newest scan to now; absent if the daemon runs on another host, or on another boot of this host.
   std::optional<std::int64_t> age_ns;
   std::uint64_t lost_before_pipeline_total = 0;  ///< Scans that the device lost since the daemon started.
-  std::uint64_t dropped_blocks_total = 0;        ///< Blocks of this rig that the publisher dropped since then.
+  std::uint64_t dropped_blocks_total = 0;        ///< Blocks of this rig that the publisher dropped since the daemon started.
   std::span<const float> values;                 ///< Columns by channel; NaN where undefined.
-  std::span<const std::uint8_t> quality;         ///< Per channel: bits of `v1::Quality`, or-ed over the scans.
-  const v1::StreamBlock* body = nullptr;         ///< The message itself, for whoever passes it on.
+  std::span<const std::uint8_t> quality;         ///< Per channel: bits of `v1::Quality`, combined with OR over the scans.
+  const v1::StreamBlock* body = nullptr;         ///< The received message itself, for forwarding.
 
   [[nodiscard]] std::size_t channel_count() const noexcept { return quality.size(); }
   /// `channel` must be below `channel_count()`.
@@ -72,7 +72,7 @@ struct Block {
   }
 };
 
-/// Something that happened at one scan of a rig. A view, like Block.
+/// An event at one scan of a rig. A view, like Block.
 struct Event {
   std::string_view topic;  ///< "floor/marker"
   std::string_view rig;    ///< "floor"
@@ -80,12 +80,12 @@ struct Event {
   const v1::Event* body = nullptr;
 };
 
-/// The daemon's state, published about once a second. A view, like Block.
+/// The daemon's status, published about once a second. A view, like Block.
 struct Status {
   const v1::StatusSnapshot* snapshot = nullptr;
 };
 
-/// The daemon was restarted: segments, scan indices and sequences start anew, and what was lost meanwhile is unknown.
+/// The daemon was restarted: segments, scan indices and sequences start again. The loss during the restart is unknown.
 struct Restart {
   std::uint64_t old_instance_id = 0;
   std::uint64_t new_instance_id = 0;

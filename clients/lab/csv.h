@@ -21,8 +21,8 @@ struct CsvColumn {
   double maximum = 1e9;
 };
 
-/// A CSV file whose first line names its columns, in any order; columns that nobody asked for are left alone. Cells may stand
-/// in double quotes; lines may end as on Windows. Texts and names are those that `core::csv_cell` got.
+/// A CSV file whose first line names its columns, in any order; other columns are ignored. Cells may be in double quotes; lines may end
+/// as on Windows. Texts and names are those passed to `core::csv_cell` when the file was written.
 class CsvTable {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{1} << 30U;

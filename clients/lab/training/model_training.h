@@ -21,7 +21,8 @@ struct LeftOutReach {
   double arm_alone = core::ReachFeatures::kUnknown;  ///< Probability that the trunk did not move.
 };
 
-/// The honest figure: each person by a model of all others (reach-model section 6). Subjects whose fold cannot be trained fail it all.
+/// Judges each person by a model of all others (reach-model section 6), which gives realistic figures. Fails if the fold of one subject
+/// cannot be trained.
 [[nodiscard]] core::Result<std::vector<LeftOutReach>> judge_left_out(const TrainingSet& set, const ModelOptions& options,
                                                                      const std::function<void(double)>& progress);
 

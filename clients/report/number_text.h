@@ -8,7 +8,7 @@ namespace dts::report {
 
 /// Formats a number with this many decimals, a decimal point, and no sign for zero: the same bytes for every locale. Not finite: "-".
 [[nodiscard]] std::string fixed(double value, int decimals);
-/// Formats four significant digits, as in tables: "304.6", "0.2290", "8.070", "12346", "1.234e-05".
+/// Formats at least four significant digits, as in tables: "304.6", "0.2290", "8.070", "12346", "1.234e-05".
 [[nodiscard]] std::string significant(double value);
 /// "07", "12", "123".
 [[nodiscard]] std::string two_digits(std::uint64_t number);

@@ -34,7 +34,7 @@ inline constexpr std::size_t kLeastGaps = 5;
 /// Fails with InvalidArgument, naming the row, its gap and voltage and the expected range, if
 ///  - a reading is not finite or there are fewer than `kLeastGaps` gaps,
 ///  - a reading does not repeat: it differs from the median of its gap by more than kTolerance robust deviations (1.4826 MAD over all
-///  gaps),
+///    gaps),
 ///  - one gap does not lie on the smooth curve through all others: without it the others fit a cubic (a quadratic if there are only five
 ///    gaps), and it differs from the prediction by more than kTolerance prediction errors. The message names the gap whose omission
 ///    improves the fit most, because a bad point spoils the prediction of good ones,

@@ -298,7 +298,7 @@ core::Result<CopFit> fit_thesis(CopMethod method, std::span<const CopSample> sam
   auto load = fit_polynomial(samples, terms);
   if (!load) return tl::make_unexpected(load.error());
   for (Quintic& quintic : load->polynomial.by_sum_power) {
-    for (auto& outputs : quintic.coefficients) outputs[0] = outputs[1] = 0.0;  // the ratios give the position
+    for (auto& outputs : quintic.coefficients) outputs[0] = outputs[1] = 0.0;  // the position is computed from the ratios
   }
   return CopFit{.form = ThesisForm{.x = std::move(*x), .y = std::move(*y), .load = load->polynomial}, .validity = validity, .left_out = {}};
 }

@@ -18,7 +18,7 @@ class GridFields {
   void add(std::vector<double> nodes) { fields_.push_back(std::move(nodes)); }
   [[nodiscard]] std::size_t size() const noexcept { return fields_.size(); }
   /// Returns the mean of a field over the part of `patch` on the plate, exact for the bilinear field. A patch with a side of length 0 is a
-  /// line or a point. A patch off the plate counts as its nearest edge. Returns NaN if a number is not finite or the field does not exist.
+  /// line or a point. A patch off the plate counts as the nearest edge. Returns NaN if a number is not finite or the field does not exist.
   [[nodiscard]] double mean(std::size_t field, const Patch& patch) const noexcept;
 
  private:

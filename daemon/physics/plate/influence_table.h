@@ -25,7 +25,7 @@ class InfluenceTable {
                                                            int divisions = kDefaultDivisions);
 
   [[nodiscard]] std::size_t probe_count() const noexcept { return rows_.size(); }
-  /// Returns the deflection at `probe` under 1 N at `load`; a position off the plate counts as its nearest edge. Returns NaN if a
+  /// Returns the deflection at `probe` under 1 N at `load`; a position off the plate counts as the nearest edge. Returns NaN if a
   /// coordinate is not finite or the probe does not exist.
   [[nodiscard]] double at_point_mm_per_n(std::size_t probe, Point load) const noexcept { return rows_.mean(probe, {.centre = load}); }
   /// Returns the deflection at `probe` under 1 N spread evenly over `patch` (the part on the plate carries all of it): the exact mean of

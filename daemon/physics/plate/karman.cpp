@@ -177,7 +177,7 @@ class Newton {
       const Eigen::VectorXd gradient = energy_.gradient(unknowns, force);
       const Eigen::VectorXd step = -factor_.solve(gradient);
       if (!step.allFinite()) return false;
-      if (step.squaredNorm() == 0.0) return true;  // nothing bends: the load rests on the supports, or there is none in sum
+      if (step.squaredNorm() == 0.0) return true;  // no bending: the load is directly on the supports, or its sum is zero
       const double length = step.head(energy_.bending_count()).norm() / unknowns.head(energy_.bending_count()).norm();
       const double part = length <= kSafeStep ? 1.0 : line_search(unknowns, step, force, gradient.dot(step));
       if (part == 0.0) return false;

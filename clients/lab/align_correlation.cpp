@@ -15,8 +15,8 @@
 namespace dts::lab {
 namespace {
 
-constexpr double kSearchRateHz = 50.0;           ///< Of the search for the lag; sway has nothing above 10 Hz.
-constexpr double kMostSearchSamples = 20'000.0;  ///< The search takes their square.
+constexpr double kSearchRateHz = 50.0;           ///< For the search for the lag; sway has nothing above 10 Hz.
+constexpr double kMostSearchSamples = 20'000.0;  ///< The search time grows with the square.
 constexpr double kLeastOverlap = 0.5;            ///< Of the shorter recording.
 constexpr double kFirstWindowS = 60.0;
 constexpr double kSmoothingS = 0.1;
@@ -25,7 +25,7 @@ constexpr int kMostSteps = 30;
 constexpr auto kUnlikeHint =
     "do they overlap by half? are the axes the same? two events or more in a column trigger or marker align them without likeness";
 
-/// Both axes on even steps, and sums that give the moments of any stretch at once. Holes count as the mean.
+/// Both axes on even steps, and running sums for the moments of any stretch. Holes count as the mean.
 struct Sampled {
   std::array<std::vector<double>, 2> axes;  ///< Mean removed.
   std::array<std::vector<double>, 2> sums;
@@ -62,7 +62,7 @@ Sampled sampled(const Recording& recording, double step_s) {
   return result;
 }
 
-/// Covariances over a stretch, summed over both axes.
+/// Returns the correlation over a stretch, with the covariances of both axes summed.
 double correlation_at(const Sampled& a, std::size_t first_a, const Sampled& b, std::size_t first_b, std::size_t count) {
   double ab = 0.0;
   double aa = 0.0;
@@ -86,7 +86,7 @@ struct Lag {
   double correlation = 0.0;
 };
 
-/// Every lag that leaves enough overlap.
+/// Tries every lag with enough overlap.
 Lag best_lag(const Recording& a, const Recording& b) {
   const double longest_s = std::max(a.t_s.back() - a.t_s.front(), b.t_s.back() - b.t_s.front());
   const double step_s = std::max({1.0 / kSearchRateHz, longest_s / kMostSearchSamples, a.step_s(), b.step_s()});
@@ -96,7 +96,7 @@ Lag best_lag(const Recording& a, const Recording& b) {
   const auto size_b = static_cast<std::int64_t>(of_b.size());
   const auto least = static_cast<std::int64_t>(kLeastOverlap * static_cast<double>(std::min(size_a, size_b)));
   Lag best;
-  for (std::int64_t lag = least - size_b; lag <= size_a - least; ++lag) {  // b[k] meets a[k + lag]
+  for (std::int64_t lag = least - size_b; lag <= size_a - least; ++lag) {  // b[k] is compared with a[k + lag]
     const std::int64_t first_b = std::max<std::int64_t>(0, -lag);
     const std::int64_t count = std::min(size_b, size_a - lag) - first_b;
     if (count < least || count < 2) continue;
@@ -107,8 +107,8 @@ Lag best_lag(const Recording& a, const Recording& b) {
   return best;
 }
 
-/// The mean of what lies within kSmoothingS, twice: the slope of a noisy recording would be noise, and noise in the slopes draws the
-/// offset towards where it began. Symmetrical, so that it moves nothing in time.
+/// Returns the mean within kSmoothingS, applied twice: the slope of a noisy recording would be noise, and noise in the slopes biases the
+/// offset towards its start value. Symmetrical, so that nothing moves in time.
 std::vector<double> smoothed(const Recording& recording, std::vector<double> values) {
   const double step_s = recording.step_s();
   const auto half = static_cast<std::size_t>(kSmoothingS / 2.0 / step_s);
@@ -142,7 +142,7 @@ class Refinement {
     unknowns_ << offset_s, 0.0, 0.0, 0.0, 1.0, 1.0;
   }
 
-  /// Widens the window step by step: over a short one a clock's drift cannot lead astray.
+  /// Widens the window step by step: over a short window the drift of a clock causes little error.
   core::Result<Alignment> run() {
     for (double window_s = kFirstWindowS / 2.0; window_s < half_s_; window_s *= 2.0) (void)solve(window_s);
     if (!solve(half_s_)) return core::fail(core::ErrorCode::Failed, "the alignment of the recordings does not settle", kUnlikeHint);
@@ -161,7 +161,7 @@ class Refinement {
     Matrix normal = Matrix::Zero();
     Vector right = Vector::Zero();
     double squares = 0.0;
-    double neighbours = 0.0;  ///< Products of residuals next to each other.
+    double neighbours = 0.0;  ///< Sum of products of neighbouring residuals.
     double count = 0.0;
   };
 
@@ -173,7 +173,7 @@ class Refinement {
       const Vector change = factors.solve(sums.right);
       if (!change.allFinite()) return false;
       unknowns_ += change;
-      // Residuals of sway are alike from scan to scan: fewer independent ones than scans (first-order autoregression).
+      // Residuals of sway are similar from scan to scan, so there are fewer independent ones than scans (first-order autoregression).
       const double alike = sums.squares > 0.0 ? std::clamp(sums.neighbours / sums.squares, 0.0, 0.999) : 0.0;
       const double variance = sums.squares / (sums.count - 6.0) * (1.0 + alike) / (1.0 - alike);
       covariance_ = variance * factors.solve(Matrix::Identity());

@@ -16,7 +16,7 @@ constexpr std::size_t kMostEvents = 500;
 
 double step_sd_s(const Recording& a, const Recording& b) { return std::hypot(a.step_s(), b.step_s()) / std::sqrt(12.0); }
 
-/// Times of each marker text, in their order.
+/// Returns the times of each marker text, in order.
 std::map<std::string, std::vector<double>> marker_times(const Recording& recording) {
   std::map<std::string, std::vector<double>> times;
   for (std::size_t row = 0; row < recording.marker.size(); ++row) {
@@ -25,7 +25,7 @@ std::map<std::string, std::vector<double>> marker_times(const Recording& recordi
   return times;
 }
 
-/// Times of the texts that both have equally often.
+/// Returns the times of the texts that both recordings contain equally often.
 std::pair<std::vector<double>, std::vector<double>> common_markers(const Recording& a, const Recording& b) {
   std::pair<std::vector<double>, std::vector<double>> common;
   const auto of_b = marker_times(b);
@@ -40,10 +40,11 @@ std::pair<std::vector<double>, std::vector<double>> common_markers(const Recordi
   return common;
 }
 
-/// At least half of what the poorer recording has.
+/// Returns whether `count` is at least half of the events of the recording with fewer events.
 bool is_half(const Events& events, std::size_t count) { return 2 * count >= std::min(events.a_s.size(), events.b_s.size()); }
 
-/// Three pairs do not come together by chance, nor do two without a third; one always does.
+/// Returns whether the match cannot be chance: three pairs do not match by chance, nor do two if there is no third event; one pair always
+/// matches.
 bool is_certain(const Events& events, const EventMatch& match) {
   const std::size_t count = match.alignment.event_count;
   if (match.is_ambiguous || count < 2 || !is_half(events, count)) return false;
@@ -63,7 +64,7 @@ std::string why_not(const Events& events, const EventMatch& match, Alignment::Me
   return fitting + (match.is_ambiguous ? " in more than one way" : ", and the recordings do not look alike there");
 }
 
-/// Where events leave doubt, the signals decide; those events that agree with them make it finer.
+/// If the events leave doubt, the signals decide; events that agree with the signals refine the alignment.
 core::Result<Alignment> align_doubtful(const Recording& a, const Recording& b, const Events& events, const std::string& doubt) {
   auto by_signal = align_by_correlation(a, b);
   if (!by_signal) {

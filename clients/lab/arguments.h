@@ -11,10 +11,10 @@
 
 namespace dts::lab {
 
-/// Everything that the command line can say, checked for syntax and range.
+/// All arguments of the command line, checked for syntax and range.
 struct Arguments {
   bool is_json = false;
-  std::string plot;  ///< File for a picture; empty: none.
+  std::string plot;  ///< Output file for a picture; empty: none.
 
   std::string case_file;
   std::optional<std::string> method;
@@ -29,20 +29,20 @@ struct Arguments {
   std::string estimator = "poly3";
   std::string noise = "none";
   std::string contact = "points";  ///< Or "one-foot", "two-feet".
-  bool is_linear = false;          ///< Thin-plate theory alone.
+  bool is_linear = false;          ///< Only thin-plate theory.
   std::vector<double> loads_n;
   std::string out;
 
-  std::string first;  ///< Recording to replay, or the first of those to compare.
+  std::string first;  ///< Recording to replay, or the first recording to compare.
   std::string second;
 
   std::size_t sensor_count = 4;
 
   std::string speed = "max";  ///< Of a replay.
 
-  std::string kind;  ///< Of rig to simulate: "floor", "chair".
+  std::string kind;  ///< Kind of rig to simulate: "floor", "chair".
   double duration_s = 0.0;
-  std::optional<double> rate_hz;  ///< Absent: the rig's.
+  std::optional<double> rate_hz;  ///< Absent: rate of the rig.
   std::uint32_t seed = 1;
   std::string truth;  ///< CSV to write.
 
@@ -50,10 +50,10 @@ struct Arguments {
   std::string model;                  ///< Of trunk movement.
   std::string net = "recommended";    ///< Or "raw5".
   std::vector<std::string> subjects;  ///< To train on; empty: all healthy ones.
-  bool has_simulated_people = false;  ///< Train on simulated people too, or alone.
+  bool has_simulated_people = false;  ///< Train also, or only, on simulated people.
   bool is_recorded_only = false;      ///< Train without simulated people.
-  bool is_rejecting = true;           ///< Doubtful reaches get no class.
-  std::string calibrate;              ///< "max:3": each subject's first three trials at that target; empty: none.
+  bool is_rejecting = true;           ///< Doubtful reaches are rejected.
+  std::string calibrate;              ///< "max:3": use each subject's first three trials at that target; empty: none.
 
   steadiness::SwayArguments sway;
   steadiness::SteadinessArguments steadiness;

@@ -9,7 +9,7 @@
 
 namespace dts::lab {
 
-/// dtslab's commands, and where their arguments arrive.
+/// The commands of dtslab, and the variables that receive their arguments.
 struct CommandTree {
   Arguments arguments;
   cli::CommandLine line{{.name = "dtslab",
@@ -29,12 +29,12 @@ struct CommandTree {
 
 using Command = int (*)(const Arguments& arguments, cli::Console& console);
 
-/// Adds a command of dtslab: `handler` gets the arguments of the command line.
+/// Adds a command of dtslab: `handler` receives the arguments of the command line.
 CLI::App* add_command(CommandTree& tree, CLI::App& parent, const std::string& name, const std::string& description,
                       const std::string& examples, Command handler);
 void add_json(CLI::App& command, Arguments& arguments);
 
-/// Bound to itself by pointers: stays where it is made.
+/// The object must not move: its parts point to each other.
 [[nodiscard]] std::unique_ptr<CommandTree> make_command_tree();
 
 }  // namespace dts::lab

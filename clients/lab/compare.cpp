@@ -42,7 +42,7 @@ AxisDifference difference(const std::vector<double>& a, const std::vector<double
   return result;
 }
 
-/// From times counted from the first scans to those of the clocks.
+/// Converts times relative to the first scans to times of the clocks.
 Alignment on_clocks(Alignment alignment, const Recording& a, const Recording& b) {
   alignment.offset_s += a.began_s - b.began_s;
   alignment.reference_s += b.began_s;

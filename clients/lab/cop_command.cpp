@@ -71,7 +71,7 @@ void print_fit(const CopCalibration& calibration, const Arguments& arguments, cl
 
 void add_number(std::string& line, double value) {
   line += ',';
-  if (!std::isfinite(value)) return;  // undefined is empty
+  if (!std::isfinite(value)) return;  // an undefined value is an empty cell
   std::array<char, 32> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 9).ptr;
   line.append(text.data(), end);
@@ -99,13 +99,13 @@ core::Status check_is_new(const std::string& out) {
                     "another --out");
 }
 
-// Above these a calibration is worse than the method: something was measured wrongly, or too little.
+// Above these limits a calibration is worse than the method allows: a measurement is wrong, or there are too few.
 constexpr double kLargestOwnMm = 1.0;
 constexpr double kLargestLeftOutMm = 2.0;
 constexpr double kLargestLoadPercent = 5.0;
 constexpr std::size_t kEnoughPositions = 36;  ///< 6 x 6, for the cubic polynomials of poly3.
 
-/// Different places that were loaded.
+/// Returns the number of different loaded positions.
 std::size_t position_count(const CopCalibration& calibration) {
   std::set<std::pair<double, double>> places;
   for (const physics::CopCalibrationPoint& point : calibration.points) {

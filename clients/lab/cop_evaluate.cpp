@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `dtslab cop evaluate`: what an estimator is worth on the model of a rig's plate.
+// `dtslab cop evaluate`: the errors of an estimator on the model of a rig's plate.
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -43,7 +43,7 @@ struct EvaluationTask {
   bool is_grid = true;  ///< Point loads on a kGrid x kGrid grid over the sensor square, load by load.
 };
 
-/// Figures over some of the trials.
+/// Figures over a part of the trials.
 struct Part {
   std::string name;
   CopErrorFigures figures;
@@ -85,7 +85,7 @@ CopErrorFigures figures_where(const CopEvaluation& evaluation, const std::functi
 
 std::string load_name(double load_n) { return cli::decimal(load_n, 0) + " N"; }
 
-/// Everything, and for point loads each load over the sensor square and its central 200 mm.
+/// Returns the figures over all trials, and for point loads those of each load over the sensor square and its central 200 mm.
 std::vector<Part> parts_of(const EvaluationTask& task, const CopEvaluation& evaluation) {
   std::vector<Part> parts;
   if (!task.is_grid || task.loads_n.size() > 1) parts.push_back({"all", evaluation.figures});
@@ -141,7 +141,7 @@ cli::Json to_json(const Arguments& arguments, const EvaluationTask& task, const 
   return json;
 }
 
-/// Error in mm at every fourth position of the grid, first load, as the plate is seen from above.
+/// Prints the error in mm at every fourth position of the grid, for the first load, as seen from above.
 void print_map(const EvaluationTask& task, const CopEvaluation& evaluation, cli::Console& console) {
   constexpr std::size_t kStep = 4;
   std::vector<std::string> headers{">y (mm) \\ x (mm)"};

@@ -10,12 +10,12 @@
 namespace dts::lab {
 namespace {
 
-// Wider than any rig, to keep typing errors out.
+// Wider than any rig; the limits reject typing errors.
 constexpr double kLargestLoadN = 1e5;
 constexpr double kLargestDeflectionMm = 1000.0;
 constexpr double kAnywhereMm = 1e4;
 
-/// The value of a row; NaN when the column is not there.
+/// Returns the value of a row; NaN if the column does not exist.
 double value_at(const std::vector<double>& column, std::size_t row) {
   return column.empty() ? std::numeric_limits<double>::quiet_NaN() : column[row];
 }

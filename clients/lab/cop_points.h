@@ -14,22 +14,22 @@
 
 namespace dts::lab {
 
-/// What `cop estimate` adds to each row.
+/// Columns that `cop estimate` adds to each row.
 inline constexpr std::array<const char*, 4> kEstimateColumns{"est_x_mm", "est_y_mm", "est_p_n", "flags"};
 
-/// A POINTS.csv: `p_n,x_mm,y_mm,w1_mm,w2_mm,...`, one known load per row.
+/// A POINTS.csv file: `p_n,x_mm,y_mm,w1_mm,w2_mm,...`, one known load per row.
 struct CopPoints {
   CsvTable table;
-  std::vector<physics::CopSample> samples;  ///< One per row; what is not known is NaN.
+  std::vector<physics::CopSample> samples;  ///< One per row; unknown values are NaN.
 };
 
-/// Reads the load, its position and `sensor_count` deflections from every row. `needs_truth`: load and position must be there
-/// and on `plate` (absent: anywhere), as for a fit; otherwise they may be missing, and
-/// kEstimateColumns must be: they would come out twice.
+/// Reads the load, its position and `sensor_count` deflections from every row. With `needs_truth`, as for a fit, load and position are
+/// required, and the position must be on `plate` (absent: anywhere). Without it, load and position are optional, and the file must not have
+/// kEstimateColumns, because the output would have them twice.
 [[nodiscard]] CopPoints read_cop_points(const std::string& file, std::size_t sensor_count, bool needs_truth,
                                         const std::optional<physics::Plate>& plate, files::Problems& problems);
 
-/// Reads a rig file's physical part; the thesis's floor platform when `file` is empty.
+/// Reads the physical part of a rig file; returns the thesis's floor platform if `file` is empty.
 [[nodiscard]] physics::RigModel read_rig(const std::string& file, files::Problems& problems);
 
 }  // namespace dts::lab

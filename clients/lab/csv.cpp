@@ -32,7 +32,7 @@ std::string shown(double value) {
 
 }  // namespace
 
-/// Fills a table line by line.
+/// Reads a table line by line.
 class CsvTable::Reader {
  public:
   Reader(CsvTable& table, std::string file, files::Problems& problems)
@@ -81,7 +81,7 @@ class CsvTable::Reader {
     return false;
   }
 
-  /// Reports an open quote: everything after it would be taken for one cell.
+  /// Reports an open quote: otherwise the rest of the line would become one cell.
   std::optional<std::vector<Cell>> closed_cells(const std::string& line) {
     auto cells = cells_of(line);
     if (cells.back().open_quote == 0) return cells;
@@ -110,7 +110,8 @@ class CsvTable::Reader {
   }
 
   void report_missing(std::vector<std::string_view> names) {
-    std::erase_if(names, [&](std::string_view name) { return table_.find(name) != nullptr; });  // those are what they should be
+    std::erase_if(names, [&](std::string_view name) { return table_.find(name) != nullptr; });  // these columns exist under their correct
+                                                                                                // names
     for (const Column& column : table_.columns_) {
       if (column.place || !column.about.is_required) continue;
       const std::string near = core::suggest(column.about.name, names);
@@ -147,7 +148,7 @@ class CsvTable::Reader {
     }
   }
 
-  /// Only at the end of the file.
+  /// Empty lines are allowed only at the end of the file.
   void skip_empty_line() {
     if (empty_line_ == 0) empty_line_ = line_number_;
   }
@@ -178,7 +179,7 @@ class CsvTable::Reader {
   std::size_t problems_before_;
   std::size_t line_number_ = 0;
   std::size_t column_count_ = 0;
-  std::size_t empty_line_ = 0;  ///< The first of those just seen.
+  std::size_t empty_line_ = 0;  ///< Line number of the first of the current empty lines; 0: none.
   bool is_well_ = true;
 };
 

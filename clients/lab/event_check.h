@@ -12,22 +12,23 @@
 
 namespace dts::lab {
 
-/// Compares the reaches and classes that a recording tells of with those that its raw stream gives again, one by one and to the last
-/// digit. Either side may be ahead.
+/// Compares the recorded reaches and classes with those recomputed from the raw stream, one by one and to the last digit. Either side may
+/// be ahead.
 class EventCheck {
  public:
   void add_recorded(const record::RecordedEvent& event);
   void add_computed(const core::FrameEvents& events);
-  /// What comes from here on is not compared.
+  /// Ends the comparison here.
   void stop() noexcept { is_stopped_ = true; }
-  /// No more comes. Of a recording that is torn, one side may end early.
+  /// Marks the end of both sides. If the recording is torn, one side may end early.
   void finish(bool is_torn);
 
   [[nodiscard]] std::uint64_t compared() const noexcept { return compared_; }
   [[nodiscard]] const std::optional<Difference>& difference() const noexcept { return difference_; }
 
  private:
-  /// Frames of a replay hold other scans than those of the daemon, so what the two kinds have told stands interleaved otherwise.
+  /// Reaches and classes are compared separately: the frames of a replay have other scans than those of the daemon, so the two kinds may be
+  /// interleaved differently.
   struct Kind {
     std::deque<record::RecordedEvent> recorded;
     std::deque<record::RecordedEvent> computed;

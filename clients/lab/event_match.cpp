@@ -8,16 +8,16 @@
 namespace dts::lab {
 namespace {
 
-constexpr double kToleranceSd = 6.0;  ///< Some two scans of equal recordings; rounding makes at most one.
+constexpr double kToleranceSd = 6.0;  ///< About two scans of equal recordings; rounding causes at most one.
 constexpr std::size_t kMostAnchors = 50;
 constexpr double kAlmostAsMany = 0.8;
-constexpr double kVaguestDriftPpm = 1000.0;  ///< Events too close to each other tell nothing about the clocks.
+constexpr double kVaguestDriftPpm = 1000.0;  ///< With a larger uncertainty, the events are too close together to determine the drift.
 
-/// How far from its expected place an event may be.
+/// Largest distance of an event from its expected time.
 struct Tolerance {
   double fixed_s = 0.0;
-  double drift = 0.0;    ///< More by this...
-  double about_s = 0.0;  ///< ...times the distance from here, on B's clock.
+  double drift = 0.0;    ///< Added: this factor times the distance...
+  double about_s = 0.0;  ///< ...from this time, on B's clock.
 
   [[nodiscard]] double at(double b_s) const { return fixed_s + drift * std::abs(b_s - about_s); }
 };
@@ -45,10 +45,10 @@ EventPairs pairs_along(const Events& events, const Alignment& clocks, const Tole
 
 struct Fit {
   Alignment alignment;
-  double residual_s2 = 0.0;  ///< Mean square; of two pairs that of a fit without drift, of which the other leaves nothing.
+  double residual_s2 = 0.0;  ///< Mean square. With two pairs, from a fit without drift, because a fit with drift has no residuals.
 };
 
-/// Least squares in offset and drift. The deviations are those of the residuals, but never less than the rounding to scans.
+/// Least squares in offset and drift. The standard deviations are those of the residuals, but at least the rounding to scans.
 Fit fit_line(const EventPairs& pairs, double sd_s) {
   const auto count = static_cast<double>(pairs.size());
   double mean_b_s = 0.0;
@@ -82,7 +82,7 @@ Fit fit_line(const EventPairs& pairs, double sd_s) {
   return fit;
 }
 
-/// At most kMostAnchors of them, evenly spread.
+/// Returns at most kMostAnchors of the times, evenly spread.
 std::vector<double> anchors_of(const std::vector<double>& times_s) {
   std::vector<double> anchors;
   const std::size_t count = std::min(times_s.size(), kMostAnchors);
@@ -90,7 +90,7 @@ std::vector<double> anchors_of(const std::vector<double>& times_s) {
   return anchors;
 }
 
-/// A pair of events that may be the same, and how many others agree.
+/// A pair of events that may be the same event, and the number of others that agree.
 struct Candidate {
   double a_s;
   double b_s;
@@ -99,7 +99,7 @@ struct Candidate {
 
 Tolerance tolerance_about(double b_s, double sd_s) { return {.fixed_s = kToleranceSd * sd_s, .drift = kLargestDrift, .about_s = b_s}; }
 
-/// Once more along the line found, where drift needs no tolerance any more.
+/// Matches again along the found line, where no tolerance for drift is needed.
 Alignment refined(const Events& events, const Alignment& rough) {
   const EventPairs pairs = pairs_along(events, rough, {.fixed_s = kToleranceSd * events.sd_s});
   return pairs.empty() ? rough : fit_line(pairs, events.sd_s).alignment;

@@ -23,7 +23,7 @@ using core::ErrorCode;
 struct CloseFile {
   void operator()(std::FILE* file) const noexcept { std::fclose(file); }
 };
-/// A nameless file in memory or /tmp: unlike a pipe it cannot block.
+/// An unnamed file in memory or /tmp: unlike a pipe it cannot block.
 using TemporaryFile = std::unique_ptr<std::FILE, CloseFile>;
 
 std::string content_of(std::FILE* file) {
@@ -34,7 +34,7 @@ std::string content_of(std::FILE* file) {
   return text;
 }
 
-/// Exit status of gnuplot with these three files, or an errno as error.
+/// Runs gnuplot with these three files and returns its exit status, or an errno as error.
 core::Result<int> run_gnuplot(std::FILE* in, std::FILE* out, std::FILE* talk) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -58,7 +58,7 @@ core::Result<int> run_gnuplot(std::FILE* in, std::FILE* out, std::FILE* talk) {
   return status;
 }
 
-/// "svg" of "map.SVG".
+/// Returns "svg" for "map.SVG".
 std::string extension_of(const std::string& file) {
   const std::size_t dot = file.rfind('.');
   std::string extension = dot == std::string::npos ? "" : file.substr(dot + 1);

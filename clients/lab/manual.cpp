@@ -8,7 +8,7 @@
 namespace dts::lab {
 namespace {
 
-/// Man(7): an indented example, line by line.
+/// An indented example in man(7) format, line by line.
 constexpr auto kPlateCase =
     ".SH PLATE CASES\nLengths in mm from a corner of the plate, forces in N, the modulus in Pa. Deflection is positive along the "
     "load.\n.PP\n.nf\n"

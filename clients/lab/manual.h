@@ -5,7 +5,7 @@
 
 namespace dts::lab {
 
-/// What dtslab's manual page says beyond its commands.
+/// Returns the sections of dtslab's manual page beyond its commands.
 [[nodiscard]] cli::Manual make_manual();
 
 }  // namespace dts::lab

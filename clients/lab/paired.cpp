@@ -18,7 +18,7 @@ void keep(Paired& paired, double t_a_s, double a_x, double a_y, double b_x, doub
   paired.b_y.push_back(b_y);
 }
 
-/// Sum of products about the means.
+/// Returns the sum of products about the means.
 double covariance(const std::vector<double>& a, const std::vector<double>& b) {
   const auto count = static_cast<double>(a.size());
   const double mean_a = std::accumulate(a.begin(), a.end(), 0.0) / count;

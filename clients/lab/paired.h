@@ -8,16 +8,18 @@
 
 namespace dts::lab {
 
-/// Values of both recordings at the same instants: the scans of the slower one, the other interpolated. All columns equally long.
+/// Values of both recordings at the same instants: the scans of the slower recording; the other one is interpolated. All columns have the
+/// same length.
 struct Paired {
   std::vector<double> t_a_s;  ///< On A's clock.
   std::vector<double> a_x, a_y, b_x, b_y;
 };
 
-/// Instants at which one of the values is missing are left out.
+/// Skips instants at which a value is missing.
 [[nodiscard]] Paired pair_up(const Recording& a, const Recording& b, const Alignment& alignment);
 
-/// Of both axes together, as the search for the lag takes it; 0 when one recording does not move or too little is in common.
+/// Returns the correlation of both axes together, as the search for the lag uses it; 0 if a recording does not move or the overlap is too
+/// short.
 [[nodiscard]] double correlation(const Paired& paired);
 
 }  // namespace dts::lab

@@ -18,7 +18,7 @@ namespace {
 
 using cli::decimal;
 
-/// The distance and where the sensors are then.
+/// Returns the distance and the sensor positions at that distance.
 cli::Json choice_json(const physics::RigModel& rig, const Arguments& arguments, const PlacementFigures& row) {
   cli::Json json{{"distance_mm", row.distance_mm}, {"sensors", cli::Json::array()}};
   for (const physics::Point& point : sensor_layout(rig.plate, arguments.sensor_count, row.distance_mm)) {

@@ -20,19 +20,19 @@ using physics::RigModel;
 
 constexpr double kFirstMm = 20.0;
 constexpr double kStepMm = 5.0;
-constexpr double kLastPart = 1.0 / 3.0;  ///< Of the shorter side: beyond it the sensors see too little of the plate.
+constexpr double kLastPart = 1.0 / 3.0;  ///< Of the shorter side: at larger distances the sensors measure too little of the plate.
 constexpr double kLoadN = 490.0;
-// A real sensor (plate-model section 5): noise and steps of each sample, mean of three.
+// A real sensor (plate-model section 5): noise and steps of each sample, mean of three samples.
 constexpr double kNoiseV = 0.003;
 constexpr double kStepV = 10.0 / 2048.0;
 constexpr double kWindowScans = 3.0;
 constexpr int kPlacementGrid = 17;
-constexpr double kMargin = 0.2;  ///< Of the plate, at each side: 86..344 mm of the thesis's.
+constexpr double kMargin = 0.2;  ///< Fraction of the plate, at each side: 86..344 mm of the thesis's plate.
 constexpr std::size_t kPlacementStances = 200;
 constexpr std::uint64_t kPlacementSeed = 4;
 constexpr physics::Interval kPersonN{300.0, 900.0};
 
-/// Noise of a sensor in mm of deflection where its plate is bent so far.
+/// Returns the noise of a sensor in mm at this deflection of the plate.
 double noise_mm(const physics::SensorModel& sensor, double deflection_mm) {
   constexpr core::Millimetres kHalfStep{0.05};
   const core::Millimetres gap = sensor.unloaded_gap - core::Millimetres{deflection_mm};
@@ -41,9 +41,9 @@ double noise_mm(const physics::SensorModel& sensor, double deflection_mm) {
   return sample_v / std::sqrt(kWindowScans) / std::abs(slope_v_per_mm);
 }
 
-/// Variance of the position, mm^2, that no estimator can undercut.
+/// Returns the lower bound of the variance of the position, mm^2, for any estimator.
 double least_variance_mm2(const RigModel& rig, const InfluenceTable& plate, Point load) {
-  const core::Millimetres step{rig.plate.a.value / InfluenceTable::kDefaultDivisions};  // a cell: rows are linear inside of it
+  const core::Millimetres step{rig.plate.a.value / InfluenceTable::kDefaultDivisions};  // one cell: rows are linear inside it
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   for (std::size_t k = 0; k < rig.sensors.size(); ++k) {
     const auto at = [&](Point point) { return plate.at_point_mm_per_n(k, point); };
@@ -72,7 +72,7 @@ core::Result<double> noise_limit_mm(const RigModel& rig) {
   return std::sqrt(sum_mm2 / (kPlacementGrid * kPlacementGrid));
 }
 
-/// Under random stances, noise-free.
+/// Returns the noise-free error under random stances.
 core::Result<double> foot_error_mm(const RigModel& rig, const physics::CopEstimator& estimator, std::size_t feet,
                                    physics::PlateBehaviour behaviour) {
   const auto trials = physics::foot_trials(rig.plate, feet, kPlacementStances, kPersonN, kPlacementSeed + feet);
@@ -82,7 +82,7 @@ core::Result<double> foot_error_mm(const RigModel& rig, const physics::CopEstima
   return evaluation->figures.rms_total_mm;
 }
 
-/// The rig's plate over other sensors.
+/// Returns the rig's plate with another sensor layout.
 RigModel with_layout(const RigModel& rig, std::size_t sensor_count, double distance_mm) {
   RigModel tried{.plate = rig.plate, .support = rig.support, .sensors = {}};
   for (const Point& point : sensor_layout(rig.plate, sensor_count, distance_mm)) {

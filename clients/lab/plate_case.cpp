@@ -15,21 +15,21 @@ using files::Problems;
 using files::TomlReader;
 using physics::Plate;
 
-// Of physics::check: typing errors and files that would take all memory stay out.
+// Limits of physics::check; they reject typing errors and files that would need all memory.
 constexpr double kLargestForceN = 1e6;
 constexpr std::size_t kMostLoads = 1000;
 constexpr std::size_t kMostProbes = 10'000;
 
 constexpr std::array<std::string_view, 4> kRectangleKeys{"x0_mm", "x1_mm", "y0_mm", "y1_mm"};
 
-/// A position that must be there and on the plate.
+/// Reads a required position, which must be on the plate.
 physics::Point read_point(TomlReader& reader, const Plate& plate) {
   reader.require("x_mm");
   reader.require("y_mm");
   return {.x = {reader.number("x_mm", 0.0, 0.0, plate.a.value)}, .y = {reader.number("y_mm", 0.0, 0.0, plate.b.value)}};
 }
 
-/// Centre and length of a stretch of an axis; rounding must not put its ends off the plate.
+/// Centre and length of a stretch of an axis; rounding must not move its ends off the plate.
 struct Stretch {
   core::Millimetres centre;
   core::Millimetres length;

@@ -9,17 +9,17 @@
 
 namespace dts::lab {
 
-/// A CASE.toml: plate, support, loads and probes, and how to solve it.
+/// A CASE.toml file: plate, support, loads and probes, and how to solve it.
 struct PlateCaseFile {
   physics::PlateCase plate_case;
   physics::PlateMethod method = physics::PlateMethod::Fdm;
-  std::optional<int> divisions;  ///< Absent: the method's default.
+  std::optional<int> divisions;  ///< Absent: default of the method.
   bool is_nonlinear = false;
   bool spreads_point_loads = false;  ///< `simpson`: thesis eq. 3.13.
 };
 
-/// Reads and checks `file`. Everything wrong is added to `problems` with line, column and allowed range; what is returned is
-/// fit for physics::solve only when nothing was.
+/// Reads and checks `file`. Adds every error to `problems` with line, column and allowed range. The result is valid for physics::solve only
+/// if there were none.
 [[nodiscard]] PlateCaseFile read_plate_case(const std::string& file, files::Problems& problems);
 
 }  // namespace dts::lab

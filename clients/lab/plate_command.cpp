@@ -25,7 +25,7 @@ using physics::PlateCase;
 using physics::PlateMethod;
 using physics::PlateSolution;
 
-/// A case with everything decided that file and command line left open.
+/// A case with all defaults resolved.
 struct PlateTask {
   PlateCase plate_case;
   PlateMethod method;
@@ -39,7 +39,7 @@ struct Solved {
   double solve_ms;
 };
 
-/// The command line wins over the file.
+/// The command line has priority over the file.
 PlateTask make_task(PlateCaseFile file, const Arguments& arguments) {
   PlateTask task{.plate_case = std::move(file.plate_case), .method = file.method};
   if (arguments.method) task.method = *arguments.method == "fem" ? PlateMethod::Fem : PlateMethod::Fdm;
@@ -52,7 +52,7 @@ PlateTask make_task(PlateCaseFile file, const Arguments& arguments) {
 
 core::Result<Solved> solve(PlateTask& task, cli::Console& console) {
   cli::Progress progress(console, "solving");
-  progress.tick_by_itself();  // factorising is one step
+  progress.tick_by_itself();  // factorising is one step without progress
   task.options.report_progress = [&](double fraction) { progress.report(fraction); };
   const auto begun = std::chrono::steady_clock::now();
   auto solution = physics::solve(task.plate_case, task.method, task.options);
@@ -86,7 +86,7 @@ cli::Json to_json(const PlateTask& task, const Solved& solved) {
   return json;
 }
 
-/// What each element of PlateSolution::reactions_n belongs to.
+/// Returns the name of the support for each element of PlateSolution::reactions_n.
 std::vector<std::string> support_names(physics::SupportKind kind) {
   switch (kind) {
     case physics::SupportKind::Corner: return {"left back", "right back", "left front", "right front"};
@@ -97,7 +97,7 @@ std::vector<std::string> support_names(physics::SupportKind kind) {
   return {};
 }
 
-/// Of the whole plate: at grid points, loads and probes.
+/// Returns the largest deflection of the whole plate: at grid points, loads and probes.
 double largest_deflection_mm(const PlateTask& task, const PlateSolution& solution) {
   constexpr int kPlaces = 40;  // along each side
   double largest_mm = 0.0;
@@ -111,8 +111,8 @@ double largest_deflection_mm(const PlateTask& task, const PlateSolution& solutio
   return largest_mm;
 }
 
-/// Plate-model section 6: the linear plate is right while it bends less than half its thickness. Any plate theory takes slopes for
-/// small: a tenth of the side is a slope of a fifth and more.
+/// Plate-model section 6: the linear plate is accurate while it bends by less than half its thickness. Every plate theory assumes small
+/// slopes: a deflection of a tenth of the side is a slope of a fifth and more.
 void warn_of_large_deflection(const PlateTask& task, const Solved& solved, cli::Console& console) {
   const physics::Plate& plate = task.plate_case.plate;
   const double largest_mm = largest_deflection_mm(task, solved.solution);
@@ -126,7 +126,7 @@ void warn_of_large_deflection(const PlateTask& task, const Solved& solved, cli::
   }
 }
 
-/// A point support of the model holds the plate down too; a real one only carries it.
+/// A point support of the model also holds the plate down; a real support only carries it.
 void warn_of_lifting(const PlateTask& task, const Solved& solved, cli::Console& console) {
   if (task.plate_case.support.kind != physics::SupportKind::Corner) return;
   double scale_n = 0.0;

@@ -8,11 +8,11 @@
 
 namespace dts::lab {
 
-/// A map of the bent plate with supports, loads (patches as rectangles) and probes.
+/// Draws a map of the bent plate with supports, loads (patches as rectangles) and probes.
 [[nodiscard]] core::Status plot_plate(const physics::PlateCase& plate_case, const physics::PlateSolution& solution,
                                       const std::string& file);
 
-/// Point supports, or some points along supported edges, for marking.
+/// Returns the point supports, or some points along supported edges, as marks.
 [[nodiscard]] Marks support_marks(const physics::Plate& plate, const physics::Support& support);
 
 }  // namespace dts::lab

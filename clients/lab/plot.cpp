@@ -16,7 +16,7 @@ constexpr auto kPalette =
     "set datafile missing 'nan'\n"
     "set tics out nomirror\n";
 
-/// Text between gnuplot's single quotes.
+/// Quotes a text in gnuplot's single quotes.
 std::string quoted(const std::string& text) {
   std::string safe = "'";
   for (const char letter : text) {
@@ -34,7 +34,7 @@ void write_number(std::ostream& script, double value) {
   }
 }
 
-/// The named data block $field: x y value, row by row, an empty line between rows.
+/// Writes the data block $field: x y value, row by row, with an empty line between rows.
 void write_field(std::ostream& script, const PlateMap& map) {
   script << "$field << END\n";
   for (int j = 0; j <= map.cells; ++j) {
@@ -100,7 +100,7 @@ core::Status draw_map(const PlateMap& map, const std::string& file) { return dra
 
 namespace {
 
-/// Of the curve number `k`: black and white paper keeps them apart.
+/// Returns the style of curve number `k`; curves differ also in black and white.
 std::string style_of(CurveStyle style, std::size_t k) {
   switch (style) {
     case CurveStyle::LinesPoints: return "linespoints lw 2 pt " + std::to_string(k + 4) + " dt " + std::to_string(k + 1);

@@ -12,7 +12,7 @@
 
 namespace dts::lab {
 
-/// Points marked on a map, with a word in its legend.
+/// Points marked on a map, with a name in the legend.
 struct Marks {
   std::string name;  ///< "load"
   int symbol = 7;    ///< gnuplot's point type.
@@ -20,12 +20,12 @@ struct Marks {
   std::vector<physics::Point> points;
 };
 
-/// A quantity over a rectangle of the plate: heat map with contour lines, in colours that colour-blind people tell apart
-/// (viridis). NaN leaves a hole.
+/// A quantity over a rectangle of the plate: heat map with contour lines, in colours that colour-blind people can distinguish (viridis).
+/// NaN leaves a hole.
 struct PlateMap {
   std::string title;
   std::string quantity;  ///< With unit: "deflection (mm)".
-  physics::Point from;   ///< Left bottom corner of the rectangle.
+  physics::Point from;   ///< Bottom left corner of the rectangle.
   physics::Point to;
   int cells = 80;  ///< In both directions.
   std::function<double(physics::Point)> value;
@@ -35,12 +35,12 @@ struct PlateMap {
 };
 
 [[nodiscard]] core::Status draw_map(const PlateMap& map, const std::string& file);
-/// The script for gnuplot, without the terminal; for tests.
+/// Returns the script for gnuplot without the terminal; for tests.
 [[nodiscard]] std::string map_script(const PlateMap& map);
 
 enum class CurveStyle : std::uint8_t { LinesPoints, Lines, Points };
 
-/// A curve of an XY plot, with its word in the legend.
+/// A curve of an XY plot, with its name in the legend.
 struct Curve {
   std::string name;
   std::vector<std::pair<double, double>> points;
@@ -51,7 +51,7 @@ struct CurvePlot {
   std::string x_label;
   std::string y_label;
   std::vector<Curve> curves;
-  bool is_from_zero = true;  ///< The y axis.
+  bool is_from_zero = true;  ///< The y axis starts at 0.
 };
 [[nodiscard]] core::Status draw_curves(const CurvePlot& plot, const std::string& file);
 

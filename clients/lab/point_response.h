@@ -9,15 +9,15 @@
 
 namespace dts::lab {
 
-/// Deflection of a linear plate at a few sensors under point loads anywhere: one solution per sensor, read at the load,
-/// because deflection and load may change places (reciprocity).
+/// Deflection of a linear plate at a few sensors under point loads at any position: one solution per sensor, evaluated at the load, because
+/// deflection and load can be exchanged (reciprocity).
 class PointResponse {
  public:
   [[nodiscard]] static core::Result<PointResponse> create(const physics::Plate& plate, const physics::Support& support,
                                                           std::span<const physics::Point> sensors, physics::PlateMethod method,
                                                           int divisions);
 
-  /// Of every sensor, mm.
+  /// Returns the deflection of every sensor, mm.
   [[nodiscard]] std::vector<double> deflection_mm(physics::Point load, core::Newtons force) const;
 
  private:

@@ -10,15 +10,15 @@
 
 namespace dts::lab {
 
-/// The names of a table's columns with the centre of pressure: x_mm, y_mm, or ml_mm, ap_mm of `dtsctl session export`.
+/// Names of a table's centre-of-pressure columns: x_mm, y_mm, or ml_mm, ap_mm as `dtsctl session export` writes them.
 struct PositionColumns {
   std::string ml;
   std::string ap;
 };
 
-/// Both pairs, each optional, to the columns that are read.
+/// Adds both pairs, each optional, to the columns to read.
 void add_position_columns(std::vector<CsvColumn>& columns);
-/// The pair that the table has. Nothing, and a problem for each that is missing, when there is none.
+/// Returns the pair that the table has. If there is none, returns nothing and adds a problem for each missing column.
 [[nodiscard]] std::optional<PositionColumns> position_columns(const std::string& file, const CsvTable& table, files::Problems& problems);
 
 }  // namespace dts::lab

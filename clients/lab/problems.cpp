@@ -33,7 +33,7 @@ void warn(cli::Console& console, const std::string& text) { console.talk << "war
 
 namespace {
 
-/// One of the files of a folder of reaching trials, by its name or its header.
+/// Returns whether the name or header is that of a file in a folder of reaching trials.
 bool is_of_trials(const std::string& file) {
   const std::string name = std::filesystem::path(file).filename();
   if (name == "subjects.csv" || name == "trials.csv" || name == "sensors.csv" || name == "calibration.csv") return true;

@@ -16,7 +16,7 @@ namespace {
 
 using Step = std::variant<core::ReachEvent, core::ClassEvent, session::TrialEvent>;
 
-/// What the daemon told of a trial when it was decided.
+/// The result that the daemon recorded when it decided a trial.
 struct ToldResult {
   std::uint32_t number = 0;  ///< Of the reach; 0: none.
   std::optional<std::int64_t> trunk_class;
@@ -24,7 +24,7 @@ struct ToldResult {
 
   friend bool operator==(const ToldResult&, const ToldResult&) = default;
 };
-using ToldResults = std::map<std::pair<std::uint32_t, std::uint32_t>, ToldResult>;  ///< By trial and attempt.
+using ToldResults = std::map<std::pair<std::uint32_t, std::uint32_t>, ToldResult>;  ///< Key: trial and attempt.
 
 struct PlacedStep {
   std::uint32_t segment = 0;
@@ -44,7 +44,7 @@ std::optional<std::uint32_t> whole_of(const record::RecordedEvent& event, const 
   return static_cast<std::uint32_t>(*number);
 }
 
-/// A whole number of centimetres may read back as an integer.
+/// Returns a number, which may be recorded as an integer if it is a whole number of centimetres.
 std::optional<double> number_of(const record::RecordedEvent& event, const std::string& key) {
   const record::EventValue* value = find(event, key);
   if (value == nullptr) return std::nullopt;
@@ -67,7 +67,8 @@ core::Status add(const record::RecordedEvent& event, std::vector<PlacedStep>& st
   return {};
 }
 
-/// What the daemon told when a trial was decided, and once more at the end of the session, when the subject's own scale was known.
+/// The results that the daemon recorded when it decided each trial, and again at the end of the session, when it knew the subject's own
+/// scale.
 struct Told {
   ToldResults decided;
   ToldResults at_end;
@@ -119,7 +120,7 @@ core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, T
                         "no session of the reaching task is that long");
     }
   }
-  // The recorder writes what two threads tell it; the scans say the order.
+  // Two threads send events to the recorder; the scans define the order.
   std::ranges::stable_sort(steps, {}, [](const PlacedStep& step) { return std::pair(step.segment, step.scan); });
   return steps;
 }
@@ -131,7 +132,7 @@ void take(const PlacedStep& placed, session::ReachResults& results) {
 }
 
 std::uint64_t count_reaches(const std::vector<PlacedStep>& steps) {
-  std::set<std::pair<std::uint32_t, std::uint32_t>> numbers;  // another final of the same number is the same reach
+  std::set<std::pair<std::uint32_t, std::uint32_t>> numbers;  // a second final event with the same number is the same reach
   for (const PlacedStep& placed : steps) {
     const auto* reach = std::get_if<core::ReachEvent>(&placed.step);
     if (reach == nullptr) continue;
@@ -153,7 +154,7 @@ core::Result<RecordedReaches> read_recorded_reaches(record::Recording& recording
   session::ReachResults results(recorded.person, model);
   for (const PlacedStep& step : *steps) {
     results.advance(step.segment, step.scan);
-    compare(results.take_decided(), told.decided, recorded);  // by what was known then
+    compare(results.take_decided(), told.decided, recorded);  // uses only what was known at that time
     take(step, results);
   }
   results.finish();

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kFewestScans = 20;
 constexpr double kShortestS = 2.0;
-constexpr double kHoleSteps = 3.5;  ///< Two missing samples are interpolated, three are a hole.
+constexpr double kHoleSteps = 3.5;  ///< Two missing samples are interpolated; three are a hole.
 
 double median_step(std::span<const double> t_s) {
   if (t_s.size() < 2) return 0.0;
@@ -29,7 +29,7 @@ void check_times(const std::string& file, bool is_xdf, const Recording& recordin
   for (std::size_t row = 1; row < t_s.size(); ++row) {
     if (t_s[row] > t_s[row - 1]) continue;
     problems.push_back({file, is_xdf ? 0U : static_cast<std::uint32_t>(CsvTable::line_of_row(row)), 1, "t_s does not rise"});
-    return;  // one is enough: the rest is the same fault
+    return;  // one report is enough: later rows have the same fault
   }
   if (t_s.size() >= kFewestScans && t_s.back() - t_s.front() >= kShortestS) return;
   problems.push_back({file, 0, 0, "a recording has at least " + std::to_string(kFewestScans) + " scans over 2 s"});

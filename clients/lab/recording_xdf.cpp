@@ -11,14 +11,14 @@ namespace {
 
 constexpr std::size_t kMostScans = 10'000'000;
 
-/// Where the centre of pressure stands in a file.
+/// The columns of the centre of pressure in a file.
 struct CopColumns {
   std::size_t stream = 0;
   std::size_t width = 0;
   std::size_t x = 0;
   std::size_t y = 0;
   double rate_hz = 1.0;
-  double delay_s = 0.0;  ///< A value describes what was so long before its time stamp.
+  double delay_s = 0.0;  ///< A value describes the moment this long before its time stamp.
 };
 
 std::optional<CopColumns> find_cop(const record::Recording& file) {
@@ -59,7 +59,7 @@ void add_event(const record::TimedEvent& timed, std::vector<Event>& events) {
   }
 }
 
-/// Events stand at the first scan that is not before them, as in a CSV file: a trigger as one scan of a high level.
+/// Places each event at the first scan that is not before the event, as in a CSV file; a trigger is one scan with a high level.
 void place_events(const std::vector<Event>& events, Recording& recording) {
   const bool has_triggers = std::ranges::any_of(events, &Event::is_trigger);
   if (has_triggers) recording.trigger.assign(recording.t_s.size(), 0.0);

@@ -17,8 +17,8 @@ namespace {
 using device::replay::RecordedDevice;
 using device::replay::ScanMerger;
 
-constexpr std::size_t kReplayedScans = 256;                   // results do not depend on it: the stages' contract
-constexpr std::int64_t kFarthestNs = std::int64_t{1} << 61U;  // 73 years: an index out of a file overflows nothing
+constexpr std::size_t kReplayedScans = 256;                   // results do not depend on it: the contract of the stages
+constexpr std::int64_t kFarthestNs = std::int64_t{1} << 61U;  // 73 years: prevents overflow by a large index in a file
 
 /// Mean and last value of each channel of one stream.
 class Summary {
@@ -53,7 +53,7 @@ class Summary {
   std::vector<Sum> sums_;
 };
 
-/// One replay under way.
+/// One running replay.
 class Replay {
  public:
   Replay(record::Recording& recording, const RecordedDevice& device, session::RigPipeline& rig);
@@ -75,7 +75,7 @@ class Replay {
   core::Frame frame_;
   core::Gap gap_;
   std::optional<std::uint32_t> segment_;
-  std::vector<std::unique_ptr<StreamCheck>> checks_by_stream_;  ///< Of the recording; nullptr: not derived.
+  std::vector<std::unique_ptr<StreamCheck>> checks_by_stream_;  ///< One per recorded stream; nullptr: not a derived stream.
   std::vector<StreamCheck*> checks_by_frame_;
   EventCheck events_;
   std::vector<std::optional<Summary>> summaries_;

@@ -71,7 +71,7 @@ void print(const ReplayReport& report, cli::Console& console) {
               << decimal(report.scans_per_s(), 0) << " scans per second\n";
 }
 
-/// A recording that was cut short on purpose, or repaired, is sound as far as it goes.
+/// Returns whether the recording is sound up to its end; one that was cut short on purpose or repaired is.
 bool is_sound(const std::string& damage) {
   return damage.empty() || damage.starts_with("incomplete: ") || damage.starts_with("recovered, ");
 }

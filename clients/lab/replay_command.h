@@ -6,7 +6,7 @@
 
 namespace dts::lab {
 
-/// `dtslab replay`: returns 0 when everything recorded is what the rig computes, 1 when not.
+/// `dtslab replay`: returns 0 if the recorded streams equal what the rig computes, 1 if not.
 [[nodiscard]] int run_replay(const Arguments& arguments, cli::Console& console);
 
 }  // namespace dts::lab

@@ -8,8 +8,8 @@
 
 namespace dts::lab {
 
-/// dtslab but for signals and the terminal: reads the command line (without the program's name), executes the command and
-/// returns the exit status. Blocks as long as the command does.
+/// Runs dtslab without signal handling and terminal setup: parses the command line (without the program's name), executes the command and
+/// returns the exit status. Blocks until the command ends.
 [[nodiscard]] int run(const std::vector<std::string>& arguments, cli::Console& console);
 
 }  // namespace dts::lab

@@ -20,23 +20,23 @@ namespace dts::lab {
 namespace {
 
 constexpr std::size_t kSimulatedScans = 64;
-constexpr std::int64_t kStartNs = 1'000'000'000;  // of the virtual clock: the recording's time axis
+constexpr std::int64_t kStartNs = 1'000'000'000;  // of the virtual clock: time axis of the recording
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 tl::unexpected<core::Error> cannot_write(const std::string& file) {
   return core::fail(core::ErrorCode::Failed, "cannot write " + file, "does the folder exist, is there room?");
 }
 
-/// A CSV file that was not there before.
+/// Creates a CSV file; fails if it exists.
 core::Result<std::ofstream> new_csv(const std::string& file, const char* header) {
   if (std::filesystem::exists(file)) return core::fail(core::ErrorCode::WrongState, file + " exists already", "choose another name");
   std::ofstream out(file, std::ios::binary);
   out << header << std::flush;
-  if (!out) return cannot_write(file);  // now, not after hours
+  if (!out) return cannot_write(file);  // fail now, not after hours
   return out;
 }
 
-/// What was true, beside the recording.
+/// The true values, written beside the recording.
 class Truth {
  public:
   virtual ~Truth() = default;
@@ -44,7 +44,7 @@ class Truth {
   virtual core::Status close() = 0;
 };
 
-/// The true centre of pressure: columns t_s,true_ml_mm,true_ap_mm,true_load_n; empty cells while nobody is there.
+/// The true centre of pressure: columns t_s,true_ml_mm,true_ap_mm,true_load_n; empty cells while nobody is on the plate.
 class CopTruth final : public Truth {
  public:
   static core::Result<std::unique_ptr<Truth>> create(const Simulation& simulation, const device::DeviceDescription& device) {
@@ -85,7 +85,7 @@ class CopTruth final : public Truth {
   std::ofstream out_;
 };
 
-/// The reaches that were completed, one per row.
+/// The completed reaches, one per row.
 class ReachTruth final : public Truth {
  public:
   static core::Result<std::unique_ptr<Truth>> create(const Simulation& simulation) {
@@ -99,7 +99,7 @@ class ReachTruth final : public Truth {
   }
 
   void add(const core::Block&) override {}
-  /// The person does the same again, without a chair.
+  /// Simulates the same person again, without a chair.
   core::Status close() override {
     physics::SeatedPerson person(person_);
     physics::ReachPlan last;
@@ -134,7 +134,7 @@ class ReachTruth final : public Truth {
   std::ofstream out_;
 };
 
-/// nullptr: none is wanted.
+/// Returns nullptr if no truth is requested.
 core::Result<std::unique_ptr<Truth>> create_truth(const Simulation& simulation, const device::DeviceDescription& device) {
   if (simulation.truth.empty()) return nullptr;
   return simulation.config.kind == "chair" ? ReachTruth::create(simulation) : CopTruth::create(simulation, device);
@@ -216,7 +216,7 @@ core::Result<Simulated> simulate_rig(Simulation simulation, const std::function<
   auto recorder = begin_recording(simulation, **device, *rig->pipeline);
   if (!recorder) {
     std::error_code ignored;
-    if (*truth) std::filesystem::remove(simulation.truth, ignored);  // it tells of nothing
+    if (*truth) std::filesystem::remove(simulation.truth, ignored);  // there is no recording that it describes
     return tl::make_unexpected(recorder.error());
   }
 

@@ -12,7 +12,7 @@
 namespace dts::lab {
 namespace {
 
-constexpr double kCurveStepMm = 0.25;  // of the assumed curve's points
+constexpr double kCurveStepMm = 0.25;  // between the points of the assumed curve
 
 std::string curve_text(const physics::SensorCurve& curve) {
   std::ostringstream out;
@@ -28,7 +28,7 @@ std::string curve_text(const physics::SensorCurve& curve) {
   return std::move(out).str();
 }
 
-/// Plate, support, rate and sensors.
+/// Writes plate, support, rate and sensors.
 void write_model(std::ostream& out, const physics::RigModel& rig, double rate_hz) {
   out << "\n[plate]\na_mm = " << files::toml_number(rig.plate.a.value) << "\nb_mm = " << files::toml_number(rig.plate.b.value)
       << "\nh_mm = " << files::toml_number(rig.plate.h.value) << "\ne_pa = " << files::toml_number(rig.plate.e_pa)

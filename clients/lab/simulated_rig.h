@@ -5,11 +5,12 @@
 
 namespace dts::lab {
 
-/// The thesis's floor platform as a rig definition (see files::rig_definition), with the stages of the thesis: what is simulated when no
-/// rig file is given.
+/// Returns the thesis's floor platform as a rig definition (see files::rig_definition), with the stages of the thesis. It is simulated if
+/// no rig file is specified.
 [[nodiscard]] std::string floor_definition(double rate_hz);
 
-/// The chair of physics::chair_rig with the stages that find reaches; which trunk movement they were needs a model, and so a rig file.
+/// Returns the chair of physics::chair_rig with the stages that find reaches. Classifying trunk movement needs a model, and therefore a rig
+/// file.
 [[nodiscard]] std::string chair_definition(double rate_hz);
 
 }  // namespace dts::lab

@@ -10,7 +10,7 @@
 namespace dts::lab {
 namespace {
 
-// Of a file whose streams do not belong together. Recorders keep them within a quarter of a second.
+// Limits for a file whose streams do not belong together. The streams of a correct recording differ by at most a quarter of a second.
 constexpr std::size_t kMostWaitingRuns = 100'000;
 constexpr std::size_t kMostWaitingValues = std::size_t{1} << 23U;  // 64 MB
 

@@ -13,26 +13,26 @@
 
 namespace dts::lab {
 
-/// The first place at which a recorded stream is not what was computed from the raw stream.
+/// The first place at which a recorded stream differs from the values computed from the raw stream.
 struct Difference {
   std::uint32_t segment = 0;
   std::uint64_t scan = 0;
-  std::string channel;  ///< Empty: the scan as a whole.
+  std::string channel;  ///< Empty: the whole scan.
   std::string recorded;
   std::string computed;
 };
 
-/// Compares one derived stream as recorded with the same stream as computed, scan by scan and bit for bit in the recorded type; all NaNs
-/// are one. Either side may be ahead.
+/// Compares one recorded derived stream with the computed stream, scan by scan and bit for bit in the recorded type; all NaNs are equal.
+/// Either side may be ahead.
 class StreamCheck {
  public:
   explicit StreamCheck(const record::StreamInfo& info) : info_(info) {}
 
   void add_recorded(const record::RecordedScans& scans);
   void add_computed(const core::Block& block);
-  /// What comes from here on is not compared: the state behind it is not known.
+  /// Ends the comparison here, because the state of the stages is unknown after this point.
   void stop() noexcept { is_stopped_ = true; }
-  /// No more comes. Of a recording that is torn, one side may end early.
+  /// Marks the end of both sides. If the recording is torn, one side may end early.
   void finish(bool is_torn);
 
   [[nodiscard]] const std::string& name() const noexcept { return info_.name; }
@@ -48,7 +48,7 @@ class StreamCheck {
   struct Run {
     Place next;
     std::size_t left = 0;
-    std::vector<double> values;  ///< Scan by scan; the last `left` scans are to come.
+    std::vector<double> values;  ///< Row by row; the last `left` scans are not compared yet.
   };
 
   void match();
@@ -61,7 +61,7 @@ class StreamCheck {
   record::StreamInfo info_;
   std::deque<Run> recorded_;
   std::deque<Run> computed_;
-  std::size_t waiting_values_ = 0;  ///< Of both, with what was compared of a run that is not through.
+  std::size_t waiting_values_ = 0;  ///< Values of both sides that are still stored, including the compared part of a run.
   std::uint64_t compared_scans_ = 0;
   bool is_stopped_ = false;
   std::optional<Difference> difference_;

@@ -18,7 +18,7 @@ struct Figure {
 };
 using Figures = std::vector<Figure>;
 
-/// A row of a thesis table: what is printed there, what we compute, and how far apart they are.
+/// A row of a thesis table: the printed values, our values, and the deviations.
 struct ThesisRow {
   std::string label;
   Figures printed;
@@ -28,20 +28,20 @@ struct ThesisRow {
 
 struct ThesisTable {
   std::string name;   ///< "3.2"
-  std::string title;  ///< What the thesis calls it.
+  std::string title;  ///< As in the thesis.
   int decimals = 3;   ///< Of printed and computed values.
   std::vector<ThesisRow> rows;
   Figures summary;
-  std::vector<std::string> notes;  ///< What was assumed, and which printed figures do not follow from the stated theory.
+  std::vector<std::string> notes;  ///< Assumptions, and printed figures that do not follow from the stated theory.
 };
 
-/// The tables that `thesis_table` knows.
+/// Names of the tables that `thesis_table` can compute.
 [[nodiscard]] const std::vector<std::string_view>& thesis_table_names();
 
-/// How much of a table is computed, 0..1.
+/// Receives the computed fraction of a table, 0..1.
 using TableProgress = std::function<void(double)>;
 
-/// Computes a table anew. Fails with InvalidArgument for a table that is not known.
+/// Computes a table. Fails with InvalidArgument for an unknown table.
 [[nodiscard]] core::Result<ThesisTable> thesis_table(
     std::string_view name, const TableProgress& progress = [](double) {});
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thesis table 6.3: how far the trunk bends for each target.
+// Thesis table 6.3: trunk angle for each target.
 #include "lab/study/angle_windows.h"
 #include "lab/study/volunteers.h"
 #include "lab/thesis_parts.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thesis table 3.6: how little the proportion of two deflections changes while the load moves along a line across it.
+// Thesis table 3.6: how little the ratio of two deflections changes while the load moves along a line across the plate.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -18,8 +18,9 @@ using printed::kLines;
 
 using Line = std::vector<Point>;
 
-/// Loads for two sensors side by side at y = 86: five lines parallel to y from the middle towards a sensor, five loads on each. The
-/// first is nearest to the line through the sensors. Figures 3.15 and 3.16 are missing; the extent is fitted (research sheet, section 4).
+/// Returns loads for two sensors side by side at y = 86: five lines parallel to y from the middle towards a sensor, five loads on each. The
+/// first load is nearest to the line through the sensors. Figures 3.15 and 3.16 are missing; the extent is fitted (research sheet, section
+/// 4).
 std::array<Line, kLines> neighbour_lines() {
   constexpr double kFirstX = 215.0;
   constexpr double kLastX = 149.0;
@@ -34,8 +35,8 @@ std::array<Line, kLines> neighbour_lines() {
   return lines;
 }
 
-/// Loads for two sensors at opposite corners of the sensor square: lines across their diagonal, starting on it, with 7, 6, 5, 4 and 3
-/// loads, so that they fill a quarter of the plate. Pitch fitted as above.
+/// Returns loads for two sensors at opposite corners of the sensor square: lines across their diagonal, starting on it, with 7, 6, 5, 4 and
+/// 3 loads, so that they fill a quarter of the plate. Pitch fitted as above.
 std::array<Line, kLines> opposite_lines() {
   constexpr double kPitchMm = 29.5;
   std::array<Line, kLines> lines;
@@ -49,7 +50,7 @@ std::array<Line, kLines> opposite_lines() {
   return lines;
 }
 
-/// Thesis eq. 3.15 along one line: mean magnitude, %.
+/// Returns thesis eq. 3.15 along one line: mean magnitude, %.
 double mean_error_percent(const PointResponse& plate, const Line& line) {
   const auto proportion = [&](Point load) {
     const auto deflection_mm = plate.deflection_mm(load, {10.0});

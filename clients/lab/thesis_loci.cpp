@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thesis table 4.1: where fifteen point loads of 50 kgf are seen.
+// Thesis table 4.1: the estimated positions of fifteen point loads of 50 kgf.
 #include <cmath>
 
 #include "cli/table.h"
@@ -35,7 +35,7 @@ core::Result<PointResponse> platform(PlateMethod method) {
   return PointResponse::create(rig.plate, rig.support, sensors, method, thesis_setup::kDivisions);
 }
 
-/// An estimator calibrated on the plate it is then used on, where `model_samples` would calibrate it.
+/// Returns an estimator calibrated on the same plate, at the positions of `model_samples`.
 core::Result<CopEstimator> calibrated(CopMethod method, const PointResponse& plate) {
   auto samples = physics::model_samples(method, thesis_setup::floor_platform(), physics::PlateBehaviour::Linear);
   if (!samples) return tl::make_unexpected(samples.error());

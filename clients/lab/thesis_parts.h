@@ -9,7 +9,7 @@ namespace dts::lab {
 
 // One function per kind of table; `thesis_table` chooses.
 
-/// Draws of people behind tables 5.2, 6.2 and 6.4.
+/// Number of random draws of people for tables 5.2, 6.2 and 6.4.
 inline constexpr std::size_t kReachDraws = 5;
 
 /// Tables 3.2 (acrylic) and 3.3 (steel).
@@ -29,7 +29,7 @@ inline constexpr std::size_t kReachDraws = 5;
 /// Table 6.4.
 [[nodiscard]] core::Result<ThesisTable> thesis_stroke(const TableProgress& progress, std::size_t draws = kReachDraws);
 
-/// (ours - printed) / printed, %; NaN where 0 is printed.
+/// Returns (ours - printed) / printed, %; NaN if 0 is printed.
 [[nodiscard]] double deviation_percent(double ours, double printed) noexcept;
 
 }  // namespace dts::lab

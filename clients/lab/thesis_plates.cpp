@@ -48,10 +48,10 @@ core::Result<BothMethods> both_methods(bool is_steel) {
   return BothMethods{*fdm, *fem};
 }
 
-/// Keeps the larger magnitude.
+/// Keeps the value with the larger magnitude.
 void keep_largest(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
 
-/// What is known about the configuration and the printed columns; plate-model sections 1 to 4.
+/// Returns the known facts about the configuration and the printed columns; plate-model sections 1 to 4.
 std::vector<std::string> notes_on(bool is_steel) {
   std::vector<std::string> notes{
       "Rigidity is E h^3 / (12 (1 - nu^2)); the thesis prints 1 - nu in eq. 3.2, its own FEM columns need 1 - nu^2.",

@@ -10,7 +10,7 @@ namespace dts::lab::printed {
 
 inline constexpr int kTrialsPerCell = 15;
 
-/// Of targets at 120 %, 150 % and the maximum reach.
+/// For targets at 120 %, 150 % and the maximum reach.
 using ByTarget = std::array<int, 3>;
 
 /// Table 5.2: NN2 on A, B and C.
@@ -35,7 +35,7 @@ inline constexpr std::array<Classified, 10> kHealthy{{
     {{15, 15, 15}, {15, 15, 15}},
 }};
 
-/// Under the table; its own rows sum to 424 and 438.
+/// Totals printed below the table; its own rows sum to 424 and 438.
 inline constexpr int kHealthyTotalNn1 = 416;
 inline constexpr int kHealthyTotalNn2 = 439;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Thesis tables 5.2, 6.2 and 6.4: what the two networks say of people, with simulated people in their place.
+// Thesis tables 5.2, 6.2 and 6.4: answers of the two networks, for simulated people instead of the real ones.
 #include <algorithm>
 #include <array>
 #include <functional>
@@ -20,14 +20,14 @@ constexpr auto kSynthetic =
     "Ours: simulated people of the printed measures, found and judged as dtsd does it; synthetic, no clinical claim. The rows are of the "
     "one in the middle of several draws of people; another draw is other people, and the spread is that of a study repeated.";
 
-/// All groups, whichever the table is of: so that every table and `reach study` show the same draw.
+/// Draws all groups, independent of the table, so that every table and `reach study` show the same draw.
 core::Result<std::vector<study::Draw>> draw_people(std::size_t draws, const TableProgress& progress) {
   return study::run_study({.seed = 1, .draws = draws, .has_recommended = false}, progress);
 }
 
 double count(const Confusion& answers, TrunkClass wanted) { return static_cast<double>(answers.correct(wanted)); }
 
-/// Correct answers over all draws: least, median and most.
+/// Adds the correct answers over all draws: least, median and most.
 void add_spread(const std::string& name, const std::vector<study::Draw>& draws, const std::function<double(const study::Draw&)>& correct,
                 Figures& summary) {
   std::vector<double> all;
@@ -40,7 +40,7 @@ void add_spread(const std::string& name, const std::vector<study::Draw>& draws, 
 
 double correct(const std::vector<Confusion>& answers) { return static_cast<double>(study::sum(answers).correct()); }
 
-/// Of the draw that the rows show.
+/// Returns the correct answers in the draw that the rows show.
 Figures correct_of(const std::vector<Confusion>& nn1, const std::vector<Confusion>& nn2) {
   return {{"nn1_correct", correct(nn1)}, {"nn2_correct", correct(nn2)}, {"of", static_cast<double>(study::sum(nn2).total())}};
 }

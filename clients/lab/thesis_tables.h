@@ -4,8 +4,8 @@
 #include <array>
 #include <cstddef>
 
-// The figures that the thesis prints, as printed. What they were computed from is fitted (plate-model sections 1 and 3) and
-// lies in thesis.cpp.
+// The figures as printed in the thesis. The conditions for which they were computed are fitted (plate-model sections 1 and 3) and are in
+// thesis.cpp.
 
 namespace dts::lab::printed {
 
@@ -102,7 +102,7 @@ inline constexpr std::array<Locus, 15> kLoci{{
     {215.0, 215.0, {0.88, -1.8, 2.0}, {0.51, 0.51, 0.72}},
 }};
 
-/// Under the table.
+/// Printed below the table.
 inline constexpr Deviation kSimulatedRmse{1.39, 1.63, 2.15};
 inline constexpr Deviation kRealRmse{1.66, 2.51, 3.0};
 

@@ -113,7 +113,7 @@ double text_width(std::string_view text, double size) noexcept {
   constexpr std::string_view kWide = "mwMW%@";
   double em = 0.0;
   for (const char letter : text) {
-    if ((static_cast<unsigned char>(letter) & 0xC0U) == 0x80U) continue;  // within a character of several bytes
+    if ((static_cast<unsigned char>(letter) & 0xC0U) == 0x80U) continue;  // continuation byte of a multi-byte character
     if (kNarrow.find(letter) != std::string_view::npos)
       em += 0.36;
     else if (kWide.find(letter) != std::string_view::npos)

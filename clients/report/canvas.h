@@ -7,7 +7,7 @@
 
 namespace dts::report {
 
-/// Okabe & Ito: told apart by everybody, and in grey.
+/// Palette of Okabe & Ito: distinguishable for colour-blind people, and in grey.
 namespace colour {
 inline constexpr std::string_view kBlack = "#000000";
 inline constexpr std::string_view kBlue = "#0072B2";
@@ -29,27 +29,27 @@ struct Stroke {
 
 enum class Anchor { Start, Middle, End };
 
-inline constexpr double kSmallText = 2.1;  ///< mm: the letters of axes and legends.
+inline constexpr double kSmallText = 2.1;  ///< mm: text of axes and legends.
 
 struct TextStyle {
   double size = 2.4;  ///< mm
   Anchor anchor = Anchor::Start;
   std::string_view colour = colour::kBlack;
   bool is_bold = false;
-  bool is_upward = false;  ///< Turned by 90 degrees against the clock, about its anchor.
+  bool is_upward = false;  ///< Rotated by 90 degrees counter-clockwise about its anchor.
 };
 
-/// Draws into one SVG element. mm, x to the right, y down. Texts are cleaned and escaped, whatever they hold.
+/// Draws into one SVG element. mm, x to the right, y down. All texts are cleaned and escaped.
 class Canvas {
  public:
   explicit Canvas(pugi::xml_node node) : node_(node) {}
 
-  /// An own origin.
+  /// Returns a canvas with its own origin.
   [[nodiscard]] Canvas group(double x, double y);
   void line(double x1, double y1, double x2, double y2, const Stroke& stroke);
   void rect(double x, double y, double width, double height, std::string_view fill, const Stroke& stroke);
   void circle(double x, double y, double radius, std::string_view fill, const Stroke& stroke);
-  /// Turned by `angle_deg` against the clock.
+  /// Rotated by `angle_deg` counter-clockwise.
   void ellipse(double x, double y, double semi_major, double semi_minor, double angle_deg, const Stroke& stroke);
   void path(const std::string& data, const Stroke& stroke);
   void text(double x, double y, std::string_view text, const TextStyle& style = {});
@@ -58,12 +58,12 @@ class Canvas {
   pugi::xml_node node_;
 };
 
-/// An empty <svg> of `width` by `height` mm in the document; `title` is what a screen reader says.
+/// Adds an empty <svg> of `width` by `height` mm to the document; a screen reader reads `title`.
 [[nodiscard]] Canvas new_picture(pugi::xml_document& document, double width, double height, const std::string& title);
-/// With or without the XML declaration, one element a line.
+/// Returns the text with or without the XML declaration, one element per line.
 [[nodiscard]] std::string text_of(const pugi::xml_document& document, bool with_declaration);
 
-/// About as wide as any common sans-serif font makes it, rather more than less: for line breaks.
+/// Returns a rather large estimate of the width in common sans-serif fonts, for line breaks.
 [[nodiscard]] double text_width(std::string_view text, double size) noexcept;
 
 }  // namespace dts::report

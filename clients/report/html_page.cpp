@@ -14,7 +14,7 @@ using kainjow::mustache::data;
 using kainjow::mustache::object;
 using List = kainjow::mustache::list;
 
-// Every value is set in every object: what is missing would be looked up in the objects around it.
+// Every object must set every value: the template looks up missing values in the enclosing objects.
 
 List texts(const std::vector<std::string>& all) {
   List list;
@@ -49,7 +49,7 @@ data cell(const Table& table, const Row& row, std::size_t index) {
                 {"link", has_link ? row.link + ".html" : std::string()}};
 }
 
-/// Fills in what a block is.
+/// Fills in the data of one kind of block.
 struct BlockData {
   object operator()(const Table& table) const {
     object block = empty_block(table.title);
@@ -87,7 +87,7 @@ struct BlockData {
   }
 };
 
-/// Tables need more width than pictures before two of them fit side by side.
+/// Tables need more width than pictures before two of them can be side by side.
 std::string kind_of(const Section& section) {
   if (section.columns.size() < 2) return "one";
   const bool has_tables = std::ranges::any_of(section.columns, [](const std::vector<Block>& column) {

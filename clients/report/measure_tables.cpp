@@ -18,14 +18,14 @@ using posturography::Measure;
 
 enum class Shape { Triple, Pair, Single };
 
-/// A row of the table of everything; `first` is the family's first member, and a heading has none.
+/// One row of the table of all measures; `first` is the family's first member; a heading has none.
 struct FamilyRow {
   std::string_view label;
   Shape shape = Shape::Triple;
   std::optional<Measure> first{};
 };
 
-// clang-format off: a row a line
+// clang-format off: one row per line
 constexpr std::array kFamilies = {
     FamilyRow{"Distance from the mean"},
     FamilyRow{"MDIST, mean", Shape::Triple, Measure::Mdist},
@@ -85,7 +85,7 @@ constexpr std::array kFamilies = {
 
 bool is_between(Measure measure, Measure first, Measure last) { return measure >= first && measure <= last; }
 
-/// Values of one table, and why some are missing: "- a".
+/// The cells of one table, with a letter for the reason of each missing value: "- a".
 class Cells {
  public:
   explicit Cells(const TrialData& trial) : trial_(trial) {}
@@ -109,10 +109,10 @@ class Cells {
 
  private:
   const TrialData& trial_;
-  std::vector<std::string> reasons_{};  // a handful: fewer than there are letters
+  std::vector<std::string> reasons_{};  // a few: fewer than there are letters
 };
 
-/// "MVELO_AP" and "Mean velocity: path length over duration, anterior-posterior" with the axis said once and short.
+/// Shortens a sentence: the axis of "Mean velocity: path length over duration, anterior-posterior" becomes a short word.
 std::string short_sentence(std::string_view sentence) {
   std::string text(sentence);
   const auto replace = [&text](std::string_view from, std::string_view to) {

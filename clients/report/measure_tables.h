@@ -9,13 +9,13 @@
 
 namespace dts::report {
 
-/// The core measures with their units, and the reference ranges that the trial's labels allow.
+/// Returns the core measures with their units, and the reference ranges that match the trial's labels.
 [[nodiscard]] Table core_measures(const TrialData& trial);
-/// Every measure, a family a row: planar (or of the resultant distance), AP, ML.
+/// Returns every measure, one family per row: planar (or of the resultant distance), AP, ML.
 [[nodiscard]] Table all_measures(const TrialData& trial);
-/// What makes the reference ranges of the page doubtful for this trial; empty: there are none, or nothing does.
+/// Returns why the reference ranges on the page are doubtful for this trial; empty if there are no ranges or no doubts.
 [[nodiscard]] std::vector<std::string> reference_warnings(const TrialData& trial);
-/// Why a measure has no value, in a few words.
+/// Returns a short reason why a measure has no value.
 [[nodiscard]] std::string why_absent(posturography::Measure measure, const posturography::Analysis& analysis);
 
 }  // namespace dts::report

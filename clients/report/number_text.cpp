@@ -14,7 +14,7 @@ namespace {
 constexpr int kDigits = 4;
 
 std::string written(double value, std::chars_format format, int precision) {
-  std::array<char, 400> text{};  // the largest double has 309 digits before the point
+  std::array<char, 400> text{};  // the largest double has 309 digits before the decimal point
   const auto [end, error] = std::to_chars(text.data(), text.data() + text.size(), value, format, precision);
   return error == std::errc() ? std::string(text.data(), end) : "-";
 }
@@ -33,7 +33,8 @@ std::string fixed(double value, int decimals) {
 std::string significant(double value) {
   if (!std::isfinite(value)) return "-";
   if (value == 0.0) return "0";
-  const std::string scientific = written(value, std::chars_format::scientific, kDigits - 1);  // rounds first: 9.9996 has exponent 1
+  const std::string scientific = written(value, std::chars_format::scientific, kDigits - 1);  // rounds first, because rounding can change
+                                                                                              // the exponent: 9.9996 becomes 1.000e+01
   int exponent = 0;
   const std::size_t mark = scientific.find('e');
   const char* const begin = scientific.data() + mark + (scientific[mark + 1] == '+' ? 2 : 1);

@@ -6,9 +6,9 @@
 
 namespace dts::report {
 
-/// A number with so many decimals, a point, and no sign in front of zero: the same bytes whatever the locale. Not finite: "-".
+/// Formats a number with this many decimals, a decimal point, and no sign for zero: the same bytes for every locale. Not finite: "-".
 [[nodiscard]] std::string fixed(double value, int decimals);
-/// Four significant digits, as tables show values: "304.6", "0.2290", "8.070", "12346", "1.234e-05".
+/// Formats at least four significant digits, as in tables: "304.6", "0.2290", "8.070", "12346", "1.234e-05".
 [[nodiscard]] std::string significant(double value);
 /// "07", "12", "123".
 [[nodiscard]] std::string two_digits(std::uint64_t number);

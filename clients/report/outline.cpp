@@ -47,7 +47,7 @@ std::vector<std::size_t> thinned(std::span<const double> first, std::span<const 
     index = end;
   }
   if (kept.size() <= 4 * most) return kept;
-  // A series that is in shreds: nothing of it can be seen anyway, but the page must stay small.
+  // A series with very many gaps: details cannot be seen anyway, but the page must stay small.
   const std::size_t every = (kept.size() + most - 1) / std::max<std::size_t>(most, 1);
   std::vector<std::size_t> few;
   for (std::size_t index = 0; index < kept.size(); index += every) few.push_back(kept[index]);

@@ -13,15 +13,15 @@ struct PlotPoint {
   double y = 0.0;
 };
 
-/// Which samples a drawing needs, in order: of every stretch of samples those with the extremes of both, its first and its last. No peak is
-/// lost, and about `most` are left. Samples that are NaN stand for the gap they are part of: one of each gap is kept.
+/// Returns the samples that a drawing needs, in order: for each stretch, the samples with the extremes of both series, the first and the
+/// last. No peak is lost, and about `most` samples remain. Keeps one NaN sample of each gap.
 [[nodiscard]] std::vector<std::size_t> thinned(std::span<const double> first, std::span<const double> second, std::size_t most);
 
-/// SVG path data, two decimals; a point that is not finite ends the line, and the next finite one begins another. A lone point becomes a
-/// line of no length, which round caps would show and others do not: it gets 0.01.
+/// Returns SVG path data with two decimals. A point that is not finite ends the line; the next finite point starts a new one. A lone point
+/// becomes a line of length 0.01, because some programs do not show a line of length 0.
 [[nodiscard]] std::string path_data(std::span<const PlotPoint> points);
 
-/// [begin, end) of every run of NaN.
+/// The range [begin, end) of a run of NaN.
 struct Gap {
   std::size_t begin = 0;
   std::size_t end = 0;

@@ -10,7 +10,7 @@
 
 namespace dts::report {
 
-/// What a page says, whatever it is written in: texts are as they came, neither cleaned nor escaped.
+/// Content of a page, independent of the output format: texts are neither cleaned nor escaped.
 
 struct Fact {
   std::string name;
@@ -19,13 +19,13 @@ struct Fact {
 
 struct Column {
   std::string head;
-  double share = 1.0;  ///< Of the table's width.
+  double share = 1.0;  ///< Fraction of the table's width.
   bool is_number = false;
 };
 struct Row {
   std::vector<std::string> cells;
-  bool is_heading = false;  ///< One cell, across.
-  std::string link{};       ///< Page that the first cell leads to.
+  bool is_heading = false;  ///< One cell across all columns.
+  std::string link{};       ///< Page to which the first cell links.
 };
 struct Table {
   std::string title;
@@ -45,7 +45,7 @@ struct Notes {
 };
 using Block = std::variant<Table, Figure, Notes>;
 
-/// Blocks one below the other; one or two of them side by side.
+/// Blocks one below the other, in one or two columns side by side.
 struct Section {
   std::vector<std::vector<Block>> columns;
 };
@@ -54,7 +54,7 @@ struct PageContent {
   std::string title;
   std::string subtitle;
   std::vector<Fact> facts;
-  std::vector<std::string> alerts;  ///< What nobody may overlook.
+  std::vector<std::string> alerts;  ///< Warnings that the reader must not miss.
   std::vector<Section> sections;
 };
 

@@ -11,18 +11,18 @@ namespace dts::report {
 
 /// "eyes open, feet two".
 [[nodiscard]] std::string labels_text(const TrialData& trial);
-/// "done", or loud: "REDONE: does not count".
+/// Returns "done", or a conspicuous text: "REDONE: does not count".
 [[nodiscard]] std::string outcome_text(const TrialData& trial);
-/// What the filter of the analysis is, in words.
+/// Describes the filter of the analysis in words.
 [[nodiscard]] std::string filter_text(const posturography::Analysis& analysis);
-/// Files, devices, programs: where the numbers come from. `part`: of which file; all of them when it is none.
+/// Returns the files, devices and programs from which the numbers originate, for the parts [first_part, end_part).
 [[nodiscard]] std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_part, std::size_t end_part);
-/// True of every page of the session: synthetic data, damaged files.
+/// Returns warnings for every page of the session: synthetic data, damaged files.
 [[nodiscard]] std::vector<std::string> session_alerts(const SessionData& session);
-/// How far from a metrological platform this one is (posturography sheet section 2).
+/// Describes how this platform differs from a metrological platform (posturography sheet section 2).
 [[nodiscard]] std::string accuracy_note(const SessionData& session);
 
-/// One page of a trial, one of the session. `most_cells`: stabilograms that fit, of more the page tells.
+/// Returns the page of a trial.
 [[nodiscard]] PageContent trial_content(const SessionData& session, const TrialData& trial);
 struct SessionPageLimits {
   std::size_t trials = 0;
@@ -30,9 +30,9 @@ struct SessionPageLimits {
 };
 [[nodiscard]] PageContent session_content(const SessionData& session, const SessionPageLimits& limits);
 
-/// The page as HTML that is also XML, with everything in it: no script, nothing to fetch.
+/// Returns the page as HTML that is also valid XML and complete in itself: no script, nothing to download.
 [[nodiscard]] std::string html_of(const PageContent& content);
-/// The page as an SVG of A4 size.
+/// Returns the page as an SVG of A4 size.
 [[nodiscard]] std::string svg_of(const PageContent& content);
 
 }  // namespace dts::report

@@ -3,8 +3,8 @@
 
 namespace dts::report {
 
-/// A page in Mustache: {{...}} is escaped, {{{...}}} is what this program drew. Elements are closed as XML wants it, so that the page can
-/// be checked and taken apart by any XML tool. Sizes are in rem: on paper all of it shrinks to one page of A4.
+/// A page in Mustache: {{...}} is escaped, {{{...}}} is a picture of this program and is not escaped. Elements are closed as XML requires,
+/// so that any XML tool can check and parse the page. Sizes are in rem, so that the whole page shrinks to one A4 page on paper.
 inline constexpr const char* kPageTemplate = R"html(<!DOCTYPE html>
 <html xmlns="http://www.w3.org/1999/xhtml" lang="en" xml:lang="en">
 <head>

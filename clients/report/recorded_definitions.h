@@ -9,9 +9,9 @@
 
 namespace dts::report {
 
-/// The plate of the rig that was recorded; nothing when the definition is missing or does not read.
+/// Returns the plate of the recorded rig; nothing if the definition is missing or not readable.
 [[nodiscard]] std::optional<PlateSize> recorded_plate(const record::SessionFacts& facts);
-/// Trials that the protocol plans; 0: it plans none, or is not known.
+/// Returns the number of trials that the protocol plans; 0: none, or unknown.
 [[nodiscard]] std::uint32_t planned_trials(const record::SessionFacts& facts);
 
 }  // namespace dts::report

@@ -14,14 +14,15 @@ constexpr double kSameDurationS = 0.5;
 
 constexpr int kMostDigits = 3;
 
-/// That `value` is written with; at most two, as in the table of the sheet.
+/// Returns the number of decimals of `value`; at most two, as in the table of the sheet.
 int decimals_of(double value) {
   int decimals = 0;
   for (double scale = 1.0; decimals < 2 && std::abs(value * scale - std::round(value * scale)) > 1e-9; scale *= 10.0) ++decimals;
   return decimals;
 }
 
-/// Three digits, but not more decimals than were published: zeros would pretend to a precision that a range over people does not have.
+/// Formats three digits, but not more decimals than were published: additional zeros would suggest a precision that a range over people
+/// does not have.
 std::string published(double value, int most_decimals) {
   const int exponent = value > 0.0 ? static_cast<int>(std::floor(std::log10(value))) : 0;
   return fixed(value, std::clamp(kMostDigits - 1 - exponent, 0, most_decimals));

@@ -9,18 +9,18 @@
 
 namespace dts::report {
 
-/// Reference protocols whose eyes and surface are this trial's, for trials on two feet: no others are ever shown (posturography sheet
+/// Reference protocols that match the eyes and surface of this trial, only for trials on two feet; never shows others (posturography sheet
 /// section 9). At most three.
 struct MatchedReferences {
   std::vector<posturography::ReferenceProtocol> protocols;
-  bool is_surface_assumed = false;  ///< The trial does not say: firm is assumed, and the page must say so.
+  bool is_surface_assumed = false;  ///< The trial has no label for the surface: firm is assumed, and the page must state that.
 };
 [[nodiscard]] MatchedReferences matched_references(const TrialData& trial);
 
-/// "8.640 (5.760-14.90)"; "" when the protocol has none.
+/// Returns "8.640 (5.760-14.90)"; "" if the protocol has none.
 [[nodiscard]] std::string range_text(const posturography::ReferenceProtocol& protocol, posturography::Measure measure);
 [[nodiscard]] std::string footnote(const posturography::ReferenceProtocol& protocol, std::size_t number);
-/// Other durations and other filters give other values.
+/// Warns that other durations and other filters change the values.
 [[nodiscard]] std::vector<std::string> warnings(const MatchedReferences& references, const posturography::Analysis& analysis);
 
 }  // namespace dts::report

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kAnalysedShare = 0.9;
 constexpr SessionPageLimits kHtmlLimits{.trials = 10'000, .pictures = 60};
-constexpr SessionPageLimits kSvgLimits{.trials = 24, .pictures = 14};  // what fits A4
+constexpr SessionPageLimits kSvgLimits{.trials = 24, .pictures = 14};  // limits of an A4 page
 
 void add(const ReportSource& source, const std::string& name, const PageContent& content, Report& report) {
   if (source.with_html) report.pages.push_back({.file = name + ".html", .text = html_of(content)});

@@ -16,30 +16,30 @@ struct Page {
   std::string text;
 };
 
-/// What a report is made of.
+/// Input of a report.
 struct ReportSource {
-  std::vector<std::string> files;  ///< The parts of one session, in order; or any one recording.
-  std::string software;            ///< "dtsctl 0.1.0": who computed the values.
+  std::vector<std::string> files;  ///< The parts of one session, in order; or one recording.
+  std::string software;            ///< "dtsctl 0.1.0": the program that computed the values.
   bool with_html = true;
   bool with_svg = true;
 };
 
-/// How far the work is, 0..1. Returns false to stop it.
+/// Receives the progress, 0..1. Returns false to stop the report.
 using ReportProgress = std::function<bool(double)>;
 
 struct Report {
-  std::string session_id;  ///< Empty: a recording of another program.
+  std::string session_id;  ///< Empty: a recording by another program.
   std::vector<Page> pages;
-  std::vector<std::string> damage{};  ///< What was not whole; the pages say it too.
+  std::vector<std::string> damage{};  ///< What was damaged; the pages also show it.
 };
 
-/// Stands within the first kilobyte of every page: by it a page of ours is known.
+/// Is in the first kilobyte of every page, so that our own pages can be recognised.
 inline constexpr std::string_view kPageMark = "dtsd report page";
 
-/// One page for the session and one for every trial of it, each as HTML and as SVG of A4 size. Everything on it is computed from the
-/// recording; the same recording gives the same bytes on every machine. Fails as reading the recording does: NotFound without the stream
-/// "cop" (a chair's session), DataDamaged when a closed file does not have its checksums; Failed when `progress` stops it. A torn recording
-/// is reported as far as it is whole, and every page says so. Thread: any.
+/// Creates one page for the session and one for each of its trials, each as HTML and as SVG of A4 size. All content is computed from the
+/// recording; the same recording gives the same bytes on every machine. Fails as reading the recording fails: with NotFound without the
+/// stream "cop" (a chair's session), with DataDamaged if a closed file does not match its checksums. Fails with Failed if `progress` stops
+/// it. Reports a torn recording up to the damage, and every page states that. Thread: any.
 [[nodiscard]] core::Result<Report> make_report(const ReportSource& source, const ReportProgress& progress);
 
 }  // namespace dts::report

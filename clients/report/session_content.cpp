@@ -38,7 +38,7 @@ std::vector<Fact> facts_of(const SessionData& session) {
   return facts;
 }
 
-/// Largest scale at which every path fits its cell: a small sway next to a large one looks small.
+/// Returns the largest scale at which every path fits its cell; one scale for all, so that sizes are comparable.
 double common_scale(const std::vector<const TrialData*>& trials) {
   double half_mm = 1.0;
   for (const TrialData* trial : trials) {
@@ -98,7 +98,8 @@ Notes left_out(const SessionData& session) {
   for (const TrialData& trial : session.trials) {
     if (!trial.counts() || (trial.analysis->flags & posturography::sway_flag::kCutAtGap) == 0 || notes.items.size() >= 40) continue;
     notes.items.push_back("Trial " + trial.number() + ": samples are missing, only its longest clean stretch of " +
-                          fixed(trial.analysis->duration_s, 1) + " s was analysed. It is in a mean only if no trial of its condition is whole.");
+                          fixed(trial.analysis->duration_s, 1) +
+                          " s was analysed. It is in a mean only if no trial of its condition is whole.");
   }
   std::string missing;
   std::size_t count = 0;

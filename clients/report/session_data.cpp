@@ -21,16 +21,16 @@ namespace {
 using posturography::Measure;
 
 constexpr double kSameValue = 1e-9;
-constexpr double kReadingShare = 0.5;  // of the whole work, for the progress bar
+constexpr double kReadingShare = 0.5;  // fraction of the work, for the progress bar
 constexpr double kLargestUtcNs = 9e18;
 
-/// One part's share [begin, end) of the work.
+/// The range [begin, end) of the progress for one part.
 struct Share {
   double begin = 0.0;
   double end = 1.0;
 };
 
-/// Remembers that the work was stopped: callbacks below cannot.
+/// Remembers that the report was stopped, because the callbacks below cannot.
 class Waiting {
  public:
   Waiting(const ReportProgress& progress) : progress_(progress) {}
@@ -51,7 +51,7 @@ core::Result<PartData> check_part(const std::string& path, const record::Recordi
                 .sha256 = {},
                 .damage = recording.damage(),
                 .losses = to_text(recording.losses())};
-  // Wrong values look like any others: only the checksums know. A figure in a report must not come from a damaged file.
+  // Wrong values look like correct ones: only the checksums show damage. A figure in a report must not be from a damaged file.
   const auto verified = record::verify(path, [&](std::uint64_t done, std::uint64_t of) {
     waiting.report(share, of > 0 ? static_cast<double>(done) / static_cast<double>(of) : 1.0);
     return waiting.is_wanted();
@@ -97,7 +97,7 @@ core::Status read_part(const std::string& path, Waiting& waiting, const Share& s
     added.part = session.parts.size();
     session.trials.push_back(std::move(added));
   }
-  // A session that was resumed has figures of its parts: only those of a whole session compare with what is computed here.
+  // A resumed session has figures for its parts; only figures for the whole session are comparable with those computed here.
   for (session::SessionFigure& figure : standing->told_figures) session.summary.push_back(std::move(figure));
   session.parts.push_back(std::move(*part));
   return {};
@@ -138,7 +138,7 @@ void name_pages(std::vector<TrialData>& trials) {
   }
 }
 
-/// The same as the daemon's: of the trials that count.
+/// Summarises the trials that count, as the daemon does.
 void summarise(SessionData& session) {
   const std::vector<session::SessionFigure> told = std::exchange(session.summary, {});
   std::vector<session::SwayTrialResult> results;

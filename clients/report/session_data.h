@@ -19,41 +19,41 @@ namespace dts::report {
 
 /// One file of the session.
 struct PartData {
-  std::string file;      ///< Without its folder: reports are the same on every machine.
+  std::string file;      ///< Without its folder, so that reports are the same on every machine.
   std::string sha256{};  ///< Empty: the file is damaged.
-  std::string state{};   ///< As the catalogue words it; empty likewise.
-  std::string damage;    ///< Empty: nothing is wrong.
-  std::string losses;    ///< What is missing between its first scan and its last; empty: nothing.
+  std::string state{};   ///< In the words of the catalogue; empty if the file is damaged.
+  std::string damage;    ///< Empty: no damage.
+  std::string losses;    ///< What is missing between its first and its last scan; empty: nothing.
 };
 
-/// A trial, analysed here and now.
+/// A trial and its new analysis.
 struct TrialData {
   session::StandingTrial recorded;
   std::size_t part = 0;                       ///< Index into `SessionData::parts`.
-  std::optional<std::int64_t> begins_utc_ns;  ///< When what counts began.
+  std::optional<std::int64_t> begins_utc_ns;  ///< Start of the part that counts.
   std::optional<posturography::Prepared> prepared;
   posturography::Spectra spectra;
   std::optional<posturography::Analysis> analysis;
   std::string problem;                 ///< Why there is no analysis.
-  std::vector<std::string> differing;  ///< Symbols of values that the daemon told otherwise.
+  std::vector<std::string> differing;  ///< Symbols of values that differ from those that the daemon recorded.
   std::string page;                    ///< "trial-03": unique within the session.
 
-  /// It is done, and was neither redone nor rejected; of a recording without trials always.
+  /// Returns whether the trial is done, and neither redone nor rejected; always true for a recording without trials.
   [[nodiscard]] bool is_kept() const { return recorded.trial == 0 ? recorded.counts() : recorded.outcome == "done"; }
   [[nodiscard]] bool counts() const { return is_kept() && analysis && analysis->is_valid(); }
   [[nodiscard]] std::string label(const std::string& name) const;
-  /// "3", "3, attempt 2"; of a recording without trials "standing 1".
+  /// Returns "3", "3, attempt 2"; "standing 1" for a recording without trials.
   [[nodiscard]] std::string number() const;
 };
 
-/// All of a session that a report shows.
+/// All data of a session that a report shows.
 struct SessionData {
   std::string software;
-  std::optional<record::SessionFacts> facts;  ///< Of the first part; absent: another program's file.
+  std::optional<record::SessionFacts> facts;  ///< Of the first part; absent: a file of another program.
   std::vector<PartData> parts;
   std::vector<TrialData> trials;  ///< In the order of the recording.
   std::vector<session::SessionFigure> summary;
-  std::vector<std::string> differing_figures;  ///< Names of figures that the daemon told otherwise.
+  std::vector<std::string> differing_figures;  ///< Names of figures that differ from those that the daemon recorded.
   std::optional<PlateSize> plate;
   std::uint32_t planned_trials = 0;
   std::optional<double> foot_length_mm;
@@ -62,7 +62,7 @@ struct SessionData {
   [[nodiscard]] bool is_synthetic() const { return facts && facts->device_uri.starts_with("sim:"); }
 };
 
-/// Whether two values are the same but for rounding: 1e-9 relative.
+/// Returns whether two values are equal except for rounding: 1e-9 relative.
 [[nodiscard]] bool is_same_value(double a, double b) noexcept;
 
 /// Reads and analyses. Fails as `make_report`.

@@ -41,7 +41,7 @@ constexpr std::array kPublished = {PublishedQuotient{Measure::Mvelo, "1.11 (0.80
                                    PublishedQuotient{Measure::Pea95F, "1.24 (0.62-1.73)", "0.98 (0.57-1.77)"},
                                    PublishedQuotient{Measure::AreaSw, "1.21 (0.73-1.86)", "1.03 (0.64-1.96)"}};
 
-/// "eyes-open-two-feet/MVELO" taken apart at its last slash.
+/// The parts of "eyes-open-two-feet/MVELO", split at the last slash.
 struct FigureName {
   std::string group;
   std::string symbol;
@@ -52,20 +52,20 @@ FigureName parts_of(const std::string& name) {
   return {.group = name.substr(0, slash), .symbol = name.substr(slash + 1)};
 }
 
-/// "feet=two,surface=firm" as words that a line can be broken between.
+/// Returns "feet=two,surface=firm" as words with places for line breaks.
 std::string stance_text(const std::string& stance) {
   std::string text;
   for (const char letter : stance) text += letter == ',' ? std::string(", ") : std::string(1, letter == '=' ? ' ' : letter);
   return text.empty() ? "quotient" : text;
 }
 
-/// The published quotients are of two feet on a firm surface; where a protocol does not say, it is not known.
+/// The published quotients are for two feet on a firm surface; a stance without a surface counts as firm.
 bool is_of_references(const std::string& stance) {
   const bool is_firm = stance.find("surface=") == std::string::npos || stance.find("surface=firm") != std::string::npos;
   return is_firm && stance.find("feet=two") != std::string::npos;
 }
 
-/// Of trials that are not as long as those of the published quotients; empty when they are.
+/// Returns a warning for trials with another duration than the published quotients; empty if there are none.
 std::string other_duration(const SessionData& session) {
   constexpr double kPublishedS = 60.0;
   const auto other = std::ranges::find_if(session.trials, [](const TrialData& trial) {
@@ -76,7 +76,7 @@ std::string other_duration(const SessionData& session) {
 
 bool is_romberg(const session::SessionFigure& figure) { return figure.unit == "1" && figure.name.starts_with(kRomberg); }
 
-/// Groups of figures in the order of their first, and their values by symbol.
+/// Groups of figures in the order of their first figure, and their values by symbol.
 struct Groups {
   std::vector<std::string> names;
   std::map<std::pair<std::string, std::string>, double> values;
@@ -91,7 +91,7 @@ struct Groups {
   }
 };
 
-/// Measures that any group has, in their order.
+/// Returns the measures that any group has, in the order of measures.
 std::vector<Measure> measures_of(const Groups& groups) {
   std::vector<Measure> measures;
   for (std::size_t index = 0; index < posturography::kMeasureCount; ++index) {

@@ -9,11 +9,12 @@
 
 namespace dts::report {
 
-/// A trial a row: condition, outcome, main measures. Of more than `most_rows` the table tells how many there are.
+/// Returns a table with one trial per row: condition, outcome, main measures. With more than `most_rows` trials, the table states their
+/// number.
 [[nodiscard]] Table trial_table(const SessionData& session, std::size_t most_rows);
-/// Means of the core measures over the trials that count: conditions side by side, a few to a table.
+/// Returns the means of the core measures over the trials that count, with conditions side by side, a few per table.
 [[nodiscard]] std::vector<Table> condition_tables(const SessionData& session);
-/// Eyes closed over eyes open, beside what was published for the same stance; nothing when no two conditions make one.
+/// Returns eyes closed over eyes open, beside published values for the same stance; nothing if no two conditions form a pair.
 [[nodiscard]] std::optional<Table> romberg_table(const SessionData& session);
 
 }  // namespace dts::report

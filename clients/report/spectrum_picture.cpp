@@ -92,7 +92,7 @@ void draw_curve(Canvas& canvas, const Plot& plot, const Curve& curve) {
   canvas.path(path_data(points), {.colour = curve.colour, .width = 0.35, .dash = curve.dash});
 }
 
-/// PF50: a full dot; PF95: a ring. Their values stand in the legend, where they cannot lie over one another.
+/// Draws PF50 as a full dot and PF95 as a ring. Their values are in the legend, where they cannot overlap.
 void draw_quantiles(Canvas& canvas, const Plot& plot, const Curve& curve, const posturography::Measures& measures, double legend_y) {
   const auto pf50 = measures.get(curve.pf50);
   const auto pf95 = measures.get(curve.pf95);

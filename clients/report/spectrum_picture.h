@@ -9,8 +9,8 @@
 
 namespace dts::report {
 
-/// Densities of AP and ML over 0.15 to 5 Hz, both axes logarithmic, with PF50 and PF95 where they are defined. Nothing to draw (no bin
-/// above 0): `why_not` stands in its place.
+/// Draws the densities of AP and ML over 0.15 to 5 Hz, both axes logarithmic, with PF50 and PF95 where they are defined. If there is
+/// nothing to draw (no bin above 0), shows `why_not` instead.
 void draw_spectra(Canvas& canvas, double width, double height, const posturography::Spectra& spectra,
                   const posturography::Measures& measures, const std::string& why_not);
 

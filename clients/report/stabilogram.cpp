@@ -16,9 +16,9 @@ namespace {
 using posturography::Prepared;
 
 constexpr std::size_t kPathMostPoints = 6000;
-constexpr double kRoom = 1.06;  // air between the data and the frame
+constexpr double kRoom = 1.06;  // space between the data and the frame
 constexpr double kPathLeft = 10.0;
-constexpr double kPathRight = 23.0;  // inset and legend, whatever the reader's letters are
+constexpr double kPathRight = 23.0;  // space for inset and legend with any font
 constexpr double kTop = 1.0;
 constexpr double kPathBottom = 8.5;
 
@@ -79,7 +79,7 @@ void draw_scale_bar(Canvas& canvas, const Frame& frame) {
   canvas.text(right - length / 2.0, y - 1.1, lengths.label(length_mm) + " mm", {.size = kSmallText, .anchor = Anchor::Middle});
 }
 
-/// The plate from above with the frame of the picture on it; the plate's centre is the origin of the recorded COP.
+/// Draws the plate from above with the frame of the picture; the plate's centre is the origin of the recorded COP.
 void draw_inset(Canvas& canvas, double x, double y, double size, const Frame& frame, const Prepared& prepared, const PlateSize& plate) {
   const double scale = size / std::max(plate.a_mm, plate.b_mm);
   const double width = plate.a_mm * scale;

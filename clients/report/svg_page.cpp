@@ -11,7 +11,7 @@ namespace {
 constexpr double kTitleSize = 4.6;
 constexpr double kHeadSize = 2.6;  // of blocks
 constexpr double kTextSize = 2.1;
-constexpr double kBoldWider = 1.18;  // than the same text in regular letters
+constexpr double kBoldWider = 1.18;  // relative to the same text in regular letters
 constexpr double kRowPitch = 2.55;
 constexpr double kLinePitch = 2.55;
 constexpr double kBlockGap = 1.8;
@@ -30,7 +30,7 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-/// At spaces; a word that is longer than a line (a hash, a hostile text) is cut between characters.
+/// Breaks lines at spaces; cuts a word longer than a line (a hash, a hostile text) between characters.
 std::vector<std::string> lines_of(const std::string& text, double width, double size) {
   std::vector<std::string> lines(1);
   for (const std::string& word : words_of(text)) {
@@ -46,7 +46,7 @@ std::vector<std::string> lines_of(const std::string& text, double width, double 
   return lines;
 }
 
-/// Writes downwards; what finds no room on the page is left out, and the page says so.
+/// Writes downwards; skips blocks that do not fit on the page, and the page states that.
 class Flow {
  public:
   Flow(Canvas& canvas, double left, double width, double top) : canvas_(canvas), left_(left), width_(width), y_(top) {}
@@ -115,7 +115,7 @@ class Flow {
     for (std::size_t line = 0; line < most; ++line) {
       double x = left_;
       for (std::size_t index = 0; index < table.columns.size(); ++index) {
-        const std::size_t above = most - heads[index].size();  // heads stand on the line
+        const std::size_t above = most - heads[index].size();  // aligns heads at the bottom
         if (line >= above)
           put_cell(table.columns[index], x, widths[index], heads[index][line - above], {.size = kTextSize, .colour = colour::kDarkGrey});
         x += widths[index];

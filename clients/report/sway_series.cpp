@@ -55,7 +55,7 @@ double mean_of(const std::vector<double>& values) {
   return count > 0.0 ? sum / count : 0.0;
 }
 
-/// Outside [begin, end) as recorded, within missing, so that nothing is drawn twice.
+/// Returns the recorded values outside [begin, end) and NaN within, so that nothing is drawn twice.
 std::vector<double> beside(const Lane& lane, double begin_s, double end_s, double rate_hz) {
   std::vector<double> values = lane.recorded_mm;
   for (std::size_t index = 0; index < values.size(); ++index) {
@@ -134,7 +134,7 @@ double half_mm(const CopSeries& recorded, const Prepared* prepared, double mean_
   if (prepared == nullptr) {
     widen(recorded.ml_mm, mean_ml_mm);
     widen(recorded.ap_mm, mean_ap_mm);
-  } else {  // what lies beside what was analysed may be somebody stepping off: it is cut off at the frame
+  } else {  // values outside the analysed part may be from stepping off the plate: they are cut off at the frame
     widen(prepared->ml_mm, 0.0);
     widen(prepared->ap_mm, 0.0);
   }

@@ -7,8 +7,8 @@
 
 namespace dts::report {
 
-/// AP and ML against time, one above the other, to the same scale in mm: what was analysed in colour, what was recorded beside it in grey,
-/// missing samples as gaps. `prepared` may be nullptr: nothing was analysed.
+/// Draws AP and ML against time, one above the other, with the same scale in mm: the analysed data in colour, the other recorded data in
+/// grey, missing samples as gaps. `prepared` is nullptr if nothing was analysed.
 void draw_sway_series(Canvas& canvas, double width, double height, const posturography::CopSeries& recorded,
                       const posturography::Prepared* prepared);
 

@@ -13,10 +13,10 @@
 
 namespace dts::report {
 
-/// A recording that notes in passing when its segments began, and that ends in a failure when whoever waits no longer wants it.
+/// A recording that notes the starts of its segments while it is read, and that fails when the caller no longer wants the result.
 class WatchedRecording final : public record::Recording {
  public:
-  /// `wants_more` is asked now and then. Both must outlive this.
+  /// Calls `wants_more` from time to time. Both arguments must outlive this object.
   WatchedRecording(record::Recording& recording, std::function<bool()> wants_more)
       : recording_(recording), wants_more_(std::move(wants_more)) {}
 
@@ -32,7 +32,7 @@ class WatchedRecording final : public record::Recording {
   [[nodiscard]] std::uint64_t offset() const noexcept override { return recording_.offset(); }
   [[nodiscard]] std::uint64_t size() const noexcept override { return recording_.size(); }
 
-  /// Of a scan of the raw stream, in CLOCK_MONOTONIC; nothing when the segment's beginning was not recorded.
+  /// Returns the time of a scan of the raw stream, in CLOCK_MONOTONIC; nothing if the start of the segment was not recorded.
   [[nodiscard]] std::optional<std::int64_t> host_time_ns(std::uint32_t segment, core::ScanIndex scan, double raw_rate_hz) const;
 
  private:

@@ -9,7 +9,7 @@
 namespace dts::classifier {
 namespace {
 
-/// Never overflows: exp of what is at most 0.
+/// Cannot overflow: exp is called only with values <= 0.
 double logistic(double sum) noexcept {
   if (sum >= 0.0) return 1.0 / (1.0 + std::exp(-sum));
   const double power = std::exp(sum);

@@ -10,9 +10,10 @@ namespace dts::classifier {
 namespace {
 
 constexpr double kMinorPart = 0.05;        ///< Of P1: reach_flag::kMinor.
-constexpr double kLargestDeviation = 0.3;  ///< From the median; people repeat a maximum reach within some 10 %. One in three may fail.
+constexpr double kLargestDeviation = 0.3;  ///< From the median. People repeat a maximum reach within about 10 %; one of three may deviate
+                                           ///< more.
 
-/// NaN as soon as one is.
+/// Returns NaN if a value is NaN.
 template <typename Value>
 double median_of(std::span<const core::ReachFeatures> reaches, Value value) {
   std::vector<double> values;

@@ -16,15 +16,16 @@ namespace reason = core::class_reason;
 using core::TrunkClass;
 using core::TrunkMovement;
 
-constexpr double kLightestPart = 0.7;              ///< Of the lowest P1 of training: a child is not judged by adults.
-constexpr double kHeaviestPart = 1.35;             ///< Of the highest.
-constexpr double kLargestContradictionDeg = 18.0;  ///< Twice what geometry (6.7 deg rms, reach-model section 3) and a model miss together.
-/// With a replaced sensor d2 is wrong by up to a tenth, after a pause the second movement is quicker than a reach, and a rest that was not
-/// seen is a guess: only what is far from a border stands.
+constexpr double kLightestPart = 0.7;              ///< Of the lowest P1 in training: a model of adults does not classify a child.
+constexpr double kHeaviestPart = 1.35;             ///< Of the highest P1 in training.
+constexpr double kLargestContradictionDeg = 18.0;  ///< Twice the combined error of geometry (6.7 deg rms, reach-model section 3) and a
+                                                   ///< model.
+/// Doubtful reaches need a higher probability, far from a border. With a substituted sensor, d2 is wrong by up to a tenth; after a pause,
+/// the second movement is quicker than a reach; a rest that was not measured is a guess.
 constexpr std::uint16_t kDoubtfulFlags = flag::kSubstituted | flag::kResumed | flag::kBaselineUncertain;
 constexpr double kDoubtfulLimit = 0.98;
 
-/// What is known before anything is rejected.
+/// The result before any rejection.
 struct Judgement {
   TrunkMovement movement;
   TrunkClass guess = TrunkClass::Rejected;
@@ -39,8 +40,9 @@ bool is_subject_usable(const SubjectCalibration* subject) noexcept {
          subject->max_flexion_deg <= 90.0;
 }
 
-/// Flexion at the subject's maximum: what geometry and the general model say, together. The model alone where geometry asks for less than
-/// class 3, or the two contradict each other: who bends the trunk without need (thesis 6.4.2, S1 and S5) does not follow the geometry.
+/// Returns the flexion at the subject's maximum, as the average of geometry and the general model. Uses only the model if geometry needs
+/// less than class 3, or if the two contradict each other: a person who bends the trunk without need (thesis 6.4.2, S1 and S5) does not
+/// follow the geometry.
 double maximum_deg(const TrunkModelForm& form, const SubjectCalibration& subject) noexcept {
   if (!form.angle) return subject.max_flexion_deg;
   const auto inputs = scale(form.angle->sine.inputs, subject.maximum, nullptr, true);
@@ -60,7 +62,7 @@ void mark_range(TrunkMovement& movement, const ScaledInputs& inputs) noexcept {
   if (!inputs.is_in_range) movement.reasons |= reason::kOutOfRange;
 }
 
-/// By the subject's own scale; false when a feature for it is missing.
+/// Judges by the subject's own scale; returns false if a feature for it is missing.
 bool judge_by_own_scale(const TrunkModelForm& form, const core::ReachFeatures& features, const SubjectCalibration& subject,
                         TrunkMovement& movement) noexcept {
   if (!form.own || !form.own_angle) return false;
@@ -72,7 +74,7 @@ bool judge_by_own_scale(const TrunkModelForm& form, const core::ReachFeatures& f
   set_angle(movement, angle);
   mark_range(movement, inputs);
   movement.reasons |= reason::kCalibrated;
-  // Whose own maximum is less than that of class 3 has no reach of class 3: then the angle alone tells.
+  // A subject whose own maximum is below class 3 has no reach of class 3: then only the angle decides.
   movement.probability = largest_deg > kMaximumFromDeg ? probabilities(*form.own, inputs) : probabilities(angle);
   return true;
 }
@@ -88,7 +90,7 @@ bool judge_in_general(const TrunkModelForm& form, const core::ReachFeatures& fea
   return true;
 }
 
-/// A class whose window of angles lies outside of the interval of the angle.
+/// Returns whether the class's window of angles is outside the interval of the angle.
 bool contradicts(TrunkClass guess, const TrunkMovement& movement) noexcept {
   if (!std::isfinite(movement.trunk_deg)) return false;
   const auto index = static_cast<std::size_t>(std::max(1, static_cast<int>(guess)) - 1);

@@ -10,7 +10,7 @@
 namespace dts::classifier {
 namespace {
 
-constexpr double kFarOutside = 0.5;  ///< Of half the range, beyond its end: other people reach a little farther.
+constexpr double kFarOutside = 0.5;  ///< Of half the range, beyond its end: other people reach slightly farther.
 constexpr double kLeastProbability = 1e-9;
 constexpr double kNinetyPercent = 1.6449;  ///< Half width of a normal distribution's 90 % interval, in standard deviations.
 constexpr double kLargestFlexionDeg = 90.0;
@@ -35,7 +35,7 @@ ScaledInputs scale(const std::vector<FeatureRange>& inputs, const core::ReachFea
       result.is_known = false;
       continue;
     }
-    // A slow reach is still a reach: pace is clipped, and nothing is rejected for it.
+    // A slow reach is still a reach: its pace is clipped and never causes a rejection.
     if (inputs[k].feature != ReachFeature::Rise && std::abs(scaled) > 1.0 + kFarOutside) result.is_in_range = false;
     result.values[k] = is_clipped ? std::clamp(scaled, -1.0, 1.0) : scaled;
   }
@@ -81,7 +81,7 @@ Angle angle_of(const AngleModel& model, const ScaledInputs& inputs, double sine_
 }
 
 Network::Outputs probabilities(const Angle& angle) noexcept {
-  // The interval may be cut at 0 or 90 degrees: its wider side says how sure the estimate is.
+  // The interval may be cut at 0 or 90 degrees, so its wider side is the uncertainty of the estimate.
   const double half_width_deg = std::max(angle.highest_deg - angle.deg, angle.deg - angle.lowest_deg);
   const double deviation_deg = std::max(half_width_deg, 0.1) / kNinetyPercent;
   const double below_moderate = normal_below((kModerateFromDeg - angle.deg) / deviation_deg);

@@ -8,19 +8,19 @@
 
 namespace dts::classifier {
 
-/// Features of one reach as networks and polynomials take them.
+/// Features of one reach as input of networks and polynomials.
 struct ScaledInputs {
   std::array<double, Network::kMaxInputs> values{};
   bool is_known = true;     ///< All are finite.
-  bool is_in_range = true;  ///< None is far outside of what training had.
+  bool is_in_range = true;  ///< None is far outside the training range.
 };
 
-/// `is_clipped`: what is outside its range counts as its end, so that one strange feature cannot carry a polynomial away (reach-model
-/// section 6: 46 to 225 degrees from one bad trial).
+/// `is_clipped`: a value outside its range counts as the end of the range, so that one strange feature cannot dominate a polynomial
+/// (reach-model section 6: 46 to 225 degrees from one bad trial).
 [[nodiscard]] ScaledInputs scale(const std::vector<FeatureRange>& inputs, const core::ReachFeatures& reach,
                                  const SubjectCalibration* subject, bool is_clipped) noexcept;
 
-/// Mean of the networks' outputs as calibrated probabilities: at least 1e-9 each, sum 1.
+/// Returns the mean of the networks' outputs as calibrated probabilities: at least 1e-9 each, sum 1.
 [[nodiscard]] Network::Outputs probabilities(const Ensemble& ensemble, const ScaledInputs& inputs) noexcept;
 
 [[nodiscard]] double value_of(const Quadratic& quadratic, const ScaledInputs& inputs) noexcept;
@@ -33,13 +33,13 @@ struct Angle {
   double highest_deg = 0.0;
 };
 
-/// `sine_at_maximum`: of the subject's own maximum reach, 1 for a general model.
+/// `sine_at_maximum`: sine at the subject's own maximum reach; 1 for a general model.
 [[nodiscard]] Angle angle_of(const AngleModel& model, const ScaledInputs& inputs, double sine_at_maximum) noexcept;
 
-/// Of the class whose window of angles holds the true one, taken as normally distributed around the estimate.
+/// Returns the probability that the true angle is in the window of each class, with a normal distribution around the estimate.
 [[nodiscard]] Network::Outputs probabilities(const Angle& angle) noexcept;
 
-/// 0, 1, 2: class 1, 2, 3.
+/// Returns 0, 1, 2 for class 1, 2, 3.
 [[nodiscard]] std::size_t class_index(double angle_deg) noexcept;
 
 }  // namespace dts::classifier

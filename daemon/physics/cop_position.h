@@ -3,8 +3,8 @@
 
 namespace dts::physics {
 
-/// A centre of pressure as it is published: mm, ML positive to the subject's right, AP positive forward. Where the origin
-/// lies (plate centre, mean stance) is said by whoever gives it.
+/// A published centre of pressure: mm, ML positive to the subject's right, AP positive forward. The source of the position defines the
+/// origin (plate centre or mean stance).
 struct CopPosition {
   double ml_mm = 0.0;
   double ap_mm = 0.0;

@@ -20,13 +20,13 @@ struct SensorModel {
   core::Millimetres unloaded_gap{12.0};
 };
 
-/// Everything the physics knows about one rig: what the simulator bends and what the estimators are calibrated on.
+/// The physical model of one rig: the simulator bends it, and the estimators are calibrated on it.
 /// Floor platform: sensors in the order w1 (-,-), w2 (+,-), w3 (-,+), w4 (+,+) of plate-model section 3.
 struct RigModel {
   Plate plate;
   Support support;
   std::vector<SensorModel> sensors;
-  /// Chair: which sensors make the transient, the rear ones (smaller y) first; pairs lie symmetrically to the middle (thesis 5.3.2).
+  /// Chair: sensors that form the transient, the rear ones (smaller y) first; each pair is symmetric to the middle (thesis 5.3.2).
   struct TransientSensors {
     std::array<std::size_t, 2> rear{};  ///< Indices into `sensors`: left, right.
     std::array<std::size_t, 2> front{};

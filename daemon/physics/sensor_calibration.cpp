@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kSameGapMm = 1e-3;
 constexpr std::size_t kGapsForCubic = 6;
-constexpr double kCubicErrorOfSpan = 0.005;      // what a smooth sensor curve may differ from a cubic
-constexpr double kQuadraticErrorOfSpan = 0.015;  // and from a quadratic
-constexpr double kRepeatFloorOfSpan = 0.002;     // a spacer is never put back exactly
+constexpr double kCubicErrorOfSpan = 0.005;      // largest difference between a smooth sensor curve and a cubic
+constexpr double kQuadraticErrorOfSpan = 0.015;  // the same for a quadratic
+constexpr double kRepeatFloorOfSpan = 0.002;     // a spacer is never put back to exactly the same position
 constexpr double kMadToDeviation = 1.4826;       // for a normal distribution
-constexpr double kMostScatterOfSpan = 0.05;      // more, with any one point left out, is no curve at all
+constexpr double kMostScatterOfSpan = 0.05;      // a larger scatter, with any one point left out, is not a curve
 
 /// All readings of one gap.
 struct Level {
@@ -94,14 +94,14 @@ core::Status check_repeats(const std::vector<Level>& levels) {
   return {};
 }
 
-/// A polynomial through all levels but one.
+/// A polynomial through all levels except one.
 struct Fit {
-  double scatter_v = 0.0;         ///< Of the levels used, per degree of freedom.
-  double prediction_v = 0.0;      ///< At the level left out.
-  double prediction_error = 0.0;  ///< Of the difference there, in units of one level's error: sqrt(1 + leverage).
+  double scatter_v = 0.0;         ///< Of the used levels, per degree of freedom.
+  double prediction_v = 0.0;      ///< At the omitted level.
+  double prediction_error = 0.0;  ///< Of the difference at the omitted level, in units of one level's error: sqrt(1 + leverage).
 };
 
-/// Rows of Legendre-like powers of the gap scaled to -1 .. 1: well conditioned for the few degrees used here.
+/// Returns rows of Legendre-like powers of the gap scaled to -1 .. 1: well conditioned for these low degrees.
 Eigen::VectorXd basis(const std::vector<Level>& levels, double gap_mm, int degree) {
   const double first = levels.front().gap_mm;
   const double last = levels.back().gap_mm;

@@ -11,12 +11,12 @@
 namespace dts::physics {
 namespace {
 
-/// A curve is refused when its tables cannot keep gap -> volts -> gap within this.
+/// A curve is rejected if its tables cannot keep gap -> volts -> gap within this tolerance.
 constexpr double kRoundTripMm = 1e-4;
 constexpr std::size_t kSmallestTable = 1024;
 constexpr std::size_t kLargestTable = 65'536;
 
-/// The smallest end slope, as a part of the first secant: the usual limit of 0 would make the inverse infinitely steep there.
+/// The smallest end slope, as a fraction of the first secant. The usual limit of 0 would make the inverse infinitely steep.
 constexpr double kEndSlope = 0.25;
 
 tl::unexpected<core::Error> bad_point(const std::string& name, std::size_t index, const CurvePoint& point, const std::string& why) {
@@ -64,7 +64,7 @@ class MonotoneCubic {
            width(k) * t * u * (slopes_[k] * u - slopes_[k + 1] * t);
   }
 
-  /// The gap of `volts` within segment `k`. Bisection: exact to the last digit, and the slope may be as steep as it likes.
+  /// Returns the gap of `volts_wanted` within segment `k`. Bisection: exact to the last digit for any slope.
   [[nodiscard]] double gap(std::size_t k, double volts_wanted) const noexcept {
     constexpr int kHalvings = 50;
     const bool is_rising = points_[1].volts > points_[0].volts;
@@ -111,7 +111,7 @@ std::vector<double> tabulate_volts(const MonotoneCubic& cubic, const std::vector
   return table;
 }
 
-/// Entry k belongs to the voltage k steps above the lowest one.
+/// Entry k is for the voltage k steps above the lowest one.
 std::vector<double> tabulate_gaps(const MonotoneCubic& cubic, const std::vector<CurvePoint>& points, std::size_t size) {
   const double first = points.front().volts.value;
   const double step = (points.back().volts.value - first) / static_cast<double>(size - 1);
@@ -128,7 +128,7 @@ std::vector<double> tabulate_gaps(const MonotoneCubic& cubic, const std::vector<
   return table;
 }
 
-/// Linear interpolation in a table of even steps over [lowest, highest]; arguments outside count as its end, NaN stays NaN.
+/// Interpolates linearly in a table of even steps over [lowest, highest]; an argument outside counts as the end, NaN stays NaN.
 double look_up(const std::vector<double>& table, double lowest, double highest, double argument) noexcept {
   const double last = static_cast<double>(table.size() - 1);
   const double position = (argument - lowest) * (last / (highest - lowest));
@@ -182,14 +182,14 @@ core::Millimetres SensorCurve::gap(core::Volts volts) const noexcept { return {l
 bool SensorCurve::contains(core::Volts volts) const noexcept { return volts.value >= lowest_v_ && volts.value <= highest_v_; }
 
 double SensorCurve::round_trip_error_mm() const noexcept {
-  // Both tables err most half way between their entries; an odd number of probes per entry meets such places.
+  // Both tables have their largest errors half way between entries; an odd number of probes per entry includes these places.
   const std::size_t probes = 3 * volts_table_.size() + 1;
   const double step = (maximum_gap() - minimum_gap()).value / static_cast<double>(probes);
   double largest = 0.0;
   for (std::size_t k = 0; k <= probes; ++k) {
     const core::Millimetres there{minimum_gap().value + step * static_cast<double>(k)};
     const double error = std::abs((gap(volts(there)) - there).value);
-    if (!(error <= largest)) largest = error;  // lets NaN through: a curve of absurd numbers is refused, too
+    if (!(error <= largest)) largest = error;  // keeps NaN: a curve of absurd numbers is rejected, too
   }
   return largest;
 }

@@ -14,15 +14,15 @@ struct CurvePoint {
   core::Volts volts;
 };
 
-/// Output voltage of a reflective sensor over its gap: strictly monotone, interpolated through calibration points by
-/// monotone cubic Hermite (Fritsch-Carlson), so that it cannot overshoot between them.
+/// Output voltage of a reflective sensor as a function of its gap: strictly monotone, interpolated between calibration points by monotone
+/// cubic Hermite (Fritsch-Carlson), which cannot overshoot.
 ///
-/// Both directions are evaluated from dense tables built at creation, linear between entries; gap to volts and back returns within
-/// 1e-4 mm. NaN in, NaN out. Thread: any. Realtime-safe: yes.
+/// Both directions use dense tables built at creation, linear between entries. Gap to volts and back returns the gap within 1e-4 mm. NaN in
+/// gives NaN out. Thread: any. Realtime-safe: yes.
 class SensorCurve {
  public:
-  /// At least two points with strictly rising gap and strictly monotone volts (either way); else InvalidArgument, naming the
-  /// point. Fails also when the curve is so flat somewhere that the tables cannot be inverted within 1e-4 mm.
+  /// Needs at least two points with strictly rising gap and strictly monotone volts (rising or falling); else fails with InvalidArgument
+  /// and names the point. Also fails if the curve is so flat somewhere that the tables cannot be inverted within 1e-4 mm.
   [[nodiscard]] static core::Result<SensorCurve> create(std::string name, std::vector<CurvePoint> points);
   /// The curve assumed in plate-model section 5 for the HOA1405-2 (thesis Fig. 3.9 is missing): V = 0.9 + 0.35 z + 0.058 z^2,
   /// z = 12 mm - gap, as points every 0.25 mm over 4..13 mm.
@@ -32,9 +32,9 @@ class SensorCurve {
   [[nodiscard]] core::Millimetres minimum_gap() const noexcept;
   [[nodiscard]] core::Millimetres maximum_gap() const noexcept;
 
-  /// Gaps outside the calibrated range count as its end.
+  /// A gap outside the calibrated range counts as the end of the range.
   [[nodiscard]] core::Volts volts(core::Millimetres gap) const noexcept;
-  /// Voltages outside the calibrated range count as its end; `contains` tells.
+  /// A voltage outside the calibrated range counts as the end of the range; check with `contains`.
   [[nodiscard]] core::Millimetres gap(core::Volts volts) const noexcept;
   [[nodiscard]] bool contains(core::Volts volts) const noexcept;
 

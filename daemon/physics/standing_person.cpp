@@ -14,14 +14,14 @@ namespace {
 
 using core::ErrorCode;
 
-// Assumed foot: the heel's pressure centre 15 % and the ball's 70 % of the foot length from the heel's end.
+// Assumed foot: the heel's pressure centre is 15 % and the ball's 70 % of the foot length from the end of the heel.
 constexpr double kHeelToForefoot = 0.55;
 constexpr core::Millimetres kHeelWidth{60.0};
 constexpr core::Millimetres kHeelLength{60.0};
 constexpr core::Millimetres kForefootWidth{90.0};
 constexpr core::Millimetres kForefootLength{70.0};
 
-// Assumed small movements of a body's weight on a plate that does not move: breathing and heart beat.
+// Assumed small variations of a person's weight on a plate that does not move: breathing and heart beat.
 constexpr double kBreathingPart = 0.0015;
 constexpr double kBreathsHz = 0.25;
 constexpr double kHeartPart = 0.002;

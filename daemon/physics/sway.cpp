@@ -45,7 +45,7 @@ double SwayAxis::next_mm() noexcept {
 
 double SwayAxis::command_torque_nm(const State& delayed) const noexcept {
   const double side = delayed.angle_rad * (delayed.speed_rad_per_s - model_.switching_slope_per_s * delayed.angle_rad);
-  if (side <= 0.0) return 0.0;  // On its way back to upright: the pendulum needs no help.
+  if (side <= 0.0) return 0.0;  // The pendulum returns to upright without help.
   return model_.command_stiffness * gravity_torque_nm_per_rad_ * delayed.angle_rad +
          model_.command_damping_nm_s_per_rad * delayed.speed_rad_per_s;
 }

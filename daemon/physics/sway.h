@@ -10,25 +10,24 @@
 
 namespace dts::physics {
 
-/// One axis of quiet standing: an inverted pendulum whose ankle is held by passive elasticity and by a delayed
-/// proportional-derivative command that is switched on only while the pendulum is falling away.
+/// One axis of quiet standing: an inverted pendulum. Its ankle is held by passive elasticity and by a delayed proportional-derivative
+/// command that is active only while the pendulum falls away.
 ///
 ///     I th'' = m g h th - T + n      T = K th + B th' + s (P th_d + D th'_d)      COP = T' / (m g)
 ///     s = 1 while th_d (th'_d - a th_d) > 0, else 0      x_d = x(t - delay)       T' = T - n
 ///
-/// Asai et al. 2009, "A model of postural control in quiet standing", PLoS ONE 4:e6169: the intermittent controller without
-/// a dead zone. P, D, a and the noise were checked against a figure caption of the paper, m, h, K, B and the switching rule
-/// against later public code of the same model; the delay is quoted from memory. Values are the paper's except where a line
-/// says otherwise. Its noise is white, which gives a COP path without end, so here the noise n is a torque of the ankle
-/// muscles behind two equal first-order lags. The equations are homogeneous in (th, n): the noise sets the size of the sway
-/// and nothing else.
+/// Asai et al. 2009, "A model of postural control in quiet standing", PLoS ONE 4:e6169: the intermittent controller without a dead zone. P,
+/// D, a and the noise were checked against a figure caption of the paper; m, h, K, B and the switching rule against later public code of
+/// the same model; the delay is quoted from memory. Values are from the paper unless a line states otherwise. The noise of the paper is
+/// white, which makes the COP path infinitely long. Here the noise n is a torque of the ankle muscles behind two equal first-order lags.
+/// The equations are homogeneous in (th, n): the noise sets only the size of the sway.
 struct SwayModel {
   double mass_kg = 60.0;
   double centre_height_m = 1.0;
   double inertia_kg_m2 = 60.0;
-  double passive_stiffness = 0.8;              ///< K, as a part of m g h.
+  double passive_stiffness = 0.8;              ///< K, as a fraction of m g h.
   double passive_damping_nm_s_per_rad = 4.0;   ///< B.
-  double command_stiffness = 0.30;             ///< P, as a part of m g h; paper 0.25 (RDIST would be 40 % larger).
+  double command_stiffness = 0.30;             ///< P, as a fraction of m g h; paper 0.25 (RDIST would be 40 % larger).
   double command_damping_nm_s_per_rad = 10.0;  ///< D.
   double delay_s = 0.2;                        ///< At least 1 ms.
   double switching_slope_per_s = -0.4;         ///< a.
@@ -36,19 +35,19 @@ struct SwayModel {
   double noise_lag_s = 0.09;                   ///< Each of the two lags; not in the paper.
 };
 
-/// Fitted by hand to the young adults with open eyes of posturography section 9.
+/// Fitted by hand to young adults with open eyes (posturography section 9).
 inline constexpr SwayModel kAnteroposteriorSway{};
-/// Side to side the legs make the body stiffer and the sway smaller and quicker.
+/// In ML the legs make the body stiffer, and the sway is smaller and faster.
 inline constexpr SwayModel kMediolateralSway{.command_stiffness = 0.35, .noise_nm_per_sqrt_hz = 0.13, .noise_lag_s = 0.08};
 
-/// One axis, 1 ms per step, from its own random numbers: std::mt19937_64 and our own Box-Muller, because the algorithm
-/// of std::normal_distribution is left to the library. All memory is taken by the constructor.
+/// One axis, 1 ms per step, with its own random numbers: std::mt19937_64 and our own Box-Muller, because each library implements
+/// std::normal_distribution differently. The constructor allocates all memory.
 class SwayAxis {
  public:
-  /// Starts in the stationary state: runs 30 s unseen.
+  /// Starts in the stationary state: simulates 30 s first.
   SwayAxis(const SwayModel& model, std::uint64_t seed);
 
-  /// COP after the next millisecond, mm from the mean stance. Realtime-safe: yes.
+  /// Returns the COP after the next millisecond, mm from the mean stance. Realtime-safe: yes.
   double next_mm() noexcept;
 
  private:
@@ -73,14 +72,14 @@ class SwayAxis {
   std::size_t oldest_ = 0;
 };
 
-/// Synthetic quiet standing in both axes. The same seed gives the same path whatever the sampling rate: it is computed at
-/// 1 kHz and interpolated linearly. Thread: one.
+/// Synthetic quiet standing in both axes. The same seed gives the same path for every sampling rate: the path is computed at 1 kHz and
+/// interpolated linearly. Thread: one.
 class Sway {
  public:
   explicit Sway(std::uint64_t seed);
 
-  /// COP from the mean stance at `time_s` since the start. Time must not go backwards by more than 1 ms (older times
-  /// count as the oldest one still known). Realtime-safe: yes; costs two steps per millisecond passed since the last call.
+  /// Returns the COP from the mean stance at `time_s` since the start. Time must not go backwards by more than 1 ms (an older time counts
+  /// as the oldest known one). Realtime-safe: yes; costs two steps per millisecond since the last call.
   [[nodiscard]] CopPosition at(double time_s) noexcept;
 
  private:
@@ -90,7 +89,7 @@ class Sway {
   SwayAxis ap_;
   CopPosition before_;
   CopPosition after_;
-  std::uint64_t step_ = 0;  ///< `before_` is at this many milliseconds, `after_` one later.
+  std::uint64_t step_ = 0;  ///< `before_` is at this millisecond, `after_` at the next one.
 };
 
 }  // namespace dts::physics

@@ -18,10 +18,10 @@ constexpr double kLeastS = 10.0;
 constexpr std::size_t kLeastSamples = 200;
 constexpr double kLeastForQuantilesS = 20.0;
 constexpr double kLeastForDiffusionS = 30.0;
-/// A rate of 1500.0375 Hz makes 29.9993 s of what was 30 s by the clock.
+/// A rate of 1500.0375 Hz turns 30 s of clock time into 29.9993 s.
 constexpr double kDurationSlack = 1e-4;
 constexpr double kEntropyRateHz = 20.0;
-constexpr std::size_t kMostForEntropy = 72'000;  // an hour of 20 Hz: some seconds of computing
+constexpr std::size_t kMostForEntropy = 72'000;  // one hour at 20 Hz: a few seconds of computing
 constexpr double kRateSlack = 1e-3;
 
 bool lasts(const Prepared& prepared, double least_s) noexcept { return prepared.duration_s() >= least_s * (1.0 - kDurationSlack); }
@@ -31,7 +31,7 @@ bool is_whole_part(double rate_hz, double of_rate_hz) noexcept {
   return parts > 0.5 && std::abs(parts - std::round(parts)) <= kRateSlack * parts;
 }
 
-/// `prepare` makes no other; one NaN would be in every measure.
+/// `prepare` always returns sound data; one NaN would affect every measure.
 bool is_sound(const Prepared& prepared) noexcept {
   const auto is_finite = [](const std::vector<double>& values) {
     return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
@@ -58,7 +58,7 @@ std::uint32_t flags_of(const Prepared& prepared) {
   return flags;
 }
 
-/// The two lines of the diffusion plot cross somewhere whatever their slopes; a critical point is where they differ (section 5).
+/// The two lines of the diffusion plot always cross somewhere; the crossing is a critical point only if the slopes differ (section 5).
 bool has_unclear_critical_point(const Measures& measures) {
   for (const Axis axis : {Axis::Planar, Axis::Ap, Axis::Ml}) {
     const auto brief = measures.get(of(Measure::SdaDsRes, axis));
@@ -68,7 +68,7 @@ bool has_unclear_critical_point(const Measures& measures) {
   return false;
 }
 
-/// Of filtered data only: the noise of a sensor is as irregular as can be.
+/// Only for filtered data, because sensor noise is maximally irregular.
 void add_entropy(const Prepared& prepared, Analysis& analysis) {
   const auto step = static_cast<std::size_t>(std::max(1.0, std::round(prepared.rate_hz / kEntropyRateHz)));
   const std::size_t count = (prepared.size() + step - 1) / step;

@@ -11,7 +11,7 @@
 
 namespace dts::posturography {
 
-/// All that came of one trial.
+/// All results of one trial.
 struct Analysis {
   Profile profile = Profile::Lp10;
   double rate_hz = 0.0;
@@ -22,18 +22,18 @@ struct Analysis {
   std::size_t interpolated = 0;
   Measures measures;
 
-  /// false: the subject stepped off or moved the feet; the values say nothing about steadiness.
+  /// false: the subject stepped off or moved the feet, so the values do not describe steadiness.
   [[nodiscard]] bool is_valid() const noexcept { return (flags & sway_flag::kInvalid) == 0; }
 };
 
 struct AnalysisOptions {
   Preparation preparation{};
-  std::optional<double> foot_length_mm;  ///< Gives AP_USE.
+  std::optional<double> foot_length_mm;  ///< Needed for AP_USE.
 };
 
-/// Every measure that is defined for what was prepared. Thread: any.
+/// Computes every measure that is defined for `prepared`. Thread: any.
 [[nodiscard]] Analysis analyse(const Prepared& prepared, std::optional<double> foot_length_mm = std::nullopt);
-/// `prepare`, then `analyse`; fails as `prepare`.
+/// Calls `prepare`, then `analyse`; fails as `prepare`.
 [[nodiscard]] core::Result<Analysis> analyse(const CopSeries& series, const AnalysisOptions& options);
 
 }  // namespace dts::posturography

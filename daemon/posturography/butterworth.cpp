@@ -19,14 +19,14 @@ Section bilinear(double damping, double warped) noexcept {
   Section section;
   section.a1 = 2.0 * (square - 1.0) / norm;
   section.a2 = (1.0 - damping * warped + square) / norm;
-  // From the rounded a1 and a2, not from square / norm: the gain at DC is then exactly 1 also where poles lie next to z = 1.
+  // Uses the rounded a1 and a2 instead of square / norm: the gain at DC is then exactly 1 even if poles are close to z = 1.
   section.b0 = ((1.0 + section.a1) + section.a2) / 4.0;
   section.b1 = 2.0 * section.b0;
   section.b2 = section.b0;
   return section;
 }
 
-/// One run over all samples, begun in the steady state of the first.
+/// Filters all samples once, starting in the steady state of the first one.
 template <class Iterator>
 void run(const LowPass& sections, Iterator first, Iterator last) noexcept {
   CausalLowPass filter(sections);
@@ -47,7 +47,7 @@ double lag_near_dc(double cutoff_hz, double rate_hz) noexcept {
 
 void CausalLowPass::settle_at(double value) noexcept {
   for (std::size_t s = 0; s < sections_.size(); ++s) {
-    state_[2 * s] = (1.0 - sections_[s].b0) * value;  // every section has gain 1 at DC: all see `value`
+    state_[2 * s] = (1.0 - sections_[s].b0) * value;  // every section has gain 1 at DC, so each receives `value`
     state_[2 * s + 1] = (sections_[s].b2 - sections_[s].a2) * value;
   }
 }
@@ -66,7 +66,7 @@ double CausalLowPass::step(double value) noexcept {
 void filter_zero_phase(const LowPass& sections, std::span<double> values) {
   const std::size_t count = values.size();
   if (count <= kZeroPhasePadding) return;
-  // Around the first sample: what stands far from the origin, or still, loses nothing to rounding.
+  // Relative to the first sample: large offsets and constant series then lose nothing to rounding.
   const double origin = values.front();
   std::vector<double> padded(count + 2 * kZeroPhasePadding);
   for (std::size_t i = 0; i < count; ++i) padded[kZeroPhasePadding + i] = values[i] - origin;

@@ -17,19 +17,19 @@ struct Section {
 };
 using LowPass = std::array<Section, 2>;
 
-/// Butterworth low-pass of 4th order, bilinear with prewarping. 0 < cutoff_hz < rate_hz / 2. Thread: any.
+/// Returns a Butterworth low-pass of 4th order, bilinear with prewarping. 0 < cutoff_hz < rate_hz / 2. Thread: any.
 [[nodiscard]] LowPass butterworth4(double cutoff_hz, double rate_hz) noexcept;
 
-/// Its group delay near DC, in samples: 4.02 for 10 Hz at 100 Hz, 41.6 at 1000 Hz. Thread: any.
+/// Returns the group delay of the low-pass near DC, in samples: 4.02 for 10 Hz at 100 Hz, 41.6 at 1000 Hz. Thread: any.
 [[nodiscard]] double lag_near_dc(double cutoff_hz, double rate_hz) noexcept;
 
-/// The low-pass sample by sample: -3 dB at the cut-off, 40 ms late near DC for 10 Hz. Realtime-safe: yes.
+/// The low-pass, one sample at a time: -3 dB at the cut-off, delay 40 ms near DC for 10 Hz. Realtime-safe: yes.
 class CausalLowPass {
  public:
   static constexpr std::size_t kStateSize = 4;
 
   explicit CausalLowPass(const LowPass& sections = {}) noexcept : sections_(sections) {}
-  /// As after an endless constant `value`.
+  /// Sets the state that an infinite constant `value` would cause.
   void settle_at(double value) noexcept;
   [[nodiscard]] double step(double value) noexcept;
   [[nodiscard]] const std::array<double, kStateSize>& state() const noexcept { return state_; }
@@ -40,11 +40,11 @@ class CausalLowPass {
   std::array<double, kStateSize> state_{};
 };
 
-/// Odd reflection at both ends: 3 (order + 1).
+/// Padding with odd reflection at both ends: 3 (order + 1).
 inline constexpr std::size_t kZeroPhasePadding = 15;
 
-/// Forward, then backward, over `values` in place; each run begins in the steady state of its first (padded) sample, as scipy's filtfilt.
-/// Needs more than `kZeroPhasePadding` values, all finite; fewer are left as they are. Thread: any.
+/// Filters `values` in place, first forward, then backward. Each pass starts in the steady state of its first (padded) sample, like scipy's
+/// filtfilt. Needs more than `kZeroPhasePadding` values, all finite; with fewer, changes nothing. Thread: any.
 void filter_zero_phase(const LowPass& sections, std::span<double> values);
 
 }  // namespace dts::posturography

@@ -8,12 +8,12 @@
 namespace dts::posturography {
 namespace {
 
-/// Twice the area of the triangle, above 0 when it turns left.
+/// Returns twice the area of the triangle, above 0 if it turns left.
 double turn(const Point& a, const Point& b, const Point& c) noexcept { return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x); }
 
 double distance(const Point& a, const Point& b) noexcept { return std::hypot(a.x - b.x, a.y - b.y); }
 
-/// Adds a corner to a chain that only turns left; corners from `begin` on may go.
+/// Adds a corner to a chain that turns only left; may remove corners from `begin` on.
 void append(std::vector<Point>& chain, std::size_t begin, const Point& point) {
   while (chain.size() >= begin + 2 && turn(chain[chain.size() - 2], chain.back(), point) <= 0.0) chain.pop_back();
   chain.push_back(point);
@@ -30,9 +30,9 @@ std::vector<Point> convex_hull(std::span<const double> x, std::span<const double
 
   std::vector<Point> hull;
   for (const Point& point : points) append(hull, 0, point);
-  const std::size_t upper = hull.size() - 1;  // the rightmost point begins the chain back
+  const std::size_t upper = hull.size() - 1;  // the chain back starts at the rightmost point
   for (std::size_t i = points.size() - 1; i-- > 0;) append(hull, upper, points[i]);
-  hull.pop_back();  // the leftmost, again
+  hull.pop_back();  // the leftmost point, which is there twice
   return hull;
 }
 
@@ -44,7 +44,7 @@ double diameter_mm(std::span<const Point> hull) noexcept {
   for (std::size_t i = 0; i < count; ++i) {
     const Point& begin = hull[i];
     const Point& end = hull[(i + 1) % count];
-    // The corner farthest from this edge; it only moves on while the edges turn, once around in all.
+    // The corner farthest from this edge; it only advances while the edges turn, once around in total.
     for (std::size_t steps = 0; steps < count; ++steps) {
       const std::size_t next = (across + 1) % count;
       largest = std::max({largest, distance(begin, hull[next]), distance(end, hull[next])});

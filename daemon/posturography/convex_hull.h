@@ -13,11 +13,12 @@ struct Point {
   friend bool operator==(const Point&, const Point&) = default;
 };
 
-/// The corners of the convex hull, counter-clockwise, each once; two for points on a line, one when all are equal. By monotone chain
-/// (Andrew 1979), O(N log N). The columns are equally long and finite. Thread: any.
+/// Returns the corners of the convex hull, counter-clockwise, each once; two for points on a line, one if all points are equal. Monotone
+/// chain (Andrew 1979), O(N log N). The columns must be finite and of the same length. Thread: any.
 [[nodiscard]] std::vector<Point> convex_hull(std::span<const double> x, std::span<const double> y);
 
-/// The largest distance between any two corners, by rotating calipers: O(corners), since a recorded circle has as many as samples.
+/// Returns the largest distance between any two corners. Rotating calipers, O(corners), because a circular path can have as many corners as
+/// samples.
 [[nodiscard]] double diameter_mm(std::span<const Point> hull) noexcept;
 [[nodiscard]] double area_mm2(std::span<const Point> hull) noexcept;
 

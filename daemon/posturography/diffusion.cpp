@@ -16,11 +16,11 @@
 namespace dts::posturography {
 namespace {
 
-/// Sums over all pairs (n, n + k) of (x[n+k] - x[n])^2 for every lag k at once, for both axes: squares less twice the products, and the
+/// Sums over all pairs (n, n + k) of (x[n+k] - x[n])^2 for every lag k at once, for both axes: squares minus twice the products; the
 /// products by the transform.
 ///
-/// Each block of the record holds the pairs that begin in it, and is centred on its own mean: that keeps a long record's slow drift out of
-/// the difference of two large sums, and its transforms short.
+/// Each block of the record contains the pairs that start in it, and is centred on its own mean. This removes the slow drift of a long
+/// record, which would otherwise cause a small difference of two large sums, and keeps the transforms short.
 class PairSums {
  public:
   PairSums(std::size_t block, std::size_t lags)
@@ -51,10 +51,10 @@ class PairSums {
     }
   }
 
-  /// Call once, last.
+  /// Must be called once, as the last call.
   void finish(std::span<double> ap, std::span<double> ml) {
     for (Complex& value : products_) value = std::conj(value);
-    transform_.forward(products_, ends_);  // conjugated before and after: the way back
+    transform_.forward(products_, ends_);  // conjugated before and after: the inverse transform
     const double scale = 2.0 / static_cast<double>(ends_.size());
     for (std::size_t k = 1; k <= lags_; ++k) {
       ap[k] = squares_ap_[k] - scale * ends_[k].real();
@@ -62,11 +62,11 @@ class PairSums {
     }
   }
 
-  /// What rounding may have done to any of the sums.
+  /// Returns the largest possible rounding error of any sum.
   [[nodiscard]] double error() const noexcept { return 16.0 * std::numeric_limits<double>::epsilon() * energy_; }
 
  private:
-  /// Of both ends of each pair, by the running sums from the first sample on.
+  /// Adds the squares of both ends of each pair, by running sums from the first sample on.
   void add_squares(std::span<const Complex> centred, std::size_t starts) {
     std::vector<Complex> running(centred.size() + 1);
     for (std::size_t n = 0; n < centred.size(); ++n) {
@@ -93,7 +93,7 @@ class PairSums {
   double energy_ = 0.0;
 };
 
-/// Four sums side by side, so that one addition need not wait for the last.
+/// Uses four parallel sums, so that one addition need not wait for the previous one.
 double direct_sum(std::span<const double> values, std::size_t lag) noexcept {
   std::array<double, 4> sums{};
   const std::size_t pairs = values.size() - lag;
@@ -111,7 +111,7 @@ double direct_sum(std::span<const double> values, std::size_t lag) noexcept {
   return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
-/// Sums become means. A sum that rounding may have changed by more than a ten-thousand-millionth is taken pair by pair.
+/// Turns sums into means. Computes a sum pair by pair if rounding may have changed it by more than 1e-10.
 void settle(std::span<const double> values, double level, double error, std::vector<double>& sums) {
   constexpr double kRelativeError = 1e-10;
   const bool still = is_still(values, level);
@@ -146,12 +146,12 @@ std::optional<Line> fitted(std::span<const double> x, std::span<const double> y)
   return Line{.slope = slope, .intercept = mean_y - slope * mean_x};
 }
 
-/// Lags of one region in samples: multiples of 10 ms, each once, and only those that rounding leaves in the region.
+/// Returns the lags of one region in samples: multiples of 10 ms, each once, and only those still in the region after rounding.
 std::vector<std::size_t> lags_of(double rate_hz, int first_10ms, int last_10ms) {
-  constexpr double kSlack = 1e-3;  // a rate of 1499.96 Hz is meant to be one of 1500 Hz
+  constexpr double kSlack = 1e-3;  // a rate of 1499.96 Hz is treated as 1500 Hz
   std::vector<std::size_t> lags;
   for (int i = first_10ms; i <= last_10ms; ++i) {
-    const double rounded = std::round(i * rate_hz / 100.0);  // exact for whole rates: 2.5 samples are always 3
+    const double rounded = std::round(i * rate_hz / 100.0);  // exact for whole rates: 2.5 samples always become 3
     const bool is_inside =
         rounded >= 0.01 * first_10ms * rate_hz * (1.0 - kSlack) && rounded <= 0.01 * last_10ms * rate_hz * (1.0 + kSlack);
     const auto lag = static_cast<std::size_t>(rounded);
@@ -165,7 +165,7 @@ struct Region {
   std::optional<Line> log_log;  ///< Absent where a displacement is 0.
 };
 
-/// Absent when the curve ends within the region: over a part of it the same words would mean something else.
+/// Returns nothing if the curve ends within the region: a partial region would have another meaning under the same name.
 Region region_of(std::span<const double> curve, double lag_step_s, std::span<const std::size_t> lags) {
   if (lags.empty() || lags.back() >= curve.size()) return {};
   std::vector<double> tau;

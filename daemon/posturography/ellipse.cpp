@@ -8,7 +8,7 @@
 namespace dts::posturography {
 namespace {
 
-/// A determinant below this part of s_xx s_yy is the rounding of a covariance of points on a line: what N sums leave behind.
+/// A determinant below this fraction of s_xx s_yy is the rounding error of N sums: the points are on a line.
 constexpr double kRoundingOfDeterminant = 1e-13;
 constexpr double kOutside = 0.05;
 
@@ -23,15 +23,15 @@ double determinant(const Covariance& covariance) noexcept {
   return value <= kRoundingOfDeterminant * product && std::isfinite(product) ? 0.0 : value;
 }
 
-/// 2 (N-1)(N+1) / (N (N-2)) F_0.95(2, N-2). For two degrees of freedom above the line F is elementary: (v/2) (0.05^(-2/v) - 1), so no
-/// table and no statistics library is needed; expm1 keeps its digits where v is large and the power next to 1.
+/// Returns 2 (N-1)(N+1) / (N (N-2)) F_0.95(2, N-2). With two numerator degrees of freedom F is elementary: (v/2) (0.05^(-2/v) - 1), so
+/// neither a table nor a statistics library is needed. expm1 keeps its digits if v is large and the power is close to 1.
 double factor_of(std::size_t samples) noexcept {
   const auto n = static_cast<double>(samples);
   return (n * n - 1.0) / n * std::expm1(-2.0 / (n - 2.0) * std::log(kOutside));
 }
 
 double angle_deg(const Covariance& covariance) noexcept {
-  // Adding 0 makes 0 of -0, which atan2 would turn into -90 instead of 90 degrees.
+  // Adding 0 turns -0 into 0; with -0, atan2 would return -90 instead of 90 degrees.
   const double twice = std::atan2(2.0 * covariance.ml_ap + 0.0, covariance.ml_ml - covariance.ap_ap);
   return 0.5 * twice * 180.0 / std::numbers::pi;
 }
@@ -43,7 +43,7 @@ std::optional<PredictionEllipse> prediction_ellipse(const Covariance& covariance
   const double half_difference = 0.5 * (covariance.ml_ml - covariance.ap_ap);
   const double larger = 0.5 * (covariance.ml_ml + covariance.ap_ap) + std::hypot(half_difference, covariance.ml_ap);
   const double det = determinant(covariance);
-  // det / larger and not the difference of two numbers that are nearly equal.
+  // Uses det / larger, because the difference of two nearly equal numbers would lose digits.
   const double smaller = larger > 0.0 ? std::min(det / larger, larger) : 0.0;
 
   PredictionEllipse ellipse;

@@ -11,7 +11,7 @@
 namespace dts::posturography {
 namespace {
 
-constexpr std::size_t kChunk = 256;  // distances that are worked on at once
+constexpr std::size_t kChunk = 256;  // number of distances processed together
 
 double population_sd(std::span<const double> values) {
   const auto count = static_cast<double>(values.size());
@@ -21,7 +21,7 @@ double population_sd(std::span<const double> values) {
   return std::sqrt(sum / count);
 }
 
-/// columns[d][i]: value d of the template that is the i-th by its first value.
+/// columns[d][i]: value d of the i-th template, in the order of their first values.
 std::vector<std::vector<double>> sorted_templates(std::span<const double> values, std::size_t m) {
   std::vector<std::uint32_t> order(values.size() - m);
   std::iota(order.begin(), order.end(), 0U);
@@ -51,7 +51,8 @@ void widen(std::span<double> distances, const double* others, double value) noex
   }
 }
 
-/// Of template `i` with those at [first, last), whose first values are all near enough. Plain loops over chunks: they vectorise.
+/// Counts matches of template `i` with the templates at [first, last), whose first values are all near enough. Plain loops over chunks, so
+/// that the compiler vectorises them.
 void count_matches(const std::vector<std::vector<double>>& columns, std::size_t i, std::size_t first, std::size_t last, double tolerance,
                    Matches& matches) noexcept {
   std::array<double, kChunk> chunk;
@@ -78,13 +79,13 @@ std::optional<double> sample_entropy(std::span<const double> values, std::size_t
   Matches matches;
   std::size_t end = 0;
   for (std::size_t i = 0; i < firsts.size(); ++i) {
-    // Rounding keeps order: once a difference is too large, all later ones are.
+    // Rounding keeps the order: if one difference is too large, all later ones are too.
     end = std::max(end, i + 1);
     while (end < firsts.size() && firsts[end] - firsts[i] <= tolerance) ++end;
     count_matches(columns, i, i + 1, end, tolerance, matches);
   }
   if (matches.of_m == 0 || matches.of_m_plus_1 == 0) return std::nullopt;
-  return 0.0 - std::log(static_cast<double>(matches.of_m_plus_1) / static_cast<double>(matches.of_m));  // 0.0 -: never -0
+  return 0.0 - std::log(static_cast<double>(matches.of_m_plus_1) / static_cast<double>(matches.of_m));  // 0.0 -: avoids -0
 }
 
 }  // namespace dts::posturography

@@ -12,33 +12,33 @@ namespace {
 using core::ErrorCode;
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-constexpr double kEven = 0.01;            ///< Of a step: what stamps may be off the grid and still count as even.
-constexpr double kWritten = 0.51;         ///< Of the last written decimal: rounding makes at most half.
-constexpr double kLinear = 0.1;           ///< Of a step: above this interpolation harms velocities.
-constexpr double kLongestCellS = 0.025;   ///< What a sample speaks for to either side: together the longest gap that is bridged.
-constexpr double kSparseFactor = 16.0;    ///< Samples to rows: memory stays in proportion to what was read.
-constexpr double kSparseAllowance = 1e6;  ///< Samples that any file may make.
-constexpr double kManyMissing = 0.1;      ///< Part of the samples that is hardly missing by chance.
+constexpr double kEven = 0.01;            ///< Of a step: largest distance of even stamps from the grid.
+constexpr double kWritten = 0.51;         ///< Of the last written decimal: rounding changes at most half.
+constexpr double kLinear = 0.1;           ///< Of a step: above this, interpolation damages velocities.
+constexpr double kLongestCellS = 0.025;   ///< Range of a sample to either side; twice this is the longest gap that is bridged.
+constexpr double kSparseFactor = 16.0;    ///< Samples per row: limits memory in proportion to the input.
+constexpr double kSparseAllowance = 1e6;  ///< Additional samples that any file may have.
+constexpr double kManyMissing = 0.1;      ///< More missing samples than this fraction are unlikely to be chance.
 constexpr int kMostDecimals = 9;
-constexpr double kWrittenTolerance = 1e-6;  ///< Of a unit in the last decimal.
+constexpr double kWrittenTolerance = 1e-6;  ///< Of one unit in the last decimal.
 
 /// Rows on a grid: row i is sample index[i], at origin + index / rate.
 struct Grid {
   double rate_hz = 0.0;
   double origin_s = 0.0;
-  double off_s = 0.0;  ///< The most that a row is off.
+  double off_s = 0.0;  ///< Largest distance of a row from the grid.
   std::vector<double> index;
 
   [[nodiscard]] double samples() const noexcept { return index.back() + 1.0; }
 };
 
-/// One unit of the last decimal that the stamps were written with; 0 when they were not rounded to any.
+/// Returns one unit of the last decimal of the written stamps; 0 if they were not rounded.
 double written_unit_s(std::span<const double> t_s) {
   double scale = 1.0;
   for (int decimals = 0; decimals <= kMostDecimals; ++decimals, scale *= 10.0) {
     const bool is_written = std::all_of(t_s.begin(), t_s.end(), [scale](double t) {
       const double units = t * scale;
-      // A stamp of the clock (1.7e9 s) carries fewer decimals than 1e-6 of a unit; above a tenth of one nothing can be said.
+      // A Unix time (1.7e9 s) has fewer decimals than 1e-6 of a unit; with a tolerance above a tenth, no decision is possible.
       const double tolerance = std::max(kWrittenTolerance, 2.0 * std::numeric_limits<double>::epsilon() * std::abs(units));
       return tolerance < 0.1 && std::abs(units - std::round(units)) <= tolerance;
     });
@@ -47,8 +47,8 @@ double written_unit_s(std::span<const double> t_s) {
   return 0.0;
 }
 
-/// The time from row to row where none is missing: the median of the differences, then the mean of those that are like it, since the
-/// median of rounded stamps is off by up to half of a unit.
+/// Returns the time between rows where none is missing: the median of the differences, then the mean of the differences near it, because
+/// the median of rounded stamps can be off by half a unit.
 double step_s(std::span<const double> t_s) {
   std::vector<double> steps(t_s.size() - 1);
   for (std::size_t i = 0; i < steps.size(); ++i) steps[i] = t_s[i + 1] - t_s[i];
@@ -71,7 +71,7 @@ std::vector<double> indices(std::span<const double> t_s, double step) {
   return index;
 }
 
-/// Whole Hz when that many agree with the written digits of the first and the last stamp.
+/// Returns whole Hz if that rate agrees with the written digits of the first and the last stamp.
 double simplest_rate_hz(double steps, double span_s, double unit_s) {
   const double rate_hz = steps / span_s;
   const double whole_hz = std::round(rate_hz);
@@ -80,7 +80,7 @@ double simplest_rate_hz(double steps, double span_s, double unit_s) {
   return std::abs(steps / whole_hz - span_s) <= allowed_s ? whole_hz : rate_hz;
 }
 
-/// Slope of time over index by least squares: the two ends alone carry the rounding of two stamps.
+/// Returns the slope of time over index by least squares: the two ends alone would include the rounding of two stamps.
 double fitted_step_s(std::span<const double> t_s, const std::vector<double>& index) {
   const auto count = static_cast<double>(t_s.size());
   double mean_index = 0.0;
@@ -119,8 +119,8 @@ Grid grid_of(std::span<const double> t_s, std::vector<double> index, double unit
 
 bool is_even(const Grid& grid, double unit_s) { return grid.off_s <= std::max(kEven / grid.rate_hz, kWritten * unit_s); }
 
-/// The grid that rows with holes make; or the one without a hole, where a tenth would be missing that way and this one fits as well: 75 Hz
-/// in two decimals is 0.00, 0.01, 0.03, 0.04 and not 100 Hz with every fourth sample lost.
+/// Returns the grid of the rows with holes, or the grid without a hole if the first would miss a tenth of the samples and the second also
+/// fits: 75 Hz in two decimals is 0.00, 0.01, 0.03, 0.04, and not 100 Hz with every fourth sample lost.
 Grid likeliest_grid(std::span<const double> t_s, double unit_s) {
   Grid grid = grid_of(t_s, indices(t_s, step_s(t_s)), unit_s);
   const auto rows = static_cast<double>(t_s.size());
@@ -140,7 +140,7 @@ void place(const Grid& grid, const Column& column) {
   for (std::size_t i = 0; i < column.rows.size(); ++i) column.samples[static_cast<std::size_t>(grid.index[i])] = column.rows[i];
 }
 
-/// Linear between neighbouring rows that are at most one and a half steps apart; NaN in holes.
+/// Interpolates linearly between neighbouring rows that are at most one and a half steps apart; NaN in holes.
 void interpolate(std::span<const double> t_s, const Grid& grid, const Column& column) {
   std::size_t after = 1;
   for (std::size_t k = 0; k < column.samples.size(); ++k) {
@@ -148,7 +148,7 @@ void interpolate(std::span<const double> t_s, const Grid& grid, const Column& co
     while (after + 1 < t_s.size() && t_s[after] < at) ++after;
     const double apart = t_s[after] - t_s[after - 1];
     if (apart * grid.rate_hz > 1.5) {
-      // A hole: its ends still count for the sample that they are next to.
+      // A hole: its ends still count for the nearest sample.
       const std::size_t nearest = at - t_s[after - 1] < t_s[after] - at ? after - 1 : after;
       if (std::abs(t_s[nearest] - at) * grid.rate_hz < 2.0 * kLinear) column.samples[k] = column.rows[nearest];
       continue;
@@ -158,8 +158,8 @@ void interpolate(std::span<const double> t_s, const Grid& grid, const Column& co
   }
 }
 
-/// The mean over a window of two steps of a signal that keeps each row's value half way to its neighbours; NaN where rows speak for less
-/// than half of the window. Two steps: 80 ms at 25 Hz, as Quijoux et al. 2021 use it.
+/// Returns the mean over a window of two steps of a signal that keeps each row's value half way to its neighbours; NaN where rows cover
+/// less than half of the window. Two steps: 80 ms at 25 Hz, as in Quijoux et al. 2021.
 void average(std::span<const double> t_s, const Grid& grid, const Column& column) {
   const double half_window_s = 1.0 / grid.rate_hz;
   const double reach_s = std::max(half_window_s, kLongestCellS);
@@ -222,7 +222,7 @@ core::Result<CopSeries> even_series(std::span<const double> t_s, std::span<const
   if (!is_even(grid, unit_s)) {
     const bool is_linear = grid.off_s * grid.rate_hz < kLinear;
     series.flags |= is_linear ? sway_flag::kResampled : sway_flag::kWindowAveraged;
-    // The index of such a row may be off by many; the rate is what the usual step says.
+    // The index of such a row may be far off, so the rate is computed from the usual step.
     if (!is_linear) grid.rate_hz = std::max(1.0, std::round(1.0 / step_s(t_s)));
   }
   const double samples =

@@ -19,10 +19,10 @@ std::size_t without_factors(std::size_t length, std::initializer_list<std::size_
   return length;
 }
 
-/// kissfft has butterflies for 2, 3, 4 and 5; any other factor p costs it p multiplications per value, a chirp some 60 at once.
+/// kissfft has butterflies for 2, 3, 4 and 5. Any other factor p costs p multiplications per value; a chirp costs about 60 in total.
 bool is_easy(std::size_t length) noexcept { return without_factors(length, {2, 3, 5, 7, 11, 13}) == 1; }
 
-/// exp(-i pi n^2 / N) for n = 0 .. count - 1. The square is taken modulo 2 N in whole numbers: as a floating-point phase it would lose a
+/// Returns exp(-i pi n^2 / N) for n = 0 .. count - 1. The square is computed modulo 2 N in integers: a floating-point phase would lose a
 /// digit for each digit of N.
 std::vector<Complex> chirp_of(std::size_t length, std::size_t count) {
   std::vector<Complex> chirp(count);
@@ -38,8 +38,8 @@ std::vector<Complex> chirp_of(std::size_t length, std::size_t count) {
 
 }  // namespace
 
-/// Bluestein: m n = (m^2 + n^2 - (m - n)^2) / 2 makes the transform a convolution with a chirp, which may have any length that holds all
-/// differences m - n without wrapping onto a wanted one.
+/// Bluestein: m n = (m^2 + n^2 - (m - n)^2) / 2 turns the transform into a convolution with a chirp. Its length is free if all differences
+/// m - n fit without wrapping onto a wanted bin.
 struct FourierTransform::Plan {
   std::size_t length;
   std::size_t reach;  ///< The highest wanted bin.
@@ -71,7 +71,7 @@ struct FourierTransform::Plan {
     for (std::size_t n = 0; n < length; ++n) padded[n] = in[n] * chirp[n];
     std::fill(padded.begin() + static_cast<std::ptrdiff_t>(length), padded.end(), Complex{});
     inner.transform(padded.data(), turned.data());
-    // The way back is the way there, conjugated before and after.
+    // The inverse transform is the forward transform with conjugation before and after.
     for (std::size_t m = 0; m < turned.size(); ++m) turned[m] = std::conj(turned[m] * kernel[m]);
     inner.transform(turned.data(), padded.data());
     for (std::size_t m = 0; m <= reach; ++m) out[m] = std::conj(padded[m]) * chirp[m];

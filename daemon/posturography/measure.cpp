@@ -12,10 +12,10 @@ struct Row {
   MeasureInfo info;
 };
 
-constexpr bool kCore = true;      // what a clinician compares
-constexpr bool kNoRatio = false;  // a quotient of two of them says nothing: angles, exponents, entropies, what may be negative
+constexpr bool kCore = true;      // measures that clinicians compare
+constexpr bool kNoRatio = false;  // a quotient of two values is meaningless: angles, exponents, entropies, values that may be negative
 
-// clang-format off: a measure a line
+// clang-format off: one measure per line
 constexpr std::array kRows = {
     Row{Measure::Mdist, {"MDIST", "mm", "Mean distance from the mean position, planar", kCore}},
     Row{Measure::MdistAp, {"MDIST_AP", "mm", "Mean distance from the mean position, anterior-posterior"}},
@@ -127,7 +127,7 @@ constexpr std::array kRows = {
 };
 // clang-format on
 
-/// Every measure has its row, in the order of the enumeration, and no symbol is taken twice.
+/// Checks that every measure has a row, in the order of the enumeration, and that no symbol is used twice.
 constexpr bool is_complete() {
   for (std::size_t index = 0; index < kRows.size(); ++index) {
     const Row& row = kRows[index];
@@ -155,7 +155,7 @@ std::optional<Measure> measure_named(std::string_view symbol) noexcept {
 void Measures::set(Measure measure, double value) noexcept {
   const auto index = static_cast<std::size_t>(measure);
   if (index >= kMeasureCount) return;
-  // Adding 0 turns -0 into 0: nobody wants to read of an angle of "-0".
+  // Adding 0 turns -0 into 0, so that no angle is shown as "-0".
   values_[index] = std::isfinite(value) ? std::optional(value + 0.0) : std::nullopt;
 }
 

@@ -10,9 +10,9 @@
 
 namespace dts::posturography {
 
-/// Every measure of the centre of pressure that dtsd knows. In a family of three the first is planar (or of the resultant distance), then
-/// AP, then ML: `of(Measure::Mdist, Axis::Ml)`.
-// clang-format off: a family a line
+/// Every measure of the centre of pressure. In a family of three, the first is planar (or of the resultant distance), the second AP, the
+/// third ML: `of(Measure::Mdist, Axis::Ml)`.
+// clang-format off: one family per line
 enum class Measure : std::uint8_t {
   // Prieto et al. 1996: time domain
   Mdist,
@@ -129,27 +129,27 @@ inline constexpr std::size_t kMeasureCount = static_cast<std::size_t>(Measure::A
 
 enum class Axis : std::uint8_t { Planar = 0, Ap = 1, Ml = 2 };
 
-/// The member of a family of three, given its first.
+/// Returns the member of a family of three for an axis; `family` is the first member.
 [[nodiscard]] constexpr Measure of(Measure family, Axis axis) noexcept {
   return static_cast<Measure>(static_cast<std::uint8_t>(family) + static_cast<std::uint8_t>(axis));
 }
 
-/// What a measure is.
+/// Description of a measure.
 struct MeasureInfo {
   std::string_view symbol;    ///< "MVELO_AP": as in the posturography sheet.
   std::string_view unit;      ///< "mm", "mm/s", "mm2", "mm2/s", "Hz", "s", "deg", "deg/s", "1", "1/mm", "%"
   std::string_view sentence;  ///< "Mean velocity, anterior-posterior"
-  /// One of the measures that summaries, comparisons and reference ranges are about.
+  /// One of the measures for summaries, comparisons and reference ranges.
   bool is_core = false;
-  /// Above 0 by its nature, so that a quotient of two of them (Romberg) means something.
+  /// Always above 0, so that a quotient of two values (Romberg) is meaningful.
   bool is_ratio_scaled = true;
 };
 
 [[nodiscard]] const MeasureInfo& info(Measure measure) noexcept;
-/// By symbol; nothing when there is no such measure.
+/// Finds a measure by its symbol; returns nothing if there is none.
 [[nodiscard]] std::optional<Measure> measure_named(std::string_view symbol) noexcept;
 
-/// Values of measures: each is finite, or absent where it is not defined. Never NaN, never 0 for "unknown".
+/// Values of measures: finite, or absent if undefined. Never NaN, never 0 for "unknown".
 class Measures {
  public:
   /// A value that is not finite stays absent.

@@ -19,7 +19,7 @@ constexpr double kLp10CutoffHz = 10.0;
 constexpr double kLongestShortGapS = 0.050;
 constexpr double kManyLost = 0.01;
 constexpr double kLowRateHz = 50.0;  // Scoppa et al. 2013
-constexpr double kFarthestMm = 1e9;  ///< No centre of pressure; squares of it and sums of these stay finite.
+constexpr double kFarthestMm = 1e9;  ///< Larger values are not a centre of pressure; squares of this value and their sums stay finite.
 
 /// Samples [begin, end).
 struct Stretch {
@@ -57,7 +57,7 @@ core::Status check(const CopSeries& series, const Preparation& preparation) {
   return {};
 }
 
-/// A load that is known and not above 0: nobody stands there, and the quotient that a centre of pressure is means nothing.
+/// Returns false if a known load is not above 0: nobody is on the plate, and the centre of pressure has no meaning.
 bool is_present(const CopSeries& series, std::size_t i) noexcept {
   const bool is_position = std::abs(series.ml_mm[i]) <= kFarthestMm && std::abs(series.ap_mm[i]) <= kFarthestMm;
   return is_position && (series.load_n.empty() || !(series.load_n[i] <= 0.0));
@@ -88,8 +88,8 @@ CleanStretch clean_stretch(const CopSeries& series) {
   return clean;
 }
 
-/// Both columns of the stretch less their first values, gaps interpolated linearly. Less the first: a constant becomes exactly 0, and far
-/// from the origin no digits get lost in sums and in the filter. Returns how many samples were interpolated.
+/// Copies both columns of the stretch minus their first values, with gaps interpolated linearly. Subtracting the first value makes a
+/// constant exactly 0, and avoids losing digits far from the origin. Returns the number of interpolated samples.
 std::size_t take_stretch(const CopSeries& series, const Stretch& stretch, Prepared& prepared) {
   const double first_ml = series.ml_mm[stretch.begin];
   const double first_ap = series.ap_mm[stretch.begin];
@@ -122,7 +122,7 @@ void keep_every(std::size_t step, std::size_t first, std::vector<double>& values
   values.resize(kept);
 }
 
-/// Takes the mean off, and says what it was.
+/// Subtracts the mean and returns it.
 double centre(std::vector<double>& values) noexcept {
   double sum = 0.0;
   for (const double value : values) sum += value;
@@ -132,7 +132,8 @@ double centre(std::vector<double>& values) noexcept {
 }
 
 core::Status too_little(std::size_t samples, std::size_t needed, double rate_hz) {
-  if (samples == 0) return core::fail(ErrorCode::Failed, "there is no sample of the centre of pressure", "nobody stood there, or all samples are missing");
+  if (samples == 0)
+    return core::fail(ErrorCode::Failed, "there is no sample of the centre of pressure", "nobody stood there, or all samples are missing");
   return core::fail(ErrorCode::Failed,
                     "only " + std::to_string(samples) + " samples (" + std::to_string(static_cast<double>(samples) / rate_hz) +
                         " s) are left of the centre of pressure, and " + std::to_string(needed) + " are needed",
@@ -145,7 +146,7 @@ std::size_t decimation(const Preparation& preparation, double rate_hz) noexcept 
   return factor < 1.0 ? 1 : static_cast<std::size_t>(std::min(factor, kHighestRateHz));
 }
 
-/// Settling begins with the first sample that there is; after a gap somebody stands there already.
+/// Settling starts with the first sample that is present; after a gap the person already stands on the plate.
 std::size_t samples_to_trim(const CopSeries& series, const CleanStretch& clean, const Preparation& preparation, double rate_hz) {
   const double stood_s = static_cast<double>(clean.longest.begin - clean.first_present) / series.rate_hz;
   const double trimmed = std::ceil((preparation.trim_s - stood_s - kTimeSlackS) * rate_hz);

@@ -12,9 +12,9 @@
 
 namespace dts::posturography {
 
-/// How the series is filtered before it is measured; always told with the values.
+/// How the series is filtered before the measures are computed; always published with the values.
 enum class Profile : std::uint8_t {
-  AsIs = 1,  ///< "asis": not at all.
+  AsIs = 1,  ///< "asis": no filter.
   Lp10 = 2,  ///< "lp10": Butterworth of 4th order, 10 Hz, forward and backward, odd-reflection padding.
 };
 [[nodiscard]] std::string_view name(Profile profile) noexcept;
@@ -22,36 +22,36 @@ enum class Profile : std::uint8_t {
 
 struct Preparation {
   Profile profile = Profile::Lp10;
-  /// Every n-th filtered sample is kept, n the whole number nearest to rate / this; 0: all. `asis` keeps all in any case: nothing would
-  /// keep aliases out.
+  /// Keeps every n-th filtered sample, with n the integer nearest to rate / analysis_rate_hz; 0 keeps all. `asis` always keeps all, because
+  /// without a filter decimation would cause aliases.
   double analysis_rate_hz = 0.0;
-  double trim_s = 0.0;  ///< Settling time, taken off after filtering; it begins with the first sample there is.
+  double trim_s = 0.0;  ///< Settling time, removed after filtering; starts at the first sample that is not missing.
 };
-/// What reports and the daemon use (posturography sheet section 2).
+/// The preparation for reports and for the daemon (posturography sheet section 2).
 inline constexpr Preparation kReportPreparation{.profile = Profile::Lp10, .analysis_rate_hz = 100.0};
 
-/// What is measured: clean, filtered, even, centred.
+/// The series to measure: clean, filtered, even, centred.
 struct Prepared {
   Profile profile = Profile::Lp10;
-  double rate_hz = 0.0;       ///< Of analysis.
-  std::vector<double> ml_mm;  ///< Less `mean_ml_mm`.
+  double rate_hz = 0.0;       ///< Rate of analysis.
+  std::vector<double> ml_mm;  ///< Minus `mean_ml_mm`.
   std::vector<double> ap_mm;
   double mean_ml_mm = 0.0;
   double mean_ap_mm = 0.0;
-  double begins_s = 0.0;  ///< Of the first sample, from the first of the series.
+  double begins_s = 0.0;  ///< Time of the first sample, relative to the start of the series.
   std::uint32_t flags = 0;
   std::size_t missing = 0;       ///< Samples of the series that were missing.
-  std::size_t interpolated = 0;  ///< Of these, within what was analysed.
+  std::size_t interpolated = 0;  ///< The part of them within the analysed stretch.
 
   [[nodiscard]] std::size_t size() const noexcept { return ml_mm.size(); }
   /// N / rate: the T of every formula.
   [[nodiscard]] double duration_s() const noexcept { return static_cast<double>(ml_mm.size()) / rate_hz; }
 };
 
-/// Rejects, interpolates gaps of up to 50 ms, cuts at longer ones (the longest clean stretch is kept), filters, decimates, trims, centres:
-/// posturography sheet sections 2 and 7. InvalidArgument: columns of different length, a rate that is not between 10 and 100 000 Hz, or
-/// one too low for the profile (lp10 needs more than 20 Hz). Failed: too little is left (2 samples; 16 for lp10), saying how much there
-/// was. Thread: any.
+/// Treats samples without load as missing, interpolates gaps of up to 50 ms, cuts at longer gaps (keeps the longest clean stretch),
+/// filters, decimates, trims and centres (posturography sheet sections 2 and 7). Fails with InvalidArgument if columns differ in length, if
+/// the rate is not between 10 and 100 000 Hz, or if the rate is too low for the profile (lp10 needs more than 20 Hz). Fails with Failed if
+/// too few samples are left (2 needed; 16 for lp10); the message has their number. Thread: any.
 [[nodiscard]] core::Result<Prepared> prepare(const CopSeries& series, const Preparation& preparation);
 
 }  // namespace dts::posturography

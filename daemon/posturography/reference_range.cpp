@@ -33,8 +33,9 @@ struct ReferenceRow {
   std::array<ReferenceRange, kProtocols.size()> ranges;  ///< In the order of the protocols.
 };
 
-// Posturography sheet section 9. RDIST and MVELO by axis are known there as medians only, and a range is shown whole or not at all.
-// clang-format off: a measure a line
+// Posturography sheet section 9. The sheet has only medians for RDIST and MVELO by axis; these are left out, because a range must be
+// complete.
+// clang-format off: one measure per line
 constexpr std::array kReferenceRows = {
     ReferenceRow{Measure::Mdist, {{{4.53, 2.84, 7.69}, {5.14, 3.10, 8.59}, {11.1, 8.5, 14.8}, {4.63, 2.84, 8.30}, {4.71, 2.77, 7.69}}}},
     ReferenceRow{Measure::Rdist, {{{5.32, 3.32, 8.69}, {6.00, 3.56, 9.56}, {12.8, 9.7, 16.7}, {5.12, 3.25, 10.2}, {5.42, 3.21, 8.87}}}},

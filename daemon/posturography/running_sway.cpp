@@ -9,8 +9,8 @@
 namespace dts::posturography {
 namespace {
 
-constexpr double kMostSamples = 9007199254740992.0;  // 2^53: beyond, one more does not count
-constexpr double kLargest = 1e100;                   // of a number out of a file: nothing that is made of it overflows
+constexpr double kMostSamples = 9007199254740992.0;  // 2^53: beyond this, adding one has no effect
+constexpr double kLargest = 1e100;                   // largest number accepted from a file: no calculation with it overflows
 
 }  // namespace
 
@@ -96,7 +96,7 @@ bool RunningSwaySums::set_state(std::span<const double, kStateSize> state) noexc
   return is_possible;
 }
 
-/// What any sums of samples fulfil; the last bits of means and paths are left to rounding.
+/// Checks properties that all sums of samples have, except for the last bits of means and paths (rounding).
 bool RunningSwaySums::is_sane() const noexcept {
   if (!(samples_ >= 0.0 && samples_ <= kMostSamples && samples_ == std::floor(samples_))) return false;
   if (samples_ == 0.0) return *this == RunningSwaySums(rate_hz_);

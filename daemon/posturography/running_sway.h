@@ -9,21 +9,21 @@
 
 namespace dts::posturography {
 
-/// Sums over the centre of pressure of a window that grows, exact while it does: Welford's means and co-moments, path, extremes
-/// (posturography sheet section 3, "exact running"). Samples come filtered and at the rate of analysis. Realtime-safe: yes.
+/// Exact sums over the centre of pressure of a growing window: Welford's means and co-moments, path, extremes (posturography sheet section
+/// 3, "exact running"). Samples must be filtered and at the rate of analysis. Realtime-safe: yes.
 class RunningSwaySums {
  public:
-  static constexpr std::size_t kStateSize = 16;  ///< Numbers, most; the rest of a state is 0.
+  static constexpr std::size_t kStateSize = 16;  ///< Largest number of values in a state; unused ones are 0.
 
   explicit RunningSwaySums(double rate_hz = 0.0) noexcept : rate_hz_(rate_hz) {}
   void reset() noexcept;
   void add(double ml_mm, double ap_mm) noexcept;
-  /// What comes next does not continue the path: the way there does not count.
+  /// Interrupts the path: the distance to the next sample does not count.
   void interrupt() noexcept { is_interrupted_ = samples_ > 0.0; }
   [[nodiscard]] core::RunningSway values() const noexcept;
 
   [[nodiscard]] std::array<double, kStateSize> state() const noexcept;
-  /// false: the numbers are impossible; the sums are then as fresh.
+  /// Returns false if the numbers are impossible; the sums are then reset.
   [[nodiscard]] bool set_state(std::span<const double, kStateSize> state) noexcept;
 
   friend bool operator==(const RunningSwaySums&, const RunningSwaySums&) = default;

@@ -20,7 +20,7 @@ struct Band {
   std::size_t last = 0;
 };
 
-/// Bins m with low <= m rate / N <= high: a bin that lies on an edge counts, whatever rounding says.
+/// Returns the bins m with low <= m rate / N <= high: a bin on an edge counts despite rounding.
 std::optional<Band> band_of(std::size_t samples, double rate_hz) {
   if (samples == 0 || !(rate_hz > 0.0)) return std::nullopt;
   constexpr double kSlack = 1e-9;
@@ -31,8 +31,8 @@ std::optional<Band> band_of(std::size_t samples, double rate_hz) {
   return Band{.first = static_cast<std::size_t>(first), .last = static_cast<std::size_t>(last)};
 }
 
-/// Sine tapers two by two, 1 and 2, then 3 and 4, ...: sin((k+1) a) = 2 cos(a) sin(k a) - sin((k-1) a). Without their factor
-/// sqrt(2 / (N + 1)).
+/// Sine tapers in pairs, 1 and 2, then 3 and 4, ...: sin((k+1) a) = 2 cos(a) sin(k a) - sin((k-1) a). Without their factor sqrt(2 / (N +
+/// 1)).
 class TaperPairs {
  public:
   explicit TaperPairs(std::size_t samples) : twice_cosine_(samples), pair_(samples) {
@@ -49,7 +49,7 @@ class TaperPairs {
       pair_[n] = Complex(odd, twice_cosine_[n] * odd - pair_[n].imag());
     }
   }
-  /// The odd one as real, the even one as imaginary part.
+  /// Returns the odd taper as real part, the even taper as imaginary part.
   [[nodiscard]] std::span<const Complex> pair() const noexcept { return pair_; }
 
  private:
@@ -78,7 +78,7 @@ class PairEnergy {
 };
 
 struct Series {
-  std::vector<double> own{};  ///< RD has no place in what was prepared.
+  std::vector<double> own{};  ///< Values of RD, which is not part of `Prepared`.
   std::span<const double> values{};
   bool still = true;
 };
@@ -113,7 +113,7 @@ Moments moments_of(const Spectrum& spectrum) {
   return moments;
 }
 
-/// The smallest bin frequency where the running sum reaches the share of all; never interpolated.
+/// Returns the smallest bin frequency at which the running sum reaches the share of the total; never interpolates.
 double quantile_hz(const Spectrum& spectrum, double share, double all) {
   double sum = 0.0;
   for (std::size_t index = 0; index + 1 < spectrum.density_mm2_per_hz.size(); ++index) {
@@ -127,7 +127,7 @@ void add_axis(const Spectrum& spectrum, Axis axis, bool with_quantiles, Measures
   if (spectrum.density_mm2_per_hz.empty()) return;
   const Moments moments = moments_of(spectrum);
   measures.set(of(Measure::PowerRd, axis), moments.mu0 * spectrum.bin_hz);
-  if (!(moments.mu0 > 0.0)) return;  // nothing moves: no frequency is defined
+  if (!(moments.mu0 > 0.0)) return;  // no movement: no frequency is defined
   if (with_quantiles) {
     measures.set(of(Measure::Pf50Rd, axis), quantile_hz(spectrum, 0.5, moments.mu0));
     measures.set(of(Measure::Pf95Rd, axis), quantile_hz(spectrum, 0.95, moments.mu0));
@@ -138,10 +138,10 @@ void add_axis(const Spectrum& spectrum, Axis axis, bool with_quantiles, Measures
   measures.set(of(Measure::MpfRd, axis), moments.mu1 / moments.mu0);
 }
 
-/// Sums over the power spectrum of one axis from 0 to half the rate, in bins; scale does not matter.
+/// Sums over the power spectrum of one axis from 0 to half the rate, in bins; independent of scale.
 struct WholeBand {
   double area = 0.0;    ///< By the trapezoid rule.
-  double moment = 0.0;  ///< The same of bin times power.
+  double moment = 0.0;  ///< Trapezoid rule for bin times power.
   double sum = 0.0;
 
   void add(double power, std::size_t bin, bool at_end) noexcept {
@@ -157,7 +157,7 @@ struct PowerOfBoth {
   std::vector<double> ml;
 };
 
-/// Welch's method, as scipy.signal.welch: periodic Hann window, half overlap, the mean of each segment removed. One-sided, unscaled.
+/// Welch's method, like scipy.signal.welch: periodic Hann window, half overlap, the mean of each segment removed. One-sided, unscaled.
 PowerOfBoth welch_of(const Prepared& prepared, std::size_t segment) {
   PowerOfBoth power{.ap = std::vector<double>(segment / 2 + 1), .ml = std::vector<double>(segment / 2 + 1)};
   std::vector<double> window(segment);
@@ -184,7 +184,7 @@ PowerOfBoth welch_of(const Prepared& prepared, std::size_t segment) {
   return power;
 }
 
-/// Duarte's mean power frequency of the public tables: segments of half the record, axes weighted by their power.
+/// Duarte's mean power frequency as in the public tables: segments of half the record, axes weighted by their power.
 std::optional<double> welch_half_mpf_hz(const Prepared& prepared) {
   const std::size_t segment = (prepared.size() + 1) / 2;
   if (segment < 4) return std::nullopt;

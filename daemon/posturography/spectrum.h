@@ -13,7 +13,7 @@ namespace dts::posturography {
 inline constexpr double kBandLowHz = 0.15;  ///< Prieto et al. 1996.
 inline constexpr double kBandHighHz = 5.0;
 
-/// One-sided density over the bins of the band, kBandLowHz .. kBandHighHz inclusive, never padded: bin m lies at m rate / N.
+/// One-sided density over the bins from kBandLowHz to kBandHighHz inclusive, without zero padding: bin m is at m rate / N.
 struct Spectrum {
   double bin_hz = 0.0;
   std::size_t first_bin = 0;
@@ -22,7 +22,7 @@ struct Spectrum {
   [[nodiscard]] double frequency_hz(std::size_t index) const noexcept { return static_cast<double>(first_bin + index) * bin_hz; }
 };
 
-/// By eight sine tapers (Riedel & Sidorenko 1995; "MT8"): RD less its mean, AP, ML. Thread: any.
+/// Spectra by eight sine tapers (Riedel & Sidorenko 1995; "MT8"): RD minus its mean, AP, ML. Thread: any.
 struct Spectra {
   Spectrum rd;
   Spectrum ap;
@@ -30,7 +30,7 @@ struct Spectra {
 };
 [[nodiscard]] Spectra multitaper_spectra(const Prepared& prepared);
 
-/// POWER, PF50, PF95, CFREQ, FREQD, MPF of RD, AP, ML, and MPF_RES_WELCHHALF; what is not defined stays absent. PF50 and PF95 only with
+/// Adds POWER, PF50, PF95, CFREQ, FREQD, MPF of RD, AP, ML, and MPF_RES_WELCHHALF; undefined values stay absent. Adds PF50 and PF95 only if
 /// `with_quantiles`.
 void add_frequency_domain(const Prepared& prepared, const Spectra& spectra, bool with_quantiles, Measures& measures);
 

@@ -8,13 +8,13 @@
 
 namespace dts::posturography {
 
-/// Of at least one value.
+/// `values` must not be empty.
 [[nodiscard]] inline double mean_of(std::span<const double> values) noexcept {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// What is left of a constant after filtering and centring is rounding of its level, and has no spectrum and no diffusion: such a series
-/// counts as constant. No platform resolves a ten-thousand-millionth of where somebody stands.
+/// Returns whether a series is constant. Filtering and centring leave a rounding error relative to `level`, which has no meaningful
+/// spectrum or diffusion. No platform resolves 1e-10 of the position.
 [[nodiscard]] inline bool is_still(std::span<const double> values, double level) noexcept {
   if (values.empty()) return true;
   const auto [least, most] = std::ranges::minmax_element(values);

@@ -14,18 +14,18 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kOneSided95 = 1.645;         // Prieto's z of the 95 % circle
-constexpr double kEllipseF = 3.00;            // Prieto's F of the 95 % ellipse: for many samples
+constexpr double kOneSided95 = 1.645;               // Prieto's z of the 95 % circle
+constexpr double kEllipseF = 3.00;                  // Prieto's F of the 95 % ellipse: for many samples
 constexpr double kChiSquare95 = 5.991464547107982;  // -2 ln 0.05
-/// An ellipse whose variances differ by less than this part has no direction: what is left is rounding.
+/// If the variances differ by less than this fraction, the ellipse has no direction: the difference is rounding.
 constexpr double kRound = 1e-12;
 
-/// Of distances from the mean position.
+/// Statistics of the distances from the mean position.
 struct Distances {
   double mean = 0.0;
   double rms = 0.0;
   double largest = 0.0;
-  double spread = 0.0;  ///< Population standard deviation: sqrt(rms^2 - mean^2), without its loss of digits on a circle.
+  double spread = 0.0;  ///< Population standard deviation: sqrt(rms^2 - mean^2), but computed without loss of digits on a circle.
 
   /// Radius of Prieto's 95 % confidence circle.
   [[nodiscard]] double circle_radius() const noexcept { return mean + kOneSided95 * spread; }
@@ -67,7 +67,7 @@ struct Path {
   double planar_mm = 0.0;
   double ap_mm = 0.0;
   double ml_mm = 0.0;
-  double swept_mm2 = 0.0;  ///< Around the mean position, whichever way round.
+  double swept_mm2 = 0.0;  ///< Around the mean position, in either direction.
 };
 
 Path path_of(const Prepared& cop) {
@@ -139,8 +139,8 @@ void add_ellipse(const PredictionEllipse& ellipse, Measures& measures) {
   if (larger - ellipse.sd2_mm * ellipse.sd2_mm > kRound * larger) measures.set(Measure::EllAngle, ellipse.angle_deg);
 }
 
-/// Katz' dimension with the extent `d`: ln N / ln(N d / TOTEX). No dimension where the path does not move or is longer than N extents,
-/// as of a point that jumps to and fro with every sample: the formula then says infinity, or less than 0.
+/// Adds Katz' dimension with the extent `extent_mm`: ln N / ln(N d / TOTEX). Undefined if the path does not move or is longer than N
+/// extents, as for a point that jumps to and fro with every sample: the formula is then infinite or negative.
 void add_fractal_dimension(Measure measure, std::size_t samples, double extent_mm, double path_mm, Measures& measures) {
   const auto n = static_cast<double>(samples);
   if (path_mm > 0.0 && extent_mm > 0.0 && n * extent_mm > path_mm) measures.set(measure, std::log(n) / std::log(n * extent_mm / path_mm));
@@ -179,7 +179,7 @@ void add_time_domain(const Prepared& prepared, Measures& measures) {
   if (!ellipse) return;
   add_ellipse(*ellipse, measures);
   const auto n = static_cast<double>(samples);
-  // Prieto's own ellipse takes the covariance over N.
+  // Prieto's own ellipse uses the covariance over N.
   const double root_of_determinant = ellipse->sd1_mm * ellipse->sd2_mm * (n - 1.0) / n;
   measures.set(Measure::AreaCe, 2.0 * pi * kEllipseF * root_of_determinant);
   add_fractal_dimension(Measure::FdCe, samples, std::sqrt(8.0 * kEllipseF * root_of_determinant), path.planar_mm, measures);

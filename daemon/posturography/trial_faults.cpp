@@ -11,8 +11,8 @@ namespace {
 constexpr double kHalf = 0.5;
 constexpr double kLongestDipS = 0.050;
 
-// A foot that is put elsewhere takes the centre of pressure along within a tenth of a second, and it stays there; sway that is as fast
-// comes back, and sway that goes as far is slower. Fast sway on foam: 133 mm/s (95 % of young people, AAMV), 13 mm in 100 ms.
+// A moved foot shifts the centre of pressure within a tenth of a second, and the shift stays. Sway that is as fast comes back, and sway
+// that is as large is slower. Fast sway on foam: 133 mm/s (95 % of young people, AAMV), 13 mm in 100 ms.
 constexpr double kJumpS = 0.100;
 constexpr double kRestS = 0.200;
 constexpr double kLeastJumpMm = 20.0;
@@ -29,7 +29,7 @@ double median_load_n(const CopSeries& series, std::size_t first) {
   return *middle;
 }
 
-/// sums[i]: of the first i values.
+/// sums[i]: sum of the first i values.
 std::vector<double> running_sums(std::span<const double> values) {
   std::vector<double> sums(values.size() + 1, 0.0);
   for (std::size_t i = 0; i < values.size(); ++i) sums[i + 1] = sums[i] + values[i];
@@ -60,7 +60,7 @@ bool position_jumps(std::span<const double> ml_mm, std::span<const double> ap_mm
     return (sums[end + rest] - sums[end] - (sums[begin] - sums[begin - rest])) / static_cast<double>(rest);
   };
   for (std::size_t begin = rest; begin + jump + rest <= ml.size(); ++begin) {
-    const std::size_t end = begin + jump;  // the mean after it begins with this sample
+    const std::size_t end = begin + jump;  // the second mean starts with this sample
     if (std::hypot(ml[end] - ml[begin], ap[end] - ap[begin]) <= kLeastJumpMm) continue;
     if (std::hypot(shift(ml_sums, begin, end), shift(ap_sums, begin, end)) > kLeastShiftMm) return true;
   }

@@ -22,7 +22,7 @@ double largest_speed(std::span<const double> values, std::size_t begin, std::siz
   return largest;
 }
 
-/// Average over complete windows of the largest speed within each; nothing when not one is complete.
+/// Adds the average over complete windows of the largest speed within each; nothing if no window is complete.
 void add_average_largest_speed(Measure measure, std::span<const double> values, double rate_hz, double window_s, Measures& measures) {
   const std::size_t length = whole_at_least_1(window_s * rate_hz);
   const std::size_t windows = (values.size() - 1) / length;
@@ -44,7 +44,7 @@ void add_speeds(const Prepared& cop, Measures& measures) {
   add(Measure::Aamv5sAp, Measure::Aamv5sMl, 5.0);
 }
 
-/// Directions of the steps between every `step`-th sample; a step of no length has none and is skipped.
+/// Returns the directions of the steps between every `step`-th sample; skips steps of length 0, which have no direction.
 std::vector<double> headings_deg(const Prepared& cop, std::size_t step) {
   std::vector<double> headings;
   for (std::size_t i = 0; i + step < cop.size(); i += step) {
@@ -55,13 +55,13 @@ std::vector<double> headings_deg(const Prepared& cop, std::size_t step) {
   return headings;
 }
 
-/// To (-180, 180].
+/// Wraps an angle to (-180, 180].
 double wrapped_deg(double angle_deg) noexcept {
   const double wrapped = std::remainder(angle_deg, 360.0);
   return wrapped <= -180.0 ? 180.0 : wrapped;
 }
 
-/// Rhea et al. 2014; of filtered data only, since that of quantisation noise is about 110 degrees whatever the person does.
+/// Rhea et al. 2014. Only for filtered data, because quantisation noise always has a heading change of about 110 degrees.
 void add_heading_change(const Prepared& cop, Measures& measures) {
   const std::size_t step = whole_at_least_1(cop.rate_hz / kHeadingRateHz);
   std::vector<double> changes = headings_deg(cop, step);

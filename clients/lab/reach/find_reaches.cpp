@@ -9,7 +9,7 @@
 
 namespace dts::lab::reach {
 
-/// Each trial is a segment of its own, as it is a recording of its own: what one finds does not depend on which others stand beside it.
+/// Each trial is a separate segment, because it is a separate recording: its result does not depend on the other trials.
 std::vector<std::optional<core::ReachEvent>> find_reaches(const TrialSet& set, const std::function<void(double)>& progress) {
   std::vector<std::optional<core::ReachEvent>> found(set.trials.size());
   std::map<std::pair<std::int64_t, std::int64_t>, std::unique_ptr<TrialPipeline>> pipelines;  // by rate
@@ -21,7 +21,7 @@ std::vector<std::optional<core::ReachEvent>> find_reaches(const TrialSet& set, c
     auto& pipeline = pipelines[{trial.rate.numerator(), trial.rate.denominator()}];
     if (!pipeline) {
       auto created = TrialPipeline::create(set.rig, trial.rate);
-      if (!created) continue;  // a rate that the extractor cannot do: nothing was found
+      if (!created) continue;  // the extractor does not support this rate: no reach
       pipeline = std::move(*created);
     }
     found[k] = pipeline::main_reach(pipeline->watch(trial.volts).events);

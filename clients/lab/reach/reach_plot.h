@@ -11,7 +11,7 @@
 
 namespace dts::lab::reach {
 
-/// Draws the transient of the first trial of each condition with its P1, P2, P3 (thesis Fig. 5.6). `reaches` belong to `set.trials`.
+/// Draws the transient of the first trial of each condition with its P1, P2, P3 (thesis Fig. 5.6). `reaches` must be those of `set.trials`.
 [[nodiscard]] core::Status plot_reaches(const TrialSet& set, const std::vector<std::optional<core::ReachEvent>>& reaches,
                                         const std::string& file);
 

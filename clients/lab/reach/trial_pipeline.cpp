@@ -8,7 +8,7 @@ namespace dts::lab::reach {
 namespace {
 
 constexpr std::size_t kBlockScans = 64;
-// 16 bit of +-5 V, as the recordings' own resolution of 0.1 mV suggests.
+// 16 bit over +-5 V, which fits the recordings' resolution of 0.1 mV.
 constexpr pipeline::StageContext::InputRange kConverter{.minimum_v = -5.0, .maximum_v = 5.0, .resolution_v = 10.0 / 65536.0};
 
 std::vector<pipeline::StageConfig> stages() {

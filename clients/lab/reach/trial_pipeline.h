@@ -16,18 +16,18 @@
 
 namespace dts::lab::reach {
 
-/// What the chair's stages make of one recording.
+/// The output of the chair's stages for one recording.
 struct Watched {
   std::vector<core::ReachEvent> events;
-  std::vector<std::pair<double, double>> transient;  ///< s, mm; where it is known.
+  std::vector<std::pair<double, double>> transient;  ///< s, mm; only where the transient is known.
 };
 
 /// The daemon's own stages (guard, linearise, transient, reach) for recordings of one chair at one rate.
 class TrialPipeline {
  public:
-  /// `rig` outlives it.
+  /// `rig` must outlive the pipeline.
   [[nodiscard]] static core::Result<std::unique_ptr<TrialPipeline>> create(const physics::RigModel& rig, const core::Rate& rate);
-  /// Each recording is a segment of its own: nothing is known of earlier ones.
+  /// Processes a recording as a new segment: nothing from earlier recordings is used.
   [[nodiscard]] Watched watch(std::span<const std::array<double, 4>> volts);
 
  private:
@@ -42,7 +42,7 @@ class TrialPipeline {
   core::Acquired acquired_;
   std::uint32_t segment_ = 0;
   std::uint64_t next_scan_ = 0;
-  std::size_t transient_ = 0;  ///< Which stream.
+  std::size_t transient_ = 0;  ///< Index of the stream.
 };
 
 }  // namespace dts::lab::reach

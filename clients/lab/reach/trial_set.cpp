@@ -18,7 +18,7 @@ namespace {
 constexpr std::size_t kSensors = 4;
 constexpr std::array<const char*, kSensors> kVoltColumns{"v1", "v2", "v3", "v4"};
 constexpr double kMostVolts = 100.0;
-constexpr double kSlowestHz = 75.0;  // what the stage `reach` takes
+constexpr double kSlowestHz = 75.0;  // lowest rate of the stage `reach`
 
 std::string path_of(const std::string& folder, const std::string& name) { return (std::filesystem::path(folder) / name).string(); }
 
@@ -26,7 +26,7 @@ void report(files::Problems& problems, const std::string& file, std::size_t line
   problems.push_back({file, static_cast<std::uint32_t>(line), line == 0 ? 0U : 1U, text});
 }
 
-/// Where sensors lie and what they said with nobody on the seat.
+/// Position of a sensor and its voltage with nobody on the seat.
 struct SensorRow {
   physics::Point position;
   double tare_v = 0.0;
@@ -60,7 +60,7 @@ std::vector<CsvColumn> calibration_columns() {
   return columns;
 }
 
-/// The seat of reach-model section 4; the extractor asks for positions and curves only.
+/// Returns the seat of reach-model section 4; the extractor uses only positions and curves.
 physics::RigModel read_rig(const std::string& folder, files::Problems& problems) {
   physics::RigModel rig{.plate = {.a = {400.0}, .b = {360.0}, .h = {6.0}, .e_pa = 3.3e9, .nu = 0.35},
                         .support = {.kind = physics::SupportKind::Edges},
@@ -119,7 +119,7 @@ std::vector<Subject> read_subjects(const std::string& file, files::Problems& pro
   return subjects;
 }
 
-/// The file that a trial's volts are in: as named, else the subject's own of that rate (A_1500.csv), else the subject's own.
+/// Returns the file with a trial's volts: the named file, else the subject's file for that rate (A_1500.csv), else the subject's file.
 std::string volts_file(const std::string& folder, const CsvTable& table, std::size_t row) {
   if (table.has("file") && !table.texts("file")[row].empty()) return table.texts("file")[row];
   const std::string subject = table.texts("subject")[row];
@@ -128,7 +128,7 @@ std::string volts_file(const std::string& folder, const CsvTable& table, std::si
   return std::filesystem::exists(path_of(folder, with_rate), none) ? with_rate : subject + ".csv";
 }
 
-/// A name that does not lead out of the folder.
+/// Returns whether a name stays inside the folder.
 bool is_plain_name(const std::string& name) { return std::filesystem::path(name).filename() == name && name != "." && name != ".."; }
 
 class TrialReader {
@@ -184,7 +184,7 @@ class TrialReader {
     if (known != files_.end()) return known->second;
     const std::size_t before = problems_.size();
     VoltsFile file = VoltsFile::read(path_of(folder_, name), problems_);
-    is_broken_[name] = problems_.size() != before;  // said once, not for each of its trials
+    is_broken_[name] = problems_.size() != before;  // reported once, not for each of its trials
     return files_.emplace(name, std::move(file)).first->second;
   }
 

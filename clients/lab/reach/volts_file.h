@@ -16,9 +16,9 @@ class VoltsFile {
  public:
   using Volts = std::vector<std::array<double, 4>>;
 
-  /// Everything wrong is added to `problems` with file:line:column, also a trial whose rows do not stand together.
+  /// Adds every error to `problems` with file:line:column, including a trial whose rows are not contiguous.
   [[nodiscard]] static VoltsFile read(const std::string& file, files::Problems& problems);
-  /// nullptr: there is no such trial.
+  /// Returns nullptr if there is no such trial.
   [[nodiscard]] const Volts* find(std::uint32_t trial) const;
 
  private:

@@ -9,12 +9,12 @@
 
 namespace dts::lab::study {
 
-/// One figure of the study in all draws of people, with what the thesis prints for real ones.
+/// One figure of the study in all draws of people, and the thesis's value for real people.
 struct ComparedFigure {
   std::string name;              ///< "nn1_healthy_correct"
-  std::string sentence;          ///< For people.
-  int of = 0;                    ///< A count out of so many; 0: no count.
-  std::optional<double> thesis;  ///< By the rows of its table, where these and the total disagree.
+  std::string sentence;          ///< Description for people.
+  int of = 0;                    ///< Total of a count; 0: not a count.
+  std::optional<double> thesis;  ///< From the rows of its table, if the rows and the printed total disagree.
   std::vector<double> ours;      ///< One per draw; NaN where undefined.
 
   [[nodiscard]] double least() const;
@@ -24,7 +24,7 @@ struct ComparedFigure {
 
 [[nodiscard]] std::vector<ComparedFigure> compare(const std::vector<Draw>& draws);
 
-/// What must be known of these figures.
+/// Returns notes that are needed to interpret these figures.
 [[nodiscard]] std::vector<std::string> study_notes();
 
 }  // namespace dts::lab::study

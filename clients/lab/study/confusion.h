@@ -9,10 +9,10 @@
 
 namespace dts::lab::study {
 
-/// The class of a reach with so much flexion of the trunk.
+/// Returns the class of a reach with this trunk flexion.
 [[nodiscard]] core::TrunkClass true_class(double flexion_deg) noexcept;
 
-/// What reaches of a known class were taken for.
+/// Counts the answers to reaches of a known class.
 class Confusion {
  public:
   /// Columns: rejected or no reach found, none, minor, moderate, maximum.
@@ -27,11 +27,11 @@ class Confusion {
   [[nodiscard]] std::size_t correct(core::TrunkClass wanted) const noexcept { return count(wanted, wanted); }
   [[nodiscard]] std::size_t correct() const noexcept;
   [[nodiscard]] std::size_t total() const noexcept;
-  /// Without the reaches of the arm alone, which the thesis's networks know nothing of.
+  /// Returns the counts without arm-only reaches, which the thesis's networks do not distinguish.
   [[nodiscard]] Confusion of_trunk() const noexcept;
-  /// That got an answer.
+  /// Returns the number of reaches that were not rejected.
   [[nodiscard]] std::size_t kept() const noexcept;
-  /// Correct part; NaN of none.
+  /// Returns the correct fraction; NaN without reaches.
   [[nodiscard]] double accuracy() const noexcept;
   [[nodiscard]] double kept_share() const noexcept;
   [[nodiscard]] double kept_accuracy() const noexcept;

@@ -17,9 +17,9 @@ namespace {
 
 using core::TrunkClass;
 
-constexpr double kLessonsPart = 0.2;  // of the study's time, when a model of invented people is among them
+constexpr double kLessonsPart = 0.2;  // fraction of the study's time, if it includes a model of invented people
 
-/// Correlation coefficient of pairs.
+/// Computes the correlation coefficient of pairs.
 class Correlation {
  public:
   void add(double x, double y) noexcept {
@@ -43,7 +43,7 @@ class Correlation {
   double xy_ = 0.0;
 };
 
-/// Thesis Fig. 5.8: outputs against targets, all three outputs of all reaches.
+/// Returns the correlation of outputs and targets, all three outputs of all reaches (thesis Fig. 5.8).
 double regression_r(const classifier::TrunkModel& model, const training::TrainingSet& set) {
   const classifier::Ensemble& ensemble = model.form().general;
   Correlation correlation;
@@ -64,7 +64,7 @@ std::size_t of_trunk(const training::TrainingSet& set) {
       set.reaches, [](const auto& reach) { return training::is_usable(reach) && reach.wanted >= TrunkClass::Minor; }));
 }
 
-/// A reach that was not found counts as rejected; the thesis has none, since the points were checked by eye (5.3.3).
+/// Counts a reach that was not found as rejected. The thesis has no such reaches, because its points were checked by eye (5.3.3).
 std::vector<Confusion> judge(const classifier::TrunkModel& model, const StudyGroup& group) {
   std::vector<Confusion> answers(group.volunteers.size());
   for (const StudyReach& one : group.reaches) {
@@ -119,7 +119,7 @@ struct Lessons {
   std::optional<classifier::TrunkModel> invented;
 };
 
-/// The model that dtsd ships is made like this, so that these figures are what to expect of it.
+/// Trains a model as dtsd's own model is trained, so that these figures describe the model that dtsd ships.
 core::Result<classifier::TrunkModel> model_of_invented_people(const Progress& progress) {
   const auto set = training::simulated_people(kInventedPeople, kInventedTrials, 1, [&](double done) { progress(0.5 * done); });
   if (!set) return tl::make_unexpected(set.error());

@@ -12,7 +12,7 @@ using classifier::SubjectCalibration;
 using classifier::TrunkModel;
 using core::TrunkClass;
 
-/// Figures as they come in.
+/// Collects the figures.
 class Tally {
  public:
   explicit Tally(std::size_t volunteers) { figures_.answers.resize(volunteers); }

@@ -29,7 +29,7 @@ double rms_deg(const std::vector<AngleError>& errors) {
   return errors.empty() ? kUnknown : std::sqrt(squares / static_cast<double>(errors.size()));
 }
 
-/// Half widths by the class of the estimated angle, without one volunteer.
+/// Returns the half widths by the class of the estimated angle, without one volunteer.
 std::array<double, kClasses> widths_without(const std::vector<AngleError>& errors, std::size_t volunteer) {
   std::array<std::vector<double>, kClasses> off;
   for (const AngleError& error : errors) {
@@ -83,7 +83,7 @@ LeftOutFigures figures_of(const training::TrainingSet& set, const std::vector<Le
   return figures;
 }
 
-/// Nobody's reach is lost: what was not found, or is unfit, was not judged and counts as rejected.
+/// Counts every reach that was not found or is unfit as rejected, so that no reach is missing.
 void add_unjudged(const std::vector<const StudyGroup*>& groups, LeftOutFigures& figures) {
   std::size_t first = 0;
   for (const StudyGroup* group : groups) {

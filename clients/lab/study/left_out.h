@@ -10,22 +10,22 @@
 
 namespace dts::lab::study {
 
-/// Each volunteer by a recommended model of all others.
+/// Judges each volunteer by a recommended model of all others.
 [[nodiscard]] core::Result<RecommendedResult> judge_volunteers_left_out(const std::vector<const StudyGroup*>& groups, std::uint64_t seed,
                                                                         const Progress& progress);
 
-/// All reaches by one model that was taught by others. With rejection and intervals as the daemon uses it.
+/// Judges all reaches by one model trained on other people, with rejection and intervals as in the daemon.
 [[nodiscard]] RecommendedResult judge_by_model(const classifier::TrunkModel& model, const std::vector<const StudyGroup*>& groups);
 
-/// An angle that was estimated beside the true one.
+/// An estimated angle and the true angle.
 struct AngleError {
   std::size_t volunteer = 0;
   double estimated_deg = 0.0;
   double true_deg = 0.0;
 };
 
-/// Part of the true angles within a 90 % interval that only the errors of the other volunteers made, one width per class of the estimated
-/// angle. NaN without two volunteers.
+/// Returns the fraction of true angles within a 90 % interval that is computed only from the errors of the other volunteers, one width per
+/// class of the estimated angle. NaN with fewer than two volunteers.
 [[nodiscard]] double coverage_left_out(const std::vector<AngleError>& errors, std::size_t volunteers);
 
 }  // namespace dts::lab::study

@@ -20,7 +20,7 @@ constexpr double kIdealRestBeforeS = 1.5;
 constexpr double kIdealRestAfterS = 1.2;
 constexpr double kSatDownLongAgoS = -100.0;
 constexpr double kNoiseV = 3e-3;
-constexpr double kLivingV = 1e-6;  // a thousandth of the noise: constant volts would be a stuck sensor
+constexpr double kLivingV = 1e-6;  // a thousandth of the noise: the stages treat constant volts as a stuck sensor
 constexpr std::uint64_t kTrialsOfOneSubject = 1'000'000;
 constexpr int kMostTrials = 10'000;
 
@@ -56,7 +56,7 @@ core::Status check(const std::vector<reach::Subject>& subjects, const TrialPlan&
   return {};
 }
 
-/// One subject on the chair, one trial after the other.
+/// One subject on the chair; performs one trial after the other.
 class Sitter {
  public:
   static core::Result<Sitter> create(const reach::Subject& subject, std::size_t index, const TrialPlan& plan,
@@ -74,7 +74,7 @@ class Sitter {
     return Sitter(subject, seed, plan, rig, habits, std::move(*plate));
   }
 
-  /// Fills the volts of `trial`, whose number and rate stand, if the plan has any; returns the trunk's flexion.
+  /// Fills the volts of `trial`, if the plan has any; its number and rate must be set. Returns the trunk flexion.
   double perform(reach::Trial& trial, double target_cm, double pace_s) {
     const physics::CounterRandom random(seed_ + trial.number);
     physics::SittingHabits habits = habits_;

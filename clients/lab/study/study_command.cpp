@@ -12,7 +12,7 @@ namespace dts::lab {
 
 int run_reach_study(const Arguments& arguments, cli::Console& console) {
   if (!arguments.plot.empty()) {
-    if (const auto name = check_plot_name(arguments.plot); !name) return fail_with(console, name.error());  // now, not after minutes
+    if (const auto name = check_plot_name(arguments.plot); !name) return fail_with(console, name.error());  // fail now, not after minutes
   }
   core::Result<std::vector<study::Draw>> draws;
   {

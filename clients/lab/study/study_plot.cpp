@@ -11,10 +11,10 @@ namespace {
 
 using core::TrunkClass;
 
-// Words on axes are formats to gnuplot: %% is a percent sign.
+// gnuplot treats axis labels as formats: %% is a percent sign.
 constexpr std::array<TrunkClass, 3> kDrawnClasses = {TrunkClass::Minor, TrunkClass::Moderate, TrunkClass::Maximum};
 
-/// Rows from below: 120 %, 150 %, maximum.
+/// Rows from the bottom: 120 %, 150 %, maximum.
 void write_confusion(std::ostream& script, const std::string& name, const Confusion& answers) {
   script << "$" << name << " << END\n";
   for (std::size_t row = 0; row < kDrawnClasses.size(); ++row) {

@@ -8,9 +8,10 @@
 
 namespace dts::lab::study {
 
-/// Confusions of the ten healthy volunteers by NN1, NN2 and the recommended model with its own scale, and the windows of trunk angles.
+/// Draws the confusions of the ten healthy volunteers by NN1, NN2 and the recommended model with its own scale, and the windows of trunk
+/// angles.
 [[nodiscard]] core::Status draw_study(const Draw& draw, const std::string& file);
-/// The script for gnuplot, without the terminal; for tests.
+/// Returns the script for gnuplot without the terminal; for tests.
 [[nodiscard]] std::string study_script(const Draw& draw);
 
 }  // namespace dts::lab::study

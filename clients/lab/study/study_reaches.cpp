@@ -15,11 +15,11 @@ namespace {
 using core::TrunkClass;
 
 constexpr int kTrialsPerTarget = 15;     // thesis 5.3.1 and 6.3.3
-constexpr double kSimulationPart = 0.4;  // of the time; the rest is for the extractor
+constexpr double kSimulationPart = 0.4;  // fraction of the time; the rest is for the extractor
 
 enum class Use : std::uint64_t { Teachers = 1, Healthy, Stroke };
 
-/// Volunteers of another group are other people: the simulator draws them by seed and place.
+/// Volunteers of another group must be other people: the simulator draws them by seed and index.
 std::uint64_t seed_of(const Volunteer& first, std::uint64_t seed) {
   const Use use = !first.is_healthy ? Use::Stroke : first.measured_deg ? Use::Healthy : Use::Teachers;
   return training::derived_seed(seed, static_cast<std::uint64_t>(use));
@@ -33,12 +33,12 @@ std::vector<reach::Subject> subjects_of(std::span<const Volunteer> volunteers) {
   return subjects;
 }
 
-/// After a stroke it is the angle that tells, also where the target happens to be one of the others' targets.
+/// After a stroke the angle defines the class, even if the target equals one of the others' targets.
 TrunkClass wanted_of(const reach::Trial& trial, const Volunteer& volunteer) {
   return volunteer.is_healthy ? reach::class_of_condition(trial.condition).value_or(TrunkClass::None) : volunteer.boundary_class;
 }
 
-/// The daemon's stages over simulated volts.
+/// Runs the daemon's stages on simulated volts.
 StudyGroup found(std::span<const Volunteer> volunteers, const SimulatedTrials& simulated, const Progress& progress) {
   StudyGroup group{.volunteers = {volunteers.begin(), volunteers.end()}, .reaches = {}};
   const auto reaches = reach::find_reaches(simulated.set, progress);
@@ -59,7 +59,7 @@ core::Result<StudyGroup> simulate(std::span<const Volunteer> volunteers, const T
   return found(volunteers, *simulated, [&](double done) { progress(kSimulationPart + (1.0 - kSimulationPart) * done); });
 }
 
-/// Mean flexion in `trials` reaches to each target, percent of the arm.
+/// Returns the mean flexion in `trials` reaches to each target; targets in percent of the arm.
 core::Result<std::vector<double>> probe_deg(const reach::Subject& subject, const std::vector<int>& percents, int trials,
                                             std::uint64_t seed) {
   TrialPlan plan{.conditions = {}, .trials_per_condition = trials, .seed = seed, .has_volts = false};
@@ -73,8 +73,9 @@ core::Result<std::vector<double>> probe_deg(const reach::Subject& subject, const
   return means;
 }
 
-/// The target at which this simulated person bends the trunk by what the thesis measured at the critical boundary. How much of a bad arm
-/// the trunk makes up for is drawn, so it is not the distance that is printed. First roughly, then around the best with more reaches.
+/// Returns the target at which this simulated person bends the trunk by the angle that the thesis measured at the critical boundary. The
+/// target differs from the printed distance, because it is random how much the trunk compensates for a weak arm. Searches first coarsely,
+/// then around the best target with more reaches.
 core::Result<std::string> boundary_of(const reach::Subject& subject, double wanted_deg, std::uint64_t seed) {
   int best = 115;
   for (const auto& [reach_percent, step_percent, trials] : {std::tuple(60, 10, 2), std::tuple(9, 3, 8)}) {
@@ -112,7 +113,7 @@ training::TrainingSet training_set(const std::vector<const StudyGroup*>& groups)
 
 core::Result<StudyGroup> natural_reaches(std::span<const Volunteer> volunteers, Targets targets, std::uint64_t seed,
                                          const Progress& progress) {
-  // The targets within reach come last: then the others are the same trials with them and without.
+  // The targets within reach are last, so that the other trials are the same with and without them.
   TrialPlan plan{.conditions = {"120", "150", "max"}, .trials_per_condition = kTrialsPerTarget};
   if (targets == Targets::All) plan.conditions.insert(plan.conditions.end(), {"80", "100"});
   plan.seed = seed_of(volunteers.front(), seed);
@@ -124,7 +125,7 @@ core::Result<StudyGroup> boundary_reaches(std::span<const Volunteer> volunteers,
   SimulatedTrials all;
   for (std::size_t place = 0; place < subjects.size(); ++place) {
     reach::Subject& subject = subjects[place];
-    subject.person.max_reach_cm = 2.0 * subject.person.arm_length_cm;  // where the probes end, not the volunteer's
+    subject.person.max_reach_cm = 2.0 * subject.person.arm_length_cm;  // limit of the probes, not of the volunteer
     const std::uint64_t own_seed = training::derived_seed(seed_of(volunteers[place], seed), place);
     const auto boundary = boundary_of(subject, volunteers[place].boundary_deg.value_or(0.0), own_seed);
     if (!boundary) return tl::make_unexpected(boundary.error());

@@ -66,7 +66,7 @@ cli::Json to_json(const ComparedFigure& figure) {
   cli::set_number(json, "least", figure.least());
   cli::set_number(json, "median", figure.median());
   cli::set_number(json, "most", figure.most());
-  json["draws"] = figure.ours;  // what is not finite becomes null
+  json["draws"] = figure.ours;  // values that are not finite become null
   return json;
 }
 
@@ -148,7 +148,7 @@ std::string cell_text(const Confusion& answers, TrunkClass wanted) {
   std::string others;
   for (const TrunkClass answer : kEveryAnswer) {
     const std::size_t count = answers.count(wanted, answer);
-    const std::string what = answer == TrunkClass::Rejected ? "no answer" : word(answer);  // not found, or unfit
+    const std::string what = answer == TrunkClass::Rejected ? "no answer" : word(answer);  // no reach found, or unfit
     if (answer != wanted && count > 0) others += (others.empty() ? "" : ", ") + std::to_string(count) + " " + what;
   }
   return std::to_string(answers.correct(wanted)) + (others.empty() ? "" : " (" + others + ")");

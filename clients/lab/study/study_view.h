@@ -9,11 +9,11 @@
 
 namespace dts::lab::study {
 
-/// Figures of all draws beside what the thesis prints.
+/// Returns the figures of all draws beside those printed in the thesis.
 [[nodiscard]] cli::Json to_json(const std::vector<Draw>& draws);
 void print(const std::vector<Draw>& draws, cli::Console& console);
 
-/// "12 (3 max)": correct answers, and what the others were.
+/// Returns for example "12 (3 max)": correct answers, and the other answers.
 [[nodiscard]] std::string cell_text(const Confusion& answers, core::TrunkClass wanted);
 
 }  // namespace dts::lab::study

@@ -11,19 +11,19 @@
 
 namespace dts::lab::study {
 
-/// A volunteer of the thesis: measures as printed, and what was measured with a camera. Nothing else is known of them.
+/// A volunteer of the thesis: printed body measures and camera measurements. Nothing else is known.
 struct Volunteer {
   std::string_view name;
   physics::Person person;
   bool is_healthy = true;
   /// Mean trunk angle of reaches to 120 %, 150 % and the maximum, deg (Table 6.3).
   std::optional<std::array<double, 3>> measured_deg{};
-  /// Mean trunk angle of reaches to the critical boundary, deg, and the condition that the thesis takes it for (Table 6.4).
+  /// Mean trunk angle of reaches to the critical boundary, deg, and the condition that the thesis assigns to it (Table 6.4).
   std::optional<double> boundary_deg{};
   core::TrunkClass boundary_class = core::TrunkClass::None;
 };
 
-/// A, B and C (Table 5.1): the networks' teachers.
+/// A, B and C (Table 5.1): the training data of the networks.
 [[nodiscard]] std::span<const Volunteer> teachers() noexcept;
 /// H1 to H10 (Tables 6.1 and 6.3).
 [[nodiscard]] std::span<const Volunteer> healthy() noexcept;

@@ -15,7 +15,7 @@
 namespace dts::lab::steadiness {
 namespace {
 
-/// A row and what the model says of it.
+/// A row and the model's answer.
 struct Prediction {
   SteadinessRow row;
   Answer answer;
@@ -84,7 +84,7 @@ void show(const std::vector<Prediction>& predictions, const SteadinessModel& mod
   console.out << arguments.steadiness.out << ": " << predictions.size() << " rows\n";
 }
 
-/// What makes the answers worth less than they look.
+/// Prints reasons to doubt the answers.
 void tell_doubts(const std::vector<Prediction>& predictions, const SteadinessModel& model, cli::Console& console) {
   std::size_t silent = 0;
   std::size_t outside = 0;

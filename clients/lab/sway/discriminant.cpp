@@ -14,7 +14,8 @@ namespace {
 using posturography::Measure;
 using posturography::Measures;
 
-/// Without scatter within the classes any direction would be infinitely good. Of standardised measures, whose variance is 1.
+/// Smallest variance of standardised measures, whose variance is 1. Without scatter within the classes, any direction would separate
+/// perfectly.
 constexpr double kLeastVariance = 1e-6;
 
 std::vector<double> values_of(const Samples& samples, std::span<const std::size_t> rows, Measure measure) {
@@ -23,7 +24,7 @@ std::vector<double> values_of(const Samples& samples, std::span<const std::size_
   return values;
 }
 
-/// Nothing when the measure does not vary: it tells nothing.
+/// Returns nothing if the measure does not vary, because it cannot separate classes.
 std::optional<Predictor> predictor_of(Measure measure, std::vector<double> values) {
   const auto [least, most] = std::ranges::minmax(values);
   Predictor predictor{.measure = measure, .is_logarithmic = least > 0.0, .least = least, .most = most};
@@ -37,7 +38,7 @@ std::optional<Predictor> predictor_of(Measure measure, std::vector<double> value
   return is_constant ? std::nullopt : std::optional(predictor);
 }
 
-/// NaN: missing, or no logarithm.
+/// Returns NaN if the value is missing or has no logarithm.
 double standardised(const Predictor& predictor, const Measures& measures) {
   constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
   const auto value = measures.get(predictor.measure);
@@ -47,7 +48,7 @@ double standardised(const Predictor& predictor, const Measures& measures) {
 
 /// Rows as standardised predictors, with the mean of each class.
 struct Cloud {
-  Eigen::MatrixXd rows;   ///< [row][predictor]; later less the mean of their class.
+  Eigen::MatrixXd rows;   ///< [row][predictor]; later minus the mean of their class.
   Eigen::MatrixXd means;  ///< [class][predictor]
   Eigen::VectorXd counts;
 };
@@ -78,7 +79,7 @@ struct Shrunk {
   double intensity = 0.0;
 };
 
-/// Ledoit & Wolf 2004, "A well-conditioned estimator for large-dimensional covariance matrices": towards the mean variance times I.
+/// Shrinks towards the mean variance times I: Ledoit & Wolf 2004, "A well-conditioned estimator for large-dimensional covariance matrices".
 Shrunk shrunk_covariance(const Cloud& cloud) {
   const auto count = static_cast<double>(cloud.rows.rows());
   const auto width = static_cast<double>(cloud.rows.cols());

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kMostFolds = 200;
 
-/// Which fold each row belongs to: those of a subject together, a row without a subject alone.
+/// The fold of each row: rows of one subject together, a row without a subject alone.
 struct Folds {
   std::vector<std::size_t> of_row;
   std::size_t count = 0;
@@ -37,7 +37,7 @@ std::size_t place_of(const std::vector<std::string>& classes, const std::string&
   return static_cast<std::size_t>(std::ranges::lower_bound(classes, label) - classes.begin());
 }
 
-/// Fits without the fold, and counts what is told of it. What cannot be fitted tells nothing, which is wrong.
+/// Fits without the fold and counts its predictions. If the fit fails, there is no prediction, which counts as wrong.
 void judge_fold(const Samples& samples, const Folds& folds, std::size_t fold, Evaluation& evaluation) {
   std::vector<std::size_t> others;
   for (std::size_t row = 0; row < folds.of_row.size(); ++row) {

@@ -11,37 +11,38 @@
 
 namespace dts::lab::steadiness {
 
-/// 95 % interval of a share by Wilson's score; `count` need not be whole. {0, 1} of nothing.
+/// 95 % interval of a fraction by Wilson's score; `count` need not be an integer. {0, 1} if `count` is 0.
 struct Interval {
   double low = 0.0;
   double high = 1.0;
 };
 [[nodiscard]] Interval wilson_interval(double share, double count) noexcept;
 
-/// How well labels are told of people (or, where no subject is given, of rows) that were left out of the training.
+/// How well the discriminant predicts the labels of left-out people (or of left-out rows if no subject is known).
 struct Evaluation {
   std::vector<std::string> classes;
-  std::vector<std::vector<std::size_t>> confusion;  ///< [true class][told class, and last: nothing told]
+  std::vector<std::vector<std::size_t>> confusion;  ///< [true class][predicted class; last column: no prediction]
   std::size_t rows = 0;
   std::size_t correct = 0;
-  std::size_t subjects = 0;      ///< Different ones.
-  std::size_t rows_without = 0;  ///< Without a subject: each was left out alone, others of the same person may have stayed.
+  std::size_t subjects = 0;      ///< Number of different subjects.
+  std::size_t rows_without = 0;  ///< Rows without a subject: each was left out alone; other rows of the same person may have been used for
+                                 ///< training.
   double accuracy = 0.0;
-  double balanced_accuracy = 0.0;   ///< Mean over classes of the correct share.
-  double commonest_share = 0.0;     ///< Accuracy of always saying the commonest class.
-  bool is_label_of_person = false;  ///< Nobody has two labels: people, not rows, are what the interval counts.
-  double independent = 0.0;         ///< What the interval counts.
+  double balanced_accuracy = 0.0;   ///< Mean over classes of the correct fraction.
+  double commonest_share = 0.0;     ///< Accuracy if the most common class is always predicted.
+  bool is_label_of_person = false;  ///< No subject has two labels: the interval counts people, not rows.
+  double independent = 0.0;         ///< The count that the interval uses.
   Interval interval{};              ///< Of `accuracy`.
 
-  /// Against the commonest class, beyond what the interval leaves open, and on average over the classes.
+  /// Returns whether the accuracy is above the most common class's share by more than the interval, and also on average over the classes.
   [[nodiscard]] bool is_better_than_chance() const noexcept;
   [[nodiscard]] bool is_of_too_few() const noexcept { return subjects < kFewestSubjects; }
 
   static constexpr std::size_t kFewestSubjects = 10;
 };
 
-/// Leaves out each subject in turn, fits the rest (measures, logarithms and scaling too), and tells the labels of who was left out; of more
-/// than 200 subjects, several at a time. Fails as `fit` on all rows would.
+/// Leaves out each subject in turn, fits the rest (including measures, logarithms and scaling), and predicts the labels of the left-out
+/// subject. With more than 200 subjects, leaves out several at a time. Fails as `fit` on all rows.
 [[nodiscard]] core::Result<Evaluation> evaluate_left_out(const Samples& samples, const std::function<void(double)>& progress);
 
 }  // namespace dts::lab::steadiness

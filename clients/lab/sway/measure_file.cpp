@@ -17,14 +17,14 @@ using posturography::Analysis;
 using posturography::AnalysisOptions;
 using posturography::Measure;
 
-constexpr double kSameDigits = 1e-9;  ///< Relative: rounding of other compilers and processors.
+constexpr double kSameDigits = 1e-9;  ///< Relative: rounding by other compilers and processors.
 
-/// False, and a problem at its line, when the times do not rise.
+/// Returns false and adds a problem with its line if the times do not rise.
 bool check_times(const std::string& file, const std::vector<double>& t_s, files::Problems& problems) {
   for (std::size_t row = 1; row < t_s.size(); ++row) {
     if (t_s[row] > t_s[row - 1]) continue;
     problems.push_back({file, static_cast<std::uint32_t>(CsvTable::line_of_row(row)), 1, "t_s does not rise"});
-    return false;  // one is enough: the rest is the same fault
+    return false;  // one report is enough: later rows have the same fault
   }
   return true;
 }
@@ -60,7 +60,7 @@ MeasuredFile measure_csv(const SwayInput& input, const AnalysisOptions& options)
   return measured;
 }
 
-/// What the recording says of a trial goes before what the command line says of its file.
+/// The recording's facts about a trial have priority over those of the command line.
 MeasuredTrial named(const session::StandingTrial& standing, const record::Recording& recording, const SwayInput& input) {
   MeasuredTrial trial{.file = input.file, .session = input.session, .subject = input.subject};
   if (const auto& facts = recording.session()) {

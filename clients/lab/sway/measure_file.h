@@ -14,22 +14,22 @@
 
 namespace dts::lab::steadiness {
 
-/// What came of one file. With problems or an error there are no trials.
+/// The result of one file. With problems or an error there are no trials.
 struct MeasuredFile {
   std::vector<MeasuredTrial> trials;
-  files::Problems problems;          ///< Of a CSV file, each with its place.
+  files::Problems problems;          ///< Of a CSV file, each with its position.
   std::optional<core::Error> error;  ///< Of a recording.
-  std::string damage;                ///< Of a recording that is read up to a torn place, or was recovered.
+  std::string damage;                ///< Of a recording that was read up to a torn place, or was recovered.
 };
 
-/// How a file's centres of pressure are prepared, as the command line asks for it.
+/// Returns how to prepare a file's centres of pressure, from the command line.
 [[nodiscard]] posturography::AnalysisOptions options_of(const SwayArguments& arguments, bool is_recording);
 
-/// Reads and measures every trial of a file that is asked for. `progress` gets 0..1.
+/// Reads and measures every requested trial of a file. Calls `progress` with 0..1.
 [[nodiscard]] MeasuredFile measure_file(const SwayInput& input, const SwayArguments& arguments,
                                         const std::function<void(double)>& progress);
 
-/// Whether two analyses of one trial are the same, but for the last digits that another machine may round differently.
+/// Returns whether two analyses of one trial are equal, except for the last digits, which another machine may round differently.
 [[nodiscard]] bool is_same(const posturography::Analysis& a, const posturography::Analysis& b);
 
 }  // namespace dts::lab::steadiness

@@ -18,7 +18,7 @@ constexpr std::size_t kMostClasses = 100;
 constexpr std::size_t kLongestText = 4096;
 constexpr double kMostWeight = 1e12;
 
-/// Takes a model out of JSON, or says what is wrong: first fault wins.
+/// Reads a model from JSON; keeps only the first error.
 class ModelReader {
  public:
   explicit ModelReader(const Json& json) : json_(json) {}

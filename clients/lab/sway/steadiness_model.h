@@ -10,10 +10,10 @@
 
 namespace dts::lab::steadiness {
 
-/// A discriminant with what is to be known when it is used.
+/// A discriminant with the facts needed to use it.
 struct SteadinessModel {
-  std::string label;    ///< The column that it tells.
-  std::string profile;  ///< Of all rows of training; empty: not known, or different ones.
+  std::string label;    ///< The column that it predicts.
+  std::string profile;  ///< Of all training rows; empty: unknown or mixed.
   Discriminant discriminant;
   std::size_t rows = 0;
   std::size_t subjects = 0;
@@ -24,10 +24,10 @@ struct SteadinessModel {
 
 [[nodiscard]] std::string model_text(const SteadinessModel& model);
 
-/// Reads what `model_text` wrote. `name` stands for the file in errors. InvalidArgument: no such JSON, another format, sizes that do not
-/// fit together, numbers out of range, unknown measures.
+/// Reads the text of `model_text`. Error messages use `name` for the file. Fails with InvalidArgument if the text is not such JSON, has
+/// another format, has sizes that do not match, numbers out of range or unknown measures.
 [[nodiscard]] core::Result<SteadinessModel> read_model_text(std::string_view text, const std::string& name);
-/// The same of a file.
+/// Reads the same text from a file.
 [[nodiscard]] core::Result<SteadinessModel> read_model(const std::string& file);
 
 }  // namespace dts::lab::steadiness

@@ -34,7 +34,7 @@ std::vector<CsvColumn> columns_of(const std::string& label) {
   return columns;
 }
 
-/// A bar joins the names.
+/// The names are joined by a bar.
 bool has_invalid_flag(const std::string& flags) {
   const std::string framed = "|" + flags + "|";
   const auto names = posturography::names_of(posturography::sway_flag::kInvalid);
@@ -69,7 +69,7 @@ SteadinessRow row_of(const CsvTable& table, const std::string& label, std::size_
   return one;
 }
 
-/// "duration 20 to 60 s" when the known ones differ by more than 1 %.
+/// Adds "duration 20 to 60 s" if the known values differ by more than 1 %.
 void add_span(const std::vector<SteadinessRow>& rows, double SteadinessRow::*member, const std::string& what, const std::string& unit,
               std::vector<std::string>& differences) {
   double least = std::numeric_limits<double>::infinity();

@@ -9,14 +9,14 @@
 
 namespace dts::lab::steadiness {
 
-/// A row of a table as `dtslab sway --table` writes it. Texts are empty and numbers NaN where the table does not say.
+/// A row of a table that `dtslab sway --table` wrote. Unknown texts are empty; unknown numbers are NaN.
 struct SteadinessRow {
   std::size_t line = 0;
   std::string file;
   std::string session;
   std::string subject;
   std::string trial;
-  std::string label;  ///< What stands in the column that was asked for.
+  std::string label;  ///< Content of the requested column.
   std::string profile;
   double rate_hz = 0.0;
   double duration_s = 0.0;
@@ -24,10 +24,11 @@ struct SteadinessRow {
   posturography::Measures measures;
 };
 
-/// Reads a table. `label`: its column, required; empty: none. Everything wrong is added to `problems` with its place.
+/// Reads a table. `label` is the name of its required label column; empty: none. Adds every error to `problems` with its position.
 [[nodiscard]] std::vector<SteadinessRow> read_rows(const std::string& file, const std::string& label, files::Problems& problems);
 
-/// "lp10 and asis", "duration 20 to 60 s": in what the rows differ that values depend on; empty: in nothing.
+/// Returns the properties that affect the values and differ between the rows: "lp10 and asis", "duration 20 to 60 s"; empty if there are
+/// none.
 [[nodiscard]] std::vector<std::string> differences_of(const std::vector<SteadinessRow>& rows);
 
 }  // namespace dts::lab::steadiness

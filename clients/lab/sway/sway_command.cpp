@@ -18,17 +18,17 @@
 namespace dts::lab::steadiness {
 namespace {
 
-/// What came of all files.
+/// The results of all files.
 struct MeasuredFiles {
   std::vector<MeasuredTrial> trials;
-  std::vector<std::pair<std::string, MeasuredFile>> unwell;  ///< Files that cannot be read, or are torn.
-  int status = cli::kOk;                                     ///< The highest of the files that cannot be read.
-  std::size_t files = 0;                                     ///< That were tried.
+  std::vector<std::pair<std::string, MeasuredFile>> unwell;  ///< Files that are unreadable or torn.
+  int status = cli::kOk;                                     ///< The highest status of the unreadable files.
+  std::size_t files = 0;                                     ///< Number of files tried.
   bool is_interrupted = false;
 };
 
 MeasuredFiles measure_all(const std::vector<SwayInput>& inputs, const SwayArguments& arguments, cli::Console& console) {
-  const cli::Interruption interruption;  // between files: tables are written whole or not at all
+  const cli::Interruption interruption;  // stops between files: tables are written completely or not at all
   cli::Progress progress(console, "measuring");
   MeasuredFiles all;
   for (const SwayInput& input : inputs) {
@@ -45,7 +45,7 @@ MeasuredFiles measure_all(const std::vector<SwayInput>& inputs, const SwayArgume
   return all;
 }
 
-/// After the progress bar is gone.
+/// Call after the progress bar has disappeared.
 void tell_unwell(MeasuredFiles& all, cli::Console& console) {
   for (const auto& [file, measured] : all.unwell) {
     if (!measured.problems.empty()) all.status = std::max(all.status, report_problems(console, measured.problems));
@@ -99,7 +99,7 @@ cli::Json documents(const MeasuredFiles& all, const SwayArguments& arguments) {
   return json;
 }
 
-/// One CSV file, as contract.md has it: a document of its own.
+/// Returns whether there is one CSV file: contract.md defines its own document for that case.
 bool is_single_file(const std::vector<SwayInput>& inputs, const SwayArguments& arguments) {
   return inputs.size() == 1 && arguments.inputs.size() == 1 && inputs.front().file == arguments.inputs.front() &&
          !inputs.front().is_recording();
@@ -107,7 +107,7 @@ bool is_single_file(const std::vector<SwayInput>& inputs, const SwayArguments& a
 
 void show(const MeasuredFiles& all, bool is_single, const Arguments& arguments, cli::Console& console) {
   if (arguments.is_json) {
-    if (is_single && all.trials.empty()) return;  // the problem was told; there is no such document
+    if (is_single && all.trials.empty()) return;  // the problem was reported; there is no such document
     console.out << cli::document(is_single ? to_json(all.trials.front(), arguments.sway) : documents(all, arguments.sway));
     return;
   }
@@ -140,7 +140,7 @@ int show_comparison(const MeasuredFiles& all, const Arguments& arguments, cli::C
   return all.status;
 }
 
-/// `all` has trials, or the files' own problems say why there are none.
+/// Returns the exit status. `all` has trials, or the problems of the files explain why there are none.
 int status_of(const MeasuredFiles& all, cli::Console& console) {
   if (all.status != cli::kOk) return all.status;
   const auto is_measured = [](const MeasuredTrial& trial) { return trial.analysis.has_value(); };

@@ -6,9 +6,9 @@
 
 namespace dts::lab::steadiness {
 
-/// `dtslab sway`: measures centres of pressure of files and recordings.
+/// `dtslab sway`: measures the steadiness of centres of pressure from files and recordings.
 [[nodiscard]] int run_sway(const Arguments& arguments, cli::Console& console);
-/// `dtslab steadiness train`, `dtslab steadiness classify`: tells groups or conditions apart by their measures.
+/// `dtslab steadiness train`, `dtslab steadiness classify`: distinguishes groups or conditions by their measures.
 [[nodiscard]] int run_train(const Arguments& arguments, cli::Console& console);
 [[nodiscard]] int run_classify(const Arguments& arguments, cli::Console& console);
 

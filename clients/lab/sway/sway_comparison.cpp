@@ -14,9 +14,9 @@ namespace {
 using posturography::Analysis;
 using posturography::Measure;
 
-/// As the session's own summary has it: trials may differ by the cut of a sample or two.
+/// As in the session's own summary: durations may differ by one or two samples.
 constexpr double kSameDurationS = 0.1;
-constexpr double kSameRate = 0.01;  ///< Relative: path and direction do not notice less.
+constexpr double kSameRate = 0.01;  ///< Relative: path and direction are at least as sensitive to the rate.
 
 bool is_equally_long(const Analysis& a, const Analysis& b) { return std::abs(a.duration_s - b.duration_s) <= kSameDurationS; }
 bool is_equal_rate(const Analysis& a, const Analysis& b) { return std::abs(a.rate_hz - b.rate_hz) <= kSameRate * a.rate_hz; }
@@ -31,7 +31,7 @@ Labels without_eyes(const MeasuredTrial& trial) {
   return labels;
 }
 
-/// Nothing: the two do not make a Romberg test. True: the first is the one with open eyes.
+/// Returns whether the first trial is the one with open eyes; nothing if the two do not form a Romberg test.
 std::optional<bool> is_first_open(const MeasuredTrial& a, const MeasuredTrial& b) {
   if (without_eyes(a) != without_eyes(b) || !a.analysis->is_valid() || !b.analysis->is_valid()) return std::nullopt;
   if (!is_equally_long(*a.analysis, *b.analysis) || !is_equal_rate(*a.analysis, *b.analysis) || is_other_person(a, b)) return std::nullopt;

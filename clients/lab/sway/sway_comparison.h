@@ -11,24 +11,24 @@
 
 namespace dts::lab::steadiness {
 
-/// A core measure of two trials.
+/// One core measure in two trials.
 struct ComparedMeasure {
   posturography::Measure measure{};
   double first = 0.0;
   double second = 0.0;
-  std::optional<double> percent;  ///< Second less first, of first; of ratio-scaled measures above 0 only.
+  std::optional<double> percent;  ///< (second - first) / first; only for ratio-scaled measures above 0.
   std::optional<double> romberg;  ///< Eyes closed / eyes open.
 };
 
 /// Two trials side by side.
 struct Comparison {
-  std::vector<ComparedMeasure> measures;  ///< That both have.
+  std::vector<ComparedMeasure> measures;  ///< The measures that both trials have.
   bool has_romberg = false;
-  std::vector<std::string> warnings;  ///< Why the trials do not compare well: never silently.
+  std::vector<std::string> warnings;  ///< Reasons why the trials are not well comparable; always shown.
 };
 
-/// Both have an analysis. Romberg quotients are formed when the labels differ in eyes=open, closed only and both trials are valid, of one
-/// person as far as is known, equally long and of one rate (posturography sheet section 6).
+/// Compares two analysed trials. Computes Romberg quotients only if the labels differ only in eyes=open and eyes=closed, both trials are
+/// valid, have equal durations and rates, and are not known to be of different people (posturography sheet section 6).
 [[nodiscard]] Comparison compare(const MeasuredTrial& first, const MeasuredTrial& second);
 
 [[nodiscard]] cli::Json to_json(const Comparison& comparison);

@@ -50,7 +50,7 @@ bool is_measurable(const fs::path& path) {
   return name.ends_with(".csv") || name.ends_with(".xdf") || name.ends_with(".xdf.part");
 }
 
-/// A recording that a crash left open and its repaired copy are one recording.
+/// Removes duplicates: a recording left open by a crash and its repaired copy are the same recording.
 void leave_out_repaired(std::vector<std::string>& files) {
   const std::set<std::string> known(files.begin(), files.end());
   std::erase_if(files,
@@ -66,7 +66,7 @@ core::Result<std::vector<std::string>> files_below(const std::string& folder, co
     if (!place->is_regular_file(none) || !is_measurable(place->path())) continue;
     if (!table.empty() && fs::equivalent(place->path(), table, none)) continue;
     files.push_back(place->path().string());
-    if (files.size() > kMostFiles) break;  // said by the caller
+    if (files.size() > kMostFiles) break;  // the caller reports this
   }
   if (error) return core::fail(core::ErrorCode::Failed, folder + " cannot be read: " + error.message(), "another folder");
   if (files.empty()) {

@@ -10,7 +10,7 @@ namespace {
 using posturography::Analysis;
 using posturography::Measure;
 
-/// Of sample entropy and heading change: these depend on their settings so much that a value without them says nothing.
+/// Returns the settings of sample entropy and heading change: without them, these values are meaningless.
 cli::Json settings(const Analysis& analysis, const SwayArguments& arguments) {
   cli::Json json = cli::Json::object();
   if (arguments.trim_s > 0.0) json["trim_s"] = arguments.trim_s;

@@ -18,7 +18,7 @@ using posturography::Measure;
 constexpr std::array<std::string_view, 6> kIdentity{"file", "session", "subject", "trial", "attempt", "condition"};
 constexpr std::array<std::string_view, 5> kCircumstances{"profile", "fs_hz", "n", "duration_s", "flags"};
 
-/// A recording may have labels that are called like a column.
+/// Renames a recording's label that has the name of a column.
 std::string column_of(const std::string& label) { return is_column_of_table(label) ? "label_" + label : label; }
 
 std::string joined(const std::vector<std::string_view>& words) {

@@ -9,16 +9,16 @@
 
 namespace dts::lab::steadiness {
 
-/// Many trials as one CSV: a row for each, with the columns file, session, subject, trial, attempt, condition, one for each label's name,
-/// profile, fs_hz, n, duration_s, flags (joined by a bar), then every measure by its symbol. What is not known is empty.
+/// Returns many trials as one CSV text, one row per trial. Columns: file, session, subject, trial, attempt, condition, one for each label's
+/// name, profile, fs_hz, n, duration_s, flags (joined by a bar), then every measure by its symbol. Unknown values are empty.
 [[nodiscard]] std::string table_text(std::span<const MeasuredTrial> trials);
 
-/// Whether tables have a column of that name that is no label.
+/// Returns whether tables have a column of that name that is not a label.
 [[nodiscard]] bool is_column_of_table(std::string_view name);
 
-/// `core::csv_cell`; line ends become spaces, since `CsvTable` reads line by line.
+/// As `core::csv_cell`, but line ends become spaces, because `CsvTable` reads line by line.
 [[nodiscard]] std::string cell_text(std::string_view text);
-/// As many digits as the number needs to be read back the same.
+/// Returns as many digits as are needed to read back the same number.
 [[nodiscard]] std::string number_text(double value);
 
 }  // namespace dts::lab::steadiness

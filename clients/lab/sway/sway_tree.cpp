@@ -30,7 +30,7 @@ void add_definition(CLI::App& sway, steadiness::SwayArguments& arguments) {
       ->check(cli::number_between(50.0, 500.0, "millimetres"));
 }
 
-/// Every word of the results, from the tables that the results are made with.
+/// Returns the glossary of the results, from the tables that also create the results.
 std::vector<cli::Glossary> words_of_results() {
   cli::Glossary measures{.title = "Measures", .words = {}};
   for (std::size_t k = 0; k < posturography::kMeasureCount; ++k) {

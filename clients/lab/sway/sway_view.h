@@ -11,17 +11,17 @@
 
 namespace dts::lab::steadiness {
 
-/// "8.0696": `digits` significant ones, for people.
+/// Formats a number for people with `digits` significant digits: "8.0696".
 [[nodiscard]] std::string significant(double value, int digits = 5);
 
-/// A trial as contract.md describes it, with what else is to be known about it.
+/// Returns a trial as contract.md describes it, with additional facts.
 [[nodiscard]] cli::Json to_json(const MeasuredTrial& trial, const SwayArguments& arguments);
 
-/// Every measure of one trial, in groups, with what it is; its flags with their sentences.
+/// Prints every measure of one trial, in groups with descriptions, and its flags with their sentences.
 void print_measures(const MeasuredTrial& trial, cli::Console& console);
-/// A line for each trial with the measures that are looked at first.
+/// Prints one line per trial with the most important measures.
 void print_overview(std::span<const MeasuredTrial> trials, cli::Console& console);
-/// How many of dtsd's own results are not those computed here; nothing when it told none.
+/// Prints how many of the results that dtsd recorded differ from those computed here; nothing if dtsd recorded none.
 void print_told(std::span<const MeasuredTrial> trials, cli::Console& console);
 
 }  // namespace dts::lab::steadiness

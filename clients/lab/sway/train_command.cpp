@@ -27,7 +27,7 @@ bool is_in_every_row(Measure measure, const std::vector<SteadinessRow>& rows) {
   return std::ranges::all_of(rows, [&](const SteadinessRow& row) { return row.measures.has(measure); });
 }
 
-/// Those that are asked for, else the core measures that every row has.
+/// Returns the requested measures; without a request, the core measures that every row has.
 core::Result<std::vector<Measure>> measures_of(const std::vector<std::string>& symbols, const std::vector<SteadinessRow>& rows) {
   std::vector<Measure> measures;
   for (const std::string& symbol : symbols) {
@@ -50,7 +50,7 @@ core::Result<std::vector<Measure>> measures_of(const std::vector<std::string>& s
                     "--measures, or a table of longer trials");
 }
 
-/// Rows that serve; the others are told of.
+/// Returns the usable rows and reports the others.
 std::vector<SteadinessRow> usable(std::vector<SteadinessRow> rows, const std::string& label, cli::Console& console) {
   const std::size_t invalid = std::erase_if(rows, [](const SteadinessRow& row) { return !row.is_valid; });
   const std::size_t nameless = std::erase_if(rows, [](const SteadinessRow& row) { return row.label.empty(); });
@@ -114,7 +114,7 @@ void print_confusion(const Evaluation& evaluation, cli::Console& console) {
   table.print(console);
 }
 
-/// What the figures allow to say, and what they do not.
+/// Prints the conclusions that the figures allow, and their limits.
 void print_verdict(const Evaluation& evaluation, cli::Console& console) {
   const bool is_better = evaluation.is_better_than_chance();
   const std::string words =

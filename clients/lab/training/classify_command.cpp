@@ -20,7 +20,7 @@ namespace {
 using classifier::SubjectCalibration;
 using Reaches = std::vector<std::optional<core::ReachEvent>>;
 
-/// "max:3": the first three trials at that target.
+/// Parsed "max:3": the first three trials at that target.
 struct OwnScale {
   std::string condition;
   std::size_t count = 0;
@@ -37,7 +37,7 @@ core::Result<std::optional<OwnScale>> own_scale_of(const std::string& text) {
   return core::fail(core::ErrorCode::InvalidArgument, "--calibrate " + text + " is not known", "--calibrate max:3");
 }
 
-/// By subject; a subject whose maximum reaches do not serve has none.
+/// Returns one calibration per subject; none for a subject without usable maximum reaches.
 std::vector<std::optional<SubjectCalibration>> calibrations_of(const reach::TrialSet& set, const Reaches& reaches, const OwnScale& own,
                                                                cli::Console& console) {
   std::vector<std::vector<core::ReachFeatures>> maximum(set.subjects.size());

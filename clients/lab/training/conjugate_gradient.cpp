@@ -21,7 +21,7 @@ std::vector<double> moved(const std::vector<double>& from, double step, const st
   return to;
 }
 
-/// Steps as in Moller's paper, whose names these are: r is the steepest descent, p the direction, delta the curvature along it.
+/// Steps as in Moller's paper, with its names: r is the steepest descent, p the direction, delta the curvature along it.
 class Descent {
  public:
   Descent(const Objective& objective, std::vector<double> weights)
@@ -36,7 +36,7 @@ class Descent {
     const double p_square = dot(p_, p_);
     if (is_success_) find_curvature(p_square);
     double delta = curvature_ + (lambda_ - lambda_bar_) * p_square;
-    if (delta <= 0.0) {  // not positive definite here: make it so
+    if (delta <= 0.0) {  // not positive definite here: correct it
       lambda_bar_ = 2.0 * (lambda_ - delta / p_square);
       delta = -delta + lambda_ * p_square;
       lambda_ = lambda_bar_;

@@ -7,7 +7,7 @@
 
 namespace dts::lab::training {
 
-/// Something to make small, over weights.
+/// A function of weights to minimise.
 struct Objective {
   std::function<double(std::span<const double> weights)> error;
   std::function<double(std::span<const double> weights, std::span<double> gradient)> gradient;
@@ -15,17 +15,17 @@ struct Objective {
 
 struct StopRules {
   int most_epochs = 1000;
-  int most_failures = 6;  ///< Epochs in a row whose validation error is above the best.
+  int most_failures = 6;  ///< Largest number of successive epochs whose validation error is above the best.
   double least_gradient = 1e-6;
 };
 
 struct Minimum {
-  std::vector<double> weights;  ///< With the best validation error; without a validation, the last.
-  double error = 0.0;           ///< Of the objective, at the end.
+  std::vector<double> weights;  ///< With the best validation error; without a validation, the last ones.
+  double error = 0.0;           ///< Final value of the objective.
   int epochs = 0;
 };
 
-/// Moller's scaled conjugate gradient (1993) with sigma 5e-5 and lambda 5e-7, as in the thesis. `validation` may be empty.
+/// Minimises by Moller's scaled conjugate gradient (1993) with sigma 5e-5 and lambda 5e-7, as in the thesis. `validation` may be empty.
 [[nodiscard]] Minimum minimise(const Objective& objective, std::vector<double> weights,
                                const std::function<double(std::span<const double>)>& validation, const StopRules& stop);
 

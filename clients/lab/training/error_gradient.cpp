@@ -62,7 +62,7 @@ double NetworkError::error(std::span<const double> weights) const {
 double NetworkError::gradient(std::span<const double> weights, std::span<double> gradient) const {
   std::fill(gradient.begin(), gradient.end(), 0.0);
   const std::size_t inputs = batch_.input_count;
-  const std::size_t second = hidden_ * (inputs + 1);  // where the output layer's weights begin
+  const std::size_t second = hidden_ * (inputs + 1);  // first weight of the output layer
   const double by_row = 1.0 / static_cast<double>(batch_.size());
   Hidden hidden{};
   double sum = 0.0;
@@ -72,7 +72,7 @@ double NetworkError::gradient(std::span<const double> weights, std::span<double>
     sum += row_error(outputs, batch_.classes[k]);
     Hidden back{};
     for (std::size_t out = 0; out < kClasses; ++out) {
-      double delta = (outputs[out] - (out == batch_.classes[k] ? 1.0 : 0.0)) * by_row;  // of softmax with cross-entropy
+      double delta = (outputs[out] - (out == batch_.classes[k] ? 1.0 : 0.0)) * by_row;  // for softmax with cross-entropy
       if (output_ == OutputKind::Logistic) delta *= 2.0 / static_cast<double>(kClasses) * outputs[out] * (1.0 - outputs[out]);
       for (std::size_t node = 0; node < hidden_; ++node) {
         gradient[second + out * hidden_ + node] += delta * hidden[node];

@@ -13,7 +13,7 @@
 namespace dts::lab::training {
 namespace {
 
-/// The model that `like` becomes with networks trained elsewhere.
+/// Returns `like` with networks that were trained elsewhere.
 core::Result<classifier::TrunkModel> with_networks(const classifier::TrunkModel& like, ForeignNetworks foreign, const std::string& file) {
   classifier::TrunkModelForm form = like.form();
   const std::size_t hidden = form.general.networks.front().hidden_count();
@@ -33,7 +33,8 @@ core::Result<classifier::TrunkModel> with_networks(const classifier::TrunkModel&
     form.general.inputs = std::move(foreign.inputs);
   }
   form.general.networks = std::move(foreign.networks);
-  // What was measured of the old networks does not hold for these; the validation accuracy stays as the model's own claim of its task.
+  // Figures measured with the old networks are not valid for these; the validation accuracy stays as the model's own statement about its
+  // task.
   const double validation_accuracy = form.figures.validation_accuracy;
   form.figures = {.validation_accuracy = validation_accuracy};
   form.facts.software = ("networks imported from " + std::filesystem::path(file).filename().string()).substr(0, 150);

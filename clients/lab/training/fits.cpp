@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Index;
 
-/// 1, x_i, x_i x_j with i <= j, as classifier::Quadratic.
+/// Returns 1, x_i, x_i x_j with i <= j, as in classifier::Quadratic.
 Eigen::VectorXd quadratic_terms(std::span<const double> row) {
   const std::size_t count = row.size();
   Eigen::VectorXd terms(static_cast<Index>(1 + count + count * (count + 1) / 2));

@@ -8,10 +8,10 @@
 
 namespace dts::lab::training {
 
-/// Scaled rows with a number each.
+/// Scaled rows with one target each.
 struct Samples {
   std::size_t input_count = 0;
-  std::vector<double> inputs;  ///< Row after row.
+  std::vector<double> inputs;  ///< Row by row.
   std::vector<double> targets;
   std::vector<double> weights;
 
@@ -19,27 +19,27 @@ struct Samples {
   [[nodiscard]] std::size_t size() const noexcept { return targets.size(); }
 };
 
-/// Least squares for classifier::Quadratic, `ridge` (a part of the rows' weight) against coefficients that the data do not determine;
-/// the constant is free.
+/// Least squares for classifier::Quadratic. `ridge` (a fraction of the rows' weight) limits coefficients that the data do not determine;
+/// the constant term has no ridge.
 [[nodiscard]] std::vector<double> fit_quadratic(const Samples& samples, double ridge);
 
-/// Logistic regression over the terms of classifier::Quadratic, targets 0 or 1, by Newton's method with a ridge; both targets weigh the
-/// same.
+/// Logistic regression over the terms of classifier::Quadratic, targets 0 or 1, by Newton's method with a ridge; both targets have the same
+/// total weight.
 [[nodiscard]] std::vector<double> fit_logistic(const Samples& samples, double ridge);
 
-/// Probabilities with the class that was true.
+/// Predicted probabilities and the true class.
 struct Forecast {
   classifier::Network::Outputs probability{};
   std::size_t wanted = 0;
 };
 
-/// The temperature, 0.25 to 8, whose probabilities p^(1/T) are the most likely.
+/// Returns the temperature T, 0.25 to 8, for which the probabilities p^(1/T) are the most likely.
 [[nodiscard]] double fit_temperature(std::span<const Forecast> forecasts);
 
 /// Expected calibration error over ten bins of the highest probability.
 [[nodiscard]] double calibration_error(std::span<const Forecast> forecasts);
 
-/// The smallest value that at least `part` of `values` (plus one unseen: conformal prediction) do not exceed.
+/// Returns the smallest value that at least the fraction `part` of `values` (plus one unseen value: conformal prediction) does not exceed.
 [[nodiscard]] double conformal_quantile(std::vector<double> values, double part);
 
 }  // namespace dts::lab::training

@@ -12,9 +12,9 @@
 
 namespace dts::lab::training {
 
-/// What there is to learn from recorded trials: of healthy people (others bend the trunk where they need not), labelled by the target that
-/// was asked for, with the flexion that it takes by the person's measures. `names` (empty: all) chooses subjects. Fails with
-/// InvalidArgument when a name is not there or not of a healthy person, or when there is nothing to learn from.
+/// Builds a training set from recorded trials of healthy people (others bend the trunk where they need not). The label is the requested
+/// target; the flexion is what the target needs according to the person's measures. `names` selects subjects (empty: all). Fails with
+/// InvalidArgument if a name is unknown or not of a healthy person, or if there is nothing to train on.
 [[nodiscard]] core::Result<TrainingSet> gather(const reach::TrialSet& set, std::span<const std::optional<core::ReachEvent>> reaches,
                                                const std::vector<std::string>& names);
 

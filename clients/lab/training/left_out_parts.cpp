@@ -14,9 +14,9 @@ using classifier::kClasses;
 using core::TrunkClass;
 
 constexpr double kIntervalPart = 0.9;
-constexpr std::size_t kEnoughResiduals = 20;  ///< Fewer in a band: all bands together.
+constexpr std::size_t kEnoughResiduals = 20;  ///< With fewer in a band, all bands are combined.
 constexpr double kLeastResidualDeg = 0.5;
-/// Unsure and disagreeing is judged anew, with temperature and interval.
+/// Uncertainty and contradictions are judged again, with temperature and interval.
 constexpr std::uint16_t kRejecting = core::class_reason::kOutOfRange | core::class_reason::kBadReach;
 
 bool counts(const JudgedReach& one, std::optional<std::size_t> without) {

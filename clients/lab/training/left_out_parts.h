@@ -13,32 +13,32 @@
 
 namespace dts::lab::training {
 
-/// A best guess of a model that never saw the reach's subject, beside the truth. What is fitted to such guesses (temperature, intervals)
-/// is judged by the guesses of other groups only, else it would always hold.
+/// A best guess by a model without this reach's subject, and the truth. Values fitted to such guesses (temperature, intervals) are
+/// evaluated only on the guesses of other groups; otherwise they would always fit.
 struct JudgedReach {
   const TrainingReach* reach = nullptr;
   core::TrunkMovement movement;
-  std::size_t group = 0;                             ///< People who were left out together.
+  std::size_t group = 0;                             ///< Number of the group of people that were left out together.
   double arm_alone = core::ReachFeatures::kUnknown;  ///< Probability that the trunk did not move.
 };
 
-/// Of reaches that moved the trunk, without one group.
+/// Returns the forecasts for reaches that moved the trunk, without one group.
 [[nodiscard]] std::vector<Forecast> forecasts_of(std::span<const JudgedReach> judged, std::optional<std::size_t> without = {});
 
-/// Half widths of 90 % intervals by the class of the angle that was estimated, from reaches that moved the trunk, without one group.
+/// Returns the half widths of 90 % intervals by the class of the estimated angle, from reaches that moved the trunk, without one group.
 [[nodiscard]] std::array<double, classifier::kClasses> residuals_of(std::span<const JudgedReach> judged,
                                                                     std::optional<std::size_t> without = {});
 
-/// From which probability on it is the arm alone: one that at most two in a hundred reaches of class 1 have, without one group. These must
-/// not get lost to class 0.
+/// Returns the probability from which a reach counts as arm-only. At most two in a hundred reaches of class 1 have that probability,
+/// because they must not become class 0. Without one group.
 [[nodiscard]] double none_from_of(std::span<const JudgedReach> judged, std::optional<std::size_t> without = {});
 
-/// The guess with class 0 and 1 told apart by `none_from`: a model that was fitted without people left out does not know it.
+/// Returns the guess, with class 0 and 1 separated by `none_from`: a model without left-out people does not have that value.
 [[nodiscard]] core::TrunkClass guess_of(const JudgedReach& judged, double none_from);
 
 [[nodiscard]] classifier::Network::Outputs tempered(classifier::Network::Outputs probability, double temperature);
 
-/// As TrunkModel::classify decides, with these half widths in place of the model's: `movement` has been tempered.
+/// Decides as TrunkModel::classify, but with `half_widths_deg` instead of the model's own. `movement` must be tempered.
 [[nodiscard]] bool is_kept(const core::TrunkMovement& movement, const std::array<double, classifier::kClasses>& half_widths_deg,
                            double reject_below);
 

@@ -18,20 +18,21 @@ using classifier::ReachFeature;
 using classifier::SubjectCalibration;
 using core::TrunkClass;
 
-// Weight-free: what another body changes least.
+// Weight-free: features that change least between bodies.
 constexpr std::array kGeneralFeatures = {ReachFeature::RelativeD2, ReachFeature::RelativeHold, ReachFeature::RatioChange};
 constexpr std::array kOwnFeatures = {ReachFeature::OwnD2, ReachFeature::OwnHold, ReachFeature::OwnRatioChange};
 constexpr std::array kAngleFeatures = {ReachFeature::RelativeD2, ReachFeature::RelativeHold, ReachFeature::RatioChange};
 constexpr std::array kArmAloneFeatures = {ReachFeature::RelativeD1, ReachFeature::RelativeD2, ReachFeature::RatioChange};
 constexpr std::array kRawFeatures = {ReachFeature::D1, ReachFeature::D2, ReachFeature::P1, ReachFeature::P2, ReachFeature::P3};
 
-constexpr double kTail = 0.005;  ///< Of the reaches at each end that do not widen a range: one failed extraction would squeeze all others.
+constexpr double kTail = 0.005;  ///< Fraction of the reaches at each end that does not widen a range: one failed extraction would compress
+                                 ///< all others.
 constexpr double kQuadraticRidge = 1e-3;
 constexpr double kLogisticRidge = 1e-4;
 constexpr double kDecay = 1e-2;
 constexpr double kWideResidualDeg = 30.0;
 
-/// A reach with the own scale it is seen by.
+/// A reach with the subject's own scale that is applied to it.
 struct Row {
   const TrainingReach* reach = nullptr;
   const SubjectCalibration* subject = nullptr;
@@ -63,8 +64,9 @@ core::Result<std::vector<FeatureRange>> ranges_of(const std::array<ReachFeature,
 
 bool is_of_trunk(const TrainingReach& reach) { return reach.wanted >= TrunkClass::Minor; }
 
-/// Recorded people weigh as much as all simulated ones together where labels are sure: they are few, but this chair's. Angles are not:
-/// geometry misses a person's true angle by some 5 degrees, a simulated one is known.
+/// Returns the weight of a recorded reach. Where labels are certain, recorded people weigh as much as all simulated ones together: they are
+/// few, but used this chair. For angles they do not, because geometry is wrong by about 5 degrees for a person, and the angle of a
+/// simulated person is known.
 double recorded_weight(const TrainingSet& set) {
   const auto is_simulated = [&](const TrainingReach& reach) { return set.subjects[reach.subject].is_simulated; };
   const auto simulated = static_cast<double>(std::count_if(set.reaches.begin(), set.reaches.end(), is_simulated));
@@ -81,7 +83,7 @@ std::vector<Row> general_rows(const TrainingSet& set) {
   return rows;
 }
 
-/// Each reach by another triple of its subject's maximum reaches, so that what is learned bears with how they differ.
+/// Scales each reach by another triple of its subject's maximum reaches, so that the model tolerates their differences.
 std::vector<Row> own_rows(const TrainingSet& set, const std::vector<std::vector<SubjectCalibration>>& calibrations) {
   std::vector<Row> rows;
   const double weight = recorded_weight(set);
@@ -152,13 +154,13 @@ core::Status fit_own_scale(classifier::TrunkModelForm& form, const TrainingSet& 
   std::vector<std::vector<SubjectCalibration>> calibrations;
   for (std::size_t subject = 0; subject < set.subjects.size(); ++subject) calibrations.push_back(calibrations_of(set, subject));
   const auto rows = own_rows(set, calibrations);
-  if (rows.empty()) return {};  // nobody reached to the maximum: the model knows no own scale
+  if (rows.empty()) return {};  // no maximum reaches: the model has no own scale
   auto inputs = ranges_of(kOwnFeatures, of_trunk(rows), kTail);
   if (!inputs) return tl::make_unexpected(inputs.error());
   auto fitted = fit_ensemble(std::move(*inputs), of_trunk(rows), network, true, options.networks, derived_seed(options.seed, 1));
   if (!fitted) return tl::make_unexpected(fitted.error());
   form.own = std::move(fitted->ensemble);
-  std::vector<double> largest_deg(set.subjects.size());  // on the average of the maximum reaches
+  std::vector<double> largest_deg(set.subjects.size());  // average of the maximum reaches
   std::vector<double> count(set.subjects.size());
   for (const TrainingReach& reach : set.reaches) {
     if (reach.wanted != TrunkClass::Maximum) continue;
@@ -174,7 +176,7 @@ core::Status fit_own_scale(classifier::TrunkModelForm& form, const TrainingSet& 
   return {};
 }
 
-/// Class 0 against class 1; without a reach of either there is no rule.
+/// Fits class 0 against class 1; without a reach of either class there is no rule.
 core::Status fit_arm_alone(classifier::TrunkModelForm& form, const std::vector<Row>& rows) {
   std::vector<Row> near;
   std::copy_if(rows.begin(), rows.end(), std::back_inserter(near), [](const Row& row) { return row.reach->wanted <= TrunkClass::Minor; });

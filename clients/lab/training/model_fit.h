@@ -12,12 +12,12 @@ namespace dts::lab::training {
 
 struct ModelOptions {
   classifier::ModelKind kind = classifier::ModelKind::Recommended;
-  std::size_t networks = 11;  ///< Of each ensemble; raw5 always has one.
+  std::size_t networks = 11;  ///< Per ensemble; raw5 always has one.
   std::uint64_t seed = 1;
 };
 
-/// Everything that is fitted to the reaches themselves: networks, polynomials, the rule for the arm alone. Temperatures are 1, residuals
-/// wide and left-out figures unknown: those take people left out.
+/// Fits everything that depends only on the reaches: networks, polynomials, the arm-only rule. Temperatures are 1, residuals wide and
+/// left-out figures unknown, because these need left-out people.
 [[nodiscard]] core::Result<classifier::TrunkModelForm> fit_model(const TrainingSet& set, const ModelOptions& options);
 
 }  // namespace dts::lab::training

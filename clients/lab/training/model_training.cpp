@@ -21,9 +21,9 @@ using classifier::TrunkModelForm;
 using core::TrunkClass;
 using core::TrunkMovement;
 
-constexpr std::size_t kNetworksLeftOut = 5;  ///< Of an ensemble trained to be thrown away: eleven say nearly the same.
+constexpr std::size_t kNetworksLeftOut = 5;  ///< Per temporary ensemble: eleven networks would give almost the same answers.
 constexpr std::size_t kEnoughFolds = 8;
-constexpr std::size_t kLeastPeople = 3;  ///< To leave one out.
+constexpr std::size_t kLeastPeople = 3;  ///< Needed to leave one out.
 
 std::optional<classifier::SubjectCalibration> first_calibration(const TrainingSet& set, std::size_t subject) {
   const auto calibrations = calibrations_of(set, subject);
@@ -74,7 +74,7 @@ std::set<std::size_t> subjects_of(const TrainingSet& set, bool is_simulated) {
   return subjects;
 }
 
-/// What temperature and intervals that were fitted to all other groups make of each group's reaches.
+/// Applies temperature and intervals fitted to all other groups to each group's reaches.
 class LeftOutTally {
  public:
   LeftOutTally(std::span<const JudgedReach> judged, double coldest, double reject_below)
@@ -88,7 +88,7 @@ class LeftOutTally {
     }
   }
 
-  /// Of the reaches of `subjects`; empty: of all.
+  /// Sets the figures of the reaches of `subjects`; empty: of all.
   void set_classes(const std::set<std::size_t>& subjects, classifier::ModelFigures& figures) const {
     std::vector<Forecast> forecasts;
     double right = 0.0;
@@ -143,11 +143,11 @@ class LeftOutTally {
   std::map<std::size_t, std::array<double, kClasses>> half_widths_deg_;
 };
 
-/// What takes people left out.
+/// Sets the values that need left-out people.
 void calibrate(TrunkModelForm& form, const TrainingSet& set, const std::vector<LeftOutReach>& judged) {
   const Views views = views_of(set, judged);
   const bool is_recommended = form.kind == classifier::ModelKind::Recommended;
-  // Few people who are all told apart would make a model as sure as can be of everybody.
+  // With few people who are all separated, the fit would make a model as confident as possible about everybody.
   const double coldest = folds_of(set).size() < kEnoughFolds ? 1.0 : 0.0;
   if (is_recommended) {
     form.general.temperature = std::max(coldest, fit_temperature(forecasts_of(views.general)));
@@ -160,7 +160,7 @@ void calibrate(TrunkModelForm& form, const TrainingSet& set, const std::vector<L
   if (recorded.size() < 2) recorded.clear();
   const LeftOutTally tally(views.general, coldest, form.reject_below);
   tally.set_classes(recorded, form.figures);
-  // True angles of simulated people are known; geometry misses those of others by some 5 degrees.
+  // True angles of simulated people are known; for other people, geometry is wrong by about 5 degrees.
   if (form.angle) tally.set_angles(subjects_of(set, true), form.figures);
   if (views.own.empty()) return;
   classifier::ModelFigures own;
@@ -193,7 +193,7 @@ core::Result<std::vector<LeftOutReach>> judge_left_out(const TrainingSet& set, c
   for (std::size_t fold = 0; fold < folds.size(); ++fold) {
     if (progress) progress(static_cast<double>(fold) / static_cast<double>(folds.size()));
     const TrainingSet others = without(set, folds[fold]);
-    if (others.reaches.size() == set.reaches.size()) continue;  // nothing of these subjects
+    if (others.reaches.size() == set.reaches.size()) continue;  // the set has no reaches of these subjects
     ModelOptions fewer = options;
     fewer.networks = std::min(options.networks, kNetworksLeftOut);
     auto form = fit_model(others, fewer);

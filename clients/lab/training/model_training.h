@@ -12,22 +12,23 @@
 
 namespace dts::lab::training {
 
-/// A reach judged by a model that never saw its subject.
+/// A reach judged by a model without its subject.
 struct LeftOutReach {
   std::size_t reach = 0;  ///< Index into TrainingSet::reaches.
   core::TrunkMovement general;
-  core::TrunkMovement own;  ///< By the subject's first three maximum reaches; as `general` when these do not serve.
+  core::TrunkMovement own;  ///< With the scale of the subject's first three maximum reaches; equal to `general` if these are not usable.
   bool has_own = false;
   double arm_alone = core::ReachFeatures::kUnknown;  ///< Probability that the trunk did not move.
 };
 
-/// The honest figure: each person by a model of all others (reach-model section 6). Subjects whose fold cannot be trained fail it all.
+/// Judges each person by a model of all others (reach-model section 6), which gives realistic figures. Fails if the fold of one subject
+/// cannot be trained.
 [[nodiscard]] core::Result<std::vector<LeftOutReach>> judge_left_out(const TrainingSet& set, const ModelOptions& options,
                                                                      const std::function<void(double)>& progress);
 
-/// Trains a model: fits it, then sets temperatures, intervals and figures from people left out. Figures are of the recorded people when
-/// there are at least two of these, those of the angle of the simulated ones if any. Fails when the networks do not learn their task (then
-/// nobody gets a model that guesses).
+/// Fits a model, then sets temperatures, intervals and figures from left-out people. Figures are from recorded people if there are at least
+/// two; those of the angle are from simulated people if there are any. Fails if the networks do not learn their task, because a model that
+/// guesses must not be used.
 [[nodiscard]] core::Result<classifier::TrunkModel> train_model(const TrainingSet& set, const ModelOptions& options,
                                                                const std::function<void(double)>& progress);
 

@@ -22,7 +22,7 @@ core::Error wrong(const std::string& file, const std::string& what) {
   return {core::ErrorCode::InvalidArgument, file + ": " + what, "a network of layers n-h-3 with W1, b1, W2, b2"};
 }
 
-/// Numbers of a list; nothing when it is no list of `count` finite numbers.
+/// Returns the numbers of a list; nothing if it is not a list of `count` finite numbers.
 std::optional<std::vector<double>> numbers_of(const cli::Json& json, std::string_view key, std::size_t count) {
   const auto found = json.find(key);
   if (found == json.end() || !found->is_array() || found->size() != count) return std::nullopt;
@@ -49,7 +49,7 @@ std::optional<Layer> layer_of(const cli::Json& json, const std::string& number, 
   return layer;
 }
 
-/// Our names, and the short ones of the thesis.
+/// Accepts our names and the short names of the thesis.
 std::optional<ReachFeature> feature_of(const std::string& name) {
   constexpr std::array<std::pair<std::string_view, ReachFeature>, 5> kThesis = {
       {{"d1", ReachFeature::D1}, {"d2", ReachFeature::D2}, {"P1", ReachFeature::P1}, {"P2", ReachFeature::P2}, {"P3", ReachFeature::P3}}};

@@ -15,8 +15,8 @@ namespace {
 using classifier::Network;
 using classifier::OutputKind;
 
-constexpr std::int64_t kMostNumbers = 4096;  // of one tensor; the largest network has 32 x 12 weights
-constexpr int kMostNodes = 2000;             // each may hold a copy of a tensor; 64 networks have some 400
+constexpr std::int64_t kMostNumbers = 4096;  // per tensor; the largest network has 32 x 12 weights
+constexpr int kMostNodes = 2000;             // each node may contain a copy of a tensor; 64 networks have about 400
 
 struct Tensor {
   std::vector<std::size_t> dimensions;
@@ -32,7 +32,7 @@ void take_raw(const std::string& bytes, std::vector<double>& values) {
   }
 }
 
-/// A tensor of float or double; nothing when it is another one, or its counts lie.
+/// Returns a tensor of float or double; nothing for another type or wrong counts.
 std::optional<Tensor> tensor_of(const onnx::TensorProto& proto) {
   Tensor tensor;
   std::int64_t count = 1;
@@ -53,7 +53,7 @@ std::optional<Tensor> tensor_of(const onnx::TensorProto& proto) {
   return tensor;
 }
 
-/// Finds the layers of a graph in their order.
+/// Finds the layers of a graph in order.
 class Reader {
  public:
   explicit Reader(const onnx::GraphProto& graph) : graph_(graph) {
@@ -66,9 +66,9 @@ class Reader {
     }
   }
 
-  /// Why it failed; nothing when `networks` are all there are.
+  /// Fills `networks`; returns the reason of a failure, or nothing on success.
   std::optional<std::string> read(std::vector<Network>& networks) {
-    std::map<std::string, Layer> hidden;  // by the name of what leaves the layer, sums first, then their tanh
+    std::map<std::string, Layer> hidden;  // by the name of the layer's output: first of the sums, then of their tanh
     std::map<std::string, std::pair<Layer, Layer>> whole;
     for (const auto& node : graph_.node()) {
       if (node.input_size() < 1 || node.output_size() < 1) continue;
@@ -134,7 +134,7 @@ class Reader {
     return layer;
   }
 
-  /// The biases of a MatMul.
+  /// Adds the biases of a MatMul.
   void add_biases(const onnx::NodeProto& node, std::map<std::string, Layer>& hidden,
                   std::map<std::string, std::pair<Layer, Layer>>& whole) const {
     if (node.input_size() != 2) return;

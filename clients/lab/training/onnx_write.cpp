@@ -25,7 +25,7 @@ class Graph {
     graph().set_name("trunk_movement");
   }
 
-  /// A constant; a scalar has no dimensions. Returns its name.
+  /// Adds a constant and returns its name; a scalar has no dimensions.
   std::string constant(const std::string& name, const std::vector<std::int64_t>& dimensions, std::span<const double> values) {
     auto* const tensor = graph().add_initializer();
     tensor->set_name(name);
@@ -92,7 +92,7 @@ class Graph {
   onnx::ModelProto model_;
 };
 
-/// "scaled" out of "features".
+/// Adds the nodes that compute "scaled" from "features".
 void add_scaling(Graph& graph, const classifier::TrunkModelForm& form) {
   std::vector<double> factors;
   std::vector<double> offsets;

@@ -7,25 +7,25 @@
 
 namespace dts::lab::training {
 
-/// Random numbers that are the same on every machine: the distributions of the standard library may differ between its makers.
-/// SplitMix64 (Steele, Lea, Flood 2014).
+/// Random numbers that are the same on every machine; the distributions of different standard libraries may differ. SplitMix64 (Steele,
+/// Lea, Flood 2014).
 class Random {
  public:
   explicit Random(std::uint64_t seed) noexcept : state_(seed) {}
 
   [[nodiscard]] std::uint64_t next() noexcept;
-  /// In [lowest, highest).
+  /// Returns a number in [lowest, highest).
   [[nodiscard]] double uniform(double lowest, double highest) noexcept;
-  /// 0 .. count - 1; `count` is not 0.
+  /// Returns 0 .. count - 1; `count` must not be 0.
   [[nodiscard]] std::size_t index(std::size_t count) noexcept;
-  /// 0 .. count - 1 in random order.
+  /// Returns 0 .. count - 1 in random order.
   [[nodiscard]] std::vector<std::size_t> shuffled(std::size_t count);
 
  private:
   std::uint64_t state_;
 };
 
-/// A seed of its own for each use of one seed.
+/// Returns a separate seed for each use of one seed.
 [[nodiscard]] std::uint64_t derived_seed(std::uint64_t seed, std::uint64_t use) noexcept;
 
 }  // namespace dts::lab::training

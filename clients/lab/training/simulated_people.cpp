@@ -11,7 +11,7 @@
 namespace dts::lab::training {
 namespace {
 
-// Where the volunteers of thesis Tables 5.1 and 6.1 lie, a little beyond on each side.
+// The range of the volunteers of thesis Tables 5.1 and 6.1, slightly extended on each side.
 constexpr double kLeastBodyMassIndex = 18.5;
 constexpr double kLargestBodyMassIndex = 31.0;
 constexpr double kArmOfHeight = 0.39;
@@ -42,7 +42,7 @@ std::vector<reach::Subject> invent_people(std::size_t count, std::uint64_t seed)
   Random random(derived_seed(seed, 77));
   while (people.size() < count) {
     const physics::Person person = invent(random);
-    // Nobody reaches less far at the maximum than at 150 % of the arm.
+    // A maximum reach is at least as far as 150 % of the arm.
     if (person.max_reach_cm < 1.6 * person.arm_length_cm) continue;
     people.push_back({.name = "sim" + std::to_string(people.size() + 1), .is_healthy = true, .person = person});
   }

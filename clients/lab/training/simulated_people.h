@@ -11,14 +11,15 @@
 
 namespace dts::lab::training {
 
-/// Healthy people who never lived, over the measures of grown-ups: names "sim1", "sim2", ... The same seed gives the same people.
+/// Invents healthy people within the body measures of adults: names "sim1", "sim2", ... The same seed gives the same people.
 [[nodiscard]] std::vector<reach::Subject> invent_people(std::size_t count, std::uint64_t seed);
 
-/// Their reaches to all five targets as the daemon's stages find them, `trials` to each, with what their trunks truly did. Synthetic.
+/// Simulates their reaches to all five targets, `trials` per target, as the daemon's stages find them, with the true trunk movement.
+/// Synthetic.
 [[nodiscard]] core::Result<TrainingSet> simulated_people(std::size_t count, int trials, std::uint64_t seed,
                                                          const std::function<void(double)>& progress);
 
-/// Both, subjects of `b` after those of `a`.
+/// Returns both sets, with the subjects of `b` after those of `a`.
 [[nodiscard]] TrainingSet joined(TrainingSet a, const TrainingSet& b);
 
 }  // namespace dts::lab::training

@@ -7,7 +7,7 @@
 
 namespace dts::lab::training {
 
-/// A file of at most 16 MiB. Fails with InvalidArgument, naming it.
+/// Reads a file of at most 16 MiB. Fails with InvalidArgument, naming the file.
 [[nodiscard]] core::Result<std::string> read_small_file(const std::string& file);
 
 }  // namespace dts::lab::training

@@ -69,9 +69,9 @@ void print_model(const TrunkModelForm& form, const Arguments& arguments, cli::Co
   cli::print_hint(console, "use it: dtslab reach classify " + arguments.out + " DIR --out PRED.csv");
 }
 
-// Enough that another draw of as many changes the figures of people left out by less than their own spread.
+// Large enough: another draw of the same size changes the left-out figures by less than their own spread.
 constexpr std::size_t kSimulatedPeople = 60;
-constexpr int kSimulatedTrials = 10;  ///< To each target.
+constexpr int kSimulatedTrials = 10;  ///< Per target.
 
 core::Result<TrainingSet> recorded(const Arguments& arguments, files::Problems& problems, cli::Console& console) {
   const auto set = reach::read_trial_set(arguments.folder, problems);
@@ -80,7 +80,8 @@ core::Result<TrainingSet> recorded(const Arguments& arguments, files::Problems& 
   return gather(set, reach::find_reaches(set, [&](double part) { progress.report(part); }), arguments.subjects);
 }
 
-/// The recommended model learns from simulated people too: four recorded ones do not show how people differ.
+/// Returns whether to use simulated people. The recommended model also learns from them, because four recorded people do not show how
+/// people differ.
 bool is_simulating(const Arguments& arguments) {
   return arguments.has_simulated_people || (arguments.net != "raw5" && !arguments.is_recorded_only);
 }

@@ -42,7 +42,7 @@ RigModel chair_rig() {
   RigModel rig;
   rig.plate = {.a = core::Millimetres{400.0}, .b = core::Millimetres{360.0}, .h = core::Millimetres{6.0}, .e_pa = 3.3e9, .nu = 0.35};
   rig.support = {.kind = SupportKind::Edges};
-  const SensorCurve curve = cny70_assumed();  // takes milliseconds: once for all
+  const SensorCurve curve = cny70_assumed();  // costs milliseconds: computed once for all sensors
   constexpr std::array kTwoColumnsMm = {kColumnsMm[1], kColumnsMm[4]};
   add_row(rig, curve, kColumnsMm, 120.0);
   add_row(rig, curve, kTwoColumnsMm, 170.0);

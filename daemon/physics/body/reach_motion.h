@@ -6,7 +6,7 @@
 
 namespace dts::physics {
 
-/// Where something is, how fast it goes and how fast it gets faster.
+/// Position, speed and acceleration.
 struct Travel {
   double position = 0.0;
   double rate = 0.0;
@@ -33,12 +33,12 @@ struct Travel {
           .acceleration = kTurn * sine / (duration_s * duration_s)};
 }
 
-/// To 1 in one phase and back to 0 in another: `phase_s` is ONE of them (0.75 s in the thesis's figures).
+/// Moves to 1 in one phase and back to 0 in another: `phase_s` is the duration of ONE phase (0.75 s in the thesis's figures).
 [[nodiscard]] inline Travel there_and_back(double time_s, double phase_s) noexcept {
   return cycloid(time_s, phase_s) + -1.0 * cycloid(time_s - phase_s, phase_s);
 }
 
-/// 0 before 0, 1 after 1, with no speed at either end.
+/// Returns 0 before 0 and 1 after 1, with speed 0 at both ends.
 [[nodiscard]] inline double smooth_step(double part) noexcept {
   const double t = part < 0.0 ? 0.0 : (part > 1.0 ? 1.0 : part);
   return t * t * (3.0 - 2.0 * t);

@@ -11,15 +11,15 @@ namespace dts::physics {
 namespace {
 
 constexpr double kMostFlexionDeg = 75.0;
-constexpr double kLeastFlexionDeg = 1.4;  // smaller ones are made by the shoulder: the trunk stays at the back rest
+constexpr double kLeastFlexionDeg = 1.4;  // smaller flexions come from the shoulder: the trunk stays at the back rest
 constexpr double kMidwayOfDeg = 60.0;
 constexpr double kShortestPhaseS = 0.3;
-constexpr double kOverlap = 1.6;       // a correction begins before the move before it has ended
+constexpr double kOverlap = 1.6;       // a correction starts before the previous move ends
 constexpr std::size_t kMostParts = 5;  // of one phase
-constexpr double kTurnedBack = 0.7;    // of the way, between the two halves of a double reach
+constexpr double kTurnedBack = 0.7;    // fraction of the way, between the two halves of a double reach
 constexpr std::uint64_t kDrawsPerReach = 64;
 
-/// What differs in one reach.
+/// Random variation of one reach.
 class ReachDraws {
  public:
   ReachDraws(const CounterRandom& random, std::uint32_t reach) noexcept : random_(random), next_(reach * kDrawsPerReach) {}
@@ -38,13 +38,13 @@ double planned_flexion_deg(Person person, const SittingHabits& habits, double ta
   if (!(needed_deg > 0.0)) return 0.0;
   const double part = std::min(needed_deg / kMidwayOfDeg, 1.0);
   const double habit_deg = habits.flexion_offset_deg + 4.0 * part * (1.0 - part) * habits.flexion_midway_deg;
-  // What is hardly any movement varies hardly.
+  // Small movements vary little.
   const double sure = std::min(needed_deg / 8.0, 1.0);
   const double flexion_deg = needed_deg * habits.flexion_factor + habit_deg + (0.5 + 0.5 * sure) * deviation_deg;
   return flexion_deg < kLeastFlexionDeg ? 0.0 : std::min(flexion_deg, kMostFlexionDeg);
 }
 
-/// Binomial about the habit's mean.
+/// Draws a binomial number with the habit's mean.
 std::size_t part_count(double corrections, ReachDraws& draws) noexcept {
   std::size_t count = 1;
   for (std::size_t i = 1; i < kMostParts; ++i) {
@@ -53,7 +53,7 @@ std::size_t part_count(double corrections, ReachDraws& draws) noexcept {
   return count;
 }
 
-/// `amount` of the way within `duration_s`, in `count` parts.
+/// Adds `amount` of the way within `duration_s`, in `count` parts.
 void add_phase(ReachPlan& plan, double start_s, double duration_s, double amount, std::size_t count, ReachDraws& draws) noexcept {
   count = std::clamp<std::size_t>(count, 1, ReachPlan::kMostMoves - plan.move_count);
   std::array<double, kMostParts> weights{};
@@ -66,7 +66,7 @@ void add_phase(ReachPlan& plan, double start_s, double duration_s, double amount
   }
 }
 
-/// The flexion and both rates with the tremor of `plan` on top, which grows and fades with the movement.
+/// Adds the tremor of `plan` to the flexion and both its derivatives; it grows and fades with the movement.
 void add_tremor(UpperBody& body, const ReachPlan& plan, double time_s, double progress) noexcept {
   if (plan.tremor_deg == 0.0 || !plan.moves_trunk) return;
   const double wave = 2.0 * std::numbers::pi * plan.tremor_hz;

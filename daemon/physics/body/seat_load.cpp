@@ -10,9 +10,9 @@
 namespace dts::physics {
 namespace {
 
-constexpr double kLeastForceN = 1.0;  // the load's place is a quotient by the force
+constexpr double kLeastForceN = 1.0;  // the position of the load is a quotient with the force as divisor
 
-// The back is let go shortly before the movement shows and taken again shortly before it ends.
+// The back leaves the back rest shortly before the visible movement and touches it again shortly before the end of the movement.
 constexpr double kLetGoBeforeS = 0.05;
 constexpr double kTakenBeforeEndS = 0.15;
 constexpr double kLettingGoS = 0.20;
@@ -60,7 +60,7 @@ SeatLoad SeatedBody::load(const UpperBody& body, double lift) const noexcept {
     const double force_n = rest_force_n_ + parameters_.moment_gain_n_per_nm * (moment_nm - rest_moment_nm_);
     return {.force_n = std::max(force_n, kLeastForceN), .is_uniform = true};
   }
-  // At rest the back rest carries its part; what it lets go presses backwards on the seat: the dip of the initiation stage.
+  // At rest the back rest carries its part. The part that it releases presses backwards on the seat: the dip of the initiation stage.
   const double change_nm = moment_nm - back_moment_nm_ * (1.0 - lift) - (rest_moment_nm_ - back_moment_nm_);
   const double to_feet_n = parameters_.moment_to_feet * std::max(change_nm, 0.0) / parameters_.feet_lever_m;
   const double vertical_n = hip_force(segments_, joint_motion(body)).vertical_n;

@@ -23,7 +23,7 @@ Patch patch_at(const Plate& plate, const SeatContact& contact, double y_mm) {
           .height = Millimetres{contact.depth_mm}};
 }
 
-/// Part of a patch's side that lies on the plate.
+/// Returns the fraction of a patch's side that is on the plate.
 double part_within(double centre_mm, double side_mm, double plate_mm) noexcept {
   const double from = std::max(centre_mm - side_mm / 2.0, 0.0);
   const double to = std::min(centre_mm + side_mm / 2.0, plate_mm);

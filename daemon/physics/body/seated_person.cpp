@@ -12,7 +12,7 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 constexpr std::uint64_t kPersonSeed = 0x736974ULL;
 
-// Which numbers of the person's random source stand for what: far apart, so that none is used twice.
+// Ranges of the person's random numbers for each purpose; they are far apart, so that no number is used twice.
 constexpr std::uint64_t kPauseDraws = 1ULL << 40;
 constexpr std::uint64_t kReactionDraws = 1ULL << 41;
 constexpr std::uint64_t kUnrestDraws = 1ULL << 42;
@@ -20,11 +20,11 @@ constexpr std::uint64_t kPhaseDraws = 1ULL << 43;
 
 struct Target {
   std::string_view condition;
-  double part = 0.0;  ///< Of the arm's length; 0: the maximum reach.
+  double part = 0.0;  ///< Fraction of the arm's length; 0: the maximum reach.
 };
 constexpr std::array kTargets = {Target{"80", 0.8}, Target{"100", 1.0}, Target{"120", 1.2}, Target{"150", 1.5}, Target{"max", 0.0}};
 
-constexpr double kFirstReachAfterS = 4.0;  // of sitting down: extractors want a baseline first
+constexpr double kFirstReachAfterS = 4.0;  // after sitting down: extractors need a baseline first
 constexpr double kShortestPeriodS = 6.0;
 constexpr double kPeriodSpreadS = 3.0;
 constexpr double kShortestPauseS = 1.5;
@@ -33,11 +33,11 @@ constexpr double kLongestReactionS = 0.35;
 
 constexpr double kUnrestSlotS = 5.0;
 constexpr double kUnrestWithinS = 3.0;
-constexpr double kCalmBeforeS = 1.8;  // who is about to reach sits still
+constexpr double kCalmBeforeS = 1.8;  // a person sits still before a reach
 constexpr double kCalmAfterS = 0.4;
 constexpr double kLargestShiftMm = 6.0;
 
-// Sitting down and standing up, assumed: the trunk leans forward, the load comes from the front of the seat and goes there.
+// Sitting down and standing up, assumed: the trunk leans forward; the load starts at the front of the seat and ends there.
 constexpr double kSitForceS = 0.8;
 constexpr double kSitSlideS = 1.5;
 constexpr double kSitFromMm = 60.0;
@@ -57,7 +57,7 @@ double target_cm_of(const Person& person, const Target& target) noexcept {
   return target.part > 0.0 ? target.part * person.arm_length_cm : person.max_reach_cm;
 }
 
-/// A hump of height 1 over 0..1.
+/// A bump of height 1 over 0..1.
 double hump(double part) noexcept { return part <= 0.0 || part >= 1.0 ? 0.0 : std::sin(std::numbers::pi * part); }
 
 }  // namespace
@@ -74,7 +74,7 @@ void SeatedPerson::plan(const ReachRequest& request) noexcept {
 
 void SeatedPerson::plan_next(double after_s) noexcept {
   const Person& person = options_.person;
-  // Nobody is asked for what is out of reach; the last one, the maximum, never is.
+  // Skips targets beyond the person's reach; the last target, the maximum, is always reachable.
   while (target_cm_of(person, kTargets[target_]) > person.max_reach_cm) target_ = (target_ + 1) % kTargets.size();
   const Target& target = kTargets[target_];
   target_ = (target_ + 1) % kTargets.size();
@@ -158,9 +158,9 @@ void SeatedPerson::disturb(SeatLoad& load, double time_s) const noexcept {
   for (std::size_t i = 0; i < kSwayHz.size(); ++i) {
     sway += std::sin(kTurn * (kSwayHz[i] * time_s + random_.uniform(kPhaseDraws + (1U << 20U) + i)));
   }
-  // Four sines of size 1 have an rms of the root of 2.
+  // Four sines of amplitude 1 have an rms of the square root of 2.
   load.y_mm += options_.habits.sway_mm * sway / std::numbers::sqrt2 + shifted_mm(time_s);
-  // The heart shows about as much as breathing: as the standing person's, an assumption.
+  // The heart has about as much effect as breathing; an assumption, as for the standing person.
   const double breathing = std::sin(kTurn * kBreathingHz * time_s) + 0.7 * std::sin(kTurn * kHeartHz * time_s);
   load.force_n *= 1.0 + options_.habits.breathing * breathing;
 }

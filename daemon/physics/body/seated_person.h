@@ -9,11 +9,11 @@
 
 namespace dts::physics {
 
-/// When a seated person reaches.
+/// When a seated person performs reaches.
 enum class ReachMode : std::uint8_t {
   Never,
-  Cued,  ///< When told.
-  Auto,  ///< By itself, through targets at 80, 100, 120, 150 % of the arm and the maximum, until it is told for the first time.
+  Cued,  ///< Only after a cue.
+  Auto,  ///< Automatically, through targets at 80, 100, 120, 150 % of the arm and the maximum, until the first cue.
 };
 
 struct SeatedPersonOptions {
@@ -22,32 +22,33 @@ struct SeatedPersonOptions {
   ReachMode mode = ReachMode::Auto;
   bool has_fidgets = true;
   bool has_double_reaches = false;
-  double sit_down_s = 2.5;                                      ///< First touch: the chair is empty before.
-  double stand_up_s = std::numeric_limits<double>::infinity();  ///< Begins to leave, whatever it is doing.
+  double sit_down_s = 2.5;                                      ///< First touch; before that the chair is empty.
+  double stand_up_s = std::numeric_limits<double>::infinity();  ///< The moment at which the person begins to stand up, also during a reach.
   std::uint64_t seed = 1;
 };
 
-/// What presses on the seat at one moment.
+/// The load on the seat at one moment.
 struct SeatedState {
-  SeatLoad load;  ///< No force while nobody sits.
+  SeatLoad load;  ///< Force 0 while nobody is on the seat.
   bool is_there = false;
   double trunk_deg = std::numeric_limits<double>::quiet_NaN();  ///< True flexion.
-  const ReachPlan* reach = nullptr;  ///< What is going on or comes next; nullptr: nothing is known. Valid until the next call.
+  const ReachPlan* reach = nullptr;  ///< Current or next reach; nullptr: none planned. Valid until the next call.
 };
 
-/// A person on the chair over time: sits down, leans back, reaches, fidgets, shifts and stands up again. Values depend on time, seed and
-/// what was heard only. Time never goes back. Thread: one at a time. Realtime-safe: yes.
+/// A person on the chair over time: sits down, leans back, reaches, fidgets, shifts and stands up again. Values depend only on time, seed
+/// and the cues. Time must never go backwards. Thread: one at a time. Realtime-safe: yes.
 class SeatedPerson {
  public:
-  /// From sitting down to sitting still.
+  /// Time from sitting down to sitting still.
   static constexpr double kSettlingS = 2.0;
 
   explicit SeatedPerson(const SeatedPersonOptions& options) noexcept;
 
   [[nodiscard]] const SeatedBody& body() const noexcept { return body_; }
-  /// Somebody says it at `time_s`. A reach begins a reaction time later, or after the one under way; a target that is not positive is none.
+  /// Receives a cue at `time_s`. With `is_go`, a reach starts a reaction time later, or after the current reach; ignores a target that is
+  /// not positive.
   void hear(double time_s, bool is_go, double target_cm) noexcept;
-  /// A reach to `request`, at its time, in place of the one that comes next.
+  /// Plans a reach for `request` at its time, instead of the next planned reach.
   void plan(const ReachRequest& request) noexcept;
   [[nodiscard]] SeatedState at(double time_s) noexcept;
 
@@ -72,8 +73,8 @@ class SeatedPerson {
   SeatedPersonOptions options_;
   CounterRandom random_;
   SeatedBody body_;
-  std::optional<ReachPlan> plan_;        ///< Under way, or next.
-  std::optional<ReachRequest> waiting_;  ///< Heard while another one was under way.
+  std::optional<ReachPlan> plan_;        ///< Current or next reach.
+  std::optional<ReachRequest> waiting_;  ///< Cue received during another reach.
   std::uint32_t reaches_ = 0;
   std::uint64_t slots_ = 0;
   std::size_t target_ = 0;

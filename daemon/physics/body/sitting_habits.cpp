@@ -10,9 +10,9 @@ namespace dts::physics {
 namespace {
 
 constexpr std::uint64_t kHabitSeed = 0x6861626974ULL;
-constexpr double kFarthestDraw = 2.5;  // deviations: nobody is a monster
+constexpr double kFarthestDraw = 2.5;  // in standard deviations: limits extreme people
 
-/// HabitDraws one trait after the other.
+/// Draws the random deviations of one person, one trait after the other.
 class HabitDraws {
  public:
   HabitDraws(std::uint64_t seed, double scale) noexcept : random_(seed ^ kHabitSeed), scale_(scale) {}
@@ -39,8 +39,8 @@ void draw_load(SittingHabits& habits, HabitDraws& draws) {
   habits.rest_y_deviation_mm = 1.0;
 }
 
-/// What the angles of S1 to S5 at the critical boundary (thesis Table 6.3) come to is 0.55 to 0.82; but nobody's maximum reach takes more
-/// flexion than a healthy person's.
+/// Limits the use of the arm. The angles of S1 to S5 at the critical boundary (thesis Table 6.3) correspond to 0.55 to 0.82, but a maximum
+/// reach must not need more flexion than that of a healthy person.
 double plausible_arm_use(Person person, double arm_use) noexcept {
   constexpr double kMostHealthyFlexionDeg = 60.0;
   const double arm_length_cm = person.arm_length_cm;

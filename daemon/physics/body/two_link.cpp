@@ -26,8 +26,8 @@ MassMatrix mass_matrix(const BodySegments& body, double theta2) noexcept {
   return {.m11 = trunk + arm + 2.0 * coupling, .m12 = arm + coupling, .m22 = arm};
 }
 
-/// What the joints carry without acceleration. Thesis 5.19 and 5.22: the printed (m1+m2) g l1/2 is (m1/2 + m2) g l1, the printed
-/// m2 g l1 l2/2 is m2 g l2/2.
+/// Moments of the joints without acceleration. Thesis 5.19 and 5.22: the printed (m1+m2) g l1/2 is (m1/2 + m2) g l1, the printed m2 g l1
+/// l2/2 is m2 g l2/2.
 JointMoments resting_moments(const BodySegments& body, const JointMotion& motion) noexcept {
   const double arm_weight = body.arm_kg * kGravityMPerS2 * body.arm_m / 2.0 * std::cos(motion.theta1 + motion.theta2);
   const double trunk_weight = (body.trunk_kg / 2.0 + body.arm_kg) * body.trunk_m * kGravityMPerS2 * std::cos(motion.theta1);
@@ -70,7 +70,7 @@ HipForce hip_force(const BodySegments& body, const JointMotion& motion) noexcept
 }
 
 double kinetic_energy_j(const BodySegments& body, const JointMotion& motion) noexcept {
-  // Thesis 5.8 prints m2 l1^2/4 and 5.15 l1^2/4 and l1 l2/2 in the arm's speed; the shoulder moves with all of l1.
+  // Thesis 5.8 prints m2 l1^2/4, and 5.15 prints l1^2/4 and l1 l2/2 in the arm's speed; but the shoulder moves with the full l1.
   const MassMatrix mass = mass_matrix(body, motion.theta2);
   return 0.5 * mass.m11 * motion.theta1_rate * motion.theta1_rate + mass.m12 * motion.theta1_rate * motion.theta2_rate +
          0.5 * mass.m22 * motion.theta2_rate * motion.theta2_rate;

@@ -3,7 +3,7 @@
 
 namespace dts::physics {
 
-inline constexpr double kGravityMPerS2 = 9.8;  ///< As the thesis.
+inline constexpr double kGravityMPerS2 = 9.8;  ///< Value of the thesis.
 inline constexpr double kCentimetresPerMetre = 100.0;
 inline constexpr double kTrunkPartOfHeight = 0.30;
 
@@ -22,7 +22,8 @@ struct BodySegments {
   double arm_m = 0.0;
 };
 
-/// Parts of weight and height after Plagenhoef 1983, men's and women's mean as in the thesis. One arm: the other one rests on the thigh.
+/// Returns fractions of weight and height after Plagenhoef 1983, mean of men and women as in the thesis. Only one arm counts: the other one
+/// rests on the thigh.
 [[nodiscard]] BodySegments body_segments(double weight_kg, double height_cm) noexcept;
 
 /// Angles of both links, their rates and accelerations: rad, s.
@@ -40,10 +41,10 @@ struct JointMoments {
   double shoulder_nm = 0.0;
 };
 
-/// What accelerates the body, beside its weight.
+/// Force that accelerates the body, without its weight.
 struct HipForce {
   double horizontal_n = 0.0;  ///< Forward.
-  double vertical_n = 0.0;    ///< Upward; the weight of the segments comes on top of it.
+  double vertical_n = 0.0;    ///< Upward, without the weight of the segments.
 };
 
 /// Inverse dynamics. Thesis 5.23 and 5.24, corrected. All: Thread: any. Realtime-safe: yes.
@@ -51,9 +52,9 @@ struct HipForce {
 [[nodiscard]] HipForce hip_force(const BodySegments& body, const JointMotion& motion) noexcept;
 /// Thesis 5.8 and 5.15, corrected.
 [[nodiscard]] double kinetic_energy_j(const BodySegments& body, const JointMotion& motion) noexcept;
-/// Above the hip. Thesis 5.13, 5.14, 5.16, corrected.
+/// Relative to the hip. Thesis 5.13, 5.14, 5.16, corrected.
 [[nodiscard]] double potential_energy_j(const BodySegments& body, const JointMotion& motion) noexcept;
-/// Forward dynamics: `motion` with the accelerations that `moments` cause.
+/// Forward dynamics: returns `motion` with the accelerations that `moments` cause.
 [[nodiscard]] JointMotion accelerated(const BodySegments& body, JointMotion motion, const JointMoments& moments) noexcept;
 
 }  // namespace dts::physics

@@ -12,10 +12,10 @@
 
 namespace dts::physics {
 
-/// "2026-01-31T12:00:00Z" and nothing else.
+/// Returns whether `text` has exactly the form "2026-01-31T12:00:00Z".
 [[nodiscard]] bool is_utc_time(std::string_view text) noexcept;
 
-/// Where and when a calibration was measured. `rig`, `daq_model` and `daq_serial` may be empty (unknown), `created_utc` not.
+/// Where and when a calibration was measured. `rig`, `daq_model` and `daq_serial` may be empty (unknown); `created_utc` must not.
 struct CopCalibrationOrigin {
   std::string created_utc;  ///< ISO 8601: "2026-01-31T12:00:00Z"
   std::string rig;
@@ -23,7 +23,7 @@ struct CopCalibrationOrigin {
   std::string daq_serial;
 };
 
-/// A calibration load and what the finished estimator makes of it: estimate minus truth.
+/// A calibration load and the error of the finished estimator: estimate minus truth.
 struct CopCalibrationPoint {
   CopSample sample;
   double x_error_mm = 0.0;
@@ -44,15 +44,15 @@ struct CopErrorFigures {
 
 [[nodiscard]] CopErrorFigures error_figures(std::span<const CopCalibrationPoint> points);
 
-/// A measured calibration: what `dtsctl calibrate cop` and `dtslab cop fit` make and the cop stage uses.
+/// A measured calibration. `dtsctl calibrate cop` and `dtslab cop fit` create it; the cop stage uses it.
 struct CopCalibration {
   std::string id;  ///< "cop-20260131T120000Z-1a2b3c4d": date and a checksum of method and samples.
   CopCalibrationOrigin origin;
   CopEstimator estimator;  ///< Its `validity()` is the calibrated area and load range.
   std::vector<CopCalibrationPoint> points;
-  CopErrorFigures residuals;  ///< Of the calibration's own points.
-  /// Of each point by an estimator fitted without it; the load's is the stated error of the load. Absent where the number of points
-  /// leaves nothing to check (the position of Thesis is interpolated).
+  CopErrorFigures residuals;  ///< Errors at the calibration's own points.
+  /// Errors at each point by an estimator fitted without that point; its load error is the stated error of the load. Absent if there are
+  /// too few points for the check (the position of Thesis is interpolated).
   std::optional<CopErrorFigures> cross_validated;
 
   /// Stated error of the load, rms %: cross-validated when possible.
@@ -61,7 +61,7 @@ struct CopCalibration {
   }
 };
 
-/// Fits, and computes what the result is worth. Fails as CopEstimator::fit, and with InvalidArgument for a bad date.
+/// Fits and computes the errors. Fails as CopEstimator::fit, and with InvalidArgument for an invalid date.
 [[nodiscard]] core::Result<CopCalibration> calibrate_cop(CopMethod method, std::span<const CopSample> samples, CopCalibrationOrigin origin);
 
 }  // namespace dts::physics

@@ -14,12 +14,12 @@
 namespace dts::physics {
 namespace {
 
-/// A fit that misses its own samples by this part of the calibrated area has the wrong samples.
+/// A fit that misses its own samples by this fraction of the calibrated area has wrong samples.
 constexpr double kLargestMisfit = 0.05;
 
 constexpr std::array<std::string_view, 5> kMethodNames{"poly3", "thesis", "thesis_per_pair", "moment", "model"};
 
-/// An estimate before its position and load are held against the calibration's validity.
+/// An estimate before its position and load are compared with the calibration's validity.
 struct Raw {
   double x_mm = 0.0;
   double y_mm = 0.0;
@@ -53,7 +53,7 @@ Raw evaluate(const SumPolynomial& polynomial, std::span<const double> w) noexcep
   return {outputs[0], outputs[1], outputs[2] > 0.0 ? sum / outputs[2] : std::numeric_limits<double>::quiet_NaN(), flags};
 }
 
-/// Mean over the axis's ratios; adds to `flags`.
+/// Returns the mean over the axis's ratios; adds to `flags`.
 double position(std::span<const RatioFit> fits, std::span<const RatioOf> ratios, std::span<const double> w, std::uint8_t& flags) noexcept {
   double sum_mm = 0.0;
   for (std::size_t k = 0; k < fits.size(); ++k) {
@@ -195,7 +195,7 @@ CopEstimate CopEstimator::estimate(std::span<const double> deflection_mm) const 
     raw = {found.x_mm, found.y_mm, found.load_n, 0};
   }
   const bool is_load = raw.load_n > 0.0 && std::isfinite(raw.load_n);
-  if (!std::isfinite(raw.x_mm) || !std::isfinite(raw.y_mm) || !is_load) return {};  // no force makes such deflections
+  if (!std::isfinite(raw.x_mm) || !std::isfinite(raw.y_mm) || !is_load) return {};  // no force can cause such deflections
   const bool is_inside_area = validity_.x_mm.contains(raw.x_mm) && validity_.y_mm.contains(raw.y_mm);
   return {.x_mm = validity_.x_mm.clamp(raw.x_mm),
           .y_mm = validity_.y_mm.clamp(raw.y_mm),

@@ -17,7 +17,7 @@ constexpr double kStepV = 10.0 / 2048.0;
 constexpr int kWindowScans = 3;
 constexpr int kBaselineScans = 100;
 
-/// Our own Box-Muller: the algorithm of std::normal_distribution is left to the library.
+/// Our own Box-Muller, because each library implements std::normal_distribution differently.
 class Gaussian {
  public:
   explicit Gaussian(std::uint64_t seed) : random_(seed) {}

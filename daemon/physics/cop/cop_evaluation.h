@@ -13,7 +13,7 @@
 #include "physics/cop/cop_trials.h"
 #include "physics/cop/sensed_plate.h"
 
-// How well an estimator does on the model of a rig's plate: the error maps of plate-model section 5 and thesis Table 4.1.
+// Measures the error of an estimator on the model of a rig's plate: the error maps of plate-model section 5 and thesis Table 4.1.
 
 namespace dts::physics {
 
@@ -24,10 +24,10 @@ enum class CopNoise : std::uint8_t {
   Realistic,
 };
 
-/// "none", "realistic"; fails with InvalidArgument for anything else.
+/// Parses "none" or "realistic"; fails with InvalidArgument for anything else.
 [[nodiscard]] core::Result<CopNoise> parse_cop_noise(std::string_view name);
 
-/// A trial, the estimate from its deflections, and estimate minus truth in `point`.
+/// A trial, the estimate from its deflections, and the error (estimate minus truth) in `point`.
 struct CopTrialError {
   CopCalibrationPoint point;
   CopEstimate estimate;
@@ -41,14 +41,14 @@ struct CopEvaluationOptions {
 };
 
 struct CopEvaluation {
-  std::vector<CopTrialError> trials;  ///< In the order given.
+  std::vector<CopTrialError> trials;  ///< In the order of the input.
   CopErrorFigures figures;            ///< Over the trials with contact.
   std::size_t no_contact_count = 0;
-  std::size_t outside_count = 0;  ///< Flagged: outside the calibrated area or load range; they count in the figures.
+  std::size_t outside_count = 0;  ///< Outside the calibrated area or load range; they are included in the figures.
 };
 
-/// Bends the rig's plate with each trial and compares. Fails when the plate cannot be made or the estimator is for another number
-/// of sensors.
+/// Computes the deflections for each trial and compares the estimate with the truth. Fails if the plate cannot be created or the estimator
+/// needs another number of sensors.
 [[nodiscard]] core::Result<CopEvaluation> evaluate_cop(const RigModel& rig, const CopEstimator& estimator, std::span<const CopTrial> trials,
                                                        const CopEvaluationOptions& options = {});
 

@@ -6,7 +6,7 @@
 
 #include "physics/cop/cop_estimator.h"
 
-// What calibration and estimation alike make of four deflections. Realtime-safe: yes.
+// Features of four deflections that calibration and estimation share. Realtime-safe: yes.
 
 namespace dts::physics {
 
@@ -26,18 +26,18 @@ struct FloorFeatures {
 
 using RatioOf = double (*)(std::span<const double>);
 
-/// Near over far; infinite when the far side is not pressed at all: the load lies beyond the near side.
+/// Returns near over far; infinite if the far side has no deflection: the load then lies beyond the near side.
 [[nodiscard]] inline double deflection_ratio(double near_mm, double far_mm) noexcept {
   return far_mm > 0.0 ? near_mm / far_mm : std::numeric_limits<double>::infinity();
 }
 
-/// The ratios that position is read from, per axis.
+/// The ratios from which the position is computed, per axis.
 struct ThesisRatios {
   std::span<const RatioOf> x;
   std::span<const RatioOf> y;
 };
 
-/// Thesis (one ratio of pair averages) or ThesisPerPair (two).
+/// Returns the ratios of Thesis (one ratio of pair averages) or ThesisPerPair (two).
 [[nodiscard]] const ThesisRatios& ratios_of(CopMethod method) noexcept;
 
 }  // namespace dts::physics

@@ -10,7 +10,7 @@
 namespace dts::physics {
 namespace {
 
-/// Calibrations have hundreds of samples; more are scans that should have been averaged.
+/// Calibrations have hundreds of samples; a larger number means single scans that should have been averaged.
 constexpr std::size_t kMaxSamples = 10'000;
 
 core::Status check_sample(const CopSample& sample, const std::string& name) {

@@ -13,10 +13,10 @@
 namespace dts::physics {
 namespace {
 
-/// Loads within this factor are one calibration load: persons' and weights' loads scatter. Farther apart they show how the plate
-/// stiffens (plate-model 5.2 advises a factor 2: that measures it best).
+/// Loads within this factor are one calibration load, because the loads of persons and weights scatter. Loads farther apart show how the
+/// plate stiffens (plate-model 5.2 advises a factor of 2, which measures stiffening best).
 constexpr double kSameLoadRatio = 1.25;
-/// Up to this factor loads that have no grid each may still be one load that scatters.
+/// Up to this factor, loads without a grid of their own may still be one scattering load.
 constexpr double kScatteredLoadRatio = 2.0;
 
 using Samples = std::vector<CopSample>;
@@ -36,7 +36,7 @@ std::size_t count_distinct(std::vector<double> values) {
   return count;
 }
 
-/// How many columns and rows a grid through the positions would have, and how many positions there are.
+/// The number of columns and rows of a grid through the positions, and the number of positions.
 struct Layout {
   std::size_t columns = 0;
   std::size_t rows = 0;
@@ -81,7 +81,7 @@ std::vector<Term> full_terms(std::size_t degree, std::size_t sum_power_count) {
   return terms;
 }
 
-/// Points on the two mid-lines say nothing about products of u and v.
+/// Terms without products of u and v, because points on the two mid-lines do not determine these.
 std::vector<Term> mid_line_terms() {
   std::vector<Term> terms{{0, 0, 0}};
   for (std::size_t k = 1; k <= 4; ++k) {
@@ -108,7 +108,7 @@ SumPolynomial empty_polynomial(std::span<const CopSample> samples) {
   return empty;
 }
 
-/// Outputs x, y, and sum per load.
+/// Fits the outputs x, y, and sum per load.
 core::Result<PolynomialFit> fit_polynomial(std::span<const CopSample> samples, const std::vector<Term>& terms) {
   constexpr std::size_t kOutputs = 3;
   PolynomialFit fit{.polynomial = empty_polynomial(samples), .left_out = {}};
@@ -135,7 +135,7 @@ core::Result<PolynomialFit> fit_polynomial(std::span<const CopSample> samples, c
   return fit;
 }
 
-/// Groups of clearly distinct loads, light to heavy.
+/// Returns groups of clearly distinct loads, light to heavy.
 std::vector<Samples> groups_by_load(std::span<const CopSample> given) {
   Samples samples(given.begin(), given.end());
   std::stable_sort(samples.begin(), samples.end(), [](const CopSample& a, const CopSample& b) { return a.load < b.load; });
@@ -147,7 +147,7 @@ std::vector<Samples> groups_by_load(std::span<const CopSample> given) {
   return groups;
 }
 
-/// Poly3 of degree 3 needs so many columns and rows.
+/// Columns and rows that Poly3 of degree 3 needs.
 constexpr std::size_t kFewestPerSide = 4;
 
 std::vector<Layout> layouts_by_load(std::span<const CopSample> samples) {
@@ -160,14 +160,15 @@ std::vector<Layout> layouts_by_load(std::span<const CopSample> samples) {
   return layouts;
 }
 
-/// As many powers of the sum as there are loads with enough positions; 0: the lightest or the heaviest has too few for the degree.
+/// Returns as many powers of the sum as there are loads with enough positions; 0 if the lightest or the heaviest has too few for the
+/// degree.
 std::size_t sum_powers(const std::vector<Layout>& layouts, std::size_t degree) {
   const auto is_full = [degree](const Layout& layout) { return layout.holds(degree + 1); };
   if (!is_full(layouts.front()) || !is_full(layouts.back())) return 0;
   return std::min(static_cast<std::size_t>(std::ranges::count_if(layouts, is_full)), SumPolynomial::kMaxSumPowers);
 }
 
-/// A polynomial fits mirrored or swapped positions as well as right ones; u must grow with x, and v with y.
+/// A polynomial also fits mirrored or swapped positions; therefore u must grow with x, and v with y.
 core::Status check_order(std::span<const CopSample> samples) {
   const auto correlation = [samples](auto first, auto second) {
     const auto count = static_cast<double>(samples.size());
@@ -208,10 +209,10 @@ core::Result<CopFit> fit_poly3(std::span<const CopSample> samples, const CopVali
                             "measure at least 4 x 4 positions, better 7 x 7");
 }
 
-/// A ratio falls along its line by clearly more than rounding.
+/// A ratio must fall along its line by clearly more than rounding.
 constexpr double kFalls = 1.0 - 1e-6;
 
-/// One ratio over the positions of a mid-line, in rising order.
+/// One ratio at the positions of a mid-line, in rising order.
 struct Line {
   std::string axis;
   std::vector<double> position_mm;
@@ -238,8 +239,8 @@ core::Status check_line(const Line& line) {
   return {};
 }
 
-/// Thesis eq. 4.1. In r - 1, which is 0 in the middle of the line, the five columns stay well apart. Its range is that of all samples:
-/// single sensors' ratios reach further in the corners than on the mid-line.
+/// Fits thesis eq. 4.1. In r - 1, which is 0 in the middle of the line, the five columns are well separated. The range is that of all
+/// samples, because ratios of single sensors are more extreme in the corners than on the mid-line.
 core::Result<RatioFit> fit_quartic(const Line& line, std::span<const CopSample> samples, RatioOf ratio_of) {
   if (const auto status = check_line(line); !status) return tl::make_unexpected(status.error());
   RatioFit fit;
@@ -297,7 +298,7 @@ core::Result<CopFit> fit_thesis(CopMethod method, std::span<const CopSample> sam
   auto load = fit_polynomial(samples, terms);
   if (!load) return tl::make_unexpected(load.error());
   for (Quintic& quintic : load->polynomial.by_sum_power) {
-    for (auto& outputs : quintic.coefficients) outputs[0] = outputs[1] = 0.0;  // the ratios give the position
+    for (auto& outputs : quintic.coefficients) outputs[0] = outputs[1] = 0.0;  // the position is computed from the ratios
   }
   return CopFit{.form = ThesisForm{.x = std::move(*x), .y = std::move(*y), .load = load->polynomial}, .validity = validity, .left_out = {}};
 }

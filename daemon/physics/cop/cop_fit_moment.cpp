@@ -11,7 +11,7 @@ namespace {
 
 /// Noise of a filtered deflection in the plate-model's sensor model: 3 mV rms and steps of 4.88 mV, window 3, at 0.35..0.9 V/mm.
 constexpr double kDeflectionNoiseMm = 0.004;
-/// The ridge keeps the coefficients bounded; this only refuses sensors that say exactly the same.
+/// The ridge keeps the coefficients bounded; this threshold only rejects sensors with identical values.
 constexpr double kRankThreshold = 1e-9;
 
 Point middle_of(const CopValidity& validity) {
@@ -21,7 +21,7 @@ Point middle_of(const CopValidity& validity) {
 struct Fitted {
   LeastSquaresSolution solution;
   std::vector<CopEstimate> left_out;
-  double squares_mm2 = 0.0;  ///< Of `left_out`'s position errors.
+  double squares_mm2 = 0.0;  ///< Sum of the squared position errors of `left_out`.
 };
 
 void add_error(Fitted& fitted, const CopSample& sample, const CopEstimate& estimate) {
@@ -30,7 +30,7 @@ void add_error(Fitted& fitted, const CopSample& sample, const CopEstimate& estim
       std::pow(estimate.x_mm - sample.load_position.x.value, 2) + std::pow(estimate.y_mm - sample.load_position.y.value, 2);
 }
 
-/// a . w = P and b . w = P (cop - centre), every sample divided by its load, so that heavy ones do not count more.
+/// Fits a . w = P and b . w = P (cop - centre); divides every sample by its load, so that heavy loads do not dominate.
 core::Result<Fitted> fit_ratio(std::span<const CopSample> samples, Point centre) {
   const std::size_t n = samples.front().deflection_mm.size();
   LeastSquares problem{.column_count = n, .target_count = 3, .system = {}, .targets = {}, .ridge = std::vector<double>(n, 0.0)};
@@ -55,7 +55,7 @@ core::Result<Fitted> fit_ratio(std::span<const CopSample> samples, Point centre)
   return fitted;
 }
 
-/// Quadratic terms of the shares w / S.
+/// Fits the quadratic terms of the shares w / S.
 core::Result<Fitted> fit_quadratic(std::span<const CopSample> samples, Point centre, const Fitted& ratio) {
   const std::size_t n = samples.front().deflection_mm.size();
   const std::size_t terms = n * (n + 1) / 2;
@@ -86,7 +86,7 @@ core::Result<Fitted> fit_quadratic(std::span<const CopSample> samples, Point cen
   return fitted;
 }
 
-/// The values of one target.
+/// Returns the values of one target.
 std::vector<double> column(const std::vector<double>& coefficients, std::size_t target, std::size_t target_count) {
   std::vector<double> values;
   for (std::size_t k = target; k < coefficients.size(); k += target_count) values.push_back(coefficients[k]);

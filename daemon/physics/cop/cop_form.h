@@ -13,12 +13,12 @@
 #include "physics/plate/plate.h"
 #include "physics/rig_model.h"
 
-// What a calibration finds: the coefficients of each centre-of-pressure method, as plain values. A calibration file holds
-// exactly these; a CopEstimator checks them and computes with them. w1..wn are deflections in mm, S is their sum.
+// The result of a calibration: the coefficients of each centre-of-pressure method, as plain values. A calibration file contains exactly
+// these; CopEstimator checks them and computes with them. w1..wn are deflections in mm, S is their sum.
 
 namespace dts::physics {
 
-/// Calibrated range of a quantity, margin included.
+/// Calibrated range of a quantity, including the margin.
 struct Interval {
   double lowest = 0.0;
   double highest = 0.0;
@@ -58,8 +58,8 @@ struct Poly3Form {
   friend bool operator==(const Poly3Form&, const Poly3Form&) = default;
 };
 
-/// Per axis one ratio of pair averages (`thesis`: (w1+w3)/(w2+w4) and (w1+w2)/(w3+w4)) or two of single sensors whose estimates are
-/// averaged (`thesis_per_pair`: w1/w2, w3/w4 and w1/w3, w2/w4). The load is S over the third output of `load`.
+/// Per axis, one ratio of pair averages (`thesis`: (w1+w3)/(w2+w4) and (w1+w2)/(w3+w4)), or two ratios of single sensors, whose estimates
+/// are averaged (`thesis_per_pair`: w1/w2, w3/w4 and w1/w3, w2/w4). The load is S divided by the third output of `load`.
 struct ThesisForm {
   std::vector<RatioFit> x;
   std::vector<RatioFit> y;
@@ -68,8 +68,8 @@ struct ThesisForm {
   friend bool operator==(const ThesisForm&, const ThesisForm&) = default;
 };
 
-/// Plate-model 5.4, n sensors: load = a . w; position = centre + (b . w) / (a . w), or with quadratic terms, over shares s = w / S,
-/// position = centre + sum over i <= j of q[ij] s_i s_j (the shares sum to 1, so that these hold the linear ones).
+/// Plate-model 5.4, n sensors: load = a . w; position = centre + (b . w) / (a . w). With quadratic terms, over shares s = w / S: position =
+/// centre + sum over i <= j of q[ij] s_i s_j (the shares sum to 1, so that these terms include the linear ones).
 struct MomentForm {
   Point centre;
   std::vector<double> load_n_per_mm;  ///< a, n values.
@@ -85,7 +85,7 @@ struct MomentForm {
 /// Plate-model 5.3: the plate itself, inverted by Gauss-Newton.
 struct ModelForm {
   PlateBehaviour behaviour = PlateBehaviour::Stiffening;
-  core::Newtons heaviest;  ///< Up to which the stiffening is known.
+  core::Newtons heaviest;  ///< Largest load for which the stiffening is known.
   Plate plate;
   Support support;
   std::vector<Point> sensors;
@@ -101,7 +101,7 @@ struct ModelForm {
 
 using CopForm = std::variant<Poly3Form, ThesisForm, MomentForm, ModelForm>;
 
-/// Where a calibration holds, with the margin that noise at its border needs.
+/// Range in which a calibration is valid, including the margin for noise at its border.
 struct CopValidity {
   Interval x_mm;
   Interval y_mm;

@@ -28,7 +28,7 @@ bool is_good(const SumPolynomial& polynomial) {
 
 bool is_good(const RatioFit& fit) { return is_good(fit.ratio) && fit.ratio.lowest > 0.0 && are_finite(fit.quartic); }
 
-/// Sensors of a form whose values are all in order; 0 otherwise.
+/// Returns the number of sensors of a valid form; 0 if the form is invalid.
 std::size_t sensors_of(const Poly3Form& form, CopMethod) { return is_good(form.polynomial) ? kFloorSensors : 0; }
 
 std::size_t sensors_of(const ThesisForm& form, CopMethod method) {
@@ -52,7 +52,7 @@ std::size_t sensors_of(const MomentForm& form, CopMethod) {
   return are_good ? n : 0;
 }
 
-/// The plate itself is checked when it is solved.
+/// The plate itself is checked by the solver.
 std::size_t sensors_of(const ModelForm& form, CopMethod) {
   constexpr std::size_t kUnknowns = 3;
   const std::size_t n = form.sensors.size();

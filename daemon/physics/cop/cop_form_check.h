@@ -8,8 +8,8 @@
 
 namespace dts::physics {
 
-/// How many sensors the form is for. Fails with InvalidArgument when the form is another method's, a count does not fit, a value is not
-/// finite or a range is empty: an estimator computes with whatever passes here.
+/// Returns the number of sensors of the form. Fails with InvalidArgument if the form belongs to another method, a count does not match, a
+/// value is not finite or a range is empty: an estimator computes with every form that passes here.
 [[nodiscard]] core::Result<std::size_t> check_form(CopMethod method, const CopForm& form, const CopValidity& validity);
 
 }  // namespace dts::physics

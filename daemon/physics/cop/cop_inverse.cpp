@@ -12,22 +12,22 @@
 namespace dts::physics {
 namespace {
 
-/// The first guess comes from this many positions per side.
+/// The first guess uses this many positions per side.
 constexpr int kCoarse = 12;
-/// The linear table is bilinear between its nodes: any short difference is its slope.
+/// The linear table is bilinear between its nodes, so any short difference equals the slope.
 constexpr double kDifferenceMm = 0.05;
 constexpr double kDifferencePart = 1e-4;
 constexpr double kGoodStepMm = 1e-9;
-/// Levenberg's damping after the first step that failed, and where no step is left worth taking.
+/// Levenberg's damping: the value after the first failed step, and the limit above which no further step is tried.
 constexpr double kFirstDamping = 1e-3;
 constexpr double kHopeless = 1e9;
 
-/// Steps of the stiffening's table over a side and over the load.
+/// Steps of the stiffening table over a side and over the load.
 constexpr std::size_t kSideSteps = 20;
 constexpr std::size_t kLoadSteps = 16;
 
-/// Catmull-Rom: four neighbouring nodes and their weights. Beyond the ends the table goes on straight, or, before the first load,
-/// as in a mirror, because stiffening does not know up from down.
+/// Catmull-Rom: four neighbouring nodes and their weights. Beyond the ends the table continues linearly. Before the first load it continues
+/// symmetrically, because stiffening does not depend on the direction of the load.
 struct Neighbours {
   std::array<std::size_t, 4> node{};
   std::array<double, 4> weight{};
@@ -80,7 +80,7 @@ core::Status CopInverse::tabulate_stiffening(const ModelForm& form) {
                          {b_mm_ * static_cast<double>(node / (kSideSteps + 1)) / kSideSteps}};
     const auto footprint = plate->footprint({position, {}, {}});
     auto state = plate->flat();
-    for (std::size_t step = 1; step <= kLoadSteps; ++step) {  // light to heavy: each finds its solution from the last
+    for (std::size_t step = 1; step <= kLoadSteps; ++step) {  // light to heavy: each solution starts from the previous one
       const double load_n = heaviest_n_ * static_cast<double>(step) / kLoadSteps;
       plate->deflect(std::span(&footprint, 1), std::span(&load_n, 1), state, deflection_mm);
       for (std::size_t k = 0; k < sensors; ++k) {
@@ -137,7 +137,7 @@ CopInverse::PointLoad CopInverse::first_guess(std::span<const double> deflection
     PointLoad here{a_mm_ * (place % kCoarse + 0.5) / kCoarse, b_mm_ * (place / kCoarse + 0.5) / kCoarse, 0.0};
     double product = 0.0;
     double square = 0.0;
-    for (std::size_t k = 0; k < deflection_mm.size(); ++k) {  // by linear theory the best load is at hand
+    for (std::size_t k = 0; k < deflection_mm.size(); ++k) {  // linear theory gives the best load directly
       const double mm_per_n = table_.at_point_mm_per_n(k, {{here.x_mm}, {here.y_mm}});
       product += mm_per_n * deflection_mm[k];
       square += mm_per_n * mm_per_n;

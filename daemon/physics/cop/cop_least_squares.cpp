@@ -10,7 +10,7 @@ namespace {
 
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// A row that a solution follows exactly has no other row to check it.
+/// If a solution follows a row exactly, no other row can check it.
 constexpr double kSmallestFreedom = 1e-6;
 
 std::vector<double> flat(const Rows& matrix) { return {matrix.data(), matrix.data() + matrix.size()}; }

@@ -60,14 +60,14 @@ std::vector<CopTrial> trials_for(CopMethod method, const RigModel& rig) {
     append(trials, foot_trials(rig.plate, 2, kStancesPerKind, kLibraryLoadN, kLibrarySeed + 1));
     return trials;
   }
-  // Thesis 4.4: five points on each mid-line. The even grid has no point on a mid-line, so that it serves the load only.
+  // Thesis 4.4: five points on each mid-line. The even grid has no point on a mid-line, so it is used only for the load.
   auto trials = point_trials(grid_positions(area, 6), kThesisLoadN);
   append(trials, point_trials(mid_line_positions(area), kThesisLoadN));
   return trials;
 }
 
-/// The plate is its own calibration. Thin-plate theory holds up to a deflection of half the thickness (plate-model section 6), the
-/// stiffening is tabulated up to what would be three times the thickness without it.
+/// Creates an estimator that uses the plate as its own calibration. Thin-plate theory is valid up to a deflection of half the thickness
+/// (plate-model section 6); the stiffening is tabulated up to a load that would cause three thicknesses without stiffening.
 core::Result<CopEstimator> estimator_of_plate(const RigModel& rig, PlateBehaviour behaviour) {
   const double thicknesses = behaviour == PlateBehaviour::Linear ? 0.5 : 3.0;
   ModelForm form{.behaviour = behaviour, .heaviest = {}, .plate = rig.plate, .support = rig.support, .sensors = {}};

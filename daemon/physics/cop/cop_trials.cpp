@@ -9,7 +9,7 @@
 namespace dts::physics {
 namespace {
 
-/// `count` evenly spaced values from `first` to `last`.
+/// Returns `count` evenly spaced values from `first` to `last`.
 std::vector<core::Millimetres> evenly(core::Millimetres first, core::Millimetres last, std::size_t count) {
   std::vector<core::Millimetres> values;
   values.reserve(count);
@@ -19,8 +19,8 @@ std::vector<core::Millimetres> evenly(core::Millimetres first, core::Millimetres
   return values;
 }
 
-// Where people stand on a plate of 430 mm: a foot near the middle, or two beside it. Chosen by hand so that the four-sensor estimator
-// errs as in the study of plate-model section 6, whose stances are not written down.
+// Positions of people on a plate of 430 mm: one foot near the middle, or two beside it. Chosen by hand so that the four-sensor estimator
+// has the errors of the study of plate-model section 6, whose stances are not documented.
 constexpr double kOneFootWanderMm = 38.0;
 constexpr double kTwoFeetWanderMm = 35.0;
 constexpr core::Millimetres kNoWidth{1.0};  ///< The unloaded foot is beside the other one.
@@ -28,9 +28,9 @@ constexpr double kNarrowestMm = 120.0;
 constexpr double kWidestMm = 240.0;
 constexpr double kShortestFootMm = 230.0;
 constexpr double kLongestFootMm = 280.0;
-constexpr double kLean = 0.2;  ///< Shares of a foot and of the forefoot are this far from a half at most.
+constexpr double kLean = 0.2;  ///< Largest deviation from one half of the shares of a foot and of the forefoot.
 
-/// 0..1 from the generator's upper 53 bits: the same on every library.
+/// Returns 0..1 from the generator's upper 53 bits: the same with every library.
 class Uniform {
  public:
   explicit Uniform(std::uint64_t seed) : random_(seed) {}
@@ -40,7 +40,7 @@ class Uniform {
   std::mt19937_64 random_;
 };
 
-/// Weighted centre of the patches' centres.
+/// Returns the weighted centre of the patches' centres.
 Point centre_of(std::span<const PlateLoad> loads) {
   double sum_n = 0.0;
   Point moment;

@@ -17,18 +17,18 @@
 namespace dts::physics {
 
 enum class PlateBehaviour : std::uint8_t {
-  Stiffening,  ///< Von Karman: what a real plate does under a person.
-  Linear,      ///< Thin-plate theory alone, as in the thesis.
+  Stiffening,  ///< Von Karman: the behaviour of a real plate under a person.
+  Linear,      ///< Only thin-plate theory, as in the thesis.
 };
 
-/// What a rig's sensors see of its plate under known loads: for calibration and evaluation, not for the sample path.
+/// Sensor deflections of a rig's plate under known loads; for calibration and evaluation, not for the sample path.
 /// Immutable. Thread: any. Realtime-safe: no.
 class SensedPlate {
  public:
   [[nodiscard]] static core::Result<SensedPlate> create(const RigModel& rig, PlateBehaviour behaviour,
                                                         int divisions = InfluenceTable::kDefaultDivisions);
 
-  /// Deflection of every sensor under all loads together, mm. Patches off the plate as InfluenceTable takes them.
+  /// Returns the deflection of every sensor under all loads together, mm. Patches off the plate are treated as in InfluenceTable.
   [[nodiscard]] std::vector<double> deflection_mm(std::span<const PlateLoad> loads) const;
   [[nodiscard]] std::vector<double> deflection_mm(Point position, core::Newtons load) const;
 

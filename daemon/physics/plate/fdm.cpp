@@ -5,9 +5,9 @@
 
 #include "physics/plate/discretisation.h"
 
-// Energy finite differences (plate-model section 2): the bending energy as a sum of squares of difference quotients. The free-edge
-// conditions M_n = 0, V_n = 0 and w_xy = 0 at the corners come out by themselves, so there are neither ghost nodes nor boundary rows
-// to code; the interior row is D/l^2 (20, -8, 2, 1), the 13-point stencil of thesis eq. 3.10.
+// Energy finite differences (plate-model section 2): the bending energy is a sum of squares of difference quotients. The free-edge
+// conditions M_n = 0, V_n = 0 and w_xy = 0 at the corners follow automatically, so neither ghost nodes nor boundary rows are needed. The
+// interior row is D/l^2 (20, -8, 2, 1), the 13-point stencil of thesis eq. 3.10.
 
 namespace dts::physics {
 namespace {
@@ -48,7 +48,7 @@ Stencil<4> mixed_difference(const Grid& grid, int i, int j) {
   return {{grid.node(i, j), grid.node(i + 1, j), grid.node(i, j + 1), grid.node(i + 1, j + 1)}, {scale, -scale, -scale, scale}};
 }
 
-/// Bending energy of the piece of plate around a node. Along a free edge the curvature across it follows from M_n = 0, which leaves
+/// Adds the bending energy of the piece of plate around a node. Along a free edge, M_n = 0 determines the curvature across it, which leaves
 /// 1 - nu^2 of the curvature along it; a corner node bends in neither direction.
 void add_bending(std::vector<StiffnessEntry>& entries, const Plate& plate, const Grid& grid, int i, int j) {
   const bool is_on_x_edge = i == 0 || i == grid.divisions;
@@ -66,8 +66,8 @@ void add_bending(std::vector<StiffnessEntry>& entries, const Plate& plate, const
   add_product(entries, cell * plate.nu, wyy, wxx);
 }
 
-/// A clamped edge has no slope: the node beyond it mirrors the one before it, so the curvature across the edge is twice their
-/// difference. (The edge's own deflection stays in, although it is held: the forces of a shifted plate must still sum to nothing.)
+/// A clamped edge has no slope: the node beyond it mirrors the node before it, so the curvature across the edge is twice their difference.
+/// The edge's own deflection is included although it is held, because the forces of a shifted plate must still sum to zero.
 void add_clamped_edges(std::vector<StiffnessEntry>& entries, const Plate& plate, const Grid& grid) {
   const double half_cell = 0.5 * plate.rigidity_nm() * grid.dx_m * grid.dy_m;
   const double across_x = 2.0 / (grid.dx_m * grid.dx_m);
@@ -96,7 +96,7 @@ std::vector<StiffnessEntry> free_plate_stiffness(const Plate& plate, const Grid&
   return entries;
 }
 
-/// Nodes under a tensor product of line weights.
+/// Returns the weights of the nodes for a tensor product of line weights.
 Weights product(const Grid& grid, const Weights& columns, const Weights& lines) {
   Weights nodes;
   nodes.reserve(columns.size() * lines.size());
@@ -122,7 +122,7 @@ class Fdm final : public Discretisation {
     return {grid().is_on_x_edge(i) || (kind != SupportKind::XEdges && grid().is_on_y_edge(j))};
   }
 
-  /// Cubic: between nodes a parabola would err by more than the solution itself does near a clamped edge.
+  /// Cubic, because near a clamped edge a parabola between nodes would have a larger error than the solution itself.
   [[nodiscard]] Weights reading(Point point) const override {
     const int divisions = grid().divisions;
     return product(grid(), cubic_weights(stretch_on_axis(point.x.value, 0.0, grid().dx_mm(), divisions).from, divisions),
@@ -139,7 +139,7 @@ class Fdm final : public Discretisation {
     return {grid().node(i, j), grid().node(i + 1, j), grid().node(i, j + 1), grid().node(i + 1, j + 1)};
   }
 
-  /// At each corner of the cell, with the differences along the two cell sides that meet there.
+  /// Returns one point at each corner of the cell, with the differences along the two cell sides that meet there.
   [[nodiscard]] std::vector<MembranePoint> membrane_points() const override {
     const double dx_m = grid().dx_m;
     const double dy_m = grid().dy_m;

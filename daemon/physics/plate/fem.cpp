@@ -5,11 +5,11 @@
 
 #include "physics/plate/discretisation.h"
 
-// The conforming bicubic rectangle of Bogner, Fox and Schmit ("The generation of interelement-compatible stiffness and mass matrices by
-// the use of interpolation formulas", 1965): products of cubic Hermite polynomials, with w, w_x, w_y and w_xy at every node. Deflection
-// and slope are continuous across cells, so the energy is an upper bound and falls with the fourth power of the spacing; on rectangles
-// it needs a quarter of the nodes of the non-conforming 12-term rectangle for the same error. It shares no code with the
-// finite differences but the grid.
+// The conforming bicubic rectangle of Bogner, Fox and Schmit ("The generation of interelement-compatible stiffness and mass matrices by the
+// use of interpolation formulas", 1965): products of cubic Hermite polynomials, with w, w_x, w_y and w_xy at every node. Deflection and
+// slope are continuous across cells, so the energy is an upper bound and converges with the fourth power of the spacing. On rectangles it
+// needs a quarter of the nodes of the non-conforming 12-term rectangle for the same error. It shares only the grid with the finite
+// differences.
 
 namespace dts::physics {
 namespace {
@@ -23,7 +23,7 @@ Hermite hermite(double s) {
 Hermite hermite_slope(double s) { return {-6.0 * s * (1.0 - s), (1.0 - s) * (1.0 - 3.0 * s), 6.0 * s * (1.0 - s), s * (3.0 * s - 2.0)}; }
 Hermite hermite_curvature(double s) { return {-6.0 + 12.0 * s, -4.0 + 6.0 * s, 6.0 - 12.0 * s, -2.0 + 6.0 * s}; }
 
-/// Gauss-Legendre on 0..1, exact to degree 7: the squares of cubics need 6.
+/// Gauss-Legendre on 0..1, exact to degree 7; the squares of cubics need 6.
 struct GaussPoint {
   double s;
   double weight;
@@ -37,7 +37,7 @@ constexpr std::array<GaussPoint, 2> kGauss2 = {{{0.21132486540518712, 0.5}, {0.7
 
 using Matrix4 = std::array<std::array<double, 4>, 4>;
 
-/// Integral over 0..1 of the products of two families of polynomials.
+/// Returns the integrals over 0..1 of the products of two families of polynomials.
 Matrix4 products(Hermite (*left)(double), Hermite (*right)(double)) {
   Matrix4 result{};
   for (const auto& [s, weight] : kGauss) {
@@ -50,7 +50,7 @@ Matrix4 products(Hermite (*left)(double), Hermite (*right)(double)) {
   return result;
 }
 
-/// A polynomial of an axis: 2 * line + (0 value, 1 slope). Four of them live on cell `cell`.
+/// Index of a polynomial of one axis: 2 * line + (0 value, 1 slope). Four of them are non-zero on cell `cell`.
 int axis_index(int cell, std::size_t polynomial) { return 2 * cell + static_cast<int>(polynomial); }
 
 Weights axis_reading(double at, int divisions) {
@@ -61,7 +61,7 @@ Weights axis_reading(double at, int divisions) {
   return weights;
 }
 
-/// Mean of every polynomial over a stretch.
+/// Returns the mean of every polynomial over a stretch.
 Weights axis_force(Stretch stretch, int divisions) {
   if (stretch.is_point()) return axis_reading(stretch.from, divisions);
   const int first = std::min(static_cast<int>(stretch.from), divisions - 1);
@@ -86,7 +86,7 @@ class Fem final : public Discretisation {
 
   [[nodiscard]] std::vector<StiffnessEntry> stiffness() const override;
 
-  /// Along a supported edge the deflection and its slope along the edge are zero, along a clamped one everything.
+  /// Returns the held degrees of freedom: along a supported edge the deflection and its slope along the edge, along a clamped edge all.
   [[nodiscard]] std::array<bool, 4> held_dofs(SupportKind kind, int i, int j) const override {
     const bool is_on_x = grid().is_on_x_edge(i) && kind != SupportKind::Corner;
     const bool is_on_y = grid().is_on_y_edge(j) && (kind == SupportKind::Edges || kind == SupportKind::Clamped);
@@ -114,12 +114,13 @@ class Fem final : public Discretisation {
     return dofs;
   }
 
-  /// At the 2 x 2 Gauss points, with the slopes of the chords across the cell: constant along them, as are the gradients of the bilinear
-  /// in-plane displacements that have to balance them. The true slopes lock: 0.5 % too stiff at 686 N and 40 divisions, chords 0.01 %.
+  /// Returns the 2 x 2 Gauss points, with the slopes of the chords across the cell. These are constant along the chords, like the gradients
+  /// of the bilinear in-plane displacements that must balance them. The true slopes lock: 0.5 % too stiff at 686 N and 40 divisions; chords
+  /// 0.01 %.
   [[nodiscard]] std::vector<MembranePoint> membrane_points() const override;
 
  private:
-  /// Degree of freedom of a product of polynomials: w, w_x, w_y, w_xy at a node.
+  /// Returns the degree of freedom of a product of polynomials: w, w_x, w_y, w_xy at a node.
   [[nodiscard]] int dof(int x_index, int y_index) const {
     return 4 * grid().node(x_index / 2, y_index / 2) + x_index % 2 + 2 * (y_index % 2);
   }

@@ -9,7 +9,7 @@
 
 namespace dts::physics {
 
-/// The nodes that both methods share: (i, j) at (i dx, j dy), i and j from 0 to `divisions`, numbered row by row.
+/// The grid of nodes that both methods use: (i, j) at (i dx, j dy), i and j from 0 to `divisions`, numbered row by row.
 struct Grid {
   static constexpr int kMinDivisions = 4;
   static constexpr int kMaxDivisions = 200;
@@ -28,36 +28,36 @@ struct Grid {
   [[nodiscard]] bool is_on_y_edge(int j) const noexcept { return j == 0 || j == divisions; }
 };
 
-/// A stretch of one axis in units of the spacing, 0 <= from <= to <= divisions.
+/// An interval on one axis in units of the spacing, 0 <= from <= to <= divisions.
 struct Stretch {
   double from = 0.0;
   double to = 0.0;
 
   [[nodiscard]] bool is_point() const noexcept { return to - from < 1e-9; }
 };
-/// What of `centre_mm` +- half `length_mm` lies on an axis of `divisions` cells of `spacing_mm`.
+/// Returns the part of `centre_mm` +- half `length_mm` that lies on an axis of `divisions` cells of `spacing_mm`.
 [[nodiscard]] Stretch stretch_on_axis(double centre_mm, double length_mm, double spacing_mm, int divisions) noexcept;
 
-/// What each grid line of one axis carries of a load spread evenly over a stretch: the mean of its hat function; for a point linear
-/// interpolation. The weights sum to 1.
+/// The weight of each grid line of one axis for a load spread evenly over a stretch: the mean of the line's hat function; for a point,
+/// linear interpolation. The weights sum to 1.
 struct LineWeights {
   std::size_t first = 0;
   std::size_t count = 0;
-  std::array<double, Grid::kMaxDivisions + 1> weight;  ///< Only [0, count) is set: clearing it all would cost more than the sum.
+  std::array<double, Grid::kMaxDivisions + 1> weight;  ///< Only [0, count) is set: clearing all entries would cost more than the sum.
 };
 /// Realtime-safe: yes.
 void spread(LineWeights& lines, Stretch stretch, int divisions) noexcept;
 
-/// A share of a load, or a part of a reading: `index` is a grid line, a node or a degree of freedom, as the context says.
+/// One share of a load or of a reading; `index` is a grid line, a node or a degree of freedom, depending on the context.
 struct Weight {
   int index = 0;
   double value = 0.0;
 };
 using Weights = std::vector<Weight>;
 
-/// `spread` as a list.
+/// Returns the weights of `spread` as a list.
 [[nodiscard]] Weights linear_weights(Stretch stretch, int divisions);
-/// Cubic interpolation at a point from the four lines around it; near an end the missing line is extrapolated.
+/// Returns the cubic interpolation at a point from the four lines around it; near an end, extrapolates the missing line.
 [[nodiscard]] Weights cubic_weights(double at, int divisions);
 
 }  // namespace dts::physics

@@ -8,7 +8,7 @@
 
 namespace dts::physics {
 
-/// Scalar fields given at the nodes of one grid, bilinear between them. Immutable. Thread: any. Realtime-safe: yes.
+/// Scalar fields with values at the nodes of one grid, bilinear between the nodes. Immutable. Thread: any. Realtime-safe: yes.
 class GridFields {
  public:
   GridFields() = default;
@@ -17,8 +17,8 @@ class GridFields {
   /// `nodes`: one value per node of the grid.
   void add(std::vector<double> nodes) { fields_.push_back(std::move(nodes)); }
   [[nodiscard]] std::size_t size() const noexcept { return fields_.size(); }
-  /// Mean of a field over the part of a patch that lies on the plate, exact for the bilinear field; a side of no length makes it a line
-  /// or a point, and what lies off the plate counts as its nearest edge. NaN when a number is not finite or there is no such field.
+  /// Returns the mean of a field over the part of `patch` on the plate, exact for the bilinear field. A patch with a side of length 0 is a
+  /// line or a point. A patch off the plate counts as the nearest edge. Returns NaN if a number is not finite or the field does not exist.
   [[nodiscard]] double mean(std::size_t field, const Patch& patch) const noexcept;
 
  private:

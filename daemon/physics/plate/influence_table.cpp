@@ -27,7 +27,7 @@ core::Result<InfluenceTable> InfluenceTable::create(const Plate& plate, const Su
   InfluenceTable table;
   table.rows_ = GridFields(supported->discretisation().grid());
   for (const Point& probe : probes) {
-    // By reciprocity the deflections under 1 N at the probe are the deflections of the probe under 1 N anywhere.
+    // By reciprocity, the field of deflections under 1 N at the probe is the deflection of the probe under 1 N at any point.
     const Eigen::VectorXd row =
         kMillimetresPerMetre * supported->bend(supported->vector(supported->discretisation().force({.centre = probe})));
     table.rows_.add({row.begin(), row.end()});

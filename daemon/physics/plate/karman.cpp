@@ -13,10 +13,10 @@ namespace {
 
 constexpr double kSmallestStep = 1.0 / 64.0;
 constexpr int kMostIterations = 30;
-/// Of the deflections, relative: Newton converges quadratically, so the step after this one would be at rounding.
+/// Relative to the deflections. Newton converges quadratically, so the next step would be at rounding level.
 constexpr double kDeflectionTolerance = 1e-7;
 constexpr double kShortestLine = 1.0 / 64.0;
-/// Steps below this part of the deflections are taken whole: there Newton is safe, and energies differ by rounding only.
+/// Steps below this fraction of the deflections are not shortened: Newton is safe there, and energies differ only by rounding.
 constexpr double kSafeStep = 1e-2;
 
 /// The plate's potential energy over deflections (first) and in-plane displacements (after them), with gradient and Hessian.
@@ -53,7 +53,7 @@ class Energy {
     return energy;
   }
 
-  /// Nodal forces of the stretched plate on all unknowns; zero where held.
+  /// Returns the nodal forces of the stretched plate on all unknowns; zero where held.
   [[nodiscard]] Eigen::VectorXd membrane_forces(const Eigen::VectorXd& unknowns) const {
     Eigen::VectorXd forces = Eigen::VectorXd::Zero(size());
     for_each_cell(unknowns, [&](const std::vector<int>& dofs, const Eigen::VectorXd& cell) {
@@ -109,7 +109,7 @@ class Energy {
     return {slope_x, slope_y, strain};
   }
 
-  /// Derivative of the strain by the unknowns of the cell.
+  /// Returns the derivative of the strain by the unknowns of the cell.
   [[nodiscard]] static Eigen::Matrix<double, 3, Eigen::Dynamic> strain_change(const Membrane::Point& point, const Eigen::VectorXd& cell) {
     const auto [slope_x, slope_y, strain] = strain_at(point, cell);
     Eigen::Matrix<double, 3, Eigen::Dynamic> change(3, cell.size());
@@ -158,14 +158,14 @@ class Energy {
   std::vector<bool> is_held_;
 };
 
-/// Newton's method at one load. Leaves `unknowns` where it got to; true when it converged.
+/// Newton's method at one load. `unknowns` keeps the last iterate; returns true if it converged.
 class Newton {
  public:
   explicit Newton(const Energy& energy) : energy_(energy) {}
 
   [[nodiscard]] int iterations() const { return iterations_; }
 
-  /// `report` gets how far convergence has come, 0..1.
+  /// Calls `report` with the progress of convergence, 0..1.
   bool run(Eigen::VectorXd& unknowns, const Eigen::VectorXd& force, const std::function<void(double)>& report) {
     for (int iteration = 0; iteration < kMostIterations; ++iteration) {
       ++iterations_;
@@ -177,7 +177,7 @@ class Newton {
       const Eigen::VectorXd gradient = energy_.gradient(unknowns, force);
       const Eigen::VectorXd step = -factor_.solve(gradient);
       if (!step.allFinite()) return false;
-      if (step.squaredNorm() == 0.0) return true;  // nothing bends: the load rests on the supports, or there is none in sum
+      if (step.squaredNorm() == 0.0) return true;  // no bending: the load is directly on the supports, or its sum is zero
       const double length = step.head(energy_.bending_count()).norm() / unknowns.head(energy_.bending_count()).norm();
       const double part = length <= kSafeStep ? 1.0 : line_search(unknowns, step, force, gradient.dot(step));
       if (part == 0.0) return false;
@@ -189,7 +189,7 @@ class Newton {
   }
 
  private:
-  /// The longest of 1, 1/2, 1/4 ... of the step that goes down; 0: none.
+  /// Returns the longest of 1, 1/2, 1/4 ... of the step that lowers the energy; 0: none.
   [[nodiscard]] double line_search(const Eigen::VectorXd& from, const Eigen::VectorXd& step, const Eigen::VectorXd& force,
                                    double descent) const {
     const double start = energy_.value(from, force);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The integral of sin(k pi z) over [from, to] within [0, 1].
+/// Returns the integral of sin(k pi z) over [from, to] within [0, 1].
 double sine_integral(int k, double from, double to) noexcept {
   const double wave = k * kPi;
   return (std::cos(wave * std::clamp(from, 0.0, 1.0)) - std::cos(wave * std::clamp(to, 0.0, 1.0))) / wave;

@@ -7,24 +7,25 @@
 
 namespace dts::physics {
 
-/// Deflection at one point of a plate with all four edges simply supported, under pressure on a rectangle whose sides in x are fixed: the
-/// series of Navier, summed over x once. For smooth loads it converges as the fifth power of the terms: exact where grids err.
+/// Deflection at one point of a plate with four simply supported edges, under pressure on a rectangle with fixed x limits: Navier's series,
+/// summed over x once. For smooth loads the error falls with the fifth power of the number of terms, so that the result is a reference for
+/// the grid methods.
 class NavierStrip {
  public:
   static constexpr int kDefaultTerms = 121;
 
-  /// `plate` has passed check_plate. What lies beyond the plate's edges presses on nothing.
+  /// `plate` must have passed check_plate. Pressure beyond the plate's edges has no effect.
   NavierStrip(const Plate& plate, Point probe, core::Millimetres from_x, core::Millimetres to_x, int terms = kDefaultTerms);
 
-  /// Under 1 Pa between these depths. Thread: any. Realtime-safe: yes.
+  /// Returns the deflection under 1 Pa between two depths. Thread: any. Realtime-safe: yes.
   [[nodiscard]] double mm_per_pa(core::Millimetres from_y, core::Millimetres to_y) const noexcept;
 
  private:
   double depth_mm_;
-  std::vector<double> coefficients_;  ///< Per n, mm/Pa.
+  std::vector<double> coefficients_;  ///< One per n, mm/Pa.
 };
 
-/// Under 1 N on all of `patch`, of which the part beyond an edge rests on the frame: mm.
+/// Returns the deflection in mm under 1 N on `patch`; the frame carries the part of the force beyond an edge.
 [[nodiscard]] double navier_mm_per_n(const Plate& plate, Point probe, const Patch& patch, int terms = NavierStrip::kDefaultTerms);
 
 }  // namespace dts::physics

@@ -11,12 +11,12 @@
 namespace dts::physics {
 namespace {
 
-// Far wider than any rig: they keep typing errors (metres for millimetres, GPa for Pa) and meaningless plates out.
+// Far wider than any rig: the limits reject typing errors (metres for millimetres, GPa for Pa) and meaningless plates.
 constexpr double kMinSideMm = 10.0;
 constexpr double kMaxSideMm = 10'000.0;
 constexpr double kMaxSideRatio = 20.0;
 constexpr double kMinThicknessMm = 0.01;
-constexpr double kMaxThicknessPerSide = 0.2;  ///< Above it, thin-plate theory does not hold.
+constexpr double kMaxThicknessPerSide = 0.2;  ///< Above this, thin-plate theory is not valid.
 constexpr double kMinModulusPa = 1e5;
 constexpr double kMaxModulusPa = 1e13;
 
@@ -26,7 +26,7 @@ core::Status out_of_range(const std::string& what, double value, const std::stri
   return core::fail(core::ErrorCode::InvalidArgument, message.str());
 }
 
-/// True for NaN too.
+/// Returns true for NaN too.
 bool is_outside(double value, double lowest, double highest) { return !(value >= lowest && value <= highest); }
 
 std::string text(double value) {

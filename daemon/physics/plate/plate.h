@@ -39,7 +39,7 @@ enum class SupportKind : std::uint8_t {
   Corner,   ///< Four point supports at (d,d), (a-d,d), (d,b-d), (a-d,b-d); all edges free.
   Edges,    ///< All four edges simply supported.
   XEdges,   ///< x = 0 and x = a simply supported, y = 0 and y = b free.
-  Clamped,  ///< All four edges held without slope.
+  Clamped,  ///< All four edges held with zero slope.
 };
 
 struct Support {
@@ -47,10 +47,10 @@ struct Support {
   core::Millimetres inset{0.0};  ///< d; only for Corner.
 };
 
-/// Fail with InvalidArgument when a value is out of range; the message names it and the range.
+/// Fails with InvalidArgument if a value is out of range; the message names the value and the range.
 [[nodiscard]] core::Status check_plate(const Plate& plate);
 [[nodiscard]] core::Status check_support(const Plate& plate, const Support& support);
-/// `name` starts the message: "probe 3".
+/// The message starts with `name`, for example "probe 3".
 [[nodiscard]] core::Status check_on_plate(const Plate& plate, Point point, const std::string& name);
 [[nodiscard]] core::Status check_divisions(int divisions, int lowest, int highest);
 

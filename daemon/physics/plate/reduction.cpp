@@ -11,9 +11,9 @@
 namespace dts::physics {
 namespace {
 
-/// Loads per side from which the shapes are made.
+/// Number of loads per side from which the shapes are computed.
 constexpr int kLoadsPerSide = 7;
-/// Stretching is smoother than bending: half the divisions are enough for it, and make the plate in a fifth of the time.
+/// Stretching is smoother than bending: half the divisions are enough, and reduce the time for a plate to a fifth.
 constexpr int kMembraneCoarsening = 2;
 
 /// Columns: degrees of freedom of each shape, scaled to unit bending energy.
@@ -43,7 +43,7 @@ class Stretching {
     factorise();
   }
 
-  /// Energy of the pairs with each other, in-plane displacements eliminated. `shapes` on this grid.
+  /// Returns the energy of each pair with each other pair, with eliminated in-plane displacements. `shapes` must be on this grid.
   [[nodiscard]] Eigen::MatrixXd energies(const Eigen::MatrixXd& shapes) const {
     const Eigen::MatrixXd strains = pair_strains(shapes);
     Eigen::MatrixXd tensions = strains;
@@ -124,7 +124,7 @@ class Stretching {
   Eigen::SimplicialLDLT<SupportedPlate::Matrix> factor_;
 };
 
-/// The shapes at the nodes of a coarser grid.
+/// Returns the shapes at the nodes of a coarser grid.
 Eigen::MatrixXd sample(const Eigen::MatrixXd& shapes, const Discretisation& fine, const Discretisation& coarse) {
   const Grid& grid = coarse.grid();
   Eigen::MatrixXd sampled(grid.node_count(), shapes.cols());

@@ -6,21 +6,22 @@
 #include "core/result.h"
 #include "physics/plate/grid_fields.h"
 
-// Inside of StiffeningPlate (Eigen in its interface): the von Karman plate in a few shapes.
+// Internal to StiffeningPlate (Eigen in its interface): the von Karman plate, reduced to a few shapes.
 
 namespace dts::physics {
 
 /// Potential energy over the amplitudes q of the shapes: |q|^2 / 2 + y^T stretching y / 2 - force^T q with y the products q_i q_j, i <= j.
-/// The shapes are scaled so that bending is the identity; the in-plane displacements are eliminated, exactly for the grid.
+/// The shapes are scaled so that the bending stiffness is the identity; the in-plane displacements are eliminated exactly for the grid.
 struct ReducedPlate {
-  /// Against the full solution under point loads up to 720 N on the sensor square of the steel platform 12 shapes err 0.6 % at most, at
-  /// an edge 0.9 %. Beyond a deflection of some 2.5 thicknesses the shapes no longer suffice: 36 % on a clamped 1000 x 1000 x 1 mm plate.
+  /// Compared with the full solution under point loads up to 720 N on the steel platform, 12 shapes err by at most 0.6 % on the sensor
+  /// square and 0.9 % at an edge. Beyond a deflection of about 2.5 thicknesses they are too few: the error is 36 % on a clamped 1000 x 1000
+  /// x 1 mm plate.
   static constexpr int kShapes = 12;
   static constexpr int kPairs = kShapes * (kShapes + 1) / 2;
   using Amplitudes = Eigen::Matrix<double, kShapes, 1>;
   using Pairs = Eigen::Matrix<double, kPairs, 1>;
 
-  /// Place of q_i q_j among the pairs.
+  /// Returns the index of q_i q_j among the pairs.
   [[nodiscard]] static constexpr int pair(int i, int j) noexcept {
     const int low = i < j ? i : j;
     const int high = i < j ? j : i;
@@ -35,7 +36,7 @@ struct Reduction {
   GridFields shapes;  ///< m per unit amplitude, on the grid of `divisions`.
 };
 
-/// The shapes are the leading proper orthogonal modes of the linear deflections under single loads all over the plate. The inputs have
+/// Uses as shapes the leading proper orthogonal modes of the linear deflections under single loads all over the plate. The inputs must have
 /// passed the checks of plate.h. Fails as SupportedPlate::create.
 [[nodiscard]] core::Result<Reduction> reduce(const Plate& plate, const Support& support, int divisions);
 

@@ -30,7 +30,7 @@ double PlateSolution::deflection_mm(Point point) const { return field_->deflecti
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kLargestForceN = 1e6;  // far beyond any plate that a person stands on; keeps typing errors out
+constexpr double kLargestForceN = 1e6;  // far beyond any load of a person; rejects typing errors
 
 std::unique_ptr<const Discretisation> discretise(const PlateCase& plate_case, PlateMethod method, int divisions) {
   if (method == PlateMethod::Fem) return make_fem(plate_case.plate, divisions);
@@ -50,7 +50,7 @@ core::Status check_load(const Plate& plate, const PlateLoad& load, const std::st
                     name + ": a force of " + std::to_string(load.force.value) + " N, must be other than 0 and at most 1000000 N");
 }
 
-/// One grid's solution; without error estimates.
+/// Solves on one grid, without error estimates.
 core::Result<PlateSolution> solve_on(const PlateCase& plate_case, PlateMethod method, const SolveOptions& options, int divisions) {
   auto supported = SupportedPlate::create(discretise(plate_case, method, divisions), plate_case.plate, plate_case.support);
   if (!supported) return tl::make_unexpected(supported.error());
@@ -126,8 +126,8 @@ core::Result<PlateSolution> solve(const PlateCase& plate_case, PlateMethod metho
   coarse_options.report_progress = nullptr;
   const auto coarse = solve_on(plate_case, method, coarse_options, half);
   if (!coarse) return solution;  // a grid too coarse for this case says nothing about the error
-  // Thesis eq. 3.11 prints w0 - w1; Richardson's rule, which its 3.12 cites, extrapolates from the finer of the two. Odd numbers of
-  // divisions are not halved exactly: the ratio of the spacings is what counts.
+  // Thesis eq. 3.11 prints w0 - w1; Richardson's rule, which its 3.12 cites, extrapolates from the finer of the two. An odd number of
+  // divisions cannot be halved exactly, so the ratio of the spacings is used.
   const double ratio = static_cast<double>(options.divisions) / half;
   for (std::size_t k = 0; k < solution->probes.size(); ++k) {
     const double difference_mm = coarse->probes[k].deflection_mm - solution->probes[k].deflection_mm;

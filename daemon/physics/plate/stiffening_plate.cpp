@@ -14,23 +14,23 @@ namespace dts::physics {
 namespace {
 
 constexpr int kMostCorrections = 40;
-/// A load is applied in steps of which the first would store this part of its energy in stretching. Newton's method started further
-/// away may end on another equilibrium of the plate: 1.4 % of loads up to 1300 N put down at once did.
+/// A load is applied in steps. The first step would store this fraction of its energy in stretching. With larger steps, Newton's method may
+/// find another equilibrium of the plate: this happened for 1.4 % of loads up to 1300 N applied in one step.
 constexpr double kGentleStretching = 0.02;
 constexpr int kMostSteps = 64;
-/// A change of more steps is no movement of a load but another load: it is put down on the flat plate, whatever was there before.
+/// A change of more steps counts as another load, not as a movement: the calculation then starts from the flat plate.
 constexpr double kMostStepsOfAMovement = 2.0;
-/// Steps below this part of the amplitudes are taken whole: there energies differ by rounding only.
+/// Steps below this fraction of the amplitudes are not shortened: their energies differ only by rounding.
 constexpr double kSafeChange = 1e-2;
 constexpr double kShortestMove = 1e-3;
 constexpr double kHopelessShift = 1e9;
-constexpr double kAmplitudeTolerance = 1e-7;  ///< Of the amplitudes, relative: below a nanometre.
+constexpr double kAmplitudeTolerance = 1e-7;  ///< Relative to the amplitudes: below a nanometre.
 
 using Amplitudes = ReducedPlate::Amplitudes;
 using Pairs = ReducedPlate::Pairs;
 using Square = Eigen::Matrix<double, ReducedPlate::kShapes, ReducedPlate::kShapes>;
 
-/// q_i q_j for i <= j.
+/// Returns q_i q_j for i <= j.
 Pairs pairs_of(const Amplitudes& q) {
   Pairs pairs;
   Eigen::Index pair = 0;
@@ -40,7 +40,7 @@ Pairs pairs_of(const Amplitudes& q) {
   return pairs;
 }
 
-/// Symmetric matrix T with (derivative of the pairs by q)^T tension = T q.
+/// Returns the symmetric matrix T with (derivative of the pairs by q)^T tension = T q.
 Square tension_matrix(const Pairs& tension) {
   Square matrix;
   Eigen::Index pair = 0;
@@ -55,7 +55,8 @@ Square tension_matrix(const Pairs& tension) {
   return matrix;
 }
 
-/// J^T stretching J with J the derivative of the pairs by q. J has two entries per row: a dense product would cost six times as much.
+/// Returns J^T stretching J, with J the derivative of the pairs by q. J has two entries per row: a dense product would cost six times as
+/// much.
 Square stretching_hessian(const ReducedPlate& plate, const Amplitudes& q) {
   constexpr int kShapes = ReducedPlate::kShapes;
   const auto entry = [&](int k, int j) { return k == j ? 2.0 * q[j] : q[j]; };
@@ -75,7 +76,7 @@ double energy(const ReducedPlate& plate, const Amplitudes& q, const Amplitudes& 
   return 0.5 * q.squaredNorm() + 0.5 * pairs.dot(plate.stretching * pairs) - force.dot(q);
 }
 
-/// The step downhill that Newton's method would take; where the energy curves down, as much of the identity is added as makes it curve up.
+/// Returns the Newton step downhill. Where the energy curves downwards, adds as much of the identity as makes it curve upwards.
 Amplitudes downhill(const Square& hessian, const Amplitudes& gradient) {
   for (double shift = 0.0; shift < kHopelessShift; shift = shift == 0.0 ? 1e-2 : 4.0 * shift) {
     const Eigen::LDLT<Square> factor(hessian + shift * Square::Identity());
@@ -84,7 +85,8 @@ Amplitudes downhill(const Square& hessian, const Amplitudes& gradient) {
   return -gradient;
 }
 
-/// Newton's method at one load, with halved steps where the energy would climb: it ends in a minimum, from nearby in one or two rounds.
+/// Runs Newton's method at one load, with halved steps where the energy would rise. Ends in a minimum; from a near start in one or two
+/// rounds.
 void settle(const ReducedPlate& plate, const Amplitudes& force, Amplitudes& q) noexcept {
   for (int iteration = 0; iteration < kMostCorrections; ++iteration) {
     const Pairs tension = plate.stretching * pairs_of(q);
@@ -102,7 +104,7 @@ void settle(const ReducedPlate& plate, const Amplitudes& force, Amplitudes& q) n
   }
 }
 
-/// Largest change of the generalised forces that `settle` follows safely.
+/// Returns the largest change of the generalised forces that `settle` follows safely.
 double gentle_force(const ReducedPlate& plate) {
   const double stiffest = plate.stretching.diagonal().maxCoeff();
   return std::sqrt(kGentleStretching / stiffest);
@@ -115,7 +117,7 @@ struct StiffeningPlate::Model {
   double gentle_force = 0.0;
   InfluenceTable probes;
   GridFields shapes;  ///< m per unit amplitude.
-  /// Per probe, m per unit amplitude of each shape.
+  /// One per probe, m per unit amplitude of each shape.
   std::vector<Amplitudes> shape_at_probe;
 };
 

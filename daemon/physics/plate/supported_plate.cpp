@@ -10,11 +10,11 @@
 namespace dts::physics {
 namespace {
 
-/// Stiffness of a point support in units of the plate's own D/l^2. From 1e3 to 1e8 the deflections change by 0.002 % (plate-model
-/// section 2); 1e6 keeps ten digits for the plate itself.
+/// Stiffness of a point support in units of the plate's own D/l^2. From 1e3 to 1e8 the deflections change by 0.002 % (plate-model section
+/// 2); with 1e6, ten digits remain for the plate itself.
 constexpr double kSupportStiffness = 1e6;
 
-/// Largest deflection under 1 N that still is bending, in units of a b / D (a corner-supported plate has 0.04 in its centre).
+/// Largest deflection under 1 N that can be bending, in units of a b / D (a corner-supported plate has 0.04 at its centre).
 constexpr double kLargestCompliance = 100.0;
 
 SupportedPlate::Matrix assemble(int size, const std::vector<StiffnessEntry>& entries) {
@@ -46,7 +46,7 @@ core::Result<SupportedPlate> SupportedPlate::create(std::unique_ptr<const Discre
   auto factor = std::make_shared<Eigen::SimplicialLDLT<Matrix>>(result.stiffness_);
   if (factor->info() != Eigen::Success || !(factor->vectorD().minCoeff() > 0.0)) return plate_tips(support);
   result.factor_ = std::move(factor);
-  // A load on a corner tips the plate in both directions, if it can tip.
+  // A load on a corner tips the plate in both directions if it can tip.
   const double limit_m = kLargestCompliance * (plate.a.value * plate.b.value) / kSquareMillimetresPerSquareMetre / plate.rigidity_nm();
   const auto tipping = result.bend(result.vector(result.discretisation_->force({})));
   if (!(tipping.cwiseAbs().maxCoeff() <= limit_m)) return plate_tips(support);

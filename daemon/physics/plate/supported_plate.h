@@ -10,36 +10,36 @@
 #include "core/result.h"
 #include "physics/plate/discretisation.h"
 
-// Inside of the plate's solvers (Eigen in its interface): a discretisation held by its supports.
+// Internal to the plate solvers (Eigen in its interface): a discretisation with its supports.
 
 namespace dts::physics {
 
 /// The four point supports of SupportKind::Corner: (-,-), (+,-), (-,+), (+,+).
 [[nodiscard]] std::array<Point, 4> corner_supports(const Plate& plate, core::Millimetres inset);
 
-/// Stiffness, held degrees of freedom and one factorisation, for any number of loads. Immutable.
+/// Stiffness, held degrees of freedom and one factorisation, used for any number of loads. Immutable.
 class SupportedPlate {
  public:
   using Matrix = Eigen::SparseMatrix<double>;
 
-  /// The inputs have passed the checks of plate.h. Fails with InvalidArgument when the supports do not hold the plate.
+  /// The inputs must have passed the checks of plate.h. Fails with InvalidArgument if the supports do not hold the plate.
   [[nodiscard]] static core::Result<SupportedPlate> create(std::unique_ptr<const Discretisation> discretisation, const Plate& plate,
                                                            const Support& support);
 
   [[nodiscard]] const Discretisation& discretisation() const noexcept { return *discretisation_; }
   [[nodiscard]] const std::shared_ptr<const Discretisation>& shared_discretisation() const noexcept { return discretisation_; }
-  /// Degrees of freedom, in m, under nodal forces, in N.
+  /// Returns the degrees of freedom, in m, under nodal forces, in N.
   [[nodiscard]] Eigen::VectorXd bend(const Eigen::VectorXd& force_n) const;
-  /// What the supports carry, as PlateSolution::reactions_n, from the forces that the bent plate leaves to them.
+  /// Returns the forces on the supports in the order of PlateSolution::reactions_n, from the forces that the bent plate does not balance.
   [[nodiscard]] std::vector<double> reactions_n(const Eigen::VectorXd& unbalanced_n) const;
-  /// Nodal forces that bend the free plate to `dofs`.
+  /// Returns the nodal forces that bend the free plate to `dofs`.
   [[nodiscard]] Eigen::VectorXd forces_n(const Eigen::VectorXd& dofs) const { return free_stiffness_ * dofs; }
-  /// With the supports' springs; held degrees of freedom have a lone entry on the diagonal.
+  /// Includes the springs of the supports; a held degree of freedom has only its diagonal entry.
   [[nodiscard]] const Matrix& stiffness() const noexcept { return stiffness_; }
   [[nodiscard]] bool is_held(Eigen::Index dof) const { return is_held_[static_cast<std::size_t>(dof)]; }
-  /// A load on all degrees of freedom: what `reactions_n` needs, since the held ones carry their share straight into the support.
+  /// Returns a load on all degrees of freedom, as `reactions_n` needs: a held one transfers its share directly to the support.
   [[nodiscard]] Eigen::VectorXd whole(const Weights& weights) const;
-  /// The same without the held ones: what `bend` needs.
+  /// Returns the load without the held degrees of freedom, as `bend` needs.
   [[nodiscard]] Eigen::VectorXd vector(const Weights& weights) const;
   [[nodiscard]] static double read(const Eigen::VectorXd& dofs, const Weights& weights);
 

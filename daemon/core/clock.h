@@ -16,7 +16,7 @@ class Clock {
   virtual ~Clock() = default;
   /// Returns monotonic time (CLOCK_MONOTONIC on Linux), ns.
   [[nodiscard]] virtual std::int64_t now_ns() const noexcept = 0;
-  /// Sleeps until `deadline_ns` of `now_ns` or slightly longer.
+  /// Sleeps until `now_ns` reaches `deadline_ns`; never returns earlier.
   virtual void sleep_until_ns(std::int64_t deadline_ns) noexcept = 0;
   /// Returns the time of the host's crystal without slewing, ns: CLOCK_MONOTONIC_RAW on Linux, with its own origin. `now_ns` is slewed
   /// when the wall clock is disciplined (clock_gettime(2)), by chrony up to 8 %: do not compare another clock with it.

@@ -37,7 +37,7 @@ struct ScanSetup {
 ///
 ///     chunk --unpack--> scans --held back until the start check--> marker, volts, quality, host time --> block
 ///       | status, drops, rate, lateness                                 |
-///       +----------------> trouble: reported after the scans before it <---------------+
+///       +--------> trouble: reported after the scans before it <--------+
 ///
 /// Thread: the reader, except `findings`. Realtime-safe: yes while scans flow; a silent device gets a request for its state.
 class ScanReader {

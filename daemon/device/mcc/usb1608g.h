@@ -45,7 +45,7 @@ struct GStartCommand {
   std::size_t packet_codes = 1;
   bool has_trigger = false;
 };
-/// Returns the 14 bytes that start an endless scan in burst mode; uldaq's form has one more byte, for firmware that needs it.
+/// Returns the 14 bytes that start an endless scan in burst mode.
 [[nodiscard]] std::vector<std::uint8_t> encode_g_start(const GStartCommand& command);
 
 /// Packets of whole scans: as many as 10 ms, the latency and the packet size allow; full packets if one fills in that time.

@@ -17,8 +17,8 @@ struct PlacementTimes {
 
 /// The object at one moment.
 struct Placement {
-  std::size_t index = 0;  ///< Which thing.
-  double part = 0.0;      ///< 0 nothing of it .. 1 all of it.
+  std::size_t index = 0;  ///< Number of the object, from 0.
+  double part = 0.0;      ///< Part of its load: 0 .. 1.
 };
 
 ///     part 1       ______            ______

@@ -15,7 +15,7 @@ using core::ErrorCode;
 using core::GapReason;
 
 constexpr std::int64_t kSliceNs = 50 * core::kNanosecondsPerMillisecond;  // read() must see interrupt() within 100 ms
-constexpr double kHeardWithinS = 0.15;  // shorter than any reaction time: a reader that is less late has no effect
+constexpr double kHeardWithinS = 0.15;  // shorter than any reaction time: a smaller delay of the reader has no effect
 
 }  // namespace
 

@@ -69,8 +69,8 @@ struct FrameEvents {
 /// An event of any kind.
 using Event = std::variant<TriggerEvent, ReachEvent, ClassEvent, SwayEvent>;
 
-/// Calls `use` with every event in the order of publication: triggers, then reaches (each class right after the Final of its reach), then
-/// sway.
+/// Calls `use` with every event in the order of publication: triggers; then reaches, each class right after the Final of its
+/// reach; then sway.
 template <class Use>
 void for_each(const FrameEvents& events, Use use) {
   for (const TriggerEvent& trigger : events.triggers.all_of()) use(Event(trigger));

@@ -13,8 +13,8 @@ struct Arrival {
   double late_ns = 0.0;  ///< Arrival minus nominal time, relative to the first arrival of the segment.
 };
 
-/// Finds scans that were lost between the device and the host without a counter. The host does not notice the loss and keeps counting, so
-/// every later scan seems to arrive late by the lost time. A busy host is late only sometimes:
+/// Finds scans that were lost between the device and the host if no counter shows the loss. The host does not notice the loss and keeps
+/// counting, so every later scan seems to arrive late by the lost time. A busy host is late only sometimes:
 ///
 ///     late by |    .         .        . .    .  .    arrivals
 ///             |  .    .  .       .     .   .     .

@@ -9,7 +9,7 @@
 
 namespace dts::core {
 
-/// The kind of an error. `dts.v1.ErrorCode` has the same values, and they decide the exit status of dtsctl: never change them.
+/// Kind of an error. `dts.v1.ErrorCode` has the same values, and the exit status of dtsctl depends on them: never change a value.
 enum class ErrorCode : std::uint8_t {
   Failed = 1,           ///< The operation failed for an external reason: I/O, memory, a peer.
   InvalidArgument = 2,  ///< A value or file of the user is wrong.

@@ -52,9 +52,10 @@ class SpscRing {
   [[nodiscard]] T* front() noexcept;
   /// Returns the slot of `front()` to the producer. Only after `front()` returned an element. Thread: consumer. Realtime-safe: yes.
   void release() noexcept;
-  /// Moves the oldest element from the ring to `out`; returns false when empty. Thread: consumer. Realtime-safe: yes when copying T is.
+  /// Copies the oldest element to `out` and removes it; returns false when empty. Thread: consumer. Realtime-safe: yes when copying T is.
   bool pop(T& out) noexcept;
-  /// Moves up to `out.size()` elements from the ring to `out`; returns how many. Thread: consumer. Realtime-safe: yes when copying T is.
+  /// Copies up to `out.size()` elements to `out` and removes them; returns how many.
+  /// Thread: consumer. Realtime-safe: yes when copying T is.
   std::size_t pop(std::span<T> out) noexcept;
 
   /// Returns the number of waiting elements; in any thread but producer and consumer, an estimate. Thread: any. Realtime-safe: yes.

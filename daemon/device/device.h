@@ -69,10 +69,10 @@ struct DeviceReport {
   std::vector<DeviceCheck> checks;
 };
 
-/// Instruction to the person on the plate.
+/// Cue to the person on the rig.
 struct Cue {
   bool is_go = false;      ///< true: reach now; false: get ready, hand on the thigh.
-  std::int64_t at_ns = 0;  ///< Host monotonic time of the instruction.
+  std::int64_t at_ns = 0;  ///< Host monotonic time of the cue.
   double target_cm = 0.0;  ///< Distance of the target from the acromion; 0: no target.
 };
 
@@ -139,10 +139,10 @@ class Device {
   [[nodiscard]] virtual ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept = 0;
   /// Makes a waiting `read` return within 100 ms. Thread: any. Realtime-safe: yes.
   virtual void interrupt() noexcept = 0;
-  /// Drives the digital line that signals the begin of a session to other instruments. Fails with Unsupported if the device has no
+  /// Drives the digital line that signals the start of a session to other instruments. Fails with Unsupported if the device has no
   /// such line, with WrongState if it is not open or is busy starting.
   [[nodiscard]] virtual core::Status set_sync_output(bool is_high) = 0;
-  /// Passes an instruction to a simulated person, who follows it. Hardware ignores it: there, the therapist gives the instruction.
+  /// Passes a cue to a simulated person, who follows it. Hardware ignores it: there, the therapist cues the person.
   /// Thread: one, as a rule control. Realtime-safe: yes.
   virtual void hear(const Cue& cue) noexcept { static_cast<void>(cue); }
   /// Stops the scan. Returns within 250 ms if the device answers.

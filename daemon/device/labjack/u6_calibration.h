@@ -32,7 +32,7 @@ class Calibration {
     double center = 0.0;
   };
 
-  /// Returns the constants of an average unit, to describe a unit that is not present.
+  /// Returns the nominal constants, to describe a unit that is not present.
   [[nodiscard]] static Calibration nominal() noexcept;
   /// Reads the constants from blocks 0 to 3, concatenated. Fails with DataDamaged if a constant of a used gain is not a number, or is
   /// farther from nominal than in any working converter.

@@ -26,7 +26,7 @@ inline constexpr unsigned kCodeBytes = 2;
 [[nodiscard]] core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what,
                                                    int timeout_ms = usb::kSetupTimeoutMs);
 
-/// Discards the data of an earlier scan. Clears the halt first: old packets may wait after it and would become the begin of the
+/// Discards the data of an earlier scan. Clears the halt first: old packets may wait after it and would become the start of the
 /// next scan. Fails if the device still sends after 250 ms.
 [[nodiscard]] core::Status empty_endpoint(usb::UsbPort& port, std::uint8_t endpoint);
 /// Polls the state after a stop request until the device reports that it no longer scans. Fails with Failed if it keeps scanning.

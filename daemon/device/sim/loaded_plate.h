@@ -21,8 +21,8 @@ class LoadedPlate {
 
   /// Makes the plate flat again, as before the first scan.
   void restart();
-  /// Returns the deflection at every sensor, mm, for `force_n[k]` on patch `first_patch + k`; valid until the next call. Realtime-safe:
-  /// yes.
+  /// Returns the deflection at every sensor, mm, for `force_n[k]` on patch `first_patch + k`; valid until the next call.
+  /// Realtime-safe: yes.
   [[nodiscard]] std::span<const double> bend(std::size_t first_patch, std::span<const double> force_n) noexcept;
 
  private:

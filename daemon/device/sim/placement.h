@@ -5,8 +5,7 @@
 
 namespace dts::device::sim {
 
-/// Times at which a simulated assistant places and removes objects (weights or spacers), one after the other. Seconds of the device's
-/// clock.
+/// Times at which objects (weights or spacers) are placed and removed, one after the other. Seconds of the device's clock.
 struct PlacementTimes {
   double first_s = 2.5;  ///< When the first object begins to touch.
   double ramp_s = 0.5;   ///< Duration of placing, and of removing.

@@ -21,7 +21,7 @@ class Scene {
   /// Writes the value of every channel at `time_s` of the device, in the channel's unit; ideal volts for converted channels. NaN:
   /// no value (no person on the plate). `time_s` never decreases between two restarts. Realtime-safe: yes.
   virtual void evaluate(double time_s, std::span<double> values) noexcept = 0;
-  /// Passes an instruction to the person at `time_s` of the device, between two evaluations. Realtime-safe: yes.
+  /// Passes a cue to the person at `time_s` of the device, between two evaluations. Realtime-safe: yes.
   virtual void hear(double time_s, const Cue& cue) noexcept {
     static_cast<void>(time_s);
     static_cast<void>(cue);

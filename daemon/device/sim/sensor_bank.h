@@ -12,7 +12,7 @@ namespace dts::device::sim {
 
 /// The true load on the plate; no load by default.
 struct Truth {
-  double ml_mm = std::numeric_limits<double>::quiet_NaN();  ///< From the plate's centre; NaN: no load.
+  double ml_mm = std::numeric_limits<double>::quiet_NaN();  ///< Position of the load from the plate's centre; NaN: no load.
   double ap_mm = std::numeric_limits<double>::quiet_NaN();
   double load_n = 0.0;
 };

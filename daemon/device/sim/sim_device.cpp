@@ -153,12 +153,12 @@ void SimDevice::compute_scan(std::uint64_t scan) noexcept {
 }
 
 void SimDevice::hear(const Cue& cue) noexcept {
-  if (state() == DeviceState::Streaming) (void)cues_.push(cue);  // if full, the instruction is dropped: no thread reads scans
+  if (state() == DeviceState::Streaming) (void)cues_.push(cue);  // if full, the cue is dropped: no thread reads scans
 }
 
 void SimDevice::tell_scene(std::uint64_t scan, double time_s) noexcept {
   for (const Cue* cue = cues_.front(); cue != nullptr && cue->at_ns <= pacer_.instant_ns(scan); cue = cues_.front()) {
-    // If the instruction is too old, the person reacts late: scans that were already delivered do not change.
+    // If the cue is too old, the person reacts late: scans that were already delivered do not change.
     parts_.scene->hear(std::max(pacer_.device_time_s(cue->at_ns), time_s - kHeardWithinS), *cue);
     cues_.release();
   }

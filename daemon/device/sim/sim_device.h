@@ -31,7 +31,7 @@ struct SimParts {
 
 /// A simulated device that behaves like hardware: its own clock, a bounded buffer, faults.
 ///
-///     clock --Pacer--> scans taken --(buffer: 1 s)--> read: Scene --> Daq --> block
+///     clock --Pacer--> scans due --(buffer: 1 s)--> read: Scene --> Daq --> block
 ///
 /// Scans are computed when they are read: values depend only on the scan number since start, never on the time of the read. If the
 /// reader is more than one second late, the buffer overruns: all scans up to now are lost and counted.

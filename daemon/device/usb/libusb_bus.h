@@ -11,7 +11,7 @@
 namespace dts::device::usb {
 
 /// The machine's USB through libusb-1.0: one context and one event thread ("usb-events") for all devices of the process. The first call
-/// of `units` or `open` starts them; a process without USB devices never does.
+/// of `units` or `open` starts them; a process that never calls them has no such thread.
 class LibusbBus final : public UsbBus {
  public:
   /// `policy`: scheduling of the event thread; its priority should be above that of the reading threads. `clock` must outlive the bus.

@@ -34,8 +34,7 @@ struct ControlRequest {
 /// Called for every finished bulk transfer. libusb locks and allocates around the call; the listener itself must not.
 class TransferListener {
  public:
-  /// Handles a finished transfer. `bytes` is valid during the call; `stamp_ns` is `Clock::raw_ns` at its start. May submit the transfer
-  /// again.
+  /// Handles a finished transfer; may submit it again. `bytes` is valid during the call; `stamp_ns` is `Clock::raw_ns` at its start.
   /// Thread: the USB event thread. Must be realtime-safe except for `submit`, must not wait, and must not call other functions of the port.
   virtual void on_transfer(std::size_t index, UsbStatus status, std::span<const std::uint8_t> bytes, std::int64_t stamp_ns) noexcept = 0;
 

@@ -32,7 +32,8 @@ std::int64_t SystemClock::suspended_ns() const noexcept { return read_ns(CLOCK_B
 std::int64_t monotonic_of_raw_ns(const Clock& clock, std::int64_t raw_ns) noexcept {
   constexpr std::int64_t kUndisturbedNs = 20'000;
   constexpr int kTries = 4;
-  // Read between two readings of the other clock: whoever is preempted here would shift the difference by all of it.
+  // One clock is read between two readings of the other: a preemption in between would add its whole duration to the difference, so a
+  // reading that took long is repeated.
   std::int64_t narrowest_ns = std::numeric_limits<std::int64_t>::max();
   std::int64_t difference_ns = 0;
   for (int i = 0; i < kTries && narrowest_ns > kUndisturbedNs; ++i) {

@@ -9,25 +9,25 @@ namespace dts::core {
 inline constexpr std::int64_t kNanosecondsPerMillisecond = 1'000'000;
 inline constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 
-/// Source of time, injected everywhere: no other file reads a system clock.
+/// Source of time, passed to every user: no other file reads a system clock.
 /// Thread: any. Realtime-safe: yes.
 class Clock {
  public:
   virtual ~Clock() = default;
-  /// Monotonic time (CLOCK_MONOTONIC on Linux), ns.
+  /// Returns monotonic time (CLOCK_MONOTONIC on Linux), ns.
   [[nodiscard]] virtual std::int64_t now_ns() const noexcept = 0;
-  /// Returns at or after `deadline_ns` of the same time base.
+  /// Sleeps until `now_ns` reaches `deadline_ns`; never returns earlier.
   virtual void sleep_until_ns(std::int64_t deadline_ns) noexcept = 0;
-  /// The host's crystal as it is, ns: CLOCK_MONOTONIC_RAW on Linux, of an origin of its own. `now_ns` is slewed when the wall clock
-  /// is disciplined (clock_gettime(2)), by chrony up to 8 %: nothing that judges another clock may be measured with it.
+  /// Returns the time of the host's crystal without slewing, ns: CLOCK_MONOTONIC_RAW on Linux, with its own origin. `now_ns` is slewed
+  /// when the wall clock is disciplined (clock_gettime(2)), by chrony up to 8 %: do not compare another clock with it.
   [[nodiscard]] virtual std::int64_t raw_ns() const noexcept { return now_ns(); }
-  /// How long the machine has been suspended so far, ns: `now_ns` stands still meanwhile.
+  /// Returns the total time for which the machine was suspended, ns; `now_ns` stops during that time.
   [[nodiscard]] virtual std::int64_t suspended_ns() const noexcept { return 0; }
-  /// Wall clock minus `now_ns` at this moment, ns: maps host times to UTC. Jumps when the wall clock is set.
+  /// Returns wall clock minus `now_ns` at this moment, ns, to convert host times to UTC. Jumps when the wall clock is set.
   [[nodiscard]] virtual std::int64_t utc_minus_monotonic_ns() const noexcept;
 };
 
-/// The machine's CLOCK_MONOTONIC.
+/// The clocks of the machine.
 class SystemClock final : public Clock {
  public:
   [[nodiscard]] std::int64_t now_ns() const noexcept override;
@@ -36,11 +36,11 @@ class SystemClock final : public Clock {
   [[nodiscard]] std::int64_t suspended_ns() const noexcept override;
 };
 
-/// The `now_ns` of an instant that `raw_ns` gave, by their difference at this moment. Realtime-safe: yes.
+/// Converts a time of `Clock::raw_ns` to a time of `Clock::now_ns`, with their difference at this moment. Realtime-safe: yes.
 [[nodiscard]] std::int64_t monotonic_of_raw_ns(const Clock& clock, std::int64_t raw_ns) noexcept;
 
-/// Time that passes only when somebody sleeps or advances it: simulations and tests run as fast as they compute. Like any
-/// clock it never goes back, however many threads sleep on it.
+/// A clock that moves only when a thread sleeps on it or advances it: simulations and tests run as fast as the computer allows. It
+/// never runs backwards, even if several threads sleep on it.
 class VirtualClock final : public Clock {
  public:
   explicit VirtualClock(std::int64_t start_ns = 0) noexcept : now_ns_(start_ns) {}
@@ -53,16 +53,16 @@ class VirtualClock final : public Clock {
   }
   [[nodiscard]] std::int64_t raw_ns() const noexcept override { return now_ns() - slewed_ns_.load(std::memory_order_acquire); }
   [[nodiscard]] std::int64_t suspended_ns() const noexcept override { return suspended_ns_.load(std::memory_order_acquire); }
-  /// `now_ns` has been pushed by so much in all against `raw_ns`, as when the wall clock is disciplined.
+  /// Shifts `now_ns` against `raw_ns` by `step_ns`, as a disciplined wall clock does.
   void slew_ns(std::int64_t step_ns) noexcept {
     slewed_ns_.fetch_add(step_ns, std::memory_order_acq_rel);  // pairs with raw_ns()
     if (step_ns > 0) advance_ns(step_ns);
   }
-  /// The machine sleeps: no clock but this one moves.
+  /// Simulates a suspended machine: only `suspended_ns` increases.
   void suspend_ns(std::int64_t step_ns) noexcept {
     suspended_ns_.fetch_add(step_ns, std::memory_order_acq_rel);
   }  // pairs with suspended_ns()
-  /// `step_ns` must not be negative.
+  /// Advances the time; `step_ns` must not be negative.
   void advance_ns(std::int64_t step_ns) noexcept { now_ns_.fetch_add(step_ns, std::memory_order_acq_rel); }  // pairs with now_ns()
 
  private:

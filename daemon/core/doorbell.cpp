@@ -18,7 +18,7 @@ Doorbell::~Doorbell() { ::close(fd_); }
 
 void Doorbell::ring() noexcept {
   const std::uint64_t one = 1;
-  // The only possible failure is a counter at its maximum, and then the bell is rung anyway.
+  // write can fail only if the counter is at its maximum; then the bell is already rung.
   [[maybe_unused]] const auto written = ::write(fd_, &one, sizeof one);
 }
 

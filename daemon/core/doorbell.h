@@ -5,21 +5,21 @@
 
 namespace dts::core {
 
-/// Wakes one waiting thread: an eventfd, so that it can also stand in a poll set beside sockets. Rings before the wait
-/// are kept, several rings count as one. It carries no data: look into the ring after every wake-up.
+/// Wakes one waiting thread. Uses an eventfd, so a thread can poll it together with sockets. A ring before the wait is kept,
+/// several rings count as one. It carries no data: check the SpscRing after every wake-up.
 class Doorbell {
  public:
-  Doorbell();  ///< Throws std::system_error when the process has no descriptor left; construct on the control thread.
+  Doorbell();  ///< Throws std::system_error if the process has no descriptor left; construct it on the control thread.
   ~Doorbell();
   Doorbell(const Doorbell&) = delete;
   Doorbell& operator=(const Doorbell&) = delete;
 
   /// Thread: any. Realtime-safe: yes (one write to an eventfd, never blocks).
   void ring() noexcept;
-  /// Waits for a ring for at most `timeout_ms` (-1: for ever) and clears it; true when rung.
-  /// Thread: the one waiter. Realtime-safe: yes (this is where a sample thread sleeps).
+  /// Waits for a ring, at most `timeout_ms` (-1: no limit), and clears it; returns true if it was rung.
+  /// Thread: the one waiter. Realtime-safe: yes (a sample thread sleeps here).
   bool wait(int timeout_ms) noexcept;
-  /// Clears without waiting; for pollers that saw `fd()` readable.
+  /// Clears without waiting, for pollers that found `fd()` readable; returns true if it was rung.
   bool clear() noexcept;
   [[nodiscard]] int fd() const noexcept { return fd_; }
 

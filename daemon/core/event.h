@@ -15,7 +15,7 @@
 
 namespace dts::core {
 
-/// The trigger channel crossed its level between the scan before and this one.
+/// The trigger channel crossed its level between the previous scan and this scan.
 struct TriggerEvent {
   std::uint32_t segment = 0;
   ScanIndex scan;
@@ -23,12 +23,12 @@ struct TriggerEvent {
   bool is_rising = true;
 };
 
-/// The events of one kind in one frame. What finds no room is counted and dropped.
+/// The events of one kind in one frame. If full, new events are dropped and counted.
 template <class Kind, std::size_t kCapacity>
 struct BoundedEvents {
   std::array<Kind, kCapacity> events{};
   std::size_t count = 0;
-  std::uint64_t lost = 0;  ///< Found no room.
+  std::uint64_t lost = 0;  ///< Number of dropped events.
 
   void push(const Kind& event) noexcept {
     if (count < events.size()) {
@@ -46,16 +46,16 @@ struct BoundedEvents {
 
 inline constexpr std::size_t kMaxTriggersPerFrame = 16;
 inline constexpr std::size_t kMaxReachesPerFrame = 8;
-inline constexpr std::size_t kMaxSwaysPerFrame = 2;  // there are two a second
+inline constexpr std::size_t kMaxSwaysPerFrame = 2;  // the stage `steadiness` publishes two per second
 
 using TriggerEvents = BoundedEvents<TriggerEvent, kMaxTriggersPerFrame>;
 
-/// What the pipeline noticed while it made one frame.
+/// The events that the pipeline found while it made one frame.
 struct FrameEvents {
   TriggerEvents triggers{};
   BoundedEvents<ReachEvent, kMaxReachesPerFrame> reaches{};
   BoundedEvents<ClassEvent, kMaxReachesPerFrame> classes{};
-  BoundedEvents<SwayEvent, kMaxSwaysPerFrame> sways{};  ///< Preliminary: if one finds no room, the next supersedes it.
+  BoundedEvents<SwayEvent, kMaxSwaysPerFrame> sways{};  ///< Preliminary: if full, drop; the next value supersedes it.
 
   [[nodiscard]] std::uint64_t lost() const noexcept { return triggers.lost + reaches.lost + classes.lost; }
   void clear() noexcept {
@@ -69,7 +69,8 @@ struct FrameEvents {
 /// An event of any kind.
 using Event = std::variant<TriggerEvent, ReachEvent, ClassEvent, SwayEvent>;
 
-/// Calls `use` with every event in the order of publication: triggers; reaches, each class right after the final step of its reach; sway.
+/// Calls `use` with every event in the order of publication: triggers; then reaches, each class right after the Final of its
+/// reach; then sway.
 template <class Use>
 void for_each(const FrameEvents& events, Use use) {
   for (const TriggerEvent& trigger : events.triggers.all_of()) use(Event(trigger));
@@ -85,19 +86,21 @@ void for_each(const FrameEvents& events, Use use) {
   for (const SwayEvent& sway : events.sways.all_of()) use(Event(sway));
 }
 
-/// The events that travel beside a ring of frames. Events are rare: room for them in every slot of the frames would take 2.9 kB a slot,
-/// this ring takes some 350 kB in all.
+/// The ring for the events of the frames in another ring. Events are rare: storing them in the frames would need 2.9 kB per slot;
+/// this ring needs about 350 kB in total.
 ///
 ///     producer:  push(events)   frame.event_count = take_count()   commit the frame
 ///     consumer:  for each frame: event_count times front() and release()
 ///
-/// If the publisher's ring of frames is full, the events are counted in its next frame.
+/// If the publisher's ring of frames is full, the publisher's next frame counts these events.
 class EventLane {
  public:
-  /// 2048 events: a trigger in every scan at 1500 Hz for longer than the publisher's ring of frames holds, 250 a second for the recorder's.
+  /// The default of 2048 events is enough for a trigger in every scan at 1500 Hz for longer than the publisher's ring of frames lasts,
+  /// and for 250 events per second while the recorder's ring of frames lasts.
   explicit EventLane(std::size_t capacity = 2048) : ring_(capacity) {}
 
-  /// Returns how many events found no room, without preliminary sway, which the next one supersedes. Thread: producer. Realtime-safe: yes.
+  /// Returns the number of dropped events; does not count preliminary sway, since the next sway event supersedes it.
+  /// Thread: producer. Realtime-safe: yes.
   std::uint64_t push(const FrameEvents& events) noexcept {
     std::uint64_t lost = 0;
     for_each(events, [&](const Event& event) {
@@ -107,16 +110,16 @@ class EventLane {
     });
     return lost;
   }
-  /// Events that no frame has counted yet. Thread: producer. Realtime-safe: yes.
+  /// Returns the number of events that no frame has counted yet, and resets it. Thread: producer. Realtime-safe: yes.
   [[nodiscard]] std::uint32_t take_count() noexcept { return std::exchange(count_, 0); }
 
-  /// The oldest event, in place, or nullptr; give it back with `release`. Thread: consumer. Realtime-safe: yes.
+  /// Returns the oldest event, in place, or nullptr; call `release` after use. Thread: consumer. Realtime-safe: yes.
   [[nodiscard]] const Event* front() noexcept { return ring_.front(); }
   void release() noexcept { ring_.release(); }
 
  private:
   SpscRing<Event> ring_;
-  std::uint32_t count_ = 0;  ///< The producer's.
+  std::uint32_t count_ = 0;  ///< Owned by the producer.
 };
 
 }  // namespace dts::core

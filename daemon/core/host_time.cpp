@@ -10,15 +10,15 @@ namespace dts::core {
 namespace {
 
 constexpr std::int64_t kBinNs = 1'000'000'000;
-constexpr double kUnknownDrift = HostTime::kCrystalPpm * 1e-6;  // before it is measured
-constexpr double kDriftDoubt = 50e-6;                           // what a measured drift may be off by, and change
+constexpr double kUnknownDrift = HostTime::kCrystalPpm * 1e-6;  // largest drift before it is measured
+constexpr double kDriftDoubt = 50e-6;                           // possible error and change of a measured drift
 constexpr std::int64_t kLeastLossNs = 3'500'000;
 constexpr double kBadLuckNs = 20e6;
 constexpr double kRateKnownSeconds = 2.0;
 constexpr std::size_t kScatterBins = 10;
-constexpr std::size_t kEnoughBins = 3;  // with fewer there is nothing to see a scatter of
+constexpr std::size_t kEnoughBins = 3;  // with fewer the scatter is unknown
 
-/// Twice the area of the triangle: positive when c lies above the line through a and b.
+/// Returns twice the area of the triangle: positive if c is above the line through a and b.
 double turn(const Arrival& a, const Arrival& b, const Arrival& c) noexcept {
   return (b.time_s - a.time_s) * (c.late_ns - a.late_ns) - (b.late_ns - a.late_ns) * (c.time_s - a.time_s);
 }
@@ -70,13 +70,13 @@ void HostTime::close_bin() noexcept {
 
 std::int64_t HostTime::least_loss_ns() const noexcept { return std::max({kLeastLossNs, rate_.time_ns({1}) / 2, loss_watch_.chance_ns()}); }
 
-/// How fast lateness may grow without a loss, seconds per second.
+/// Returns how fast the lateness may grow without a loss, seconds per second.
 double HostTime::steepest() const noexcept {
   return is_drift_known_ ? std::clamp(slope_, -kUnknownDrift, kUnknownDrift) + kDriftDoubt : kUnknownDrift;
 }
 
-/// Slope of the edge of the lower hull above the mean of all points: of all lines under the points, that one has the least
-/// total distance to them. At least two points.
+/// Returns the slope of the edge of the lower hull at the mean time of all points: of all lines below the points, the line along this
+/// edge has the least total distance to them. Needs at least two points.
 double HostTime::edge_slope() noexcept {
   std::size_t corners = 0;
   double middle_s = 0.0;
@@ -118,7 +118,7 @@ void HostTime::draw_line() noexcept {
 std::int64_t HostTime::uncertainty_ns() const noexcept {
   const std::int64_t known_ns = frame_ns_ + scatter_ns_ + held_back_ns_;
   if (point_count_ >= kEnoughBins) return known_ns;
-  // Scan 0 lies between the request that started it and the earliest that any arrival allows.
+  // Scan 0 was sampled after the start request and before the earliest time that any arrival allows.
   const std::int64_t first_ns = origin_ns_ + static_cast<std::int64_t>(bin_.late_ns);
   return known_ns + (not_before_ns_ && has_bin_ ? std::max<std::int64_t>(0, first_ns - *not_before_ns_) : kUnknownLatenessNs);
 }
@@ -126,7 +126,7 @@ std::int64_t HostTime::uncertainty_ns() const noexcept {
 std::int64_t HostTime::at(ScanIndex index) noexcept {
   if (!has_bin_) return 0;
   const double time_s = nominal_s(index);
-  // No scan arrives before it was taken: an arrival below the line pulls it down at once.
+  // No scan arrives before it was sampled: an arrival below the line lowers the estimate at once.
   const double line = point_count_ > 0 ? line_ns(bin_.time_s) : std::numeric_limits<double>::max();
   const double below_ns = std::min(bin_.late_ns, line) + slope_ * 1e9 * (time_s - bin_.time_s);
   std::int64_t estimate_ns = origin_ns_ + rate_.time_ns(index) + static_cast<std::int64_t>(below_ns);

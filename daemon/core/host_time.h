@@ -12,55 +12,55 @@
 
 namespace dts::core {
 
-/// Host time of scans from the moments at which they arrived. A device's clock is steady but a little off; arrivals are late
-/// by anything from a fraction of a millisecond to whatever the machine was busy with, and never early. So the truth runs
-/// along the lower edge of the arrivals:
+/// Estimates the host time of scans from their arrival times. A device's clock is steady but slightly wrong. Arrivals are never
+/// early; they are late by a fraction of a millisecond, or by much more on a busy machine. So the true time follows the lower
+/// edge of the arrivals:
 ///
 ///     late by |  .    .         .      .        .       arrivals
 ///             |    .     .  .      .       .  .    .
-///             |____________________________________     the straight line under all of them that is nearest to them
+///             |____________________________________     the straight line below all arrivals that is nearest to them
 ///                                              index
 ///
-/// The line is the edge of the lower convex hull above the middle of the window (Moon, Skelly & Towsley, INFOCOM 1999). One
-/// point per second, the least late one, is kept for `kWindowSeconds`; the line is drawn anew once per second. Until
-/// `kDriftKnownSeconds` of them have come the slope is what an earlier segment found, or 0. All times are of `Clock::raw_ns`: a
-/// wall clock that is set or slewed changes nothing; `monotonic_of_raw_ns` turns estimates into host time. Thread: one.
+/// The line is the edge of the lower convex hull at the middle of the window (Moon, Skelly & Towsley, INFOCOM 1999). The least
+/// late arrival of each second is kept for `kWindowSeconds`; the line is computed again once per second. In the first
+/// `kDriftKnownSeconds` of a segment the slope is that of an earlier segment, or 0. All times are of `Clock::raw_ns`, so setting or
+/// slewing the wall clock has no effect; `monotonic_of_raw_ns` converts estimates to host time. Thread: one.
 /// Realtime-safe: yes.
 class HostTime {
  public:
   static constexpr std::size_t kWindowSeconds = 300;
   static constexpr double kDriftKnownSeconds = 10.0;
-  static constexpr double kLargestDriftPpm = 10'000.0;  ///< Beyond this it is another rate, see `rate_error`.
-  static constexpr double kCrystalPpm = 200.0;          ///< No crystal is further off; lateness that grows faster comes of lost scans.
+  static constexpr double kLargestDriftPpm = 10'000.0;  ///< A larger drift is a wrong rate, see `rate_error`.
+  static constexpr double kCrystalPpm = 200.0;          ///< Largest error of a crystal; lateness that grows faster comes from lost scans.
 
   HostTime() = default;
-  /// `frame_ns`: the shortest time from a scan to its arrival is uncertain by this (USB: one frame).
+  /// `frame_ns`: uncertainty of the shortest time from a scan to its arrival (USB: one frame).
   HostTime(Rate rate, std::int64_t frame_ns) noexcept : rate_(rate), frame_ns_(frame_ns) {}
 
-  /// A new segment: indices start at 0 again; what is known of the clock's drift stays. `not_before_ns`: scan 0 is not taken earlier
-  /// (the start request was sent then); without it the first seconds are uncertain by `kUnknownLatenessNs`.
+  /// Starts a new segment: indices restart at 0, the known drift of the clock is kept. `not_before_ns`: earliest possible time of scan 0
+  /// (the time of the start request); without it the first seconds are uncertain by `kUnknownLatenessNs`.
   void restart(std::optional<std::int64_t> not_before_ns = std::nullopt) noexcept;
-  /// All scans up to and with `newest` had arrived at `arrived_ns`. Indices and times must not go back.
+  /// Adds an arrival: all scans up to and including `newest` had arrived at `arrived_ns`. Indices and times must not decrease.
   void add(ScanIndex newest, std::int64_t arrived_ns) noexcept;
 
-  /// Something has arrived in this segment.
+  /// Returns true if scans have arrived in this segment.
   [[nodiscard]] bool has_estimate() const noexcept { return has_bin_; }
-  /// Estimated host time of a scan; a later scan of a segment never gets an earlier time. 0 without an estimate.
+  /// Returns the estimated time of a scan; within a segment, a later scan never has an earlier time. 0 without an estimate.
   [[nodiscard]] std::int64_t at(ScanIndex index) noexcept;
-  /// How far the last `at` may be off, ns: frame, scatter of the arrivals, what the drift could have done before it is known, and
-  /// by how much the estimate was held back so that time does not go back.
+  /// Returns the possible error of the last `at`, ns: frame, scatter of the arrivals, effect of a drift that is not known yet, and
+  /// the delay that was added so that time does not run backwards.
   [[nodiscard]] std::int64_t uncertainty_ns() const noexcept;
-  /// How much faster than nominal the device's clock runs, ppm; 0 until it is known.
+  /// Returns how much faster than nominal the device's clock runs, ppm; 0 until it is known.
   [[nodiscard]] double drift_ppm() const noexcept { return is_drift_known_ ? -slope_ * 1e6 : 0.0; }
-  /// How much slower than nominal scans arrive, as a fraction, beyond what 20 ms of bad luck at either end could feign; 0 in the
-  /// first two seconds. A value beyond +-0.01 says that the device does not run at the rate it was asked for.
+  /// Returns how much slower than nominal scans arrive, as a fraction, beyond the effect of 20 ms of arrival jitter; 0 in the
+  /// first two seconds. Beyond +-0.01 the device does not run at the requested rate.
   [[nodiscard]] double rate_error() const noexcept { return rate_error_; }
-  /// The scans of this segment are enough to judge their rate, and whether some are missing.
+  /// Returns true if this segment has enough scans to judge their rate and to find missing scans.
   [[nodiscard]] bool is_judged() const noexcept { return is_rate_known_ && loss_watch_.has_compared(); }
-  /// By how much the least lateness has risen, ns, beyond what the clock explains (`kCrystalPpm` until its drift is known, 50 ppm
-  /// about it from then on): scans went missing on the way. Told within 3 s, from the first second of a segment on.
+  /// Returns how much the least lateness has risen, ns, beyond the effect of the clock (up to `kCrystalPpm` until the drift is known, then
+  /// drift +50 ppm). A rise means that scans were lost on the way. Found within 3 s, from the first second of a segment on.
   [[nodiscard]] std::int64_t missing_ns() const noexcept { return loss_watch_.rise_ns(); }
-  /// A rise above this is a loss: 3.5 ms, half a scan at low rates, or more than chance can do on a host that is very busy.
+  /// Returns the limit above which a rise is a loss: 3.5 ms, half a scan at low rates, or the possible scatter on a very busy host.
   [[nodiscard]] std::int64_t least_loss_ns() const noexcept;
   [[nodiscard]] bool has_loss() const noexcept { return missing_ns() > least_loss_ns(); }
 
@@ -81,9 +81,9 @@ class HostTime {
   std::size_t point_count_ = 0;
   bool has_bin_ = false;
   std::int64_t bin_end_ns_ = 0;
-  Arrival bin_;             ///< The least late arrival of the second that runs.
-  double height_ns_ = 0.0;  ///< The line: late_ns at time 0 ...
-  double slope_ = 0.0;      ///< ... and how it grows: seconds per second.
+  Arrival bin_;             ///< The least late arrival of the current second.
+  double height_ns_ = 0.0;  ///< Of the line: late_ns at time 0.
+  double slope_ = 0.0;      ///< Of the line: seconds per second.
   bool is_drift_known_ = false;
   bool is_rate_known_ = false;
   LossWatch loss_watch_;

@@ -7,14 +7,14 @@
 
 namespace dts::core {
 
-/// The newest value from one writer thread to one reader thread, wait-free on both sides; older values are overwritten.
+/// Passes the newest value from one writer thread to one reader thread, wait-free on both sides; overwrites older values.
 ///
-/// Three buffers: one belongs to the writer, one to the reader, one lies in the middle. `store` fills its own buffer and
-/// swaps it with the middle one; `load` swaps its own with the middle one when that is fresh:
+/// Three buffers: one belongs to the writer, one to the reader, one is in the middle. `store` fills the writer's buffer and
+/// swaps it with the middle buffer; `load` swaps the reader's buffer with the middle buffer if that is fresh:
 ///
 ///     writer [a] <--swap--> middle [b] + fresh bit <--swap--> reader [c]
 ///
-/// Unlike a sequence lock, no side ever reads a buffer that the other may write. `Atomic` is replaced by the model checker.
+/// Unlike with a sequence lock, no side ever reads a buffer that the other side may write. The model checker replaces `Atomic`.
 template <class T, template <class> class Atomic = std::atomic>
 class LatestValue {
  public:
@@ -25,14 +25,14 @@ class LatestValue {
   /// Thread: the writer. Realtime-safe: yes when copying T is.
   void store(const T& value) noexcept {
     buffers_[write_index_] = value;
-    // Release publishes the buffer just written; acquire takes over the one the reader gave back. Pairs with load().
+    // Release publishes the written buffer; acquire makes sure that the reader no longer uses the received buffer. Pairs with load().
     write_index_ = middle_.exchange(write_index_ | kFresh, std::memory_order_acq_rel) & kIndexMask;
   }
 
-  /// The newest stored value. The reference is valid until the next load(). Thread: the reader. Realtime-safe: yes.
+  /// Returns the newest stored value. The reference is valid until the next load(). Thread: the reader. Realtime-safe: yes.
   [[nodiscard]] const T& load() noexcept {
     if ((middle_.load(std::memory_order_relaxed) & kFresh) != 0) {
-      // Acquire sees the writer's buffer; release gives ours back for writing. Pairs with store().
+      // Acquire makes the writer's buffer visible; release returns the reader's buffer to the writer. Pairs with store().
       read_index_ = middle_.exchange(read_index_, std::memory_order_acq_rel) & kIndexMask;
     }
     return buffers_[read_index_];

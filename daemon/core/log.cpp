@@ -40,8 +40,8 @@ class JournalPriority final : public spdlog::custom_flag_formatter {
   [[nodiscard]] std::unique_ptr<custom_flag_formatter> clone() const override { return std::make_unique<JournalPriority>(); }
 };
 
-/// sd-journal: JOURNAL_STREAM names device and inode of the stream; a shell started from a service inherits the variable
-/// but not the stream.
+/// JOURNAL_STREAM contains device and inode of the journal's stream (systemd.exec(5)). A shell that a service started inherits the
+/// variable but not the stream, so stderr must be the same stream.
 bool is_stderr_the_journal() {
   const char* const stream = std::getenv("JOURNAL_STREAM");
   struct stat actual {};

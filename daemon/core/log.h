@@ -14,18 +14,18 @@ namespace dts::core {
 
 enum class LogLevel : std::uint8_t { Debug, Info, Warning, Error };
 
-/// Where log lines go. Passed in, never global, so that a test can listen and two daemons in one process do not mix.
-/// Copies share the sink. Thread: any but the sample threads. Realtime-safe: no (that is why sample threads count and
-/// let the control thread log).
+/// Writes log lines. Never global: the owner passes it to each user, so a test can read the lines, and two daemons in one process do
+/// not mix them. Copies share the sink.
+/// Thread: any but the sample threads. Realtime-safe: no (so sample threads only count, and the control thread logs).
 class Log {
  public:
-  Log();  ///< Swallows everything.
+  Log();  ///< Discards all lines.
   explicit Log(std::shared_ptr<spdlog::logger> logger);
 
-  /// To the terminal with colours, or, when stderr is connected to the journal, with syslog priorities ("<4>text").
+  /// Logs to stderr: with syslog priorities ("<4>text") if stderr is connected to the journal, otherwise with colours for a terminal.
   [[nodiscard]] static Log to_stderr(LogLevel minimum);
 
-  /// One line each: `text`, which may quote a peer, is made printable and cannot forge a second line.
+  /// Each call logs one line. `text` may quote a peer: it is made printable, so it cannot fake a second line.
   void debug(std::string_view text) const;
   void info(std::string_view text) const;
   void warning(std::string_view text) const;

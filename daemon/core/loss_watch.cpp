@@ -7,7 +7,7 @@
 namespace dts::core {
 namespace {
 
-/// If the lateness of nine bins scatters exponentially about a mean, all nine exceed 1.8 times that mean once in ten million.
+/// If the lateness of nine bins is exponentially distributed, all nine exceed 1.8 times the mean once in ten million.
 constexpr double kBeyondChance = 1.8;
 
 /// The least lateness of some bins.
@@ -21,11 +21,11 @@ struct Floor {
     sum_ns += late_ns;
     ++count;
   }
-  /// How far the bins lie above it, in the mean.
+  /// Mean of the bins minus the least bin.
   [[nodiscard]] double scatter_ns() const noexcept { return count == 0 ? 0.0 : sum_ns / static_cast<double>(count) - least_ns; }
 };
 
-/// By the host's clock, since the first arrival was due.
+/// Returns the arrival time by the host's clock, relative to the nominal time of scan 0.
 double heard_s(const Arrival& arrival) noexcept { return arrival.time_s + arrival.late_ns * 1e-9; }
 
 }  // namespace
@@ -40,7 +40,7 @@ void LossWatch::add(const Arrival& arrival, double steepest) noexcept {
     bin_ = arrival;
     bin_end_s_ = now_s + kBinSeconds;
     has_bin_ = true;
-  } else if (arrival.late_ns < bin_.late_ns) {  // within a bin a clock that is off makes no difference
+  } else if (arrival.late_ns < bin_.late_ns) {  // within a bin the drift of the clock is negligible
     bin_ = arrival;
   }
 }
@@ -60,7 +60,7 @@ void LossWatch::compare(double now_s, double steepest) noexcept {
   for (std::size_t age = 0; age < bin_count_; ++age) {
     const Arrival& bin = bins_[bin_count_ - 1 - age];
     const bool is_recent = age < kLeastRecent || now_s - heard_s(bin) <= kRecentSeconds;
-    // What the slowest clock would explain counts for nothing.
+    // Lateness that the slowest possible clock explains does not count.
     (is_recent ? recent : before).add(bin.late_ns - steepest * 1e9 * bin.time_s);
   }
   has_compared_ = before.count > 0;

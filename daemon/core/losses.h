@@ -9,18 +9,18 @@
 
 namespace dts::core {
 
-/// Gaps, and the scans that are missing in them.
+/// Number of gaps and of scans missing in them.
 struct LossCount {
   std::uint64_t gaps = 0;
-  std::uint64_t scans = 0;  ///< Of a gap whose length is not known exactly: by the time between the scans around it.
+  std::uint64_t scans = 0;  ///< For a gap of unknown length, estimated from the time between the scans around it.
 
   friend bool operator==(const LossCount&, const LossCount&) = default;
 };
 
-/// What was lost, by reason; under `GapReason::None` what nobody gave a reason for. Trivially copyable.
+/// Losses by reason; `GapReason::None` counts losses of unknown reason. Trivially copyable.
 class Losses {
  public:
-  /// Counts that do not fit stay at the largest that does. Realtime-safe: yes.
+  /// Adds to the counts of `reason`; they saturate at the largest value. Realtime-safe: yes.
   void add(GapReason reason, LossCount more) noexcept;
   [[nodiscard]] const LossCount& of(GapReason reason) const noexcept { return by_reason_[static_cast<std::size_t>(reason) % kGapReasons]; }
   [[nodiscard]] LossCount total() const noexcept;
@@ -31,7 +31,7 @@ class Losses {
   std::array<LossCount, kGapReasons> by_reason_{};
 };
 
-/// "10560 scans lost in 2 gaps: ring_full 1, silence 1"; empty when there is no gap.
+/// Returns a text such as "10560 scans lost in 2 gaps: ring_full 1, silence 1"; empty without gaps.
 [[nodiscard]] std::string to_text(const Losses& losses);
 
 }  // namespace dts::core

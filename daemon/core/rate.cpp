@@ -11,7 +11,7 @@
 namespace dts::core {
 namespace {
 
-__extension__ using Wide = __int128;  // index * 1e9 * denominator passes 64 bit after three hours at 1500 Hz
+__extension__ using Wide = __int128;  // index * 1e9 * denominator exceeds 64 bits after three hours at 1500 Hz
 
 }  // namespace
 
@@ -40,7 +40,7 @@ std::int64_t Rate::time_ns(ScanIndex index) const noexcept {
 }
 
 std::uint64_t Rate::scans_in_ms(double ms) const noexcept {
-  // The order of the arguments turns NaN into 1.
+  // With this order of arguments, std::max returns 1 for NaN.
   const double scans = std::max(1.0, std::round(ms * 1e-3 * hz()));
   return static_cast<std::uint64_t>(std::min(scans, static_cast<double>(kMaxTerm)));
 }

@@ -5,7 +5,7 @@
 
 namespace dts::core {
 
-/// What is not known.
+/// An unknown value.
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 

@@ -12,21 +12,21 @@
 
 namespace dts::core {
 
-/// Lock-free ring for one producer thread and one consumer thread. Slots are built once and reused: nothing is allocated
-/// after construction. The producer never pops; when the ring is full the *new* element is dropped and counted.
+/// Lock-free ring for one producer thread and one consumer thread. Slots are built once and reused: only the constructor
+/// allocates. The producer never pops; when the ring is full, the *new* element is dropped and counted.
 ///
-/// Indices run freely and are masked on access, so full (head - tail == capacity) and empty (head == tail) differ:
+/// Indices only increase and are masked on access, so full (head - tail == capacity) differs from empty (head == tail):
 ///
 ///     slot      0   1   2   3   4   5   6   7         capacity 8
 ///                       [tail = 10 ... head = 14)     4 readable, 4 writable
 ///
-/// Each side keeps a private copy of the other side's index and reads the shared one only when the copy says full or
-/// empty: in steady state a batch costs one cache-line transfer. `Atomic` is replaced by the model checker.
+/// Each side keeps a private copy of the other side's index and reads the shared index only if the copy shows full or empty: in
+/// steady state a batch costs one cache-line transfer. The model checker replaces `Atomic`.
 template <class T, template <class> class Atomic = std::atomic>
 class SpscRing {
  public:
-  /// At least `minimum_capacity` slots (rounded up to a power of two), each a copy of `prototype`. The capacity decides
-  /// how much memory is taken: check it before it comes here. Thread: control.
+  /// Makes at least `minimum_capacity` slots (rounded up to a power of two), each a copy of `prototype`. The caller must check the
+  /// capacity, because it decides how much memory is allocated. Thread: control.
   explicit SpscRing(std::size_t minimum_capacity, const T& prototype = T{})
       : slots_(std::bit_ceil(std::max<std::size_t>(minimum_capacity, 1)), prototype), mask_(slots_.size() - 1) {}
   SpscRing(const SpscRing&) = delete;
@@ -34,49 +34,51 @@ class SpscRing {
 
   [[nodiscard]] std::size_t capacity() const noexcept { return mask_ + 1; }
 
-  /// The slot to fill next, in place, or nullptr when full (then `drop()`). It holds what was last in it; claiming again
-  /// without `commit()` gives the same slot. Thread: producer. Realtime-safe: yes.
+  /// Returns the slot to fill next, in place, or nullptr when full (then call `drop()`). The slot still has its old content; another
+  /// `claim()` without `commit()` returns the same slot. Thread: producer. Realtime-safe: yes.
   [[nodiscard]] T* claim() noexcept;
-  /// Hands the claimed slot to the consumer. Only after `claim()` gave one. Thread: producer. Realtime-safe: yes.
+  /// Passes the claimed slot to the consumer. Only after `claim()` returned a slot. Thread: producer. Realtime-safe: yes.
   void commit() noexcept;
-  /// Counts `elements` that found no room. Thread: producer. Realtime-safe: yes.
+  /// Counts `elements` dropped elements. Thread: producer. Realtime-safe: yes.
   void drop(std::uint64_t elements = 1) noexcept;
-  /// Copies `element`, or drops and counts it when full; true when taken.
+  /// Copies `element` into the ring and returns true; if the ring is full, drops and counts it and returns false.
   /// Thread: producer. Realtime-safe: yes when copying T is.
   bool push(const T& element) noexcept;
-  /// Copies as many of `elements` as fit, drops and counts the rest; returns how many were taken.
+  /// Copies as many of `elements` as fit, drops and counts the rest; returns how many were copied.
   /// Thread: producer. Realtime-safe: yes when copying T is.
   std::size_t push(std::span<const T> elements) noexcept;
 
-  /// The oldest element, in place, or nullptr when empty. Thread: consumer. Realtime-safe: yes.
+  /// Returns the oldest element, in place, or nullptr when empty. Thread: consumer. Realtime-safe: yes.
   [[nodiscard]] T* front() noexcept;
-  /// Gives the slot of `front()` back. Only after `front()` gave one. Thread: consumer. Realtime-safe: yes.
+  /// Returns the slot of `front()` to the producer. Only after `front()` returned an element. Thread: consumer. Realtime-safe: yes.
   void release() noexcept;
-  /// Copies the oldest element to `out`; false when empty. Thread: consumer. Realtime-safe: yes when copying T is.
+  /// Copies the oldest element to `out` and removes it; returns false when empty. Thread: consumer. Realtime-safe: yes when copying T is.
   bool pop(T& out) noexcept;
-  /// Copies up to `out.size()` elements; returns how many. Thread: consumer. Realtime-safe: yes when copying T is.
+  /// Copies up to `out.size()` elements to `out` and removes them; returns how many.
+  /// Thread: consumer. Realtime-safe: yes when copying T is.
   std::size_t pop(std::span<T> out) noexcept;
 
-  /// Elements that wait; an estimate unless producer or consumer asks. Thread: any. Realtime-safe: yes.
+  /// Returns the number of waiting elements; in any thread but producer and consumer, an estimate. Thread: any. Realtime-safe: yes.
   [[nodiscard]] std::size_t waiting() const noexcept {
-    const std::uint64_t tail = tail_.load(std::memory_order_acquire);  // pairs with release() and pop(): head is not behind it then
+    const std::uint64_t tail =
+        tail_.load(std::memory_order_acquire);  // pairs with release() and pop(): `head_`, loaded next, is not below this tail
     return static_cast<std::size_t>(std::min<std::uint64_t>(head_.load(std::memory_order_relaxed) - tail, capacity()));
   }
-  /// Elements dropped since construction. Thread: any. Realtime-safe: yes.
+  /// Returns the number of dropped elements since construction. Thread: any. Realtime-safe: yes.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
  private:
   static constexpr std::size_t kCacheLine = 64;
-  static constexpr bool kCopies = std::is_nothrow_copy_assignable_v<T>;  ///< Otherwise only the in-place calls compile.
+  static constexpr bool kCopies = std::is_nothrow_copy_assignable_v<T>;  ///< false: only the in-place calls compile.
 
   std::vector<T> slots_;
   std::size_t mask_;
 
-  alignas(kCacheLine) Atomic<std::uint64_t> head_{0};  ///< Elements ever pushed; written by the producer.
+  alignas(kCacheLine) Atomic<std::uint64_t> head_{0};  ///< Number of pushed elements; written by the producer.
   std::uint64_t cached_tail_ = 0;                      ///< Producer's copy of `tail_`.
   Atomic<std::uint64_t> dropped_{0};
 
-  alignas(kCacheLine) Atomic<std::uint64_t> tail_{0};  ///< Elements ever popped; written by the consumer.
+  alignas(kCacheLine) Atomic<std::uint64_t> tail_{0};  ///< Number of popped elements; written by the consumer.
   std::uint64_t cached_head_ = 0;                      ///< Consumer's copy of `head_`.
 };
 
@@ -84,7 +86,7 @@ template <class T, template <class> class Atomic>
 T* SpscRing<T, Atomic>::claim() noexcept {
   const std::uint64_t head = head_.load(std::memory_order_relaxed);  // own index
   if (head - cached_tail_ == capacity()) {
-    cached_tail_ = tail_.load(std::memory_order_acquire);  // pairs with release(): the consumer is done with the slot
+    cached_tail_ = tail_.load(std::memory_order_acquire);  // pairs with release(): the consumer no longer uses the slot
     if (head - cached_tail_ == capacity()) return nullptr;
   }
   return &slots_[head & mask_];

@@ -8,13 +8,13 @@
 namespace dts::core {
 namespace {
 
-constexpr std::size_t kMaxLength = 64;  // Names are short; a megabyte of garbage must not cost a quadratic search.
+constexpr std::size_t kMaxLength = 64;  // names are short; the search is quadratic, so long garbage is skipped
 
 char lower(char c) noexcept { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool same(char a, char b) noexcept { return lower(a) == lower(b); }
 
-/// Optimal string alignment distance, row by row: only the last two rows are ever looked at.
+/// Returns the optimal string alignment distance. Works row by row and keeps only the last two rows.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_previous(b.size() + 1);
   std::vector<std::size_t> previous(b.size() + 1);

@@ -7,9 +7,9 @@
 
 namespace dts::core {
 
-/// The word of `known` that `word` was probably meant to be, for "did you mean ...?"; empty when none is near. Counts
-/// inserted, deleted, replaced and swapped neighbouring characters, and allows one per three characters of `word`.
-/// Upper and lower case count as equal. Thread: any. Realtime-safe: no.
+/// Returns the word of `known` that is most similar to `word`, for "did you mean ...?"; empty if no word is similar. Counts
+/// inserted, deleted and replaced characters and swapped neighbours; allows one per three characters of `word`, and at least one.
+/// Ignores case. Thread: any. Realtime-safe: no.
 [[nodiscard]] std::string suggest(std::string_view word, std::span<const std::string_view> known);
 
 }  // namespace dts::core

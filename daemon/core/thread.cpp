@@ -26,7 +26,7 @@ void restrict_to(const std::vector<int>& cpus, const std::string& name, std::vec
                       std::to_string(std::thread::hardware_concurrency()) + " CPUs, numbered from 0)");
     return;
   }
-  // The kernel takes a set that has one usable CPU in it and leaves the others out without a word.
+  // If the set has at least one usable CPU, the kernel accepts it and silently ignores the other CPUs.
   cpu_set_t granted;
   CPU_ZERO(&granted);
   pthread_getaffinity_np(pthread_self(), sizeof granted, &granted);
@@ -62,7 +62,7 @@ std::uint64_t lockable_bytes() noexcept {
   if (limit.rlim_cur == RLIM_INFINITY) return kNoLimit;
   const rlimit nothing{.rlim_cur = 0, .rlim_max = limit.rlim_max};
   if (setrlimit(RLIMIT_MEMLOCK, &nothing) != 0) return limit.rlim_cur;
-  constexpr std::size_t kOneByte = 1;  // rounded up to a page
+  constexpr std::size_t kOneByte = 1;  // the kernel rounds up to a page
   void* const page = mmap(nullptr, kOneByte, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   const bool is_bound = page == MAP_FAILED || mlock(page, kOneByte) != 0;
   if (page != MAP_FAILED) munmap(page, kOneByte);
@@ -71,15 +71,15 @@ std::uint64_t lockable_bytes() noexcept {
 }
 
 Status lock_memory() {
-  // Under a finite limit the lock may succeed now and make every later allocation fail: do without.
+  // Under a finite limit the lock may succeed now, and every later allocation may fail: do not lock.
   if (lockable_bytes() != std::numeric_limits<std::uint64_t>::max()) {
     return fail(ErrorCode::NotAllowed, "memory is not locked, pages may be swapped out: RLIMIT_MEMLOCK is finite",
                 "grant LimitMEMLOCK=infinity or memlock in limits.conf");
   }
-  // MCL_ONFAULT: the default thread stacks alone would lock some 200 MB that nobody touches.
+  // MCL_ONFAULT: otherwise the default thread stacks alone would lock about 200 MB of unused memory.
   if (mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0) return {};
   const int error = errno;
-  // mlock(2): EPERM when the limit is 0, ENOMEM when it is above 0 and too small.
+  // mlock(2): EPERM if the limit is 0, ENOMEM if it is above 0 but too small.
   const ErrorCode code = error == EPERM || error == ENOMEM ? ErrorCode::NotAllowed : ErrorCode::Failed;
   return fail(code, std::string("memory is not locked, pages may be swapped out: ") + std::strerror(error),
               "grant LimitMEMLOCK=infinity or memlock in limits.conf");

@@ -6,7 +6,7 @@
 
 namespace dts::core {
 
-/// A double with a unit: values of different units do not mix. Sample columns stay plain doubles, with the unit in the name.
+/// A double with a unit: values of different units cannot be mixed. Sample columns are plain doubles, with the unit in the name.
 template <class Unit>
 struct Quantity {
   double value = 0.0;
@@ -24,13 +24,13 @@ using Volts = Quantity<struct VoltsUnit>;
 using Millimetres = Quantity<struct MillimetresUnit>;
 using Newtons = Quantity<struct NewtonsUnit>;
 
-/// Number of a scan within its segment, from 0. 64 bit: never wraps in practice.
+/// Number of a scan in its segment, from 0. 64 bits: never wraps in practice.
 struct ScanIndex {
   std::uint64_t value = 0;
 
   friend constexpr auto operator<=>(const ScanIndex&, const ScanIndex&) = default;
   friend constexpr ScanIndex operator+(ScanIndex index, std::uint64_t scans) noexcept { return {index.value + scans}; }
-  /// Scans from `b` to `a`; `a` must not lie before `b`.
+  /// Returns the number of scans from `b` to `a`; `a` must not be before `b`.
   friend constexpr std::uint64_t operator-(ScanIndex a, ScanIndex b) noexcept { return a.value - b.value; }
 };
 

@@ -6,7 +6,7 @@
 
 namespace dts::core {
 
-/// ISO 8601, "2026-11-21T14:45:25.125000Z"; what is below a microsecond is cut off.
+/// Returns ISO 8601 text, "2026-11-21T14:45:25.125000Z"; truncates to microseconds.
 [[nodiscard]] std::string utc_text(std::int64_t utc_ns);
 
 }  // namespace dts::core

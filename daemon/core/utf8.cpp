@@ -5,9 +5,9 @@ namespace dts::core {
 namespace {
 
 struct Utf8Start {
-  std::size_t length = 0;  ///< 0: not the start of any.
+  std::size_t length = 0;  ///< Number of bytes; 0: not the first byte of a character.
   std::uint32_t first_bits = 0;
-  std::uint32_t smallest = 0;  ///< Anything below could have been written shorter, and must be.
+  std::uint32_t smallest = 0;  ///< Smallest code of this length; a smaller code is an overlong form.
 };
 
 Utf8Start start_of(unsigned char first) noexcept {

@@ -12,48 +12,48 @@
 
 namespace dts::device {
 
-/// What a channel carries. The rig's configuration says which sensor sits on which channel.
+/// The kind of signal on a channel. The rig's configuration assigns sensors to channels.
 enum class ChannelRole : std::uint8_t {
-  Sensor,     ///< A displacement sensor of the plate, V.
-  Auxiliary,  ///< Anything recorded beside it: EMG, a trigger, a simulator's true COP.
-  Marker,     ///< At a known voltage, to detect rotated scans.
+  Sensor,     ///< Displacement sensor of the plate, V.
+  Auxiliary,  ///< Another recorded signal: EMG, a trigger, a simulator's true COP.
+  Marker,     ///< Input at a known voltage, to detect rotated channels.
 };
 
 struct ChannelDescription {
   std::string name;  ///< "ch0"
   std::string unit;  ///< "V"
   ChannelRole role = ChannelRole::Sensor;
-  double minimum = 0.0;     ///< Lowest value the converter can give, in `unit`.
-  double maximum = 0.0;     ///< Highest value.
-  double resolution = 0.0;  ///< One code, in `unit`; 0 when not quantised.
+  double minimum = 0.0;     ///< Lowest value that the converter can return, in `unit`.
+  double maximum = 0.0;     ///< Highest value, in `unit`.
+  double resolution = 0.0;  ///< Size of one code, in `unit`; 0 if not quantised.
 };
 
-/// The pipeline as it was when a recording began, for devices that play one.
+/// The state of the pipeline at the beginning of a recording; for devices that replay a recording.
 struct RecordedPipeline {
-  std::vector<std::string> stages{};  ///< As `pipeline::stage_text` names them; empty: nothing is known.
-  std::vector<double> state{};        ///< Of the pipeline before the first scan of the recording.
-  std::uint64_t first_scan = 0;       ///< Index that this scan had in its segment: stages that keep every n-th go by it.
+  std::vector<std::string> stages{};  ///< Names from `pipeline::stage_text`; empty: unknown.
+  std::vector<double> state{};        ///< State before the first scan of the recording.
+  std::uint64_t first_scan = 0;       ///< Index of that scan in its segment; stages that keep every n-th scan need it.
 };
 
-/// Known before anything is opened (libiio v1 learned this late: describe first, open later).
+/// Description of a device, known before it is opened (libiio v1 added this late: describe first, open later).
 struct DeviceDescription {
-  std::string uri;     ///< As given by the user: "sim:floor?seed=7".
+  std::string uri;     ///< As the user wrote it: "sim:floor?seed=7".
   std::string model;   ///< "Simulated floor platform"
-  std::string serial;  ///< Identifies the unit; stable across plugging.
+  std::string serial;  ///< Identifies the unit; does not change when it is plugged in again.
   std::vector<ChannelDescription> channels;
   double minimum_rate_hz = 0.0;
   double maximum_rate_hz = 0.0;
-  bool has_sync_output = false;   ///< `set_sync_output` drives a line, as configured.
-  bool waits_for_reader = false;  ///< Its scans wait for whoever reads: nothing is lost when the reader is slow.
+  bool has_sync_output = false;   ///< The URI configures a line for `set_sync_output`.
+  bool waits_for_reader = false;  ///< Scans wait for the reader: a slow reader loses nothing.
   RecordedPipeline recorded_pipeline{};
 };
 
 struct StartOptions {
-  core::Rate rate;                   ///< Wanted; the device answers with what its clock can do.
-  std::size_t max_block_scans = 64;  ///< Largest block that `read` will be given.
+  core::Rate rate;                   ///< Wanted rate; `start` returns the nearest rate that the device's clock can run.
+  std::size_t max_block_scans = 64;  ///< Largest block that the caller passes to `read`.
 };
 
-/// Something that was looked at when the device was opened and started.
+/// Result of one check during open, start or a scan.
 struct DeviceCheck {
   enum class Outcome : std::uint8_t { Passed = 1, Warning, Failed, Skipped };
   std::string name;  ///< "single readings agree with the scan"
@@ -61,19 +61,19 @@ struct DeviceCheck {
   std::string detail;  ///< "largest difference 3 mV on ch2"
 };
 
-/// What the device found at the unit that it opened last.
+/// Report on the unit that the device opened last.
 struct DeviceReport {
   std::string serial;
-  std::vector<std::string> nodes;  ///< Of the units that are open now: "/dev/bus/usb/001/002".
+  std::vector<std::string> nodes;  ///< Device files of the units that are open now: "/dev/bus/usb/001/002".
   std::string firmware;
   std::vector<DeviceCheck> checks;
 };
 
-/// What the person at the device is told.
+/// Cue to the person on the rig.
 struct Cue {
-  bool is_go = false;      ///< Reach now; else: get ready, hand on the thigh.
-  std::int64_t at_ns = 0;  ///< Host monotonic: when it is given.
-  double target_cm = 0.0;  ///< From the acromion; 0: no target.
+  bool is_go = false;      ///< true: reach now; false: get ready, hand on the thigh.
+  std::int64_t at_ns = 0;  ///< Host monotonic time of the cue.
+  double target_cm = 0.0;  ///< Distance of the target from the acromion; 0: no target.
 };
 
 /// Closed --open--> Open --start--> Streaming --stop--> Open --close--> Closed; a lost device is Gone until close.
@@ -81,11 +81,11 @@ enum class DeviceState : std::uint8_t { Closed, Open, Streaming, Gone };
 
 enum class ReadOutcome : std::uint8_t {
   Scans,         ///< `block` holds 1 or more scans.
-  Timeout,       ///< Nothing by the deadline; the device is present and may deliver later.
-  Armed,         ///< As Timeout, and that is right: the scan waits for its external trigger.
-  Gap,           ///< The stream broke (see `gap`) and goes on: indices of the next block start at 0 again.
-  Broken,        ///< The stream cannot be believed any more (see `gap`); the device is there: stop, then start again.
-  Gone,          ///< The device is lost; only stop and close make sense now.
+  Timeout,       ///< No scan by the deadline; the device is present and may deliver later.
+  Armed,         ///< Like Timeout, but expected: the device waits for its external trigger.
+  Gap,           ///< Scans are missing (see `gap`), the stream continues: indices restart at 0 in the next block.
+  Broken,        ///< The data are no longer reliable (see `gap`); the device is present: stop it, then start it again.
+  Gone,          ///< The device is gone; only stop and close are useful now.
   NotStreaming,  ///< `read` was called in a state other than Streaming.
 };
 
@@ -94,7 +94,7 @@ struct ReadResult {
   core::Gap gap;  ///< Filled for Gap, Broken and Gone.
 };
 
-/// A source of scans with its own clock. Small and total: every operation has a meaning in every state.
+/// A source of scans with its own clock. Every operation is defined in every state.
 ///
 /// | operation  | Closed        | Open            | Streaming         | Gone                |
 /// |------------|---------------|-----------------|-------------------|---------------------|
@@ -119,30 +119,33 @@ class Device {
   [[nodiscard]] virtual const DeviceDescription& describe() const noexcept = 0;
   [[nodiscard]] virtual DeviceState state() const noexcept = 0;
 
-  /// The rate nearest to `wanted` that the device's clock can give, exactly: what `start` will return for it.
-  /// InvalidArgument: outside the limits of `describe`.
+  /// Returns the exact rate, nearest to `wanted`, that the device's clock can run; `start` returns the same rate.
+  /// Fails with InvalidArgument outside the limits of `describe`.
   [[nodiscard]] virtual core::Result<core::Rate> exact_rate(core::Rate wanted) const = 0;
-  /// Before the first `open`: what is known without the unit, as a rule nothing. Waits for no control request.
+  /// Returns the report on the unit; usually empty before the first `open`. Does not wait for control requests.
   [[nodiscard]] virtual DeviceReport report() const = 0;
-  /// true when something was plugged in since the last call: `open` is worth another try now.
+  /// Returns true if a device was plugged in since the last call: the caller should retry `open`.
   [[nodiscard]] virtual bool has_arrived() noexcept { return false; }
 
   [[nodiscard]] virtual core::Status open() = 0;
-  /// Returns the exact rate the device runs at. Allocates everything `read` needs.
+  /// Starts the scan and returns its exact rate. Allocates everything that `read` needs.
   [[nodiscard]] virtual core::Result<core::Rate> start(const StartOptions& options) = 0;
-  /// Waits until `block.capacity()` scans have been taken or `deadline_ns` (host monotonic) has passed, and delivers what
-  /// is there. Sets the block's count, first scan (continuing since start or since the last gap) and the host time of the
-  /// first scan's instant, its uncertainty and the drift of the device's clock; the block has one column per described channel,
-  /// in its unit. Quality bits are set too: 0, kRail, or why a value is NaN. Broken is repeated until `stop`.
-  /// Realtime-safe: yes while scans flow; a device that falls silent may be asked for its state, for at most 100 ms.
+  /// Waits until `block.capacity()` scans have arrived or `deadline_ns` (host monotonic) has passed, and delivers the scans
+  /// that arrived. Sets the block's count, its first scan (counted since start or since the last gap), the host time of that
+  /// scan, the uncertainty of this time and the drift of the device's clock. The block must have one column per described
+  /// channel; values are in the channel's unit. Sets quality bits: 0, kRail, or the reason why a value is NaN. Repeats Broken
+  /// until `stop`.
+  /// Realtime-safe: yes while scans flow; if the device falls silent, a request for its state may take up to 100 ms.
   [[nodiscard]] virtual ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept = 0;
   /// Makes a waiting `read` return within 100 ms. Thread: any. Realtime-safe: yes.
   virtual void interrupt() noexcept = 0;
-  /// Drives the digital line that tells other instruments that a session begins. Unsupported: there is none. WrongState: or busy starting.
+  /// Drives the digital line that signals the start of a session to other instruments. Fails with Unsupported if the device has no
+  /// such line, with WrongState if it is not open or is busy starting.
   [[nodiscard]] virtual core::Status set_sync_output(bool is_high) = 0;
-  /// Simulated people hear it and obey; at hardware a therapist says it. Thread: one, as a rule control. Realtime-safe: yes.
+  /// Passes a cue to a simulated person, who follows it. Hardware ignores it: there, the therapist cues the person.
+  /// Thread: one, as a rule control. Realtime-safe: yes.
   virtual void hear(const Cue& cue) noexcept { static_cast<void>(cue); }
-  /// Returns within 250 ms when the device answers.
+  /// Stops the scan. Returns within 250 ms if the device answers.
   virtual core::Status stop() = 0;
   virtual core::Status close() = 0;
 };

@@ -6,13 +6,13 @@
 
 namespace dts::device {
 
-/// `wanted`, when it is within the limits of `description`; else InvalidArgument with the limits.
+/// Returns `wanted` if it is within the limits of `description`; otherwise fails with InvalidArgument, naming the limits.
 [[nodiscard]] core::Result<core::Rate> check_rate(const DeviceDescription& description, core::Rate wanted);
 
-/// Rate and block size within what this device and the house can do.
+/// Checks the rate against the limits of this device, and the block size against the limit of the program.
 [[nodiscard]] core::Status check_start(const DeviceDescription& description, const StartOptions& options);
 
-/// The answer of `set_sync_output` of a device without such a line, in each state.
+/// Returns the error of `set_sync_output` for a device without a sync line, in each state.
 [[nodiscard]] core::Status refuse_sync_output(const DeviceDescription& description, DeviceState state);
 
 }  // namespace dts::device

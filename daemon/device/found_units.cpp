@@ -8,7 +8,7 @@
 namespace dts::device {
 namespace {
 
-/// Every product once, by the first device kind that drives it.
+/// Returns every product once, with the first entry of the registry that drives it.
 std::vector<usb::UsbModel> known_models() {
   std::vector<usb::UsbModel> models;
   for (const RegistryEntry& entry : registry()) {
@@ -41,7 +41,7 @@ core::Result<std::vector<FoundUnit>> find_units(usb::UsbBus& bus) {
 bool is_meant_by(const FoundUnit& unit, const std::string& device_uri) {
   const auto own = DeviceUri::parse(unit.uri);
   const auto wanted = DeviceUri::parse(device_uri);
-  // "mcc:1608fs-plus-pair" takes units of "mcc:1608fs-plus", by either serial number.
+  // "mcc:1608fs-plus-pair" uses two units of "mcc:1608fs-plus" and has a serial number for each.
   if (!own || !wanted || wanted->scheme != own->scheme || !wanted->name.starts_with(own->name)) return false;
   bool names_serial = false;
   for (const char* option : {"serial", "second_serial"}) {

@@ -9,17 +9,17 @@
 
 namespace dts::device {
 
-/// A unit that is plugged in and that this program could drive.
+/// A plugged-in unit that this program can drive.
 struct FoundUnit {
   usb::UsbUnit unit;
   std::string model;
-  std::string uri;  ///< What a rig's configuration would have to say: "mcc:1608fs-plus?serial=01A2B3C4".
+  std::string uri;  ///< URI for a rig's configuration: "mcc:1608fs-plus?serial=01A2B3C4".
 };
 
-/// All such units, whether a rig uses them or not. Fails when the machine's USB cannot be looked at.
+/// Returns all such units, used by a rig or not. Fails if the program cannot list the machine's USB devices.
 [[nodiscard]] core::Result<std::vector<FoundUnit>> find_units(usb::UsbBus& bus);
 
-/// A device with this URI would open the unit: its model, and its serial number when the URI names one.
+/// Returns true if a device with this URI would open the unit: same model, and same serial number if the URI has one.
 [[nodiscard]] bool is_meant_by(const FoundUnit& unit, const std::string& device_uri);
 
 }  // namespace dts::device

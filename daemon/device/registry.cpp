@@ -14,7 +14,7 @@
 namespace dts::device {
 namespace {
 
-/// "sim:floor" is one device; "ni6008:" takes any name, for example a serial number.
+/// An entry "sim:floor" matches this name only; an entry "ni:" matches any name, for example "Dev1".
 bool is_meant(const RegistryEntry& entry, const DeviceUri& uri) {
   const std::string& known = entry.scheme_and_name;
   return known == uri.scheme + ":" + uri.name || known == uri.scheme + ":";

@@ -19,22 +19,22 @@ struct RigModel;
 
 namespace dts::device {
 
-/// "scheme:name?key=value&key=value": the one string that chooses a device.
+/// "scheme:name?key=value&key=value": selects and configures a device.
 struct DeviceUri {
   std::string scheme;                          ///< "sim"
   std::string name;                            ///< "floor"
   std::map<std::string, std::string> options;  ///< {"seed": "7"}
-  std::string text;                            ///< As given.
+  std::string text;                            ///< As the user wrote it.
 
-  /// Fails with InvalidArgument, naming the part, when the text is not of that form or a key stands twice.
+  /// Parses `text`. Fails with InvalidArgument, naming the wrong part, if the text is not of that form or a key occurs twice.
   [[nodiscard]] static core::Result<DeviceUri> parse(std::string_view text);
 };
 
-/// What a factory may use. All of it outlives the device.
+/// Objects that a factory may use. All of them must outlive the device.
 struct DeviceContext {
   core::Clock& clock;
-  const physics::RigModel& rig;  ///< The plate that a simulated device bends.
-  usb::UsbBus* usb = nullptr;    ///< For devices on a cable; without it they cannot be created.
+  const physics::RigModel& rig;  ///< Model of the plate for simulated devices.
+  usb::UsbBus* usb = nullptr;    ///< Required for USB devices; without it their creation fails.
 };
 
 using DeviceFactory = std::function<core::Result<std::unique_ptr<Device>>(const DeviceUri&, const DeviceContext&)>;
@@ -43,16 +43,16 @@ struct RegistryEntry {
   std::string scheme_and_name;  ///< "sim:floor"
   std::string sentence;         ///< For `dtsctl device list` and error messages.
   DeviceFactory create;
-  std::vector<usb::UsbModel> usb_models{};  ///< Products on USB that it drives; empty: it is not found by looking.
+  std::vector<usb::UsbModel> usb_models{};  ///< USB products that it drives; empty: `find_units` does not find them.
 };
 
-/// All device kinds built into this program. A new device is one folder and one entry in registry.cpp.
+/// All kinds of devices in this program. A new kind needs one folder and one entry in registry.cpp.
 [[nodiscard]] const std::vector<RegistryEntry>& registry();
 
-/// Both would open the same unit: the same kind of hardware, and the serial numbers are equal or one of them is not given.
+/// Returns true if both URIs may open the same unit: same kind of hardware, and equal serial numbers or one of them missing.
 [[nodiscard]] bool compete(std::string_view one_uri, std::string_view other_uri);
 
-/// Parses `uri` and creates the device (Closed). Errors name the URI, the unknown kind or option, and what is known.
+/// Parses `uri` and creates the device, in state Closed. Errors name the URI, the unknown kind or option, and the known ones.
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_device(std::string_view uri, const DeviceContext& context);
 
 }  // namespace dts::device

@@ -24,7 +24,7 @@ std::optional<double> parse_number(const std::string& text) {
   return value;
 }
 
-/// Whatever is written is taken, but something must be written.
+/// Accepts any text that is not empty.
 bool is_free_text(const UriOption& option) { return option.kind == OptionKind::File || option.kind == OptionKind::Text; }
 
 bool is_choice(std::string_view choices, std::string_view word) {
@@ -47,13 +47,13 @@ std::string did_you_mean(std::string_view word, std::span<const std::string_view
   return meant.empty() ? "" : "did you mean \"" + meant + "\"?";
 }
 
-/// What is wrong with one option.
+/// Returns the error text for one option.
 struct Mistake {
   std::string what;
   std::string hint;
 };
 
-/// All of them as one error: the user corrects the address once.
+/// Returns all mistakes as one error, so that the user corrects the URI only once.
 tl::unexpected<core::Error> refuse(const DeviceUri& uri, std::span<const Mistake> mistakes) {
   std::string what = "device \"" + uri.text + "\": ";
   std::string hint;

@@ -19,35 +19,35 @@ inline constexpr double kNever = std::numeric_limits<double>::infinity();  ///< 
 
 enum class OptionKind : std::uint8_t { Number, Integer, Word, File, Numbers, Text };
 
-/// One option a device understands.
+/// One option of a device.
 struct UriOption {
   std::string_view name;  ///< With its unit: "weight_n".
   OptionKind kind = OptionKind::Number;
-  std::string_view default_text;  ///< What a user would have to write to get the default; empty: no default.
-  double minimum = 0.0;           ///< Of every number, inclusive.
-  double maximum = 0.0;           ///< `kNever`: the word "never" is allowed too.
-  std::string_view choices;       ///< Words only, separated by '|': "feet|point".
+  std::string_view default_text;  ///< The default as a user would write it; empty: no default.
+  double minimum = 0.0;           ///< Lower limit of every number, inclusive.
+  double maximum = 0.0;           ///< Upper limit, inclusive; `kNever`: the word "never" is allowed too.
+  std::string_view choices;       ///< For Word only: allowed words, separated by '|': "feet|point".
   std::string_view sentence;
 };
 
-/// The options of one URI, complete and in range.
+/// The options of one URI, checked and with defaults.
 class UriOptions {
  public:
-  /// Checks every option of `uri` against `known` and fills in the defaults. Fails with InvalidArgument naming every
-  /// option that is wrong, its value and what is allowed; an unknown name gets a suggestion.
+  /// Checks every option of `uri` against `known` and adds the defaults. Fails with InvalidArgument, naming every wrong option,
+  /// its value and the allowed values; for an unknown name it suggests a known one.
   [[nodiscard]] static core::Result<UriOptions> read(const DeviceUri& uri, std::span<const UriOption> known);
 
-  /// `name` must be a Number or Integer of the table.
+  /// Returns a number; `name` must be a Number or Integer of the table.
   [[nodiscard]] double number(std::string_view name) const { return numbers_.at(std::string(name)); }
-  /// `name` must be a Numbers of the table that is given; at least one number.
+  /// Returns at least one number; `name` must be a Numbers of the table, with a value in the URI or a default.
   [[nodiscard]] const std::vector<double>& numbers(std::string_view name) const { return lists_.at(std::string(name)); }
-  /// `name` must be a Word, File or Text of the table; empty when a File or Text was not given.
+  /// Returns a text; `name` must be a Word, File or Text of the table. Empty if the URI has no such File or Text.
   [[nodiscard]] const std::string& text(std::string_view name) const { return texts_.at(std::string(name)); }
-  /// The user wrote it.
+  /// Returns true if the URI contains this option.
   [[nodiscard]] bool is_given(std::string_view name) const { return given_.contains(name); }
 
  private:
-  /// false: the value is not allowed.
+  /// Stores the value; returns false if it is not allowed.
   [[nodiscard]] bool take(const UriOption& option, const std::string& value);
   [[nodiscard]] bool take_list(const UriOption& option, const std::string& value);
 
@@ -57,10 +57,10 @@ class UriOptions {
   std::set<std::string, std::less<>> given_;
 };
 
-/// "50..2000", "feet|point", "FILE", "TEXT": what may be written.
+/// Returns the allowed values of an option: "50..2000", "feet|point", "FILE", "TEXT".
 [[nodiscard]] std::string allowed(const UriOption& option);
 
-/// The table as text, one line per option, for help output.
+/// Returns the table as help text, one line per option.
 [[nodiscard]] std::string describe_options(std::span<const UriOption> options);
 
 }  // namespace dts::device

@@ -19,12 +19,12 @@ using Outcome = DeviceCheck::Outcome;
 constexpr std::array kModels = {usb::UsbModel{0x0CD5, 0x0006, "LabJack U6", "labjack:u6"}};
 constexpr std::size_t kGround = 15;
 constexpr double kLastCode = 65'535.0;
-constexpr std::uint16_t kRailCodes = 1;  // at the end or next to it
+constexpr std::uint16_t kRailCodes = 1;  // the end code and the code next to it
 constexpr int kDrainTimeoutMs = 20;
-constexpr int kMostDrainReads = 64;  // more than the FIFO holds; a device that never falls silent must not hold us
+constexpr int kMostDrainReads = 64;  // more than the FIFO holds; ends the loop if the device never falls silent
 constexpr std::size_t kDrainBytes = 16 * kUsbPacketBytes;
 constexpr std::int64_t kInFlightNs =
-    500'000'000;  // as the MCC drivers: the host may be away for this long; the FIFO alone lasts 20 ms at full speed
+    500'000'000;  // as in the MCC drivers: the host may be blocked for this long; the FIFO alone lasts 20 ms at full speed
 constexpr std::int64_t kBufferedNs = 2'000'000'000;
 
 std::size_t gain_of(double range_v) noexcept { return static_cast<std::size_t>(std::ranges::find(kRangesV, range_v) - kRangesV.begin()); }
@@ -41,7 +41,7 @@ ChannelDescription describe_channel(std::size_t input, std::size_t gain) {
           nominal.positive_slope_v};
 }
 
-/// Takes what is left in the stream endpoint. Nothing is running.
+/// Discards old data in the stream endpoint while no scan is running.
 core::Status drain(usb::UsbPort& port) {
   std::vector<std::uint8_t> buffer(kDrainBytes);
   for (int i = 0; i < kMostDrainReads; ++i) {
@@ -105,7 +105,7 @@ core::Status U6::connect(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
   if (auto ended = end_earlier_stream(port, checks); !ended) return ended;
   if (auto identified = identify(port, checks); !identified) return identified;
   if (auto read = read_constants(port, checks); !read) return read;
-  // Timers and counters take pins away from the digital word.
+  // Timers and counters use pins of the digital word.
   if (auto off = run(port, turn_timers_off()); !off) return tl::make_unexpected(off.error());
   return {};
 }
@@ -115,7 +115,7 @@ core::Status U6::end_earlier_stream(usb::UsbPort& port, std::vector<DeviceCheck>
   if (!stopped) return tl::make_unexpected(stopped.error());
   if (stopped->error != 0 && stopped->error != kErrorStreamNotRunning) return tl::make_unexpected(refused("StreamStop", stopped->error));
   if (stopped->error == 0) checks.push_back({"no scan was running", Outcome::Warning, "one of an earlier program was, and was ended"});
-  return {};  // what it left in the stream endpoint is taken by `configure`
+  return {};  // `configure` discards its data in the stream endpoint
 }
 
 core::Status U6::identify(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
@@ -150,7 +150,7 @@ core::Status U6::read_constants(usb::UsbPort& port, std::vector<DeviceCheck>& ch
 }
 
 core::Result<usb::ScanPlan> U6::configure(usb::UsbPort& port, const usb::ScanRequest& request) {
-  // The last StreamStop may have been lost, and firmware before 0.94 leaves data behind (Exodriver's u6Stream example).
+  // The last StreamStop may have been lost, and firmware before 0.94 leaves data in the endpoint (Exodriver's u6Stream example).
   if (auto stopped = exchange(port, stop_stream()); !stopped) return tl::make_unexpected(stopped.error());
   if (auto drained = drain(port); !drained) return tl::make_unexpected(drained.error());
   const std::size_t channels = options_.channels.size();
@@ -196,7 +196,7 @@ core::Status U6::end(usb::UsbPort& port) noexcept {
 }
 
 core::Result<usb::ScanHealth> U6::health(usb::UsbPort& port) {
-  // Of all commands only this one and StreamStop are allowed during a stream, and it does not tell whether one is running.
+  // Only this command and StreamStop are allowed during a stream. Its reply does not show whether a stream is running.
   if (auto reply = run(port, read_unit(), usb::kControlTimeoutMs); !reply) return tl::make_unexpected(reply.error());
   return usb::ScanHealth{.is_running = true, .is_overrun = parser_.is_recovering()};
 }

@@ -15,21 +15,21 @@
 
 namespace dts::device::labjack {
 
-/// FIO0..7 and EIO0..7 as one word, sampled like an input.
+/// Channel number of FIO0..7 and EIO0..7 as one word, sampled like an input.
 inline constexpr std::size_t kDigitalWord = 193;
 
-/// LabJack U6 and U6-Pro over their documented low-level protocol, at resolution index 1. Everything goes through three bulk
-/// endpoints; single readings and outputs need commands that are not implemented, so `read_once` and the sync output are
-/// Unsupported: counter, checksums and the ground channel as a marker stand in for the start check.
+/// LabJack U6 and U6-Pro over their documented low-level protocol, at resolution index 1. All data use three bulk endpoints. Single
+/// readings and outputs need commands that are not implemented, so `read_once` and the sync output are Unsupported. Instead of the
+/// start check, use counter, checksums and the ground channel as a marker.
 class U6 final : public usb::DaqDriver {
  public:
-  /// `options` as `read_u6_options` gave them.
+  /// `options`: a result of `read_u6_options`.
   explicit U6(usb::DaqOptions options);
 
   [[nodiscard]] const DeviceDescription& describe() const noexcept override { return description_; }
   [[nodiscard]] std::span<const usb::UsbModel> models() const noexcept override;
   [[nodiscard]] core::Result<core::Rate> exact_rate(core::Rate wanted) const override;
-  /// The digital word is no voltage: its value is the code.
+  /// Returns volts; for the digital word, which is no voltage, the code.
   [[nodiscard]] double volts(std::size_t channel, std::uint16_t code) const noexcept override;
   [[nodiscard]] bool is_rail(std::size_t channel, std::uint16_t code) const noexcept override;
 
@@ -50,17 +50,17 @@ class U6 final : public usb::DaqDriver {
   [[nodiscard]] core::Status read_constants(usb::UsbPort& port, std::vector<DeviceCheck>& checks);
 
   usb::DaqOptions options_;
-  std::vector<std::size_t> gains_;  ///< Of each position; `kRangesV.size()`: a digital word.
+  std::vector<std::size_t> gains_;  ///< Gain index at each position; `kRangesV.size()`: the digital word.
   DeviceDescription description_;
   usb::UnitIdentity identity_;
   Calibration calibration_ = Calibration::nominal();
   StreamParser parser_;
 };
 
-/// serial, channels, range_v, marker..., digital. The digital word stands behind the inputs, before the marker.
+/// Reads serial, channels, range_v, marker..., digital. The digital word is after the inputs and before the marker.
 [[nodiscard]] core::Result<usb::DaqOptions> read_u6_options(const DeviceUri& uri);
 
-/// "labjack:u6": for the registry.
+/// Creates "labjack:u6", for the registry.
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_u6(const DeviceUri& uri, const DeviceContext& context);
 [[nodiscard]] std::vector<usb::UsbModel> u6_models();
 

@@ -7,7 +7,7 @@
 namespace dts::device::labjack {
 namespace {
 
-// Exodriver's example for units without constants. An amplifier further off than this does not measure any more.
+// Values of Exodriver's example for units without constants. An amplifier with a larger error than the tolerances is broken.
 constexpr double kNominalSlopeV = 3.1580578e-4;
 constexpr double kNominalCenter = 33523.0;
 constexpr double kSlopeTolerance = 0.05;

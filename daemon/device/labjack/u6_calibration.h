@@ -14,16 +14,16 @@ namespace dts::device::labjack {
 
 /// Ranges by gain index: amplification 1, 10, 100, 1000.
 inline constexpr std::array<double, 4> kRangesV = {10.0, 1.0, 0.1, 0.01};
-inline constexpr std::size_t kCalibrationBlocks = 4;       ///< Those of the converter that streams; the rest is for others.
+inline constexpr std::size_t kCalibrationBlocks = 4;       ///< Blocks of the streaming converter; the other blocks belong to other parts.
 inline constexpr std::size_t kCalibrationBlockBytes = 32;  ///< Four numbers.
 
-/// Signed 32.32 fixed point, little-endian.
+/// Decodes signed 32.32 fixed point, little-endian.
 [[nodiscard]] double fixed_point(std::span<const std::uint8_t, 8> bytes) noexcept;
 
-/// Codes to volts by the unit's own constants (U6 data sheet, section 5.4): two slopes that meet at the centre, which is 0 V.
+/// Converts codes to volts with the unit's constants (U6 data sheet, section 5.4): two slopes that meet at the centre, which is 0 V.
 ///
 ///     v = (code - centre) * positive slope   at and above the centre
-///     v = (centre - code) * negative slope   below; that slope is a negative number
+///     v = (centre - code) * negative slope   below the centre; this slope is a negative number
 class Calibration {
  public:
   struct Gain {
@@ -32,13 +32,13 @@ class Calibration {
     double center = 0.0;
   };
 
-  /// What a unit without constants would have: for describing one that is not there.
+  /// Returns the nominal constants, to describe a unit that is not present.
   [[nodiscard]] static Calibration nominal() noexcept;
-  /// From blocks 0 to 3 in a row. DataDamaged: a constant of a gain in use is not a number or further from nominal than any
-  /// converter that works.
+  /// Reads the constants from blocks 0 to 3, concatenated. Fails with DataDamaged if a constant of a used gain is not a number, or is
+  /// farther from nominal than in any working converter.
   [[nodiscard]] static core::Result<Calibration> parse(std::span<const std::uint8_t> blocks, std::span<const std::size_t> gains_in_use);
 
-  /// Realtime-safe: yes. `gain` < 4.
+  /// Converts a code to volts; `gain` < 4. Realtime-safe: yes.
   [[nodiscard]] double volts(std::size_t gain, std::uint16_t code) const noexcept {
     const Gain& constants = gains_[gain];
     const double above = static_cast<double>(code) - constants.center;

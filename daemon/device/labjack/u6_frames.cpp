@@ -14,7 +14,7 @@ namespace {
 using core::ErrorCode;
 
 constexpr std::uint8_t kExtended = 0xF8;
-constexpr std::uint8_t kNotUnderstood = 0xB8;  // both bytes of a reply to a command with a wrong checksum
+constexpr std::uint8_t kNotUnderstood = 0xB8;  // both bytes of the reply to a command with a wrong checksum
 constexpr std::size_t kHeaderBytes = 6;
 constexpr int kMostStaleReplies = 3;
 constexpr std::string_view kReplugHint = "unplug it and plug it in again; try another cable or port";
@@ -25,7 +25,7 @@ Command normal(std::string_view name, std::uint8_t code) {
   return {.name = name, .bytes = {code, code}, .reply_code = static_cast<std::uint8_t>(code + 1), .reply_bytes = 4, .is_extended = false};
 }
 
-/// `data`: an even number of bytes.
+/// Makes an extended command; `data` must have an even number of bytes.
 Command extended(std::string_view name, std::uint8_t code, std::span<const std::uint8_t> data, std::size_t reply_bytes) {
   std::vector<std::uint8_t> bytes = {0, kExtended, low(static_cast<unsigned>(data.size() / 2)), code};
   const std::uint16_t sum = checksum16(data);
@@ -65,7 +65,7 @@ tl::unexpected<core::Error> damaged(const Command& command, const std::string& w
 
 core::Result<Reply> judge(const Command& command, std::span<const std::uint8_t> reply) {
   if (is_not_understood(reply)) return damaged(command, "says that the command arrived with a wrong checksum");
-  // A refusal may be shorter than an answer, but an answer must be whole.
+  // A reply with an error number may be short; a good reply must be complete.
   if (reply.size() != command.reply_bytes) {
     return damaged(command, "has " + std::to_string(reply.size()) + " bytes, not " + std::to_string(command.reply_bytes));
   }
@@ -105,7 +105,7 @@ Command configure_stream(const StreamSetup& setup) {
                                     kFastestResolution,
                                     setup.samples_per_packet,
                                     0,
-                                    0,  // settling: as the device thinks best
+                                    0,  // settling: automatic
                                     setup.scan_config,
                                     low(setup.interval),
                                     low(static_cast<unsigned>(setup.interval) >> 8U)};

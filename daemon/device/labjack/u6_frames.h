@@ -23,14 +23,14 @@ inline constexpr std::size_t kUsbPacketBytes = 64;
 inline constexpr std::uint8_t kErrorStreamActive = 48;
 inline constexpr std::uint8_t kErrorStreamNotRunning = 52;
 
-/// Sum of the bytes, folded twice to 8 bit with the carry added.
+/// Returns the sum of the bytes, folded twice to 8 bits with the carry added.
 [[nodiscard]] std::uint8_t checksum8(std::span<const std::uint8_t> bytes) noexcept;
-/// Plain sum of the bytes, the low 16 bit.
+/// Returns the low 16 bits of the sum of the bytes.
 [[nodiscard]] std::uint16_t checksum16(std::span<const std::uint8_t> bytes) noexcept;
-/// Bytes 1 to 5 against byte 0, bytes from 6 on against bytes 4 and 5. At least 6 bytes.
+/// Checks bytes 1 to 5 against byte 0, and the bytes from 6 on against bytes 4 and 5. Needs at least 6 bytes.
 [[nodiscard]] bool has_right_checksums(std::span<const std::uint8_t> extended_frame) noexcept;
 
-/// A command and what its reply must look like.
+/// A command, and the form of its reply.
 ///
 ///     normal    0 checksum8 | 1 command | 2.. data
 ///     extended  0 checksum8 | 1 F8 | 2 words from 6 on | 3 command | 4 5 checksum16 | 6.. data
@@ -44,13 +44,13 @@ struct Command {
 
 struct StreamSetup {
   std::uint8_t samples_per_packet = 25;
-  std::uint8_t scan_config = 0;  ///< Bit 3: 48 MHz, not 4 MHz; bit 1: divided by 256.
+  std::uint8_t scan_config = 0;  ///< Bit 3: 48 MHz instead of 4 MHz; bit 1: divided by 256.
   std::uint16_t interval = 1;    ///< Clock ticks per scan.
   std::vector<std::uint8_t> channels;
-  std::vector<std::uint8_t> options;  ///< Of each channel: gain index in bits 4 and 5.
+  std::vector<std::uint8_t> options;  ///< Per channel: gain index in bits 4 and 5.
 };
 
-[[nodiscard]] Command read_unit();  ///< ConfigU6 that changes nothing.
+[[nodiscard]] Command read_unit();  ///< ConfigU6 without changes.
 [[nodiscard]] Command read_calibration(std::uint8_t block);
 [[nodiscard]] Command turn_timers_off();  ///< ConfigIO.
 [[nodiscard]] Command configure_stream(const StreamSetup& setup);
@@ -62,10 +62,10 @@ struct Reply {
   std::uint8_t error = 0;
 };
 
-/// Sends `command` and reads its reply, which may carry an error number. A reply that an earlier program did not fetch is
-/// passed over. Timeout (either way `timeout_ms`), DeviceGone or DataDamaged (short, wrong checksum, the device did not understand).
+/// Sends `command` and reads its reply, which may contain an error number. Skips old replies that an earlier program did not read.
+/// Fails with Timeout (`timeout_ms` in each direction), DeviceGone or DataDamaged (short reply, wrong checksum, command not understood).
 [[nodiscard]] core::Result<Reply> exchange(usb::UsbPort& port, const Command& command, int timeout_ms = usb::kSetupTimeoutMs);
-/// The same; an error number is a failure, too.
+/// Does the same, but also fails if the reply contains an error number.
 [[nodiscard]] core::Result<Reply> run(usb::UsbPort& port, const Command& command, int timeout_ms = usb::kSetupTimeoutMs);
 [[nodiscard]] core::Error refused(std::string_view command, std::uint8_t error);
 

@@ -11,7 +11,7 @@ namespace {
 
 using core::ErrorCode;
 
-constexpr std::size_t kInputs = 16;  // 0 to 13, the thermometer and ground
+constexpr std::size_t kInputs = 16;  // 0 to 13, thermometer, ground
 constexpr std::size_t kThermometer = 14;
 constexpr const char* kAllInputs = "0,1,2,3,4,5,6,7,8,9,10,11,12,13";
 
@@ -33,11 +33,11 @@ void add_digital_word(usb::DaqOptions& options) {
 
 core::Result<usb::DaqOptions> read_u6_options(const DeviceUri& uri) {
   DeviceUri complete = uri;
-  complete.options.try_emplace("channels", kAllInputs);  // not what stands between them and ground
+  complete.options.try_emplace("channels", kAllInputs);  // not the thermometer and ground
   const auto given = UriOptions::read(complete, known_options());
   if (!given) return tl::make_unexpected(given.error());
   const usb::DaqLimits limits{.inputs = kInputs,
-                              .max_scan_length = kMaximumSamplesPerPacket - 1,  // and the digital word
+                              .max_scan_length = kMaximumSamplesPerPacket - 1,  // one place is for the digital word
                               .must_ascend = false,
                               .may_repeat = false,
                               .ranges_v = kRangesV};

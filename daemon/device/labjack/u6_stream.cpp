@@ -54,7 +54,7 @@ usb::Unpacked StreamParser::unpack(std::span<const std::uint8_t> bytes, std::spa
     if (!is_examined_) result.fault = examine(packet);
     is_examined_ = true;
     const bool is_done = result.fault != GapReason::None || deliver(packet, codes, result);
-    if (!is_done) return result;  // the packet stays the next one until the rest of its samples finds room
+    if (!is_done) return result;  // the packet stays in `held_` until all its samples are written
     result.bytes += missing;
     held_bytes_ = 0;
     is_examined_ = false;
@@ -83,7 +83,7 @@ GapReason StreamParser::examine_error(std::span<const std::uint8_t> packet) noex
     default: return GapReason::Integrity;
   }
   is_recovering_.store(false, std::memory_order_relaxed);
-  // The vendor's programs disagree about whether the count has 16 or 32 bit. It is believed only where both agree.
+  // Some programs of the vendor use 16 bits for this count, some 32. It is used only if both readings agree.
   discarded_ = packet[6] + 256U * packet[7];
   const bool is_count_believable = discarded_ > 0 && packet[8] == 0 && packet[9] == 0;
   return is_count_believable && find_dummy(packet) ? GapReason::None : GapReason::Overrun;

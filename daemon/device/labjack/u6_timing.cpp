@@ -14,23 +14,23 @@ __extension__ using Wide = __int128;
 constexpr std::int64_t kLongestInterval = 65'535;
 constexpr std::uint8_t kFastClock = 0x08;
 constexpr std::uint8_t kDividedClock = 0x02;
-constexpr std::int64_t kShortestPacketNs = 1'000'000;  // more than one packet per USB frame would only make work
+constexpr std::int64_t kShortestPacketNs = 1'000'000;  // more than one packet per USB frame would only add work
 constexpr double kMostPacketsPerTransfer = 16.0;
 
 struct Source {
   std::uint8_t scan_config;
   std::int64_t hz;
 };
-// Fastest first. Rates of a slower clock are also rates of a faster one, as far as its interval reaches.
+// Fastest first. A faster clock has all rates of a slower clock, except those that need a longer interval than it has.
 constexpr std::array kSources = {Source{kFastClock, 48'000'000}, Source{0, 4'000'000}, Source{kFastClock | kDividedClock, 187'500},
                                  Source{kDividedClock, 15'625}};
 
-/// Of the two intervals next to the wanted one that whose rate is nearer.
+/// Returns, of the two intervals around the wanted interval, the one with the nearer rate.
 std::int64_t nearest_interval(std::int64_t clock_hz, core::Rate wanted) noexcept {
   const Wide ticks = Wide{clock_hz} * wanted.denominator();
   const auto shorter = static_cast<std::int64_t>(std::min<Wide>(ticks / wanted.numerator(), kLongestInterval));
   if (shorter < 1) return 1;
-  // clock/shorter and clock/(shorter + 1) are as far off when wanted is their mean.
+  // The rates clock/shorter and clock/(shorter + 1) are equally near if `wanted` is their mean.
   const bool is_faster_nearer = Wide{2} * wanted.numerator() * shorter * (shorter + 1) >= ticks * (2 * shorter + 1);
   return is_faster_nearer ? shorter : std::min(shorter + 1, kLongestInterval);
 }

@@ -7,9 +7,9 @@
 namespace dts::device::mcc {
 namespace {
 
-// A factory correction is below one hundredth; a converter that is further off than this does not measure any more.
+// A factory correction is below one hundredth; a converter with a larger error than this is broken.
 constexpr double kLargestSlopeError = 0.05;
-constexpr double kLargestMiddleError = 1.0 / 64.0;  // of the full scale: 0.3 V of +-10 V
+constexpr double kLargestMiddleError = 1.0 / 64.0;  // part of the full scale: 0.3 V of +-10 V
 
 float read_float(std::span<const std::uint8_t> bytes) noexcept {
   std::uint32_t word = 0;

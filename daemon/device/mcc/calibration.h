@@ -10,7 +10,7 @@
 
 namespace dts::device::mcc {
 
-/// What the factory measured at one input: corrected code = code * slope + offset (uldaq: src/utility/EuScale.cpp).
+/// Factory calibration of one input: corrected code = code * slope + offset (uldaq: src/utility/EuScale.cpp).
 struct Calibration {
   double slope = 1.0;
   double offset = 0.0;
@@ -18,10 +18,11 @@ struct Calibration {
 
 inline constexpr std::size_t kCalibrationRecordBytes = 8;  ///< float32 slope, float32 offset, little endian.
 
-/// One record of the device's memory. DataDamaged: too short, not a number, or no converter is that far off; `where` names it.
+/// Decodes one record of the device's memory. Fails with DataDamaged if it is too short, not a number or not plausible; the error
+/// contains `where`.
 [[nodiscard]] core::Result<Calibration> decode_calibration(std::span<const std::uint8_t> record, unsigned bits, const std::string& where);
 
-/// A code as a voltage: one multiplication and one addition, no rounding and no clamping in between.
+/// Converts codes to volts with one multiplication and one addition, without rounding or clamping.
 struct VoltageLine {
   double volts_per_code = 0.0;
   double volts_at_zero = 0.0;
@@ -29,7 +30,7 @@ struct VoltageLine {
   [[nodiscard]] double at(std::uint16_t code) const noexcept { return code * volts_per_code + volts_at_zero; }
 };
 
-/// The line of an input with range +-`range_v` and offset binary codes of `bits` bits.
+/// Returns the line of an input with range +-`range_v` and offset binary codes of `bits` bits.
 [[nodiscard]] VoltageLine voltage_line(const Calibration& calibration, double range_v, unsigned bits) noexcept;
 
 }  // namespace dts::device::mcc

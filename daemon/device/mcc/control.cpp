@@ -13,8 +13,8 @@ using usb::UsbStatus;
 
 constexpr int kDrainTimeoutMs = 2;
 constexpr int kMostDrainMs = 250;
-constexpr int kMostEndRequests = 10;              // a frame or two each
-constexpr std::size_t kDrainPackets = 64;         // at once: the largest FIFO takes a few reads
+constexpr int kMostEndRequests = 10;              // one or two frames each
+constexpr std::size_t kDrainPackets = 64;         // per read: the largest FIFO needs a few reads
 constexpr std::uint8_t kDigitalDirection = 0x00;  // 1: input
 constexpr std::uint8_t kDigitalLatch = 0x02;
 constexpr char kUnplugHint[] = "unplug the device, plug it in again, and try another port or cable when that does not help";
@@ -70,13 +70,13 @@ core::Status empty_endpoint(usb::UsbPort& port, std::uint8_t endpoint) {
   if (!packet_bytes) return tl::make_unexpected(packet_bytes.error());
   if (auto cleared = clear_halt(port, endpoint); !cleared) return cleared;
   std::vector<std::uint8_t> bytes(kDrainPackets * *packet_bytes);
-  // A read takes at most its timeout: counting them limits the time.
+  // A read lasts at most its timeout, so the number of reads limits the time.
   for (int spent_ms = 0; spent_ms < kMostDrainMs; spent_ms += kDrainTimeoutMs) {
     const usb::UsbResult received = port.bulk_in(endpoint, bytes, kDrainTimeoutMs);
     if (received) continue;
     if (received.error() == UsbStatus::TimedOut) return {};
     if (received.error() == UsbStatus::NoDevice) return tl::make_unexpected(usb::to_error(received.error(), "emptying the data endpoint"));
-    // More may wait behind a halt or a damaged packet.
+    // More packets may wait after a halt or a damaged packet.
     if (received.error() != UsbStatus::Stall) continue;
     if (auto again = clear_halt(port, endpoint); !again) return again;
   }
@@ -102,7 +102,7 @@ core::Status drive_line(usb::UsbPort& port, unsigned bit, bool is_high, int time
 }
 
 core::Status prepare_line(usb::UsbPort& port, unsigned bit, LineDirection direction) {
-  // The latch first: the line must not show an old level when it becomes an output.
+  // Write the latch first: the line must not output an old level when it becomes an output.
   if (auto low = drive_line(port, bit, false, usb::kSetupTimeoutMs); !low) return low;
   const std::string what = "the direction of digital line " + std::to_string(bit);
   if (direction == LineDirection::PerPort) return put(port, {.request = kDigitalDirection, .value = 0}, "setting " + what);

@@ -12,13 +12,13 @@
 namespace dts::device::mcc {
 
 inline constexpr std::uint16_t kVendor = 0x09DB;
-inline constexpr double kMinimumScanHz = 1.0;  ///< Below that a broken device cannot be told from a slow one in good time.
+inline constexpr double kMinimumScanHz = 1.0;  ///< Below this rate a broken device looks like a slow device for too long.
 
-/// Every MCC product that some driver here knows.
+/// Returns every MCC product that a driver of this folder knows.
 [[nodiscard]] std::vector<usb::UsbModel> all_models();
 
-/// What is known of a unit before it is plugged in: one channel per position of the scan, named by its input; the marker is
-/// auxiliary.
+/// Returns the description of a unit that need not be plugged in: one channel per position of the scan, named by its input; the marker
+/// channel has the role Marker.
 [[nodiscard]] DeviceDescription describe_unit(std::string_view product, const usb::DaqOptions& options, unsigned bits, double max_scan_hz);
 
 }  // namespace dts::device::mcc

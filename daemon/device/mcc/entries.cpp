@@ -25,7 +25,7 @@ std::vector<RegistryEntry> registry_entries() {
                        [&model](const DeviceUri& uri, const DeviceContext& context) { return create_usb_1608g(model, uri, context); },
                        {model.revisions.begin(), model.revisions.end()}});
   }
-  // Without products: a unit that is plugged in is listed once, as what it is by itself.
+  // No USB products here: a plugged-in unit must be listed once, as a single unit.
   entries.push_back({"mcc:1608fs-plus-pair", "Two USB-1608FS-Plus joined by SYNC: 16 simultaneous inputs.", create_pair});
   return entries;
 }

@@ -7,7 +7,7 @@
 
 namespace dts::device::mcc {
 
-/// One entry per product of this folder, and the joined pair.
+/// Returns one entry per product of this folder, and one for the joined pair.
 [[nodiscard]] std::vector<RegistryEntry> registry_entries();
 
 }  // namespace dts::device::mcc

@@ -18,7 +18,7 @@ constexpr std::uint8_t kFpgaCommand = 0x50;
 constexpr std::uint8_t kFpgaData = 0x51;
 constexpr std::array<std::uint8_t, 1> kEnterLoading = {0xAD};
 constexpr std::size_t kPieceBytes = 64;
-constexpr int kMostStatusRequests = 250;  // PyDAQFlex waits 0.25 s before it asks; a request takes a frame or two
+constexpr int kMostStatusRequests = 250;  // PyDAQFlex waits 0.25 s before it reads the status; a request takes one or two frames
 
 constexpr std::uint16_t kFirstRevision2 = 0x0134;
 constexpr std::size_t kRevision1Bytes = 73'829;

@@ -93,7 +93,7 @@ core::Status FsPlus::read_calibration(usb::UsbPort& port) {
 core::Status FsPlus::make_quiet(usb::UsbPort& port) {
   if (auto stopped = put(port, {.request = kScanStop}, "stopping the scan"); !stopped) return stopped;
   if (auto cleared = put(port, {.request = kClearFifo}, "clearing the FIFO"); !cleared) return cleared;
-  (void)put(port, {.request = kStatus}, "clearing error bits");  // not every public driver does so: a refusal is no fault
+  (void)put(port, {.request = kStatus}, "clearing error bits");  // not every public driver sends this: a rejected request is not an error
   return empty_endpoint(port, kDataEndpoint);
 }
 

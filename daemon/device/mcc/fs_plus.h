@@ -17,24 +17,23 @@
 
 namespace dts::device::mcc {
 
-/// What a user may choose about a unit of the family.
+/// The user's settings for a unit of the family.
 struct FsPlusSettings {
   usb::DaqOptions options;
   Trigger trigger = Trigger::None;
   SyncPin sync = SyncPin::Unused;
-  bool is_partner_triggered = false;        ///< Whoever drives SYNC waits for a trigger first.
-  std::optional<unsigned> sync_output_bit;  ///< Digital line that tells other instruments of a session.
+  bool is_partner_triggered = false;        ///< The other unit, which drives SYNC, waits for a trigger first.
+  std::optional<unsigned> sync_output_bit;  ///< Digital line that signals a session to other instruments.
 };
 
-/// The protocol of MCC's FS-Plus family: USB-1608FS-Plus, 1208FS-Plus, 1408FS-Plus, USB-201, 202, 204 and 205. What differs
-/// between them stands in their rows of `fs_plus_models`. No request that writes calibration, serial number or firmware exists
-/// in this code.
+/// The protocol of MCC's FS-Plus family: USB-1608FS-Plus, 1208FS-Plus, 1408FS-Plus, USB-201, 202, 204 and 205. The rows of
+/// `fs_plus_models` contain their differences. This code has no request that writes calibration, serial number or firmware.
 ///
 ///     connect    stop, calibration
 ///     configure  stop, clear FIFO, clear errors, clear halt, drain, ranges written and read back
 ///     make_ready clear FIFO, clear halt
 ///     begin      start
-///     end        stop, status until it says so
+///     end        stop, read the status until the scan has stopped
 class FsPlus final : public usb::DaqDriver {
  public:
   FsPlus(const FsPlusModel& model, FsPlusSettings settings);
@@ -70,15 +69,15 @@ class FsPlus final : public usb::DaqDriver {
   DeviceDescription description_;
   std::vector<VoltageLine> lines_;  ///< By position in the scan.
   StartCommand command_;
-  bool is_first_scan_ = true;  ///< Since `connect`.
+  bool is_first_scan_ = true;  ///< No scan was configured since `connect`.
   bool may_start_late_ = false;
 };
 
-/// What the model's inputs allow.
+/// Returns the limits of the model's inputs.
 [[nodiscard]] usb::DaqLimits limits_of(const FsPlusModel& model);
-/// What a user may write behind "mcc:1608fs-plus?".
+/// Returns the options of "mcc:1608fs-plus?".
 [[nodiscard]] std::vector<UriOption> fs_plus_options(const FsPlusModel& model);
-/// Fails with Unsupported where there is no USB. Needs no device to be present.
+/// Creates the device; no unit needs to be present. Fails with Unsupported if there is no USB.
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_fs_plus(const FsPlusModel& model, const DeviceUri& uri,
                                                                    const DeviceContext& context);
 

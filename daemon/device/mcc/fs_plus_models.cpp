@@ -72,7 +72,7 @@ constexpr std::array kModels = {
 };
 
 constexpr unsigned kImmediate = 1U << 0;
-constexpr unsigned kSyncOutput = 1U << 1;  // the multiplexed models: differential inputs
+constexpr unsigned kSyncOutput = 1U << 1;  // on multiplexed models this bit means differential inputs
 constexpr unsigned kTriggerShift = 2;
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What users may write behind "mcc:1608fs-plus?", and the making of the device from it.
+// Options of "mcc:1608fs-plus?", and creation of the device.
 #include "device/mcc/fs_plus.h"
 #include "device/mcc/uri_choices.h"
 #include "device/usb/usb_daq.h"

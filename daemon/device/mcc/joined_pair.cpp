@@ -19,8 +19,8 @@ constexpr std::uint64_t kMostPacketsApart = 2;
 constexpr double kWindowMs = 2000.0;
 constexpr int kFewestWaits = 8;
 constexpr int kMostBlocksBehind = 1000;
-constexpr double kMissedPulsesMs = 50.0;                             // more than a packet takes, less than silence is waited for
-constexpr std::int64_t kFrameNs = core::kNanosecondsPerMillisecond;  // packets of the same instant may travel in two frames
+constexpr double kMissedPulsesMs = 50.0;                             // longer than a packet, shorter than the silence limit
+constexpr std::int64_t kFrameNs = core::kNanosecondsPerMillisecond;  // packets of the same instant may be sent in two frames
 constexpr std::int64_t kTransferNs = 10 * core::kNanosecondsPerMillisecond;
 
 tl::unexpected<core::Error> pass_on(const core::Error& error, const char* which) {
@@ -106,7 +106,7 @@ core::Result<core::Rate> JoinedPair::start(const StartOptions& options) {
   return started;
 }
 
-/// A stop request may get lost.
+/// Stops the master with certainty: a stop request may have been lost.
 core::Status JoinedPair::silence_master() {
   const core::Status confirmed = confirm_master_stopped_();
   if (confirmed) return {};
@@ -128,14 +128,14 @@ core::Result<core::Rate> JoinedPair::start_halves(const StartOptions& options) {
   alone_since_ns_.reset();
   has_missed_pulses_.store(false, std::memory_order_release);  // pairs with report
   is_interrupted_.store(false, std::memory_order_relaxed);
-  // The slave must hear the very first pulse, and none before it.
+  // The slave must receive the first pulse of the new scan, and no earlier pulse.
   if (auto silent = silence_master(); !silent) return tl::make_unexpected(silent.error());
   if (auto started = slave_.device->start(options); !started) return pass_on(started.error(), "second");
   auto started = master_.device->start(options);
   if (!started) return pass_on(started.error(), "first");
   rate_ = *started;
   lag_limit_ns_ = kLagNs + rate_.time_ns({kMostPacketsApart * kPacketCodes});
-  // Units with the same number of channels fill their packets at the same instants; others do not.
+  // Only units with the same number of channels fill their packets at the same instants.
   const bool are_alike = master_.waiting.channel_count() == slave_.waiting.channel_count();
   wait_limit_ns_ = rate_.time_ns({1}) / 2 + kFrameNs + (are_alike ? 0 : kTransferNs);
   begin_window();
@@ -165,7 +165,7 @@ ReadResult JoinedPair::read(core::Block& block, std::int64_t deadline_ns) noexce
   }
 }
 
-/// One half up to what is wanted, then the other up to the same.
+/// Collects up to `wanted` scans from one half, then the same number from the other half.
 std::optional<ReadResult> JoinedPair::collect_both(std::size_t wanted, std::int64_t deadline_ns) noexcept {
   Half& first = is_slave_first_ ? slave_ : master_;
   Half& second = is_slave_first_ ? master_ : slave_;
@@ -173,17 +173,17 @@ std::optional<ReadResult> JoinedPair::collect_both(std::size_t wanted, std::int6
   if (const auto fault = collect(first, wanted, std::min(deadline_ns, clock_.now_ns() + lag_limit_ns_))) return fault;
   const std::size_t ready = std::min(wanted, first.waiting.count());
   const std::int64_t before_ns = clock_.now_ns();
-  // With nothing from the first, one look whether the second is still there.
+  // If the first half has no scans, read the second half only once, without waiting, to find its faults.
   const std::int64_t until_ns = ready == 0 ? before_ns : std::min(deadline_ns, before_ns + lag_limit_ns_);
   if (const auto fault = collect(second, std::max<std::size_t>(ready, 1), until_ns)) return fault;
   if (ready > 0) note_wait(second, clock_.now_ns() - before_ns);
   return std::nullopt;
 }
 
-/// Until `scans` of the half wait, or the deadline, or an interrupt; a result means that the half has failed.
+/// Reads until the half has `scans` waiting scans, until the deadline, or until an interrupt. Returns a result only if the half has failed.
 std::optional<ReadResult> JoinedPair::collect(Half& half, std::size_t scans, std::int64_t deadline_ns) noexcept {
   while (half.waiting.count() < scans) {
-    // `fresh` is as large as the largest block: fewer scans are waited for by time.
+    // `fresh` has the size of the largest block: for fewer scans, the deadline limits the read.
     const std::size_t missing = scans - half.waiting.count();
     const std::int64_t until_ns = missing < half.fresh.capacity() ? clock_.now_ns() + rate_.time_ns({missing}) : deadline_ns;
     const ReadResult result = half.device->read(half.fresh, std::min(until_ns, deadline_ns));
@@ -245,7 +245,7 @@ void JoinedPair::begin_window() noexcept {
   }
 }
 
-/// `scans` are about to be delivered. Looks at the waits of the window that ends.
+/// Counts the `scans` to deliver; at the end of a window, returns true if the waits show that one unit is behind.
 bool JoinedPair::is_one_behind(std::size_t scans) noexcept {
   window_scans_ += scans;
   if (window_scans_ < rate_.scans_in_ms(kWindowMs) || std::min(master_.waits, slave_.waits) < kFewestWaits) return false;
@@ -261,7 +261,7 @@ bool JoinedPair::is_one_alone(std::int64_t now_ns) noexcept {
   return is_alone && now_ns - *alone_since_ns_ >= lag_limit_ns_;
 }
 
-/// Without pulses the slave falls silent: where that is what was seen, the master is asked for the cause.
+/// Finds the cause of a silence by reading the master. If the master has scans, the slave does not receive pulses.
 ReadResult JoinedPair::cause_of(const ReadResult& fault) noexcept {
   if (fault.outcome == ReadOutcome::Gone || fault.gap.reason != core::GapReason::Silence) return fault;
   std::size_t master_scans = master_.waiting.count();
@@ -271,13 +271,13 @@ ReadResult JoinedPair::cause_of(const ReadResult& fault) noexcept {
     if (result.outcome != ReadOutcome::Scans) break;
     master_scans += master_.fresh.count();
   }
-  // Both fall silent together when the master does.
+  // If the master falls silent, the slave falls silent at the same time.
   if (master_scans > slave_.waiting.count() + rate_.scans_in_ms(kMissedPulsesMs))
     has_missed_pulses_.store(true, std::memory_order_release);  // pairs with report
   return fault;
 }
 
-/// The fault of one is the fault of both. A gap that one unit alone goes on behind would set the two against each other.
+/// Ends the scan: a fault of one unit is a fault of the pair. A gap of one unit is a fault too: it would shift this unit against the other.
 ReadResult JoinedPair::end_with(const ReadResult& seen) noexcept {
   const ReadResult fault = cause_of(seen);
   if (fault.outcome == ReadOutcome::Gone) {

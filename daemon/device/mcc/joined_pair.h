@@ -13,26 +13,26 @@
 
 namespace dts::device::mcc {
 
-/// The two units of a pair, each a Device of its own.
+/// The two units of a pair, each a separate Device.
 struct PairParts {
   std::unique_ptr<Device> master;  ///< Drives the SYNC wire.
-  std::unique_ptr<Device> slave;   ///< Scans at each pulse; delivers nothing before the first one.
-  /// Ends what the open master may still be scanning; fails when that is not sure.
+  std::unique_ptr<Device> slave;   ///< Scans at each pulse; delivers nothing before the first pulse.
+  /// Stops a scan that the open master may still run; fails if the master does not confirm.
   std::function<core::Status()> confirm_master_stopped;
   DeviceDescription description;  ///< The channels of the master, then those of the slave.
 };
 
-/// Two USB-1608FS-Plus whose SYNC pins are wired together, as one device with up to 16 simultaneous channels: those of the
-/// first unit, then those of the second, numbered on.
+/// Two USB-1608FS-Plus with connected SYNC pins, as one device with up to 16 simultaneous channels: those of the first unit, then
+/// those of the second, with consecutive numbers.
 ///
 ///     slave:  armed, a scan per pulse of SYNC   --+
 ///                                                 +-- same scan index = same instant --> one block
 ///     master: paces, pulses SYNC per scan       --+
 ///
-/// The slave starts first, when the master is known to be silent, and stops last: a pulse of an earlier scan would shift one unit
-/// against the other, and nothing in the data would tell. Host time is the master's. A fault of either unit is a fault of the pair; so is a
-/// unit that stays behind the other: reads begin with each unit in turn, and where the other one always has to be waited for, it has lost
-/// pulses or packets.
+/// The slave starts first, after the master has confirmed that it does not scan, and stops last: a pulse of an earlier scan would shift
+/// one unit against the other, and the data would not show it. Host time is that of the master. A fault of one unit is a fault of the pair.
+/// A unit that stays behind the other is also a fault: reads begin with each unit alternately; if the other unit is always late, it has
+/// lost pulses or packets.
 class JoinedPair final : public Device {
  public:
   JoinedPair(PairParts parts, core::Clock& clock);
@@ -54,13 +54,13 @@ class JoinedPair final : public Device {
   core::Status close() override;
 
  private:
-  /// One unit and its scans that the other has not delivered yet.
+  /// One unit, and its scans that the other unit has not delivered yet.
   struct Half {
     std::unique_ptr<Device> device;
-    core::Block fresh;                                ///< What one `read` brings.
-    core::Block waiting;                              ///< The scans that come next.
-    ReadOutcome outcome = ReadOutcome::NotStreaming;  ///< Of the last `read`.
-    std::int64_t shortest_wait_ns = 0;                ///< In this window, for scans that the other half had already.
+    core::Block fresh;                                ///< Scans of one `read`.
+    core::Block waiting;                              ///< The next scans to deliver.
+    ReadOutcome outcome = ReadOutcome::NotStreaming;  ///< Outcome of the last `read`.
+    std::int64_t shortest_wait_ns = 0;                ///< Shortest wait in this window for scans that the other half had already.
     int waits = 0;
   };
 
@@ -92,13 +92,13 @@ class JoinedPair final : public Device {
   std::int64_t wait_limit_ns_ = 0;
   std::uint64_t window_scans_ = 0;
   bool is_slave_first_ = false;
-  std::atomic<bool> has_missed_pulses_{false};  ///< The scan ended since only the master had scans.
-  std::optional<ReadResult> broken_;            ///< Repeated until `stop`.
-  std::optional<std::int64_t> alone_since_ns_;  ///< One unit delivers and the other does not.
+  std::atomic<bool> has_missed_pulses_{false};  ///< The scan ended because only the master had scans.
+  std::optional<ReadResult> broken_;            ///< Result that `read` repeats until `stop`.
+  std::optional<std::int64_t> alone_since_ns_;  ///< Time since which only one unit delivers.
 };
 
-/// "mcc:1608fs-plus-pair?serial=A&second_serial=B": the options of the first unit, and those of the second with "second_" in front.
-/// Fails with Unsupported where there is no USB. Needs no device to be present.
+/// Creates "mcc:1608fs-plus-pair?serial=A&second_serial=B": options of the first unit, and of the second with the prefix "second_".
+/// No unit needs to be present. Fails with Unsupported if there is no USB.
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_pair(const DeviceUri& uri, const DeviceContext& context);
 
 }  // namespace dts::device::mcc

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What users may write behind "mcc:1608fs-plus-pair?", and the making of the pair from it.
+// Options of "mcc:1608fs-plus-pair?", and creation of the pair.
 #include <algorithm>
 #include <string_view>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::string_view kSecond = "second_";
 
-/// The options of one unit, as if it had a URI of its own; errors still quote the whole.
+/// Returns the options of one unit as a separate URI; errors still quote the whole URI.
 DeviceUri part_of(const DeviceUri& uri, bool is_second) {
   DeviceUri part = uri;
   part.options.clear();

@@ -12,14 +12,14 @@ namespace dts::device::mcc {
 namespace {
 
 constexpr double kBlockNs = 10e6;                      // as uldaq: transfers of 10 ms
-constexpr double kHeadroomNs = 500e6;                  // the host may be away for this long
-constexpr double kLargestImmediateHz = 1000.0;         // as uldaq; beyond that one transfer per scan costs more than it brings
+constexpr double kHeadroomNs = 500e6;                  // the host may be blocked for this long
+constexpr double kLargestImmediateHz = 1000.0;         // as uldaq; at higher rates one transfer per scan costs too much
 constexpr std::size_t kLargestTransferBytes = 16'384;  // usbfs splits larger ones
 constexpr std::size_t kFewestTransfers = 8;
 constexpr std::size_t kMostTransfers = 512;
 constexpr std::size_t kBufferSeconds = 2;
 
-/// Time in which a packet fills.
+/// Returns the time in which a packet fills.
 double packet_ns(const StreamLoad& load) {
   const double bytes_per_second = static_cast<double>(kCodeBytes * load.channels) * load.scan_hz;
   return static_cast<double>(load.packet_bytes) / bytes_per_second * core::kNanosecondsPerSecond;

@@ -9,32 +9,32 @@
 
 namespace dts::device::mcc {
 
-/// A stream of 16 bit codes over packets of a known size.
+/// A stream of 16 bit codes in packets of a known size.
 struct StreamLoad {
   double scan_hz = 0.0;
   std::size_t channels = 0;
   std::size_t packet_bytes = 64;  ///< wMaxPacketSize.
 };
 
-/// How scans travel. Immediate: a short packet after each scan (or few), one packet per transfer. Block: full packets only.
+/// How scans are sent. Immediate: a short packet after one or a few scans, one packet per transfer. Block: full packets only.
 struct TransferChoice {
   bool is_immediate = false;
   std::size_t transfer_bytes = 0;
   std::size_t transfer_count = 0;
-  std::int64_t transfer_period_ns = 0;  ///< Between the ends of two transfers.
+  std::int64_t transfer_period_ns = 0;  ///< Time between the ends of two transfers.
 };
 
-/// Immediate only where it is needed and can be kept up: filling a packet takes longer than the request's latency, the rate is at
-/// most 1000 Hz and the last scan did not overrun with it. Block transfers take about 10 ms, less when the latency asks for it, never
-/// less than a packet. Enough transfers for half a second without the host.
+/// Chooses immediate transfers only if they are needed and possible: a full packet takes longer than the requested latency, a scan is
+/// shorter than a packet, the rate is at most 1000 Hz and the device has not overrun. Block transfers last about 10 ms, less for a smaller
+/// latency, at least one packet. The transfers in flight last for about half a second without the host.
 [[nodiscard]] TransferChoice choose_transfers(const StreamLoad& load, const usb::ScanRequest& request);
 
-/// One short packet per transfer, `packet_hz` of them per second.
+/// Returns immediate transfers: one short packet per transfer, `packet_hz` per second.
 [[nodiscard]] TransferChoice immediate_transfers(std::size_t packet_bytes, double packet_hz);
-/// Full packets only.
+/// Returns block transfers: full packets only.
 [[nodiscard]] TransferChoice block_transfers(const StreamLoad& load, std::int64_t latency_ns);
 
-/// The plan of a scan that travels so.
+/// Returns the plan of a scan with these transfers.
 [[nodiscard]] usb::ScanPlan plan_of(const TransferChoice& choice, std::uint8_t endpoint);
 
 }  // namespace dts::device::mcc

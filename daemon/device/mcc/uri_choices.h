@@ -9,13 +9,13 @@
 
 namespace dts::device::mcc {
 
-/// Options that all MCC devices of this folder share.
+/// Options of all MCC devices of this folder.
 [[nodiscard]] UriOption trigger_option();
 [[nodiscard]] Trigger read_trigger(const UriOptions& options);
 [[nodiscard]] UriOption sync_output_option();
 [[nodiscard]] std::optional<unsigned> read_sync_output_bit(const UriOptions& options);
 
-/// The refusal of a device on a cable where there is no USB.
+/// Returns the error for a USB device in a program without USB.
 [[nodiscard]] core::Error no_usb(const DeviceUri& uri);
 
 }  // namespace dts::device::mcc

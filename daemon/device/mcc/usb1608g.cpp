@@ -31,21 +31,21 @@ constexpr std::uint8_t kTriggerConfig = 0x43;
 
 constexpr std::uint16_t kCalibrationAddress = 0x7000;
 constexpr std::size_t kRanges = 4;
-constexpr std::uint16_t kHighestCode = 0xFFFC;  // Linux_Drivers takes codes beyond these for saturated
+constexpr std::uint16_t kHighestCode = 0xFFFC;  // Linux_Drivers treats codes beyond these as saturated
 constexpr std::uint16_t kLowestCode = 0x0061;
 
 constexpr std::size_t kShortStartBytes = 14;
 constexpr unsigned kBurst = 1U << 0;
 constexpr unsigned kUseTrigger = 1U << 3;
 
-/// Position in the list is the range's code.
+/// Returns the code of a range: its position in the list.
 std::size_t range_code(double range_v) {
   constexpr std::array kByCode = {10.0, 5.0, 2.0, 1.0};
   const auto found = std::find(kByCode.begin(), kByCode.end(), range_v);
   return found == kByCode.end() ? 0 : static_cast<std::size_t>(found - kByCode.begin());
 }
 
-/// Bit 0: edge, bit 1: rising or high.
+/// Returns the trigger byte: bit 0 edge, bit 1 rising or high.
 std::uint8_t trigger_byte(Trigger trigger) {
   switch (trigger) {
     case Trigger::Rising: return 3;
@@ -88,7 +88,7 @@ core::Status Usb1608g::connect(usb::UsbPort& port, std::vector<DeviceCheck>& che
   return prepare_line(port, *settings_.sync_output_bit, LineDirection::PerLine);
 }
 
-/// true: the image had to be loaded.
+/// Loads the FPGA image if the device has none; returns true if it was loaded.
 core::Result<bool> Usb1608g::ensure_fpga(usb::UsbPort& port) {
   const auto status = read_g_status(port);
   if (!status) return tl::make_unexpected(status.error());
@@ -150,7 +150,7 @@ core::Result<usb::ScanPlan> Usb1608g::configure(usb::UsbPort& port, const usb::S
   command_.period = pace(kClockHz, 1, request.rate).period;
   command_.has_trigger = settings_.trigger != Trigger::None && !request.is_restart;
 
-  // After the host's suspend the FPGA may have forgotten its image though the unit never left the bus.
+  // After a suspend of the host the FPGA may have lost its image, although the unit stayed on the bus.
   if (auto loaded = ensure_fpga(port); !loaded) return tl::make_unexpected(loaded.error());
   if (auto quiet = make_quiet(port); !quiet) return tl::make_unexpected(quiet.error());
   if (auto set = set_trigger(port); !set) return tl::make_unexpected(set.error());
@@ -189,7 +189,7 @@ core::Status Usb1608g::begin(usb::UsbPort& port) {
     if (sent && *sent == bytes.size()) return {};
     return tl::make_unexpected(usb::to_error(sent ? usb::UsbStatus::Failed : sent.error(), "starting the scan"));
   }
-  bytes.push_back(0);  // uldaq sends a reserved byte behind: some firmware may want it
+  bytes.push_back(0);  // uldaq appends a reserved byte: some firmware may need it
   return put(port, {.request = kGScanStart}, bytes, "starting the scan");
 }
 

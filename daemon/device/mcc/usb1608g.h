@@ -23,7 +23,7 @@ namespace dts::device::mcc {
 
 /// One product of the USB-1608G family. Sources: uldaq 1.2.1 (AiUsb1608g), Linux_Drivers by W. Jasper (usb-1608G.c).
 struct Usb1608gModel {
-  std::array<usb::UsbModel, 2> revisions;  ///< Of the hardware: they take different FPGA images.
+  std::array<usb::UsbModel, 2> revisions;  ///< Hardware revisions; they need different FPGA images.
   double max_aggregate_hz = 0.0;
 };
 [[nodiscard]] std::span<const Usb1608gModel> usb_1608g_models() noexcept;
@@ -32,11 +32,11 @@ struct Usb1608gSettings {
   usb::DaqOptions options;
   Trigger trigger = Trigger::None;
   std::optional<unsigned> sync_output_bit;
-  std::string fpga_path;  ///< Needed only when the device has no image: after each power-up.
+  std::string fpga_path;  ///< Needed only if the device has no image: after each power-up.
 };
 
 inline constexpr std::size_t kScanListBytes = 16;
-/// The scan list: one byte per conversion, bits 0-2 input, 3-4 range, 5-6 single-ended 0-7 (1) or 8-15 (2), 7 the last one.
+/// Returns the scan list: one byte per conversion, bits 0-2 input, 3-4 range, 5-6 single-ended 0-7 (1) or 8-15 (2), 7 last conversion.
 [[nodiscard]] std::array<std::uint8_t, kScanListBytes> encode_scan_list(std::span<const std::size_t> inputs,
                                                                         std::span<const double> ranges_v);
 
@@ -45,19 +45,19 @@ struct GStartCommand {
   std::size_t packet_codes = 1;
   bool has_trigger = false;
 };
-/// The bytes of an endless scan in burst mode: 14, and one more where the firmware wants uldaq's form.
+/// Returns the 14 bytes that start an endless scan in burst mode.
 [[nodiscard]] std::vector<std::uint8_t> encode_g_start(const GStartCommand& command);
 
-/// Packets of whole scans, the most that neither 10 ms nor the latency nor a packet's size forbid; full packets where one fills in time.
+/// Packets of whole scans: as many as 10 ms, the latency and the packet size allow; full packets if one fills in that time.
 struct GPackets {
   std::size_t packet_codes = 1;
   TransferChoice transfers;
 };
 [[nodiscard]] GPackets choose_g_packets(const StreamLoad& load, const usb::ScanRequest& request);
 
-/// The protocol of MCC's USB-1608G, 1608GX and 1608GX-2AO. Its FPGA image comes from a file and is loaded again whenever the
-/// device says that it has none: after power-up and, on some hosts, after suspend. Scans always run in burst mode: without it
-/// public drivers disagree on what the pacer's period means.
+/// The protocol of MCC's USB-1608G, 1608GX and 1608GX-2AO. The FPGA image is loaded from a file whenever the device reports that
+/// it has none: after power-up and, on some hosts, after suspend. Scans always use burst mode: without it, public drivers
+/// disagree about the meaning of the pacer's period.
 class Usb1608g final : public usb::DaqDriver {
  public:
   Usb1608g(const Usb1608gModel& model, Usb1608gSettings settings);
@@ -96,7 +96,7 @@ class Usb1608g final : public usb::DaqDriver {
 };
 
 [[nodiscard]] std::vector<UriOption> usb_1608g_options();
-/// Fails with Unsupported where there is no USB. Needs no device to be present.
+/// Creates the device; no unit needs to be present. Fails with Unsupported if there is no USB.
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_usb_1608g(const Usb1608gModel& model, const DeviceUri& uri,
                                                                      const DeviceContext& context);
 

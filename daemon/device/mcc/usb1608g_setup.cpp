@@ -68,7 +68,7 @@ core::Result<std::unique_ptr<Device>> create_usb_1608g(const Usb1608gModel& mode
       .inputs = kInputs, .max_scan_length = kScanListBytes, .must_ascend = false, .may_repeat = false, .ranges_v = kRangesV};
   auto common = usb::read_daq_options(uri, *options, limits);
   if (!common) return tl::make_unexpected(common.error());
-  if (options->is_given("fpga")) {  // what --check-config is to say
+  if (options->is_given("fpga")) {  // so that --check-config reports a wrong file
     if (!std::filesystem::path(options->text("fpga")).is_absolute()) {
       return core::fail(core::ErrorCode::InvalidArgument,
                         "device \"" + uri.text + "\": fpga = \"" + options->text("fpga") + "\" is not a whole path",

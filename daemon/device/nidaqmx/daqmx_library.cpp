@@ -17,7 +17,7 @@ std::string loader_says() {
   return text != nullptr ? text : "no reason given";
 }
 
-/// false: `library` has no such function; `missing` becomes the first of these.
+/// Sets `function` to the function `name` of `library`; if there is none, to nullptr, and stores the first such name in `missing`.
 template <class Function>
 void resolve(void* library, const char* name, Function& function, std::string& missing) {
   function = reinterpret_cast<Function>(dlsym(library, name));
@@ -35,7 +35,7 @@ bool is_gone(std::int32_t status) noexcept {
 }
 
 core::Result<std::unique_ptr<const DaqmxLibrary>> DaqmxLibrary::load(const std::string& file) {
-  // Never unloaded: it starts threads of its own, which would be left without code.
+  // Never unloaded: the library starts threads, which would lose their code.
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (library == nullptr) {
     return core::fail(ErrorCode::Unsupported, "NI-DAQmx is not installed on this computer: " + loader_says(),

@@ -22,7 +22,7 @@ inline constexpr std::int32_t kTerminalNrse = 10078;
 inline constexpr std::int32_t kTerminalDifferential = 10106;
 inline constexpr std::uint32_t kGroupByScan = 1;
 
-inline constexpr std::int32_t kSamplesNotYetAvailable = -200284;  ///< A read's time is up.
+inline constexpr std::int32_t kSamplesNotYetAvailable = -200284;  ///< A read has timed out.
 inline constexpr std::int32_t kSamplesNoLongerAvailable = -200279;
 inline constexpr std::int32_t kInputFifoOverflow = -200361;
 inline constexpr std::int32_t kInputBufferOverwrite = -200222;
@@ -31,24 +31,24 @@ inline constexpr std::int32_t kDeviceCannotBeAccessed = -201003;
 inline constexpr std::int32_t kInvalidDeviceId = -200220;
 }  // namespace api
 
-/// The buffer of the device or of the driver was full.
+/// Returns true if the buffer of the device or of the driver was full.
 [[nodiscard]] bool is_overrun(std::int32_t status) noexcept;
-/// The device is not there any more.
+/// Returns true if the device is no longer there.
 [[nodiscard]] bool is_gone(std::int32_t status) noexcept;
 
-/// NI-DAQmx, loaded at run time: this program is neither built nor linked with anything of NI. Status < 0: error, > 0: warning.
+/// NI-DAQmx, loaded at run time: nothing of NI is needed to build or link this program. Status < 0: error, > 0: warning.
 class DaqmxLibrary {
  public:
   using Task = void*;
   using Bool32 = std::uint32_t;
 
-  /// Unsupported: not installed, or lacks a function. `file` as for dlopen.
+  /// Loads the library `file`, a name as for dlopen. Fails with Unsupported if it is not installed or a function is missing.
   [[nodiscard]] static core::Result<std::unique_ptr<const DaqmxLibrary>> load(const std::string& file);
 
-  /// What `status` of a call just made in this thread means, in NI's words; `what`: the sentence before it.
+  /// Returns the error `status` of the last call in this thread, with NI's text after `what`.
   [[nodiscard]] core::Error error(std::int32_t status, const std::string& what) const;
 
-  // NI's functions under their names without "DAQmx". Thread: any, one per task.
+  // NI's functions, with their names without "DAQmx". Thread: any, one per task.
   std::int32_t (*create_task)(const char* name, Task* task) = nullptr;
   std::int32_t (*create_ai_voltage_chan)(Task task, const char* channels, const char* names, std::int32_t terminal, double minimum,
                                          double maximum, std::int32_t units, const char* scale) = nullptr;

@@ -19,13 +19,13 @@ using core::ErrorCode;
 using core::GapReason;
 
 constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
-constexpr std::int64_t kSliceNs = 50 * kMillisecond;  // interrupt() is noticed within 100 ms
-constexpr std::int64_t kFrameNs = kMillisecond;       // a USB frame; NI's library looks for data about as often
+constexpr std::int64_t kSliceNs = 50 * kMillisecond;  // read() sees interrupt() within 100 ms
+constexpr std::int64_t kFrameNs = kMillisecond;       // a USB frame; NI's library checks for data about as often
 constexpr double kMinimumRateHz = 1.0;
-constexpr double kMaximumRateHz = 100'000.0;  // of this program; the device refuses what is too fast for it
+constexpr double kMaximumRateHz = 100'000.0;  // limit of this program; the device rejects a rate that is too high for it
 constexpr double kBufferMs = 4000.0;
-constexpr double kRateStepHz = 1e-6;         // rates are configured in steps of this
-constexpr double kRateToleranceHz = 1.1e-6;  // a step, and what doubles round
+constexpr double kRateStepHz = 1e-6;         // step of configured rates
+constexpr double kRateToleranceHz = 1.1e-6;  // one step and the rounding of doubles
 
 DeviceDescription describe_device(const NiOptions& options) {
   DeviceDescription description;
@@ -40,8 +40,8 @@ DeviceDescription describe_device(const NiOptions& options) {
   return description;
 }
 
-/// Rounded down to a rate that can be configured: the clock's divisor is rounded down, so that a rate above the true one would
-/// get the next smaller divisor and run faster again.
+/// Rounds down to a rate that can be configured. NI rounds the clock's divisor down, so a rate slightly above the true rate would get
+/// the next smaller divisor, and the device would run even faster.
 double configurable(double hz) { return std::floor(hz / kRateStepHz) * kRateStepHz; }
 
 std::string rate_text(double hz) {
@@ -89,7 +89,7 @@ core::Status NiDaqmx::open() {
     }
     library_ = std::move(*loaded);
   }
-  // A task is made only to hear now, not at the start, that the name or a channel is wrong.
+  // This task only checks the name and the channels: otherwise `start` would find a mistake.
   const core::Status created = create_task();
   (void)clear_task();
   if (!created) return created;
@@ -134,7 +134,7 @@ core::Result<core::Rate> NiDaqmx::start(const StartOptions& options) {
   if (auto ready = set_up(options); !ready) {
     (void)clear_task();
     core::Error error = ready.error();
-    if (error.code == ErrorCode::NotFound) error.code = ErrorCode::DeviceGone;  // it was there when it was opened
+    if (error.code == ErrorCode::NotFound) error.code = ErrorCode::DeviceGone;  // the device existed when it was opened
     if (error.code == ErrorCode::DeviceGone) move_to(DeviceState::Gone);
     return tl::make_unexpected(error);
   }
@@ -155,7 +155,7 @@ core::Status NiDaqmx::set_up(const StartOptions& options) {
   status = library_->cfg_input_buffer(task_, static_cast<std::uint32_t>(buffer_scans));
   if (status < 0) return failed(status, "DAQmxCfgInputBuffer");
   if (auto right = check_rate_of_task(options.rate); !right) return right;
-  // Scan 0 of a triggered scan is taken at any later time.
+  // With a trigger, scan 0 may be at any later time.
   host_time_.restart(waits_for_trigger() ? std::nullopt : std::optional(clock_.raw_ns()));
   status = library_->start_task(task_);
   return status < 0 ? failed(status, "DAQmxStartTask") : core::Status{};
@@ -177,7 +177,7 @@ ReadResult NiDaqmx::read(core::Block& block, std::int64_t deadline_ns) noexcept 
   const DeviceState now = state();
   if (now == DeviceState::Gone) return {ReadOutcome::Gone, {GapReason::Unplugged, 0, false}};
   if (now != DeviceState::Streaming) return {};
-  // A block that does not fit is the caller's mistake; it must not become an overwritten column.
+  // A block of the wrong size is a mistake of the caller; it must not cause writes beyond a column.
   if (block.capacity() == 0 || block.channel_count() != options_.channels.size()) return {ReadOutcome::Timeout, {}};
   if (trouble_.outcome != ReadOutcome::Scans) return tell();
   const std::size_t count = fetch(std::min(block.capacity(), max_block_scans_), deadline_ns);
@@ -189,7 +189,7 @@ ReadResult NiDaqmx::read(core::Block& block, std::int64_t deadline_ns) noexcept 
   return {waits_for_trigger() ? ReadOutcome::Armed : ReadOutcome::Timeout, {}};
 }
 
-/// Scans that were put into `values_`. An error that came behind them is told next time.
+/// Reads scans into `values_` and returns their number. If an error follows them, the next `read` returns it.
 std::size_t NiDaqmx::fetch(std::size_t wanted, std::int64_t deadline_ns) noexcept {
   const std::size_t channels = options_.channels.size();
   std::size_t count = 0;
@@ -201,7 +201,7 @@ std::size_t NiDaqmx::fetch(std::size_t wanted, std::int64_t deadline_ns) noexcep
     const std::int32_t status = library_->read_analog_f64(task_, static_cast<std::int32_t>(wanted - count),
                                                           static_cast<double>(slice_ns) / core::kNanosecondsPerSecond, api::kGroupByScan,
                                                           room.data(), static_cast<std::uint32_t>(room.size()), &scans, nullptr);
-    if (scans < 0 || static_cast<std::size_t>(scans) > wanted - count) {  // values_ cannot be believed
+    if (scans < 0 || static_cast<std::size_t>(scans) > wanted - count) {  // the content of values_ is not reliable
       trouble_ = {ReadOutcome::Broken, {GapReason::Integrity, 0, false}};
       return 0;
     }
@@ -212,7 +212,7 @@ std::size_t NiDaqmx::fetch(std::size_t wanted, std::int64_t deadline_ns) noexcep
     const bool is_over =
         clock_.now_ns() >= deadline_ns || is_interrupted_.exchange(false, std::memory_order_acquire);  // pairs with interrupt
     if (count == wanted || is_over || trouble_.outcome != ReadOutcome::Scans) return count;
-    // Nothing and no reason for it: not all the time.
+    // The library returned early without scans and without an error: avoid a busy loop.
     if (scans == 0 && status >= 0) clock_.sleep_until_ns(std::min(deadline_ns, now_ns + kMillisecond));
   }
 }
@@ -257,7 +257,7 @@ core::Status NiDaqmx::set_sync_output(bool) { return refuse_sync_output(descript
 
 core::Status NiDaqmx::clear_task() {
   if (task_ == nullptr) return {};
-  library_->stop_task(task_);  // whatever it says: it repeats the error that ended the scan
+  library_->stop_task(task_);  // its status is ignored: it repeats the error that ended the scan
   const std::int32_t status = library_->clear_task(std::exchange(task_, nullptr));
   return status < 0 ? failed(status, "DAQmxClearTask") : core::Status{};
 }

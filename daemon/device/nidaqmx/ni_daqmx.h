@@ -19,17 +19,17 @@ namespace dts::device::nidaqmx {
 
 struct NiOptions {
   std::string uri;
-  std::string name;                   ///< As NI's tools call it: "Dev1".
+  std::string name;                   ///< Name in NI's tools: "Dev1".
   std::vector<std::size_t> channels;  ///< Analogue inputs in scan order.
   std::int32_t terminal = api::kTerminalRse;
-  double range_v = 10.0;  ///< Asked for, both sides of 0 V; the device takes the next larger one that it has.
-  std::string trigger;    ///< "PFI0", for the first scan ever; empty: every scan starts at once.
+  double range_v = 10.0;  ///< Requested range, +- this value; the device uses its next larger range.
+  std::string trigger;    ///< "PFI0": starts the first scan of the device object; empty: every scan starts at once.
   std::string library = kDefaultLibrary;
 };
 
-/// Any device that NI-DAQmx drives on this computer. NI's library owns the USB traffic and the buffer; here are states, time
-/// and errors. It names its true rate only after it is set up, so `exact_rate` answers what was asked for, and `start` fails
-/// when the device would run at another rate, naming that one.
+/// Any device that NI-DAQmx supports on this computer. NI's library owns the USB transfers and the buffer; this class handles states,
+/// time and errors. The library reports the true rate only for a task that is set up. So `exact_rate` returns the wanted rate, and `start`
+/// fails if the device would run at another rate; the error contains that rate.
 class NiDaqmx final : public Device {
  public:
   NiDaqmx(NiOptions options, core::Clock& clock);
@@ -68,23 +68,23 @@ class NiDaqmx final : public Device {
   DeviceDescription description_;
   std::atomic<DeviceState> state_{DeviceState::Closed};
   std::atomic<bool> is_interrupted_{false};
-  std::atomic<std::int32_t> read_error_{0};  ///< That ended the last scan.
+  std::atomic<std::int32_t> read_error_{0};  ///< Error that ended the last scan; 0: none.
   mutable std::mutex report_mutex_;
   DeviceReport report_;
 
   std::unique_ptr<const DaqmxLibrary> library_;
   DaqmxLibrary::Task task_ = nullptr;
   std::size_t max_block_scans_ = 0;
-  std::vector<double> values_;     ///< As read: scan after scan.
-  std::uint64_t next_ = 0;         ///< Scan that the next block begins with.
-  bool has_ever_scanned_ = false;  ///< Also before it was opened again: a trigger is waited for only once.
+  std::vector<double> values_;     ///< Values in the order of NI's library: scan after scan.
+  std::uint64_t next_ = 0;         ///< First scan of the next block.
+  bool has_ever_scanned_ = false;  ///< Not reset by `open`: only the first scan waits for a trigger.
   core::HostTime host_time_;
   ReadResult trouble_{ReadOutcome::Scans, {}};
 };
 
 /// Reads channels, terminal, range_v, trigger and library.
 [[nodiscard]] core::Result<NiOptions> read_ni_options(const DeviceUri& uri);
-/// "ni:Dev1": for the registry.
+/// Creates "ni:Dev1", for the registry.
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_ni_daqmx(const DeviceUri& uri, const DeviceContext& context);
 
 }  // namespace dts::device::nidaqmx

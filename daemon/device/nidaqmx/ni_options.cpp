@@ -54,7 +54,7 @@ core::Result<NiOptions> read_ni_options(const DeviceUri& uri) {
   NiOptions options;
   options.uri = uri.text;
   options.name = uri.name;
-  // These separate names in NI's lists of channels.
+  // These characters separate names in NI's lists of channels.
   if (options.name.empty() || options.name.find_first_of("/,: ") != std::string::npos) {
     return refuse(uri, ErrorCode::InvalidArgument, "\"" + uri.name + "\" is no name of a device", "as NI's tools name it: ni:Dev1");
   }

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::size_t kBlockScans = 256;
 constexpr std::size_t kBlocks = 64;
-constexpr int kRoomPatienceMs = 50;     // how soon a stop is seen
-constexpr int kFirstPatienceMs = 1000;  // a slower disk is waited for by whoever reads: he can be interrupted
+constexpr int kRoomPatienceMs = 50;     // limit for noticing a stop
+constexpr int kFirstPatienceMs = 1000;  // with a slower disk, `read` waits: it can be interrupted
 
 }  // namespace
 
@@ -31,7 +31,7 @@ core::Status PlayQueue::start(bool loops) {
     (void)core::configure_this_thread("replay-ahead", {});
     try {
       run(stop, loops);
-    } catch (const std::exception& error) {  // memory may run out
+    } catch (const std::exception& error) {  // std::bad_alloc
       end(error.what(), stop);
     }
   });
@@ -101,7 +101,7 @@ core::Status PlayQueue::play_once(const std::stop_token& stop) {
   return {};
 }
 
-/// false: stopped.
+/// Passes all ready scans to the reader; returns false if stopped.
 bool PlayQueue::hand_out(ScanMerger& merger, const std::stop_token& stop) {
   while (PlayedItem* next = slot(stop)) {
     switch (merger.take(next->block, next->gap)) {

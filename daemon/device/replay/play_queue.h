@@ -17,32 +17,32 @@
 
 namespace dts::device::replay {
 
-/// What comes next out of a recording.
+/// The next item of a recording.
 struct PlayedItem {
   enum class Kind : std::uint8_t { Scans, Gap, End };
   Kind kind = Kind::End;
-  core::Block block;              ///< Of Scans.
-  core::Gap gap{};                ///< Of Gap.
-  std::array<char, 512> fault{};  ///< Of End: why it came early; empty at the end of the file.
+  core::Block block;              ///< For Scans.
+  core::Gap gap{};                ///< For Gap.
+  std::array<char, 512> fault{};  ///< For End: why playback ended early; empty at the end of the file.
 };
 
-/// Reads a recording ahead on a thread of its own, so that whoever plays it touches no file and takes no memory.
+/// Reads a recording ahead on its own thread, so that the reader does not access files or allocate.
 ///
 ///     play-ahead thread: Recording --items--> ScanMerger --blocks--> [ring] --> front, release
 class PlayQueue {
  public:
-  /// `recording` outlives this and is read by nobody else between `start` and `stop`.
+  /// `recording` must outlive the queue; between `start` and `stop` only the queue may read it.
   PlayQueue(record::Recording& recording, const RecordedDevice& device);
   ~PlayQueue() { stop(); }
   PlayQueue(const PlayQueue&) = delete;
   PlayQueue& operator=(const PlayQueue&) = delete;
 
-  /// From the beginning; with `loops` again and again, with a gap without missing scans between. Waits a moment for the first item.
-  /// Fails as the recording's `rewind`. Thread: control.
+  /// Plays from the beginning; with `loops` repeatedly, with a gap without missing scans between two rounds. Waits up to 1 s for the first
+  /// item. Fails as the recording's `rewind`. Thread: control.
   [[nodiscard]] core::Status start(bool loops);
   void stop() noexcept;
 
-  /// The next item, or nullptr when `patience_ms` have passed without. Thread: one reader. Realtime-safe: yes.
+  /// Returns the next item, or nullptr if none arrives within `patience_ms`. Thread: one reader. Realtime-safe: yes.
   [[nodiscard]] PlayedItem* front(int patience_ms) noexcept;
   void release() noexcept;
 
@@ -59,7 +59,7 @@ class PlayQueue {
   core::SpscRing<PlayedItem> ring_;
   core::Doorbell item_bell_;
   core::Doorbell room_bell_;
-  std::uint64_t handed_over_ = 0;  ///< Items; the play-ahead thread's.
+  std::uint64_t handed_over_ = 0;  ///< Number of items; owned by the play-ahead thread.
   std::jthread thread_;
 };
 

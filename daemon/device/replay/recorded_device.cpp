@@ -10,8 +10,8 @@
 namespace dts::device::replay {
 namespace {
 
-constexpr double kRateTolerance = 0.005;  // a rig asks for 1500 Hz and its DAQ gave 1501.5: the recording's rate is meant
-constexpr double kUnknownRange = 1e6;     // no value reaches its end: what is not known marks nothing as rail
+constexpr double kRateTolerance = 0.005;  // a rig is configured with 1500 Hz, but its DAQ ran at 1501.5 Hz: use the recorded rate
+constexpr double kUnknownRange = 1e6;     // range of a channel of unknown range: so wide that no value counts as rail
 constexpr std::size_t kMostNumbers = 1U << 24U;
 
 tl::unexpected<core::Error> refuse(const std::string& uri, const std::string& why) {
@@ -30,7 +30,7 @@ ChannelDescription describe(const record::ChannelInfo& channel, bool is_raw) {
   return description;
 }
 
-/// Puts the channels of one stream where the device had them; what is wrong, or an empty text.
+/// Assigns the channels of one stream to device channels; returns the problem, or an empty text.
 std::string place(const record::StreamInfo& stream, bool is_raw, DeviceDescription& device, std::vector<std::size_t>& columns) {
   for (const record::ChannelInfo& channel : stream.channels) {
     if (channel.device_channel < 0) return "channel " + channel.label + " of stream " + stream.name + " has no device channel";

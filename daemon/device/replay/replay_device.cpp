@@ -12,9 +12,9 @@ namespace {
 
 using core::ErrorCode;
 
-constexpr std::int64_t kSliceNs = 50 * core::kNanosecondsPerMillisecond;  // interrupt() must be noticed within 100 ms
+constexpr std::int64_t kSliceNs = 50 * core::kNanosecondsPerMillisecond;  // read() must see interrupt() within 100 ms
 constexpr int kDiskPatienceMs = 10;
-constexpr double kLongestGapMs = 5000.0;  // nobody wants to wait for the night between two segments
+constexpr double kLongestGapMs = 5000.0;  // longest wait in a gap: the gap between two segments may be a whole night
 
 }  // namespace
 
@@ -81,7 +81,7 @@ ReadResult ReplayDevice::read(core::Block& block, std::int64_t deadline_ns) noex
   const DeviceState now = state();
   if (now == DeviceState::Gone) return {ReadOutcome::Gone, {.reason = core::GapReason::Unplugged}};
   if (now != DeviceState::Streaming) return {};
-  // A block that does not fit is the caller's mistake; it must not become an overwritten column.
+  // A block of the wrong size is a mistake of the caller; it must not cause writes beyond a column.
   if (block.capacity() == 0 || block.channel_count() != recorded_.description.channels.size()) return {ReadOutcome::Timeout, {}};
   const PlayedItem* item = wait_for_item(deadline_ns);
   if (item == nullptr) return {ReadOutcome::Timeout, {}};
@@ -97,7 +97,7 @@ bool ReplayDevice::is_given_up(std::int64_t deadline_ns) noexcept {
   return clock_.now_ns() >= deadline_ns || is_interrupted_.exchange(false, std::memory_order_acquire);  // pairs with interrupt()
 }
 
-/// The disk is waited for in real time: it knows no other.
+/// Waits for the play-ahead thread in real time, even if `clock_` is virtual, since the disk is real.
 PlayedItem* ReplayDevice::wait_for_item(std::int64_t deadline_ns) noexcept {
   PlayedItem* item = queue_.front(kDiskPatienceMs);
   while (item == nullptr && !is_given_up(deadline_ns)) item = queue_.front(kDiskPatienceMs);
@@ -113,7 +113,7 @@ std::int64_t ReplayDevice::due_ns(std::uint64_t position) const noexcept {
   return start_ns_ + std::llround(std::min(elapsed_ns, static_cast<double>(kFarthestNs)));
 }
 
-/// How many of the next `scans` positions are due at the deadline, or as soon as all are.
+/// Waits until the next `scans` positions are due, at most until the deadline; returns how many are due.
 std::uint64_t ReplayDevice::wait_until_due(std::uint64_t scans, std::int64_t deadline_ns) noexcept {
   if (!options_.speed || scans == 0) return scans;
   const std::int64_t last_ns = due_ns(paced_ + scans - 1);
@@ -123,7 +123,7 @@ std::uint64_t ReplayDevice::wait_until_due(std::uint64_t scans, std::int64_t dea
   const std::int64_t now_ns = clock_.now_ns();
   if (now_ns >= last_ns) return scans;
   std::uint64_t due = 0;
-  for (std::uint64_t first_late = scans; due < first_late;) {  // the first position that is late, by halves
+  for (std::uint64_t first_late = scans; due < first_late;) {  // binary search for the first position that is not due
     const std::uint64_t middle = due + (first_late - due) / 2;
     if (due_ns(paced_ + middle) <= now_ns) {
       due = middle + 1;

@@ -15,19 +15,19 @@
 
 namespace dts::device::replay {
 
-/// How fast, and how often.
+/// Speed and repetition of a replay.
 struct PlayOptions {
-  std::optional<double> speed = 1.0;  ///< Nothing: as fast as its reader.
+  std::optional<double> speed = 1.0;  ///< No value: as fast as the reader.
   bool loops = false;
 };
 
-/// "replay:FILE?speed=1|0.1..100|max&loop=0|1": plays a recording. See README.md.
+/// Creates "replay:FILE?speed=1|0.1..100|max&loop=0|1", which plays a recording. See README.md.
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_replay(const DeviceUri& uri, const DeviceContext& context);
 
-/// A recording as a device: the scans, quality bits and gaps that the DAQ gave, at the rate that it had.
+/// A recording as a device: the recorded scans, quality bits and gaps, at the recorded rate.
 ///
-/// Host times are those that the device would give if it ran now: start + scans and missing scans / rate, whatever the speed, so that
-/// everything downstream sees the recorded time axis. Speed decides only when a scan is handed out.
+/// Host times are those of a device that runs now: start + (scans + missing scans) / rate. They do not depend on the speed, so all later
+/// stages see the recorded time axis. The speed only determines when a scan is delivered.
 class ReplayDevice final : public Device {
  public:
   ReplayDevice(RecordedDevice recorded, std::unique_ptr<record::Recording> recording, PlayOptions options, core::Clock& clock);
@@ -67,14 +67,14 @@ class ReplayDevice final : public Device {
   std::atomic<DeviceState> state_{DeviceState::Closed};
   std::atomic<bool> is_interrupted_{false};
   std::atomic<bool> has_ended_{false};
-  std::array<char, 512> fault_{};  ///< Why it ended early.
+  std::array<char, 512> fault_{};  ///< Why playback ended early.
 
   std::size_t max_block_scans_ = 0;
   std::int64_t start_ns_ = 0;
-  std::uint64_t position_ = 0;   ///< Scans played and missing since start.
-  std::uint64_t paced_ = 0;      ///< The same, but of a long gap only what is waited for.
-  std::uint64_t next_scan_ = 0;  ///< Since the last gap.
-  std::size_t taken_ = 0;        ///< Scans of the queue's front block that have been read.
+  std::uint64_t position_ = 0;   ///< Played and missing scans since start.
+  std::uint64_t paced_ = 0;      ///< Like `position_`, but a long gap counts only up to the longest wait.
+  std::uint64_t next_scan_ = 0;  ///< Index of the next scan since the last gap.
+  std::size_t taken_ = 0;        ///< Number of delivered scans of the queue's front block.
 };
 
 }  // namespace dts::device::replay

@@ -10,8 +10,8 @@ namespace dts::device::replay {
 namespace {
 
 constexpr double kLagMs = 1000.0;
-constexpr std::uint64_t kMostWaitingValues = std::uint64_t{1} << 23U;  // 64 MB, of a file that has raw or aux scans alone
-constexpr std::size_t kMostWaitingRuns = std::size_t{1} << 17U;        // of a file whose chunks hold one scan each
+constexpr std::uint64_t kMostWaitingValues = std::uint64_t{1} << 23U;  // 64 MB; limits a file with only raw or only aux scans
+constexpr std::size_t kMostWaitingRuns = std::size_t{1} << 17U;        // limits a file with one scan per chunk
 constexpr std::size_t kMostWaitingEvents = 1'000'000;
 constexpr std::uint64_t kMostMissingScans = 1'000'000'000'000'000;
 
@@ -77,7 +77,7 @@ bool ScanMerger::is_too_much() const noexcept {
   return values > kMostWaitingValues || raw_.runs.size() + aux_.runs.size() > kMostWaitingRuns;
 }
 
-/// A recording begins and ends anywhere: aux scans before the first raw scan are left out. The other way round a channel is missing.
+/// Skips aux scans before the first raw scan: a recording may begin anywhere. Fails if aux scans are missing for a raw scan.
 core::Status ScanMerger::align_aux() {
   if (!device_.aux_stream || raw_.runs.empty()) return {};
   const Place next = raw_.runs.front().next();
@@ -120,7 +120,7 @@ void ScanMerger::add_segment(const record::RecordedEvent& event) {
                           .is_exact = record::text_of(event, "is_exact") == "true"};
 }
 
-/// Scans at the front that may leave: of the first raw run, and there in the aux stream too.
+/// Returns how many scans `take` may return: scans of the first raw run that the aux stream also has.
 std::size_t ScanMerger::ready_scans() const noexcept {
   if (raw_.runs.empty()) return 0;
   std::size_t ready = raw_.runs.front().left;
@@ -129,7 +129,7 @@ std::size_t ScanMerger::ready_scans() const noexcept {
     ready = static_cast<std::size_t>(std::min<std::uint64_t>(ready, allowed));
   }
   if (!device_.aux_stream) return ready;
-  if (aux_.runs.empty() || aux_.runs.front().next() != raw_.runs.front().next()) return 0;  // not read yet
+  if (aux_.runs.empty() || aux_.runs.front().next() != raw_.runs.front().next()) return 0;  // the aux scans have not been added yet
   return std::min(ready, aux_.runs.front().left);
 }
 
@@ -137,7 +137,7 @@ bool ScanMerger::is_gap_ahead(const Run& run) const noexcept { return expected_ 
 
 core::Gap ScanMerger::gap_before(const Run& run) const {
   const Place next = run.next();
-  if (next.segment == expected_->segment) {  // the recorder was too slow: the device had these scans
+  if (next.segment == expected_->segment) {  // the device delivered these scans, but the recorder was too slow
     return {
         .reason = core::GapReason::RingFull, .missing_scans = std::min(next.scan - expected_->scan, kMostMissingScans), .is_exact = true};
   }

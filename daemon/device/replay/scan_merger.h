@@ -15,31 +15,30 @@
 
 namespace dts::device::replay {
 
-/// Makes the device's scans of what a recording holds in three streams and its events: columns in the device's order with their
-/// quality bits, and the gaps between them.
+/// Rebuilds the device's scans from three streams of a recording and its events: columns in the device's order with their
+/// quality bits, and the gaps between scans.
 ///
 ///     raw     ----[chunk 0..24]----------[25..49]----------------------
 ///     aux     ---------[0..24]--------------[25..49]-------------------   --> add --> merged, one second late --> take
 ///     quality ------------(bits change at 7)--(at 31)------------------
 ///
-/// A quality bit may stand in the file after the scans that it is about; recorders write within a quarter of a second. Scans therefore
-/// leave only when a second of raw scans has come after them, or at `finish`.
+/// A quality bit may be in the file after its scans; recorders write it within a quarter of a second. So `take` returns scans only when
+/// one second of later raw scans has been added, or after `finish`.
 class ScanMerger {
  public:
   explicit ScanMerger(const RecordedDevice& device);
 
-  /// Takes the next item of the file; those of other streams are left alone. DataDamaged: the streams contradict each other.
+  /// Adds the next item of the file; ignores items of other streams. Fails with DataDamaged if the streams contradict each other.
   [[nodiscard]] core::Status add(const record::RecordedItem& item);
-  /// Nothing more comes: the rest may leave.
+  /// Marks the end of the file: `take` may return all remaining scans.
   void finish() noexcept { is_finished_ = true; }
 
   enum class Taken : std::uint8_t {
-    Nothing,  ///< More items are needed, or at the end: it is over.
+    Nothing,  ///< More items are needed; after `finish`: no scans are left.
     Scans,
-    Gap,  ///< Before the next scans.
+    Gap,  ///< A gap before the next scans.
   };
-  /// Fills `block` (as many columns as the device has channels) with consecutive scans at their recorded segment and index, at most its
-  /// capacity.
+  /// Fills `block` (one column per device channel) with consecutive scans, at most its capacity, and sets their recorded segment and index.
   [[nodiscard]] Taken take(core::Block& block, core::Gap& gap);
 
  private:
@@ -48,12 +47,12 @@ class ScanMerger {
     std::uint64_t scan = 0;
     friend auto operator<=>(const Place&, const Place&) = default;
   };
-  /// Scans of one stream that wait, in a row.
+  /// Waiting consecutive scans of one stream.
   struct Run {
     Place first;
     double first_time_s = 0.0;
     std::size_t count = 0;
-    std::size_t left = 0;  ///< The last so many have not been taken.
+    std::size_t left = 0;  ///< Number of scans that have not been taken: the last ones.
     std::vector<double> values;
 
     [[nodiscard]] Place next() const noexcept { return {first.segment, first.scan + (count - left)}; }
@@ -63,9 +62,9 @@ class ScanMerger {
     std::vector<std::uint8_t> bits;
   };
   struct Column {
-    std::vector<std::size_t> channels;  ///< Of the device.
+    std::vector<std::size_t> channels;  ///< Device channels.
     std::deque<Run> runs{};
-    std::uint64_t waiting_scans = 0;  ///< Have not been taken.
+    std::uint64_t waiting_scans = 0;  ///< Number of scans that have not been taken.
   };
 
   core::Status add_scans(const record::RecordedScans& scans, Column& column);
@@ -87,9 +86,9 @@ class ScanMerger {
   Column raw_;
   Column aux_;
   std::deque<Change> changes_;
-  std::vector<std::uint8_t> bits_;  ///< Per device channel, in force.
+  std::vector<std::uint8_t> bits_;  ///< Current quality bits per device channel.
   std::map<std::uint32_t, core::Gap> gaps_;
-  std::optional<Place> expected_;  ///< What continues without a gap.
+  std::optional<Place> expected_;  ///< The next scan if there is no gap.
   double next_time_s_ = 0.0;       ///< Time of that scan.
   bool is_finished_ = false;
 };

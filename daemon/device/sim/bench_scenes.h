@@ -14,10 +14,10 @@
 
 namespace dts::device::sim {
 
-/// An assistant who puts known weights on the plate, one after the other: what a calibration of the platform needs.
+/// Known weights on the plate, one after the other, to calibrate the platform.
 class WeightsScene final : public Scene {
  public:
-  /// Reads the list of weights. `rig` must outlive the scene.
+  /// Creates the scene and reads the list of weights. `rig` must outlive the scene.
   [[nodiscard]] static core::Result<std::unique_ptr<Scene>> create(const FloorOptions& options, const physics::RigModel& rig);
 
   [[nodiscard]] core::Status load() override { return {}; }
@@ -35,11 +35,11 @@ class WeightsScene final : public Scene {
   SensorBank sensors_;
 };
 
-/// Spacers of known height under a target in front of every sensor: what a calibration of the sensors needs. Without a spacer a sensor
-/// sees nothing nearer than the far end of its curve. No plate is bent.
+/// Spacers of known height, with a target, in front of every sensor, to calibrate the sensors. Without a spacer a sensor measures the far
+/// end of its curve. The plate does not bend.
 class GapsScene final : public Scene {
  public:
-  /// `rig` must outlive the scene. Fails when a gap is outside a sensor's curve.
+  /// Creates the scene. `rig` must outlive it. Fails if a gap is outside a sensor's curve.
   [[nodiscard]] static core::Result<std::unique_ptr<Scene>> create(const FloorOptions& options, const physics::RigModel& rig);
 
   [[nodiscard]] core::Status load() override { return {}; }

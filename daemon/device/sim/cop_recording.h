@@ -10,22 +10,22 @@
 
 namespace dts::device::sim {
 
-/// A recorded centre of pressure that a simulated person repeats. CSV with the header `t_s,x_mm,y_mm` (x ML, y AP), times
-/// strictly rising; the mean of all rows is subtracted, because where the person stands is decided elsewhere.
+/// A recorded centre of pressure that a simulated person repeats. CSV with the header `t_s,x_mm,y_mm` (x ML, y AP) and strictly
+/// increasing times. The mean of all rows is subtracted, because the stance determines the position of the person.
 class CopRecording {
  public:
   static constexpr std::size_t kMaxRows = 4'000'000;  ///< More than an hour at 1 kHz.
   static constexpr double kMaxMillimetres = 1000.0;
-  /// Between the end and the next beginning of a repeated recording the COP moves on a straight line for this long.
+  /// Duration of the straight line from the end of a repeated recording to its next beginning.
   static constexpr double kBridgeS = 1.0;
 
-  /// Fails with NotFound, or with InvalidArgument naming "file:line" and what is wrong there.
+  /// Loads a file. Fails with NotFound, or with InvalidArgument, naming "file:line" and the mistake.
   [[nodiscard]] static core::Result<CopRecording> load(const std::string& path);
 
   [[nodiscard]] double duration_s() const noexcept { return times_s_.back(); }
-  /// Linear between the rows; before the first and after the last row, that row. Realtime-safe: yes.
+  /// Returns the position at `time_s`, linear between the rows; before the first and after the last row, that row. Realtime-safe: yes.
   [[nodiscard]] physics::CopPosition at(double time_s) const noexcept;
-  /// The same for ever. Realtime-safe: yes.
+  /// Returns the position of the endlessly repeated recording. Realtime-safe: yes.
   [[nodiscard]] physics::CopPosition repeated_at(double time_s) const noexcept;
 
  private:
@@ -33,7 +33,7 @@ class CopRecording {
   core::Status append(std::span<const double> row, const std::string& place);
   void subtract_mean() noexcept;
 
-  std::vector<double> times_s_;  ///< Since the first row.
+  std::vector<double> times_s_;  ///< Times since the first row.
   std::vector<physics::CopPosition> positions_;
   double first_time_s_ = 0.0;
 };

@@ -14,7 +14,7 @@ namespace {
 
 using core::ErrorCode;
 
-/// As many finite numbers as `row` has places, separated by commas, and nothing else.
+/// Reads a line into `row`: exactly as many finite numbers as `row` has, separated by commas. Returns false for any other line.
 bool parse_row(std::string_view line, std::span<double> row) {
   for (std::size_t column = 0; column < row.size(); ++column) {
     const bool is_last = column + 1 == row.size();

@@ -11,24 +11,24 @@
 
 namespace dts::device::sim {
 
-/// What a file of numbers must look like.
+/// The required form of a file of numbers.
 struct CsvForm {
-  std::string_view subject;  ///< In messages: "recording".
-  std::string_view header;   ///< The first line; it decides how many columns there are.
+  std::string_view subject;  ///< Kind of file in messages: "recording".
+  std::string_view header;   ///< The first line; it determines the number of columns.
   std::string_view hint;
   std::size_t max_rows = 0;
   std::size_t min_rows = 1;
 };
 
-/// The longest line that is read.
+/// Longest allowed line, characters.
 inline constexpr std::size_t kMaxCsvLineLength = 256;
 
-/// Hands every row of a CSV file, finite numbers only, to `take` together with its place "file:line". Fails with NotFound, or with
-/// InvalidArgument naming the place; what `take` refuses ends the reading.
+/// Calls `take` with every row of a CSV file (finite numbers only) and its place "file:line". Fails with NotFound, with InvalidArgument,
+/// naming the place, or with the first error of `take`.
 [[nodiscard]] core::Status read_csv(const std::string& path, const CsvForm& form,
                                     const std::function<core::Status(std::span<const double> row, const std::string& place)>& take);
 
-/// InvalidArgument: "place: why", with the form's hint.
+/// Returns InvalidArgument with the text "place: why" and the hint of `form`.
 [[nodiscard]] tl::unexpected<core::Error> refuse_row(const CsvForm& form, const std::string& place, const std::string& why);
 
 }  // namespace dts::device::sim

@@ -9,9 +9,9 @@
 namespace dts::device::sim {
 
 struct DaqParameters {
-  double range_v = 5.0;   ///< Converts -range_v .. +range_v.
-  int bits = 11;          ///< Codes over the whole range: 2^bits. Thesis rig: 11 bit, +-5 V.
-  double noise_v = 3e-3;  ///< Deviation of white noise before the converter, per scan and channel.
+  double range_v = 5.0;   ///< Range of the converter: -range_v .. +range_v.
+  int bits = 11;          ///< The whole range has 2^bits codes. Thesis rig: 11 bits, +-5 V.
+  double noise_v = 3e-3;  ///< Standard deviation of the white noise before the converter, per scan and channel.
   std::uint64_t seed = 1;
 };
 
@@ -20,13 +20,13 @@ class Daq {
  public:
   explicit Daq(const DaqParameters& parameters) noexcept;
 
-  /// One code, V.
+  /// Returns the size of one code, V.
   [[nodiscard]] double step_v() const noexcept { return step_v_; }
   [[nodiscard]] double minimum_v() const noexcept { return minimum_v_; }
-  /// One code below +range_v: two's complement has no code for it.
+  /// Returns one code less than +range_v: two's complement has no code for +range_v.
   [[nodiscard]] double maximum_v() const noexcept { return maximum_v_; }
 
-  /// Replaces ideal voltages by what the converter says of them; depends on the seed, the scan and the position only.
+  /// Replaces ideal voltages by converted voltages; the noise depends only on the seed, the scan and the channel.
   void convert(std::span<double> volts, std::uint64_t scan) const noexcept;
 
  private:

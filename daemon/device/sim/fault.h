@@ -11,13 +11,13 @@ namespace dts::device::sim {
 
 enum class FaultKind : std::uint8_t {
   None,
-  Unplug,   ///< The device is gone for `for_s`, once in the life of the device object.
+  Unplug,   ///< The device is gone for `for_s`; only once per device object.
   Overrun,  ///< The device loses the scans of `for_s` and knows how many.
-  Stuck,    ///< One channel keeps its code for `for_s`.
-  Silence,  ///< Present, but no data for `for_s`.
+  Stuck,    ///< One channel keeps its value for `for_s`.
+  Silence,  ///< The device is present but delivers no data for `for_s`.
 };
 
-/// A fault that a test or a demonstration asked for, in seconds of the device since start.
+/// A requested fault. Times are in seconds of the device's clock since start.
 struct Fault {
   FaultKind kind = FaultKind::None;
   double at_s = 0.0;
@@ -25,7 +25,7 @@ struct Fault {
   std::size_t channel = 0;  ///< Stuck only.
 };
 
-/// The scans of one stream that a fault touches: [first, end). Empty for no fault.
+/// The scans of one stream that a fault affects: [first, end). Empty without a fault.
 struct FaultWindow {
   static constexpr std::uint64_t kNoScan = std::numeric_limits<std::uint64_t>::max();
 
@@ -35,7 +35,7 @@ struct FaultWindow {
   [[nodiscard]] bool contains(std::uint64_t scan) const noexcept { return scan >= first && scan < end; }
 };
 
-/// At least one scan long unless there is no fault.
+/// Returns the window of a fault: at least one scan, or empty without a fault.
 [[nodiscard]] FaultWindow fault_window(const Fault& fault, core::Rate rate) noexcept;
 
 }  // namespace dts::device::sim

@@ -10,7 +10,7 @@
 namespace dts::device::sim {
 namespace {
 
-constexpr double kLargestFloorLoadN = 2100.0;  // the largest body weight of the option table, with its fluctuation
+constexpr double kLargestFloorLoadN = 2100.0;  // largest body weight of the option table, plus its fluctuation
 
 DeviceDescription describe(const DeviceUri& uri, const FloorOptions& options, const Daq& daq, const physics::Plate& plate) {
   DeviceDescription description;

@@ -93,7 +93,7 @@ PlacementTimes placement(const UriOptions& options) {
           .repeats = options.number("loop") == 1.0};
 }
 
-/// Weights of no duration without pause would follow each other infinitely fast.
+/// Rejects a total duration of almost 0: the weights would change infinitely fast.
 core::Status check_placement(const DeviceUri& uri, const PlacementTimes& times) {
   if (2.0 * times.ramp_s + times.hold_s + times.pause_s >= 0.001) return {};
   return refuse(uri, ErrorCode::InvalidArgument, "ramp_s, hold_s and pause_s together are shorter than 1 ms");

@@ -7,10 +7,10 @@
 
 namespace dts::device::sim {
 
-/// How the sensors of one seed were mounted: gains and gaps must not repeat the numbers of the noise.
+/// Returns the random numbers for gains and gaps of the sensors; they must differ from the numbers of the noise with the same seed.
 [[nodiscard]] inline CounterRandom mounting_random(std::uint64_t seed) noexcept { return CounterRandom(seed ^ 0x6d6f756e74ULL); }
 
-/// Evenly in -1 .. 1.
+/// Returns a number that is uniformly distributed in -1 .. 1.
 [[nodiscard]] inline double either_side(const CounterRandom& random, std::uint64_t n) noexcept { return 2.0 * random.uniform(n) - 1.0; }
 
 }  // namespace dts::device::sim

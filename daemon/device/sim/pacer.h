@@ -7,8 +7,8 @@
 
 namespace dts::device::sim {
 
-/// The device's clock seen from the host: when each scan is taken. Scan i is at start + i / rate * (1 - ppm * 1e-6); a
-/// positive error is a clock that runs fast. Thread: any. Realtime-safe: yes.
+/// Host times of the scans of a device's clock. Scan i is at start + i / rate * (1 - ppm * 1e-6); with a positive error the clock
+/// runs fast. Thread: any. Realtime-safe: yes.
 class Pacer {
  public:
   Pacer() = default;
@@ -16,11 +16,11 @@ class Pacer {
       : start_ns_(start_ns), rate_(rate), clock_error_(clock_error_ppm * 1e-6) {}
 
   [[nodiscard]] core::Rate rate() const noexcept { return rate_; }
-  /// Host time of the scan's instant.
+  /// Returns the host time at which a scan is sampled.
   [[nodiscard]] std::int64_t instant_ns(std::uint64_t scan) const noexcept;
-  /// How many scans have been taken by `now_ns`.
+  /// Returns the number of scans that are sampled by `now_ns`.
   [[nodiscard]] std::uint64_t taken_by(std::int64_t now_ns) const noexcept;
-  /// What the device's clock has counted since start when the host's shows `host_ns`; negative before.
+  /// Returns the time of the device's clock since start at host time `host_ns`; negative before the start.
   [[nodiscard]] double device_time_s(std::int64_t host_ns) const noexcept {
     return static_cast<double>(host_ns - start_ns_) * 1e-9 / (1.0 - clock_error_);
   }

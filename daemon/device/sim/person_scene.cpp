@@ -13,7 +13,7 @@ double playing_from_s(const physics::Stance& stance) noexcept {
 }  // namespace
 
 core::Result<std::unique_ptr<Scene>> PersonScene::create(const FloorOptions& options, const physics::RigModel& rig) {
-  if (!options.cop_file.empty()) {  // played from memory later; a file that cannot be played must show now
+  if (!options.cop_file.empty()) {  // only a check, so that a wrong file is found now; `load` reads it again
     const auto recording = CopRecording::load(options.cop_file);
     if (!recording) return tl::make_unexpected(recording.error());
   }

@@ -15,15 +15,15 @@
 
 namespace dts::device::sim {
 
-/// A person or one weight on the floor platform, down to the sensors' voltages:
+/// A person or one weight on the floor platform, with the voltages of the sensors:
 ///
 ///     sway or recording -> person -> patch forces -> plate deflection -> gap -> sensor curve -> gain -> volts
 class PersonScene final : public Scene {
  public:
-  /// From both feet on the plate to the first row of a recording.
+  /// Time from both feet on the plate to the first row of a recording.
   static constexpr double kSettleS = 0.5;
 
-  /// `rig` must outlive the scene. Fails when the stance does not fit on the plate, the recording cannot be played or the plate
+  /// Creates the scene. `rig` must outlive it. Fails if the stance does not fit on the plate, the recording cannot be read or the plate
   /// cannot be solved.
   [[nodiscard]] static core::Result<std::unique_ptr<Scene>> create(const FloorOptions& options, const physics::RigModel& rig);
 

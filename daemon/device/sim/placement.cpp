@@ -7,7 +7,7 @@
 namespace dts::device::sim {
 namespace {
 
-/// Part of a ramp that has been gone after `since_s`; without speed at either end. A ramp of no length is a step.
+/// Returns the finished part of a ramp after `since_s`; the speed is 0 at both ends. A ramp without length is a step.
 double gone(double since_s, double ramp_s) noexcept {
   if (since_s <= 0.0) return 0.0;
   const double t = ramp_s > 0.0 ? std::min(since_s / ramp_s, 1.0) : 1.0;

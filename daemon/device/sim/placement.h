@@ -5,19 +5,19 @@
 
 namespace dts::device::sim {
 
-/// How a careful assistant works: puts a thing down, waits, takes it away, rests, takes the next one. Seconds of the device.
+/// Times at which objects (weights or spacers) are placed and removed, one after the other. Seconds of the device's clock.
 struct PlacementTimes {
-  double first_s = 2.5;  ///< The first thing begins to touch.
-  double ramp_s = 0.5;   ///< Putting down, and taking away again.
-  double hold_s = 3.0;   ///< All of it rests.
-  double pause_s = 1.0;  ///< Nothing is there.
-  bool repeats = false;  ///< After the last thing again the first one.
+  double first_s = 2.5;  ///< When the first object begins to touch.
+  double ramp_s = 0.5;   ///< Duration of placing, and of removing.
+  double hold_s = 3.0;   ///< How long an object rests with its full load.
+  double pause_s = 1.0;  ///< Time without an object.
+  bool repeats = false;  ///< Starts again with the first object after the last.
 };
 
-/// What is there at one moment.
+/// The object at one moment.
 struct Placement {
-  std::size_t index = 0;  ///< Which thing.
-  double part = 0.0;      ///< 0 nothing of it .. 1 all of it.
+  std::size_t index = 0;  ///< Number of the object, from 0.
+  double part = 0.0;      ///< Part of its load: 0 .. 1.
 };
 
 ///     part 1       ______            ______
@@ -25,7 +25,7 @@ struct Placement {
 ///          0 ____/        \________/        \_____
 ///         first^ ramp hold ramp pause ...
 ///
-/// `count` things, at least one, one after the other. Thread: any. Realtime-safe: yes.
+/// Returns the object at `time_s` for `count` objects, at least one. Thread: any. Realtime-safe: yes.
 [[nodiscard]] Placement placement_at(const PlacementTimes& times, std::size_t count, double time_s) noexcept;
 
 }  // namespace dts::device::sim

@@ -6,7 +6,7 @@
 namespace dts::device::sim {
 namespace {
 
-constexpr double kExtraChannelV = 1.0;  // about what a sensor without load gives
+constexpr double kExtraChannelV = 1.0;  // about the voltage of a sensor without load
 
 }  // namespace
 

@@ -10,24 +10,24 @@
 
 namespace dts::device::sim {
 
-/// What is really on the plate; nothing by default.
+/// The true load on the plate; no load by default.
 struct Truth {
-  double ml_mm = std::numeric_limits<double>::quiet_NaN();  ///< Plate-centre origin.
+  double ml_mm = std::numeric_limits<double>::quiet_NaN();  ///< Position of the load from the plate's centre; NaN: no load.
   double ap_mm = std::numeric_limits<double>::quiet_NaN();
   double load_n = 0.0;
 };
 
-/// The sensors of a rig as they were mounted, each with its own gain and unloaded gap, and everything else that the device's
-/// channels carry: sensors, extra channels, then true_ml_mm, true_ap_mm, true_load_n when asked for.
+/// The mounted sensors of a rig, each with its own gain and unloaded gap. Writes all channels of the device: sensors, extra
+/// channels, then true_ml_mm, true_ap_mm, true_load_n if enabled.
 /// Const methods: Thread: any. Realtime-safe: yes.
 class SensorBank {
  public:
   /// `rig` must outlive the bank.
   SensorBank(const FloorOptions& options, const physics::RigModel& rig);
 
-  /// All channels while every sensor sees its unloaded gap less its deflection.
+  /// Writes all channels; the gap of every sensor is its unloaded gap minus its deflection.
   void write_deflected(std::span<const double> deflection_mm, const Truth& truth, std::span<double> values) const noexcept;
-  /// All channels while every sensor sees something `part` of the way from the far end of its curve to `gap_mm`.
+  /// Writes all channels; the gap of every sensor is `part` of the way from the far end of its curve to `gap_mm`.
   void write_gap(double gap_mm, double part, std::span<double> values) const noexcept;
 
  private:

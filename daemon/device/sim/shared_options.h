@@ -4,7 +4,7 @@
 #include "device/sim/option_checks.h"
 #include "device/uri_options.h"
 
-/// Options that the simulated floor and the simulated chair have in common.
+/// Options of both the simulated floor and the simulated chair.
 namespace dts::device::sim::shared_option {
 
 inline constexpr UriOption kRange{"range_v", OptionKind::Number, "5", 1, 10, "", "Range of the converter, to both sides of 0 V."};

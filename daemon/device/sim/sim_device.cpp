@@ -14,8 +14,8 @@ namespace {
 using core::ErrorCode;
 using core::GapReason;
 
-constexpr std::int64_t kSliceNs = 50 * core::kNanosecondsPerMillisecond;  // interrupt() must be noticed within 100 ms
-constexpr double kHeardWithinS = 0.15;                                    // less than any reaction time: a reader may be as late as this
+constexpr std::int64_t kSliceNs = 50 * core::kNanosecondsPerMillisecond;  // read() must see interrupt() within 100 ms
+constexpr double kHeardWithinS = 0.15;  // shorter than any reaction time: a smaller delay of the reader has no effect
 
 }  // namespace
 
@@ -74,7 +74,7 @@ ReadResult SimDevice::read(core::Block& block, std::int64_t deadline_ns) noexcep
   const DeviceState now = state();
   if (now == DeviceState::Gone) return unplugged();
   if (now != DeviceState::Streaming) return {};
-  // A block that does not fit is the caller's mistake; it must not become an overwritten column.
+  // A block of the wrong size is a mistake of the caller; it must not cause writes beyond a column.
   if (block.capacity() == 0 || block.channel_count() != row_.size()) return {ReadOutcome::Timeout, {}};
   const std::uint64_t break_at = is_break_ahead() ? window_.first : FaultWindow::kNoScan;
   return next_ < break_at ? read_scans(block, break_at, deadline_ns) : read_break(deadline_ns);
@@ -110,7 +110,7 @@ ReadResult SimDevice::read_break(std::int64_t deadline_ns) noexcept {
   }
   if (wait_for(window_.end + 1, deadline_ns) <= window_.end) return {ReadOutcome::Timeout, {}};
   if (parts_.fault.kind == FaultKind::Overrun) return continue_at(window_.end, {GapReason::Overrun, window_.end - next_, true});
-  // A device that was silent cannot tell how much it missed; the host has the duration and the nominal rate.
+  // A silent device does not know how many scans it missed; the host estimates them from the duration and the nominal rate.
   const auto silent_ns = static_cast<double>(pacer_.instant_ns(window_.end) - pacer_.instant_ns(next_));
   const auto estimate = static_cast<std::uint64_t>(std::llround(silent_ns / core::kNanosecondsPerSecond * pacer_.rate().hz()));
   return continue_at(window_.end, {GapReason::Silence, estimate, false});
@@ -128,7 +128,7 @@ void SimDevice::fill(core::Block& block, std::size_t count) noexcept {
   block.set_count(count);
   block.first_scan = {next_ - segment_start_};
   block.host_time_ns = pacer_.instant_ns(next_);
-  block.host_time_uncertainty_ns = 0;  // the simulator knows
+  block.host_time_uncertainty_ns = 0;  // the simulator knows the exact time
   block.clock_drift_ppm = parts_.clock_error_ppm;
   for (std::size_t i = 0; i < count; ++i) {
     compute_scan(next_ + i);
@@ -153,12 +153,12 @@ void SimDevice::compute_scan(std::uint64_t scan) noexcept {
 }
 
 void SimDevice::hear(const Cue& cue) noexcept {
-  if (state() == DeviceState::Streaming) (void)cues_.push(cue);  // full: nobody reads, so nobody hears
+  if (state() == DeviceState::Streaming) (void)cues_.push(cue);  // if full, the cue is dropped: no thread reads scans
 }
 
 void SimDevice::tell_scene(std::uint64_t scan, double time_s) noexcept {
   for (const Cue* cue = cues_.front(); cue != nullptr && cue->at_ns <= pacer_.instant_ns(scan); cue = cues_.front()) {
-    // Who is told late is late: what has been measured already does not change.
+    // If the cue is too old, the person reacts late: scans that were already delivered do not change.
     parts_.scene->hear(std::max(pacer_.device_time_s(cue->at_ns), time_s - kHeardWithinS), *cue);
     cues_.release();
   }

@@ -19,22 +19,22 @@ namespace dts::device::sim {
 inline constexpr double kMinimumRateHz = 1.0;
 inline constexpr double kMaximumRateHz = 20'000.0;
 
-/// What a simulated device is made of.
+/// Parts of a simulated device.
 struct SimParts {
   DeviceDescription description;
-  std::size_t converted_channels = 0;  ///< The first channels go through the converter, the others are exact.
+  std::size_t converted_channels = 0;  ///< The first channels pass the converter, the others are exact.
   Daq daq;
   double clock_error_ppm = 0.0;
   Fault fault;
   std::unique_ptr<Scene> scene;
 };
 
-/// A real device in every respect but the hardware: its own clock, a bounded buffer, faults.
+/// A simulated device that behaves like hardware: its own clock, a bounded buffer, faults.
 ///
-///     clock --Pacer--> scans taken --(buffer: 1 s)--> read: Scene --> Daq --> block
+///     clock --Pacer--> scans due --(buffer: 1 s)--> read: Scene --> Daq --> block
 ///
-/// Scans are computed when they are read: values depend on the scan number since start only, never on the moment. A reader
-/// that comes more than one second late finds the buffer overrun: everything up to now is lost and counted.
+/// Scans are computed when they are read: values depend only on the scan number since start, never on the time of the read. If the
+/// reader is more than one second late, the buffer overruns: all scans up to now are lost and counted.
 class SimDevice final : public Device {
  public:
   SimDevice(SimParts parts, core::Clock& clock);
@@ -83,8 +83,8 @@ class SimDevice final : public Device {
   std::int64_t plugged_in_at_ns_ = 0;
   std::size_t max_block_scans_ = 0;
   std::uint64_t buffer_scans_ = 0;
-  std::uint64_t next_ = 0;           ///< Scan since start that the next block begins with.
-  std::uint64_t segment_start_ = 0;  ///< Scan since start that has index 0 in the present segment.
+  std::uint64_t next_ = 0;           ///< First scan of the next block, counted since start.
+  std::uint64_t segment_start_ = 0;  ///< Scan with index 0 in the current segment, counted since start.
   std::vector<double> row_;          ///< One scan, all channels.
   double stuck_value_ = 0.0;
   bool is_stuck_ = false;

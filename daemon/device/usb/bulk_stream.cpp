@@ -41,13 +41,13 @@ BulkStream::BulkStream(UsbPort& port, const StreamShape& shape, core::Clock& clo
       chunks_(shape.buffer_chunks, Chunk{UsbStatus::Completed, 0, 0, std::vector<std::uint8_t>(shape.transfer_bytes)}) {}
 
 BulkStream::~BulkStream() {
-  if (!is_released_) port_.release_transfers();  // never started
+  if (!is_released_) port_.release_transfers();  // the stream was never started
 }
 
 UsbStatus BulkStream::start() noexcept {
   for (std::size_t i = 0; i < shape_.transfer_count; ++i) {
-    // Counted before it flies: its end may be told before `submit` returns.
-    in_flight_.fetch_add(1, std::memory_order_relaxed);  // ordered by the hand-over inside submit
+    // Counted before it is submitted: its callback may run before `submit` returns.
+    in_flight_.fetch_add(1, std::memory_order_relaxed);  // ordered by the locks inside submit
     const UsbStatus submitted = port_.submit(i);
     if (submitted == UsbStatus::Completed) continue;
     in_flight_.fetch_sub(1, std::memory_order_release);  // pairs with in_flight()
@@ -60,7 +60,7 @@ bool BulkStream::stop(int patience_ms) noexcept {
   is_stopping_.store(true, std::memory_order_release);  // pairs with on_transfer
   const std::int64_t deadline_ns = clock_.now_ns() + patience_ms * core::kNanosecondsPerMillisecond;
   while (in_flight() > 0) {
-    // Again in every slice: a callback under way may have submitted a transfer just after it was cancelled.
+    // Repeated in every slice: a running callback may have submitted a transfer again just after it was cancelled.
     for (std::size_t i = 0; i < shape_.transfer_count; ++i) port_.cancel(i);
     const std::int64_t now_ns = clock_.now_ns();
     if (now_ns >= deadline_ns) return false;
@@ -92,7 +92,7 @@ void BulkStream::on_transfer(std::size_t index, UsbStatus status, std::span<cons
     if (again == UsbStatus::Completed) return;  // still in flight
     hand_over(again, {}, stamp_ns);
   }
-  in_flight_.fetch_sub(1, std::memory_order_release);  // the last statement: `stop` frees everything; pairs with in_flight()
+  in_flight_.fetch_sub(1, std::memory_order_release);  // must be the last statement: then `stop` frees everything; pairs with in_flight()
 }
 
 }  // namespace dts::device::usb

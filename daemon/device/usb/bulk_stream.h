@@ -14,47 +14,47 @@
 
 namespace dts::device::usb {
 
-/// How the data of a stream travel.
+/// Sizes of the transfers and of the buffer of a stream.
 struct StreamShape {
   std::uint8_t endpoint = 0x81;
   std::size_t transfer_bytes = 64;   ///< A multiple of the endpoint's packet size.
-  std::size_t transfer_count = 32;   ///< In flight at once.
-  std::size_t buffer_chunks = 1024;  ///< Finished transfers that may wait for the reader.
+  std::size_t transfer_count = 32;   ///< Number of transfers in flight.
+  std::size_t buffer_chunks = 1024;  ///< Number of finished transfers that may wait for the reader.
 };
 
-/// What one finished transfer brought. A status other than Completed is the last chunk of its transfer: it is not resubmitted.
+/// The data of one finished transfer. If the status is not Completed, the transfer is not submitted again.
 struct Chunk {
   UsbStatus status = UsbStatus::Completed;
-  std::int64_t stamp_ns = 0;        ///< `Clock::raw_ns` when the transfer was found finished.
-  std::size_t length = 0;           ///< Bytes in use.
-  std::vector<std::uint8_t> bytes;  ///< As large as a transfer, taken once.
+  std::int64_t stamp_ns = 0;        ///< `Clock::raw_ns` at the callback of the transfer.
+  std::size_t length = 0;           ///< Number of received bytes in `bytes`.
+  std::vector<std::uint8_t> bytes;  ///< As large as a transfer; allocated only once.
 };
 
-/// A never ending bulk IN stream: keeps transfers in flight and hands what they bring to one reader.
+/// An endless bulk IN stream: keeps transfers in flight and passes their data to one reader.
 ///
 ///     event thread: on_transfer: stamp, copy, submit again --SpscRing--> reader: front, release
 ///
-/// Transfers are freed only when the last callback is over. Callbacks allocate, lock, log and wait for nothing of their own; libusb
-/// does inside `submit` and around them, in the event thread. The reader shares nothing but the ring with it.
+/// Transfers are freed only after the last callback has ended. Callbacks do not allocate, lock, log or wait; libusb locks and
+/// allocates inside `submit` and around the callbacks, in the event thread. The reader shares only the ring with that thread.
 class BulkStream final : private TransferListener {
  public:
-  /// Takes all memory. `port` and `clock` outlive the stream; the port has no other prepared transfers.
+  /// Allocates all memory. `port` and `clock` must outlive the stream; the port must have no other prepared transfers.
   [[nodiscard]] static core::Result<std::unique_ptr<BulkStream>> create(UsbPort& port, const StreamShape& shape, core::Clock& clock);
-  /// `stop` must have returned true before.
+  /// After `start`, `stop` must have returned true before the destructor runs.
   ~BulkStream();
   BulkStream(const BulkStream&) = delete;
   BulkStream& operator=(const BulkStream&) = delete;
 
-  /// Puts all transfers into flight. On failure some may be: `stop` then.
+  /// Submits all transfers. After a failure some may be in flight: call `stop`.
   [[nodiscard]] UsbStatus start() noexcept;
-  /// Ends all transfers and waits for their callbacks, at most `patience_ms` of real waiting; false: some have not come back,
-  /// and stream and port must never be freed. Chunks not read are discarded. Idempotent.
+  /// Cancels all transfers and waits for their callbacks, at most `patience_ms`. Returns false if some transfers did not end: then
+  /// stream and port must not be freed until a later call returns true. Discards unread chunks. Idempotent.
   [[nodiscard]] bool stop(int patience_ms) noexcept;
 
-  /// The oldest unread chunk or nullptr. Thread: the reader. Realtime-safe: yes.
+  /// Returns the oldest unread chunk or nullptr. Thread: the reader. Realtime-safe: yes.
   [[nodiscard]] Chunk* front() noexcept { return chunks_.front(); }
   void release() noexcept { chunks_.release(); }
-  /// Chunks that found no room: the bytes of the stream are no longer whole. Thread: any. Realtime-safe: yes.
+  /// Returns the number of dropped chunks; if it is not 0, bytes of the stream are missing. Thread: any. Realtime-safe: yes.
   [[nodiscard]] std::uint64_t dropped() const noexcept { return chunks_.dropped(); }
   [[nodiscard]] int in_flight() const noexcept { return in_flight_.load(std::memory_order_acquire); }  // pairs with on_transfer
 

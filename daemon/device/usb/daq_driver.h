@@ -17,25 +17,25 @@
 
 namespace dts::device::usb {
 
-/// Of requests while a scan runs or ends: they answer within a frame or two; a dead device must not hold us.
+/// Timeout of requests while a scan runs or ends. A device answers within one or two frames; a dead device must not block the caller.
 inline constexpr int kControlTimeoutMs = 100;
-/// Of a request outside a scan: a busy hub may take its time, and a device that does not answer is known within 250 ms. (uldaq waits
-/// 1000 ms, Linux_Drivers 2000.)
+/// Timeout of requests outside a scan: long enough for a busy hub, and a device that does not answer is found within 250 ms. (uldaq
+/// waits 1000 ms, Linux_Drivers 2000 ms.)
 inline constexpr int kSetupTimeoutMs = 200;
 
-/// What the driver is asked to run.
+/// The scan that the driver must set up.
 struct ScanRequest {
-  core::Rate rate;                      ///< As `exact_rate` gave it.
-  std::int64_t latency_ns = 0;          ///< A scan should not wait in the device for longer than this.
-  bool must_use_large_packets = false;  ///< The last scan overran with small ones.
-  bool is_restart = false;              ///< A scan has come before: the external trigger is not waited for again.
+  core::Rate rate;                      ///< A result of `exact_rate`.
+  std::int64_t latency_ns = 0;          ///< A scan should wait in the device at most this long.
+  bool must_use_large_packets = false;  ///< The device has overrun with small packets.
+  bool is_restart = false;              ///< An earlier scan delivered data: do not wait for the external trigger again.
 };
 
-/// What the driver set up.
+/// The scan that the driver has set up.
 struct ScanPlan {
   StreamShape shape;
-  std::int64_t packet_period_ns = 0;  ///< How often the device should have something to say.
-  std::string sentence;               ///< "immediate, one scan per packet": for `device test`.
+  std::int64_t packet_period_ns = 0;  ///< Expected time between two packets.
+  std::string sentence;               ///< Description for `device test`: "immediate, one scan per packet".
 };
 
 struct ScanHealth {
@@ -43,69 +43,69 @@ struct ScanHealth {
   bool is_overrun = false;
 };
 
-/// What a piece of the stream turned out to be.
+/// Result of unpacking a piece of the stream.
 struct Unpacked {
-  std::size_t bytes = 0;  ///< Consumed. Fewer than given: call again with the rest.
-  std::size_t codes = 0;  ///< Written.
-  /// None, or what happened after these codes. The scan under way, if any, is void and the next code is channel 0 again.
+  std::size_t bytes = 0;  ///< Bytes used. If fewer than passed: call again with the rest.
+  std::size_t codes = 0;  ///< Codes written.
+  /// None, or the fault after these codes. An incomplete scan is then void, and the next code is channel 0.
   core::GapReason fault = core::GapReason::None;
-  bool goes_on = false;  ///< The device recovered by itself: a gap of `discarded_scans`, no restart.
+  bool goes_on = false;  ///< The device recovered by itself: report a gap of `discarded_scans`, no restart.
   std::uint64_t discarded_scans = 0;
 };
 
-/// Who a unit is.
+/// Identity of a unit.
 struct UnitIdentity {
   std::string serial;
   std::string firmware;
 };
 
-/// What one family of DAQs must say; the rest of a device (transfers, time, integrity, the cable) is UsbDaq's.
-/// Control calls may wait; they come from the device's owner thread, and never two at once.
+/// The interface of a driver for one family of DAQs. UsbDaq does the rest: transfers, time, integrity checks, unplugging.
+/// Calls with a port may block. UsbDaq makes them one at a time, all but `health` and `set_sync_output` on the owner thread.
 ///
 ///     connect -> configure -> [read_once] -> make_ready -> (transfers in flight) begin -> unpack ... -> end -> configure ...
 class DaqDriver {
  public:
   virtual ~DaqDriver() = default;
 
-  /// What is known without the device: model, channels in scan order, rate limits.
+  /// Returns what is known without the unit: model, channels in scan order, rate limits.
   [[nodiscard]] virtual const DeviceDescription& describe() const noexcept = 0;
-  /// Products that this driver object accepts.
+  /// Returns the products that this driver object accepts.
   [[nodiscard]] virtual std::span<const UsbModel> models() const noexcept = 0;
-  /// Other products of the maker: what may be plugged in by mistake.
+  /// Returns other products of the vendor, which may be plugged in by mistake.
   [[nodiscard]] virtual std::vector<UsbModel> relatives() const { return {}; }
-  /// The rate nearest to `wanted` that the device's clock can give. InvalidArgument: out of its limits.
+  /// Returns the rate nearest to `wanted` that the device's clock can run. Fails with InvalidArgument outside its limits.
   [[nodiscard]] virtual core::Result<core::Rate> exact_rate(core::Rate wanted) const = 0;
-  /// One code as a voltage, by the calibration that `connect` read. Thread: any. Realtime-safe: yes.
+  /// Converts a code to volts with the calibration that `connect` read. Thread: any. Realtime-safe: yes.
   [[nodiscard]] virtual double volts(std::size_t channel, std::uint16_t code) const noexcept = 0;
-  /// The code stands for "at or beyond the end of the range". Realtime-safe: yes.
+  /// Returns true if the code means "at or beyond the end of the range". Realtime-safe: yes.
   [[nodiscard]] virtual bool is_rail(std::size_t channel, std::uint16_t code) const noexcept = 0;
 
-  /// After opening: ends a scan that an earlier program left behind, reads identity and calibration. DataDamaged: the
-  /// calibration is not believable. Appends what it found to `checks`.
+  /// Prepares a unit after opening: ends a scan that an earlier program left running, reads identity and calibration, appends its
+  /// findings to `checks`. Fails with DataDamaged if the calibration is not plausible.
   [[nodiscard]] virtual core::Status connect(UsbPort& port, std::vector<DeviceCheck>& checks) = 0;
-  /// Of the unit that `connect` saw, where its USB descriptors do not tell; empty fields: they do.
+  /// Returns the identity of the connected unit as far as its USB descriptors do not contain it; empty fields: use the descriptors.
   [[nodiscard]] virtual UnitIdentity identity() const { return {}; }
-  /// Sets up a scan, none is running. Forgets the position in the stream.
+  /// Sets up a scan while none is running. Resets the position in the stream.
   [[nodiscard]] virtual core::Result<ScanPlan> configure(UsbPort& port, const ScanRequest& request) = 0;
-  /// One conversion of every channel, V, in scan order; Unsupported when the device has no such command.
+  /// Converts every channel once; returns V in scan order. Fails with Unsupported if the device has no such command.
   [[nodiscard]] virtual core::Result<std::vector<double>> read_once(UsbPort& port) = 0;
-  /// The last words before transfers are submitted: takes away what single readings may have left in the device's buffer.
+  /// Called last before transfers are submitted: removes data that single readings may have left in the device's buffer.
   [[nodiscard]] virtual core::Status make_ready(UsbPort&) { return {}; }
-  /// Starts the scan; all transfers are in flight.
+  /// Starts the scan when all transfers are in flight.
   [[nodiscard]] virtual core::Status begin(UsbPort& port) = 0;
-  /// Ends the scan, if one runs. Called before the transfers are cancelled, also after a fault. An error: it may still run.
+  /// Ends the scan, if one is running. Called before the transfers are cancelled, also after a fault. After an error, it may still run.
   [[nodiscard]] virtual core::Status end(UsbPort& port) noexcept = 0;
-  /// Asked when the device falls silent.
+  /// Requests the state of the scan: after its start, and when the device falls silent or a transfer fails.
   [[nodiscard]] virtual core::Result<ScanHealth> health(UsbPort& port) = 0;
-  /// The scan that was configured starts with an external signal: silence before the first scan is no fault.
+  /// Returns true if the configured scan starts with an external signal: silence before the first scan is then not a fault.
   [[nodiscard]] virtual bool waits_for_trigger() const noexcept { return false; }
-  /// Minutes may lie between the start and the first scan: single readings from before say nothing about it.
+  /// Returns true if the first scan may be minutes after the start: earlier single readings cannot be compared with it then.
   [[nodiscard]] virtual bool may_start_late() const noexcept { return waits_for_trigger(); }
-  /// Drives the digital line that tells other instruments of a session. May be called while a scan runs, from another thread
+  /// Drives the digital line that signals a session to other instruments. May be called while a scan runs, and from another thread
   /// than the other calls.
   [[nodiscard]] virtual core::Status set_sync_output(UsbPort& port, bool is_high);
 
-  /// Reads codes from the stream, in scan order, until `bytes` end, `codes` is full or something happens. Realtime-safe: yes.
+  /// Reads codes from the stream, in scan order, until `bytes` end, `codes` is full or a fault occurs. Realtime-safe: yes.
   [[nodiscard]] virtual Unpacked unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> codes) noexcept = 0;
 };
 

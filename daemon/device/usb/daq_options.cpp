@@ -32,7 +32,7 @@ std::string input_text(double input) {
   return text.str();
 }
 
-/// The inputs as the user listed them, or the first ones.
+/// Returns the inputs that the user listed, or the first inputs.
 std::vector<double> listed_inputs(const UriOptions& options, const DaqLimits& limits, std::optional<double> marker) {
   if (options.is_given("channels")) return options.numbers("channels");
   std::vector<double> inputs;

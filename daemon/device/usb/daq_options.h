@@ -12,35 +12,35 @@
 
 namespace dts::device::usb {
 
-/// Wired to a known voltage and last in every scan: when it is off, the channels are rotated.
+/// A channel wired to a known voltage, last in every scan: a wrong voltage means that the channels are rotated.
 struct Marker {
-  std::size_t position = 0;  ///< In the scan: the last.
+  std::size_t position = 0;  ///< Position in the scan: the last.
   double volts = 0.0;
   double tolerance_v = 0.1;
 };
 
-/// What every USB DAQ can be asked in its URI.
+/// The URI options that every USB DAQ has.
 struct DaqOptions {
   std::string uri;
-  std::string serial;                 ///< Empty: the only one that is plugged in.
-  std::vector<std::size_t> channels;  ///< Input of each position of the scan.
-  std::vector<double> ranges_v;       ///< Per position: +-this.
+  std::string serial;                 ///< Empty: the only plugged-in unit.
+  std::vector<std::size_t> channels;  ///< Input at each position of the scan.
+  std::vector<double> ranges_v;       ///< Range at each position: +- this value.
   std::optional<Marker> marker;
 };
 
-/// What a family allows.
+/// Limits of a family of DAQs.
 struct DaqLimits {
   std::size_t inputs = 8;
   std::size_t max_scan_length = 8;
   bool must_ascend = true;           ///< The device scans its inputs in ascending order only.
-  bool may_repeat = false;           ///< An input may stand twice in the scan.
-  std::span<const double> ranges_v;  ///< Allowed ones, the default first.
+  bool may_repeat = false;           ///< An input may occur twice in the scan.
+  std::span<const double> ranges_v;  ///< Allowed ranges, the default first.
 };
 
-/// serial, channels, range_v, marker, marker_v, marker_tolerance_v: put a family's own options behind them.
+/// Returns serial, channels, range_v, marker, marker_v, marker_tolerance_v; a family appends its own options.
 [[nodiscard]] std::vector<UriOption> common_daq_options();
 
-/// Reads them; fails with InvalidArgument or LimitExceeded naming the option and what is allowed.
+/// Reads these options. Fails with InvalidArgument or LimitExceeded, naming the option and the allowed values.
 [[nodiscard]] core::Result<DaqOptions> read_daq_options(const DeviceUri& uri, const UriOptions& options, const DaqLimits& limits);
 
 }  // namespace dts::device::usb

@@ -27,7 +27,7 @@ using core::ErrorCode;
 constexpr int kStringTimeoutMs = 250;
 constexpr std::size_t kDeepestHub = 7;  // USB 3.0 specification: levels between the root and a device
 
-/// Frees what libusb_get_device_list gave; devices that are kept have a reference of their own.
+/// Owns the list of libusb_get_device_list; a device that is used longer needs its own reference.
 class DeviceList {
  public:
   explicit DeviceList(libusb_context* context) : count_(libusb_get_device_list(context, &devices_)) {}
@@ -47,7 +47,7 @@ class DeviceList {
   ssize_t count_;
 };
 
-/// What the descriptors say, without the serial number.
+/// Returns the unit as in its descriptors, without the serial number.
 UsbUnit identity_of(libusb_device* device, const libusb_device_descriptor& descriptor) {
   UsbUnit unit;
   unit.vendor = descriptor.idVendor;
@@ -58,7 +58,7 @@ UsbUnit identity_of(libusb_device* device, const libusb_device_descriptor& descr
   return unit;
 }
 
-/// The kernel read it when the device was plugged in: "/sys/bus/usb/devices/1-2.3/serial".
+/// Returns the serial number that the kernel read when the device was plugged in: "/sys/bus/usb/devices/1-2.3/serial".
 std::string serial_in_sysfs(libusb_device* device) {
   std::array<std::uint8_t, kDeepestHub> ports{};
   const int depth = libusb_get_port_numbers(device, ports.data(), static_cast<int>(ports.size()));
@@ -76,7 +76,7 @@ std::string serial_by_opening(libusb_device* device, std::uint8_t index) {
   return LibusbHandle(opened).string_descriptor(index, kStringTimeoutMs);
 }
 
-/// What open(2) says of the device's node; 0: it opens.
+/// Returns the errno of open(2) on the device file; 0: no error.
 int errno_of_opening(const UsbUnit& unit) {
   const int node = ::open(unit.node().c_str(), O_RDWR | O_CLOEXEC | O_NONBLOCK);
   if (node < 0) return errno;
@@ -97,7 +97,7 @@ struct LibusbBus::State {
   core::Clock& clock;
   core::ThreadPolicy policy;
   core::Log log;
-  std::mutex mutex;  ///< Control threads against each other; never the event thread.
+  std::mutex mutex;  ///< Only control threads lock it, never the event thread.
   libusb_context* context = nullptr;
   std::atomic<bool> is_ending{false};
   std::atomic<std::uint64_t> arrivals{0};
@@ -113,7 +113,7 @@ core::Status LibusbBus::State::begin() {
     return core::fail(ErrorCode::Failed, std::string("cannot use USB: ") + libusb_strerror(error),
                       "is /dev/bus/usb there, and may this process use netlink sockets?");
   }
-  // Devices that are here already are listed by whoever opens one; the callback is for those that come.
+  // `units` lists the devices that are already plugged in; the callback counts new ones.
   if (const int error =
           libusb_hotplug_register_callback(context, LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED, 0, LIBUSB_HOTPLUG_MATCH_ANY,
                                            LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY, &State::on_arrival, this, nullptr);
@@ -126,15 +126,15 @@ core::Status LibusbBus::State::begin() {
 
 void LibusbBus::State::handle_events() {
   for (const std::string& refused : core::configure_this_thread("usb-events", policy)) log.warning(refused);
-  int told = 0;                                         // an error that lasts is logged once
+  int told = 0;                                         // a lasting error is logged once
   while (!is_ending.load(std::memory_order_acquire)) {  // pairs with ~LibusbBus
-    timeval longest{.tv_sec = 60, .tv_usec = 0};        // only an upper bound: libusb wakes for events, and ~LibusbBus wakes it
+    timeval longest{.tv_sec = 60, .tv_usec = 0};        // only an upper limit: events and ~LibusbBus wake libusb earlier
     const int error = libusb_handle_events_timeout_completed(context, &longest, nullptr);
     if (error == LIBUSB_ERROR_INTERRUPTED) continue;
     if (error != 0 && error != told) log.error(std::string("USB events: ") + libusb_strerror(error));
     told = error;
     if (error == 0) continue;
-    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // an error that stays must not take a whole core
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));  // a lasting error must not load a whole core
   }
 }
 

@@ -10,13 +10,13 @@
 
 namespace dts::device::usb {
 
-/// The machine's USB through libusb-1.0: one context and one event thread ("usb-events") for all devices of the process,
-/// started when it is first asked for anything. A process without USB devices pays nothing.
+/// The machine's USB through libusb-1.0: one context and one event thread ("usb-events") for all devices of the process. The first call
+/// of `units` or `open` starts them; a process that never calls them has no such thread.
 class LibusbBus final : public UsbBus {
  public:
-  /// `policy`: how the event thread is scheduled; it should go before the threads that read. `clock` outlives the bus.
+  /// `policy`: scheduling of the event thread; its priority should be above that of the reading threads. `clock` must outlive the bus.
   LibusbBus(core::Clock& clock, core::ThreadPolicy policy, core::Log log);
-  ~LibusbBus() override;  ///< All ports must be gone.
+  ~LibusbBus() override;  ///< All ports must be destroyed before.
   LibusbBus(const LibusbBus&) = delete;
   LibusbBus& operator=(const LibusbBus&) = delete;
 

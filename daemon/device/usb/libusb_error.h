@@ -9,16 +9,17 @@
 
 namespace dts::device::usb {
 
-/// How a transfer ended, from a libusb_transfer_status.
+/// Converts a libusb_transfer_status: how a transfer ended.
 [[nodiscard]] UsbStatus status_of_transfer(int transfer_status) noexcept;
-/// Why something could not even begin, from a (negative) libusb_error.
+/// Converts a (negative) libusb_error: why a call failed.
 [[nodiscard]] UsbStatus status_of_error(int libusb_error) noexcept;
 
-/// "USB device 09db:00ea at /dev/bus/usb/001/002, serial 01AB": for messages.
+/// Returns "USB device 09db:00ea at /dev/bus/usb/001/002, serial 01AB", for messages.
 [[nodiscard]] std::string name_of(const UsbUnit& unit);
 
-/// Why a device could not be opened or claimed. `open_errno` is what open(2) says of the node, 0: it opens; libusb gives the same
-/// code for a udev rule that is missing (EACCES) and for a service whose device policy forbids the node (EPERM).
+/// Returns the error for a device that could not be opened or claimed. `open_errno` is the errno of open(2) on the device file, 0: no
+/// error. It is needed because libusb has only one code for a missing udev rule (EACCES) and for a service whose device policy forbids
+/// the device file (EPERM).
 [[nodiscard]] core::Error open_error(int libusb_error, int open_errno, const UsbUnit& unit);
 
 }  // namespace dts::device::usb

@@ -14,14 +14,14 @@
 namespace dts::device::usb {
 namespace {
 
-constexpr int kGraceMs = 1000;  // from libusb's own timeout, or from a cancel, to the callback: the event thread may be kept busy
+constexpr int kGraceMs = 1000;  // from libusb's timeout, or from a cancel, to the callback: the event thread may be busy
 constexpr std::uint8_t kDeviceToHost = LIBUSB_ENDPOINT_IN;
-constexpr std::size_t kMaxControlBytes = 4096;  // of usbfs
+constexpr std::size_t kMaxControlBytes = 4096;  // limit of usbfs
 constexpr std::uint16_t kEnglish = 0x0409;
 
 }  // namespace
 
-/// Lives on the heap until its callback is over, or for ever if that never comes.
+/// A synchronous transfer. It stays on the heap until its callback has ended; it leaks if the callback never runs.
 struct LibusbHandle::Waited {
   struct FreeTransfer {
     void operator()(libusb_transfer* allocated) const noexcept { libusb_free_transfer(allocated); }
@@ -42,13 +42,13 @@ void LibusbHandle::close() noexcept {
 void LibusbHandle::on_waited(libusb_transfer* transfer) {
   auto* waited = static_cast<Waited*>(transfer->user_data);
   waited->is_over.store(true, std::memory_order_release);  // pairs with run
-  waited->bell.ring();                                     // last: whoever waits frees it
+  waited->bell.ring();                                     // must be last: the waiting thread frees `waited`
 }
 
 UsbResult LibusbHandle::run(std::unique_ptr<Waited> waited, std::span<std::uint8_t> received, std::size_t offset, int timeout_ms) {
   const auto is_over = [&] { return waited->is_over.load(std::memory_order_acquire); };  // pairs with on_waited
   if (const int error = libusb_submit_transfer(waited->transfer.get()); error != 0) return tl::make_unexpected(status_of_error(error));
-  // Only a bell that has rung says that the callback is over and memory may go.
+  // Only after the bell has rung is the callback over and the memory may be freed.
   bool has_rung = waited->bell.wait(std::max(timeout_ms, 1) + kGraceMs);
   if (!has_rung) {
     libusb_cancel_transfer(waited->transfer.get());
@@ -97,7 +97,7 @@ std::string LibusbHandle::string_descriptor(std::uint8_t index, int timeout_ms) 
   const auto length = control(kDeviceToHost, {LIBUSB_REQUEST_GET_DESCRIPTOR, value, kEnglish}, {{}, bytes}, timeout_ms);
   if (!length || *length < 2 || bytes[1] != LIBUSB_DT_STRING) return {};
   std::string text;
-  for (std::size_t i = 2; i + 1 < std::min<std::size_t>(*length, bytes[0]); i += 2) {  // UTF-16LE; printable ASCII only is taken
+  for (std::size_t i = 2; i + 1 < std::min<std::size_t>(*length, bytes[0]); i += 2) {  // UTF-16LE; keeps printable ASCII only
     if (bytes[i + 1] == 0 && bytes[i] >= 0x20 && bytes[i] < 0x7f) text += static_cast<char>(bytes[i]);
   }
   return text;

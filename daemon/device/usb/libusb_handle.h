@@ -13,34 +13,34 @@
 
 namespace dts::device::usb {
 
-/// An open libusb handle and the transfers that somebody waits for. libusb's own synchronous calls may handle events in the caller's
-/// thread, and with them the callbacks of a running stream; here every callback runs in the event thread.
+/// An open libusb handle and its synchronous transfers. The synchronous calls of libusb may handle events, and so run the callbacks of
+/// a stream, in the caller's thread; here every callback runs in the event thread.
 ///
 ///     caller: submit --> event thread: on_waited, ring --> caller: result
 ///
 /// Thread: any but the event thread; calls are made one after the other.
 class LibusbHandle {
  public:
-  /// Takes an open handle over and closes it at the end.
+  /// Owns an open handle and closes it in the destructor.
   explicit LibusbHandle(libusb_device_handle* handle) noexcept : handle_(handle) {}
   ~LibusbHandle() { close(); }
   LibusbHandle(const LibusbHandle&) = delete;
   LibusbHandle& operator=(const LibusbHandle&) = delete;
 
   [[nodiscard]] libusb_device_handle* get() const noexcept { return handle_; }
-  /// No callback of any transfer comes after this. Idempotent.
+  /// Closes the handle; no callback runs after this. Idempotent.
   void close() noexcept;
 
-  /// What goes out and where what comes in belongs: one of them is empty, or both.
+  /// Bytes to send, and the buffer for received bytes; at least one of them is empty.
   struct Data {
     std::span<const std::uint8_t> sent;
     std::span<std::uint8_t> received;
   };
-  /// Any control request; bit 7 of `type` is its direction. Returns within `timeout_ms` and two seconds of grace.
+  /// Makes any control request; bit 7 of `type` is its direction. Returns within `timeout_ms` + 2 s.
   [[nodiscard]] UsbResult control(std::uint8_t type, const ControlRequest& request, const Data& data, int timeout_ms);
-  /// Bit 7 of `endpoint` is the direction. As `control`.
+  /// Makes a bulk transfer; bit 7 of `endpoint` is its direction. Same time limit as `control`.
   [[nodiscard]] UsbResult bulk(std::uint8_t endpoint, const Data& data, int timeout_ms);
-  /// A string of the device, ASCII only; empty: it has none or does not answer.
+  /// Returns a string of the device, ASCII only; empty: it has none or does not answer.
   [[nodiscard]] std::string string_descriptor(std::uint8_t index, int timeout_ms);
 
  private:
@@ -49,7 +49,7 @@ class LibusbHandle {
   [[nodiscard]] UsbResult run(std::unique_ptr<Waited> waited, std::span<std::uint8_t> received, std::size_t offset, int timeout_ms);
 
   libusb_device_handle* handle_;
-  std::mutex mutex_;  ///< One waited-for transfer at a time.
+  std::mutex mutex_;  ///< Allows only one synchronous transfer at a time.
 };
 
 }  // namespace dts::device::usb

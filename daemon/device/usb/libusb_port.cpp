@@ -21,7 +21,7 @@ constexpr std::uint8_t kVendorIn = 0xC0;
 constexpr std::uint8_t kVendorOut = 0x40;
 constexpr std::size_t kPacketSizeBits = 0x7ff;  // the bits above are transactions per microframe
 constexpr std::size_t kMaxTransferBytes = 1 << 20;
-constexpr int kLastCallbackMs = 1000;  // from the listener's last word to the end of its callback: a few instructions
+constexpr int kLastCallbackMs = 1000;  // limit from the end of `on_transfer` to the end of the callback, which are only a few instructions
 
 struct FreeConfig {
   void operator()(libusb_config_descriptor* config) const noexcept { libusb_free_config_descriptor(config); }
@@ -40,7 +40,7 @@ struct LibusbPort::Prepared {
   std::size_t index;
   std::vector<std::uint8_t> buffer;
   libusb_transfer* transfer;
-  std::atomic<int> uses{0};  ///< In flight, and callbacks that have not ended: a callback may submit before it ends.
+  std::atomic<int> uses{0};  ///< Submitted transfers plus running callbacks: a callback may submit before it ends.
 };
 
 LibusbPort::LibusbPort(UsbUnit unit, libusb_device* device, libusb_device_handle* handle, core::Clock& clock, core::Log log,
@@ -55,7 +55,7 @@ LibusbPort::LibusbPort(UsbUnit unit, libusb_device* device, libusb_device_handle
 LibusbPort::~LibusbPort() {
   release_transfers();
   if (is_claimed_) libusb_release_interface(handle_.get(), kInterface);
-  libusb_unref_device(device_);  // the handle holds it as well
+  libusb_unref_device(device_);  // the open handle has its own reference
   handle_.close();
   on_closed_();
 }
@@ -129,7 +129,7 @@ core::Status LibusbPort::prepare_transfers(std::uint8_t endpoint, std::size_t co
 UsbStatus LibusbPort::submit(std::size_t index) noexcept {
   if (index >= prepared_.size()) return UsbStatus::Failed;
   Prepared& prepared = *prepared_[index];
-  prepared.uses.fetch_add(1, std::memory_order_release);  // pairs with on_finished: the event thread sees what was written before
+  prepared.uses.fetch_add(1, std::memory_order_release);  // pairs with on_finished: the event thread sees earlier writes
   const int error = libusb_submit_transfer(prepared.transfer);
   if (error == 0) return UsbStatus::Completed;
   prepared.uses.fetch_sub(1, std::memory_order_release);  // pairs with are_all_over
@@ -144,11 +144,11 @@ void LibusbPort::on_finished(libusb_transfer* transfer) {
   const auto length = std::min(static_cast<std::size_t>(std::max(transfer->actual_length, 0)), prepared->buffer.size());
   port.listener_->on_transfer(prepared->index, status_of_transfer(transfer->status), {prepared->buffer.data(), length}, stamp_ns);
   port.bell_.ring();
-  prepared->uses.fetch_sub(1, std::memory_order_release);  // pairs with are_all_over; last: the memory may go now
+  prepared->uses.fetch_sub(1, std::memory_order_release);  // pairs with are_all_over; must be last: the memory may be freed now
 }
 
 void LibusbPort::cancel(std::size_t index) noexcept {
-  // Not in flight, or on its way back already: libusb says so, and there is nothing to do.
+  // libusb returns an error if the transfer is not in flight or has already ended; this is harmless.
   if (index < prepared_.size()) static_cast<void>(libusb_cancel_transfer(prepared_[index]->transfer));
 }
 
@@ -170,7 +170,7 @@ void LibusbPort::release_transfers() noexcept {
 
 void LibusbPort::wait(std::int64_t deadline_ns) noexcept {
   const std::int64_t left_ns = std::max<std::int64_t>(deadline_ns - clock_.now_ns(), 0);
-  // Rounded up: a reader that wakes before its deadline would come back at once, again and again.
+  // Rounded up: a reader that wakes before its deadline would call `wait` again and again.
   const std::int64_t left_ms = (left_ns + core::kNanosecondsPerMillisecond - 1) / core::kNanosecondsPerMillisecond;
   bell_.wait(static_cast<int>(std::min<std::int64_t>(left_ms, std::numeric_limits<int>::max())));
 }

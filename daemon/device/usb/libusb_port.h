@@ -15,23 +15,23 @@
 
 namespace dts::device::usb {
 
-/// One device through libusb; only LibusbBus makes it.
+/// One open device through libusb; only LibusbBus creates it.
 ///
 ///     submit --> libusb ... event thread: on_finished: stamp, listener, ring --> wait
 ///
-/// A transfer counts as in flight until the very end of its callback, so that `release_transfers` never frees one that the event
-/// thread still looks at. Our code in the callback allocates and locks nothing; libusb around it, and inside submit, does.
+/// A transfer counts as in flight until the end of its callback, so `release_transfers` never frees a transfer that the event
+/// thread still uses. The code in the callback does not allocate or lock; libusb does, around it and inside submit.
 class LibusbPort final : public UsbPort {
  public:
-  /// `libusb_device` and an open handle of it. `on_closed` is called when all is over.
+  /// Owns `handle`, an open handle of `device`. Calls `on_closed` at the end of the destructor.
   LibusbPort(UsbUnit unit, libusb_device* device, libusb_device_handle* handle, core::Clock& clock, core::Log log,
              std::function<void()> on_closed);
-  /// Transfers that are still in flight after all, which is a mistake of their owner, are never freed.
+  /// Never frees transfers that are still in flight (a mistake of their owner).
   ~LibusbPort() override;
   LibusbPort(const LibusbPort&) = delete;
   LibusbPort& operator=(const LibusbPort&) = delete;
 
-  /// Takes interface 0, from a kernel driver if one has it. Fails as `UsbBus::open`.
+  /// Claims interface 0; detaches a kernel driver that uses it. Fails as `UsbBus::open`.
   [[nodiscard]] core::Status claim();
 
   [[nodiscard]] const UsbUnit& unit() const noexcept override { return unit_; }

@@ -9,7 +9,7 @@ std::span<std::uint16_t> ScanBuffer::room() noexcept {
   if (begin_ == end_) {
     begin_ = end_ = 0;
   } else if (begin_ > 0 && codes_.size() - end_ < codes_.size() / 2) {
-    // Moving only when the tail is short keeps the cost per code constant.
+    // Codes are moved only if little space is left at the end, so the cost per code is constant.
     std::copy(codes_.begin() + static_cast<std::ptrdiff_t>(begin_), codes_.begin() + static_cast<std::ptrdiff_t>(end_), codes_.begin());
     end_ -= begin_;
     begin_ = 0;

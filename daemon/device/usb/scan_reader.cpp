@@ -15,18 +15,19 @@ namespace {
 using core::GapReason;
 
 constexpr std::int64_t kMillisecond = core::kNanosecondsPerMillisecond;
-constexpr std::int64_t kSliceNs = 50 * kMillisecond;  // interrupt() is noticed within 100 ms
+constexpr std::int64_t kSliceNs = 50 * kMillisecond;  // read() sees interrupt() within 100 ms
 constexpr double kHeldBackMs = 50.0;
 constexpr std::int64_t kShortestSilenceNs = 100 * kMillisecond;
 constexpr std::int64_t kLongestSilenceNs = 200 * kMillisecond;
 constexpr std::int64_t kFirstSilenceNs = 250 * kMillisecond;
-constexpr std::int64_t kRunningSilenceNs = 600 * kMillisecond;  // of a device that says that it runs: its buffer may hold all of it
+constexpr std::int64_t kRunningSilenceNs =
+    600 * kMillisecond;  // for a device that reports that it runs: its buffer may hold all scans of that time
 constexpr double kLargestRateError = 0.01;
 constexpr std::size_t kCodeBytes = 2;
 
 std::size_t buffer_scans(const ScanSetup& setup, std::size_t channels, std::size_t held_scans) {
   const std::size_t transfer_scans = setup.shape.transfer_bytes / kCodeBytes / channels + 2;
-  // Twice as much: ScanBuffer moves what waits only when the tail is shorter than half.
+  // Doubled: ScanBuffer moves its codes only if less than half of the buffer is free at the end.
   return 2 * (std::max(setup.max_block_scans, held_scans) + transfer_scans);
 }
 
@@ -71,7 +72,7 @@ ScanReader::ScanReader(const Tools& tools, ScanSetup setup)
 
 ReadResult ScanReader::read(core::Block& block, std::int64_t deadline_ns) noexcept {
   block.set_count(0);
-  // A block that does not fit is the caller's mistake; it must not become an overwritten column.
+  // A block of the wrong size is a mistake of the caller; it must not cause writes beyond a column.
   if (block.capacity() == 0 || block.channel_count() != channels_) return {ReadOutcome::Timeout, {}};
   const std::size_t wanted = std::min(block.capacity(), setup_.max_block_scans);
   while (true) {
@@ -100,7 +101,7 @@ ReadOutcome ScanReader::nothing() const noexcept {
   return use_.driver.waits_for_trigger() && !has_scanned_ ? ReadOutcome::Armed : ReadOutcome::Timeout;
 }
 
-/// When a silent device is asked. A packet may take its time at low rates; otherwise within 250 ms.
+/// Returns the silence after which the device is asked for its state: at most 250 ms, longer only if packets are rare (low rates).
 std::int64_t ScanReader::silence_limit_ns() const noexcept {
   const std::int64_t period_ns = setup_.packet_period_ns;
   const std::int64_t usual_ns =
@@ -112,7 +113,7 @@ void ScanReader::take_chunks(std::size_t wanted_scans) noexcept {
   while (!has_trouble() && scans_.scans() < wanted_scans) {
     const Chunk* const chunk = use_.stream.front();
     if (chunk == nullptr) return;
-    if (use_.stream.dropped() > 0) {  // looked at behind `front`: the hole may lie before this chunk
+    if (use_.stream.dropped() > 0) {  // checked after `front`: the missing chunks may be before this chunk
       set_trouble(ReadOutcome::Broken, GapReason::Overrun);
       return;
     }
@@ -127,7 +128,7 @@ void ScanReader::take_chunks(std::size_t wanted_scans) noexcept {
   }
 }
 
-/// false: the stream has a hole inside this chunk; the rest is for after it.
+/// Returns false if the stream has a fault inside this chunk; the rest of the chunk is kept for after a Gap.
 bool ScanReader::take_bytes(const Chunk& chunk) noexcept {
   while (chunk_used_ < chunk.length) {
     const std::size_t scans_before = scans_.scans();
@@ -143,7 +144,7 @@ bool ScanReader::take_bytes(const Chunk& chunk) noexcept {
       if (unpacked.goes_on) trouble_ = {ReadOutcome::Gap, {unpacked.fault, unpacked.discarded_scans, true}};
       return false;
     }
-    if (unpacked.bytes == 0) {  // a driver that cannot go on
+    if (unpacked.bytes == 0) {  // a mistake of the driver: it would loop forever
       set_trouble(ReadOutcome::Broken, GapReason::Integrity);
       return false;
     }
@@ -152,11 +153,11 @@ bool ScanReader::take_bytes(const Chunk& chunk) noexcept {
 }
 
 void ScanReader::note_arrival(std::int64_t stamp_ns) noexcept {
-  if (arrived_ == timed_) return;  // the scan under way is not complete
+  if (arrived_ == timed_) return;  // no complete scan has arrived
   timed_ = arrived_;
   has_scanned_ = true;
   use_.host_time.add({arrived_ - 1}, stamp_ns);
-  is_judged_.store(use_.host_time.is_judged(), std::memory_order_relaxed);  // figures for people
+  is_judged_.store(use_.host_time.is_judged(), std::memory_order_relaxed);  // only for the report
   rate_error_.store(use_.host_time.rate_error(), std::memory_order_relaxed);
   drift_ppm_.store(use_.host_time.drift_ppm(), std::memory_order_relaxed);
   missing_ns_.store(use_.host_time.missing_ns(), std::memory_order_relaxed);
@@ -166,10 +167,10 @@ void ScanReader::note_arrival(std::int64_t stamp_ns) noexcept {
   if (is_rate_wrong || use_.host_time.has_loss()) set_trouble(ReadOutcome::Broken, GapReason::Integrity);
 }
 
-/// A transfer that ended in any other way than by data ends the scan.
+/// Ends the scan if the transfer did not end as Completed.
 void ScanReader::take_status(UsbStatus status) noexcept {
   if (status == UsbStatus::Completed) return;
-  use_.transfer_errors[static_cast<std::size_t>(status)].fetch_add(1, std::memory_order_relaxed);  // a figure for people
+  use_.transfer_errors[static_cast<std::size_t>(status)].fetch_add(1, std::memory_order_relaxed);  // only for the report
   if (status == UsbStatus::NoDevice) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
   const auto asked = health();
   if (!asked && asked.error().code == core::ErrorCode::DeviceGone) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
@@ -187,13 +188,14 @@ core::Result<ScanHealth> ScanReader::health() noexcept {
 void ScanReader::ask_silent_device(std::int64_t now_ns) noexcept {
   const auto asked = health();
   const Chunk* const chunk = use_.stream.front();
-  if (chunk != nullptr && (chunk->length > 0 || chunk->status != UsbStatus::Completed)) {  // only the host was late
+  if (chunk != nullptr &&
+      (chunk->length > 0 || chunk->status != UsbStatus::Completed)) {  // only the host was late, the device was not silent
     heard_ns_ = now_ns;
     return;
   }
   if (!asked && asked.error().code == core::ErrorCode::DeviceGone) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
   if (asked && asked->is_overrun) return set_trouble(ReadOutcome::Broken, GapReason::Overrun);
-  // The first question decides nothing: if the host itself stood still, what it missed is still on its way.
+  // After the first request the scan continues if the device runs: if the host itself was stopped, late data may still arrive.
   const bool is_first_question = asked_ns_ <= heard_ns_;
   const bool is_silent_for_long = now_ns - heard_ns_ >= std::max(kRunningSilenceNs, 2 * silence_limit_ns());
   const bool may_go_on = asked && asked->is_running && (is_first_question || !is_silent_for_long);
@@ -204,7 +206,7 @@ void ScanReader::ask_silent_device(std::int64_t now_ns) noexcept {
   }
 }
 
-/// Compares the first scans with the single readings. `is_final`: no more scans will come.
+/// Compares the first scans with the single readings. `is_final`: no more scans will arrive.
 void ScanReader::check_start(bool is_final) noexcept {
   const std::size_t count = scans_.scans();
   if (held_scans_ == 0 || count == 0 || (count < held_scans_ && !is_final)) return;
@@ -223,7 +225,7 @@ void ScanReader::check_start(bool is_final) noexcept {
 bool ScanReader::is_marker_right(std::size_t scan) noexcept {
   const Marker& marker = *setup_.marker;
   const double volts = use_.driver.volts(marker.position, scans_.scan(scan)[marker.position]);
-  marker_v_.store(volts, std::memory_order_relaxed);  // a figure for people
+  marker_v_.store(volts, std::memory_order_relaxed);  // only for the report
   return std::abs(volts - marker.volts) <= marker.tolerance_v;
 }
 
@@ -252,20 +254,20 @@ void ScanReader::deliver(core::Block& block, std::size_t wanted_scans) noexcept 
   if (count < waiting) doubt_the_rest();
 }
 
-/// Of the next scan to deliver, by `now_ns`.
+/// Returns the host time of the next scan to deliver, by `now_ns`.
 std::int64_t ScanReader::host_time_ns() noexcept {
   const std::int64_t time_ns = core::monotonic_of_raw_ns(use_.clock, use_.host_time.at({delivered_}));
   published_ns_ = delivered_ > 0 ? std::max(time_ns, published_ns_ + 1) : time_ns;
   return published_ns_;
 }
 
-/// What waits is not to be believed.
+/// Discards the waiting scans and ends the scan as Broken: the data are not reliable.
 void ScanReader::doubt_the_rest() noexcept {
   scans_.clear();
   if (trouble_.outcome != ReadOutcome::Gone) set_trouble(ReadOutcome::Broken, GapReason::Integrity);
 }
 
-/// Broken and Gone stay; a gap is told once and the stream goes on behind it.
+/// Returns the trouble. Broken and Gone are repeated; a Gap is reported once, and the stream continues after it.
 ReadResult ScanReader::tell_trouble() noexcept {
   if (trouble_.outcome != ReadOutcome::Gap) return trouble_;
   arrived_ = 0;

@@ -20,51 +20,51 @@
 
 namespace dts::device::usb {
 
-/// Transfers of a device's streams that did not end with data, by `UsbStatus`.
+/// Number of transfers of a device's streams that did not end as Completed, by `UsbStatus`.
 using TransferErrors = std::array<std::atomic<std::uint64_t>, kUsbStatuses>;
 
-/// What was started.
+/// Settings of a started scan.
 struct ScanSetup {
   core::Rate rate;
   std::size_t max_block_scans = 64;
   StreamShape shape;
   std::int64_t packet_period_ns = 0;
   std::optional<Marker> marker;
-  std::vector<double> single_v;  ///< Readings before the scan; empty: the device has none.
+  std::vector<double> single_v;  ///< Single readings before the scan; empty: none.
 };
 
-/// The sample path of one scan, from its start to its stop: chunks of bytes in, blocks out, every doubt found.
+/// The sample path of one scan, from its start to its stop: reads chunks of bytes, checks them, and fills blocks.
 ///
 ///     chunk --unpack--> scans --held back until the start check--> marker, volts, quality, host time --> block
 ///       | status, drops, rate, lateness                                 |
-///       +------------------> trouble: told when the scans before it are delivered <----+
+///       +--------> trouble: reported after the scans before it <--------+
 ///
-/// Thread: the reader, but `findings`. Realtime-safe: yes while scans flow; a silent device is asked for its state.
+/// Thread: the reader, except `findings`. Realtime-safe: yes while scans flow; a silent device gets a request for its state.
 class ScanReader {
  public:
-  /// What the reader works with; all of it outlives the reader.
+  /// Objects that the reader uses; all of them must outlive the reader.
   struct Tools {
     DaqDriver& driver;
     UsbPort& port;
     BulkStream& stream;
     core::Clock& clock;
     core::HostTime& host_time;
-    std::mutex& request_mutex;          ///< Orders control requests.
+    std::mutex& request_mutex;          ///< Serialises control requests.
     std::atomic<bool>& is_interrupted;  ///< Makes `read` return early, once.
     TransferErrors& transfer_errors;
   };
-  /// The scan runs from now on.
+  /// Construct the reader right after the start of the scan.
   ScanReader(const Tools& tools, ScanSetup setup);
 
-  /// As Device::read while Streaming; Broken and Gone are repeated.
+  /// Works as Device::read in state Streaming; repeats Broken and Gone.
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept;
-  /// The device's buffer or ours was full.
+  /// Returns true if the device's buffer or the buffer of chunks was full.
   [[nodiscard]] bool has_overrun() const noexcept { return trouble_.gap.reason == core::GapReason::Overrun; }
-  /// Why the scan is Broken, if it is. Thread: the reader, or whoever has ended it.
+  /// Returns the reason if the scan is Broken. Thread: the reader, or the owner after the reader's last `read`.
   [[nodiscard]] std::optional<core::GapReason> break_reason() const noexcept;
-  /// A scan has come since the start.
+  /// Returns true if a scan has arrived since the start.
   [[nodiscard]] bool has_scanned() const noexcept { return has_scanned_; }
-  /// What the checks of this scan say so far. Thread: any.
+  /// Returns the results of this scan's checks so far. Thread: any.
   [[nodiscard]] std::vector<DeviceCheck> findings() const;
 
  private:
@@ -89,17 +89,17 @@ class ScanReader {
   ScanSetup setup_;
   std::size_t channels_;
   ScanBuffer scans_;
-  std::size_t chunk_used_ = 0;   ///< Bytes of the oldest chunk that are unpacked.
-  std::uint64_t arrived_ = 0;    ///< Whole scans of this segment, delivered or waiting ...
-  std::uint64_t timed_ = 0;      ///< ... and those of which `host_time` was told.
-  std::uint64_t delivered_ = 0;  ///< Of this segment.
-  bool has_scanned_ = false;     ///< A scan has come since the start.
-  std::int64_t heard_ns_ = 0;    ///< Start or newest chunk, by `now_ns`: the silence watch knows no other clock.
-  std::int64_t asked_ns_ = 0;    ///< When the silent device last said that it runs.
-  std::int64_t published_ns_;    ///< Host time of the newest block: slewing may not turn time back.
+  std::size_t chunk_used_ = 0;   ///< Number of unpacked bytes of the oldest chunk.
+  std::uint64_t arrived_ = 0;    ///< Whole scans of this segment, delivered or waiting.
+  std::uint64_t timed_ = 0;      ///< Scans of this segment that were added to `host_time`.
+  std::uint64_t delivered_ = 0;  ///< Delivered scans of this segment.
+  bool has_scanned_ = false;     ///< A scan has arrived since the start.
+  std::int64_t heard_ns_ = 0;    ///< Time of the start or of the newest chunk, by `now_ns`, as everything in the silence watch.
+  std::int64_t asked_ns_ = 0;    ///< When the silent device last reported that it runs.
+  std::int64_t published_ns_;    ///< Host time of the newest block; ensures that slewing never makes times decrease.
   ReadResult trouble_{ReadOutcome::Scans, {}};
 
-  std::size_t held_scans_ = 0;  ///< To wait for before the first delivery; 0: the start check is over.
+  std::size_t held_scans_ = 0;  ///< Number of scans that the start check needs before the first delivery; 0: the start check is done.
   std::vector<double> mean_v_;
   Agreement agreement_;
   std::atomic<bool> has_agreement_{false};
@@ -108,7 +108,7 @@ class ScanReader {
   std::atomic<double> drift_ppm_{0.0};
   std::atomic<std::int64_t> missing_ns_{0};
   std::atomic<std::int64_t> least_loss_ns_;
-  std::atomic<double> marker_v_;  ///< Newest; NaN before the first.
+  std::atomic<double> marker_v_;  ///< Newest voltage of the marker channel; NaN before the first.
 };
 
 }  // namespace dts::device::usb

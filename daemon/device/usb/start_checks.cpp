@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kClearlyBetter = 0.5;
 
-/// Sum of differences when scan position i + `rotation` holds what belongs to channel i.
+/// Returns the sum of differences if scan position i + `rotation` contains channel i.
 double misfit(std::span<const double> single_v, std::span<const double> scan_v, std::size_t rotation) noexcept {
   double sum = 0.0;
   for (std::size_t i = 0; i < single_v.size(); ++i) sum += std::abs(scan_v[(i + rotation) % scan_v.size()] - single_v[i]);
@@ -30,7 +30,7 @@ Agreement compare_with_single_readings(std::span<const double> single_v, std::sp
     result.worst_channel = i;
   }
   const double as_it_is = misfit(single_v, scan_v, 0);
-  if (!(as_it_is > kAgreementToleranceV * static_cast<double>(single_v.size()))) return result;  // NaN, too
+  if (!(as_it_is > kAgreementToleranceV * static_cast<double>(single_v.size()))) return result;  // also for NaN
   result.is_different = true;
   double best = as_it_is * kClearlyBetter;
   for (std::size_t rotation = 1; rotation < single_v.size(); ++rotation) {

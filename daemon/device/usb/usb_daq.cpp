@@ -18,12 +18,12 @@ namespace {
 using core::ErrorCode;
 
 constexpr std::int64_t kLongestLatencyNs = 25 * core::kNanosecondsPerMillisecond;
-constexpr int kCancelPatienceMs = 150;  // with the request that ends the scan below the 250 ms that `stop` may take
+constexpr int kCancelPatienceMs = 150;  // plus the request that ends the scan: below the 250 ms limit of `stop`
 constexpr std::int64_t kFullSpeedFrameNs = 1'000'000;
 constexpr std::int64_t kHighSpeedFrameNs = 125'000;
 constexpr int kBusyPatienceMs = 100;
 
-/// "1.02" from 0x0102
+/// Returns "1.02" for 0x0102.
 std::string release_text(std::uint16_t bcd) {
   std::array<char, 16> text{};
   std::snprintf(text.data(), text.size(), "%x.%02x", static_cast<unsigned>(bcd >> 8U), static_cast<unsigned>(bcd & 0xFFU));
@@ -32,7 +32,7 @@ std::string release_text(std::uint16_t bcd) {
 
 std::string serial_text(const UsbUnit& unit) { return unit.serial.empty() ? "(serial number not readable)" : unit.serial; }
 
-/// "plugged in: USB-1608FS-Plus 01AB: write mcc:1608fs-plus?serial=01AB"
+/// Returns "plugged in: USB-1608FS-Plus 01AB: write mcc:1608fs-plus?serial=01AB".
 std::string list_of(std::span<const UsbUnit> units, std::span<const UsbModel> models) {
   std::string text;
   for (const UsbUnit& unit : units) {
@@ -57,7 +57,7 @@ const char* reason_text(core::GapReason reason) {
   }
 }
 
-/// Of a start that failed and of the end that had to follow.
+/// Returns the error of a failed start, extended by the error of the stop after it.
 core::Error with(core::Error error, const core::Status& ended) {
   if (ended) return error;
   error.what += "; and then: " + ended.error().what;
@@ -75,7 +75,7 @@ UsbDaq::UsbDaq(std::unique_ptr<DaqDriver> driver, DaqOptions options, UsbBus& bu
 UsbDaq::~UsbDaq() {
   UsbDaq::close();
   free_abandoned();
-  for (Abandoned& left : abandoned_) {  // the host controller may still write into them: never freed
+  for (Abandoned& left : abandoned_) {  // never freed: the host controller may still write into them
     (void)left.stream.release();
     (void)left.port.release();
   }
@@ -94,11 +94,11 @@ DeviceReport UsbDaq::report() const {
   return report;
 }
 
-/// Pulled plugs are no errors: they are counted as reconnections.
+/// Reports failed transfers, but not NoDevice: an unplugged device counts as a reconnection.
 DeviceCheck UsbDaq::describe_transfer_errors() const {
   std::string found;
   for (std::size_t status = 0; status < kUsbStatuses; ++status) {
-    const std::uint64_t count = transfer_errors_[status].load(std::memory_order_relaxed);  // figures for people
+    const std::uint64_t count = transfer_errors_[status].load(std::memory_order_relaxed);  // only for the report
     if (count == 0 || static_cast<UsbStatus>(status) == UsbStatus::NoDevice) continue;
     found += (found.empty() ? "" : "; ") + std::to_string(count) + " x " + to_string(static_cast<UsbStatus>(status));
   }
@@ -113,7 +113,8 @@ bool UsbDaq::has_arrived() noexcept {
   return std::exchange(seen_arrivals_, arrivals) != arrivals;
 }
 
-/// The unit with the serial number, or those that may turn out to have it: not all write it into their USB descriptors.
+/// Returns the unit with the serial number. If no unit shows this number, returns the units without a number in their USB descriptors:
+/// `open_unit` asks each of them.
 core::Result<std::vector<UsbUnit>> UsbDaq::candidates() {
   const std::string what = "cannot open " + describe().uri;
   auto found = bus_.units(driver_->models());
@@ -153,7 +154,7 @@ core::Status UsbDaq::open() {
   for (const UsbUnit& unit : *units) {
     const core::Status opened = open_unit(unit);
     if (opened) return opened;
-    // A unit that could not be asked may be the one: that is the better news.
+    // A unit that could not be opened may be the right unit: its error is more useful than NotFound.
     if (result || result.error().code == ErrorCode::NotFound) result = opened;
   }
   return result;
@@ -180,7 +181,7 @@ core::Status UsbDaq::open_unit(const UsbUnit& unit) {
   const std::scoped_lock lock(request_mutex_, report_mutex_);
   port_ = std::move(*port);
   const bool is_same_unit = !who.serial.empty() && who.serial == report_.serial;
-  if (!is_same_unit) host_time_rate_.reset();  // another crystal
+  if (!is_same_unit) host_time_rate_.reset();  // another unit has another crystal
   report_ = {.serial = std::move(who.serial), .firmware = std::move(who.firmware), .checks = std::move(checks)};
   scan_checks_.clear();
   break_checks_.clear();
@@ -240,7 +241,7 @@ core::Result<core::Rate> UsbDaq::bring_up(const StartOptions& options, core::Rat
   return rate;
 }
 
-/// Empty when the device has no such command, or when they would be too old at the first scan.
+/// Returns single readings; empty if the device has no such command, or if they would be too old at the first scan.
 core::Result<std::vector<double>> UsbDaq::read_single() {
   constexpr char kCheck[] = "single readings agree with the scan";
   if (driver_->may_start_late()) {
@@ -255,7 +256,7 @@ core::Result<std::vector<double>> UsbDaq::read_single() {
   return std::vector<double>{};
 }
 
-/// Transfers into flight, then the scan: the device's buffer is small.
+/// Submits the transfers before it starts the scan, because the device's buffer is small.
 core::Status UsbDaq::launch(const StreamShape& shape, core::Rate rate) {
   const std::string what = "cannot start " + describe().uri;
   if (const UsbStatus submitted = stream_->start(); submitted != UsbStatus::Completed) {
@@ -266,11 +267,11 @@ core::Status UsbDaq::launch(const StreamShape& shape, core::Rate rate) {
   if (driver_->waits_for_trigger()) return {};
   const auto health = driver_->health(*port_);
   if (!health) return pass_on(health.error());
-  if (health->is_running || health->is_overrun) return {};  // an overrun is told, and learned from, by the reader
+  if (health->is_running || health->is_overrun) return {};  // the reader reports an overrun; the next start then uses large packets
   return core::fail(ErrorCode::Failed, what + ": the device took the command but does not scan", "unplug it and plug it in again");
 }
 
-/// The scan is asked for right behind this: no scan is older, unless a trigger decides.
+/// Called right before the start request: no scan is older than now. With a trigger the start time is unknown.
 void UsbDaq::prepare_host_time(core::Rate rate) {
   if (host_time_rate_ != rate) host_time_ = core::HostTime(rate, port_->is_high_speed() ? kHighSpeedFrameNs : kFullSpeedFrameNs);
   host_time_rate_ = rate;
@@ -289,7 +290,7 @@ ReadResult UsbDaq::read(core::Block& block, std::int64_t deadline_ns) noexcept {
 void UsbDaq::interrupt() noexcept { is_interrupted_.store(true, std::memory_order_release); }  // pairs with ScanReader::read
 
 core::Status UsbDaq::set_sync_output(bool is_high) {
-  // A start may take seconds; whoever asks here must not. Tried in steps, not `try_lock_for`: thread sanitizers do not know that one.
+  // A start may last seconds; this call must not. Tries in steps and not with `try_lock_for`: thread sanitizers do not support it.
   std::unique_lock lock(request_mutex_, std::defer_lock);
   for (int waited_ms = 0; !lock.try_lock(); ++waited_ms) {
     if (waited_ms >= kBusyPatienceMs) {
@@ -313,7 +314,7 @@ core::Status UsbDaq::stop() {
 
 core::Status UsbDaq::end_scan() noexcept {
   core::Status told = driver_->end(*port_);
-  if (!told && told.error().code == ErrorCode::DeviceGone) told = {};  // what is gone scans no more
+  if (!told && told.error().code == ErrorCode::DeviceGone) told = {};  // an unplugged device does not scan
   core::Status ended = end_stream();
   return ended ? told : ended;
 }
@@ -329,7 +330,7 @@ void UsbDaq::add_check(DeviceCheck check) {
   scan_checks_.push_back(std::move(check));
 }
 
-/// The reader goes, what it found stays.
+/// Destroys the reader and keeps its findings.
 void UsbDaq::keep_findings() {
   must_use_large_packets_ = must_use_large_packets_ || reader_->has_overrun();
   has_ever_scanned_ = has_ever_scanned_ || reader_->has_scanned();
@@ -344,8 +345,8 @@ void UsbDaq::keep_findings() {
   reader_.reset();
 }
 
-/// Ends the transfers and frees them. When some do not come back in time, the host controller may still write into them and call
-/// the stream: stream and port are put aside until they have, and the unit cannot be opened before.
+/// Ends the transfers and frees them. If some do not end in time, the host controller may still write into them and call the
+/// stream. Then stream and port are moved to `abandoned_` until the transfers end; until then the unit cannot be opened.
 core::Status UsbDaq::end_stream() noexcept {
   if (reader_) keep_findings();
   if (!stream_) return {};
@@ -366,11 +367,11 @@ bool UsbDaq::is_abandoned(const UsbUnit& unit) const {
   return std::any_of(abandoned_.begin(), abandoned_.end(), [&](const Abandoned& left) { return left.port->unit().node() == unit.node(); });
 }
 
-/// On a machine that was too busy for a moment, the transfers have come back meanwhile; the unit can be opened again then.
+/// Frees abandoned streams whose transfers have ended since (the machine was only busy for a moment); the unit can be opened again.
 void UsbDaq::free_abandoned() noexcept {
   std::erase_if(abandoned_, [](Abandoned& left) {
     if (!left.stream->stop(0)) return false;
-    left.stream.reset();  // before its port
+    left.stream.reset();  // must be destroyed before its port
     return true;
   });
 }
@@ -381,7 +382,7 @@ core::Status UsbDaq::close() {
   if (state() == DeviceState::Streaming) {
     ended = end_scan();
   } else {
-    ended = end_stream();  // of a device that is gone
+    ended = end_stream();  // the device is gone, or there is no stream
   }
   std::unique_ptr<UsbPort> port;
   {
@@ -389,7 +390,7 @@ core::Status UsbDaq::close() {
     port = std::move(port_);
     break_checks_.clear();
   }
-  port.reset();  // takes its time
+  port.reset();  // slow: outside `report_mutex_`
   move_to(DeviceState::Closed);
   return ended;
 }

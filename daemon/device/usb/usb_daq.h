@@ -20,12 +20,12 @@
 
 namespace dts::device::usb {
 
-/// Any DAQ on a USB cable: a driver's knowledge of the protocol, and everything that is the same for all of them.
+/// Any USB DAQ: a driver, which knows the protocol of one family, and everything that is the same for all families.
 ///
 ///     BulkStream --chunks--> ScanReader: driver.unpack --codes--> ScanBuffer --volts, quality, host time--> block
-///                                                                  | marker, start check, rate check: any doubt ends the segment
+///                                                                  | marker, start check, rate check: each failure ends the segment
 ///
-/// A stream that cannot be believed any more is Broken: `stop` and `start` make a new one. Data are never re-aligned.
+/// If the data are no longer reliable, the stream is Broken: `stop` and `start` make a new stream. Data are never re-aligned.
 class UsbDaq final : public Device {
  public:
   UsbDaq(std::unique_ptr<DaqDriver> driver, DaqOptions options, UsbBus& bus, core::Clock& clock);
@@ -43,10 +43,10 @@ class UsbDaq final : public Device {
   [[nodiscard]] ReadResult read(core::Block& block, std::int64_t deadline_ns) noexcept override;
   void interrupt() noexcept override;
   [[nodiscard]] core::Status set_sync_output(bool is_high) override;
-  /// Fails when the device did not confirm the end of its scan; the state is Open nevertheless.
+  /// Fails if the device did not confirm the end of its scan; the state is Open even then, or Gone if the transfers did not end.
   core::Status stop() override;
   core::Status close() override;
-  /// Says once more that no scan is to run; fails when the device may be scanning still. Needs state Open.
+  /// Stops the device's scan once more; fails if the device may still be scanning. Needs state Open.
   [[nodiscard]] core::Status confirm_stopped();
 
  private:
@@ -73,26 +73,26 @@ class UsbDaq final : public Device {
   std::atomic<DeviceState> state_{DeviceState::Closed};
   std::atomic<bool> is_interrupted_{false};
   std::uint64_t seen_arrivals_ = 0;
-  bool must_use_large_packets_ = false;  ///< The device overran since it was opened.
-  bool has_ever_scanned_ = false;        ///< Also before it was opened again: a trigger is waited for only once.
-  /// Orders control requests; held for the whole of start and stop, never taken while scans flow. Before `report_mutex_`.
+  bool must_use_large_packets_ = false;  ///< The device has overrun since it was opened.
+  bool has_ever_scanned_ = false;        ///< Not reset by `open`: only the first scan waits for a trigger.
+  /// Serialises control requests; locked during the whole of start and stop, never while scans flow. Lock it before `report_mutex_`.
   std::mutex request_mutex_;
-  /// What `report` reads, for moments only. `port_` and `reader_` change under both.
+  /// Protects everything that `report` reads; locked for short times only. Changes of `port_` and `reader_` need both mutexes.
   mutable std::mutex report_mutex_;
   std::unique_ptr<UsbPort> port_;
   std::unique_ptr<BulkStream> stream_;
   std::unique_ptr<ScanReader> reader_;
-  /// A port and its stream whose transfers did not come back in time. While one is here, interface 0 stays claimed.
+  /// A port and its stream whose transfers did not end in time. It keeps interface 0 of the unit claimed.
   struct Abandoned {
     std::unique_ptr<UsbPort> port;
     std::unique_ptr<BulkStream> stream;
   };
   std::vector<Abandoned> abandoned_;
   TransferErrors transfer_errors_{};
-  DeviceReport report_;                    ///< As found by `open`.
-  std::vector<DeviceCheck> scan_checks_;   ///< As found by the last `start` and, after `stop`, by its scan.
-  std::vector<DeviceCheck> break_checks_;  ///< Of the last scan that broke, until `close`: a restart must not hide why.
-  core::HostTime host_time_;               ///< Outlives a scan: what is known of the clock's drift stays.
+  DeviceReport report_;                    ///< Filled by `open`.
+  std::vector<DeviceCheck> scan_checks_;   ///< Of the last `start` and, after `stop`, of its scan.
+  std::vector<DeviceCheck> break_checks_;  ///< Of the last Broken scan, kept until `close`: a restart must not hide the reason.
+  core::HostTime host_time_;               ///< Kept from scan to scan, because it knows the drift of the device's clock.
   std::optional<core::Rate> host_time_rate_;
 };
 

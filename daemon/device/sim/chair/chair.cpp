@@ -13,7 +13,7 @@ namespace dts::device::sim {
 namespace {
 
 constexpr double kLargestFlexionDeg = 120.0;
-constexpr double kLargestSeatLoadN = 10'000.0;  // the heaviest person in the fastest movement, with room
+constexpr double kLargestSeatLoadN = 10'000.0;  // above the load of the heaviest person in the fastest movement
 
 DeviceDescription describe(const DeviceUri& uri, const ChairOptions& options, const Daq& daq, const physics::Plate& plate) {
   DeviceDescription description;

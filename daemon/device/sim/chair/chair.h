@@ -9,11 +9,11 @@
 
 namespace dts::device::sim {
 
-/// `sim:chair`: a person who performs the reaching task on the chair of `context.rig`. Fails when an option is wrong or the rig's plate
-/// cannot be a seat.
+/// Creates `sim:chair`: a person who performs the reaching task on the chair of `context.rig`. Fails if an option is wrong or the rig's
+/// plate cannot be a seat.
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_chair(const DeviceUri& uri, const DeviceContext& context);
 
-/// The person that the options of a `sim:chair` URI describe, for those who want to know what it will do. Fails as `create_chair`.
+/// Returns the person that the options of a `sim:chair` URI describe, to predict the reaches. Fails as `create_chair`.
 [[nodiscard]] core::Result<physics::SeatedPersonOptions> chair_person(const DeviceUri& uri, const physics::RigModel& rig);
 
 }  // namespace dts::device::sim

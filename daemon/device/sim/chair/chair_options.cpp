@@ -87,7 +87,7 @@ physics::SeatedPersonOptions person(const UriOptions& options, std::uint64_t see
   return result;
 }
 
-/// Whole channel numbers below `sensors`.
+/// Returns the channel numbers of a list; they must be integers below `sensors`.
 core::Result<std::vector<std::size_t>> channel_list(const DeviceUri& uri, const UriOptions& options, const std::string& name,
                                                     std::size_t sensors) {
   std::vector<std::size_t> channels;

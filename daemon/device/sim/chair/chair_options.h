@@ -17,15 +17,15 @@ namespace dts::device::sim {
 
 inline constexpr std::size_t kEmgChannels = 6;
 
-/// What is wrong with the sensors of a chair; channels count from 0.
+/// Faults of the sensors of a chair; channels count from 0.
 struct SensorFaults {
-  std::vector<std::size_t> dead;                               ///< Give 0 V.
-  std::vector<std::size_t> saturated;                          ///< Give more than the converter can say.
-  std::optional<std::pair<std::size_t, std::size_t>> swapped;  ///< Their cables were exchanged.
-  double from_s = 0.0;                                         ///< Dead and saturated ones have worked before.
+  std::vector<std::size_t> dead;                               ///< Sensors that deliver 0 V.
+  std::vector<std::size_t> saturated;                          ///< Sensors above the converter's range.
+  std::optional<std::pair<std::size_t, std::size_t>> swapped;  ///< Two sensors with exchanged cables.
+  double from_s = 0.0;                                         ///< When dead and saturated sensors begin to fail.
 };
 
-/// What the URI of a simulated chair asks for.
+/// The options of a simulated chair.
 struct ChairOptions {
   physics::SeatedPersonOptions person;
   std::uint64_t seed = 1;
@@ -43,10 +43,10 @@ struct ChairOptions {
   [[nodiscard]] std::size_t converted_channels() const noexcept { return sensors + (has_emg ? kEmgChannels : 0); }
 };
 
-/// Every option of `sim:chair`, with defaults and ranges.
+/// Returns every option of `sim:chair`, with defaults and ranges.
 [[nodiscard]] std::span<const UriOption> chair_option_table();
 
-/// Fails with InvalidArgument or LimitExceeded naming the option; also for options that contradict each other.
+/// Reads the options. Fails with InvalidArgument or LimitExceeded, naming the option, also if options contradict each other.
 [[nodiscard]] core::Result<ChairOptions> read_chair_options(const DeviceUri& uri, std::size_t rig_sensors);
 
 }  // namespace dts::device::sim

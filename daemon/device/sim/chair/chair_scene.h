@@ -14,13 +14,13 @@
 
 namespace dts::device::sim {
 
-/// A person on the chair, down to the sensors' voltages:
+/// A person on the chair, with the voltages of the sensors:
 ///
 ///     cues -> SeatedPerson -> seat load -> SeatPlate -> gap -> sensor curve -> gain -> volts -> sensor faults
 ///                 +-> Emg
 class ChairScene final : public Scene {
  public:
-  /// `rig` must outlive the scene. Fails when its plate cannot be a seat.
+  /// Creates the scene. `rig` must outlive it. Fails if its plate cannot be a seat.
   [[nodiscard]] static core::Result<std::unique_ptr<Scene>> create(const ChairOptions& options, const physics::RigModel& rig);
 
   [[nodiscard]] core::Status load() override { return {}; }

@@ -16,20 +16,20 @@ constexpr double kHighestHz = 400.0;
 constexpr double kElectrodeV = 0.005;
 constexpr double kTonicV = 0.03;
 constexpr double kFullV = 0.5;
-constexpr double kLeadS = 0.05;  // a muscle is active before its force moves the limb
+constexpr double kLeadS = 0.05;  // a muscle is active this long before its force moves the limb
 constexpr double kRampS = 0.08;
-constexpr double kDipPart = 0.22;  // of the forward phase: where the transient has its first minimum
+constexpr double kDipPart = 0.22;  // part of the forward phase at which the transient has its first minimum
 
 enum Muscle : std::size_t { kTriceps, kBiceps, kAnteriorDeltoid, kPosteriorDeltoid, kRightErector, kLeftErector };
 
-/// 0 outside of from..to, 1 within, with ramps.
+/// Returns 1 between `from_s` and `to_s`, 0 outside, with ramps.
 double burst(double time_s, double from_s, double to_s) noexcept {
   return physics::smooth_step((time_s - from_s) / kRampS) * (1.0 - physics::smooth_step((time_s - to_s) / kRampS));
 }
 
 using Envelopes = std::array<double, kEmgChannels>;
 
-/// Parts of full activity.
+/// Returns the activity of each muscle, as a part of full activity.
 Envelopes activity(double time_s, const physics::ReachPlan& reach) noexcept {
   const double on_s = reach.on_s - kLeadS;
   const double stretch_s = reach.on_s + 0.5 * (reach.hit_s - reach.on_s);
@@ -66,7 +66,7 @@ void Emg::write(double time_s, bool is_there, const physics::ReachPlan* reach, s
   for (std::size_t channel = 0; channel < std::min(values.size(), waves_.size()); ++channel) {
     double sum = 0.0;
     for (const Wave& wave : waves_[channel]) sum += std::sin(2.0 * std::numbers::pi * wave.hz * time_s + wave.phase);
-    const double noise = sum * std::sqrt(2.0 / static_cast<double>(kWaves));  // of deviation 1
+    const double noise = sum * std::sqrt(2.0 / static_cast<double>(kWaves));  // standard deviation 1
     values[channel] = noise * (is_there ? kTonicV + kFullV * envelopes[channel] : kElectrodeV);
   }
 }

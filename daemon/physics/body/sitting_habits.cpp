@@ -39,7 +39,7 @@ void draw_load(SittingHabits& habits, HabitDraws& draws) {
   habits.rest_y_deviation_mm = 1.0;
 }
 
-/// Limits the use of the arm. The angles of S1 to S5 at the critical boundary (thesis Table 6.3) correspond to 0.55 to 0.82, but a maximum
+/// Limits the use of the arm. The angles of S1 to S5 at the critical boundary (thesis Table 6.4) correspond to 0.55 to 0.82, but a maximum
 /// reach must not need more flexion than that of a healthy person.
 double plausible_arm_use(Person person, double arm_use) noexcept {
   constexpr double kMostHealthyFlexionDeg = 60.0;

@@ -87,7 +87,7 @@ void for_each(const FrameEvents& events, Use use) {
 }
 
 /// The ring for the events of the frames in another ring. Events are rare: storing them in the frames would need 2.9 kB per slot;
-/// this ring needs about 350 kB in total.
+/// this ring of 2048 events of 176 bytes needs 360 kB in total.
 ///
 ///     producer:  push(events)   frame.event_count = take_count()   commit the frame
 ///     consumer:  for each frame: event_count times front() and release()

@@ -102,7 +102,8 @@ void PublishThread::publish(Source& source) {
     core::Frame* frame = frames.front();
     if (frame == nullptr) return;
     if (frame->gap_before.reason != core::GapReason::None) send_event(source, gap_event(instance_id_, *frame));
-    // Triggers are the first events of a frame. They are sent before its blocks, all other events after them.
+    // Triggers are the first events of a frame. They are sent before its blocks, all other events after them. If the frame also counts the
+    // events of dropped frames, only the triggers before the first other event are sent before its blocks.
     std::uint32_t left = frame->event_count;
     while (left > 0 && std::holds_alternative<core::TriggerEvent>(*source.rig->events().front())) send_next_event(source, left);
     send_streams(source, *frame);

@@ -40,21 +40,22 @@ TEST(Recording, Overview_KnowsStreamsSessionAndCounts) {
   EXPECT_EQ(recording->losses().total().gaps, 1U);
 }
 
+/// The small recording without its last chunk. It starts at raw scan 40; cop, of half the rate, counts its own: 20.
+const std::string kSmallItems =  // NOLINT(cert-err58-cpp)
+    "event @1000 {\"event\":\"segment\",\"segment\":0,\"scan\":40}\n"
+    "raw 0:40 @1000 1 -1 2 -2 3 -3 4 -4\n"
+    "cop 0:20 @1000 0.5 0.25\n"
+    "quality 0:42 @1000.02 3\n"
+    "raw 0:44 @1000.04 1 -1 2 -2 3 -3 4 -4\n"
+    "offset @1000.05 raw -1.5e-06\n"
+    "event @1000.5 {\"event\":\"segment\",\"segment\":1,\"scan\":0}\n"
+    "raw 1:0 @1000.5 1 -1 2 -2 3 -3 4 -4\n";
+
 TEST(Recording, Items_ComeAsTheyWereWrittenAndAgainAfterRewind) {
   const Folder folder;
   const auto recording = small(folder);
   const std::string once = items_text(*recording);
-  // The recording starts at raw scan 40; cop, of half the rate, counts its own: 20.
-  EXPECT_EQ(once,
-            "event @1000 {\"event\":\"segment\",\"segment\":0,\"scan\":40}\n"
-            "raw 0:40 @1000 1 -1 2 -2 3 -3 4 -4\n"
-            "cop 0:20 @1000 0.5 0.25\n"
-            "quality 0:42 @1000.02 3\n"
-            "raw 0:44 @1000.04 1 -1 2 -2 3 -3 4 -4\n"
-            "offset @1000.05 raw -1.5e-06\n"
-            "event @1000.5 {\"event\":\"segment\",\"segment\":1,\"scan\":0}\n"
-            "raw 1:0 @1000.5 1 -1 2 -2 3 -3 4 -4\n"
-            "cop 1:0 @1000.5 0.5 0.25\n");
+  EXPECT_EQ(once, kSmallItems + "cop 1:0 @1000.5 0.5 0.25\n");
   EXPECT_EQ(recording->offset(), recording->size());
 
   ASSERT_TRUE(recording->rewind());
@@ -99,15 +100,7 @@ TEST(Recording, TornEnd_IsReadUpToThere) {
   put_file(folder / "b.xdf", bytes.substr(0, bytes.size() - 1));
 
   const auto recording = open(folder / "b.xdf");
-  EXPECT_EQ(items_text(*recording),
-            "event @1000 {\"event\":\"segment\",\"segment\":0,\"scan\":40}\n"
-            "raw 0:40 @1000 1 -1 2 -2 3 -3 4 -4\n"
-            "cop 0:20 @1000 0.5 0.25\n"
-            "quality 0:42 @1000.02 3\n"
-            "raw 0:44 @1000.04 1 -1 2 -2 3 -3 4 -4\n"
-            "offset @1000.05 raw -1.5e-06\n"
-            "event @1000.5 {\"event\":\"segment\",\"segment\":1,\"scan\":0}\n"
-            "raw 1:0 @1000.5 1 -1 2 -2 3 -3 4 -4\n");
+  EXPECT_EQ(items_text(*recording), kSmallItems);
   EXPECT_EQ(recording->damage(), "chunk torn at byte 3249");
 }
 

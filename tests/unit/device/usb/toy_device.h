@@ -52,8 +52,6 @@ class ToyDevice final : public emulator::EmulatedDevice {
   std::size_t gap_channel = 0;  ///< The scan breaks off before this channel.
   std::uint64_t rail_at_code = emulator::Faults::kNever;
   double moved_v = 0.0;                                   ///< Added to channel 0's single reading: somebody moved.
-  std::uint64_t fail_request = emulator::Faults::kNever;  ///< This request, counted from 0, ends with `fail_with`.
-  emulator::ReplyKind fail_with = emulator::ReplyKind::Stall;
   bool takes_begin_without_running = false;
   std::uint8_t hidden_serial = 0;  ///< Of a unit that does not tell it in its descriptors.
   bool is_sync_high = false;
@@ -85,7 +83,7 @@ class ToyDevice final : public emulator::EmulatedDevice {
     if (faults.is_mute || std::exchange(faults.silent_control_requests, std::max(faults.silent_control_requests - 1, 0)) > 0) {
       return {emulator::ReplyKind::Silence, {}};
     }
-    if (requests++ == fail_request) return {fail_with, {}};
+    ++requests;
     switch (setup.request) {
       case kToyStop: stop(); return {};
       case kToyIdentity: return {emulator::ReplyKind::Done, std::vector<std::uint8_t>{0xCA, 0x1B, hidden_serial}};

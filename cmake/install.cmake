@@ -40,7 +40,8 @@ install(DIRECTORY ${CMAKE_BINARY_DIR}/share/dts-gateway/web DESTINATION ${CMAKE_
 install(FILES config/dtsd-daq.toml config/grafana/dtsd.json config/prometheus/dtsd-alerts.yml DESTINATION ${dts_doc_dir}/examples)
 install(FILES config/dtsd.toml DESTINATION ${dts_doc_dir}/examples RENAME dtsd-sim.toml)
 install(FILES config/protocols/README.md DESTINATION ${dts_doc_dir} RENAME protocols.md)
-install(FILES README.md SECURITY.md docs/installation.md DESTINATION ${dts_doc_dir})
+install(FILES README.md SECURITY.md DESTINATION ${dts_doc_dir})
+install(DIRECTORY docs DESTINATION ${dts_doc_dir} FILES_MATCHING PATTERN *.md PATTERN screenshots EXCLUDE)
 
 # What the programs say of themselves. The gateway's page is one of system administration: section 8.
 dts_documents(dts-gateway)

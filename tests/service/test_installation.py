@@ -71,11 +71,11 @@ class Installed(unittest.TestCase):
             self.assertIn(f"{rigs} rig(s)", done.stdout)
 
     def test_GuideNamesWhatIsThere_AndItsRigIsSound(self) -> None:
-        """docs/installation.md: the examples, and the table that it says to write for a DAQ without a trigger line."""
-        (guide,) = self.prefix.rglob("doc/dtsd/installation.md")
+        """docs/operating.md: the examples, and the table that it says to write for a DAQ without a trigger line."""
+        (guide,) = self.prefix.rglob("doc/dtsd/docs/operating.md")
         for example in ("dtsd-daq.toml", "dtsd-alerts.yml", "dtsd.json"):
             self.assertIn(example, guide.read_text())
-            self.assertTrue((guide.parent / "examples" / example).is_file(), example)
+            self.assertTrue((guide.parent.parent / "examples" / example).is_file(), example)
         (table,) = re.findall(r"^ {4}\[\[rig\]\]\n(?: {4}\w+ = .*\n)+", guide.read_text(), re.MULTILINE)
         rig = (self.etc / "rigs/floor-daq.toml").read_text()
         (self.etc / "rigs/floor.toml").write_text(re.sub(r"^\[trigger\].*?(?=^\[)", "", rig, flags=re.MULTILINE | re.DOTALL))

@@ -45,7 +45,7 @@ run_in_real_time() {
   cp as-installed.toml /etc/dtsd/dtsd.toml
 }
 
-# As docs/installation.md says, for a DAQ that is wired to the simulated platform.
+# As docs/operating.md says, for a DAQ that is wired to the simulated platform.
 configure() {
   printf '\n[[rig]]\nname = "floor"\nfile = "rigs/floor-sim.toml"\ndevice = "mcc:1608fs-plus?range_v=5"\n' >>/etc/dtsd/dtsd.toml
   printf '\n[network]\ncontrol = "tcp://127.0.0.1:5555"\ndata = "tcp://127.0.0.1:5556"\n' >>/etc/dtsd/dtsd.toml

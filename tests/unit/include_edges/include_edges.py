@@ -82,7 +82,6 @@ WITH_LICENCE = CODE | {".py", ".proto", ".cmake", ".sh"}
 SKIPPED_FOLDERS = {"build", "dist", "node_modules", "__pycache__", ".git"}
 GENERATED = "_pb2.py"  # by protoc, not committed
 MAX_FILE_LINES = 400
-MAX_README_LINES = 60
 INCLUDE = re.compile(r"\s*#\s*include\b\s*(.*)")
 HEADER = re.compile(r'[<"]([^>"]+)[>"]')
 
@@ -200,8 +199,6 @@ def faults_of_readmes(root):
         readme = root / room / "README.md"
         if not readme.is_file():
             findings.append(f"{room}:1: no README.md")
-        elif len(lines_of(readme)) > MAX_README_LINES:
-            findings.append(f"{room}/README.md:{MAX_README_LINES + 1}: more than {MAX_README_LINES} lines")
     return findings
 
 

@@ -135,13 +135,11 @@ class RulesTest(TreeTest):
         self.write("scripts/demo.py", "#!/usr/bin/env python3\n# SPDX-License-Identifier: Apache-2.0\n")
         self.assertEqual(include_edges.faults_of_files(self.root), [])
 
-    def test_room_with_code_needs_a_short_readme(self):
+    def test_room_with_code_needs_a_readme(self):
         self.write("daemon/core/sub/a.cpp", LICENCE)
         self.assertEqual(include_edges.faults_of_readmes(self.root), ["daemon/core:1: no README.md"])
-        self.write("daemon/core/README.md", "\n" * 60)
+        self.write("daemon/core/README.md", "\n" * 100)
         self.assertEqual(include_edges.faults_of_readmes(self.root), [])
-        self.write("daemon/core/README.md", "\n" * 61)
-        self.assertEqual(len(include_edges.faults_of_readmes(self.root)), 1)
 
 
 class MainTest(TreeTest):

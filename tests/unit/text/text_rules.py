@@ -24,6 +24,7 @@ WORDS = [
     (r"pseudonyms?", "subject ID"),
     (r"test persons?", "subject"),
     (r"(?:some|any)(?:body|one) (?:stands|who)|whoever|whosoever", "the subject, the user, the client"),
+    (r"holes?", "gap"),
     (r"mend(?:s|ed|ing)?", "fix, correct, repair"),
     (r"anew", "again"),
     (r"(?:tell|hear)s?|(?:is|are|was|were|be|been) told|heard", "report, print, state; receive"),

@@ -74,7 +74,7 @@ class WordsTest(TreeTest):
         return findings
 
     def test_each_pattern_is_found_in_a_document(self):
-        for text in ("a pseudonym", "test persons", "Whoever", "somebody who", "mended", "anew", "tells", "was told", "heard", "went on",
+        for text in ("a pseudonym", "test persons", "Whoever", "somebody who", "a hole", "mended", "anew", "tells", "was told", "heard", "went on",
                      "goes on", "refusal", "broken off", "feign", "drop-out", "stands in the file", "do without", "is given up", "zeroing"):
             self.assertEqual(len(self.words("a.md", f"one\n\nIt is {text} here.\n")), 1, text)
 

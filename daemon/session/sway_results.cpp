@@ -22,23 +22,22 @@ std::string why_not(const SwayTrialResult& result, const CopTrace& trace) {
 }
 
 /// Returns the samples of a trial, or nothing and sets `result.problem`.
-std::optional<posturography::CopSeries> samples_of(SwayTrialResult& result, const CopTrace& trace, core::Rate raw_rate) {
+std::optional<CopCut> samples_of(SwayTrialResult& result, const CopTrace& trace, core::Rate raw_rate) {
   const auto is_too_long = [](double duration_s) { return duration_s > kLongestTrialS; };
-  auto series = trace.cut(begin_of(result), end_of(result));
+  auto samples = trace.cut(begin_of(result), end_of(result));
   const bool is_divided = result.end_segment != result.segment;
   const double scans = static_cast<double>(result.end_scan.value) - static_cast<double>(result.first_scan.value);
-  if (is_too_long(series ? static_cast<double>(series->ml_mm.size()) / series->rate_hz : 0.0) ||
-      (!is_divided && is_too_long(scans / raw_rate.hz()))) {
+  if (is_too_long(samples ? samples->duration_s() : 0.0) || (!is_divided && is_too_long(scans / raw_rate.hz()))) {
     result.problem = "longer than 10 min: dtslab sway measures it from the recording";
     return std::nullopt;
   }
-  if (!series) result.problem = why_not(result, trace);
-  return series;
+  if (!samples) result.problem = why_not(result, trace);
+  return samples;
 }
 
-core::Result<posturography::Analysis> analyse(const posturography::CopSeries& series) {
+core::Result<posturography::Analysis> analyse(const CopCut& samples) {
   try {
-    return posturography::analyse(series, {.preparation = posturography::kReportPreparation});
+    return posturography::analyse(samples.series(), {.preparation = posturography::kReportPreparation});
   } catch (const std::bad_alloc&) {
     return core::fail(core::ErrorCode::LimitExceeded, "too little memory: dtslab sway measures it from the recording");
   }
@@ -114,8 +113,8 @@ void SwayResults::end_complete() {
 void SwayResults::end_trial(const Key& key, Attempt& attempt) {
   attempt.state = State::Ended;
   Ended& ended = ended_.emplace_back(Ended{.key = key, .analysis = {}});
-  auto series = samples_of(attempt.result, trace_, raw_rate_);
-  if (series) ended.analysis = worker_.run([series = std::move(*series)] { return analyse(series); });
+  auto samples = samples_of(attempt.result, trace_, raw_rate_);
+  if (samples) ended.analysis = worker_.run([samples = std::move(*samples)] { return analyse(samples); });
 }
 
 bool SwayResults::is_analysing() const {

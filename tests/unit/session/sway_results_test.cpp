@@ -184,13 +184,26 @@ TEST(SwayResults, MemoryOfAnEndlessTrialIsBounded) {
   EXPECT_TRUE(trace.cut({0, {100'000}}, {0, {200'000}}));
 }
 
+TEST(SwayResults, SamplesOfATrial_StayWhileTheTraceGoesOn) {
+  CopTrace trace(rate_100(), rate_100());
+  trace.take(cop_block(0, 5000));
+  const auto cut = trace.cut({0, {4090}}, {0, {4100}});  // across the end of a chunk
+  ASSERT_TRUE(cut);
+  trace.take(cop_block(5000, 20'000));
+  EXPECT_FALSE(trace.cut({0, {4090}}, {0, {4100}}));
+  const posturography::CopSeries series = cut->series();
+  ASSERT_EQ(series.ml_mm.size(), 10U);
+  for (std::uint64_t i = 0; i < 10; ++i) EXPECT_EQ(series.ml_mm[i], static_cast<float>(ml_at(4090 + i)));
+}
+
 TEST(SwayResults, ASlowerCopStreamIsCutAtTheRightScans) {
   CopTrace trace(*core::Rate::create(1500, 1), rate_100());
   trace.take(cop_block(0, 400));
   const auto cut = trace.cut({0, {1500}}, {0, {4500}});
   ASSERT_TRUE(cut);
-  EXPECT_EQ(cut->ml_mm.size(), 200U);
-  EXPECT_EQ(cut->ml_mm[0], static_cast<float>(ml_at(100)));
+  const posturography::CopSeries series = cut->series();
+  EXPECT_EQ(series.ml_mm.size(), 200U);
+  EXPECT_EQ(series.ml_mm[0], static_cast<float>(ml_at(100)));
 }
 
 TEST(SwayResults, DoubtOfASampleInTheTrial_IsADoubtOfItsResult) {
@@ -207,7 +220,7 @@ TEST(SwayResults, DoubtOfASampleInTheTrial_IsADoubtOfItsResult) {
     trace.take(block);
     const auto cut = trace.cut({0, {100}}, {0, {300}});
     ASSERT_TRUE(cut);
-    EXPECT_EQ(cut->flags, is_doubtful ? posturography::sway_flag::kDoubtful : 0U) << scan;
+    EXPECT_EQ(cut->series().flags, is_doubtful ? posturography::sway_flag::kDoubtful : 0U) << scan;
   }
 }
 

@@ -186,9 +186,11 @@ TEST(SwayResults, MemoryOfAnEndlessTrialIsBounded) {
 
 TEST(SwayResults, SamplesOfATrial_StayWhileTheTraceGoesOn) {
   CopTrace trace(rate_100(), rate_100());
+  trace.keep_from(TracePlace{});
   trace.take(cop_block(0, 5000));
   const auto cut = trace.cut({0, {4090}}, {0, {4100}});  // across the end of a chunk
   ASSERT_TRUE(cut);
+  trace.keep_from(std::nullopt);
   trace.take(cop_block(5000, 20'000));
   EXPECT_FALSE(trace.cut({0, {4090}}, {0, {4100}}));
   const posturography::CopSeries series = cut->series();

@@ -18,6 +18,7 @@
 #include "app/service_manager.h"
 #include "app/sockets.h"
 #include "core/thread.h"
+#include "core/worker.h"
 #include "device/registry.h"
 #include "files/protocol_file.h"
 #include "ipc/control_server.h"
@@ -209,8 +210,10 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   if (!recordings) return tl::make_unexpected(recordings.error());
   if (!(*recordings)->notice().empty()) notices.push_back((*recordings)->notice());
   const std::string boot = boot_id();
+  core::Worker worker("analyse");
   session::Supervisor supervisor(clock, log, &usb,
-                                 {.recordings = recordings->get(),
+                                 {.recordings = **recordings,
+                                  .worker = worker,
                                   .protocols = config.protocols,
                                   .software = "dtsd " + std::string(version()),
                                   .boot_id = boot,

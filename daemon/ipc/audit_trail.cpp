@@ -82,13 +82,12 @@ bool is_audited(const dts::v1::Request& request, const dts::v1::Response& respon
 
 void enter_audit(session::Supervisor& supervisor, core::Clock& clock, const std::string& sender, const dts::v1::Request& request,
                  const dts::v1::Response& response) {
-  session::Recordings* recordings = supervisor.recordings();
-  if (recordings == nullptr || !is_audited(request, response)) return;
-  recordings->enter_audit({.utc_ns = clock.now_ns() + clock.utc_minus_monotonic_ns(),
-                           .who = who(sender, request),
-                           .what = audit_name(request),
-                           .target = target_of(supervisor, request, response),
-                           .result = result_of(request, response)});
+  if (!is_audited(request, response)) return;
+  supervisor.recordings().enter_audit({.utc_ns = clock.now_ns() + clock.utc_minus_monotonic_ns(),
+                                       .who = who(sender, request),
+                                       .what = audit_name(request),
+                                       .target = target_of(supervisor, request, response),
+                                       .result = result_of(request, response)});
 }
 
 }  // namespace dts::ipc

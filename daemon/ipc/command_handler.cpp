@@ -112,7 +112,7 @@ dts::v1::StatusSnapshot CommandHandler::status() {
     out.set_accepted_handshakes_total(authenticator_->accepted_total());
     out.set_refused_handshakes_total(authenticator_->refused_total());
   }
-  if (session::Recordings* recordings = supervisor_.recordings()) *out.mutable_disk() = disk_status(recordings->disk());
+  *out.mutable_disk() = disk_status(supervisor_.recordings().disk());
   return out;
 }
 

@@ -20,10 +20,6 @@ constexpr std::size_t kMostFields = 64;
 
 std::size_t limit_of(std::uint32_t asked) { return std::clamp(asked == 0 ? kDefaultLimit : asked, 1U, kLargestLimit); }
 
-dts::v1::Response nothing_is_recorded() {
-  return error_response({ErrorCode::Unsupported, "this daemon records nothing", "it was started without storage"});
-}
-
 /// Adds the protocol's fields about the subject. Reads them from the recordings, because the catalogue does not have them.
 void add_fields(const record::SessionRow& row, dts::v1::SessionRecord& out) {
   for (const record::PartRow& part : row.parts) {
@@ -76,9 +72,8 @@ std::optional<dts::v1::Response> CommandHandler::finish_stop(const PendingStop& 
   if (view->id == pending.session_id && view->state == session::SessionState::Stopping) return std::nullopt;
   dts::v1::Response response;
   *response.mutable_session() = session_info(pending.rig, *view);
-  if (session::Recordings* recordings = supervisor_.recordings()) {
-    *response.mutable_session()->mutable_recording() = recording_status(recordings->view(pending.rig), recordings->part(pending.rig));
-  }
+  session::Recordings& recordings = supervisor_.recordings();
+  *response.mutable_session()->mutable_recording() = recording_status(recordings.view(pending.rig), recordings.part(pending.rig));
   return response;
 }
 
@@ -105,47 +100,44 @@ dts::v1::Response CommandHandler::list_protocols() {
 }
 
 dts::v1::Response CommandHandler::list_sessions(const dts::v1::ListSessionsRequest& request) {
-  session::Recordings* recordings = supervisor_.recordings();
-  if (recordings == nullptr) return nothing_is_recorded();
-  const auto rows = recordings->catalogue().sessions(
+  session::Recordings& recordings = supervisor_.recordings();
+  const auto rows = recordings.catalogue().sessions(
       {.rig = request.rig(), .subject = request.subject(), .protocol = request.protocol(), .limit = limit_of(request.limit())});
   if (!rows) return error_response(rows.error());
   dts::v1::Response response;
   auto& out = *response.mutable_sessions();
   for (const record::SessionRow& row : *rows)
-    *out.add_sessions() = session_record(recordings->corrected(row), supervisor_.planned_trials(row));
+    *out.add_sessions() = session_record(recordings.corrected(row), supervisor_.planned_trials(row));
   return response;
 }
 
 dts::v1::Response CommandHandler::show_session(const dts::v1::ShowSessionRequest& request) {
-  session::Recordings* recordings = supervisor_.recordings();
-  if (recordings == nullptr) return nothing_is_recorded();
-  const auto row = recordings->catalogue().session(request.session_id());
+  session::Recordings& recordings = supervisor_.recordings();
+  const auto row = recordings.catalogue().session(request.session_id());
   if (!row) return error_response(row.error());
-  const auto results = recordings->catalogue().results(request.session_id());
+  const auto results = recordings.catalogue().results(request.session_id());
   if (!results) return error_response(results.error());
   dts::v1::Response response;
-  *response.mutable_session_record() = session_record(recordings->corrected(*row), supervisor_.planned_trials(*row));
+  *response.mutable_session_record() = session_record(recordings.corrected(*row), supervisor_.planned_trials(*row));
   add_fields(*row, *response.mutable_session_record());
   for (const record::ResultRow& result : *results) *response.mutable_session_record()->add_results() = session_result(result);
   return response;
 }
 
 dts::v1::Response CommandHandler::audit(const dts::v1::GetAuditRequest& request) {
-  session::Recordings* recordings = supervisor_.recordings();
-  if (recordings == nullptr) return nothing_is_recorded();
-  const auto entries = recordings->catalogue().audit(limit_of(request.limit()));
+  session::Recordings& recordings = supervisor_.recordings();
+  const auto entries = recordings.catalogue().audit(limit_of(request.limit()));
   if (!entries) return error_response(entries.error());
   dts::v1::Response response;
   auto& out = *response.mutable_audit();
   for (const record::AuditEntry& entry : *entries) *out.add_entries() = audit_entry(entry);
-  const auto verified = recordings->catalogue().verify_audit();
+  const auto verified = recordings.catalogue().verify_audit();
   if (verified) {
     out.set_verified_entries(*verified);
   } else {
     out.set_problem(core::to_string(verified.error()));
   }
-  if (const std::string& owed = recordings->audit_problem(); !owed.empty() && verified) {
+  if (const std::string& owed = recordings.audit_problem(); !owed.empty() && verified) {
     out.set_problem("the newest entries are not written yet: " + owed);
   }
   return response;

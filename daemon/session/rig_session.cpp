@@ -162,10 +162,8 @@ core::Status RigSession::begin(const record::SessionFacts& facts, SessionRequest
   if (request.settle_s == 0.0) request.settle_s = protocol.settle_s;
   if (request.duration_s == 0.0) request.duration_s = protocol.duration_s;
   if (auto free = session_.check_free(); !free) return free;
-  if (services_.recordings != nullptr) {
-    if (auto begun = services_.recordings->begin(rig_, facts); !begun) return begun;
-    is_recording_ = true;
-  }
+  if (auto begun = services_.recordings.begin(rig_, facts); !begun) return begun;
+  is_recording_ = true;
   is_aborted_ = false;
   is_next_wanted_ = false;
   end_reason_.clear();
@@ -183,27 +181,40 @@ core::Status RigSession::stop(bool is_abort, const std::string& reason, const Mo
   if (auto stopped = session_.stop(moment.now_ns); !stopped) return stopped;
   is_aborted_ = is_abort;
   end_reason_ = reason.substr(0, kLongestReason);
-  end_recording(moment);
+  end_trials(moment);
   return {};
 }
 
-/// Adds everything up to now to the recording before it ends.
-void RigSession::end_recording(const Moment& moment) {
+void RigSession::end_trials(const Moment& moment) {
   if (trials_) trials_->abort(moment.now_ns);
   collect(moment.at);
+  follow(moment.at);
+  if (reaches_) reaches_->finish();
+  if (sways_) sways_->finish();
+  if (is_recording_) {
+    // In case the daemon ends before the file is closed: this session was not interrupted and must not be resumed automatically.
+    services_.recordings.end_session(session_.view(moment.now_ns).id, is_aborted_ ? "aborted" : "incomplete",
+                                     is_aborted_ ? end_reason_ : "it was stopped, and its recording was being closed",
+                                     moment.now_ns + utc_minus_monotonic_ns_);
+  }
+  is_awaiting_results_ = true;
+  end_recording_if_judged(moment);
+}
+
+/// Adds everything up to now to the recording and ends it, as soon as the result of each trial is known.
+void RigSession::end_recording_if_judged(const Moment& moment) {
+  if (!is_awaiting_results_ || (sways_ && sways_->is_analysing())) return;
+  is_awaiting_results_ = false;
   conclude(moment.at);
   if (is_aborted_) {  // in the recording too, because the catalogue may be rebuilt from it
     note({.event = "session", .values = {{"state", std::string("aborted")}, {"message", end_reason_}}}, moment.at);
   }
-  if (is_recording_) {
-    // In case the daemon ends before the file is closed: this session was not interrupted and must not be resumed automatically.
-    services_.recordings->end_session(session_.view(moment.now_ns).id, is_aborted_ ? "aborted" : "incomplete",
-                                      is_aborted_ ? end_reason_ : "it was stopped, and its recording was being closed",
-                                      moment.now_ns + utc_minus_monotonic_ns_);
-    return services_.recordings->end(rig_);
-  }
-  session_.closed(moment.now_ns);
-  collect(moment.at);
+  services_.recordings.end(rig_);
+}
+
+void RigSession::wait_for_results(const Moment& moment) {
+  if (sways_) sways_->wait();
+  end_recording_if_judged(moment);
 }
 
 core::Status RigSession::trial(TrialAction action, const Moment& moment) {
@@ -245,18 +256,17 @@ void RigSession::tick(const Moment& moment, std::uint64_t scans_total) {
   }
   collect(moment.at);
   follow(moment.at);
-  if (!was_stopping && state == SessionState::Stopping) end_recording(moment);
+  if (!was_stopping && state == SessionState::Stopping) return end_trials(moment);
+  end_recording_if_judged(moment);
 }
 
 void RigSession::recording_finished(const FinishedRecording& finished, const Moment& moment) {
   is_recording_ = false;
   if (session_.is_under_way() && session_.view(moment.now_ns).state != SessionState::Stopping) {
     session_.fail(moment.now_ns, "the recording stopped: " + finished.incomplete);  // a session must be recorded
-    if (trials_) trials_->abort(moment.now_ns);
-    collect(moment.at);
-    conclude(moment.at);
-    services_.recordings->end(rig_);
+    end_trials(moment);
   }
+  wait_for_results(moment);  // rare: the recording failed while an analysis runs
   session_.closed(moment.now_ns);
   collect(moment.at);
   enter_end(finished, moment.now_ns);
@@ -266,7 +276,7 @@ void RigSession::note(record::RecordedEvent event, const DataPosition& at) {
   if (!is_recording_) return;
   event.segment = at.segment;
   event.scan = at.scan;
-  services_.recordings->note(rig_.config().name, std::move(event));
+  services_.recordings.note(rig_.config().name, std::move(event));
 }
 
 /// Writes the changes of the state machines to the recording and the catalogue, and keeps them for the bus.
@@ -330,10 +340,10 @@ void RigSession::enter_trial(const TrialEvent& event, const DataPosition& at) {
 }
 
 void RigSession::put_trial(record::TrialRow& row) {
-  if (services_.recordings == nullptr || row.outcome.empty()) return;  // a trial under way is entered when it ends
+  if (row.outcome.empty()) return;  // a trial under way is entered when it ends
   row.session_id = session_.view(0).id;
-  row.part = services_.recordings->part(rig_.config().name);
-  services_.recordings->enter_trial(row);
+  row.part = services_.recordings.part(rig_.config().name);
+  services_.recordings.enter_trial(row);
 }
 
 void RigSession::enter_end(const FinishedRecording& finished, std::int64_t now_ns) {
@@ -342,7 +352,7 @@ void RigSession::enter_end(const FinishedRecording& finished, std::int64_t now_n
   std::string message = finished.incomplete.empty() ? view.message : finished.incomplete;
   if (is_aborted_) state = "aborted";
   if (!end_reason_.empty()) message = end_reason_;
-  services_.recordings->end_session(view.id, state, message, now_ns + utc_minus_monotonic_ns_);
+  services_.recordings.end_session(view.id, state, message, now_ns + utc_minus_monotonic_ns_);
 }
 
 }  // namespace dts::session

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/log.h"
+#include "core/worker.h"
 #include "record/catalogue/catalogue.h"
 #include "session/protocol.h"
 #include "session/reach_results.h"
@@ -56,7 +57,8 @@ enum class TrialAction : std::uint8_t { Next = 1, Redo, Reject };
 
 /// What a session needs besides its rig; must outlive the session.
 struct SessionServices {
-  Recordings* recordings = nullptr;  ///< nullptr: sessions label the stream but record nothing. For tests and benchmarks.
+  Recordings& recordings;
+  core::Worker& worker;  ///< Analyses finished trials.
   std::vector<Protocol> protocols{Protocol{}};
   std::string software{};  ///< "dtsd 0.1.0"
   std::string boot_id{};
@@ -74,7 +76,8 @@ class RigSession {
   [[nodiscard]] core::Status start(std::string id, const SessionRequest& request, const Moment& moment);
   /// Continues an interrupted, incomplete or aborted session of this rig as a new part; valid trials are not repeated.
   [[nodiscard]] core::Status resume(const record::SessionRow& row, const Moment& moment);
-  /// Enters Stopping; `view` shows when the recording is closed. The catalogue lists an abort as aborted, and in both cases `reason`.
+  /// Enters Stopping; the recording ends when the results of the last trials are known and written, and `view` shows when it is closed. The
+  /// catalogue lists an abort as aborted, and in both cases `reason`.
   [[nodiscard]] core::Status stop(bool is_abort, const std::string& reason, const Moment& moment);
   /// Executes `action`. `Next` before the session runs is done as soon as it runs. Fails with WrongState if there is no session, it has no
   /// trials or does not run yet, or if TrialRun rejects the action.
@@ -82,6 +85,8 @@ class RigSession {
 
   /// Advances the session to `moment`; `scans_total` is the rig's counter.
   void tick(const Moment& moment, std::uint64_t scans_total);
+  /// Waits for the results of the last trials of a session that is stopping, so that its recording ends. For the end of the daemon.
+  void wait_for_results(const Moment& moment);
   /// Ends the session if the rig's recording ended for any reason.
   void recording_finished(const FinishedRecording& finished, const Moment& moment);
   /// Writes an event of the rig to the recording.
@@ -102,7 +107,8 @@ class RigSession {
                                            const Moment& moment) const;
   core::Status begin(const record::SessionFacts& facts, SessionRequest request, const Protocol& protocol,
                      const std::vector<std::uint32_t>& done, const Moment& moment);
-  void end_recording(const Moment& moment);
+  void end_trials(const Moment& moment);
+  void end_recording_if_judged(const Moment& moment);
   void collect(const DataPosition& at);
   [[nodiscard]] DataPosition position_at(std::int64_t host_ns, const DataPosition& newest) const;
   void enter_end(const FinishedRecording& finished, std::int64_t now_ns);
@@ -124,6 +130,7 @@ class RigSession {
   std::optional<TrialRun> trials_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, record::TrialRow> trial_rows_;  ///< By trial and attempt.
   bool is_recording_ = false;
+  bool is_awaiting_results_ = false;  ///< The trials have ended; the recording ends when their results are known.
   bool is_aborted_ = false;
   bool is_next_wanted_ = false;  ///< Start the first trial as soon as the session runs.
   std::string end_reason_;

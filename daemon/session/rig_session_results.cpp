@@ -50,7 +50,7 @@ void RigSession::prepare_results(const Protocol& protocol, const record::Session
     const auto& model = rig_.config().trunk_model;
     reaches_.emplace(person_of(facts.fields), model ? &*model : nullptr);
   }
-  if (const auto cop_rate = rig_.cop_rate()) sways_.emplace(rig_.config().rate, *cop_rate);
+  if (const auto cop_rate = rig_.cop_rate()) sways_.emplace(rig_.config().rate, *cop_rate, services_.worker);
 }
 
 /// Empties the rings from the pipeline; passes their content to the results of the session, if any.
@@ -123,11 +123,9 @@ void RigSession::tell_outcomes(const DataPosition& at) {
 /// Concludes the session's trials: classifies each reach again, on the subject's own scale if it is known now, and computes the results of
 /// the session. A resumed session has such results for each part.
 void RigSession::conclude(const DataPosition& at) {
-  follow(at);
+  tell_outcomes(at);
   std::vector<SessionFigure> figures;
   if (reaches_) {
-    reaches_->finish();
-    tell_outcomes(at);
     for (const ReachTrialResult& result : reaches_->results()) {
       record::RecordedEvent event = recorded(result);
       event.values.emplace_back("is_at_end", true);
@@ -135,18 +133,14 @@ void RigSession::conclude(const DataPosition& at) {
     }
     figures = reaches_->summary();
   }
-  if (sways_) {
-    sways_->finish();
-    tell_outcomes(at);
-    std::ranges::move(sways_->summary(), std::back_inserter(figures));
-  }
+  if (sways_) std::ranges::move(sways_->summary(), std::back_inserter(figures));
   enter_figures(figures, at);
   reaches_.reset();
   sways_.reset();
 }
 
 void RigSession::enter_figures(const std::vector<SessionFigure>& figures, const DataPosition& at) {
-  const std::uint32_t part = services_.recordings != nullptr ? services_.recordings->part(rig_.config().name) : 1;
+  const std::uint32_t part = services_.recordings.part(rig_.config().name);
   const std::string suffix = part > 1 ? "_part_" + std::to_string(part) : "";
   for (const SessionFigure& figure : figures) {
     const record::ResultRow row{.session_id = session_.view(0).id,
@@ -155,7 +149,7 @@ void RigSession::enter_figures(const std::vector<SessionFigure>& figures, const 
                                 .unit = figure.unit,
                                 .details = figure.details};
     note({.event = "figure", .values = {{"name", row.name}, {"value", row.value}, {"unit", row.unit}, {"details", row.details}}}, at);
-    if (services_.recordings != nullptr) services_.recordings->enter_result(row);
+    services_.recordings.enter_result(row);
   }
 }
 

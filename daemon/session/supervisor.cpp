@@ -26,12 +26,12 @@ core::Status Supervisor::add(std::unique_ptr<Rig> rig) {
   Rig& added = *rig;
   const bool is_new = entries_.try_emplace(rig_name, Entry{.rig = std::move(rig), .session = RigSession(added, services_)}).second;
   if (!is_new) return core::fail(core::ErrorCode::InvalidArgument, "two rigs are named '" + rig_name + "'", "rename one");
-  if (services_.recordings != nullptr) services_.recordings->add(added);
+  services_.recordings.add(added);
   return {};
 }
 
 void Supervisor::start() {
-  if (services_.recordings != nullptr) services_.recordings->start();
+  services_.recordings.start();
   for (auto& [rig_name, entry] : entries_) {
     entry.rig->start(log_);
     log_.info("rig '" + rig_name + "': " + entry.rig->device().model + " (" + entry.rig->config().device_uri + ")");
@@ -42,12 +42,11 @@ void Supervisor::stop() {
   for (auto& [rig_name, entry] : entries_) {
     if (entry.session.is_under_way())
       static_cast<void>(entry.session.stop(false, "the daemon was stopped", moment(entry)));  // fails only if it is stopping already
+    entry.session.wait_for_results(moment(entry));
   }
-  if (services_.recordings != nullptr) {
-    services_.recordings->wait_until_closed(kCloseLimit);
-    services_.recordings->stop();
-    finish_recordings();
-  }
+  services_.recordings.wait_until_closed(kCloseLimit);
+  services_.recordings.stop();
+  finish_recordings();
   for (auto& [rig_name, entry] : entries_) {
     collect_session_changes(entry);
     end_sync_pulse(entry, std::numeric_limits<std::int64_t>::max());
@@ -63,8 +62,8 @@ std::vector<RigState> Supervisor::states() {
                       .pipeline = entry.rig->pipeline_report(),
                       .tare = entry.rig->tare().latest(),
                       .session = entry.session.view(clock_.now_ns()),
-                      .recording = services_.recordings != nullptr ? services_.recordings->view(rig_name) : RecordingView{},
-                      .part = services_.recordings != nullptr ? services_.recordings->part(rig_name) : 0,
+                      .recording = services_.recordings.view(rig_name),
+                      .part = services_.recordings.part(rig_name),
                       .trial = entry.session.trial_view(clock_.now_ns()),
                       .measured_rate_hz = entry.measured_rate_hz,
                       .ring_fill = entry.rig->ring_fill(),
@@ -95,7 +94,7 @@ std::string Supervisor::new_session_id(const std::string& rig) {
   std::strftime(stamp.data(), stamp.size(), "%Y%m%dT%H%M%SZ", &utc);
   const auto id = [&] { return std::string(stamp.data()) + "-" + rig + "-" + std::to_string(sessions_started_ + 1); };
   // The ID may exist already: the daemon was restarted in the same second, or after the clock was set back.
-  while (services_.recordings != nullptr && services_.recordings->catalogue().session(id())) ++sessions_started_;
+  while (services_.recordings.catalogue().session(id())) ++sessions_started_;
   return id();
 }
 
@@ -135,8 +134,7 @@ core::Result<SessionView> Supervisor::start_session(const std::string& rig, cons
 }
 
 core::Result<std::pair<std::string, SessionView>> Supervisor::resume_session(const std::string& id) {
-  if (services_.recordings == nullptr) return core::fail(core::ErrorCode::Unsupported, "this daemon records nothing");
-  const auto row = services_.recordings->catalogue().session(id);
+  const auto row = services_.recordings.catalogue().session(id);
   if (!row) return tl::make_unexpected(row.error());
   auto entry = find(row->rig);
   if (!entry) return tl::make_unexpected(entry.error());
@@ -186,8 +184,7 @@ core::Result<TrialView> Supervisor::trial(const std::string& rig, TrialAction ac
 
 /// Ends the sessions whose recordings have ended.
 void Supervisor::finish_recordings() {
-  if (services_.recordings == nullptr) return;
-  for (const FinishedRecording& finished : services_.recordings->take_finished()) {
+  for (const FinishedRecording& finished : services_.recordings.take_finished()) {
     auto entry = find(finished.rig);
     if (entry) (*entry)->session.recording_finished(finished, moment(**entry));
   }

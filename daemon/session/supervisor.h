@@ -75,12 +75,10 @@ struct RigState {
 class Supervisor {
  public:
   /// `usb` (nullptr: none) and the recordings in `services` must outlive the supervisor.
-  Supervisor(core::Clock& clock, core::Log log, device::usb::UsbBus* usb = nullptr, SessionServices services = {})
+  Supervisor(core::Clock& clock, core::Log log, device::usb::UsbBus* usb, SessionServices services)
       : clock_(clock), log_(std::move(log)), usb_(usb), services_(std::move(services)) {}
 
-  ~Supervisor() {
-    if (services_.recordings != nullptr) services_.recordings->stop();  // its thread reads from the rigs
-  }
+  ~Supervisor() { services_.recordings.stop(); }  // its thread reads from the rigs
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
@@ -110,8 +108,7 @@ class Supervisor {
   [[nodiscard]] std::uint32_t planned_trials(const record::SessionRow& session) const {
     return services_.planned_trials(session.protocol_definition);
   }
-  /// Returns nullptr if the daemon records nothing.
-  [[nodiscard]] Recordings* recordings() noexcept { return services_.recordings; }
+  [[nodiscard]] Recordings& recordings() noexcept { return services_.recordings; }
   /// Sets a marker at the newest scan of one rig, or of every rig for an empty name.
   [[nodiscard]] core::Result<std::vector<std::pair<std::string, DataPosition>>> mark(const std::string& rig, const std::string& text);
   /// Requests a tare. Fails with WrongState during a session, because the recorded values would change their meaning. The tare is done when

@@ -13,14 +13,13 @@ constexpr std::int64_t kTryEveryNs = 1'000'000'000;
 }  // namespace
 
 void Supervisor::resume_interrupted() {
-  if (services_.recordings == nullptr) return;
-  resumable_ = services_.recordings->take_resumable();
+  resumable_ = services_.recordings.take_resumable();
   resume_until_ns_ = clock_.now_ns() + kTryForNs;
 }
 
 void Supervisor::forget_resumable(const std::string& rig) {
   std::erase_if(resumable_, [&](const std::string& id) {
-    const auto row = services_.recordings->catalogue().session(id);
+    const auto row = services_.recordings.catalogue().session(id);
     return !row || row->rig == rig;
   });
 }
@@ -28,7 +27,7 @@ void Supervisor::forget_resumable(const std::string& rig) {
 /// Returns whether the session's rig has no scans yet but may have some soon: a session without scans would begin empty.
 bool Supervisor::waits_for_device(const std::string& session_id, std::int64_t now_ns) {
   if (now_ns >= resume_until_ns_) return false;
-  const auto row = services_.recordings->catalogue().session(session_id);
+  const auto row = services_.recordings.catalogue().session(session_id);
   const auto entry = row ? find(row->rig) : tl::make_unexpected(row.error());
   return entry && (*entry)->rig->acquisition().scans_total == 0;
 }
@@ -41,7 +40,7 @@ void Supervisor::try_resumes(std::int64_t now_ns) {
     const auto resumed = resume_session(id);
     if (resumed) {
       log_.warning("session " + id + " was interrupted and goes on");
-      services_.recordings->enter_audit(
+      services_.recordings.enter_audit(
           {.utc_ns = now_ns + clock_.utc_minus_monotonic_ns(), .who = "dtsd", .what = "resume_session", .target = id, .result = "ok"});
       continue;
     }

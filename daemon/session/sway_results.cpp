@@ -2,11 +2,12 @@
 #include "session/sway_results.h"
 
 #include <algorithm>
+#include <new>
 
 namespace dts::session {
 namespace {
 
-/// The control thread computes this: 1 min at 100 Hz needs 5 ms, 10 min at 1500 Hz 0.5 s.
+/// The analysis needs 5 ms for 1 min at 100 Hz, and 0.5 s and 100 MB for 10 min at 1500 Hz.
 constexpr double kLongestTrialS = 600.0;
 constexpr double kLastWordMs = 200.0;  // waits for the last event of the stage `steadiness`, 80 ms and one block after the end
 
@@ -20,36 +21,36 @@ std::string why_not(const SwayTrialResult& result, const CopTrace& trace) {
   return "samples were lost on the way to the analysis: dtslab sway measures it from the recording";
 }
 
-void analyse(SwayTrialResult& result, const CopTrace& trace, core::Rate raw_rate) {
+/// Returns the samples of a trial, or nothing and sets `result.problem`.
+std::optional<CopCut> samples_of(SwayTrialResult& result, const CopTrace& trace, core::Rate raw_rate) {
   const auto is_too_long = [](double duration_s) { return duration_s > kLongestTrialS; };
-  const auto series = trace.cut(begin_of(result), end_of(result));
+  auto samples = trace.cut(begin_of(result), end_of(result));
   const bool is_divided = result.end_segment != result.segment;
   const double scans = static_cast<double>(result.end_scan.value) - static_cast<double>(result.first_scan.value);
-  if (is_too_long(series ? static_cast<double>(series->ml_mm.size()) / series->rate_hz : 0.0) ||
-      (!is_divided && is_too_long(scans / raw_rate.hz()))) {
+  if (is_too_long(samples ? samples->duration_s() : 0.0) || (!is_divided && is_too_long(scans / raw_rate.hz()))) {
     result.problem = "longer than 10 min: dtslab sway measures it from the recording";
-    return;
+    return std::nullopt;
   }
-  if (!series) {
-    result.problem = why_not(result, trace);
-    return;
-  }
-  auto analysis = posturography::analyse(*series, {.preparation = posturography::kReportPreparation});
-  if (analysis) {
-    result.analysis = std::move(*analysis);
-  } else {
-    result.problem = analysis.error().what;
+  if (!samples) result.problem = why_not(result, trace);
+  return samples;
+}
+
+core::Result<posturography::Analysis> analyse(const CopCut& samples) {
+  try {
+    return posturography::analyse(samples.series(), {.preparation = posturography::kReportPreparation});
+  } catch (const std::bad_alloc&) {
+    return core::fail(core::ErrorCode::LimitExceeded, "too little memory: dtslab sway measures it from the recording");
   }
 }
 
 }  // namespace
 
-SwayResults::SwayResults(core::Rate raw_rate, core::Rate cop_rate)
-    : raw_rate_(raw_rate), trace_(raw_rate, cop_rate), last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)) {}
+SwayResults::SwayResults(core::Rate raw_rate, core::Rate cop_rate, core::Worker& worker)
+    : raw_rate_(raw_rate), worker_(worker), trace_(raw_rate, cop_rate), last_word_scans_(raw_rate.scans_in_ms(kLastWordMs)) {}
 
 void SwayResults::take(const core::Block& cop) {
   trace_.take(cop);
-  decide();
+  end_complete();
 }
 
 void SwayResults::take(const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan) {
@@ -70,7 +71,7 @@ void SwayResults::take(const TrialEvent& event, std::uint32_t segment, core::Sca
   } else if (event.kind != Done) {
     attempt.state = State::Void;
   }
-  decide();
+  end_complete();
 }
 
 void SwayResults::begin(Attempt& attempt, const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan) {
@@ -87,20 +88,20 @@ void SwayResults::begin(Attempt& attempt, const TrialEvent& event, std::uint32_t
 
 void SwayResults::finish() {
   for (const Key& key : open_) {
-    if (Attempt& attempt = attempts_[key]; attempt.state == State::Waiting) finish_trial(attempt);
+    if (Attempt& attempt = attempts_[key]; attempt.state == State::Waiting) end_trial(key, attempt);
   }
-  decide();
+  end_complete();
 }
 
-/// Finishes trials whose samples have all arrived, and keeps the samples of the other trials under way.
-void SwayResults::decide() {
+/// Ends trials whose samples have all arrived, and keeps the samples of the other trials under way.
+void SwayResults::end_complete() {
   std::optional<TracePlace> kept_from;
   const auto order = [](const TracePlace& place) { return std::pair(place.segment, place.scan); };
   std::erase_if(open_, [&](const Key& key) {
     Attempt& attempt = attempts_[key];
     const SwayTrialResult& result = attempt.result;
     if (attempt.state == State::Waiting && trace_.reaches({.segment = result.end_segment, .scan = result.end_scan + last_word_scans_})) {
-      finish_trial(attempt);
+      end_trial(key, attempt);
     }
     const bool is_open = attempt.state == State::Measuring || attempt.state == State::Waiting;
     if (is_open && (!kept_from || order(begin_of(result)) < order(*kept_from))) kept_from = begin_of(result);
@@ -109,17 +110,41 @@ void SwayResults::decide() {
   trace_.keep_from(kept_from);
 }
 
-void SwayResults::finish_trial(Attempt& attempt) {
-  attempt.state = State::Decided;
-  analyse(attempt.result, trace_, raw_rate_);
-  decided_.push_back(attempt.result);
+void SwayResults::end_trial(const Key& key, Attempt& attempt) {
+  attempt.state = State::Ended;
+  Ended& ended = ended_.emplace_back(Ended{.key = key, .analysis = {}});
+  auto samples = samples_of(attempt.result, trace_, raw_rate_);
+  if (samples) ended.analysis = worker_.run([samples = std::move(*samples)] { return analyse(samples); });
+}
+
+bool SwayResults::is_analysing() const {
+  return std::ranges::any_of(ended_, [](const Ended& ended) { return ended.analysis.valid() && !core::is_ready(ended.analysis); });
+}
+
+void SwayResults::wait() const {
+  for (const Ended& ended : ended_) {
+    if (ended.analysis.valid()) ended.analysis.wait();
+  }
 }
 
 std::vector<SwayTrialResult> SwayResults::take_decided() {
-  std::vector<SwayTrialResult> decided = std::exchange(decided_, {});
-  std::erase_if(decided, [this](const SwayTrialResult& result) {
-    return attempts_.at({result.trial, result.attempt}).state == State::Void;
-  });
+  std::vector<SwayTrialResult> decided;
+  for (; !ended_.empty(); ended_.pop_front()) {
+    Ended& ended = ended_.front();
+    if (ended.analysis.valid() && !core::is_ready(ended.analysis)) break;
+    Attempt& attempt = attempts_.at(ended.key);
+    if (attempt.state != State::Ended) continue;  // void
+    attempt.state = State::Decided;
+    if (ended.analysis.valid()) {
+      auto analysis = ended.analysis.get();
+      if (analysis) {
+        attempt.result.analysis = std::move(*analysis);
+      } else {
+        attempt.result.problem = analysis.error().what;
+      }
+    }
+    decided.push_back(attempt.result);
+  }
   return decided;
 }
 

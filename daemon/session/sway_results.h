@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <future>
 #include <map>
 #include <optional>
 #include <string>
@@ -10,7 +12,9 @@
 #include <vector>
 
 #include "core/block.h"
+#include "core/result.h"
 #include "core/units.h"
+#include "core/worker.h"
 #include "posturography/analysis.h"
 #include "session/cop_trace.h"
 #include "session/figure.h"
@@ -39,42 +43,56 @@ struct SwayTrialResult {
 
 /// Computes results from the centre of pressure and the events of a protocol, with the report's definition (lp10, 100 Hz). Depends only on
 /// its inputs, so that daemon, report and laboratory agree on the same recording. Memory is bounded: keeps at most `CopTrace::kMostSamples`
-/// samples. Thread: one at a time.
+/// samples. Thread: one at a time; the analyses, which need up to 0.5 s each, run on the worker.
 class SwayResults {
  public:
   static constexpr std::size_t kMostAttempts = std::size_t{2} * kMostTrials;
 
-  SwayResults(core::Rate raw_rate, core::Rate cop_rate);
+  /// `worker` outlives this object.
+  SwayResults(core::Rate raw_rate, core::Rate cop_rate, core::Worker& worker);
 
   /// Adds a block of the stream "cop".
   void take(const core::Block& cop);
   /// Processes an event of the protocol at its scan of the raw stream.
   void take(const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan);
-  /// Decides the remaining trials at the end of the session, even if their last samples are missing.
+  /// Ends the remaining trials at the end of the session, even if their last samples are missing.
   void finish();
 
-  /// Returns the trials decided since the last call, oldest first. A trial that is redone or rejected later is void in the summary.
+  /// Returns whether the analysis of an ended trial is not done yet.
+  [[nodiscard]] bool is_analysing() const;
+  /// Waits until the analyses of all ended trials are done.
+  void wait() const;
+
+  /// Returns the trials decided since the last call, in the order of their ends. A trial that is redone or rejected later is void in the
+  /// summary.
   [[nodiscard]] std::vector<SwayTrialResult> take_decided();
+  /// Covers the trials that `take_decided` has returned.
   [[nodiscard]] std::vector<SessionFigure> summary() const;
 
  private:
-  using Key = std::pair<std::uint32_t, std::uint32_t>;                    ///< Trial, attempt.
-  enum class State : std::uint8_t { Measuring, Waiting, Decided, Void };  ///< Waiting: for the last samples.
+  using Key = std::pair<std::uint32_t, std::uint32_t>;  ///< Trial, attempt.
+  /// Waiting: for the last samples. Ended: the analysis runs, or its result was not yet taken.
+  enum class State : std::uint8_t { Measuring, Waiting, Ended, Decided, Void };
   struct Attempt {
     SwayTrialResult result;
     State state = State::Void;
   };
+  struct Ended {
+    Key key;
+    std::future<core::Result<posturography::Analysis>> analysis;  ///< Absent: the result has a problem.
+  };
 
   static void begin(Attempt& attempt, const TrialEvent& event, std::uint32_t segment, core::ScanIndex scan);
-  void decide();
-  void finish_trial(Attempt& attempt);
+  void end_complete();
+  void end_trial(const Key& key, Attempt& attempt);
 
   core::Rate raw_rate_;
+  core::Worker& worker_;
   CopTrace trace_;
   std::uint64_t last_word_scans_;
   std::map<Key, Attempt> attempts_;
-  std::vector<Key> open_;  ///< Being measured, or waiting for their last samples.
-  std::vector<SwayTrialResult> decided_;
+  std::vector<Key> open_;    ///< Being measured, or waiting for their last samples.
+  std::deque<Ended> ended_;  ///< Not yet taken, in the order of their ends.
 };
 
 }  // namespace dts::session

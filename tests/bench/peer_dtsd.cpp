@@ -29,10 +29,12 @@
 #include "bench/scheduled_device.h"
 #include "bench/timed_socket.h"
 #include "core/thread.h"
+#include "core/worker.h"
 #include "dts/subscriber.h"
 #include "ipc/control_server.h"
 #include "ipc/publish_thread.h"
 #include "ipc/xpub_socket.h"
+#include "session/recordings.h"
 #include "session/supervisor.h"
 
 namespace dts::bench {
@@ -194,7 +196,9 @@ class Producer {
   TemporaryDirectory directory_;
   ScheduledDevice* device_ = nullptr;
   session::Rig* rig_ = nullptr;
-  session::Supervisor supervisor_{clock_, core::Log()};
+  std::unique_ptr<session::Recordings> recordings_ = need(session::Recordings::open({.directory = directory_.path()}, clock_, core::Log()));
+  core::Worker worker_{"analyse"};
+  session::Supervisor supervisor_{clock_, core::Log(), nullptr, {.recordings = *recordings_, .worker = worker_}};
   zmq::context_t context_{1};
   std::optional<ipc::PublishThread> publisher_;
   std::unique_ptr<access::KeyStore> keys_;

@@ -20,12 +20,14 @@
 #include <string>
 #include <vector>
 
+#include "core/worker.h"
 #include "pipeline/stage_registry.h"
 #include "posturography/analysis.h"
 #include "posturography/diffusion.h"
 #include "posturography/entropy.h"
 #include "posturography/spectrum.h"
 #include "posturography/time_domain.h"
+#include "session/sway_results.h"
 #include "support/allocation_counter.h"
 
 namespace dts {
@@ -247,6 +249,47 @@ void measure_live(double hours, double rate_hz, std::size_t block_scans) {
               static_cast<unsigned long long>(test::heap_calls_of_this_thread() - heap_before));
 }
 
+double wall_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_MONOTONIC, &time);
+  return static_cast<double>(time.tv_sec) * 1e3 + static_cast<double>(time.tv_nsec) * 1e-6;
+}
+
+/// A whole trial as the control thread processes it: blocks of 50 ms, the end of the trial, and its result from the worker thread.
+void measure_trial(double minutes, double rate_hz) {
+  const CopSeries minute = synthetic(rate_hz, static_cast<std::size_t>(60.0 * rate_hz));
+  const auto block_scans = static_cast<std::size_t>(0.05 * rate_hz);
+  const auto scans = static_cast<std::uint64_t>(minutes * 60.0 * rate_hz);
+  core::Worker worker("analyse");
+  const core::Rate rate = core::Rate::from_hz(rate_hz).value();
+  session::SwayResults results(rate, rate, worker);
+  core::Block block(3, block_scans);
+  block.set_count(block_scans);
+  std::ranges::fill(block.column(2), 700.0);
+  double longest_ms = 0.0;
+  const auto timed = [&longest_ms](auto call) {
+    const double begun_ms = cpu_time_ms();
+    call();
+    longest_ms = std::max(longest_ms, cpu_time_ms() - begun_ms);
+  };
+  results.take({.kind = session::TrialEventKind::Measure, .trial = 1, .condition = "open"}, 0, {0});
+  for (std::uint64_t scan = 0; scan < scans + block_scans * 10; scan += block_scans) {
+    const auto place = static_cast<std::ptrdiff_t>(scan % minute.ml_mm.size());
+    std::copy_n(minute.ml_mm.begin() + place, block_scans, block.column(0).begin());
+    std::copy_n(minute.ap_mm.begin() + place, block_scans, block.column(1).begin());
+    block.first_scan.value = scan;
+    if (scan == scans) results.take({.kind = session::TrialEventKind::Done, .trial = 1, .condition = "open"}, 0, {scans});
+    timed([&] { results.take(block); });
+  }
+  const double ended_ms = wall_ms();
+  results.wait();
+  const double analysed_ms = wall_ms() - ended_ms;
+  std::vector<session::SwayTrialResult> decided;
+  timed([&] { decided = results.take_decided(); });
+  if (decided.size() != 1 || !decided[0].analysis) give_up("the trial has no result");
+  std::printf("| %.3g min at %.0f Hz | %.1f | %.0f |\n", minutes, rate_hz, longest_ms, analysed_ms);
+}
+
 }  // namespace
 }  // namespace dts
 
@@ -276,4 +319,8 @@ int main(int argc, char** argv) {
   std::printf("\n| live stage | CPU s | ns per scan | times real time | events | heap calls |\n|---|---|---|---|---|---|\n");
   measure_live(hours, 100.0, 2);
   measure_live(hours / 24.0, 1500.0, 30);
+  std::printf("\n| trial | longest call of the control thread, CPU ms | analysis on the worker, ms |\n|---|---|---|\n");
+  measure_trial(1.0, 100.0);
+  measure_trial(1.0, 1500.0);
+  measure_trial(10.0, 1500.0);
 }

@@ -2,6 +2,7 @@
 // Which commands stand in the audit trail, and what of them.
 #include <gmock/gmock.h>
 
+#include "core/worker.h"
 #include "ipc/audit_trail.h"
 #include "session/recordings.h"
 #include "unit/record/xdf_fixture.h"
@@ -13,7 +14,7 @@ class AuditedCommands : public testing::Test {
  protected:
   /// "who what target result" of what the request added to the trail; "": nothing.
   std::string entered(const v1::Request& request, const v1::Response& response = {}, const std::string& sender = "key:ina") {
-    session::Supervisor supervisor(clock_, core::Log(), nullptr, {.recordings = recordings_.get()});
+    session::Supervisor supervisor(clock_, core::Log(), nullptr, {.recordings = *recordings_, .worker = worker_});
     enter_audit(supervisor, clock_, sender, request, response);
     const auto newest = recordings_->catalogue().audit(1).value();
     if (newest.empty() || std::exchange(last_, newest[0].number) == newest[0].number) return "";
@@ -35,6 +36,7 @@ class AuditedCommands : public testing::Test {
   record::xdf_test::Folder folder_;
   StillClock still_;
   core::Clock& clock_ = still_;
+  core::Worker worker_{"analyse"};
   std::unique_ptr<session::Recordings> recordings_ = session::Recordings::open({.directory = folder_ / ""}, clock_, core::Log()).value();
   std::uint64_t last_ = 0;
 };

@@ -275,15 +275,5 @@ TEST_F(CommandsTest, Status_CountsAndWarns) {
   EXPECT_NE(text(handler_->status()).find("notices: \"notice\" notices: \"other machines cannot connect"), std::string::npos);
 }
 
-TEST_F(CommandsTest, WithoutStorage_AnswerWhatTheyCan) {
-  supervisor_ = std::make_unique<session::Supervisor>(clock_, core::Log());
-  make_handler();
-  for (const char* command : {"list_sessions {}", "show_session { session_id: 'x' }", "get_audit {}"}) {
-    EXPECT_EQ(ask(command), error("UNSUPPORTED") + " what: \"this daemon records nothing\" hint: \"it was started without storage\" }");
-  }
-  EXPECT_EQ(ask("list_rigs {}"), "rigs { }");
-  EXPECT_FALSE(handler_->status().has_disk());
-}
-
 }  // namespace
 }  // namespace dts::ipc

@@ -35,8 +35,8 @@ class ControlTest : public session::RecordingsTest {
  protected:
   ControlTest() {
     recordings_ = session::Recordings::open(storage_, clock_, core::Log()).value();
-    supervisor_ =
-        std::make_unique<session::Supervisor>(clock_, core::Log(), nullptr, session::SessionServices{.recordings = recordings_.get()});
+    supervisor_ = std::make_unique<session::Supervisor>(clock_, core::Log(), nullptr,
+                                                        session::SessionServices{.recordings = *recordings_, .worker = worker_});
     EXPECT_TRUE(supervisor_->add(session::Rig::create(session::floor_config("sim:floor?seed=3"), clock_, bell_).value()));
     keys_ = access::KeyStore::open(folder_.string() + "-keys").value();
     EXPECT_TRUE(keys_->add(access::key_for("eve", v1::ROLE_VIEWER, eve_)));
@@ -110,8 +110,7 @@ class ControlTest : public session::RecordingsTest {
   [[nodiscard]] std::vector<std::string> entries() {
     std::vector<std::string> out;
     const std::vector<record::AuditEntry> all = recordings_->catalogue().audit(1000).value();
-    for (const record::AuditEntry& entry : all)
-      out.push_back(entry.who + " " + entry.what + " " + entry.target + " " + entry.result);
+    for (const record::AuditEntry& entry : all) out.push_back(entry.who + " " + entry.what + " " + entry.target + " " + entry.result);
     return out;
   }
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <future>
 #include <set>
 #include <sstream>
 #include <string>
@@ -19,6 +20,16 @@ namespace dts::session {
 namespace {
 
 using enum TrialEventKind;
+
+core::Worker& worker() {
+  static core::Worker one("analyse");
+  return one;
+}
+
+std::vector<SwayTrialResult> decided_of(SwayResults& results) {
+  results.wait();
+  return results.take_decided();
+}
 
 posturography::Analysis expected(std::uint64_t first, std::uint64_t end) {
   posturography::CopSeries series{.rate_hz = kRateHz};
@@ -40,7 +51,7 @@ void measure(SwayResults& results, std::uint32_t trial, std::uint64_t first, con
 
 TEST(SwayResults, OfATrialAreTheAnalysisOfItsSamplesWhateverTheBlockSize) {
   for (const std::size_t size : {std::size_t{1}, std::size_t{7}, std::size_t{64}, std::size_t{250}}) {
-    SwayResults results(rate_100(), rate_100());
+    SwayResults results(rate_100(), rate_100(), worker());
     std::uint64_t next = 0;
     const auto run_to = [&](std::uint64_t end) {
       for (; next < end; next += size) results.take(cop_block(next, size));
@@ -49,7 +60,7 @@ TEST(SwayResults, OfATrialAreTheAnalysisOfItsSamplesWhateverTheBlockSize) {
     results.take(standing_step(Measure, 1), 0, {300});  // told a little late
     run_to(2330);
     results.take(standing_step(Done, 1), 0, {2300});
-    const auto decided = results.take_decided();
+    const auto decided = decided_of(results);
     ASSERT_EQ(decided.size(), 1U) << size;
     EXPECT_EQ(decided[0].first_scan.value, 300U);
     EXPECT_EQ(decided[0].end_scan.value, 2300U);
@@ -57,8 +68,26 @@ TEST(SwayResults, OfATrialAreTheAnalysisOfItsSamplesWhateverTheBlockSize) {
     EXPECT_EQ(decided[0].analysis->samples, 2000U);
     EXPECT_EQ(decided[0].analysis->measures, expected(300, 2300).measures) << size;
     EXPECT_EQ(decided[0].analysis->flags, expected(300, 2300).flags) << size;
-    EXPECT_TRUE(results.take_decided().empty());
+    EXPECT_TRUE(decided_of(results).empty());
   }
+}
+
+TEST(SwayResults, LongAnalysis_DelaysNobody) {
+  core::Worker busy("analyse");
+  std::promise<void> go_on;
+  const auto before = busy.run([&] { go_on.get_future().wait(); });
+  SwayResults results(rate_100(), rate_100(), busy);
+  measure(results, 1, 0);
+  measure(results, 2, 3000);
+  EXPECT_TRUE(results.is_analysing());
+  EXPECT_TRUE(results.take_decided().empty());
+  results.take(standing_step(Rejected, 1), 0, {6000});
+  go_on.set_value();
+  const auto decided = decided_of(results);
+  EXPECT_FALSE(results.is_analysing());
+  ASSERT_EQ(decided.size(), 1U) << "trial 1 became void while its analysis waited";
+  EXPECT_EQ(decided[0].trial, 2U);
+  EXPECT_EQ(decided[0].analysis->measures, expected(3000, 5000).measures);
 }
 
 /// A block of segment 1, of which scan 0 is scan `origin` of the signal.
@@ -122,11 +151,11 @@ TEST(SwayResults, OfATrial_AreThoseOfItsLongestStretchOrSayWhyThereAreNone) {
            {"redone", {standing(Measure, 1, 0), samples(cop_block(0, 2040)), standing(Done, 1, 2000), standing(Redone, 1, 2100)}, ""},
        }) {
     SCOPED_TRACE(why);
-    SwayResults results(rate_100(), rate_100());
+    SwayResults results(rate_100(), rate_100(), worker());
     for (const SwayAct& act : acts) act(results);
     std::ostringstream text;
     std::size_t analysed = 0;
-    for (const SwayTrialResult& result : results.take_decided()) {
+    for (const SwayTrialResult& result : decided_of(results)) {
       text << result.trial << ' ' << result.segment << ':' << result.first_scan.value << " to " << result.end_segment << ':'
            << result.end_scan.value << ": " << result.problem;
       if (result.analysis) {
@@ -155,13 +184,28 @@ TEST(SwayResults, MemoryOfAnEndlessTrialIsBounded) {
   EXPECT_TRUE(trace.cut({0, {100'000}}, {0, {200'000}}));
 }
 
+TEST(SwayResults, SamplesOfATrial_StayWhileTheTraceGoesOn) {
+  CopTrace trace(rate_100(), rate_100());
+  trace.keep_from(TracePlace{});
+  trace.take(cop_block(0, 5000));
+  const auto cut = trace.cut({0, {4090}}, {0, {4100}});  // across the end of a chunk
+  ASSERT_TRUE(cut);
+  trace.keep_from(std::nullopt);
+  trace.take(cop_block(5000, 20'000));
+  EXPECT_FALSE(trace.cut({0, {4090}}, {0, {4100}}));
+  const posturography::CopSeries series = cut->series();
+  ASSERT_EQ(series.ml_mm.size(), 10U);
+  for (std::uint64_t i = 0; i < 10; ++i) EXPECT_EQ(series.ml_mm[i], static_cast<float>(ml_at(4090 + i)));
+}
+
 TEST(SwayResults, ASlowerCopStreamIsCutAtTheRightScans) {
   CopTrace trace(*core::Rate::create(1500, 1), rate_100());
   trace.take(cop_block(0, 400));
   const auto cut = trace.cut({0, {1500}}, {0, {4500}});
   ASSERT_TRUE(cut);
-  EXPECT_EQ(cut->ml_mm.size(), 200U);
-  EXPECT_EQ(cut->ml_mm[0], static_cast<float>(ml_at(100)));
+  const posturography::CopSeries series = cut->series();
+  EXPECT_EQ(series.ml_mm.size(), 200U);
+  EXPECT_EQ(series.ml_mm[0], static_cast<float>(ml_at(100)));
 }
 
 TEST(SwayResults, DoubtOfASampleInTheTrial_IsADoubtOfItsResult) {
@@ -178,7 +222,7 @@ TEST(SwayResults, DoubtOfASampleInTheTrial_IsADoubtOfItsResult) {
     trace.take(block);
     const auto cut = trace.cut({0, {100}}, {0, {300}});
     ASSERT_TRUE(cut);
-    EXPECT_EQ(cut->flags, is_doubtful ? posturography::sway_flag::kDoubtful : 0U) << scan;
+    EXPECT_EQ(cut->series().flags, is_doubtful ? posturography::sway_flag::kDoubtful : 0U) << scan;
   }
 }
 
@@ -197,11 +241,11 @@ std::string number(double value) {
 }
 
 TEST(SwaySummary, HasMeansByConditionAndRombergQuotients) {
-  SwayResults results(rate_100(), rate_100());
+  SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0, "eyes-open-two-feet", 1.0);
   measure(results, 2, 2040, "eyes-closed-two-feet", 2.0);
   measure(results, 3, 4080, "eyes-open-two-feet", 3.0);
-  const auto decided = results.take_decided();
+  const auto decided = decided_of(results);
   ASSERT_EQ(decided.size(), 3U);
   const auto rdist = [&](std::size_t trial) { return *decided[trial].analysis->measures.get(posturography::Measure::Rdist); };
   const auto figures = results.summary();
@@ -218,12 +262,12 @@ TEST(SwaySummary, HasMeansByConditionAndRombergQuotients) {
 }
 
 TEST(SwaySummary, NoQuotientOfTrialsOfDifferentLengthStanceOrEyesAlone) {
-  SwayResults results(rate_100(), rate_100());
+  SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0, "eyes-open-two-feet");
   results.take(standing_step(Measure, 2, "eyes-closed-two-feet"), 0, {2040});
   results.take(cop_block(2040, 3020));
   results.take(standing_step(Done, 2, "eyes-closed-two-feet"), 0, {5040});
-  auto trials = results.take_decided();
+  auto trials = decided_of(results);
   ASSERT_EQ(trials.size(), 2U);
   const auto has_quotient = [](const std::vector<SwayTrialResult>& of) {
     const auto figures = sway_summary(of);
@@ -243,11 +287,11 @@ TEST(SwaySummary, NoQuotientOfTrialsOfDifferentLengthStanceOrEyesAlone) {
 }
 
 TEST(SwaySummary, NoQuotientOfConditionsThatAreTwiceThere) {
-  SwayResults results(rate_100(), rate_100());
+  SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0, "eyes-open-before", 1.0);
   measure(results, 2, 2040, "eyes-closed", 2.0);
   measure(results, 3, 4080, "eyes-open-after", 3.0);
-  auto trials = results.take_decided();
+  auto trials = decided_of(results);
   ASSERT_EQ(trials.size(), 3U);
   std::set<std::string> names;
   for (const SessionFigure& each : sway_summary(trials)) {
@@ -259,18 +303,18 @@ TEST(SwaySummary, NoQuotientOfConditionsThatAreTwiceThere) {
 }
 
 TEST(SwaySummary, LeavesInvalidTrialsOut) {
-  SwayResults results(rate_100(), rate_100());
+  SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0);
-  auto trials = results.take_decided();
+  auto trials = decided_of(results);
   trials[0].analysis->flags |= posturography::sway_flag::kSteppedOff;
   EXPECT_TRUE(sway_summary(trials).empty());
 }
 
 TEST(SwaySummary, LeavesTrialsThatAGapHasCutOut_UnlessNoneIsWhole) {
-  SwayResults results(rate_100(), rate_100());
+  SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0, "eyes-open-two-feet", 1.0);
   measure(results, 2, 2040, "eyes-open-two-feet", 3.0);
-  auto trials = results.take_decided();
+  auto trials = decided_of(results);
   ASSERT_EQ(trials.size(), 2U);
   const auto rdist = [&](std::size_t trial) { return *trials[trial].analysis->measures.get(posturography::Measure::Rdist); };
   trials[1].analysis->flags |= posturography::sway_flag::kCutAtGap;
@@ -280,9 +324,9 @@ TEST(SwaySummary, LeavesTrialsThatAGapHasCutOut_UnlessNoneIsWhole) {
 }
 
 TEST(SwayRecord, ReadsBackAsItWasWritten) {
-  SwayResults results(rate_100(), rate_100());
+  SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 7, 0);
-  const SwayTrialResult result = results.take_decided().at(0);
+  const SwayTrialResult result = decided_of(results).at(0);
   const std::string json = record::to_json(to_record(result, "dtsd 1.2.3"));
   const auto event = record::event_of_json(json);
   ASSERT_TRUE(event);
@@ -299,9 +343,9 @@ TEST(SwayRecord, ReadsBackAsItWasWritten) {
 }
 
 TEST(SwayRecord, RefusesWhatIsMissingOrImpossible) {
-  SwayResults results(rate_100(), rate_100());
+  SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0);
-  const record::RecordedEvent good = to_record(results.take_decided().at(0), "dtsd");
+  const record::RecordedEvent good = to_record(decided_of(results).at(0), "dtsd");
   for (const std::string key : {"trial", "condition", "labels", "profile", "rate_hz", "duration_s", "flags", "measures", "first_scan"}) {
     record::RecordedEvent bad = good;
     std::erase_if(bad.values, [&](const auto& value) { return value.first == key; });

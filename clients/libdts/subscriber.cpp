@@ -3,11 +3,12 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstddef>
 #include <fstream>
 #include <utility>
 #include <zmq.hpp>
 
-#include "curve.h"
+#include "data_source.h"
 #include "inbox.h"
 #include "wire_check.h"
 
@@ -23,12 +24,8 @@ constexpr int kMaxQueue = 1'000'000;
 constexpr milliseconds kLongestWait = std::chrono::hours(24);
 constexpr milliseconds kShortestSilence{10};
 constexpr int kLooksPerSilence = 8;
-constexpr int kHeartbeatMs = 1000;
-constexpr int kHeartbeatTimeoutMs = 5000;
-constexpr int kReconnectMs = 100;
-constexpr int kReconnectMaxMs = 1000;
 /// Limit at the socket against a peer that announces gigabytes; the inbox counts messages that are only slightly too large.
-constexpr std::int64_t kDataSocketBytes = 4 * static_cast<std::int64_t>(kMaxMessageBytes);
+constexpr std::size_t kDataSocketBytes = 4 * static_cast<std::size_t>(kMaxMessageBytes);
 /// Messages processed per call even after the deadline, so that polling with timeout 0 makes progress.
 constexpr int kMessagesPerCall = 256;
 /// Limits one drain in mode Latest if the publisher is faster than this reader.
@@ -75,8 +72,11 @@ Result<void> check_options(const SubscriberOptions& options) {
 
 class Subscriber::Implementation {
  public:
-  explicit Implementation(const SubscriberOptions& options);
+  explicit Implementation(const SubscriberOptions& options)
+      : options_(options), inbox_(options.mode, asks_for_status(options.topics), read_boot_id()) {}
 
+  /// Connects, in the place of an earlier connection. Fails as `open_source` does, and keeps the earlier connection then.
+  [[nodiscard]] Result<void> connect();
   std::optional<Message> receive(milliseconds timeout) {
     const auto deadline = Clock::now() + std::clamp<milliseconds>(timeout, milliseconds::zero(), kLongestWait);
     return options_.mode == Mode::All ? receive_all(deadline) : receive_latest(deadline);
@@ -87,7 +87,6 @@ class Subscriber::Implementation {
  private:
   std::optional<Message> receive_all(Clock::time_point deadline);
   std::optional<Message> receive_latest(Clock::time_point deadline);
-  void connect();
   void note_life() noexcept {
     looked_ = Clock::now();
     silence_ = {};
@@ -98,41 +97,27 @@ class Subscriber::Implementation {
   [[nodiscard]] bool wait(Clock::time_point deadline);
 
   SubscriberOptions options_;
-  zmq::context_t context_{1};
-  zmq::socket_t socket_;
-  zmq::message_t topic_;
-  zmq::message_t body_;
-  Clock::time_point looked_;  ///< When the socket was last read.
+  std::unique_ptr<DataSource> source_;
+  Clock::time_point looked_;  ///< When the source was last read.
   Clock::duration silence_{};
   Inbox inbox_;
 };
 
-Subscriber::Implementation::Implementation(const SubscriberOptions& options)
-    : options_(options), inbox_(options.mode, asks_for_status(options.topics), read_boot_id()) {
-  connect();
-}
-
-void Subscriber::Implementation::connect() {
-  socket_ = zmq::socket_t(context_, zmq::socket_type::sub);
-  socket_.set(zmq::sockopt::linger, 0);
-  socket_.set(zmq::sockopt::rcvhwm, options_.queue_messages);
-  socket_.set(zmq::sockopt::maxmsgsize, kDataSocketBytes);
-  socket_.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
-  socket_.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
-  socket_.set(zmq::sockopt::reconnect_ivl, kReconnectMs);
-  socket_.set(zmq::sockopt::reconnect_ivl_max, kReconnectMaxMs);
-  socket_.set(zmq::sockopt::subscribe, kStatusTopic);
-  for (const std::string& prefix : options_.topics) socket_.set(zmq::sockopt::subscribe, prefix);
-  if (options_.key) use(socket_, *options_.key);
-  socket_.connect(options_.endpoint);
+Result<void> Subscriber::Implementation::connect() {
+  auto source = open_source(
+      {.endpoint = options_.endpoint, .queue_messages = options_.queue_messages, .largest_message = kDataSocketBytes, .key = options_.key});
+  if (!source) return tl::make_unexpected(source.error());
+  (*source)->subscribe(std::string(kStatusTopic));
+  for (const std::string& prefix : options_.topics) (*source)->subscribe(prefix);
+  source_ = std::move(*source);
   note_life();
+  return {};
 }
 
-/// Subscribes the new topics before it unsubscribes the old ones, so that a topic in both lists stays subscribed (libzmq counts
-/// subscriptions).
+/// Subscribes the new topics before it unsubscribes the old ones, so that a topic in both lists stays subscribed.
 void Subscriber::Implementation::set_topics(const std::vector<std::string>& topics) {
-  for (const std::string& prefix : topics) socket_.set(zmq::sockopt::subscribe, prefix);
-  for (const std::string& prefix : options_.topics) socket_.set(zmq::sockopt::unsubscribe, prefix);
+  for (const std::string& prefix : topics) source_->subscribe(prefix);
+  for (const std::string& prefix : options_.topics) source_->unsubscribe(prefix);
   options_.topics = topics;
   inbox_.hand_out_status(asks_for_status(topics));
 }
@@ -170,20 +155,14 @@ void Subscriber::Implementation::catch_up() {
 
 /// Returns false if no message waits at the socket.
 bool Subscriber::Implementation::take_one() {
-  if (!socket_.recv(topic_, zmq::recv_flags::dontwait)) return false;
+  const auto message = source_->take();
+  if (!message) return false;
   note_life();
-  if (!topic_.more()) {
+  if (message->is_well_formed) {
+    inbox_.accept(message->topic, message->body, to_ns(looked_));
+  } else {
     inbox_.count_malformed();
-    return true;
   }
-  // The frames of a message arrive together, so this does not block.
-  std::ignore = socket_.recv(body_, zmq::recv_flags::none);
-  if (!body_.more()) {
-    inbox_.accept(topic_.to_string_view(), {body_.data<std::byte>(), body_.size()}, to_ns(looked_));
-    return true;
-  }
-  inbox_.count_malformed();
-  while (body_.more()) std::ignore = socket_.recv(body_, zmq::recv_flags::none);
   return true;
 }
 
@@ -191,25 +170,23 @@ bool Subscriber::Implementation::take_one() {
 bool Subscriber::Implementation::wait(Clock::time_point deadline) {
   const Clock::duration slice = options_.reconnect_after / kLooksPerSilence;
   const auto timeout = std::chrono::ceil<milliseconds>(std::min(deadline - Clock::now(), slice));
-  zmq::pollitem_t item{.socket = socket_.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
-  if (zmq::poll(&item, 1, std::max(timeout, milliseconds::zero())) > 0) return true;
+  const Waited waited = source_->wait(std::max(timeout, milliseconds::zero()));
+  if (waited != Waited::TimedOut) return waited == Waited::Ready;
   // libzmq closes a connection for good after a protocol violation, for example after a message beyond its size limit. The daemon publishes
   // a status every second, so silence means that there is no connection. Only time during which this process could read counts as silence:
   // a process that was suspended must first read the queued messages.
   const auto now = Clock::now();
   silence_ += std::min(now - looked_, slice);
   looked_ = now;
-  if (silence_ >= options_.reconnect_after) connect();
+  if (silence_ >= options_.reconnect_after) std::ignore = connect();
   return now < deadline;
 }
 
 Result<Subscriber> Subscriber::open(const SubscriberOptions& options) {
   if (auto valid = check_options(options); !valid) return tl::make_unexpected(valid.error());
-  try {
-    return Subscriber(std::make_unique<Implementation>(options));
-  } catch (const zmq::error_t& error) {
-    return fail(ErrorCode::InvalidArgument, "cannot use the data address '" + options.endpoint + "': " + error.what());
-  }
+  auto implementation = std::make_unique<Implementation>(options);
+  if (auto connected = implementation->connect(); !connected) return tl::make_unexpected(connected.error());
+  return Subscriber(std::move(implementation));
 }
 
 Subscriber::Subscriber(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}

@@ -35,7 +35,7 @@ struct CopSample {
 using CopChunk = std::array<CopSample, 4096>;
 
 /// Consecutive samples that a trace has written. It costs little to make; copying the samples (15 ms for 10 min at 1500 Hz) is left to the
-/// thread that needs them. Thread: any, also while the trace goes on.
+/// thread that needs them. Thread: any, also while the trace continues.
 class CopCut {
  public:
   CopCut(std::vector<std::shared_ptr<const CopChunk>> chunks, std::size_t first, std::size_t count, double rate_hz)

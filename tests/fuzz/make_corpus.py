@@ -259,6 +259,23 @@ def u6_streams() -> dict[str, bytes]:
     }
 
 
+def zmtp() -> dict[str, bytes]:
+    greeting = b"\xff" + bytes(8) + b"\x7f\3\0NULL" + bytes(48)
+
+    def command(name: bytes, data: bytes) -> bytes:
+        return bytes([4, 1 + len(name) + len(data), len(name)]) + name + data
+
+    ready = command(b"READY", b"\x08Identity" + bytes(4) + b"\x0bSocket-Type" + struct.pack(">I", 4) + b"XPUB")
+    message = b"\1\x09floor/cop" + b"\2" + struct.pack(">Q", 300) + bytes(300)
+    return {
+        "handshake": greeting + ready,
+        "messages": greeting + ready + message + message,
+        "ping": greeting + ready + command(b"PING", b"\0\x0acontext") + message,
+        "error": greeting + command(b"ERROR", b"\3bad"),
+        "cut": greeting + ready + message[:20],
+    }
+
+
 def write(folder: pathlib.Path, seeds: dict) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for name, content in seeds.items():
@@ -272,7 +289,7 @@ def main() -> None:
     for target, seeds in {
         "sensor_curve": sensor_curves(), "cop_calibration": cop_calibrations(), "trunk_model": trunk_models(), "protocol": protocols, "rig": rigs(),
         "config": configs(), "keys": keys(), "users": users(), "http": http(), "control": control(control_module), "bus": bus(control_module, stream),
-        "browser": browser(gateway), "daq": daqs(), "u6": u6_streams(),
+        "browser": browser(gateway), "daq": daqs(), "u6": u6_streams(), "zmtp": zmtp(),
     }.items():
         write(folder / target, seeds)
 

@@ -132,7 +132,7 @@ def allowed_by_house(relative):
 def target_room(root, relative, header):
     """The room of ours that an include leads to, or None when it leads out of the house."""
     first = header.split("/")[0]
-    if header.startswith(("dts/v1/", "dts/wire/")):
+    if header.startswith(("dts/v1/", "dts/wire/", "dts/zmtp/")):
         return "proto"
     if first == "dts":
         return "libdts"

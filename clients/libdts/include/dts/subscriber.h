@@ -23,7 +23,8 @@ struct SubscriberOptions {
   std::string endpoint;             ///< `Endpoints::data`
   std::vector<std::string> topics;  ///< Prefixes: "floor/cop", "floor/", "" for all. Byte-wise: "floor" also matches "floor2/cop".
   Mode mode = Mode::All;
-  int queue_messages = 8192;  ///< Messages kept while the caller does not call `receive` (1..1000000).
+  /// Messages kept while the caller does not call `receive` (1..1000000). Only for a daemon on another machine; a local daemon keeps them.
+  int queue_messages = 8192;
   /// For mode Latest after a stall: the queued blocks are old, and newer ones follow. `receive` reads on until the blocks are as fresh as
   /// before the stall, but no longer than this.
   std::chrono::milliseconds catch_up{100};
@@ -49,7 +50,8 @@ struct SubscriberStatistics {
 /// Thread: one at a time.
 class Subscriber {
  public:
-  /// Fails with InvalidArgument for invalid options. A daemon that does not run yet is not an error: it may start later.
+  /// Fails with InvalidArgument for invalid options. A daemon that does not run yet is not an error: it may start later. A local daemon
+  /// that runs knows the topics when this returns, and publishes everything from then on.
   [[nodiscard]] static Result<Subscriber> open(const SubscriberOptions& options);
   ~Subscriber();
   Subscriber(Subscriber&&) noexcept;

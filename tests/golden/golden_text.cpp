@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
+#include <string_view>
 
 #include "dts/v1/stream.pb.h"
 
@@ -37,8 +38,11 @@ std::string number(const char* format, double value) {
   return result;
 }
 
-/// What depends on how the threads of a run took turns, and not on its data.
-bool is_of_this_run(const FieldDescriptor& field) { return field.name() == "ring_fill"; }
+/// What depends on how the threads of a run took turns and on this machine's disk, and not on the data.
+bool is_of_this_run(const FieldDescriptor& field) {
+  constexpr std::array<std::string_view, 4> kNames = {"ring_fill", "disk", "recording", "record_lag_s"};
+  return std::ranges::find(kNames, field.name()) != kNames.end();
+}
 
 /// `index` -1: the field is not repeated.
 std::string value_text(const Message& message, const FieldDescriptor& field, int index) {

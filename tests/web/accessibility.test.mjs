@@ -41,7 +41,7 @@ describe('accessibility', () => {
     chair: async () => void (await by(page, 'prompt').waitFor()),
     sessions: async () => void (await by(page, 'session-row').first().waitFor()),
     'sessions/ID': async () => void (await by(page, 'report-frame').waitFor()),
-    'compare/ID/ID': async () => void (await by(page, 'figure-table').waitFor()),
+    'compare/ID/ID': async () => void (await by(page, 'comparison-table').waitFor()),
     health: async () => void (await waitForText(page, 'volts-floor-w4', /\d/)),
   };
   const show = async (name) => {

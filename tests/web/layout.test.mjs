@@ -115,7 +115,7 @@ describe('layout', () => {
     await by(page, 'export-bids').waitFor();
     await check('a session', true);
     await goTo(page, `compare/${id}/${id}`);
-    await by(page, 'figure-table').waitFor();
+    await by(page, 'comparison-table').waitFor();
     await check('comparison', true);
   });
 

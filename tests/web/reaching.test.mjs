@@ -19,11 +19,12 @@ const classes = ['none', 'minor', 'moderate', 'maximum'];
 
 /** A row of the page's table, from a trial of `dtsctl session show`; why it is uncertain is not compared. */
 const rowOf = ({ trial, attempt, condition, outcome, result }) => {
+  const target = result?.target_cm > 0 ? `${condition}, ${fixed(result.target_cm, 1)} cm` : condition;
   const movement = result?.movement;
   const isMinor = movement?.reasons.includes('minor') && movement.trunk_class === 1;
   const word = movement === undefined ? 'no reach' : isMinor ? 'none or minor' : (classes[movement.trunk_class] ?? 'uncertain');
   const deg = movement?.trunk_class >= 0 ? movement.trunk_deg : null; // without a class the angle is not shown either
-  return [attempt > 1 ? `${trial}.${attempt}` : `${trial}`, condition, outcome, word, deg === null ? '–' : fixed(deg, 1)];
+  return [attempt > 1 ? `${trial}.${attempt}` : `${trial}`, target, outcome, word, deg === null ? '–' : fixed(deg, 1)];
 };
 
 describe('a reaching examination', () => {
@@ -58,7 +59,7 @@ describe('a reaching examination', () => {
     await by(page, 'start-submit').click();
 
     await isStep('waiting').waitFor();
-    assert.equal(await textOf(page, 'trial-counter'), 'Trial 0 of 6');
+    assert.equal(await textOf(page, 'trial-counter'), 'Ready for trial 1 of 6');
   });
 
   test('runs by keys; each prompt comes in its turn', { timeout: 600_000 }, async () => {

@@ -77,19 +77,19 @@ describe('roles', () => {
     const page = await tabs.open('floor');
     await by(page, 'load-kg').filter({ hasText: /^(6|7)\d$/ }).waitFor();
     assert.equal(await textOf(page, 'who'), 'local, viewer');
-    for (const name of ['open-start', 'tare']) await isDisabled(page, name, 'Needs the role operator');
+    for (const name of ['open-start', 'tare']) await isDisabled(page, name, 'Requires the role operator');
     assert.equal(await by(page, 'start-session').count(), 0);
     await goTo(page, 'chair');
-    for (const name of ['open-start', 'tare']) await isDisabled(page, name, 'Needs the role operator');
+    for (const name of ['open-start', 'tare']) await isDisabled(page, name, 'Requires the role operator');
     await goTo(page, 'health');
-    await isDisabled(page, 'test-device-floor', 'Needs the role engineer');
-    await isDisabled(page, 'tare-floor', 'Needs the role operator');
+    await isDisabled(page, 'test-device-floor', 'Requires the role engineer');
+    await isDisabled(page, 'tare-floor', 'Requires the role operator');
     await waitForText(page, 'volts-floor-w1', /\d/);
 
     const id = (await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'quiet-standing', '--subject', 'V1')).trim();
     const markers = daemon.watch('floor/marker');
     await goTo(page, 'floor');
-    for (const name of ['trial-next', 'trial-redo', 'trial-reject', 'stop-session', 'mark']) await isDisabled(page, name, 'Needs the role operator');
+    for (const name of ['trial-next', 'trial-redo', 'trial-reject', 'stop-session', 'mark']) await isDisabled(page, name, 'Requires the role operator');
     await page.locator('h1').click();
     for (const key of ['a', 'r', 'x', 'Space']) await page.keyboard.press(key);
     await goTo(page, `sessions/${id}`);
@@ -123,7 +123,7 @@ describe('roles', () => {
     }
 
     assert.equal((await daemon.json('session', 'list')).sessions.length, before);
-    await waitForText(page, 'status-line', '2 rigs run'); // the connection is as good as before
+    await waitForText(page, 'status-line', '2 rigs OK'); // the connection is as good as before
     await page.close();
   });
 

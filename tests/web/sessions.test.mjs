@@ -8,6 +8,7 @@ import { after, before, describe, test } from 'node:test';
 import { alteredProtocol, filesBelow, waitFor } from './support.mjs';
 import { Bench, by, fixed, remember, rememberedOf, textOf, waitForText } from './support_browser.mjs';
 
+const protocolNames = { free: 'Free recording', 'quiet-standing': 'Quiet standing' };
 const shorter = { 'settle_s = 5': 'settle_s = 1', 'duration_s = 20': 'duration_s = 4' };
 
 /** "12.4 MB", as the dashboard writes sizes. */
@@ -34,6 +35,11 @@ describe('sessions', () => {
     const page = await tabs.open('floor');
     await by(page, 'guidance').and(page.locator('[data-state="standing"]')).waitFor();
     await by(page, 'open-start').click();
+    assert.equal(await page.evaluate(() => document.activeElement.dataset.testid), 'start-protocol');
+    await page.keyboard.press('Escape');
+    await by(page, 'start-session').waitFor({ state: 'detached' });
+    await by(page, 'open-start').click();
+    assert.equal(await by(page, 'start-protocol').inputValue(), '', 'no protocol is preselected on a rig without sessions');
     await by(page, 'start-protocol').selectOption('quiet-standing');
     await by(page, 'start-subject').fill('P017');
     await by(page, 'start-label').fill('from the browser');
@@ -47,11 +53,11 @@ describe('sessions', () => {
     await page.keyboard.press('a');
     await by(page, 'mark-text').fill('by button');
     await by(page, 'mark').click();
-    await waitForText(page, 'marked', 'Marked "by button" at scan');
+    await waitForText(page, 'marked', 'Marker "by button" set at scan');
     await by(page, 'mark-text').fill('by key');
     await page.locator('h1').click(); // out of the text field, in which a space is a space
     await page.keyboard.press('Space');
-    await waitForText(page, 'marked', 'Marked "by key" at scan');
+    await waitForText(page, 'marked', 'Marker "by key" set at scan');
     const told = await textOf(page, 'marked');
     await by(page, 'guidance').and(page.locator('[data-state="done"]')).waitFor();
     const states = (await rememberedOf(page, 'guidance')).map(({ value }) => value);
@@ -62,6 +68,9 @@ describe('sessions', () => {
     await waitForText(page, 'sway-note', 'final, trial 1');
     const velocity = await textOf(page, 'sway-MVELO');
     await by(page, 'stop-session').click();
+    await by(page, 'open-start').click();
+    await waitFor(async () => (await by(page, 'start-protocol').inputValue()) === 'quiet-standing', 'the last protocol of the rig is preselected');
+    await page.keyboard.press('Escape');
     await by(page, 'open-start').waitFor();
 
     const { sessions } = await daemon.json('session', 'list');
@@ -75,7 +84,7 @@ describe('sessions', () => {
     assert.equal(velocity, fixed(session.trials[0].sway.measures.find(({ symbol }) => symbol === 'MVELO').value, 1));
     await waitFor(() => markers.seen.length >= 2, 'dtsctl shows both markers');
     assert.deepEqual(markers.seen.map(({ event }) => event.text), ['by button', 'by key']);
-    assert.equal(told.replaceAll(',', ''), `Marked "by key" at scan ${markers.seen[1].first_scan}`);
+    assert.equal(told.replaceAll(',', ''), `Marker "by key" set at scan ${markers.seen[1].first_scan}`);
     const tables = path.join(daemon.folder, 'csv');
     await daemon.ctl('session', 'export', id, '--format', 'csv', '--out', tables);
     const events = readFileSync(filesBelow(tables).find((file) => file.endsWith('_events.csv')), 'utf8').split('\n').map((line) => line.split(','));
@@ -104,8 +113,9 @@ describe('sessions', () => {
       const started = new Date(Number(BigInt(session.started_utc_ns) / 1_000_000n));
       assert.equal(await rows[index].getAttribute('data-session'), session.session_id);
       assert.equal(cells[1], started.toLocaleString('en-GB', { dateStyle: 'short', timeStyle: 'short', timeZone: 'UTC' }));
-      assert.deepEqual(cells.slice(2, 6), [session.subject, session.protocol, session.rig, `${fixed(lengthS, 1)} s`]);
-      assert.match(cells[6], new RegExp(`${session.state}$`));
+      assert.deepEqual(cells.slice(2, 6), [session.subject, protocolNames[session.protocol], session.rig, `${fixed(lengthS, 1)} s`]);
+      const trials = session.planned_trials > 0 && session.state !== 'running' ? `\\n.*${session.valid_trials} of ${session.planned_trials} valid` : '';
+      assert.match(cells[6], new RegExp(`^. ${session.state}${trials}$`));
       assert.equal(cells[7], session.label ?? '');
     }
     await by(page, 'filter-subject').fill('p0');
@@ -126,7 +136,7 @@ describe('sessions', () => {
     await frame.waitFor();
 
     const facts = await textOf(page, 'session-facts');
-    for (const fact of ['complete', 'P017', 'quiet-standing', 'floor', 'from the browser']) assert.ok(facts.includes(fact), `${fact} in ${facts}`);
+    for (const fact of ['complete', '1 of 12 valid', 'P017', 'Quiet standing', 'floor', 'from the browser', id]) assert.ok(facts.includes(fact), `${fact} in ${facts}`);
     for (const { name, value } of session.results) assert.equal(await textOf(page, `result-${name}`), fixed(value, 3));
     assert.ok(session.results.length > 0);
     const parts = await textOf(page, 'part-table');
@@ -170,12 +180,11 @@ describe('sessions', () => {
     const page = await tabs.open('sessions');
     for (const id of [one, other]) await page.locator(`[data-session="${id}"] input`).check();
     await by(page, 'compare-two').click();
-    await by(page, 'figure-table').waitFor();
+    await by(page, 'comparison-table').waitFor();
 
     const shown = await page.evaluate(() =>
-      [...document.querySelectorAll('[data-testid="figure-row"]')].map((row) =>
-        // A figure's name, without what it means; then its values.
-        [row.children[0].firstChild, ...[...row.children].slice(1)].map((cell) => cell.textContent),
+      [...document.querySelectorAll('[data-testid="comparison-row"]')].map((row) =>
+        [row.dataset.result, ...[...row.children].slice(1).map((cell) => cell.textContent)],
       ),
     );
     const signed = (value, digits) => (Number(value.toFixed(digits)) > 0 ? '+' : '') + fixed(value, digits);
@@ -183,7 +192,7 @@ describe('sessions', () => {
     const expected = figures.map(({ name, unit, values, differences, percent }) => [
       name,
       ...values.map((value) => fixed(value, 3)),
-      unit,
+      unit.replace('mm2', 'mm²'),
       signed(differences[0], 3),
       percent[0] === null ? '' : `${percent[0] > 0 ? '+' : ''}${fixed(percent[0], 0)} %`,
     ]);

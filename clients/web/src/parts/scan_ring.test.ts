@@ -5,7 +5,7 @@ import type { Block } from '../link/types';
 import type { Line } from './scan_ring';
 import { decimate, ScanRing } from './scan_ring';
 
-/** 100 scans a second; the value is the scan's number unless given. */
+/** A block at 100 Hz; the value is the number of the scan unless given. */
 const block = (firstScan: number, scanCount: number, change: Partial<Block> = {}, values?: readonly number[]): Block =>
   ({
     firstScan,
@@ -36,7 +36,7 @@ test.each([
   ['missing scans', block(9, 1, { missingScans: 7 })],
   ['a new segment', block(2, 1, { segment: 1, isNewSegment: true })],
   ['a pause of the subscription', block(100, 1)],
-])('ScanRing.After %s stands a gap', (_name, next) => {
+])('ScanRing.After %s there is a gap', (_name, next) => {
   const ring = new ScanRing(1, 10);
   ring.push(block(0, 2), [0]);
 

@@ -20,7 +20,7 @@ test.each<[string, readonly (keyof StartForm & ('open' | 'send' | 'close'))[], b
   ['OpenAndSent is shown', ['open', 'send'], true],
   ['AnswerBeforeThePaint closes it for good', ['open', 'send', 'close'], false],
 ])('StartForm.%s', (_name, steps, isShown) => {
-  const form = runHook(() => useStartForm(false), false); // never paints: what it does after a paint is late
+  const form = runHook(() => useStartForm(false), false); // never paints: effects after a paint would be late
 
   for (const step of steps) {
     form.now()[step]();

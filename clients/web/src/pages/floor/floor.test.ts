@@ -102,7 +102,7 @@ test.each([
   [SessionState.RUNNING, true],
   [SessionState.STOPPING, true],
   [SessionState.IDLE, false],
-  [SessionState.FAILED, false], // it is over: another can be started
+  [SessionState.FAILED, false], // another can be started
 ])('isActive.State %i: %s', (state, expected) => {
   expect(isActive(create(SessionInfoSchema, { sessionId: 's', state }))).toBe(expected);
 });
@@ -112,7 +112,7 @@ const inTrial = (phase: TrialPhase, remainingS: number, elapsedS = 0, trial = 1)
 const { READY, SETTLING, MEASURING, WAITING } = TrialPhase;
 const learned = (...seen: readonly SessionInfo[]): PhaseLengths => seen.reduce<PhaseLengths | undefined>(learnLengths, undefined)!;
 
-test('progressOf.Trial counts settling first, then what counts', () => {
+test('progressOf.Trial counts settling first, then the measurement', () => {
   const settling = inTrial(SETTLING, 5, 2);
   const measuring = inTrial(MEASURING, 30, 8);
   const lengths = learned(inTrial(READY, 1, 1), settling, inTrial(SETTLING, 0.2, 7), measuring);
@@ -123,7 +123,7 @@ test('progressOf.Trial counts settling first, then what counts', () => {
   expect(second).toMatchObject({ seconds: 20, shares: { settle: expect.closeTo(5 / 35, 9), done: expect.closeTo(15 / 35, 9) } });
 });
 
-test('progressOf.TabLoadedInATrial tells what is left and no share, until it has seen a whole one', () => {
+test('progressOf.TabLoadedInATrial shows the seconds left and no share, until it has seen a whole trial', () => {
   const middle = [inTrial(MEASURING, 12, 20), inTrial(MEASURING, 11, 21)];
   const next = [inTrial(WAITING, 0, 40), inTrial(READY, 1, 41, 2), inTrial(SETTLING, 5, 42, 2), inTrial(SETTLING, 0.5, 46.5, 2), inTrial(MEASURING, 20, 47, 2)];
 

@@ -23,7 +23,7 @@ beforeEach(() => void vi.useFakeTimers({ now: 7000 }));
 afterEach(() => void vi.useRealTimers());
 
 test.each<[string, SessionState, number | undefined]>([
-  ['NextPersonAfterTheSession sees no result of the former one', SessionState.IDLE, undefined],
+  ['NextPersonAfterTheSession sees no result of the person before', SessionState.IDLE, undefined],
   ['SubjectBackOnThePlate within the session keeps the result', SessionState.RUNNING, 4],
 ])('LiveFloor.%s', (_, state, expected) => {
   const { floor, stand, sway } = openFloor(state);

@@ -56,7 +56,7 @@ test.each([-40, 600])('ScanRing.ClockMeasuredAnew by %s ms moves what is there, 
   expect([0, 1, 2, 3].map((index) => ring.timeMs(index))).toEqual([0, 10, 20, 30].map((time) => time + byMs));
 });
 
-test('ScanRing.TimesThatGoBack after a gap begin anew', () => {
+test('ScanRing.TimesThatGoBack after a gap start again', () => {
   const ring = new ScanRing(1, 10);
   ring.push(block(50, 3), [0]);
 

@@ -38,7 +38,7 @@ export const askLastProtocol = async (link: Link, rig: string): Promise<string> 
   return answer?.case === 'sessions' ? (answer.value.sessions[0]?.protocol ?? '') : '';
 };
 
-/** Returns the unit that the end of a field's name tells: "kg" for "weight_kg", "" for "sex" and for a label that has the unit already. */
+/** Returns the unit at the end of a field's name: "kg" for "weight_kg", "" for "sex" and for a label that has the unit already. */
 export const unitOfField = ({ name, sentence }: Pick<ProtocolField, 'name' | 'sentence'>): string => {
   const suffix = name.slice(name.lastIndexOf('_') + 1);
   if (suffix === name || !Object.hasOwn(words.units, suffix)) return '';

@@ -73,7 +73,7 @@ test('Examination.NextTrial leaves the result in sight until go', () => {
   expect(afterEvent(ready, trial(GO, { trial: 2, scan: 9000 }))).toMatchObject({ reach: undefined, movement: undefined, expectedClass: -1, isWithoutReach: false });
 });
 
-test.each([DONE, REDONE, FINISHED, REST])('Examination.TrialEvent %i makes the list of trials asked for anew', (kind) => {
+test.each([DONE, REDONE, FINISHED, REST])('Examination.TrialEvent %i reloads the list of trials', (kind) => {
   const before = after(...going);
 
   expect(afterEvent(before, trial(kind)).changes).toBeGreaterThan(before.changes);

@@ -137,7 +137,7 @@ test('progressOf.TabLoadedInATrial shows the seconds left and no share, until it
 test.each<[string, readonly SessionInfo[], readonly unknown[]]>([
   ['PhaseThatBeganWhileNobodyLooked gives no cue', [inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20)], ['s', undefined, undefined]],
   ['SettlingTooShortToBeSeen takes no part of the ring', [inTrial(READY, 0.3, 3), inTrial(MEASURING, 20, 4)], ['s', 0, 20]],
-  ['OtherSession begins anew', [inTrial(READY, 1, 1), inTrial(MEASURING, 60, 2), create(SessionInfoSchema, { sessionId: 'other' })], ['other', undefined, undefined]],
+  ['OtherSession starts again', [inTrial(READY, 1, 1), inTrial(MEASURING, 60, 2), create(SessionInfoSchema, { sessionId: 'other' })], ['other', undefined, undefined]],
 ])('learnLengths.%s', (_, sessions, expected) => {
   const { sessionId, settleS, measureS } = learned(...sessions);
 

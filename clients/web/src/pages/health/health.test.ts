@@ -20,7 +20,7 @@ test.each<[string, Block[], object[]]>([
   ['PartOfASecond gives no statistics', [block([1, 3])], []],
   ['MillivoltsOnVolts are not drowned', [block([4.9, 4.9002, 4.9, 4.9002])], [{ mean: expect.closeTo(4.9001, 6), noiseRms: expect.closeTo(0.0001, 6), quality: 0 }]],
   ['UndefinedValues are left out', [block([NaN, 2, 4, NaN])], [{ mean: 3, noiseRms: 1, quality: 0 }]],
-  ['NewSegment begins anew', [block([9, 9]), block([1, 1, 1, 1], 0, { isNewSegment: true })], [{ mean: 1, noiseRms: 0, quality: 0 }]],
+  ['NewSegment starts again', [block([9, 9]), block([1, 1, 1, 1], 0, { isNewSegment: true })], [{ mean: 1, noiseRms: 0, quality: 0 }]],
   ['EachSecond is reported by itself', [block([9, 9, 9, 9], Quality.RAIL), block([1, 1, 1, 1])], [{ mean: 1, noiseRms: 0, quality: 0 }]],
 ])('SecondStatistics.%s', (_, blocks, channels) => {
   const statistics = new SecondStatistics();

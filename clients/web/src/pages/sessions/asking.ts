@@ -41,7 +41,7 @@ const fieldOf = (json: unknown, name: string): string => {
 };
 
 /** Returns the archive's error of a failed response. */
-export const refusal = async (response: Response): Promise<CommandError> => {
+export const responseError = async (response: Response): Promise<CommandError> => {
   const json: unknown = await response.json().catch(() => undefined);
   return new CommandError(0, fieldOf(json, 'what') || `${response.status} ${response.statusText}`, fieldOf(json, 'hint'));
 };

@@ -8,20 +8,20 @@ import { PartState } from '../../generated/dts/v1/sessions_pb';
 import { Button, Notice } from '../../parts/controls';
 import { bytes, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
-import { archiveUrl, refusal, useAsked } from './asking';
+import { archiveUrl, responseError, useAsked } from './asking';
 
 // An export must be made before its size is known. That takes about a second for a short recording; a long one is made only on request.
 const madeUnaskedBytes = 100_000_000n;
 
 const sizeOf = (response: Response): number => Number(response.headers.get('Content-Length') ?? Number.NaN);
 
-/** Returns the size in bytes, or NaN if the gateway does not tell it. Never downloads the export itself. */
+/** Returns the size in bytes, or NaN if the gateway does not know it. Never downloads the export itself. */
 export const askSize = async (url: string, signal: AbortSignal): Promise<number> => {
   const head = await fetch(url, { method: 'HEAD', signal });
   if (head.ok) return sizeOf(head);
   // A response to HEAD has no body with the error.
   const response = await fetch(url, { signal });
-  if (!response.ok) throw await refusal(response);
+  if (!response.ok) throw await responseError(response);
   await response.body?.cancel(); // the export is available after all
   return sizeOf(response);
 };

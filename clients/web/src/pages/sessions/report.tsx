@@ -5,7 +5,7 @@ import type { JSX } from 'preact';
 
 import { Notice } from '../../parts/controls';
 import { strings } from '../../strings';
-import { archiveUrl, refusal, useAsked } from './asking';
+import { archiveUrl, responseError, useAsked } from './asking';
 
 interface ReportIndex {
   readonly pages: readonly string[]; // HTML only; the pictures are inside
@@ -16,7 +16,7 @@ const words = (value: unknown): string[] => (Array.isArray(value) ? value.filter
 
 const askReport = async (sessionId: string, signal: AbortSignal): Promise<ReportIndex> => {
   const response = await fetch(archiveUrl(sessionId, 'report'), { signal });
-  if (!response.ok) throw await refusal(response);
+  if (!response.ok) throw await responseError(response);
   const index = (await response.json()) as { pages?: unknown; damage?: unknown };
   return { pages: words(index.pages).filter((page) => page.endsWith('.html')), damage: words(index.damage) };
 };

@@ -19,7 +19,7 @@ const classes = ['none', 'minor', 'moderate', 'maximum'];
 
 /** A row of the page's table, from a trial of `dtsctl session show`; why it is uncertain is not compared. */
 const rowOf = ({ trial, attempt, condition, outcome, result }) => {
-  const target = result?.target_cm > 0 ? `${condition}, ${fixed(result.target_cm, 1)} cm` : condition;
+  const target = result?.target_cm > 0 ? `${condition}, ${fixed(result.target_cm, 0)} cm` : condition;
   const movement = result?.movement;
   const isMinor = movement?.reasons.includes('minor') && movement.trunk_class === 1;
   const word = movement === undefined ? 'no reach' : isMinor ? 'none or minor' : (classes[movement.trunk_class] ?? 'uncertain');
@@ -131,7 +131,7 @@ describe('a reaching examination', () => {
     const expected = session.trials.map(rowOf).reverse();
     assert.deepEqual(onChair, expected);
     assert.deepEqual(onSession, expected);
-    for (const { name, value } of session.results) assert.equal(await textOf(page, `result-${name}`), fixed(value, 3));
+    for (const { name, value } of session.results) assert.equal(await textOf(page, `result-${name}`), fixed(value, ['trials', 'targets'].includes(name) ? 0 : 3));
   });
 
   test('nothing was asked of another host, nothing broke the policy', () => tabs.close());

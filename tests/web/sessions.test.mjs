@@ -136,7 +136,9 @@ describe('sessions', () => {
     await frame.waitFor();
 
     const facts = await textOf(page, 'session-facts');
-    for (const fact of ['complete', '1 of 12 valid', 'P017', 'Quiet standing', 'floor', 'from the browser', id]) assert.ok(facts.includes(fact), `${fact} in ${facts}`);
+    for (const fact of ['complete', '1 of 12 valid', 'P017', 'Quiet standing', 'floor', 'from the browser']) assert.ok(facts.includes(fact), `${fact} in ${facts}`);
+    assert.match(await page.locator('h1').innerText(), /^P017, Quiet standing, \d/);
+    assert.equal(await textOf(page, 'session-id'), `Session ID ${id}`);
     for (const { name, value } of session.results) assert.equal(await textOf(page, `result-${name}`), fixed(value, 3));
     assert.ok(session.results.length > 0);
     const parts = await textOf(page, 'part-table');

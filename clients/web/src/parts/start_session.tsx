@@ -97,7 +97,7 @@ const TextInput = (props: { label: string; hint?: string; testId: string; value:
 );
 
 const aboutOf = ({ sentence, trials, settleS, durationS }: ProtocolInfo): string =>
-  trials > 0 && durationS > 0 ? `${sentence}. ${words.about(whole(trials), whole(settleS), whole(durationS))}` : sentence;
+  trials === 0 ? sentence : `${sentence}. ${durationS > 0 ? words.about(whole(trials), whole(settleS), whole(durationS)) : words.trials(whole(trials))}.`;
 
 export interface StartSessionProps {
   link: Link;

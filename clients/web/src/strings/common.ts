@@ -105,6 +105,7 @@ export const common = {
     submit: 'Start session',
     taken: (protocol: string) => `Another session started on this rig: ${protocol}`,
     takenHint: 'The form was closed. Check who is being measured before you stop that session.',
+    trials: (trials: string) => `${trials} trials`,
     about: (trials: string, settle: string, seconds: string) => `${trials} trials of ${seconds} s, each after ${settle} s of settling`,
   },
   help: {

@@ -10,7 +10,7 @@ import { SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
 import { CommandNotice, Notice, Tile, useCommands } from '../../parts/controls';
 import { Live, useIsOld } from '../../parts/live';
-import { protocolName, spoken } from '../../parts/names';
+import { capitalised, protocolName, spoken } from '../../parts/names';
 import { fixed, whole } from '../../parts/numbers';
 import { useStartForm } from '../../parts/start_form';
 import { StartSession, StartTaken, useProtocols } from '../../parts/start_session';
@@ -56,13 +56,13 @@ const TrialHead = ({ status }: { status: RigStatus }): JSX.Element => {
   if (!isActive(session)) return <h1 data-testid="trial-head">{words.noSession}</h1>;
   const { trial } = session;
   const protocol = protocolName(session.protocol);
-  const title = trial === undefined ? protocol : trial.trial === 0 ? words.readyForTrial(whole(1), whole(trial.of)) : words.trialOf(spoken(trial.condition), whole(trial.trial), whole(trial.of));
+  const title = trial === undefined ? protocol : trial.trial === 0 ? words.readyForTrial(whole(1), whole(trial.of)) : words.trialOf(capitalised(spoken(trial.condition)), whole(trial.trial), whole(trial.of));
   const attempt = trial !== undefined && trial.attempt > 1 ? words.attempt(whole(trial.attempt)) : '';
   return (
     <div>
       <h1 data-testid="trial-head">{title}</h1>
       <p class="session-line" data-testid="session-id">
-        {[protocol, session.subject, session.label, attempt].filter((part) => part !== '').join(' · ')}
+        {[title === protocol ? '' : protocol, session.subject, session.label, attempt].filter((part) => part !== '').join(' · ')}
       </p>
     </div>
   );

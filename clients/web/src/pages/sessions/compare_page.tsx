@@ -7,13 +7,13 @@ import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Field, Notice, Panel } from '../../parts/controls';
 import { capitalised, protocolName, sessionTitle, spoken } from '../../parts/names';
-import { dateTime, fixed, percent, signed } from '../../parts/numbers';
+import { dateTime, percent, signed } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from './asking';
 import type { Caution, ComparedResult, Comparison } from './comparison';
 import { comparable, compare, difference, mostCompared, shareOfChange } from './comparison';
 import { Report } from './report';
-import { resultName, unitText } from './result_names';
+import { resultName, resultValue, unitText } from './result_names';
 import { askSession } from './session_detail';
 import { ResultName } from './session_tables';
 
@@ -57,7 +57,7 @@ const ResultRow = ({ result, pair }: { result: ComparedResult; pair: Pair }): JS
       </th>
       {result.values.map((value, index) => (
         <td key={index} class="number">
-          {fixed(value, 3)}
+          {resultValue({ name: result.name, value })}
         </td>
       ))}
       <td>{unitText(result.unit)}</td>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plain names of results and units.
 import { capitalised, spoken } from '../../parts/names';
+import { fixed } from '../../parts/numbers';
 import { strings } from '../../strings';
 
 const words = strings.sessions.resultNames;
@@ -30,3 +31,8 @@ export const resultName = (name: string): string => {
 
 /** Returns the unit as people write it: "mm²" for "mm2", nothing for a plain number. */
 export const unitText = (unit: string): string => (Object.hasOwn(words.units, unit) ? (words.units[unit] ?? unit) : unit);
+
+const counted = new Set(['trials', 'targets']);
+
+/** Returns the value with three decimals, a count without. */
+export const resultValue = ({ name, value }: { readonly name: string; readonly value: number | undefined }): string => fixed(value, counted.has(name) ? 0 : 3);

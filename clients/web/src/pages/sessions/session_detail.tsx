@@ -39,7 +39,6 @@ const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
     [heads.duration, duration(durationS(session))],
     [heads.label, session.label],
     [facts.message, session.message],
-    [strings.sessions.id, session.sessionId],
   ];
   return (
     <dl class="facts" data-testid="session-facts">
@@ -77,7 +76,14 @@ export const SessionDetail = ({ link, sessionId }: { link: Link; sessionId: stri
           {back}
         </a>
       </p>
-      <h1>{session === undefined ? sessionId : sessionTitle(session)}</h1>
+      <div>
+        <h1>{session === undefined ? sessionId : sessionTitle(session)}</h1>
+        {session !== undefined && (
+          <p class="sessions-note" data-testid="session-id">
+            {strings.sessions.id} {sessionId}
+          </p>
+        )}
+      </div>
       {asked.error !== undefined && <Notice kind="error" what={asked.error.message} hint={asked.error.hint} testId="session-error" />}
       {session !== undefined && (
         <>

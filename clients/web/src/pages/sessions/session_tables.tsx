@@ -9,7 +9,7 @@ import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { TargetTable, TrialTable } from '../chair/trial_tables';
 import { lossLine } from './losses';
-import { resultName, unitText } from './result_names';
+import { resultName, resultValue, unitText } from './result_names';
 
 export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element => {
   const { heads, states, checksum, lost, lossesUnknown } = strings.sessions.parts;
@@ -141,7 +141,7 @@ export const ResultTable = ({ results }: { results: readonly SessionResult[] }):
               <ResultName name={result.name} />
             </td>
             <td class="number" data-testid={`result-${result.name}`}>
-              {fixed(result.value, 3)}
+              {resultValue(result)}
             </td>
             <td>{unitText(result.unit)}</td>
           </tr>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every page in both themes under axe-core, and by keyboard alone.
+// Checks every page in both themes with axe-core, and by keyboard alone.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, describe, test } from 'node:test';
@@ -9,7 +9,7 @@ import { axeFile, Bench, by, goTo, textOf, waitForText } from './support_browser
 
 const shorter = { 'settle_s = 5': 'settle_s = 1', 'duration_s = 20': 'duration_s = 3' };
 
-/** What axe finds that is serious or critical: one line each. */
+/** Returns the serious and critical findings of axe, one line each. */
 const findings = (page) =>
   page.evaluate(async () => {
     const { violations } = await window.axe.run(document, { resultTypes: ['violations'] });
@@ -23,7 +23,7 @@ describe('accessibility', () => {
   let page;
   const ids = [];
   before(async () => {
-    // The policy allows no script but the dashboard's own: only here is it put aside, to get axe in.
+    // The Content-Security-Policy allows only the dashboard's own scripts. It is bypassed here alone, to load axe.
     bench = await Bench.opened({ daemon: { protocols: (folder) => alteredProtocol(folder, 'quiet-standing', shorter) }, tabs: { bypassCSP: true } });
     ({ daemon } = bench);
     page = await bench.tabs.open('floor');
@@ -121,5 +121,5 @@ describe('accessibility', () => {
     }
   });
 
-  test('nothing was asked of another host', () => bench.tabs.close());
+  test('no request went to another host', () => bench.tabs.close());
 });

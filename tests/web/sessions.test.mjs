@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A session from the start form to report, export and comparison: the browser's doing and dtsctl's view of it agree.
+// A session from the start form to report, export and comparison; everything is compared with dtsctl.
 import assert from 'node:assert/strict';
 import { readFileSync, statSync } from 'node:fs';
 import path from 'node:path';
@@ -11,7 +11,7 @@ import { Bench, by, fixed, remember, rememberedOf, textOf, waitForText } from '.
 const protocolNames = { free: 'Free recording', 'quiet-standing': 'Quiet standing' };
 const shorter = { 'settle_s = 5': 'settle_s = 1', 'duration_s = 20': 'duration_s = 4' };
 
-/** "12.4 MB", as the dashboard writes sizes. */
+/** Returns "12.4 MB", like the dashboard. */
 const sizeText = (count) => {
   const power = count < 999.5 ? 0 : count < 999_500 ? 1 : 2;
   const value = count / 1000 ** power;
@@ -23,7 +23,7 @@ describe('sessions', () => {
   let daemon;
   let gateway;
   let tabs;
-  const ids = []; // of the two sessions, oldest first
+  const ids = []; // of the two sessions with results, oldest first
   before(async () => {
     bench = await Bench.opened({ daemon: { protocols: (folder) => alteredProtocol(folder, 'quiet-standing', shorter) }, tabs: { acceptDownloads: true } });
     ({ daemon, gateway, tabs } = bench);
@@ -55,13 +55,13 @@ describe('sessions', () => {
     await by(page, 'mark').click();
     await waitForText(page, 'marked', 'Marker "by button" set at scan');
     await by(page, 'mark-text').fill('by key');
-    await page.locator('h1').click(); // out of the text field, in which a space is a space
+    await page.locator('h1').click(); // leave the text field, where Space types a space
     await page.keyboard.press('Space');
     await waitForText(page, 'marked', 'Marker "by key" set at scan');
-    const told = await textOf(page, 'marked');
+    const marked = await textOf(page, 'marked');
     await by(page, 'guidance').and(page.locator('[data-state="done"]')).waitFor();
     const states = (await rememberedOf(page, 'guidance')).map(({ value }) => value);
-    // A page that waits for a core may never show the second of settling; what it shows comes in its order, and once.
+    // On a busy machine the page may never show the second of settling. All other states appear once and in order.
     assert.deepEqual(states.filter((state) => state !== 'settling'), ['first', 'measuring', 'done']);
     assert.ok(!states.includes('settling') || states.indexOf('settling') === 1, states.join());
     assert.deepEqual((await rememberedOf(page, 'countdown')).map(({ value }) => value), ['', 'timer', '']);
@@ -84,7 +84,7 @@ describe('sessions', () => {
     assert.equal(velocity, fixed(session.trials[0].sway.measures.find(({ symbol }) => symbol === 'MVELO').value, 1));
     await waitFor(() => markers.seen.length >= 2, 'dtsctl shows both markers');
     assert.deepEqual(markers.seen.map(({ event }) => event.text), ['by button', 'by key']);
-    assert.equal(told.replaceAll(',', ''), `Marker "by key" set at scan ${markers.seen[1].first_scan}`);
+    assert.equal(marked.replaceAll(',', ''), `Marker "by key" set at scan ${markers.seen[1].first_scan}`);
     const tables = path.join(daemon.folder, 'csv');
     await daemon.ctl('session', 'export', id, '--format', 'csv', '--out', tables);
     const events = readFileSync(filesBelow(tables).find((file) => file.endsWith('_events.csv')), 'utf8').split('\n').map((line) => line.split(','));
@@ -102,7 +102,7 @@ describe('sessions', () => {
     await waitForText(page, 'session-count', '3 sessions');
     await by(page, 'session-row').filter({ hasText: 'running' }).waitFor();
     await daemon.ctl('session', 'abort', '--reason', 'a test');
-    await by(page, 'session-row').filter({ hasText: 'aborted' }).waitFor(); // by itself
+    await by(page, 'session-row').filter({ hasText: 'aborted' }).waitFor(); // the list updates by itself
 
     const { sessions } = await daemon.json('session', 'list');
     const rows = await by(page, 'session-row').all();
@@ -156,7 +156,7 @@ describe('sessions', () => {
     await page.close();
   });
 
-  test('an export button says the size of what it gives', async () => {
+  test('an export button shows the size of its file', async () => {
     const [id] = ids;
     const page = await tabs.open(`sessions/${id}`);
     const { parts } = await daemon.session(id);
@@ -206,5 +206,5 @@ describe('sessions', () => {
     await page.close();
   });
 
-  test('nothing was asked of another host, nothing broke the policy', () => tabs.close());
+  test('no request went to another host, and nothing violated the policy', () => tabs.close());
 });

@@ -76,7 +76,7 @@ export const health = {
   test: {
     run: 'Test device',
     tare: 'Tare rig',
-    tared: 'Rig tared: the present load reads zero.',
+    tared: 'Rig tared: the unloaded rig reads zero.',
     needsEngineer: 'Requires the role engineer',
     heads: { channel: 'Channel', mean: 'Mean', noise: 'Noise (rms)', minimum: 'Minimum', maximum: 'Maximum', unit: 'Unit', distance: 'Distance (mm)', quality: 'Quality' },
     outcomes: { 1: 'passed', 2: 'warning', 3: 'failed', 4: 'skipped' } as Readonly<Record<number, string>>,

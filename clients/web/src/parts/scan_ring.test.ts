@@ -46,7 +46,7 @@ test.each([
   expect(ring.length).toBe(4);
 });
 
-test.each([-40, 600])('ScanRing.ClockMeasuredAnew by %s ms moves what is there, without a gap', (byMs) => {
+test.each([-40, 600])('ScanRing.ClockMeasuredAgain by %s ms shifts the stored scans, without a gap', (byMs) => {
   const ring = new ScanRing(1, 10);
   ring.push(block(0, 3), [0]);
 

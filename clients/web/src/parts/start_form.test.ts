@@ -6,7 +6,7 @@ import type { FormState, StartForm } from './start_form';
 import { formAfter, useStartForm } from './start_form';
 
 test.each<[string, FormState, boolean, FormState]>([
-  ['OpenForm closes when somebody else starts a session', 'open', true, 'taken'],
+  ['OpenForm closes when another client starts a session', 'open', true, 'taken'],
   ['SentForm waits for its answer: the session is its own', 'sending', true, 'sending'],
   ['OpenForm without a session stays', 'open', false, 'open'],
   ['TakenForm says so while that session goes on', 'taken', true, 'taken'],

@@ -79,7 +79,7 @@ export const common = {
     2: 'signal stuck',
     4: 'outside working range',
     8: 'channels possibly swapped',
-    16: 'nobody on it',
+    16: 'no load',
     32: 'outside calibrated area or load',
     64: 'not tared',
     128: 'estimated from other sensors',

@@ -46,7 +46,7 @@ test.each<[string, number, readonly Block[], readonly number[], number, number]>
   ['NewSegment starts again', 64, [block(0, ramp(0, 8)), block(9, [7], { segment: 1 })], [NaN, NaN], 7, 10],
   ['RestartedDaemon starts again', 64, [block(0, ramp(0, 8)), block(9, [7], { isNewSegment: true })], [NaN, NaN], 7, 10],
   ['ScansThatGoBack start again', 64, [block(0, ramp(0, 8)), block(0, [7])], [7, NaN], 7, 1],
-  ['BlockWithoutColumns is none', 64, [block(0, [1]), block(1, [2], { columns: [] })], [1, NaN], 1, 1],
+  ['BlockWithoutColumns is skipped', 64, [block(0, [1]), block(1, [2], { columns: [] })], [1, NaN], 1, 1],
 ])('TransientRing.%s', (_, capacity, blocks, values, newest, endScan) => {
   const ring = ringOf(capacity, ...blocks);
 

@@ -44,7 +44,7 @@ test('ellipseOf.KnownPoints has the area that PEA95_F has', () => {
   expect(ellipse.long / ellipse.short).toBeCloseTo(3, 5);
 });
 
-test('ellipseOf.MissingScans are left out; too few make none', () => {
+test('ellipseOf.MissingScans are left out; too few scans give no ellipse', () => {
   const points = Array.from({ length: 12 }, (_, index) => (index < 3 ? ([NaN, NaN] as const) : ([index, index % 2] as const)));
 
   expect(ellipseOf(ringOf(points), 0, 1, 0)).toBeUndefined();
@@ -54,7 +54,7 @@ test('ellipseOf.MissingScans are left out; too few make none', () => {
 const whole: View = { x: 0, y: 0, spanMm: 464 };
 const ellipse = (centreX: number, long: number): Ellipse => ({ centreX, centreY: 0, long, short: long / 2, angleRad: 0, samples: 2000 });
 
-test('nextView.Nobody shows the whole plate', () => {
+test('nextView.EmptyPlate shows the whole plate', () => {
   expect(nextView({ x: 3, y: 3, spanMm: 40 }, undefined, whole)).toBe(whole);
 });
 
@@ -135,7 +135,7 @@ test('progressOf.TabLoadedInATrial shows the seconds left and no share, until it
 });
 
 test.each<[string, readonly SessionInfo[], readonly unknown[]]>([
-  ['PhaseThatBeganWhileNobodyLooked gives no cue', [inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20)], ['s', undefined, undefined]],
+  ['PhaseThatBeganUnseen teaches no length', [inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20)], ['s', undefined, undefined]],
   ['SettlingTooShortToBeSeen takes no part of the ring', [inTrial(READY, 0.3, 3), inTrial(MEASURING, 20, 4)], ['s', 0, 20]],
   ['OtherSession starts again', [inTrial(READY, 1, 1), inTrial(MEASURING, 60, 2), create(SessionInfoSchema, { sessionId: 'other' })], ['other', undefined, undefined]],
 ])('learnLengths.%s', (_, sessions, expected) => {

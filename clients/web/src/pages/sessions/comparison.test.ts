@@ -23,7 +23,7 @@ const mvelo = (value: number): Result => ({ name: 'MVELO', value, unit: 'mm/s' }
 test.each<[string, SessionRecord[], readonly (readonly unknown[])[]]>([
   ['TwoSessions are oldest first', [session('new', 2, [mvelo(12)]), session('old', 1, [mvelo(8)])], [[8, 12]]],
   ['ResultOfOneSession has no other', [session('a', 1, [{ name: 'MVELO', value: 8 }]), session('b', 2, [{ name: 'RDIST', value: 3 }])], [[8, undefined], [undefined, 3]]],
-  ['UndefinedValue is none', [session('a', 1, [{ name: 'x', value: NaN }]), session('b', 2, [{ name: 'x', value: 1 }])], [[undefined, 1]]],
+  ['UndefinedValue is left out', [session('a', 1, [{ name: 'x', value: NaN }]), session('b', 2, [{ name: 'x', value: 1 }])], [[undefined, 1]]],
 ])('compare.%s', (_, sessions, values) => {
   expect(compare(sessions).results.map((result) => result.values)).toEqual(values);
 });

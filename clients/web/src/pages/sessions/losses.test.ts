@@ -12,7 +12,7 @@ test.each([
   ['AllParts and reasons add up', [{ losses: [loss(1, 560, GapReason.RING_FULL)] }, { losses: [loss(2, 39), loss(0, 1)] }], '600 scans lost in 3 gaps'],
   ['GapWithoutLostScans is shown', [{ losses: [loss(1, 0)] }], '0 scans lost in 1 gap'],
   ['NothingLost says nothing', [{ losses: [] }, { losses: [] }], ''],
-  ['UnknownLosses are not none', [{ isLossUnknown: true }], 'losses unknown'],
+  ['UnknownLosses are shown as unknown', [{ isLossUnknown: true }], 'losses unknown'],
   ['PartWhoseLossesAreUnknown is not called whole', [{ losses: [loss(1, 7)] }, { isLossUnknown: true }], 'at least 7 scans lost in 1 gap'],
 ])('lossOfSession.%s', (_, parts, expected) => {
   expect(lossOfSession(create(SessionRecordSchema, { parts }))).toBe(expected);

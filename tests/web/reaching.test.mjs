@@ -19,7 +19,7 @@ const classes = ['none', 'minor', 'moderate', 'maximum'];
 
 /** Returns the expected row of the page's table for a trial of `dtsctl session show`. Reasons for "uncertain" are not compared. */
 const rowOf = ({ trial, attempt, condition, outcome, result }) => {
-  const target = result?.target_cm > 0 ? `${condition}, ${fixed(result.target_cm, 0)} cm` : condition;
+  const target = result?.target_cm > 0 ? `${condition}, ${fixed(result.target_cm, 0)}\u00a0cm` : condition;
   const movement = result?.movement;
   const isMinor = movement?.reasons.includes('minor') && movement.trunk_class === 1;
   const word = movement === undefined ? 'no reach' : isMinor ? 'none or minor' : (classes[movement.trunk_class] ?? 'uncertain');

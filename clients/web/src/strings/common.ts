@@ -14,7 +14,7 @@ export const common = {
   logOut: 'Log out',
   logIn: 'Log in',
   login: {
-    title: 'Log in',
+    title: 'Login',
     sentence: 'This dashboard shows measurements of people. Log in with the name and password that your clinic gave you.',
     user: 'Name',
     password: 'Password',
@@ -28,7 +28,7 @@ export const common = {
   },
   link: {
     connecting: 'Connecting …',
-    login: 'Not logged in',
+    login: 'Login required',
     noDaemon: (time: string) => `No answer from dtsd since ${time}`,
     noGateway: (time: string) => `No connection since ${time}`,
     noDaemonHint: 'The measuring program dtsd does not answer. Reconnecting. If this lasts, check on its computer: systemctl status dtsd.',

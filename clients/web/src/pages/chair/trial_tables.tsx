@@ -38,7 +38,7 @@ export const TrialTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.
         {[...trials].reverse().map((trial) => (
           <tr key={`${trial.part}/${trial.trial}/${trial.attempt}`} class={counts(trial) ? '' : 'chair-void'}>
             <td class="number">{trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}</td>
-            <td class="chair-one-line">{targetText(trial.condition, trial.result?.targetCm ?? 0)}</td>
+            <td>{targetText(trial.condition, trial.result?.targetCm ?? 0)}</td>
             <td>{outcomes[trial.outcome] ?? trial.outcome}</td>
             <td>{classText(trial)}</td>
             <td class="number">{fixed(angleOf(trial), 1)}</td>
@@ -82,7 +82,7 @@ export const TargetTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX
         <tbody>
           {byTarget(trials).map((summary) => (
             <tr key={summary.condition}>
-              <td class="chair-one-line">{targetText(summary.condition, summary.targetCm)}</td>
+              <td>{targetText(summary.condition, summary.targetCm)}</td>
               <td class="number">{whole(summary.trials)}</td>
               <td class="number">{fixed(summary.meanDeg, 1)}</td>
               <td class="number">{fixed(summary.sdDeg, 1)}</td>

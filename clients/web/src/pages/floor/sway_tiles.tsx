@@ -50,6 +50,8 @@ export const noteOf = (steadiness: Steadiness | undefined): string | undefined =
   return isValid ? note : `${note}, ${words.invalid}`;
 };
 
+const noValues: readonly number[] = [];
+
 /** `children`: another tile, which is not a measure of steadiness. */
 export const SwayTiles = ({ floor, children }: { floor: LiveFloor; children: ComponentChildren }): JSX.Element => {
   const steadiness = floor.sway.value;
@@ -62,7 +64,7 @@ export const SwayTiles = ({ floor, children }: { floor: LiveFloor; children: Com
       {tiles.map(({ symbol, label, unit, digits }) => (
         <div key={symbol} class={isFinal ? 'tile-final' : 'tile-preliminary'}>
           <Tile label={label} value={fixed(steadiness?.values.get(symbol), digits)} unit={unit} testId={`sway-${symbol}`} isLarge={symbol === 'MVELO'}>
-            <Spark values={floor.sparks.get(symbol) ?? []} version={steadiness} />
+            <Spark values={(steadiness === undefined ? undefined : floor.sparks.get(symbol)) ?? noValues} version={steadiness} />
           </Tile>
         </div>
       ))}

@@ -4,7 +4,7 @@ import type { JSX } from 'preact';
 import { useEffect, useMemo } from 'preact/hooks';
 
 import type { RigStatus } from '../../generated/dts/v1/control_pb';
-import type { ProtocolInfo } from '../../generated/dts/v1/sessions_pb';
+import type { ProtocolInfo, TrialStatus } from '../../generated/dts/v1/sessions_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
@@ -51,12 +51,15 @@ const Guidance = ({ link, status, floor }: { link: Link; status: RigStatus; floo
   );
 };
 
+const trialTitle = ({ trial, of, condition }: TrialStatus): string =>
+  trial === 0 ? words.readyForTrial(whole(1), whole(of)) : words.trialOf(capitalised(spoken(condition)), whole(trial), whole(of));
+
 const TrialHead = ({ status }: { status: RigStatus }): JSX.Element => {
   const { session } = status;
   if (!isActive(session)) return <h1 data-testid="trial-head">{words.noSession}</h1>;
   const { trial } = session;
   const protocol = protocolName(session.protocol);
-  const title = trial === undefined ? protocol : trial.trial === 0 ? words.readyForTrial(whole(1), whole(trial.of)) : words.trialOf(capitalised(spoken(trial.condition)), whole(trial.trial), whole(trial.of));
+  const title = trial === undefined ? protocol : trialTitle(trial);
   const attempt = trial !== undefined && trial.attempt > 1 ? words.attempt(whole(trial.attempt)) : '';
   return (
     <div>

@@ -47,7 +47,7 @@ const pictureChair = async ({ daemon, tabs }) => {
   await daemon.ctl('session', 'start', '--rig', 'chair', '--protocol', 'reaching-short', '--subject', 'P021', ...fields);
   await startTrial(daemon, 'chair');
   await page.locator('.chair-prompt-back', { hasText: /max.*Trial [789] of 9/s }).waitFor();
-  await page.getByText('Trunk class', { exact: true }).waitFor(); // and not "Trunk class, last trial"
+  await page.getByRole('heading', { name: 'Trunk class', exact: true }).waitFor(); // and not "Trunk class, last trial"
   await shoot(page, 'live-chair');
   await waitFor(async () => /"phase": *"finished"/.test(await daemon.ctl('status', '--json')), 'all reaches are done', minutesMs);
   await daemon.ctl('session', 'stop', '--rig', 'chair');

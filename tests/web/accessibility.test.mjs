@@ -67,6 +67,11 @@ describe('accessibility', () => {
     await by(page, 'open-start').click();
     await by(page, 'start-protocol').selectOption('quiet-standing');
     assert.deepEqual(await findings(page), []);
+    await by(page, 'show-keys').click();
+    await by(page, 'key-help').waitFor();
+    await page.keyboard.press('Escape');
+    await by(page, 'key-help').waitFor({ state: 'detached' });
+    assert.equal(await by(page, 'start-session').count(), 1, 'Escape closes the list of keys first');
     await by(page, 'start-session-close').click();
     await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'quiet-standing');
     await by(page, 'stop-session').waitFor();

@@ -2,6 +2,7 @@
 // The user: the gateway's /api/me, /api/login and /api/logout.
 import { ErrorCode } from '../generated/dts/v1/control_pb';
 import { Role } from '../generated/dts/v1/options_pb';
+import { asSentence } from '../parts/names';
 import { fixed } from '../parts/numbers';
 import { strings } from '../strings';
 import type { Me } from './types';
@@ -42,7 +43,7 @@ export const logIn = async (fetchIt: typeof fetch, user: string, password: strin
     throw new CommandError(ErrorCode.LIMIT_EXCEEDED, words.tooMany(fixed(seconds, 0)), words.tooManyHint);
   }
   const problem = (await response.json().catch(() => ({}))) as { what?: unknown; hint?: unknown };
-  throw new CommandError(ErrorCode.FAILED, textOf(problem.what) || words.failed, textOf(problem.hint));
+  throw new CommandError(ErrorCode.FAILED, asSentence(textOf(problem.what)) || words.failed, asSentence(textOf(problem.hint)));
 };
 
 export const logOut = async (fetchIt: typeof fetch): Promise<void> => {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Response } from '../generated/dts/v1/control_pb';
 import { ErrorCode } from '../generated/dts/v1/control_pb';
+import { asSentence } from '../parts/names';
 import { whole } from '../parts/numbers';
 import { strings } from '../strings';
 import type { Answer } from './types';
@@ -40,7 +41,7 @@ export class PendingCommands {
     this.#waiting.delete(response.requestId);
     clearTimeout(waiting.timer);
     const result = response.result;
-    if (result.case === 'error') waiting.reject(new CommandError(result.value.code, result.value.what, result.value.hint));
+    if (result.case === 'error') waiting.reject(new CommandError(result.value.code, asSentence(result.value.what), asSentence(result.value.hint)));
     else waiting.resolve(result);
   }
 

@@ -286,7 +286,7 @@ test('GatewayLink.Command gets its own answer, or its error with a hint', async 
   socket.deliver({ case: 'response', value: { requestId: second!, result: { case: 'error', value: { code: ErrorCode.WRONG_STATE, what: 'no', hint: 'so' } } } });
   socket.deliver({ case: 'response', value: { requestId: first!, result: { case: 'tare', value: { baselineMm: [1] } } } });
 
-  await expect(bad).rejects.toMatchObject({ code: ErrorCode.WRONG_STATE, message: 'no', hint: 'so' });
+  await expect(bad).rejects.toMatchObject({ code: ErrorCode.WRONG_STATE, message: 'No', hint: 'So' });
   expect((await good).case).toBe('tare');
 });
 

@@ -3,7 +3,7 @@ import { create } from '@bufbuild/protobuf';
 import { expect, test, vi } from 'vitest';
 
 import { SessionRecordSchema } from '../generated/dts/v1/sessions_pb';
-import { protocolName, sessionTitle } from './names';
+import { asSentence, protocolName, sessionTitle } from './names';
 
 test.each([
   ['free', 'Free recording'],
@@ -27,4 +27,13 @@ test('sessionTitle.Names subject, protocol and day, the year only if it is anoth
   expect(titles[0]).toMatch(/^P017, Romberg, (23 Nov|Nov 23)$/);
   expect(titles[1]).toMatch(/^No subject ID, Romberg, /);
   expect(titles[2]).toMatch(/2025/);
+});
+
+test.each([
+  ["tare refused: the plate of rig 'floor' is loaded", "Tare refused: the plate of rig 'floor' is loaded"],
+  ['see dtsctl session list', 'See dtsctl session list'],
+  ['dtsctl tare --rig chair', 'dtsctl tare --rig chair'],
+  ['', ''],
+])('asSentence.%j is %j', (message, expected) => {
+  expect(asSentence(message)).toBe(expected);
 });

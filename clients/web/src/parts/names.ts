@@ -9,6 +9,11 @@ export const spoken = (key: string): string => key.replaceAll(/[-_]/g, ' ');
 
 export const capitalised = (text: string): string => text.charAt(0).toUpperCase() + text.slice(1);
 
+const programs = /^(dts|sudo|systemctl|journalctl|chmod|chown)/;
+
+/** Writes a message of daemon or gateway as a sentence on the screen: with a capital, unless it begins with a command to type. */
+export const asSentence = (message: string): string => (programs.test(message) ? message : capitalised(message));
+
 /** "Quiet standing" for "quiet-standing"; a protocol of the user's own is shown by its own name. */
 export const protocolName = (name: string): string => {
   const { protocols } = strings.common;

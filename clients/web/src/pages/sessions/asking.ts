@@ -5,6 +5,7 @@ import { useSignal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 
 import { CommandError } from '../../link/types';
+import { asSentence } from '../../parts/names';
 
 export interface Asked<T> {
   readonly answer: T | undefined;
@@ -43,7 +44,7 @@ const fieldOf = (json: unknown, name: string): string => {
 /** Returns the archive's error of a failed response. */
 export const responseError = async (response: Response): Promise<CommandError> => {
   const json: unknown = await response.json().catch(() => undefined);
-  return new CommandError(0, fieldOf(json, 'what') || `${response.status} ${response.statusText}`, fieldOf(json, 'hint'));
+  return new CommandError(0, asSentence(fieldOf(json, 'what')) || `${response.status} ${response.statusText}`, asSentence(fieldOf(json, 'hint')));
 };
 
 export const archiveUrl = (sessionId: string, path: string): string => `/api/sessions/${encodeURIComponent(sessionId)}/${path}`;

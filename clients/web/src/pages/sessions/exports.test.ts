@@ -43,7 +43,7 @@ test('askSize.HeadWithoutLength: no size, and nothing is downloaded', async () =
 test('askSize.Error is that of the archive', async () => {
   const { asked } = answering({ status: 409 }, { status: 409, body: '{"what": "it is recording", "hint": "stop it"}' });
 
-  await expect(ask()).rejects.toMatchObject({ message: 'it is recording', hint: 'stop it' });
+  await expect(ask()).rejects.toMatchObject({ message: 'It is recording', hint: 'Stop it' });
   expect(asked).toEqual(['HEAD', 'GET']);
 });
 

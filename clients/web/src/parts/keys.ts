@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { useLayoutEffect, useRef } from 'preact/hooks';
 
-/** Tells whether the focused element needs the key: letters in a text field, Space on a button. */
+/** Returns whether the focused element needs the key: letters in a text field, Space on a button. */
 export const isTakenByFocus = (key: string, tagName: string): boolean => {
   const tag = tagName.toUpperCase();
   if (tag === 'INPUT' || tag === 'SELECT' || tag === 'TEXTAREA') return key !== 'Escape';

@@ -94,7 +94,7 @@ std::string cookie_text(std::string_view value, seconds life, bool is_secure) {
 std::string pair_of(const std::string& name, const Stranger& stranger) { return name + " " + stranger.counted_as; }
 
 HttpResponse come_later(seconds wait) {
-  HttpResponse answer = error_answer(429, "too many logins failed or wait", "try again in " + std::to_string(wait.count()) + " s");
+  HttpResponse answer = error_answer(429, "too many failed or waiting logins", "try again in " + std::to_string(wait.count()) + " s");
   answer.headers.emplace_back("Retry-After", std::to_string(wait.count()));
   return answer;
 }
@@ -102,9 +102,10 @@ HttpResponse come_later(seconds wait) {
 /// Returns nothing if the request is acceptable. Another page in the same browser cannot send our Origin, nor this content type without a
 /// CORS permission.
 std::optional<HttpResponse> refuse_foreign(const HttpRequest& request) {
-  if (!request.is_same_origin) return error_answer(403, "this came from a page that is not ours", "log in at the dashboard itself");
+  if (!request.is_same_origin)
+    return error_answer(403, "rejected: the request comes from a page of another site", "log in on the dashboard's own page");
   const std::string type = request.header("content-type");
-  if (type.substr(0, type.find(';')) != "application/json") return error_answer(415, "this must be application/json");
+  if (type.substr(0, type.find(';')) != "application/json") return error_answer(415, "the Content-Type must be application/json");
   return std::nullopt;
 }
 
@@ -131,7 +132,8 @@ class AccessControlImpl final : public AccessControl {
     if (auto refused = refuse_foreign(request)) return respond(std::move(*refused));
     auto login = read_login(request.body);
     if (!login) return respond(error_answer(login.error()));
-    if (options_.users_file.empty()) return respond(error_answer(403, "nobody can log in here", "give the gateway a users file"));
+    if (options_.users_file.empty())
+      return respond(error_answer(403, "no login is set up on this gateway", "start the gateway with --users FILE"));
     if (waiting_.size() == kMostWaiting) {
       note_refusal(login->user, stranger_of(request));
       return respond(come_later(kQueueIsShorterIn));
@@ -184,7 +186,7 @@ class AccessControlImpl final : public AccessControl {
         note_refusal(attempt.login.user, attempt.stranger);
         attempt.respond(come_later(wait));
       } else if (!refresh()) {
-        attempt.respond(error_answer(503, "the list of users cannot be read", "dts-gateway user list says why"));
+        attempt.respond(error_answer(503, "cannot read the list of users", "see the reason: dts-gateway user list"));
       } else {
         compare(std::move(attempt));
       }

@@ -20,7 +20,7 @@ client::Result<void> check_new_password(const Secret& password) {
   const auto text = password.text();
   const auto characters = text.size() - static_cast<std::size_t>(std::ranges::count_if(text, is_utf8_continuation));
   if (characters < kFewestPasswordCharacters) {
-    return client::fail(client::ErrorCode::InvalidArgument, "a password has at least 10 characters", "a sentence is easy to keep in mind");
+    return client::fail(client::ErrorCode::InvalidArgument, "a password has at least 10 characters", "use a short sentence");
   }
   if (text.size() > kMostPasswordBytes) {
     return client::fail(client::ErrorCode::InvalidArgument, "a password has at most 200 bytes");

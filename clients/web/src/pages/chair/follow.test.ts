@@ -37,7 +37,7 @@ test.each([
   expect(lines()).toEqual(expected);
 });
 
-test('useFollowed.Another session forgets the lines, and its trials are asked for', async () => {
+test('useFollowed.Another session forgets the lines and loads its own trials', async () => {
   const { now, trial, lines } = openChair();
   [READY, GO, DONE].forEach((kind) => trial(kind));
   await answered();

@@ -23,7 +23,7 @@ beforeEach(() => void vi.useFakeTimers({ now: 7000 }));
 afterEach(() => void vi.useRealTimers());
 
 test.each<[string, SessionState, number | undefined]>([
-  ['NextPersonAfterTheSession sees no result of the former one', SessionState.IDLE, undefined],
+  ['NextPersonAfterTheSession sees no result of the person before', SessionState.IDLE, undefined],
   ['SubjectBackOnThePlate within the session keeps the result', SessionState.RUNNING, 4],
 ])('LiveFloor.%s', (_, state, expected) => {
   const { floor, stand, sway } = openFloor(state);
@@ -57,7 +57,7 @@ test('LiveFloor.Values are those of the newest scan, updated four times a second
   expect(fake.topics()).toEqual([]);
 });
 
-test('LiveFloor.Ellipse is that of the last 20 s, in a trial of the trial, on an empty plate none', () => {
+test('LiveFloor.Ellipse covers the last 20 s, in a trial only the trial; an empty plate has none', () => {
   const { fake, floor, stand, trial } = openFloor();
   for (let timeMs = 0; timeMs <= 20_300; timeMs += 10) stand(0, [timeMs < 295 ? 500 : timeMs < 20_000 ? 0 : 9 + ((timeMs / 10) % 2), (timeMs / 10) % 3, 0], timeMs);
   const samplesAt = (nowMs: number): number | undefined => (fake.paint(nowMs), floor.now.value.ellipse?.samples);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What came of the reach: the degree of trunk bending in three steps, and the angle with its interval. "Uncertain" is a result as well.
+// The result of a reach: the trunk class in three steps, and the trunk angle with its interval. "Uncertain" is a result, not an error.
 import type { JSX } from 'preact';
 
 import { fixed, percent } from '../../parts/numbers';
@@ -9,23 +9,23 @@ import { ClassReason } from '../../generated/dts/v1/stream_pb';
 import { angleIn } from './consistency';
 import { classWord, doubts } from './words';
 
-interface Judged {
+interface ReachResult {
   movement: TrunkMovement | undefined;
   reach: Reach | undefined;
   expectedClass: number;
   isWithoutReach: boolean;
-  /** It is the result of the trial before: the next one is about to begin. */
+  /** The result belongs to the last trial, and the next one is about to begin. */
   isOfLastTrial: boolean;
 }
 
 const ClassStep = ({ movement, trunkClass }: { movement: TrunkMovement | undefined; trunkClass: 1 | 2 | 3 }): JSX.Element => {
   const { classes } = strings.chair;
-  const isIt = movement?.trunkClass === trunkClass;
+  const isFound = movement?.trunkClass === trunkClass;
   const word = [classes.minor, classes.moderate, classes.maximum][trunkClass - 1];
   return (
-    <li class={`chair-step chair-step-${trunkClass}${isIt ? ' chair-step-on' : ''}`} aria-current={isIt ? 'true' : undefined}>
+    <li class={`chair-step chair-step-${trunkClass}${isFound ? ' chair-step-on' : ''}`} aria-current={isFound ? 'true' : undefined}>
       <span class="chair-step-bar" aria-hidden="true">
-        {isIt ? '●' : ''}
+        {isFound ? '●' : ''}
       </span>
       <span class="chair-step-word">{word}</span>
       <span data-testid={`class-probability-${trunkClass}`}>
@@ -35,24 +35,24 @@ const ClassStep = ({ movement, trunkClass }: { movement: TrunkMovement | undefin
   );
 };
 
-const sentence = ({ movement, reach, expectedClass, isWithoutReach }: Judged): string => {
-  const { verdict, classes } = strings.chair;
-  if (isWithoutReach) return verdict.noReachHint;
-  if (movement === undefined) return verdict.comes;
+const sentence = ({ movement, reach, expectedClass, isWithoutReach }: ReachResult): string => {
+  const { result, classes } = strings.chair;
+  if (isWithoutReach) return result.noReachHint;
+  if (movement === undefined) return result.pending;
   if (movement.trunkClass < 0) return doubts(movement, reach).join(', ');
   const expected = [classes.none, classes.minor, classes.moderate, classes.maximum][expectedClass];
-  const byOwnScale = (movement.reasons & ClassReason.CALIBRATED) !== 0 ? verdict.calibrated : '';
-  const asTarget = expected === undefined ? '' : movement.trunkClass === expectedClass ? verdict.asTargetTakes : verdict.targetTakes(expected);
-  return [asTarget, byOwnScale].filter((part) => part !== '').join('; ');
+  const calibrated = (movement.reasons & ClassReason.CALIBRATED) !== 0 ? result.calibrated : '';
+  const comparison = expected === undefined ? '' : movement.trunkClass === expectedClass ? result.asExpected : result.expected(expected);
+  return [comparison, calibrated].filter((part) => part !== '').join('; ');
 };
 
-export const ClassVerdict = (judged: Judged): JSX.Element => {
-  const { movement, isWithoutReach } = judged;
-  const { verdict } = strings.chair;
-  const word = isWithoutReach ? verdict.noReach : movement === undefined ? strings.common.undefinedValue : classWord(movement);
+export const ClassResult = (result: ReachResult): JSX.Element => {
+  const { movement, isWithoutReach } = result;
+  const words = strings.chair.result;
+  const word = isWithoutReach ? words.noReach : movement === undefined ? strings.common.undefinedValue : classWord(movement);
   return (
     <section class="chair-class" aria-labelledby="chair-class-head">
-      <h2 id="chair-class-head">{judged.isOfLastTrial ? verdict.trunkMovementBefore : verdict.trunkMovement}</h2>
+      <h2 id="chair-class-head">{result.isOfLastTrial ? words.trunkClassBefore : words.trunkClass}</h2>
       <div class="chair-class-word" data-testid="trunk-class" aria-live="polite">
         {word}
       </div>
@@ -62,7 +62,7 @@ export const ClassVerdict = (judged: Judged): JSX.Element => {
         <ClassStep movement={movement} trunkClass={3} />
       </ol>
       <p class="chair-sentence" data-testid="class-sentence">
-        {sentence(judged)}
+        {sentence(result)}
       </p>
     </section>
   );
@@ -71,21 +71,21 @@ export const ClassVerdict = (judged: Judged): JSX.Element => {
 const radius = 150;
 const most = 90;
 
-/** Of a trunk that bends `deg` forward from the vertical, seen from its right side; the hip is at (0, 0). */
+/** Returns a point on the trunk that bends `deg` forward, seen from its right side; the hip is at (0, 0). */
 const place = (deg: number, at: number): string => {
   const angle = (Math.min(most, Math.max(0, deg)) * Math.PI) / 180;
   return `${(at * Math.sin(angle)).toFixed(1)} ${(-at * Math.cos(angle)).toFixed(1)}`;
 };
 const arc = (fromDeg: number, toDeg: number, at: number): string => `M ${place(fromDeg, at)} A ${at} ${at} 0 0 1 ${place(toDeg, at)}`;
 
-export const AngleGauge = ({ movement, isOfLastTrial }: Pick<Judged, 'movement' | 'isOfLastTrial'>): JSX.Element => {
-  const { verdict } = strings.chair;
+export const AngleGauge = ({ movement, isOfLastTrial }: Pick<ReachResult, 'movement' | 'isOfLastTrial'>): JSX.Element => {
+  const words = strings.chair.result;
   const deg = angleIn(movement);
   const interval =
-    movement !== undefined && deg !== undefined ? verdict.interval(fixed(movement.trunkLoDeg, 0), fixed(movement.trunkHiDeg, 0)) : '';
+    movement !== undefined && deg !== undefined ? words.interval(fixed(movement.trunkLoDeg, 0), fixed(movement.trunkHiDeg, 0)) : '';
   return (
     <section class="chair-angle" aria-labelledby="chair-angle-head">
-      <h2 id="chair-angle-head">{isOfLastTrial ? verdict.angleBefore : verdict.angle}</h2>
+      <h2 id="chair-angle-head">{isOfLastTrial ? words.angleBefore : words.angle}</h2>
       <div class="chair-angle-value">
         <span data-testid="trunk-deg">{fixed(deg, 1)}</span>
         <span class="unit">°</span>

@@ -49,7 +49,8 @@ struct SubscriberStatistics {
 /// Thread: one at a time.
 class Subscriber {
  public:
-  /// Fails with InvalidArgument for invalid options. A daemon that does not run yet is not an error: it may start later.
+  /// Starts to connect in the background and returns at once. Fails with InvalidArgument for invalid options. A daemon that does not run
+  /// yet is not an error: it may start later.
   [[nodiscard]] static Result<Subscriber> open(const SubscriberOptions& options);
   ~Subscriber();
   Subscriber(Subscriber&&) noexcept;
@@ -68,6 +69,7 @@ class Subscriber {
 
   /// Returns the newest status received, or nullptr. Valid until the next `receive`.
   [[nodiscard]] const v1::StatusSnapshot* status() const noexcept;
+  /// Returns the counters since `open`. Valid as long as this subscriber exists.
   [[nodiscard]] const SubscriberStatistics& statistics() const noexcept;
 
  private:

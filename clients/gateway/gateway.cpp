@@ -147,7 +147,7 @@ void Gateway::enter(const LoginNote& note) {
   login.set_is_refused(note.is_refused);
   login.set_more(static_cast<std::uint32_t>(std::min<std::uint64_t>(note.more, std::numeric_limits<std::uint32_t>::max())));
   commands_.submit(std::move(request), [log = log_](const client::Result<v1::Response>& answer) {
-    if (!answer) log("a login is not in the audit trail: " + answer.error().what);
+    if (!answer) log("the audit trail does not contain a login: " + answer.error().what);
   });
 }
 

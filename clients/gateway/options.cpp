@@ -37,7 +37,7 @@ bool is_loopback(const std::string& address) { return boost::asio::ip::make_addr
 client::Result<v1::Role> parse_role(const std::string& name) {
   if (name == role_name(v1::ROLE_UNSPECIFIED)) return v1::ROLE_UNSPECIFIED;
   if (const auto role = role_of(name)) return *role;
-  return client::fail(ErrorCode::InvalidArgument, "there is no role '" + name + "'", "viewer, operator, engineer or none");
+  return client::fail(ErrorCode::InvalidArgument, "unknown role '" + name + "'", "use viewer, operator, engineer or none");
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ client::Result<ServerOptions> server_options(const Options& options) {
     return client::fail(ErrorCode::InvalidArgument, "TLS needs a certificate and its key", "give --tls-certificate and --tls-key");
   }
   if (!is_loopback(listen->first) && (options.certificate_file.empty() || options.users_file.empty())) {
-    return client::fail(ErrorCode::InvalidArgument, "'" + options.listen + "' can be reached from other machines: that needs TLS and users",
+    return client::fail(ErrorCode::InvalidArgument, "'" + options.listen + "' is reachable from other machines: TLS and users are required",
                         "give --tls-certificate, --tls-key and --users, or listen on 127.0.0.1");
   }
   return ServerOptions{.address = listen->first,
@@ -64,7 +64,8 @@ client::Result<AccessOptions> access_options(const Options& options) {
   const auto role = parse_role(options.local_role.empty() ? fallback : options.local_role);
   if (!role) return tl::make_unexpected(role.error());
   if (*role == v1::ROLE_UNSPECIFIED && options.users_file.empty()) {
-    return client::fail(ErrorCode::InvalidArgument, "nobody could use this: no users and no local role", "give --users or --local-role");
+    return client::fail(ErrorCode::InvalidArgument, "no one could use the gateway: it has no users and no local role",
+                        "give --users or --local-role");
   }
   return AccessOptions{.users_file = options.users_file, .local_role = *role};
 }
@@ -81,7 +82,7 @@ client::Result<std::string> web_root(const Options& options) {
     if (fs::is_regular_file(place / "index.html", ignored)) return place.string();
   }
   return client::fail(ErrorCode::InvalidArgument, "the dashboard's files are not in " + places.front().string(),
-                      "build the target 'dashboard' (needs node), or give --web-root");
+                      "build the target 'dashboard' (requires node), or give --web-root");
 }
 
 }  // namespace dts::gateway

@@ -62,7 +62,7 @@ struct Thinned {
 };
 
 /// What is reported about logins of one kind.
-struct Told {
+struct LogKind {
   Thinned lines;
   Thinned notes{.bucket = TokenBucket(kNotesPerSecond, kNotesAtOnce)};
   std::string newest_line{};
@@ -93,8 +93,8 @@ std::string cookie_text(std::string_view value, seconds life, bool is_secure) {
 
 std::string pair_of(const std::string& name, const Stranger& stranger) { return name + " " + stranger.counted_as; }
 
-HttpResponse come_later(seconds wait) {
-  HttpResponse answer = error_answer(429, "too many logins failed or wait", "try again in " + std::to_string(wait.count()) + " s");
+HttpResponse retry_later(seconds wait) {
+  HttpResponse answer = error_answer(429, "too many failed or waiting logins", "try again in " + std::to_string(wait.count()) + " s");
   answer.headers.emplace_back("Retry-After", std::to_string(wait.count()));
   return answer;
 }
@@ -102,9 +102,9 @@ HttpResponse come_later(seconds wait) {
 /// Returns nothing if the request is acceptable. Another page in the same browser cannot send our Origin, nor this content type without a
 /// CORS permission.
 std::optional<HttpResponse> refuse_foreign(const HttpRequest& request) {
-  if (!request.is_same_origin) return error_answer(403, "this came from a page that is not ours", "log in at the dashboard itself");
+  if (!request.is_same_origin) return error_answer(403, "the login came from another website", "open the dashboard and log in there");
   const std::string type = request.header("content-type");
-  if (type.substr(0, type.find(';')) != "application/json") return error_answer(415, "this must be application/json");
+  if (type.substr(0, type.find(';')) != "application/json") return error_answer(415, "the content type must be application/json");
   return std::nullopt;
 }
 
@@ -131,10 +131,11 @@ class AccessControlImpl final : public AccessControl {
     if (auto refused = refuse_foreign(request)) return respond(std::move(*refused));
     auto login = read_login(request.body);
     if (!login) return respond(error_answer(login.error()));
-    if (options_.users_file.empty()) return respond(error_answer(403, "nobody can log in here", "give the gateway a users file"));
+    if (options_.users_file.empty())
+      return respond(error_answer(403, "logins are not set up on this gateway", "start dts-gateway with --users FILE"));
     if (waiting_.size() == kMostWaiting) {
       note_refusal(login->user, stranger_of(request));
-      return respond(come_later(kQueueIsShorterIn));
+      return respond(retry_later(kQueueIsShorterIn));
     }
     waiting_.push_back(
         {.login = std::move(*login), .stranger = stranger_of(request), .is_secure = request.is_secure, .respond = std::move(respond)});
@@ -156,7 +157,7 @@ class AccessControlImpl final : public AccessControl {
 
   void report_rest(bool is_end) override {
     const auto now = options_.now();
-    for (Told* kind : {&logins_, &refusals_}) {
+    for (LogKind* kind : {&logins_, &refusals_}) {
       if (kind->lines.follows(now, is_end)) write_line(*kind, std::exchange(kind->lines.others, 0));
       if (kind->notes.follows(now, is_end)) write_note(*kind, std::exchange(kind->notes.others, 0));
     }
@@ -182,9 +183,9 @@ class AccessControlImpl final : public AccessControl {
       waiting_.pop_front();
       if (const seconds wait = wait_of(attempt); wait > seconds{0}) {
         note_refusal(attempt.login.user, attempt.stranger);
-        attempt.respond(come_later(wait));
+        attempt.respond(retry_later(wait));
       } else if (!refresh()) {
-        attempt.respond(error_answer(503, "the list of users cannot be read", "dts-gateway user list says why"));
+        attempt.respond(error_answer(503, "the list of users cannot be read", "find the reason with dts-gateway user list"));
       } else {
         compare(std::move(attempt));
       }
@@ -203,42 +204,42 @@ class AccessControlImpl final : public AccessControl {
                          is_comparing_ = false;
                          const User* still = refresh() ? users_.find(asked.name) : nullptr;
                          const bool is_in = is_right && still != nullptr && *still == asked;
-                         respond(is_in ? welcome(asked, stranger, is_secure) : turn_away(asked.name, stranger));
+                         respond(is_in ? accept_login(asked, stranger, is_secure) : reject_login(asked.name, stranger));
                          compare_next();
                        });
   }
 
-  [[nodiscard]] HttpResponse welcome(const User& user, const Stranger& stranger, bool is_secure) {
+  [[nodiscard]] HttpResponse accept_login(const User& user, const Stranger& stranger, bool is_secure) {
     // Failures of the address are kept: otherwise an attacker with a login could reset them and guess other users' passwords without limit.
     names_.forgive(user.name);
     pairs_.forgive(pair_of(user.name, stranger));
     const Identity identity{.user = user.name, .role = user.role};
-    tell(logins_, "login: " + user.name + " (" + std::string(role_name(user.role)) + ") from " + stranger.address,
-         {.user = user.name, .address = stranger.address});
+    report(logins_, "login: " + user.name + " (" + std::string(role_name(user.role)) + ") from " + stranger.address,
+           {.user = user.name, .address = stranger.address});
     HttpResponse answer = describe(identity);
     const std::string token = tokens_.issue(identity, options_.now());
     answer.headers.emplace_back("Set-Cookie", cookie_text(token, options_.token_life, is_secure));
     return answer;
   }
 
-  [[nodiscard]] HttpResponse turn_away(const std::string& name, const Stranger& stranger) {
+  [[nodiscard]] HttpResponse reject_login(const std::string& name, const Stranger& stranger) {
     note_refusal(name, stranger);
     addresses_.add_failure(stranger.counted_as, options_.now());
     if (is_user_name(name)) {
       names_.add_failure(name, options_.now());
       pairs_.add_failure(pair_of(name, stranger), options_.now());
     }
-    return error_answer(401, "name or password is wrong");
+    return error_answer(401, "wrong user name or password");
   }
 
   void note_refusal(const std::string& name, const Stranger& stranger) {
     ++refused_logins_total_;
     const bool is_known = users_.find(name) != nullptr;
-    tell(refusals_, "login refused: " + (is_known ? name : "a name that no user has") + " from " + stranger.address,
-         {.user = is_known ? name : "", .address = stranger.address, .is_refused = true});
+    report(refusals_, "login refused: " + (is_known ? name : "an unknown user name") + " from " + stranger.address,
+           {.user = is_known ? name : "", .address = stranger.address, .is_refused = true});
   }
 
-  void tell(Told& kind, const std::string& line, const LoginNote& note) {
+  void report(LogKind& kind, const std::string& line, const LoginNote& note) {
     const auto now = options_.now();
     kind.newest_line = line;
     kind.newest_note = note;
@@ -247,10 +248,10 @@ class AccessControlImpl final : public AccessControl {
     report_rest(false);
   }
 
-  void write_line(const Told& kind, std::uint64_t others) const {
-    options_.log(kind.newest_line + (others == 0 ? "" : ", and " + std::to_string(others) + " more since the line before"));
+  void write_line(const LogKind& kind, std::uint64_t others) const {
+    options_.log(kind.newest_line + (others == 0 ? "" : ", and " + std::to_string(others) + " more since the previous line"));
   }
-  void write_note(Told& kind, std::uint64_t others) const {
+  void write_note(LogKind& kind, std::uint64_t others) const {
     kind.newest_note.more = others;
     options_.note(kind.newest_note);
   }
@@ -264,8 +265,8 @@ class AccessControlImpl final : public AccessControl {
   std::deque<Attempt> waiting_;
   bool is_comparing_ = false;
   std::uint64_t refused_logins_total_ = 0;
-  Told logins_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kLoginLinesAtOnce)}};
-  Told refusals_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kRefusedLinesAtOnce)}};
+  LogKind logins_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kLoginLinesAtOnce)}};
+  LogKind refusals_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kRefusedLinesAtOnce)}};
   PasswordThread passwords_;  // last: its thread ends before the other members are destroyed
 };
 
@@ -278,7 +279,7 @@ std::chrono::steady_clock::time_point time_since_boot() noexcept {
 }
 
 client::Result<std::unique_ptr<AccessControl>> AccessControl::open(boost::asio::io_context& io, const AccessOptions& options) {
-  if (sodium_init() < 0) return client::fail(client::ErrorCode::Failed, "libsodium cannot be used: no random numbers");
+  if (sodium_init() < 0) return client::fail(client::ErrorCode::Failed, "cannot use libsodium: no random numbers");
   auto access = std::make_unique<AccessControlImpl>(io, options);
   if (auto read = access->refresh(); !read) return tl::make_unexpected(read.error());
   return access;

@@ -53,11 +53,11 @@ Result<Secret> read_line(int descriptor, const std::function<bool()>& is_interru
     if (::poll(&input, 1, kLookEvery_ms) <= 0 && !is_interrupted()) continue;
     if (is_interrupted()) {
       wipe(line);
-      return client::fail(ErrorCode::Failed, "interrupted: nothing is changed");
+      return client::fail(ErrorCode::Failed, "interrupted: nothing was changed");
     }
     char letter = 0;
     const ssize_t got = ::read(descriptor, &letter, 1);
-    if (got <= 0 && line.empty()) return client::fail(ErrorCode::InvalidArgument, "no password was given");
+    if (got <= 0 && line.empty()) return client::fail(ErrorCode::InvalidArgument, "no password given");
     if (got <= 0 || letter == '\n') return Secret(std::move(line));
     line += letter;
     if (line.size() > kMostPasswordBytes) return Secret(std::move(line));  // long enough to be rejected
@@ -69,16 +69,16 @@ Result<Secret> read_line(int descriptor, const std::function<bool()>& is_interru
 Result<Secret> ask_password(int descriptor, cli::Console& console) {
   if (::isatty(descriptor) == 0) return read_line(descriptor, [] { return false; });
   const Silence silence(descriptor);
-  if (!silence) return client::fail(ErrorCode::Failed, "the terminal cannot be kept from showing the password");
+  if (!silence) return client::fail(ErrorCode::Failed, "cannot hide the password on this terminal");
   const auto is_interrupted = [&silence] { return silence.is_interrupted(); };
   console.talk << "Password: " << std::flush;
   auto password = read_line(descriptor, is_interrupted);
   if (!password) return password;
-  console.talk << "Again: " << std::flush;
+  console.talk << "Repeat the password: " << std::flush;
   const auto again = read_line(descriptor, is_interrupted);
   if (!again) return tl::make_unexpected(again.error());
   if (again->text() == password->text()) return password;
-  return client::fail(ErrorCode::InvalidArgument, "the two are not the same");
+  return client::fail(ErrorCode::InvalidArgument, "the two passwords differ");
 }
 
 }  // namespace dts::gateway

@@ -20,10 +20,11 @@ client::Result<void> check_new_password(const Secret& password) {
   const auto text = password.text();
   const auto characters = text.size() - static_cast<std::size_t>(std::ranges::count_if(text, is_utf8_continuation));
   if (characters < kFewestPasswordCharacters) {
-    return client::fail(client::ErrorCode::InvalidArgument, "a password has at least 10 characters", "a sentence is easy to keep in mind");
+    return client::fail(client::ErrorCode::InvalidArgument, "the password has fewer than 10 characters",
+                        "use a longer one; a sentence is easy to remember");
   }
   if (text.size() > kMostPasswordBytes) {
-    return client::fail(client::ErrorCode::InvalidArgument, "a password has at most 200 bytes");
+    return client::fail(client::ErrorCode::InvalidArgument, "the password is longer than 200 bytes");
   }
   return {};
 }
@@ -33,7 +34,7 @@ client::Result<std::string> hash_password(const Secret& password) {
   const auto text = password.text();
   if (sodium_init() < 0 ||
       crypto_pwhash_str_alg(hash.data(), text.data(), text.size(), kOperations, kMemoryBytes, crypto_pwhash_ALG_ARGON2ID13) != 0) {
-    return client::fail(client::ErrorCode::Failed, "the password cannot be hashed: it takes 64 MiB of memory");
+    return client::fail(client::ErrorCode::Failed, "not enough memory to store the password: 64 MiB are required");
   }
   return std::string(hash.data());
 }

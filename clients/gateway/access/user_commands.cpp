@@ -39,7 +39,7 @@ client::Result<void> list(const UserArguments& arguments, cli::Console& console)
   for (const User& user : read->users) table.add({{user.name}, {std::string(role_name(user.role))}});
   table.print(console);
   if (read->users.empty())
-    cli::print_hint(console, "nobody yet: dts-gateway user add NAME --role engineer --users " + arguments.users_file);
+    cli::print_hint(console, "no users yet; add one: dts-gateway user add NAME --role engineer --users " + arguments.users_file);
   return {};
 }
 
@@ -55,7 +55,7 @@ CLI::Validator user_name() {
 
 CLI::Validator role() {
   const auto check = [](std::string& text) -> std::string {
-    return role_of(text) ? "" : "'" + text + "' is none of viewer, operator, engineer";
+    return role_of(text) ? "" : "'" + text + "' is not a role; use viewer, operator or engineer";
   };
   return {check, "", "role"};
 }
@@ -63,21 +63,25 @@ CLI::Validator role() {
 using ArgumentsPointer = std::shared_ptr<UserArguments>;
 
 void add_file(CLI::App& command, const ArgumentsPointer& arguments) {
-  command.add_option("--users", arguments->users_file, "File of users; the first one makes it")->required()->option_text("FILE");
+  command.add_option("--users", arguments->users_file, "File of users; the first user add creates it")->required()->option_text("FILE");
 }
 
 void add_name(CLI::App& command, const ArgumentsPointer& arguments) {
-  command.add_option("NAME", arguments->name, "Name to log in with")->required()->option_text(" ")->check(user_name());
+  command.add_option("NAME", arguments->name, "User name for the login: 1 to 32 characters of a-z 0-9 . _ -")
+      ->required()
+      ->option_text(" ")
+      ->check(user_name());
 }
 
 }  // namespace
 
 void add_user_commands(cli::CommandLine& line, AskPassword ask) {
   const auto arguments = std::make_shared<UserArguments>();
-  CLI::App* user = cli::add_group(line.app, "user", "Who may log in", "dts-gateway user list --users users | names and roles\n");
+  CLI::App* user =
+      cli::add_group(line.app, "user", "Manage the users who may log in", "dts-gateway user list --users users | names and roles\n");
   CLI::App* added =
-      cli::add_command(line, *user, "add", "Add a user; asks for the password, or reads a line from the standard input",
-                       "dts-gateway user add anna --role operator --users users | anna may run sessions from now on\n",
+      cli::add_command(line, *user, "add", "Add a user. Asks for the password; without a terminal, reads it from standard input",
+                       "dts-gateway user add anna --role operator --users users | anna may run sessions\n",
                        [arguments, ask = std::move(ask)](cli::Console& console) { return end(console, add(*arguments, ask, console)); });
   add_name(*added, arguments);
   added->add_option("--role", arguments->role, "viewer: look; operator: run sessions; engineer: everything")
@@ -85,8 +89,8 @@ void add_user_commands(cli::CommandLine& line, AskPassword ask) {
       ->option_text("ROLE")
       ->check(role());
   add_file(*added, arguments);
-  CLI::App* removed = cli::add_command(line, *user, "remove", "Remove a user, who is logged out at once",
-                                       "dts-gateway user remove anna --users users | anna is gone\n",
+  CLI::App* removed = cli::add_command(line, *user, "remove", "Remove a user and log the user out at once",
+                                       "dts-gateway user remove anna --users users | anna can no longer log in\n",
                                        [arguments](cli::Console& console) { return end(console, remove(*arguments)); });
   add_name(*removed, arguments);
   add_file(*removed, arguments);

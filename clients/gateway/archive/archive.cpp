@@ -25,7 +25,7 @@ constexpr std::string_view kPagePolicy =
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'; sandbox allow-same-origin";
 
 HttpResponse busy() {
-  HttpResponse answer = error_answer(503, "too many reports and exports are being made", "try again in a moment");
+  HttpResponse answer = error_answer(503, "too many reports and exports are in progress", "try again in a moment");
   answer.headers.emplace_back("Retry-After", "5");
   return answer;
 }
@@ -92,16 +92,16 @@ class ArchiveImpl final : public Archive {
 
   void handle(HttpRequest request, Respond respond) override {
     if (request.method != "GET" && request.method != "HEAD") {
-      return respond({.status = 405, .body = "not that way\n", .headers = {{"Allow", "GET, HEAD"}}});
+      return respond({.status = 405, .body = "use GET or HEAD\n", .headers = {{"Allow", "GET, HEAD"}}});
     }
     auto path = read_archive_path(request.path);
-    if (!path) return respond(not_found("there is nothing of that name"));
+    if (!path) return respond(not_found("no such report or export"));
     const std::string session_id = path->session_id;
     find_session_(session_id, [this, is_alive = std::weak_ptr<bool>(is_alive_), path = std::move(*path),
                                respond = std::move(respond)](const client::Result<v1::SessionRecord>& session) {
       if (is_alive.expired()) return;
       if (!session) return respond(error_answer(session.error()));
-      if (session->session_id() != path.session_id) return respond(error_answer(500, "the daemon told of another session"));
+      if (session->session_id() != path.session_id) return respond(error_answer(500, "the daemon answered with another session"));
       answer(path, *session, respond);
     });
   }

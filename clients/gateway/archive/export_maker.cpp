@@ -19,8 +19,8 @@ namespace fs = std::filesystem;
 core::Status check_size(const ExportOrder& order, std::uint64_t bytes) {
   if (bytes <= order.most_bytes) return {};
   return core::fail(core::ErrorCode::LimitExceeded,
-                    "this export is too large for the gateway: it may take " + std::to_string(order.most_bytes >> 20U) + " MiB",
-                    "on the daemon's host: dtsctl session export " + order.session_id + " --format " + name(order.format));
+                    "this export is too large for the gateway: the limit is " + std::to_string(order.most_bytes >> 20U) + " MiB",
+                    "export on the daemon's machine: dtsctl session export " + order.session_id + " --format " + name(order.format));
 }
 
 /// Exports into `folder`; adds to `damage` what the recording lacks.
@@ -29,7 +29,7 @@ core::Status export_part(const ExportOrder& order, const std::string& file, cons
   const auto recording = record::Recording::open(file);
   if (!recording) return tl::make_unexpected(recording.error());
   if (!(*recording)->damage().empty()) {
-    damage += fs::path(file).filename().string() + ": " + (*recording)->damage() + "; what is whole is exported\n";
+    damage += fs::path(file).filename().string() + ": " + (*recording)->damage() + "; only the undamaged part is exported\n";
   } else if (const auto verified = record::verify(file, progress); !verified) {
     // Wrong values look plausible; only the checksums reveal them. A table must not have values from a damaged file.
     return tl::make_unexpected(verified.error());
@@ -50,7 +50,7 @@ core::Status export_parts(const ExportOrder& order, const fs::path& data, const 
   std::string damage;
   for (const std::string& file : order.files) {
     const auto exported = export_part(order, file, folder, progress, damage);
-    if (stop.stop_requested()) return core::fail(core::ErrorCode::Failed, "the gateway stops: nothing was exported");
+    if (stop.stop_requested()) return core::fail(core::ErrorCode::Failed, "the gateway is stopping: nothing was exported");
     if (fits) fits = check_size(order, bytes_below(data));  // small recordings report no progress, so the size is checked here
     if (!fits) return fits;
     if (!exported) return exported;

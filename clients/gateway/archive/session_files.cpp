@@ -24,11 +24,12 @@ Result<void> check_recording(const std::string& path, const std::string& what) {
   constexpr std::string_view kMagic = "XDF:";
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (!file && errno == EACCES) {
-    return client::fail(ErrorCode::NotAllowed, what + " may not be read by the gateway",
-                        "the gateway's user must be in the group of the recordings");
+    return client::fail(ErrorCode::NotAllowed, what + ": the gateway has no permission to read",
+                        "add the gateway's user to the group of the recordings");
   }
   if (!file) {
-    return client::fail(ErrorCode::Failed, what + " cannot be read by the gateway", "it must run on the daemon's host and see its files");
+    return client::fail(ErrorCode::Failed, what + " cannot be read by the gateway",
+                        "run the gateway on the daemon's machine with access to the recordings");
   }
   struct stat facts {};
   std::array<char, kMagic.size()> begin{};
@@ -36,7 +37,7 @@ Result<void> check_recording(const std::string& path, const std::string& what) {
                             ::read(*file, begin.data(), begin.size()) == static_cast<ssize_t>(begin.size()) &&
                             std::string_view(begin.data(), begin.size()) == kMagic;
   if (is_recording) return {};
-  return client::fail(ErrorCode::DataDamaged, what + " is no recording", "restore it from a backup");
+  return client::fail(ErrorCode::DataDamaged, what + " is not a recording", "restore it from a backup");
 }
 
 Result<std::string> readable_file(const v1::SessionRecord& session, const v1::SessionPart& part) {
@@ -47,7 +48,7 @@ Result<std::string> readable_file(const v1::SessionRecord& session, const v1::Se
     case v1::PART_STATE_INTERRUPTED:  // cut off, but its complete part can be read
     case v1::PART_STATE_RECOVERED: break;
     case v1::PART_STATE_RECORDING: return client::fail(ErrorCode::WrongState, what + " is still being recorded", "stop the session first");
-    default: return client::fail(ErrorCode::DataDamaged, what + " is gone", "restore it from a backup");
+    default: return client::fail(ErrorCode::DataDamaged, what + " is missing", "restore it from a backup");
   }
   return check_recording(part.file(), what).map([&part] { return part.file(); });
 }

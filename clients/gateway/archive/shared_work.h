@@ -32,9 +32,9 @@ class SharedWork {
       under_way->second.push_back(std::move(made));
       return true;
     }
-    const bool is_taken = worker_.submit([this, key, make = std::move(make)](const std::stop_token& stop) -> Worker::Told {
+    const bool is_taken = worker_.submit([this, key, make = std::move(make)](const std::stop_token& stop) -> Worker::Completion {
       auto thing = std::make_shared<core::Result<Thing>>(made_by(make, stop));
-      return [this, key, thing] { tell(key, *thing); };
+      return [this, key, thing] { deliver(key, *thing); };
     });
     if (is_taken) askers_[key].push_back(std::move(made));
     return is_taken;
@@ -46,11 +46,11 @@ class SharedWork {
     try {
       return make(stop);
     } catch (const std::exception& problem) {
-      return core::fail(core::ErrorCode::Failed, std::string("this cannot be made: ") + problem.what());
+      return core::fail(core::ErrorCode::Failed, std::string("cannot make the report or export: ") + problem.what());
     }
   }
 
-  void tell(const std::string& key, const core::Result<Thing>& thing) {
+  void deliver(const std::string& key, const core::Result<Thing>& thing) {
     if (thing) keep_(key, *thing);
     const auto askers = askers_.extract(key);  // a caller may request again
     for (const Made& made : askers.mapped()) made(thing);

@@ -29,7 +29,7 @@ using EntryPointer = std::unique_ptr<struct archive_entry, decltype(&archive_ent
 auto fail_with(struct archive* zip) {
   const char* why = archive_error_string(zip);
   return core::fail(core::ErrorCode::Failed, std::string("cannot write the zip file: ") + (why == nullptr ? "unknown" : why),
-                    "is there room in the cache directory?");
+                    "check the free space in the cache directory");
 }
 
 class ZipWriter {

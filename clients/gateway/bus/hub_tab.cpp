@@ -104,15 +104,16 @@ void HubTab::on_request(v1::Request&& request) {
   const v1::Role needed = wire::rules_of(request).role();
   const std::string id = request.request_id();
   if (id.empty() || id.size() > kLongestRequestId || needed == v1::ROLE_UNSPECIFIED || request.has_note_login()) {
-    return refuse(id, refusal(client::ErrorCode::InvalidArgument, "not a command that this version knows", "reload the page"));
+    return refuse(id, refusal(client::ErrorCode::InvalidArgument, "this version does not know the command", "reload the page"));
   }
   if (!identity_.holds()) return connection_.close(kLoggedOut, "the login has ended");
   if (!may(identity_, needed)) {
     const std::string role = needed == v1::ROLE_ENGINEER ? "engineer" : "operator";
-    return refuse(id, refusal(client::ErrorCode::NotAllowed, "this needs the role of an " + role, "log in as somebody who has it"));
+    return refuse(id, refusal(client::ErrorCode::NotAllowed, "this needs the role of an " + role, "log in as a user with this role"));
   }
   if (commands_under_way_ == kMostCommandsUnderWay) {
-    return refuse(id, refusal(client::ErrorCode::LimitExceeded, "too many commands at once", "wait for the answers to those before"));
+    return refuse(id,
+                  refusal(client::ErrorCode::LimitExceeded, "too many commands at once", "wait for the answers to the earlier commands"));
   }
   ++commands_under_way_;
   request.set_request_id(command_id(identity_.user, id));

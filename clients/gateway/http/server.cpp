@@ -117,7 +117,7 @@ client::Result<tcp::endpoint> endpoint_of(const ServerOptions& options) {
   const auto address = asio::ip::make_address(options.address, error);
   if (error) {
     return client::fail(client::ErrorCode::InvalidArgument, "cannot listen on \"" + options.address + "\": not an address",
-                        "give it in digits: 127.0.0.1, ::1, 0.0.0.0");
+                        "write the address in digits: 127.0.0.1, ::1, 0.0.0.0");
   }
   return tcp::endpoint(address, options.port);
 }
@@ -137,7 +137,7 @@ client::Result<std::unique_ptr<Server>> Server::open(asio::io_context& io, const
   if (const error_code error = listener->listen(*endpoint)) {
     return client::fail(client::ErrorCode::Failed,
                         "cannot listen on " + options.address + " port " + std::to_string(options.port) + ": " + error.message(),
-                        "another program may listen there; choose another port: --listen ADDRESS:PORT");
+                        "another program may use this port; choose another one: --listen ADDRESS:PORT");
   }
   listener->accept();
   return std::make_unique<TcpServer>(std::move(state), std::move(listener));

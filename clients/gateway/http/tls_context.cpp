@@ -15,8 +15,7 @@ namespace ssl = boost::asio::ssl;
 constexpr const char* kCiphersOfTls12 = "ECDHE+AESGCM:ECDHE+CHACHA20";
 
 tl::unexpected<client::Error> unusable(const std::string& file, const std::string& why) {
-  return client::fail(client::ErrorCode::InvalidArgument, file + ": " + why,
-                      "both files must be PEM, and the key must fit the certificate");
+  return client::fail(client::ErrorCode::InvalidArgument, file + ": " + why, "give PEM files with a certificate and its own key");
 }
 
 }  // namespace
@@ -26,7 +25,7 @@ client::Result<std::unique_ptr<ssl::context>> open_tls(const std::string& certif
   if (key_file.empty()) return unusable(certificate_file, "a certificate without a key");
   for (const std::string& file : {certificate_file, key_file}) {
     std::error_code unknown;
-    if (!std::filesystem::is_regular_file(file, unknown)) return unusable(file, "is no file that can be read");  // a pipe would block
+    if (!std::filesystem::is_regular_file(file, unknown)) return unusable(file, "is not a readable file");  // a pipe would block
   }
   auto context = std::make_unique<ssl::context>(ssl::context::tls_server);
   SSL_CTX* const raw = context->native_handle();

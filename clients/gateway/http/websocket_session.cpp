@@ -47,7 +47,7 @@ class WebSocketSession : public Connection, public TabConnection, public std::en
   void send(std::string message) override;
   [[nodiscard]] std::size_t unsent_bytes() const noexcept override { return unsent_bytes_; }
   void close(unsigned code, std::string reason) override;
-  void go_away() override { give_up(websocket::close_code::going_away, "the gateway stops"); }
+  void go_away() override { give_up(websocket::close_code::going_away, "the gateway is stopping"); }
   void drop() override { end(); }
 
  private:
@@ -147,7 +147,7 @@ void WebSocketSession::on_control(websocket::frame_type kind, std::size_t payloa
 void WebSocketSession::send(std::string message) {
   if (!is_open_ || is_over_ || closes_since_) return;
   if (unsent_bytes_ + message.size() > server_->limits.unsent_bytes) {
-    return give_up(websocket::close_code::policy_error, "messages are not being read");
+    return give_up(websocket::close_code::policy_error, "the client does not read its messages");
   }
   unsent_bytes_ += message.size();
   outgoing_.push_back(std::move(message));
@@ -203,7 +203,7 @@ void WebSocketSession::watch() {
   const auto now = Clock::now();
   if (writes_since_ && now - *writes_since_ > limits.write_timeout) return end();
   if (closes_since_ && now - *closes_since_ > kCloseTime) return end();
-  if (socket_.next_layer().read_budget().is_used_up()) give_up(websocket::close_code::policy_error, "a message without an end");
+  if (socket_.next_layer().read_budget().is_used_up()) give_up(websocket::close_code::policy_error, "the message is too long");
   watch_.expires_after(std::clamp<Clock::duration>(limits.write_timeout / 4, std::chrono::milliseconds(10), std::chrono::seconds(1)));
   watch_.async_wait([weak = weak_from_this()](error_code error) {
     const auto self = weak.lock();

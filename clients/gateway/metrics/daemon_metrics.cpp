@@ -48,24 +48,24 @@ void add_losses(const v1::RigStatus& rig, const std::string& name, Exposition& o
     const MetricLabels labels{{"rig", name}, {"cause", word(*causes.value(index))}};
     out.counter({"dts_lost_scans_total", "Scans lost before the pipeline, by cause."},
                 has_happened ? number(counted->lost_scans_total()) : 0.0, labels);
-    out.counter({"dts_gaps_total", "Holes in the data, by cause."}, has_happened ? number(counted->gaps_total()) : 0.0, labels);
+    out.counter({"dts_gaps_total", "Gaps in the data, by cause."}, has_happened ? number(counted->gaps_total()) : 0.0, labels);
   }
 }
 
 void add_device(const v1::RigStatus& rig, const MetricLabels& labels, Exposition& out) {
-  add_states({"dts_device_state", "1 for the state in which the rig's device is."}, *v1::DeviceState_descriptor(), rig.device(), labels,
-             out);
-  out.counter({"dts_scans_total", "Scans taken from the device; those that found the ring full are among the lost."},
-              number(rig.scans_total()), labels);
-  out.counter({"dts_reconnects_total", "Times that a lost device came back."}, number(rig.reconnects_total()), labels);
-  out.counter({"dts_device_restarts_total", "Times that the scan of a present device had to be started again."},
-              number(rig.restarts_total()), labels);
-  out.gauge({"dts_nominal_rate_hertz", "Scans per second as the device promised them."}, rig.nominal_rate_hz(), labels);
-  out.gauge({"dts_measured_rate_hertz", "Scans per second over the last seconds by the host's clock; 0: silent, or not known yet."},
+  add_states({"dts_device_state", "1 for the present state of the rig's device, 0 for all others."}, *v1::DeviceState_descriptor(),
+             rig.device(), labels, out);
+  out.counter({"dts_scans_total", "Scans received from the device, without scans dropped by a full queue."}, number(rig.scans_total()),
+              labels);
+  out.counter({"dts_reconnects_total", "Number of reconnections to a lost device."}, number(rig.reconnects_total()), labels);
+  out.counter({"dts_device_restarts_total", "Number of restarts of acquisition on a connected device."}, number(rig.restarts_total()),
+              labels);
+  out.gauge({"dts_nominal_rate_hertz", "Nominal rate of the device, scans per second."}, rig.nominal_rate_hz(), labels);
+  out.gauge({"dts_measured_rate_hertz", "Measured rate over the last seconds by the host's clock; 0: no scans, or not measured yet."},
             rig.measured_rate_hz(), labels);
-  out.gauge({"dts_clock_drift_ratio", "How much faster than nominal the device's clock runs; 0 while unknown."},
+  out.gauge({"dts_clock_drift_ratio", "Relative drift of the device's clock, positive if fast; 0 while unknown."},
             rig.clock_drift_ppm() / kPartsPerMillion, labels);
-  out.gauge({"dts_host_time_uncertainty_seconds", "How far the host time of the newest block may be off."},
+  out.gauge({"dts_host_time_uncertainty_seconds", "Largest error of the host time of the newest block."},
             static_cast<double>(rig.host_time_uncertainty_ns()) / kNanosecondsPerSecond, labels);
 }
 
@@ -80,38 +80,40 @@ prometheus::ClientMetric::Histogram latency_of(const v1::LatencyHistogram& laten
 }
 
 void add_flow(const v1::RigStatus& rig, const std::string& name, const MetricLabels& labels, Exposition& out) {
-  out.gauge({"dts_pipeline_seconds_per_scan", "Time spent in the stages, moving mean."},
+  out.gauge({"dts_pipeline_seconds_per_scan", "Processing time per scan in the stages, moving mean."},
             rig.pipeline_us_per_scan() / kMicrosecondsPerSecond, labels);
   const v1::RingFill& fill = rig.ring_fill();
   for (const auto& [ring, percent] :
        {std::pair{"scans", fill.scans_percent()}, {"frames", fill.frames_percent()}, {"record", fill.record_percent()}}) {
-    out.gauge({"dts_ring_fill_ratio", "How full a queue was at its fullest within the last half minute; 1: something was lost, or nearly."},
-              percent / kPercent, {{"rig", name}, {"ring", ring}});
+    out.gauge({"dts_ring_fill_ratio", "Highest fill of a queue in the last 30 s; 1: full."}, percent / kPercent,
+              {{"rig", name}, {"ring", ring}});
   }
-  out.counter({"dts_dropped_blocks_total", "Blocks that found the publisher's queue full."}, number(rig.dropped_blocks_total()), labels);
-  out.counter({"dts_lost_events_total", "Triggers, reaches and classes that found no room in a queue."}, number(rig.lost_events_total()),
+  out.counter({"dts_dropped_blocks_total", "Blocks dropped because the publisher's queue was full."}, number(rig.dropped_blocks_total()),
               labels);
-  out.histogram({"dts_block_latency_seconds", "From the instant of a block's newest scan until it was handed to the data socket."},
-                latency_of(rig.latency()), labels);
+  out.counter({"dts_lost_events_total", "Triggers, reaches and classes dropped because a queue was full."}, number(rig.lost_events_total()),
+              labels);
+  out.histogram({"dts_block_latency_seconds", "Delay from the newest scan of a block to the data socket."}, latency_of(rig.latency()),
+                labels);
 }
 
 void add_session(const v1::RigStatus& rig, const MetricLabels& labels, Exposition& out) {
   const v1::SessionInfo& session = rig.session();
-  add_states({"dts_session_state", "1 for the state in which the rig's session is, or its last one ended."}, *v1::SessionState_descriptor(),
-             session.state(), labels, out);
-  out.gauge({"dts_recording_active", "1 while a recording is under way."}, session.recording().is_recording() ? 1.0 : 0.0, labels);
-  out.gauge({"dts_recording_bytes", "Size of the recording under way, or of the last."}, number(session.recording().bytes()), labels);
-  out.gauge({"dts_recording_lost_scans", "Scans that the recording under way, or the last, lacks."},
+  add_states(
+      {"dts_session_state", "1 for the present state of the rig's session (or the final state of its last session), 0 for all others."},
+      *v1::SessionState_descriptor(), session.state(), labels, out);
+  out.gauge({"dts_recording_active", "1 during a recording."}, session.recording().is_recording() ? 1.0 : 0.0, labels);
+  out.gauge({"dts_recording_bytes", "Size of the present recording, or of the last one."}, number(session.recording().bytes()), labels);
+  out.gauge({"dts_recording_lost_scans", "Scans missing in the present recording, or in the last one."},
             number(session.recording().lost_scans_total()), labels);
-  out.gauge({"dts_recording_lag_seconds", "What a power cut now would take from the recording under way."}, rig.record_lag_s(), labels);
+  out.gauge({"dts_recording_lag_seconds", "Recorded time that a power cut now would destroy."}, rig.record_lag_s(), labels);
 }
 
 void add_disk(const v1::DiskStatus& disk, Exposition& out) {
   if (disk.state() == v1::DISK_STATE_UNSPECIFIED) return;
-  add_states({"dts_disk_state", "1 for the state in which the disk of the recordings is."}, *v1::DiskState_descriptor(), disk.state(), {},
-             out);
-  out.gauge({"dts_disk_free_bytes", "Room on the disk of the recordings."}, number(disk.free_bytes()));
-  out.gauge({"dts_disk_recordable_seconds", "How long there is room with every rig recording."}, disk.recordable_s());
+  add_states({"dts_disk_state", "1 for the present state of the recordings' disk, 0 for all others."}, *v1::DiskState_descriptor(),
+             disk.state(), {}, out);
+  out.gauge({"dts_disk_free_bytes", "Free space on the disk of the recordings."}, number(disk.free_bytes()));
+  out.gauge({"dts_disk_recordable_seconds", "Recording time that fits on the disk if every rig records."}, disk.recordable_s());
 }
 
 }  // namespace
@@ -119,11 +121,11 @@ void add_disk(const v1::DiskStatus& disk, Exposition& out) {
 void add_daemon(const v1::StatusSnapshot& status, Exposition& out) {
   out.gauge({"dts_daemon_info", "Version of the daemon, as a label."}, 1.0, {{"version", status.version()}});
   out.gauge({"dts_daemon_uptime_seconds", "Time since the daemon started."}, status.uptime_s());
-  out.gauge({"dts_daemon_notices", "Complaints in the daemon's status: dtsctl status shows them."}, status.notices_size());
-  out.counter({"dts_rejected_requests_total", "Malformed or oversized control messages."}, number(status.rejected_requests_total()));
-  out.counter({"dts_accepted_handshakes_total", "Connections of clients with keys that were let in."},
-              number(status.accepted_handshakes_total()));
-  out.counter({"dts_refused_handshakes_total", "Connections from other machines that were refused: no key, or too many at a time."},
+  out.gauge({"dts_daemon_notices", "Number of notices of the daemon: dtsctl status shows them."}, status.notices_size());
+  out.counter({"dts_rejected_requests_total", "Rejected control messages: malformed or too large."},
+              number(status.rejected_requests_total()));
+  out.counter({"dts_accepted_handshakes_total", "Accepted connections of clients with keys."}, number(status.accepted_handshakes_total()));
+  out.counter({"dts_refused_handshakes_total", "Refused connections from other machines: no valid key, or too many at once."},
               number(status.refused_handshakes_total()));
   add_disk(status.disk(), out);
   for (const v1::RigStatus& rig : status.rigs()) {

@@ -42,7 +42,7 @@ TEST_F(ProgramTest, WordThatServeDoesNotKnow_IsToldWithItsFileAndLine) {
         {"[serve]\n \"listem\" = 1\n", ":2: unknown key 'listem' in [serve]; did you mean listen?"},
         {"[serve]\n\t listen\n", ":2: 'listen' has no value"},
         {"[serve]\nhost-name = [\"ward\",\n  \"floor = 3\"]\nmetrix = 1\n", ":4: unknown key 'metrix' in [serve]; did you mean metrics?"},
-        {std::string((1U << 20U) + 1, '\n'), " is larger than 1 MiB: that is no configuration"}}) {
+        {std::string((1U << 20U) + 1, '\n'), " is larger than 1 MiB: not a configuration file"}}) {
     EXPECT_EQ(run_with(text, {"serve"}), cli::kUsage);
     EXPECT_THAT(talk_.str(), HasSubstr(file_ + says + "\n"));
   }
@@ -60,7 +60,7 @@ TEST_F(ProgramTest, PipeFolderAndDeviceAsConfiguration_AreRefusedAtOnce) {
   for (const std::string& file : {pipe, directory_.path().string(), std::string("/dev/zero")}) {
     cli::Console console{.out = out_, .talk = talk_};
     EXPECT_EQ(run({"--config", file, "serve"}, console), cli::kUsage);
-    EXPECT_THAT(talk_.str(), HasSubstr(file + " is no file that can be read"));
+    EXPECT_THAT(talk_.str(), HasSubstr(file + " is not a readable file"));
   }
 }
 

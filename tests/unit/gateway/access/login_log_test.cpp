@@ -14,7 +14,7 @@ TEST_F(AccessControlTest, Logins_AreLoggedWithTheirAddress) {
   (void)log_in(login("my secret password", "anna", "10.0.0.9"));
 
   EXPECT_EQ(log_, (std::vector<std::string>{"login: anna (operator) from 10.0.0.7", "login refused: anna from 10.0.0.8",
-                                            "login refused: a name that no user has from 10.0.0.9"}));
+                                            "login refused: an unknown user name from 10.0.0.9"}));
 }
 
 TEST_F(AccessControlTest, Addresses_AreToldAsTheyAreAndCountedAsBefore) {
@@ -40,7 +40,7 @@ TEST_F(AccessControlTest, BurstThatStops_IsToldOnTheNextTurn) {
   for (int turn = 0; turn < 3; ++turn) access_->report_rest(false);
 
   EXPECT_EQ(log_, (std::vector<std::string>{"login refused: anna from 10.0.0.0",
-                                            "login refused: anna from 10.0.0.24, and 23 more since the line before"}));
+                                            "login refused: anna from 10.0.0.24, and 23 more since the previous line"}));
   ASSERT_EQ(notes_.size(), 21U);
   EXPECT_EQ(notes_.back().address, "10.0.0.24");
   EXPECT_EQ(notes_.back().more, 4U);
@@ -52,7 +52,7 @@ TEST_F(AccessControlTest, LoginAfterABurst_BringsTheRestAlong) {
   (void)log_in(login("anna", kPassword, "10.0.0.7"));
 
   ASSERT_EQ(log_.size(), 3U);
-  EXPECT_EQ(log_[2], "login refused: anna from 192.0.2.7, and 1 more since the line before");
+  EXPECT_EQ(log_[2], "login refused: anna from 192.0.2.7, and 1 more since the previous line");
 }
 
 TEST_F(AccessControlTest, EndAfterABurst_LosesNothing) {
@@ -61,7 +61,7 @@ TEST_F(AccessControlTest, EndAfterABurst_LosesNothing) {
   access_->report_rest(true);
 
   EXPECT_EQ(log_, (std::vector<std::string>{"login refused: anna from 192.0.2.7",
-                                            "login refused: anna from 192.0.2.7, and 1 more since the line before"}));
+                                            "login refused: anna from 192.0.2.7, and 1 more since the previous line"}));
 }
 
 TEST_F(AccessControlTest, Logins_AreNotedForTheAuditTrailAFewTimesOnly) {

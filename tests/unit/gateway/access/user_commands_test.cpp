@@ -74,10 +74,10 @@ TEST_F(UserCommandsTest, PasswordOfWrongLength_IsRefused) {
 TEST_F(UserCommandsTest, WrongNameRoleOrFile_IsWrongUse) {
   for (const auto& [words, says] :
        {std::pair(std::vector<std::string>{"add", "Anna", "--role", "viewer", "--users", file_},
-                  "NAME: 'Anna': a name is 1 to 32 of a-z, 0-9, '.', '_', '-'"),
+                  "NAME: 'Anna': a user name has 1 to 32 characters of a-z, 0-9, '.', '_', '-'"),
         {{"add", "local", "--role", "viewer", "--users", file_},
-         "NAME: 'local': 'local' is what those without a login are called: take another name"},
-        {{"add", "anna", "--role", "none", "--users", file_}, "--role: 'none' is none of viewer, operator, engineer"},
+         "NAME: 'local': 'local' is reserved for access without a login: choose another name"},
+        {{"add", "anna", "--role", "none", "--users", file_}, "--role: 'none' is not a role; use viewer, operator or engineer"},
         {{"add", "anna", "--users", file_}, "--role is required"},
         {{"add", "anna", "--role", "viewer"}, "--users is required"},
         {{"list"}, "--users is required"}}) {
@@ -114,7 +114,7 @@ TEST_F(AskPasswordTest, FromAPipe_TakesOneLine) {
   EXPECT_EQ(asked("correct horse battery\nnot this\n"), "correct horse battery");
   EXPECT_EQ(asked("without an end"), "without an end");
   EXPECT_EQ(asked("\n"), "");
-  EXPECT_EQ(asked(""), "error: no password was given");
+  EXPECT_EQ(asked(""), "error: no password given");
   EXPECT_EQ(asked(std::string(5000, 'a')).size(), kMostPasswordBytes + 1) << "enough to be refused";
   EXPECT_EQ(talk_.str(), "");
 }
@@ -181,7 +181,7 @@ TEST_F(TerminalTest, TwoThatDiffer_AreRefused) {
   const auto password = asked.get();
 
   ASSERT_FALSE(password.has_value());
-  EXPECT_EQ(password.error().what, "the two are not the same");
+  EXPECT_EQ(password.error().what, "the two passwords differ");
 }
 
 TEST_F(TerminalTest, Interrupted_GivesTheEchoBack) {

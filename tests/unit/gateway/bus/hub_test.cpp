@@ -147,11 +147,11 @@ TEST_F(HubTest, ACommandThatIsNotForItIsRefusedAndGoesNowhere) {
   nothing.mutable_request()->set_request_id("r1");
   std::string umlauts = "a";
   for (int count = 0; count < 40; ++count) umlauts += "\u00e4";  // two bytes each: byte 64 is the first half of one
-  const std::string unknown = "not a command that this version knows; reload the page";
+  const std::string unknown = "this version does not know the command; reload the page";
   for (const auto& [message, role, id, says] :
        {std::tuple(start, v1::ROLE_VIEWER, std::string("r1"),
-                   std::string("this needs the role of an operator; log in as somebody who has it")),
-        {audit, v1::ROLE_OPERATOR, "r1", "this needs the role of an engineer; log in as somebody who has it"},
+                   std::string("this needs the role of an operator; log in as a user with this role")),
+        {audit, v1::ROLE_OPERATOR, "r1", "this needs the role of an engineer; log in as a user with this role"},
         {note, v1::ROLE_ENGINEER, "r1", unknown},
         {nothing, v1::ROLE_ENGINEER, "r1", unknown},
         {status_request(""), v1::ROLE_ENGINEER, "", unknown},

@@ -116,11 +116,11 @@ TEST_F(ReportTest, ValuesOfAPage_AreThoseOfTheAnalysis) {
   };
   using posturography::Measure;
   EXPECT_EQ(value_beside("Mean velocity", 2), significant(*again->measures.get(Measure::Mvelo)));
-  EXPECT_EQ(value_beside("MVELO, mean velocity", 3), significant(*again->measures.get(Measure::MveloAp)));
-  EXPECT_EQ(value_beside("RANGE, largest between two points", 4), significant(*again->measures.get(Measure::RangeMl)));
-  EXPECT_EQ(value_beside("PEA95-F, 95 % prediction ellipse", 2), significant(*again->measures.get(Measure::Pea95F)));
-  EXPECT_EQ(value_beside("PF50, median frequency", 3), significant(*again->measures.get(Measure::Pf50Ap)));
-  EXPECT_EQ(value_beside("SampEn, m = 2, r = 0.2, 20 Hz", 4), significant(*again->measures.get(Measure::SampenMl)));
+  EXPECT_EQ(value_beside("Mean velocity (MVELO)", 3), significant(*again->measures.get(Measure::MveloAp)));
+  EXPECT_EQ(value_beside("Range between two points (RANGE)", 4), significant(*again->measures.get(Measure::RangeMl)));
+  EXPECT_EQ(value_beside("95 % prediction ellipse (PEA95-F)", 2), significant(*again->measures.get(Measure::Pea95F)));
+  EXPECT_EQ(value_beside("Median frequency (PF50)", 3), significant(*again->measures.get(Measure::Pf50Ap)));
+  EXPECT_EQ(value_beside("Sample entropy, m = 2, r = 0.2, 20 Hz", 4), significant(*again->measures.get(Measure::SampenMl)));
 }
 
 TEST_F(ReportTest, EveryMeasure_HasItsPlaceInTheTable) {
@@ -176,7 +176,7 @@ TEST_F(ReportTest, References_AreShownOnlyWhereTheLabelsMatch) {
   const Report report = report_of(write(made));
 
   EXPECT_THAT(page(report, "trial-01.html"), AllOf(HasSubstr("Ref. 1"), HasSubstr("Santos"), HasSubstr("a firm one is assumed"),
-                                                   HasSubstr("The reference ranges are of trials of 60 s, this trial has 20.0 s")));
+                                                   HasSubstr("The reference ranges are from trials of 60 s; this trial has 20.0 s")));
   for (const char* name : {"trial-02.html", "trial-03.html", "trial-04.html"})
     EXPECT_THAT(page(report, name), Not(HasSubstr("Ref. 1"))) << name;
 }
@@ -223,7 +223,7 @@ TEST_F(ReportTest, SessionPage_HasMeansQuotientsAndWhatWasLeftOut) {
 
   EXPECT_THAT(text, AllOf(HasSubstr("Romberg quotient"), HasSubstr("1.11 (0.80-1.32)"), HasSubstr("below 1 is common and no error"),
                           HasSubstr("These trials last 20.0 s.")));
-  EXPECT_THAT(text, AllOf(HasSubstr("Trial 3: rejected: does not count."), HasSubstr("Trial 4: redone: does not count.")));
+  EXPECT_THAT(text, AllOf(HasSubstr("Trial 3: rejected: not valid."), HasSubstr("Trial 4: redone: not valid.")));
   EXPECT_THAT(text, AllOf(HasSubstr("eyes-open (n = 1)"), HasSubstr(">feet two</th>")));
   EXPECT_THAT(text, HasSubstr("href=\"trial-03.html\""));
 }
@@ -300,8 +300,9 @@ TEST_F(ReportTest, OddTrials_DoNotBreakAPage) {
   EXPECT_THAT(page(report, "trial-02.html"), HasSubstr("Nothing could be computed"));
   EXPECT_THAT(page(report, "trial-03.html"), HasSubstr("no spectrum: needs 10 s and 200 samples"));
   EXPECT_THAT(page(report, "trial-04.html"), HasSubstr("cut_at_gap"));
-  EXPECT_THAT(page(report, "session.html"),
-              HasSubstr("Trial 4: samples are missing, only its longest clean stretch of 19.0 s was analysed. It is in a mean only"));
+  EXPECT_THAT(
+      page(report, "session.html"),
+      HasSubstr("Trial 4: samples are missing; only the longest part without a gap was analysed: 19.0 s. The trial is in a mean only"));
   EXPECT_THAT(page(report, "trial-05.html"), HasSubstr("no sample of the centre of pressure"));
 }
 
@@ -334,7 +335,7 @@ TEST_F(ReportTest, RigDefinition_GivesThePlateUnlessItIsBroken) {
   made.facts.rig_definition = files::rig_definition(std::string(DTS_SOURCE_DIR) + "/config/rigs/floor-sim.toml").value_or("");
   EXPECT_THAT(page(report_of(write(made)), "trial-01.svg"), HasSubstr("plate, 430 x"));
   made.facts.rig_definition = "this is no TOML [";
-  EXPECT_THAT(page(report_of(write(made, "b.xdf")), "trial-01.svg"), Not(HasSubstr("picture on the")));
+  EXPECT_THAT(page(report_of(write(made, "b.xdf")), "trial-01.svg"), Not(HasSubstr("drawn area on")));
 }
 
 }  // namespace

@@ -39,7 +39,7 @@ TEST(DoctorRate, ThatIsNoNumber_IsNotKnown) {
   v1::RigStatus rig = testing::floor_status().rigs(0);
   for (const double rate_hz : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
     rig.set_measured_rate_hz(rate_hz);
-    EXPECT_EQ(text_of({check_rig(rig).at(2)}), "bad floor rate: not known yet; wait some seconds, then ask again\n");
+    EXPECT_EQ(text_of({check_rig(rig).at(2)}), "bad floor rate: not measured yet; wait 10 s, then run dtsctl doctor again\n");
   }
 }
 

@@ -121,7 +121,7 @@ TEST_F(CopGuideTest, WeightThatTheDaemonTakesForAnother_IsDoubtedOncePerLoad) {
     ASSERT_TRUE(guide(false, 2));
 
     const bool is_doubted = estimated_n < 100.0;
-    EXPECT_EQ(said_.find("takes this weight for 70 N, not 490 N") != std::string::npos, is_doubted) << estimated_n;
+    EXPECT_EQ(said_.find("shows 70 N for this weight of 490 N") != std::string::npos, is_doubted) << estimated_n;
     EXPECT_EQ(said_.find("warning"), said_.rfind("warning")) << "once for 490 N";
   }
 }

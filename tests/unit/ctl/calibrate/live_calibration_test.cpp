@@ -188,7 +188,7 @@ TEST_F(LiveCalibrationTest, Sensors_EachHasItsOwnCurveAndFile) {
 
 TEST_F(LiveCalibrationTest, WhatCannotBeCalibrated_IsRefusedBeforeAnythingIsMeasured) {
   EXPECT_EQ(calibrate({"sensor", "--sensor", "w9", "--gaps", "12,11,10,9,8,7"}), 5);
-  EXPECT_THAT(said(), HasSubstr("rig 'floor' has no sensor 'w9'\n  try: there are: w1, w2, w3, w4; or: all\n"));
+  EXPECT_THAT(said(), HasSubstr("rig 'floor' has no sensor 'w9'\n  try: the sensors are: w1, w2, w3, w4; or give all\n"));
   EXPECT_EQ(calibrate({"cop", "--loads", "300,300"}), cli::kUsage);
   EXPECT_EQ(calibrate({"cop", "--estimator", "thesis", "--loads", "300,400"}), cli::kUsage);
   status_.mutable_rigs(0)->mutable_session()->set_session_id("s1");

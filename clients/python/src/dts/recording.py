@@ -183,18 +183,18 @@ def _problems_of_footers(file: XdfFile) -> list[str]:
 def _whole(facts: dict[str, str], name: str) -> int:
     text = facts.get(name, "0")
     if not re.fullmatch("-?[0-9]{1,19}", text) or not -(2**63) <= int(text) < 2**63:
-        raise DataDamaged(f"property {name} is not a valid number: '{text[:40]}'")
+        raise DataDamaged(f"the fact {name} is not a valid number: '{text[:40]}'")
     return int(text)
 
 
 def _session_of(facts: dict[str, str]) -> SessionFacts:
     if facts["format_version"] != _FORMAT_VERSION:
-        raise DataDamaged(f"property format_version is '{facts['format_version'][:40]}'; supported: {_FORMAT_VERSION}")
+        raise DataDamaged(f"the fact format_version is '{facts['format_version'][:40]}'; supported: {_FORMAT_VERSION}")
     names = ("session_id", "rig", "kind", "protocol", "subject", "label", "software", "device_uri", "calibration_id")
     _whole(facts, "utc_minus_monotonic_ns")
     stages = _whole(facts, "stages")
     if not 0 <= stages <= 256:
-        raise DataDamaged(f"property stages is {stages}; the limit is 256")
+        raise DataDamaged(f"the fact stages is {stages}; the limit is 256")
     return SessionFacts(
         **{name: facts.get(name, "") for name in names},
         part=_whole(facts, "part"),

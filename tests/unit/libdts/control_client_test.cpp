@@ -111,13 +111,13 @@ TEST_F(ControlClientTest, OnlyGarbage_ErrorSaysThatSomethingElseListens) {
   // The client waits to the end: longer where the fake daemon did not get its turn.
   auto status = client(std::chrono::milliseconds(600)).status();
   for (auto timeout = std::chrono::milliseconds(2000); !status && timeout < testing::kDeadline; timeout *= 4) {
-    if (status.error().what.find("no proper answer") != std::string::npos) break;
+    if (status.error().what.find("no valid answer") != std::string::npos) break;
     status = client(timeout).status();
   }
 
   ASSERT_FALSE(status.has_value());
   EXPECT_EQ(status.error().code, ErrorCode::Unreachable);
-  EXPECT_NE(status.error().what.find("no proper answer"), std::string::npos);
+  EXPECT_NE(status.error().what.find("no valid answer"), std::string::npos);
 }
 
 TEST_F(ControlClientTest, OversizedReply_IsIgnoredAndTheLargestArrives) {
@@ -321,7 +321,7 @@ TEST_F(ControlClientTest, Call_TakesAnyCommandWithItsAnswer) {
 
   EXPECT_EQ(dts.call<v1::StatusSnapshot>(v1::StatusRequest())->instance_id(), testing::floor_status().instance_id());
   EXPECT_EQ(dts.call<v1::TareResponse>(v1::StatusRequest()).error().what,
-            "dts.v1.StatusRequest is no command that dts.v1.TareResponse answers");
+            "dts.v1.StatusRequest is not a command with the answer dts.v1.TareResponse");
   EXPECT_EQ(dts.call<v1::TareResponse>(v1::TareResponse()).error().code, ErrorCode::InvalidArgument);
 }
 

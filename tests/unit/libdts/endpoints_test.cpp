@@ -89,7 +89,7 @@ TEST(Probe, EachStateOfASocket_IsSaid) {
   const testing::TemporaryDirectory directory;
   const std::string endpoint = directory.endpoint("control.sock");
   const Error missing{ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket does not exist",
-                      "start it: systemctl start dtsd, or dtsd --config FILE; is it elsewhere, as that of scripts/demo? set "
+                      "start it: systemctl start dtsd, or dtsd --config FILE; if it uses another directory (scripts/demo prints it), set "
                       "DTSD_RUNTIME_DIR or give --endpoint"};
   EXPECT_EQ(probe(endpoint).error(), missing);
   std::ofstream(directory.path() / "file") << "";

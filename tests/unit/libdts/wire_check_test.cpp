@@ -58,7 +58,7 @@ TEST(WireCheck, ListOfTheGreatestLength_IsAcceptedAndALongerOneIsRefused) {
     for (int count = 0; count < row.most; ++count) elements += row.element;
     EXPECT_EQ(fault_of(row.before + elements + row.after), "");
     EXPECT_EQ(fault_of(row.before + elements + row.element + row.after),
-              std::to_string(row.most + 1) + " " + row.what + ", at most " + std::to_string(row.most) + " are possible");
+              std::to_string(row.most + 1) + " " + row.what + ", more than the limit of " + std::to_string(row.most));
   }
 }
 

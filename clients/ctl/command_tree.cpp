@@ -61,7 +61,7 @@ void add_rigs_and_devices(CommandTree& tree) {
       cli::add_group(tree.line.app, "device", "List and test the measuring hardware", "dtsctl device test floor | check every sensor\n");
   add(tree, *device, "list", "List the devices and the kinds of device that a rig can use",
       "dtsctl device list | model, serial and state of each device\n", run_device_list);
-  CLI::App* test = add(tree, *device, "test", "Show mean, noise and range of each channel over the last second",
+  CLI::App* test = add(tree, *device, "test", "Show mean, noise and range of each channel of a rig's device over the last second",
                        "dtsctl device test floor | mean, noise and gap of each sensor\n", run_device_test);
   test->add_option("RIG", tree.arguments.rig, "Name of the rig")->required()->option_text(" ");
 }

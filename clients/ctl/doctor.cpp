@@ -221,7 +221,7 @@ std::vector<Check> check_disk(const v1::DiskStatus& disk) {
 std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status) {
   std::vector<Check> checks;
   if (status ? !has_notice_about(*status, "SCHED_FIFO") : facts.may_use_fifo) {
-    checks.push_back(good("scheduling", status ? "the daemon runs with SCHED_FIFO" : "SCHED_FIFO is allowed for this user"));
+    checks.push_back(good("scheduling", status ? "granted as the daemon requested" : "SCHED_FIFO is allowed for this user"));
   } else {
     checks.push_back(note("scheduling", status ? "the system denied SCHED_FIFO to the daemon" : "SCHED_FIFO is not allowed for this user",
                           "run dtsd by its systemd unit, or add 'USER - rtprio 60' to /etc/security/limits.d/dtsd.conf and log in again"));
@@ -229,7 +229,7 @@ std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1
   const bool has_no_limit = facts.lockable_bytes == std::numeric_limits<std::uint64_t>::max();
   const std::string lockable = has_no_limit ? "no limit" : "at most " + std::to_string(facts.lockable_bytes >> 20U) + " MiB for this user";
   if (status ? !has_notice_about(*status, "memory is not locked") : has_no_limit) {
-    checks.push_back(good("locked memory", status ? "the daemon's memory is locked" : lockable));
+    checks.push_back(good("locked memory", status ? "granted as the daemon requested" : lockable));
   } else {
     checks.push_back(
         note("locked memory", status ? "the system denied locked memory to the daemon" : lockable,

@@ -31,8 +31,8 @@ TEST(DoctorWithoutDaemon, MachineIsJudgedByWhatThisUserMayDo) {
             "/etc/security/limits.d/dtsd.conf and log in again\n"
             "good locked memory: at most 2 MiB for this user; run dtsd by its systemd unit, or add 'USER - memlock unlimited' to "
             "/etc/security/limits.d/dtsd.conf and log in again\n"
-            "good clock source: unknown; echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; look for 'tsc' in "
-            "dmesg\n");
+            "good clock source: unknown; select a faster clock: echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; "
+            "if that fails, search dmesg for 'tsc'\n");
 }
 
 TEST(DoctorRate, ThatIsNoNumber_IsNotKnown) {

@@ -109,7 +109,7 @@ TEST_F(ProgressFiles, OtherRig_RefusedSayingWhatDiffers) {
 
   EXPECT_EQ(progress.error(),
             (Error{ErrorCode::WrongState, path().string() + " belongs to another calibration: rig was \"floor\", now it is \"other\"",
-                   "--resume without other options takes those of the file; start again with --fresh"}));
+                   "use --resume without other options: it uses those of the file; or start again with --fresh"}));
 }
 
 TEST_F(ProgressFiles, NothingThere_WrongState) {

@@ -48,7 +48,7 @@ std::uint64_t valid_trials(const v1::SessionRecord& session) {
 }
 
 std::string loss_text(const LossSum& sum) {
-  if (sum.gaps == 0) return sum.is_unknown ? "losses unknown" : "";
+  if (sum.gaps == 0) return sum.is_unknown ? "losses not known" : "";
   return (sum.is_unknown ? "at least " : "") + counted(sum.lost_scans, "scan") + " lost in " + counted(sum.gaps, "gap");
 }
 

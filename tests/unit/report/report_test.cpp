@@ -238,7 +238,7 @@ TEST_F(ReportTest, Quotient_IsThatOfTheMeans) {
 
   pugi::xml_document document;
   ASSERT_TRUE(document.load_string(page(report_of(file), "session.html").c_str()));
-  const auto cells = document.select_nodes("//tr[td[1]='MVELO']/td[2]");
+  const auto cells = document.select_nodes("//tr[td[1]='Mean velocity (MVELO)']/td[2]");
   ASSERT_EQ(cells.size(), 2U);
   EXPECT_STREQ(cells[1].node().text().as_string(), significant(closed / open).c_str());
 }

@@ -73,11 +73,11 @@ class LiveCalibrationTest : public RunTest {
     })};
   }
   void act(const std::string& line) {
-    static const std::regex point(R"(Point (\d+) of \d+: put (\d+) N at x ([\d.]+), y ([\d.]+)[^]*)");
+    static const std::regex point(R"(Point (\d+) of \d+: place (\d+) N at x ([\d.]+), y ([\d.]+)[^]*)");
     static const std::regex gap(R"(Gap (\d+) of \d+: ([\d.]+) mm\n)");
     std::smatch found;
-    if (line.starts_with("Zero of") || line.starts_with("Nothing before")) {
-      const std::string topic = line.starts_with("Zero of") ? "floor/deflection" : "floor/raw";
+    if (line.starts_with("Clear the plate") || line.starts_with("Clear the space")) {
+      const std::string topic = line.starts_with("Clear the plate") ? "floor/deflection" : "floor/raw";
       EXPECT_TRUE(daemon_->wait_for_subscription(topic));
       daemon_->send("dtsd/status", status_);
       if (topic == "floor/raw") send("raw", {0.6, 0.6, 0.6, 0.6});

@@ -26,13 +26,14 @@ TEST(DoctorWithoutDaemon, MachineIsJudgedByWhatThisUserMayDo) {
     facts.clock_source = source;
     EXPECT_EQ(text_of(check_system(facts, std::nullopt)), good + "good clock source: " + source + "; \n");
   }
-  EXPECT_EQ(text_of(check_system({.may_use_fifo = false, .lockable_bytes = (3U << 20U) - 1, .clock_source = ""}, std::nullopt)),
-            "good scheduling: SCHED_FIFO is not allowed for this user; run dtsd by its systemd unit, or add 'USER - rtprio 60' to "
-            "/etc/security/limits.d/dtsd.conf and log in again\n"
-            "good locked memory: at most 2 MiB for this user; run dtsd by its systemd unit, or add 'USER - memlock unlimited' to "
-            "/etc/security/limits.d/dtsd.conf and log in again\n"
-            "good clock source: unknown; select a faster clock: echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; "
-            "if that fails, search dmesg for 'tsc'\n");
+  EXPECT_EQ(
+      text_of(check_system({.may_use_fifo = false, .lockable_bytes = (3U << 20U) - 1, .clock_source = ""}, std::nullopt)),
+      "good scheduling: SCHED_FIFO is not allowed for this user; run dtsd by its systemd unit, or add 'USER - rtprio 60' to "
+      "/etc/security/limits.d/dtsd.conf and log in again\n"
+      "good locked memory: at most 2 MiB for this user; run dtsd by its systemd unit, or add 'USER - memlock unlimited' to "
+      "/etc/security/limits.d/dtsd.conf and log in again\n"
+      "good clock source: unknown; select a faster clock: echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; "
+      "if that fails, search dmesg for 'tsc'\n");
 }
 
 TEST(DoctorRate, ThatIsNoNumber_IsNotKnown) {

@@ -170,7 +170,7 @@ TEST_F(TerminalTest, AsksTwiceWithoutEcho) {
   ASSERT_TRUE(password.has_value()) << password.error().what;
   EXPECT_EQ(password->text(), "correct horse battery");
   EXPECT_THAT(screen(), Not(HasSubstr("horse")));
-  EXPECT_THAT(talk_.str(), HasSubstr("Again: "));
+  EXPECT_THAT(talk_.str(), HasSubstr("Repeat the password: "));
   EXPECT_TRUE(is_echo_on());
 }
 

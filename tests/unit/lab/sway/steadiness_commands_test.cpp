@@ -65,7 +65,7 @@ TEST_F(SteadinessTest, RowsWithoutSubjects_AreSaidToFlatter) {
 
   ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("m.json"), "--measures", "MVELO"}), cli::kOk)
       << talk();
-  EXPECT_THAT(out(), HasSubstr("the figures flatter"));
+  EXPECT_THAT(out(), HasSubstr("the results are too good"));
   ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("m.json"), "--json"}), cli::kOk);
   EXPECT_EQ(json().at("rows_without_subject"), 19);
   EXPECT_EQ(json().at("is_of_too_few_subjects"), true);
@@ -80,8 +80,8 @@ TEST_F(SteadinessTest, RowsOutsideOfTraining_AreMarked) {
 
   EXPECT_THAT(json().at("predictions").at(0).at("outside"), ::testing::ElementsAre("MVELO"));
   EXPECT_FALSE(json().at("predictions").at(1).contains("label"));
-  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows lie outside"));
-  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows get no label"));
+  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows are outside"));
+  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows have no label"));
   EXPECT_THAT(talk(), HasSubstr("another profile than 'lp10'"));
 }
 

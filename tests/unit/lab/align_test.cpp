@@ -103,7 +103,7 @@ TEST(Align, OneTriggerOnUnlikeSignals_IsNotBelieved) {
   ASSERT_TRUE(alignment);
   EXPECT_EQ(alignment->means, Alignment::Means::Correlation);
   EXPECT_NEAR(alignment->offset_s, 0.0, 1e-6);
-  EXPECT_THAT(alignment->warning, HasSubstr("do not look alike"));
+  EXPECT_THAT(alignment->warning, HasSubstr("but the recordings differ at these times"));
 }
 
 TEST(Align, RegularPulses_FitInManyWaysAndTheSignalsDecide) {

@@ -76,7 +76,7 @@ UsageError usage_error(const CLI::App& root, const CLI::ParseError& error) {
   if (!subcommands(command).empty()) {
     std::string names;
     for (const CLI::App* subcommand : subcommands(command)) names += (names.empty() ? "" : ", ") + subcommand->get_name();
-    return {prefix(command) + "a command is missing", "one of: " + names + "; " + help};
+    return {prefix(command) + "a command is missing", "give one of: " + names + "; " + help};
   }
   return {prefix(command) + error.what(), help};
 }

@@ -19,7 +19,8 @@ std::string in_brackets(const std::vector<std::string>& words) {
 
 /// Returns "moderate trunk movement, p 0.97, trunk 25.2 deg (18.1 .. 32.4)".
 std::string judgement(const v1::TrunkMovement& movement, std::uint32_t reach_flags) {
-  std::string text = class_words(movement, reach_flags) + (movement.trunk_class() < 0 ? "" : " trunk movement");
+  const std::string amount = movement.trunk_class() == 0 ? "no" : class_words(movement, reach_flags);
+  std::string text = amount + (movement.trunk_class() < 0 ? "" : " trunk movement");
   if (movement.trunk_class() > 0 && movement.trunk_class() <= movement.probability_size()) {  // not always the highest
     text += ", p " + number_text(movement.probability(movement.trunk_class() - 1), 2);
   }
@@ -34,7 +35,7 @@ std::string judgement(const v1::TrunkMovement& movement, std::uint32_t reach_fla
 
 std::string class_word(int trunk_class) {
   switch (trunk_class) {
-    case 0: return "no";
+    case 0: return "none";
     case 1: return "minor";
     case 2: return "moderate";
     case 3: return "maximum";
@@ -72,8 +73,8 @@ std::string trial_result_text(const v1::TrialResult& result) {
   const bool is_comparable = result.expected_class() >= 0 && result.movement().trunk_class() >= 0;
   const bool agrees = result.expected_class() == result.movement().trunk_class();
   const std::string expected = !is_comparable ? ""
-                               : agrees       ? "; as the target takes"
-                                              : "; the target takes " + class_word(result.expected_class());
+                               : agrees       ? "; as expected for this target"
+                                              : "; expected for this target: " + class_word(result.expected_class());
   return trial + judgement(result.movement(), result.reach().flags()) + expected;
 }
 

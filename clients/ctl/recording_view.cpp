@@ -121,8 +121,7 @@ void print_recording(cli::Console& console, const v1::SessionInfo& session) {
                                   recording.file())
                 << '\n';
   }
-  const std::string lost =
-      recording.lost_scans_total() > 0 ? counted(recording.lost_scans_total(), "scan") + " did not reach the file" : "";
+  const std::string lost = recording.lost_scans_total() > 0 ? counted(recording.lost_scans_total(), "scan") + " missing in the file" : "";
   for (const std::string& problem : {recording.problem(), lost}) {
     if (problem.empty()) continue;
     console.out << cli::styled(console, cli::Style::Bad, "the recording is incomplete: " + cli::printable(problem)) << '\n';

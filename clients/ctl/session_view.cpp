@@ -64,7 +64,7 @@ void print_parts(cli::Console& console, const v1::SessionRecord& session) {
   }
   for (const v1::SessionPart& part : session.parts()) {
     if (part.reason().empty() && !(part.lost_s_at_most() > 0.0)) continue;
-    const std::string lost = part.lost_s_at_most() > 0.0 ? "at most " + cli::decimal(part.lost_s_at_most(), 2) + " s are lost" : "";
+    const std::string lost = part.lost_s_at_most() > 0.0 ? "at most " + cli::decimal(part.lost_s_at_most(), 2) + " s lost" : "";
     const std::string why = part.reason() + (part.reason().empty() || lost.empty() ? "" : "; ") + lost;
     console.out << cli::styled(console, cli::Style::Bad, "part " + std::to_string(part.part()) + ": " + cli::printable(why)) << '\n';
   }
@@ -78,7 +78,7 @@ cli::Cell trunk_cell(const v1::TrialResult& result) {
   if (found < 0) return {words, cli::Style::Faint};
   const bool is_arm_alone = found == 1 && result.expected_class() == 0 && words != class_word(found);
   if (result.expected_class() < 0 || result.expected_class() == found || is_arm_alone) return {words};
-  return {words + " (takes " + class_word(result.expected_class()) + ")", cli::Style::Warning};
+  return {words + " (expected: " + class_word(result.expected_class()) + ")", cli::Style::Warning};
 }
 
 std::string degrees_text(const v1::TrialResult& result) {
@@ -165,7 +165,7 @@ void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessi
                state_cell(state_text(session)),
                {session.label()}});
   }
-  if (sessions.sessions_size() == 0) console.out << "no session\n";
+  if (sessions.sessions_size() == 0) console.out << "no sessions\n";
   table.print(console);
 }
 
@@ -232,7 +232,7 @@ void print_audit(cli::Console& console, const v1::GetAuditResponse& audit) {
   }
   table.print(console);
   if (!audit.problem().empty()) return;
-  console.out << audit.verified_entries() << (audit.verified_entries() == 1 ? " entry" : " entries") << ", the chain holds\n";
+  console.out << audit.verified_entries() << (audit.verified_entries() == 1 ? " entry" : " entries") << ", unchanged\n";
 }
 
 }  // namespace dts::ctl

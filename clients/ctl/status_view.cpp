@@ -120,7 +120,7 @@ std::string session_line(const v1::SessionInfo& session) {
 }
 
 std::string tare_line(const std::string& rig, const v1::TareResponse& tare) {
-  std::string line = rig + ": zero is now at";
+  std::string line = rig + ": tared, zero is now at";
   for (const double baseline : tare.baseline_mm()) line += " " + cli::decimal(baseline, 3);
   return cli::printable(line + " mm");
 }
@@ -165,7 +165,7 @@ namespace {
 std::string clock_text(const v1::RigStatus& status) {
   if (status.scans_total() == 0) return "";
   const std::string drift =
-      status.clock_drift_ppm() == 0.0 ? "drift not known yet" : "drift " + cli::decimal(status.clock_drift_ppm(), 1) + " ppm";
+      status.clock_drift_ppm() == 0.0 ? "drift not measured yet" : "drift " + cli::decimal(status.clock_drift_ppm(), 1) + " ppm";
   return drift + ", host times within " + cli::decimal(static_cast<double>(status.host_time_uncertainty_ns()) * 1e-6, 2) + " ms";
 }
 
@@ -195,7 +195,7 @@ void print_rig(cli::Console& console, const v1::RigStatus& status) {
                   std::to_string(status.restarts_total()) + ", reconnects " + std::to_string(status.reconnects_total()));
   print_field(console, "calibration",
               rig.kind() != "floor"       ? ""
-              : rig.calibration().empty() ? "none: computed from the plate's model"
+              : rig.calibration().empty() ? "none: the plate model is used"
                                           : rig.calibration());
   print_field(console, "tare", word(status.tare(), v1::TareState_descriptor()));
   print_field(console, "session", session_line(status.session()));
@@ -220,13 +220,13 @@ void print_devices(cli::Console& console, const v1::GetDevicesResponse& devices)
   table.print(console);
   const auto is_free = [](const v1::DeviceInfo& device) { return device.rig().empty(); };
   if (std::ranges::any_of(devices.devices(), is_free)) {
-    console.out << "\na device without a rig is plugged in but not used: write its DEVICE into a [[rig]] of dtsd.toml\n";
+    console.out << "\na device without a rig is connected but not used: to use it, add its DEVICE to a [[rig]] in dtsd.toml\n";
   }
   if (!devices.problem().empty()) {
     console.out << '\n'
-                << cli::styled(console, cli::Style::Bad, cli::printable("what is plugged in is not known: " + devices.problem())) << '\n';
+                << cli::styled(console, cli::Style::Bad, cli::printable("cannot list the connected devices: " + devices.problem())) << '\n';
   }
-  if (devices.kinds_size() > 0) console.out << "\nkinds that a rig's configuration can name:\n";
+  if (devices.kinds_size() > 0) console.out << "\nkinds of device that a rig can use:\n";
   for (const std::string& kind : devices.kinds()) console.out << "  " << cli::printable(kind) << '\n';
 }
 
@@ -260,7 +260,8 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
     console.out << cli::styled(console, cli::Style::Bad, cli::printable("not streaming: " + test.problem())) << '\n';
     return;
   }
-  const std::string rate = test.measured_rate_hz() > 0.0 ? cli::decimal(test.measured_rate_hz(), 2) + " per second" : "rate not known yet";
+  const std::string rate =
+      test.measured_rate_hz() > 0.0 ? cli::decimal(test.measured_rate_hz(), 2) + " per second" : "rate not measured yet";
   console.out << counted(test.scans(), "scan") << ", " << rate << '\n';
 }
 

@@ -39,7 +39,7 @@ std::string sway_text(const v1::Sway& sway) {
   if (sway.trial() > 0) text += ", ";
   if (!sway.problem().empty()) return text + "no values: " + sway.problem();
   text += cli::decimal(sway.duration_s(), 1) + " s:";
-  if (sway.measures_size() == 0) text += " nothing yet";
+  if (sway.measures_size() == 0) text += " no values yet";
   for (const Shown& shown : kShown) {
     const auto found = std::ranges::find(sway.measures(), shown.symbol, &v1::SwayMeasure::symbol);
     if (found == sway.measures().end()) continue;

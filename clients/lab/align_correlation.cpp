@@ -23,7 +23,7 @@ constexpr double kSmoothingS = 0.1;
 constexpr double kMostPoints = 200'000.0;
 constexpr int kMostSteps = 30;
 constexpr auto kUnlikeHint =
-    "do they overlap by half? are the axes the same? two events or more in a column trigger or marker align them without likeness";
+    "check that the recordings overlap by at least half and have the same axes; or add two or more events in a column trigger or marker";
 
 /// Both axes on even steps, and running sums for the moments of any stretch. Holes count as the mean.
 struct Sampled {
@@ -145,7 +145,7 @@ class Refinement {
   /// Widens the window step by step: over a short window the drift of a clock causes little error.
   core::Result<Alignment> run() {
     for (double window_s = kFirstWindowS / 2.0; window_s < half_s_; window_s *= 2.0) (void)solve(window_s);
-    if (!solve(half_s_)) return core::fail(core::ErrorCode::Failed, "the alignment of the recordings does not settle", kUnlikeHint);
+    if (!solve(half_s_)) return core::fail(core::ErrorCode::Failed, "the alignment of the recordings does not converge", kUnlikeHint);
     return Alignment{.offset_s = unknowns_[0],
                      .offset_sd_s = std::sqrt(covariance_(0, 0)),
                      .drift_ppm = unknowns_[1],

@@ -59,9 +59,9 @@ std::string why_not(const Events& events, const EventMatch& match, Alignment::Me
   const std::size_t count = match.alignment.event_count;
   const std::string fitting = std::to_string(count) + " of " + std::to_string(events.a_s.size()) + " and " +
                               std::to_string(events.b_s.size()) + " " + std::string(name(means)) + " events " +
-                              (count == 1 ? "fits" : "fit") + " together";
+                              (count == 1 ? "matches" : "match");
   if (!is_half(events, count)) return "only " + fitting;
-  return fitting + (match.is_ambiguous ? " in more than one way" : ", and the recordings do not look alike there");
+  return fitting + (match.is_ambiguous ? " in more than one way" : ", but the recordings differ at these times");
 }
 
 /// If the events leave doubt, the signals decide; events that agree with the signals refine the alignment.
@@ -82,7 +82,7 @@ core::Result<Alignment> align_doubtful(const Recording& a, const Recording& b, c
 core::Result<Alignment> align_events(const Recording& a, const Recording& b, const Events& events, Alignment::Means means) {
   if (std::max(events.a_s.size(), events.b_s.size()) > kMostEvents) {
     return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostEvents) + " events in one recording",
-                      "is the trigger column a digital level?");
+                      "check that the trigger column is a digital level");
   }
   const EventMatch match = match_events(events);
   core::Result<Alignment> alignment = match.alignment;

@@ -16,14 +16,14 @@ struct CommandTree {
                          .version = DTS_VERSION,
                          .description = "Offline laboratory of dtsd: plates, centre of pressure, the thesis's tables",
                          .examples = "dtslab plate solve case.toml | bend a plate\n"
-                                     "dtslab thesis 4.1 | the thesis's figures beside ours\n"
+                                     "dtslab thesis 4.1 | compare our values with the thesis\n"
                                      "dtslab cop fit points.csv --rig rig.toml --out cal.toml | calibrate a platform\n"
-                                     "dtslab cop evaluate --noise realistic | what to expect of it\n"
-                                     "dtslab compare plate.csv force_plate.csv | two instruments, one person\n"
-                                     "dtslab place | where sensors belong\n"
-                                     "dtslab sway standing.csv | how steadily somebody stood\n"
-                                     "dtslab simulate floor --duration 60 --out standing.xdf | synthetic data\n"
-                                     "dtslab replay standing.xdf | is what was recorded what the stages compute?\n",
+                                     "dtslab cop evaluate --noise realistic | expected error of a platform\n"
+                                     "dtslab compare plate.csv force_plate.csv | compare two instruments\n"
+                                     "dtslab place | best sensor positions\n"
+                                     "dtslab sway standing.csv | measure sway\n"
+                                     "dtslab simulate floor --duration 60 --out standing.xdf | make synthetic data\n"
+                                     "dtslab replay standing.xdf | check that the recorded values can be recomputed\n",
                          .takes_files = true}};
 };
 

@@ -57,8 +57,8 @@ core::Result<Comparison> compare(const Recording& a, const Recording& b) {
   const Paired paired = pair_up(a, b, *alignment);
   const double overlap_s = paired.t_a_s.empty() ? 0.0 : paired.t_a_s.back() - paired.t_a_s.front();
   if (overlap_s < kShortestOverlapS) {
-    return core::fail(core::ErrorCode::Failed, "aligned, the recordings have less than a second in common",
-                      "are they of the same trial? do trigger or marker mean the same in both?");
+    return core::fail(core::ErrorCode::Failed, "after alignment, the recordings overlap by less than 1 s",
+                      "check that both recordings are of the same trial and that trigger or marker mean the same in both");
   }
   Comparison comparison{.alignment = on_clocks(*alignment, a, b),
                         .overlap_s = overlap_s,

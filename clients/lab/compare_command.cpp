@@ -81,7 +81,7 @@ void print_warnings(const Comparison& comparison, cli::Console& console) {
   if (comparison.correlation > kLeastCorrelation && !is_opposed) return;
   warn(console, "the recordings do not agree: correlation " + decimal(comparison.correlation, 2) + " (x " +
                     decimal(comparison.x.correlation, 2) + ", y " + decimal(comparison.y.correlation, 2) +
-                    "); are the axes the same? is it the same trial?");
+                    "); check that the axes are the same and that both are of the same trial");
 }
 
 }  // namespace

@@ -63,10 +63,10 @@ void print_fit(const CopCalibration& calibration, const Arguments& arguments, cl
                {cli::decimal(figures.max_total_mm, 3)},
                {cli::decimal(figures.load_rms_percent, 3)}});
   };
-  add("own " + std::to_string(calibration.points.size()) + " points", calibration.residuals);
-  if (calibration.cross_validated) add("each left out", *calibration.cross_validated);
+  add("all " + std::to_string(calibration.points.size()) + " points", calibration.residuals);
+  if (calibration.cross_validated) add("cross-validation", *calibration.cross_validated);
   table.print(console);
-  cli::print_hint(console, "use it: dtslab cop estimate " + arguments.out + " POINTS.csv --out EST.csv");
+  cli::print_hint(console, "to use it: dtslab cop estimate " + arguments.out + " POINTS.csv --out EST.csv");
 }
 
 void add_number(std::string& line, double value) {
@@ -95,8 +95,8 @@ std::string estimates_text(const CopPoints& points, const physics::CopEstimator&
 core::Status check_is_new(const std::string& out) {
   std::error_code error;
   if (!std::filesystem::exists(std::filesystem::symlink_status(out, error))) return {};
-  return core::fail(core::ErrorCode::InvalidArgument, "--out " + out + " is there already: a calibration is never overwritten",
-                    "another --out");
+  return core::fail(core::ErrorCode::InvalidArgument, "--out " + out + " already exists: a calibration is never overwritten",
+                    "give another file with --out");
 }
 
 // Above these limits a calibration is worse than the method allows: a measurement is wrong, or there are too few.
@@ -119,13 +119,14 @@ void warn_of_doubts(const CopCalibration& calibration, cli::Console& console) {
   const double left_out_mm = calibration.cross_validated ? calibration.cross_validated->rms_total_mm : 0.0;
   const double load_percent = calibration.cross_validated ? calibration.cross_validated->load_rms_percent : 0.0;
   if (own_mm > kLargestOwnMm || left_out_mm > kLargestLeftOutMm) {
-    std::string text = "the calibration misses its own points by " + cli::decimal(own_mm, 2) + " mm rms";
-    if (calibration.cross_validated) text += ", each left out by " + cli::decimal(left_out_mm, 2) + " mm";
+    std::string text = "the error of the calibration at its own points is " + cli::decimal(own_mm, 2) + " mm rms";
+    if (calibration.cross_validated) text += ", in cross-validation " + cli::decimal(left_out_mm, 2) + " mm";
     const bool is_coarse = calibration.estimator.method() == physics::CopMethod::Poly3 && position_count(calibration) < kEnoughPositions;
-    warn(console, text + (is_coarse ? "; 6 x 6 positions or more make it ten times better" : "; is a point wrong, did a sensor move?"));
+    warn(console, text + (is_coarse ? "; with 6 x 6 positions or more the error is about ten times smaller"
+                                    : "; check the points, and whether a sensor moved"));
   }
   if (load_percent > kLargestLoadPercent) {
-    warn(console, "the load of a point left out is wrong by " + cli::decimal(load_percent, 1) + " % rms; are the loads right?");
+    warn(console, "in cross-validation, the error of the load is " + cli::decimal(load_percent, 1) + " % rms; check the loads");
   }
 }
 

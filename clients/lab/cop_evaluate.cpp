@@ -72,7 +72,7 @@ core::Result<EvaluationTask> make_task(const Arguments& arguments, RigModel rig)
     task.trials = physics::foot_trials(task.rig.plate, arguments.contact == "one-foot" ? 1 : 2, kStances, load_n, kSeed);
   }
   if (!task.trials.empty()) return task;
-  return core::fail(core::ErrorCode::InvalidArgument, "no foot has room on this plate", "--contact points");
+  return core::fail(core::ErrorCode::InvalidArgument, "this plate is too small for a foot", "use --contact points");
 }
 
 CopErrorFigures figures_where(const CopEvaluation& evaluation, const std::function<bool(const CopTrialError&)>& counts) {
@@ -178,7 +178,7 @@ void print(const EvaluationTask& task, const CopEvaluation& evaluation, cli::Con
 }
 
 core::Status plot(const EvaluationTask& task, const CopEvaluation& evaluation, const std::string& file) {
-  if (!task.is_grid) return core::fail(core::ErrorCode::InvalidArgument, "an error map needs point loads", "--contact points");
+  if (!task.is_grid) return core::fail(core::ErrorCode::InvalidArgument, "an error map needs point loads", "use --contact points");
   const auto area = SensorRectangle::of(task.rig);
   Marks sensors{.name = "sensor", .symbol = 7, .points = {}};
   for (const physics::SensorModel& sensor : task.rig.sensors) sensors.points.push_back(sensor.position);

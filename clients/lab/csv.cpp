@@ -85,7 +85,7 @@ class CsvTable::Reader {
   std::optional<std::vector<Cell>> closed_cells(const std::string& line) {
     auto cells = cells_of(line);
     if (cells.back().open_quote == 0) return cells;
-    report(line_number_, cells.back().open_quote, "this quote is not closed on its line");
+    report(line_number_, cells.back().open_quote, "the quote is not closed on this line");
     return std::nullopt;
   }
 
@@ -101,7 +101,7 @@ class CsvTable::Reader {
     std::vector<std::string_view> names;
     for (std::size_t place = 0; place < cells.size(); ++place) {
       const std::string_view name = core::text_of_cell(trimmed(cells[place].text));
-      if (std::ranges::find(names, name) != names.end()) report(1, cells[place].column, "column '" + std::string(name) + "' stands twice");
+      if (std::ranges::find(names, name) != names.end()) report(1, cells[place].column, "column '" + std::string(name) + "' occurs twice");
       names.push_back(name);
       const auto known = std::ranges::find(table_.columns_, name, [](const Column& column) { return std::string_view(column.about.name); });
       if (known != table_.columns_.end()) known->place = place;
@@ -115,7 +115,7 @@ class CsvTable::Reader {
     for (const Column& column : table_.columns_) {
       if (column.place || !column.about.is_required) continue;
       const std::string near = core::suggest(column.about.name, names);
-      report(1, 1, "column '" + column.about.name + "' is missing" + (near.empty() ? "" : "; is it '" + near + "'?"));
+      report(1, 1, "column '" + column.about.name + "' is missing" + (near.empty() ? "" : "; did you mean '" + near + "'?"));
       is_well_ = false;
     }
   }

@@ -76,7 +76,7 @@ std::string_view terminal_for(const std::string& file) {
 core::Status check_plot_name(const std::string& file) {
   const std::string extension = extension_of(file);
   if (extension == "svg" || extension == "png") return {};
-  return core::fail(ErrorCode::InvalidArgument, "--plot " + file + ": only .svg and .png can be drawn", "--plot plate.svg");
+  return core::fail(ErrorCode::InvalidArgument, "--plot " + file + ": unknown picture format", "give a name that ends in .svg or .png");
 }
 
 core::Status draw(const std::string& script, const std::string& file) {
@@ -87,14 +87,15 @@ core::Status draw(const std::string& script, const std::string& file) {
   if (!in || !out || !talk) return core::fail_errno(errno, "no temporary file for the picture");
   const std::string whole = std::string(terminal_for(file)) + script;
   if (std::fwrite(whole.data(), 1, whole.size(), in.get()) != whole.size() || std::fflush(in.get()) != 0) {
-    return core::fail_errno(errno, "no room for a temporary file");
+    return core::fail_errno(errno, "no disk space for a temporary file");
   }
   std::rewind(in.get());
   const auto status = run_gnuplot(in.get(), out.get(), talk.get());
   if (!status) return tl::make_unexpected(status.error());
   const std::string picture = content_of(out.get());
   if (*status != 0 || picture.empty()) {
-    return core::fail(ErrorCode::Failed, "gnuplot failed: " + content_of(talk.get()), "is its version 5.4 or later? gnuplot --version");
+    return core::fail(ErrorCode::Failed, "gnuplot failed: " + content_of(talk.get()),
+                      "check that its version is 5.4 or later: gnuplot --version");
   }
   return files::write_whole_file(file, picture);
 }

@@ -76,7 +76,7 @@ core::Result<double> noise_limit_mm(const RigModel& rig) {
 core::Result<double> foot_error_mm(const RigModel& rig, const physics::CopEstimator& estimator, std::size_t feet,
                                    physics::PlateBehaviour behaviour) {
   const auto trials = physics::foot_trials(rig.plate, feet, kPlacementStances, kPersonN, kPlacementSeed + feet);
-  if (trials.empty()) return core::fail(core::ErrorCode::InvalidArgument, "no foot has room on this plate");
+  if (trials.empty()) return core::fail(core::ErrorCode::InvalidArgument, "this plate is too small for a foot");
   const auto evaluation = physics::evaluate_cop(rig, estimator, trials, {.behaviour = behaviour});
   if (!evaluation) return tl::make_unexpected(evaluation.error());
   return evaluation->figures.rms_total_mm;
@@ -134,7 +134,7 @@ core::Result<PlacementFigures> placement_figures(const RigModel& rig_of_plate, s
 core::Result<Placement> place_sensors(const RigModel& rig, std::size_t sensor_count, physics::PlateBehaviour behaviour,
                                       const std::function<void(double)>& report_progress) {
   const double last_mm = kLastPart * std::min(rig.plate.a.value, rig.plate.b.value);
-  if (last_mm < kFirstMm) return core::fail(core::ErrorCode::InvalidArgument, "the plate is too small to choose places on it");
+  if (last_mm < kFirstMm) return core::fail(core::ErrorCode::InvalidArgument, "the plate is too small for a choice of sensor positions");
   Placement placement;
   const int steps = static_cast<int>((last_mm - kFirstMm) / kStepMm);
   for (int step = 0; step <= steps; ++step) {

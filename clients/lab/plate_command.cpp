@@ -119,10 +119,10 @@ void warn_of_large_deflection(const PlateTask& task, const Solved& solved, cli::
   const double side_mm = std::min(plate.a.value, plate.b.value);
   const std::string bends = "the plate bends by " + decimal(largest_mm, 2) + " mm, more than ";
   if (largest_mm > 0.1 * side_mm) {
-    warn(console, bends + "a tenth of its shorter side (" + decimal(side_mm, 1) + " mm): this is outside of plate theory");
+    warn(console, bends + "a tenth of its shorter side (" + decimal(side_mm, 1) + " mm): plate theory is not valid here");
   } else if (!task.options.is_nonlinear && largest_mm > 0.5 * plate.h.value) {
     warn(console, bends + "half its thickness (" + decimal(plate.h.value, 2) +
-                      " mm): linear theory is wrong there, real plates stiffen by stretching; use --nonlinear");
+                      " mm): linear theory is not valid here, because real plates stiffen by stretching; use --nonlinear");
   }
 }
 
@@ -136,7 +136,7 @@ void warn_of_lifting(const PlateTask& task, const Solved& solved, cli::Console& 
     const double reaction_n = solved.solution.reactions_n[k];
     if (reaction_n >= -1e-6 * scale_n) continue;
     warn(console, "support " + names[k] + ": " + decimal(reaction_n, 3) +
-                      " N; the plate lifts off this support unless something holds it down, and then bends otherwise");
+                      " N (upward); unless the plate is held down there, it lifts off this support and bends differently");
   }
 }
 

@@ -116,8 +116,8 @@ core::Result<std::vector<PlacedStep>> read_steps(record::Recording& recording, T
     if (auto added = add(timed->event, steps); !added) return tl::make_unexpected(added.error());
     if (steps.size() > kMostRecordedSteps) {
       return core::fail(core::ErrorCode::Unsupported,
-                        "the recording tells of more than " + std::to_string(kMostRecordedSteps) + " steps of reaches and trials",
-                        "no session of the reaching task is that long");
+                        "the recording has more than " + std::to_string(kMostRecordedSteps) + " steps of reaches and trials",
+                        "give a recording of one session of the reaching task");
     }
   }
   // Two threads send events to the recorder; the scans define the order.

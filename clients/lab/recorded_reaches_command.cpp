@@ -95,7 +95,7 @@ std::vector<cli::Cell> row_of(const session::ReachTrialResult& result) {
 }
 
 void print(const RecordedReaches& recorded, cli::Console& console) {
-  cli::Table trials({">TRIAL", "TARGET", ">AT (cm)", ">D2 (mm)", "CLASS", "TARGET TAKES", ">TRUNK (deg)", ">90 %"});
+  cli::Table trials({">TRIAL", "TARGET", ">AT (cm)", ">D2 (mm)", "CLASS", "EXPECTED", ">TRUNK (deg)", ">90 %"});
   for (const session::ReachTrialResult& result : recorded.trials) trials.add(row_of(result));
   trials.print(console);
   if (!recorded.trials.empty()) console.out << '\n';
@@ -106,9 +106,9 @@ void print(const RecordedReaches& recorded, cli::Console& console) {
   summary.print(console);
   console.out << recorded.reaches << " reaches, " << recorded.trials.size() << " trials\n";
   if (recorded.told == 0) return;
-  const std::string verdict =
-      recorded.differing == 0 ? "all as computed here" : std::to_string(recorded.differing) + " differ from what is computed here";
-  console.out << recorded.told << " results were recorded when they were told: "
+  const std::string verdict = recorded.differing == 0 ? "live and recomputed values match"
+                                                      : std::to_string(recorded.differing) + " differ from the recomputed values";
+  console.out << recorded.told << " live results in the recording: "
               << cli::styled(console, recorded.differing == 0 ? cli::Style::Good : cli::Style::Bad, verdict) << '\n';
 }
 
@@ -132,8 +132,9 @@ int run_reach_results(const Arguments& arguments, cli::Console& console) {
   } else {
     print(*recorded, console);
   }
-  if (!recorded->person) warn(console, file + ": the session does not say the subject's measures: no expected classes, no own scale");
-  if (model == nullptr) warn(console, file + ": no trunk model in the recording: classes are those that were recorded");
+  if (!recorded->person)
+    warn(console, file + ": the session does not contain the body measures of the subject: no expected classes, no personal scale");
+  if (model == nullptr) warn(console, file + ": no trunk model in the recording: the recorded classes are shown");
   if (!damage.empty()) warn(console, file + ": " + damage);
   return recorded->differing == 0 ? cli::kOk : cli::kFailed;
 }

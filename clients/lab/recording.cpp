@@ -28,11 +28,11 @@ void check_times(const std::string& file, bool is_xdf, const Recording& recordin
   const auto& t_s = recording.t_s;
   for (std::size_t row = 1; row < t_s.size(); ++row) {
     if (t_s[row] > t_s[row - 1]) continue;
-    problems.push_back({file, is_xdf ? 0U : static_cast<std::uint32_t>(CsvTable::line_of_row(row)), 1, "t_s does not rise"});
+    problems.push_back({file, is_xdf ? 0U : static_cast<std::uint32_t>(CsvTable::line_of_row(row)), 1, "t_s does not increase"});
     return;  // one report is enough: later rows have the same fault
   }
   if (t_s.size() >= kFewestScans && t_s.back() - t_s.front() >= kShortestS) return;
-  problems.push_back({file, 0, 0, "a recording has at least " + std::to_string(kFewestScans) + " scans over 2 s"});
+  problems.push_back({file, 0, 0, "too short: a recording needs at least " + std::to_string(kFewestScans) + " scans over 2 s"});
 }
 
 Recording read_csv_recording(const std::string& file, files::Problems& problems) {

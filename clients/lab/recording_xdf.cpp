@@ -106,7 +106,7 @@ Recording read_xdf_recording(const std::string& file, files::Problems& problems)
   }
   const auto cop = find_cop(**opened);
   if (!cop) {
-    problems.push_back({.file = file, .text = "has no stream \"cop\" with channels ml_mm and ap_mm; dtslab replay tells what it has"});
+    problems.push_back({.file = file, .text = "has no stream \"cop\" with channels ml_mm and ap_mm; dtslab replay lists its streams"});
     return recording;
   }
   if (const auto read = read_items(**opened, *cop, recording); !read) {

@@ -145,14 +145,14 @@ core::Status Replay::begin(const core::Block& block) {
     if (!restored) return tl::make_unexpected(restored.error());
     report_.is_restored = *restored == session::Restored::Done;
     if (*restored == session::Restored::OtherStages) {
-      report_.notes.emplace_back("the rig's stages are not those that were recorded: they begin without history");
+      report_.notes.emplace_back("the stages of the rig differ from the recorded stages: they start without history");
     } else if (*restored == session::Restored::NoRecording) {
-      report_.notes.emplace_back("the recording lacks the state of the stages at its beginning: they begin without history");
+      report_.notes.emplace_back("the recording does not contain the state of the stages at its start: they start without history");
     }
   }
   if (acquired_.gap_before.reason != core::GapReason::None && segment_ == block.segment) {
-    report_.notes.emplace_back("scans were lost on the way to the file at scan " + std::to_string(block.first_scan.value) + " of segment " +
-                               std::to_string(block.segment) + ": what comes after is not compared");
+    report_.notes.emplace_back("the recorder lost scans at scan " + std::to_string(block.first_scan.value) + " of segment " +
+                               std::to_string(block.segment) + ": later scans are not compared");
     for (const auto& check : checks_by_stream_) {
       if (check) check->stop();
     }
@@ -189,7 +189,7 @@ ReplayReport Replay::finish() {
   for (auto& summary : summaries_) {
     if (summary) report_.cop = summary->finish();
   }
-  if (!report_.is_identical()) report_.notes.emplace_back("no scan of a derived stream was recorded: there is nothing to compare");
+  if (!report_.is_identical()) report_.notes.emplace_back("the recording has no derived stream: nothing to compare");
   return std::move(report_);
 }
 
@@ -204,8 +204,8 @@ std::optional<bool> ReplayReport::is_identical() const {
 core::Result<pipeline::RigConfig> rig_of(const record::Recording& recording, const std::string& name) {
   const auto& session = recording.session();
   if (!session || session->rig_definition.empty()) {
-    return core::fail(core::ErrorCode::InvalidArgument, name + " does not say which rig made it: it is no recording of dtsd",
-                      "name a rig file with --rig");
+    return core::fail(core::ErrorCode::InvalidArgument, name + " does not describe its rig: it is not a recording of dtsd",
+                      "give a rig file with --rig");
   }
   files::Problems problems;
   pipeline::RigConfig config = files::read_rig_text(session->rig_definition, "rig definition in " + name, problems);

@@ -58,7 +58,7 @@ std::string verdict(const ComparedStream& stream) {
 }
 
 void print(const ReplayReport& report, cli::Console& console) {
-  cli::Table table({"STREAM", ">SCANS", "COMPARED WITH WHAT WAS RECORDED"});
+  cli::Table table({"STREAM", ">SCANS", "COMPARED WITH THE RECORDING"});
   for (const ComparedStream& stream : report.streams) {
     const auto style = stream.difference ? cli::Style::Bad : cli::Style::Good;
     table.add({{cli::printable(stream.name)}, {std::to_string(stream.scans)}, {cli::printable(verdict(stream)), style}});

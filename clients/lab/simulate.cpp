@@ -24,12 +24,12 @@ constexpr std::int64_t kStartNs = 1'000'000'000;  // of the virtual clock: time 
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
 
 tl::unexpected<core::Error> cannot_write(const std::string& file) {
-  return core::fail(core::ErrorCode::Failed, "cannot write " + file, "does the folder exist, is there room?");
+  return core::fail(core::ErrorCode::Failed, "cannot write " + file, "check that the folder exists and the disk has free space");
 }
 
 /// Creates a CSV file; fails if it exists.
 core::Result<std::ofstream> new_csv(const std::string& file, const char* header) {
-  if (std::filesystem::exists(file)) return core::fail(core::ErrorCode::WrongState, file + " exists already", "choose another name");
+  if (std::filesystem::exists(file)) return core::fail(core::ErrorCode::WrongState, file + " already exists", "choose another name");
   std::ofstream out(file, std::ios::binary);
   out << header << std::flush;
   if (!out) return cannot_write(file);  // fail now, not after hours
@@ -188,7 +188,7 @@ core::Status record_scans(device::Device& device, pipeline::Pipeline& pipeline, 
   std::vector<core::Event> events;
   for (std::uint64_t done = 0; done < scans; done += acquired.block.count()) {
     if (device.read(acquired.block, kNever).outcome != device::ReadOutcome::Scans) {
-      return core::fail(core::ErrorCode::Internal, device.describe().uri + " stopped giving scans");
+      return core::fail(core::ErrorCode::Internal, device.describe().uri + " sends no more scans");
     }
     acquired.block.set_count(static_cast<std::size_t>(std::min<std::uint64_t>(acquired.block.count(), scans - done)));
     pipeline.process(acquired, frame);

@@ -17,18 +17,18 @@ void add_window(const std::string& condition, const char* whose, const study::Wi
 }  // namespace
 
 core::Result<ThesisTable> thesis_trunk_angles() {
-  ThesisTable table{
-      .name = "6.3",
-      .title = "Trunk angle of the healthy volunteers for the three targets",
-      .decimals = 1,
-      .rows = {},
-      .summary = {},
-      .notes = {
-          "Printed: measured with cameras, means of ten reaches. Ours: what the target's distance takes of a body of these measures, "
-          "nothing fitted to these volunteers but the shoulder's 6 cm (research sheet, section 3).",
-          "Borders between the classes lie halfway between the printed windows: 15.25 and 42.2 degrees.",
-          "Geometry misses single volunteers by up to 11 degrees at 150 % and at the maximum: the distance of a target tells the class, "
-          "not the angle."}};
+  ThesisTable table{.name = "6.3",
+                    .title = "Trunk angle of the healthy volunteers for the three targets",
+                    .decimals = 1,
+                    .rows = {},
+                    .summary = {},
+                    .notes = {"Printed: measured with cameras, means of ten reaches. Ours: the angle that a body with these measures needs "
+                              "for the distance of the target; "
+                              "only the 6 cm of the shoulder are fitted to these volunteers (research sheet, section 3).",
+                              "The limits between the classes are halfway between the printed windows: 15.25 and 42.2 degrees.",
+                              "For single volunteers, the geometric model is wrong by up to 11 degrees at 150 % and at the maximum: the "
+                              "distance of a target gives the class, "
+                              "not the angle."}};
   const auto windows = study::angle_windows();
   for (std::size_t k = 0; k < study::healthy().size(); ++k) {
     for (const study::AngleWindow& window : windows) {

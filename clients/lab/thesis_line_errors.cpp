@@ -87,15 +87,16 @@ std::string key_of(const printed::LineErrors& row) {
 }  // namespace
 
 core::Result<ThesisTable> thesis_line_errors() {
-  ThesisTable table{.name = "3.6",
-                    .title = "Mean error of a proportion along five lines of loads",
-                    .rows = {},
-                    .summary = {},
-                    .notes = {"The load points of Fig. 3.14 to 3.16 are missing; they are fitted to this table: agreement is no proof.",
-                              "Sensors at 86 mm; supports at the corners or all along the edges; acrylic 4 mm.",
-                              "The mean printed for neighbours with supported edges, 11.032, is not that of its five lines, 10.590.",
-                              "Line 1 is 0 by symmetry: what is printed there is noise of the thesis's mesh.",
-                              "Corner supports and neighbouring sensors are best for every sensor position from 20 to 106 mm."}};
+  ThesisTable table{
+      .name = "3.6",
+      .title = "Mean error of a proportion along five lines of loads",
+      .rows = {},
+      .summary = {},
+      .notes = {"The load points of Fig. 3.14 to 3.16 are missing; they are fitted to this table, so agreement proves nothing.",
+                "Sensors at 86 mm; supports at the corners or all along the edges; acrylic 4 mm.",
+                "The mean printed for neighbours with supported edges, 11.032, is not that of its five lines, 10.590.",
+                "Line 1 is 0 by symmetry: the printed values there are noise of the mesh in the thesis.",
+                "Corner supports and neighbouring sensors are best for every sensor position from 20 to 106 mm."}};
   for (const printed::LineErrors& row : printed::kLineErrors) {
     const auto fdm = line_errors(row, PlateMethod::Fdm);
     if (!fdm) return tl::make_unexpected(fdm.error());

@@ -25,7 +25,7 @@ constexpr auto kReadingNote =
     "Noise-free, linear plate, estimator of eq. 4.1 read as one ratio of pair averages per axis: (w1+w3)/(w2+w4) and (w1+w2)/(w3+w4); the "
     "text allows other readings, which are 2 to 3 times worse (per_pair).";
 constexpr auto kOffsetNote =
-    "The thesis's simulation is off by (+0.8, -1.8) mm in the exact centre and along y = 215, which no symmetric plate with exact "
+    "The simulation of the thesis is wrong by (+0.8, -1.8) mm in the exact centre and along y = 215, which no symmetric plate with exact "
     "calibration can be: those rows do not follow from the stated theory.";
 
 core::Result<PointResponse> platform(PlateMethod method) {
@@ -123,7 +123,7 @@ core::Result<ThesisTable> thesis_loci() {
       .summary = {},
       .notes = {kReadingNote, "Calibrated at five points of each mid-line from 86 to 344 mm; supports 10.75 mm inside the corners, fitted.",
                 "The summary is of the finite elements; the finite differences of 40 divisions (fdm) still err by 0.1 mm here.",
-                kOffsetNote, "poly3 is the estimator that dtsd uses unless told otherwise."}};
+                kOffsetNote, "poly3 is the default estimator of dtsd."}};
   for (std::size_t k = 0; k < printed::kLoci.size(); ++k) {
     table.rows.push_back(row_of(k, fem->points[k], fdm->points[k], poly3->points[k]));
   }

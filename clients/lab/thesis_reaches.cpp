@@ -17,8 +17,8 @@ using study::Confusion;
 constexpr std::array<TrunkClass, 3> kClasses = {TrunkClass::Minor, TrunkClass::Moderate, TrunkClass::Maximum};
 constexpr std::array<const char*, 3> kTargets = {"120", "150", "max"};
 constexpr auto kSynthetic =
-    "Ours: simulated people of the printed measures, found and judged as dtsd does it; synthetic, no clinical claim. The rows are of the "
-    "one in the middle of several draws of people; another draw is other people, and the spread is that of a study repeated.";
+    "Ours: simulated people of the printed measures, found and classified as in dtsd; synthetic, no clinical claim. The rows show the "
+    "median of several draws of people. Another draw has other people; the spread shows how a repeated study would vary.";
 
 /// Draws all groups, independent of the table, so that every table and `reach study` show the same draw.
 core::Result<std::vector<study::Draw>> draw_people(std::size_t draws, const TableProgress& progress) {
@@ -59,15 +59,16 @@ void add_row(const std::string& label, Figures printed, Figures ours, ThesisTabl
 core::Result<ThesisTable> thesis_teachers(const TableProgress& progress, std::size_t draws) {
   const auto all = draw_people(draws, progress);
   if (!all) return tl::make_unexpected(all.error());
-  ThesisTable table{.name = "5.2",
-                    .title = "Volunteers A, B and C by a network taught with simulated reaches (NN2); correct of 15",
-                    .decimals = 0,
-                    .rows = {},
-                    .summary = {},
-                    .notes = {kSynthetic,
-                              "Taught by the body model alone at four paces of a phase, 0.75, 1, 1.25 and 1.5 s (180 reaches): at the "
-                              "thesis's single pace of 0.75 s (45 reaches) inertia belongs to the pattern and slower people are "
-                              "mistaken; the summary has both."}};
+  ThesisTable table{
+      .name = "5.2",
+      .title = "Volunteers A, B and C by a network trained on simulated reaches (NN2); correct of 15",
+      .decimals = 0,
+      .rows = {},
+      .summary = {},
+      .notes = {kSynthetic,
+                "Trained on the body model only, at four paces of a phase, 0.75, 1, 1.25 and 1.5 s (180 reaches): at the "
+                "single pace of the thesis, 0.75 s (45 reaches), the network learns inertia as part of the pattern, and slower people are "
+                "misclassified; the summary has both."}};
   const study::Draw& draw = study::middle_draw(*all);
   for (std::size_t person = 0; person < printed::kTeachersByNn2.size(); ++person) {
     for (std::size_t k = 0; k < kClasses.size(); ++k) {
@@ -90,16 +91,17 @@ core::Result<ThesisTable> thesis_teachers(const TableProgress& progress, std::si
 core::Result<ThesisTable> thesis_healthy(const TableProgress& progress, std::size_t draws) {
   const auto all = draw_people(draws, progress);
   if (!all) return tl::make_unexpected(all.error());
-  ThesisTable table{.name = "6.2",
-                    .title = "Ten healthy volunteers by NN1 and NN2; correct of 15",
-                    .decimals = 0,
-                    .rows = {},
-                    .summary = {},
-                    .notes = {kSynthetic,
-                              "The totals printed under the table, 416 (92.4 %) and 439 (97.6 %) of 450, are not those of its own rows: "
-                              "these sum to 424 (94.2 %) for NN1 and to 438 (97.3 %, as the chapter's introduction says) for NN2.",
-                              "Errors come by person, not by reach: one person's bias shifts a whole block of fifteen (printed: H6 at "
-                              "120 %)."}};
+  ThesisTable table{
+      .name = "6.2",
+      .title = "Ten healthy volunteers by NN1 and NN2; correct of 15",
+      .decimals = 0,
+      .rows = {},
+      .summary = {},
+      .notes = {kSynthetic,
+                "The totals printed under the table, 416 (92.4 %) and 439 (97.6 %) of 450, are not those of its own rows: "
+                "these sum to 424 (94.2 %) for NN1 and to 438 (97.3 %, as the chapter's introduction says) for NN2.",
+                "Errors belong to persons, not to reaches: the bias of one person shifts a whole block of fifteen (printed: H6 at "
+                "120 %)."}};
   const study::Draw& draw = study::middle_draw(*all);
   double sum_nn1 = 0.0;
   double sum_nn2 = 0.0;

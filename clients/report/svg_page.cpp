@@ -209,7 +209,7 @@ std::string svg_of(const PageContent& content) {
     y = bottom;
   }
   if (is_full) {
-    canvas.text(kPageWidthMm - kMarginMm, kPageHeightMm - 2.5, "The page is full: all of it is in the HTML page.",
+    canvas.text(kPageWidthMm - kMarginMm, kPageHeightMm - 2.5, "This page is full; the HTML page shows everything.",
                 {.size = 2.4, .anchor = Anchor::End, .colour = colour::kVermillion, .is_bold = true});
   }
   return text_of(document, true);

@@ -177,7 +177,7 @@ class Restart(unittest.TestCase):
                 with self.assertRaises(dts.Unreachable):
                     for _ in stream:
                         pass
-                with self.assertRaisesRegex(dts.Unreachable, "nobody listens"):
+                with self.assertRaisesRegex(dts.Unreachable, "no program listens"):
                     daemon.status()
             finally:
                 self.process.start()

@@ -326,7 +326,7 @@ class Foreign(unittest.TestCase):
             "without a tag": b"\x01\x01\x05",
             "at most 64 MiB": b"\x04" + struct.pack("<I", (64 << 20) + 1),
             "file header damaged": chunk(1, b"<info><version>1.0</version></info>"),
-            "a second one of stream 9": chunk(2, struct.pack("<I", 9) + b"<info/>"),
+            "a second header of stream 9": chunk(2, struct.pack("<I", 9) + b"<info/>"),
             "no stream number": chunk(3, b"\x09\0\0"),
             "stream 8 has no header": chunk(3, struct.pack("<I", 8)),
             "not two numbers": chunk(4, struct.pack("<Id", 9, 1.0)),
@@ -339,7 +339,7 @@ class Foreign(unittest.TestCase):
 
     def test_WhatIsNoXdfIsSaidSo(self) -> None:
         bomb = b"<!DOCTYPE x [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;'>]><info><version>1.0</version></info>"
-        for content, problem in ((b"RIFF", "is no XDF file"), (b"XDF:", "ends before"), (b"XDF:" + chunk(5, b""), "starts with a file header"), (b"XDF:" + chunk(1, bomb), "document type")):
+        for content, problem in ((b"RIFF", "is not an XDF file"), (b"XDF:", "ends before"), (b"XDF:" + chunk(5, b""), "starts with a file header"), (b"XDF:" + chunk(1, bomb), "document type")):
             with self.assertRaisesRegex(dts.DataDamaged, problem):
                 self.load(content)
         with self.assertRaises(dts.NotFound):

@@ -99,11 +99,11 @@ void tell_doubts(const std::vector<Prediction>& predictions, const SteadinessMod
   const auto say = [&](std::size_t count, const std::string& text) {
     if (count > 0) warn(console, std::to_string(count) + " of " + std::to_string(predictions.size()) + " rows " + text);
   };
-  if (!model.is_better_than_chance) warn(console, "this model was no better than chance on people that it had not seen");
-  say(silent, "get no label: a measure that the model needs is missing, or not above 0");
-  say(outside, "lie outside of what the model was trained on: their labels are guesses");
-  say(invalid, "are of subjects who stepped off or moved");
-  say(differing, "were measured by another profile than '" + model.profile + "', with which the model was trained");
+  if (!model.is_better_than_chance) warn(console, "this model was no better than chance on people outside its training");
+  say(silent, "have no label: a measure that the model needs is missing or not above 0");
+  say(outside, "are outside the range of the training: their labels are guesses");
+  say(invalid, "are from subjects who stepped off or moved the feet");
+  say(differing, "were measured with another profile than '" + model.profile + "', with which the model was trained");
 }
 
 }  // namespace

@@ -103,17 +103,19 @@ core::Result<Discriminant> form_of(const Samples& samples, std::span<const std::
   const auto repeated = std::ranges::unique(form.classes);
   form.classes.erase(repeated.begin(), repeated.end());
   if (form.classes.size() < 2) {
-    return core::fail(core::ErrorCode::InvalidArgument, "there are not two different labels to tell apart", "another column");
+    return core::fail(core::ErrorCode::InvalidArgument, "the column has fewer than two different labels",
+                      "choose another column with --label");
   }
   if (rows.size() <= form.classes.size()) {
     return core::fail(core::ErrorCode::InvalidArgument,
-                      "there are only " + std::to_string(rows.size()) + " rows for " + std::to_string(form.classes.size()) + " labels",
-                      "more trials, or another column");
+                      "only " + std::to_string(rows.size()) + " rows for " + std::to_string(form.classes.size()) + " labels",
+                      "use more trials, or another column");
   }
   for (const Measure measure : samples.measures) {
     if (auto predictor = predictor_of(measure, values_of(samples, rows, measure))) form.predictors.push_back(*predictor);
   }
-  if (form.predictors.empty()) return core::fail(core::ErrorCode::InvalidArgument, "no measure differs between the rows", "other measures");
+  if (form.predictors.empty())
+    return core::fail(core::ErrorCode::InvalidArgument, "no measure differs between the rows", "choose other measures with --measures");
   return form;
 }
 
@@ -132,7 +134,8 @@ core::Result<Discriminant> fit(const Samples& samples, std::span<const std::size
     form->offsets.push_back(std::log(share) - 0.5 * weights.row(k).dot(cloud.means.row(k)));
   }
   form->shrinkage = shrunk.intensity;
-  if (!weights.allFinite()) return core::fail(core::ErrorCode::Failed, "the discriminant does not come out finite", "fewer measures");
+  if (!weights.allFinite())
+    return core::fail(core::ErrorCode::Failed, "the discriminant is not finite", "choose fewer measures with --measures");
   return form;
 }
 

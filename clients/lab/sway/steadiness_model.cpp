@@ -25,7 +25,7 @@ class ModelReader {
 
   SteadinessModel read() {
     SteadinessModel model;
-    if (!json_.is_object()) fail("it is no object");
+    if (!json_.is_object()) fail("it is not a JSON object");
     if (text(json_, "kind") != kKind) fail("'kind' is not \"" + std::string(kKind) + "\"");
     if (number(json_, "format", 0.0, 1e6) != kFormat) fail("'format' is not " + std::to_string(kFormat));
     model.label = text(json_, "label");
@@ -60,7 +60,7 @@ class ModelReader {
     const Json* value = find(object, key);
     if (value == nullptr) return {};
     if (value->is_string() && value->get_ref<const std::string&>().size() <= kLongestText) return value->get<std::string>();
-    fail("'" + std::string(key) + "' is no text");
+    fail("'" + std::string(key) + "' is not a text");
     return {};
   }
 
@@ -78,14 +78,14 @@ class ModelReader {
   double checked(const Json& value, const std::string& name, double least, double most) {
     const double read = value.is_number() ? value.get<double>() : NAN;
     if (read >= least && read <= most) return read;
-    fail("'" + name + "' is no number, or out of range");
+    fail("'" + name + "' is not a number, or out of range");
     return 0.0;
   }
 
   const Json* array(const char* key, std::size_t least, std::size_t most) {
     const Json* value = find(json_, key);
     if (value != nullptr && value->is_array() && value->size() >= least && value->size() <= most) return value;
-    fail("'" + std::string(key) + "' is no list of " + std::to_string(least) + " to " + std::to_string(most));
+    fail("'" + std::string(key) + "' is not a list of " + std::to_string(least) + " to " + std::to_string(most));
     return nullptr;
   }
 
@@ -95,8 +95,9 @@ class ModelReader {
     for (const Json& one : *classes) {
       const bool is_text =
           one.is_string() && !one.get_ref<const std::string&>().empty() && one.get_ref<const std::string&>().size() <= kLongestText;
-      if (!is_text) return fail("'classes' has one that is no text");
-      if (!form.classes.empty() && one.get_ref<const std::string&>() <= form.classes.back()) return fail("'classes' do not rise");
+      if (!is_text) return fail("'classes' has an item that is not a text");
+      if (!form.classes.empty() && one.get_ref<const std::string&>() <= form.classes.back())
+        return fail("'classes' is not in alphabetical order");
       form.classes.push_back(one.get<std::string>());
     }
   }
@@ -107,8 +108,8 @@ class ModelReader {
     for (const Json& one : *measures) {
       const std::string symbol = text(one, "symbol");
       const auto measure = posturography::measure_named(symbol);
-      if (!measure) return fail("there is no measure '" + symbol + "'");
-      if (std::ranges::find(form.predictors, *measure, &Predictor::measure) != form.predictors.end()) return fail(symbol + " stands twice");
+      if (!measure) return fail("unknown measure '" + symbol + "'");
+      if (std::ranges::find(form.predictors, *measure, &Predictor::measure) != form.predictors.end()) return fail(symbol + " occurs twice");
       Predictor predictor{.measure = *measure, .is_logarithmic = boolean(one, "is_logarithmic")};
       predictor.mean = number(one, "mean", -1e12, 1e12);
       predictor.sd = number(one, "sd", 1e-15, 1e12);
@@ -123,7 +124,7 @@ class ModelReader {
     const Json* offsets = array("offsets", form.classes.size(), form.classes.size());
     if (weights == nullptr || offsets == nullptr) return;
     for (const Json& row : *weights) {
-      if (!row.is_array() || row.size() != form.predictors.size()) return fail("'weights' are not as many as 'measures'");
+      if (!row.is_array() || row.size() != form.predictors.size()) return fail("'weights' and 'measures' have different lengths");
       form.weights.emplace_back();
       for (const Json& weight : row) form.weights.back().push_back(checked(weight, "weights", -kMostWeight, kMostWeight));
     }
@@ -166,13 +167,13 @@ core::Result<SteadinessModel> read_model_text(std::string_view text, const std::
   ModelReader reader(json);
   SteadinessModel model;
   if (json.is_discarded()) {
-    reader.problem = "it is not JSON, or has numbers that are none";
+    reader.problem = "it is not JSON, or has invalid numbers";
   } else {
     model = reader.read();
   }
   if (reader.problem.empty()) return model;
-  return core::fail(core::ErrorCode::InvalidArgument, name + " is no model of dtslab steadiness train: " + reader.problem,
-                    "train it anew: dtslab steadiness train");
+  return core::fail(core::ErrorCode::InvalidArgument, name + " is not a model of dtslab steadiness train: " + reader.problem,
+                    "train a new model: dtslab steadiness train");
 }
 
 core::Result<SteadinessModel> read_model(const std::string& file) {

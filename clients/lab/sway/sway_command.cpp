@@ -69,12 +69,12 @@ void tell_doubts(const std::vector<MeasuredTrial>& trials, const SwayArguments& 
     return !trial.session.empty() && trial.trial == 0 && trial.analysis && !trial.analysis->is_valid();
   };
   if (arguments.trim_s == 0.0 && std::ranges::any_of(trials, is_stepping_on)) {
-    cli::print_hint(console, "without trials, stepping onto the platform is measured too: --trim 5 leaves it out");
+    cli::print_hint(console, "a recording without trials includes the step onto the platform; to exclude it: --trim 5");
   }
   // Sheet section 2: unfiltered at 1000 Hz the mean velocity of a force plate is four times that at 100 Hz.
-  if (is_noisy) warn(console, "unfiltered at a high rate, path and velocity are mostly noise of the sensors; --profile lp10 filters");
+  if (is_noisy) warn(console, "without a filter at a high rate, path and velocity are mostly sensor noise; use --profile lp10");
   if (arguments.rate_hz && arguments.profile == "asis") {
-    warn(console, "--rate does nothing without a filter, which keeps aliases out: --profile lp10");
+    warn(console, "--rate has no effect without the filter that prevents aliasing; use --profile lp10");
   }
 }
 
@@ -114,7 +114,7 @@ void show(const MeasuredFiles& all, bool is_single, const Arguments& arguments, 
   if (all.trials.size() == 1) print_measures(all.trials.front(), console);
   if (all.trials.size() > 1) {
     print_overview(all.trials, console);
-    if (arguments.sway.table.empty()) cli::print_hint(console, "every measure of every trial: --table OUT.csv, or --json");
+    if (arguments.sway.table.empty()) cli::print_hint(console, "for every measure of every trial, use --table OUT.csv or --json");
   }
   print_told(all.trials, console);
 }
@@ -125,8 +125,8 @@ int show_comparison(const MeasuredFiles& all, const Arguments& arguments, cli::C
   if (trials.size() != 2) {
     const std::string count = trials.empty() ? "none" : std::to_string(trials.size());
     return std::max(all.status, fail_with(console, core::Error{core::ErrorCode::InvalidArgument,
-                                                               "--compare is about two measured trials; there are " + count,
-                                                               "two files, or two trials of a recording: --trials 1,2"}));
+                                                               "--compare needs exactly two measured trials, not " + count,
+                                                               "give two files, or select two trials of a recording: --trials 1,2"}));
   }
   const Comparison comparison = compare(trials[0], trials[1]);
   if (arguments.is_json) {
@@ -145,7 +145,7 @@ int status_of(const MeasuredFiles& all, cli::Console& console) {
   if (all.status != cli::kOk) return all.status;
   const auto is_measured = [](const MeasuredTrial& trial) { return trial.analysis.has_value(); };
   if (!std::ranges::any_of(all.trials, is_measured)) {
-    cli::print_error(console, "nothing was measured: no trial of quiet standing that counts", "--all takes rejected trials too");
+    cli::print_error(console, "no valid trial of quiet standing found", "to include rejected trials: --all");
     return cli::kFailed;
   }
   const auto differs = [](const MeasuredTrial& trial) { return !trial.is_as_told.value_or(true); };
@@ -169,7 +169,7 @@ int run_sway(const Arguments& arguments, cli::Console& console) {
   tell_unwell(all, console);
   if (all.is_interrupted) {
     const std::string count = std::to_string(all.files) + " of " + std::to_string(inputs->size());
-    cli::print_error(console, "interrupted after " + count + " files; nothing was written");
+    cli::print_error(console, "interrupted after " + count + " files; no file was written");
     return cli::kInterrupted;
   }
   tell_doubts(all.trials, sway, console);

@@ -19,13 +19,13 @@ void add_definition(CLI::App& sway, steadiness::SwayArguments& arguments) {
       ->option_text("NAME")
       ->check(CLI::IsMember({"asis", "lp10"}));
   sway.add_option("--rate", arguments.rate_hz,
-                  "Analyse at about this rate, lp10 only; default: CSV files as sampled, recordings 100, as dtsd does")
+                  "Rate of the analysis in Hz (approximate), lp10 only. Default: rate of the CSV file; 100 for recordings, as in dtsd")
       ->option_text("HZ")
       ->check(cli::number_between(10.0, 100000.0, "hertz"));
-  sway.add_option("--trim", arguments.trim_s, "Settling time to take off the beginning, after filtering; default: 0")
+  sway.add_option("--trim", arguments.trim_s, "Settling time to remove from the start, after filtering. Default: 0")
       ->option_text("S")
       ->check(cli::number_between(0.0, 3600.0, "seconds"));
-  sway.add_option("--foot-length", arguments.foot_length_mm, "Gives AP_USE, the part of the foot that is used")
+  sway.add_option("--foot-length", arguments.foot_length_mm, "Foot length, for AP_USE: AP range as a part of the foot length")
       ->option_text("MM")
       ->check(cli::number_between(50.0, 500.0, "millimetres"));
 }
@@ -47,29 +47,30 @@ std::vector<cli::Glossary> words_of_results() {
 
 void add_measuring(CommandTree& tree) {
   steadiness::SwayArguments& arguments = tree.arguments.sway;
-  CLI::App* sway = add_command(tree, tree.line.app, "sway", "Measure how steadily somebody stands: every measure of a centre of pressure",
-                               "dtslab sway standing.csv | a table of all measures\n"
-                               "dtslab sway standing.csv --profile asis --json | unfiltered, for a program\n"
-                               "dtslab sway session.xdf | each trial of a recording, as dtsd measures it\n"
-                               "dtslab sway sessions/ --table sway.csv | all recordings below a folder, one row a trial\n"
-                               "dtslab sway open.csv closed.csv --label eyes=open,closed --compare | side by side, with Romberg quotients\n"
-                               "dtslab sway session.xdf --trials 1,2 --compare | two trials of a recording\n",
-                               steadiness::run_sway);
+  CLI::App* sway =
+      add_command(tree, tree.line.app, "sway", "Measure the sway of a standing person: every measure of the centre of pressure",
+                  "dtslab sway standing.csv | all measures in a table\n"
+                  "dtslab sway standing.csv --profile asis --json | unfiltered, for a program\n"
+                  "dtslab sway session.xdf | each trial of a recording, as dtsd measures it\n"
+                  "dtslab sway sessions/ --table sway.csv | all recordings below a folder, one row per trial\n"
+                  "dtslab sway open.csv closed.csv --label eyes=open,closed --compare | side by side, with Romberg quotients\n"
+                  "dtslab sway session.xdf --trials 1,2 --compare | two trials of a recording\n",
+                  steadiness::run_sway);
   sway->add_option("FILE", arguments.inputs, "CSV files with t_s,x_mm,y_mm, recordings of dtsd (.xdf, .xdf.part), folders of either")
       ->required()
       ->option_text("...");
   add_definition(*sway, arguments);
-  sway->add_option("--label", arguments.labels, "Add a label to all trials; with as many values as files, to each its own")
+  sway->add_option("--label", arguments.labels, "Add a label to the trials: one value for all files, or one value per file")
       ->option_text("NAME=VALUE[,VALUE...]")
       ->allow_extra_args(false);
-  sway->add_option("--trials", arguments.trials, "Of recordings only these, by number")
+  sway->add_option("--trials", arguments.trials, "Numbers of the trials to measure, recordings only")
       ->option_text("N,...")
       ->delimiter(',')
       ->allow_extra_args(false)
       ->check(cli::whole_number_between(1, 4294967295));
-  sway->add_flag("--all", arguments.is_all, "Of recordings also trials that were redone, rejected or aborted");
+  sway->add_flag("--all", arguments.is_all, "Also measure trials that were redone, rejected or aborted, recordings only");
   sway->add_flag("--compare", arguments.is_comparing, "Show two trials side by side");
-  sway->add_option("--table", arguments.table, "Write one row for each trial, with all measures")
+  sway->add_option("--table", arguments.table, "CSV file to write: one row per trial, all measures")
       ->option_text("OUT.csv")
       ->check(cli::text_of(1, 4096));
   add_json(*sway, tree.arguments);
@@ -78,28 +79,31 @@ void add_measuring(CommandTree& tree) {
 
 void add_telling_apart(CommandTree& tree) {
   steadiness::SteadinessArguments& arguments = tree.arguments.steadiness;
-  CLI::App* group = cli::add_group(tree.line.app, "steadiness", "Tell conditions or groups of people apart by their sway",
-                                   "dtslab steadiness train sway.csv --label eyes --out eyes.json | is there anything to be told?\n"
-                                   "dtslab steadiness classify eyes.json new.csv | what would it say?\n");
-  CLI::App* train = add_command(tree, *group, "train", "Train a linear discriminant and judge it on people that it has not seen",
-                                "dtslab steadiness train sway.csv --label eyes --out eyes.json | by all core measures that every row has\n"
-                                "dtslab steadiness train sway.csv --label group --measures MVELO,PEA95_F --out group.json | by two\n",
-                                steadiness::run_train);
-  train->add_option("TABLE.csv", arguments.table, "As dtslab sway --table writes it")->required()->option_text(" ");
-  train->add_option("--label", arguments.label, "Column that says what is to be told")->option_text("COLUMN")->required();
+  CLI::App* group = cli::add_group(tree.line.app, "steadiness", "Classify conditions or groups of people by their sway",
+                                   "dtslab steadiness train sway.csv --label eyes --out eyes.json | train, and show how well it works\n"
+                                   "dtslab steadiness classify eyes.json new.csv | classify new trials\n");
+  CLI::App* train =
+      add_command(tree, *group, "train", "Train a linear discriminant and test it on people left out of the training",
+                  "dtslab steadiness train sway.csv --label eyes --out eyes.json | with all core measures that every row has\n"
+                  "dtslab steadiness train sway.csv --label group --measures MVELO,PEA95_F --out group.json | with two measures\n",
+                  steadiness::run_train);
+  train->add_option("TABLE.csv", arguments.table, "Table from dtslab sway --table")->required()->option_text(" ");
+  train->add_option("--label", arguments.label, "Column with the label to predict")->option_text("COLUMN")->required();
   train->add_option("--out", arguments.out, "File to write")->option_text("MODEL.json")->required();
-  train->add_option("--measures", arguments.measures, "Symbols with commas between; default: the core measures that every row has")
+  train
+      ->add_option("--measures", arguments.measures,
+                   "Symbols of the measures, separated by commas. Default: the core measures that every row has")
       ->option_text("A,B,...")
       ->delimiter(',')
       ->allow_extra_args(false);
   add_json(*train, tree.arguments);
 
-  CLI::App* classify = add_command(tree, *group, "classify", "Tell from each row of a table what its label would be",
+  CLI::App* classify = add_command(tree, *group, "classify", "Predict the label of each row of a table",
                                    "dtslab steadiness classify eyes.json new.csv | a table\n"
-                                   "dtslab steadiness classify eyes.json new.csv --out pred.csv | as a file\n",
+                                   "dtslab steadiness classify eyes.json new.csv --out pred.csv | write a file\n",
                                    steadiness::run_classify);
   classify->add_option("MODEL.json", arguments.model, "Made by dtslab steadiness train")->required()->option_text(" ");
-  classify->add_option("TABLE.csv", arguments.table, "As dtslab sway --table writes it, by the same definition")
+  classify->add_option("TABLE.csv", arguments.table, "Table from dtslab sway --table, with the same profile and rate")
       ->required()
       ->option_text(" ");
   classify->add_option("--out", arguments.out, "File to write")->option_text("PRED.csv");

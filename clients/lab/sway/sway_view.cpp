@@ -68,7 +68,7 @@ void print_flags(const Analysis& analysis, cli::Console& console) {
     console.out << cli::styled(console, style_of(bit), flag) << ": " << posturography::sentence_of(bit) << '\n';
   }
   if (!analysis.is_valid()) {
-    console.out << cli::styled(console, cli::Style::Bad, "This trial is not valid: its values say nothing about steadiness.") << '\n';
+    console.out << cli::styled(console, cli::Style::Bad, "This trial is not valid: do not use its values to judge steadiness.") << '\n';
   }
 }
 
@@ -132,9 +132,11 @@ void print_told(std::span<const MeasuredTrial> trials, cli::Console& console) {
   const auto told = std::ranges::count_if(trials, [](const MeasuredTrial& trial) { return trial.is_as_told.has_value(); });
   const auto differing = std::ranges::count_if(trials, [](const MeasuredTrial& trial) { return !trial.is_as_told.value_or(true); });
   if (told == 0) return;
-  const std::string verdict = differing == 0 ? "all as computed here" : std::to_string(differing) + " differ from what is computed here";
-  console.out << told << " results were recorded when they were told: "
-              << cli::styled(console, differing == 0 ? cli::Style::Good : cli::Style::Bad, verdict) << '\n';
+  const std::string verdict =
+      differing == 0 ? "live and recomputed values match" : std::to_string(differing) + " differ from the recomputed values";
+  console.out << told
+              << " live results in the recording: " << cli::styled(console, differing == 0 ? cli::Style::Good : cli::Style::Bad, verdict)
+              << '\n';
 }
 
 }  // namespace dts::lab::steadiness

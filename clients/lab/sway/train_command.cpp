@@ -32,11 +32,13 @@ core::Result<std::vector<Measure>> measures_of(const std::vector<std::string>& s
   std::vector<Measure> measures;
   for (const std::string& symbol : symbols) {
     const auto measure = posturography::measure_named(symbol);
-    if (!measure) return core::fail(core::ErrorCode::InvalidArgument, "there is no measure '" + symbol + "'", "MVELO,PEA95_F");
+    if (!measure)
+      return core::fail(core::ErrorCode::InvalidArgument, "unknown measure '" + symbol + "'",
+                        "write symbols such as MVELO,PEA95_F; dtslab sway --help lists them");
     const auto missing = std::ranges::find_if(rows, [&](const SteadinessRow& row) { return !row.measures.has(*measure); });
     if (missing != rows.end()) {
       return core::fail(core::ErrorCode::InvalidArgument, symbol + " is missing in line " + std::to_string(missing->line),
-                        "another measure, or a table without that row");
+                        "choose another measure, or remove the row");
     }
     if (std::ranges::find(measures, *measure) == measures.end()) measures.push_back(*measure);
   }
@@ -46,8 +48,8 @@ core::Result<std::vector<Measure>> measures_of(const std::vector<std::string>& s
     if (posturography::info(measure).is_core && is_in_every_row(measure, rows)) measures.push_back(measure);
   }
   if (!measures.empty()) return measures;
-  return core::fail(core::ErrorCode::InvalidArgument, "there is no core measure that every row has",
-                    "--measures, or a table of longer trials");
+  return core::fail(core::ErrorCode::InvalidArgument, "no core measure is present in every row",
+                    "choose measures with --measures, or use longer trials");
 }
 
 /// Returns the usable rows and reports the others.
@@ -55,16 +57,16 @@ std::vector<SteadinessRow> usable(std::vector<SteadinessRow> rows, const std::st
   const std::size_t invalid = std::erase_if(rows, [](const SteadinessRow& row) { return !row.is_valid; });
   const std::size_t nameless = std::erase_if(rows, [](const SteadinessRow& row) { return row.label.empty(); });
   const std::size_t empty = std::erase_if(rows, [](const SteadinessRow& row) { return row.measures.count() == 0; });
-  if (invalid > 0) warn(console, std::to_string(invalid) + " rows left out: the subject stepped off or moved");
-  if (nameless > 0) warn(console, std::to_string(nameless) + " rows left out: nothing in column '" + label + "'");
+  if (invalid > 0) warn(console, std::to_string(invalid) + " rows left out: the subject stepped off or moved the feet");
+  if (nameless > 0) warn(console, std::to_string(nameless) + " rows left out: empty cell in column '" + label + "'");
   if (empty > 0) warn(console, std::to_string(empty) + " rows left out: they have no measures");
   return rows;
 }
 
 core::Result<Samples> samples_of(const SteadinessArguments& arguments, const std::vector<SteadinessRow>& rows) {
-  if (rows.empty()) return core::fail(core::ErrorCode::InvalidArgument, arguments.table + " has no row that serves", "another table");
+  if (rows.empty()) return core::fail(core::ErrorCode::InvalidArgument, arguments.table + " has no usable row", "give another table");
   if (rows.size() > kMostRows) {
-    return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostRows) + " rows", "fewer rows");
+    return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostRows) + " rows", "use fewer rows");
   }
   auto measures = measures_of(arguments.measures, rows);
   if (!measures) return tl::make_unexpected(measures.error());
@@ -100,9 +102,9 @@ cli::Json to_json(const Evaluation& evaluation, const SteadinessModel& model, co
 std::string percent(double share) { return cli::decimal(100.0 * share, 1) + " %"; }
 
 void print_confusion(const Evaluation& evaluation, cli::Console& console) {
-  std::vector<std::string> headers{"IS \\ TOLD"};
+  std::vector<std::string> headers{"TRUE \\ PREDICTED"};
   for (const std::string& name : evaluation.classes) headers.push_back(">" + cli::printable(name));
-  headers.emplace_back(">nothing");
+  headers.emplace_back(">no label");
   cli::Table table(headers);
   for (std::size_t k = 0; k < evaluation.classes.size(); ++k) {
     std::vector<cli::Cell> row{{evaluation.classes[k]}};
@@ -117,8 +119,8 @@ void print_confusion(const Evaluation& evaluation, cli::Console& console) {
 /// Prints the conclusions that the figures allow, and their limits.
 void print_verdict(const Evaluation& evaluation, cli::Console& console) {
   const bool is_better = evaluation.is_better_than_chance();
-  const std::string words =
-      is_better ? "Better than always saying the commonest label." : "No better than chance: these measures do not tell these labels.";
+  const std::string words = is_better ? "Better than always predicting the most frequent label."
+                                      : "No better than chance: these measures do not predict these labels.";
   console.out << cli::styled(console, is_better ? cli::Style::Good : cli::Style::Warning, words) << '\n';
   if (evaluation.is_of_too_few()) {
     console.out << cli::styled(console, cli::Style::Warning,
@@ -126,27 +128,28 @@ void print_verdict(const Evaluation& evaluation, cli::Console& console) {
                 << '\n';
   }
   if (evaluation.rows_without > 0) {
-    console.out << evaluation.rows_without
-                << " rows do not say whose they are and were left out one by one: if several are of one person, the figures flatter.\n";
+    console.out
+        << evaluation.rows_without
+        << " rows have no subject ID and were left out one by one: if several rows are from one person, the results are too good.\n";
   }
 }
 
 void print_result(const Evaluation& evaluation, const SteadinessModel& model, const std::string& file, cli::Console& console) {
-  const std::string counted = evaluation.is_label_of_person ? " (counting people: nobody has two labels)" : " (counting rows)";
-  cli::Table table({"LEFT OUT OF THE TRAINING", ">VALUE"});
+  const std::string counted = evaluation.is_label_of_person ? " (counting people: no person has two labels)" : " (counting rows)";
+  cli::Table table({"TEST ON PEOPLE LEFT OUT", ">VALUE"});
   table.add({{"rows"}, {std::to_string(evaluation.rows)}});
   table.add({{"subjects"}, {std::to_string(evaluation.subjects)}});
   table.add({{"measures"}, {std::to_string(model.discriminant.predictors.size())}});
-  table.add({{"right"}, {percent(evaluation.accuracy)}});
-  table.add({{"right, 95 % interval" + counted}, {percent(evaluation.interval.low) + " .. " + percent(evaluation.interval.high)}});
-  table.add({{"right, mean over labels"}, {percent(evaluation.balanced_accuracy)}});
-  table.add({{"right if always the commonest label"}, {percent(evaluation.commonest_share)}});
+  table.add({{"correct"}, {percent(evaluation.accuracy)}});
+  table.add({{"correct, 95 % interval" + counted}, {percent(evaluation.interval.low) + " .. " + percent(evaluation.interval.high)}});
+  table.add({{"correct, mean over labels"}, {percent(evaluation.balanced_accuracy)}});
+  table.add({{"correct if always the most frequent label"}, {percent(evaluation.commonest_share)}});
   table.print(console);
   console.out << '\n';
   print_confusion(evaluation, console);
   console.out << '\n';
   print_verdict(evaluation, console);
-  cli::print_hint(console, "use it: dtslab steadiness classify " + file + " TABLE.csv");
+  cli::print_hint(console, "to use it: dtslab steadiness classify " + file + " TABLE.csv");
 }
 
 SteadinessModel model_of(const std::string& label, const std::vector<SteadinessRow>& rows, const Evaluation& evaluation,

@@ -34,7 +34,7 @@ core::Result<std::optional<OwnScale>> own_scale_of(const std::string& text) {
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), own.count);
   const bool is_number = error == std::errc() && end == number.data() + number.size() && !number.empty();
   if (own.condition == "max" && is_number && own.count >= classifier::kCalibrationReaches && own.count <= 1000) return own;
-  return core::fail(core::ErrorCode::InvalidArgument, "--calibrate " + text + " is not known", "--calibrate max:3");
+  return core::fail(core::ErrorCode::InvalidArgument, "--calibrate " + text + " is unknown", "use --calibrate max:3");
 }
 
 /// Returns one calibration per subject; none for a subject without usable maximum reaches.
@@ -51,13 +51,14 @@ std::vector<std::optional<SubjectCalibration>> calibrations_of(const reach::Tria
   for (std::size_t subject = 0; subject < set.subjects.size(); ++subject) {
     const physics::Person& person = set.subjects[subject].person;
     if (!set.subjects[subject].is_healthy) {
-      warn(console, "subject " + set.subjects[subject].name + " without own scale: after a stroke, distance says little about flexion");
+      warn(console,
+           "subject " + set.subjects[subject].name + " has no personal scale: after a stroke, the distance does not predict trunk flexion");
       calibrations.emplace_back();
       continue;
     }
     const auto calibration = classifier::calibrate_subject(maximum[subject], physics::trunk_flexion_deg(person, person.max_reach_cm));
     if (!calibration)
-      warn(console, "subject " + set.subjects[subject].name + " without own scale: " + core::to_string(calibration.error()));
+      warn(console, "subject " + set.subjects[subject].name + " has no personal scale: " + core::to_string(calibration.error()));
     calibrations.push_back(calibration ? std::optional(*calibration) : std::nullopt);
   }
   return calibrations;

@@ -22,13 +22,13 @@ core::Result<classifier::TrunkModel> with_networks(const classifier::TrunkModel&
     return core::fail(core::ErrorCode::InvalidArgument,
                       file + ": a network is " + std::to_string(network.input_count()) + "-" + std::to_string(network.hidden_count()) +
                           "-3, the model's are " + std::to_string(form.general.inputs.size()) + "-" + std::to_string(hidden) + "-3",
-                      "a network of the same shape");
+                      "use a network with the same layers");
   }
   if (!foreign.inputs.empty()) {
     for (std::size_t k = 0; k < foreign.inputs.size(); ++k) {
       if (foreign.inputs[k].feature == form.general.inputs[k].feature) continue;
-      return core::fail(core::ErrorCode::InvalidArgument, file + ": input " + std::to_string(k + 1) + " is not the model's",
-                        "the features of the model, in its order");
+      return core::fail(core::ErrorCode::InvalidArgument, file + ": input " + std::to_string(k + 1) + " is not the input of the model",
+                        "use the features of the model, in the same order");
     }
     form.general.inputs = std::move(foreign.inputs);
   }
@@ -65,7 +65,7 @@ int run_reach_import(const Arguments& arguments, cli::Console& console) {
   const auto model = with_networks(*like, std::move(*foreign), arguments.first);
   if (!model) return fail_with(console, model.error());
   if (const auto saved = files::save_trunk_model(arguments.out, *model); !saved) return fail_with(console, saved.error());
-  warn(console, "the figures of " + arguments.out + " are not measured: try it on trials before use");
+  warn(console, "the accuracy of " + arguments.out + " is not measured: test the model on trials before use");
   return cli::kOk;
 }
 

@@ -28,13 +28,13 @@ struct Figure {
 };
 
 constexpr Figure kFigures[] = {
-    {"validation_accuracy", "right, same people", &ModelFigures::validation_accuracy},
-    {"left_out_accuracy", "right, people left out", &ModelFigures::left_out_accuracy},
-    {"left_out_own_accuracy", "right by own scale, left out", &ModelFigures::left_out_own_accuracy},
-    {"left_out_kept", "kept, left out", &ModelFigures::left_out_kept},
-    {"left_out_kept_accuracy", "right of the kept, left out", &ModelFigures::left_out_kept_accuracy},
-    {"left_out_angle_rms_deg", "angle, rms deg, left out", &ModelFigures::left_out_angle_rms_deg},
-    {"left_out_angle_coverage", "90 % intervals that hold, left out", &ModelFigures::left_out_angle_coverage},
+    {"validation_accuracy", "correct, same people", &ModelFigures::validation_accuracy},
+    {"left_out_accuracy", "correct, people left out", &ModelFigures::left_out_accuracy},
+    {"left_out_own_accuracy", "correct with personal scale, left out", &ModelFigures::left_out_own_accuracy},
+    {"left_out_kept", "answered, left out", &ModelFigures::left_out_kept},
+    {"left_out_kept_accuracy", "correct of the answered, left out", &ModelFigures::left_out_kept_accuracy},
+    {"left_out_angle_rms_deg", "trunk angle, rms error (deg), left out", &ModelFigures::left_out_angle_rms_deg},
+    {"left_out_angle_coverage", "90 % intervals with the true angle, left out", &ModelFigures::left_out_angle_coverage},
     {"expected_calibration_error", "error of the probabilities, left out", &ModelFigures::expected_calibration_error},
 };
 
@@ -66,7 +66,7 @@ void print_model(const TrunkModelForm& form, const Arguments& arguments, cli::Co
     if (std::isfinite(value)) table.add({{figure.text}, {cli::decimal(value, 3)}});
   }
   table.print(console);
-  cli::print_hint(console, "use it: dtslab reach classify " + arguments.out + " DIR --out PRED.csv");
+  cli::print_hint(console, "to use it: dtslab reach classify " + arguments.out + " DIR --out PRED.csv");
 }
 
 // Large enough: another draw of the same size changes the left-out figures by less than their own spread.
@@ -88,7 +88,7 @@ bool is_simulating(const Arguments& arguments) {
 
 core::Result<TrainingSet> training_set(const Arguments& arguments, files::Problems& problems, cli::Console& console) {
   if (arguments.folder.empty() && !arguments.has_simulated_people) {
-    return core::fail(core::ErrorCode::InvalidArgument, "there is nothing to train on", "a folder of trials, or --simulated");
+    return core::fail(core::ErrorCode::InvalidArgument, "no trials to train on", "give a folder of trials, or --simulated");
   }
   core::Result<TrainingSet> set = arguments.folder.empty() ? TrainingSet{} : recorded(arguments, problems, console);
   if (!set || !problems.empty() || !is_simulating(arguments)) return set;

@@ -66,14 +66,14 @@ TEST(Align, UnrelatedTriggers_AreLeftToTheCorrelationWithAWarning) {
   EXPECT_EQ(alignment->means, Alignment::Means::Correlation);
   EXPECT_EQ(alignment->event_count, 0U);
   EXPECT_NEAR(alignment->offset_s, 2.0, 1e-3);
-  EXPECT_THAT(alignment->warning, HasSubstr("only 1 of 3 and 3 trigger events fits together"));
+  EXPECT_THAT(alignment->warning, HasSubstr("only 1 of 3 and 3 trigger events matches"));
 
   for (double& x : b.x_mm) x = 0.0;
   for (double& y : b.y_mm) y = 0.0;
   b.y_mm[30] = 1.0;
   const auto nothing = align(a, b);
   ASSERT_FALSE(nothing);
-  EXPECT_THAT(nothing.error().what, HasSubstr("only 1 of 3 and 3 trigger events fits together"));
+  EXPECT_THAT(nothing.error().what, HasSubstr("only 1 of 3 and 3 trigger events matches"));
 }
 
 TEST(Align, MissedFirstPulse_TheSignalsTellWhichOneIsLeft) {
@@ -103,7 +103,7 @@ TEST(Align, OneTriggerOnUnlikeSignals_IsNotBelieved) {
   ASSERT_TRUE(alignment);
   EXPECT_EQ(alignment->means, Alignment::Means::Correlation);
   EXPECT_NEAR(alignment->offset_s, 0.0, 1e-6);
-  EXPECT_THAT(alignment->warning, HasSubstr("do not look alike"));
+  EXPECT_THAT(alignment->warning, HasSubstr("but the recordings differ at these times"));
 }
 
 TEST(Align, RegularPulses_FitInManyWaysAndTheSignalsDecide) {

@@ -250,7 +250,7 @@ TEST_F(RunTest, CompareBadFiles_ExitWithTwo) {
   const std::string good = write("a.csv", csv_of(recorded({})));
   const std::string back = write("b.csv", "t_s,x_mm,y_mm\n0,1,1\n0,2,2\n");
 
-  EXPECT_THAT(refusal_of({"compare", good, back}), HasSubstr("b.csv:3:1: t_s does not rise"));
+  EXPECT_THAT(refusal_of({"compare", good, back}), HasSubstr("b.csv:3:1: t_s does not increase"));
   EXPECT_THAT(refusal_of({"compare", good, write("c.csv", "t_s,x_mm,y_mm\n0,1,1\n1,2,2\n")}), HasSubstr("at least 20 scans over 2 s"));
   EXPECT_THAT(refusal_of({"compare", good, "session.xdf"}), HasSubstr("cannot open session.xdf"));
 }

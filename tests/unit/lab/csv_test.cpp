@@ -66,10 +66,10 @@ TEST_F(CsvTest, WrongCellsAndShapes_AreReportedWithLineColumnAndRange) {
       {head + "0,1\n\n1,2\n", "3:1: empty line between rows"},
       {head, "0:0: has no rows"},
       {"", "0:0: is empty"},
-      {"t_s,x_mmm\n0,1\n", "1:1: column 'x_mm' is missing; is it 'x_mmm'?"},
-      {"t_s,x_mm,t_s\n0,1,0\n", "1:10: column 't_s' stands twice"},
-      {"t_s,x_mm,marker\n0,1,\"a\n1,2,b\n", "2:5: this quote is not closed on its line"},
-      {"t_s,\"x_mm\n0,1\n", "1:5: this quote is not closed on its line"},
+      {"t_s,x_mmm\n0,1\n", "1:1: column 'x_mm' is missing; did you mean 'x_mmm'?"},
+      {"t_s,x_mm,t_s\n0,1,0\n", "1:10: column 't_s' occurs twice"},
+      {"t_s,x_mm,marker\n0,1,\"a\n1,2,b\n", "2:5: the quote is not closed on this line"},
+      {"t_s,\"x_mm\n0,1\n", "1:5: the quote is not closed on this line"},
       {head + "0," + std::string(4094, ' ') + "\n", ""},
       {head + "0," + std::string(4095, ' ') + "\n0,x\n", "2:4096: longer than 4096 characters"}};
   for (const auto& [text, problem] : cases) {

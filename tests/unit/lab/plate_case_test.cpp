@@ -186,7 +186,7 @@ TEST_F(PlateCaseTest, PlatesThatTheTheoryDoesNotHoldFor_AreWarnedOf) {
       {under(215.0, 9.80665), {"--nonlinear"}, ""},
       {under(215.0, 200.0),
        {},
-       "warning: the plate bends by 72.47 mm, more than a tenth of its shorter side (430.0 mm): this is outside of plate theory\n"},
+       "warning: the plate bends by 72.47 mm, more than a tenth of its shorter side (430.0 mm): plate theory is not valid here\n"},
       {under(5.0, 1.0, 100.0),
        {},
        "warning: support right back: -0.348 N" + lifts + "warning: support left front: -0.348 N" + lifts +

@@ -130,13 +130,13 @@ TEST_F(RunTest, ReplayWithoutStateOrByAnotherRig_TellsTheFirstDifference) {
   record_middle({.has_state = false}, path("stateless.xdf"));
   EXPECT_EQ(run_with({"replay", path("stateless.xdf"), "--json"}), cli::kFailed);
   EXPECT_FALSE(json()["is_state_restored"]);
-  EXPECT_THAT(talk(), HasSubstr("lacks the state"));
+  EXPECT_THAT(talk(), HasSubstr("does not contain the state"));
 
   std::string other = floor_definition(100.0);
   other.replace(other.find("window_scans = 3"), 16, "window_scans = 5");
   record_middle({}, path("good.xdf"));
   EXPECT_EQ(run_with({"replay", path("good.xdf"), "--rig", write("rig.toml", other), "--json"}), cli::kFailed);
-  EXPECT_THAT(talk(), HasSubstr("stages are not those"));
+  EXPECT_THAT(talk(), HasSubstr("differ from the recorded stages"));
   EXPECT_EQ(stream(json(), "floor/filtered")["first_difference"]["scan"], 338) << "five scans make its first window, and one was enough";
 }
 
@@ -171,7 +171,7 @@ TEST_F(RunTest, ReplayAfterScansWereLost_ComparesUpToThere) {
 
   EXPECT_EQ(run_with({"replay", path("lost.xdf"), "--json"}), cli::kOk) << out();
 
-  EXPECT_THAT(talk(), HasSubstr("scans were lost on the way to the file"));
+  EXPECT_THAT(talk(), HasSubstr("the recorder lost scans at scan"));
   EXPECT_LT(stream(json(), "floor/cop")["scans"], 900);
   EXPECT_GT(stream(json(), "floor/cop")["scans"], 700);
 }

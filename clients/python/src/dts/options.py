@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What proto/dts/v1/options.proto says of topics, commands and bits, read from the descriptors."""
+"""Topics, commands and bits as proto/dts/v1/options.proto defines them, read from the descriptors."""
 import functools
 
 from google.protobuf.descriptor import EnumDescriptor, FieldDescriptor
@@ -22,12 +22,12 @@ EVENT_TOPICS = frozenset(topic.name for topic in TOPICS.values())
 
 
 def topic_of(message: stream_pb2.Event) -> options_pb2.Topic:
-    """Where an event is published; without a name: it has no body that this version knows."""
+    """Returns the topic of an event; without a name if this version does not know its body."""
     return TOPICS.get(message.WhichOneof("body") or "", options_pb2.Topic())
 
 
 @functools.cache
 def bits_of(field: FieldDescriptor) -> EnumDescriptor | None:
-    """The enum whose values are the bits of this field."""
+    """Returns the enum whose values are the bits of this field, or None."""
     name = field.GetOptions().Extensions[options_pb2.bits]
     return stream_pb2.DESCRIPTOR.enum_types_by_name[name] if name else None

@@ -76,26 +76,27 @@ TEST(TrialSet, WrongRows_AreNamedWithTheirFileAndLine) {
       {"trials.csv", trials + "X,1,100,150\n", {"trials.csv:3: subject 'X' is not in subjects.csv"}},
       {"trials.csv",
        trials + "P,2,100,far\nQ,1,100,-120\n",
-       {"trials.csv:3: condition 'far' is no target: write max, percent of the arm's length, or nothing",
-        "trials.csv:4: condition '-120' is no target: write max, percent of the arm's length, or nothing"}},
+       {"trials.csv:3: condition 'far' is not a target: write max, a percentage of the arm length, or nothing",
+        "trials.csv:4: condition '-120' is not a target: write max, a percentage of the arm length, or nothing"}},
       {"trials.csv",
        trials + "P,7,100,150\nP,1.5,100,80\n",
-       {"trials.csv:3: trial 7 has no rows in P.csv", "trials.csv:4: the number of a trial must be a whole one"}},
+       {"trials.csv:3: trial 7 has no rows in P.csv", "trials.csv:4: the trial number must be a whole number"}},
       {"trials.csv", trials + "P,1,74.9,\n", {"trials.csv:3: rate_hz = 74.9 is out of range; allowed: 75 .. 1e+06"}},
       {"trials.csv",
        "subject,trial,file,rate_hz,condition\nP,1,../P.csv,100,150\nP,1,..,100,150\n",
-       {"trials.csv:2: file '../P.csv' is not a name in this folder", "trials.csv:3: file '..' is not a name in this folder"}},
+       {"trials.csv:2: file '../P.csv' is not a plain file name; the file must be in this folder",
+        "trials.csv:3: file '..' is not a plain file name; the file must be in this folder"}},
       {"subjects.csv",
        subjects + "P,healthy,68,175,67,124\nQ,Healthy,52,165,59,115\n",
        {"subjects.csv:3: group 'Healthy' is not known: write healthy or stroke"}},
       {"subjects.csv",
        subjects + "P,healthy,68,175,67,124\nP,stroke,52,165,59,115\n,stroke,52,165,59,115\n",
-       {"subjects.csv:3: subject 'P' stands twice", "subjects.csv:4: a subject without a name"}},
-      {"sensors.csv", sensors + "0.6\n", {"sensors.csv: has 2 sensors; a transient takes 4"}},
+       {"subjects.csv:3: subject 'P' occurs twice", "subjects.csv:4: a subject without a name"}},
+      {"sensors.csv", sensors + "0.6\n", {"sensors.csv: has 2 sensors; the transient requires 4"}},
       {"sensors.csv",
        sensors + "0.6\n4,140,220,0.6\n3,260,220,0.6\n",
        {"sensors.csv:4: channels must be 1, 2, 3, 4 in this order", "sensors.csv:5: channels must be 1, 2, 3, 4 in this order"}},
-      {"sensors.csv", sensors + "0.01\n3,140,220,0.6\n4,260,220,0.6\n", {"sensors.csv:3: tare_v lies outside the sensor's calibration"}},
+      {"sensors.csv", sensors + "0.01\n3,140,220,0.6\n4,260,220,0.6\n", {"sensors.csv:3: tare_v is outside the sensor's calibration"}},
       {"calibration.csv",
        "d_mm,v1,v2,v3,v4\n1,4,4,4,4\n2,3,3,3,3\n3,3.5,2,2,2\n9,0.5,0.5,0.5,0.5\n",
        {"calibration.csv:1: sensor curve 'v1', point 2 (3 mm, 3.5 V): the volts must keep rising or keep falling, so that a voltage means "
@@ -103,7 +104,7 @@ TEST(TrialSet, WrongRows_AreNamedWithTheirFileAndLine) {
       {"P.csv", "trial,v1,v2,v3\n1,1,1,1\n", {"P.csv:1: column 'v4' is missing"}},
       {"Q.csv",
        "trial,v1,v2,v3,v4\n1,1,1,1,1\n2,1,1,1,1\n1,1,1,1,1\n",
-       {"Q.csv:4: trials must be whole numbers, and the rows of one must stand together"}}};
+       {"Q.csv:4: trial must be a whole number, and the rows of a trial must follow each other"}}};
   for (const Wrong& wrong : cases) {
     SCOPED_TRACE(wrong.file + ": " + wrong.text);
     const TrialFolder folder;

@@ -212,8 +212,8 @@ TEST(SteadinessModel, Damage_IsNamed) {
     return read ? std::string() : read.error().what;
   };
 
-  EXPECT_THAT(damaged("\"MVELO\"", "\"MVELOX\""), HasSubstr("there is no measure 'MVELOX'"));
-  EXPECT_THAT(damaged("\"MVELO\"", "\"RDIST\""), HasSubstr("RDIST stands twice"));
+  EXPECT_THAT(damaged("\"MVELO\"", "\"MVELOX\""), HasSubstr("unknown measure 'MVELOX'"));
+  EXPECT_THAT(damaged("\"MVELO\"", "\"RDIST\""), HasSubstr("RDIST occurs twice"));
   EXPECT_THAT(damaged("\"format\": 1", "\"format\": 2"), HasSubstr("'format'"));
   EXPECT_THAT(damaged("\"sd\": ", "\"sd\": -"), HasSubstr("'sd'"));
   EXPECT_THAT(damaged("\"offsets\": [", "\"offsets\": [0.5,"), HasSubstr("'offsets'"));

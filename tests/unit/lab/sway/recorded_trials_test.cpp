@@ -122,8 +122,9 @@ TEST_F(RecordedTrialsTest, TrialThatAGapDivides_IsMeasuredInItsLongestStretch) {
     EXPECT_TRUE(writer->write_samples(cop, begin_s, values, start));
   };
   write(0, 0, 300, {{.event = "segment"}, step(TrialEventKind::Measure, 1, "open", 100)});
-  write(1, 500, 2500, {{.event = "segment", .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{200}}}},
-                       step(TrialEventKind::Done, 1, "open", 2400)});
+  write(1, 500, 2500,
+        {{.event = "segment", .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{200}}}},
+         step(TrialEventKind::Done, 1, "open", 2400)});
   ASSERT_TRUE(writer->close());
 
   ASSERT_EQ(run_with({"sway", path("divided.xdf"), "--json"}), cli::kOk) << talk();
@@ -134,7 +135,7 @@ TEST_F(RecordedTrialsTest, TrialThatAGapDivides_IsMeasuredInItsLongestStretch) {
 
 TEST_F(RecordedTrialsTest, ResultThatIsNotWhatIsComputed_ExitsWithOne) {
   EXPECT_EQ(run_with({"sway", recording(0.01)}), cli::kFailed) << talk();
-  EXPECT_THAT(out(), HasSubstr("2 results were recorded when they were told: 1 differ from what is computed here"));
+  EXPECT_THAT(out(), HasSubstr("2 live results in the recording: 1 differ from the recomputed values"));
 }
 
 TEST_F(RecordedTrialsTest, TwoTrialsOfOneRecording_MakeARombergTest) {

@@ -38,9 +38,9 @@ TEST_F(SteadinessTest, SeparableLabels_AreLearntAndToldAgain) {
   const std::string training = table("train.csv", 12, 6.0);
 
   ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("eyes.json")}), cli::kOk) << talk();
-  EXPECT_THAT(out(), HasSubstr("Better than always saying the commonest label."));
+  EXPECT_THAT(out(), HasSubstr("Better than always predicting the most frequent label."));
   EXPECT_THAT(out(), Not(HasSubstr("too few")));
-  EXPECT_THAT(talk(), HasSubstr("1 rows left out: the subject stepped off or moved"));
+  EXPECT_THAT(talk(), HasSubstr("1 rows left out: the subject stepped off or moved the feet"));
 
   ASSERT_EQ(run_with({"steadiness", "classify", path("eyes.json"), training, "--out", path("pred.csv")}), cli::kOk) << talk();
   EXPECT_THAT(content("pred.csv"), ::testing::StartsWith("file,session,subject,trial,label,p_closed,p_open,outside\nt0.xdf,,S0,,open,"));
@@ -65,7 +65,7 @@ TEST_F(SteadinessTest, RowsWithoutSubjects_AreSaidToFlatter) {
 
   ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("m.json"), "--measures", "MVELO"}), cli::kOk)
       << talk();
-  EXPECT_THAT(out(), HasSubstr("the figures flatter"));
+  EXPECT_THAT(out(), HasSubstr("the results are too good"));
   ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("m.json"), "--json"}), cli::kOk);
   EXPECT_EQ(json().at("rows_without_subject"), 19);
   EXPECT_EQ(json().at("is_of_too_few_subjects"), true);
@@ -80,8 +80,8 @@ TEST_F(SteadinessTest, RowsOutsideOfTraining_AreMarked) {
 
   EXPECT_THAT(json().at("predictions").at(0).at("outside"), ::testing::ElementsAre("MVELO"));
   EXPECT_FALSE(json().at("predictions").at(1).contains("label"));
-  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows lie outside"));
-  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows get no label"));
+  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows are outside"));
+  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows have no label"));
   EXPECT_THAT(talk(), HasSubstr("another profile than 'lp10'"));
 }
 
@@ -98,23 +98,25 @@ TEST_F(SteadinessTest, BadInput_ExitsWithTwo) {
   const std::string training = table("train.csv", 3, 1.0);
   const std::string bad = write("bad.csv", "eyes,MVELO\nopen,fast\n");
   const std::string model = write("m.json", "{\"kind\": 3}");
-  const std::string left_out = "warning: 1 rows left out: the subject stepped off or moved\n";
+  const std::string left_out = "warning: 1 rows left out: the subject stepped off or moved the feet\n";
   const auto train = [](const std::string& from, const std::string& label, const std::string& out, const std::string& measures) {
     return std::vector<std::string>{"steadiness", "train", from, "--label", label, "--out", out, "--measures", measures};
   };
   for (const auto& [words, says] :
        {std::pair(train(training, "eye", path("n.json"), "MVELO"),
                   std::string("train.csv:1:1: column 'eye' is missing; dtslab sway FILES --label eye=... adds it\n")),
-        {train(training, "eyes", path("n.json"), "SPEED"), left_out + "dtslab: there is no measure 'SPEED'\n  try: MVELO,PEA95_F\n"},
+        {train(training, "eyes", path("n.json"), "SPEED"),
+         left_out + "dtslab: unknown measure 'SPEED'\n  try: write symbols such as MVELO,PEA95_F; dtslab sway --help lists them\n"},
         {train(training, "eyes", path("n.json"), "MFREQ"),
-         left_out + "dtslab: MFREQ is missing in line 2\n  try: another measure, or a table without that row\n"},
+         left_out + "dtslab: MFREQ is missing in line 2\n  try: choose another measure, or remove the row\n"},
         {train(training, "profile", path("n.json"), "MVELO"),
-         left_out + "dtslab: there are not two different labels to tell apart\n  try: another column\n"},
+         left_out + "dtslab: the column has fewer than two different labels\n  try: choose another column with --label\n"},
         {train(training, "eyes", training, "MVELO"), "dtslab: train.csv is the input file train.csv\n  try: write to another file\n"},
         {train(bad, "eyes", path("n.json"), "MVELO"), "bad.csv:2:6: MVELO: 'fast' is not a finite number\n"},
         {{"steadiness", "classify", model, training},
-         "dtslab: m.json is no model of dtslab steadiness train: 'kind' is no text\n  try: train it anew: dtslab steadiness train\n"},
-        {{"steadiness", "classify", path("none.json"), training}, "dtslab: none.json cannot be read\n  try: a file that exists\n"}}) {
+         "dtslab: m.json is not a model of dtslab steadiness train: 'kind' is not a text\n  try: train a new model: dtslab steadiness "
+         "train\n"},
+        {{"steadiness", "classify", path("none.json"), training}, "dtslab: none.json cannot be read\n  try: give an existing file\n"}}) {
     EXPECT_EQ(refusal_of(words), says);
   }
   EXPECT_FALSE(std::filesystem::exists(path("n.json")));

@@ -51,7 +51,7 @@ std::optional<unsigned> read_sync_output_bit(const UriOptions& options) {
 
 core::Error no_usb(const DeviceUri& uri) {
   return {core::ErrorCode::Unsupported, "device \"" + uri.text + "\" is on a USB cable, and this program has no access to USB",
-          "run it in dtsd, or take a device of the \"sim:\" kind"};
+          "run it in dtsd, or use a \"sim:\" device"};
 }
 
 }  // namespace dts::device::mcc

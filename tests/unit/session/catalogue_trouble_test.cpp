@@ -85,7 +85,7 @@ TEST_F(CatalogueTroubleTest, PowerCutWhileACatalogueIsSetAside_LosesNoneOfItsFil
   }
   EXPECT_EQ(kept, 2U);
   EXPECT_EQ(recordings->catalogue().audit(1).value().at(0).what, "catalogue_rebuilt");
-  EXPECT_THAT(recordings->notice(), HasSubstr("catalogue.sqlite is gone, but files of it are there; it is kept as"));
+  EXPECT_THAT(recordings->notice(), HasSubstr("catalogue.sqlite is missing, but files that belong to it exist; dtsd kept it as"));
   EXPECT_TRUE(recordings->catalogue().verify_audit());
 }
 

@@ -142,7 +142,7 @@ core::Status KeyStore::revoke(const std::string& name) {
   auto all = read();
   if (!all) return tl::make_unexpected(all.error());
   if (std::erase_if(*all, [&](const ClientKey& key) { return key.name == name; }) == 0) {
-    return core::fail(core::ErrorCode::NotFound, "there is no key '" + name + "'", "dtsctl key list");
+    return core::fail(core::ErrorCode::NotFound, "there is no key '" + name + "'", "list the keys: dtsctl key list");
   }
   return write(std::move(*all));
 }

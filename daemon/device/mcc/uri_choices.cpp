@@ -24,7 +24,7 @@ UriOption trigger_option() {
           .choices = "none|rising|falling|high|low",
           .sentence =
               "What the trigger input must do before the first scan. It is armed once, for the first scan after dtsd starts; after a "
-              "fault or a replug the scan goes on without it."};
+              "fault or a replug the scan continues without it."};
 }
 
 Trigger read_trigger(const UriOptions& options) {

@@ -27,7 +27,7 @@ core::Result<std::optional<double>> parse_speed(const DeviceUri& uri, const std:
   const bool is_number = error == std::errc{} && stopped_at == text.data() + text.size();
   if (is_number && speed >= kSlowest && speed <= kFastest) return std::optional(speed);
   return core::fail(core::ErrorCode::InvalidArgument,
-                    "device \"" + uri.text + "\": speed = \"" + text + "\" is not allowed; it takes 0.1..100 or max");
+                    "device \"" + uri.text + "\": speed = \"" + text + "\" is not allowed; allowed: 0.1..100 or max");
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ core::Status check(const PlateCase& plate_case, PlateMethod method, const SolveO
     return core::fail(core::ErrorCode::InvalidArgument, "Simpson's load of thesis eq. 3.13 works only with the finite differences",
                       "use method fdm, or a patch load");
   }
-  if (plate_case.loads.empty()) return core::fail(core::ErrorCode::InvalidArgument, "there is no load", "add at least one");
+  if (plate_case.loads.empty()) return core::fail(core::ErrorCode::InvalidArgument, "there is no load", "add at least one load");
   for (std::size_t k = 0; k < plate_case.loads.size(); ++k) {
     if (auto status = check_load(plate_case.plate, plate_case.loads[k], "load " + std::to_string(k + 1)); !status) return status;
   }

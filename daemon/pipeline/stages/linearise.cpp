@@ -41,7 +41,7 @@ Linearise::Linearise(const StageOptions& options, const StageContext& context)
 const StageDescription& Linearise::description() {
   static const StageDescription described{
       .id = "linearise",
-      .sentence = "Turns volts into deflection by each sensor's curve and takes the empty plate as zero.",
+      .sentence = "Turns volts into deflection by each sensor's curve and uses the empty plate as zero.",
       .output_stream = "deflection",
       .options = {
           {.name = "tare_ms", .sentence = "How long a tare averages.", .default_value = 1000.0, .minimum = 10.0, .maximum = 5'000.0},

@@ -138,7 +138,7 @@ TEST_F(KeyStoreTest, AFileThatIsWrong_SaysWhereAndWhat) {
       {"[[client]]\nname = \"anna\"\nrole = \"viewer\"\npublic_key = \"x\"\n", ":4:", "a public key has 40 characters"},
       {anna + "colour = 1\n", ":5:", "colour"},
       {"colour = 1\n" + anna, ":1:", "colour"},
-      {anna + "[[client]]\nname = \"bert\"\nrole = \"viewer\"\n" + key, ":8:", "another client has the same key"},
+      {anna + "[[client]]\nname = \"bert\"\nrole = \"viewer\"\n" + key, ":8:", "another client has the same public key"},
       {anna + "[[client]]\nname = \"anna\"\nrole = \"viewer\"\npublic_key = \"" + std::string(40, 'b') + "\"\n",
        ":6:", "another client is named 'anna'"},
   };

@@ -152,7 +152,7 @@ TEST_F(ControlTest, WhatIsNoRequest_IsAnsweredCountedAndOneLineOfTheLogASecond) 
       {{request("request_id: '" + id64 + "' status {}")}, "request_id: \"" + id64 + "\" status {", false},
       {{request("request_id: '" + id64 + "i' status {}")}, id, true},
       {{request("request_id: 'q'")},
-       "request_id: \"q\" error { code: ERROR_CODE_INVALID_ARGUMENT what: \"the request holds no command",
+       "request_id: \"q\" error { code: ERROR_CODE_INVALID_ARGUMENT what: \"the request contains no command",
        false},
   };
   zmq::socket_t local = client();

@@ -279,7 +279,7 @@ TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {
   const FinishedRecording finished = wait(thread);  // nobody has ended the take
 
   EXPECT_FALSE(finished.is_closed);
-  EXPECT_THAT(finished.incomplete, HasSubstr("is gone"));
+  EXPECT_THAT(finished.incomplete, HasSubstr("was deleted or moved"));
 }
 
 TEST_F(RecordThreadTest, NameTakenMeanwhile_WhatStaysSaysThatItIsIncomplete) {

@@ -187,7 +187,7 @@ TEST_F(RigSessionTest, ResumedSessionWithADuration_LastsForTheRestOfIt) {
   EXPECT_EQ(resumed->second.request.settle_s, 1.0);
   pass(6.5);
   ASSERT_TRUE(stop(true));
-  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("was over but for its last second"));
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("has less than 1 s left"));
   end();
   timed.definition = "v2";
   start({Protocol{}, timed});
@@ -203,7 +203,7 @@ TEST_F(RigSessionTest, RecordingThatBreaks_EndsItsSessionAndTheTrialInIt) {
 
   ASSERT_TRUE(is_in(SessionState::Failed));
 
-  EXPECT_THAT(now().session.message, AllOf(HasSubstr("the recording stopped: "), HasSubstr("is gone")));
+  EXPECT_THAT(now().session.message, AllOf(HasSubstr("the recording stopped: "), HasSubstr("was deleted or moved")));
   EXPECT_EQ(row(id).state, "incomplete");
   EXPECT_EQ(row(id).trials.at(0).outcome, "aborted");
   EXPECT_THAT(log(), HasSubstr("is incomplete: "));

@@ -38,7 +38,7 @@ DeviceCheck describe_rate(double error, double drift_ppm) {
   using enum DeviceCheck::Outcome;
   std::array<char, 96> text{};
   if (!(std::abs(error) <= kLargestRateError) || std::abs(drift_ppm) <= core::HostTime::kCrystalPpm) {
-    std::snprintf(text.data(), text.size(), "off by %.2f %%, beyond what arrival jitter explains", std::abs(error) * 100.0);
+    std::snprintf(text.data(), text.size(), "off by %.2f %% beyond what arrival jitter explains", std::abs(error) * 100.0);
     return {kRateCheck, std::abs(error) <= kLargestRateError ? Passed : Failed, text.data()};
   }
   const char* const direction = drift_ppm > 0.0 ? "fast" : "slow";

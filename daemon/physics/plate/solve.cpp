@@ -47,7 +47,7 @@ core::Status check_load(const Plate& plate, const PlateLoad& load, const std::st
   }
   if (std::abs(load.force.value) <= kLargestForceN && load.force.value != 0.0) return {};
   return core::fail(core::ErrorCode::InvalidArgument, name + ": a force of " + std::to_string(load.force.value) +
-                                                          " N is not allowed: it must not be 0, and at most 1000000 N");
+                                                          " N is not allowed: it must be other than 0 and at most 1000000 N");
 }
 
 /// Solves on one grid, without error estimates.

@@ -82,7 +82,7 @@ std::vector<Mistake> unknown_names(const DeviceUri& uri, std::span<const UriOpti
 }
 
 std::string not_allowed(const UriOption& option, const std::string& value) {
-  return std::string(option.name) + " = \"" + value + "\" is not allowed; it takes " + allowed(option);
+  return std::string(option.name) + " = \"" + value + "\" is not allowed; allowed: " + allowed(option);
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ core::Result<UriOptions> UriOptions::read(const DeviceUri& uri, std::span<const 
     if (options.take(option, value)) continue;
     std::string hint;
     if (option.kind == OptionKind::Word) hint = did_you_mean(value, split_choices(option.choices));
-    if (option.kind == OptionKind::Numbers) hint = "numbers separated by commas, at most " + std::to_string(kMostNumbers);
+    if (option.kind == OptionKind::Numbers) hint = "write numbers separated by commas, at most " + std::to_string(kMostNumbers);
     mistakes.push_back({not_allowed(option, value), std::move(hint)});
   }
   if (!mistakes.empty()) return refuse(uri, mistakes);

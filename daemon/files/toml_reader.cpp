@@ -89,7 +89,7 @@ std::optional<toml::table> parse_toml(const std::string& file, Problems& problem
 
 std::optional<toml::table> parse_toml_text(std::string_view text, const std::string& name, Problems& problems) {
   if (text.size() > kMostTomlBytes) {
-    problems.push_back({.file = name, .text = "is larger than 4 MiB: that is no file of dtsd"});
+    problems.push_back({.file = name, .text = "is larger than 4 MiB: this is not a file of dtsd"});
     return std::nullopt;
   }
   if (const std::size_t deep = find_deep_key(text); deep != std::string_view::npos) {
@@ -118,9 +118,9 @@ const toml::node* TomlReader::node(std::string_view key) {
 bool TomlReader::has(std::string_view key) const { return table_ != nullptr && table_->contains(key); }
 
 void TomlReader::require(std::string_view key) {
-  if (has(key) || has_told_absence_) return;
-  has_told_absence_ = table_ == nullptr;
-  report("", (has_told_absence_ ? where_ : named(key)) + " is missing");
+  if (has(key) || has_reported_absence_) return;
+  has_reported_absence_ = table_ == nullptr;
+  report("", (has_reported_absence_ ? where_ : named(key)) + " is missing");
 }
 
 bool TomlReader::can_read(std::string_view key, const std::string& file) {
@@ -245,7 +245,7 @@ std::optional<TomlReader> TomlReader::table_or_file(std::string_view key, Refere
   const std::string name = text(key, "");
   if (name.empty()) return std::nullopt;
   if (references == References::None) {
-    report(key, named(key) + " names a file, but a definition has none beside it: it must be a table");
+    report(key, named(key) + " names a file, but a recorded definition must contain the table itself");
     return std::nullopt;
   }
   const auto file = (std::filesystem::path(file_).parent_path() / name).lexically_normal().string();

@@ -88,7 +88,7 @@ class TomlReader {
   std::string where_;
   std::string file_;
   Problems* problems_;
-  bool has_told_absence_ = false;
+  bool has_reported_absence_ = false;
   std::set<std::string, std::less<>> asked_;
 };
 

@@ -146,7 +146,7 @@ classifier::ModelFigures read_model_figures(TomlReader reader) {
   classifier::ModelFigures figures;
   figures.validation_accuracy = required_number(reader, "validation_accuracy", 1.0, 0.0, 1.0);
   if (figures.validation_accuracy < TrunkModelForm::kLowestValidationAccuracy) {
-    reader.report("validation_accuracy", "validation_accuracy is below 0.9: the training failed, this model is not to be used");
+    reader.report("validation_accuracy", "validation_accuracy is below 0.9: the training failed, do not use this model");
   }
   figures.left_out_accuracy = optional_figure(reader, "left_out_accuracy", 1.0);
   figures.left_out_own_accuracy = optional_figure(reader, "left_out_own_accuracy", 1.0);

@@ -54,8 +54,8 @@ CommandHandler::Answer CommandHandler::run(const dts::v1::Request& request) {
     case dts::v1::Request::kNoteLogin: return {note_login(request.note_login())};
     case dts::v1::Request::COMMAND_NOT_SET: break;
   }
-  return {error_response({ErrorCode::InvalidArgument, "the request holds no command this daemon knows",
-                          "client and daemon may differ in version: dtsctl doctor"})};
+  return {error_response({ErrorCode::InvalidArgument, "the request contains no command that this daemon knows",
+                          "compare the versions of client and daemon: dtsctl doctor"})};
 }
 
 std::optional<dts::v1::Response> CommandHandler::finish(const Pending& pending) {
@@ -66,7 +66,7 @@ std::optional<dts::v1::Response> CommandHandler::finish(const Pending& pending) 
 dts::v1::Response CommandHandler::give_up(const Pending& pending) {
   if (const auto* stop = std::get_if<PendingStop>(&pending)) {
     return error_response({ErrorCode::Timeout, "the recording of session " + stop->session_id + " is still being closed",
-                           "the disk is slow; look again: dtsctl session show " + stop->session_id});
+                           "the disk is slow; check again: dtsctl session show " + stop->session_id});
   }
   const auto& tare = std::get<PendingTare>(pending);
   supervisor_.cancel_tare(tare.rig, tare.request);
@@ -94,7 +94,7 @@ std::optional<dts::v1::Response> CommandHandler::finish_tare(const PendingTare& 
                              "keep still around the plate, then try again"});
     case pipeline::TareOutcome::BadSensor:
       return error_response({ErrorCode::WrongState, "tare refused: a sensor of rig '" + pending.rig + "' is faulty",
-                             "look at it: dtsctl device test " + pending.rig});
+                             "test it: dtsctl device test " + pending.rig});
   }
   return error_response({ErrorCode::Internal, "tare ended in an unknown state", ""});
 }
@@ -105,7 +105,9 @@ dts::v1::StatusSnapshot CommandHandler::status() {
     for (const std::string& notice : rig->notices()) out.add_notices(notice);
   }
   if (has_remote_problem_)
-    out.add_notices("other machines cannot connect: another program has taken the port of [network]; it is tried again");
+    out.add_notices(
+        "other machines cannot connect: another program uses the port of [network]; dtsd retries. End that program, or choose another "
+        "port");
   out.set_rejected_requests_total(rejected_total_);
   if (authenticator_ != nullptr) {
     out.set_has_network(true);

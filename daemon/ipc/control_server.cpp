@@ -101,7 +101,7 @@ void ControlServer::admit(ControlSocket& socket, Incoming asked) {
     if (gate_.is_worth_an_answer(peer, clock_.now_ns())) socket.reply(asked.envelope, error_response(admitted.error()).SerializeAsString());
     return;
   }
-  if (!asked.is_well_formed) return reject(socket, asked, peer, "a request is one frame, or an empty one and then one");
+  if (!asked.is_well_formed) return reject(socket, asked, peer, "a request must be one frame, or an empty frame and then one frame");
   answer(socket, std::move(asked), std::move(peer));
 }
 
@@ -114,7 +114,7 @@ void ControlServer::answer(ControlSocket& socket, Incoming asked, access::Peer p
   const dts::v1::CommandRules& rules = wire::rules_of(request);
   if (rules.is_change() && answer_repeat(socket, asked, peer, id)) return;
   if (rules.timeout_s() > 0 && waiting_.size() == kMostWaiting) {
-    return reject(socket, asked, peer, "too many commands are being waited for");
+    return reject(socket, asked, peer, "too many commands wait for their answers");
   }
   CommandHandler::Answer result = handler_.execute(request);
   if (result.pending) {
@@ -193,7 +193,7 @@ void ControlServer::count_rejected() {
 
 void ControlServer::log_rejected(std::int64_t now_ns) {
   if (unlogged_rejections_ == 0 || now_ns < next_log_ns_) return;
-  log_.warning("rejected " + std::to_string(std::exchange(unlogged_rejections_, 0)) + " requests that were malformed or too many" +
+  log_.warning("rejected " + std::to_string(std::exchange(unlogged_rejections_, 0)) + " malformed or excess requests" +
                (last_rejected_.empty() ? "" : ", the last by " + last_rejected_));
   next_log_ns_ = now_ns + kLogNs;
 }
@@ -202,7 +202,8 @@ void ControlServer::reject(ControlSocket& socket, const Incoming& asked, const a
   count_rejected();
   last_rejected_ = peer.who;
   socket.reply(asked.envelope,
-               error_response({core::ErrorCode::InvalidArgument, why, "client and daemon may differ in version"}).SerializeAsString());
+               error_response({core::ErrorCode::InvalidArgument, why, "compare the versions of client and daemon: dtsctl doctor"})
+                   .SerializeAsString());
 }
 
 void ControlServer::publish_notices() {

@@ -288,7 +288,8 @@ core::Status Recorder::write_waiting() {
 core::Result<XdfWriter::Closed> Recorder::close(const std::string& incomplete) {
   const auto told = write_waiting();
   if (!incomplete.empty()) return writer_->close_incomplete(incomplete);
-  if (lost_scans_ > 0) return writer_->close_incomplete(std::to_string(lost_scans_) + " scans found no room on the way to the file");
+  if (lost_scans_ > 0)
+    return writer_->close_incomplete(std::to_string(lost_scans_) + " scans were dropped: the queue to the recorder was full");
   if (!told) return tl::make_unexpected(told.error());
   return writer_->close();
 }

@@ -169,7 +169,7 @@ core::Result<SessionFacts> read_session_facts(const std::string& file) {
   if (!chunk) return tl::make_unexpected(chunk.error());
   const auto* header = *chunk ? std::get_if<FileHeader>(&(*chunk)->content) : nullptr;
   if (header == nullptr) return core::fail(core::ErrorCode::DataDamaged, "it has no file header");
-  if (fact(header->facts, "session_id").empty()) return core::fail(core::ErrorCode::Unsupported, "it is no recording of dtsd");
+  if (fact(header->facts, "session_id").empty()) return core::fail(core::ErrorCode::Unsupported, "it is not a recording of dtsd");
   return session_facts(header->facts);
 }
 

@@ -67,9 +67,10 @@ core::Status check_known(const Protocol& protocol, const Fields& fields) {
   for (std::size_t index = 0; index < fields.size(); ++index) {
     if (std::ranges::find(names, fields[index].first) != names.end()) continue;
     const std::string near = core::suggest(fields[index].first, known);
-    return wrong("field " + std::to_string(index + 1) + " of " + std::to_string(fields.size()) + " is none that protocol '" +
-                     protocol.name + "' asks for",
-                 names.empty() ? "it asks for none" : (near.empty() ? "known: " + listed(names) : "did you mean '" + near + "'?"));
+    return wrong("field " + std::to_string(index + 1) + " of " + std::to_string(fields.size()) + " is not a field of protocol '" +
+                     protocol.name + "'",
+                 names.empty() ? "remove it: this protocol has no fields"
+                               : (near.empty() ? "known: " + listed(names) : "did you mean '" + near + "'?"));
   }
   return {};
 }
@@ -77,10 +78,10 @@ core::Status check_known(const Protocol& protocol, const Fields& fields) {
 core::Status check_value(const ProtocolField& field, const std::string& value) {
   if (!field.choices.empty()) {
     if (std::ranges::find(field.choices, value) != field.choices.end()) return {};
-    return wrong("field '" + field.name + "' is none of its choices", "choices: " + listed(field.choices));
+    return wrong("field '" + field.name + "' is not one of its choices", "choices: " + listed(field.choices));
   }
   const auto number = number_of(value);
-  if (!number) return wrong("field '" + field.name + "' is no number", "write it as 65.5, without a unit");
+  if (!number) return wrong("field '" + field.name + "' is not a number", "write it as 65.5, without a unit");
   if (*number >= field.minimum && *number <= field.maximum) return {};
   return wrong("field '" + field.name + "' is out of range", "allowed: " + shown(field.minimum) + " .. " + shown(field.maximum));
 }
@@ -109,7 +110,7 @@ core::Status check_field(const ProtocolField& field, const Fields& fields) {
 
 core::Status check_target(const Condition& condition, const Fields& fields) {
   const auto needs = [&](const char* field) {
-    return wrong("field '" + std::string(field) + "' is missing: target '" + condition.name + "' depends on it", "measure it, in cm");
+    return wrong("field '" + std::string(field) + "' is missing: target '" + condition.name + "' needs it", "measure it and add it, in cm");
   };
   const auto maximum_reach_cm = field_number(fields, kMaximumReach);
   if (condition.is_maximum_reach) {
@@ -120,9 +121,9 @@ core::Status check_target(const Condition& condition, const Fields& fields) {
   const auto distance_cm = target_cm(condition, fields);
   if (!distance_cm) return needs(kArmLength);
   if (!maximum_reach_cm || *distance_cm <= *maximum_reach_cm + kReachToleranceCm) return {};
-  return wrong("target '" + condition.name + "' stands at " + shown(*distance_cm) + " cm, beyond the subject's maximum reach of " +
+  return wrong("target '" + condition.name + "' is at " + shown(*distance_cm) + " cm, beyond the subject's maximum reach of " +
                    shown(*maximum_reach_cm) + " cm",
-               "use a protocol without this target: copy the file and take the condition out");
+               "use a protocol without this target: copy the file and remove the condition");
 }
 
 }  // namespace
@@ -142,7 +143,7 @@ core::Status check_fields(const Protocol& protocol, const Fields& fields) {
   collect({}, check_known(protocol, fields));
   for (const ProtocolField& field : protocol.fields) collect(field.name, check_field(field, fields));
   if (const std::string options = missing(protocol, fields); !options.empty()) {
-    collect({}, wrong("protocol '" + protocol.name + "' asks for more about the subject", "add " + options));
+    collect({}, wrong("protocol '" + protocol.name + "' needs more fields about the subject", "add " + options));
   }
   if (!errors.empty()) return all_of(errors);
   if (!protocol.trials) return {};

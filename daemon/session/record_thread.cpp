@@ -21,7 +21,8 @@ constexpr std::size_t kSlotsPerTurn = 256;  // after that, the other rigs have t
 /// Fails with NotFound if the file was deleted: later writes would vanish when it is closed.
 core::Status check_there(const std::string& file) {
   if (::access(file.c_str(), F_OK) == 0 || errno != ENOENT) return {};
-  return core::fail(core::ErrorCode::NotFound, file + " is gone", "somebody removed or moved it while it was written");
+  return core::fail(core::ErrorCode::NotFound, file + " was deleted or moved during the recording",
+                    "start a new session; do not touch a file while dtsd records into it");
 }
 
 /// Closes a recording. If a complete recording cannot be closed as complete, stores the error in `reason` and tries again with this reason
@@ -207,8 +208,9 @@ void RecordThread::finish(const std::string& rig, Line& line, const std::string&
   const auto flushed = recorder->flush();
   if (reason.empty() && !flushed) reason = core::to_string(flushed.error());
   const std::uint64_t lost_scans = recorder->lost_scans();
-  if (reason.empty() && lost_scans > 0) reason = std::to_string(lost_scans) + " scans found no room on the way to the file";
-  if (reason.empty() && line.lost_events > 0) reason = std::to_string(line.lost_events) + " events found no room on the way to the file";
+  if (reason.empty() && lost_scans > 0) reason = std::to_string(lost_scans) + " scans were dropped: the queue to the recorder was full";
+  if (reason.empty() && line.lost_events > 0)
+    reason = std::to_string(line.lost_events) + " events were dropped: the queue to the recorder was full";
   if (reason.empty()) {
     const std::lock_guard lock(mutex_);
     reason = line.view.problem;

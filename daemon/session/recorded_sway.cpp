@@ -32,7 +32,8 @@ struct CopColumns {
 
 core::Result<CopColumns> find_cop(const record::Recording& recording) {
   const auto refuse = [](const std::string& what) {
-    return core::fail(core::ErrorCode::NotFound, what, "steadiness is measured on a floor platform; dtslab replay tells what is recorded");
+    return core::fail(core::ErrorCode::NotFound, what,
+                      "choose a recording of a floor platform; dtslab replay shows what a recording contains");
   };
   const auto stream = recording.find_stream("cop");
   if (!stream || !recording.streams()[*stream].rate) return refuse("the recording has no stream \"cop\"");
@@ -226,7 +227,7 @@ class FreeStanding {
       append(current_, scans, i, cop_);
       if (++samples_ > kMostStandingSamples) {
         return core::fail(core::ErrorCode::Unsupported, "more than " + std::to_string(kMostStandingSamples) + " samples of standing",
-                          "record trials, or shorter");
+                          "record trials, or a shorter session");
       }
     }
     return {};

@@ -66,7 +66,8 @@ core::Status check_sync(const pipeline::RigConfig& config, const device::DeviceD
     return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "': " + what, hint);
   };
   if (config.sync_pulse_ms > 0.0 && !device.has_sync_output) {
-    return refuse("[session] sync_pulse_ms needs a device with a sync output", "for MCC devices: sync_output_bit=0 in the device address");
+    return refuse("[session] sync_pulse_ms needs a device with a sync output",
+                  "for an MCC device, add sync_output_bit=0 to the device address");
   }
   if (!config.trigger || config.trigger->channel >= device.channels.size()) return {};  // the pipeline rejects a missing channel
   const device::ChannelDescription& channel = device.channels[config.trigger->channel];

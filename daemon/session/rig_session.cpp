@@ -28,7 +28,7 @@ std::uint64_t seed_of(const std::string& id) {
 
 /// Reads the facts of the session from its newest readable part; all parts agree on the facts used here, and unreadable parts are skipped.
 core::Result<record::SessionFacts> facts_of(const record::SessionRow& row) {
-  core::Result<record::SessionFacts> facts = core::fail(ErrorCode::NotFound, "session " + row.id + " has no recording to go on from");
+  core::Result<record::SessionFacts> facts = core::fail(ErrorCode::NotFound, "session " + row.id + " has no recording to continue");
   for (const record::PartRow& part : std::views::reverse(row.parts)) {
     auto read = record::read_session_facts(part.file);
     if (read) return read;
@@ -146,7 +146,7 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   if (const double whole_s = earlier->duration_s > 0.0 ? earlier->duration_s : (*protocol)->duration_s; whole_s > 0.0) {
     request.duration_s = whole_s - recorded_s(row, earlier->settle_s > 0.0 ? earlier->settle_s : (*protocol)->settle_s);
     if (request.duration_s < 1.0) {
-      return core::fail(ErrorCode::WrongState, "session " + row.id + " was over but for its last second: there is nothing to resume",
+      return core::fail(ErrorCode::WrongState, "session " + row.id + " has less than 1 s left: there is nothing to resume",
                         "start a new one");
     }
   }

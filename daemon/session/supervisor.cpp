@@ -106,12 +106,12 @@ core::Status Supervisor::check_startable(Entry& entry) {
   const AcquisitionReport& acquisition = entry.rig->acquisition();
   if (acquisition.device != device::DeviceState::Streaming && !acquisition.text().empty()) {
     return core::fail(core::ErrorCode::WrongState, where + "delivers nothing: " + std::string(acquisition.text()),
-                      "mend that first; see dtsctl status");
+                      "fix this first: dtsctl status");
   }
   const pipeline::TareReport& tare = entry.rig->tare().latest();
   const bool is_taring = tare.request < entry.tare_request || tare.outcome == pipeline::TareOutcome::Running;
   if (entry.tare_request == 0 || !is_taring) return {};
-  return core::fail(core::ErrorCode::WrongState, where + "is being tared", "wait for its answer");
+  return core::fail(core::ErrorCode::WrongState, where + "is being tared", "wait until the tare ends");
 }
 
 core::Result<SessionView> Supervisor::begun(Entry& entry, const core::Status& status) {
@@ -149,7 +149,8 @@ core::Result<Supervisor::Entry*> Supervisor::find_with_session(const std::string
   Entry* only = nullptr;
   for (auto& [rig_name, entry] : entries_) {
     if (!entry.session.is_under_way()) continue;
-    if (only != nullptr) return core::fail(core::ErrorCode::InvalidArgument, "several rigs have a session", "say which: --rig " + rig_name);
+    if (only != nullptr)
+      return core::fail(core::ErrorCode::InvalidArgument, "several rigs have a session", "choose one: --rig " + rig_name);
     only = &entry;
   }
   if (only == nullptr) return core::fail(core::ErrorCode::WrongState, "no rig has a session");
@@ -207,11 +208,11 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
     const AcquisitionReport& report = (*entry)->rig->acquisition();
     if (report.device != device::DeviceState::Streaming || report.scans_total == 0) {
       if (rig.empty()) continue;
-      return core::fail(core::ErrorCode::WrongState, "rig '" + rig_name + "' delivers no scans that could be marked", "see dtsctl status");
+      return core::fail(core::ErrorCode::WrongState, "rig '" + rig_name + "' delivers no scans to mark", "see dtsctl status");
     }
     marks.emplace_back(rig_name, position(**entry));
   }
-  if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans that could be marked", "see dtsctl status");
+  if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans to mark", "see dtsctl status");
   for (const auto& [rig_name, at] : marks) {
     notices_.push_back({.rig = rig_name, .at = at, .body = MarkerNotice{text}});
     find(rig_name).value()->session.note({.event = "marker", .values = {{"text", text}}}, at);
@@ -226,8 +227,8 @@ core::Result<std::uint64_t> Supervisor::tare(const std::string& rig) {
     return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' is not streaming", "see dtsctl status");
   }
   if ((*entry)->session.is_under_way()) {
-    return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has a session: a tare would change what its figures mean",
-                      "tare before it starts, or after dtsctl session stop --rig " + rig);
+    return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has a session: a tare would change the meaning of its results",
+                      "tare before the next session, or stop this one first: dtsctl session stop --rig " + rig);
   }
   const auto formats = (*entry)->rig->formats();
   if (std::ranges::find(formats, "deflection", &core::StreamFormat::name) == formats.end()) {

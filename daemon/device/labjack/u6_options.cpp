@@ -45,7 +45,7 @@ core::Result<usb::DaqOptions> read_u6_options(const DeviceUri& uri) {
   if (!options) return options;
   if (std::ranges::find(options->channels, kThermometer) != options->channels.end()) {
     return core::fail(ErrorCode::InvalidArgument, "device \"" + uri.text + "\": input 14 is the thermometer inside the U6",
-                      "inputs are 0 to 13, and 15 for ground");
+                      "choose inputs 0 to 13, or 15 for ground");
   }
   if (given->number("digital") > 0) add_digital_word(*options);
   return options;

@@ -179,13 +179,13 @@ ReadResult NiDaqmx::read(core::Block& block, std::int64_t deadline_ns) noexcept 
   if (now != DeviceState::Streaming) return {};
   // A block of the wrong size is a mistake of the caller; it must not cause writes beyond a column.
   if (block.capacity() == 0 || block.channel_count() != options_.channels.size()) return {ReadOutcome::Timeout, {}};
-  if (trouble_.outcome != ReadOutcome::Scans) return tell();
+  if (trouble_.outcome != ReadOutcome::Scans) return report_trouble();
   const std::size_t count = fetch(std::min(block.capacity(), max_block_scans_), deadline_ns);
   if (count > 0) {
     fill(block, count);
     return {ReadOutcome::Scans, {}};
   }
-  if (trouble_.outcome != ReadOutcome::Scans) return tell();
+  if (trouble_.outcome != ReadOutcome::Scans) return report_trouble();
   return {waits_for_trigger() ? ReadOutcome::Armed : ReadOutcome::Timeout, {}};
 }
 
@@ -226,7 +226,7 @@ void NiDaqmx::note_error(std::int32_t status) noexcept {
   }
 }
 
-ReadResult NiDaqmx::tell() noexcept {
+ReadResult NiDaqmx::report_trouble() noexcept {
   if (trouble_.outcome == ReadOutcome::Gone) move_to(DeviceState::Gone);
   return trouble_;
 }

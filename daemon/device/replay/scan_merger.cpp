@@ -56,12 +56,12 @@ core::Status ScanMerger::add(const record::RecordedItem& item) {
 core::Status ScanMerger::add_scans(const record::RecordedScans& scans, Column& column) {
   if (scans.count == 0) return {};
   if (scans.values.size() != scans.count * column.channels.size())
-    return damaged("a chunk of samples has not as many values as its stream");
+    return damaged("the number of values in a chunk of samples does not fit its stream");
   const Place first{scans.segment, scans.first_scan.value};
   if (!column.runs.empty()) {
     const Run& last = column.runs.back();
     if (first < Place{last.first.segment, last.first.scan + last.count}) {
-      return damaged("scan " + std::to_string(first.scan) + " of segment " + std::to_string(first.segment) + " stands twice");
+      return damaged("scan " + std::to_string(first.scan) + " of segment " + std::to_string(first.segment) + " appears twice");
     }
   }
   column.runs.push_back(
@@ -95,9 +95,9 @@ core::Status ScanMerger::align_aux() {
 
 core::Status ScanMerger::add_change(const record::RecordedChange& change) {
   const Place at{change.segment, change.scan.value};
-  if (change.values.size() != bits_.size()) return damaged("a quality sample has not as many values as there are channels");
+  if (change.values.size() != bits_.size()) return damaged("the number of values in a quality sample does not fit the channels");
   if (expected_ && at < *expected_) {
-    return damaged("the quality of scan " + std::to_string(at.scan) + " stands more than a second after it");
+    return damaged("the quality of scan " + std::to_string(at.scan) + " appears more than a second after it");
   }
   if (changes_.size() >= kMostWaitingEvents) return damaged("more quality samples than scans");
   Change kept{.at = at, .bits = std::vector<std::uint8_t>(bits_.size())};
@@ -141,7 +141,7 @@ core::Gap ScanMerger::gap_before(const Run& run) const {
     return {
         .reason = core::GapReason::RingFull, .missing_scans = std::min(next.scan - expected_->scan, kMostMissingScans), .is_exact = true};
   }
-  if (const auto told = gaps_.find(next.segment); told != gaps_.end()) return told->second;
+  if (const auto reported = gaps_.find(next.segment); reported != gaps_.end()) return reported->second;
   const double hole_scans = std::round((run.first_time_s - next_time_s_) * device_.rate.hz());
   const bool is_forward = hole_scans > 0.0 && hole_scans < 1e15;
   return {.reason = core::GapReason::Silence, .missing_scans = is_forward ? static_cast<std::uint64_t>(hole_scans) : 0, .is_exact = false};

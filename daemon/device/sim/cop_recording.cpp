@@ -38,7 +38,8 @@ core::Status CopRecording::append(std::span<const double> row, const std::string
   }
   if (times_s_.empty()) first_time_s_ = time_s;
   const double since_first_s = time_s - first_time_s_;
-  if (!times_s_.empty() && !(since_first_s > times_s_.back())) return refuse_row(kCopForm, place, "the time does not rise");
+  if (!times_s_.empty() && !(since_first_s > times_s_.back()))
+    return refuse_row(kCopForm, place, "the time is not later than in the row before");
   times_s_.push_back(since_first_s);
   positions_.push_back({ml_mm, ap_mm});
   return {};

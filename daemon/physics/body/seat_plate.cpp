@@ -35,7 +35,7 @@ core::Status check_contact(const SeatContact& contact) {
                         contact.depth_mm <= kLargestContactMm && std::abs(contact.off_centre_mm) <= kLargestContactMm;
   if (has_size) return {};
   return core::fail(core::ErrorCode::InvalidArgument, "the contact of " + std::to_string(contact.width_mm) + " x " +
-                                                          std::to_string(contact.depth_mm) + " mm is no patch of a seat");
+                                                          std::to_string(contact.depth_mm) + " mm does not fit on a seat");
 }
 
 }  // namespace

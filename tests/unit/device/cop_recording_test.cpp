@@ -65,7 +65,7 @@ TEST(CopRecording, WrongFile_RefusedWithItsLine) {
   const std::string head = "t_s,x_mm,y_mm\n";
   for (const auto& [content, refusal] : {std::pair{std::string("t_s,y_mm,x_mm\n0,1,1\n"), ":1: the header"},
                                          {"", ":1: the header"},
-                                         {head + "0,1,1\n1,1,1\n1,1,1\n", ":4: the time does not rise"},
+                                         {head + "0,1,1\n1,1,1\n1,1,1\n", ":4: the time is not later than in the row before"},
                                          {head + "0,1,1\n1,1001,1\n", ":3: a position"},
                                          {head + "0,1," + std::string(253, '0') + "\n1,1,1\n", ":2: longer"},
                                          {head, ": too few rows, at least 2 needed"},

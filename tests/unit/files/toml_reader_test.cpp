@@ -55,7 +55,7 @@ TEST_F(TomlText, DotsElsewhere_AreNoParts) {
 TEST_F(TomlText, WhatIsNoTomlFile_IsAProblem) {
   constexpr std::size_t kMost = std::size_t{4} << 20U;
   EXPECT_EQ(problem_with("#" + std::string(kMost - 1, ' ')), "");
-  EXPECT_EQ(problem_with("#" + std::string(kMost, ' ')), "file: is larger than 4 MiB: that is no file of dtsd");
+  EXPECT_EQ(problem_with("#" + std::string(kMost, ' ')), "file: is larger than 4 MiB: this is not a file of dtsd");
   EXPECT_EQ(problem_with("a = 1\nb = x\n"), "file:2:5: Error while parsing value: could not determine value type");
   Problems problems;
   (void)parse_toml(folder_.string() + "/", problems);
@@ -64,7 +64,7 @@ TEST_F(TomlText, WhatIsNoTomlFile_IsAProblem) {
   (void)parse_toml(path("none"), problems);
   EXPECT_EQ(text_of(problems),
             ": is a folder, not a file\n"
-            "huge: is larger than 4 MiB: that is no file of dtsd\n"
+            "huge: is larger than 4 MiB: this is not a file of dtsd\n"
             "none: cannot be read: No such file or directory");
 }
 

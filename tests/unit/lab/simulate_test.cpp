@@ -64,8 +64,8 @@ TEST_F(RunTest, SimulateWhatIsThereOrCannotBe_IsRefused) {
         {"floor", "--seed", "-1",
          "dtslab: simulate: --seed: '-1' is not a whole number from 0 to 4294967295\n  try: dtslab simulate --help\n"},
         {"floor", "--rate", "0", "dtslab: simulate: --rate: '0' is not a number of hertz from 1 to 20000\n  try: dtslab simulate --help\n"},
-        {"floor", "--out", there, "dtslab: " + there + " exists already\n  try: recordings are never overwritten\n"},
-        {"chair", "--out", there, "dtslab: " + there + " exists already\n  try: recordings are never overwritten\n"}}) {
+        {"floor", "--out", there, "dtslab: " + there + " exists already\n  try: choose another name: dtsd never overwrites a recording\n"},
+        {"chair", "--out", there, "dtslab: " + there + " exists already\n  try: choose another name: dtsd never overwrites a recording\n"}}) {
     std::vector<std::string> words{"simulate", kind, option, value};
     if (option != std::string("--duration")) words.insert(words.end(), {"--duration", "1"});
     if (option != std::string("--out")) words.insert(words.end(), {"--out", path("c.xdf")});

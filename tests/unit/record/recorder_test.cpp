@@ -306,7 +306,7 @@ TEST_F(RecorderTest, FramesThatNeverCame_AreALossThatTheFileTells) {
   EXPECT_EQ(recorder->lost_scans(), 1U);
   const std::string file = recorder->close("").value().file;
 
-  EXPECT_EQ(verify(file).value().incomplete, "1 scans found no room on the way to the file");
+  EXPECT_EQ(verify(file).value().incomplete, "1 scans were dropped: the queue to the recorder was full");
 }
 
 TEST_F(RecorderTest, StageState_StandsInTheRawStreamsHeader) {

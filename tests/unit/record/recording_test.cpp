@@ -112,7 +112,7 @@ TEST(Recording, FactsOfANewerFormat_AreToldNotBelieved) {
   const auto recording = open(folder / "a.xdf");
 
   EXPECT_FALSE(recording->session());
-  EXPECT_EQ(recording->damage(), "the fact format_version is '2', only 1 is known");
+  EXPECT_EQ(recording->damage(), "the fact format_version is '2', only 1 is supported");
 }
 
 std::string foreign_samples(std::uint32_t stream, const std::vector<double>& times_s) {

@@ -240,7 +240,7 @@ std::string report_after_reads_that_took(std::int64_t read_ns, int reads) {
 }
 
 TEST(Acquisition, DeviceThatDeliversNothing_IsToldAfterASecond) {
-  EXPECT_EQ(report_after_reads_that_took(200'000'000, 8), "device is present but delivers nothing; check its cable and power");
+  EXPECT_EQ(report_after_reads_that_took(200'000'000, 8), "device is connected but delivers no scans; check its cable and power");
 }
 
 TEST(Acquisition, ProcessThatStoodStill_IsNoNewsOfTheDevice) { EXPECT_EQ(report_after_reads_that_took(5'000'000'000, 1), ""); }

@@ -91,7 +91,7 @@ TEST_F(RecordThreadTest, EndThatFoundNoRoom_IsALossAlthoughNoScanFollows) {
   while (thread.view("floor").is_recording) tap.follow();  // as the pipeline thread does: the end mark goes when there is room
   const FinishedRecording finished = wait(thread);
 
-  EXPECT_EQ(finished.incomplete, "60 scans found no room on the way to the file");
+  EXPECT_EQ(finished.incomplete, "60 scans were dropped: the queue to the recorder was full");
   EXPECT_EQ(thread.view("floor").lost_scans, 60U);
   EXPECT_EQ(record::verify(finished.file).value().incomplete, finished.incomplete);
 }
@@ -109,7 +109,7 @@ TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsALossWhereItWasLost_Alth
   while (thread.view("floor").is_recording) tap.follow();
   const FinishedRecording finished = wait(thread);
 
-  EXPECT_EQ(finished.incomplete, "30 scans found no room on the way to the file");
+  EXPECT_EQ(finished.incomplete, "30 scans were dropped: the queue to the recorder was full");
   const auto recording = record::Recording::open(finished.file).value();
   std::vector<record::RecordedEvent> losses;
   while (const auto item = recording->next().value()) {
@@ -264,7 +264,7 @@ TEST_F(RecordThreadTest, EventsThatFoundNoRoom_MakeTheRecordingIncomplete) {
   tap.follow();
   thread.start();
 
-  EXPECT_EQ(wait(thread).incomplete, "16 events found no room on the way to the file");
+  EXPECT_EQ(wait(thread).incomplete, "16 events were dropped: the queue to the recorder was full");
 }
 
 TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {
@@ -279,7 +279,7 @@ TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {
   const FinishedRecording finished = wait(thread);  // nobody has ended the take
 
   EXPECT_FALSE(finished.is_closed);
-  EXPECT_THAT(finished.incomplete, HasSubstr("is gone"));
+  EXPECT_THAT(finished.incomplete, HasSubstr("was deleted or moved"));
 }
 
 TEST_F(RecordThreadTest, NameTakenMeanwhile_WhatStaysSaysThatItIsIncomplete) {

@@ -218,7 +218,7 @@ TEST_F(RigSessionTest, ResumedSessionWithADuration_LastsForTheRestOfIt) {
   EXPECT_EQ(resumed->second.request.settle_s, 1.0);
   pass(6.5);
   ASSERT_TRUE(stop(true));
-  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("was over but for its last second"));
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("has less than 1 s left"));
   end();
   timed.definition = "v2";
   start({Protocol{}, timed});
@@ -234,7 +234,7 @@ TEST_F(RigSessionTest, RecordingThatBreaks_EndsItsSessionAndTheTrialInIt) {
 
   ASSERT_TRUE(is_in(SessionState::Failed));
 
-  EXPECT_THAT(now().session.message, AllOf(HasSubstr("the recording stopped: "), HasSubstr("is gone")));
+  EXPECT_THAT(now().session.message, AllOf(HasSubstr("the recording stopped: "), HasSubstr("was deleted or moved")));
   EXPECT_EQ(row(id).state, "incomplete");
   EXPECT_EQ(row(id).trials.at(0).outcome, "aborted");
   EXPECT_THAT(log(), HasSubstr("is incomplete: "));
@@ -251,7 +251,7 @@ TEST_F(RigSessionTest, DeviceAwayAtTheEnd_LeavesTheRecordingIncomplete) {
   ASSERT_TRUE(stop());
 
   EXPECT_EQ(row(id).state, "incomplete");
-  EXPECT_THAT(row(id).parts.at(0).reason, HasSubstr("the device was away when the session ended: "));
+  EXPECT_THAT(row(id).parts.at(0).reason, HasSubstr("the device was not connected when the session ended: "));
 }
 
 }  // namespace

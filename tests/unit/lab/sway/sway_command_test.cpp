@@ -103,7 +103,7 @@ TEST_F(SwayTest, BadFiles_ExitWithTwoAndPlace) {
   }
   EXPECT_EQ(refusal_of({"sway", path("none.csv")}), "none.csv: no such file\n");
   EXPECT_EQ(run_with({"sway", write("bad.xdf", "this is no recording")}), cli::exit_status(core::ErrorCode::DataDamaged));
-  EXPECT_EQ(talk(), "dtslab: " + path("bad.xdf") + " is no XDF file\n  try: XDF files start with 'XDF:'\n");
+  EXPECT_EQ(talk(), "dtslab: " + path("bad.xdf") + " is not an XDF file\n  try: choose an XDF file: it starts with 'XDF:'\n");
 }
 
 TEST_F(SwayTest, OneBadFileOfMany_IsToldAndTheOthersGoOn) {

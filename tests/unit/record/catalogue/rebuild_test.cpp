@@ -119,20 +119,20 @@ TEST_F(CatalogueRebuild, EachWayOfEnding_IsEnteredWithAllThatTheFileSays) {
       "  part 1 sessions/incomplete.xdf incomplete 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s: disk full\n"
       "  trial 1.1.1 a done 0:20 to 0:80\n"
       "  trial 1.2.1 a aborted 0:120 to 1:99\n"
-      "s3 floor free P017 interrupted from 1699999999999999998 to 1700000006999999998: it was not closed: the daemon or the power ended "
-      "while it was written\n"
+      "s3 floor free P017 interrupted from 1699999999999999998 to 1700000006999999998: it was not closed: the daemon or the power failed "
+      "during the recording\n"
       "  part 1 sessions/abandoned.xdf.part interrupted 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s: it was "
-      "not closed: the daemon or the power ended while it was written\n"
+      "not closed: the daemon or the power failed during the recording\n"
       "  trial 1.1.1 a done 0:20 to 0:80\n"
       "  trial 1.2.1 a aborted 0:120 to 1:99\n"
-      "s4 floor free P017 interrupted from 1699999999999999997 to 1700000006999999997: /sessions/torn.xdf.part: chunk of 1852993396 bytes, "
-      "at most 64 MiB are read, at byte 4727\n"
+      "s4 floor free P017 interrupted from 1699999999999999997 to 1700000006999999997: /sessions/torn.xdf.part: chunk of 1852993396 bytes "
+      "(at most 64 MiB are allowed) at byte 4727\n"
       "  part 1 sessions/torn.xdf.part interrupted 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s: "
-      "/sessions/torn.xdf.part: chunk of 1852993396 bytes, at most 64 MiB are read, at byte 4727\n"
+      "/sessions/torn.xdf.part: chunk of 1852993396 bytes (at most 64 MiB are allowed) at byte 4727\n"
       "  trial 1.1.1 a done 0:20 to 0:80\n"
       "  trial 1.2.1 a aborted 0:120 to 1:99\n"
-      "s5 floor free P017 incomplete from 1699999999999999996 to 1699999999999999996: it holds no scan\n"
-      "  part 1 sessions/empty.xdf incomplete 0 scans 0 s, 0 valid, lost {} 0 s: it holds no scan\n"
+      "s5 floor free P017 incomplete from 1699999999999999996 to 1699999999999999996: it contains no scan\n"
+      "  part 1 sessions/empty.xdf incomplete 0 scans 0 s, 0 valid, lost {} 0 s: it contains no scan\n"
       "s6 floor free P017 incomplete from 1699999999999999995 to 1700000006999999995: /sessions/rotten.xdf: chunk torn at byte 4915\n"
       "  part 1 sessions/rotten.xdf incomplete 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s: "
       "/sessions/rotten.xdf: chunk torn at byte 4915\n"
@@ -207,7 +207,7 @@ TEST_F(CatalogueRebuild, RepairedCopyOfAKnownInterruptedOne_TakesItsPlaceOnceItI
   EXPECT_EQ(rebuilt(), "1 found again ");
   EXPECT_EQ(
       sessions_text(),
-      "s1 floor free P017 interrupted from 1000 to 7000001000: it was not closed: the daemon or the power ended while it was written\n"
+      "s1 floor free P017 interrupted from 1000 to 7000001000: it was not closed: the daemon or the power failed during the recording\n"
       "  part 1 sessions/a.recovered.xdf recovered 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0.75 s: no "
       "footer\n"
       "  trial 1.1.1 a done 0:20 to 0:80\n"
@@ -224,8 +224,9 @@ TEST_F(CatalogueRebuild, FileGoneMovedOrCopied_IsStillTheSamePart) {
   EXPECT_EQ(rebuilt(), "1 missing ");
   EXPECT_EQ(rebuilt(), "1 missing ") << "still";
   std::string missing = before;
-  EXPECT_EQ(sessions_text(),
-            missing.replace(missing.find("xdf complete") + 4, 8, "missing").replace(missing.find(" 0 s\n") + 4, 0, ": the file is gone"));
+  EXPECT_EQ(
+      sessions_text(),
+      missing.replace(missing.find("xdf complete") + 4, 8, "missing").replace(missing.find(" 0 s\n") + 4, 0, ": the file is missing"));
   std::filesystem::rename(path("elsewhere"), file("a.xdf"));
   EXPECT_EQ(rebuilt(), "1 found again ");
   EXPECT_EQ(sessions_text(), before);
@@ -252,7 +253,7 @@ TEST_F(CatalogueRebuild, SeveralParts_MakeOneSessionThatEndedAsItsNewest) {
             "  trial 2.2.1 a aborted 0:120 to 1:99\n"
             "s2 floor free P017 running from 1000 to 0\n"
             "  part 1 sessions/b.xdf complete 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s\n"
-            "  part 2 now missing 0 scans 0 s, 0 valid, lost unknown 0 s: the file is gone\n"
+            "  part 2 now missing 0 scans 0 s, 0 valid, lost unknown 0 s: the file is missing\n"
             "  trial 1.1.1 a done 0:20 to 0:80\n"
             "  trial 1.2.1 a aborted 0:120 to 1:99\n");
 }
@@ -272,12 +273,12 @@ TEST_F(CatalogueRebuild, WhatIsNoRecordingOfOursOrHostile_IsToldAndLeftOut) {
   record("g.xdf", other);
   EXPECT_EQ(rebuilt(),
             "1 added \n"
-            "/sessions/a.xdf: /sessions/a.xdf is no XDF file\n"
-            "/sessions/c.xdf: it is no recording of dtsd\n"
+            "/sessions/a.xdf: /sessions/a.xdf is not an XDF file\n"
+            "/sessions/c.xdf: it is not a recording of dtsd\n"
             "/sessions/d.xdf: a session's id is not 1 to 128 letters, digits, '_', '.' or '-'\n"
             "/sessions/e.xdf: session s2 names no rig, or part 0\n"
             "/sessions/g.xdf: session s3 is known with another rig, protocol or subject\n"
-            "/sessions/b.xdf.part: /sessions/b.xdf.part is no XDF file");
+            "/sessions/b.xdf.part: /sessions/b.xdf.part is not an XDF file");
   EXPECT_EQ(catalogue().parts()->size(), 1U);
 }
 

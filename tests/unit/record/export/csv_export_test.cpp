@@ -224,9 +224,9 @@ TEST_F(CsvExportTest, ForeignRecordingWithEqualStreamNames_NothingIsLost) {
 TEST_F(CsvExportTest, FileThatExists_WrongStateAndNothingIsTouched) {
   write("20261121T144525Z-floor-1_events.csv", "mine");
 
-  EXPECT_EQ(
-      refusal(run()),
-      "'/out/20261121T144525Z-floor-1_events.csv' exists already, and nothing is overwritten (choose another folder, or move it away)");
+  EXPECT_EQ(refusal(run()),
+            "'/out/20261121T144525Z-floor-1_events.csv' exists already: an export never overwrites a file (choose another folder, or move "
+            "it away)");
   EXPECT_THAT(files(), ElementsAre("20261121T144525Z-floor-1_events.csv"));
   EXPECT_EQ(text("20261121T144525Z-floor-1_events.csv"), "mine");
 }
@@ -237,8 +237,9 @@ TEST_F(CsvExportTest, FileThatAppearsMeanwhile_IsNotOverwritten) {
     return true;
   };
 
-  EXPECT_EQ(refusal(run(intrude)),
-            "'/out/20261121T144525Z-floor-1_raw.csv' exists already, and nothing is overwritten (choose another folder, or move it away)");
+  EXPECT_EQ(
+      refusal(run(intrude)),
+      "'/out/20261121T144525Z-floor-1_raw.csv' exists already: an export never overwrites a file (choose another folder, or move it away)");
   EXPECT_EQ(text("20261121T144525Z-floor-1_raw.csv"), "mine");
   EXPECT_THAT(files(), ElementsAre("20261121T144525Z-floor-1_raw.csv"));
 }
@@ -267,8 +268,8 @@ TEST_F(CsvExportTest, AnotherExportUnderWay_WrongStateAndSaysWhatToDo) {
   write(".20261121T144525Z-floor-1_raw.csv.part", "half");
 
   EXPECT_EQ(refusal(run()),
-            "'/out/.20261121T144525Z-floor-1_raw.csv.part' exists: another export is under way, or one was killed (when none is running, "
-            "remove that file)");
+            "'/out/.20261121T144525Z-floor-1_raw.csv.part' exists: another export is running, or one was killed (if no other export is "
+            "running, delete that file)");
   EXPECT_THAT(files(), ElementsAre(".20261121T144525Z-floor-1_raw.csv.part"));
 }
 
@@ -321,7 +322,7 @@ TEST_F(CsvExportTest, FolderThatCannotBeMade_FailsAndSaysWhich) {
   std::ofstream(base_ / "file") << "x";
 
   EXPECT_EQ(refusal(export_csv(recording_, (base_ / "file" / "below").string())),
-            "cannot make the folder '/file/below': Not a directory (choose a folder that you may write into)");
+            "cannot create the folder '/file/below': Not a directory (choose a folder that you may write into)");
 }
 
 TEST_F(CsvExportTest, LongRecording_EveryRowIsThereInOrder) {

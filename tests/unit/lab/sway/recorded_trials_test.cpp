@@ -4,7 +4,7 @@
 #include "unit/lab/sway/sway_files.h"
 #include "unit/record/xdf_fixture.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using record::RecordedEvent;
@@ -122,8 +122,9 @@ TEST_F(RecordedTrialsTest, TrialThatAGapDivides_IsMeasuredInItsLongestStretch) {
     EXPECT_TRUE(writer->write_samples(cop, begin_s, values, start));
   };
   write(0, 0, 300, {{.event = "segment"}, step(TrialEventKind::Measure, 1, "open", 100)});
-  write(1, 500, 2500, {{.event = "segment", .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{200}}}},
-                       step(TrialEventKind::Done, 1, "open", 2400)});
+  write(1, 500, 2500,
+        {{.event = "segment", .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{200}}}},
+         step(TrialEventKind::Done, 1, "open", 2400)});
   ASSERT_TRUE(writer->close());
 
   ASSERT_EQ(run_with({"sway", path("divided.xdf"), "--json"}), cli::kOk) << talk();
@@ -145,4 +146,4 @@ TEST_F(RecordedTrialsTest, TwoTrialsOfOneRecording_MakeARombergTest) {
 }
 
 }  // namespace
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

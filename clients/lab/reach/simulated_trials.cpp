@@ -5,11 +5,11 @@
 #include <cmath>
 #include <utility>
 
-#include "device/sim/daq.h"
-#include "physics/body/chair_rig.h"
-#include "physics/body/counter_random.h"
-#include "physics/body/seat_plate.h"
-#include "physics/body/seated_person.h"
+#include "sim/chair_rig.h"
+#include "sim/counter_random.h"
+#include "sim/daq.h"
+#include "sim/seat_plate.h"
+#include "sim/seated_person.h"
 
 namespace dts::lab::reach {
 namespace {
@@ -25,7 +25,7 @@ constexpr std::uint64_t kTrialsOfOneSubject = 1'000'000;
 constexpr int kMostTrials = 10'000;
 
 physics::RigModel transient_rig() {
-  physics::RigModel rig = physics::chair_rig();
+  physics::RigModel rig = sim::chair_rig();
   const auto& used = *rig.transient_sensors;
   std::vector<physics::SensorModel> sensors;
   for (const std::size_t index : {used.rear[0], used.rear[1], used.front[0], used.front[1]}) sensors.push_back(rig.sensors[index]);
@@ -62,40 +62,40 @@ class Sitter {
   static core::Result<Sitter> create(const reach::Subject& subject, std::size_t index, const TrialPlan& plan,
                                      const physics::RigModel& rig) {
     const std::uint64_t seed = plan.seed * kTrialsOfOneSubject * 1000 + index * kTrialsOfOneSubject;
-    const physics::SittingHabits habits =
-        plan.is_ideal ? physics::ideal_habits(subject.person, plan.load_model, kModelPhaseS)
-                      : physics::natural_habits(subject.person, subject.is_healthy, plan.load_model, seed, plan.between_people);
+    const sim::SittingHabits habits =
+        plan.is_ideal ? sim::ideal_habits(subject.person, plan.load_model, kModelPhaseS)
+                      : sim::natural_habits(subject.person, subject.is_healthy, plan.load_model, seed, plan.between_people);
     std::vector<physics::Point> probes;
     for (const physics::SensorModel& sensor : rig.sensors) {
       if (plan.has_volts) probes.push_back(sensor.position);
     }
-    auto plate = physics::SeatPlate::create(rig.plate, rig.support, probes, habits.contact);
+    auto plate = sim::SeatPlate::create(rig.plate, rig.support, probes, habits.contact);
     if (!plate) return tl::make_unexpected(plate.error());
     return Sitter(subject, seed, plan, rig, habits, std::move(*plate));
   }
 
   /// Fills the volts of `trial`, if the plan has any; its number and rate must be set. Returns the trunk flexion.
   double perform(reach::Trial& trial, double target_cm, double pace_s) {
-    const physics::CounterRandom random(seed_ + trial.number);
-    physics::SittingHabits habits = habits_;
+    const sim::CounterRandom random(seed_ + trial.number);
+    sim::SittingHabits habits = habits_;
     if (pace_s > 0.0) {
       habits.phase_s = pace_s;
       habits.phase_growth_per_deg = 0.0;
     }
     habits.load.rest_y_mm += habits.rest_y_deviation_mm * random.gaussian_pair(0).first;
-    physics::SeatedPerson person({.person = subject_.person,
-                                  .habits = habits,
-                                  .mode = physics::ReachMode::Never,
-                                  .has_fidgets = false,
-                                  .sit_down_s = kSatDownLongAgoS,
-                                  .seed = seed_ + trial.number});
+    sim::SeatedPerson person({.person = subject_.person,
+                              .habits = habits,
+                              .mode = sim::ReachMode::Never,
+                              .has_fidgets = false,
+                              .sit_down_s = kSatDownLongAgoS,
+                              .seed = seed_ + trial.number});
     const double before_s = plan_.is_ideal ? kIdealRestBeforeS : 1.0 + random.uniform(4);
     const double after_s = plan_.is_ideal ? kIdealRestAfterS : 1.0 + 0.4 * random.uniform(5);
     person.plan({.number = trial.number, .start_s = before_s, .target_cm = target_cm});
-    const physics::ReachPlan reach = *person.at(0.0).reach;
+    const sim::ReachPlan reach = *person.at(0.0).reach;
     if (!plan_.has_volts) return reach.trunk_deg;
     const auto scans = static_cast<std::size_t>((reach.end_s + after_s) * trial.rate.hz());
-    const device::sim::Daq daq({.bits = 16, .noise_v = kNoiseV, .seed = seed_ + trial.number});
+    const sim::Daq daq({.bits = 16, .noise_v = kNoiseV, .seed = seed_ + trial.number});
     for (std::size_t scan = 0; scan < scans; ++scan) {
       auto& volts = trial.volts.emplace_back(volts_of(person.at(static_cast<double>(scan) / trial.rate.hz()).load));
       if (!plan_.is_ideal) daq.convert(volts, scan);
@@ -106,10 +106,10 @@ class Sitter {
 
  private:
   Sitter(const reach::Subject& subject, std::uint64_t seed, const TrialPlan& plan, const physics::RigModel& rig,
-         const physics::SittingHabits& habits, physics::SeatPlate plate)
+         const sim::SittingHabits& habits, sim::SeatPlate plate)
       : subject_(subject), seed_(seed), plan_(plan), rig_(rig), habits_(habits), plate_(std::move(plate)) {}
 
-  [[nodiscard]] std::array<double, kTransientSensors> volts_of(const physics::SeatLoad& load) const {
+  [[nodiscard]] std::array<double, kTransientSensors> volts_of(const sim::SeatLoad& load) const {
     std::array<double, kTransientSensors> values{};
     plate_.deflect(load, values);
     for (std::size_t k = 0; k < kTransientSensors; ++k) {
@@ -123,8 +123,8 @@ class Sitter {
   std::uint64_t seed_;
   const TrialPlan& plan_;
   const physics::RigModel& rig_;
-  physics::SittingHabits habits_;
-  physics::SeatPlate plate_;
+  sim::SittingHabits habits_;
+  sim::SeatPlate plate_;
 };
 
 double pace_of(const TrialPlan& plan, int trial) {

@@ -8,7 +8,7 @@
 
 #include "core/result.h"
 #include "lab/reach/trial_set.h"
-#include "physics/body/seat_load.h"
+#include "sim/seat_load.h"
 
 namespace dts::lab::reach {
 
@@ -18,8 +18,8 @@ struct TrialPlan {
   int trials_per_condition = 15;
   std::vector<double> paces_s{};  ///< Duration of one phase, used in turn for successive trials; empty: 0.75 s if ideal, else natural.
   bool is_ideal = false;          ///< The model's reach without noise, pause or habits (thesis 5.4).
-  double between_people = 1.0;    ///< 0..1: how much people differ, see physics::natural_habits.
-  physics::SeatLoadModel load_model = physics::SeatLoadModel::Cop;
+  double between_people = 1.0;    ///< 0..1: how much people differ, see sim::natural_habits.
+  sim::SeatLoadModel load_model = sim::SeatLoadModel::Cop;
   double rate_hz = 100.0;
   std::uint64_t seed = 1;
   bool has_volts = true;  ///< false: only the trunk angles, which is a thousand times faster.

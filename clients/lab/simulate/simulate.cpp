@@ -101,12 +101,12 @@ class ReachTruth final : public Truth {
   void add(const core::Block&) override {}
   /// Simulates the same person again, without a chair.
   core::Status close() override {
-    physics::SeatedPerson person(person_);
-    physics::ReachPlan last;
+    sim::SeatedPerson person(person_);
+    sim::ReachPlan last;
     for (double time_s = 0.0; time_s <= duration_s_; time_s += kStepS) {
-      const physics::ReachPlan* const reach = person.at(time_s).reach;
+      const sim::ReachPlan* const reach = person.at(time_s).reach;
       if (last.number > 0 && (reach == nullptr || reach->number != last.number)) write(last);
-      last = reach != nullptr ? *reach : physics::ReachPlan{};
+      last = reach != nullptr ? *reach : sim::ReachPlan{};
     }
     if (last.number > 0 && last.end_s <= duration_s_) write(last);
     out_.close();
@@ -117,10 +117,10 @@ class ReachTruth final : public Truth {
  private:
   static constexpr double kStepS = 0.01;
 
-  ReachTruth(std::string file, double duration_s, const physics::SeatedPersonOptions& person, std::ofstream out)
+  ReachTruth(std::string file, double duration_s, const sim::SeatedPersonOptions& person, std::ofstream out)
       : file_(std::move(file)), duration_s_(duration_s), person_(person), out_(std::move(out)) {}
 
-  void write(const physics::ReachPlan& reach) {
+  void write(const sim::ReachPlan& reach) {
     out_ << reach.number << ',' << reach.condition;
     for (const double value : {reach.target_cm, reach.on_s, reach.hit_s, reach.back_s, reach.end_s, reach.trunk_deg}) {
       out_ << ',' << files::toml_number(value);
@@ -130,7 +130,7 @@ class ReachTruth final : public Truth {
 
   std::string file_;
   double duration_s_;
-  physics::SeatedPersonOptions person_;
+  sim::SeatedPersonOptions person_;
   std::ofstream out_;
 };
 

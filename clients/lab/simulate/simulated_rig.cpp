@@ -7,7 +7,7 @@
 
 #include "files/toml_text.h"
 #include "lab/base/thesis_setup.h"
-#include "physics/body/chair_rig.h"
+#include "sim/chair_rig.h"
 
 namespace dts::lab::simulate {
 namespace {
@@ -59,7 +59,7 @@ std::string floor_definition(double rate_hz) {
 }
 
 std::string chair_definition(double rate_hz) {
-  const physics::RigModel rig = physics::chair_rig();
+  const physics::RigModel rig = sim::chair_rig();
   const auto& used = *rig.transient_sensors;
   std::ostringstream out;
   out << "kind = \"chair\"\ntransient_sensors = [";

@@ -9,7 +9,7 @@ namespace dts::lab::simulate {
 /// no rig file is specified.
 [[nodiscard]] std::string floor_definition(double rate_hz);
 
-/// Returns the chair of physics::chair_rig with the stages that find reaches. Classifying trunk movement needs a model, and therefore a rig
+/// Returns the chair of sim::chair_rig with the stages that find reaches. Classifying trunk movement needs a model, and therefore a rig
 /// file.
 [[nodiscard]] std::string chair_definition(double rate_hz);
 

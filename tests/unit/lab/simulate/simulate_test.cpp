@@ -5,8 +5,8 @@
 #include "lab/base/thesis_setup.h"
 #include "lab/compare/recording.h"
 #include "lab/simulate/simulated_rig.h"
-#include "physics/body/chair_rig.h"
 #include "record/recording.h"
+#include "sim/chair_rig.h"
 #include "unit/lab/run_fixture.h"
 
 namespace dts::lab::simulate {
@@ -143,8 +143,8 @@ TEST(Definitions, OfTheDefaultAndTheConfiguredRigs_AreTheThesissPlatformAndTheCh
   files::Problems problems;
   const std::vector<std::tuple<pipeline::RigConfig, std::string, double, physics::RigModel>> rigs{
       {files::read_rig_text(floor_definition(200.0), "default", problems), "floor", 200.0, thesis_setup::floor_platform()},
-      {files::read_rig_text(chair_definition(1500.0), "default", problems), "chair", 1500.0, physics::chair_rig()},
-      {files::read_rig_file(std::string(DTS_SOURCE_DIR) + "/config/rigs/chair-sim.toml", problems), "chair", 1500.0, physics::chair_rig()}};
+      {files::read_rig_text(chair_definition(1500.0), "default", problems), "chair", 1500.0, sim::chair_rig()},
+      {files::read_rig_file(std::string(DTS_SOURCE_DIR) + "/config/rigs/chair-sim.toml", problems), "chair", 1500.0, sim::chair_rig()}};
   EXPECT_TRUE(problems.empty()) << files::to_string(problems.front());
   for (const auto& [config, kind, rate_hz, wanted] : rigs) {
     SCOPED_TRACE(kind);

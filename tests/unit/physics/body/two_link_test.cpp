@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "physics/body/reach_motion.h"
+#include "sim/reach_motion.h"
 #include "unit/physics/body/reference_rows.h"
 
 namespace dts::physics {

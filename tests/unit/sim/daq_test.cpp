@@ -6,8 +6,6 @@
 #include <array>
 #include <cmath>
 
-#include "device/sim/fault.h"
-
 namespace dts::sim {
 namespace {
 
@@ -73,16 +71,6 @@ TEST(Daq, SameScanAsked_SameNoise) {
   EXPECT_EQ(converted(daq, 1.0, 77), converted(daq, 1.0, 77));
   EXPECT_NE(converted(daq, 1.0, 77), converted(daq, 1.0, 78));
   EXPECT_NE(converted(daq, 1.0, 77), converted(other_seed, 1.0, 77));
-}
-
-TEST(FaultWindow, SecondsBecomeScans_AtLeastOneAndWithoutRoundingErrors) {
-  const auto window_of = [](const Fault& fault) { return fault_window(fault, *core::Rate::create(100, 1)); };
-  EXPECT_FALSE(window_of({}).contains(0));
-  EXPECT_FALSE(window_of({}).contains(1'000'000));
-  EXPECT_EQ(window_of({FaultKind::Stuck, 2.3, 0.7, 0}).first, 230U);
-  EXPECT_EQ(window_of({FaultKind::Stuck, 2.3, 0.7, 0}).end, 300U);
-  EXPECT_EQ(window_of({FaultKind::Stuck, 0.0, 0.001, 0}).first, 0U);
-  EXPECT_EQ(window_of({FaultKind::Stuck, 0.0, 0.001, 0}).end, 1U);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace dts::sim {
 namespace {
 
-using test::at;
+using physics::test::at;
 
 // Timoshenko and Woinowsky-Krieger, table 8: 0.00406 q a^4 / D in the middle of a square plate.
 TEST(Navier, SquareUnderUniformLoad_AsTheTextbook) {

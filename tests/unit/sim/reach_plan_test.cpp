@@ -11,7 +11,7 @@
 namespace dts::sim {
 namespace {
 
-using test::kVolunteerA;
+using physics::test::kVolunteerA;
 constexpr double kWithinReachCm = 0.8 * 67.0;
 
 ReachPlan planned(const SittingHabits& habits, double target_cm, std::uint32_t number = 1, bool is_double = false) {

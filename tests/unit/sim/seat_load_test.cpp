@@ -38,43 +38,43 @@ SeatLoad load_at(const SeatedBody& body, double time_s, double flexion_deg) {
 void expect_near_relative(double value, double expected, double part) { EXPECT_NEAR(value, expected, part * std::abs(expected)); }
 
 TEST(SeatPlate, EdgeSupported_AsTheFixture) {
-  const auto rows = test::reference_rows("plate_ss.csv");
-  if (rows.empty()) GTEST_SKIP() << "no " << test::reference_folder();
+  const auto rows = physics::test::reference_rows("plate_ss.csv");
+  if (rows.empty()) GTEST_SKIP() << "no " << physics::test::reference_folder();
   const SeatPlate plate = four_probes();
 
   for (const auto& row : rows) {
     const bool is_uniform = row.at("yc_mm") == "UDL";
     std::array<double, 4> mm{};
-    plate.deflect({.force_n = 480.0, .y_mm = is_uniform ? 0.0 : test::number(row, "yc_mm"), .is_uniform = is_uniform}, mm);
-    for (std::size_t k = 0; k < 4; ++k) expect_near_relative(mm[k], test::number(row, "w" + std::to_string(k + 1)), 1e-4);
+    plate.deflect({.force_n = 480.0, .y_mm = is_uniform ? 0.0 : physics::test::number(row, "yc_mm"), .is_uniform = is_uniform}, mm);
+    for (std::size_t k = 0; k < 4; ++k) expect_near_relative(mm[k], physics::test::number(row, "w" + std::to_string(k + 1)), 1e-4);
   }
 }
 
 void expect_transient(const std::string& condition, double flexion_deg, SeatLoadModel model, const std::string& name) {
-  const auto rows = test::reference_rows("ideal_A_" + condition + "_" + name + ".csv");
-  if (rows.empty()) GTEST_SKIP() << "no " << test::reference_folder();
+  const auto rows = physics::test::reference_rows("ideal_A_" + condition + "_" + name + ".csv");
+  if (rows.empty()) GTEST_SKIP() << "no " << physics::test::reference_folder();
   const SeatPlate plate = four_probes();
   const SeatedBody body = fixture_body(68.0, 175.0, model);
   for (const auto& row : rows) {
     SCOPED_TRACE(condition + " " + name + " " + row.at("t_s"));
-    const SeatLoad load = load_at(body, test::number(row, "t_s"), flexion_deg);
+    const SeatLoad load = load_at(body, physics::test::number(row, "t_s"), flexion_deg);
     std::array<double, 4> mm{};
     plate.deflect(load, mm);
-    expect_near_relative(load.force_n, test::number(row, "F_N"), 0.005);
-    for (std::size_t k = 0; k < 4; ++k) expect_near_relative(mm[k], test::number(row, "w" + std::to_string(k + 1)), 0.005);
+    expect_near_relative(load.force_n, physics::test::number(row, "F_N"), 0.005);
+    for (std::size_t k = 0; k < 4; ++k) expect_near_relative(mm[k], physics::test::number(row, "w" + std::to_string(k + 1)), 0.005);
   }
 }
 
 TEST(SeatLoad, IdealReaches_AsTheFixtures) {
   for (const auto& [condition, target_cm] : {std::pair{"120", 1.2 * 67.0}, std::pair{"150", 1.5 * 67.0}, std::pair{"max", 124.0}}) {
-    expect_transient(condition, physics::trunk_flexion_deg(test::kVolunteerA, target_cm), SeatLoadModel::Cop, "cop");
-    expect_transient(condition, physics::trunk_flexion_deg(test::kVolunteerA, target_cm), SeatLoadModel::Thesis, "thesis");
+    expect_transient(condition, physics::trunk_flexion_deg(physics::test::kVolunteerA, target_cm), SeatLoadModel::Cop, "cop");
+    expect_transient(condition, physics::trunk_flexion_deg(physics::test::kVolunteerA, target_cm), SeatLoadModel::Thesis, "thesis");
   }
 }
 
 TEST(SeatLoad, IdealReaches_FeaturesAsTheFixture) {
-  const auto rows = test::reference_rows("ideal_features.csv");
-  if (rows.empty()) GTEST_SKIP() << "no " << test::reference_folder();
+  const auto rows = physics::test::reference_rows("ideal_features.csv");
+  if (rows.empty()) GTEST_SKIP() << "no " << physics::test::reference_folder();
   const SeatPlate plate = four_probes();
   const std::map<std::string, std::pair<double, double>> people = {{"A", {68.0, 175.0}}, {"B", {52.0, 165.0}}, {"C", {81.0, 182.0}}};
   for (const auto& row : rows) {
@@ -83,7 +83,7 @@ TEST(SeatLoad, IdealReaches_FeaturesAsTheFixture) {
     const SeatedBody body = fixture_body(weight_kg, height_cm, row.at("model") == "cop" ? SeatLoadModel::Cop : SeatLoadModel::Thesis);
     const auto transient_mm = [&](double time_s) {
       std::array<double, 4> mm{};
-      plate.deflect(load_at(body, time_s, test::number(row, "phi_deg")), mm);
+      plate.deflect(load_at(body, time_s, physics::test::number(row, "phi_deg")), mm);
       return (mm[0] + mm[1] + mm[2] + mm[3]) / 4.0;
     };
     double most_mm = 0.0;
@@ -95,9 +95,9 @@ TEST(SeatLoad, IdealReaches_FeaturesAsTheFixture) {
     }
     double least_mm = most_mm;
     for (double t = -0.1; t < most_s; t += 0.001) least_mm = std::min(least_mm, transient_mm(t));
-    expect_near_relative(transient_mm(-0.5), test::number(row, "P1"), 0.005);
-    expect_near_relative(least_mm, test::number(row, "P2"), 0.005);
-    expect_near_relative(most_mm, test::number(row, "P3"), 0.005);
+    expect_near_relative(transient_mm(-0.5), physics::test::number(row, "P1"), 0.005);
+    expect_near_relative(least_mm, physics::test::number(row, "P2"), 0.005);
+    expect_near_relative(most_mm, physics::test::number(row, "P3"), 0.005);
   }
 }
 

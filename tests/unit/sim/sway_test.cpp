@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "unit/physics/sway_measures.h"
+#include "unit/sim/sway_measures.h"
 
 namespace dts::sim {
 namespace {

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-namespace dts::physics::measures {
+namespace dts::sim::measures {
 
 /// The few posturography measures that say whether a COP looks like a person (posturography sections 1-4), for 100 Hz.
 using Series = std::vector<double>;
@@ -111,4 +111,4 @@ inline Spectrum spectrum(const Series& x) {
   return result;
 }
 
-}  // namespace dts::physics::measures
+}  // namespace dts::sim::measures

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "physics/plate/stiffening_plate.h"
-#include "physics/standing_person.h"
+#include "physics/stance.h"
 
 namespace dts::app {
 namespace {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "device/registry.h"
+#include "device/device_uri.h"
 
 namespace dts::device {
 namespace {

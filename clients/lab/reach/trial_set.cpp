@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "lab/csv.h"
+#include "lab/base/csv.h"
 #include "lab/reach/volts_file.h"
 
 namespace dts::lab::reach {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "lab/csv.h"
+#include "lab/base/csv.h"
 
 namespace dts::lab::reach {
 

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <utility>
 
-#include "lab/csv.h"
-#include "lab/position_columns.h"
+#include "lab/base/csv.h"
+#include "lab/base/position_columns.h"
 #include "record/recording.h"
 #include "session/recorded_sway.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using posturography::Analysis;
@@ -158,4 +158,4 @@ bool is_same(const Analysis& a, const Analysis& b) {
   return true;
 }
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -8,7 +8,7 @@
 #include "cli/table.h"
 #include "lab/sway/sway_view.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using posturography::Analysis;
@@ -124,4 +124,4 @@ void print(const Comparison& comparison, const MeasuredTrial& first, const Measu
   }
 }
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

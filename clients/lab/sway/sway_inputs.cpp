@@ -8,7 +8,7 @@
 #include "lab/sway/sway_table.h"
 #include "record/xdf/recovery.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 namespace fs = std::filesystem;
@@ -122,4 +122,4 @@ core::Result<std::vector<SwayInput>> sway_inputs(const SwayArguments& arguments)
   return inputs;
 }
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

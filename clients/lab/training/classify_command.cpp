@@ -9,13 +9,24 @@
 #include "cli/json.h"
 #include "cli/progress.h"
 #include "files/trunk_model_file.h"
-#include "lab/problems.h"
+#include "lab/base/command.h"
+#include "lab/base/problems.h"
+#include "lab/reach/events_command.h"
 #include "lab/reach/predictions.h"
 #include "lab/reach/trial_set.h"
 #include "lab/training/training_commands.h"
 
 namespace dts::lab::training {
 namespace {
+
+struct ClassifyArguments {
+  std::string model;
+  std::string folder;
+  std::string out;
+  bool is_rejecting = true;  ///< Doubtful reaches are rejected.
+  std::string calibrate;     ///< "max:3": use each subject's first three trials at that target; empty: none.
+  bool is_json = false;
+};
 
 using classifier::SubjectCalibration;
 using Reaches = std::vector<std::optional<core::ReachEvent>>;
@@ -64,7 +75,7 @@ std::vector<std::optional<SubjectCalibration>> calibrations_of(const reach::Tria
   return calibrations;
 }
 
-void print_counts(const std::vector<reach::Prediction>& predictions, const Arguments& arguments, cli::Console& console) {
+void print_counts(const std::vector<reach::Prediction>& predictions, const ClassifyArguments& arguments, cli::Console& console) {
   std::map<int, std::size_t> counts;
   std::size_t missing = 0;
   for (const reach::Prediction& prediction : predictions) {
@@ -87,9 +98,7 @@ void print_counts(const std::vector<reach::Prediction>& predictions, const Argum
   console.out << text << counts[-1] << " rejected, " << missing << " without a reach\n";
 }
 
-}  // namespace
-
-int run_reach_classify(const Arguments& arguments, cli::Console& console) {
+int run_reach_classify(const ClassifyArguments& arguments, cli::Console& console) {
   const auto own = own_scale_of(arguments.calibrate);
   if (!own) return fail_with(console, own.error());
   if (const auto free = check_out(arguments.out, {arguments.folder, arguments.model}); !free) return fail_with(console, free.error());
@@ -119,6 +128,24 @@ int run_reach_classify(const Arguments& arguments, cli::Console& console) {
   if (const auto written = reach::write_predictions(predictions, arguments.out); !written) return fail_with(console, written.error());
   print_counts(predictions, arguments, console);
   return cli::kOk;
+}
+
+}  // namespace
+
+void add_classify(cli::CommandLine& line, CLI::App& reach) {
+  const auto [command, arguments] =
+      add_command(line, reach, "classify", "Classify the trunk movement of each trial",
+                  "dtslab reach classify model.toml trials/ --out pred.csv | class, probability, trunk angle\n"
+                  "dtslab reach classify model.toml trials/ --out pred.csv --calibrate max:3 | with the scale of each person\n",
+                  run_reach_classify);
+  command.add_option("MODEL", arguments.model, "Made by dtslab reach train")->required()->option_text(" ");
+  reach::add_folder(command, arguments.folder)->required();
+  command.add_option("--out", arguments.out, "File to write")->option_text("PRED.csv")->required();
+  command.add_flag("!--no-reject", arguments.is_rejecting, "Always give the most probable class, never reject");
+  command
+      .add_option("--calibrate", arguments.calibrate, "max:3: adapt the model to each person with the first three trials at target max")
+      ->option_text("max:N");
+  add_json(command, arguments.is_json);
 }
 
 }  // namespace dts::lab::training

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "cli/json.h"
-#include "lab/training/small_file.h"
+#include "lab/base/small_file.h"
 
 namespace dts::lab::training {
 namespace {

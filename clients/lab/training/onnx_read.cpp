@@ -5,9 +5,9 @@
 #include <optional>
 #include <utility>
 
+#include "lab/base/small_file.h"
 #include "lab/training/onnx_file.h"
 #include "lab/training/onnx_schema.h"
-#include "lab/training/small_file.h"
 
 namespace dts::lab::training {
 namespace {

@@ -12,8 +12,8 @@
 #include "core/clock.h"
 #include "core/host_time.h"
 #include "device/device.h"
+#include "device/device_entry.h"
 #include "device/nidaqmx/daqmx_library.h"
-#include "device/registry.h"
 
 namespace dts::device::nidaqmx {
 

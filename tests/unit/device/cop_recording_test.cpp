@@ -40,9 +40,9 @@ TEST(CopRecording, TwoRows_InterpolatedCentredAndRepeatedAfterABridge) {
 
   ASSERT_TRUE(recording.has_value());
   EXPECT_EQ(recording->duration_s(), 1.0);
-  EXPECT_EQ(recording->at(0.0), (physics::CopPosition{-5.0, -1.0}));
-  EXPECT_EQ(recording->at(0.5), (physics::CopPosition{0.0, 0.0}));
-  EXPECT_EQ(recording->at(1.0), (physics::CopPosition{5.0, 1.0}));
+  EXPECT_EQ(recording->at(0.0), (dts::sim::CopPosition{-5.0, -1.0}));
+  EXPECT_EQ(recording->at(0.5), (dts::sim::CopPosition{0.0, 0.0}));
+  EXPECT_EQ(recording->at(1.0), (dts::sim::CopPosition{5.0, 1.0}));
   EXPECT_EQ(recording->at(-3.0).ml_mm, -5.0) << "the nearest row";
   EXPECT_EQ(recording->at(3.0).ml_mm, 5.0);
   EXPECT_EQ(recording->repeated_at(-1.0).ml_mm, -5.0);

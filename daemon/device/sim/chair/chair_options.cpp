@@ -61,20 +61,20 @@ constexpr std::array kChairDependencies = {
     shared_option::kFaultChannelNeeds,
 };
 
-physics::ReachMode reach_mode(const std::string& word) {
-  if (word == "cued") return physics::ReachMode::Cued;
-  return word == "none" ? physics::ReachMode::Never : physics::ReachMode::Auto;
+dts::sim::ReachMode reach_mode(const std::string& word) {
+  if (word == "cued") return dts::sim::ReachMode::Cued;
+  return word == "none" ? dts::sim::ReachMode::Never : dts::sim::ReachMode::Auto;
 }
 
-physics::SeatedPersonOptions person(const UriOptions& options, std::uint64_t seed) {
-  physics::SeatedPersonOptions result;
+dts::sim::SeatedPersonOptions person(const UriOptions& options, std::uint64_t seed) {
+  dts::sim::SeatedPersonOptions result;
   result.person = {.weight_kg = options.number("weight_kg"),
                    .height_cm = options.number("height_cm"),
                    .arm_length_cm = options.number("arm_length_cm"),
                    .max_reach_cm = options.number("max_reach_cm")};
   const bool is_thesis = options.text("load_model") == "thesis";
-  const auto model = is_thesis ? physics::SeatLoadModel::Thesis : physics::SeatLoadModel::Cop;
-  result.habits = physics::natural_habits(result.person, options.text("group") == "healthy", model, seed, options.number("people_spread"));
+  const auto model = is_thesis ? dts::sim::SeatLoadModel::Thesis : dts::sim::SeatLoadModel::Cop;
+  result.habits = dts::sim::natural_habits(result.person, options.text("group") == "healthy", model, seed, options.number("people_spread"));
   if (options.number("pace_s") > 0.0) {
     result.habits.phase_s = options.number("pace_s");
     result.habits.phase_growth_per_deg = 0.0;
@@ -143,8 +143,8 @@ core::Status check_channels(const DeviceUri& uri, const ChairOptions& options, s
                 std::to_string(channels) + " channels with sensors, aux and truth; at most " + std::to_string(core::kMaxChannels));
 }
 
-core::Status check_stay(const DeviceUri& uri, const physics::SeatedPersonOptions& person) {
-  if (person.stand_up_s >= person.sit_down_s + physics::SeatedPerson::kSettlingS) return {};
+core::Status check_stay(const DeviceUri& uri, const dts::sim::SeatedPersonOptions& person) {
+  if (person.stand_up_s >= person.sit_down_s + dts::sim::SeatedPerson::kSettlingS) return {};
   return refuse(uri, ErrorCode::InvalidArgument, "stand_up_s is less than 2 s after sit_down_s");
 }
 

@@ -4,7 +4,7 @@
 #include "unit/lab/sway/sway_files.h"
 #include "unit/record/xdf_fixture.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using record::RecordedEvent;
@@ -146,4 +146,4 @@ TEST_F(RecordedTrialsTest, TwoTrialsOfOneRecording_MakeARombergTest) {
 }
 
 }  // namespace
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -3,7 +3,7 @@
 #include "posturography/measure.h"
 #include "unit/lab/sway/sway_files.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using ::testing::HasSubstr;
@@ -202,4 +202,4 @@ TEST_F(SwayTest, RealRecording_HasThePublishedFigures) {
 }
 
 }  // namespace
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

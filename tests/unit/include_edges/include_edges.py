@@ -37,7 +37,7 @@ HOUSE = [
     ("daemon/record",            ["core", "posturography"],                               ["nlohmann/"]),
     ("daemon/record/sha256.cpp", [],                                                      ["sodium.h"]),
     ("daemon/record/xdf",        [],                                                      ["boost/crc.hpp", "pugixml.hpp", "sodium.h"]),
-    ("daemon/record/catalogue",  [],                                                      ["sodium.h", "sqlite3.h"]),
+    ("daemon/record/catalogue",  [],                                                      ["sodium.h", "sqlite3.h", "SQLiteCpp/"]),
     ("daemon/session",           ["core", "device", "pipeline", "classifier", "record",
                                   "physics", "posturography"],                                          []),
     ("daemon/access",            ["core", "files", "proto"],                              ["zmq.h", "zmq.hpp"]),

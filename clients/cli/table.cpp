@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/utf8.h"
+
 namespace dts::cli {
 namespace {
 
@@ -16,8 +18,7 @@ constexpr std::string_view kFolded = "  ";   ///< Indents the continued lines of
 std::size_t bytes_of(std::string_view text, std::size_t columns) noexcept {
   std::size_t bytes = 0;
   for (std::size_t shown = 0; bytes < text.size(); ++bytes) {
-    const bool is_start = (static_cast<unsigned char>(text[bytes]) & 0xC0U) != 0x80U;
-    if (is_start && ++shown > columns) break;
+    if (core::starts_character(text[bytes]) && ++shown > columns) break;
   }
   return bytes;
 }
@@ -44,10 +45,7 @@ std::string duration(double seconds) {
   return pair(whole / 86400, "d", whole % 86400 / 3600, "h");
 }
 
-std::size_t width(std::string_view text) noexcept {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(text, [](char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }));
-}
+std::size_t width(std::string_view text) noexcept { return core::character_count(text); }
 
 std::vector<std::string> filled(const std::vector<std::string>& pieces, std::string_view separator, std::size_t columns,
                                 std::string_view indent) {

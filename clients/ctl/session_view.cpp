@@ -206,13 +206,10 @@ void print_protocol(cli::Console& console, const v1::ProtocolInfo& protocol) {
   if (protocol.settle_s() > 0.0) print_field(console, "settling", cli::duration(protocol.settle_s()));
   print_field(console, "length", protocol.duration_s() > 0.0 ? cli::duration(protocol.duration_s()) : std::string("until stopped"));
   if (protocol.trials() > 0) print_field(console, "trials", std::to_string(protocol.trials()));
-  std::string conditions;
-  for (const std::string& condition : protocol.conditions()) conditions += (conditions.empty() ? "" : " ") + condition;
-  print_field(console, "conditions", conditions);
+  print_field(console, "conditions", cli::join(protocol.conditions(), " "));
   cli::Table fields({"FIELD", "NEEDED", "VALUES", "WHAT"});
   for (const v1::ProtocolField& field : protocol.fields()) {
-    std::string values;
-    for (const std::string& choice : field.choices()) values += (values.empty() ? "" : " or ") + choice;
+    std::string values = cli::join(field.choices(), " or ");
     if (values.empty()) values = shortest(field.minimum()) + " .. " + shortest(field.maximum());
     fields.add({{field.name(), cli::Style::Bold}, {field.is_required() ? "yes" : "no"}, {values}, {field.sentence()}});
   }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli/validators.h"
+#include "core/join.h"
 #include "lab/compare_command.h"
 #include "lab/cop_command.h"
 #include "lab/manual.h"
@@ -66,9 +67,7 @@ void add_thesis(CommandTree& tree) {
 }
 
 CLI::Option* add_estimator(CLI::App& command, Arguments& arguments, const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return command.add_option("--estimator", arguments.estimator, text + "; default: poly3")
+  return command.add_option("--estimator", arguments.estimator, core::join(names) + "; default: poly3")
       ->option_text("NAME")
       ->check(CLI::IsMember(names));
 }

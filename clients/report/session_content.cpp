@@ -3,6 +3,7 @@
 #include <array>
 #include <set>
 
+#include "core/utf8.h"
 #include "posturography/cop_series.h"
 #include "report/number_text.h"
 #include "report/page_parts.h"
@@ -52,7 +53,7 @@ std::string cut(const std::string& text, double width_mm, double size) {
   if (text_width(text, size) <= width_mm) return text;
   std::string shorter = text;
   while (!shorter.empty() && text_width(shorter + "...", size) > width_mm) {
-    while (!shorter.empty() && (static_cast<unsigned char>(shorter.back()) & 0xC0U) == 0x80U) shorter.pop_back();
+    while (!shorter.empty() && !core::starts_character(shorter.back())) shorter.pop_back();
     if (!shorter.empty()) shorter.pop_back();
   }
   return shorter + "...";

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "core/join.h"
 #include "files/whole_file.h"
 
 namespace dts::access {
@@ -40,9 +41,8 @@ bool is_absent(const std::string& file) {
 }
 
 core::Error first_of(const files::Problems& problems) {
-  std::string what;
-  for (const files::Problem& problem : problems) what += (what.empty() ? "" : "; ") + files::to_string(problem);
-  return {core::ErrorCode::InvalidArgument, what, "mend the file; a running daemon keeps the keys that it knows"};
+  return {core::ErrorCode::InvalidArgument, core::join(problems, "; ", files::to_string),
+          "mend the file; a running daemon keeps the keys that it knows"};
 }
 
 std::string z85_of(std::span<const std::uint8_t> key) {

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <ranges>
 
+#include "core/suggest.h"
 #include "record/recording.h"
 #include "record/sha256.h"
 #include "session/trial_record.h"
@@ -73,9 +74,9 @@ std::vector<std::uint32_t> places_done(const record::SessionRow& row) {
 core::Result<const Protocol*> RigSession::find_protocol(const std::string& wanted) const {
   const auto found = std::ranges::find(services_.protocols, wanted, &Protocol::name);
   if (found != services_.protocols.end()) return &*found;
-  std::string known;
-  for (const Protocol& protocol : services_.protocols) known += (known.empty() ? "" : ", ") + protocol.name;
-  return core::fail(ErrorCode::InvalidArgument, "unknown protocol '" + wanted.substr(0, 64) + "'", "known: " + known);
+  std::vector<std::string> known;
+  for (const Protocol& protocol : services_.protocols) known.push_back(protocol.name);
+  return core::fail(ErrorCode::InvalidArgument, "unknown protocol '" + wanted.substr(0, 64) + "'", core::known_words_hint(wanted, known));
 }
 
 record::SessionFacts RigSession::facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,

@@ -132,8 +132,8 @@ TEST_F(SensorCurveFiles, Limits_AreReportedWithPlaceAndRange) {
   expect_ranges(std::string(kFacts) + kPointsText,
                 {
                     {"range_v", "[calibration]", "0.001", "1000", "0.0009", "1000.1"},
-                    {"residual_mv", "[calibration]", "0", "1e+06", "-0.1", "1.1e+06"},
-                    {"repeat_mv", "[calibration]", "0", "1e+06", "-0.1", "1.1e+06"},
+                    {"residual_mv", "[calibration]", "0", "1000000", "-0.1", "1100000"},
+                    {"repeat_mv", "[calibration]", "0", "1000000", "-0.1", "1100000"},
                     {"readings_per_gap", "[calibration]", "1", "1000000000", "0", "1000000001"},
                     {"samples_per_point", "[calibration]", "1", "1000000000", "0", "1000000001"},
                     {"gap_mm", "[[point]]", "0", "1000", "-0.1", "1000.1"},

@@ -20,6 +20,7 @@ import sys
 HOUSE = [
     ("daemon/core",              [],                                                      []),
     ("daemon/core/log.cpp",      [],                                                      ["spdlog/"]),
+    ("daemon/core/utf8.cpp",     [],                                                      ["utf8cpp/"]),
     ("daemon/core/result.h",     [],                                                      ["tl/expected.hpp"]),
     ("daemon/physics",           ["core"],                                                ["Eigen/"]),
     ("daemon/classifier",        ["core"],                                                []),
@@ -61,10 +62,10 @@ HOUSE = [
                                   "pipeline", "posturography", "record", "device",
                                   "session"],                                            ["CLI/", "Eigen/"]),
     ("clients/lab/training/onnx_schema.h", [],                                             ["onnx/"]),
-    ("clients/gateway",          ["cli", "libdts", "proto"],                              ["boost/", "google/protobuf/", "CLI/"]),
+    ("clients/gateway",          ["core", "cli", "libdts", "proto"],                      ["boost/", "google/protobuf/", "CLI/"]),
     ("clients/gateway/gateway.cpp", [],                                                    ["systemd/"]),
     ("clients/gateway/access",   [],                                                      ["sodium.h", "nlohmann/"]),
-    ("clients/gateway/archive",  ["core", "record", "report"],                            ["archive.h", "archive_entry.h"]),
+    ("clients/gateway/archive",  ["record", "report"],                                    ["archive.h", "archive_entry.h"]),
     ("clients/gateway/metrics",  [],                                                      ["prometheus/"]),
 ]
 

@@ -238,7 +238,12 @@ std::optional<TomlReader> TomlReader::table_or_file(std::string_view key, Refere
   const toml::node* found = node(key);
   if (found != nullptr && found->is_table()) return table(key);
   const std::string name = text(key, "");
-  if (name.empty()) return std::nullopt;
+  if (name.empty()) {  // definitions in older recordings may have one
+    if (found != nullptr && found->is_string() && references == References::Files) {
+      report(key, named(key) + " is empty: name a file, or remove the line");
+    }
+    return std::nullopt;
+  }
   if (references == References::None) {
     report(key, named(key) + " names a file, but a definition has none beside it: it must be a table");
     return std::nullopt;

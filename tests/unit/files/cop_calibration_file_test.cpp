@@ -146,7 +146,7 @@ TEST_F(CopCalibrationFile, Limits_AreReportedWithPlaceAndRange) {
           {"  [", row + "0.0],\n" + row + "0.0],", "cop:45:8: x_mm must be a list of 1 to 3 lists"},
           {"[[point]]", "[[point]]\nx = 1", "cop:63:1: unknown key 'x' in [[point]]"},
           {"w_mm", "w_mm = [1e3, -1e3, 0, 0]", ""},
-          {"w_mm", "w_mm = [1.1e3, -1e3, 0, 0]", "cop:66:8: w_mm: number 1 of the list is not a finite number of at most 1000.0 in size"},
+          {"w_mm", "w_mm = [1.1e3, -1e3, 0, 0]", "cop:66:8: w_mm: number 1 of the list is not a finite number of at most 1000 in size"},
           {"w_mm", "w_mm = [1, 2, 3]", "cop:66:8: w_mm must be a list of 4 numbers"},
           {"load_error_percent", "", ""},
           {"load_n = 1e6", "", "cop:62:1: [[point]] load_n is missing"},

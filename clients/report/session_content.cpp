@@ -112,6 +112,9 @@ Notes left_out(const SessionData& session) {
     notes.items.push_back(std::to_string(count) + " of " + std::to_string(session.planned_trials) +
                           " planned trials have no result that counts: " + missing + (count > 20 ? ", ..." : "") + ".");
   }
+  for (const auto& [stance, reason] : session.missing_quotients) {
+    notes.items.push_back("No Romberg quotient" + (stance.empty() ? "" : " for " + stance_text(stance)) + ": " + reason + ".");
+  }
   if (notes.items.empty()) notes.items.emplace_back("Nothing.");
   return notes;
 }

@@ -35,8 +35,8 @@ std::string decimal(double value, int decimals) {
 
 std::string duration(double seconds) {
   if (!std::isfinite(seconds) || seconds < 0.0 || seconds > 1e12) return "-";
-  if (seconds < 60.0) return decimal(seconds, 1) + " s";
-  const auto whole = static_cast<long long>(seconds);
+  if (seconds < 59.95) return decimal(seconds, 1) + " s";  // more would be rounded to 60.0
+  const auto whole = std::max(60LL, static_cast<long long>(seconds));
   const auto pair = [](long long large, const char* large_unit, long long small, const char* small_unit) {
     return std::to_string(large) + " " + large_unit + " " + std::to_string(small) + " " + small_unit;
   };
@@ -81,6 +81,12 @@ std::vector<std::string> wrapped(std::string_view text, std::size_t columns, std
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return filled(words, " ", columns, indent);
+}
+
+std::string wrapped_at(const Console& console, std::size_t column, std::string_view text) {
+  constexpr std::size_t kNarrowest = 20;  // in less room, wrapping makes a text harder to read
+  if (!console.is_out_terminal || console.columns < column + kNarrowest) return std::string(text);
+  return join(wrapped(text, console.columns - column, ""), "\n" + std::string(column, ' '));
 }
 
 Table::Table(std::vector<std::string> headers) {

@@ -272,7 +272,7 @@ TEST_F(RecorderTest, EventsOfOtherSegments_StandAtTheFirstOrTheLastScan) {
 
 TEST_F(RecorderTest, NoScanAtAll_TheFileSaysSoWithItsEvents) {
   auto recorder = Recorder::create(file_, {.session_id = "s", .rig = "floor", .started_utc_ns = 9'000'000'000}, streams()).value();
-  ASSERT_TRUE(recorder->take({.event = "session", .segment = 0, .scan = {0}, .values = {{"state", std::string("starting")}}}, {}));
+  ASSERT_TRUE(recorder->take({.event = "session", .segment = 0, .scan = {0}, .values = {{"state", std::string("starting")}}}));
   ASSERT_TRUE(recorder->flush());
   ASSERT_TRUE(recorder->close("the device delivered no scan"));
 

@@ -19,12 +19,8 @@ Result<v1::RigStatus> find_rig(const v1::StatusSnapshot& status, const std::stri
     if (rig.rig().name() == name) return rig;
     known.push_back(rig.rig().name());
   }
-  std::string list;
-  for (const std::string& rig : known) list += (list.empty() ? "" : ", ") + rig;
-  const std::string meant = cli::nearest(name, known);
-  const std::string hint = meant.empty() ? "the rigs are: " + list : "did you mean " + meant + "?";
-  return client::fail(client::ErrorCode::NotFound, "no rig '" + name + "'",
-                      known.empty() ? "add a [[rig]] to the daemon's configuration" : hint);
+  const std::string hint = known.empty() ? "add a [[rig]] to the daemon's configuration" : cli::known_words_hint(name, known);
+  return client::fail(client::ErrorCode::NotFound, "no rig '" + name + "'", hint);
 }
 
 Result<Target> target(const Arguments& arguments) {

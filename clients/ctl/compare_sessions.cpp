@@ -112,6 +112,9 @@ Comparison compare(std::vector<v1::SessionRecord> sessions) {
   for (std::size_t s = 0; s < comparison.sessions.size(); ++s) {
     const v1::SessionRecord& session = comparison.sessions[s];
     if (session.subject() != comparison.sessions[0].subject()) warnings.insert("the sessions are from different subjects");
+    if (const std::string lost = loss_text(sum_of(session)); !lost.empty()) {
+      warnings.insert("session " + session.session_id() + ": " + lost + "; the results of its trials may cover less time");
+    }
     for (const v1::SessionResult& result : session.results()) {
       const auto known = std::ranges::find(comparison.rows, result.name(), &Row::name);
       const auto index = static_cast<std::size_t>(known - comparison.rows.begin());

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "cli/exit_status.h"
 #include "cli/table.h"
@@ -25,6 +26,9 @@ constexpr double kRateTolerance = 0.01;
 constexpr double kFullestPercent = 50.0;
 constexpr double kMostLatencyMs = 50.0;  // above this, live plots with 20 frames per second are visibly late
 constexpr double kNearlyAllBlocks = 0.95;
+constexpr std::uint32_t kSessionsLookedAt = 200;
+constexpr std::size_t kMostNamed = 3;
+constexpr std::size_t kVerdictColumns = 7;  // "wrong  "
 
 Check good(std::string name, std::string finding) { return {std::move(name), true, std::move(finding), {}}; }
 Check bad(std::string name, std::string finding, std::string fix) { return {std::move(name), false, std::move(finding), std::move(fix)}; }
@@ -144,7 +148,8 @@ int report(const std::vector<Check>& checks, bool is_json, cli::Console& console
                                   : check.is_good ? cli::styled(console, cli::Style::Good, "ok   ")
                                                   : cli::styled(console, cli::Style::Bad, "wrong");
       const std::string advice = check.fix.empty() ? "" : (is_note ? "; better: " : "; try: ") + check.fix;
-      console.out << verdict << "  " << cli::printable(check.name + ": " + check.finding + advice) << '\n';
+      console.out << verdict << "  "
+                  << cli::wrapped_at(console, kVerdictColumns, cli::printable(check.name + ": " + check.finding + advice)) << '\n';
     }
   }
   console.out.flush();
@@ -164,6 +169,10 @@ std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::ve
   for (const v1::RigStatus& rig : status->rigs()) std::ranges::move(check_rig(rig), std::back_inserter(checks));
   if (status->rigs_size() == 0) checks.push_back(bad("rigs", "no rig is configured", "add a [[rig]] to the daemon's configuration"));
   std::ranges::move(check_disk(status->disk()), std::back_inserter(checks));
+  v1::ListSessionsRequest newest;
+  newest.set_limit(kSessionsLookedAt);
+  // Without an answer there is no check: this daemon records nothing, or this key may not list sessions.
+  if (const auto sessions = dts->list_sessions(newest)) checks.push_back(check_sessions(*sessions));
   checks.push_back(check_network(*status));
   return std::move(*status);
 }
@@ -204,6 +213,19 @@ Check check_network(const v1::StatusSnapshot& status) {
   if (!status.has_network()) return good("network", "off: this machine only");
   return good("network", "on for clients with keys: " + counted(status.accepted_handshakes_total(), "connection") + " accepted, " +
                              std::to_string(status.refused_handshakes_total()) + " refused since the start");
+}
+
+Check check_sessions(const v1::ListSessionsResponse& sessions) {
+  const std::string name = "sessions";
+  std::vector<std::string> interrupted;
+  for (const v1::SessionRecord& session : sessions.sessions()) {
+    if (session.state() == "interrupted") interrupted.push_back(session.session_id());
+  }
+  if (interrupted.empty()) return good(name, "none is interrupted");
+  const std::string rest = interrupted.size() > kMostNamed ? ", ..." : "";
+  const std::string finding = counted(interrupted.size(), "session") + (interrupted.size() == 1 ? " is" : " are") +
+                              " interrupted: " + cli::join(std::views::take(interrupted, kMostNamed)) + rest;
+  return note(name, finding, "see dtsctl session show ID; to go on: dtsctl session resume ID");
 }
 
 std::vector<Check> check_disk(const v1::DiskStatus& disk) {

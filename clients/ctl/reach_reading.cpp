@@ -50,8 +50,7 @@ std::string class_words(const v1::TrunkMovement& movement, std::uint32_t reach_f
   const bool is_of_the_reach = (reasons & v1::CLASS_REASON_BAD_REACH) != 0 && reach_flags != 0;
   const auto words = is_of_the_reach ? bit_words(*v1::ReachFlag_descriptor(), reach_flags)
                                      : bit_words(*v1::ClassReason_descriptor(), reasons & ~std::uint32_t{v1::CLASS_REASON_CALIBRATED});
-  std::string why;
-  for (const std::string& word : words) why += (why.empty() ? "" : ", ") + word;
+  const std::string why = cli::join(words);
   return class_word(movement.trunk_class()) + (why.empty() ? "" : " (" + why + ")");
 }
 

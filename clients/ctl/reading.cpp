@@ -90,16 +90,12 @@ std::vector<std::string> reading_parts(const client::StreamFormat& format, std::
     parts.push_back(label(described) + " " + value_text(scan[channel]) + (has_unit ? " " + cli::printable(described.unit) : ""));
     doubts = static_cast<std::uint8_t>(doubts | quality[channel]);
   }
-  std::string words;
-  for (const std::string& word : quality_words(doubts)) words += (words.empty() ? "" : " ") + word;
-  if (!words.empty()) parts.push_back("[" + words + "]");
+  if (const auto words = quality_words(doubts); !words.empty()) parts.push_back("[" + cli::join(words, " ") + "]");
   return parts;
 }
 
 std::string reading(const client::StreamFormat& format, std::span<const float> scan, std::span<const std::uint8_t> quality) {
-  std::string text;
-  for (const std::string& part : reading_parts(format, scan, quality)) text += (text.empty() ? "" : "  ") + part;
-  return text;
+  return cli::join(reading_parts(format, scan, quality), "  ");
 }
 
 void copy_scan(const client::Block& block, std::size_t scan, std::vector<float>& values) {

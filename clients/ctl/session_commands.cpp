@@ -42,15 +42,11 @@ void print_ended(cli::Console& console, const v1::SessionInfo& session) {
 
 Result<v1::ProtocolInfo> find_protocol(const v1::ListProtocolsResponse& protocols, const std::string& name) {
   std::vector<std::string> known;
-  std::string list;
   for (const v1::ProtocolInfo& protocol : protocols.protocols()) {
     if (protocol.name() == name) return protocol;
     known.push_back(protocol.name());
-    list += (list.empty() ? "" : ", ") + protocol.name();
   }
-  const std::string meant = cli::nearest(name, known);
-  return client::fail(ErrorCode::NotFound, "no protocol '" + name + "'",
-                      meant.empty() ? "the protocols are: " + list : "did you mean " + meant + "?");
+  return client::fail(ErrorCode::NotFound, "no protocol '" + name + "'", cli::known_words_hint(name, known));
 }
 
 v1::TrialAction action_of(const std::string& word) {

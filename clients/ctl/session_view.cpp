@@ -103,6 +103,20 @@ std::string place_text(const v1::TrialRecord& trial) {
          std::to_string(trial.last_scan());
 }
 
+/// Returns the outcome, and for a trial that was done but does not count, why.
+cli::Cell outcome_cell(const v1::TrialRecord& trial) {
+  if (trial.outcome() != "done") return {trial.outcome(), cli::Style::Warning};
+  const v1::Sway& sway = trial.sway();
+  if (!trial.has_sway()) return {"done", cli::Style::Good};
+  if (!sway.problem().empty()) return {"done, not valid: no values", cli::Style::Warning};
+  if (!sway.is_valid()) {
+    const bool has_stepped_off = (sway.flags() & v1::SWAY_FLAG_STEPPED_OFF) != 0;
+    return {has_stepped_off ? "done, not valid: stepped off" : "done, not valid: feet moved", cli::Style::Warning};
+  }
+  if ((sway.flags() & v1::SWAY_FLAG_CUT_AT_GAP) != 0) return {"done, cut short by a gap", cli::Style::Warning};
+  return {"done", cli::Style::Good};
+}
+
 /// Prints trials of quiet standing.
 void print_standing(cli::Console& console, const v1::SessionRecord& session) {
   cli::Table trials({">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">MVELO mm/s", ">RDIST mm", ">ELLIPSE mm2", "FLAGS", ">PART",
@@ -116,7 +130,7 @@ void print_standing(cli::Console& console, const v1::SessionRecord& session) {
     trials.add({{std::to_string(trial.trial())},
                 {std::to_string(trial.attempt())},
                 {trial.condition()},
-                {trial.outcome(), trial.outcome() == "done" ? cli::Style::Good : cli::Style::Warning},
+                outcome_cell(trial),
                 {has_values ? cli::duration(sway.duration_s()) : "-"},
                 {value(sway, "MVELO", 2)},
                 {value(sway, "RDIST", 2)},
@@ -138,7 +152,7 @@ void print_trials(cli::Console& console, const v1::SessionRecord& session) {
                 {std::to_string(trial.attempt())},
                 {std::to_string(trial.block())},
                 {trial.condition()},
-                {trial.outcome(), trial.outcome() == "done" ? cli::Style::Good : cli::Style::Warning},
+                outcome_cell(trial),
                 trunk_cell(trial.result()),
                 {degrees_text(trial.result())},
                 {std::to_string(trial.part())},
@@ -206,13 +220,10 @@ void print_protocol(cli::Console& console, const v1::ProtocolInfo& protocol) {
   if (protocol.settle_s() > 0.0) print_field(console, "settling", cli::duration(protocol.settle_s()));
   print_field(console, "length", protocol.duration_s() > 0.0 ? cli::duration(protocol.duration_s()) : std::string("until stopped"));
   if (protocol.trials() > 0) print_field(console, "trials", std::to_string(protocol.trials()));
-  std::string conditions;
-  for (const std::string& condition : protocol.conditions()) conditions += (conditions.empty() ? "" : " ") + condition;
-  print_field(console, "conditions", conditions);
+  print_field(console, "conditions", cli::join(protocol.conditions(), " "));
   cli::Table fields({"FIELD", "NEEDED", "VALUES", "WHAT"});
   for (const v1::ProtocolField& field : protocol.fields()) {
-    std::string values;
-    for (const std::string& choice : field.choices()) values += (values.empty() ? "" : " or ") + choice;
+    std::string values = cli::join(field.choices(), " or ");
     if (values.empty()) values = shortest(field.minimum()) + " .. " + shortest(field.maximum());
     fields.add({{field.name(), cli::Style::Bold}, {field.is_required() ? "yes" : "no"}, {values}, {field.sentence()}});
   }

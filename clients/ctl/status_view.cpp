@@ -29,13 +29,6 @@ std::string rate_of(const v1::Rate& rate) {
   return cli::decimal(static_cast<double>(rate.numerator()) / static_cast<double>(rate.denominator()), 2);
 }
 
-template <class List>
-std::string joined(const List& list, const char* separator = " ") {
-  std::string text;
-  for (const auto& item : list) text += (text.empty() ? "" : separator) + item;
-  return text;
-}
-
 void print_messages(cli::Console& console, const v1::StatusSnapshot& status) {
   for (const v1::RigStatus& rig : status.rigs()) {
     if (rig.device_message().empty()) continue;
@@ -47,6 +40,7 @@ void print_messages(cli::Console& console, const v1::StatusSnapshot& status) {
 }
 
 void print_sensors(cli::Console& console, const v1::RigInfo& rig) {
+  if (rig.sensors_size() == 0) return;
   cli::Table sensors({"SENSOR", ">X (mm)", ">Y (mm)", "CHANNEL", ">GAP (mm)", "CURVE"});
   for (const v1::SensorInfo& sensor : rig.sensors()) {
     sensors.add({{sensor.label()},
@@ -61,10 +55,10 @@ void print_sensors(cli::Console& console, const v1::RigInfo& rig) {
 }
 
 void print_streams(cli::Console& console, const v1::RigInfo& rig) {
+  if (rig.streams_size() == 0) return;
   cli::Table streams({"STREAM", ">RATE (Hz)", ">DELAY (ms)", "CHANNELS"});
   for (const v1::StreamFormat& stream : rig.streams()) {
-    std::string channels;
-    for (const v1::Channel& channel : stream.channels()) channels += (channels.empty() ? "" : " ") + channel.name();
+    const std::string channels = cli::join(stream.channels(), " ", [](const v1::Channel& channel) { return channel.name(); });
     streams.add({{stream.name()}, {rate_of(stream.rate())}, {cli::decimal(static_cast<double>(stream.delay_ns()) * 1e-6, 1)}, {channels}});
   }
   console.out << '\n';
@@ -153,7 +147,7 @@ void print_rigs(cli::Console& console, const v1::ListRigsResponse& rigs) {
                {rig.kind()},
                {rig.device_uri()},
                {std::to_string(rig.sensors_size())},
-               {joined(rig.published())}});
+               {cli::join(rig.published(), " ")}});
   }
   if (rigs.rigs_size() == 0) console.out << "no rig is configured\n";
   table.print(console);
@@ -199,7 +193,7 @@ void print_rig(cli::Console& console, const v1::RigStatus& status) {
                                           : rig.calibration());
   print_field(console, "tare", word(status.tare(), v1::TareState_descriptor()));
   print_field(console, "session", session_line(status.session()));
-  print_field(console, "published", joined(rig.published()));
+  print_field(console, "published", cli::join(rig.published(), " "));
   for (int index = 0; index < rig.stages_size(); ++index) print_field(console, index == 0 ? "stages" : "", rig.stages(index));
   print_sensors(console, rig);
   print_streams(console, rig);
@@ -241,7 +235,7 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
                {cli::decimal(channel.maximum(), 4)},
                {channel.unit()},
                {channel.is_sensor() ? cli::decimal(channel.gap_mm(), 3) : "-"},
-               {doubts.empty() ? "good" : joined(doubts), doubts.empty() ? cli::Style::Good : cli::Style::Bad}});
+               {doubts.empty() ? "good" : cli::join(doubts, " "), doubts.empty() ? cli::Style::Good : cli::Style::Bad}});
   }
   if (test.channels_size() > 0) table.print(console);
   cli::Table checks({"CHECK", "OUTCOME", "DETAIL"});

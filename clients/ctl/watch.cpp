@@ -167,6 +167,12 @@ int run_watch(const Arguments& arguments, cli::Console& console) {
     return cli::fail_with(console, client::Error{client::ErrorCode::InvalidArgument, "watch prints a stream, not one document",
                                                  "use --jsonl instead of --json"});
   }
+  if (arguments.is_csv && arguments.topics.size() > 1) {
+    return cli::fail_with(console,
+                          client::Error{client::ErrorCode::InvalidArgument,
+                                        "CSV is a table of one stream, not of " + std::to_string(arguments.topics.size()) + " topics",
+                                        "dtsctl watch " + arguments.topics.front() + " --csv, or --jsonl for all"});
+  }
   const auto where = target(arguments);
   if (!where) return cli::fail_with(console, where.error());
   const std::string& address = where->endpoints.data;

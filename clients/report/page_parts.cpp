@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/page_parts.h"
 
+#include "core/join.h"
 #include "report/number_text.h"
 
 namespace dts::report {
@@ -14,10 +15,29 @@ std::string labels_text(const TrialData& trial) {
   return text;
 }
 
+namespace {
+
+/// Returns why a trial that was done does not count, or is shorter than planned; empty: it is whole.
+std::string invalid_text(const TrialData& trial) {
+  namespace flag = posturography::sway_flag;
+  if (!trial.analysis) return ", not valid: no values";
+  if ((trial.analysis->flags & flag::kSteppedOff) != 0) return ", not valid: stepped off";
+  if (!trial.analysis->is_valid()) return ", not valid: feet moved";
+  return (trial.analysis->flags & flag::kCutAtGap) != 0 ? ", cut short by a gap" : "";
+}
+
+}  // namespace
+
 std::string outcome_text(const TrialData& trial) {
   if (trial.recorded.outcome.empty()) return trial.recorded.trial == 0 ? "no protocol" : "not ended: not valid";
-  if (trial.recorded.outcome == "done") return "done";
-  return trial.recorded.outcome + ": not valid";
+  if (trial.recorded.outcome != "done") return trial.recorded.outcome + ": not valid";
+  return "done" + invalid_text(trial);
+}
+
+std::string stance_text(const std::string& stance) {
+  std::string text;
+  for (const char letter : stance) text += letter == ',' ? std::string(", ") : std::string(1, letter == '=' ? ' ' : letter);
+  return text;
 }
 
 std::string filter_text(const posturography::Analysis& analysis) {
@@ -43,11 +63,9 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   if (!about.device_serial.empty()) device += ", serial " + about.device_serial;
   if (!about.firmware.empty()) device += ", firmware " + about.firmware;
   facts.push_back({.name = "Device", .value = device + " (" + about.device_uri + ")"});
-  facts.push_back(
-      {.name = "Calibration", .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
-  std::string stages;
-  for (const std::string& stage : about.stages) stages += (stages.empty() ? "" : "; ") + stage;
-  facts.push_back({.name = "Stages", .value = stages.empty() ? "-" : stages});
+  facts.push_back({.name = "Calibration",
+                   .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
+  facts.push_back({.name = "Stages", .value = about.stages.empty() ? "-" : core::join(about.stages, "; ")});
   return facts;
 }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <set>
 
+#include "core/utf8.h"
 #include "posturography/cop_series.h"
 #include "report/number_text.h"
 #include "report/page_parts.h"
@@ -52,7 +53,7 @@ std::string cut(const std::string& text, double width_mm, double size) {
   if (text_width(text, size) <= width_mm) return text;
   std::string shorter = text;
   while (!shorter.empty() && text_width(shorter + "...", size) > width_mm) {
-    while (!shorter.empty() && (static_cast<unsigned char>(shorter.back()) & 0xC0U) == 0x80U) shorter.pop_back();
+    while (!shorter.empty() && !core::starts_character(shorter.back())) shorter.pop_back();
     if (!shorter.empty()) shorter.pop_back();
   }
   return shorter + "...";
@@ -109,6 +110,9 @@ Notes left_out(const SessionData& session) {
   if (count > 0) {
     notes.items.push_back(std::to_string(count) + " of " + std::to_string(session.planned_trials) +
                           " planned trials have no valid result: " + missing + (count > 20 ? ", ..." : "") + ".");
+  }
+  for (const auto& [stance, reason] : session.missing_quotients) {
+    notes.items.push_back("No Romberg quotient" + (stance.empty() ? "" : " for " + stance_text(stance)) + ": " + reason + ".");
   }
   if (notes.items.empty()) notes.items.emplace_back("None.");
   return notes;

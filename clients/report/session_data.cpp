@@ -142,20 +142,22 @@ void name_pages(std::vector<TrialData>& trials) {
 void summarise(SessionData& session) {
   const std::vector<session::SessionFigure> told = std::exchange(session.summary, {});
   std::vector<session::SwayTrialResult> results;
+  std::vector<session::SwayTrialResult> all;
   for (const TrialData& trial : session.trials) {
-    if (!trial.is_kept()) continue;
-    results.push_back({.trial = trial.recorded.trial,
-                       .attempt = trial.recorded.attempt,
-                       .condition = trial.recorded.condition,
-                       .labels = trial.recorded.labels,
-                       .segment = trial.recorded.segment,
-                       .first_scan = trial.recorded.first_scan,
-                       .end_scan = trial.recorded.end_scan,
-                       .end_segment = trial.recorded.end_segment,
-                       .analysis = trial.analysis,
-                       .problem = trial.problem});
+    all.push_back({.trial = trial.recorded.trial,
+                   .attempt = trial.recorded.attempt,
+                   .condition = trial.recorded.condition,
+                   .labels = trial.recorded.labels,
+                   .segment = trial.recorded.segment,
+                   .first_scan = trial.recorded.first_scan,
+                   .end_scan = trial.recorded.end_scan,
+                   .end_segment = trial.recorded.end_segment,
+                   .analysis = trial.is_kept() ? trial.analysis : std::nullopt,
+                   .problem = trial.problem});
+    if (trial.is_kept()) results.push_back(all.back());
   }
   session.summary = session::sway_summary(results);
+  session.missing_quotients = session::missing_quotients(all);
   if (session.parts.size() != 1) return;
   for (const session::SessionFigure& figure : told) {
     const auto found = std::ranges::find(session.summary, figure.name, &session::SessionFigure::name);

@@ -57,13 +57,6 @@ FigureName parts_of(const std::string& name) {
   return {.group = name.substr(0, slash), .symbol = name.substr(slash + 1)};
 }
 
-/// Returns "feet=two,surface=firm" as words with places for line breaks.
-std::string stance_text(const std::string& stance) {
-  std::string text;
-  for (const char letter : stance) text += letter == ',' ? std::string(", ") : std::string(1, letter == '=' ? ' ' : letter);
-  return text.empty() ? "quotient" : text;
-}
-
 /// The published quotients are for two feet on a firm surface; a stance without a surface counts as firm.
 bool is_of_references(const std::string& stance) {
   const bool is_firm = stance.find("surface=") == std::string::npos || stance.find("surface=firm") != std::string::npos;
@@ -140,9 +133,7 @@ Table trial_table(const SessionData& session, std::size_t most_rows) {
   for (const ShownMeasure& shown : kShown) table.columns.push_back({.head = std::string(shown.head), .share = 1.0, .is_number = true});
   for (const TrialData& trial : session.trials) {
     if (table.rows.size() >= most_rows) break;
-    std::string outcome = outcome_text(trial);
-    if (trial.is_kept() && !trial.counts()) outcome = trial.analysis ? "invalid" : "no values";
-    Row row{.cells = {trial.number(), trial.recorded.condition.empty() ? "-" : trial.recorded.condition, outcome},
+    Row row{.cells = {trial.number(), trial.recorded.condition.empty() ? "-" : trial.recorded.condition, outcome_text(trial)},
             .is_heading = false,
             .link = trial.page};
     row.cells.push_back(trial.analysis ? fixed(trial.analysis->duration_s, 1) : "-");
@@ -185,7 +176,7 @@ std::optional<Table> romberg_table(const SessionData& session) {
   Table table{.title = "Romberg quotient: eyes closed / eyes open", .columns = {{.head = "Measure", .share = 2.4}}, .rows = {}};
   if (groups.names.size() > kMostConditions) groups.names.resize(kMostConditions);
   for (const std::string& stance : groups.names) {
-    table.columns.push_back({.head = stance_text(stance), .share = 1.2, .is_number = true});
+    table.columns.push_back({.head = stance.empty() ? "quotient" : stance_text(stance), .share = 1.2, .is_number = true});
   }
   const bool has_references = std::ranges::any_of(groups.names, is_of_references);
   if (has_references) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "core/join.h"
 #include "report/measure_tables.h"
 #include "report/number_text.h"
 #include "report/page_parts.h"
@@ -50,17 +51,13 @@ std::vector<std::string> alerts_of(const SessionData& session, const TrialData& 
   if (trial.analysis && !trial.analysis->is_valid()) {
     alerts.emplace_back("Invalid: the subject stepped off or moved the feet. Do not use the values to judge steadiness.");
   }
-  std::string doubts;
-  for (const std::string& warning : reference_warnings(trial)) doubts += (doubts.empty() ? "" : " ") + warning;
+  const std::string doubts = core::join(reference_warnings(trial), " ");
   if (!doubts.empty()) alerts.push_back(doubts);
   return alerts;
 }
 
 std::string differing_text(const TrialData& trial) {
-  std::string names;
-  for (std::size_t index = 0; index < std::min(kMostDifferingNamed, trial.differing.size()); ++index) {
-    names += (index == 0 ? "" : ", ") + trial.differing[index];
-  }
+  std::string names = core::join(std::views::take(trial.differing, kMostDifferingNamed));
   if (trial.differing.size() > kMostDifferingNamed) names += ", ...";
   return "Live values of the daemon and values computed now differ: " + std::to_string(trial.differing.size()) + " measures (" + names +
          ").";

@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "core/join.h"
 #include "files/whole_file.h"
 
 namespace dts::access {
@@ -41,9 +42,8 @@ bool is_absent(const std::string& file) {
 }
 
 core::Error first_of(const files::Problems& problems) {
-  std::string what;
-  for (const files::Problem& problem : problems) what += (what.empty() ? "" : "; ") + files::to_string(problem);
-  return {core::ErrorCode::InvalidArgument, what, "correct the file; until then a running daemon keeps its present keys"};
+  return {core::ErrorCode::InvalidArgument, core::join(problems, "; ", files::to_string),
+          "correct the file; until then a running daemon keeps its present keys"};
 }
 
 std::string z85_of(std::span<const std::uint8_t> key) {

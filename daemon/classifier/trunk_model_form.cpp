@@ -38,7 +38,8 @@ core::Status check_ensemble(const std::string& part, const Ensemble& ensemble, b
     if (network.input_count() != ensemble.inputs.size())
       return wrong(part + ": the number of a network's inputs differs from the number of features");
   }
-  if (!(ensemble.temperature >= 0.05 && ensemble.temperature <= 20.0)) return wrong(part + ": the temperature is outside 0.05 to 20");
+  if (!(ensemble.temperature >= TrunkModelForm::kLowestTemperature && ensemble.temperature <= TrunkModelForm::kHighestTemperature))
+    return wrong(part + ": the temperature is outside 0.05 to 20");
   return {};
 }
 
@@ -59,7 +60,8 @@ core::Status check_angle(const std::string& part, const AngleModel& angle, bool 
 
 core::Status check_arm_alone(const ArmAloneRule& rule) {
   if (auto status = check_quadratic("arm_alone", rule.logit, false); !status) return status;
-  if (!(rule.none_from > 0.5 && rule.none_from <= 1.0)) return wrong("arm_alone: none_from is outside 0.5 to 1");
+  if (!(rule.none_from >= TrunkModelForm::kLowestNoneFrom && rule.none_from <= 1.0))
+    return wrong("arm_alone: none_from is outside 0.5 to 1");
   return {};
 }
 
@@ -80,7 +82,8 @@ core::Status check_raw5(const TrunkModelForm& form) {
 core::Status check(const TrunkModelForm& form) {
   if (form.kind != ModelKind::Raw5 && form.kind != ModelKind::Recommended) return wrong("its kind is unknown");
   if (!(form.reject_below >= 0.0 && form.reject_below <= 1.0)) return wrong("reject_below is outside 0 to 1");
-  if (!(form.p1_minimum_mm > 0.0 && form.p1_minimum_mm < form.p1_maximum_mm && form.p1_maximum_mm < 1e3))
+  if (!(form.p1_minimum_mm >= TrunkModelForm::kSmallestP1Mm && form.p1_minimum_mm < form.p1_maximum_mm &&
+        form.p1_maximum_mm <= TrunkModelForm::kLargestP1Mm))
     return wrong("the range of P1 is empty");
   if (auto status = check_ensemble("general", form.general, false); !status) return status;
   if (form.own) {

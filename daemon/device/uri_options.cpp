@@ -7,6 +7,7 @@
 #include <optional>
 #include <sstream>
 
+#include "core/join.h"
 #include "core/suggest.h"
 
 namespace dts::device {
@@ -67,17 +68,12 @@ tl::unexpected<core::Error> refuse(const DeviceUri& uri, std::span<const Mistake
 std::vector<Mistake> unknown_names(const DeviceUri& uri, std::span<const UriOption> known) {
   std::vector<Mistake> mistakes;
   std::vector<std::string_view> names;
-  std::string list;
-  for (const UriOption& option : known) {
-    names.push_back(option.name);
-    list += list.empty() ? "" : ", ";
-    list += option.name;
-  }
+  for (const UriOption& option : known) names.push_back(option.name);
   for (const auto& [name, value] : uri.options) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     mistakes.push_back({"unknown option \"" + name + "\"", did_you_mean(name, names)});
   }
-  if (!mistakes.empty()) mistakes.back().hint += (mistakes.back().hint.empty() ? "Known: " : " Known: ") + list;
+  if (!mistakes.empty()) mistakes.back().hint += (mistakes.back().hint.empty() ? "Known: " : " Known: ") + core::join(names);
   return mistakes;
 }
 

@@ -43,7 +43,7 @@ class Recorder {
   /// Sets the state of the stages before the first frame. Call it before the first `take`.
   void set_stage_state(std::span<const double> state);
   /// Buffers a frame and the events found in it; writes every chunk that is full.
-  [[nodiscard]] core::Status take(const core::Frame& frame, std::span<const core::Event> events = {});
+  [[nodiscard]] core::Status take(const core::Frame& frame, std::span<const core::Event> events);
   /// Buffers an event. If no frame of its segment was recorded yet, the event waits for the first one. If that segment is never recorded,
   /// the event moves to the start of the next segment, or to the end of the recording.
   [[nodiscard]] core::Status take(const RecordedEvent& event);

@@ -49,19 +49,19 @@ void Acquisition::request_stop() noexcept {
 }
 
 void Acquisition::run() noexcept {
+  bool may_retry_at_once = true;  // once after the first start, after a stream that lasted and after a return
   while (!stop_requested_.load(std::memory_order_acquire)) {
     scans_since_start_ = 0;
     const bool was_away = was_lost_;
     if (bring_up()) stream();
-    if (scans_since_start_ >= wanted_rate_.scans_in_ms(kProvenMs)) {
+    const bool has_lasted = scans_since_start_ >= wanted_rate_.scans_in_ms(kProvenMs);
+    const bool has_returned = was_away && !was_lost_ && scans_since_start_ > 0;
+    if (has_lasted || has_returned) {
       retry_pause_ns_ = 0;
-      has_retried_at_once_ = true;
-    } else if (was_away && !was_lost_ && scans_since_start_ > 0) {
-      retry_pause_ns_ = 0;  // the device has returned: forget the pauses of its absence
-      has_retried_at_once_ = true;
-    } else if (scans_since_start_ == 0 || std::exchange(has_retried_at_once_, true)) {
-      wait_before_retry();  // absent, or connected without scans, or broken repeatedly
+      may_retry_at_once = true;
     }
+    if (scans_since_start_ > 0 && std::exchange(may_retry_at_once, false)) continue;
+    wait_before_retry();  // absent, or connected without scans, or broken repeatedly
   }
   device_.close();
   report_.device = device::DeviceState::Closed;

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <ranges>
 
+#include "core/suggest.h"
 #include "record/recording.h"
 #include "record/sha256.h"
 #include "session/trial_record.h"
@@ -73,9 +74,9 @@ std::vector<std::uint32_t> places_done(const record::SessionRow& row) {
 core::Result<const Protocol*> RigSession::find_protocol(const std::string& wanted) const {
   const auto found = std::ranges::find(services_.protocols, wanted, &Protocol::name);
   if (found != services_.protocols.end()) return &*found;
-  std::string known;
-  for (const Protocol& protocol : services_.protocols) known += (known.empty() ? "" : ", ") + protocol.name;
-  return core::fail(ErrorCode::InvalidArgument, "unknown protocol '" + wanted.substr(0, 64) + "'", "known: " + known);
+  std::vector<std::string> known;
+  for (const Protocol& protocol : services_.protocols) known.push_back(protocol.name);
+  return core::fail(ErrorCode::InvalidArgument, "unknown protocol '" + wanted.substr(0, 64) + "'", core::known_words_hint(wanted, known));
 }
 
 record::SessionFacts RigSession::facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
@@ -138,9 +139,12 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   if (auto checked = check(request); !checked) return checked;
   if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
   const std::vector<std::uint32_t> done = places_done(row);
-  const bool has_open_trials = (*protocol)->trials && done.size() < make_plan(*(*protocol)->trials, earlier->plan_seed).size();
-  if (row.state == "complete" && row.message.empty() && !has_open_trials) {  // a message: the session ended early
-    return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: there is nothing to resume", "start a new one");
+  const std::size_t planned = (*protocol)->trials ? make_plan(*(*protocol)->trials, earlier->plan_seed).size() : 0;
+  // Without trials, only a message tells a session that ended early.
+  if (row.state == "complete" && done.size() >= planned && (planned > 0 || row.message.empty())) {
+    const std::string trials = planned > 0 ? "all " + std::to_string(planned) + " trials are done, " : "";
+    return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: " + trials + "there is nothing to resume",
+                      "start a new session: dtsctl session start --rig " + row.rig);
   }
   // The requested duration, or the protocol's, less what is already recorded.
   if (const double whole_s = earlier->duration_s > 0.0 ? earlier->duration_s : (*protocol)->duration_s; whole_s > 0.0) {

@@ -9,6 +9,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/suggest.h"
 #include "device/registry.h"
 #include "session/device_state_name.h"
 
@@ -81,9 +82,9 @@ std::vector<Rig*> Supervisor::rigs() {
 
 core::Result<Supervisor::Entry*> Supervisor::find(const std::string& name) {
   if (const auto found = entries_.find(name); found != entries_.end()) return &found->second;
-  std::string known;
-  for (const auto& [rig_name, entry] : entries_) known += (known.empty() ? "" : ", ") + rig_name;
-  return core::fail(core::ErrorCode::NotFound, "no rig named '" + name.substr(0, kLongestMark) + "'", "known rigs: " + known);
+  std::vector<std::string> known;
+  for (const auto& [rig_name, entry] : entries_) known.push_back(rig_name);
+  return core::fail(core::ErrorCode::NotFound, "no rig named '" + name.substr(0, kLongestMark) + "'", core::known_words_hint(name, known));
 }
 
 std::string Supervisor::new_session_id(const std::string& rig) {

@@ -35,17 +35,17 @@ void report(const GapGuideParts& parts, const SteadyReading& reading) {
 
 /// Reports sensors whose voltage does not change: one such sensor blocks the gap for all.
 void say_stuck(const GapGuideParts& parts, const SteadyReading& now, const SteadyReading& last) {
-  std::string stuck;
+  std::vector<std::string> stuck;
   bool has_mover = false;
   for (std::size_t i = 0; i < now.mean.size() && i < parts.labels.size(); ++i) {
     if (std::abs(now.mean[i] - last.mean[i]) > kNewLevelV) {
       has_mover = true;
     } else {
-      stuck += (stuck.empty() ? "" : ", ") + parts.labels[i];
+      stuck.push_back(parts.labels[i]);
     }
   }
   if (!has_mover || stuck.empty()) return;
-  parts.say("  still waiting: " + stuck + " changed by less than " + decimal(1e3 * kNewLevelV, 0) +
+  parts.say("  still waiting: " + cli::join(stuck) + " changed by less than " + decimal(1e3 * kNewLevelV, 0) +
             " mV, other sensors by more. Check the spacer and the cable. To measure one sensor only: --sensor LABEL");
 }
 

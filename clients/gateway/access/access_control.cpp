@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/token_bucket.h"
 #include "gateway/access/back_off.h"
 #include "gateway/access/login_request.h"
 #include "gateway/access/password_thread.h"
@@ -17,7 +18,6 @@
 #include "gateway/access/visitor.h"
 #include "gateway/http/connection_limits.h"
 #include "gateway/http/json_answer.h"
-#include "gateway/http/token_bucket.h"
 
 namespace dts::gateway {
 namespace {
@@ -44,17 +44,17 @@ constexpr double kNotesAtOnce = 20.0;
 
 /// Lets some items pass and counts the others.
 struct Thinned {
-  TokenBucket bucket;
+  core::TokenBucket bucket;
   std::uint64_t others = 0;
 
   /// Returns how many items were held back since the last one that passed; nothing if this item is held back too.
-  [[nodiscard]] std::optional<std::uint64_t> pass(TokenBucket::Time now) noexcept {
+  [[nodiscard]] std::optional<std::uint64_t> pass(core::TokenBucket::Time now) noexcept {
     if (bucket.take(now)) return std::exchange(others, 0);
     ++others;
     return std::nullopt;
   }
   /// Returns true if the newest item held back may pass now; `others` then counts those before it.
-  [[nodiscard]] bool follows(TokenBucket::Time now, bool is_end) noexcept {
+  [[nodiscard]] bool follows(core::TokenBucket::Time now, bool is_end) noexcept {
     if (others == 0 || !(is_end || bucket.take(now))) return false;
     --others;
     return true;
@@ -64,7 +64,7 @@ struct Thinned {
 /// What is reported about logins of one kind.
 struct Told {
   Thinned lines;
-  Thinned notes{.bucket = TokenBucket(kNotesPerSecond, kNotesAtOnce)};
+  Thinned notes{.bucket = core::TokenBucket(kNotesPerSecond, kNotesAtOnce)};
   std::string newest_line{};
   LoginNote newest_note{};
 };
@@ -266,8 +266,8 @@ class AccessControlImpl final : public AccessControl {
   std::deque<Attempt> waiting_;
   bool is_comparing_ = false;
   std::uint64_t refused_logins_total_ = 0;
-  Told logins_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kLoginLinesAtOnce)}};
-  Told refusals_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kRefusedLinesAtOnce)}};
+  Told logins_{.lines = {.bucket = core::TokenBucket(kLinesPerSecond, kLoginLinesAtOnce)}};
+  Told refusals_{.lines = {.bucket = core::TokenBucket(kLinesPerSecond, kRefusedLinesAtOnce)}};
   PasswordThread passwords_;  // last: its thread ends before the other members are destroyed
 };
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "core/utf8.h"
 #include "dts/wire/options.h"
 #include "gateway/access/command_id.h"
 #include "gateway/bus/hub.h"
@@ -29,7 +30,7 @@ client::Error refusal(client::ErrorCode code, std::string what, std::string hint
 /// Cuts only between characters: half a character would make the message unreadable.
 std::string short_id(const std::string& id) {
   std::size_t length = std::min(id.size(), kLongestRequestId);
-  while (length > 0 && length < id.size() && (static_cast<unsigned char>(id[length]) & 0xC0U) == 0x80) --length;
+  while (length > 0 && length < id.size() && !core::starts_character(id[length])) --length;
   return id.substr(0, length);
 }
 

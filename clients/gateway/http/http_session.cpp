@@ -13,12 +13,12 @@
 #include <string_view>
 #include <utility>
 
+#include "core/token_bucket.h"
 #include "gateway/http/body_source.h"
 #include "gateway/http/json_answer.h"
 #include "gateway/http/peer_stream.h"
 #include "gateway/http/request_check.h"
 #include "gateway/http/response_head.h"
-#include "gateway/http/token_bucket.h"
 #include "gateway/http/websocket_session.h"
 
 namespace dts::gateway {
@@ -74,7 +74,7 @@ class HttpSession : public Connection, public std::enable_shared_from_this<HttpS
   PeerStream stream_;
   beast::flat_buffer buffer_{16384};  // holds a whole header, and pipelined requests until they are handled
   std::optional<http::request_parser<http::string_body>> parser_;
-  TokenBucket requests_;
+  core::TokenBucket requests_;
   std::uint64_t request_number_ = 0;
   std::uint64_t answered_number_ = 0;
   bool is_over_ = false;

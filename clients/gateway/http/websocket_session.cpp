@@ -13,7 +13,7 @@
 #include <string_view>
 #include <utility>
 
-#include "gateway/http/token_bucket.h"
+#include "core/token_bucket.h"
 
 namespace dts::gateway {
 namespace {
@@ -66,7 +66,7 @@ class WebSocketSession : public Connection, public TabConnection, public std::en
   Identity identity_;
   websocket::stream<PeerStream, false> socket_;  // false: compiled without permessage-deflate
   asio::steady_timer watch_;
-  TokenBucket messages_;
+  core::TokenBucket messages_;
   beast::flat_buffer incoming_;
   std::deque<std::string> outgoing_;
   std::size_t unsent_bytes_ = 0;

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <sstream>
 #include <utility>
 
 #include "core/cell_text.h"
+#include "core/number_text.h"
 #include "core/suggest.h"
 
 namespace dts::lab {
@@ -22,12 +22,6 @@ std::string_view trimmed(std::string_view text) {
   while (!text.empty() && (text.front() == ' ' || text.front() == '\t')) text.remove_prefix(1);
   while (!text.empty() && (text.back() == ' ' || text.back() == '\t')) text.remove_suffix(1);
   return text;
-}
-
-std::string shown(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
 }
 
 }  // namespace
@@ -169,7 +163,8 @@ class CsvTable::Reader {
     }
     if (value >= about.minimum && value <= about.maximum) return value;
     report(line_number_, cell.column,
-           name + " = " + shown(value) + " is out of range; allowed: " + shown(about.minimum) + " .. " + shown(about.maximum));
+           name + " = " + core::number_text(value) + " is out of range; allowed: " + core::number_text(about.minimum) + " .. " +
+               core::number_text(about.maximum));
     return kUndefined;
   }
 

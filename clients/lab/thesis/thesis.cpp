@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/join.h"
 #include "lab/thesis/thesis_parts.h"
 
 namespace dts::lab::thesis {
@@ -39,12 +40,11 @@ const std::vector<std::string_view>& thesis_table_names() {
 }
 
 core::Result<ThesisTable> thesis_table(std::string_view name, const TableProgress& progress) {
-  std::string known;
   for (const auto& [one, make] : makers()) {
     if (one == name) return make(progress);
-    known += (known.empty() ? "" : ", ") + std::string(one);
   }
-  return core::fail(core::ErrorCode::InvalidArgument, "no thesis table '" + std::string(name) + "'", "one of " + known + ", or all");
+  return core::fail(core::ErrorCode::InvalidArgument, "no thesis table '" + std::string(name) + "'",
+                    "one of " + core::join(thesis_table_names()) + ", or all");
 }
 
 double deviation_percent(double ours, double printed) noexcept {

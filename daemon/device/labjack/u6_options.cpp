@@ -39,7 +39,6 @@ core::Result<usb::DaqOptions> read_u6_options(const DeviceUri& uri) {
   const usb::DaqLimits limits{.inputs = kInputs,
                               .max_scan_length = kMaximumSamplesPerPacket - 1,  // one place is for the digital word
                               .must_ascend = false,
-                              .may_repeat = false,
                               .ranges_v = kRangesV};
   auto options = usb::read_daq_options(complete, *given, limits);
   if (!options) return options;

@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "core/join.h"
 #include "device/device_checks.h"
 
 namespace dts::device::nidaqmx {
@@ -106,10 +107,8 @@ core::Status NiDaqmx::create_task() {
     task_ = nullptr;
     return failed(status, "DAQmxCreateTask");
   }
-  std::string inputs;
-  for (const std::size_t channel : options_.channels) {
-    inputs += (inputs.empty() ? "" : ", ") + options_.name + "/ai" + std::to_string(channel);
-  }
+  const std::string inputs =
+      core::join(options_.channels, ", ", [this](std::size_t channel) { return options_.name + "/ai" + std::to_string(channel); });
   const std::int32_t status = library_->create_ai_voltage_chan(task_, inputs.c_str(), "", options_.terminal, -options_.range_v,
                                                                options_.range_v, api::kVolts, nullptr);
   return status < 0 ? failed(status, "DAQmxCreateAIVoltageChan") : core::Status{};

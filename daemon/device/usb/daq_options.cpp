@@ -56,7 +56,7 @@ core::Status check_inputs(const DeviceUri& uri, const DaqLimits& limits, std::sp
   for (std::size_t i = 1; i < inputs.size(); ++i) {
     const bool is_repeated = std::find(inputs.begin(), inputs.begin() + static_cast<std::ptrdiff_t>(i), inputs[i]) !=
                              inputs.begin() + static_cast<std::ptrdiff_t>(i);
-    if (is_repeated && !limits.may_repeat) {
+    if (is_repeated) {
       return refuse(uri, ErrorCode::InvalidArgument, "input " + input_text(inputs[i]) + " is listed twice in channels");
     }
     if (limits.must_ascend && inputs[i] < inputs[i - 1]) {

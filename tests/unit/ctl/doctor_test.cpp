@@ -44,6 +44,20 @@ TEST(DoctorRate, ThatIsNoNumber_IsNotKnown) {
   }
 }
 
+TEST(DoctorSessions, InterruptedOnes_AreNamedAndAreNoFault) {
+  v1::ListSessionsResponse sessions;
+  EXPECT_EQ(text_of({check_sessions(sessions)}), "good sessions: none is interrupted; \n");
+  for (const char* id : {"a", "b", "c", "d"}) {
+    v1::SessionRecord& session = *sessions.add_sessions();
+    session.set_session_id(id);
+    session.set_state(id == std::string("b") ? "complete" : "interrupted");
+  }
+  const std::string fix = "; see dtsctl session show ID; to go on: dtsctl session resume ID\n";
+  EXPECT_EQ(text_of({check_sessions(sessions)}), "good sessions: 3 sessions are interrupted: a, c, d" + fix);
+  sessions.mutable_sessions(1)->set_state("interrupted");
+  EXPECT_EQ(text_of({check_sessions(sessions)}), "good sessions: 4 sessions are interrupted: a, b, c, ..." + fix);
+}
+
 TEST(SystemFacts, OfThisMachine_AreWhatAThreadFinds) {
   int refused = -1;
   std::thread([&refused] {

@@ -276,8 +276,8 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
       read);
   expect_ranges(kTrials,
                 {
-                    {"minimum", "[[field]]", "-1e+06", "1e+06", "-1.1e+06", "1.1e+06"},
-                    {"maximum", "[[field]]", "-1e+06", "1e+06", "-1.1e+06", "1.1e+06"},
+                    {"minimum", "[[field]]", "-1000000", "1000000", "-1100000", "1100000"},
+                    {"maximum", "[[field]]", "-1000000", "1000000", "-1100000", "1100000"},
                     {"trials_per_block", "[trials]", "1", "200", "0", "201"},
                     {"blocks", "[trials]", "1", "50", "0", "51"},
                     {"cue_delay_min_s", "[trials]", "0", "3600", "-0.1", "3960"},

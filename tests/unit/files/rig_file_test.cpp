@@ -198,10 +198,10 @@ TEST_F(RigFile, Limits_AreReportedWithPlaceAndRange) {
           {"id = \"guard\"", "id = \"gard\"", "rig:50:6: unknown stage 'gard'; did you mean 'guard'?"},
           {"id = \"guard\"", "",
            "rig:49:1: [[stage]] id is missing\n"
-           "rig:49:1: unknown stage ''; known are guard, window_filter, linearise, cop, steadiness, transient, reach, classify"},
+           "rig:49:1: unknown stage ''; known: guard, window_filter, linearise, cop, steadiness, transient, reach, classify"},
           {"window_scans", "window_scans = true", "rig:53:16: an option must be a number or a text in quotes"},
           {"window_scans", "window_scans = 5\nwindow = 5",
-           "rig:52:6: unknown option 'window' of stage window_filter; known are window_scans, window_ms, shift_scans"},
+           "rig:52:6: unknown option 'window' of stage window_filter; known: window_scans, window_ms, shift_scans"},
       },
       read);
   expect_ranges(kRig,
@@ -209,8 +209,8 @@ TEST_F(RigFile, Limits_AreReportedWithPlaceAndRange) {
                     {"rate_hz", "[acquire]", "1", "20000", "0.9", "20000.1"},
                     {"block_ms", "[acquire]", "0.05", "1000", "0.04", "1000.1"},
                     {"channel = 6", "[trigger]", "0", "31", "-1", "32"},
-                    {"level", "[trigger]", "-1e+06", "1e+06", "-1.1e+06", "1.1e+06"},
-                    {"hysteresis", "[trigger]", "0", "1e+06", "-0.1", "1.1e+06"},
+                    {"level", "[trigger]", "-1000000", "1000000", "-1100000", "1100000"},
+                    {"hysteresis", "[trigger]", "0", "1000000", "-0.1", "1100000"},
                     {"sync_pulse_ms", "[session]", "0", "10000", "-0.1", "11000"},
                     {"x_mm = 86", "[[sensor]]", "0", "430", "-0.1", "473"},
                     {"y_mm = 87", "[[sensor]]", "0", "400", "-0.1", "400.1"},

@@ -27,6 +27,7 @@ DIVIDED = {"device", "lab"}
 HOUSE = [
     ("daemon/core",              [],                                                      []),
     ("daemon/core/log.cpp",      [],                                                      ["spdlog/"]),
+    ("daemon/core/utf8.cpp",     [],                                                      ["utf8cpp/"]),
     ("daemon/core/result.h",     [],                                                      ["tl/expected.hpp"]),
     ("daemon/physics",           ["core"],                                                ["Eigen/"]),
     ("daemon/sim",               ["core", "physics"],                                     []),
@@ -37,7 +38,7 @@ HOUSE = [
     ("daemon/record",            ["core", "posturography"],                               ["nlohmann/"]),
     ("daemon/record/sha256.cpp", [],                                                      ["sodium.h"]),
     ("daemon/record/xdf",        [],                                                      ["boost/crc.hpp", "pugixml.hpp", "sodium.h"]),
-    ("daemon/record/catalogue",  [],                                                      ["sodium.h", "sqlite3.h"]),
+    ("daemon/record/catalogue",  [],                                                      ["sodium.h", "sqlite3.h", "SQLiteCpp/"]),
     ("daemon/device",            ["core"],                                                []),
     ("daemon/device/usb",        ["core", "device"],                                      ["libusb-1.0/"]),
     ("daemon/device/device_entry", ["core", "device", "device/usb"],                      []),
@@ -89,10 +90,10 @@ HOUSE = [
     ("clients/lab/thesis",       ["cli", "core", "physics", "lab/base", "lab/study"],     ["CLI/"]),
     ("clients/lab",              ["cli", "lab/plate", "lab/cop", "lab/place", "lab/compare", "lab/replay", "lab/simulate", "lab/sway",
                                   "lab/steadiness", "lab/results", "lab/reach", "lab/training", "lab/study", "lab/thesis"], ["CLI/"]),
-    ("clients/gateway",          ["cli", "libdts", "proto"],                              ["boost/", "google/protobuf/", "CLI/"]),
+    ("clients/gateway",          ["core", "cli", "libdts", "proto"],                              ["boost/", "google/protobuf/", "CLI/"]),
     ("clients/gateway/gateway.cpp", [],                                                   ["systemd/"]),
     ("clients/gateway/access",   [],                                                      ["sodium.h", "nlohmann/"]),
-    ("clients/gateway/archive",  ["core", "record", "report"],                            ["archive.h", "archive_entry.h"]),
+    ("clients/gateway/archive",  ["record", "report"],                                    ["archive.h", "archive_entry.h"]),
     ("clients/gateway/metrics",  [],                                                      ["prometheus/"]),
 ]
 

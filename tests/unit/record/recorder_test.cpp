@@ -118,7 +118,7 @@ class RecorderTest : public testing::Test {
 
 TEST_F(RecorderTest, Frames_EveryScanComesBackAtItsPlaceWithItsValue) {
   auto recorder = this->recorder();
-  for (std::uint64_t first = 100; first < 1100; first += 20) ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first))));
+  for (std::uint64_t first = 100; first < 1100; first += 20) ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first)), {}));
 
   const auto recording = Recording::open(close(*recorder)).value();
 
@@ -142,7 +142,7 @@ TEST_F(RecorderTest, DriftingClock_TimeAxisHasNoJitterAndOffsetsTellTheDrift) {
   auto recorder = this->recorder();
   for (std::uint64_t first = 0; first < 12'000; first += 20) {
     const auto drift_ns = static_cast<std::int64_t>(first) * 50;  // 50 ppm, with jitter of the host's estimate
-    ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first) + drift_ns + static_cast<std::int64_t>(first % 7) * 1000)));
+    ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first) + drift_ns + static_cast<std::int64_t>(first % 7) * 1000), {}));
   }
 
   const std::string file = close(*recorder);
@@ -174,11 +174,11 @@ TEST_F(RecorderTest, DriftingClock_TimeAxisHasNoJitterAndOffsetsTellTheDrift) {
 
 TEST_F(RecorderTest, Gap_StartsASegmentWhoseEventSaysWhy) {
   auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take(frame(0, 0, 4, host_ns(0))));
+  ASSERT_TRUE(recorder->take(frame(0, 0, 4, host_ns(0)), {}));
   core::Frame& after = frame(1, 0, 4, host_ns(540));
   after.gap_before = {.reason = core::GapReason::Overrun, .missing_scans = 500, .is_exact = true};
   after.streams[kCop].column(0)[1] = std::numeric_limits<double>::quiet_NaN();
-  ASSERT_TRUE(recorder->take(after));
+  ASSERT_TRUE(recorder->take(after, {}));
 
   EXPECT_EQ(text(*recorder),
             "event @8000.000000123 {\"event\":\"segment\",\"segment\":0,\"scan\":0,\"host_time_ns\":8000000000123}\n"
@@ -204,13 +204,13 @@ TEST_F(RecorderTest, Gap_IsALossThatWriterAndReadersTellAlike) {
   auto recorder = this->recorder();
   core::Frame& first = frame(2, 0, 40, host_ns(0));
   first.gap_before = {.reason = core::GapReason::Unplugged, .missing_scans = 9, .is_exact = true};  // before the recording
-  ASSERT_TRUE(recorder->take(first));
+  ASSERT_TRUE(recorder->take(first, {}));
   core::Frame& after = frame(3, 0, 40, host_ns(540));
   after.gap_before = {.reason = core::GapReason::Overrun, .missing_scans = 500, .is_exact = true};
-  ASSERT_TRUE(recorder->take(after));
+  ASSERT_TRUE(recorder->take(after, {}));
   after.gap_before = {};
-  ASSERT_TRUE(recorder->take(frame(3, 50, 10, host_ns(590))));  // the recorder was too slow for ten scans
-  recorder->note_loss(5);                                       // and for five at the end
+  ASSERT_TRUE(recorder->take(frame(3, 50, 10, host_ns(590)), {}));  // the recorder was too slow for ten scans
+  recorder->note_loss(5);                                           // and for five at the end
   ASSERT_TRUE(recorder->flush());
 
   core::Losses expected;
@@ -233,7 +233,7 @@ RecordedEvent event(const std::string& kind, std::uint32_t segment, std::uint64_
 TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScanInTheirOrder) {
   auto recorder = this->recorder();
   ASSERT_TRUE(recorder->take(event("marker", 0, 15, "before anything was recorded")));
-  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0)), {}));
   const std::vector<core::Event> events{
       core::TriggerEvent{.segment = 0, .scan = {47}, .is_rising = true},
       core::ReachEvent{.step = core::ReachStep::P3, .number = 2, .scan = {50}},
@@ -261,7 +261,7 @@ TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScanInTheirOrder) {
 TEST_F(RecorderTest, EventsOfOtherSegments_StandAtTheFirstOrTheLastScan) {
   auto recorder = this->recorder();
   ASSERT_TRUE(recorder->take(event("session", 3, 900, "before the recording")));
-  ASSERT_TRUE(recorder->take(frame(4, 20, 40, host_ns(20))));
+  ASSERT_TRUE(recorder->take(frame(4, 20, 40, host_ns(20)), {}));
   ASSERT_TRUE(recorder->take(event("device", 5, 0, "never came")));
 
   EXPECT_EQ(text(*recorder, "event"),
@@ -288,7 +288,7 @@ TEST_F(RecorderTest, Quality_StandsInTheFileWhereverItChanges) {
   core::Frame& bad = frame(0, 0, 40, host_ns(0));
   for (std::size_t i = 10; i < 13; ++i) bad.streams[kRaw].quality(1)[i] = core::quality::kRail;
   bad.streams[kAux].quality(0)[39] = core::quality::kNoContact;
-  ASSERT_TRUE(recorder->take(bad));
+  ASSERT_TRUE(recorder->take(bad, {}));
 
   EXPECT_EQ(text(*recorder, "quality"),
             "quality 0:0 @8000.000000123 0 0 0\n"
@@ -299,8 +299,8 @@ TEST_F(RecorderTest, Quality_StandsInTheFileWhereverItChanges) {
 
 TEST_F(RecorderTest, FramesThatNeverCame_AreALossThatTheFileTells) {
   auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
-  ASSERT_TRUE(recorder->take(frame(0, 41, 40, host_ns(41))));
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0)), {}));
+  ASSERT_TRUE(recorder->take(frame(0, 41, 40, host_ns(41)), {}));
   ASSERT_TRUE(recorder->flush());
 
   EXPECT_EQ(recorder->lost_scans(), 1U);
@@ -312,7 +312,7 @@ TEST_F(RecorderTest, FramesThatNeverCame_AreALossThatTheFileTells) {
 TEST_F(RecorderTest, StageState_StandsInTheRawStreamsHeader) {
   auto recorder = this->recorder();
   recorder->set_stage_state(std::array{0.1, -3.0, std::numeric_limits<double>::quiet_NaN()});
-  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0)), {}));
 
   const auto recording = Recording::open(close(*recorder)).value();
 

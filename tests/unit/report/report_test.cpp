@@ -228,6 +228,14 @@ TEST_F(ReportTest, SessionPage_HasMeansQuotientsAndWhatWasLeftOut) {
   EXPECT_THAT(text, HasSubstr("href=\"trial-03.html\""));
 }
 
+TEST_F(ReportTest, MissingQuotient_HasAReason) {
+  MadeStanding made{.length_s = 50.0};
+  add_trial(made, 1, 2.0, 20.0, "eyes-open", kOpen);
+  add_trial(made, 2, 25.0, 20.0, "eyes-closed", {{"eyes", "closed"}, {"feet", "two"}}, "rejected");
+  EXPECT_THAT(page(report_of(write(made)), "session.html"),
+              HasSubstr("No Romberg quotient for feet two: no trial with eyes closed counts."));
+}
+
 TEST_F(ReportTest, Quotient_IsThatOfTheMeans) {
   const std::string file = write(two_trials());
   const auto session = read_session({.files = {file}, .software = "test"}, always);

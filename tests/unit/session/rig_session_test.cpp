@@ -204,6 +204,19 @@ TEST_F(RigSessionTest, ResumedTrials_GoOnBehindThoseThatAreDone) {
   EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("there is nothing to resume"));
 }
 
+TEST_F(RigSessionTest, CompleteSessionThatWasStoppedWithAReason_IsNotResumed) {
+  start({standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  for (int trial = 0; trial < 2; ++trial) {
+    ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+    pass(13.0);
+  }
+  ASSERT_TRUE(stop(false, "the daemon was stopped"));
+  EXPECT_EQ(row(id).state + " " + row(id).message, "complete the daemon was stopped");
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)),
+              AllOf(HasSubstr("session " + id + " is complete: all 2 trials are done"), HasSubstr("dtsctl session start --rig floor")));
+}
+
 TEST_F(RigSessionTest, ResumedSessionWithADuration_LastsForTheRestOfIt) {
   Protocol timed{.name = "timed", .settle_s = 1.0, .duration_s = 10.0, .definition = "v1"};
   start({Protocol{}, timed});

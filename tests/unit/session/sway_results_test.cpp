@@ -12,6 +12,7 @@
 #include <string>
 #include <tuple>
 
+#include "core/join.h"
 #include "session/json_object.h"
 #include "session/sway_record.h"
 #include "sway_signal.h"
@@ -240,6 +241,10 @@ std::string number(double value) {
   return json.text().substr(4, json.text().size() - 5);
 }
 
+std::string missing(const std::vector<SwayTrialResult>& trials) {
+  return core::join(missing_quotients(trials), "; ", [](const MissingQuotient& each) { return each.stance + ": " + each.reason; });
+}
+
 TEST(SwaySummary, HasMeansByConditionAndRombergQuotients) {
   SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0, "eyes-open-two-feet", 1.0);
@@ -274,6 +279,7 @@ TEST(SwaySummary, NoQuotientOfTrialsOfDifferentLengthStanceOrEyesAlone) {
     return std::ranges::any_of(figures, [](const SessionFigure& each) { return each.name.starts_with("romberg/"); });
   };
   EXPECT_FALSE(has_quotient(trials));  // 20 s against 30 s
+  EXPECT_EQ(missing(trials), "feet=two: the trials with eyes open last 20 s, those with eyes closed 30 s");
   trials[1].analysis->duration_s = trials[0].analysis->duration_s - 0.09;
   EXPECT_TRUE(has_quotient(trials));
   trials[1].analysis->duration_s -= 0.02;
@@ -282,8 +288,13 @@ TEST(SwaySummary, NoQuotientOfTrialsOfDifferentLengthStanceOrEyesAlone) {
   trials[0].analysis->measures.set(posturography::Measure::Rdist, 0.0);
   EXPECT_TRUE(has_quotient(trials));
   EXPECT_EQ(figure(sway_summary(trials), "romberg/feet=two/RDIST"), -1.0);
+  EXPECT_EQ(missing(trials), "");
   trials[1].labels[1].second = "one";
   EXPECT_FALSE(has_quotient(trials));
+  EXPECT_EQ(missing(trials), "") << "no stance has both";
+  trials[1].labels[1].second = "two";
+  trials[1].analysis.reset();
+  EXPECT_EQ(missing(trials), "feet=two: no trial with eyes closed counts");
 }
 
 TEST(SwaySummary, NoQuotientOfConditionsThatAreTwiceThere) {
@@ -298,6 +309,7 @@ TEST(SwaySummary, NoQuotientOfConditionsThatAreTwiceThere) {
     EXPECT_TRUE(names.insert(each.name).second) << each.name << " twice";
     EXPECT_FALSE(each.name.starts_with("romberg/")) << each.name << ": of which of the two?";
   }
+  EXPECT_EQ(missing(trials), "feet=two: there are several conditions with eyes open");
   trials.pop_back();
   EXPECT_GT(figure(sway_summary(trials), "romberg/feet=two/RDIST"), 0.0);
 }

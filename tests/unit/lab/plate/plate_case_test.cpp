@@ -109,7 +109,7 @@ TEST_F(PlateCaseTest, MissingOrContradictoryParts_AreNamed) {
          "11: x1_mm of [[load]] is left of x0_mm\n13: y1_mm of [[load]] is below y0_mm\n"},
         {supported + "[[load]]\nx0_mm = 9\nx1_mm = 9\ny0_mm = 2\ny1_mm = 2\nforce_n = -1e6\n", ""},
         {supported + "[[load]]\nx_mm = 9\ny_mm = 9\nforce_n = 1000001\n",
-         "12: [[load]] force_n = 1e+06 is out of range; allowed: -1e+06 .. 1e+06\n"},
+         "12: [[load]] force_n = 1000001 is out of range; allowed: -1000000 .. 1000000\n"},
         {solver + "nonlinear = 1\n", "14: [solver] nonlinear must be true or false\n"},
         {solver + "method = \"fem\"\nsimpson = true\n", "15: simpson = true of [solver] belongs to method \"fdm\" (thesis eq. 3.13)\n"},
         {solver + "divisions = 200\n", ""},

@@ -81,7 +81,7 @@ TEST(TrialSet, WrongRows_AreNamedWithTheirFileAndLine) {
       {"trials.csv",
        trials + "P,7,100,150\nP,1.5,100,80\n",
        {"trials.csv:3: trial 7 has no rows in P.csv", "trials.csv:4: the trial number must be a whole number"}},
-      {"trials.csv", trials + "P,1,74.9,\n", {"trials.csv:3: rate_hz = 74.9 is out of range; allowed: 75 .. 1e+06"}},
+      {"trials.csv", trials + "P,1,74.9,\n", {"trials.csv:3: rate_hz = 74.9 is out of range; allowed: 75 .. 1000000"}},
       {"trials.csv",
        "subject,trial,file,rate_hz,condition\nP,1,../P.csv,100,150\nP,1,..,100,150\n",
        {"trials.csv:2: file '../P.csv' is not a plain file name; the file must be in this folder",

@@ -67,7 +67,7 @@ void record_middle(const Middle& middle, const std::string& file) {
     const bool is_lost = middle.lost_at > 0 && done <= middle.lost_at && middle.lost_at < done + acquired.block.count();
     done += acquired.block.count();
     if (recorder && !is_lost) {
-      ASSERT_TRUE(recorder->take(frame));
+      ASSERT_TRUE(recorder->take(frame, {}));
     }
   }
   ASSERT_TRUE(recorder->flush());

@@ -140,7 +140,7 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
   const std::vector<std::uint32_t> done = places_done(row);
   const std::size_t planned = (*protocol)->trials ? make_plan(*(*protocol)->trials, earlier->plan_seed).size() : 0;
-  // Without trials, only a message tells a session that ended early.
+  // Without trials, only a message shows a session that ended early.
   if (row.state == "complete" && done.size() >= planned && (planned > 0 || row.message.empty())) {
     const std::string trials = planned > 0 ? "all " + std::to_string(planned) + " trials are done, " : "";
     return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: " + trials + "there is nothing to resume",

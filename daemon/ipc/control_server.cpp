@@ -206,8 +206,8 @@ void ControlServer::reject(ControlSocket& socket, const Incoming& asked, const a
 }
 
 void ControlServer::publish_notices() {
-  for (const session::Notice& notice : supervisor_.take_notices()) {
-    publisher_.post(notice.rig, notice_event(instance_id_, notice));
+  for (session::Notice& notice : supervisor_.take_notices()) {
+    publisher_.post(notice.rig, std::move(notice.event));
     next_status_ns_ = 0;
   }
 }

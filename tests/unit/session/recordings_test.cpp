@@ -13,6 +13,7 @@
 #include <fstream>
 #include <utility>
 
+#include "dts/wire/options.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "recordings_fixture.h"
@@ -80,14 +81,15 @@ TEST_F(RecordingsTest, MarksAndStates_StandInTheFile) {
       first_s = scans->first_time_s - static_cast<double>(scans->first_scan.value) / 1500.0;
     }
     auto* event = std::get_if<record::TimedEvent>(&*item);
-    if (event != nullptr && event->event.event == "session") states.push_back(text_of(event->event, "state"));
-    if (event != nullptr && event->event.event == "marker") mark = *event;
+    if (event != nullptr && event->event.has_session())
+      states.push_back(wire::enumerator_word(*v1::SessionState_descriptor(), event->event.session().state()));
+    if (event != nullptr && event->event.has_marker()) mark = *event;
   }
 
   EXPECT_THAT(states, ElementsAre("starting", "settling", "running", "stopping"));
   ASSERT_TRUE(mark);
-  EXPECT_EQ(mark->event.scan, marks[0].second.scan);
-  EXPECT_NEAR(mark->time_s, first_s + static_cast<double>(mark->event.scan.value) / 1500.0, 1e-8);
+  EXPECT_EQ(mark->event.scan(), marks[0].second.scan.value);
+  EXPECT_NEAR(mark->time_s, first_s + static_cast<double>(mark->event.scan()) / 1500.0, 1e-8);
 }
 
 TEST_F(RecordingsTest, DaemonDies_TheNextOneListsAndRecoversWhatItWrote) {

@@ -79,7 +79,7 @@ const TextInput = (props: { label: string; hint?: string; testId: string; value:
   </Field>
 );
 
-const aboutOf = ({ sentence, trials, settleS, durationS }: ProtocolInfo): string =>
+const aboutOf = ({ sentence, trials, settleS, durationS = 0 }: ProtocolInfo): string =>
   trials > 0 && durationS > 0 ? `${sentence}. ${words.about(whole(trials), whole(settleS), whole(durationS))}` : sentence;
 
 export interface StartSessionProps {

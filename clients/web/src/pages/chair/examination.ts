@@ -77,7 +77,7 @@ const newTrial = (examination: Examination, change: TrialChange): Examination =>
   trial: change.trial,
   attempt: change.attempt,
   condition: change.condition,
-  targetCm: change.targetCm,
+  targetCm: change.targetCm ?? 0,
   goAt: undefined,
   restEndsMs: undefined,
 });
@@ -92,7 +92,7 @@ const afterTrialChange = (examination: Examination, change: TrialChange, event: 
   const isSame = change.trial === 0 || (known.trial === change.trial && known.attempt === change.attempt);
   const named = isSame ? known : newTrial(known, change);
   const recorded = { ...named, changes: named.changes + 1 };
-  switch (change.kind) {
+  switch (change.step) {
     case TrialEventKind.READY:
       return newTrial(known, change);
     case TrialEventKind.GO: {
@@ -104,7 +104,7 @@ const afterTrialChange = (examination: Examination, change: TrialChange, event: 
     case TrialEventKind.MEASURE:
       return { ...named, step: named.step === 'back' ? 'back' : 'go' };
     case TrialEventKind.REST:
-      return { ...recorded, step: 'resting', restEndsMs: event.timeMs + 1000 * change.restS };
+      return { ...recorded, step: 'resting', restEndsMs: event.timeMs + 1000 * (change.restS ?? 0) };
     case TrialEventKind.FINISHED:
       return { ...recorded, step: 'finished', restEndsMs: undefined };
     case TrialEventKind.DONE:
@@ -142,7 +142,7 @@ const afterResult = (examination: Examination, result: TrialResult): Examination
   const known = inSession(examination, result.sessionId);
   const changed = { ...known, changes: known.changes + 1 };
   if (known.trial !== result.trial || known.attempt !== result.attempt) return changed;
-  const { reach, movement, expectedClass } = result;
+  const { reach, movement, expectedClass = -1 } = result;
   return { ...changed, reach, movement, expectedClass, isWithoutReach: reach === undefined };
 };
 
@@ -154,7 +154,7 @@ export const told = (examination: Examination, event: LiveEvent): Examination =>
   const { body, segment, hostTimeNs } = event.event;
   switch (body.case) {
     case 'trial':
-      return notBefore(afterTrialChange(examination, body.value, event), hostTimeNs);
+      return notBefore(afterTrialChange(examination, body.value, event), hostTimeNs ?? 0n);
     case 'reach':
       return afterReach(examination, body.value, segment);
     case 'movement':
@@ -223,7 +223,7 @@ export const seen = (examination: Examination, status: RigStatus | undefined, ma
     ...(isCatchingUp ? caughtUp(known, trial) : waits ? { ...known, step: told } : known),
     of: trial.of,
     nextCondition: trial.nextCondition,
-    nextTargetCm: trial.nextTargetCm,
+    nextTargetCm: trial.nextTargetCm ?? 0,
     armLengthCm: Number(session.fields['arm_length_cm']) || undefined,
   };
 };

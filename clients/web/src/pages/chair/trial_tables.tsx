@@ -4,6 +4,7 @@ import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import type { TrialResult } from '../../generated/dts/v1/stream_pb';
 import { fixed, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import type { TargetSummary } from './consistency';
@@ -18,7 +19,28 @@ const classText = (trial: TrialRecord): string => {
   return classWord(result.movement) + (why.length > 0 ? ` (${why.join(', ')})` : '');
 };
 
-export const TrialTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+/** P1, P2, P3 and the probabilities of the classes 1, 2, 3. */
+const Details = ({ result }: { result: TrialResult | undefined }): JSX.Element => (
+  <>
+    {[result?.reach?.p1, result?.reach?.p2, result?.reach?.p3].map((point, index) => (
+      <td key={index} class="number">
+        {fixed(point?.valueMm, 2)}
+      </td>
+    ))}
+    <td class="number">{result?.movement?.probability.map((one) => fixed(one, 2)).join(' / ') ?? strings.common.undefinedValue}</td>
+  </>
+);
+
+/** "25.2 (18.1 to 32.4)" */
+const angleText = (trial: TrialRecord): string => {
+  const { trunkLoDeg, trunkHiDeg } = trial.result?.movement ?? {};
+  const deg = angleOf(trial);
+  if (deg === undefined || trunkLoDeg === undefined || trunkHiDeg === undefined) return fixed(deg, 1);
+  return `${fixed(deg, 1)} (${strings.chair.table.window(fixed(trunkLoDeg, 1), fixed(trunkHiDeg, 1))})`;
+};
+
+/** `isWhole`: with everything that is known of each reach. */
+export const TrialTable = ({ trials, isWhole = false }: { trials: readonly TrialRecord[]; isWhole?: boolean }): JSX.Element => {
   const { heads, outcomes } = strings.chair.table;
   return (
     <table class="chair-table" data-testid="trial-table">
@@ -29,6 +51,7 @@ export const TrialTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.
           <th>{heads.outcome}</th>
           <th>{heads.trunk}</th>
           <th class="number">{heads.angle}</th>
+          {isWhole && heads.details.map((head) => <th key={head} class="number">{head}</th>)}
         </tr>
       </thead>
       <tbody>
@@ -38,7 +61,8 @@ export const TrialTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.
             <td>{trial.condition}</td>
             <td>{outcomes[trial.outcome] ?? trial.outcome}</td>
             <td>{classText(trial)}</td>
-            <td class="number">{fixed(angleOf(trial), 1)}</td>
+            <td class="number">{isWhole ? angleText(trial) : fixed(angleOf(trial), 1)}</td>
+            {isWhole && <Details result={trial.result} />}
           </tr>
         ))}
       </tbody>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Figures of several sessions side by side, as `dtsctl session compare` has them.
-import type { SessionRecord, SessionResult } from '../../generated/dts/v1/sessions_pb';
+import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
+import type { SessionResult } from '../../generated/dts/v1/stream_pb';
 
 export const mostCompared = 12; // more columns than a page is wide
 

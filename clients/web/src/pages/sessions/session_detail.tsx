@@ -34,7 +34,7 @@ const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
     [heads.protocol, session.protocol],
     [heads.rig, session.rig],
     [heads.started, dateTime(session.startedUtcNs)],
-    [facts.ended, dateTime(session.endedUtcNs)],
+    [facts.ended, dateTime(session.endedUtcNs ?? 0n)],
     [heads.length, duration(lengthS(session))],
     [heads.label, session.label],
     [facts.message, session.message],

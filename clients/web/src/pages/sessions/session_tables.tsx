@@ -2,8 +2,9 @@
 // Parts, trials and figures of one session.
 import type { JSX } from 'preact';
 
-import type { SessionRecord, SessionResult, TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import type { SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import { PartState } from '../../generated/dts/v1/sessions_pb';
+import type { SessionResult } from '../../generated/dts/v1/stream_pb';
 import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { TargetTable, TrialTable } from '../chair/trial_tables';
@@ -110,7 +111,7 @@ export const TrialsOfSession = ({ trials }: { trials: readonly TrialRecord[] }):
   return (
     <div class="column">
       <TargetTable trials={trials} />
-      <TrialTable trials={trials} />
+      <TrialTable trials={trials} isWhole />
     </div>
   );
 };

@@ -275,6 +275,10 @@ void RigSession::recording_finished(const FinishedRecording& finished, const Mom
 void RigSession::note(v1::Event event, const DataPosition& at) {
   if (!is_recording_) return;
   place(event, at);
+  if (event.has_session()) {  // both are in the file's header; exports of the events must not name them
+    event.mutable_session()->clear_subject();
+    event.mutable_session()->clear_label();
+  }
   services_.recordings->note(rig_.config().name, std::move(event));
 }
 

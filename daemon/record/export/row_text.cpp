@@ -110,6 +110,10 @@ EventCells cells_of(const TimedEvent& timed) {
     break;
   }
   cells.details = wire::to_json(*rest);
+  if (timed.event.has_segment_start() && timed.event.has_host_time_ns()) {  // ties the recording to the host's clock
+    const std::string host_time = "{\"host_time_ns\":\"" + std::to_string(timed.event.host_time_ns()) + "\"";
+    cells.details = host_time + (cells.details == "{}" ? "" : ",") + cells.details.substr(1);
+  }
   if (cells.details == "{}") cells.details.clear();
   return cells;
 }

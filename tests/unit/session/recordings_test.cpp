@@ -68,7 +68,7 @@ TEST_F(RecordingsTest, StoppedSessionWhoseFileIsStillOpen_IsListedAsRunning) {
 
 TEST_F(RecordingsTest, MarksAndStates_StandInTheFile) {
   start();
-  const std::string id = record(200);
+  const std::string id = record(200, {.subject = "P017", .label = "Jane Doe"});
   const auto marks = supervisor_->mark("floor", "eyes closed").value();
   ASSERT_TRUE(stop());
 
@@ -81,8 +81,11 @@ TEST_F(RecordingsTest, MarksAndStates_StandInTheFile) {
       first_s = scans->first_time_s - static_cast<double>(scans->first_scan.value) / 1500.0;
     }
     auto* event = std::get_if<record::TimedEvent>(&*item);
-    if (event != nullptr && event->event.has_session())
-      states.push_back(wire::enumerator_word(*v1::SessionState_descriptor(), event->event.session().state()));
+    if (event != nullptr && event->event.has_session()) {
+      const v1::SessionChange& change = event->event.session();
+      states.push_back(wire::enumerator_word(*v1::SessionState_descriptor(), change.state()));
+      EXPECT_EQ(change.subject() + change.label(), "") << "exports of the events must not name the person";
+    }
     if (event != nullptr && event->event.has_marker()) mark = *event;
   }
 

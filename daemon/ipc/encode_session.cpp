@@ -131,8 +131,14 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_last_segment(trial.last_segment);
   if (trial.result.empty()) return;
   auto event = record::event_of_text(trial.result);
-  if (event && event->has_trial_result()) *out.mutable_result() = std::move(*event->mutable_trial_result());
-  if (event && event->has_sway()) *out.mutable_sway() = std::move(*event->mutable_sway());
+  if (event && event->has_trial_result()) {
+    *out.mutable_result() = std::move(*event->mutable_trial_result());
+    out.mutable_result()->set_session_id(trial.session_id);  // dtsd 0.1 did not store it
+  }
+  if (event && event->has_sway()) {
+    *out.mutable_sway() = std::move(*event->mutable_sway());
+    out.mutable_sway()->set_session_id(trial.session_id);
+  }
 }
 
 }  // namespace

@@ -56,7 +56,7 @@ class ControlTest : public session::RecordingsTest {
                                                 KeyCommands{keys_.get(), time_, {}}, authenticator_.get());
     server_ = std::make_unique<ControlServer>(
         std::move(sockets), access::Gate(keys_.get()), *supervisor_, *handler_, *publisher_, time_,
-        core::Log(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_))), 7);
+        core::Log(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_))));
   }
   ~ControlTest() override {
     data_->end();
@@ -110,8 +110,7 @@ class ControlTest : public session::RecordingsTest {
   [[nodiscard]] std::vector<std::string> entries() {
     std::vector<std::string> out;
     const std::vector<record::AuditEntry> all = recordings_->catalogue().audit(1000).value();
-    for (const record::AuditEntry& entry : all)
-      out.push_back(entry.who + " " + entry.what + " " + entry.target + " " + entry.result);
+    for (const record::AuditEntry& entry : all) out.push_back(entry.who + " " + entry.what + " " + entry.target + " " + entry.result);
     return out;
   }
 

@@ -119,7 +119,7 @@ TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsALossWhereItWasLost_Alth
   }
   ASSERT_EQ(losses.size(), 1U);
   EXPECT_EQ(losses[0].segment(), 1U);
-  EXPECT_EQ(losses[0].scan.value, 4 * kBlockScans);
+  EXPECT_EQ(losses[0].scan(), 4 * kBlockScans);
 }
 
 /// Time that passes only when the record thread sleeps: `on_turn` runs in it, once a turn, for as many turns as wanted.

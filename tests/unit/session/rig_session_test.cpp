@@ -146,7 +146,7 @@ TEST_F(RigSessionTest, StandingTrials_HaveResultsInTheCatalogueAndFiguresAtTheEn
   std::size_t figures = 0;
   while (const auto item = recording->next().value()) {
     const auto* event = std::get_if<record::TimedEvent>(&*item);
-    figures += event != nullptr && event->event.event == "figure" ? 1 : 0;
+    figures += event != nullptr && event->event.has_figure() ? 1 : 0;
   }
   EXPECT_EQ(figures, results.size());
   EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("there is nothing to resume"));

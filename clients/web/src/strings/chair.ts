@@ -79,7 +79,7 @@ export const chair = {
     byTrial: 'By trial',
     byTargets: 'By target',
     none: 'No trial yet.',
-    heads: { trial: 'Trial', target: 'Target', outcome: 'Outcome', trunk: 'Trunk', angle: 'Angle (°)', details: ['P1 (mm)', 'P2 (mm)', 'P3 (mm)', 'Probability: minor / moderate / maximum'], count: 'Trials', sd: 'SD (°)', window: 'Thesis (°)' },
+    heads: { trial: 'Trial', target: 'Target', outcome: 'Outcome', trunk: 'Trunk', angle: 'Angle (°)', details: ['90 % interval (°)', 'P1 (mm)', 'P2 (mm)', 'P3 (mm)', 'Probability: minor / moderate / maximum'], count: 'Trials', sd: 'SD (°)', window: 'Thesis (°)' },
     outcomes: { done: 'done', redone: 'redone', rejected: 'rejected', aborted: 'broken off' } as Readonly<Record<string, string>>,
     window: (low: string, high: string) => `${low} to ${high}`,
     inside: 'within',

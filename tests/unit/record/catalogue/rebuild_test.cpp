@@ -42,8 +42,8 @@ class CatalogueRebuild : public catalogue_test::CatalogueFixture {
       const std::vector<std::pair<double, std::string>> texts{{time_s, wire::to_json(event)}};
       ASSERT_TRUE(xdf.write_texts(events, texts, {.segment = event.segment(), .first_scan = {event.scan()}}));
     };
-    const auto step = [&](const std::string& name, int trial, int scan) {
-      tell(1000.0 + static_cast<double>(scan) / 100.0, "scan: " + std::to_string(scan) + " trial { step: TRIAL_EVENT_KIND_" + name +
+    const auto step = [&](const std::string& step_of_trial, int trial, int scan) {
+      tell(1000.0 + static_cast<double>(scan) / 100.0, "scan: " + std::to_string(scan) + " trial { step: TRIAL_EVENT_KIND_" + step_of_trial +
                                                            " trial: " + std::to_string(trial) + " attempt: 1 block: 1 condition: 'a' }");
     };
     tell(1000.0, "segment_start {}");

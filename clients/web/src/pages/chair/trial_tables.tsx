@@ -4,7 +4,7 @@ import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
-import type { TrialResult } from '../../generated/dts/v1/stream_pb';
+import type { TrialResult, TrunkMovement } from '../../generated/dts/v1/stream_pb';
 import { fixed, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import type { TargetSummary } from './consistency';
@@ -19,9 +19,15 @@ const classText = (trial: TrialRecord): string => {
   return classWord(result.movement) + (why.length > 0 ? ` (${why.join(', ')})` : '');
 };
 
-/** P1, P2, P3 and the probabilities of the classes 1, 2, 3. */
+const intervalText = ({ trunkLoDeg, trunkHiDeg }: Partial<TrunkMovement>): string =>
+  trunkLoDeg === undefined || trunkHiDeg === undefined
+    ? strings.common.undefinedValue
+    : strings.chair.table.window(fixed(trunkLoDeg, 1), fixed(trunkHiDeg, 1));
+
+/** The interval of the angle, P1, P2, P3, and the probabilities of the classes 1, 2, 3. */
 const Details = ({ result }: { result: TrialResult | undefined }): JSX.Element => (
   <>
+    <td class="number">{intervalText(result?.movement ?? {})}</td>
     {[result?.reach?.p1, result?.reach?.p2, result?.reach?.p3].map((point, index) => (
       <td key={index} class="number">
         {fixed(point?.valueMm, 2)}
@@ -30,14 +36,6 @@ const Details = ({ result }: { result: TrialResult | undefined }): JSX.Element =
     <td class="number">{result?.movement?.probability.map((one) => fixed(one, 2)).join(' / ') ?? strings.common.undefinedValue}</td>
   </>
 );
-
-/** "25.2 (18.1 to 32.4)" */
-const angleText = (trial: TrialRecord): string => {
-  const { trunkLoDeg, trunkHiDeg } = trial.result?.movement ?? {};
-  const deg = angleOf(trial);
-  if (deg === undefined || trunkLoDeg === undefined || trunkHiDeg === undefined) return fixed(deg, 1);
-  return `${fixed(deg, 1)} (${strings.chair.table.window(fixed(trunkLoDeg, 1), fixed(trunkHiDeg, 1))})`;
-};
 
 /** `isWhole`: with everything that is known of each reach. */
 export const TrialTable = ({ trials, isWhole = false }: { trials: readonly TrialRecord[]; isWhole?: boolean }): JSX.Element => {
@@ -61,7 +59,7 @@ export const TrialTable = ({ trials, isWhole = false }: { trials: readonly Trial
             <td>{trial.condition}</td>
             <td>{outcomes[trial.outcome] ?? trial.outcome}</td>
             <td>{classText(trial)}</td>
-            <td class="number">{isWhole ? angleText(trial) : fixed(angleOf(trial), 1)}</td>
+            <td class="number">{fixed(angleOf(trial), 1)}</td>
             {isWhole && <Details result={trial.result} />}
           </tr>
         ))}

@@ -17,6 +17,12 @@ std::string in_brackets(const std::vector<std::string>& words) {
   return text.empty() ? text : text + "]";
 }
 
+/// Returns " (18.1 .. 32.4)"; nothing if the interval is not known.
+std::string interval_text(const v1::TrunkMovement& movement) {
+  if (!movement.has_trunk_lo_deg() || !movement.has_trunk_hi_deg()) return {};
+  return " (" + number_text(movement.trunk_lo_deg(), 1) + " .. " + number_text(movement.trunk_hi_deg(), 1) + ")";
+}
+
 /// Returns "moderate trunk movement, p 0.97, trunk 25.2 deg (18.1 .. 32.4)".
 std::string judgement(const v1::TrunkMovement& movement, std::uint32_t reach_flags) {
   std::string text = class_words(movement, reach_flags) + (movement.trunk_class() < 0 ? "" : " trunk movement");
@@ -24,8 +30,7 @@ std::string judgement(const v1::TrunkMovement& movement, std::uint32_t reach_fla
     text += ", p " + number_text(movement.probability(movement.trunk_class() - 1), 2);
   }
   if (movement.has_trunk_deg() && std::isfinite(movement.trunk_deg())) {
-    text += ", trunk " + number_text(movement.trunk_deg(), 1) + " deg (" + number_text(movement.trunk_lo_deg(), 1) + " .. " +
-            number_text(movement.trunk_hi_deg(), 1) + ")";
+    text += ", trunk " + number_text(movement.trunk_deg(), 1) + " deg" + interval_text(movement);
   }
   return text + in_brackets(bit_words(*v1::ClassReason_descriptor(), movement.reasons()));
 }
@@ -64,9 +69,7 @@ std::string probabilities_text(const v1::TrunkMovement& movement) {
 
 std::string degrees_text(const v1::TrunkMovement& movement) {
   if (movement.trunk_class() < 0 || !movement.has_trunk_deg() || !std::isfinite(movement.trunk_deg())) return "-";
-  const std::string degrees = number_text(movement.trunk_deg(), 1);
-  if (!movement.has_trunk_lo_deg() || !movement.has_trunk_hi_deg()) return degrees;
-  return degrees + " (" + number_text(movement.trunk_lo_deg(), 1) + " .. " + number_text(movement.trunk_hi_deg(), 1) + ")";
+  return number_text(movement.trunk_deg(), 1) + interval_text(movement);
 }
 
 std::string reach_text(const v1::Reach& reach) {

@@ -16,7 +16,6 @@
 #include <variant>
 #include <vector>
 
-#include "dts/wire/event_json.h"
 #include "record/session_facts.h"
 #include "record/xdf/byte_codec.h"
 #include "record/xdf/xdf_reader.h"
@@ -101,11 +100,10 @@ inline std::unique_ptr<XdfWriter> small_recording(const std::string& name, doubl
   const std::vector<double> four_scans = {1, -1, 2, -2, 3, -3, 4, -4};
   const std::vector<double> two_values = {0.5, 0.25};
   const auto segment = [&](std::uint32_t number, std::uint64_t first_scan, double time_s) {
-    v1::Event event;
-    event.set_segment(number);
-    event.set_scan(first_scan);
-    static_cast<void>(event.mutable_segment_start());
-    const std::vector<std::pair<double, std::string>> texts = {{time_s, wire::to_json(event)}};
+    // As dtsd 0.1 recorded it: tests know the length of the file to the byte.
+    const std::string event =
+        "{\"event\":\"segment\",\"segment\":" + std::to_string(number) + ",\"scan\":" + std::to_string(first_scan) + "}";
+    const std::vector<std::pair<double, std::string>> texts = {{time_s, event}};
     return file.write_texts(events, texts, {.segment = number, .first_scan = {first_scan}});
   };
   const std::vector<double> quality_times_s = {start_s + 0.02};

@@ -148,7 +148,7 @@ TEST_F(RecordingsTest, TrialWhoseEndWasLost_DoesNotCountAfterRecovery) {
   const std::string part = (folder_ / "sessions" / (id + ".xdf.part")).string();
   ASSERT_TRUE(eventually([&] {
     std::ifstream file(part, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {}).find("\"measure\"") != std::string::npos;
+    return std::string(std::istreambuf_iterator<char>(file), {}).find("TRIAL_EVENT_KIND_MEASURE") != std::string::npos;
   }));
   const auto kept = std::filesystem::file_size(part);
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));  // done: the catalogue knows at once, the file a moment later

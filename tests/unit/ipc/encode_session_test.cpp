@@ -95,9 +95,11 @@ TEST(EncodeSession, StoredResult_OfAnOlderCatalogueOrOfAStranger) {
   EXPECT_EQ(
       of_stored(R"({"event":"result","segment":0,"scan":0,"trial":4,"attempt":2,"condition":"150","target_cm":80.5,"expected_class":3,)"
                 R"("number":7,"flags":17,"class":2,"trunk_deg":30,"trunk_lo_deg":22.5,"trunk_hi_deg":38,"reasons":16})"),
-      "result { session_id: \"s1\" trial: 4 attempt: 2 condition: \"150\" target_cm: 80.5 reach { number: 7 flags: 17 } movement { number: 7 trunk_class: 2 "
+      "result { session_id: \"s1\" trial: 4 attempt: 2 condition: \"150\" target_cm: 80.5 reach { number: 7 flags: 17 } movement { number: "
+      "7 trunk_class: 2 "
       "trunk_deg: 30 trunk_lo_deg: 22.5 trunk_hi_deg: 38 reasons: 16 } expected_class: 3 }");
-  EXPECT_EQ(of_stored(R"({"event":"sway","segment":0,"scan":0,"trial":4,"is_valid":false})"), "sway { session_id: \"s1\" trial: 4 is_valid: false }");
+  EXPECT_EQ(of_stored(R"({"event":"sway","segment":0,"scan":0,"trial":4,"is_valid":false})"),
+            "sway { session_id: \"s1\" trial: 4 is_valid: false }");
   for (const char* none : {"", "{", R"({"event":"reach","segment":0,"scan":0,"step":"p1","number":1})",
                            R"({"event":"result","segment":0,"scan":0,"number":1,"flags":-1})", R"({"trial_result":{"reach":7}})"}) {
     EXPECT_EQ(of_stored(none), "") << none;

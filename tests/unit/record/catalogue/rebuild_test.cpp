@@ -43,8 +43,9 @@ class CatalogueRebuild : public catalogue_test::CatalogueFixture {
       ASSERT_TRUE(xdf.write_texts(events, texts, {.segment = event.segment(), .first_scan = {event.scan()}}));
     };
     const auto step = [&](const std::string& step_of_trial, int trial, int scan) {
-      tell(1000.0 + static_cast<double>(scan) / 100.0, "scan: " + std::to_string(scan) + " trial { step: TRIAL_EVENT_KIND_" + step_of_trial +
-                                                           " trial: " + std::to_string(trial) + " attempt: 1 block: 1 condition: 'a' }");
+      tell(1000.0 + static_cast<double>(scan) / 100.0, "scan: " + std::to_string(scan) + " trial { step: TRIAL_EVENT_KIND_" +
+                                                           step_of_trial + " trial: " + std::to_string(trial) +
+                                                           " attempt: 1 block: 1 condition: 'a' }");
     };
     tell(1000.0, "segment_start {}");
     ASSERT_TRUE(xdf.write_samples(raw, 1000.0, std::vector<double>(200, 1.5), {}));

@@ -104,8 +104,9 @@ TEST_F(CsvExportTest, RecordingDocument_SaysWhatIsMissingAndWhatWasAskedAboutThe
 
 TEST_F(CsvExportTest, Trials_HaveATableOfTheirOwn) {
   const auto step = [](const std::string& position, const std::string& step_of_trial) {
-    return TimedEvent{.time_s = 0.0,
-                      .event = test::event_of(position + " trial { step: TRIAL_EVENT_KIND_" + step_of_trial + " attempt: 1 condition: '=eyes' }")};
+    return TimedEvent{
+        .time_s = 0.0,
+        .event = test::event_of(position + " trial { step: TRIAL_EVENT_KIND_" + step_of_trial + " attempt: 1 condition: '=eyes' }")};
   };
   for (const TimedEvent& event :
        {step("scan: 1", "MEASURE trial: 1"), step("scan: 3", "DONE trial: 1"), step("segment: 1", "MEASURE trial: 2")})

@@ -76,15 +76,10 @@ cli::Cell trunk_cell(const v1::TrialResult& result) {
   const int found = result.movement().trunk_class();
   const std::string words = class_words(result.movement(), result.reach().flags());
   if (found < 0) return {words, cli::Style::Faint};
+  if (!result.has_expected_class()) return {words};
   const bool is_arm_alone = found == 1 && result.expected_class() == 0 && words != class_word(found);
   if (result.expected_class() < 0 || result.expected_class() == found || is_arm_alone) return {words};
   return {words + " (expected: " + class_word(result.expected_class()) + ")", cli::Style::Warning};
-}
-
-std::string degrees_text(const v1::TrialResult& result) {
-  const double trunk_deg = result.has_movement() && result.movement().trunk_class() >= 0 ? result.movement().trunk_deg()
-                                                                                         : std::numeric_limits<double>::quiet_NaN();
-  return std::isfinite(trunk_deg) ? cli::decimal(trunk_deg, 1) : "-";
 }
 
 void print_results(cli::Console& console, const v1::SessionRecord& session) {
@@ -146,15 +141,20 @@ void print_standing(cli::Console& console, const v1::SessionRecord& session) {
 
 void print_trials(cli::Console& console, const v1::SessionRecord& session) {
   if (std::ranges::any_of(session.trials(), &v1::TrialRecord::has_sway)) return print_standing(console, session);
-  cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", "TRUNK", ">DEG", ">PART", ">SEGMENT", ">FROM .. TO SCAN"});
+  cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", ">P1 mm", ">P2 mm", ">P3 mm", "TRUNK", "p 1 2 3",
+                     ">DEG (90 %)", ">PART", ">SEGMENT", ">FROM .. TO SCAN"});
   for (const v1::TrialRecord& trial : session.trials()) {
     trials.add({{std::to_string(trial.trial())},
                 {std::to_string(trial.attempt())},
                 {std::to_string(trial.block())},
                 {trial.condition()},
                 outcome_cell(trial),
+                {point_text(trial.result().reach().has_p1(), trial.result().reach().p1())},
+                {point_text(trial.result().reach().has_p2(), trial.result().reach().p2())},
+                {point_text(trial.result().reach().has_p3(), trial.result().reach().p3())},
                 trunk_cell(trial.result()),
-                {degrees_text(trial.result())},
+                {probabilities_text(trial.result().movement())},
+                {trial.result().has_movement() ? degrees_text(trial.result().movement()) : "-"},
                 {std::to_string(trial.part())},
                 {std::to_string(trial.segment())},
                 {place_text(trial)}});

@@ -244,8 +244,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   ipc::CommandHandler handler(supervisor, clock, identity, notices,
                               {keys, clock, addresses_of(config), opened_keys ? core::Error{} : opened_keys.error()},
                               sockets->authenticator.get());
-  ipc::ControlServer server(std::move(sockets->control), access::Gate(keys), supervisor, handler, publisher, clock, log,
-                            identity.instance_id);
+  ipc::ControlServer server(std::move(sockets->control), access::Gate(keys), supervisor, handler, publisher, clock, log);
 
   supervisor.start();
   supervisor.resume_interrupted();

@@ -34,7 +34,7 @@ constexpr double kLargestNumber = 1e6;
 
 constexpr std::string_view kNameLetters = "abcdefghijklmnopqrstuvwxyz0123456789-";
 constexpr std::string_view kFieldLetters = "abcdefghijklmnopqrstuvwxyz0123456789_";
-/// Keys that trial events already use (record/event.h).
+/// Keys that events of dtsd 0.1 already use (record/old_event.h).
 constexpr std::string_view kReservedLabels[] = {"event",     "segment", "scan",      "phase",  "trial", "attempt",
                                                 "condition", "block",   "target_cm", "rest_s", "at_ns"};
 

@@ -2,9 +2,11 @@
 #include "ipc/command_handler.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "record/utf8_text.h"
+#include "session/session_events.h"
 
 namespace dts::ipc {
 
@@ -161,10 +163,10 @@ dts::v1::Response CommandHandler::devices() {
     device.set_model(described.model);
     const std::string serial = state.rig.device_report().serial;
     device.set_serial(serial.empty() ? described.serial : serial);
-    device.set_state(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : device_state(state.acquisition.device));
+    device.set_state(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : session::to_message(state.acquisition.device));
     for (const auto& channel : described.channels) device.add_channels(channel.name);
-    device.set_minimum_rate_hz(described.minimum_rate_hz);
-    device.set_maximum_rate_hz(described.maximum_rate_hz);
+    if (described.minimum_rate_hz > 0.0) device.set_minimum_rate_hz(described.minimum_rate_hz);
+    if (described.maximum_rate_hz > 0.0) device.set_maximum_rate_hz(described.maximum_rate_hz);
   }
   const auto unused = supervisor_.unused_units();
   if (!unused) out.set_problem(core::to_string(unused.error()));
@@ -206,7 +208,7 @@ dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& 
   add_checks(tested->report, out);
   out.set_problem(tested->problem);
   for (const session::RigState& state : supervisor_.states()) {
-    if (&state.rig == rig) out.set_measured_rate_hz(state.measured_rate_hz);
+    if (&state.rig == rig && state.measured_rate_hz > 0.0) out.set_measured_rate_hz(state.measured_rate_hz);
   }
   const auto& channels = rig->device().channels;
   for (std::size_t index = 0; index < std::min(statistics.channel_count, channels.size()); ++index) {
@@ -222,7 +224,7 @@ dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& 
     if (sensor == config.sensor_channels.end()) continue;
     const auto& model = config.model.sensors[static_cast<std::size_t>(sensor - config.sensor_channels.begin())];
     channel.set_is_sensor(true);
-    channel.set_gap_mm(model.curve.gap({measured.mean}).value);
+    if (const double gap_mm = model.curve.gap({measured.mean}).value; std::isfinite(gap_mm)) channel.set_gap_mm(gap_mm);
     if (!model.curve.contains({measured.mean})) channel.set_quality(core::quality::kOutOfRange);
   }
   return response;

@@ -29,8 +29,7 @@ std::string known_as(const access::Peer& peer, const std::string& request_id) { 
 }  // namespace
 
 ControlServer::ControlServer(std::vector<ControlSocket> sockets, access::Gate gate, session::Supervisor& supervisor,
-                             CommandHandler& handler, PublishThread& publisher, core::Clock& clock, core::Log log,
-                             std::uint64_t instance_id)
+                             CommandHandler& handler, PublishThread& publisher, core::Clock& clock, core::Log log)
     : sockets_(std::move(sockets)),
       gate_(std::move(gate)),
       supervisor_(supervisor),
@@ -38,7 +37,6 @@ ControlServer::ControlServer(std::vector<ControlSocket> sockets, access::Gate ga
       publisher_(publisher),
       clock_(clock),
       log_(std::move(log)),
-      instance_id_(instance_id),
       replies_(kRepliesKept) {}
 
 void ControlServer::serve(int ms) {
@@ -207,8 +205,8 @@ void ControlServer::reject(ControlSocket& socket, const Incoming& asked, const a
 }
 
 void ControlServer::publish_notices() {
-  for (const session::Notice& notice : supervisor_.take_notices()) {
-    publisher_.post(notice.rig, notice_event(instance_id_, notice));
+  for (session::Notice& notice : supervisor_.take_notices()) {
+    publisher_.post(notice.rig, std::move(notice.event));
     next_status_ns_ = 0;
   }
 }

@@ -68,7 +68,7 @@ void RecordThread::begin(const std::string& rig, std::unique_ptr<record::Recorde
   line.safe_until_ns = clock_.now_ns();
 }
 
-void RecordThread::post(const std::string& rig, record::RecordedEvent event) {
+void RecordThread::post(const std::string& rig, v1::Event event) {
   const std::lock_guard lock(mutex_);
   Line& line = lines_.at(rig);
   if (line.view.is_recording) line.events.push_back(std::move(event));
@@ -115,13 +115,13 @@ void RecordThread::serve_rest(const std::string& rig, Line& line) {
 void RecordThread::receive(const std::string& rig, Line& line) {
   const auto events = take_orders(rig, line);
   if (std::exchange(line.is_new, false)) line.is_synced_aside = sync_.add(rig, line.file).has_value();
-  for (const record::RecordedEvent& event : events) {
+  for (const v1::Event& event : events) {
     if (!line.recorder) return;
     if (auto taken = line.recorder->take(event); !taken) finish(rig, line, core::to_string(taken.error()));
   }
 }
 
-std::vector<record::RecordedEvent> RecordThread::take_orders(const std::string& rig, Line& line) {
+std::vector<v1::Event> RecordThread::take_orders(const std::string& rig, Line& line) {
   const std::lock_guard lock(mutex_);
   if (line.next_recorder) {
     line.recorder = std::move(line.next_recorder);

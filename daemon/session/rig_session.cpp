@@ -10,7 +10,8 @@
 #include "core/suggest.h"
 #include "record/recording.h"
 #include "record/sha256.h"
-#include "session/trial_record.h"
+#include "record/utf8_text.h"
+#include "session/session_events.h"
 
 namespace dts::session {
 namespace {
@@ -70,6 +71,12 @@ std::vector<std::uint32_t> places_done(const record::SessionRow& row) {
 }
 
 }  // namespace
+
+void place(v1::Event& event, const DataPosition& at) {
+  event.set_segment(at.segment);
+  event.set_scan(at.scan.value);
+  if (at.host_time_ns != 0) event.set_host_time_ns(at.host_time_ns);
+}
 
 core::Result<const Protocol*> RigSession::find_protocol(const std::string& wanted) const {
   const auto found = std::ranges::find(services_.protocols, wanted, &Protocol::name);
@@ -211,7 +218,10 @@ void RigSession::end_recording_if_judged(const Moment& moment) {
   is_awaiting_results_ = false;
   conclude(moment.at);
   if (is_aborted_) {  // in the recording too, because the catalogue may be rebuilt from it
-    note({.event = "session", .values = {{"state", std::string("aborted")}, {"message", end_reason_}}}, moment.at);
+    v1::Event aborted = to_event(session_.view(moment.now_ns));
+    aborted.mutable_session()->set_is_aborted(true);
+    aborted.mutable_session()->set_message(record::clean_text(end_reason_));
+    note(std::move(aborted), moment.at);
   }
   services_.recordings.end(rig_);
 }
@@ -276,26 +286,26 @@ void RigSession::recording_finished(const FinishedRecording& finished, const Mom
   enter_end(finished, moment.now_ns);
 }
 
-void RigSession::note(record::RecordedEvent event, const DataPosition& at) {
+void RigSession::note(v1::Event event, const DataPosition& at) {
   if (!is_recording_) return;
-  event.segment = at.segment;
-  event.scan = at.scan;
+  place(event, at);
+  if (event.has_session()) {  // both are in the file's header; exports of the events must not name them
+    event.mutable_session()->clear_subject();
+    event.mutable_session()->clear_label();
+  }
   services_.recordings.note(rig_.config().name, std::move(event));
 }
 
 /// Writes the changes of the state machines to the recording and the catalogue, and keeps them for the bus.
 void RigSession::collect(const DataPosition& at) {
   for (SessionView& change : session_.take_changes()) {
-    record::RecordedEvent event{.event = "session"};
-    event.values.emplace_back("state", std::string(name(change.state)));
-    if (!change.message.empty()) event.values.emplace_back("message", change.message);
-    note(std::move(event), at);
+    note(to_event(change), at);
     changes_.push_back({.view = std::move(change), .at = at});
   }
   if (!trials_) return;
   for (TrialEvent& event : trials_->take_events()) {
     const DataPosition due = position_at(event.at_ns, at);
-    note(to_record(event), due);
+    note(to_event(event, session_.view(0).id), due);
     enter_trial(event, due);
     if (reaches_) reaches_->take(event, due.segment, due.scan);
     if (sways_) sways_->take(event, due.segment, due.scan);

@@ -12,6 +12,7 @@
 #include "core/suggest.h"
 #include "device/registry.h"
 #include "session/device_state_name.h"
+#include "session/session_events.h"
 
 namespace dts::session {
 namespace {
@@ -215,8 +216,8 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
   }
   if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans to mark", "see dtsctl status");
   for (const auto& [rig_name, at] : marks) {
-    notices_.push_back({.rig = rig_name, .at = at, .body = MarkerNotice{text}});
-    find(rig_name).value()->session.note({.event = "marker", .values = {{"text", text}}}, at);
+    tell(rig_name, at, marker_event(text));
+    find(rig_name).value()->session.note(marker_event(text), at);
   }
   return marks;
 }
@@ -286,24 +287,19 @@ DataPosition Supervisor::position(Entry& entry) {
   return {.segment = report.segment, .scan = {report.next_scan > 0 ? report.next_scan - 1 : 0}, .host_time_ns = report.last_scan_host_ns};
 }
 
+void Supervisor::tell(const std::string& rig, const DataPosition& at, v1::Event event) {
+  place(event, at);
+  notices_.push_back({.rig = rig, .event = std::move(event)});
+}
+
 void Supervisor::collect_session_changes(Entry& entry) {
   const std::string& rig = entry.rig->config().name;
-  for (SessionChange& change : entry.session.take_changes()) {
-    notices_.push_back({.rig = rig, .at = change.at, .body = std::move(change.view)});
-  }
-  for (TrialChange& change : entry.session.take_trial_changes()) {
-    notices_.push_back({.rig = rig,
-                        .at = change.at,
-                        .body = TrialNotice{.session_id = entry.session.view(clock_.now_ns()).id, .event = std::move(change.event)}});
-  }
-  for (TrialOutcome& outcome : entry.session.take_outcomes()) {
-    const std::string id = entry.session.view(clock_.now_ns()).id;
-    if (auto* reach = std::get_if<ReachTrialResult>(&outcome.result)) {
-      notices_.push_back({.rig = rig, .at = outcome.at, .body = TrialResultNotice{.session_id = id, .result = std::move(*reach)}});
-    } else if (auto* sway = std::get_if<SwayTrialResult>(&outcome.result)) {
-      notices_.push_back(
-          {.rig = rig, .at = outcome.at, .body = SwayNotice{.session_id = id, .software = services_.software, .result = std::move(*sway)}});
-    }
+  const std::string id = entry.session.view(clock_.now_ns()).id;
+  for (const SessionChange& change : entry.session.take_changes()) tell(rig, change.at, to_event(change.view));
+  for (const TrialChange& change : entry.session.take_trial_changes()) tell(rig, change.at, to_event(change.event, id));
+  for (const TrialOutcome& outcome : entry.session.take_outcomes()) {
+    if (const auto* reach = std::get_if<ReachTrialResult>(&outcome.result)) tell(rig, outcome.at, to_event(*reach, id));
+    if (const auto* sway = std::get_if<SwayTrialResult>(&outcome.result)) tell(rig, outcome.at, to_event(*sway, id, services_.software));
   }
 }
 
@@ -318,11 +314,9 @@ void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& rep
   } else {
     log_.warning(line);
   }
-  notices_.push_back({.rig = entry.rig->config().name,
-                      .at = position(entry),
-                      .body = DeviceNotice{.state = report.device, .uri = entry.rig->config().device_uri, .message = entry.told_message}});
-  entry.session.note({.event = "device", .values = {{"state", std::string(name(report.device))}, {"message", entry.told_message}}},
-                     position(entry));
+  const v1::Event event = device_event(report.device, entry.rig->config().device_uri, entry.told_message);
+  tell(entry.rig->config().name, position(entry), event);
+  entry.session.note(event, position(entry));
 }
 
 void Supervisor::measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns) {

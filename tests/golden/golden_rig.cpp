@@ -336,7 +336,7 @@ class Runner {
   }
 
   void publish_notices() {
-    for (const session::Notice& notice : supervisor_.take_notices()) publisher_->post(notice.rig, ipc::notice_event(kInstance, notice));
+    for (session::Notice& notice : supervisor_.take_notices()) publisher_->post(notice.rig, std::move(notice.event));
   }
 
   void post_status() {

@@ -82,7 +82,8 @@ void add_fields(const Message& message, const std::string& prefix, std::string& 
     const std::string key = prefix + std::string(field.name());
     if (field.is_repeated()) {
       add_repeated(message, field, key, out);
-    } else if (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE || message.GetReflection()->HasField(message, &field)) {
+    } else if ((!field.has_presence() && field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) ||
+               message.GetReflection()->HasField(message, &field)) {
       // A number of 0 is no field: written all the same, or 1e-17 would be a field too many.
       if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
         add_fields(message.GetReflection()->GetMessage(message, &field), key + ".", out);

@@ -92,8 +92,8 @@ describe('a session of the reaching task', () => {
     assert.ok(words.match(/back/g).length >= 5, `a reach is found in nearly every trial: ${words}`);
     assert.deepEqual([...new Set(prompts.map(({ value, text }) => `${value}: ${text}`))].sort(), ['back: Back', 'finished: Done', 'go: GO', 'ready: Ready', 'waiting: Wait']);
     // By the daemon's times, because the time for drawing depends on the machine.
-    const timesOf = (kind) => trialWatch.seen.filter(({ event }) => event.kind === kind).map(({ host_time_ns }) => host_time_ns);
-    await waitFor(() => trialWatch.seen.some(({ event }) => event.kind === 'go' && event.trial === 6), 'dtsctl shows the last start');
+    const timesOf = (step) => trialWatch.seen.filter(({ event }) => event.kind === 'trial' && event.step === step).map(({ host_time_ns }) => host_time_ns);
+    await waitFor(() => trialWatch.seen.some(({ event }) => event.step === 'go' && event.trial === 6), 'dtsctl shows the last start');
     // dtsctl may subscribe after the first events: a Go without its Ready is the first one.
     const readyBefore = (go) => timesOf('ready').findLast((ready) => ready < go);
     const delaysS = timesOf('go').filter(readyBefore).map((go) => (go - readyBefore(go)) / 1e9);

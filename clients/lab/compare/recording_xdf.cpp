@@ -52,9 +52,9 @@ void add_scans(const record::RecordedScans& scans, const CopColumns& cop, Record
 }
 
 void add_event(const record::TimedEvent& timed, std::vector<Event>& events) {
-  const record::RecordedEvent& event = timed.event;
-  if (event.event == "marker") events.push_back({.time_s = timed.time_s, .text = record::text_of(event, "text")});
-  if (event.event == "trigger" && record::text_of(event, "edge") == "rising") {
+  const v1::Event& event = timed.event;
+  if (event.has_marker()) events.push_back({.time_s = timed.time_s, .text = event.marker().text()});
+  if (event.trigger().edge() == v1::TRIGGER_EDGE_RISING) {
     events.push_back({.time_s = timed.time_s, .is_trigger = true});
   }
 }

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "core/event.h"
+#include "dts/v1/stream.pb.h"
 #include "lab/replay/stream_check.h"
-#include "record/event.h"
 
 namespace dts::lab::replay {
 
@@ -16,7 +16,7 @@ namespace dts::lab::replay {
 /// be ahead.
 class EventCheck {
  public:
-  void add_recorded(const record::RecordedEvent& event);
+  void add_recorded(const v1::Event& event);
   void add_computed(const core::FrameEvents& events);
   /// Ends the comparison here.
   void stop() noexcept { is_stopped_ = true; }
@@ -30,11 +30,11 @@ class EventCheck {
   /// Reaches and classes are compared separately: the frames of a replay have other scans than those of the daemon, so the two kinds may be
   /// interleaved differently.
   struct Kind {
-    std::deque<record::RecordedEvent> recorded;
-    std::deque<record::RecordedEvent> computed;
+    std::deque<v1::Event> recorded;
+    std::deque<v1::Event> computed;
   };
   void match(Kind& kind);
-  void note(const record::RecordedEvent& at, const std::string& recorded, const std::string& computed);
+  void note(const v1::Event& at, const std::string& recorded, const std::string& computed);
 
   Kind reaches_;
   Kind classes_;

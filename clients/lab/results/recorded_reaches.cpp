@@ -3,13 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <set>
 #include <variant>
 
-#include "record/reach_record.h"
-#include "session/trial_record.h"
+#include "events/read.h"
+#include "session/session_events.h"
 
 namespace dts::lab::results {
 namespace {
@@ -19,8 +18,8 @@ using Step = std::variant<core::ReachEvent, core::ClassEvent, session::TrialEven
 /// The result that the daemon recorded when it decided a trial.
 struct ToldResult {
   std::uint32_t number = 0;  ///< Of the reach; 0: none.
-  std::optional<std::int64_t> trunk_class;
-  std::optional<double> trunk_deg;
+  std::optional<std::int64_t> trunk_class{};
+  std::optional<double> trunk_deg{};
 
   friend bool operator==(const ToldResult&, const ToldResult&) = default;
 };
@@ -32,38 +31,17 @@ struct PlacedStep {
   Step step;
 };
 
-const record::EventValue* find(const record::RecordedEvent& event, const std::string& key) {
-  const auto found = std::ranges::find(event.values, key, &std::pair<std::string, record::EventValue>::first);
-  return found == event.values.end() ? nullptr : &found->second;
-}
-
-std::optional<std::uint32_t> whole_of(const record::RecordedEvent& event, const std::string& key) {
-  const record::EventValue* value = find(event, key);
-  const auto* number = value == nullptr ? nullptr : std::get_if<std::int64_t>(value);
-  if (number == nullptr || *number < 0 || *number > std::numeric_limits<std::uint32_t>::max()) return std::nullopt;
-  return static_cast<std::uint32_t>(*number);
-}
-
-/// Returns a number, which may be recorded as an integer if it is a whole number of centimetres.
-std::optional<double> number_of(const record::RecordedEvent& event, const std::string& key) {
-  const record::EventValue* value = find(event, key);
-  if (value == nullptr) return std::nullopt;
-  if (const auto* number = std::get_if<double>(value); number != nullptr && std::isfinite(*number)) return *number;
-  if (const auto* whole = std::get_if<std::int64_t>(value)) return static_cast<double>(*whole);
-  return std::nullopt;
-}
-
 template <class Event>
-core::Status add(core::Result<Event> event, const record::RecordedEvent& at, std::vector<PlacedStep>& steps) {
+core::Status add(core::Result<Event> event, const v1::Event& at, std::vector<PlacedStep>& steps) {
   if (!event) return tl::make_unexpected(event.error());
-  steps.push_back({.segment = at.segment, .scan = at.scan, .step = std::move(*event)});
+  steps.push_back({.segment = at.segment(), .scan = {at.scan()}, .step = std::move(*event)});
   return {};
 }
 
-core::Status add(const record::RecordedEvent& event, std::vector<PlacedStep>& steps) {
-  if (event.event == "reach") return add(record::reach_of(event), event, steps);
-  if (event.event == "class") return add(record::class_of(event), event, steps);
-  if (event.event == "trial") return add(session::trial_of(event), event, steps);
+core::Status add(const v1::Event& event, std::vector<PlacedStep>& steps) {
+  if (event.has_reach()) return add(events::reach_of(event), event, steps);
+  if (event.has_movement()) return add(events::class_of(event), event, steps);
+  if (event.has_trial()) return add(session::trial_of(event), event, steps);
   return {};
 }
 
@@ -74,16 +52,15 @@ struct Told {
   ToldResults at_end;
 };
 
-void add_told(const record::RecordedEvent& event, Told& both) {
-  ToldResults& told = find(event, "is_at_end") != nullptr ? both.at_end : both.decided;
-  const auto trial = whole_of(event, "trial");
-  const auto attempt = whole_of(event, "attempt");
-  if (event.event != "result" || !trial || !attempt || told.size() >= session::ReachResults::kMostAttempts) return;
-  const record::EventValue* trunk_class = find(event, "class");
-  const auto* number = trunk_class == nullptr ? nullptr : std::get_if<std::int64_t>(trunk_class);
-  told[{*trial, *attempt}] = {.number = whole_of(event, "number").value_or(0),
-                              .trunk_class = number == nullptr ? std::nullopt : std::optional(*number),
-                              .trunk_deg = number_of(event, "trunk_deg")};
+void add_told(const v1::Event& event, Told& both) {
+  if (!event.has_trial_result()) return;
+  const v1::TrialResult& result = event.trial_result();
+  ToldResults& told = result.is_at_end() ? both.at_end : both.decided;
+  if (told.size() >= session::ReachResults::kMostAttempts) return;
+  ToldResult& out = told[{result.trial(), result.attempt()}] = {.number = result.reach().number()};
+  if (!result.has_movement()) return;
+  out.trunk_class = result.movement().trunk_class();
+  if (std::isfinite(result.movement().trunk_deg()) && result.movement().has_trunk_deg()) out.trunk_deg = result.movement().trunk_deg();
 }
 
 ToldResult told_of(const session::ReachTrialResult& result) {

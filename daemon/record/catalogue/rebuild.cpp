@@ -99,7 +99,7 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
     if (!item || !*item) break;  // `verify` reports what cannot be read
     trials.take(**item);
     const auto* timed = std::get_if<TimedEvent>(&**item);
-    if (timed != nullptr && timed->event.event == "session") is_aborted = text_of(timed->event, "state") == "aborted";
+    if (timed != nullptr && timed->event.has_session()) is_aborted = timed->event.session().is_aborted();
   }
   FoundRecording found;
   found.facts = facts;

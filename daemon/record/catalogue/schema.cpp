@@ -118,7 +118,11 @@ UPDATE trials SET is_valid = 1 WHERE outcome = 'done' AND
 /// `rebuild` reads these files again.
 constexpr const char* kVersion5 = "UPDATE parts SET losses = '' WHERE losses = '{}';";
 
-constexpr std::array<const char*, 5> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5};
+/// New rows hold the result of a trial as JSON of `dts.v1.Event`. Earlier rows stay as they are: `event_of_text` reads both. The version
+/// keeps an older dtsd, which would show no result, from opening this catalogue.
+constexpr const char* kVersion6 = "SELECT 1;";
+
+constexpr std::array<const char*, 6> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6};
 
 core::Status check_owner(const Database& database, std::int64_t version) {
   const auto mark = database.number("PRAGMA application_id");

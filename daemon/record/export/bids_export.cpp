@@ -122,12 +122,12 @@ core::Status BidsSink::take(const RecordedScans& scans) {
 }
 
 core::Status BidsSink::take(const TimedEvent& timed) {
-  const RecordedEvent& event = timed.event;
-  const bool is_moment = event.event == "marker" || event.event == "trigger";
+  const EventCells cells = cells_of(timed);
+  const bool is_moment = timed.event.has_marker() || timed.event.has_trigger();
   events_->advance(put_microseconds(events_->reserve(kLongestNumber), to_ns(timed.time_s - origin_s_)));
   std::string row = is_moment ? "\t0" : "\tn/a";
-  for (const std::string& cell : {event.event, main_text(event), value_text(event, "condition"), std::to_string(event.segment),
-                                  std::to_string(event.scan.value), further_details(event)}) {
+  for (const std::string& cell : {cells.kind, cells.text, cells.condition, std::to_string(timed.event.segment()),
+                                  std::to_string(timed.event.scan()), cells.details}) {
     row += "\t" + tsv_cell(cell);
   }
   events_->append(row + "\n");

@@ -56,7 +56,7 @@ class ControlTest : public session::RecordingsTest {
                                                 KeyCommands{keys_.get(), time_, {}}, authenticator_.get());
     server_ = std::make_unique<ControlServer>(
         std::move(sockets), access::Gate(keys_.get()), *supervisor_, *handler_, *publisher_, time_,
-        core::Log(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_))), 7);
+        core::Log(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_))));
   }
   ~ControlTest() override {
     data_->end();

@@ -13,6 +13,7 @@
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "record/xdf/xdf_reader.h"
+#include "support/event_text.h"
 #include "unit/record/recording_text.h"
 
 namespace dts::record {
@@ -181,14 +182,14 @@ TEST_F(RecorderTest, Gap_StartsASegmentWhoseEventSaysWhy) {
   ASSERT_TRUE(recorder->take(after, {}));
 
   EXPECT_EQ(text(*recorder),
-            "event @8000.000000123 {\"event\":\"segment\",\"segment\":0,\"scan\":0,\"host_time_ns\":8000000000123}\n"
+            "event @8000.000000123 {\"host_time_ns\":\"8000000000123\",\"segment_start\":{}}\n"
             "raw 0:0 @8000.000000123 0 100 0.0009765625 100.0009765625 0.001953125 100.001953125 0.0029296875 100.0029296875\n"
             "quality 0:0 @8000.000000123 0 0 0\n"
             "cop 0:0 @8000.000000123 1000 1000.000976562\n"
             "aux 0:0 @8000.000000123 2000 2000.000976562 2000.001953125 2000.002929688\n"
             "event @8000.540000123 "
-            "{\"event\":\"segment\",\"segment\":1,\"scan\":0,\"host_time_ns\":8000540000123,\"reason\":\"overrun\",\"missing_scans\":500,"
-            "\"is_exact\":true}\n"
+            "{\"segment\":1,\"host_time_ns\":\"8000540000123\",\"segment_start\":{\"reason\":\"GAP_REASON_OVERRUN\","
+            "\"missing_scans\":\"500\",\"is_exact\":true}}\n"
             "offset @8000.540000123 raw 0\n"
             "offset @8000.540000123 cop 0\n"
             "offset @8000.540000123 aux 0\n"
@@ -226,13 +227,11 @@ TEST_F(RecorderTest, Gap_IsALossThatWriterAndReadersTellAlike) {
   EXPECT_NEAR(verify(file).value().duration_s, 0.6, 1e-9);
 }
 
-RecordedEvent event(const std::string& kind, std::uint32_t segment, std::uint64_t scan, const std::string& text) {
-  return {.event = kind, .segment = segment, .scan = {scan}, .values = {{"text", text}}};
-}
+using test::event_of;
 
 TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScanInTheirOrder) {
   auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take(event("marker", 0, 15, "before anything was recorded")));
+  ASSERT_TRUE(recorder->take(event_of("scan: 15 marker { text: 'before anything was recorded' }")));
   ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0)), {}));
   const std::vector<core::Event> events{
       core::TriggerEvent{.segment = 0, .scan = {47}, .is_rising = true},
@@ -242,37 +241,31 @@ TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScanInTheirOrder) {
   ASSERT_TRUE(recorder->take(frame(0, 40, 20, host_ns(40)), events));
 
   EXPECT_EQ(text(*recorder, "event"),
-            "event @8000.000000123 {\"event\":\"segment\",\"segment\":0,\"scan\":0,\"host_time_ns\":8000000000123}\n"
-            "event @8000.015000123 {\"event\":\"marker\",\"segment\":0,\"scan\":15,\"text\":\"before anything was recorded\"}\n"
-            "event @8000.047000123 {\"event\":\"trigger\",\"segment\":0,\"scan\":47,\"edge\":\"rising\"}\n"
-            "event @8000.050000123 "
-            "{\"event\":\"reach\",\"segment\":0,\"scan\":50,\"step\":\"p3\",\"number\":2,\"p1_scan\":0,\"p1_mm\":null,\"p2_scan\":0,\"p2_"
-            "mm\":null,\"p3_scan\":0,\"p3_mm\":null,\"hold_mm\":null,\"rise_s\":null,\"rest_ratio\":null,\"ratio_change\":null,\"twist\":"
-            "null,\"smoothness\":null,\"flags\":0,\"resumed\":0}\n"
-            "event @8000.058000123 "
-            "{\"event\":\"reach\",\"segment\":0,\"scan\":58,\"step\":\"final\",\"number\":2,\"p1_scan\":0,\"p1_mm\":null,\"p2_scan\":0,"
-            "\"p2_mm\":null,\"p3_scan\":0,\"p3_mm\":null,\"hold_mm\":null,\"rise_s\":null,\"rest_ratio\":null,\"ratio_change\":null,"
-            "\"twist\":null,\"smoothness\":null,\"flags\":0,\"resumed\":0}\n"
-            "event @8000.058000123 "
-            "{\"event\":\"class\",\"segment\":0,\"scan\":58,\"number\":2,\"class\":2,\"p_1\":0.0,\"p_2\":0.0,\"p_3\":0.0,\"trunk_deg\":"
-            "null,\"trunk_lo_deg\":null,\"trunk_hi_deg\":null,\"reasons\":0}\n");
+            R"(event @8000.000000123 {"host_time_ns":"8000000000123","segment_start":{}}
+event @8000.015000123 {"scan":"15","marker":{"text":"before anything was recorded"}}
+event @8000.047000123 {"scan":"47","trigger":{"edge":"TRIGGER_EDGE_RISING"}}
+event @8000.050000123 {"scan":"50","reach":{"step":"REACH_STEP_P3","number":2}}
+event @8000.058000123 {"scan":"58","reach":{"step":"REACH_STEP_FINAL","number":2}}
+event @8000.058000123 {"scan":"58","movement":{"number":2,"trunk_class":2,"probability":[0,0,0]}}
+)");
 }
 
 TEST_F(RecorderTest, EventsOfOtherSegments_StandAtTheFirstOrTheLastScan) {
   auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take(event("session", 3, 900, "before the recording")));
+  ASSERT_TRUE(recorder->take(event_of("segment: 3 scan: 900 session { message: 'before the recording' }")));
   ASSERT_TRUE(recorder->take(frame(4, 20, 40, host_ns(20)), {}));
-  ASSERT_TRUE(recorder->take(event("device", 5, 0, "never came")));
+  ASSERT_TRUE(recorder->take(event_of("segment: 5 device { message: 'never came' }")));
 
   EXPECT_EQ(text(*recorder, "event"),
-            "event @8000.020000123 {\"event\":\"segment\",\"segment\":4,\"scan\":20,\"host_time_ns\":8000020000123}\n"
-            "event @8000.020000123 {\"event\":\"session\",\"segment\":4,\"scan\":20,\"text\":\"before the recording\"}\n"
-            "event @8000.060000123 {\"event\":\"device\",\"segment\":5,\"scan\":0,\"text\":\"never came\"}\n");
+            R"(event @8000.020000123 {"segment":4,"scan":"20","host_time_ns":"8000020000123","segment_start":{}}
+event @8000.020000123 {"segment":4,"scan":"20","session":{"message":"before the recording"}}
+event @8000.060000123 {"segment":5,"device":{"message":"never came"}}
+)");
 }
 
 TEST_F(RecorderTest, NoScanAtAll_TheFileSaysSoWithItsEvents) {
   auto recorder = Recorder::create(file_, {.session_id = "s", .rig = "floor", .started_utc_ns = 9'000'000'000}, streams()).value();
-  ASSERT_TRUE(recorder->take({.event = "session", .segment = 0, .scan = {0}, .values = {{"state", std::string("starting")}}}));
+  ASSERT_TRUE(recorder->take(event_of("session { state: SESSION_STATE_STARTING }")));
   ASSERT_TRUE(recorder->flush());
   ASSERT_TRUE(recorder->close("the device delivered no scan"));
 

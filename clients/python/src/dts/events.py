@@ -7,7 +7,7 @@ import numpy as np
 from google.protobuf.descriptor import EnumDescriptor, FieldDescriptor
 from google.protobuf.message import Message
 
-from .options import bits_of, topic_of
+from .options import bits_of
 from .v1 import stream_pb2
 
 
@@ -21,17 +21,12 @@ class Event:
     scan: int  # of the raw stream
     time_s: float  # CLOCK_MONOTONIC of the daemon's host; NaN for an event before the first scan
     utc: np.datetime64  # NaT for an event before the first scan
-    fields: dict[str, Any]  # enumerators and bits as words; NaN: not known yet
-    message: stream_pb2.Event | None = dataclasses.field(default=None, repr=False)  # as published; None for a recorded event
+    fields: dict[str, Any]  # enumerators and bits as words; what is not known is NaN, or None if it is no float, or absent
+    message: stream_pb2.Event | None = dataclasses.field(default=None, repr=False)  # None: recorded by dtsd 0.1 or another program
 
     def __str__(self) -> str:
         values = "  ".join(f"{name} {value}" for name, value in self.fields.items() if not isinstance(value, dict | list))
         return f"{self.rig}  scan {self.scan}  {self.kind}  {values}"
-
-
-def kind_of(message: stream_pb2.Event) -> str:
-    """Returns the kind of a published event; empty if this version does not know it."""
-    return "result" if message.HasField("trial_result") else topic_of(message).name
 
 
 def fields_of(message: Message) -> dict[str, Any]:
@@ -49,6 +44,8 @@ def fields_of(message: Message) -> dict[str, Any]:
             if not message.HasField(field.name):
                 continue
             value = fields_of(value)
+        elif field.has_presence and not message.HasField(field.name):
+            value = float("nan") if field.type == FieldDescriptor.TYPE_DOUBLE else None
         elif (enum := bits_of(field)) is not None:
             value = words_of_bits(enum, value)
         elif field.enum_type is not None:

@@ -9,9 +9,9 @@ import numpy as np
 from google.protobuf.message import DecodeError
 
 from .errors import DataDamaged
-from .events import Event, fields_of, kind_of
+from .events import Event, fields_of
 from .loss import LossTracker, Position
-from .options import EVENT_TOPICS, topic_of
+from .options import EVENT_TOPICS, kind_of, topic_of
 from .streams import Block, StreamFormat
 from .v1 import control_pb2, stream_pb2
 from .wire_check import MAX_MESSAGE_BYTES, check_status, is_block
@@ -188,7 +188,7 @@ class Inbox:
         return made
 
     def _to_event(self, topic: str, event: stream_pb2.Event) -> Event:
-        has_time = event.host_time_ns != 0
+        has_time = event.HasField("host_time_ns")
         body = getattr(event, str(event.WhichOneof("body")))
         return Event(
             rig=topic.partition("/")[0],

@@ -18,12 +18,21 @@ TOPICS: dict[str, options_pb2.Topic] = {
 COMMANDS: dict[str, options_pb2.CommandRules] = {
     field.name: field.GetOptions().Extensions[options_pb2.rules] for field in _fields_of(control_pb2.Request, "command")
 }
-EVENT_TOPICS = frozenset(topic.name for topic in TOPICS.values())
+EVENT_TOPICS = frozenset(topic.name for topic in TOPICS.values() if topic.name)  # what has none is only recorded
+_KINDS: dict[str, str] = {
+    field.name: field.GetOptions().Extensions[options_pb2.kind] or TOPICS[field.name].name or field.name
+    for field in _fields_of(stream_pb2.Event, "body")
+}
 
 
 def topic_of(message: stream_pb2.Event) -> options_pb2.Topic:
-    """Returns the topic of an event; without a name if this version does not know its body."""
+    """Returns the topic of an event; without a name if the event is only recorded, or if this version does not know its body."""
     return TOPICS.get(message.WhichOneof("body") or "", options_pb2.Topic())
+
+
+def kind_of(message: stream_pb2.Event) -> str:
+    """The word for an event: "reach", "class", "result"; empty: it has no body that this version knows."""
+    return _KINDS.get(message.WhichOneof("body") or "", "")
 
 
 @functools.cache

@@ -7,11 +7,14 @@ import re
 from typing import Any
 
 import numpy as np
+from google.protobuf import json_format
 from numpy.typing import NDArray
 
 from .errors import DataDamaged
-from .events import Event
+from .events import Event, fields_of
+from .options import kind_of
 from .streams import Missing, Samples, to_utc
+from .v1 import stream_pb2
 from .xdf import XdfFile, XdfStream, read_xdf
 
 _FORMAT_VERSION = "1"
@@ -209,7 +212,8 @@ def _session_of(facts: dict[str, str]) -> SessionFacts:
 class _ParsedEvent:
     stream: XdfStream
     stamp_s: float
-    values: dict[str, Any] | None  # None: not an event of dtsd
+    values: dict[str, Any] | None  # "event", "segment", "scan" and the fields; None: not an event of dtsd
+    message: stream_pb2.Event | None  # None: recorded by dtsd 0.1 or another program
     text: str
 
 
@@ -221,10 +225,32 @@ def _as_list(values: NDArray[Any]) -> list[Any]:
 
 def _parsed_events(stream: XdfStream) -> list[_ParsedEvent]:
     rows = zip(_as_list(stream.times_s), _as_list(stream.values), strict=True)
-    return [_ParsedEvent(stream, stamp_s, _event_of_json(text), text) for stamp_s, texts in rows for text in texts]
+    return [_parsed_event(stream, stamp_s, text) for stamp_s, texts in rows for text in texts]
 
 
-def _event_of_json(text: str) -> dict[str, Any] | None:
+def _parsed_event(stream: XdfStream, stamp_s: float, text: str) -> _ParsedEvent:
+    message = _event_of_json(text)
+    if message is None:
+        return _ParsedEvent(stream, stamp_s, _old_event_of_json(text), None, text)
+    body = getattr(message, str(message.WhichOneof("body")))
+    values = {"event": kind_of(message), "segment": message.segment, "scan": message.scan, **fields_of(body)}
+    return _ParsedEvent(stream, stamp_s, values, message, text)
+
+
+def _event_of_json(text: str) -> stream_pb2.Event | None:
+    """An event as dtsd records it: protobuf's JSON of dts.v1.Event."""
+    if len(text) > _MAX_EVENT_BYTES:
+        return None
+    message = stream_pb2.Event()
+    try:
+        json_format.Parse(text, message, ignore_unknown_fields=True)
+    except (json_format.ParseError, ValueError, TypeError, AttributeError, RecursionError):
+        return None
+    return message if message.WhichOneof("body") and message.scan < 2**62 else None
+
+
+def _old_event_of_json(text: str) -> dict[str, Any] | None:
+    """An event of dtsd 0.1: one flat object, {"event":"marker","segment":0,"scan":1250,"text":"eyes closed"}."""
     if len(text) > _MAX_EVENT_BYTES:
         return None
     try:
@@ -360,10 +386,12 @@ def _to_event(row: _ParsedEvent, table: _SegmentTable, utc_minus_monotonic_ns: i
         time_s=float(time_s[0]),
         utc=to_utc(np.rint(time_s * 1e9), utc_minus_monotonic_ns)[0],
         fields={
-            name: float("nan") if value is None else value  # JSON has no other way to write an undefined number
+            # The JSON of dtsd 0.1 had no other way to write an undefined number.
+            name: float("nan") if value is None and row.message is None else value
             for name, value in values.items()
             if name not in ("event", "segment", "scan")
         },
+        message=row.message,
     )
 
 

@@ -53,7 +53,7 @@ const timeoutMs = ({ case: name }: Command): number => {
   return 10_000 + 1000 * (field === undefined ? 0 : getOption(field, rules).timeoutS);
 };
 // Names in "<rig>/..." that carry an Event; all others are streams.
-const eventNames = new Set(EventSchema.oneofs[0]?.fields.map((field) => getOption(field, topicOption).name));
+const eventNames = new Set(EventSchema.oneofs[0]?.fields.map((field) => getOption(field, topicOption).name).filter((name) => name !== ''));
 
 export class GatewayLink implements Link {
   readonly state = signal<LinkState>('connecting');
@@ -329,7 +329,7 @@ export class GatewayLink implements Link {
     if (parts === undefined) return;
     if (eventNames.has(parts.name)) {
       const event = fromBinary(EventSchema, bytes);
-      const timeMs = this.#clock.toBrowserMs(event.hostTimeNs);
+      const timeMs = this.#clock.toBrowserMs(event.hostTimeNs ?? 0n);
       this.#eventHandlers.deliver(topic, { topic, rig: parts.rig, kind: parts.name, timeMs, event });
       if (changingNames.has(parts.name)) void this.#askStatus();
       return;

@@ -96,7 +96,7 @@ const TextInput = (props: { label: string; hint?: string; testId: string; value:
   </Field>
 );
 
-const aboutOf = ({ sentence, trials, settleS, durationS }: ProtocolInfo): string =>
+const aboutOf = ({ sentence, trials, settleS, durationS = 0 }: ProtocolInfo): string =>
   trials === 0 ? sentence : `${sentence}. ${durationS > 0 ? words.about(whole(trials), whole(settleS), whole(durationS)) : words.trials(whole(trials))}.`;
 
 export interface StartSessionProps {

@@ -83,7 +83,7 @@ export const chair = {
     byTrial: 'By trial',
     byTargets: 'By target',
     none: 'No trial yet.',
-    heads: { trial: 'Trial', target: 'Target', outcome: 'Outcome', trunk: 'Trunk class', angle: 'Angle (°)', count: 'Trials', sd: 'SD (°)', window: 'Thesis (°)' },
+    heads: { trial: 'Trial', target: 'Target', outcome: 'Outcome', trunk: 'Trunk class', angle: 'Angle (°)', details: ['90 % interval (°)', 'P1 (mm)', 'P2 (mm)', 'P3 (mm)', 'Probability: minor / moderate / maximum'], count: 'Trials', sd: 'SD (°)', window: 'Thesis (°)' },
     target: (name: string, cm: string) => `${name}, ${cm}\u00a0cm`,
     outcomes: { done: 'done', redone: 'redone', rejected: 'rejected', aborted: 'aborted' } as Readonly<Record<string, string>>,
     window: (low: string, high: string) => `${low}\u2060–\u2060${high}`, // in one line,

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "record/reach_record.h"
+#include "dts/wire/event_json.h"
+#include "events/make.h"
+#include "support/event_text.h"
 
 namespace dts::lab::replay {
 namespace {
@@ -14,13 +16,17 @@ core::ReachEvent reach(std::uint32_t number, core::ReachStep step, double p3_mm 
 core::ClassEvent movement(std::uint32_t number) { return {.number = number, .scan = {100 * number}}; }
 
 /// As it was recorded: through the text in the file.
-record::RecordedEvent recorded(const record::RecordedEvent& event) { return record::event_of_json(record::to_json(event)).value(); }
+v1::Event recorded(const core::Event& event) {
+  v1::Event made = events::make(event, "");
+  made.set_host_time_ns(123);  // differs in every replay
+  return wire::event_of_json(wire::to_json(made)).value();
+}
 
 /// Two reaches with their classes, recorded frame by frame.
 void add_two_recorded(EventCheck& check) {
   for (const std::uint32_t number : {1U, 2U}) {
-    check.add_recorded(recorded(record::to_record(reach(number, core::ReachStep::Final))));
-    check.add_recorded(recorded(record::to_record(movement(number))));
+    check.add_recorded(recorded(reach(number, core::ReachStep::Final)));
+    check.add_recorded(recorded(movement(number)));
   }
 }
 /// The same in one frame, so that the reaches come before both classes.
@@ -36,7 +42,7 @@ core::FrameEvents two_computed(double second_p3_mm = 4.0) {
 TEST(EventCheck, SameEventsInOtherFrames_AreIdentical) {
   EventCheck check;
   add_two_recorded(check);
-  check.add_recorded({.event = "marker"});
+  check.add_recorded(test::event_of("marker {}"));
   check.add_computed(two_computed());
   check.finish(false);
 
@@ -52,7 +58,7 @@ TEST(EventCheck, FirstDifference_IsToldWithBothSides) {
     std::string recorded, computed;
   };
   const auto text = [](std::uint32_t number, double p3_mm) {
-    return record::to_json(record::to_record(reach(number, core::ReachStep::Final, p3_mm)));
+    return wire::to_json(events::make(reach(number, core::ReachStep::Final, p3_mm), ""));
   };
   const double other_mm = 4.0 + 1e-15;
   for (const auto& [is_recorded, computed_mm, scan, one, other] :

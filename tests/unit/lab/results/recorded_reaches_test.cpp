@@ -3,18 +3,18 @@
 
 #include <gtest/gtest.h>
 
-#include "record/reach_record.h"
-#include "session/trial_record.h"
+#include "events/make.h"
+#include "support/event_text.h"
 
 namespace dts::lab::results {
 namespace {
 
-using record::RecordedEvent;
+using test::event_of;
 
 /// A recording that holds events only.
 class Events final : public record::Recording {
  public:
-  explicit Events(std::vector<RecordedEvent> events) : events_(std::move(events)) {
+  explicit Events(std::vector<v1::Event> events) : events_(std::move(events)) {
     facts_ = record::SessionFacts{};
     facts_->fields = {{"weight_kg", "68"}, {"height_cm", "175"}, {"arm_length_cm", "67"}, {"max_reach_cm", "124"}};
   }
@@ -37,7 +37,7 @@ class Events final : public record::Recording {
   [[nodiscard]] std::uint64_t size() const noexcept override { return events_.size(); }
 
  private:
-  std::vector<RecordedEvent> events_;
+  std::vector<v1::Event> events_;
   std::vector<record::StreamInfo> streams_;
   core::Losses losses_;
   std::optional<record::SessionFacts> facts_;
@@ -45,16 +45,9 @@ class Events final : public record::Recording {
   std::size_t next_ = 0;
 };
 
-RecordedEvent trial(const std::string& phase, std::int64_t number, std::uint64_t scan) {
-  return {.event = "trial",
-          .segment = 2,
-          .scan = {scan},
-          .values = {{"phase", phase},
-                     {"trial", number},
-                     {"attempt", std::int64_t{1}},
-                     {"block", std::int64_t{1}},
-                     {"condition", std::string("150")},
-                     {"target_cm", 100.5}}};
+v1::Event trial(const std::string& step, std::int64_t number, std::uint64_t scan) {
+  return event_of("segment: 2 scan: " + std::to_string(scan) + " trial { step: TRIAL_EVENT_KIND_" + step +
+                  " trial: " + std::to_string(number) + " attempt: 1 block: 1 condition: '150' target_cm: 100.5 }");
 }
 
 core::ReachEvent reach(std::uint32_t number, std::uint64_t p1) {
@@ -68,27 +61,24 @@ core::ReachEvent reach(std::uint32_t number, std::uint64_t p1) {
   return event;
 }
 
-RecordedEvent classed(std::uint32_t number, std::uint64_t p1, core::TrunkClass trunk_class) {
+v1::Event classed(std::uint32_t number, std::uint64_t p1, core::TrunkClass trunk_class) {
   core::ClassEvent event{.number = number, .segment = 2, .scan = {p1 + 110}};
   event.movement.trunk_class = trunk_class;
   event.movement.probability = {0.0, 1.0, 0.0};
   event.movement.trunk_deg = 25.0;
   event.movement.trunk_lo_deg = 20.0;
   event.movement.trunk_hi_deg = 30.0;
-  return record::to_record(event);
+  return events::make(event, "");
 }
 
-core::Result<RecordedReaches> read(std::vector<RecordedEvent> events) {
+core::Result<RecordedReaches> read(std::vector<v1::Event> events) {
   Events recording(std::move(events));
   return read_recorded_reaches(recording, nullptr, [](double) {});
 }
 
 TEST(RecordedReaches, Events_BecomeResults) {
-  const auto recorded = read({trial("go", 1, 1000),
-                              record::to_record(reach(1, 1100)),
-                              classed(1, 1100, core::TrunkClass::Moderate),
-                              trial("done", 1, 1600),
-                              {.event = "marker", .segment = 2, .scan = {1700}, .values = {}}});
+  const auto recorded = read({trial("GO", 1, 1000), events::make(reach(1, 1100), ""), classed(1, 1100, core::TrunkClass::Moderate),
+                              trial("DONE", 1, 1600), event_of("segment: 2 scan: 1700 marker {}")});
   ASSERT_TRUE(recorded) << recorded.error().what;
   EXPECT_EQ(recorded->reaches, 1U);
   ASSERT_EQ(recorded->trials.size(), 1U);
@@ -99,24 +89,23 @@ TEST(RecordedReaches, Events_BecomeResults) {
 
 TEST(RecordedReaches, OrderInTheFile_DoesNotMatter) {
   const auto recorded =
-      read({trial("done", 1, 1600), classed(1, 1100, core::TrunkClass::Moderate), trial("go", 1, 1000), record::to_record(reach(1, 1100))});
+      read({trial("DONE", 1, 1600), classed(1, 1100, core::TrunkClass::Moderate), trial("GO", 1, 1000), events::make(reach(1, 1100), "")});
   ASSERT_TRUE(recorded) << recorded.error().what;
   ASSERT_EQ(recorded->trials.size(), 1U);
   EXPECT_TRUE(recorded->trials[0].movement.has_value());
 }
 
 /// As the daemon records it when it tells it.
-RecordedEvent result(std::int64_t trial, std::int64_t number, std::int64_t trunk_class, double trunk_deg) {
-  return {.event = "result",
-          .segment = 2,
-          .scan = {1700},
-          .values = {{"trial", trial}, {"attempt", std::int64_t{1}}, {"number", number}, {"class", trunk_class}, {"trunk_deg", trunk_deg}}};
+v1::Event result(int trial, int number, int trunk_class, double trunk_deg) {
+  return event_of("segment: 2 scan: 1700 trial_result { trial: " + std::to_string(trial) +
+                  " attempt: 1 reach { number: " + std::to_string(number) + " } movement { trunk_class: " + std::to_string(trunk_class) +
+                  " trunk_deg: " + std::to_string(trunk_deg) + " } }");
 }
 
 TEST(RecordedReaches, ResultsThatWereTold_AreComparedWithWhatIsComputed) {
-  const std::vector<RecordedEvent> events{trial("go", 1, 1000), record::to_record(reach(1, 1100)),
-                                          classed(1, 1100, core::TrunkClass::Moderate), trial("done", 1, 1600)};
-  const auto with = [&](const RecordedEvent& told) {
+  const std::vector<v1::Event> events{trial("GO", 1, 1000), events::make(reach(1, 1100), ""), classed(1, 1100, core::TrunkClass::Moderate),
+                                      trial("DONE", 1, 1600)};
+  const auto with = [&](const v1::Event& told) {
     auto all = events;
     all.push_back(told);
     const auto recorded = read(std::move(all));
@@ -130,12 +119,12 @@ TEST(RecordedReaches, ResultsThatWereTold_AreComparedWithWhatIsComputed) {
 }
 
 TEST(RecordedReaches, LongSession_LosesNoTrial) {
-  std::vector<RecordedEvent> events;
+  std::vector<v1::Event> events;
   for (std::int64_t k = 1; k <= 3000; ++k) {
     const auto go = static_cast<std::uint64_t>(k) * 1000;
-    events.push_back(trial("go", k, go));
-    events.push_back(record::to_record(reach(static_cast<std::uint32_t>(k), go + 100)));
-    events.push_back(trial("done", k, go + 600));
+    events.push_back(trial("GO", k, go));
+    events.push_back(events::make(reach(static_cast<std::uint32_t>(k), go + 100), ""));
+    events.push_back(trial("DONE", k, go + 600));
   }
   const auto recorded = read(std::move(events));
   ASSERT_TRUE(recorded) << recorded.error().what;
@@ -144,19 +133,14 @@ TEST(RecordedReaches, LongSession_LosesNoTrial) {
 }
 
 TEST(RecordedReaches, DamagedEvents_AreNamed) {
-  for (const char* key : {"phase", "trial", "attempt"}) {
-    RecordedEvent event = trial("go", 1, 1000);
-    for (auto& [name, value] : event.values) {
-      if (name == key) value = true;
-    }
-    const auto recorded = read({event});
-    ASSERT_FALSE(recorded) << key;
+  for (const auto& [text, field] : {std::pair{"trial { step: 99 trial: 1 attempt: 1 }", "\"step\""},
+                                    {"reach { step: REACH_STEP_FINAL flags: 70000 }", "\"flags\""},
+                                    {"movement { trunk_class: 9 }", "\"trunk_class\""}}) {
+    const auto recorded = read({event_of(text)});
+    ASSERT_FALSE(recorded) << text;
     EXPECT_EQ(recorded.error().code, core::ErrorCode::DataDamaged);
-    EXPECT_NE(recorded.error().what.find("\"" + std::string(key) + "\""), std::string::npos) << recorded.error().what;
+    EXPECT_NE(recorded.error().what.find(field), std::string::npos) << recorded.error().what;
   }
-  EXPECT_FALSE(session::trial_of(trial("gone", 1, 0)));
-  EXPECT_FALSE(session::trial_of(trial("go", -1, 0)));
-  EXPECT_FALSE(session::trial_of(trial("go", 5'000'000'000, 0)));
 }
 
 }  // namespace

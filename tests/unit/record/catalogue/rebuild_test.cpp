@@ -4,9 +4,11 @@
 
 #include <fstream>
 
+#include "dts/wire/event_json.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "record/xdf/xdf_writer.h"
+#include "support/event_text.h"
 #include "unit/record/catalogue/catalogue_fixture.h"
 
 namespace dts::record {
@@ -35,25 +37,22 @@ class CatalogueRebuild : public catalogue_test::CatalogueFixture {
     const auto raw = xdf.add_stream({.name = "floor/raw", .content = "DTS", .rate = rate, .channels = {{.label = "w1_v", .unit = "V"}}});
     const auto events =
         xdf.add_stream({.name = "floor/events", .content = "Markers", .value_type = ValueType::Text, .channels = {{.label = "event"}}});
-    const auto tell = [&](double time_s, const RecordedEvent& event) {
-      const std::vector<std::pair<double, std::string>> texts{{time_s, to_json(event)}};
-      ASSERT_TRUE(xdf.write_texts(events, texts, {.segment = event.segment, .first_scan = event.scan}));
+    const auto tell = [&](double time_s, const std::string& text) {
+      const v1::Event event = test::event_of(text);
+      const std::vector<std::pair<double, std::string>> texts{{time_s, wire::to_json(event)}};
+      ASSERT_TRUE(xdf.write_texts(events, texts, {.segment = event.segment(), .first_scan = {event.scan()}}));
     };
-    const auto step = [&](const char* phase, std::int64_t trial, std::uint64_t scan) {
-      tell(1000.0 + static_cast<double>(scan) / 100.0, {.event = "trial",
-                                                        .scan = {scan},
-                                                        .values = {{"phase", phase},
-                                                                   {"trial", trial},
-                                                                   {"attempt", std::int64_t{1}},
-                                                                   {"block", std::int64_t{1}},
-                                                                   {"condition", std::string("a")}}});
+    const auto step = [&](const std::string& step_of_trial, int trial, int scan) {
+      tell(1000.0 + static_cast<double>(scan) / 100.0, "scan: " + std::to_string(scan) + " trial { step: TRIAL_EVENT_KIND_" +
+                                                           step_of_trial + " trial: " + std::to_string(trial) +
+                                                           " attempt: 1 block: 1 condition: 'a' }");
     };
-    tell(1000.0, {.event = "segment"});
+    tell(1000.0, "segment_start {}");
     ASSERT_TRUE(xdf.write_samples(raw, 1000.0, std::vector<double>(200, 1.5), {}));
-    step("measure", 1, 20);
-    step("done", 1, 80);
-    step("measure", 2, 120);
-    tell(1006.0, {.event = "segment", .segment = 1, .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{400}}}});
+    step("MEASURE", 1, 20);
+    step("DONE", 1, 80);
+    step("MEASURE", 2, 120);
+    tell(1006.0, "segment: 1 segment_start { reason: GAP_REASON_OVERRUN missing_scans: 400 }");
     ASSERT_TRUE(xdf.write_samples(raw, 1006.0, std::vector<double>(100, 1.5), {.segment = 1}));
     const bool is_closed = end == End::Closed ? xdf.close().has_value() : end == End::Incomplete && xdf.close_incomplete("disk full");
     ASSERT_EQ(is_closed, end != End::Abandoned);
@@ -135,7 +134,7 @@ TEST_F(CatalogueRebuild, EachWayOfEnding_IsEnteredWithAllThatTheFileSays) {
       "  part 1 sessions/empty.xdf incomplete 0 scans 0 s, 0 valid, lost {} 0 s: it contains no scan\n"
       "s6 floor free P017 incomplete from 1699999999999999995 to 1700000006999999995: /sessions/rotten.xdf: chunk torn at byte 4915\n"
       "  part 1 sessions/rotten.xdf incomplete 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s: "
-      "/sessions/rotten.xdf: chunk torn at byte 4915\n"
+      "/sessions/rotten.xdf: chunk torn at byte 4899\n"
       "  trial 1.1.1 a done 0:20 to 0:80\n"
       "  trial 1.2.1 a aborted 0:120 to 1:99\n"
       "s7 floor free P017 interrupted from 1699999999999999994 to 1700000006999999994: no footer\n"

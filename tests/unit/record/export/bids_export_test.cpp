@@ -93,15 +93,15 @@ TEST_F(BidsExportTest, Sidecar_HasTheRequiredFieldsAndCountsOfEveryType) {
 
 TEST_F(BidsExportTest, Events_HaveOnsetDurationAndType) {
   recording_.items.emplace_back(
-      TimedEvent{.time_s = 8123.261,
-                 .event = {.event = "trial", .scan = {1}, .values = {{"phase", std::string("go")}, {"condition", std::string("120\t%")}}}});
+      TimedEvent{.time_s = 8123.261, .event = test::event_of("scan: 1 trial { step: TRIAL_EVENT_KIND_GO condition: '120\\t%' }")});
   ASSERT_TRUE(run().has_value());
 
-  EXPECT_THAT(lines(kStem + "floorcop_events.tsv"), ElementsAre("onset\tduration\ttrial_type\tvalue\tcondition\tsegment\tscan\tdetails",
-                                                                "0.000000\tn/a\tsegment\tn/a\tn/a\t0\t0\t{\"host_time_ns\":8123251000000}",
-                                                                "0.020000\t0\tmarker\teyes \"closed\", now\tn/a\t0\t2\tn/a",
-                                                                "1.050000\tn/a\tsegment\tunplugged\tn/a\t1\t0\t{\"missing_scans\":100}",
-                                                                "0.010000\tn/a\ttrial\tgo\t120 %\t0\t1\t{\"condition\":\"120\\t%\"}"));
+  EXPECT_THAT(lines(kStem + "floorcop_events.tsv"),
+              ElementsAre("onset\tduration\ttrial_type\tvalue\tcondition\tsegment\tscan\tdetails",
+                          "0.000000\tn/a\tsegment\tn/a\tn/a\t0\t0\t{\"host_time_ns\":\"8123251000000\"}",
+                          "0.020000\t0\tmarker\teyes \"closed\", now\tn/a\t0\t2\tn/a",
+                          "1.050000\tn/a\tsegment\tunplugged\tn/a\t1\t0\t{\"missing_scans\":\"100\"}",
+                          "0.010000\tn/a\ttrial\tgo\t120 %\t0\t1\t{\"condition\":\"120\\t%\"}"));
 }
 
 TEST_F(BidsExportTest, Scans_SayWhenTheRecordingBegan) {

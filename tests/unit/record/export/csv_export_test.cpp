@@ -79,9 +79,9 @@ TEST_F(CsvExportTest, Session_OneFilePerStreamAndTheEvents) {
             "1.06,1,1,8\n");
   EXPECT_EQ(text("20261121T144525Z-floor-1_events.csv"),
             "t_s,segment,scan,event,text,details\n"
-            "0,0,0,segment,,\"{\"\"host_time_ns\"\":8123251000000}\"\n"
+            "0,0,0,segment,,\"{\"\"host_time_ns\"\":\"\"8123251000000\"\"}\"\n"
             "0.02,0,2,marker,\"eyes \"\"closed\"\", now\",\n"
-            "1.05,1,0,segment,unplugged,\"{\"\"missing_scans\"\":100}\"\n")
+            "1.05,1,0,segment,unplugged,\"{\"\"missing_scans\"\":\"\"100\"\"}\"\n")
       << "text and details are quoted as CSV asks for";
 }
 
@@ -103,15 +103,13 @@ TEST_F(CsvExportTest, RecordingDocument_SaysWhatIsMissingAndWhatWasAskedAboutThe
 }
 
 TEST_F(CsvExportTest, Trials_HaveATableOfTheirOwn) {
-  const auto step = [](const std::string& phase, std::int64_t trial, std::uint32_t segment, std::uint64_t scan) {
+  const auto step = [](const std::string& position, const std::string& step_of_trial) {
     return TimedEvent{
         .time_s = 0.0,
-        .event = {.event = "trial",
-                  .segment = segment,
-                  .scan = {scan},
-                  .values = {{"phase", phase}, {"trial", trial}, {"attempt", std::int64_t{1}}, {"condition", std::string("=eyes")}}}};
+        .event = test::event_of(position + " trial { step: TRIAL_EVENT_KIND_" + step_of_trial + " attempt: 1 condition: '=eyes' }")};
   };
-  for (const TimedEvent& event : {step("measure", 1, 0, 1), step("done", 1, 0, 3), step("measure", 2, 1, 0)})
+  for (const TimedEvent& event :
+       {step("scan: 1", "MEASURE trial: 1"), step("scan: 3", "DONE trial: 1"), step("segment: 1", "MEASURE trial: 2")})
     recording_.items.emplace_back(event);
   ASSERT_TRUE(run().has_value());
 

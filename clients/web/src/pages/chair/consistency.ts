@@ -50,7 +50,7 @@ const summarise = (condition: string, trials: readonly TrialRecord[]): TargetSum
     withAngle: angles.length,
     meanDeg: mean(angles),
     sdDeg: standardDeviation(angles),
-    window: windowOf(results.find((result) => result.expectedClass > 0)?.expectedClass ?? -1),
+    window: windowOf(results.find((result) => (result.expectedClass ?? -1) > 0)?.expectedClass ?? -1),
   };
 };
 

@@ -22,7 +22,7 @@ const event = (body: Body, scan = 0, timeMs = 0, segment = 0): LiveEvent => ({
 
 const trial = (kind: TrialEventKind, more: { scan?: number; trial?: number; condition?: string; targetCm?: number; restS?: number } = {}): LiveEvent => {
   const { scan = 0, ...fields } = more;
-  return event({ case: 'trial', value: { sessionId: 's1', kind, trial: 1, attempt: 1, condition: '120', targetCm: 84, ...fields } }, scan, 1000);
+  return event({ case: 'trial', value: { sessionId: 's1', step: kind, trial: 1, attempt: 1, condition: '120', targetCm: 84, ...fields } }, scan, 1000);
 };
 
 const reach = (step: ReachStep, p1Scan: number, number = 1, segment = 0): LiveEvent =>

@@ -77,7 +77,7 @@ const newTrial = (examination: Examination, change: TrialChange): Examination =>
   trial: change.trial,
   attempt: change.attempt,
   condition: change.condition,
-  targetCm: change.targetCm,
+  targetCm: change.targetCm ?? 0,
   goAt: undefined,
   restEndsMs: undefined,
 });
@@ -91,7 +91,7 @@ const afterTrialChange = (examination: Examination, change: TrialChange, event: 
   const isSame = change.trial === 0 || (known.trial === change.trial && known.attempt === change.attempt);
   const named = isSame ? known : newTrial(known, change);
   const recorded = { ...named, changes: named.changes + 1 };
-  switch (change.kind) {
+  switch (change.step) {
     case TrialEventKind.READY:
       return newTrial(known, change);
     case TrialEventKind.GO: {
@@ -103,7 +103,7 @@ const afterTrialChange = (examination: Examination, change: TrialChange, event: 
     case TrialEventKind.MEASURE:
       return { ...named, step: named.step === 'back' ? 'back' : 'go' };
     case TrialEventKind.REST:
-      return { ...recorded, step: 'resting', restEndsMs: event.timeMs + 1000 * change.restS };
+      return { ...recorded, step: 'resting', restEndsMs: event.timeMs + 1000 * (change.restS ?? 0) };
     case TrialEventKind.FINISHED:
       return { ...recorded, step: 'finished', restEndsMs: undefined };
     case TrialEventKind.DONE:
@@ -141,7 +141,7 @@ const afterResult = (examination: Examination, result: TrialResult): Examination
   const known = inSession(examination, result.sessionId);
   const changed = { ...known, changes: known.changes + 1 };
   if (known.trial !== result.trial || known.attempt !== result.attempt) return changed;
-  const { reach, movement, expectedClass } = result;
+  const { reach, movement, expectedClass = -1 } = result;
   return { ...changed, reach, movement, expectedClass, isWithoutReach: reach === undefined };
 };
 
@@ -153,7 +153,7 @@ export const afterEvent = (examination: Examination, event: LiveEvent): Examinat
   const { body, segment, hostTimeNs } = event.event;
   switch (body.case) {
     case 'trial':
-      return notBefore(afterTrialChange(examination, body.value, event), hostTimeNs);
+      return notBefore(afterTrialChange(examination, body.value, event), hostTimeNs ?? 0n);
     case 'reach':
       return afterReach(examination, body.value, segment);
     case 'movement':
@@ -222,7 +222,7 @@ export const afterStatus = (examination: Examination, status: RigStatus | undefi
     ...(isCatchingUp ? caughtUp(known, trial) : waits ? { ...known, step: reported } : known),
     of: trial.of,
     nextCondition: trial.nextCondition,
-    nextTargetCm: trial.nextTargetCm,
+    nextTargetCm: trial.nextTargetCm ?? 0,
     armLengthCm: Number(session.fields['arm_length_cm']) || undefined,
   };
 };

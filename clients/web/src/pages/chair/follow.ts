@@ -28,10 +28,10 @@ export interface Followed {
 /** Keeps the line of a done trial behind the next trials; drops that of a redone or rejected one. */
 const keepLines = (ghosts: Ghosts, ring: TransientRing, before: Examination, { event }: LiveEvent): void => {
   if (event.body.case !== 'trial') return;
-  const { kind, sessionId, trial, condition } = event.body.value;
+  const { step, sessionId, trial, condition } = event.body.value;
   ghosts.begin(sessionId);
-  if (kind === TrialEventKind.DONE && before.goAt !== undefined && before.trial === trial) ghosts.keep(trial, condition, before.goAt, ring);
-  if (kind === TrialEventKind.REDONE || kind === TrialEventKind.REJECTED) ghosts.drop(trial);
+  if (step === TrialEventKind.DONE && before.goAt !== undefined && before.trial === trial) ghosts.keep(trial, condition, before.goAt, ring);
+  if (step === TrialEventKind.REDONE || step === TrialEventKind.REJECTED) ghosts.drop(trial);
 };
 
 const none: readonly TrialRecord[] = [];

@@ -5,6 +5,7 @@ import type { JSX } from 'preact';
 
 import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import { spoken } from '../../parts/names';
+import type { TrialResult, TrunkMovement } from '../../generated/dts/v1/stream_pb';
 import { fixed, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import type { TargetSummary } from './consistency';
@@ -21,7 +22,26 @@ const classText = (trial: TrialRecord): string => {
 
 const targetText = (condition: string, cm: number): string => (cm > 0 ? strings.chair.table.target(spoken(condition), fixed(cm, 0)) : spoken(condition));
 
-export const TrialTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+const intervalText = ({ trunkLoDeg, trunkHiDeg }: Partial<TrunkMovement>): string =>
+  trunkLoDeg === undefined || trunkHiDeg === undefined
+    ? strings.common.undefinedValue
+    : strings.chair.table.window(fixed(trunkLoDeg, 1), fixed(trunkHiDeg, 1));
+
+/** The interval of the angle, P1, P2, P3, and the probabilities of the classes 1, 2, 3. */
+const Details = ({ result }: { result: TrialResult | undefined }): JSX.Element => (
+  <>
+    <td class="number">{intervalText(result?.movement ?? {})}</td>
+    {[result?.reach?.p1, result?.reach?.p2, result?.reach?.p3].map((point, index) => (
+      <td key={index} class="number">
+        {fixed(point?.valueMm, 2)}
+      </td>
+    ))}
+    <td class="number">{result?.movement?.probability.map((one) => fixed(one, 2)).join(' / ') ?? strings.common.undefinedValue}</td>
+  </>
+);
+
+/** `isWhole`: with everything that is known of each reach. */
+export const TrialTable = ({ trials, isWhole = false }: { trials: readonly TrialRecord[]; isWhole?: boolean }): JSX.Element => {
   const { heads, outcomes } = strings.chair.table;
   return (
     <table class="chair-table" data-testid="trial-table">
@@ -32,6 +52,7 @@ export const TrialTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.
           <th>{heads.outcome}</th>
           <th>{heads.trunk}</th>
           <th class="number">{heads.angle}</th>
+          {isWhole && heads.details.map((head) => <th key={head} class="number">{head}</th>)}
         </tr>
       </thead>
       <tbody>
@@ -42,6 +63,7 @@ export const TrialTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.
             <td>{outcomes[trial.outcome] ?? trial.outcome}</td>
             <td>{classText(trial)}</td>
             <td class="number">{fixed(angleOf(trial), 1)}</td>
+            {isWhole && <Details result={trial.result} />}
           </tr>
         ))}
       </tbody>

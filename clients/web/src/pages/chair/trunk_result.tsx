@@ -103,7 +103,7 @@ export const AngleGauge = ({ movement, isOfLastTrial }: Pick<ReachResult, 'movem
         ))}
         {movement !== undefined && deg !== undefined && (
           <g>
-            <path class="chair-gauge-interval" d={arc(movement.trunkLoDeg, movement.trunkHiDeg, radius - 22)} />
+            <path class="chair-gauge-interval" d={arc(movement.trunkLoDeg ?? deg, movement.trunkHiDeg ?? deg, radius - 22)} />
             <path class="chair-gauge-trunk" d={`M 0 0 L ${place(deg, radius - 8)}`} />
           </g>
         )}

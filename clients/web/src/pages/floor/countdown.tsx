@@ -40,7 +40,7 @@ export interface PhaseLengths {
 const seenBeginningS = 1.5;
 
 export const learnLengths = (known: PhaseLengths | undefined, session: SessionInfo): PhaseLengths => {
-  const { sessionId, elapsedS, trial } = session;
+  const { sessionId, elapsedS = 0, trial } = session;
   const phase = trial?.phase ?? TrialPhase.UNSPECIFIED;
   const remainingS = trial?.remainingS ?? 0;
   const attempt = `${trial?.trial ?? 0}.${trial?.attempt ?? 0}`;
@@ -57,7 +57,7 @@ export const learnLengths = (known: PhaseLengths | undefined, session: SessionIn
   return { sessionId, elapsedS, phase, attempt, settleS, measureS };
 };
 
-const ofRecording = ({ settleS, durationS, elapsedS }: SessionInfo, sinceS: number): Progress => {
+const ofRecording = ({ settleS = 0, durationS = 0, elapsedS = 0 }: SessionInfo, sinceS: number): Progress => {
   const doneS = elapsedS + sinceS;
   if (durationS <= 0) return { seconds: Math.floor(doneS), words: strings.floor.elapsed, shares: undefined };
   const leftS = Math.max(0, durationS - doneS);
@@ -68,10 +68,11 @@ const ofRecording = ({ settleS, durationS, elapsedS }: SessionInfo, sinceS: numb
 /** Returns the progress of a session, `sinceS` after its status. Nothing if no time runs, or its length is unknown. */
 export const progressOf = (session: SessionInfo, { settleS, measureS }: PhaseLengths, sinceS: number): Progress | undefined => {
   const { trial, state } = session;
+  const remainingS = trial?.remainingS ?? 0;
   if (trial === undefined) return state === SessionState.RUNNING ? ofRecording(session, sinceS) : undefined;
   const isSettling = trial.phase === TrialPhase.SETTLING;
-  if ((!isSettling && trial.phase !== TrialPhase.MEASURING) || trial.remainingS <= 0) return undefined;
-  const leftS = Math.max(0, trial.remainingS - sinceS);
+  if ((!isSettling && trial.phase !== TrialPhase.MEASURING) || remainingS <= 0) return undefined;
+  const leftS = Math.max(0, remainingS - sinceS);
   const [seconds, words] = [Math.ceil(leftS), isSettling ? strings.floor.settleLeft : strings.floor.left];
   if (settleS === undefined || measureS === undefined) return { seconds, words, shares: undefined };
   const totalS = settleS + measureS;

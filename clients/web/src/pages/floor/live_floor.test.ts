@@ -14,7 +14,7 @@ const openFloor = (state = SessionState.RUNNING) => {
     fake.block('floor/cop', values.map((value) => [value]), { format: { channels }, firstScan: timeMs / 10, timeMs, newestMs: timeMs, quality: Uint8Array.of(quality, 0, 0) });
   const sway = (trial: number, isPreliminary = false, value = 5): void =>
     fake.event('floor/sway', { body: { case: 'sway', value: { trial, isPreliminary, measures: [{ symbol: 'MVELO', value }, { symbol: 'RANGE_AP', value: NaN }] } } });
-  const trial = (kind: TrialEventKind, timeMs = 0): void => fake.event('floor/trial', { body: { case: 'trial', value: { kind } } }, timeMs);
+  const trial = (kind: TrialEventKind, timeMs = 0): void => fake.event('floor/trial', { body: { case: 'trial', value: { step: kind } } }, timeMs);
   const session = (next: SessionState): void => fake.event('floor/session', { body: { case: 'session', value: { state: next } } });
   return { fake, floor, stand, sway, trial, session };
 };

@@ -124,7 +124,7 @@ export class LiveFloor {
         if (this.markers.length > 50) this.markers.shift();
         return;
       case 'trial':
-        return this.#addTrial(body.value.kind, timeMs);
+        return this.#addTrial(body.value.step, timeMs);
       case 'session':
         if (body.value.state === SessionState.IDLE || body.value.state === SessionState.STARTING) this.trialFromMs = NaN;
         if (body.value.state === SessionState.STARTING) this.sway.value = undefined;

@@ -22,8 +22,8 @@ export const Remarks = ({ floor, status }: { floor: LiveFloor; status: RigStatus
       {status.session?.message !== undefined && status.session.message !== '' && (
         <PassingNotice kind="error" what={status.session.message} testId="session-message" />
       )}
-      {sway !== undefined && !sway.isPreliminary && !sway.isValid && sway.problem === '' && (
-        <PassingNotice kind="warning" what={words.resultInvalid(invalidBecause(sway.flags, words.invalidWhy))} hint={words.resultInvalidHint} testId="invalid" />
+      {sway !== undefined && !sway.isPreliminary && sway.isValid !== true && sway.problem === '' && (
+        <PassingNotice kind="warning" what={words.resultInvalid(invalidBecause(sway.flags ?? 0, words.invalidWhy))} hint={words.resultInvalidHint} testId="invalid" />
       )}
       {sway !== undefined && sway.problem !== '' && <PassingNotice kind="warning" what={words.noResult(sway.problem)} hint={words.resultInvalidHint} testId="no-result" />}
       {isFresh && <PassingNotice kind="warning" what={words.gapAfter(clockTime(absence.backAt), duration(absence.seconds))} hint={words.gapHint} testId="gap" />}

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Results of several sessions side by side, as in `dtsctl session compare`.
-import type { SessionRecord, SessionResult } from '../../generated/dts/v1/sessions_pb';
+import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
+import type { SessionResult } from '../../generated/dts/v1/stream_pb';
 
 export const mostCompared = 12; // more columns do not fit the page
 

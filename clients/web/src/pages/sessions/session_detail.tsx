@@ -35,7 +35,7 @@ const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
     [heads.protocol, protocolName(session.protocol)],
     [heads.rig, session.rig],
     [heads.started, dateTime(session.startedUtcNs)],
-    [facts.ended, dateTime(session.endedUtcNs)],
+    [facts.ended, dateTime(session.endedUtcNs ?? 0n)],
     [heads.duration, duration(durationS(session))],
     [heads.label, session.label],
     [facts.message, session.message],

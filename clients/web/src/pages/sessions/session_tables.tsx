@@ -2,9 +2,10 @@
 // Parts, trials and results of one session.
 import type { JSX } from 'preact';
 
-import type { SessionRecord, SessionResult, TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import type { SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import { PartState } from '../../generated/dts/v1/sessions_pb';
 import { spoken } from '../../parts/names';
+import type { SessionResult } from '../../generated/dts/v1/stream_pb';
 import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { TargetTable, TrialTable } from '../chair/trial_tables';
@@ -109,7 +110,7 @@ export const TrialsOfSession = ({ trials }: { trials: readonly TrialRecord[] }):
   return (
     <div class="column">
       <TargetTable trials={trials} />
-      <TrialTable trials={trials} />
+      <TrialTable trials={trials} isWhole />
     </div>
   );
 };

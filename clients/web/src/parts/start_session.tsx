@@ -173,7 +173,7 @@ export const StartSession = ({ link, rig, protocols, form }: StartSessionProps):
         <TextInput label={words.subject} hint={words.subjectHint} testId="start-subject" value={subject.value} onInput={(value) => (subject.value = value)} />
         <TextInput label={words.label} hint={words.labelHint} testId="start-label" value={label.value} onInput={(value) => (label.value = value)} />
         {chosen?.trials === 0 && (
-          <Field label={chosen.durationS > 0 ? words.durationOr(fixed(chosen.durationS, 0)) : words.duration}>
+          <Field label={chosen.durationS !== undefined && chosen.durationS > 0 ? words.durationOr(fixed(chosen.durationS, 0)) : words.duration}>
             {(id) => (
               <input
                 id={id}

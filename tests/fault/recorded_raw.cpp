@@ -50,7 +50,7 @@ core::Result<RecordedRaw> read_raw(const std::string& file) {
     auto item = (*recording)->next();
     if (!item) return tl::make_unexpected(item.error());
     if (!*item) return raw;
-    if (const auto* event = std::get_if<record::TimedEvent>(&**item)) raw.losses += event->event.event == "loss" ? 1U : 0U;
+    if (const auto* event = std::get_if<record::TimedEvent>(&**item)) raw.losses += event->event.has_loss() ? 1U : 0U;
     const auto* scans = std::get_if<record::RecordedScans>(&**item);
     if (scans == nullptr || !index || scans->stream != *index) continue;
     const record::StreamInfo& info = (*recording)->streams()[*index];

@@ -108,7 +108,7 @@ TEST(Recording, OfTheShippedConfiguration_OpensInLibxdfWithNamesUnitsRatesAndSta
   ASSERT_NE(mark, xdf.eventMap.end());
   const double scans_after_start = (mark->first.second - raw->time_stamps[0]) * 100.0;
   EXPECT_NEAR(scans_after_start, std::round(scans_after_start), 1e-6) << "the event falls on a scan";
-  EXPECT_EQ(json::parse(mark->first.first).at("scan").get<double>(), mark_scan);
+  EXPECT_EQ(std::stod(json::parse(mark->first.first).at("scan").get<std::string>()), mark_scan);
 }
 
 TEST(Recording, Replayed_GivesTheRecordedStreamsBitForBit) {

@@ -105,8 +105,8 @@ core::Status check_target(const Condition& condition, const Fields& fields) {
   const auto distance_cm = target_cm(condition, fields);
   if (!distance_cm) return needs(kArmLength);
   if (!maximum_reach_cm || *distance_cm <= *maximum_reach_cm + kReachToleranceCm) return {};
-  return wrong("target '" + condition.name + "' is at " + core::number_text(*distance_cm) +
-                   " cm, beyond the subject's maximum reach of " + core::number_text(*maximum_reach_cm) + " cm",
+  return wrong("target '" + condition.name + "' is at " + core::number_text(*distance_cm) + " cm, beyond the subject's maximum reach of " +
+                   core::number_text(*maximum_reach_cm) + " cm",
                "use a protocol without this target: copy the file and remove the condition");
 }
 

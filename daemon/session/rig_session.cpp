@@ -200,8 +200,7 @@ void RigSession::end_trials(const Moment& moment) {
   if (trials_) trials_->abort(moment.now_ns);
   collect(moment.at);
   follow(moment.at);
-  if (reaches_) reaches_->finish();
-  if (sways_) sways_->finish();
+  for (const auto& judge : judges_) judge->finish();
   if (is_recording_) {
     // In case the daemon ends before the file is closed: this session was not interrupted and must not be resumed automatically.
     services_.recordings.end_session(session_.view(moment.now_ns).id, is_aborted_ ? "aborted" : "incomplete",
@@ -214,7 +213,7 @@ void RigSession::end_trials(const Moment& moment) {
 
 /// Adds everything up to now to the recording and ends it, as soon as the result of each trial is known.
 void RigSession::end_recording_if_judged(const Moment& moment) {
-  if (!is_awaiting_results_ || (sways_ && sways_->is_analysing())) return;
+  if (!is_awaiting_results_ || is_analysing()) return;
   is_awaiting_results_ = false;
   conclude(moment.at);
   if (is_aborted_) {  // in the recording too, because the catalogue may be rebuilt from it
@@ -227,7 +226,7 @@ void RigSession::end_recording_if_judged(const Moment& moment) {
 }
 
 void RigSession::wait_for_results(const Moment& moment) {
-  if (sways_) sways_->wait();
+  for (const auto& judge : judges_) judge->wait();
   end_recording_if_judged(moment);
 }
 
@@ -286,6 +285,13 @@ void RigSession::recording_finished(const FinishedRecording& finished, const Mom
   enter_end(finished, moment.now_ns);
 }
 
+/// Writes an event of the session to the recording, and keeps it for the bus.
+void RigSession::publish(v1::Event event, const DataPosition& at) {
+  place(event, at);
+  note(event, at);
+  events_.push_back(std::move(event));
+}
+
 void RigSession::note(v1::Event event, const DataPosition& at) {
   if (!is_recording_) return;
   place(event, at);
@@ -298,20 +304,15 @@ void RigSession::note(v1::Event event, const DataPosition& at) {
 
 /// Writes the changes of the state machines to the recording and the catalogue, and keeps them for the bus.
 void RigSession::collect(const DataPosition& at) {
-  for (SessionView& change : session_.take_changes()) {
-    note(to_event(change), at);
-    changes_.push_back({.view = std::move(change), .at = at});
-  }
+  for (const SessionView& change : session_.take_changes()) publish(to_event(change), at);
   if (!trials_) return;
-  for (TrialEvent& event : trials_->take_events()) {
+  for (const TrialEvent& event : trials_->take_events()) {
     const DataPosition due = position_at(event.at_ns, at);
-    note(to_event(event, session_.view(0).id), due);
+    publish(to_event(event, session_.view(0).id), due);
     enter_trial(event, due);
-    if (reaches_) reaches_->take(event, due.segment, due.scan);
-    if (sways_) sways_->take(event, due.segment, due.scan);
+    for (const auto& judge : judges_) judge->take(event, due.segment, due.scan);
     open_window(event, due);
     give_cue(event);
-    trial_changes_.push_back({.event = std::move(event), .at = due});
   }
 }
 

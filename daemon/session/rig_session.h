@@ -7,18 +7,16 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "core/log.h"
 #include "core/worker.h"
 #include "record/catalogue/catalogue.h"
 #include "session/protocol.h"
-#include "session/reach_results.h"
 #include "session/recordings.h"
 #include "session/rig.h"
 #include "session/session.h"
-#include "session/sway_results.h"
+#include "session/trial_judge.h"
 #include "session/trial_run.h"
 
 namespace dts::session {
@@ -37,22 +35,6 @@ void place(v1::Event& event, const DataPosition& at);
 struct Moment {
   std::int64_t now_ns = 0;
   std::int64_t utc_minus_monotonic_ns = 0;  ///< By the wall clock at this time.
-  DataPosition at;
-};
-
-/// A change of the session, and its scan.
-struct SessionChange {
-  SessionView view;
-  DataPosition at;
-};
-struct TrialChange {
-  TrialEvent event;
-  DataPosition at;
-};
-
-/// The result of a trial.
-struct TrialOutcome {
-  std::variant<ReachTrialResult, SwayTrialResult> result;
   DataPosition at;
 };
 
@@ -99,10 +81,9 @@ class RigSession {
   [[nodiscard]] SessionView view(std::int64_t now_ns) const { return session_.view(now_ns); }
   /// Returns nothing if the protocol has no trials.
   [[nodiscard]] std::optional<TrialView> trial_view(std::int64_t now_ns) const;
-  /// Returns the changes since the last call, oldest first. They are already in the recording.
-  [[nodiscard]] std::vector<SessionChange> take_changes() { return std::exchange(changes_, {}); }
-  [[nodiscard]] std::vector<TrialChange> take_trial_changes() { return std::exchange(trial_changes_, {}); }
-  [[nodiscard]] std::vector<TrialOutcome> take_outcomes() { return std::exchange(outcomes_, {}); }
+  /// Returns the events to publish since the last call, oldest first: changes of the session, steps and results of its trials. They are
+  /// already in the recording.
+  [[nodiscard]] std::vector<v1::Event> take_events() { return std::exchange(events_, {}); }
 
  private:
   [[nodiscard]] core::Result<const Protocol*> find_protocol(const std::string& name) const;
@@ -118,12 +99,14 @@ class RigSession {
   void enter_trial(const TrialEvent& event, const DataPosition& at);
   void put_trial(record::TrialRow& row);
   void give_cue(const TrialEvent& event);
+  [[nodiscard]] bool is_analysing() const;
   void prepare_results(const Protocol& protocol, const record::SessionFacts& facts);
   void drain();
   void follow(const DataPosition& at);
   void open_window(const TrialEvent& event, const DataPosition& at);
-  void enter_result(v1::Event event, std::uint32_t trial, std::uint32_t attempt, const DataPosition& at);
-  void tell_outcomes(const DataPosition& at);
+  void enter_result(TrialResultEvent& result, const DataPosition& at);
+  void enter_results(const DataPosition& at);
+  void publish(v1::Event event, const DataPosition& at);
   void conclude(const DataPosition& at);
   void enter_figures(const std::vector<SessionFigure>& figures, const DataPosition& at);
 
@@ -137,13 +120,10 @@ class RigSession {
   bool is_aborted_ = false;
   bool is_next_wanted_ = false;  ///< Start the first trial as soon as the session runs.
   std::string end_reason_;
-  std::int64_t utc_minus_monotonic_ns_ = 0;  ///< At the start: a clock set during the session must not make it end before it began.
-  std::vector<SessionChange> changes_;
-  std::vector<TrialChange> trial_changes_;
-  std::optional<ReachResults> reaches_;  ///< If the session has trials and the rig detects reaches.
-  std::optional<SwayResults> sways_;     ///< If the session has trials and the rig has a centre of pressure.
-  TrialPlan plan_;                       ///< From the session's protocol.
-  std::vector<TrialOutcome> outcomes_;
+  std::int64_t utc_minus_monotonic_ns_ = 0;          ///< At the start: a clock set during the session must not make it end before it began.
+  std::vector<v1::Event> events_;                    ///< To publish.
+  std::vector<std::unique_ptr<TrialJudge>> judges_;  ///< None: the session has no trials.
+  TrialPlan plan_;                                   ///< From the session's protocol.
 };
 
 }  // namespace dts::session

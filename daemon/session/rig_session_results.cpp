@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "dts/wire/event_json.h"
+#include "session/judges.h"
 #include "session/rig_session.h"
 #include "session/session_events.h"
 
@@ -17,30 +18,21 @@ void RigSession::give_cue(const TrialEvent& event) {
 
 /// Prepares the results of a new session. Empties the rings, whose content is from before the session.
 void RigSession::prepare_results(const Protocol& protocol, const record::SessionFacts& facts) {
-  reaches_.reset();
-  sways_.reset();
+  judges_.clear();
   drain();
   if (!protocol.trials) return;
   plan_ = *protocol.trials;
-  const auto& stages = rig_.config().stages;
-  if (std::ranges::find(stages, "reach", &pipeline::StageConfig::id) != stages.end()) {
-    const auto& model = rig_.config().trunk_model;
-    reaches_.emplace(person_of(facts.fields), model ? &*model : nullptr);
-  }
-  if (const auto cop_rate = rig_.cop_rate()) sways_.emplace(rig_.config().rate, *cop_rate, services_.worker);
+  judges_ = make_judges(rig_, facts, services_.software, services_.worker);
 }
 
-/// Empties the rings from the pipeline; passes their content to the results of the session, if any.
+/// Empties the rings from the pipeline; passes their content to the judges.
 void RigSession::drain() {
-  while (const core::Event* event = rig_.reaches().front()) {
-    if (reaches_) {
-      if (const auto* reach = std::get_if<core::ReachEvent>(event)) reaches_->take(*reach);
-      if (const auto* movement = std::get_if<core::ClassEvent>(event)) reaches_->take(*movement);
-    }
+  for (const core::Event* event = rig_.reaches().front(); event != nullptr; event = rig_.reaches().front()) {
+    for (const auto& judge : judges_) judge->take(*event);
     rig_.reaches().release();
   }
-  while (const core::Block* cop = rig_.cops().front()) {
-    if (sways_) sways_->take(*cop);
+  for (const core::Block* cop = rig_.cops().front(); cop != nullptr; cop = rig_.cops().front()) {
+    for (const auto& judge : judges_) judge->take(*cop);
     rig_.cops().release();
   }
 }
@@ -49,13 +41,17 @@ void RigSession::drain() {
 void RigSession::follow(const DataPosition& at) {
   const PipelineReport processed = rig_.pipeline_report();
   drain();
-  if (reaches_) reaches_->advance(processed.segment, processed.next_scan);
-  tell_outcomes(at);
+  for (const auto& judge : judges_) judge->advance(processed.segment, processed.next_scan);
+  enter_results(at);
+}
+
+bool RigSession::is_analysing() const {
+  return std::ranges::any_of(judges_, [](const auto& judge) { return judge->is_analysing(); });
 }
 
 /// Announces the measuring window of a trial to the stage `steadiness` as soon as it is known.
 void RigSession::open_window(const TrialEvent& event, const DataPosition& at) {
-  if (!sways_) return;
+  if (!rig_.cop_rate()) return;
   using enum TrialEventKind;
   if (event.kind == Go) {
     const auto scans = [this](double s) { return s > 0.0 ? rig_.config().rate.scans_in_ms(s * 1e3) : 0; };
@@ -72,47 +68,35 @@ void RigSession::open_window(const TrialEvent& event, const DataPosition& at) {
 }
 
 /// Writes a result to the recording, and to its trial in the catalogue.
-void RigSession::enter_result(v1::Event event, std::uint32_t trial, std::uint32_t attempt, const DataPosition& at) {
-  place(event, at);
-  if (const auto row = trial_rows_.find({trial, attempt}); row != trial_rows_.end()) {
-    row->second.result = wire::to_json(event);
+void RigSession::enter_result(TrialResultEvent& result, const DataPosition& at) {
+  place(result.event, at);
+  if (const auto row = trial_rows_.find({result.trial, result.attempt}); row != trial_rows_.end()) {
+    row->second.result = wire::to_json(result.event);
     put_trial(row->second);
   }
-  note(std::move(event), at);
+  note(result.event, at);
 }
 
-void RigSession::tell_outcomes(const DataPosition& at) {
-  if (reaches_) {
-    for (ReachTrialResult& result : reaches_->take_decided()) {
-      enter_result(to_event(result, session_.view(0).id), result.trial, result.attempt, at);
-      outcomes_.push_back({.result = std::move(result), .at = at});
-    }
-  }
-  if (sways_) {
-    for (SwayTrialResult& result : sways_->take_decided()) {
-      enter_result(to_event(result, session_.view(0).id, services_.software), result.trial, result.attempt, at);
-      outcomes_.push_back({.result = std::move(result), .at = at});
+void RigSession::enter_results(const DataPosition& at) {
+  for (const auto& judge : judges_) {
+    for (TrialResultEvent& result : judge->take_results()) {
+      enter_result(result, at);
+      events_.push_back(std::move(result.event));
     }
   }
 }
 
-/// Concludes the session's trials: classifies each reach again, on the subject's own scale if it is known now, and computes the results of
-/// the session. A resumed session has such results for each part.
+/// Concludes the session's trials: enters the results that the end of the session has changed, and the results of the session. A resumed
+/// session has such results for each part.
 void RigSession::conclude(const DataPosition& at) {
-  tell_outcomes(at);
+  enter_results(at);
   std::vector<SessionFigure> figures;
-  if (reaches_) {
-    for (const ReachTrialResult& result : reaches_->results()) {
-      v1::Event event = to_event(result, session_.view(0).id);
-      event.mutable_trial_result()->set_is_at_end(true);
-      enter_result(std::move(event), result.trial, result.attempt, at);
-    }
-    figures = reaches_->summary();
+  for (const auto& judge : judges_) {
+    for (TrialResultEvent& result : judge->final_results()) enter_result(result, at);
+    std::ranges::move(judge->summary(), std::back_inserter(figures));
   }
-  if (sways_) std::ranges::move(sways_->summary(), std::back_inserter(figures));
   enter_figures(figures, at);
-  reaches_.reset();
-  sways_.reset();
+  judges_.clear();
 }
 
 void RigSession::enter_figures(const std::vector<SessionFigure>& figures, const DataPosition& at) {

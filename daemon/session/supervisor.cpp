@@ -294,13 +294,7 @@ void Supervisor::tell(const std::string& rig, const DataPosition& at, v1::Event 
 
 void Supervisor::collect_session_changes(Entry& entry) {
   const std::string& rig = entry.rig->config().name;
-  const std::string id = entry.session.view(clock_.now_ns()).id;
-  for (const SessionChange& change : entry.session.take_changes()) tell(rig, change.at, to_event(change.view));
-  for (const TrialChange& change : entry.session.take_trial_changes()) tell(rig, change.at, to_event(change.event, id));
-  for (const TrialOutcome& outcome : entry.session.take_outcomes()) {
-    if (const auto* reach = std::get_if<ReachTrialResult>(&outcome.result)) tell(rig, outcome.at, to_event(*reach, id));
-    if (const auto* sway = std::get_if<SwayTrialResult>(&outcome.result)) tell(rig, outcome.at, to_event(*sway, id, services_.software));
-  }
+  for (v1::Event& event : entry.session.take_events()) notices_.push_back({.rig = rig, .event = std::move(event)});
 }
 
 void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& report) {

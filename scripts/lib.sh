@@ -10,6 +10,8 @@ DTS_PACKAGES=(
   libtomlplusplus-dev libsystemd-dev libusb-1.0-0-dev libeigen3-dev libcli11-dev nlohmann-json3-dev
   libonnx-dev                                          # dtslab reach export and import: the schema of ONNX
   libsqlite3-dev libsodium-dev libpugixml-dev libboost-dev # recordings: catalogue, SHA-256, XML headers, CRC32C
+  libutfcpp-dev                                        # texts from peers and files: which bytes are UTF-8
+  libsqlitecpp-dev                                     # catalogue: statements and transactions of SQLite as C++ objects
   libkissfft-dev                                       # spectra of sway: a template of double, BSD licence (FFTW is GPL)
   libkainjow-mustache-dev                              # reports: the page is a template, not pasted strings
   libssl-dev libarchive-dev                            # dts-gateway: TLS; zip files of exports

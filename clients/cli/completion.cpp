@@ -3,6 +3,7 @@
 
 #include "cli/documents.h"
 #include "cli/exit_status.h"
+#include "core/join.h"
 
 namespace dts::cli {
 namespace {
@@ -68,8 +69,7 @@ std::string bash_completion(const CommandLine& line) {
                      "  done\n"
                      "  case \"$command\" in\n";
   for (const auto& [path, command] : commands) {
-    std::string words;
-    for (const auto& [word, description] : candidates(*command, line.app)) words += (words.empty() ? "" : " ") + word;
+    const std::string words = core::join(candidates(*command, line.app), " ", [](const auto& candidate) { return candidate.first; });
     text += "    " + shell_quoted(path) + ") words=" + shell_quoted(words) + " ;;\n";
   }
   const std::string fallback = line.program.takes_files ? "-o default " : "";

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "core/cell_text.h"
+#include "core/join.h"
 #include "core/utf8.h"
 
 namespace dts::cli {
@@ -42,6 +43,7 @@ enum class Style { Plain, Bold, Good, Warning, Bad, Faint };
 /// Returns `text` in a style, or unchanged if the console has no colours.
 [[nodiscard]] std::string styled(const Console& console, Style style, std::string_view text);
 /// Makes text from outside safe for the terminal: removes control characters.
+using core::join;
 using core::printable;
 /// Makes text from outside safe for a CSV file: no spreadsheet evaluates it as a formula.
 using core::csv_cell;

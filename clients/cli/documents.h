@@ -16,9 +16,9 @@ namespace dts::cli {
 [[nodiscard]] std::string zsh_completion(const CommandLine& line);
 /// Text about JSON errors for the manual of a program with --json, in man(7) macros.
 inline constexpr const char* kJsonErrors =
-    "With\n.B \\-\\-json\na command that fails prints {\"error\": {\"code\", \"message\", \"hint\"}} unless it has printed a result; the "
-    "code is "
-    "a word such as not_found.\n";
+    "With\n.B \\-\\-json\na command that fails prints {\"error\": {\"code\", \"message\", \"hint\"}}, unless it already printed a result. "
+    "The "
+    "code is a word, for example not_found.\n";
 
 /// Returns the manual page dtsctl(1), in man(7) macros.
 [[nodiscard]] std::string manual_page(const CommandLine& line);

@@ -36,8 +36,8 @@ struct ExitMeaning {
 };
 /// Exit statuses for the manual page.
 inline constexpr std::array<ExitMeaning, 9> kExitMeanings{{{0, "success"},
-                                                           {1, "failed, or time is up"},
-                                                           {2, "wrong usage or bad input"},
+                                                           {1, "failed, or no result within the time limit"},
+                                                           {2, "wrong usage or invalid input"},
                                                            {3, "the daemon is not reachable"},
                                                            {4, "not allowed"},
                                                            {5, "no such rig, device or session"},

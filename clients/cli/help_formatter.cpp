@@ -62,13 +62,13 @@ std::string HelpFormatter::make_help(const CLI::App* command, std::string /*name
     for (const Glossary& glossary : found->second) text += section(glossary.title, glossary.words);
   }
   if (is_root) {
-    text += "\nHelp on a command: " + program + " COMMAND --help. The manual: " + program + " man | man -l -\n";
+    text += "\nHelp for a command: " + program + " COMMAND --help. The manual: " + program + " man | man -l -\n";
   } else {
     std::string names;
     for (const CLI::Option* option : options(root_of(*command))) {
       if (option->get_configurable()) names += (names.empty() ? "" : ", ") + option_label(*option);
     }
-    if (!names.empty()) text += "\nAlso: " + names + " (see " + program + " --help)\n";
+    if (!names.empty()) text += "\nOptions of every command: " + names + " (see " + program + " --help)\n";
   }
   return text;
 }

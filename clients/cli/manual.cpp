@@ -91,11 +91,11 @@ std::string manual_page(const CommandLine& line) {
   text += ".SH NAME\n" + program + " \\- " + line.manual.summary + "\n";
   text += ".SH SYNOPSIS\n.B " + program + "\n[\\fIOPTIONS\\fR] \\fICOMMAND\\fR [\\fIARGUMENTS\\fR]\n";
   text += ".SH DESCRIPTION\n" + line.manual.description + "\n";
-  text += "Results go to standard output, everything else to standard error.\n";
+  text += "Results are written to standard output, all other messages to standard error.\n";
   text += ".SH EXAMPLES\n" + example_text(line.app);
   text += ".SH COMMANDS\n";
   describe(line.app, line.glossaries, text);
-  text += ".SH OPTIONS\nThey may stand before or after the command.\n";
+  text += ".SH OPTIONS\nThese options may be given before or after the command.\n";
   for (const CLI::Option* option : options(line.app)) text += option_text(*option);
   text += manual_section("ENVIRONMENT", line.manual.environment) + exit_statuses(line.manual.exit_statuses) + line.manual.further_sections;
   return text + manual_section("FILES", line.manual.files) + see_also(line.manual.see_also);
@@ -103,7 +103,7 @@ std::string manual_page(const CommandLine& line) {
 
 int print_manual(const CommandLine& line, Console& console) {
   console.out << manual_page(line) << std::flush;
-  if (console.is_out_terminal) print_hint(console, "read it: " + line.program.name + " man | man -l -");
+  if (console.is_out_terminal) print_hint(console, "to read the manual: " + line.program.name + " man | man -l -");
   return kOk;
 }
 

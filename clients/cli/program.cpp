@@ -54,7 +54,7 @@ Console make_console(const std::string& name) {
 int check_output(const std::string& name, int status) {
   std::cout.flush();
   if (std::cout || has_reader_left()) return status;
-  std::cerr << name << ": cannot write the output" << std::endl;
+  std::cerr << name << ": cannot write to standard output" << std::endl;
   return kFailed;
 }
 

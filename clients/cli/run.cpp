@@ -74,9 +74,8 @@ UsageError usage_error(const CLI::App& root, const CLI::ParseError& error) {
   if (!left_over.empty()) return unexpected_word(left_over.front(), command);
   const std::string help = full_name(command) + " --help";
   if (!subcommands(command).empty()) {
-    std::string names;
-    for (const CLI::App* subcommand : subcommands(command)) names += (names.empty() ? "" : ", ") + subcommand->get_name();
-    return {prefix(command) + "a command is missing", "one of: " + names + "; " + help};
+    const std::string names = join(subcommands(command), ", ", [](const CLI::App* subcommand) { return subcommand->get_name(); });
+    return {prefix(command) + "a command is missing", "give one of: " + names + "; " + help};
   }
   return {prefix(command) + error.what(), help};
 }

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "cli/suggestion.h"
 
-#include "core/suggest.h"
-
 namespace dts::cli {
 
 std::string nearest(std::string_view word, const std::vector<std::string>& candidates) {

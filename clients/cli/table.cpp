@@ -6,6 +6,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "core/utf8.h"
+
 namespace dts::cli {
 namespace {
 
@@ -16,8 +18,7 @@ constexpr std::string_view kFolded = "  ";   ///< Indents the continued lines of
 std::size_t bytes_of(std::string_view text, std::size_t columns) noexcept {
   std::size_t bytes = 0;
   for (std::size_t shown = 0; bytes < text.size(); ++bytes) {
-    const bool is_start = (static_cast<unsigned char>(text[bytes]) & 0xC0U) != 0x80U;
-    if (is_start && ++shown > columns) break;
+    if (core::starts_character(text[bytes]) && ++shown > columns) break;
   }
   return bytes;
 }
@@ -34,8 +35,8 @@ std::string decimal(double value, int decimals) {
 
 std::string duration(double seconds) {
   if (!std::isfinite(seconds) || seconds < 0.0 || seconds > 1e12) return "-";
-  if (seconds < 60.0) return decimal(seconds, 1) + " s";
-  const auto whole = static_cast<long long>(seconds);
+  if (seconds < 59.95) return decimal(seconds, 1) + " s";  // more would be rounded to 60.0
+  const auto whole = std::max(60LL, static_cast<long long>(seconds));
   const auto pair = [](long long large, const char* large_unit, long long small, const char* small_unit) {
     return std::to_string(large) + " " + large_unit + " " + std::to_string(small) + " " + small_unit;
   };
@@ -44,10 +45,7 @@ std::string duration(double seconds) {
   return pair(whole / 86400, "d", whole % 86400 / 3600, "h");
 }
 
-std::size_t width(std::string_view text) noexcept {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(text, [](char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }));
-}
+std::size_t width(std::string_view text) noexcept { return core::character_count(text); }
 
 std::vector<std::string> filled(const std::vector<std::string>& pieces, std::string_view separator, std::size_t columns,
                                 std::string_view indent) {
@@ -83,6 +81,12 @@ std::vector<std::string> wrapped(std::string_view text, std::size_t columns, std
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return filled(words, " ", columns, indent);
+}
+
+std::string wrapped_at(const Console& console, std::size_t column, std::string_view text) {
+  constexpr std::size_t kNarrowest = 20;  // in less room, wrapping makes a text harder to read
+  if (!console.is_out_terminal || console.columns < column + kNarrowest) return std::string(text);
+  return join(wrapped(text, console.columns - column, ""), "\n" + std::string(column, ' '));
 }
 
 Table::Table(std::vector<std::string> headers) {

@@ -23,6 +23,10 @@ namespace dts::cli {
 /// The same for the words of a text.
 [[nodiscard]] std::vector<std::string> wrapped(std::string_view text, std::size_t columns, std::string_view indent);
 
+/// Returns the text for a line of `console.out` whose first `column` columns are written already. On a terminal, the text is wrapped at
+/// blanks and continues at the same column; elsewhere it stays one line.
+[[nodiscard]] std::string wrapped_at(const Console& console, std::size_t column, std::string_view text);
+
 struct Cell {
   std::string text;
   Style style = Style::Plain;

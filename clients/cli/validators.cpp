@@ -39,7 +39,7 @@ CLI::Validator count_from_one() {
   const auto check = [](std::string& text) -> std::string {
     std::uint64_t value = 0;
     if (read(text, value) && value > 0) return {};
-    return "'" + text + "' is not a whole number from 1";
+    return "'" + text + "' is not a whole number of at least 1";
   };
   return {check, "", "count"};
 }
@@ -47,7 +47,7 @@ CLI::Validator count_from_one() {
 CLI::Validator text_of(std::size_t minimum, std::size_t maximum) {
   const auto check = [=](std::string& text) -> std::string {
     if (text.size() >= minimum && text.size() <= maximum) return {};
-    return "a text of " + std::to_string(minimum) + " to " + std::to_string(maximum) + " bytes is needed";
+    return "the text must have " + std::to_string(minimum) + " to " + std::to_string(maximum) + " bytes";
   };
   return {check, "", "text"};
 }

@@ -16,14 +16,14 @@ struct CommandTree {
   cli::CommandLine line{{.name = "dtsctl",
                          .version = std::string(client::version()),
                          .description = "Command line of dtsd, the distributive tactile sensing daemon",
-                         .examples = "dtsctl status | is everything working?\n"
+                         .examples = "dtsctl status | state of daemon, rigs and session\n"
                                      "dtsctl watch floor/cop | see the centre of pressure live\n"
-                                     "dtsctl session start --rig floor | begin a session\n"
-                                     "dtsctl mark \"eyes closed\" | note a moment\n"
-                                     "dtsctl session stop | end the session\n"
-                                     "dtsctl session list | what was recorded\n"
-                                     "dtsctl tare --rig floor | zero the empty plate\n"
-                                     "dtsctl doctor | what is wrong, and how to mend it\n",
+                                     "dtsctl session start --rig floor | start a session\n"
+                                     "dtsctl mark \"eyes closed\" | put a note at this moment\n"
+                                     "dtsctl session stop | stop the session\n"
+                                     "dtsctl session list | list the recorded sessions\n"
+                                     "dtsctl tare --rig floor | tare the empty plate\n"
+                                     "dtsctl doctor | find problems and how to fix them\n",
                          .takes_files = true}};
 };
 

@@ -19,11 +19,8 @@ Result<v1::RigStatus> find_rig(const v1::StatusSnapshot& status, const std::stri
     if (rig.rig().name() == name) return rig;
     known.push_back(rig.rig().name());
   }
-  std::string list;
-  for (const std::string& rig : known) list += (list.empty() ? "" : ", ") + rig;
-  const std::string meant = cli::nearest(name, known);
-  const std::string hint = meant.empty() ? "there are: " + list : "did you mean " + meant + "?";
-  return client::fail(client::ErrorCode::NotFound, "no rig '" + name + "'", known.empty() ? "no rig is configured" : hint);
+  const std::string hint = known.empty() ? "add a [[rig]] to the daemon's configuration" : cli::known_words_hint(name, known);
+  return client::fail(client::ErrorCode::NotFound, "no rig '" + name + "'", hint);
 }
 
 Result<Target> target(const Arguments& arguments) {
@@ -37,8 +34,8 @@ Result<Target> target(const Arguments& arguments) {
     if (wishes.control.empty() && wishes.data.empty()) {
       if (key->control.empty()) {
         return client::fail(client::ErrorCode::InvalidArgument,
-                            file + " names no address: the daemon listened on its own machine only when it was made",
-                            "give --endpoint tcp://HOST:PORT, or put [network] into the daemon's configuration and make the key anew");
+                            file + " contains no address: the daemon accepted no other machines when the key was made",
+                            "give --endpoint tcp://HOST:PORT, or add [network] to the daemon's configuration and make a new key");
       }
       wishes = {.control = key->control, .data = key->data};
     }

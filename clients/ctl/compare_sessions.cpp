@@ -84,23 +84,24 @@ cli::Json told_of(const cli::Json& details, const std::string& key) {
 
 /// Adds warnings about details that must be equal for comparable values.
 void warn_of_differences(const v1::SessionResult& first, const v1::SessionResult& other, std::set<std::string>& warnings) {
-  if (first.unit() != other.unit()) warnings.insert(other.name() + " has not the same unit in all sessions; such values do not compare");
+  if (first.unit() != other.unit()) warnings.insert(other.name() + ": the unit differs between sessions; do not compare these values");
   const cli::Json one = cli::Json::parse(first.details(), nullptr, false);
   const cli::Json two = cli::Json::parse(other.details(), nullptr, false);
   if (!one.is_object() || !two.is_object()) return;
   const std::string what = first.name().substr(0, first.name().rfind('/'));
-  for (const auto& [key, words] :
-       {std::pair{"duration_s", "last"}, std::pair{"profile", "are of profile"}, std::pair{"rate_hz", "are analysed at"}}) {
+  for (const auto& [key, words] : {std::pair{"duration_s", "have the duration (s)"}, std::pair{"profile", "have the profile"},
+                                   std::pair{"rate_hz", "have the rate (Hz)"}}) {
     const cli::Json in_one = told_of(one, key);
     const cli::Json in_two = told_of(two, key);
     if (in_one.is_null() != in_two.is_null() && std::string_view(key) == "duration_s") {  // a mean over unequal trials has none
-      warnings.insert(what + ": trials are equally long in one session and not in another; such values do not compare");
+      warnings.insert(what +
+                      ": the trials have equal durations in one session and different durations in another; do not compare these values");
     }
     if (in_one.is_null() || in_two.is_null() || in_one == in_two) continue;
     const bool is_near = in_one.is_number() && in_two.is_number() && std::abs(in_one.get<double>() - in_two.get<double>()) < 0.1;
     if (is_near) continue;
     warnings.insert(what + ": trials " + words + " " + in_one.dump() + " in one session and " + in_two.dump() +
-                    " in another; such values do not compare");
+                    " in another; do not compare these values");
   }
 }
 
@@ -110,7 +111,10 @@ Comparison compare(std::vector<v1::SessionRecord> sessions) {
   std::vector<const v1::SessionResult*> firsts;
   for (std::size_t s = 0; s < comparison.sessions.size(); ++s) {
     const v1::SessionRecord& session = comparison.sessions[s];
-    if (session.subject() != comparison.sessions[0].subject()) warnings.insert("these are sessions of different subjects");
+    if (session.subject() != comparison.sessions[0].subject()) warnings.insert("the sessions are from different subjects");
+    if (const std::string lost = loss_text(sum_of(session)); !lost.empty()) {
+      warnings.insert("session " + session.session_id() + ": " + lost + "; the results of its trials may cover less time");
+    }
     for (const v1::SessionResult& result : session.results()) {
       const auto known = std::ranges::find(comparison.rows, result.name(), &Row::name);
       const auto index = static_cast<std::size_t>(known - comparison.rows.begin());
@@ -176,7 +180,7 @@ void print_table(const Comparison& comparison, cli::Console& console) {
   for (const v1::SessionRecord& session : comparison.sessions) {
     console.out << cli::printable(session.session_id() + "  " + session.subject() + "  " + session.protocol()) << '\n';
   }
-  if (comparison.rows.empty()) console.out << "no figures: these sessions have no trials that count\n";
+  if (comparison.rows.empty()) console.out << "no results: these sessions have no valid trials\n";
   table.print(console);
 }
 
@@ -185,7 +189,7 @@ void print_table(const Comparison& comparison, cli::Console& console) {
 int run_session_compare(const Arguments& arguments, cli::Console& console) {
   const SessionArguments& wishes = arguments.session;
   if (wishes.ids.empty() && wishes.subject.empty()) {
-    cli::print_error(console, "which sessions?", "dtsctl session compare ID ID, or --subject PSEUDONYM");
+    cli::print_error(console, "no sessions given", "dtsctl session compare ID ID, or --subject SUBJECT-ID");
     return cli::kUsage;
   }
   auto dts = connect(arguments);
@@ -195,11 +199,11 @@ int run_session_compare(const Arguments& arguments, cli::Console& console) {
   if (!sessions) return cli::fail_with(console, sessions.error());
   if (left_out > 0) {
     console.talk << "dtsctl: " << counted(left_out, "session") << (left_out == 1 ? " is" : " are")
-                 << " left out: no figures, or another rig than the newest with figures\n";
+                 << " left out: no results, or another rig than the newest session with results\n";
   }
   if (sessions->size() < 2) {
     return cli::fail_with(
-        console, client::Error{client::ErrorCode::NotFound, counted(sessions->size(), "session") + " found: nothing to compare with",
+        console, client::Error{client::ErrorCode::NotFound, counted(sessions->size(), "session") + " found; a comparison needs two",
                                "dtsctl session list"});
   }
   const Comparison comparison = compare(std::move(*sessions));

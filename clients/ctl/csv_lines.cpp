@@ -29,7 +29,8 @@ void CsvLines::show(const client::Block& block, std::size_t scans, Time /*now*/)
   if (topic_.empty()) begin(block);
   if (block.topic != topic_) {
     if (!has_told_other_)
-      cli::print_error(console_, std::string(block.topic) + " is left out: CSV is of one stream", "name that stream only");
+      cli::print_error(console_, std::string(block.topic) + " is left out: CSV output has one stream only",
+                       "give one stream as TOPIC-PREFIX");
     has_told_other_ = true;
     return;
   }

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "cli/exit_status.h"
 #include "cli/table.h"
@@ -25,6 +26,9 @@ constexpr double kRateTolerance = 0.01;
 constexpr double kFullestPercent = 50.0;
 constexpr double kMostLatencyMs = 50.0;  // above this, live plots with 20 frames per second are visibly late
 constexpr double kNearlyAllBlocks = 0.95;
+constexpr std::uint32_t kSessionsLookedAt = 200;
+constexpr std::size_t kMostNamed = 3;
+constexpr std::size_t kVerdictColumns = 7;  // "wrong  "
 
 Check good(std::string name, std::string finding) { return {std::move(name), true, std::move(finding), {}}; }
 Check bad(std::string name, std::string finding, std::string fix) { return {std::move(name), false, std::move(finding), std::move(fix)}; }
@@ -40,10 +44,10 @@ Check check_rate(const v1::RigStatus& rig) {
   const std::string name = rig.rig().name() + " rate";
   const double nominal = rig.nominal_rate_hz();
   const double measured = rig.measured_rate_hz();
-  if (!(measured > 0.0)) return bad(name, "not known yet", "wait some seconds, then ask again");
+  if (!(measured > 0.0)) return bad(name, "not measured yet", "wait 10 s, then run dtsctl doctor again");
   const std::string finding = cli::decimal(measured, 2) + " of " + cli::decimal(nominal, 2) + " Hz";
   if (std::abs(measured - nominal) <= kRateTolerance * nominal) return good(name, finding);
-  return bad(name, finding, "is the machine overloaded? see dtsctl status for losses; is the device set to another rate?");
+  return bad(name, finding, "check the load of this machine, the losses in dtsctl status and the rate that is set at the device");
 }
 
 /// Returns what to check first: the machine was too slow, or the connection to the device is bad.
@@ -54,16 +58,16 @@ std::string advice_on(const v1::RigStatus& rig) {
     const bool is_of_machine = loss.reason() == v1::GAP_REASON_OVERRUN || loss.reason() == v1::GAP_REASON_RING_FULL;
     (is_of_machine ? is_machine : is_cable) = true;
   }
-  std::string advice = "the reasons are in dtsctl status and journalctl -u dtsd";
-  if (is_machine) advice += "; the machine was too slow: allow SCHED_FIFO, end other programs";
-  if (is_cable) advice += "; check cable and USB hub";
+  std::string advice = "find the causes with dtsctl status and journalctl -u dtsd";
+  if (is_machine) advice += "; the machine was too slow: allow SCHED_FIFO and end other programs";
+  if (is_cable) advice += "; check the cable and the USB hub";
   return advice;
 }
 
 Check check_losses(const v1::RigStatus& rig) {
   const std::string name = rig.rig().name() + " losses";
   const std::string finding = counted(rig.lost_scans_total(), "scan") + " lost in " + counted(rig.gaps_total(), "gap") + ", " +
-                              counted(rig.dropped_blocks_total(), "block") + " dropped since start";
+                              counted(rig.dropped_blocks_total(), "block") + " dropped since the start";
   if (rig.lost_scans_total() == 0 && rig.gaps_total() == 0 && rig.dropped_blocks_total() == 0) return good(name, "none");
   return bad(name, finding, advice_on(rig));
 }
@@ -71,11 +75,11 @@ Check check_losses(const v1::RigStatus& rig) {
 Check check_queues(const v1::RigStatus& rig) {
   const std::string name = rig.rig().name() + " queues";
   const v1::RingFill& fill = rig.ring_fill();
-  const std::string finding = "at most " + cli::decimal(fill.scans_percent(), 0) + " % before the pipeline, " +
+  const std::string finding = "highest fill in the last 30 s: " + cli::decimal(fill.scans_percent(), 0) + " % before the pipeline, " +
                               cli::decimal(fill.frames_percent(), 0) + " % before the data socket, " +
-                              cli::decimal(fill.record_percent(), 0) + " % before the recorder within half a minute";
+                              cli::decimal(fill.record_percent(), 0) + " % before the recorder";
   if (std::max({fill.scans_percent(), fill.frames_percent(), fill.record_percent()}) < kFullestPercent) return good(name, finding);
-  return bad(name, finding, "what else runs on this machine? allow SCHED_FIFO; when it is the recorder: is the disk slow?");
+  return bad(name, finding, "end other programs and allow SCHED_FIFO; if the queue before the recorder is full, check the disk");
 }
 
 /// A replay runs at any requested speed: its rate, queues and latency show nothing about this machine.
@@ -87,7 +91,7 @@ std::optional<Check> check_latency(const v1::RigStatus& rig) {
   const std::string name = rig.rig().name() + " latency";
   const std::string finding = "95 % of the blocks since the start were published within " + cli::decimal(*latency_ms, 1) + " ms";
   if (*latency_ms <= kMostLatencyMs) return good(name, finding);
-  return bad(name, finding, "is the machine overloaded? allow SCHED_FIFO; dtsctl top shows the last seconds");
+  return bad(name, finding, "end other programs and allow SCHED_FIFO; dtsctl top shows the last seconds");
 }
 
 bool sends_scans(const v1::RigStatus& rig) { return rig.device() == v1::DEVICE_STATE_STREAMING && rig.rig().published_size() > 0; }
@@ -95,7 +99,7 @@ bool sends_scans(const v1::RigStatus& rig) { return rig.device() == v1::DEVICE_S
 Check check_data(const Target& where, const v1::StatusSnapshot& status, milliseconds deadline) {
   const std::string name = "data";
   const std::string& endpoint = where.endpoints.data;
-  if (endpoint.empty()) return bad(name, "the data address is not known", "give it: --data URI or DTSD_DATA");
+  if (endpoint.empty()) return bad(name, "the data address is not known", "give it with --data URI or DTSD_DATA");
   if (auto somebody = client::probe(endpoint); !somebody) return bad(name, somebody.error());
   auto subscriber = client::Subscriber::open({.endpoint = endpoint, .topics = {""}, .key = where.key});
   if (!subscriber) return bad(name, subscriber.error());
@@ -106,14 +110,14 @@ Check check_data(const Target& where, const v1::StatusSnapshot& status, millisec
     const auto message = subscriber->receive(deadline - spent());
     if (!message) return bad(name, message.error());
     if (*message && (!has_scans || std::holds_alternative<client::Block>(**message))) {
-      return good(name, (has_scans ? "scans arrive, after " : "no rig streams; the status arrives, after ") +
+      return good(name, (has_scans ? "scans arrive, after " : "no rig publishes scans; the status arrives, after ") +
                             std::to_string(spent().count()) + " ms");
     }
   }
   return bad(name,
-             (has_scans ? "no scans came from " : "nothing came from ") + endpoint + " within " +
+             (has_scans ? "no scans arrived from " : "no data arrived from ") + endpoint + " within " +
                  cli::decimal(1e-3 * static_cast<double>(deadline.count()), 1) + " s",
-             "restart dtsd; see journalctl -u dtsd");
+             "restart dtsd; read journalctl -u dtsd");
 }
 
 Check check_clock(const SystemFacts& facts) {
@@ -122,7 +126,9 @@ Check check_clock(const SystemFacts& facts) {
   // Other clock sources need a microsecond or more per reading (values from users of hpet and acpi_pm, not measured here).
   const bool is_fast = finding.find("tsc") != std::string::npos || finding == "arch_sys_counter" || finding == "kvm-clock";
   if (is_fast) return good(name, finding);
-  return note(name, finding, "echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; look for 'tsc' in dmesg");
+  return note(name, finding,
+              "select a faster clock: echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; if that fails, search "
+              "dmesg for 'tsc'");
 }
 
 int report(const std::vector<Check>& checks, bool is_json, cli::Console& console) {
@@ -142,7 +148,8 @@ int report(const std::vector<Check>& checks, bool is_json, cli::Console& console
                                   : check.is_good ? cli::styled(console, cli::Style::Good, "ok   ")
                                                   : cli::styled(console, cli::Style::Bad, "wrong");
       const std::string advice = check.fix.empty() ? "" : (is_note ? "; better: " : "; try: ") + check.fix;
-      console.out << verdict << "  " << cli::printable(check.name + ": " + check.finding + advice) << '\n';
+      console.out << verdict << "  "
+                  << cli::wrapped_at(console, kVerdictColumns, cli::printable(check.name + ": " + check.finding + advice)) << '\n';
     }
   }
   console.out.flush();
@@ -160,8 +167,12 @@ std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::ve
   checks.push_back(good("daemon", "dtsd " + status->version() + " answers, up " + cli::duration(status->uptime_s())));
   checks.push_back(check_version(status->version()));
   for (const v1::RigStatus& rig : status->rigs()) std::ranges::move(check_rig(rig), std::back_inserter(checks));
-  if (status->rigs_size() == 0) checks.push_back(bad("rigs", "none is configured", "add a [[rig]] to the daemon's configuration"));
+  if (status->rigs_size() == 0) checks.push_back(bad("rigs", "no rig is configured", "add a [[rig]] to the daemon's configuration"));
   std::ranges::move(check_disk(status->disk()), std::back_inserter(checks));
+  v1::ListSessionsRequest newest;
+  newest.set_limit(kSessionsLookedAt);
+  // Without an answer there is no check: this daemon records nothing, or this key may not list sessions.
+  if (const auto sessions = dts->list_sessions(newest)) checks.push_back(check_sessions(*sessions));
   checks.push_back(check_network(*status));
   return std::move(*status);
 }
@@ -170,8 +181,8 @@ std::optional<v1::StatusSnapshot> ask_daemon(const Arguments& arguments, std::ve
 
 Check check_version(const std::string& daemon_version) {
   const std::string mine(client::version());
-  if (daemon_version.substr(0, daemon_version.find('+')) == mine) return good("version", mine + " on both sides");
-  return bad("version", "dtsctl " + mine + ", dtsd " + daemon_version, "install both from one build, then restart dtsd");
+  if (daemon_version.substr(0, daemon_version.find('+')) == mine) return good("version", mine + " of dtsctl and dtsd");
+  return bad("version", "dtsctl " + mine + ", dtsd " + daemon_version, "install both from the same build, then restart dtsd");
 }
 
 std::vector<Check> check_rig(const v1::RigStatus& rig) {
@@ -180,11 +191,11 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
   if (rig.device() == v1::DEVICE_STATE_WAITING) return {good(name, state + ": " + rig.device_message())};
   if (rig.device() != v1::DEVICE_STATE_STREAMING) {
     const std::string why = rig.device_message().empty() ? "" : ": " + rig.device_message();
-    return {bad(name, state + why, "is it plugged in and powered? see dtsctl device list and journalctl -u dtsd")};
+    return {bad(name, state + why, "check its cable and power; see dtsctl device list and journalctl -u dtsd")};
   }
   std::vector<Check> checks{good(name, state), check_losses(rig)};
   if (!rig.device_message().empty()) {
-    checks.front() = bad(name, state + ", but " + rig.device_message(), "see dtsctl device test " + rig.rig().name());
+    checks.front() = bad(name, state + ", but " + rig.device_message(), "check the sensors: dtsctl device test " + rig.rig().name());
   }
   if (!is_replay(rig)) {
     checks.push_back(check_rate(rig));
@@ -192,16 +203,29 @@ std::vector<Check> check_rig(const v1::RigStatus& rig) {
     if (auto latency = check_latency(rig)) checks.push_back(std::move(*latency));
   }
   if (needs_tare(rig)) {
-    checks.push_back(bad(rig.rig().name() + " tare", "not tared: no reach can be judged",
-                         "let everybody stand up, then dtsctl tare --rig " + rig.rig().name()));
+    checks.push_back(bad(rig.rig().name() + " tare", "not tared: no reach can be classified",
+                         "clear the chair, then tare it: dtsctl tare --rig " + rig.rig().name()));
   }
   return checks;
 }
 
 Check check_network(const v1::StatusSnapshot& status) {
   if (!status.has_network()) return good("network", "off: this machine only");
-  return good("network", "on for clients with keys: " + counted(status.accepted_handshakes_total(), "connection") + " let in, " +
+  return good("network", "on for clients with keys: " + counted(status.accepted_handshakes_total(), "connection") + " accepted, " +
                              std::to_string(status.refused_handshakes_total()) + " refused since the start");
+}
+
+Check check_sessions(const v1::ListSessionsResponse& sessions) {
+  const std::string name = "sessions";
+  std::vector<std::string> interrupted;
+  for (const v1::SessionRecord& session : sessions.sessions()) {
+    if (session.state() == "interrupted") interrupted.push_back(session.session_id());
+  }
+  if (interrupted.empty()) return good(name, "none is interrupted");
+  const std::string rest = interrupted.size() > kMostNamed ? ", ..." : "";
+  const std::string finding = counted(interrupted.size(), "session") + (interrupted.size() == 1 ? " is" : " are") +
+                              " interrupted: " + cli::join(std::views::take(interrupted, kMostNamed)) + rest;
+  return note(name, finding, "see dtsctl session show ID; to go on: dtsctl session resume ID");
 }
 
 std::vector<Check> check_disk(const v1::DiskStatus& disk) {
@@ -209,9 +233,9 @@ std::vector<Check> check_disk(const v1::DiskStatus& disk) {
   switch (disk.state()) {
     case v1::DISK_STATE_UNSPECIFIED: return {};
     case v1::DISK_STATE_FINE: return {good(name, disk_line(disk))};
-    case v1::DISK_STATE_LOW: return {bad(name, disk_line(disk), "export old recordings and move them away before the next long session")};
-    case v1::DISK_STATE_FULL: return {bad(name, disk_line(disk), "make room: no recording starts until then")};
-    default: return {bad(name, disk_line(disk), "is it mounted read-only, or failing? see dmesg; may dtsd write there?")};
+    case v1::DISK_STATE_LOW: return {bad(name, disk_line(disk), "move old recordings to another disk before the next long session")};
+    case v1::DISK_STATE_FULL: return {bad(name, disk_line(disk), "free disk space; until then no recording can start")};
+    default: return {bad(name, disk_line(disk), "check that the disk is not read-only or failing (dmesg) and that dtsd may write there")};
   }
 }
 
@@ -219,19 +243,18 @@ std::vector<Check> check_disk(const v1::DiskStatus& disk) {
 std::vector<Check> check_system(const SystemFacts& facts, const std::optional<v1::StatusSnapshot>& status) {
   std::vector<Check> checks;
   if (status ? !has_notice_about(*status, "SCHED_FIFO") : facts.may_use_fifo) {
-    checks.push_back(good("scheduling", status ? "the daemon has what it asked for" : "SCHED_FIFO is allowed for this user"));
+    checks.push_back(good("scheduling", status ? "granted as the daemon requested" : "SCHED_FIFO is allowed for this user"));
   } else {
-    checks.push_back(note("scheduling",
-                          status ? "the daemon asked for SCHED_FIFO and was refused" : "SCHED_FIFO is not allowed for this user",
+    checks.push_back(note("scheduling", status ? "the system denied SCHED_FIFO to the daemon" : "SCHED_FIFO is not allowed for this user",
                           "run dtsd by its systemd unit, or add 'USER - rtprio 60' to /etc/security/limits.d/dtsd.conf and log in again"));
   }
   const bool has_no_limit = facts.lockable_bytes == std::numeric_limits<std::uint64_t>::max();
   const std::string lockable = has_no_limit ? "no limit" : "at most " + std::to_string(facts.lockable_bytes >> 20U) + " MiB for this user";
   if (status ? !has_notice_about(*status, "memory is not locked") : has_no_limit) {
-    checks.push_back(good("locked memory", status ? "the daemon has what it asked for" : lockable));
+    checks.push_back(good("locked memory", status ? "granted as the daemon requested" : lockable));
   } else {
     checks.push_back(
-        note("locked memory", status ? "the daemon asked for it and was refused" : lockable,
+        note("locked memory", status ? "the system denied locked memory to the daemon" : lockable,
              "run dtsd by its systemd unit, or add 'USER - memlock unlimited' to /etc/security/limits.d/dtsd.conf and log in again"));
   }
   checks.push_back(check_clock(facts));

@@ -26,6 +26,8 @@ struct Check {
 [[nodiscard]] std::vector<Check> check_rig(const v1::RigStatus& rig);
 /// Checks whether other machines can connect, and whether they have connected.
 [[nodiscard]] Check check_network(const v1::StatusSnapshot& status);
+/// Names the interrupted sessions.
+[[nodiscard]] Check check_sessions(const v1::ListSessionsResponse& sessions);
 /// Returns nothing if the daemon reports no disk.
 [[nodiscard]] std::vector<Check> check_disk(const v1::DiskStatus& disk);
 /// `status`: absent if the daemon did not answer. Otherwise it decides, because it shows what the daemon really has, whatever this user may

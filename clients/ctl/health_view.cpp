@@ -34,9 +34,9 @@ std::string loss_line(const std::string& rig, const v1::LossCount& loss) {
 
 std::string recording_line(const v1::RigStatus& rig) {
   const v1::RecordingStatus& recording = rig.session().recording();
-  std::string line = rig.rig().name() + ": recording " + bytes_text(recording.bytes()) + ", " + cli::decimal(rig.record_lag_s(), 1) +
-                     " s not yet on the disk";
-  if (recording.lost_scans_total() > 0) line += ", lacks " + counted(recording.lost_scans_total(), "scan");
+  std::string line =
+      rig.rig().name() + ": recording " + bytes_text(recording.bytes()) + ", " + cli::decimal(rig.record_lag_s(), 1) + " s not yet on disk";
+  if (recording.lost_scans_total() > 0) line += ", " + counted(recording.lost_scans_total(), "scan") + " missing";
   return line;
 }
 

@@ -2,8 +2,6 @@
 #include "ctl/json.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -16,20 +14,6 @@ namespace {
 using google::protobuf::FieldDescriptor;
 using google::protobuf::Message;
 using google::protobuf::Reflection;
-
-/// Fields whose 0 means that there is no value (see the comments in the .proto files).
-constexpr std::array<std::string_view, 14> kZeroMeansUnknown{
-    "dts.v1.RigStatus.clock_drift_ppm",  "dts.v1.SessionInfo.duration_s",
-    "dts.v1.RigStatus.measured_rate_hz", "dts.v1.RigStatus.pipeline_us_per_scan",
-    "dts.v1.RigStatus.record_lag_s",     "dts.v1.DeviceInfo.minimum_rate_hz",
-    "dts.v1.DeviceInfo.maximum_rate_hz", "dts.v1.TestDeviceResponse.measured_rate_hz",
-    "dts.v1.ProtocolInfo.duration_s",    "dts.v1.SessionRecord.ended_utc_ns",
-    "dts.v1.TrialChange.target_cm",      "dts.v1.TrialStatus.next_target_cm",
-    "dts.v1.TrialStatus.remaining_s",    "dts.v1.TrialResult.target_cm"};
-
-bool means_unknown_at_zero(const FieldDescriptor& field) {
-  return std::ranges::find(kZeroMeansUnknown, field.full_name()) != kZeroMeansUnknown.end();
-}
 
 cli::Json number(double value) { return std::isfinite(value) ? cli::Json(value) : cli::Json(nullptr); }
 
@@ -45,16 +29,10 @@ cli::Json scalar(const Message& message, const FieldDescriptor& field) {
       const int value = reflection.GetEnumValue(message, &field);
       return value == 0 ? cli::Json(nullptr) : cli::Json(enumerator_word(*field.enum_type(), value));
     }
-    case FieldDescriptor::CPPTYPE_DOUBLE: {
-      const double value = reflection.GetDouble(message, &field);
-      return value == 0.0 && means_unknown_at_zero(field) ? cli::Json(nullptr) : number(value);
-    }
+    case FieldDescriptor::CPPTYPE_DOUBLE: return number(reflection.GetDouble(message, &field));
     case FieldDescriptor::CPPTYPE_BOOL: return reflection.GetBool(message, &field);
     case FieldDescriptor::CPPTYPE_INT32: return reflection.GetInt32(message, &field);
-    case FieldDescriptor::CPPTYPE_INT64: {
-      const std::int64_t value = reflection.GetInt64(message, &field);
-      return value == 0 && means_unknown_at_zero(field) ? cli::Json(nullptr) : cli::Json(value);
-    }
+    case FieldDescriptor::CPPTYPE_INT64: return reflection.GetInt64(message, &field);
     case FieldDescriptor::CPPTYPE_UINT32: {
       const std::uint32_t value = reflection.GetUInt32(message, &field);
       const std::string& bits = field.options().GetExtension(v1::bits);
@@ -98,8 +76,8 @@ cli::Json value_of(const Message& message, const FieldDescriptor& field) {
     for (int index = 0; index < reflection.FieldSize(message, &field); ++index) list.push_back(element(message, field, index));
     return list;
   }
-  if (field.cpp_type() != FieldDescriptor::CPPTYPE_MESSAGE) return scalar(message, field);
-  return reflection.HasField(message, &field) ? to_json(reflection.GetMessage(message, &field)) : cli::Json(nullptr);
+  if (field.has_presence() && !reflection.HasField(message, &field)) return nullptr;
+  return field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE ? to_json(reflection.GetMessage(message, &field)) : scalar(message, field);
 }
 
 /// Adds the sums of the session and of each of its parts next to the single values.
@@ -116,39 +94,6 @@ void add_counts(const v1::SessionRecord& session, cli::Json& json) {
   for (int part = 0; part < session.parts_size(); ++part) add(sum_of(session.parts(part)), json["parts"][static_cast<std::size_t>(part)]);
 }
 
-/// Removes fields that have a meaning only together with another field.
-void remove_meaningless(const Message& message, cli::Json& json) {
-  if (const auto* channel = dynamic_cast<const v1::TestDeviceResponse::ChannelTest*>(&message)) {
-    if (!channel->is_sensor()) json.erase("gap_mm");
-  }
-  if (const auto* session = dynamic_cast<const v1::SessionInfo*>(&message)) {
-    if (session->session_id().empty()) {  // no session so far: no duration, no settling time
-      for (const char* key : {"elapsed_s", "settle_s"}) json.erase(key);
-    }
-  }
-  if (const auto* session = dynamic_cast<const v1::SessionRecord*>(&message)) add_counts(*session, json);
-  if (const auto* part = dynamic_cast<const v1::SessionPart*>(&message); part != nullptr && part->is_loss_unknown()) json.erase("losses");
-  if (const auto* reach = dynamic_cast<const v1::Reach*>(&message)) {
-    const std::array<std::pair<const char*, const v1::ReachPoint*>, 3> points{
-        {{"p1", &reach->p1()}, {"p2", &reach->p2()}, {"p3", &reach->p3()}}};
-    for (const auto& [name, point] : points) {
-      if (!std::isfinite(point->value_mm())) json.erase(name);  // not known yet, so it has no scan either
-    }
-  }
-  if (const auto* result = dynamic_cast<const v1::TrialResult*>(&message); result != nullptr && result->expected_class() < 0) {
-    json.erase("expected_class");
-  }
-  if (const auto* sway = dynamic_cast<const v1::Sway*>(&message)) {
-    if (sway->is_preliminary()) json.erase("attempt");  // preliminary values belong to a trial, not to an attempt
-    if (!sway->problem().empty()) {
-      for (const char* key : {"rate_hz", "samples", "duration_s", "is_valid", "flags"}) json.erase(key);
-    }
-  }
-  if (const auto* asked = dynamic_cast<const v1::ProtocolField*>(&message); asked != nullptr && asked->choices_size() > 0) {
-    for (const char* key : {"minimum", "maximum"}) json.erase(key);  // a choice has no range
-  }
-}
-
 }  // namespace
 
 cli::Json to_json(const Message& message) {
@@ -159,28 +104,15 @@ cli::Json to_json(const Message& message) {
     cli::Json value = value_of(message, field);
     if (!value.is_null()) json[field.name()] = std::move(value);
   }
-  remove_meaningless(message, json);
+  if (const auto* session = dynamic_cast<const v1::SessionRecord*>(&message)) add_counts(*session, json);
+  if (const auto* part = dynamic_cast<const v1::SessionPart*>(&message); part != nullptr && part->is_loss_unknown()) json.erase("losses");
   return json;
 }
 
 cli::Json event_json(std::string_view kind, const v1::Event& event) {
   cli::Json json{{"kind", kind}};
-  const FieldDescriptor* body = event.GetReflection()->GetOneofFieldDescriptor(event, event.GetDescriptor()->FindOneofByName("body"));
-  if (body != nullptr) json.update(to_json(event.GetReflection()->GetMessage(event, body)));
+  if (const Message* body = wire::body_of(event)) json.update(to_json(*body));
   return json;
-}
-
-std::string enumerator_word(const google::protobuf::EnumDescriptor& type, int number) {
-  const auto* value = type.FindValueByNumber(number);
-  if (value == nullptr) return "unknown";
-  // The values of "DeviceState" are named "DEVICE_STATE_...".
-  std::size_t prefix = 1;
-  for (std::size_t index = 0; index < type.name().size(); ++index) {
-    prefix += index > 0 && std::isupper(static_cast<unsigned char>(type.name()[index])) != 0 ? 2 : 1;
-  }
-  std::string word = value->name().substr(std::min(prefix, value->name().size()));
-  std::ranges::transform(word, word.begin(), [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return word;
 }
 
 std::vector<std::string> bit_words(const google::protobuf::EnumDescriptor& type, std::uint32_t bits) {

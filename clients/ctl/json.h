@@ -9,19 +9,18 @@
 
 #include "cli/json.h"
 #include "dts/stream.h"
+#include "dts/wire/options.h"
 
 namespace dts::ctl {
 
 /// Converts a wire message to JSON: keys are the field names of the .proto files, enumerators are lower-case words ("streaming"). Undefined
-/// values are absent: unset messages, empty strings, unspecified enumerators, numbers that are not finite, and the few numbers whose 0
-/// means "unknown" (listed in json.cpp).
+/// values are absent: fields that are not set, empty strings, unspecified enumerators and numbers that are not finite.
 [[nodiscard]] cli::Json to_json(const google::protobuf::Message& message);
 
 /// Returns {"kind": "gap", fields of the gap...}.
 [[nodiscard]] cli::Json event_json(std::string_view kind, const v1::Event& event);
 
-/// Returns the word for an enumerator: "DEVICE_STATE_STREAMING" becomes "streaming"; "unknown" for a number of a later version.
-[[nodiscard]] std::string enumerator_word(const google::protobuf::EnumDescriptor& type, int number);
+using wire::enumerator_word;
 
 /// Return bits as words: of any enumeration of bits, and of v1::Quality, for example {"rail", "untared"}.
 [[nodiscard]] std::vector<std::string> bit_words(const google::protobuf::EnumDescriptor& type, std::uint32_t bits);

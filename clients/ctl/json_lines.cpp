@@ -81,8 +81,7 @@ void JsonLines::show(const client::Event& event) {
                  {"event", event_json(event.kind, *event.body)},
                  {"segment", event.body->segment()},
                  {"first_scan", event.body->scan()}};
-  // The time is 0 before the first scan.
-  if (event.body->host_time_ns() != 0) json["host_time_ns"] = event.body->host_time_ns();
+  if (event.body->has_host_time_ns()) json["host_time_ns"] = event.body->host_time_ns();
   line_ = cli::one_line(json);
   write();
 }

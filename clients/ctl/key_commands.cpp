@@ -31,8 +31,8 @@ v1::Role role_of(const std::string& word) {
 client::Result<void> check_listens(const v1::ListKeysResponse& keys) {
   if (!keys.control_endpoint().empty()) return {};
   return client::fail(
-      client::ErrorCode::WrongState, "the daemon listens on this machine only: keys have no use yet",
-      "write into its dtsd.toml:  [network]  control = \"tcp://*:5555\"  data = \"tcp://*:5556\"  (a line each), and restart it");
+      client::ErrorCode::WrongState, "the daemon accepts only this machine: a key has no use yet",
+      "add to its dtsd.toml:  [network]  control = \"tcp://*:5555\"  data = \"tcp://*:5556\"  (one line each), then restart dtsd");
 }
 
 }  // namespace
@@ -75,7 +75,8 @@ int run_key_new(const Arguments& arguments, cli::Console& console) {
     console.out << cli::document({{"name", wishes.name}, {"role", wishes.role}, {"file", file}, {"public_key", key->public_key}});
   } else {
     console.out << file << '\n';
-    cli::print_hint(console, "carry it to the other machine, delete it here, and there: dtsctl --key " + cli::printable(file) + " status");
+    cli::print_hint(console, "copy it to the other machine, delete it here, then run on the other machine: dtsctl --key " +
+                                 cli::printable(file) + " status");
   }
   return cli::kOk;
 }
@@ -90,7 +91,7 @@ int run_key_revoke(const Arguments& arguments, cli::Console& console) {
   return ask_and_print(
       arguments, console, [&](ControlClient& dts) { return dts.revoke_key(arguments.key.name); },
       [&](const v1::ListKeysResponse&) {
-        console.out << "revoked " << cli::printable(arguments.key.name) << "; its connections are ended\n";
+        console.out << "revoked " << cli::printable(arguments.key.name) << "; its connections are closed\n";
       });
 }
 
@@ -100,7 +101,7 @@ void print_keys(cli::Console& console, const v1::ListKeysResponse& keys) {
     table.add({{key.name()}, {enumerator_word(*v1::Role_descriptor(), key.role())}, {key.created_utc()}, {key.public_key()}});
   }
   table.print(console);
-  if (keys.keys_size() == 0) console.out << "no keys: nobody may connect from other machines\n";
+  if (keys.keys_size() == 0) console.out << "no keys: no other machine may connect\n";
   if (auto listens = check_listens(keys); !listens) cli::print_error(console, listens.error().what, listens.error().hint);
 }
 

@@ -97,7 +97,7 @@ void LiveTable::draw_rows(Time now) {
     if (!draw_lines(cli::filled(parts, "  ", console_.columns, kValuesIndent), is_frozen ? cli::Style::Faint : cli::Style::Plain)) break;
     --left_out;
   }
-  if (left_out > 0) console_.out << "and " << left_out << " more: choose with a topic prefix\n";
+  if (left_out > 0) console_.out << "and " << left_out << " more; give a topic prefix\n";
   lines_drawn_ += left_out > 0 ? 1 : 0;
 }
 

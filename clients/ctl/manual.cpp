@@ -11,13 +11,13 @@ cli::Manual make_manual() {
   return {
       .summary = "command line of the distributive tactile sensing daemon",
       .description =
-          "Talks to a running\n.BR dtsd (8):\nshows its state and its live data, starts and stops sessions, sets markers.\nVerifies, "
-          "repairs and exports recordings; files need no daemon.",
+          "Controls a running\n.BR dtsd (8):\nshows its state and live data, starts and stops sessions, sets markers.\nVerifies, "
+          "repairs and exports recordings; these commands also work on files without a daemon.",
       .environment = {{"DTSD_CONTROL, DTSD_DATA", "Addresses of the daemon's control and data sockets."},
-                      {"DTSD_KEY", "Key file of this machine, as \\-\\-key."},
+                      {"DTSD_KEY", "Key file of this machine, like \\-\\-key."},
                       {"DTSD_RUNTIME_DIR", "Directory of the daemon's sockets, control.sock and data.sock."},
-                      {"XDG_RUNTIME_DIR", "Its subdirectory dtsd is looked into when there is no daemon of the system."},
-                      {"NO_COLOR", "Set: no colours."}},
+                      {"XDG_RUNTIME_DIR", "Its subdirectory dtsd is used if no daemon runs as a system service."},
+                      {"NO_COLOR", "If set, the output has no colours."}},
       .exit_statuses = {0, 1, 2, 3, 4, 5, 6, 7, 130},
       .further_sections =
           std::string(
@@ -26,7 +26,7 @@ cli::Manual make_manual() {
               "this client just before), age_ms, quality (doubtful channels only), channels, units and values, one array per "
               "scan.\nEvents have their own fields under event, with kind saying which they are.\n") +
           cli::kJsonErrors,
-      .files = {{"/run/dtsd/control.sock, /run/dtsd/data.sock", "Sockets of the daemon of the system."}},
+      .files = {{"/run/dtsd/control.sock, /run/dtsd/data.sock", "Sockets of the daemon that runs as a system service."}},
       .see_also = {{"dtsd", 8}, {"jq", 1}}};
 }
 

@@ -46,9 +46,9 @@ std::string change_text(const std::string& state, const std::string& subject, co
 
 /// Returns "go, trial 3: 120 at 85.2 cm", "rest for 20.0 s".
 std::string trial_text(const v1::TrialChange& change) {
-  const std::string what = enumerator_word(*v1::TrialEventKind_descriptor(), change.kind());
-  if (change.kind() == v1::TRIAL_EVENT_KIND_FINISHED) return "all trials are done; end the session: dtsctl session stop";
-  if (change.kind() == v1::TRIAL_EVENT_KIND_REST) return change.rest_s() > 0.0 ? "rest for " + cli::duration(change.rest_s()) : "rest";
+  const std::string what = enumerator_word(*v1::TrialEventKind_descriptor(), change.step());
+  if (change.step() == v1::TRIAL_EVENT_KIND_FINISHED) return "all trials are done; end the session: dtsctl session stop";
+  if (change.step() == v1::TRIAL_EVENT_KIND_REST) return change.rest_s() > 0.0 ? "rest for " + cli::duration(change.rest_s()) : "rest";
   std::string text = what + ", trial " + std::to_string(change.trial());
   if (change.attempt() > 1) text += " attempt " + std::to_string(change.attempt());
   if (!change.condition().empty()) text += ": " + change.condition();
@@ -73,7 +73,10 @@ std::string body_text(const v1::Event& event) {
     case v1::Event::kMovement: return movement_text(event.movement());
     case v1::Event::kTrialResult: return trial_result_text(event.trial_result());
     case v1::Event::kSway: return sway_text(event.sway());
-    case v1::Event::BODY_NOT_SET: break;
+    case v1::Event::kSegmentStart:
+    case v1::Event::kLoss:
+    case v1::Event::kFigure:
+    case v1::Event::BODY_NOT_SET: break;  // not published
   }
   return "(of a later version of dtsd)";
 }
@@ -90,16 +93,12 @@ std::vector<std::string> reading_parts(const client::StreamFormat& format, std::
     parts.push_back(label(described) + " " + value_text(scan[channel]) + (has_unit ? " " + cli::printable(described.unit) : ""));
     doubts = static_cast<std::uint8_t>(doubts | quality[channel]);
   }
-  std::string words;
-  for (const std::string& word : quality_words(doubts)) words += (words.empty() ? "" : " ") + word;
-  if (!words.empty()) parts.push_back("[" + words + "]");
+  if (const auto words = quality_words(doubts); !words.empty()) parts.push_back("[" + cli::join(words, " ") + "]");
   return parts;
 }
 
 std::string reading(const client::StreamFormat& format, std::span<const float> scan, std::span<const std::uint8_t> quality) {
-  std::string text;
-  for (const std::string& part : reading_parts(format, scan, quality)) text += (text.empty() ? "" : "  ") + part;
-  return text;
+  return cli::join(reading_parts(format, scan, quality), "  ");
 }
 
 void copy_scan(const client::Block& block, std::size_t scan, std::vector<float>& values) {

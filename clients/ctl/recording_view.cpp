@@ -87,8 +87,8 @@ std::string trial_line(const v1::TrialStatus& trial, const std::string& rig) {
     return cli::printable(trials + " done; end the session: dtsctl session stop" + (rig.empty() ? "" : " --rig " + rig));
   }
   const std::string phase = trial.phase() == 0 ? "-" : enumerator_word(*v1::TrialPhase_descriptor(), trial.phase());
-  std::string line = trial.trial() == 0 ? "no trial yet" : "trial " + std::to_string(trial.trial());
-  line += " of " + std::to_string(trial.of());
+  std::string line = trial.trial() == 0 ? "none of the " + std::to_string(trial.of()) + " trials has started"
+                                        : "trial " + std::to_string(trial.trial()) + " of " + std::to_string(trial.of());
   if (trial.attempt() > 1) line += ", attempt " + std::to_string(trial.attempt());
   line += ", " + phase;
   if (trial.remaining_s() > 0.0) line += ", " + cli::duration(trial.remaining_s()) + " left";
@@ -121,8 +121,7 @@ void print_recording(cli::Console& console, const v1::SessionInfo& session) {
                                   recording.file())
                 << '\n';
   }
-  const std::string lost =
-      recording.lost_scans_total() > 0 ? counted(recording.lost_scans_total(), "scan") + " did not reach the file" : "";
+  const std::string lost = recording.lost_scans_total() > 0 ? counted(recording.lost_scans_total(), "scan") + " missing in the file" : "";
   for (const std::string& problem : {recording.problem(), lost}) {
     if (problem.empty()) continue;
     console.out << cli::styled(console, cli::Style::Bad, "the recording is incomplete: " + cli::printable(problem)) << '\n';
@@ -131,8 +130,10 @@ void print_recording(cli::Console& console, const v1::SessionInfo& session) {
 
 void print_field(cli::Console& console, const std::string& label, const std::string& value) {
   if (value.empty()) return;
-  console.out << cli::styled(console, cli::Style::Faint, label + std::string(label.size() < 12 ? 12 - label.size() : 1, ' '))
-              << cli::printable(value) << '\n';
+  constexpr std::size_t kLabelColumns = 12;
+  const std::size_t column = std::max(kLabelColumns, label.size() + 1);
+  console.out << cli::styled(console, cli::Style::Faint, label + std::string(column - label.size(), ' '))
+              << cli::wrapped_at(console, column, cli::printable(value)) << '\n';
 }
 
 void print_recordings(cli::Console& console, const v1::StatusSnapshot& status) {

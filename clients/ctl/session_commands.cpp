@@ -32,7 +32,7 @@ Result<void> add_fields(const std::vector<std::string>& fields, v1::StartSession
 void print_begun(cli::Console& console, const v1::SessionInfo& session) {
   console.out << cli::printable(session.session_id()) << '\n';
   if (session.has_trial()) cli::print_hint(console, "first trial: dtsctl session trial next --rig " + session.rig());
-  cli::print_hint(console, "stop it: dtsctl session stop --rig " + session.rig() + "   see it: dtsctl watch " + session.rig() + "/");
+  cli::print_hint(console, "stop: dtsctl session stop --rig " + session.rig() + "   watch: dtsctl watch " + session.rig() + "/");
 }
 
 void print_ended(cli::Console& console, const v1::SessionInfo& session) {
@@ -42,15 +42,11 @@ void print_ended(cli::Console& console, const v1::SessionInfo& session) {
 
 Result<v1::ProtocolInfo> find_protocol(const v1::ListProtocolsResponse& protocols, const std::string& name) {
   std::vector<std::string> known;
-  std::string list;
   for (const v1::ProtocolInfo& protocol : protocols.protocols()) {
     if (protocol.name() == name) return protocol;
     known.push_back(protocol.name());
-    list += (list.empty() ? "" : ", ") + protocol.name();
   }
-  const std::string meant = cli::nearest(name, known);
-  return client::fail(ErrorCode::NotFound, "no protocol '" + name + "'",
-                      meant.empty() ? "there are: " + list : "did you mean " + meant + "?");
+  return client::fail(ErrorCode::NotFound, "no protocol '" + name + "'", cli::known_words_hint(name, known));
 }
 
 v1::TrialAction action_of(const std::string& word) {
@@ -64,8 +60,8 @@ v1::TrialAction action_of(const std::string& word) {
 void warn_untared(const v1::StatusSnapshot& status, const std::string& name, cli::Console& console) {
   for (const v1::RigStatus& rig : status.rigs()) {
     if (rig.rig().name() != name || !needs_tare(rig)) continue;
-    console.talk << "dtsctl: warning: chair '" << cli::printable(name) << "' is not tared: no reach can be judged\n"
-                 << "  try: stop the session, let everybody stand up, then dtsctl tare --rig " << cli::printable(name) << '\n';
+    console.talk << "dtsctl: warning: chair '" << cli::printable(name) << "' is not tared: no reach can be classified\n"
+                 << "  try: stop the session, clear the chair, then tare it: dtsctl tare --rig " << cli::printable(name) << '\n';
   }
 }
 
@@ -74,8 +70,8 @@ void tell_wait(const v1::StatusSnapshot& status, const v1::SessionInfo& session,
   const auto rig = find_rig(status, session.rig());
   if (!rig || rig->device() == v1::DEVICE_STATE_STREAMING) return;
   const std::string why = rig->device_message().empty() ? "its device does not stream yet" : rig->device_message();
-  console.talk << "dtsctl: rig '" << cli::printable(session.rig()) << "' waits: " << cli::printable(why)
-               << "; the session begins with the first scan" << std::endl;
+  console.talk << "dtsctl: rig '" << cli::printable(session.rig()) << "' is waiting: " << cli::printable(why)
+               << "; the session starts with the first scan" << std::endl;
 }
 
 int run_session_start(const Arguments& arguments, cli::Console& console) {
@@ -156,7 +152,7 @@ int run_session_trial(const Arguments& arguments, cli::Console& console) {
       arguments, console, [&](ControlClient& dts) { return dts.trial(action_of(arguments.session.action), arguments.rig); },
       [&](const v1::TrialStatus& trial) {
         const bool is_asked_early = arguments.session.action == "next" && trial.phase() == v1::TRIAL_PHASE_WAITING;
-        console.out << (is_asked_early ? "starts as soon as the session runs: " : "") << trial_line(trial, arguments.rig) << '\n';
+        console.out << (is_asked_early ? "starts when the session runs: " : "") << trial_line(trial, arguments.rig) << '\n';
       });
 }
 
@@ -189,7 +185,7 @@ int run_audit(const Arguments& arguments, cli::Console& console) {
   const int status = ask_and_print(arguments, console, ask, [&](const v1::GetAuditResponse& audit) { print_audit(console, audit); });
   if (status != cli::kOk || problem.empty()) return status;
   return cli::fail_with(console,
-                        client::Error{ErrorCode::DataDamaged, "the audit trail is not whole: " + problem, "recordings are not affected"});
+                        client::Error{ErrorCode::DataDamaged, "the audit trail is damaged: " + problem, "recordings are not affected"});
 }
 
 }  // namespace dts::ctl

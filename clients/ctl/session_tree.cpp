@@ -25,7 +25,7 @@ CLI::Validator key_and_value() {
   const auto check = [](std::string& text) -> std::string {
     const std::size_t equals = text.find('=');
     const bool is_pair = equals != std::string::npos && equals > 0 && equals + 1 < text.size() && text.size() <= 200;
-    return is_pair ? "" : "'" + text + "' is not of the form KEY=VALUE";
+    return is_pair ? "" : "'" + text + "' does not have the form KEY=VALUE";
   };
   return {check, "", "pair"};
 }
@@ -44,139 +44,153 @@ void add_limit(CLI::App& command, CommandTree& tree, const std::string& descript
 
 void add_start(CommandTree& tree, CLI::App& session) {
   SessionArguments& wishes = tree.arguments.session;
-  CLI::App* start =
-      add(tree, session, "start", "Start a session, record it, and print its id",
-          "dtsctl session start --rig floor | until stopped\n"
-          "dtsctl session start --rig floor --duration 25 --settle 5 | 5 s to settle, then 25 s\n"
-          "dtsctl session start --rig chair --subject P017 --label \"eyes closed\" | with a pseudonym and a note\n"
-          "dtsctl session start --rig floor --protocol quiet-standing --subject P017 --field weight_kg=71.5 | as a protocol asks\n",
-          run_session_start);
-  start->add_option("--rig", tree.arguments.rig, "Rig to use")->option_text("RIG")->required();
-  start->add_option("--protocol", wishes.protocol, "Protocol to follow (free)")->option_text("NAME");
-  start->add_option("--subject", wishes.subject, "Pseudonym given by the clinic, never a name")->option_text("PSEUDONYM");
-  start->add_option("--field", wishes.fields, "What the protocol asks about the subject; see protocol show")
+  CLI::App* start = add(
+      tree, session, "start", "Start a session, record it and print its ID",
+      "dtsctl session start --rig floor | runs until dtsctl session stop\n"
+      "dtsctl session start --rig floor --duration 25 --settle 5 | settle for 5 s, then measure 25 s\n"
+      "dtsctl session start --rig chair --subject P017 --label \"eyes closed\" | with a subject ID and a note\n"
+      "dtsctl session start --rig floor --protocol quiet-standing --subject P017 --field weight_kg=71.5 | with the fields of a protocol\n",
+      run_session_start);
+  start->add_option("--rig", tree.arguments.rig, "Rig to record")->option_text("RIG")->required();
+  start->add_option("--protocol", wishes.protocol, "Protocol to follow. Default: free")->option_text("NAME");
+  start->add_option("--subject", wishes.subject, "Subject ID from the clinic, never a name")->option_text("SUBJECT-ID");
+  start->add_option("--field", wishes.fields, "Value of a field that the protocol requires; see dtsctl protocol show NAME")
       ->option_text("KEY=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
       ->check(key_and_value());
-  start->add_option("--label", wishes.label, "Free text, never a name")->option_text("TEXT")->check(text_of(0, 200));
-  start->add_option("--duration", wishes.duration_s, "Stop by itself after S seconds")
+  start->add_option("--label", wishes.label, "Note about the session, never a name")->option_text("TEXT")->check(text_of(0, 200));
+  start->add_option("--duration", wishes.duration_s, "Stop automatically after S seconds. Default: as the protocol sets, else no limit")
       ->option_text("S")
       ->check(number_between(0.0, 604800.0, "seconds"));
-  start->add_option("--settle", wishes.settle_s, "Time to settle before the session counts (as the protocol says, else 0)")
+  start
+      ->add_option("--settle", wishes.settle_s,
+                   "Settling time before the measurement starts, seconds. Default: as the protocol sets, else 0")
       ->option_text("S")
       ->check(number_between(0.0, 3600.0, "seconds"));
 }
 
 void add_end(CommandTree& tree, CLI::App& session) {
-  const std::string which = "Rig of the session; needed when several have one";
+  const std::string which = "Rig of the session. Required if several rigs have a session";
   CLI::App* stop =
       add(tree, session, "stop", "Stop a session and close its recording",
-          "dtsctl session stop | the only session under way\ndtsctl session stop --rig floor | the one of this rig\n", run_session_stop);
+          "dtsctl session stop | the only running session\ndtsctl session stop --rig floor | the session of this rig\n", run_session_stop);
   add_rig(*stop, tree, which);
-  CLI::App* abort = add(tree, session, "abort", "Stop a session that did not go as it should; what is recorded stays",
-                        "dtsctl session abort --reason \"subject felt dizzy\" | listed as aborted, with the reason\n", run_session_abort);
+  CLI::App* abort = add(tree, session, "abort", "Stop a session and list it as aborted; its recording is kept",
+                        "dtsctl session abort --reason \"subject felt dizzy\" | with the reason for the list\n", run_session_abort);
   add_rig(*abort, tree, which);
-  abort->add_option("--reason", tree.arguments.session.reason, "Why; never a name")->option_text("TEXT")->check(text_of(0, 200));
-  CLI::App* resume = add(tree, session, "resume", "Go on with an interrupted, incomplete or aborted session as a new part",
+  abort->add_option("--reason", tree.arguments.session.reason, "Reason, never a name")->option_text("TEXT")->check(text_of(0, 200));
+  CLI::App* resume = add(tree, session, "resume", "Continue an interrupted, incomplete or aborted session as a new part",
                          "dtsctl session resume 20261121T144525Z-floor-1 | same subject, protocol and plan\n", run_session_resume);
   add_id(*resume, tree, "ID", "Id of the session");
 }
 
 void add_trial(CommandTree& tree, CLI::App& session) {
-  CLI::App* trial = add(tree, session, "trial", "Next trial of the protocol; or void one",
-                        "dtsctl session trial next | start the next trial, or end one without a length of its own\n"
-                        "dtsctl session trial redo | void the trial under way, or the last one, and do it again\n"
-                        "dtsctl session trial reject | void it and go on\n",
+  CLI::App* trial = add(tree, session, "trial", "Start the next trial, repeat a trial, or reject one",
+                        "dtsctl session trial next | start the next trial, or end a trial without a fixed duration\n"
+                        "dtsctl session trial redo | discard the present or last trial and repeat it\n"
+                        "dtsctl session trial reject | discard the present or last trial and continue without it\n",
                         run_session_trial);
   trial->add_option("ACTION", tree.arguments.session.action, "next, redo or reject")
       ->required()
       ->option_text(" ")
       ->check(CLI::IsMember({"next", "redo", "reject"}));
-  add_rig(*trial, tree, "Rig of the session; needed when several have one");
+  add_rig(*trial, tree, "Rig of the session. Required if several rigs have a session");
 }
 
 void add_catalogue(CommandTree& tree, CLI::App& session) {
   SessionArguments& wishes = tree.arguments.session;
   CLI::App* list =
       add(tree, session, "list", "List recorded sessions, newest first",
-          "dtsctl session list | the newest hundred\ndtsctl session list --subject P017 --limit 10 | of one subject\n", run_session_list);
-  add_rig(*list, tree, "Only of this rig");
-  list->add_option("--subject", wishes.subject, "Only of this pseudonym")->option_text("PSEUDONYM");
-  list->add_option("--protocol", wishes.protocol, "Only of this protocol")->option_text("NAME");
-  add_limit(*list, tree, "At most N sessions (100)");
-  CLI::App* show = add(tree, session, "show", "Show a session: its recordings and trials",
-                       "dtsctl session show 20261121T144525Z-floor-1 | state, files and trials\n", run_session_show);
+          "dtsctl session list | the newest 100\ndtsctl session list --subject P017 --limit 10 | the newest 10 of one subject\n",
+          run_session_list);
+  add_rig(*list, tree, "Show only sessions of this rig");
+  list->add_option("--subject", wishes.subject, "Show only sessions with this subject ID")->option_text("SUBJECT-ID");
+  list->add_option("--protocol", wishes.protocol, "Show only sessions with this protocol")->option_text("NAME");
+  add_limit(*list, tree, "Show at most N sessions. Default: 100");
+  CLI::App* show = add(tree, session, "show", "Show a session: state, recordings, trials and results",
+                       "dtsctl session show 20261121T144525Z-floor-1 | one session\n", run_session_show);
   add_id(*show, tree, "ID", "Id of the session");
   cli::explain(tree.line, *show,
-               "FROM .. TO SCAN | where the trial lies in its part's recording; with SEGMENT:SCAN when a gap divides the trial\n"
-               "TRUNK, DEG | class of trunk movement, and flexion of the trunk\n"
+               "FROM .. TO SCAN | first and last scan of the trial in its part; as SEGMENT:SCAN if a gap divides the trial\n"
+               "TRUNK, DEG | trunk class, and trunk flexion in degrees\n"
                "MVELO | mean velocity of the centre of pressure\n"
                "RDIST | rms distance of the centre of pressure from its mean position\n"
                "ELLIPSE | area of the 95 % ellipse (PEA95_F)\n"
-               "FLAGS | what is doubtful about a trial's values\n");
+               "FLAGS | reasons to doubt the values of a trial\n");
   CLI::App* compare =
-      add(tree, session, "compare", "Figures of several sessions side by side, oldest first",
-          "dtsctl session compare --subject P017 | the newest dozen sessions of one subject\n"
-          "dtsctl session compare 20261121T144525Z-floor-1 20261128T150211Z-floor-1 | two, with the change in units and percent\n",
+      add(tree, session, "compare", "Compare the results of several sessions, oldest first",
+          "dtsctl session compare --subject P017 | the newest 12 sessions of one subject\n"
+          "dtsctl session compare 20261121T144525Z-floor-1 20261128T150211Z-floor-1 | two sessions, with the change in units and percent\n",
           run_session_compare);
-  compare->add_option("ID", wishes.ids, "Ids of sessions")->option_text("...")->check(text_of(1, 200));
-  compare->add_option("--subject", wishes.subject, "All of this pseudonym")->option_text("PSEUDONYM");
-  compare->add_option("--protocol", wishes.protocol, "Of these, only of this protocol")->option_text("NAME");
+  compare->add_option("ID", wishes.ids, "Session IDs")->option_text("...")->check(text_of(1, 200));
+  compare->add_option("--subject", wishes.subject, "Compare the sessions with this subject ID")->option_text("SUBJECT-ID");
+  compare->add_option("--protocol", wishes.protocol, "Compare only sessions with this protocol")->option_text("NAME");
 }
 
 void add_files(CommandTree& tree, CLI::App& session) {
   SessionArguments& wishes = tree.arguments.session;
-  CLI::App* verify = add(tree, session, "verify", "Read a recording whole and compare all checksums",
-                         "dtsctl session verify 20261121T144525Z-floor-1 | all its files, also against the catalogue\n"
-                         "dtsctl session verify floor.xdf | a file; needs no daemon\n",
+  CLI::App* verify = add(tree, session, "verify", "Read a whole recording and check all checksums",
+                         "dtsctl session verify 20261121T144525Z-floor-1 | all files of a session, also against the catalogue\n"
+                         "dtsctl session verify floor.xdf | one file; works without a daemon\n",
                          run_session_verify);
-  add_id(*verify, tree, "ID|FILE", "Session, or a file of one: what exists, has a '/', or ends in .xdf or .part");
-  CLI::App* recover = add(tree, session, "recover", "Repair a copy of a recording that was never closed",
-                          "dtsctl session recover floor.xdf.part | makes floor.recovered.xdf; the original stays\n", run_session_recover);
-  add_id(*recover, tree, "FILE", "The recording");
-  recover->add_option("--out", wishes.out, "Name of the copy (NAME.recovered.xdf beside it); never overwritten")->option_text("FILE");
-  CLI::App* exported =
-      add(tree, session, "export", "Write a recording as CSV or as a BIDS dataset",
-          "dtsctl session export 20261121T144525Z-floor-1 --format csv --out tables | a table per stream, events, trials, and what is known of it\n"
-          "dtsctl session export floor.xdf --format bids --out study | a file; a dataset of ours is added to\n",
-          run_session_export);
-  add_id(*exported, tree, "ID|FILE", "Session, or a file of one: what exists, has a '/', or ends in .xdf or .part");
-  exported->add_option("--format", wishes.format, "csv or bids")->option_text("NAME")->required()->check(CLI::IsMember({"csv", "bids"}));
-  exported->add_option("--out", wishes.out, "Folder to write into (csv: here; bids: bids)")->option_text("DIR");
+  add_id(*verify, tree, "ID|FILE", "Session ID, or recording file: an existing file, or a name with '/' or with the ending .xdf or .part");
+  CLI::App* recover =
+      add(tree, session, "recover", "Repair a copy of a recording that was not closed",
+          "dtsctl session recover floor.xdf.part | writes floor.recovered.xdf; the original stays unchanged\n", run_session_recover);
+  add_id(*recover, tree, "FILE", "Recording file");
+  recover
+      ->add_option("--out", wishes.out,
+                   "File to write; an existing file is never overwritten. Default: NAME.recovered.xdf beside the recording")
+      ->option_text("FILE");
+  CLI::App* exported = add(tree, session, "export", "Write a recording as CSV or as a BIDS dataset",
+                           "dtsctl session export 20261121T144525Z-floor-1 --format csv --out tables | one table per stream, plus events, "
+                           "trials and session data\n"
+                           "dtsctl session export floor.xdf --format bids --out study | one file, added to the BIDS dataset in study\n",
+                           run_session_export);
+  add_id(*exported, tree, "ID|FILE",
+         "Session ID, or recording file: an existing file, or a name with '/' or with the ending .xdf or .part");
+  exported->add_option("--format", wishes.format, "Format: csv or bids")
+      ->option_text("NAME")
+      ->required()
+      ->check(CLI::IsMember({"csv", "bids"}));
+  exported->add_option("--out", wishes.out, "Folder to write to. Default: this folder for csv, bids for bids")->option_text("DIR");
 }
 
 void add_report(CommandTree& tree) {
   SessionArguments& wishes = tree.arguments.session;
-  CLI::App* report = add(tree, tree.line.app, "report", "Write pages about a session of quiet standing: one of it, one of every trial",
-                         "dtsctl report 20261121T144525Z-floor-1 | HTML and SVG pages into 20261121T144525Z-floor-1-report\n"
-                         "dtsctl report floor.xdf --format html --out pages | of a file; needs no daemon\n",
-                         run_report);
-  add_id(*report, tree, "ID|FILE", "Session, or a file of one: what exists, has a '/', or ends in .xdf or .part");
-  report->add_option("--format", wishes.format, "html, svg or all (all)")->option_text("NAME")->check(CLI::IsMember({"html", "svg", "all"}));
-  report->add_option("--out", wishes.out, "Folder to write into (ID-report); pages of ours are replaced")->option_text("DIR");
+  CLI::App* report =
+      add(tree, tree.line.app, "report", "Write a report of a session of quiet standing: one page per session and one per trial",
+          "dtsctl report 20261121T144525Z-floor-1 | HTML and SVG pages into 20261121T144525Z-floor-1-report\n"
+          "dtsctl report floor.xdf --format html --out pages | from a file; works without a daemon\n",
+          run_report);
+  add_id(*report, tree, "ID|FILE", "Session ID, or recording file: an existing file, or a name with '/' or with the ending .xdf or .part");
+  report->add_option("--format", wishes.format, "Format: html, svg or all. Default: all")
+      ->option_text("NAME")
+      ->check(CLI::IsMember({"html", "svg", "all"}));
+  report->add_option("--out", wishes.out, "Folder to write to; report pages in it are replaced. Default: ID-report")->option_text("DIR");
 }
 
 void add_protocols_and_audit(CommandTree& tree) {
   CLI::App* protocol =
-      cli::add_group(tree.line.app, "protocol", "What a session can follow", "dtsctl protocol list | the protocols there are\n");
-  add(tree, *protocol, "list", "List the protocols", "dtsctl protocol list | name, trials and length of each\n", run_protocol_list);
-  CLI::App* show = add(tree, *protocol, "show", "Show one protocol: conditions, and what it asks about the subject",
+      cli::add_group(tree.line.app, "protocol", "Show the protocols for sessions", "dtsctl protocol list | all protocols\n");
+  add(tree, *protocol, "list", "List the protocols", "dtsctl protocol list | name, trials and duration of each\n", run_protocol_list);
+  CLI::App* show = add(tree, *protocol, "show", "Show one protocol: conditions and required fields about the subject",
                        "dtsctl protocol show quiet-standing | before starting a session with it\n", run_protocol_show);
   show->add_option("NAME", tree.arguments.session.protocol, "Name of the protocol")->required()->option_text(" ");
-  CLI::App* audit = add(tree, tree.line.app, "audit", "Who did what; verifies that nothing was changed or removed",
+  CLI::App* audit = add(tree, tree.line.app, "audit", "Show who did what, and check that no entry was changed or removed",
                         "dtsctl audit --limit 20 | the newest entries\n", run_audit);
-  add_limit(*audit, tree, "At most N entries (100)");
+  add_limit(*audit, tree, "Show at most N entries. Default: 100");
 }
 
 }  // namespace
 
 void add_sessions(CommandTree& tree) {
-  CLI::App* session = cli::add_group(tree.line.app, "session", "Start and stop sessions, look after their recordings",
-                                     "dtsctl session start --rig floor | begin; prints the session's id\n"
-                                     "dtsctl session stop | end it\n"
-                                     "dtsctl session list | what was recorded\n"
-                                     "dtsctl session export 20261121T144525Z-floor-1 --format csv | as tables\n");
+  CLI::App* session = cli::add_group(tree.line.app, "session", "Start and stop sessions, and manage their recordings",
+                                     "dtsctl session start --rig floor | start; prints the session ID\n"
+                                     "dtsctl session stop | stop the session\n"
+                                     "dtsctl session list | list the recorded sessions\n"
+                                     "dtsctl session export 20261121T144525Z-floor-1 --format csv | write tables\n");
   add_start(tree, *session);
   add_end(tree, *session);
   add_trial(tree, *session);

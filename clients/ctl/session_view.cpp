@@ -64,7 +64,7 @@ void print_parts(cli::Console& console, const v1::SessionRecord& session) {
   }
   for (const v1::SessionPart& part : session.parts()) {
     if (part.reason().empty() && !(part.lost_s_at_most() > 0.0)) continue;
-    const std::string lost = part.lost_s_at_most() > 0.0 ? "at most " + cli::decimal(part.lost_s_at_most(), 2) + " s are lost" : "";
+    const std::string lost = part.lost_s_at_most() > 0.0 ? "at most " + cli::decimal(part.lost_s_at_most(), 2) + " s lost" : "";
     const std::string why = part.reason() + (part.reason().empty() || lost.empty() ? "" : "; ") + lost;
     console.out << cli::styled(console, cli::Style::Bad, "part " + std::to_string(part.part()) + ": " + cli::printable(why)) << '\n';
   }
@@ -76,15 +76,10 @@ cli::Cell trunk_cell(const v1::TrialResult& result) {
   const int found = result.movement().trunk_class();
   const std::string words = class_words(result.movement(), result.reach().flags());
   if (found < 0) return {words, cli::Style::Faint};
+  if (!result.has_expected_class()) return {words};
   const bool is_arm_alone = found == 1 && result.expected_class() == 0 && words != class_word(found);
   if (result.expected_class() < 0 || result.expected_class() == found || is_arm_alone) return {words};
-  return {words + " (takes " + class_word(result.expected_class()) + ")", cli::Style::Warning};
-}
-
-std::string degrees_text(const v1::TrialResult& result) {
-  const double trunk_deg = result.has_movement() && result.movement().trunk_class() >= 0 ? result.movement().trunk_deg()
-                                                                                         : std::numeric_limits<double>::quiet_NaN();
-  return std::isfinite(trunk_deg) ? cli::decimal(trunk_deg, 1) : "-";
+  return {words + " (expected: " + class_word(result.expected_class()) + ")", cli::Style::Warning};
 }
 
 void print_results(cli::Console& console, const v1::SessionRecord& session) {
@@ -103,6 +98,20 @@ std::string place_text(const v1::TrialRecord& trial) {
          std::to_string(trial.last_scan());
 }
 
+/// Returns the outcome, and for a trial that was done but does not count, why.
+cli::Cell outcome_cell(const v1::TrialRecord& trial) {
+  if (trial.outcome() != "done") return {trial.outcome(), cli::Style::Warning};
+  const v1::Sway& sway = trial.sway();
+  if (!trial.has_sway()) return {"done", cli::Style::Good};
+  if (!sway.problem().empty()) return {"done, not valid: no values", cli::Style::Warning};
+  if (!sway.is_valid()) {
+    const bool has_stepped_off = (sway.flags() & v1::SWAY_FLAG_STEPPED_OFF) != 0;
+    return {has_stepped_off ? "done, not valid: stepped off" : "done, not valid: feet moved", cli::Style::Warning};
+  }
+  if ((sway.flags() & v1::SWAY_FLAG_CUT_AT_GAP) != 0) return {"done, cut short by a gap", cli::Style::Warning};
+  return {"done", cli::Style::Good};
+}
+
 /// Prints trials of quiet standing.
 void print_standing(cli::Console& console, const v1::SessionRecord& session) {
   cli::Table trials({">TRIAL", ">ATTEMPT", "CONDITION", "OUTCOME", ">LENGTH", ">MVELO mm/s", ">RDIST mm", ">ELLIPSE mm2", "FLAGS", ">PART",
@@ -116,7 +125,7 @@ void print_standing(cli::Console& console, const v1::SessionRecord& session) {
     trials.add({{std::to_string(trial.trial())},
                 {std::to_string(trial.attempt())},
                 {trial.condition()},
-                {trial.outcome(), trial.outcome() == "done" ? cli::Style::Good : cli::Style::Warning},
+                outcome_cell(trial),
                 {has_values ? cli::duration(sway.duration_s()) : "-"},
                 {value(sway, "MVELO", 2)},
                 {value(sway, "RDIST", 2)},
@@ -132,15 +141,20 @@ void print_standing(cli::Console& console, const v1::SessionRecord& session) {
 
 void print_trials(cli::Console& console, const v1::SessionRecord& session) {
   if (std::ranges::any_of(session.trials(), &v1::TrialRecord::has_sway)) return print_standing(console, session);
-  cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", "TRUNK", ">DEG", ">PART", ">SEGMENT", ">FROM .. TO SCAN"});
+  cli::Table trials({">TRIAL", ">ATTEMPT", ">BLOCK", "CONDITION", "OUTCOME", ">P1 mm", ">P2 mm", ">P3 mm", "TRUNK", "p 1 2 3",
+                     ">DEG (90 %)", ">PART", ">SEGMENT", ">FROM .. TO SCAN"});
   for (const v1::TrialRecord& trial : session.trials()) {
     trials.add({{std::to_string(trial.trial())},
                 {std::to_string(trial.attempt())},
                 {std::to_string(trial.block())},
                 {trial.condition()},
-                {trial.outcome(), trial.outcome() == "done" ? cli::Style::Good : cli::Style::Warning},
+                outcome_cell(trial),
+                {point_text(trial.result().reach().has_p1(), trial.result().reach().p1())},
+                {point_text(trial.result().reach().has_p2(), trial.result().reach().p2())},
+                {point_text(trial.result().reach().has_p3(), trial.result().reach().p3())},
                 trunk_cell(trial.result()),
-                {degrees_text(trial.result())},
+                {probabilities_text(trial.result().movement())},
+                {trial.result().has_movement() ? degrees_text(trial.result().movement()) : "-"},
                 {std::to_string(trial.part())},
                 {std::to_string(trial.segment())},
                 {place_text(trial)}});
@@ -165,7 +179,7 @@ void print_sessions(cli::Console& console, const v1::ListSessionsResponse& sessi
                state_cell(state_text(session)),
                {session.label()}});
   }
-  if (sessions.sessions_size() == 0) console.out << "no session\n";
+  if (sessions.sessions_size() == 0) console.out << "no sessions\n";
   table.print(console);
 }
 
@@ -206,13 +220,10 @@ void print_protocol(cli::Console& console, const v1::ProtocolInfo& protocol) {
   if (protocol.settle_s() > 0.0) print_field(console, "settling", cli::duration(protocol.settle_s()));
   print_field(console, "length", protocol.duration_s() > 0.0 ? cli::duration(protocol.duration_s()) : std::string("until stopped"));
   if (protocol.trials() > 0) print_field(console, "trials", std::to_string(protocol.trials()));
-  std::string conditions;
-  for (const std::string& condition : protocol.conditions()) conditions += (conditions.empty() ? "" : " ") + condition;
-  print_field(console, "conditions", conditions);
+  print_field(console, "conditions", cli::join(protocol.conditions(), " "));
   cli::Table fields({"FIELD", "NEEDED", "VALUES", "WHAT"});
   for (const v1::ProtocolField& field : protocol.fields()) {
-    std::string values;
-    for (const std::string& choice : field.choices()) values += (values.empty() ? "" : " or ") + choice;
+    std::string values = cli::join(field.choices(), " or ");
     if (values.empty()) values = shortest(field.minimum()) + " .. " + shortest(field.maximum());
     fields.add({{field.name(), cli::Style::Bold}, {field.is_required() ? "yes" : "no"}, {values}, {field.sentence()}});
   }
@@ -232,7 +243,7 @@ void print_audit(cli::Console& console, const v1::GetAuditResponse& audit) {
   }
   table.print(console);
   if (!audit.problem().empty()) return;
-  console.out << audit.verified_entries() << (audit.verified_entries() == 1 ? " entry" : " entries") << ", the chain holds\n";
+  console.out << audit.verified_entries() << (audit.verified_entries() == 1 ? " entry" : " entries") << ", unchanged\n";
 }
 
 }  // namespace dts::ctl

@@ -43,9 +43,9 @@ client::Error nothing_published(const v1::StatusSnapshot& status, const std::vec
     for (const std::string& topic : events_of(rig.rig())) candidates.push_back(topic);
   }
   const std::string meant = prefixes.empty() ? "" : cli::nearest(prefixes.front(), candidates);
-  const std::string hint = meant.empty() ? "published streams: " + joined(topics, " ") : "did you mean " + meant + "?";
-  return {ErrorCode::NotFound, "nothing is published under '" + joined(prefixes, "', '") + "'",
-          topics.empty() ? "no rig is configured" : hint};
+  const std::string hint = meant.empty() ? "the published streams are: " + joined(topics, " ") : "did you mean " + meant + "?";
+  return {ErrorCode::NotFound, "no topic begins with '" + joined(prefixes, "', '") + "'",
+          topics.empty() ? "add a [[rig]] to the daemon's configuration" : hint};
 }
 
 bool is_any_asked_for(const std::vector<std::string>& topics, const std::vector<std::string>& prefixes) {
@@ -66,7 +66,8 @@ bool asks_for_events_only(const v1::StatusSnapshot* status, const std::vector<st
 
 client::Error explain_silence(const v1::StatusSnapshot* status, const std::vector<std::string>& prefixes, const std::string& endpoint) {
   if (status == nullptr) {
-    return {ErrorCode::Unreachable, "no sign of the daemon at " + endpoint, "is dtsd running? dtsctl status; another address? --data URI"};
+    return {ErrorCode::Unreachable, "no data from the daemon at " + endpoint,
+            "check that dtsd runs: dtsctl status; check the address: --data URI"};
   }
   bool has_stream = false;
   bool has_event = false;
@@ -75,12 +76,12 @@ client::Error explain_silence(const v1::StatusSnapshot* status, const std::vecto
     has_event = has_event || is_any_asked_for(events_of(rig.rig()), prefixes);
     if (wants_stream && rig.device() != v1::DEVICE_STATE_STREAMING) {
       const std::string why = rig.device_message().empty() ? "its device does not stream" : rig.device_message();
-      return {ErrorCode::DeviceGone, "rig '" + rig.rig().name() + "' is silent: " + why, "dtsctl device list; dtsctl doctor"};
+      return {ErrorCode::DeviceGone, "rig '" + rig.rig().name() + "' sends no scans: " + why, "dtsctl device list; dtsctl doctor"};
     }
     has_stream = has_stream || wants_stream;
   }
-  if (has_stream) return {ErrorCode::Timeout, "no data, although the daemon says that it streams", "dtsctl status; dtsctl doctor"};
-  if (has_event) return {ErrorCode::Timeout, "no event so far; the daemon is well", "events come only when something happens"};
+  if (has_stream) return {ErrorCode::Timeout, "no data, although the daemon reports a streaming device", "dtsctl status; dtsctl doctor"};
+  if (has_event) return {ErrorCode::Timeout, "no event yet; the daemon is OK", "wait: events occur only when something happens"};
   return nothing_published(*status, prefixes);
 }
 

@@ -29,13 +29,6 @@ std::string rate_of(const v1::Rate& rate) {
   return cli::decimal(static_cast<double>(rate.numerator()) / static_cast<double>(rate.denominator()), 2);
 }
 
-template <class List>
-std::string joined(const List& list, const char* separator = " ") {
-  std::string text;
-  for (const auto& item : list) text += (text.empty() ? "" : separator) + item;
-  return text;
-}
-
 void print_messages(cli::Console& console, const v1::StatusSnapshot& status) {
   for (const v1::RigStatus& rig : status.rigs()) {
     if (rig.device_message().empty()) continue;
@@ -47,6 +40,7 @@ void print_messages(cli::Console& console, const v1::StatusSnapshot& status) {
 }
 
 void print_sensors(cli::Console& console, const v1::RigInfo& rig) {
+  if (rig.sensors_size() == 0) return;
   cli::Table sensors({"SENSOR", ">X (mm)", ">Y (mm)", "CHANNEL", ">GAP (mm)", "CURVE"});
   for (const v1::SensorInfo& sensor : rig.sensors()) {
     sensors.add({{sensor.label()},
@@ -61,10 +55,10 @@ void print_sensors(cli::Console& console, const v1::RigInfo& rig) {
 }
 
 void print_streams(cli::Console& console, const v1::RigInfo& rig) {
+  if (rig.streams_size() == 0) return;
   cli::Table streams({"STREAM", ">RATE (Hz)", ">DELAY (ms)", "CHANNELS"});
   for (const v1::StreamFormat& stream : rig.streams()) {
-    std::string channels;
-    for (const v1::Channel& channel : stream.channels()) channels += (channels.empty() ? "" : " ") + channel.name();
+    const std::string channels = cli::join(stream.channels(), " ", [](const v1::Channel& channel) { return channel.name(); });
     streams.add({{stream.name()}, {rate_of(stream.rate())}, {cli::decimal(static_cast<double>(stream.delay_ns()) * 1e-6, 1)}, {channels}});
   }
   console.out << '\n';
@@ -120,7 +114,7 @@ std::string session_line(const v1::SessionInfo& session) {
 }
 
 std::string tare_line(const std::string& rig, const v1::TareResponse& tare) {
-  std::string line = rig + ": zero is now at";
+  std::string line = rig + ": tared, zero is now at";
   for (const double baseline : tare.baseline_mm()) line += " " + cli::decimal(baseline, 3);
   return cli::printable(line + " mm");
 }
@@ -153,7 +147,7 @@ void print_rigs(cli::Console& console, const v1::ListRigsResponse& rigs) {
                {rig.kind()},
                {rig.device_uri()},
                {std::to_string(rig.sensors_size())},
-               {joined(rig.published())}});
+               {cli::join(rig.published(), " ")}});
   }
   if (rigs.rigs_size() == 0) console.out << "no rig is configured\n";
   table.print(console);
@@ -165,7 +159,7 @@ namespace {
 std::string clock_text(const v1::RigStatus& status) {
   if (status.scans_total() == 0) return "";
   const std::string drift =
-      status.clock_drift_ppm() == 0.0 ? "drift not known yet" : "drift " + cli::decimal(status.clock_drift_ppm(), 1) + " ppm";
+      status.clock_drift_ppm() == 0.0 ? "drift not measured yet" : "drift " + cli::decimal(status.clock_drift_ppm(), 1) + " ppm";
   return drift + ", host times within " + cli::decimal(static_cast<double>(status.host_time_uncertainty_ns()) * 1e-6, 2) + " ms";
 }
 
@@ -195,11 +189,11 @@ void print_rig(cli::Console& console, const v1::RigStatus& status) {
                   std::to_string(status.restarts_total()) + ", reconnects " + std::to_string(status.reconnects_total()));
   print_field(console, "calibration",
               rig.kind() != "floor"       ? ""
-              : rig.calibration().empty() ? "none: computed from the plate's model"
+              : rig.calibration().empty() ? "none: the plate model is used"
                                           : rig.calibration());
   print_field(console, "tare", word(status.tare(), v1::TareState_descriptor()));
   print_field(console, "session", session_line(status.session()));
-  print_field(console, "published", joined(rig.published()));
+  print_field(console, "published", cli::join(rig.published(), " "));
   for (int index = 0; index < rig.stages_size(); ++index) print_field(console, index == 0 ? "stages" : "", rig.stages(index));
   print_sensors(console, rig);
   print_streams(console, rig);
@@ -220,13 +214,13 @@ void print_devices(cli::Console& console, const v1::GetDevicesResponse& devices)
   table.print(console);
   const auto is_free = [](const v1::DeviceInfo& device) { return device.rig().empty(); };
   if (std::ranges::any_of(devices.devices(), is_free)) {
-    console.out << "\na device without a rig is plugged in but not used: write its DEVICE into a [[rig]] of dtsd.toml\n";
+    console.out << "\na device without a rig is connected but not used: to use it, add its DEVICE to a [[rig]] in dtsd.toml\n";
   }
   if (!devices.problem().empty()) {
     console.out << '\n'
-                << cli::styled(console, cli::Style::Bad, cli::printable("what is plugged in is not known: " + devices.problem())) << '\n';
+                << cli::styled(console, cli::Style::Bad, cli::printable("cannot list the connected devices: " + devices.problem())) << '\n';
   }
-  if (devices.kinds_size() > 0) console.out << "\nkinds that a rig's configuration can name:\n";
+  if (devices.kinds_size() > 0) console.out << "\nkinds of device that a rig can use:\n";
   for (const std::string& kind : devices.kinds()) console.out << "  " << cli::printable(kind) << '\n';
 }
 
@@ -241,7 +235,7 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
                {cli::decimal(channel.maximum(), 4)},
                {channel.unit()},
                {channel.is_sensor() ? cli::decimal(channel.gap_mm(), 3) : "-"},
-               {doubts.empty() ? "good" : joined(doubts), doubts.empty() ? cli::Style::Good : cli::Style::Bad}});
+               {doubts.empty() ? "good" : cli::join(doubts, " "), doubts.empty() ? cli::Style::Good : cli::Style::Bad}});
   }
   if (test.channels_size() > 0) table.print(console);
   cli::Table checks({"CHECK", "OUTCOME", "DETAIL"});
@@ -260,7 +254,8 @@ void print_device_test(cli::Console& console, const v1::TestDeviceResponse& test
     console.out << cli::styled(console, cli::Style::Bad, cli::printable("not streaming: " + test.problem())) << '\n';
     return;
   }
-  const std::string rate = test.measured_rate_hz() > 0.0 ? cli::decimal(test.measured_rate_hz(), 2) + " per second" : "rate not known yet";
+  const std::string rate =
+      test.measured_rate_hz() > 0.0 ? cli::decimal(test.measured_rate_hz(), 2) + " per second" : "rate not measured yet";
   console.out << counted(test.scans(), "scan") << ", " << rate << '\n';
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "cli/table.h"
 #include "ctl/json.h"
@@ -25,11 +26,7 @@ std::optional<double> measure_value(const v1::Sway& sway, std::string_view symbo
   return found->value();
 }
 
-std::string sway_flag_words(const v1::Sway& sway) {
-  std::string text;
-  for (const std::string& word : bit_words(*v1::SwayFlag_descriptor(), sway.flags())) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
+std::string sway_flag_words(const v1::Sway& sway) { return cli::join(bit_words(*v1::SwayFlag_descriptor(), sway.flags()), " "); }
 
 std::string sway_text(const v1::Sway& sway) {
   std::string text = sway.is_preliminary() ? "preliminary, " : "";
@@ -38,14 +35,14 @@ std::string sway_text(const v1::Sway& sway) {
   if (!sway.condition().empty()) text += " (" + sway.condition() + ")";
   if (sway.trial() > 0) text += ", ";
   if (!sway.problem().empty()) return text + "no values: " + sway.problem();
-  text += cli::decimal(sway.duration_s(), 1) + " s:";
-  if (sway.measures_size() == 0) text += " nothing yet";
+  std::vector<std::string> values;
   for (const Shown& shown : kShown) {
     const auto found = std::ranges::find(sway.measures(), shown.symbol, &v1::SwayMeasure::symbol);
     if (found == sway.measures().end()) continue;
-    text += " " + found->symbol() + " " + cli::decimal(found->value(), shown.decimals) + " " + found->unit() + " ";
+    values.push_back(found->symbol() + " " + cli::decimal(found->value(), shown.decimals) + " " + found->unit());
   }
-  while (text.ends_with(' ')) text.pop_back();
+  if (values.empty()) values.emplace_back(sway.is_preliminary() ? "no values yet" : "no values");
+  text += cli::decimal(sway.duration_s(), 1) + " s: " + cli::join(values, "  ");
   const std::string flags = sway_flag_words(sway);
   if (!flags.empty()) text += "  [" + flags + "]";
   return text + (sway.is_valid() || sway.is_preliminary() ? "" : "  INVALID");

@@ -17,9 +17,9 @@ void TextLines::show(const client::Block& block, std::size_t scans, Time now) {
   const bool is_new = known == shown_.end();
   Shown& shown = is_new ? shown_[std::string(block.topic)] : known->second;
   shown.unsaid_lost_scans += block.lost_scans;
-  if (!has_told_thinning_ && (scans > 1 || (!is_new && now - shown.at < kPause))) {
-    has_told_thinning_ = true;
-    console_.talk << console_.program << ": at most ten scans a second of each stream are shown; with --jsonl all are" << std::endl;
+  if (!has_reported_thinning_ && (scans > 1 || (!is_new && now - shown.at < kPause))) {
+    has_reported_thinning_ = true;
+    console_.talk << console_.program << ": this view shows at most 10 scans per second of each stream; --jsonl shows all" << std::endl;
   }
   if (!is_new && now - shown.at < kPause) return;
   shown.at = now;

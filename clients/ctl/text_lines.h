@@ -30,7 +30,7 @@ class TextLines final : public WatchSink {
   cli::Console& console_;
   std::map<std::string, Shown, std::less<>> shown_;
   std::vector<float> scan_;
-  bool has_told_thinning_ = false;
+  bool has_reported_thinning_ = false;
 };
 
 /// Returns "dtsd 0.1.0, up 3.2 s: floor streaming 100.02 Hz, lost 0".

@@ -52,7 +52,7 @@ class Top {
   HealthView view_;
   std::chrono::steady_clock::time_point looked_ = std::chrono::steady_clock::now();
   duration<double> silence_{};
-  bool has_told_ = false;
+  bool has_reported_silence_ = false;
 };
 
 int Top::run() {
@@ -63,7 +63,7 @@ int Top::run() {
       if (const auto* status = std::get_if<client::Status>(&**message)) {
         view_.take(*status->snapshot);
         silence_ = {};
-        has_told_ = false;
+        has_reported_silence_ = false;
         show();
         --remaining_;
       }
@@ -85,8 +85,8 @@ std::optional<int> Top::check_silence() {
   silence_ += std::min<duration<double>>(now - looked_, 2 * kTurn);
   looked_ = now;
   const bool is_over = arguments_.timeout_s && silence_.count() >= *arguments_.timeout_s;
-  if (!is_over && (has_told_ || silence_ < kLongestWithoutStatus)) return std::nullopt;
-  has_told_ = true;
+  if (!is_over && (has_reported_silence_ || silence_ < kLongestWithoutStatus)) return std::nullopt;
+  has_reported_silence_ = true;
   screen_.make_room();  // the old picture stays, above the error message
   const client::Error error = explain_silence(nullptr, {}, endpoint_);
   cli::print_error(console_, error.what, error.hint);

@@ -97,7 +97,7 @@ void Watch::take(const client::Message& message) {
   } else {
     sink_->forget();
     sink_->make_room();
-    console_.talk << "dtsctl: the daemon was restarted; segments and scans start anew" << std::endl;
+    console_.talk << "dtsctl: the daemon was restarted; segment and scan numbers start again" << std::endl;
   }
   silence_ = {};
   daemon_silence_ = {};
@@ -132,7 +132,7 @@ std::optional<int> Watch::check_silence(Clock::time_point now) {
   client::Error error = explain();
   has_told_ = true;
   has_told_daemon_ = is_daemon_silent || error.code == client::ErrorCode::Unreachable;
-  error.hint += "; still waiting, Ctrl-C ends it";
+  error.hint += "; still waiting; Ctrl-C ends";
   say(error);
   return std::nullopt;
 }
@@ -150,7 +150,7 @@ client::Error Watch::explain() const {
   if (auto somebody = client::probe(endpoint); !somebody) return somebody.error();
   client::Error error = explain_silence(daemon_silence_ >= kSilence ? nullptr : subscriber_.status(), topics_, endpoint);
   if (where_.key && error.code == client::ErrorCode::Unreachable) {
-    error.hint = "is dtsd running there, and does it still know the key '" + where_.key->name + "'? ask there: dtsctl key list";
+    error.hint = "on the daemon's machine, check that dtsd runs and still has the key '" + where_.key->name + "': dtsctl key list";
   }
   return error;
 }
@@ -164,8 +164,14 @@ void Watch::say(const client::Error& error) {
 
 int run_watch(const Arguments& arguments, cli::Console& console) {
   if (arguments.is_json) {
-    return cli::fail_with(
-        console, client::Error{client::ErrorCode::InvalidArgument, "watch prints a stream, not one document", "--jsonl instead of --json"});
+    return cli::fail_with(console, client::Error{client::ErrorCode::InvalidArgument, "watch prints a stream, not one document",
+                                                 "use --jsonl instead of --json"});
+  }
+  if (arguments.is_csv && arguments.topics.size() > 1) {
+    return cli::fail_with(console,
+                          client::Error{client::ErrorCode::InvalidArgument,
+                                        "CSV is a table of one stream, not of " + std::to_string(arguments.topics.size()) + " topics",
+                                        "dtsctl watch " + arguments.topics.front() + " --csv, or --jsonl for all"});
   }
   const auto where = target(arguments);
   if (!where) return cli::fail_with(console, where.error());

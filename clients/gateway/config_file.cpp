@@ -84,7 +84,7 @@ class Lines {
 
 std::string problem_of_config(const std::string& file, const CLI::App& app) {
   std::error_code unknown;
-  if (!std::filesystem::is_regular_file(file, unknown)) return file + " is no file that can be read";
+  if (!std::filesystem::is_regular_file(file, unknown)) return file + " is not a readable file";
   if (std::filesystem::file_size(file, unknown) > kMostBytes) return file + " is larger than 1 MiB: that is no configuration";
   std::ifstream stream(file, std::ios::binary);
   if (!stream) return file + " cannot be read";

@@ -37,7 +37,7 @@ bool is_loopback(const std::string& address) { return boost::asio::ip::make_addr
 client::Result<v1::Role> parse_role(const std::string& name) {
   if (name == role_name(v1::ROLE_UNSPECIFIED)) return v1::ROLE_UNSPECIFIED;
   if (const auto role = role_of(name)) return *role;
-  return client::fail(ErrorCode::InvalidArgument, "there is no role '" + name + "'", "viewer, operator, engineer or none");
+  return client::fail(ErrorCode::InvalidArgument, "unknown role '" + name + "'", "viewer, operator, engineer or none");
 }
 
 }  // namespace
@@ -46,10 +46,11 @@ client::Result<ServerOptions> server_options(const Options& options) {
   auto listen = parse_listen(options.listen);
   if (!listen) return tl::make_unexpected(listen.error());
   if (options.certificate_file.empty() != options.key_file.empty()) {
-    return client::fail(ErrorCode::InvalidArgument, "TLS needs a certificate and its key", "give --tls-certificate and --tls-key");
+    return client::fail(ErrorCode::InvalidArgument, "TLS requires a certificate and its key", "give --tls-certificate and --tls-key");
   }
   if (!is_loopback(listen->first) && (options.certificate_file.empty() || options.users_file.empty())) {
-    return client::fail(ErrorCode::InvalidArgument, "'" + options.listen + "' can be reached from other machines: that needs TLS and users",
+    return client::fail(ErrorCode::InvalidArgument,
+                        "'" + options.listen + "' can be reached from other machines: this requires TLS and users",
                         "give --tls-certificate, --tls-key and --users, or listen on 127.0.0.1");
   }
   return ServerOptions{.address = listen->first,
@@ -64,7 +65,8 @@ client::Result<AccessOptions> access_options(const Options& options) {
   const auto role = parse_role(options.local_role.empty() ? fallback : options.local_role);
   if (!role) return tl::make_unexpected(role.error());
   if (*role == v1::ROLE_UNSPECIFIED && options.users_file.empty()) {
-    return client::fail(ErrorCode::InvalidArgument, "nobody could use this: no users and no local role", "give --users or --local-role");
+    return client::fail(ErrorCode::InvalidArgument, "no user could log in: no users file and no local role",
+                        "give --users or --local-role");
   }
   return AccessOptions{.users_file = options.users_file, .local_role = *role};
 }

@@ -17,45 +17,45 @@ void add_serve(cli::CommandLine& line, Options& options) {
   CLI::App* serve_command =
       cli::add_command(line, line.app, "serve", "Serve the dashboard to browsers until Ctrl-C",
                        "dts-gateway serve | on this machine only, without a login: http://127.0.0.1:8080/\n"
-                       "dts-gateway serve --local-role viewer | the same, but nobody can start anything\n"
+                       "dts-gateway serve --local-role viewer | the same, but browsers can only look\n"
                        "dts-gateway serve --listen 192.168.1.20:8443 --tls-certificate clinic.pem --tls-key clinic.key --users users | to "
                        "tablets, with a login\n",
                        [&options](cli::Console& console) { return serve(options, console); });
-  serve_command->add_option("--listen", options.listen, "Address and port; anything but loopback needs TLS and users")
+  serve_command->add_option("--listen", options.listen, "Address and port; other addresses than loopback require TLS and users")
       ->option_text("ADDRESS:PORT");
   serve_command->add_option("--tls-certificate", options.certificate_file, "PEM file with the certificate and its chain")
       ->option_text("FILE");
-  serve_command->add_option("--tls-key", options.key_file, "PEM file with its private key")->option_text("FILE");
-  serve_command->add_option("--host-name", options.host_names, "Name by which browsers may call this machine; several are possible")
-      ->option_text("NAME");
+  serve_command->add_option("--tls-key", options.key_file, "PEM file with the private key of the certificate")->option_text("FILE");
+  serve_command->add_option("--host-name", options.host_names, "Name of this machine in browsers; may be repeated")->option_text("NAME");
   serve_command->add_option("--users", options.users_file, "File of users, made by `dts-gateway user add`")->option_text("FILE");
   serve_command
       ->add_option("--local-role", options.local_role,
-                   "What may be done from this machine without a login: viewer, operator, engineer, none. Default: operator without "
+                   "Role without a login from this machine: viewer, operator, engineer, none. Default: operator without "
                    "--users, else none")
       ->option_text("ROLE");
   serve_command->add_option("--web-root", options.web_root, "Folder of the dashboard's files")->option_text("DIR");
   serve_command
-      ->add_option("--cache", options.cache_directory,
-                   "Folder for exports while they are fetched; of what is in it only dts-gateway-exports is touched, and emptied")
+      ->add_option("--cache", options.cache_directory, "Folder for exports; the gateway uses and empties only dts-gateway-exports in it")
       ->option_text("DIR");
   serve_command->add_option("--metrics", options.has_metrics, "Counters for Prometheus under /metrics: true or false. Default: true")
       ->option_text("BOOL");
   serve_command->add_option("--endpoint", options.control_endpoint, "Control address of the daemon")->option_text("URI");
-  serve_command->add_option("--data", options.data_endpoint, "Data address; found beside the control socket when not given")
+  serve_command->add_option("--data", options.data_endpoint, "Data address; default: the data socket beside the control socket")
       ->option_text("URI");
 }
 
 cli::Manual make_manual() {
-  return {.summary = "browser dashboard of the distributive tactile sensing daemon",
-          .description = "Serves the dashboard and passes live data of\n.BR dtsd (8)\nto browsers, and commands of those that may back.",
-          .environment = {{"DTSD_CONTROL, DTSD_DATA", "Addresses of the daemon's control and data sockets."},
-                          {"DTSD_RUNTIME_DIR", "Directory of the daemon's sockets, control.sock and data.sock."},
-                          {"CACHE_DIRECTORY", "Folder for exports, as systemd sets it."}},
-          .exit_statuses = {0, 1, 2, 5, 6, 130},
-          .further_sections = {},
-          .files = {{"/usr/share/dts-gateway/web", "The dashboard."}},
-          .see_also = {{"dtsd", 8}, {"dtsctl", 1}}};
+  return {
+      .summary = "browser dashboard of the distributive tactile sensing daemon",
+      .description =
+          "Serves the dashboard and passes live data of\n.BR dtsd (8)\nto browsers, and commands of users with the necessary role to it.",
+      .environment = {{"DTSD_CONTROL, DTSD_DATA", "Addresses of the daemon's control and data sockets."},
+                      {"DTSD_RUNTIME_DIR", "Directory of the daemon's sockets, control.sock and data.sock."},
+                      {"CACHE_DIRECTORY", "Folder for exports, as systemd sets it."}},
+      .exit_statuses = {0, 1, 2, 5, 6, 130},
+      .further_sections = {},
+      .files = {{"/usr/share/dts-gateway/web", "The dashboard."}},
+      .see_also = {{"dtsd", 8}, {"dtsctl", 1}}};
 }
 
 }  // namespace
@@ -68,7 +68,7 @@ int run(const std::vector<std::string>& words, cli::Console& console) {
                          .examples = "dts-gateway serve | then open http://127.0.0.1:8080/\n"
                                      "dts-gateway user add anna --role operator --users users | asks for the password\n"});
   line.app.allow_config_extras(CLI::config_extras_mode::error);  // a misspelt key in [serve] must not silently select the default
-  line.app.set_config("--config", "", "Read options from a TOML file, those of serve from its table [serve]")
+  line.app.set_config("--config", "", "Read options from a TOML file; options of serve are in its table [serve]")
       ->option_text("FILE")
       ->check([&app = line.app](const std::string& file) { return problem_of_config(file, app); });
   add_serve(line, options);

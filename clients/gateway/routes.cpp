@@ -14,15 +14,15 @@ void Routes::handle(HttpRequest request, Respond respond) const {
   if (request.path == "/api/login" && is_post) return access_.log_in(std::move(request), std::move(respond));
   if (request.path == "/api/logout" && is_post) return access_.log_out(request, respond);
   if (!is_read) {
-    HttpResponse refusal = error_answer(405, "this path cannot be changed");
+    HttpResponse refusal = error_answer(405, "this path accepts only GET and HEAD");
     refusal.headers.emplace_back("Allow", "GET, HEAD");
     return respond(std::move(refusal));
   }
   if (request.path == "/api/me") return access_.tell_who(request, respond);
   if (request.path == "/metrics" && metrics_) return serve_metrics(request, respond);
   if (!request.path.starts_with("/api/")) return files_.serve(request, respond);
-  if (!request.path.starts_with("/api/sessions/")) return respond(error_answer(404, "there is nothing at this path"));
-  if (!may_view(request)) return respond(error_answer(401, "nobody is logged in", "log in first"));
+  if (!request.path.starts_with("/api/sessions/")) return respond(error_answer(404, "nothing at this path"));
+  if (!may_view(request)) return respond(error_answer(401, "not logged in", "log in first"));
   archive_.handle(std::move(request), std::move(respond));
 }
 
@@ -33,7 +33,7 @@ bool Routes::may_view(const HttpRequest& request) const {
 
 void Routes::serve_metrics(const HttpRequest& request, const Respond& respond) const {
   if (!is_same_machine(request) && !may_view(request)) {
-    return respond(error_answer(401, "nobody is logged in", "let a monitor on the gateway's own machine read this"));
+    return respond(error_answer(401, "not logged in", "log in, or read the metrics from the gateway's own machine"));
   }
   respond({.content_type = "text/plain; version=0.0.4; charset=utf-8", .body = metrics_(), .headers = {{"Cache-Control", "no-store"}}});
 }

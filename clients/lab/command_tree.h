@@ -2,39 +2,12 @@
 #pragma once
 
 #include <memory>
-#include <string>
 
 #include "cli/command_line.h"
-#include "lab/arguments.h"
 
 namespace dts::lab {
 
-/// The commands of dtslab, and the variables that receive their arguments.
-struct CommandTree {
-  Arguments arguments;
-  cli::CommandLine line{{.name = "dtslab",
-                         .version = DTS_VERSION,
-                         .description = "Offline laboratory of dtsd: plates, centre of pressure, the thesis's tables",
-                         .examples = "dtslab plate solve case.toml | bend a plate\n"
-                                     "dtslab thesis 4.1 | the thesis's figures beside ours\n"
-                                     "dtslab cop fit points.csv --rig rig.toml --out cal.toml | calibrate a platform\n"
-                                     "dtslab cop evaluate --noise realistic | what to expect of it\n"
-                                     "dtslab compare plate.csv force_plate.csv | two instruments, one person\n"
-                                     "dtslab place | where sensors belong\n"
-                                     "dtslab sway standing.csv | how steadily somebody stood\n"
-                                     "dtslab simulate floor --duration 60 --out standing.xdf | synthetic data\n"
-                                     "dtslab replay standing.xdf | is what was recorded what the stages compute?\n",
-                         .takes_files = true}};
-};
-
-using Command = int (*)(const Arguments& arguments, cli::Console& console);
-
-/// Adds a command of dtslab: `handler` receives the arguments of the command line.
-CLI::App* add_command(CommandTree& tree, CLI::App& parent, const std::string& name, const std::string& description,
-                      const std::string& examples, Command handler);
-void add_json(CLI::App& command, Arguments& arguments);
-
-/// The object must not move: its parts point to each other.
-[[nodiscard]] std::unique_ptr<CommandTree> make_command_tree();
+/// Returns the commands of dtslab; each room adds its own. The object must not move: its parts point to each other.
+[[nodiscard]] std::unique_ptr<cli::CommandLine> make_command_tree();
 
 }  // namespace dts::lab

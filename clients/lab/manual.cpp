@@ -30,11 +30,11 @@ constexpr auto kPlateCase =
     "x1_mm = 400.0\n"
     "y0_mm = 0.0\n"
     "y1_mm = 360.0\n"
-    "force_n = 480.0          # in all\n"
-    "[[probe]]                # where the deflection is wanted\n"
+    "force_n = 480.0          # in total\n"
+    "[[probe]]                # position at which to compute the deflection\n"
     "x_mm = 107.5\n"
     "y_mm = 107.5\n"
-    "[solver]                 # may be left out\n"
+    "[solver]                 # optional\n"
     "method = \\(dqfdm\\(dq           # or fem\n"
     "divisions = 120          # of each side\n"
     "nonlinear = false        # true: von Karman, supports slide in the plane\n"
@@ -42,7 +42,7 @@ constexpr auto kPlateCase =
     ".fi\n";
 
 constexpr auto kTables =
-    ".SH CSV FILES\nThe first line names the columns, in any order; columns that a command does not know are left alone. An empty cell is "
+    ".SH CSV FILES\nThe first line names the columns, in any order; unknown columns are ignored. An empty cell is "
     "an "
     "undefined value where that is allowed.\n"
     ".TP\n.B p_n, x_mm, y_mm, w1_mm, w2_mm, ...\nPoints of\n.BR \"dtslab cop\" :\nload in N, its position from a corner of the plate, "
@@ -50,13 +50,13 @@ constexpr auto kTables =
     "est_y_mm, est_p_n and flags are added. The flags, joined by a bar, are no_contact, outside_area and outside_load; nothing: a good "
     "estimate.\n"
     ".TP\n.B t_s, true_ml_mm, true_ap_mm, true_load_n\nThe truth beside a recording of\n.BR \"dtslab simulate floor\" ;\n"
-    "empty while nobody is on the plate.\n"
+    "empty while no one is on the plate.\n"
     ".TP\n.B number, condition, target_cm, t_on_s, t_hit_s, t_back_s, t_end_s, trunk_deg\nThe truth beside a recording of\n"
     ".BR \"dtslab simulate chair\" :\none row for each reach that was completed; when it began, hit the target, turned back and ended, and "
     "the trunk's flexion at the target.\n"
-    ".TP\n.B t_s, x_mm, y_mm, trigger, marker\nRecordings of\n.BR \"dtslab compare\" :\ntime that rises, position of the centre of "
+    ".TP\n.B t_s, x_mm, y_mm, trigger, marker\nRecordings of\n.BR \"dtslab compare\" :\nincreasing time, position of the centre of "
     "pressure, "
-    "and, if there, a trigger level or texts at the scan they belong to.\n"
+    "and optionally a trigger level, or marker texts at their scans.\n"
     ".TP\n.B subject, trial, t_p1, t_p2, t_p3, p1_mm, p2_mm, p3_mm, class, p_class, trunk_deg, trunk_lo_deg, trunk_hi_deg\n"
     "What\n.B dtslab reach events\nand\n.B dtslab reach classify\nwrite: times in s from the first sample of each trial, levels of the "
     "transient, degree of trunk movement (1 minor, 2 moderate, 3 maximum, 0 none, \\-1 rejected), its probability, trunk flexion with its "
@@ -67,21 +67,22 @@ constexpr auto kTables =
     "120; may be empty), rate_hz, file; "
     "the volts of all trials of a file in rows of trial,v1,v2,v3,v4.\n"
     ".TP\n.B t_s, x_mm, y_mm, load_n\nQuiet standing for\n.BR \"dtslab sway\" :\nx to the subject's right, y forward; an empty cell is a "
-    "missing sample, the load may be left out.\n"
+    "missing sample, load_n is optional.\n"
     ".TP\n.B file, session, subject, trial, attempt, condition, LABELS, profile, fs_hz, n, duration_s, flags, MEASURES\n"
     "What\n.B dtslab sway \\-\\-table\nwrites, one row for each trial, and\n.B dtslab steadiness\nreads: flags joined by a bar, measures "
     "by their symbols (MVELO, PEA95_F, ...). Empty: not known, or not defined.\n"
     ".TP\n.B file, session, subject, trial, label, p_LABEL ..., outside\nWhat\n.B dtslab steadiness classify\nwrites: the label, its "
     "probability and that of each other one, the measures beyond the range that the model was trained on.\n"
-    ".SH RECORDINGS\nXDF files of\n.BR dtsd .\n.B dtslab replay\nexits with 0 when every derived stream is what the recorded raw stream "
-    "gives, or when there is none; with 1 when one differs; with 2 when the file is no recording of dtsd; with 7 when it is damaged.\n"
-    ".B dtslab compare\ntakes the stream cop of a recording, with its rising triggers and its markers.\n"
-    ".B dtslab reach results\ntakes the events reach, class and trial, the subject's measures and the model of trunk movement; exits with "
-    "1 when a result that "
-    "was recorded is not the one computed.\n"
-    ".B dtslab sway\ntakes the stream cop and the trials of a recording; without trials, each stretch in which somebody stands for 10 s. "
+    ".SH RECORDINGS\nXDF files of\n.BR dtsd .\n.B dtslab replay\nexits with 0 if every derived stream equals the values computed "
+    "from the recorded raw stream, or if there is none; with 1 if a stream differs; with 2 if the file is not a recording of dtsd; with 7 "
+    "if it is damaged.\n"
+    ".B dtslab compare\nuses the stream cop of a recording, with its rising triggers and its markers.\n"
+    ".B dtslab reach results\nuses the events reach, class and trial, the subject's measures and the model of trunk movement; exits with "
+    "1 if a recorded "
+    "result differs from the computed one.\n"
+    ".B dtslab sway\nuses the stream cop and the trials of a recording; without trials, each period in which a person stands for 10 s. "
     "By "
-    "the report's definition (profile lp10, 100 Hz) it exits with 1 when a result that was recorded is not the one computed.\n"
+    "the report's definition (profile lp10, 100 Hz) it exits with 1 if a recorded result differs from the computed one.\n"
     ".SH JSON\nNumbers are numbers. What is undefined is absent. Units are in the names.\n";
 
 }  // namespace
@@ -89,11 +90,12 @@ constexpr auto kTables =
 cli::Manual make_manual() {
   return {.summary = "offline laboratory of the distributive tactile sensing daemon",
           .description =
-              "Bends plates, computes the tables of the founding thesis anew, calibrates and evaluates estimators of the centre of "
-              "pressure, finds and judges reaches on the chair, measures how steadily people stand, records simulated people, and computes "
-              "recordings again bit for bit. "
+              "Computes the bending of plates, recomputes the tables of the founding thesis, calibrates and evaluates estimators of the "
+              "centre of "
+              "pressure, finds and classifies reaches on the chair, measures the sway of standing people, records simulated people, and "
+              "recomputes recordings bit by bit. "
               "Needs no running\n.BR dtsd (8).",
-          .environment = {{"NO_COLOR", "Set: no colours."}},
+          .environment = {{"NO_COLOR", "If set, the output has no colours."}},
           .exit_statuses = {0, 1, 2, 4, 6, 7, 130},
           .further_sections = std::string(kPlateCase) + kTables + ".SH JSON\n" + cli::kJsonErrors,
           .files = {},

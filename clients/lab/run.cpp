@@ -8,7 +8,7 @@ namespace dts::lab {
 
 int run(const std::vector<std::string>& arguments, cli::Console& console) {
   const auto tree = make_command_tree();
-  return cli::run(tree->line, arguments, console);
+  return cli::run(*tree, arguments, console);
 }
 
 }  // namespace dts::lab

@@ -53,7 +53,7 @@ std::string bytes_of(const v1::Request& request) {
 Error to_error(const v1::Error& wire) {
   const bool is_known = wire.code() >= v1::ERROR_CODE_FAILED && wire.code() <= v1::ERROR_CODE_INTERNAL;
   const auto code = is_known ? static_cast<ErrorCode>(wire.code()) : ErrorCode::Failed;
-  std::string what = wire.what().empty() ? "the daemon refused and gave no reason" : wire.what().substr(0, kLongestText);
+  std::string what = wire.what().empty() ? "the daemon rejected the command and gave no reason" : wire.what().substr(0, kLongestText);
   return {code, std::move(what), wire.hint().substr(0, kLongestText)};
 }
 
@@ -61,12 +61,13 @@ Result<void> check_options(const ControlOptions& options) {
   constexpr milliseconds kShortest{30};
   constexpr milliseconds kLongest{std::chrono::hours(24)};
   if (options.endpoint.empty()) {
-    return fail(ErrorCode::InvalidArgument, "the daemon's control address is not known", "give it: --endpoint URI or DTSD_CONTROL");
+    return fail(ErrorCode::InvalidArgument, "the control address of the daemon is not known",
+                "give it with --endpoint URI or DTSD_CONTROL");
   }
   if (options.timeout && (*options.timeout < kShortest || *options.timeout > kLongest)) {
-    return fail(ErrorCode::InvalidArgument, "a time-out must be between 0.03 and 86400 seconds");
+    return fail(ErrorCode::InvalidArgument, "the timeout must be from 0.03 s to 86400 s");
   }
-  if (options.tries < 1 || options.tries > 10) return fail(ErrorCode::InvalidArgument, "tries must be 1..10");
+  if (options.tries < 1 || options.tries > 10) return fail(ErrorCode::InvalidArgument, "tries must be from 1 to 10");
   return {};
 }
 
@@ -106,15 +107,15 @@ class ControlClient::Implementation {
 Result<v1::Response> ControlClient::Implementation::answer(v1::Request&& request, const std::stop_token& stop) {
   const auto* wanted = wire::answer_field(request);
   if (wanted == nullptr) {
-    return fail(ErrorCode::InvalidArgument, "a request without a command, or with one that this version does not know");
+    return fail(ErrorCode::InvalidArgument, "the request has no command that this version knows");
   }
   try {
     auto response = exchange(std::move(request), stop);
     if (!response) return response;
     if (response->has_error()) return tl::make_unexpected(to_error(response->error()));
     if (static_cast<int>(response->result_case()) != wanted->number()) {
-      return fail(ErrorCode::DataDamaged, "the daemon's answer does not belong to the command",
-                  "are dtsd and this program of the same version?");
+      return fail(ErrorCode::DataDamaged, "the answer of the daemon does not match the command",
+                  "check that dtsd and this program have the same version");
     }
     if (auto valid = check(*response); !valid) return tl::make_unexpected(valid.error());
     return response;
@@ -141,7 +142,7 @@ Result<v1::Response> ControlClient::Implementation::exchange(v1::Request&& reque
     if (attempt > 0 || !socket_) reopen();
     send(bytes);
     auto response = wait_for(request.request_id(), Clock::now() + timeout / options_.tries, stop);
-    if (stop.stop_requested()) return fail(ErrorCode::Failed, "the answer is not waited for any more: this program ends");
+    if (stop.stop_requested()) return fail(ErrorCode::Failed, "stopped waiting for the answer: this program ends");
     if (response) return std::move(*response);
   }
   socket_.close();
@@ -198,16 +199,16 @@ std::optional<v1::Response> ControlClient::Implementation::take(const std::strin
 tl::unexpected<Error> ControlClient::Implementation::unreachable(milliseconds timeout, std::uint64_t ignored) const {
   const std::string where = options_.endpoint + " within " + seconds(timeout) + " (" + std::to_string(options_.tries) + " tries)";
   if (ignored > 0) {
-    return fail(ErrorCode::Unreachable, "no proper answer from " + where + "; " + std::to_string(ignored) + " messages came that are none",
-                "is it dtsd that listens there? check --endpoint; compare the versions");
+    return fail(ErrorCode::Unreachable, "no valid answer from " + where + "; " + std::to_string(ignored) + " other messages arrived",
+                "check that dtsd listens at this address (--endpoint) and has the same version");
   }
   if (options_.key) {
     return fail(ErrorCode::Unreachable, "no answer from " + where,
-                "is dtsd running there, does it listen ([network] of its configuration), and does it know the key '" + options_.key->name +
-                    "'? ask there: dtsctl key list");
+                "on the daemon's machine, check that dtsd runs, that its configuration has [network], and that it has the key '" +
+                    options_.key->name + "': dtsctl key list");
   }
   return fail(ErrorCode::Unreachable, "no answer from " + where,
-              "is dtsd running? systemctl status dtsd; is the address right? give --endpoint");
+              "check that dtsd runs: systemctl status dtsd; check the address: --endpoint URI");
 }
 
 Result<ControlClient> ControlClient::open(const ControlOptions& options) {
@@ -235,7 +236,7 @@ Result<std::unique_ptr<google::protobuf::Message>> ControlClient::answer_to(cons
   }
   const auto* field = wire::answer_field(request);
   if (field == nullptr || field->message_type() != &answer) {
-    return fail(ErrorCode::InvalidArgument, command.GetTypeName() + " is no command that " + std::string(answer.full_name()) + " answers");
+    return fail(ErrorCode::InvalidArgument, command.GetTypeName() + " is not a command with the answer " + std::string(answer.full_name()));
   }
   auto response = forward(request);
   if (!response) return tl::make_unexpected(response.error());

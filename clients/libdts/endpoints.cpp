@@ -55,7 +55,7 @@ Result<Endpoints> in_tmp() {
   struct stat status {};
   if (::stat(directory.c_str(), &status) == 0 && status.st_uid != ::geteuid() && status.st_uid != 0) {
     return fail(ErrorCode::NotAllowed, directory.string() + " belongs to another user",
-                "remove it, or name the daemon's directory in DTSD_RUNTIME_DIR");
+                "remove it, or set DTSD_RUNTIME_DIR to the directory of the daemon");
   }
   return in_directory(directory, directory.string());
 }
@@ -81,7 +81,7 @@ Result<void> check_address(const std::string& endpoint, const std::string& origi
       return fail(ErrorCode::InvalidArgument, subject + ": the socket path must be absolute", "write ipc:///run/dtsd/control.sock");
     }
     if (length > kLongestPath) {
-      return fail(ErrorCode::InvalidArgument, subject + ": a socket path has at most " + std::to_string(kLongestPath) + " bytes",
+      return fail(ErrorCode::InvalidArgument, subject + ": the socket path is longer than " + std::to_string(kLongestPath) + " bytes",
                   "choose a shorter runtime directory");
     }
     return {};
@@ -131,13 +131,12 @@ Result<void> probe(const std::string& endpoint) {
   switch (outcome) {
     case ENOENT:
     case ENOTDIR:
-      return fail(
-          ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket does not exist",
-          "start it: systemctl start dtsd, or dtsd --config FILE; is it elsewhere, as that of scripts/demo? set DTSD_RUNTIME_DIR or "
-          "give --endpoint");
+      return fail(ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket does not exist",
+                  "start it: systemctl start dtsd, or dtsd --config FILE; if it uses another directory (scripts/demo prints it), set "
+                  "DTSD_RUNTIME_DIR or give --endpoint");
     case ECONNREFUSED:
-      return fail(ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket is a leftover, nobody listens",
-                  "start it: systemctl start dtsd; see why it ended: journalctl -u dtsd");
+      return fail(ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket exists, but no program listens on it",
+                  "start it: systemctl start dtsd; find out why it ended: journalctl -u dtsd");
     case EACCES:
     case EPERM:
       return fail(ErrorCode::NotAllowed, "no permission to open " + endpoint,

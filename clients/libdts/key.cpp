@@ -30,20 +30,22 @@ Result<void> check_mode(const std::string& file) {
   struct stat found {};
   if (::stat(file.c_str(), &found) != 0) {
     return fail(ErrorCode::InvalidArgument, "key file " + file + ": " + std::generic_category().message(errno),
-                "dtsctl key new makes one, on the daemon's machine");
+                "make a key on the daemon's machine: dtsctl key new");
   }
-  if (!S_ISREG(found.st_mode)) return fail(ErrorCode::InvalidArgument, "key file " + file + " is no regular file");  // a pipe would block
+  if (!S_ISREG(found.st_mode))
+    return fail(ErrorCode::InvalidArgument, "key file " + file + " is not a regular file");  // a pipe would block
   if ((found.st_mode & 0077U) == 0) return {};
-  return fail(ErrorCode::NotAllowed, "key file " + file + " is open to others: its secret is none", "chmod 0600 " + file);
+  return fail(ErrorCode::NotAllowed, "key file " + file + " is readable or writable by other users: its secret is not protected",
+              "chmod 0600 " + file);
 }
 
 Result<std::string> read_text(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string text(kLongestFile + 1, '\0');
   stream.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (!stream && stream.gcount() == 0) return fail(ErrorCode::InvalidArgument, "key file " + file + " cannot be read, or is empty");
+  if (!stream && stream.gcount() == 0) return fail(ErrorCode::InvalidArgument, "key file " + file + " is empty or cannot be read");
   text.resize(static_cast<std::size_t>(stream.gcount()));
-  if (text.size() > kLongestFile) return fail(ErrorCode::InvalidArgument, "key file " + file + " is too large to be one");
+  if (text.size() > kLongestFile) return fail(ErrorCode::InvalidArgument, "key file " + file + " is too large for a key file");
   return text;
 }
 
@@ -60,14 +62,14 @@ Result<Key> parse(const std::string& text, const std::string& file) {
     for (const auto& [name, part] :
          {std::pair("public_key", &key.public_key), {"secret_key", &key.secret_key}, {"server_public_key", &key.server_public_key}}) {
       if (!is_z85(*part))
-        return fail(ErrorCode::InvalidArgument, file + ": " + name + " is no key of 40 characters",
-                    "take the file as dtsctl key new wrote it");
+        return fail(ErrorCode::InvalidArgument, file + ": " + name + " is not a key of 40 characters",
+                    "use an unchanged file from dtsctl key new");
     }
     return key;
   } catch (const toml::parse_error& error) {
     const auto& at = error.source().begin;
-    return fail(ErrorCode::InvalidArgument, file + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": is no key file",
-                "take the file as dtsctl key new wrote it");
+    return fail(ErrorCode::InvalidArgument, file + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": not a key file",
+                "use an unchanged file from dtsctl key new");
   }
 }
 
@@ -77,7 +79,7 @@ Result<Key> new_key(const std::string& name) {
   std::array<char, kKeyCharacters + 1> public_key{};
   std::array<char, kKeyCharacters + 1> secret_key{};
   if (zmq_curve_keypair(public_key.data(), secret_key.data()) != 0) {
-    return fail(ErrorCode::Failed, "libzmq was built without CURVE", "use Debian's libzmq5");
+    return fail(ErrorCode::Failed, "libzmq was built without CURVE encryption", "install Debian's libzmq5");
   }
   return Key{.name = name, .public_key = public_key.data(), .secret_key = secret_key.data()};
 }
@@ -91,16 +93,15 @@ Result<Key> read_key(const std::string& file) {
 
 std::string key_text(const Key& key) {
   // No character that may occur in a key, a name or an address is special within a quoted TOML string.
-  return "# Key of a client of dtsd: dtsctl --key FILE ..., or DTSD_KEY=FILE. Whoever has this file is \"" + key.name +
-         "\": keep it to yourself.\nname = \"" + key.name + "\"\npublic_key = \"" + key.public_key + "\"\nsecret_key = \"" +
-         key.secret_key + "\"\nserver_public_key = \"" + key.server_public_key + "\"\ncontrol = \"" + key.control + "\"\ndata = \"" +
-         key.data + "\"\n";
+  return "# Key of a client of dtsd: dtsctl --key FILE ..., or DTSD_KEY=FILE. Anyone with this file can connect as \"" + key.name +
+         "\": keep it secret.\nname = \"" + key.name + "\"\npublic_key = \"" + key.public_key + "\"\nsecret_key = \"" + key.secret_key +
+         "\"\nserver_public_key = \"" + key.server_public_key + "\"\ncontrol = \"" + key.control + "\"\ndata = \"" + key.data + "\"\n";
 }
 
 Result<void> write_new_key(const std::string& file, const Key& key) {
   const int made = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
   if (made < 0 && errno == EEXIST) {
-    return fail(ErrorCode::WrongState, file + " exists already", "give another name: --out FILE");
+    return fail(ErrorCode::WrongState, file + " already exists", "give another name: --out FILE");
   }
   const std::string text = key_text(key);
   const bool is_written = made >= 0 && ::write(made, text.data(), text.size()) == static_cast<ssize_t>(text.size()) && ::fsync(made) == 0;
@@ -109,7 +110,7 @@ Result<void> write_new_key(const std::string& file, const Key& key) {
   if (is_written) return {};
   if (made >= 0) ::unlink(file.c_str());
   return fail(ErrorCode::Failed, "cannot write " + file + ": " + std::generic_category().message(why),
-              "does the folder exist, may you write there?");
+              "check that the folder exists and that you may write to it");
 }
 
 }  // namespace dts::client

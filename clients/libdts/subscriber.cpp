@@ -47,20 +47,20 @@ bool asks_for_status(const std::vector<std::string>& prefixes) {
 }
 
 Result<void> check_topics(const std::vector<std::string>& topics) {
-  if (topics.empty()) return fail(ErrorCode::InvalidArgument, "no topic to subscribe to", "\"\" means everything");
+  if (topics.empty()) return fail(ErrorCode::InvalidArgument, "no topic to subscribe to", "give a topic prefix; \"\" means every topic");
   if (std::ranges::any_of(topics, [](const std::string& prefix) { return prefix.size() > kLongestPrefix; })) {
-    return fail(ErrorCode::InvalidArgument, "a topic prefix has at most " + std::to_string(kLongestPrefix) + " bytes");
+    return fail(ErrorCode::InvalidArgument, "a topic prefix is longer than " + std::to_string(kLongestPrefix) + " bytes");
   }
   return {};
 }
 
 Result<void> check_options(const SubscriberOptions& options) {
   if (options.endpoint.empty()) {
-    return fail(ErrorCode::InvalidArgument, "the daemon's data address is not known", "give it: --data URI or DTSD_DATA");
+    return fail(ErrorCode::InvalidArgument, "the data address of the daemon is not known", "give it with --data URI or DTSD_DATA");
   }
   if (auto valid = check_topics(options.topics); !valid) return valid;
   if (options.queue_messages < 1 || options.queue_messages > kMaxQueue) {
-    return fail(ErrorCode::InvalidArgument, "queue_messages must be 1.." + std::to_string(kMaxQueue));
+    return fail(ErrorCode::InvalidArgument, "queue_messages must be from 1 to " + std::to_string(kMaxQueue));
   }
   if (options.reconnect_after < kShortestSilence) {
     return fail(ErrorCode::InvalidArgument, "reconnect_after must be at least " + std::to_string(kShortestSilence.count()) + " ms");

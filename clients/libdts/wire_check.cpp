@@ -20,12 +20,12 @@ constexpr std::size_t kLongestName = 64;
 constexpr std::int64_t kMaxRateTerm = 1'000'000'000'000;
 
 tl::unexpected<Error> damaged(const std::string& what) {
-  return fail(ErrorCode::DataDamaged, "the daemon's answer makes no sense: " + what, "are dtsd and this program of the same version?");
+  return fail(ErrorCode::DataDamaged, "invalid answer of the daemon: " + what, "check that dtsd and this program have the same version");
 }
 
 Result<void> check_count(int count, int limit, const char* of_what) {
   if (count <= limit) return {};
-  return damaged(std::to_string(count) + " " + of_what + ", at most " + std::to_string(limit) + " are possible");
+  return damaged(std::to_string(count) + " " + of_what + ", more than the limit of " + std::to_string(limit));
 }
 
 /// Checks a duration or a length: never negative, never NaN.
@@ -44,8 +44,8 @@ Result<void> first_failure(Checks&&... checks) {
 bool is_name(const std::string& text) { return !text.empty() && text.size() <= kLongestName && text.find('/') == std::string::npos; }
 
 Result<void> check_stream(const v1::StreamFormat& stream) {
-  if (!is_name(stream.name())) return damaged("a stream without a proper name");
-  if (!is_well_formed(stream.rate())) return damaged("stream '" + stream.name() + "' has an impossible rate");
+  if (!is_name(stream.name())) return damaged("a stream has no valid name");
+  if (!is_well_formed(stream.rate())) return damaged("stream '" + stream.name() + "' has an invalid rate");
   if (stream.channels_size() == 0) return damaged("stream '" + stream.name() + "' has no channels");
   return check_count(stream.channels_size(), kMaxChannels, "channels");
 }
@@ -66,7 +66,7 @@ bool is_well_formed(const v1::StreamBlock& block) noexcept {
 }
 
 Result<void> check(const v1::RigInfo& rig) {
-  if (!is_name(rig.name())) return damaged("a rig without a proper name");
+  if (!is_name(rig.name())) return damaged("a rig has no valid name");
   if (auto few = check_count(rig.sensors_size(), kMaxChannels, "sensors"); !few) return few;
   if (auto few = check_count(rig.streams_size(), kMaxStreams, "streams"); !few) return few;
   for (const v1::StreamFormat& stream : rig.streams()) {
@@ -76,7 +76,7 @@ Result<void> check(const v1::RigInfo& rig) {
 }
 
 Result<void> check(const v1::StatusSnapshot& status) {
-  if (status.instance_id() == 0) return damaged("no instance id");
+  if (status.instance_id() == 0) return damaged("the instance ID is missing");
   if (auto few = check_count(status.rigs_size(), kMaxRigs, "rigs"); !few) return few;
   if (auto few = check_count(status.notices_size(), kMaxTexts, "notices"); !few) return few;
   for (const v1::RigStatus& rig : status.rigs()) {
@@ -86,7 +86,7 @@ Result<void> check(const v1::StatusSnapshot& status) {
     if (!rig.session().has_trial()) continue;
     if (auto valid = check(rig.session().trial()); !valid) return valid;
   }
-  if (!v1::DiskState_IsValid(status.disk().state())) return damaged("a disk in an unknown state");
+  if (!v1::DiskState_IsValid(status.disk().state())) return damaged("the state of the disk is unknown");
   return check_amount(status.disk().recordable_s(), "the recordable time");
 }
 
@@ -109,7 +109,7 @@ Result<void> check(const v1::TestDeviceResponse& test) {
 }
 
 Result<void> check(const v1::SessionInfo& session) {
-  if (session.session_id().empty()) return damaged("a session without an id");
+  if (session.session_id().empty()) return damaged("a session has no ID");
   return session.has_trial() ? check(session.trial()) : Result<void>{};
 }
 
@@ -118,30 +118,31 @@ Result<void> check(const v1::MarkResponse& mark) { return check_count(mark.marks
 Result<void> check(const v1::TareResponse& tare) { return check_count(tare.baseline_mm_size(), kMaxChannels, "sensors"); }
 
 Result<void> check(const v1::TrialStatus& trial) {
-  if (!v1::TrialPhase_IsValid(trial.phase())) return damaged("a trial in an unknown phase");
+  if (!v1::TrialPhase_IsValid(trial.phase())) return damaged("the phase of a trial is unknown");
   return first_failure(check_amount(trial.next_target_cm(), "a trial's target"), check_amount(trial.remaining_s(), "a trial's time"));
 }
 
 namespace {
 
 Result<void> check(const v1::SessionPart& part) {
-  if (part.state() == v1::PART_STATE_UNSPECIFIED || !v1::PartState_IsValid(part.state())) return damaged("a recording in an unknown state");
+  if (part.state() == v1::PART_STATE_UNSPECIFIED || !v1::PartState_IsValid(part.state()))
+    return damaged("the state of a recording is unknown");
   return first_failure(check_count(part.losses_size(), kMaxTexts, "causes of losses"),
-                       check_amount(part.duration_s(), "the length of a recording"),
-                       check_amount(part.lost_s_at_most(), "what a recording lost"));
+                       check_amount(part.duration_s(), "the duration of a recording"),
+                       check_amount(part.lost_s_at_most(), "the lost time of a recording"));
 }
 
 Result<void> check(const v1::ProtocolInfo& protocol) {
-  if (!is_name(protocol.name())) return damaged("a protocol without a proper name");
+  if (!is_name(protocol.name())) return damaged("a protocol has no valid name");
   const std::string what = "of protocol '" + protocol.name() + "'";
   auto valid = first_failure(check_count(protocol.conditions_size(), kMaxTexts, ("conditions " + what).c_str()),
                              check_count(protocol.fields_size(), kMaxTexts, ("fields " + what).c_str()),
                              check_amount(protocol.settle_s(), "the settling time " + what),
-                             check_amount(protocol.duration_s(), "the length " + what));
+                             check_amount(protocol.duration_s(), "the duration " + what));
   for (const v1::ProtocolField& field : protocol.fields()) {
     if (!valid) break;
     const bool is_range = std::isfinite(field.minimum()) && std::isfinite(field.maximum()) && field.minimum() <= field.maximum();
-    valid = is_range ? check_count(field.choices_size(), kMaxTexts, "choices") : damaged("field '" + field.name() + "' without a range");
+    valid = is_range ? check_count(field.choices_size(), kMaxTexts, "choices") : damaged("field '" + field.name() + "' has no valid range");
   }
   return valid;
 }
@@ -149,7 +150,7 @@ Result<void> check(const v1::ProtocolInfo& protocol) {
 }  // namespace
 
 Result<void> check(const v1::SessionRecord& session) {
-  if (session.session_id().empty()) return damaged("a session without an id");
+  if (session.session_id().empty()) return damaged("a session has no ID");
   auto valid =
       first_failure(check_count(session.parts_size(), kMaxParts, "parts"), check_count(session.trials_size(), kMaxTrials, "trials"));
   for (const v1::SessionPart& part : session.parts()) {

@@ -3,6 +3,7 @@
 
 #include <sstream>
 
+#include "core/utf8.h"
 #include "record/utf8_text.h"
 #include "report/number_text.h"
 
@@ -113,7 +114,7 @@ double text_width(std::string_view text, double size) noexcept {
   constexpr std::string_view kWide = "mwMW%@";
   double em = 0.0;
   for (const char letter : text) {
-    if ((static_cast<unsigned char>(letter) & 0xC0U) == 0x80U) continue;  // continuation byte of a multi-byte character
+    if (!core::starts_character(letter)) continue;
     if (kNarrow.find(letter) != std::string_view::npos)
       em += 0.36;
     else if (kWide.find(letter) != std::string_view::npos)

@@ -28,58 +28,58 @@ struct FamilyRow {
 // clang-format off: one row per line
 constexpr std::array kFamilies = {
     FamilyRow{"Distance from the mean"},
-    FamilyRow{"MDIST, mean", Shape::Triple, Measure::Mdist},
-    FamilyRow{"RDIST, root mean square", Shape::Triple, Measure::Rdist},
-    FamilyRow{"MAXDIST, largest", Shape::Triple, Measure::Maxdist},
-    FamilyRow{"RANGE, largest between two points", Shape::Triple, Measure::Range},
-    FamilyRow{"SD1, sample standard deviation", Shape::Pair, Measure::Sd1Ap},
+    FamilyRow{"Mean distance (MDIST)", Shape::Triple, Measure::Mdist},
+    FamilyRow{"Root mean square distance (RDIST)", Shape::Triple, Measure::Rdist},
+    FamilyRow{"Largest distance (MAXDIST)", Shape::Triple, Measure::Maxdist},
+    FamilyRow{"Range between two points (RANGE)", Shape::Triple, Measure::Range},
+    FamilyRow{"Standard deviation (SD1)", Shape::Pair, Measure::Sd1Ap},
     FamilyRow{"Path and velocity"},
-    FamilyRow{"TOTEX, path length", Shape::Triple, Measure::Totex},
-    FamilyRow{"MVELO, mean velocity", Shape::Triple, Measure::Mvelo},
-    FamilyRow{"VMAX, largest velocity", Shape::Pair, Measure::VmaxAp},
-    FamilyRow{"AAMV, mean largest in 1 s", Shape::Pair, Measure::Aamv1sAp},
-    FamilyRow{"AAMV, mean largest in 2 s", Shape::Pair, Measure::Aamv2sAp},
-    FamilyRow{"AAMV, mean largest in 5 s", Shape::Pair, Measure::Aamv5sAp},
-    FamilyRow{"MFREQ, mean frequency", Shape::Triple, Measure::Mfreq},
+    FamilyRow{"Path length (TOTEX)", Shape::Triple, Measure::Totex},
+    FamilyRow{"Mean velocity (MVELO)", Shape::Triple, Measure::Mvelo},
+    FamilyRow{"Largest velocity (VMAX)", Shape::Pair, Measure::VmaxAp},
+    FamilyRow{"Largest velocity per 1 s, mean (AAMV)", Shape::Pair, Measure::Aamv1sAp},
+    FamilyRow{"Largest velocity per 2 s, mean (AAMV)", Shape::Pair, Measure::Aamv2sAp},
+    FamilyRow{"Largest velocity per 5 s, mean (AAMV)", Shape::Pair, Measure::Aamv5sAp},
+    FamilyRow{"Mean frequency (MFREQ)", Shape::Triple, Measure::Mfreq},
     FamilyRow{"Area and shape"},
-    FamilyRow{"PEA95-F, 95 % prediction ellipse", Shape::Single, Measure::Pea95F},
-    FamilyRow{"PEA95-CHI2, the same by chi-square", Shape::Single, Measure::Pea95Chi2},
-    FamilyRow{"AREA-CE, 95 % confidence ellipse", Shape::Single, Measure::AreaCe},
-    FamilyRow{"AREA-CC, 95 % confidence circle", Shape::Single, Measure::AreaCc},
-    FamilyRow{"AREA-HULL, convex hull", Shape::Single, Measure::AreaHull},
-    FamilyRow{"AREA-SW, swept per second", Shape::Single, Measure::AreaSw},
-    FamilyRow{"ELL-SD1, along the major axis", Shape::Single, Measure::EllSd1},
-    FamilyRow{"ELL-SD2, along the minor axis", Shape::Single, Measure::EllSd2},
-    FamilyRow{"ELL-ANGLE, of the major axis from ML", Shape::Single, Measure::EllAngle},
-    FamilyRow{"LFS, path over ellipse area", Shape::Single, Measure::Lfs},
-    FamilyRow{"FD-CC, fractal dimension, circle", Shape::Single, Measure::FdCc},
-    FamilyRow{"FD-CE, fractal dimension, ellipse", Shape::Single, Measure::FdCe},
+    FamilyRow{"95 % prediction ellipse (PEA95-F)", Shape::Single, Measure::Pea95F},
+    FamilyRow{"The same by chi-square (PEA95-CHI2)", Shape::Single, Measure::Pea95Chi2},
+    FamilyRow{"95 % confidence ellipse (AREA-CE)", Shape::Single, Measure::AreaCe},
+    FamilyRow{"95 % confidence circle (AREA-CC)", Shape::Single, Measure::AreaCc},
+    FamilyRow{"Convex hull (AREA-HULL)", Shape::Single, Measure::AreaHull},
+    FamilyRow{"Sway area per second (AREA-SW)", Shape::Single, Measure::AreaSw},
+    FamilyRow{"SD along the major axis (ELL-SD1)", Shape::Single, Measure::EllSd1},
+    FamilyRow{"SD along the minor axis (ELL-SD2)", Shape::Single, Measure::EllSd2},
+    FamilyRow{"Major axis from ML (ELL-ANGLE)", Shape::Single, Measure::EllAngle},
+    FamilyRow{"Path over ellipse area (LFS)", Shape::Single, Measure::Lfs},
+    FamilyRow{"Fractal dimension, circle (FD-CC)", Shape::Single, Measure::FdCc},
+    FamilyRow{"Fractal dimension, ellipse (FD-CE)", Shape::Single, Measure::FdCe},
     FamilyRow{"Spectrum, 0.15-5 Hz, 8 sine tapers (first column: RD)"},
     FamilyRow{"POWER", Shape::Triple, Measure::PowerRd},
-    FamilyRow{"PF50, median frequency", Shape::Triple, Measure::Pf50Rd},
-    FamilyRow{"PF95, 95 % of the power below", Shape::Triple, Measure::Pf95Rd},
-    FamilyRow{"CFREQ, centroidal frequency", Shape::Triple, Measure::CfreqRd},
-    FamilyRow{"MPF, mean power frequency", Shape::Triple, Measure::MpfRd},
-    FamilyRow{"FREQD, dispersion", Shape::Triple, Measure::FreqdRd},
-    FamilyRow{"MPF, both axes, whole band, Welch", Shape::Single, Measure::MpfResWelchhalf},
-    FamilyRow{"Random walk"},
+    FamilyRow{"Median frequency (PF50)", Shape::Triple, Measure::Pf50Rd},
+    FamilyRow{"Frequency with 95 % of power (PF95)", Shape::Triple, Measure::Pf95Rd},
+    FamilyRow{"Centroidal frequency (CFREQ)", Shape::Triple, Measure::CfreqRd},
+    FamilyRow{"Mean power frequency (MPF)", Shape::Triple, Measure::MpfRd},
+    FamilyRow{"Frequency dispersion (FREQD)", Shape::Triple, Measure::FreqdRd},
+    FamilyRow{"The same, both axes, Welch (MPF)", Shape::Single, Measure::MpfResWelchhalf},
+    FamilyRow{"Random walk (MSD: mean square displacement)"},
     FamilyRow{"MSD after 0.1 s", Shape::Triple, Measure::Msd100msRes},
     FamilyRow{"MSD after 0.5 s", Shape::Triple, Measure::Msd500msRes},
     FamilyRow{"MSD after 1 s", Shape::Triple, Measure::Msd1sRes},
     FamilyRow{"MSD after 2 s", Shape::Triple, Measure::Msd2sRes},
     FamilyRow{"MSD after 5 s", Shape::Triple, Measure::Msd5sRes},
     FamilyRow{"MSD after 10 s", Shape::Triple, Measure::Msd10sRes},
-    FamilyRow{"D-S, short-term diffusion", Shape::Triple, Measure::SdaDsRes},
-    FamilyRow{"D-L, long-term diffusion", Shape::Triple, Measure::SdaDlRes},
-    FamilyRow{"H-S, short-term exponent", Shape::Triple, Measure::SdaHsRes},
-    FamilyRow{"H-L, long-term exponent", Shape::Triple, Measure::SdaHlRes},
-    FamilyRow{"TC, critical time", Shape::Triple, Measure::SdaTcRes},
+    FamilyRow{"Short-term diffusion (D-S)", Shape::Triple, Measure::SdaDsRes},
+    FamilyRow{"Long-term diffusion (D-L)", Shape::Triple, Measure::SdaDlRes},
+    FamilyRow{"Short-term exponent (H-S)", Shape::Triple, Measure::SdaHsRes},
+    FamilyRow{"Long-term exponent (H-L)", Shape::Triple, Measure::SdaHlRes},
+    FamilyRow{"Critical time (TC)", Shape::Triple, Measure::SdaTcRes},
     FamilyRow{"Regularity and direction"},
-    FamilyRow{"SampEn, m = 2, r = 0.2, 20 Hz", Shape::Pair, Measure::SampenAp},
-    FamilyRow{"HC, mean change of heading (exp.)", Shape::Single, Measure::HcMeanabs},
-    FamilyRow{"HC, its standard deviation (exp.)", Shape::Single, Measure::HcSd},
-    FamilyRow{"HC, rate (exp.)", Shape::Single, Measure::HcRate},
-    FamilyRow{"AP-USE, AP range of foot length", Shape::Single, Measure::ApUse},
+    FamilyRow{"Sample entropy, m = 2, r = 0.2, 20 Hz", Shape::Pair, Measure::SampenAp},
+    FamilyRow{"Mean change of heading (HC, exp.)", Shape::Single, Measure::HcMeanabs},
+    FamilyRow{"SD of change of heading (HC, exp.)", Shape::Single, Measure::HcSd},
+    FamilyRow{"Rate of change of heading (HC, exp.)", Shape::Single, Measure::HcRate},
+    FamilyRow{"AP range of foot length (AP-USE)", Shape::Single, Measure::ApUse},
 };
 // clang-format on
 
@@ -104,7 +104,7 @@ class Cells {
       text += (text.empty() ? "" : "; ") + std::string(1, static_cast<char>('a' + index)) + ": " + reasons_[index];
     }
     if (text.empty()) return {};
-    return {"- no value. " + text + "."};
+    return {"-: no value. " + text + "."};
   }
 
  private:
@@ -123,7 +123,7 @@ std::string short_sentence(std::string_view sentence) {
   replace(", planar", "");
   replace(": path length over duration", "");
   replace(": turns around the mean position that make the path", "");
-  replace("Frequency below which 95 % of the power between 0.15 and 5 Hz lies", "95 % power freq.");
+  replace("Frequency below which 95 % of the power between 0.15 and 5 Hz lies", "95 % power frequency");
   replace(" of the power between 0.15 and 5 Hz", "");
   replace("Centroidal", "Centroid");
   replace("Root mean square distance from the mean position", "RMS distance");
@@ -136,6 +136,11 @@ std::string short_sentence(std::string_view sentence) {
 
 }  // namespace
 
+std::string measure_label(Measure measure) {
+  std::string name = short_sentence(info(measure).sentence);
+  return name.ends_with(')') ? name : name + " (" + std::string(info(measure).symbol) + ")";
+}
+
 std::string why_absent(Measure measure, const Analysis& analysis) {
   using namespace posturography::sway_flag;
   const bool is_spectral = is_between(measure, Measure::PowerRd, Measure::MpfResWelchhalf);
@@ -143,13 +148,13 @@ std::string why_absent(Measure measure, const Analysis& analysis) {
   const bool is_walk = is_between(measure, Measure::Msd100msRes, Measure::SdaTcMl);
   const bool is_diffusion = is_between(measure, Measure::SdaDsRes, Measure::SdaTcMl);
   const bool is_regularity = is_between(measure, Measure::SampenAp, Measure::HcRate);
-  if (measure == Measure::ApUse) return "the foot's length was not given (field foot_length_cm)";
+  if (measure == Measure::ApUse) return "the foot length is not given (field foot_length_cm)";
   if ((analysis.flags & kConstant) != 0) return "not defined: the COP does not move";
   if ((analysis.flags & kShortRecord) != 0 && (is_spectral || is_walk || is_regularity)) return "needs 10 s and 200 samples";
   if ((analysis.flags & kShortForQuantiles) != 0 && is_quantile) return "needs 20 s";
   if ((analysis.flags & kShortForDiffusion) != 0 && is_diffusion) return "needs 30 s";
   if ((analysis.flags & kConstantAxis) != 0) return "not defined: the COP moves along one axis only";
-  if (is_between(measure, Measure::SdaTcRes, Measure::SdaTcMl)) return "only where D-S > D-L and the lines cross below 10 s";
+  if (is_between(measure, Measure::SdaTcRes, Measure::SdaTcMl)) return "defined only if D-S > D-L and the lines cross below 10 s";
   if (is_between(measure, Measure::Msd100msRes, Measure::Msd10sMl)) return "lag above half the duration";
   return "not defined for this record";
 }
@@ -177,8 +182,8 @@ Table core_measures(const TrialData& trial) {
   }
   if (references.protocols.empty()) return table;
   table.footnotes.emplace_back(
-      "Other devices and programs give other values: a range shows where these people lay, not what should be." +
-      std::string(references.is_surface_assumed ? " The protocol does not say the surface: a firm one is assumed." : ""));
+      "Other devices and programs give other values: a range shows the values of these people, not a target." +
+      std::string(references.is_surface_assumed ? " The protocol does not state the surface: a firm surface is assumed." : ""));
   return table;
 }
 

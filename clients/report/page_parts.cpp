@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "report/page_parts.h"
 
+#include "core/join.h"
 #include "report/number_text.h"
 
 namespace dts::report {
@@ -14,10 +15,29 @@ std::string labels_text(const TrialData& trial) {
   return text;
 }
 
+namespace {
+
+/// Returns why a trial that was done does not count, or is shorter than planned; empty: it is whole.
+std::string invalid_text(const TrialData& trial) {
+  namespace flag = posturography::sway_flag;
+  if (!trial.analysis) return ", not valid: no values";
+  if ((trial.analysis->flags & flag::kSteppedOff) != 0) return ", not valid: stepped off";
+  if (!trial.analysis->is_valid()) return ", not valid: feet moved";
+  return (trial.analysis->flags & flag::kCutAtGap) != 0 ? ", cut short by a gap" : "";
+}
+
+}  // namespace
+
 std::string outcome_text(const TrialData& trial) {
-  if (trial.recorded.outcome.empty()) return trial.recorded.trial == 0 ? "no protocol" : "never ended: does not count";
-  if (trial.recorded.outcome == "done") return "done";
-  return trial.recorded.outcome + ": does not count";
+  if (trial.recorded.outcome.empty()) return trial.recorded.trial == 0 ? "no protocol" : "not ended: not valid";
+  if (trial.recorded.outcome != "done") return trial.recorded.outcome + ": not valid";
+  return "done" + invalid_text(trial);
+}
+
+std::string stance_text(const std::string& stance) {
+  std::string text;
+  for (const char letter : stance) text += letter == ',' ? std::string(", ") : std::string(1, letter == '=' ? ' ' : letter);
+  return text;
 }
 
 std::string filter_text(const posturography::Analysis& analysis) {
@@ -29,7 +49,7 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   std::vector<Fact> facts;
   for (std::size_t part = first_part; part < end_part && part < session.parts.size(); ++part) {
     const PartData& file = session.parts[part];
-    const std::string proof = file.sha256.empty() ? "SHA-256 not given: the file is damaged" : file.state + ", SHA-256 " + file.sha256;
+    const std::string proof = file.sha256.empty() ? "no SHA-256: the file is damaged" : file.state + ", SHA-256 " + file.sha256;
     facts.push_back({.name = "Recording", .value = file.file + ", " + proof});
   }
   const std::string computed = session.software.empty() ? "-" : session.software;
@@ -44,21 +64,19 @@ std::vector<Fact> provenance_of(const SessionData& session, std::size_t first_pa
   if (!about.firmware.empty()) device += ", firmware " + about.firmware;
   facts.push_back({.name = "Device", .value = device + " (" + about.device_uri + ")"});
   facts.push_back({.name = "Calibration",
-                   .value = about.calibration_id.empty() ? "none of this rig: its plate model stands in for it" : about.calibration_id});
-  std::string stages;
-  for (const std::string& stage : about.stages) stages += (stages.empty() ? "" : "; ") + stage;
-  facts.push_back({.name = "Stages", .value = stages.empty() ? "-" : stages});
+                   .value = about.calibration_id.empty() ? "none for this rig: the plate model is used" : about.calibration_id});
+  facts.push_back({.name = "Stages", .value = about.stages.empty() ? "-" : core::join(about.stages, "; ")});
   return facts;
 }
 
 std::vector<std::string> session_alerts(const SessionData& session) {
   std::vector<std::string> alerts;
   if (session.is_synthetic()) {
-    alerts.push_back("Synthetic data: made by a simulator (" + session.facts->device_uri + "). No person was measured.");
+    alerts.push_back("Synthetic data from a simulator (" + session.facts->device_uri + "). No person was measured.");
   }
   for (const PartData& part : session.parts) {
     if (!part.damage.empty())
-      alerts.push_back("The recording " + part.file + " is not whole (" + part.damage + "): what is whole is shown.");
+      alerts.push_back("The recording " + part.file + " is damaged (" + part.damage + "): only the undamaged part is shown.");
     if (!part.losses.empty()) alerts.push_back("The recording " + part.file + " has gaps: " + part.losses + ".");
   }
   return alerts;
@@ -66,10 +84,10 @@ std::vector<std::string> session_alerts(const SessionData& session) {
 
 std::string accuracy_note(const SessionData& session) {
   std::string note =
-      "Accuracy: this kind of platform was 1.05 mm (RMSE) off a force plate (thesis, Table 4.2), about ten times what is asked of "
-      "posturography "
-      "platforms (0.1 mm: ISPGR committee, Scoppa et al. 2013; Gagey). Small differences between trials may be the platform's.";
-  if (session.is_synthetic()) note += " Synthetic data have the simulator's errors instead.";
+      "Accuracy: this kind of platform differed from a force plate by 1.05 mm (RMSE; thesis, Table 4.2). The requirement for "
+      "posturography platforms is 0.1 mm (ISPGR committee, Scoppa et al. 2013; Gagey). Small differences between trials may come from "
+      "the platform.";
+  if (session.is_synthetic()) note += " Synthetic data have the errors of the simulator instead.";
   return note;
 }
 

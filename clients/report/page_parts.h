@@ -11,8 +11,10 @@ namespace dts::report {
 
 /// "eyes open, feet two".
 [[nodiscard]] std::string labels_text(const TrialData& trial);
-/// Returns "done", or a conspicuous text: "REDONE: does not count".
+/// Returns "done", or what is wrong: "redone: does not count", "done, not valid: stepped off".
 [[nodiscard]] std::string outcome_text(const TrialData& trial);
+/// Returns "feet=two,surface=firm" as words with places for line breaks.
+[[nodiscard]] std::string stance_text(const std::string& stance);
 /// Describes the filter of the analysis in words.
 [[nodiscard]] std::string filter_text(const posturography::Analysis& analysis);
 /// Returns the files, devices and programs from which the numbers originate, for the parts [first_part, end_part).

@@ -60,16 +60,16 @@ std::vector<std::string> warnings(const MatchedReferences& references, const pos
   if (references.protocols.empty()) return texts;
   for (const posturography::ReferenceProtocol& protocol : references.protocols) {
     if (std::abs(protocol.duration_s - analysis.duration_s) <= kSameDurationS) continue;
-    texts.push_back("The reference ranges are of trials of " + fixed(protocol.duration_s, 0) + " s, this trial has " +
+    texts.push_back("The reference ranges are from trials of " + fixed(protocol.duration_s, 0) + " s; this trial has " +
                     fixed(analysis.duration_s, 1) +
-                    " s: distances, ranges, areas and frequencies change with duration and do not compare.");
+                    " s. Distances, ranges, areas and frequencies depend on the duration: do not compare them.");
     break;
   }
   const std::string profile(posturography::name(analysis.profile));
   for (const posturography::ReferenceProtocol& protocol : references.protocols) {
     if (protocol.protocol.find("profile " + profile) != std::string_view::npos) continue;
-    texts.push_back("The reference ranges were computed with another filter than this trial's (" + profile +
-                    "): path, velocity and what is made of them differ by it.");
+    texts.push_back("The reference ranges were computed with another filter than this trial (" + profile +
+                    "). Path, velocity and measures derived from them depend on the filter.");
     break;
   }
   return texts;

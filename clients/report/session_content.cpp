@@ -3,6 +3,7 @@
 #include <array>
 #include <set>
 
+#include "core/utf8.h"
 #include "posturography/cop_series.h"
 #include "report/number_text.h"
 #include "report/page_parts.h"
@@ -23,14 +24,14 @@ std::vector<Fact> facts_of(const SessionData& session) {
   const record::SessionFacts& about = *session.facts;
   const auto or_dash = [](const std::string& text) { return text.empty() ? std::string("-") : text; };
   std::vector<Fact> facts{{.name = "Session", .value = or_dash(about.session_id)},
-                          {.name = "Subject", .value = or_dash(about.subject)},
+                          {.name = "Subject ID", .value = or_dash(about.subject)},
                           {.name = "Rig", .value = or_dash(about.rig)},
                           {.name = "Protocol", .value = or_dash(about.protocol)},
-                          {.name = "Started", .value = about.started_utc_ns > 0 ? utc_text(about.started_utc_ns) : "not known"}};
+                          {.name = "Started", .value = about.started_utc_ns > 0 ? utc_text(about.started_utc_ns) : "unknown"}};
   const auto kept = std::ranges::count_if(session.trials, [](const TrialData& trial) { return trial.counts(); });
-  facts.push_back({.name = "Trials",
-                   .value = std::to_string(kept) + " count" +
-                            (session.planned_trials > 0 ? ", " + std::to_string(session.planned_trials) + " planned" : "")});
+  facts.push_back(
+      {.name = "Trials",
+       .value = std::to_string(kept) + (session.planned_trials > 0 ? " of " + std::to_string(session.planned_trials) : "") + " valid"});
   for (const auto& [name, value] : about.fields) {
     if (facts.size() < 16) facts.push_back({.name = name, .value = value});
   }
@@ -52,7 +53,7 @@ std::string cut(const std::string& text, double width_mm, double size) {
   if (text_width(text, size) <= width_mm) return text;
   std::string shorter = text;
   while (!shorter.empty() && text_width(shorter + "...", size) > width_mm) {
-    while (!shorter.empty() && (static_cast<unsigned char>(shorter.back()) & 0xC0U) == 0x80U) shorter.pop_back();
+    while (!shorter.empty() && !core::starts_character(shorter.back())) shorter.pop_back();
     if (!shorter.empty()) shorter.pop_back();
   }
   return shorter + "...";
@@ -65,8 +66,7 @@ void draw_cells(Canvas& canvas, const std::vector<const TrialData*>& trials) {
     const TrialData& trial = *trials[index];
     Canvas cell =
         canvas.group(pitch * static_cast<double>(index % kCellsInRow), (kCellMm + kCellTextMm) * static_cast<double>(index / kCellsInRow));
-    cell.text(0.0, 2.2, cut(trial.number() + (trial.counts() ? "" : " (does not count)"), pitch - 2.0, 2.1),
-              {.size = 2.1, .is_bold = true});
+    cell.text(0.0, 2.2, cut(trial.number() + (trial.counts() ? "" : " (not valid)"), pitch - 2.0, 2.1), {.size = 2.1, .is_bold = true});
     cell.text(0.0, 4.8, cut(trial.recorded.condition, pitch - 2.0, 1.9), {.size = 1.9, .colour = colour::kDarkGrey});
     const double side = kCellMm - 2.0;
     cell.rect(0.0, 5.6, side, side, colour::kNone, {.colour = colour::kGrey, .width = 0.15});
@@ -77,14 +77,14 @@ void draw_cells(Canvas& canvas, const std::vector<const TrialData*>& trials) {
 Figure small_multiples(const std::vector<const TrialData*>& trials) {
   const double rows = static_cast<double>((trials.size() + kCellsInRow - 1) / kCellsInRow);
   const double side_mm = (kCellMm - 2.0) / common_scale(trials);
-  return {.title = "Stabilograms, front up, right to the right: every frame is " + fixed(side_mm, 1) + " mm wide and high",
+  return {.title = "Stabilograms: top = front, right = right. Each frame is " + fixed(side_mm, 1) + " mm wide and high",
           .width_mm = kFullWidthMm,
           .height_mm = rows * (kCellMm + kCellTextMm),
           .draw = [trials](Canvas& canvas) { draw_cells(canvas, trials); }};
 }
 
 Notes left_out(const SessionData& session) {
-  Notes notes{.title = "Left out", .items = {}};
+  Notes notes{.title = "Excluded trials", .items = {}};
   std::set<std::uint32_t> done;
   for (const TrialData& trial : session.trials) {
     if (trial.counts()) done.insert(trial.recorded.trial);
@@ -92,14 +92,14 @@ Notes left_out(const SessionData& session) {
     std::string why = trial.is_kept() ? "" : outcome_text(trial);
     if (!trial.problem.empty()) why += (why.empty() ? "" : "; ") + trial.problem;
     if (trial.analysis && !trial.analysis->is_valid())
-      why += (why.empty() ? "" : "; ") + std::string("invalid: stepped off, or feet moved");
+      why += (why.empty() ? "" : "; ") + std::string("invalid: the subject stepped off or moved the feet");
     notes.items.push_back("Trial " + trial.number() + ": " + why + ".");
   }
   for (const TrialData& trial : session.trials) {
     if (!trial.counts() || (trial.analysis->flags & posturography::sway_flag::kCutAtGap) == 0 || notes.items.size() >= 40) continue;
-    notes.items.push_back("Trial " + trial.number() + ": samples are missing, only its longest clean stretch of " +
+    notes.items.push_back("Trial " + trial.number() + ": samples are missing; only the longest part without a gap was analysed: " +
                           fixed(trial.analysis->duration_s, 1) +
-                          " s was analysed. It is in a mean only if no trial of its condition is whole.");
+                          " s. The trial is in a mean only if every trial of its condition has missing samples.");
   }
   std::string missing;
   std::size_t count = 0;
@@ -109,9 +109,12 @@ Notes left_out(const SessionData& session) {
   }
   if (count > 0) {
     notes.items.push_back(std::to_string(count) + " of " + std::to_string(session.planned_trials) +
-                          " planned trials have no result that counts: " + missing + (count > 20 ? ", ..." : "") + ".");
+                          " planned trials have no valid result: " + missing + (count > 20 ? ", ..." : "") + ".");
   }
-  if (notes.items.empty()) notes.items.emplace_back("Nothing.");
+  for (const auto& [stance, reason] : session.missing_quotients) {
+    notes.items.push_back("No Romberg quotient" + (stance.empty() ? "" : " for " + stance_text(stance)) + ": " + reason + ".");
+  }
+  if (notes.items.empty()) notes.items.emplace_back("None.");
   return notes;
 }
 
@@ -125,13 +128,11 @@ Notes differences(const SessionData& session) {
     if (!trial.differing.empty()) ++differing;
   }
   if (differing > 0 || !session.differing_figures.empty()) {
-    notes.items.push_back("Values told by the daemon when this was recorded differ from those computed now (by more than 1e-9) in " +
-                          std::to_string(differing) + " of " + std::to_string(told) + " trials and " +
-                          std::to_string(session.differing_figures.size()) + " figures of the session.");
+    notes.items.push_back("Live values of the daemon and values computed now differ by more than 1e-9 in " + std::to_string(differing) +
+                          " of " + std::to_string(told) + " trials and " + std::to_string(session.differing_figures.size()) +
+                          " results of the session.");
   } else if (told > 0) {
-    notes.items.push_back(told == 1
-                              ? "The values of the trial that the daemon recorded are the same as these."
-                              : "The values of the " + std::to_string(told) + " trials that the daemon recorded are the same as these.");
+    notes.items.push_back("Live and recomputed values match in " + std::to_string(told) + (told == 1 ? " trial." : " trials."));
   }
   notes.items.push_back(accuracy_note(session));
   return notes;
@@ -157,12 +158,12 @@ PageContent session_content(const SessionData& session, const SessionPageLimits&
   }
   if (!shown.empty()) page.sections.push_back({.columns = {{small_multiples(shown)}}});
   if (drawable > shown.size()) {
-    page.alerts.push_back(std::to_string(drawable - shown.size()) + " more stabilograms are on the pages of their trials only.");
+    page.alerts.push_back(std::to_string(drawable - shown.size()) + " more stabilograms are only on the pages of their trials.");
   }
   Section tables{.columns = {{}}};
   for (Table& table : condition_tables(session)) tables.columns[0].push_back(std::move(table));
   page.sections.push_back(std::move(tables));
-  Notes provenance{.title = "Where this comes from", .items = {}};
+  Notes provenance{.title = "Source of the data", .items = {}};
   for (const Fact& fact : provenance_of(session, 0, session.parts.size())) provenance.items.push_back(fact.name + ": " + fact.value);
   Section rest{.columns = {{}, {left_out(session), differences(session)}}};
   if (auto romberg = romberg_table(session)) rest.columns[0].push_back(std::move(*romberg));

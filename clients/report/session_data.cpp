@@ -44,7 +44,7 @@ class Waiting {
   bool is_wanted_ = true;
 };
 
-auto interrupted() { return core::fail(core::ErrorCode::Failed, "the report was interrupted: nothing is written"); }
+auto interrupted() { return core::fail(core::ErrorCode::Failed, "the report was interrupted: no page was written"); }
 
 core::Result<PartData> check_part(const std::string& path, const record::Recording& recording, Waiting& waiting, const Share& share) {
   PartData part{.file = std::filesystem::path(path).filename().string(),
@@ -61,7 +61,7 @@ core::Result<PartData> check_part(const std::string& path, const record::Recordi
     part.sha256 = verified->sha256;
     part.state = record::name(record::state_of(*verified, path));
   } else if (part.damage.empty()) {
-    return core::fail(verified.error().code, verified.error().what, "keep what is whole: dtsctl session recover " + path);
+    return core::fail(verified.error().code, verified.error().what, "copy the undamaged part: dtsctl session recover " + path);
   }
   return part;
 }
@@ -79,8 +79,8 @@ core::Status read_part(const std::string& path, Waiting& waiting, const Share& s
   const double middle = share.begin + (share.end - share.begin) / 3.0;
   if (session.parts.empty()) session.facts = (*opened)->session();
   if (!(*opened)->find_stream("cop")) {
-    return core::fail(core::ErrorCode::NotFound, "'" + path + "' has no centre of pressure: reports are for the floor platform so far",
-                      "a session of the chair shows its results with: dtsctl session show ID");
+    return core::fail(core::ErrorCode::NotFound, "'" + path + "' has no centre of pressure: reports exist only for the floor platform",
+                      "for a session of the chair, show the results: dtsctl session show ID");
   }
   auto part = check_part(path, **opened, waiting, {.begin = share.begin, .end = middle});
   if (!part) return tl::make_unexpected(part.error());
@@ -142,20 +142,22 @@ void name_pages(std::vector<TrialData>& trials) {
 void summarise(SessionData& session) {
   const std::vector<session::SessionFigure> told = std::exchange(session.summary, {});
   std::vector<session::SwayTrialResult> results;
+  std::vector<session::SwayTrialResult> all;
   for (const TrialData& trial : session.trials) {
-    if (!trial.is_kept()) continue;
-    results.push_back({.trial = trial.recorded.trial,
-                       .attempt = trial.recorded.attempt,
-                       .condition = trial.recorded.condition,
-                       .labels = trial.recorded.labels,
-                       .segment = trial.recorded.segment,
-                       .first_scan = trial.recorded.first_scan,
-                       .end_scan = trial.recorded.end_scan,
-                       .end_segment = trial.recorded.end_segment,
-                       .analysis = trial.analysis,
-                       .problem = trial.problem});
+    all.push_back({.trial = trial.recorded.trial,
+                   .attempt = trial.recorded.attempt,
+                   .condition = trial.recorded.condition,
+                   .labels = trial.recorded.labels,
+                   .segment = trial.recorded.segment,
+                   .first_scan = trial.recorded.first_scan,
+                   .end_scan = trial.recorded.end_scan,
+                   .end_segment = trial.recorded.end_segment,
+                   .analysis = trial.is_kept() ? trial.analysis : std::nullopt,
+                   .problem = trial.problem});
+    if (trial.is_kept()) results.push_back(all.back());
   }
   session.summary = session::sway_summary(results);
+  session.missing_quotients = session::missing_quotients(all);
   if (session.parts.size() != 1) return;
   for (const session::SessionFigure& figure : told) {
     const auto found = std::ranges::find(session.summary, figure.name, &session::SessionFigure::name);
@@ -188,7 +190,7 @@ std::string SessionData::session_id() const { return facts ? facts->session_id :
 
 core::Result<SessionData> read_session(const ReportSource& source, const ReportProgress& progress) {
   SessionData session{.software = source.software};
-  if (source.files.empty()) return core::fail(core::ErrorCode::InvalidArgument, "there is no recording to report on");
+  if (source.files.empty()) return core::fail(core::ErrorCode::InvalidArgument, "no recording for the report");
   Waiting waiting(progress);
   const double share = kReadingShare / static_cast<double>(source.files.size());
   for (std::size_t part = 0; part < source.files.size(); ++part) {

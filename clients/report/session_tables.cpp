@@ -7,6 +7,7 @@
 #include <map>
 #include <string_view>
 
+#include "report/measure_tables.h"
 #include "report/number_text.h"
 #include "report/page_parts.h"
 
@@ -24,11 +25,15 @@ struct ShownMeasure {
   Measure measure;
   std::string_view head;
 };
-constexpr std::array kShown = {ShownMeasure{Measure::Mvelo, "MVELO mm/s"},    ShownMeasure{Measure::Rdist, "RDIST mm"},
-                               ShownMeasure{Measure::RdistAp, "RDIST AP mm"}, ShownMeasure{Measure::RdistMl, "RDIST ML mm"},
-                               ShownMeasure{Measure::RangeAp, "RANGE AP mm"}, ShownMeasure{Measure::RangeMl, "RANGE ML mm"},
-                               ShownMeasure{Measure::Pea95F, "PEA95-F mm2"},  ShownMeasure{Measure::AreaSw, "AREA-SW mm2/s"},
-                               ShownMeasure{Measure::Mfreq, "MFREQ Hz"}};
+constexpr std::array kShown = {ShownMeasure{Measure::Mvelo, "Mean velocity (MVELO), mm/s"},
+                               ShownMeasure{Measure::Rdist, "RMS distance (RDIST), mm"},
+                               ShownMeasure{Measure::RdistAp, "RMS distance AP, mm"},
+                               ShownMeasure{Measure::RdistMl, "RMS distance ML, mm"},
+                               ShownMeasure{Measure::RangeAp, "Range AP, mm"},
+                               ShownMeasure{Measure::RangeMl, "Range ML, mm"},
+                               ShownMeasure{Measure::Pea95F, "95 % ellipse (PEA95-F), mm2"},
+                               ShownMeasure{Measure::AreaSw, "Sway area (AREA-SW), mm2/s"},
+                               ShownMeasure{Measure::Mfreq, "Mean freq. (MFREQ), Hz"}};
 
 /// Healthy young and aged people, firm surface, eyes closed over open: median (5-95 %), computed from the BDS set (posturography sheet
 /// section 6).
@@ -52,13 +57,6 @@ FigureName parts_of(const std::string& name) {
   return {.group = name.substr(0, slash), .symbol = name.substr(slash + 1)};
 }
 
-/// Returns "feet=two,surface=firm" as words with places for line breaks.
-std::string stance_text(const std::string& stance) {
-  std::string text;
-  for (const char letter : stance) text += letter == ',' ? std::string(", ") : std::string(1, letter == '=' ? ' ' : letter);
-  return text.empty() ? "quotient" : text;
-}
-
 /// The published quotients are for two feet on a firm surface; a stance without a surface counts as firm.
 bool is_of_references(const std::string& stance) {
   const bool is_firm = stance.find("surface=") == std::string::npos || stance.find("surface=firm") != std::string::npos;
@@ -71,7 +69,7 @@ std::string other_duration(const SessionData& session) {
   const auto other = std::ranges::find_if(session.trials, [](const TrialData& trial) {
     return trial.counts() && trial.analysis && std::abs(trial.analysis->duration_s - kPublishedS) > 1.0;
   });
-  return other == session.trials.end() ? "" : " These trials last " + fixed(other->analysis->duration_s, 1) + " s.";
+  return other == session.trials.end() ? "" : " The duration of these trials is " + fixed(other->analysis->duration_s, 1) + " s.";
 }
 
 bool is_romberg(const session::SessionFigure& figure) { return figure.unit == "1" && figure.name.starts_with(kRomberg); }
@@ -111,14 +109,14 @@ std::string head_of(const SessionData& session, const std::string& condition) {
 }
 
 Table means_of(const SessionData& session, const Groups& groups, std::size_t first, std::size_t end) {
-  Table table{.title = "Mean per condition, of the trials that count",
-              .columns = {{.head = "Measure", .share = 1.6}, {.head = "Unit", .share = 0.7}},
+  Table table{.title = "Mean per condition, valid trials",
+              .columns = {{.head = "Measure", .share = 3.0}, {.head = "Unit", .share = 0.7}},
               .rows = {}};
   for (std::size_t index = first; index < end; ++index) {
     table.columns.push_back({.head = head_of(session, groups.names[index]), .share = 1.5, .is_number = true});
   }
   for (const Measure measure : measures_of(groups)) {
-    Row row{.cells = {std::string(info(measure).symbol), std::string(info(measure).unit)}};
+    Row row{.cells = {measure_label(measure), std::string(info(measure).unit)}};
     for (std::size_t index = first; index < end; ++index) row.cells.push_back(groups.text(groups.names[index], info(measure).symbol));
     table.rows.push_back(std::move(row));
   }
@@ -131,13 +129,11 @@ Table trial_table(const SessionData& session, std::size_t most_rows) {
   Table table{.title = "Trials",
               .columns = {{.head = "Trial", .share = 1.3}, {.head = "Condition", .share = 2.5}, {.head = "Outcome", .share = 2.3}},
               .rows = {}};
-  table.columns.push_back({.head = "T s", .share = 0.8, .is_number = true});
+  table.columns.push_back({.head = "Duration, s", .share = 0.9, .is_number = true});
   for (const ShownMeasure& shown : kShown) table.columns.push_back({.head = std::string(shown.head), .share = 1.0, .is_number = true});
   for (const TrialData& trial : session.trials) {
     if (table.rows.size() >= most_rows) break;
-    std::string outcome = outcome_text(trial);
-    if (trial.is_kept() && !trial.counts()) outcome = trial.analysis ? "invalid" : "no values";
-    Row row{.cells = {trial.number(), trial.recorded.condition.empty() ? "-" : trial.recorded.condition, outcome},
+    Row row{.cells = {trial.number(), trial.recorded.condition.empty() ? "-" : trial.recorded.condition, outcome_text(trial)},
             .is_heading = false,
             .link = trial.page};
     row.cells.push_back(trial.analysis ? fixed(trial.analysis->duration_s, 1) : "-");
@@ -148,9 +144,10 @@ Table trial_table(const SessionData& session, std::size_t most_rows) {
     table.rows.push_back(std::move(row));
   }
   if (session.trials.size() > table.rows.size()) {
-    table.footnotes.push_back(std::to_string(session.trials.size() - table.rows.size()) + " more trials have pages of their own.");
+    table.footnotes.push_back(std::to_string(session.trials.size() - table.rows.size()) + " more trials are only on their own pages.");
   }
-  if (session.trials.empty()) table.footnotes.emplace_back("Nothing to analyse: nobody stood still on the plate for 10 s on end.");
+  if (session.trials.empty())
+    table.footnotes.emplace_back("No trial to analyse: no one stood still on the plate for 10 s without a break.");
   return table;
 }
 
@@ -176,10 +173,10 @@ std::optional<Table> romberg_table(const SessionData& session) {
     groups.add(name.group, name.symbol, figure.value);
   }
   if (groups.names.empty()) return std::nullopt;
-  Table table{.title = "Romberg quotient: eyes closed / eyes open", .columns = {{.head = "Measure", .share = 1.6}}, .rows = {}};
+  Table table{.title = "Romberg quotient: eyes closed / eyes open", .columns = {{.head = "Measure", .share = 2.4}}, .rows = {}};
   if (groups.names.size() > kMostConditions) groups.names.resize(kMostConditions);
   for (const std::string& stance : groups.names) {
-    table.columns.push_back({.head = stance_text(stance), .share = 1.2, .is_number = true});
+    table.columns.push_back({.head = stance.empty() ? "quotient" : stance_text(stance), .share = 1.2, .is_number = true});
   }
   const bool has_references = std::ranges::any_of(groups.names, is_of_references);
   if (has_references) {
@@ -187,7 +184,7 @@ std::optional<Table> romberg_table(const SessionData& session) {
     table.columns.push_back({.head = "published, 60+ (2)", .share = 1.6, .is_number = true});
   }
   for (const Measure measure : measures_of(groups)) {
-    Row row{.cells = {std::string(info(measure).symbol)}};
+    Row row{.cells = {measure_label(measure)}};
     for (const std::string& stance : groups.names) row.cells.push_back(groups.text(stance, info(measure).symbol));
     const auto published = std::ranges::find(kPublished, measure, &PublishedQuotient::measure);
     if (has_references) {
@@ -197,13 +194,13 @@ std::optional<Table> romberg_table(const SessionData& session) {
     table.rows.push_back(std::move(row));
   }
   table.footnotes.emplace_back(
-      "Of the means. A quotient below 1 is common and no error. It is made only of trials of equal duration and equal stance.");
+      "Computed from the means of trials with equal duration and equal stance. A quotient below 1 is common and not an error.");
   if (has_references) {
     table.footnotes.emplace_back(
-        "Published: median (5-95 %), two feet, firm surface, 60 s; (1) 36 people of 20 to 38 years, no illness, disability or fall "
+        "Published: median (5-95 %), two feet, firm surface, 60 s; (1) 36 people aged 20 to 38, no illness, disability or fall "
         "reported; "
-        "(2) 76 people aged 60 or more, illness allowed. Computed from Santos & Duarte 2016, PeerJ 4:e2648 (CC BY 4.0), another device: "
-        "not for one foot, foam or other durations." +
+        "(2) 76 people aged 60 or more, illness allowed. Computed from Santos & Duarte 2016, PeerJ 4:e2648 (CC BY 4.0), another device. "
+        "Not comparable with one foot, foam or other durations." +
         other_duration(session));
   }
   return table;

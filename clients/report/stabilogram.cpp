@@ -95,7 +95,7 @@ void draw_inset(Canvas& canvas, double x, double y, double size, const Frame& fr
   const double bottom = std::clamp(centre_y - (prepared.mean_ap_mm - frame.half_ap_mm()) * scale, y, y + height);
   canvas.rect(left, top, std::max(right - left, 0.3), std::max(bottom - top, 0.3), colour::kNone, {.colour = colour::kBlue, .width = 0.35});
   const TextStyle style{.size = kSmallText, .colour = colour::kDarkGrey};
-  canvas.text(x, y + height + 2.8, "picture on the", style);
+  canvas.text(x, y + height + 2.8, "drawn area on", style);
   canvas.text(x, y + height + 5.4, "plate, " + fixed(plate.a_mm, 0) + " x", style);
   canvas.text(x, y + height + 8.0, fixed(plate.b_mm, 0) + " mm, front up", style);
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/utf8.h"
 #include "report/page_parts.h"
 #include "report/report.h"
 
@@ -38,7 +39,7 @@ std::vector<std::string> lines_of(const std::string& text, double width, double 
     if (!lines.back().empty()) lines.back() += " ";
     const bool is_too_long = text_width(word, size) > width;
     for (const char letter : word) {
-      const bool begins_character = (static_cast<unsigned char>(letter) & 0xC0U) != 0x80U;
+      const bool begins_character = core::starts_character(letter);
       if (is_too_long && begins_character && text_width(lines.back(), size) > width - size) lines.emplace_back();
       lines.back() += letter;
     }
@@ -209,7 +210,7 @@ std::string svg_of(const PageContent& content) {
     y = bottom;
   }
   if (is_full) {
-    canvas.text(kPageWidthMm - kMarginMm, kPageHeightMm - 2.5, "The page is full: all of it is in the HTML page.",
+    canvas.text(kPageWidthMm - kMarginMm, kPageHeightMm - 2.5, "This page is full; the HTML page shows everything.",
                 {.size = 2.4, .anchor = Anchor::End, .colour = colour::kVermillion, .is_bold = true});
   }
   return text_of(document, true);

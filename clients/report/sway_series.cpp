@@ -114,7 +114,8 @@ void draw_time_axis(Canvas& canvas, const Panel& panel, const Panel& first) {
     canvas.text(panel.x(t_s), bottom + 2.8, ticks.label(t_s),
                 {.size = kSmallText, .anchor = t_s > 0.97 * panel.length_s ? Anchor::End : Anchor::Middle, .colour = colour::kDarkGrey});
   }
-  canvas.text(panel.left + panel.width / 2.0, bottom + 6.0, "time since measuring began, s", {.size = 2.4, .anchor = Anchor::Middle});
+  canvas.text(panel.left + panel.width / 2.0, bottom + 6.0, "time since the start of the measurement, s",
+              {.size = 2.4, .anchor = Anchor::Middle});
 }
 
 void draw_lane(Canvas& canvas, const Panel& panel, const Lane& lane, const CopSeries& recorded, const Prepared* prepared) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
+#include "core/join.h"
 #include "report/measure_tables.h"
 #include "report/number_text.h"
 #include "report/page_parts.h"
@@ -21,13 +22,13 @@ std::string or_dash(const std::string& text) { return text.empty() ? "-" : text;
 std::vector<Fact> facts_of(const SessionData& session, const TrialData& trial) {
   std::vector<Fact> facts;
   facts.push_back({.name = "Session", .value = or_dash(session.session_id())});
-  facts.push_back({.name = "Subject", .value = session.facts ? or_dash(session.facts->subject) : "-"});
+  facts.push_back({.name = "Subject ID", .value = session.facts ? or_dash(session.facts->subject) : "-"});
   facts.push_back({.name = "Rig", .value = session.facts ? or_dash(session.facts->rig) : "-"});
   facts.push_back({.name = "Protocol", .value = session.facts ? or_dash(session.facts->protocol) : "-"});
   facts.push_back({.name = "Condition", .value = or_dash(trial.recorded.condition)});
   facts.push_back({.name = "Labels", .value = or_dash(labels_text(trial))});
   facts.push_back({.name = "Outcome", .value = outcome_text(trial)});
-  facts.push_back({.name = "Measured from", .value = trial.begins_utc_ns ? utc_text(*trial.begins_utc_ns) : "not known"});
+  facts.push_back({.name = "Measured from", .value = trial.begins_utc_ns ? utc_text(*trial.begins_utc_ns) : "unknown"});
   if (trial.analysis) {
     facts.push_back({.name = "Analysed",
                      .value = fixed(trial.analysis->duration_s, 2) + " s, N = " + std::to_string(trial.analysis->samples) + " at " +
@@ -43,27 +44,23 @@ std::vector<Fact> facts_of(const SessionData& session, const TrialData& trial) {
 std::vector<std::string> alerts_of(const SessionData& session, const TrialData& trial) {
   std::vector<std::string> alerts = session_alerts(session);
   if (!trial.is_kept()) {
-    const std::string what = trial.recorded.outcome.empty() ? "never ended" : "was " + trial.recorded.outcome;
-    alerts.push_back("This trial " + what + ": it does not count.");
+    const std::string what = trial.recorded.outcome.empty() ? "did not end" : "was " + trial.recorded.outcome;
+    alerts.push_back("This trial " + what + ": it is not valid.");
   }
-  if (!trial.problem.empty()) alerts.push_back("Nothing could be computed: " + trial.problem + ".");
+  if (!trial.problem.empty()) alerts.push_back("No values: " + trial.problem + ".");
   if (trial.analysis && !trial.analysis->is_valid()) {
-    alerts.emplace_back("Invalid: the subject stepped off or moved the feet. The values say nothing about steadiness.");
+    alerts.emplace_back("Invalid: the subject stepped off or moved the feet. Do not use the values to judge steadiness.");
   }
-  std::string doubts;
-  for (const std::string& warning : reference_warnings(trial)) doubts += (doubts.empty() ? "" : " ") + warning;
+  const std::string doubts = core::join(reference_warnings(trial), " ");
   if (!doubts.empty()) alerts.push_back(doubts);
   return alerts;
 }
 
 std::string differing_text(const TrialData& trial) {
-  std::string names;
-  for (std::size_t index = 0; index < std::min(kMostDifferingNamed, trial.differing.size()); ++index) {
-    names += (index == 0 ? "" : ", ") + trial.differing[index];
-  }
+  std::string names = core::join(std::views::take(trial.differing, kMostDifferingNamed));
   if (trial.differing.size() > kMostDifferingNamed) names += ", ...";
-  return "Values told by the daemon when this was recorded differ from those computed now: " + std::to_string(trial.differing.size()) +
-         " measures (" + names + ").";
+  return "Live values of the daemon and values computed now differ: " + std::to_string(trial.differing.size()) + " measures (" + names +
+         ").";
 }
 
 Notes quality_notes(const SessionData& session, const TrialData& trial) {
@@ -75,26 +72,26 @@ Notes quality_notes(const SessionData& session, const TrialData& trial) {
       const auto names = posturography::names_of(flag);
       notes.items.push_back((names.empty() ? "" : std::string(names.front()) + ": ") + std::string(posturography::sentence_of(flag)));
     }
-    if (trial.analysis->flags == 0) notes.items.emplace_back("No flag was raised: long enough, no gap, no jump, no doubtful sensor.");
+    if (trial.analysis->flags == 0)
+      notes.items.emplace_back("No problem found: the trial is long enough and has no gap, no jump and no doubtful sensor.");
     if (trial.analysis->missing > 0) {
-      notes.items.push_back(std::to_string(trial.analysis->missing) + " samples missing of " +
-                            std::to_string(trial.recorded.cop.ml_mm.size()) + ", of these " + std::to_string(trial.analysis->interpolated) +
-                            " interpolated within what was analysed.");
+      notes.items.push_back(std::to_string(trial.analysis->missing) + " of " + std::to_string(trial.recorded.cop.ml_mm.size()) +
+                            " samples are missing; " + std::to_string(trial.analysis->interpolated) + " of them were interpolated.");
     }
     if (trial.recorded.told && trial.recorded.told->analysis && trial.differing.empty()) {
-      notes.items.emplace_back("The values that the daemon told and recorded are the same as these.");
+      notes.items.emplace_back("Live and recomputed values match.");
     }
   }
   if (!trial.differing.empty()) notes.items.push_back(differing_text(trial));
   notes.items.push_back(accuracy_note(session));
   notes.items.emplace_back(
-      "AP: anterior-posterior, front +. ML: medio-lateral, right +. RD: distance from the mean. Unit 1: a number without unit. exp.: "
-      "experimental, no agreed definition.");
+      "AP: anterior-posterior, front is positive. ML: medio-lateral, right is positive. RD: distance from the mean. Unit 1: no unit. "
+      "exp.: experimental, no agreed definition.");
   return notes;
 }
 
 std::string why_no_spectrum(const TrialData& trial) {
-  if (!trial.analysis) return "nothing was analysed";
+  if (!trial.analysis) return "the trial was not analysed";
   if ((trial.analysis->flags & posturography::sway_flag::kShortRecord) != 0) return "needs 10 s and 200 samples";
   return "the COP does not move";
 }
@@ -136,7 +133,7 @@ PageContent trial_content(const SessionData& session, const TrialData& trial) {
   }
   numbers.columns[0].push_back(quality_notes(session, trial));
   page.sections = {std::move(pictures), std::move(numbers)};
-  Notes provenance{.title = "Where this comes from", .items = {}};
+  Notes provenance{.title = "Source of the data", .items = {}};
   for (const Fact& fact : provenance_of(session, trial.part, trial.part + 1)) provenance.items.push_back(fact.name + ": " + fact.value);
   page.sections.back().columns[0].push_back(std::move(provenance));
   return page;

@@ -16,16 +16,14 @@ core::Result<std::optional<record::RecordedItem>> WatchedRecording::next() {
   if (!wants_more_()) return core::fail(core::ErrorCode::Failed, "interrupted");
   auto item = recording_.next();
   if (!item || !*item) return item;
-  if (const auto* timed = std::get_if<record::TimedEvent>(&**item); timed != nullptr && timed->event.event == "segment") note(timed->event);
+  if (const auto* timed = std::get_if<record::TimedEvent>(&**item); timed != nullptr && timed->event.has_segment_start())
+    note(timed->event);
   return item;
 }
 
-void WatchedRecording::note(const record::RecordedEvent& event) {
-  if (segments_.size() >= kMostSegments) return;
-  for (const auto& [key, value] : event.values) {
-    const auto* const time_ns = std::get_if<std::int64_t>(&value);
-    if (key == "host_time_ns" && time_ns != nullptr) segments_[event.segment] = {.scan = event.scan, .host_time_ns = *time_ns};
-  }
+void WatchedRecording::note(const v1::Event& event) {
+  if (segments_.size() >= kMostSegments || !event.has_host_time_ns()) return;
+  segments_[event.segment()] = {.scan = {event.scan()}, .host_time_ns = event.host_time_ns()};
 }
 
 std::optional<std::int64_t> WatchedRecording::host_time_ns(std::uint32_t segment, core::ScanIndex scan, double raw_rate_hz) const {

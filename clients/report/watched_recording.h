@@ -40,7 +40,7 @@ class WatchedRecording final : public record::Recording {
     core::ScanIndex scan;
     std::int64_t host_time_ns = 0;
   };
-  void note(const record::RecordedEvent& event);
+  void note(const v1::Event& event);
 
   record::Recording& recording_;
   std::function<bool()> wants_more_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import { defineConfig } from 'vite';
 
-// Nothing inline: the gateway's Content-Security-Policy is default-src 'self'.
+// No inline code: the gateway's Content-Security-Policy is default-src 'self'.
 export default defineConfig({
   esbuild: { jsx: 'automatic', jsxImportSource: 'preact' },
   build: { target: 'es2022', assetsInlineLimit: 0, modulePreload: { polyfill: false } },

@@ -32,7 +32,7 @@ struct Verdict {
   const char* text;
 };
 // 300: libzmq's clients retry after their handshake timeout. 400: they never retry.
-constexpr Verdict kTooOften{"300", "too often, come again"};
+constexpr Verdict kTooOften{"300", "too many attempts, try again later"};
 constexpr Verdict kStranger{"400", "no such key"};
 
 std::optional<std::vector<zmq::message_t>> receive(zmq::socket_t& socket) {
@@ -56,7 +56,7 @@ core::Result<std::unique_ptr<Authenticator>> Authenticator::start(zmq::context_t
     socket.bind(kEndpoint);
     return std::unique_ptr<Authenticator>(new Authenticator(std::move(socket), keys, clock));
   } catch (const zmq::error_t& error) {
-    return core::fail_errno(error.num(), "the authenticator of clients cannot start");
+    return core::fail_errno(error.num(), "cannot start the authentication of clients");
   }
 }
 

@@ -27,8 +27,8 @@ Peer Gate::remote(const std::string& public_key) const {
 
 core::Status Gate::admit(const Peer& peer, std::int64_t now_ns) {
   if (!peer.is_limited || commands_.take(peer.who, now_ns)) return {};
-  return core::fail(core::ErrorCode::LimitExceeded, "more than 50 commands a second by " + peer.who,
-                    "subscribe to dtsd/status instead of asking again and again");
+  return core::fail(core::ErrorCode::LimitExceeded, "more than 50 commands per second from " + peer.who,
+                    "subscribe to dtsd/status instead of repeating the command");
 }
 
 core::Status Gate::check(const Peer& peer, const v1::Request& request) {
@@ -36,12 +36,13 @@ core::Status Gate::check(const Peer& peer, const v1::Request& request) {
   // A request without a known command changes nothing. The handler answers it with an error.
   if (request.command_case() == v1::Request::COMMAND_NOT_SET) return {};
   if (request.has_note_login() && peer.is_limited) {
-    return core::fail(core::ErrorCode::NotAllowed, "logins are noted by a gateway on this machine only");
+    return core::fail(core::ErrorCode::NotAllowed, "only a gateway on the machine of dtsd may enter a login in the audit trail");
   }
   if (needed != v1::ROLE_UNSPECIFIED && peer.role >= needed) return {};
-  return core::fail(core::ErrorCode::NotAllowed,
-                    "this needs the role " + std::string(role_word(needed)) + "; " + peer.who + " has " + std::string(role_word(peer.role)),
-                    "an engineer can make another: dtsctl key new NAME --role " + std::string(role_word(needed)));
+  return core::fail(
+      core::ErrorCode::NotAllowed,
+      "this command needs the role " + std::string(role_word(needed)) + "; " + peer.who + " has " + std::string(role_word(peer.role)),
+      "ask an engineer for a key with this role: dtsctl key new NAME --role " + std::string(role_word(needed)));
 }
 
 }  // namespace dts::access

@@ -33,7 +33,9 @@ std::vector<ClientKey> read_clients(files::TomlReader& top) {
     ClientKey client = read_client(reader);
     const auto has_same = [&](auto member) { return std::ranges::find(clients, client.*member, member) != clients.end(); };
     if (has_same(&ClientKey::name)) reader.report("name", "another client is named '" + client.name + "' too");
-    if (has_same(&ClientKey::public_key)) reader.report("public_key", "another client has the same key: who it is could not be told");
+    if (has_same(&ClientKey::public_key))
+      reader.report("public_key",
+                    "another client has the same public key: dtsd could not distinguish them; give each client a key of its own");
     clients.push_back(std::move(client));
   }
   if (clients.size() > kMostKeys) top.report("client", "at most " + std::to_string(kMostKeys) + " clients may have keys");
@@ -63,13 +65,14 @@ std::optional<ServerKey> read_server_key(const std::string& file, files::Problem
   const bool is_pair = is_public_key(key.secret_key) && zmq_curve_public(derived.data(), key.secret_key.c_str()) == 0 &&
                        key.public_key == std::string_view(derived.data());
   if (is_pair) return key;
-  problems.push_back({.file = file, .text = "public_key and secret_key are no pair; restore the file, or remove it for a new pair "
-                                            "(every client needs the new public key then)"});
+  problems.push_back({.file = file,
+                      .text = "public_key and secret_key are not a pair; restore the file, or delete it: dtsd then makes a new pair, and "
+                              "every client needs the new public key"});
   return std::nullopt;
 }
 
 std::string server_key_text(const ServerKey& key) {
-  return "# The key pair of this dtsd. Whoever has the secret half can pretend to be this daemon: never copy it to clients.\n"
+  return "# The key pair of this dtsd. Anyone with the secret key can pretend to be this daemon: never copy it to a client.\n"
          "public_key = " +
          files::toml_quoted(key.public_key) + "\nsecret_key = " + files::toml_quoted(key.secret_key) + "\n";
 }
@@ -83,7 +86,9 @@ std::optional<std::vector<ClientKey>> parse_client_keys(std::string_view text, c
 }
 
 std::string client_keys_text(const std::vector<ClientKey>& keys) {
-  std::string text = "# Who may connect from other machines. Written by dtsctl key new and revoke; after a change by hand: systemctl reload dtsd\n";
+  std::string text =
+      "# Clients that may connect from other machines. dtsctl key new and dtsctl key revoke write this file. After a change by hand: "
+      "systemctl reload dtsd\n";
   for (const ClientKey& key : keys) {
     text += "\n[[client]]\nname = " + files::toml_quoted(key.name) + "\nrole = " + files::toml_quoted(role_word(key.role)) +
             "\npublic_key = " + files::toml_quoted(key.public_key) + "\ncreated = " + files::toml_quoted(key.created_utc) + "\n";

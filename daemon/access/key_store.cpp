@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <utility>
 
+#include "core/join.h"
 #include "files/whole_file.h"
 
 namespace dts::access {
@@ -20,15 +21,16 @@ constexpr mode_t kFileMode = 0600;
 
 core::Status prepare_folder(const std::string& directory) {
   if (::mkdir(directory.c_str(), kFolderMode) != 0 && errno != EEXIST)
-    return core::fail_errno(errno, "key folder " + directory + " cannot be made");
+    return core::fail_errno(errno, "key folder " + directory + " cannot be created");
   struct stat found {};
   if (::lstat(directory.c_str(), &found) != 0) return core::fail_errno(errno, "key folder " + directory);
-  if (!S_ISDIR(found.st_mode)) return core::fail(core::ErrorCode::Failed, "key folder " + directory + " is no folder");
+  if (!S_ISDIR(found.st_mode)) return core::fail(core::ErrorCode::Failed, "key folder " + directory + " is not a folder");
   if (found.st_uid != ::geteuid()) {
-    return core::fail(core::ErrorCode::NotAllowed, "key folder " + directory + " belongs to another user", "chown it to the user of dtsd");
+    return core::fail(core::ErrorCode::NotAllowed, "key folder " + directory + " belongs to another user",
+                      "change its owner with chown to the user that runs dtsd");
   }
   if ((found.st_mode & 0077U) != 0) {
-    return core::fail(core::ErrorCode::NotAllowed, "key folder " + directory + " is open to others", "chmod 0700 " + directory);
+    return core::fail(core::ErrorCode::NotAllowed, "key folder " + directory + " is accessible to other users", "chmod 0700 " + directory);
   }
   return {};
 }
@@ -40,9 +42,8 @@ bool is_absent(const std::string& file) {
 }
 
 core::Error first_of(const files::Problems& problems) {
-  std::string what;
-  for (const files::Problem& problem : problems) what += (what.empty() ? "" : "; ") + files::to_string(problem);
-  return {core::ErrorCode::InvalidArgument, what, "mend the file; a running daemon keeps the keys that it knows"};
+  return {core::ErrorCode::InvalidArgument, core::join(problems, "; ", files::to_string),
+          "correct the file; until then a running daemon keeps its present keys"};
 }
 
 std::string z85_of(std::span<const std::uint8_t> key) {
@@ -112,25 +113,26 @@ void KeyStore::replace(std::vector<ClientKey> keys) {
 
 core::Status KeyStore::add(const ClientKey& key) {
   if (!is_key_name(key.name)) {
-    return core::fail(core::ErrorCode::InvalidArgument, "'" + key.name + "' cannot name a key",
-                      "1..32 of a-z 0-9 . _ -, and not \"local\"");
+    return core::fail(core::ErrorCode::InvalidArgument, "'" + key.name + "' is not a valid name of a key",
+                      "use 1 to 32 of the characters a-z 0-9 . _ -, but not \"local\"");
   }
   if (!is_public_key(key.public_key))
-    return core::fail(core::ErrorCode::InvalidArgument, "the public key is none", "dtsctl key new makes a pair");
+    return core::fail(core::ErrorCode::InvalidArgument, "the public key is not valid", "make a new pair: dtsctl key new");
   if (role_word(key.role) == "none")
-    return core::fail(core::ErrorCode::InvalidArgument, "the key has no role", "viewer, operator or engineer");
+    return core::fail(core::ErrorCode::InvalidArgument, "the key has no role", "choose a role: viewer, operator or engineer");
   const std::lock_guard change(change_mutex_);
   auto known = read();
   if (!known) return tl::make_unexpected(known.error());
   std::vector<ClientKey>& all = *known;
   if (found(all, key.name, &ClientKey::name)) {
-    return core::fail(core::ErrorCode::WrongState, "there is a key '" + key.name + "' already",
+    return core::fail(core::ErrorCode::WrongState, "a key named '" + key.name + "' exists already",
                       "revoke it first: dtsctl key revoke " + key.name);
   }
   if (found(all, key.public_key, &ClientKey::public_key))
-    return core::fail(core::ErrorCode::WrongState, "another name has this key already");
+    return core::fail(core::ErrorCode::WrongState, "another client has this public key already");
   if (all.size() == kMostKeys)
-    return core::fail(core::ErrorCode::LimitExceeded, "there are 1000 keys already", "dtsctl key list, revoke what nobody uses");
+    return core::fail(core::ErrorCode::LimitExceeded, "there are 1000 keys already",
+                      "revoke the keys that nobody uses: dtsctl key list shows them");
   all.push_back(key);
   return write(std::move(all));
 }
@@ -140,7 +142,7 @@ core::Status KeyStore::revoke(const std::string& name) {
   auto all = read();
   if (!all) return tl::make_unexpected(all.error());
   if (std::erase_if(*all, [&](const ClientKey& key) { return key.name == name; }) == 0) {
-    return core::fail(core::ErrorCode::NotFound, "there is no key '" + name + "'", "dtsctl key list");
+    return core::fail(core::ErrorCode::NotFound, "there is no key '" + name + "'", "list the keys: dtsctl key list");
   }
   return write(std::move(*all));
 }

@@ -5,27 +5,21 @@
 #include <map>
 #include <string>
 
+#include "core/token_bucket.h"
+
 namespace dts::access {
 
-/// Limits the events of each name to `per_second`, and to `burst` at once after a pause (a token bucket). Bounded: if there are many names,
-/// forgets those whose bucket is full again. Thread: one.
+/// A token bucket for each name. Bounded: if there are many names, forgets those whose bucket is full again. Thread: one.
 class RateLimit {
  public:
-  RateLimit(double per_second, double burst) : per_second_(per_second), burst_(burst) {}
+  RateLimit(double per_second, double burst) : full_(per_second, burst) {}
 
-  /// Returns true, and counts the event, if one more event is allowed now. `now_ns` must never decrease.
+  /// Returns true, and counts the event, if one more event is allowed now.
   [[nodiscard]] bool take(const std::string& name, std::int64_t now_ns);
 
  private:
-  struct Bucket {
-    double tokens = 0.0;
-    std::int64_t filled_ns = 0;
-  };
-  [[nodiscard]] double tokens_now(const Bucket& bucket, std::int64_t now_ns) const noexcept;
-
-  double per_second_;
-  double burst_;
-  std::map<std::string, Bucket> buckets_;
+  core::TokenBucket full_;
+  std::map<std::string, core::TokenBucket> buckets_;
 };
 
 }  // namespace dts::access

@@ -66,7 +66,7 @@ RealtimeConfig read_realtime(files::TomlReader reader) {
   realtime.fifo_priority = static_cast<int>(reader.integer("fifo_priority", realtime.fifo_priority, 0, 95));
   if (realtime.fifo_priority > 0 && realtime.fifo_priority <= kStepsBelow) {
     reader.report("fifo_priority",
-                  "fifo_priority must be 0 (off) or above " + std::to_string(kStepsBelow) + ": four threads share the steps below it");
+                  "fifo_priority must be 0 (off) or above " + std::to_string(kStepsBelow) + ": four threads use the priorities below it");
   }
   realtime.locks_memory = reader.boolean("lock_memory", realtime.locks_memory);
   const auto cores = static_cast<std::int64_t>(std::max(1U, std::thread::hardware_concurrency()));
@@ -94,7 +94,8 @@ session::StorageConfig read_storage(files::TomlReader reader) {
   storage.resume_within_min = reader.number("resume_within_min", storage.resume_within_min, 0.0, 1440.0);
   storage.stop_below_mib = reader.number("stop_below_mib", storage.stop_below_mib, 0.0, 1e6);
   if (storage.warn_below_min < storage.refuse_below_min) {
-    reader.report("warn_below_min", "warn_below_min is less than refuse_below_min: the warning would come after the refusal");
+    reader.report("warn_below_min",
+                  "warn_below_min is less than refuse_below_min: dtsd would refuse sessions before it warns; raise warn_below_min");
   }
   reader.finish();
   return storage;
@@ -106,7 +107,7 @@ std::vector<session::Protocol> read_protocols(files::TomlReader reader, files::P
   const std::string given = reader.text("directory", "protocols");
   const auto folder = (std::filesystem::path(reader.file()).parent_path() / given).lexically_normal();
   if (reader.has("directory") && !std::filesystem::is_directory(folder)) {
-    reader.report("directory", folder.string() + " is no folder");
+    reader.report("directory", folder.string() + " is not a folder");
   }
   reader.finish();
   return files::read_protocols(folder.string(), problems);

@@ -77,12 +77,12 @@ int pending_signal() {
 
 /// Handles SIGHUP: reads the keys again. If the file is damaged, keeps the previous keys.
 void reload_keys(access::KeyStore* keys, ipc::ControlServer& server, const core::Log& log) {
-  if (keys == nullptr) return log.error("SIGHUP: the keys could not be read at the start; restart the daemon");
+  if (keys == nullptr) return log.error("SIGHUP: dtsd could not read its keys when it started; correct them and restart dtsd");
   if (auto reloaded = keys->reload(); !reloaded) return log.error("SIGHUP: " + core::to_string(reloaded.error()));
   const bool has_less = keys->take_losses();
   if (has_less) server.drop_remote_peers();
   log.info("SIGHUP: " + std::to_string(keys->keys().size()) + " client key(s)" +
-           (has_less ? "; remote connections are ended, good ones return" : ""));
+           (has_less ? "; all remote connections were closed, clients that are still authorised may reconnect immediately" : ""));
 }
 
 /// Sends keep-alives to systemd's watchdog while all parts make progress. Logs once which part does not.
@@ -96,8 +96,11 @@ class WatchdogFeeder {
     looked_ns_ = now_ns;
     const std::string stuck = watch_.stuck_part(supervisor_.states(), publisher_.turns(), now_ns);
     for (const std::string& hang : watch_.new_hangs()) log_.error(hang);
-    if (!stuck.empty() && told_.empty()) log_.error(stuck + " stands still: systemd's watchdog is not fed any more");
-    told_ = stuck;
+    if (!stuck.empty() && reported_.empty())
+      log_.error(
+          stuck +
+          " makes no progress: dtsd no longer notifies systemd's watchdog, so systemd restarts it; without systemd, restart it yourself");
+    reported_ = stuck;
     if (stuck.empty() && manager_.is_keep_alive_due(now_ns)) manager_.keep_alive(now_ns);
   }
 
@@ -111,7 +114,7 @@ class WatchdogFeeder {
   const core::Log& log_;
   ProgressWatch watch_{kPatienceNs};
   std::int64_t looked_ns_ = 0;
-  std::string told_;
+  std::string reported_;
 };
 
 void serve_until_signal(ipc::ControlServer& server, access::KeyStore* keys, ServiceManager& manager, WatchdogFeeder feeder,
@@ -146,7 +149,8 @@ void check_competitors(const DaemonConfig& config, files::Problems& problems) {
       const pipeline::RigConfig& other = config.rigs[later].rig;
       if (!device::compete(one.device_uri, other.device_uri)) continue;
       problems.push_back(config.rigs[later].where);
-      problems.back().text = "[[rig]] '" + other.name + "' and '" + one.name + "' could open the same unit: give each its serial=...";
+      problems.back().text =
+          "[[rig]] '" + other.name + "' and '" + one.name + "' could open the same unit: add serial=... to the device of each";
     }
   }
 }
@@ -191,7 +195,8 @@ core::Result<Folders> take_folders(const DaemonConfig& config) {
 std::vector<std::string> first_notices(const DaemonConfig& config, bool has_rigs) {
   std::vector<std::string> notices;
   // State after installation. The daemon must run anyway: dtsctl device list needs it and shows what to write in the configuration.
-  if (!has_rigs) notices.emplace_back("no rig is configured: see dtsctl device list, then add a [[rig]] to the configuration");
+  if (!has_rigs)
+    notices.emplace_back("no rig is configured: find your device with dtsctl device list, then add a [[rig]] to the configuration");
   for (const files::Problem& warning : plate_warnings(config)) notices.push_back(to_string(warning));
   if (!config.realtime.locks_memory) return notices;
   if (auto locked = core::lock_memory(); !locked) notices.push_back(core::to_string(locked.error()));
@@ -239,8 +244,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   ipc::CommandHandler handler(supervisor, clock, identity, notices,
                               {keys, clock, addresses_of(config), opened_keys ? core::Error{} : opened_keys.error()},
                               sockets->authenticator.get());
-  ipc::ControlServer server(std::move(sockets->control), access::Gate(keys), supervisor, handler, publisher, clock, log,
-                            identity.instance_id);
+  ipc::ControlServer server(std::move(sockets->control), access::Gate(keys), supervisor, handler, publisher, clock, log);
 
   supervisor.start();
   supervisor.resume_interrupted();

@@ -78,8 +78,8 @@ int main(int argc, char** argv) {
   CLI::App app{
       "dtsd - the distributive tactile sensing daemon: samples rigs, computes, publishes.\n\n"
       "Examples:\n"
-      "  dtsd --config config/dtsd.toml --check-config    say everything that is wrong with it\n"
-      "  dtsd --config config/dtsd.toml                   run; talk to it with dtsctl"};
+      "  dtsd --config config/dtsd.toml --check-config    report every problem in it\n"
+      "  dtsd --config config/dtsd.toml                   run; control it with dtsctl"};
   std::string file;
   bool is_check = false;
   bool is_foreground = false;

@@ -43,7 +43,7 @@ core::Status prepare_directory(const std::string& path, const std::string& varia
   const auto parent = std::filesystem::path(path).parent_path();
   if (!parent.empty()) std::filesystem::create_directories(parent, error);
   if (::mkdir(path.c_str(), kDirectoryMode) != 0 && errno != EEXIST) {
-    return core::fail_errno(errno, "directory " + path + " cannot be made", hint);
+    return core::fail_errno(errno, "directory " + path + " cannot be created", hint);
   }
   struct stat found {};
   // lstat, not stat: in /tmp another user could have created a link with this name.
@@ -53,7 +53,7 @@ core::Status prepare_directory(const std::string& path, const std::string& varia
     return core::fail(core::ErrorCode::NotAllowed, "directory " + path + " belongs to another user", hint);
   }
   if ((found.st_mode & S_IWOTH) != 0) {
-    return core::fail(core::ErrorCode::NotAllowed, "directory " + path + " can be written by everybody", "chmod o-rwx " + path);
+    return core::fail(core::ErrorCode::NotAllowed, "directory " + path + " is writable by every user", "chmod o-rwx " + path);
   }
   if (::access(path.c_str(), W_OK | X_OK) != 0) return core::fail_errno(errno, "directory " + path + " cannot be written", hint);
   return {};

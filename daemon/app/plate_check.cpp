@@ -8,7 +8,7 @@
 #include <string>
 
 #include "physics/plate/stiffening_plate.h"
-#include "physics/standing_person.h"
+#include "physics/stance.h"
 
 namespace dts::app {
 namespace {
@@ -43,7 +43,7 @@ files::Problems plate_warnings(const DaemonConfig& config) {
                   *bends_mm, stance.load.value, physics::StiffeningPlate::kMostThicknesses, h_mm);
     warnings.push_back(configured.where);
     warnings.back().text = "[[rig]] '" + configured.rig.name + "' (" + configured.rig_file + "): " + text.data() +
-                           ": its plate model is wrong there; use a thicker plate, or calibrate a real rig: dtsctl calibrate cop";
+                           ": the plate model is not valid there; use a thicker plate, or calibrate a real rig: dtsctl calibrate cop";
   }
   return warnings;
 }

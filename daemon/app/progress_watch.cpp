@@ -22,8 +22,7 @@ void ProgressWatch::find_hung_rigs(const std::vector<session::RigState>& rigs, s
     if (!is_stuck("opening " + name, mark, true, now_ns, kOpeningNs)) continue;
     hung_rigs_.insert(name);
     if (before.contains(name)) continue;
-    new_hangs_.push_back("rig '" + name + "': its device does not open, the driver has not returned for " +
-                         std::to_string(kOpeningNs / 1'000'000'000) +
+    new_hangs_.push_back("rig '" + name + "': opening the device has not finished for " + std::to_string(kOpeningNs / 1'000'000'000) +
                          " s. Unplug the device and plug it in again; if that does not help, restart dtsd between two sessions");
   }
 }

@@ -61,8 +61,8 @@ ipc::RemoteAddresses addresses_of(const DaemonConfig& config) {
 
 void log_network(const NetworkConfig& network, const access::KeyStore& keys, const core::Log& log) {
   const std::size_t count = keys.keys().size();
-  log.info("clients with keys reach control on " + network.control_endpoint + " and data on " + network.data_endpoint + ": " +
-           (count == 0 ? "nobody has one yet, make one with dtsctl key new" : std::to_string(count) + " key(s)"));
+  log.info("clients with keys connect to control on " + network.control_endpoint + " and data on " + network.data_endpoint + ": " +
+           (count == 0 ? "no client has a key yet, make one: dtsctl key new" : std::to_string(count) + " key(s)"));
 }
 
 }  // namespace dts::app

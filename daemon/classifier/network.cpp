@@ -33,13 +33,13 @@ Network::Outputs activate(OutputKind output, const Network::Outputs& sums) noexc
 
 core::Result<Network> Network::create(std::size_t inputs, std::size_t hidden, OutputKind output, std::vector<double> weights) {
   const auto wrong = [](const std::string& what) {
-    return core::fail(
-        core::ErrorCode::InvalidArgument, "network: " + what,
-        "a network of 1 to " + std::to_string(kMaxInputs) + " inputs, 1 to " + std::to_string(kMaxHidden) + " hidden nodes and 3 outputs");
+    return core::fail(core::ErrorCode::InvalidArgument, "network: " + what,
+                      "use a network with 1 to " + std::to_string(kMaxInputs) + " inputs, 1 to " + std::to_string(kMaxHidden) +
+                          " hidden nodes and 3 outputs");
   };
   if (inputs < 1 || inputs > kMaxInputs) return wrong(std::to_string(inputs) + " inputs");
   if (hidden < 1 || hidden > kMaxHidden) return wrong(std::to_string(hidden) + " hidden nodes");
-  if (output != OutputKind::Logistic && output != OutputKind::Softmax) return wrong("unknown kind of output");
+  if (output != OutputKind::Logistic && output != OutputKind::Softmax) return wrong("its kind of output is unknown");
   if (weights.size() != weight_count(inputs, hidden)) {
     return wrong(std::to_string(weights.size()) + " weights instead of " + std::to_string(weight_count(inputs, hidden)));
   }

@@ -37,28 +37,29 @@ core::ReachFeatures median_reach(std::span<const core::ReachFeatures> reaches) {
 
 auto refused(const std::string& what) {
   return core::fail(core::ErrorCode::InvalidArgument, "subject calibration: " + what,
-                    "three maximum reaches at the person's own pace, from rest against the backrest");
+                    "record three maximum reaches at the subject's own pace, from rest against the backrest");
 }
 
 }  // namespace
 
 core::Result<SubjectCalibration> calibrate_subject(std::span<const core::ReachFeatures> maximum_reaches, double max_flexion_deg) {
   if (maximum_reaches.size() < kCalibrationReaches) {
-    return refused(std::to_string(maximum_reaches.size()) + " maximum reaches, " + std::to_string(kCalibrationReaches) + " are needed");
+    return refused(std::to_string(maximum_reaches.size()) + " maximum reaches are too few, " + std::to_string(kCalibrationReaches) +
+                   " are needed");
   }
   if (!(max_flexion_deg > 0.0 && max_flexion_deg <= 90.0))
-    return refused("the maximum reach takes no trunk flexion between 0 and 90 degrees");
+    return refused("the trunk flexion of the maximum reach is not between 0 and 90 degrees");
   for (const core::ReachFeatures& reach : maximum_reaches) {
     if (!std::isfinite(reach.d2_mm()) || !std::isfinite(reach.d1_mm()) || !(reach.p1_mm > 0.0))
-      return refused("a reach has no finite swing");
-    if (reach.d2_mm() < kMinorPart * reach.p1_mm) return refused("a reach moved the arm alone");
+      return refused("a reach has no finite d1_mm and d2_mm, or no positive p1_mm");
+    if (reach.d2_mm() < kMinorPart * reach.p1_mm) return refused("in one reach only the arm moved");
   }
   const double max_d2_mm = median_of(maximum_reaches, [](const core::ReachFeatures& reach) { return reach.d2_mm(); });
   const auto near = std::count_if(maximum_reaches.begin(), maximum_reaches.end(), [max_d2_mm](const core::ReachFeatures& reach) {
     return std::abs(reach.d2_mm() - max_d2_mm) <= kLargestDeviation * max_d2_mm;
   });
   if (3 * static_cast<std::size_t>(near) < 2 * maximum_reaches.size()) {
-    return refused("the reaches differ too much among themselves to be maximum ones");
+    return refused("the reaches differ too much from each other to be maximum reaches");
   }
   SubjectCalibration subject{.max_d2_mm = max_d2_mm, .max_flexion_deg = max_flexion_deg, .maximum = median_reach(maximum_reaches)};
   subject.max_hold_mm = subject.maximum.hold_mm;

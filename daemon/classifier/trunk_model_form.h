@@ -83,7 +83,13 @@ struct ModelFigures {
 
 /// All parts of a model.
 struct TrunkModelForm {
+  // The reader of model files uses the same limits, so that it can name the line of a wrong value. All are allowed values.
   static constexpr double kLowestValidationAccuracy = 0.9;
+  static constexpr double kLowestTemperature = 0.05;
+  static constexpr double kHighestTemperature = 20.0;
+  static constexpr double kLowestNoneFrom = 0.5;
+  static constexpr double kSmallestP1Mm = 0.001;
+  static constexpr double kLargestP1Mm = 1000.0;
 
   ModelKind kind = ModelKind::Raw5;
   double reject_below = 0.9;

@@ -95,8 +95,8 @@ double HostTime::edge_slope() noexcept {
 void HostTime::draw_line() noexcept {
   const auto points = std::span(points_).first(point_count_);
   const double span_s = points.back().time_s - points.front().time_s;
-  const double heard_s = span_s + (points.back().late_ns - points.front().late_ns) * 1e-9;  // by the host's clock
-  if (heard_s >= kRateKnownSeconds) {
+  const double host_span_s = span_s + (points.back().late_ns - points.front().late_ns) * 1e-9;  // by the host's clock
+  if (host_span_s >= kRateKnownSeconds) {
     is_rate_known_ = true;
     const double slope = edge_slope();
     const double doubt = kBadLuckNs * 1e-9 / span_s;

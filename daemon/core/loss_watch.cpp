@@ -26,12 +26,12 @@ struct Floor {
 };
 
 /// Returns the arrival time by the host's clock, relative to the nominal time of scan 0.
-double heard_s(const Arrival& arrival) noexcept { return arrival.time_s + arrival.late_ns * 1e-9; }
+double arrival_s(const Arrival& arrival) noexcept { return arrival.time_s + arrival.late_ns * 1e-9; }
 
 }  // namespace
 
 void LossWatch::add(const Arrival& arrival, double steepest) noexcept {
-  const double now_s = heard_s(arrival);
+  const double now_s = arrival_s(arrival);
   if (has_bin_ && now_s >= bin_end_s_) {
     close_bin();
     compare(now_s, steepest);
@@ -59,7 +59,7 @@ void LossWatch::compare(double now_s, double steepest) noexcept {
   Floor before;
   for (std::size_t age = 0; age < bin_count_; ++age) {
     const Arrival& bin = bins_[bin_count_ - 1 - age];
-    const bool is_recent = age < kLeastRecent || now_s - heard_s(bin) <= kRecentSeconds;
+    const bool is_recent = age < kLeastRecent || now_s - arrival_s(bin) <= kRecentSeconds;
     // Lateness that the slowest possible clock explains does not count.
     (is_recent ? recent : before).add(bin.late_ns - steepest * 1e9 * bin.time_s);
   }

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/join.h"
+
 namespace dts::core {
 namespace {
 
@@ -48,6 +50,16 @@ std::string suggest(std::string_view word, std::span<const std::string_view> kno
     best = candidate;
   }
   return std::string(best);
+}
+
+std::string known_words_hint(std::string_view word, std::span<const std::string_view> known) {
+  if (known.empty()) return "there are none";
+  const std::string similar = suggest(word, known);
+  return similar.empty() ? "known: " + join(known) : "did you mean '" + similar + "'?";
+}
+
+std::string known_words_hint(std::string_view word, const std::vector<std::string>& known) {
+  return known_words_hint(word, std::vector<std::string_view>(known.begin(), known.end()));
 }
 
 }  // namespace dts::core

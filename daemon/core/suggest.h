@@ -4,6 +4,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace dts::core {
 
@@ -11,5 +12,9 @@ namespace dts::core {
 /// inserted, deleted and replaced characters and swapped neighbours; allows one per three characters of `word`, and at least one.
 /// Ignores case. Thread: any. Realtime-safe: no.
 [[nodiscard]] std::string suggest(std::string_view word, std::span<const std::string_view> known);
+
+/// Returns the hint for an unknown word: "did you mean 'x'?" if a known word is similar, else "known: " with all known words.
+[[nodiscard]] std::string known_words_hint(std::string_view word, std::span<const std::string_view> known);
+[[nodiscard]] std::string known_words_hint(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace dts::core

@@ -33,7 +33,7 @@ void restrict_to(const std::vector<int>& cpus, const std::string& name, std::vec
   for (const int cpu : cpus) {
     const bool is_granted = cpu >= 0 && cpu < CPU_SETSIZE && CPU_ISSET(static_cast<std::size_t>(cpu), &granted);
     if (!is_granted)
-      refused.push_back("thread " + name + ": CPU " + std::to_string(cpu) + " refused: there is no such CPU for this process");
+      refused.push_back("thread " + name + ": CPU " + std::to_string(cpu) + " refused: it does not exist, or this process may not use it");
   }
 }
 

@@ -14,9 +14,8 @@ core::Result<core::Rate> check_rate(const DeviceDescription& description, core::
   const double rate_hz = wanted.hz();
   const bool is_fast_enough = rate_hz >= description.minimum_rate_hz * (1.0 - kRounding) - kRoundingHz;
   if (is_fast_enough && rate_hz <= description.maximum_rate_hz * (1.0 + kRounding) + kRoundingHz) return wanted;
-  return core::fail(
-      ErrorCode::InvalidArgument, description.uri + " cannot run at " + std::to_string(rate_hz) + " Hz",
-      "it takes " + std::to_string(description.minimum_rate_hz) + " to " + std::to_string(description.maximum_rate_hz) + " Hz");
+  return core::fail(ErrorCode::InvalidArgument, description.uri + " cannot run at " + std::to_string(rate_hz) + " Hz",
+                    "choose " + std::to_string(description.minimum_rate_hz) + " to " + std::to_string(description.maximum_rate_hz) + " Hz");
 }
 
 core::Status check_start(const DeviceDescription& description, const StartOptions& options) {
@@ -24,7 +23,7 @@ core::Status check_start(const DeviceDescription& description, const StartOption
   if (options.max_block_scans >= 1 && options.max_block_scans <= core::kMaxBlockScans) return {};
   return core::fail(ErrorCode::InvalidArgument,
                     "cannot start " + description.uri + ": blocks of " + std::to_string(options.max_block_scans) + " scans",
-                    "it takes 1 to " + std::to_string(core::kMaxBlockScans));
+                    "choose 1 to " + std::to_string(core::kMaxBlockScans));
 }
 
 core::Status refuse_sync_output(const DeviceDescription& description, DeviceState state) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include "device/registry.h"
+#include "device/device_uri.h"
 
 namespace dts::device {
 namespace {
@@ -9,7 +9,7 @@ namespace {
 using core::ErrorCode;
 
 constexpr std::size_t kMaxLength = 4096;
-constexpr std::string_view kForm = "a device is named as scheme:name?key=value&key=value, for example sim:floor?seed=7";
+constexpr std::string_view kForm = "write a device as scheme:name?key=value&key=value, for example sim:floor?seed=7";
 
 bool is_word(std::string_view text) noexcept {
   const auto is_word_character = [](char c) {
@@ -33,7 +33,7 @@ core::Status add_option(DeviceUri& uri, std::string_view pair) {
     return refuse(uri.text, "\"" + std::string(pair) + "\" is not an option of the form key=value");
   }
   const bool is_new = uri.options.emplace(key, pair.substr(equals + 1)).second;
-  if (!is_new) return refuse(uri.text, "option \"" + std::string(key) + "\" stands twice");
+  if (!is_new) return refuse(uri.text, "option \"" + std::string(key) + "\" is given twice");
   return {};
 }
 
@@ -49,7 +49,7 @@ core::Result<DeviceUri> DeviceUri::parse(std::string_view text) {
   DeviceUri uri;
   uri.text = text;
   uri.scheme = text.substr(0, colon);
-  if (!is_word(uri.scheme)) return refuse(text, "the scheme \"" + uri.scheme + "\" is not a word");
+  if (!is_word(uri.scheme)) return refuse(text, "the scheme \"" + uri.scheme + "\" must have letters, digits, _ and - only");
   const std::string_view rest = text.substr(colon + 1);
   const std::size_t question = rest.find('?');
   uri.name = rest.substr(0, question);

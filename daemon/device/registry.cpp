@@ -28,8 +28,8 @@ core::Error unknown_kind(const DeviceUri& uri) {
     list += "\n  " + entry.scheme_and_name + "  " + entry.sentence;
   }
   const std::string meant = core::suggest(uri.scheme + ":" + uri.name, names);
-  return {core::ErrorCode::InvalidArgument, "device \"" + uri.text + "\": this program has no such device",
-          (meant.empty() ? "" : "did you mean \"" + meant + "\"? ") + "It has:" + list};
+  return {core::ErrorCode::InvalidArgument, "device \"" + uri.text + "\": this program knows no such device",
+          (meant.empty() ? "" : "did you mean \"" + meant + "\"? ") + "Known devices:" + list};
 }
 
 std::vector<RegistryEntry> with_mcc(std::vector<RegistryEntry> entries) {
@@ -43,9 +43,9 @@ const std::vector<RegistryEntry>& registry() {
   static const std::vector<RegistryEntry> entries = with_mcc({
       {"sim:floor", "Simulated floor platform with a person or a weight on it.", sim::create_floor},
       {"sim:chair", "Simulated chair with a person who reaches.", sim::create_chair},
-      {"replay:", "A recording played again: replay:FILE.xdf?speed=1&loop=0.", replay::create_replay},
+      {"replay:", "Plays a recording: replay:FILE.xdf?speed=1&loop=0.", replay::create_replay},
       {"labjack:u6", "LabJack U6 or U6-Pro: 14 inputs, one converter.", labjack::create_u6, labjack::u6_models()},
-      {"ni:", "A device of National Instruments through NI-DAQmx, when that is installed: ni:Dev1.", nidaqmx::create_ni_daqmx},
+      {"ni:", "A device of National Instruments; needs NI-DAQmx: ni:Dev1.", nidaqmx::create_ni_daqmx},
   });
   return entries;
 }

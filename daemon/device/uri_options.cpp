@@ -7,6 +7,7 @@
 #include <optional>
 #include <sstream>
 
+#include "core/join.h"
 #include "core/suggest.h"
 
 namespace dts::device {
@@ -67,22 +68,17 @@ tl::unexpected<core::Error> refuse(const DeviceUri& uri, std::span<const Mistake
 std::vector<Mistake> unknown_names(const DeviceUri& uri, std::span<const UriOption> known) {
   std::vector<Mistake> mistakes;
   std::vector<std::string_view> names;
-  std::string list;
-  for (const UriOption& option : known) {
-    names.push_back(option.name);
-    list += list.empty() ? "" : ", ";
-    list += option.name;
-  }
+  for (const UriOption& option : known) names.push_back(option.name);
   for (const auto& [name, value] : uri.options) {
     if (std::find(names.begin(), names.end(), name) != names.end()) continue;
     mistakes.push_back({"unknown option \"" + name + "\"", did_you_mean(name, names)});
   }
-  if (!mistakes.empty()) mistakes.back().hint += (mistakes.back().hint.empty() ? "Known: " : " Known: ") + list;
+  if (!mistakes.empty()) mistakes.back().hint += (mistakes.back().hint.empty() ? "Known: " : " Known: ") + core::join(names);
   return mistakes;
 }
 
 std::string not_allowed(const UriOption& option, const std::string& value) {
-  return std::string(option.name) + " = \"" + value + "\" is not allowed; it takes " + allowed(option);
+  return std::string(option.name) + " = \"" + value + "\" is not allowed; allowed: " + allowed(option);
 }
 
 }  // namespace
@@ -103,7 +99,7 @@ core::Result<UriOptions> UriOptions::read(const DeviceUri& uri, std::span<const 
     if (options.take(option, value)) continue;
     std::string hint;
     if (option.kind == OptionKind::Word) hint = did_you_mean(value, split_choices(option.choices));
-    if (option.kind == OptionKind::Numbers) hint = "numbers separated by commas, at most " + std::to_string(kMostNumbers);
+    if (option.kind == OptionKind::Numbers) hint = "write numbers separated by commas, at most " + std::to_string(kMostNumbers);
     mistakes.push_back({not_allowed(option, value), std::move(hint)});
   }
   if (!mistakes.empty()) return refuse(uri, mistakes);

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/result.h"
-#include "device/registry.h"
+#include "device/device_uri.h"
 
 namespace dts::device {
 

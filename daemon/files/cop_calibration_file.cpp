@@ -28,7 +28,7 @@ std::vector<double> read_numbers(TomlReader& reader, std::string_view key, std::
 
 Interval interval_of(TomlReader& reader, std::string_view key, const std::vector<double>& values) {
   if (values.size() != 2) return {};
-  if (values[0] > values[1]) reader.report(key, std::string(key) + ": the lowest value of a range comes first");
+  if (values[0] > values[1]) reader.report(key, std::string(key) + ": write the lowest value of a range first");
   return {values[0], values[1]};
 }
 
@@ -88,7 +88,7 @@ std::vector<physics::RatioFit> read_ratios(TomlReader& top, std::string_view key
   std::vector<physics::RatioFit> fits;
   auto readers = top.tables(key);
   if (readers.size() != count) {
-    top.report(key, "[[" + std::string(key) + "]] must be there " + (count == 1 ? "once" : "twice") + " for this method");
+    top.report(key, "[[" + std::string(key) + "]] must appear " + (count == 1 ? "once" : "twice") + " for this method");
     return fits;
   }
   for (TomlReader& reader : readers) {
@@ -137,7 +137,7 @@ std::vector<physics::CopCalibrationPoint> read_points(TomlReader& top, std::size
   std::vector<physics::CopCalibrationPoint> points;
   auto readers = top.tables("point");
   if (readers.size() > kMostPoints) {
-    top.report("point", std::to_string(readers.size()) + " points; at most " + std::to_string(kMostPoints) + " are taken");
+    top.report("point", std::to_string(readers.size()) + " points; at most " + std::to_string(kMostPoints) + " are allowed");
     return points;
   }
   for (TomlReader& reader : readers) {

@@ -34,7 +34,7 @@ constexpr double kLargestNumber = 1e6;
 
 constexpr std::string_view kNameLetters = "abcdefghijklmnopqrstuvwxyz0123456789-";
 constexpr std::string_view kFieldLetters = "abcdefghijklmnopqrstuvwxyz0123456789_";
-/// Keys that trial events already use (record/event.h).
+/// Keys that events of dtsd 0.1 already use (record/old_event.h).
 constexpr std::string_view kReservedLabels[] = {"event",     "segment", "scan",      "phase",  "trial", "attempt",
                                                 "condition", "block",   "target_cm", "rest_s", "at_ns"};
 
@@ -62,7 +62,7 @@ std::string sentence(TomlReader& reader) {
 /// Returns true the first time; else reports a problem at `key`.
 bool is_first(std::set<std::string>& known, const std::string& given, TomlReader& reader, std::string_view key) {
   if (known.insert(given).second) return true;
-  reader.report(key, "'" + given + "' stands twice");
+  reader.report(key, "'" + given + "' is listed twice");
   return false;
 }
 
@@ -101,8 +101,7 @@ std::vector<std::pair<std::string, std::string>> read_labels(TomlReader reader) 
   std::vector<std::pair<std::string, std::string>> labels;
   for (const std::string& key : reader.remaining_keys()) {
     labels.emplace_back(key, reader.text(key, ""));
-    if (std::ranges::find(kReservedLabels, key) != std::end(kReservedLabels))
-      reader.report(key, "label '" + key + "' has a meaning already");
+    if (std::ranges::find(kReservedLabels, key) != std::end(kReservedLabels)) reader.report(key, "label '" + key + "' is reserved");
     if (!is_word(key, kFieldLetters)) reader.report(key, "a label's name must be 1 to 32 of the characters a-z, 0-9 and _");
     if (!is_word(labels.back().second, kNameLetters)) reader.report(key, "a label must be 1 to 32 of the characters a-z, 0-9 and -");
   }
@@ -116,7 +115,7 @@ Condition read_condition(TomlReader& reader) {
   if (reader.node("target_percent") != nullptr) condition.target_percent = reader.number("target_percent", 100.0, 1.0, kMostPercent);
   condition.is_maximum_reach = reader.boolean("maximum_reach", false);
   if (condition.is_maximum_reach && condition.target_percent) {
-    reader.report("maximum_reach", "a target stands at maximum_reach or at target_percent, not at both");
+    reader.report("maximum_reach", "a target has maximum_reach or target_percent, not both");
   }
   if (reader.node("labels") != nullptr) condition.labels = read_labels(reader.table("labels"));
   reader.finish();
@@ -185,13 +184,13 @@ void read_session_times(TomlReader& reader, Protocol& protocol) {
   protocol.duration_s = reader.number("duration_s", 0.0, 0.0, kLongestSessionS);
   if (!protocol.trials) return;
   for (const std::string_view key : {"settle_s", "duration_s"}) {
-    if (reader.has(key)) reader.report(key, std::string(key) + " is a matter of each trial here: write it below [trials]");
+    if (reader.has(key)) reader.report(key, std::string(key) + " is set for each trial in this protocol: write it below [trials]");
   }
 }
 
 std::optional<toml::table> parse_text(const std::string& text, const std::string& name, Problems& problems) {
   if (text.size() > kMostProtocolBytes) {
-    problems.push_back({.file = name, .text = "is larger than 256 KiB: that is no protocol"});
+    problems.push_back({.file = name, .text = "is larger than 256 KiB: this is not a protocol file"});
     return std::nullopt;
   }
   return parse_toml_text(text, name, problems);

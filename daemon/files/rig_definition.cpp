@@ -29,7 +29,8 @@ std::string text_of(const toml::table& table) {
 }
 
 tl::unexpected<core::Error> refuse(const std::string& file, const Problems& problems) {
-  return core::fail(core::ErrorCode::InvalidArgument, "no definition of the rig in " + file + ": " + to_string(problems.front()));
+  return core::fail(core::ErrorCode::InvalidArgument,
+                    "cannot write the definition of the rig in " + file + ": " + to_string(problems.front()));
 }
 
 }  // namespace

@@ -47,7 +47,8 @@ void settle_estimator(TomlReader& reader, pipeline::StageConfig& stage, const pi
   const std::string method(physics::to_string(estimator.method()));
   const auto [option, is_new] = stage.options.try_emplace("estimator", method);
   if (is_new || option->second == pipeline::OptionValue(method)) return;
-  reader.report("estimator", "the rig's calibration '" + id + "' is for estimator \"" + method + "\"; leave estimator out or say the same");
+  reader.report("estimator", "the rig's calibration '" + id + "' is for estimator \"" + method +
+                                 "\"; leave estimator out, or set it to the same method");
 }
 
 /// Reads `model = "file.toml"`, the trunk model; `dtslab reach train` writes this file. In a rig definition it is a table.
@@ -98,7 +99,7 @@ void read_stages(TomlReader& top, pipeline::RigConfig& config) {
       } else if (value->is_number()) {
         stage.options.emplace(key, *value->value<double>());
       } else {
-        reader.report(key, "an option is a number or a text in quotes");
+        reader.report(key, "an option must be a number or a text in quotes");
       }
     }
     settle_estimator(reader, stage, config);

@@ -136,7 +136,9 @@ physics::Support read_support(TomlReader reader, const physics::Plate& plate) {
 RigModelFile read_rig_model(TomlReader& top, Problems& problems, References references) {
   RigModelFile rig;
   rig.model.plate = read_plate(top.table("plate"));
-  rig.model.support = read_support(top.table("support"), rig.model.plate);
+  auto support = top.table("support");
+  if (references == References::Files) support.require("kind");  // definitions in older recordings may lack it: corners, then
+  rig.model.support = read_support(std::move(support), rig.model.plate);
   read_sensors(top, rig, references, problems);
   return rig;
 }

@@ -8,21 +8,16 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
-#include <sstream>
 #include <utility>
 
+#include "core/join.h"
+#include "core/number_text.h"
 #include "core/suggest.h"
 #include "files/toml_text.h"
 #include "files/whole_file.h"
 
 namespace dts::files {
 namespace {
-
-std::string shown(double value) {
-  std::ostringstream text;
-  text << value;
-  return text.str();
-}
 
 std::string range_text(const std::string& minimum, const std::string& maximum) { return "; allowed: " + minimum + " .. " + maximum; }
 
@@ -89,7 +84,7 @@ std::optional<toml::table> parse_toml(const std::string& file, Problems& problem
 
 std::optional<toml::table> parse_toml_text(std::string_view text, const std::string& name, Problems& problems) {
   if (text.size() > kMostTomlBytes) {
-    problems.push_back({.file = name, .text = "is larger than 4 MiB: that is no file of dtsd"});
+    problems.push_back({.file = name, .text = "is larger than 4 MiB: this is not a file of dtsd"});
     return std::nullopt;
   }
   if (const std::size_t deep = find_deep_key(text); deep != std::string_view::npos) {
@@ -118,9 +113,9 @@ const toml::node* TomlReader::node(std::string_view key) {
 bool TomlReader::has(std::string_view key) const { return table_ != nullptr && table_->contains(key); }
 
 void TomlReader::require(std::string_view key) {
-  if (has(key) || has_told_absence_) return;
-  has_told_absence_ = table_ == nullptr;
-  report("", (has_told_absence_ ? where_ : named(key)) + " is missing");
+  if (has(key) || has_reported_absence_) return;
+  has_reported_absence_ = table_ == nullptr;
+  report("", (has_reported_absence_ ? where_ : named(key)) + " is missing");
 }
 
 bool TomlReader::can_read(std::string_view key, const std::string& file) {
@@ -138,7 +133,8 @@ double TomlReader::number(std::string_view key, double fallback, double minimum,
     return fallback;
   }
   if (!std::isfinite(*value) || *value < minimum || *value > maximum) {
-    report(key, named(key) + " = " + shown(*value) + " is out of range" + range_text(shown(minimum), shown(maximum)));
+    report(key, named(key) + " = " + core::number_text(*value) + " is out of range" +
+                    range_text(core::number_text(minimum), core::number_text(maximum)));
     return fallback;
   }
   return *value;
@@ -188,8 +184,7 @@ std::string TomlReader::short_text(std::string_view key) {
 std::string TomlReader::choice(std::string_view key, const std::vector<std::string_view>& choices) {
   const std::string given = text(key, choices.front());
   if (std::ranges::find(choices, given) != choices.end()) return given;
-  std::string known;
-  for (const std::string_view one : choices) known += (known.empty() ? "\"" : ", \"") + std::string(one) + "\"";
+  const std::string known = core::join(choices, ", ", [](std::string_view one) { return '"' + std::string(one) + '"'; });
   const std::string near = core::suggest(given, choices);
   report(key,
          named(key) + " = \"" + given + "\" is not known" + (near.empty() ? "" : "; did you mean \"" + near + "\"?") + "; known: " + known);
@@ -243,9 +238,14 @@ std::optional<TomlReader> TomlReader::table_or_file(std::string_view key, Refere
   const toml::node* found = node(key);
   if (found != nullptr && found->is_table()) return table(key);
   const std::string name = text(key, "");
-  if (name.empty()) return std::nullopt;
+  if (name.empty()) {  // definitions in older recordings may have one
+    if (found != nullptr && found->is_string() && references == References::Files) {
+      report(key, named(key) + " is empty: name a file, or remove the line");
+    }
+    return std::nullopt;
+  }
   if (references == References::None) {
-    report(key, named(key) + " names a file, but a definition has none beside it: it must be a table");
+    report(key, named(key) + " names a file, but a recorded definition must contain the table itself");
     return std::nullopt;
   }
   const auto file = (std::filesystem::path(file_).parent_path() / name).lexically_normal().string();
@@ -328,7 +328,7 @@ std::vector<double> read_list(TomlReader& reader, std::string_view key, const to
     const auto value = element.value<double>();
     if (!element.is_number() || !value || !(std::abs(*value) <= largest)) {
       reader.report(key, std::string(key) + ": number " + std::to_string(values.size() + 1) +
-                             " of the list is not a finite number of at most " + toml_number(largest) + " in size");
+                             " of the list is not a finite number of at most " + core::number_text(largest) + " in size");
       return {};
     }
     values.push_back(*value);

@@ -59,8 +59,8 @@ class TomlReader {
 
   [[nodiscard]] TomlReader table(std::string_view key);
   /// Returns a reader of the table at `key`, or of the file named at `key` (relative to this file). If it cannot be read, adds a problem
-  /// and returns nothing. If the key is absent or an empty text, returns nothing without a problem. `parsed` holds the table of the file
-  /// and must outlive the returned reader.
+  /// and returns nothing. If the key is absent, returns nothing without a problem. `parsed` holds the table of the file and must outlive
+  /// the returned reader.
   [[nodiscard]] std::optional<TomlReader> table_or_file(std::string_view key, References references, std::optional<toml::table>& parsed);
   /// Returns a reader for each table of an array of tables [[key]].
   [[nodiscard]] std::vector<TomlReader> tables(std::string_view key);
@@ -88,7 +88,7 @@ class TomlReader {
   std::string where_;
   std::string file_;
   Problems* problems_;
-  bool has_told_absence_ = false;
+  bool has_reported_absence_ = false;
   std::set<std::string, std::less<>> asked_;
 };
 

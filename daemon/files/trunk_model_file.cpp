@@ -23,7 +23,6 @@ constexpr std::size_t kMostSubjects = 1000;
 constexpr std::int64_t kMostTrials = 100'000'000;
 constexpr std::size_t kSha256Digits = 64;
 constexpr double kLargestWeight = 1e30;
-constexpr double kLargestLevelMm = 1e3;
 
 double required_number(TomlReader& reader, std::string_view key, double fallback, double minimum, double maximum) {
   reader.require(key);
@@ -74,7 +73,7 @@ void read_network(TomlReader& reader, std::size_t inputs, std::vector<Network>& 
 
 Ensemble read_ensemble(TomlReader reader) {
   Ensemble ensemble{.inputs = read_inputs(reader), .networks = {}};
-  ensemble.temperature = reader.number("temperature", 1.0, 0.05, 20.0);
+  ensemble.temperature = reader.number("temperature", 1.0, TrunkModelForm::kLowestTemperature, TrunkModelForm::kHighestTemperature);
   auto networks = reader.tables("network");
   if (networks.empty() || networks.size() > Ensemble::kMaxNetworks) {
     reader.report("network",
@@ -104,7 +103,7 @@ classifier::AngleModel read_angle(TomlReader reader) {
 
 classifier::ArmAloneRule read_arm_alone(TomlReader reader) {
   classifier::ArmAloneRule rule{.logit = read_quadratic(reader)};
-  rule.none_from = required_number(reader, "none_from", 0.9, 0.5, 1.0);
+  rule.none_from = required_number(reader, "none_from", 0.9, TrunkModelForm::kLowestNoneFrom, 1.0);
   reader.finish();
   return rule;
 }
@@ -146,7 +145,7 @@ classifier::ModelFigures read_model_figures(TomlReader reader) {
   classifier::ModelFigures figures;
   figures.validation_accuracy = required_number(reader, "validation_accuracy", 1.0, 0.0, 1.0);
   if (figures.validation_accuracy < TrunkModelForm::kLowestValidationAccuracy) {
-    reader.report("validation_accuracy", "validation_accuracy is below 0.9: the training failed, this model is not to be used");
+    reader.report("validation_accuracy", "validation_accuracy is below 0.9: the training failed, do not use this model");
   }
   figures.left_out_accuracy = optional_figure(reader, "left_out_accuracy", 1.0);
   figures.left_out_own_accuracy = optional_figure(reader, "left_out_own_accuracy", 1.0);
@@ -167,8 +166,8 @@ TrunkModelForm read_form(TomlReader& top) {
   }
   form.kind = top.choice("kind", {"raw5", "recommended"}) == "raw5" ? ModelKind::Raw5 : ModelKind::Recommended;
   form.reject_below = required_number(top, "reject_below", 0.9, 0.0, 1.0);
-  form.p1_minimum_mm = required_number(top, "p1_minimum_mm", 1.0, 0.0, kLargestLevelMm);
-  form.p1_maximum_mm = required_number(top, "p1_maximum_mm", 1.0, 0.0, kLargestLevelMm);
+  form.p1_minimum_mm = required_number(top, "p1_minimum_mm", 1.0, TrunkModelForm::kSmallestP1Mm, TrunkModelForm::kLargestP1Mm);
+  form.p1_maximum_mm = required_number(top, "p1_maximum_mm", 2.0, TrunkModelForm::kSmallestP1Mm, TrunkModelForm::kLargestP1Mm);
   form.facts = read_training(top.table("training"));
   form.figures = read_model_figures(top.table("figures"));
   form.general = read_ensemble(top.table("general"));

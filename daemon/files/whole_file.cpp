@@ -57,7 +57,8 @@ int open_temporary(const std::string& temporary, const struct stat* replaced, mo
 
 core::Status write_whole_file(const std::string& path, std::string_view text, mode_t new_mode) {
   const auto failed = [&path](int error) {
-    return core::fail_errno(error, "cannot write " + path, "does the folder exist, may you write there, is there room?");
+    return core::fail_errno(error, "cannot write " + path,
+                            "check that the folder exists, that you may write there and that the disk has room");
   };
   struct stat there {};
   const bool exists = ::stat(path.c_str(), &there) == 0;
@@ -87,18 +88,19 @@ core::Result<std::string> read_whole_file(const std::string& path, std::size_t m
   const auto refused = [](const std::string& why) { return core::fail(core::ErrorCode::InvalidArgument, why); };
   const auto unreadable = [&refused](int why) { return refused("cannot be read: " + std::generic_category().message(why)); };
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
-  if (file.get() < 0) return errno == ENXIO ? refused("is no regular file") : unreadable(errno);
+  if (file.get() < 0) return errno == ENXIO ? refused("is not a regular file") : unreadable(errno);
   struct stat facts {};
   if (::fstat(file.get(), &facts) != 0) return unreadable(errno);
   if (S_ISDIR(facts.st_mode)) return refused("is a folder, not a file");
-  if (!S_ISREG(facts.st_mode)) return refused("is no regular file");
+  if (!S_ISREG(facts.st_mode)) return refused("is not a regular file");
   std::string text;
   std::array<char, 16384> piece{};
   for (ssize_t got = 1; got != 0;) {
     got = ::read(file.get(), piece.data(), piece.size());
     if (got < 0 && errno != EINTR) return unreadable(errno);
     if (got > 0) text.append(piece.data(), static_cast<std::size_t>(got));
-    if (text.size() > most_bytes) return refused("is larger than " + std::to_string(most_bytes >> 20U) + " MiB: that is no file of dtsd");
+    if (text.size() > most_bytes)
+      return refused("is larger than " + std::to_string(most_bytes >> 20U) + " MiB: this is not a file of dtsd");
   }
   return text;
 }

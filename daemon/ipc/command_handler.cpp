@@ -2,9 +2,11 @@
 #include "ipc/command_handler.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "record/utf8_text.h"
+#include "session/session_events.h"
 
 namespace dts::ipc {
 
@@ -54,8 +56,8 @@ CommandHandler::Answer CommandHandler::run(const dts::v1::Request& request) {
     case dts::v1::Request::kNoteLogin: return {note_login(request.note_login())};
     case dts::v1::Request::COMMAND_NOT_SET: break;
   }
-  return {error_response({ErrorCode::InvalidArgument, "the request holds no command this daemon knows",
-                          "client and daemon may differ in version: dtsctl doctor"})};
+  return {error_response({ErrorCode::InvalidArgument, "the request contains no command that this daemon knows",
+                          "compare the versions of client and daemon: dtsctl doctor"})};
 }
 
 std::optional<dts::v1::Response> CommandHandler::finish(const Pending& pending) {
@@ -66,7 +68,7 @@ std::optional<dts::v1::Response> CommandHandler::finish(const Pending& pending) 
 dts::v1::Response CommandHandler::give_up(const Pending& pending) {
   if (const auto* stop = std::get_if<PendingStop>(&pending)) {
     return error_response({ErrorCode::Timeout, "the recording of session " + stop->session_id + " is still being closed",
-                           "the disk is slow; look again: dtsctl session show " + stop->session_id});
+                           "the disk is slow; check again: dtsctl session show " + stop->session_id});
   }
   const auto& tare = std::get<PendingTare>(pending);
   supervisor_.cancel_tare(tare.rig, tare.request);
@@ -94,7 +96,7 @@ std::optional<dts::v1::Response> CommandHandler::finish_tare(const PendingTare& 
                              "keep still around the plate, then try again"});
     case pipeline::TareOutcome::BadSensor:
       return error_response({ErrorCode::WrongState, "tare refused: a sensor of rig '" + pending.rig + "' is faulty",
-                             "look at it: dtsctl device test " + pending.rig});
+                             "test it: dtsctl device test " + pending.rig});
   }
   return error_response({ErrorCode::Internal, "tare ended in an unknown state", ""});
 }
@@ -105,7 +107,9 @@ dts::v1::StatusSnapshot CommandHandler::status() {
     for (const std::string& notice : rig->notices()) out.add_notices(notice);
   }
   if (has_remote_problem_)
-    out.add_notices("other machines cannot connect: another program has taken the port of [network]; it is tried again");
+    out.add_notices(
+        "other machines cannot connect: another program uses the port of [network]; dtsd retries. End that program, or choose another "
+        "port");
   out.set_rejected_requests_total(rejected_total_);
   if (authenticator_ != nullptr) {
     out.set_has_network(true);
@@ -159,10 +163,10 @@ dts::v1::Response CommandHandler::devices() {
     device.set_model(described.model);
     const std::string serial = state.rig.device_report().serial;
     device.set_serial(serial.empty() ? described.serial : serial);
-    device.set_state(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : device_state(state.acquisition.device));
+    device.set_state(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : session::to_message(state.acquisition.device));
     for (const auto& channel : described.channels) device.add_channels(channel.name);
-    device.set_minimum_rate_hz(described.minimum_rate_hz);
-    device.set_maximum_rate_hz(described.maximum_rate_hz);
+    if (described.minimum_rate_hz > 0.0) device.set_minimum_rate_hz(described.minimum_rate_hz);
+    if (described.maximum_rate_hz > 0.0) device.set_maximum_rate_hz(described.maximum_rate_hz);
   }
   const auto unused = supervisor_.unused_units();
   if (!unused) out.set_problem(core::to_string(unused.error()));
@@ -204,7 +208,7 @@ dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& 
   add_checks(tested->report, out);
   out.set_problem(tested->problem);
   for (const session::RigState& state : supervisor_.states()) {
-    if (&state.rig == rig) out.set_measured_rate_hz(state.measured_rate_hz);
+    if (&state.rig == rig && state.measured_rate_hz > 0.0) out.set_measured_rate_hz(state.measured_rate_hz);
   }
   const auto& channels = rig->device().channels;
   for (std::size_t index = 0; index < std::min(statistics.channel_count, channels.size()); ++index) {
@@ -220,7 +224,7 @@ dts::v1::Response CommandHandler::test_device(const dts::v1::TestDeviceRequest& 
     if (sensor == config.sensor_channels.end()) continue;
     const auto& model = config.model.sensors[static_cast<std::size_t>(sensor - config.sensor_channels.begin())];
     channel.set_is_sensor(true);
-    channel.set_gap_mm(model.curve.gap({measured.mean}).value);
+    if (const double gap_mm = model.curve.gap({measured.mean}).value; std::isfinite(gap_mm)) channel.set_gap_mm(gap_mm);
     if (!model.curve.contains({measured.mean})) channel.set_quality(core::quality::kOutOfRange);
   }
   return response;

@@ -29,8 +29,7 @@ std::string known_as(const access::Peer& peer, const std::string& request_id) { 
 }  // namespace
 
 ControlServer::ControlServer(std::vector<ControlSocket> sockets, access::Gate gate, session::Supervisor& supervisor,
-                             CommandHandler& handler, PublishThread& publisher, core::Clock& clock, core::Log log,
-                             std::uint64_t instance_id)
+                             CommandHandler& handler, PublishThread& publisher, core::Clock& clock, core::Log log)
     : sockets_(std::move(sockets)),
       gate_(std::move(gate)),
       supervisor_(supervisor),
@@ -38,7 +37,6 @@ ControlServer::ControlServer(std::vector<ControlSocket> sockets, access::Gate ga
       publisher_(publisher),
       clock_(clock),
       log_(std::move(log)),
-      instance_id_(instance_id),
       replies_(kRepliesKept) {}
 
 void ControlServer::serve(int ms) {
@@ -101,7 +99,7 @@ void ControlServer::admit(ControlSocket& socket, Incoming asked) {
     if (gate_.is_worth_an_answer(peer, clock_.now_ns())) socket.reply(asked.envelope, error_response(admitted.error()).SerializeAsString());
     return;
   }
-  if (!asked.is_well_formed) return reject(socket, asked, peer, "a request is one frame, or an empty one and then one");
+  if (!asked.is_well_formed) return reject(socket, asked, peer, "a request must be one frame, or an empty frame and then one frame");
   answer(socket, std::move(asked), std::move(peer));
 }
 
@@ -114,7 +112,7 @@ void ControlServer::answer(ControlSocket& socket, Incoming asked, access::Peer p
   const dts::v1::CommandRules& rules = wire::rules_of(request);
   if (rules.is_change() && answer_repeat(socket, asked, peer, id)) return;
   if (rules.timeout_s() > 0 && waiting_.size() == kMostWaiting) {
-    return reject(socket, asked, peer, "too many commands are being waited for");
+    return reject(socket, asked, peer, "too many commands wait for their answers");
   }
   CommandHandler::Answer result = handler_.execute(request);
   if (result.pending) {
@@ -193,7 +191,7 @@ void ControlServer::count_rejected() {
 
 void ControlServer::log_rejected(std::int64_t now_ns) {
   if (unlogged_rejections_ == 0 || now_ns < next_log_ns_) return;
-  log_.warning("rejected " + std::to_string(std::exchange(unlogged_rejections_, 0)) + " requests that were malformed or too many" +
+  log_.warning("rejected " + std::to_string(std::exchange(unlogged_rejections_, 0)) + " malformed or excess requests" +
                (last_rejected_.empty() ? "" : ", the last by " + last_rejected_));
   next_log_ns_ = now_ns + kLogNs;
 }
@@ -202,12 +200,13 @@ void ControlServer::reject(ControlSocket& socket, const Incoming& asked, const a
   count_rejected();
   last_rejected_ = peer.who;
   socket.reply(asked.envelope,
-               error_response({core::ErrorCode::InvalidArgument, why, "client and daemon may differ in version"}).SerializeAsString());
+               error_response({core::ErrorCode::InvalidArgument, why, "compare the versions of client and daemon: dtsctl doctor"})
+                   .SerializeAsString());
 }
 
 void ControlServer::publish_notices() {
-  for (const session::Notice& notice : supervisor_.take_notices()) {
-    publisher_.post(notice.rig, notice_event(instance_id_, notice));
+  for (session::Notice& notice : supervisor_.take_notices()) {
+    publisher_.post(notice.rig, std::move(notice.event));
     next_status_ns_ = 0;
   }
 }

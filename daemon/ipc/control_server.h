@@ -25,7 +25,7 @@ class ControlServer {
  public:
   /// Serves `sockets` in turns. The references must outlive the server.
   ControlServer(std::vector<ControlSocket> sockets, access::Gate gate, session::Supervisor& supervisor, CommandHandler& handler,
-                PublishThread& publisher, core::Clock& clock, core::Log log, std::uint64_t instance_id);
+                PublishThread& publisher, core::Clock& clock, core::Log log);
 
   /// Serves for up to `ms` milliseconds, then returns; call it in a loop. Thread: control.
   void serve(int ms);
@@ -67,7 +67,6 @@ class ControlServer {
   PublishThread& publisher_;
   core::Clock& clock_;
   core::Log log_;
-  std::uint64_t instance_id_;
   ReplyCache replies_;
   std::vector<Waiting> waiting_;
   bool is_drop_due_ = false;

@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "ipc/encode_reach.h"
-#include "ipc/encode_sway.h"
+#include "session/session_events.h"
 
 namespace dts::ipc {
 namespace {
@@ -29,9 +28,6 @@ dts::v1::TareState tare_state(const pipeline::TareReport& tare) {
   return dts::v1::TARE_STATE_UNSPECIFIED;
 }
 
-static_assert(static_cast<int>(core::GapReason::Integrity) == dts::v1::GAP_REASON_INTEGRITY);
-static_assert(static_cast<int>(core::GapReason::Stall) == dts::v1::GAP_REASON_STALL);
-static_assert(core::kGapReasons == dts::v1::GapReason_ARRAYSIZE);
 static_assert(static_cast<int>(device::DeviceCheck::Outcome::Skipped) == dts::v1::CHECK_OUTCOME_SKIPPED);
 static_assert(static_cast<int>(core::ErrorCode::Internal) == dts::v1::ERROR_CODE_INTERNAL);
 static_assert(core::quality::kSubstituted == dts::v1::QUALITY_SUBSTITUTED);
@@ -43,13 +39,13 @@ void add_health(const session::RigState& state, dts::v1::RigStatus& out) {
   out.mutable_ring_fill()->set_frames_percent(state.ring_fill.frames_percent);
   out.mutable_ring_fill()->set_record_percent(state.ring_fill.record_percent);
   *out.mutable_latency() = latency_histogram(state.latency);
-  out.set_record_lag_s(state.recording.lag_s);
+  if (state.recording.is_recording) out.set_record_lag_s(state.recording.lag_s);
 }
 
 dts::v1::RigStatus rig_status(const session::RigState& state) {
   dts::v1::RigStatus out;
   *out.mutable_rig() = rig_info(state.rig);
-  out.set_device(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : device_state(state.acquisition.device));
+  out.set_device(state.acquisition.is_armed ? dts::v1::DEVICE_STATE_WAITING : session::to_message(state.acquisition.device));
   const std::string_view device_message = state.acquisition.text();
   out.set_device_message(device_message.empty() ? state.sensor_problems : std::string(device_message));
   out.set_segment(state.acquisition.segment);
@@ -59,11 +55,11 @@ dts::v1::RigStatus rig_status(const session::RigState& state) {
   out.set_reconnects_total(state.acquisition.reconnects_total);
   out.set_dropped_blocks_total(state.pipeline.dropped_blocks_total);
   out.set_nominal_rate_hz(state.acquisition.rate.hz());
-  out.set_measured_rate_hz(state.measured_rate_hz);
+  if (state.measured_rate_hz > 0.0) out.set_measured_rate_hz(state.measured_rate_hz);
   out.set_lost_events_total(state.pipeline.lost_events_total);
-  out.set_pipeline_us_per_scan(state.pipeline.us_per_scan);
+  if (state.pipeline.us_per_scan > 0.0) out.set_pipeline_us_per_scan(state.pipeline.us_per_scan);
   out.set_restarts_total(state.acquisition.restarts_total);
-  out.set_clock_drift_ppm(state.acquisition.clock_drift_ppm);
+  if (state.acquisition.clock_drift_ppm != 0.0) out.set_clock_drift_ppm(state.acquisition.clock_drift_ppm);
   out.set_host_time_uncertainty_ns(state.acquisition.host_time_uncertainty_ns);
   out.set_tare(tare_state(state.tare));
   add_health(state, out);
@@ -106,69 +102,6 @@ const dts::v1::StreamBlock& StreamEncoder::encode(const core::Block& block, std:
     quality[channel] = static_cast<char>(bits);
   }
   return message_;
-}
-
-dts::v1::Event gap_event(std::uint64_t instance_id, const core::Frame& frame) {
-  dts::v1::Event event;
-  event.set_instance_id(instance_id);
-  event.set_segment(frame.segment);
-  event.set_host_time_ns(frame.host_time_ns);
-  event.mutable_gap()->set_reason(static_cast<dts::v1::GapReason>(frame.gap_before.reason));
-  event.mutable_gap()->set_missing_scans(frame.gap_before.missing_scans);
-  event.mutable_gap()->set_is_exact(frame.gap_before.is_exact);
-  return event;
-}
-
-namespace {
-
-dts::v1::Event trigger_event(std::uint64_t instance_id, const core::TriggerEvent& trigger, const std::string& channel) {
-  dts::v1::Event event;
-  event.set_instance_id(instance_id);
-  event.set_segment(trigger.segment);
-  event.set_scan(trigger.scan.value);
-  event.set_host_time_ns(trigger.host_time_ns);
-  event.mutable_trigger()->set_edge(trigger.is_rising ? dts::v1::TRIGGER_EDGE_RISING : dts::v1::TRIGGER_EDGE_FALLING);
-  event.mutable_trigger()->set_channel(channel);
-  return event;
-}
-
-}  // namespace
-
-dts::v1::Event event_message(std::uint64_t instance_id, const core::Event& event, const std::string& trigger_channel) {
-  if (const auto* trigger = std::get_if<core::TriggerEvent>(&event)) return trigger_event(instance_id, *trigger, trigger_channel);
-  if (const auto* reach = std::get_if<core::ReachEvent>(&event)) return reach_event(instance_id, *reach);
-  if (const auto* movement = std::get_if<core::ClassEvent>(&event)) return class_event(instance_id, *movement);
-  return sway_event(instance_id, std::get<core::SwayEvent>(event));
-}
-
-dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice) {
-  dts::v1::Event event;
-  event.set_instance_id(instance_id);
-  event.set_segment(notice.at.segment);
-  event.set_scan(notice.at.scan.value);
-  event.set_host_time_ns(notice.at.host_time_ns);
-  if (const auto* marker = std::get_if<session::MarkerNotice>(&notice.body)) {
-    event.mutable_marker()->set_text(marker->text);
-  } else if (const auto* device = std::get_if<session::DeviceNotice>(&notice.body)) {
-    event.mutable_device()->set_state(device_state(device->state));
-    event.mutable_device()->set_uri(device->uri);
-    event.mutable_device()->set_message(device->message);
-  } else if (const auto* change = std::get_if<session::SessionView>(&notice.body)) {
-    auto& out = *event.mutable_session();
-    out.set_session_id(change->id);
-    out.set_state(session_state(change->state));
-    out.set_protocol(change->request.protocol);
-    out.set_subject(change->request.subject);
-    out.set_label(change->request.label);
-    out.set_message(change->message);
-  } else if (const auto* trial = std::get_if<session::TrialNotice>(&notice.body)) {
-    *event.mutable_trial() = trial_change(*trial);
-  } else if (const auto* result = std::get_if<session::TrialResultNotice>(&notice.body)) {
-    *event.mutable_trial_result() = trial_result(*result);
-  } else if (const auto* standing = std::get_if<session::SwayNotice>(&notice.body)) {
-    *event.mutable_sway() = sway(standing->result, standing->session_id, standing->software);
-  }
-  return event;
 }
 
 dts::v1::StatusSnapshot status_snapshot(const Identity& identity, const core::Clock& clock, const std::vector<session::RigState>& states,
@@ -236,16 +169,6 @@ dts::v1::RigInfo rig_info(const session::Rig& rig) {
   for (const std::string& stream : config.published) out.add_published(stream);
   if (config.cop_calibration) out.set_calibration(config.cop_calibration->id);
   return out;
-}
-
-dts::v1::DeviceState device_state(device::DeviceState state) {
-  switch (state) {
-    case device::DeviceState::Closed: return dts::v1::DEVICE_STATE_CLOSED;
-    case device::DeviceState::Open: return dts::v1::DEVICE_STATE_OPEN;
-    case device::DeviceState::Streaming: return dts::v1::DEVICE_STATE_STREAMING;
-    case device::DeviceState::Gone: return dts::v1::DEVICE_STATE_GONE;
-  }
-  return dts::v1::DEVICE_STATE_UNSPECIFIED;
 }
 
 dts::v1::Error error_message(const core::Error& error) {

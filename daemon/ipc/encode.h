@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "core/block.h"
 #include "core/clock.h"
-#include "core/event.h"
-#include "core/frame.h"
 #include "dts/v1/control.pb.h"
 #include "dts/v1/stream.pb.h"
 #include "ipc/encode_session.h"
@@ -38,19 +37,12 @@ struct Identity {
   std::int64_t started_ns = 0;  ///< Monotonic.
 };
 
-/// Returns the event for the gap before scan 0 of the frame's segment.
-[[nodiscard]] dts::v1::Event gap_event(std::uint64_t instance_id, const core::Frame& frame);
-/// `trigger_channel`: name of the channel on which the rig detects triggers.
-[[nodiscard]] dts::v1::Event event_message(std::uint64_t instance_id, const core::Event& event, const std::string& trigger_channel);
-[[nodiscard]] dts::v1::Event notice_event(std::uint64_t instance_id, const session::Notice& notice);
-
 [[nodiscard]] dts::v1::StatusSnapshot status_snapshot(const Identity& identity, const core::Clock& clock,
                                                       const std::vector<session::RigState>& states,
                                                       const std::vector<std::string>& notices);
 /// Returns cumulative bucket counts; the last bucket has no upper limit.
 [[nodiscard]] dts::v1::LatencyHistogram latency_histogram(const session::LatencyReport& report);
 [[nodiscard]] dts::v1::RigInfo rig_info(const session::Rig& rig);
-[[nodiscard]] dts::v1::DeviceState device_state(device::DeviceState state);
 [[nodiscard]] dts::v1::Error error_message(const core::Error& error);
 
 }  // namespace dts::ipc

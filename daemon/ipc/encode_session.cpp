@@ -1,34 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ipc/encode_session.h"
 
-#include <algorithm>
-#include <limits>
-
-#include "ipc/encode_sway.h"
-#include "record/event.h"
+#include "record/old_event.h"
 #include "record/utf8_text.h"
-#include "session/sway_record.h"
 
 namespace dts::ipc {
 
 using record::clean_text;
 using record::PartState;
 using session::SessionState;
-using session::TrialEventKind;
 using session::TrialPhase;
 
 // The daemon's enumerations have the same numbers as the protobuf ones.
-static_assert(static_cast<int>(SessionState::Idle) == dts::v1::SESSION_STATE_IDLE);
-static_assert(static_cast<int>(SessionState::Starting) == dts::v1::SESSION_STATE_STARTING);
-static_assert(static_cast<int>(SessionState::Settling) == dts::v1::SESSION_STATE_SETTLING);
-static_assert(static_cast<int>(SessionState::Running) == dts::v1::SESSION_STATE_RUNNING);
-static_assert(static_cast<int>(SessionState::Stopping) == dts::v1::SESSION_STATE_STOPPING);
-static_assert(static_cast<int>(SessionState::Failed) == dts::v1::SESSION_STATE_FAILED);
 static_assert(static_cast<int>(TrialPhase::Waiting) == dts::v1::TRIAL_PHASE_WAITING);
 static_assert(static_cast<int>(TrialPhase::Finished) == dts::v1::TRIAL_PHASE_FINISHED);
-static_assert(static_cast<int>(TrialEventKind::Ready) == dts::v1::TRIAL_EVENT_KIND_READY);
-static_assert(static_cast<int>(TrialEventKind::Done) == dts::v1::TRIAL_EVENT_KIND_DONE);
-static_assert(static_cast<int>(TrialEventKind::Finished) == dts::v1::TRIAL_EVENT_KIND_FINISHED);
 static_assert(static_cast<int>(PartState::Recording) == dts::v1::PART_STATE_RECORDING);
 static_assert(static_cast<int>(PartState::Missing) == dts::v1::PART_STATE_MISSING);
 static_assert(static_cast<int>(session::DiskState::Unusable) == dts::v1::DISK_STATE_UNUSABLE);
@@ -45,9 +30,11 @@ dts::v1::SessionInfo session_info(const std::string& rig, const session::Session
   out.set_protocol(view.id.empty() ? "" : view.request.protocol);
   out.set_subject(view.request.subject);
   out.set_label(view.request.label);
-  out.set_duration_s(view.request.duration_s);
-  out.set_settle_s(view.request.settle_s);
-  out.set_elapsed_s(view.elapsed_s);
+  if (!view.id.empty()) {
+    if (view.request.duration_s > 0.0) out.set_duration_s(view.request.duration_s);
+    out.set_settle_s(view.request.settle_s);
+    out.set_elapsed_s(view.elapsed_s);
+  }
   out.set_message(clean_text(view.message));
   for (const auto& [name, value] : view.request.fields) (*out.mutable_fields())[clean_text(name)] = clean_text(value);
   return out;
@@ -73,22 +60,8 @@ dts::v1::TrialStatus trial_status(const session::TrialView& view) {
   out.set_of(view.of);
   out.set_condition(view.condition);
   out.set_next_condition(view.next_condition);
-  out.set_next_target_cm(view.next_target_cm.value_or(0.0));
-  out.set_remaining_s(view.remaining_s);
-  return out;
-}
-
-dts::v1::TrialChange trial_change(const session::TrialNotice& notice) {
-  dts::v1::TrialChange out;
-  out.set_session_id(notice.session_id);
-  out.set_kind(static_cast<dts::v1::TrialEventKind>(notice.event.kind));
-  out.set_trial(notice.event.trial);
-  out.set_attempt(notice.event.attempt);
-  out.set_block(notice.event.block);
-  out.set_condition(notice.event.condition);
-  for (const auto& [label, value] : notice.event.labels) (*out.mutable_labels())[label] = value;
-  out.set_target_cm(notice.event.target_cm.value_or(0.0));
-  out.set_rest_s(notice.event.rest_s);
+  if (view.next_target_cm) out.set_next_target_cm(*view.next_target_cm);
+  if (view.remaining_s > 0.0) out.set_remaining_s(view.remaining_s);
   return out;
 }
 
@@ -109,7 +82,7 @@ dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol) {
   out.set_sentence(protocol.sentence);
   out.set_rig_kind(protocol.rig_kind);
   out.set_settle_s(protocol.settle_s);
-  out.set_duration_s(protocol.duration_s);
+  if (protocol.duration_s > 0.0) out.set_duration_s(protocol.duration_s);
   if (protocol.trials) {
     out.set_trials(protocol.trials->trials_per_block * protocol.trials->blocks);
     for (const session::Condition& condition : protocol.trials->conditions) out.add_conditions(condition.name);
@@ -119,8 +92,10 @@ dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol) {
     described.set_name(field.name);
     described.set_sentence(field.sentence);
     described.set_is_required(field.is_required);
-    described.set_minimum(field.minimum);
-    described.set_maximum(field.maximum);
+    if (field.choices.empty()) {
+      described.set_minimum(field.minimum);
+      described.set_maximum(field.maximum);
+    }
     for (const std::string& choice : field.choices) described.add_choices(choice);
   }
   return out;
@@ -143,41 +118,6 @@ void fill(dts::v1::SessionPart& out, const record::PartRow& part) {
   out.set_valid_trials(part.valid_trials);
 }
 
-double number_of(const record::RecordedEvent& event, const std::string& key, double otherwise) {
-  const auto found = std::ranges::find(event.values, key, &std::pair<std::string, record::EventValue>::first);
-  if (found == event.values.end()) return otherwise;
-  if (const auto* number = std::get_if<double>(&found->second)) return *number;
-  const auto* whole = std::get_if<std::int64_t>(&found->second);
-  return whole != nullptr ? static_cast<double>(*whole) : otherwise;
-}
-
-/// Returns a class from -1 to 3; -1 for any other value, because the value is from a file.
-int class_of(const record::RecordedEvent& event, const std::string& key) {
-  const double number = number_of(event, key, -1.0);
-  return number >= -1.0 && number <= 3.0 ? static_cast<int>(number) : -1;
-}
-
-void fill(dts::v1::TrialResult& out, const record::TrialRow& trial, const record::RecordedEvent& told) {
-  const record::RecordedEvent* const event = &told;
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  out.set_trial(trial.trial);
-  out.set_attempt(trial.attempt);
-  out.set_condition(clean_text(trial.condition));
-  out.set_target_cm(number_of(*event, "target_cm", 0.0));
-  out.set_expected_class(class_of(*event, "expected_class"));
-  const auto bits_of = [&event](const char* key) {
-    return static_cast<std::uint32_t>(std::clamp(number_of(*event, key, 0.0), 0.0, 65535.0));
-  };
-  if (!record::text_of(*event, "number").empty()) out.mutable_reach()->set_flags(bits_of("flags"));
-  if (record::text_of(*event, "class").empty()) return;
-  auto& movement = *out.mutable_movement();
-  movement.set_trunk_class(class_of(*event, "class"));
-  movement.set_trunk_deg(number_of(*event, "trunk_deg", kUnknown));
-  movement.set_trunk_lo_deg(number_of(*event, "trunk_lo_deg", kUnknown));
-  movement.set_trunk_hi_deg(number_of(*event, "trunk_hi_deg", kUnknown));
-  movement.set_reasons(bits_of("reasons"));
-}
-
 void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_part(trial.part);
   out.set_trial(trial.trial);
@@ -190,11 +130,14 @@ void fill(dts::v1::TrialRecord& out, const record::TrialRow& trial) {
   out.set_last_scan(trial.last_scan);
   out.set_last_segment(trial.last_segment);
   if (trial.result.empty()) return;
-  const auto event = record::event_of_json(trial.result);
-  if (event && event->event == "result") fill(*out.mutable_result(), trial, *event);
-  if (!event || event->event != "sway") return;
-  if (const auto standing = session::sway_of(*event)) {
-    *out.mutable_sway() = sway(*standing, trial.session_id, record::text_of(*event, "software"));
+  auto event = record::event_of_text(trial.result);
+  if (event && event->has_trial_result()) {
+    *out.mutable_result() = std::move(*event->mutable_trial_result());
+    out.mutable_result()->set_session_id(trial.session_id);  // dtsd 0.1 did not store it
+  }
+  if (event && event->has_sway()) {
+    *out.mutable_sway() = std::move(*event->mutable_sway());
+    out.mutable_sway()->set_session_id(trial.session_id);
   }
 }
 
@@ -211,7 +154,7 @@ dts::v1::SessionRecord session_record(const record::SessionRow& row, std::uint32
   out.set_planned_trials(planned_trials);
   out.set_message(clean_text(row.message));
   out.set_started_utc_ns(row.started_utc_ns);
-  out.set_ended_utc_ns(row.ended_utc_ns);
+  if (row.ended_utc_ns != 0) out.set_ended_utc_ns(row.ended_utc_ns);
   for (const record::PartRow& part : row.parts) fill(*out.add_parts(), part);
   for (const record::TrialRow& trial : row.trials) fill(*out.add_trials(), trial);
   return out;

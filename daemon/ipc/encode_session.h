@@ -17,7 +17,6 @@ void add_losses(const core::Losses& losses, google::protobuf::RepeatedPtrField<d
 [[nodiscard]] dts::v1::SessionState session_state(session::SessionState state);
 [[nodiscard]] dts::v1::RecordingStatus recording_status(const session::RecordingView& view, std::uint32_t part);
 [[nodiscard]] dts::v1::TrialStatus trial_status(const session::TrialView& view);
-[[nodiscard]] dts::v1::TrialChange trial_change(const session::TrialNotice& notice);
 [[nodiscard]] dts::v1::ProtocolInfo protocol_info(const session::Protocol& protocol);
 [[nodiscard]] dts::v1::SessionRecord session_record(const record::SessionRow& row, std::uint32_t planned_trials = 0);
 [[nodiscard]] dts::v1::SessionResult session_result(const record::ResultRow& row);

@@ -40,7 +40,7 @@ std::string_view host_of(std::string_view endpoint) { return endpoint.substr(kTc
 
 std::string bind_hint(int system_errno) {
   if (system_errno == EADDRNOTAVAIL) {
-    return "this machine does not have the address now: write tcp://*:PORT for every address that it will have, or correct it in dtsd.toml";
+    return "this machine does not have this address now: write tcp://*:PORT to use all addresses, or correct it in dtsd.toml";
   }
   return system_errno == EADDRINUSE ? "another program listens there: end it, or choose another port in dtsd.toml" : "";
 }
@@ -76,7 +76,7 @@ core::Status check_remote_endpoint(const std::string& endpoint) {
   const bool is_host = host == "*" || (!host.empty() && host.find_first_not_of("0123456789.") == std::string_view::npos);
   if (is_host) return {};
   return core::fail(core::ErrorCode::InvalidArgument, "'" + endpoint + "' names no address of this machine",
-                    "write tcp://*:5555, or the IPv4 address in digits: a name could come to mean another");
+                    "write tcp://*:5555, or the IPv4 address in digits: the address of a name can change");
 }
 
 core::Status check_not_in_use(const std::string& endpoint) {
@@ -88,7 +88,7 @@ core::Status check_not_in_use(const std::string& endpoint) {
   struct stat found {};
   if (::lstat(path.c_str(), &found) != 0) return {};  // no such file
   if (!S_ISSOCK(found.st_mode)) {
-    return core::fail(core::ErrorCode::InvalidArgument, path + " exists and is no socket", "choose another path for the endpoint");
+    return core::fail(core::ErrorCode::InvalidArgument, path + " exists and is not a socket", "choose another path for the endpoint");
   }
   const int probe = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (probe < 0) return {};  // no descriptor left: bind will fail and report it

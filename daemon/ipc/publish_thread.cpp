@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "dts/wire/options.h"
+#include "events/make.h"
 
 namespace dts::ipc {
 namespace {
@@ -53,6 +54,7 @@ void PublishThread::stop() noexcept {
 }
 
 void PublishThread::post(const std::string& rig, dts::v1::Event event) {
+  event.set_instance_id(instance_id_);
   std::string topic = event_topic(rig, event);
   const bool is_retained = wire::topic_of(event).is_retained();
   post({std::move(topic), std::make_shared<dts::v1::Event>(std::move(event)), is_retained});
@@ -104,7 +106,7 @@ void PublishThread::publish(Source& source) {
   for (int turn = 0; turn < kFramesPerTurn; ++turn) {
     core::Frame* frame = frames.front();
     if (frame == nullptr) return;
-    if (frame->gap_before.reason != core::GapReason::None) send_event(source, gap_event(instance_id_, *frame));
+    if (frame->gap_before.reason != core::GapReason::None) send_event(source, events::make_gap(*frame));
     // Triggers are the first events of a frame. They are sent before its blocks, all other events after them. If the frame also counts the
     // events of dropped frames, only the triggers before the first other event are sent before its blocks.
     std::uint32_t left = frame->event_count;
@@ -136,12 +138,13 @@ void PublishThread::note_latency(Source& source, const core::Frame& frame) {
 
 void PublishThread::send_next_event(const Source& source, std::uint32_t& left) {
   core::EventLane& events = source.rig->events();
-  send_event(source, event_message(instance_id_, *events.front(), source.trigger_channel));
+  send_event(source, events::make(*events.front(), source.trigger_channel));
   events.release();
   --left;
 }
 
-void PublishThread::send_event(const Source& source, const dts::v1::Event& event) {
+void PublishThread::send_event(const Source& source, dts::v1::Event event) {
+  event.set_instance_id(instance_id_);
   socket_->send(event_topic(source.rig->config().name, event), event);
 }
 

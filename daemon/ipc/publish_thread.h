@@ -69,7 +69,7 @@ class PublishThread {
   void note_latency(Source& source, const core::Frame& frame);
   void send_next_event(const Source& source, std::uint32_t& left);
   void post(Outgoing outgoing);
-  void send_event(const Source& source, const dts::v1::Event& event);
+  void send_event(const Source& source, dts::v1::Event event);
   void send_outbox();
   void send_retained();
 

@@ -83,7 +83,7 @@ dts::v1::Response CommandHandler::trial(const dts::v1::TrialRequest& request) {
     case dts::v1::TRIAL_ACTION_NEXT: action = session::TrialAction::Next; break;
     case dts::v1::TRIAL_ACTION_REDO: action = session::TrialAction::Redo; break;
     case dts::v1::TRIAL_ACTION_REJECT: action = session::TrialAction::Reject; break;
-    default: return error_response({ErrorCode::InvalidArgument, "unknown action on a trial", "next, redo or reject"});
+    default: return error_response({ErrorCode::InvalidArgument, "unknown action on a trial", "use next, redo or reject"});
   }
   const auto trial = supervisor_.trial(request.rig(), action);
   if (!trial) return error_response(trial.error());
@@ -150,7 +150,7 @@ dts::v1::Response CommandHandler::note_login(const dts::v1::NoteLoginRequest& re
   const bool is_address =
       !address.empty() && address.size() <= kLongestAddress && address.find_first_not_of(kAddressLetters) == std::string::npos;
   if (!is_address || !(request.user().empty() || access::is_key_name(request.user()))) {
-    return error_response({ErrorCode::InvalidArgument, "the note of a login names no user or no address", ""});
+    return error_response({ErrorCode::InvalidArgument, "the note of a login has no user or no address", ""});
   }
   dts::v1::Response response;
   response.mutable_note_login();

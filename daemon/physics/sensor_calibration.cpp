@@ -68,7 +68,7 @@ core::Result<std::vector<Level>> sort_into_levels(std::span<const GapReading> re
   if (levels.size() >= kLeastGaps) return levels;
   return core::fail(core::ErrorCode::InvalidArgument,
                     std::to_string(levels.size()) + " different gaps, at least " + std::to_string(kLeastGaps) + " are needed",
-                    "measure more gaps over the range that the sensor works in");
+                    "measure more gaps over the working range of the sensor");
 }
 
 double span_v(const std::vector<Level>& levels) {
@@ -87,7 +87,7 @@ core::Status check_repeats(const std::vector<Level>& levels) {
   for (const Level& level : levels) {
     for (const GapReading& reading : level.readings) {
       if (std::abs(reading.volts.value - level.median_v) <= tolerance_v) continue;
-      return refuse(reading, "not what the other readings of this gap say", level.median_v - tolerance_v, level.median_v + tolerance_v,
+      return refuse(reading, "it differs from the other readings of this gap", level.median_v - tolerance_v, level.median_v + tolerance_v,
                     "measure this gap again, or leave the row out");
     }
   }
@@ -150,13 +150,13 @@ core::Status check_smoothness(const std::vector<Level>& levels) {
   if (best.scatter_v > kMostScatterOfSpan * span_v(levels)) {
     return core::fail(core::ErrorCode::InvalidArgument,
                       text("the readings scatter by %.4f V about any smooth curve, even with one gap left out", best.scatter_v),
-                      "several rows are wrong: are gaps and volts in the right columns, the spacers in the right order?");
+                      "several rows are wrong: check that gaps and volts are in the right columns and the spacers in the right order");
   }
   const double tolerance_v = kTolerance * std::max(floor_v, best.scatter_v) * best.prediction_error;
   const Level& level = levels[suspect];
   if (std::abs(level.mean_v - best.prediction_v) <= tolerance_v) return {};
-  return refuse(level.readings.front(), "off the smooth curve through the other gaps", best.prediction_v - tolerance_v,
-                best.prediction_v + tolerance_v, "measure this gap again; is it the spacer that you think it is?");
+  return refuse(level.readings.front(), "it is off the smooth curve through the other gaps", best.prediction_v - tolerance_v,
+                best.prediction_v + tolerance_v, "measure this gap again; check that it is the right spacer");
 }
 
 core::Status check_monotony(const std::vector<Level>& levels) {
@@ -167,7 +167,7 @@ core::Status check_monotony(const std::vector<Level>& levels) {
     return refuse(
         levels[k].readings.front(),
         text("with the gap %g mm before it the voltage does not keep %s", levels[k - 1].gap_mm, direction > 0.0 ? "rising" : "falling"),
-        levels[k - 1].mean_v, beyond_v, "a voltage must mean one gap: leave out what is beyond the sensor's peak, or measure again");
+        levels[k - 1].mean_v, beyond_v, "a voltage must mean one gap: leave out the gaps beyond the sensor's peak, or measure again");
   }
   return {};
 }

@@ -11,8 +11,9 @@
 namespace dts::physics {
 namespace {
 
-/// A curve is rejected if its tables cannot keep gap -> volts -> gap within this tolerance.
-constexpr double kRoundTripMm = 1e-4;
+/// A curve is rejected if the probes of its tables, gap -> volts -> gap, are off by this much. Half of what sensor_curve.h promises,
+/// because the largest error may lie between two probes.
+constexpr double kLargestProbeErrorMm = 5e-5;
 constexpr std::size_t kSmallestTable = 1024;
 constexpr std::size_t kLargestTable = 65'536;
 
@@ -152,11 +153,11 @@ core::Result<SensorCurve> SensorCurve::create(std::string name, std::vector<Curv
     curve.volts_table_ = tabulate_volts(cubic, curve.points_, size);
     curve.gap_table_ = tabulate_gaps(cubic, curve.points_, size);
     error_mm = curve.round_trip_error_mm();
-    if (error_mm < 0.5 * kRoundTripMm) return curve;
+    if (error_mm < kLargestProbeErrorMm) return curve;
   }
   std::ostringstream message;
   message << "sensor curve '" << curve.name_ << "' is nearly flat somewhere: gap to volts and back is off by " << error_mm << " mm, above "
-          << kRoundTripMm;
+          << kLargestProbeErrorMm << " mm";
   return core::fail(core::ErrorCode::InvalidArgument, message.str(), "leave out the flat end of the curve");
 }
 

@@ -19,7 +19,7 @@ tl::unexpected<core::Error> refuse(std::string what) {
 core::Status check_channels(const PipelineInput& input, const physics::RigModel& rig) {
   if (input.sensor_channels.size() != rig.sensors.size()) {
     return refuse("the rig has " + std::to_string(rig.sensors.size()) + " sensors, but " + std::to_string(input.sensor_channels.size()) +
-                  " device channels are named for them");
+                  " device channels are given for them");
   }
   if (input.aux_channels.size() != input.aux_formats.size()) {
     return refuse(std::to_string(input.aux_channels.size()) + " aux channels, but " + std::to_string(input.aux_formats.size()) +
@@ -61,10 +61,10 @@ core::Result<std::unique_ptr<Pipeline>> Pipeline::create(std::span<const StageCo
   pipeline->max_block_scans_ = input.max_block_scans;
   core::StreamFormat format = device_format(input, context.rig);
   const std::size_t columns = format.channels.size();
-  StageContext told = context;
-  told.raw_rate = input.rate;
+  StageContext full_context = context;
+  full_context.raw_rate = input.rate;
   for (const StageConfig& config : stages) {
-    auto output = pipeline->append(config, format, told);
+    auto output = pipeline->append(config, format, full_context);
     if (!output) return tl::make_unexpected(output.error());
     format = std::move(*output);
   }
@@ -184,7 +184,7 @@ core::Status Pipeline::restore(std::span<const double> state, std::uint32_t segm
                                                         " numbers; these stages have " + std::to_string(state_size()));
   }
   if (std::string refusing = take_up(state); !refusing.empty()) {
-    return core::fail(core::ErrorCode::DataDamaged, "the recorded state of " + refusing + " is impossible");
+    return core::fail(core::ErrorCode::DataDamaged, "the recorded state of " + refusing + " is not valid");
   }
   segment_ = segment;
   next_scan_ = next_scan;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "core/join.h"
 #include "core/suggest.h"
 #include "pipeline/stages/classify.h"
 #include "pipeline/stages/cop.h"
@@ -29,14 +30,8 @@ constexpr StageEntry entry() {
 }
 
 constexpr std::array kStages = {
-    entry<Guard>(),
-    entry<WindowFilter>(),
-    entry<Linearise>(),
-    entry<Cop>(),
-    entry<Steadiness>(),
-    entry<Transient>(),
-    entry<Reach>(),
-    entry<Classify>(),
+    entry<Guard>(),      entry<WindowFilter>(), entry<Linearise>(), entry<Cop>(),
+    entry<Steadiness>(), entry<Transient>(),    entry<Reach>(),     entry<Classify>(),
 };
 
 const StageEntry* find_stage(std::string_view id) {
@@ -44,22 +39,9 @@ const StageEntry* find_stage(std::string_view id) {
   return found == kStages.end() ? nullptr : &*found;
 }
 
-std::string joined(std::span<const std::string_view> words) {
-  std::string text;
-  for (const std::string_view word : words) text += (text.empty() ? "" : ", ") + std::string(word);
-  return text;
-}
-
 std::string shortest(double value) {
   std::array<char, 32> digits{};
   return {digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), value).ptr};
-}
-
-/// Returns "; did you mean 'x'?", or the list of known words.
-std::string advice(std::string_view word, std::span<const std::string_view> known) {
-  const std::string near = core::suggest(word, known);
-  if (!near.empty()) return "; did you mean '" + near + "'?";
-  return known.empty() ? "; there are none" : "; known are " + joined(known);
 }
 
 std::string check_number(const OptionDescription& option, double value) {
@@ -78,9 +60,9 @@ std::string check_value(const OptionDescription& option, const OptionValue& valu
   if (option.choices.empty()) {
     return word == nullptr ? check_number(option, std::get<double>(value)) : "must be a number, not the word '" + *word + "'";
   }
-  if (word == nullptr) return "must be a word (" + joined(option.choices) + "), not a number";
+  if (word == nullptr) return "must be a word (" + core::join(option.choices) + "), not a number";
   if (std::ranges::find(option.choices, *word) != option.choices.end()) return {};
-  return "cannot be '" + *word + "'" + advice(*word, option.choices);
+  return "cannot be '" + *word + "'; " + core::known_words_hint(*word, option.choices);
 }
 
 /// Returns the problem with one option as a sentence; empty if there is none.
@@ -89,7 +71,7 @@ std::string check_option(const StageDescription& stage, const std::string& name,
   if (option == stage.options.end()) {
     std::vector<std::string_view> known(stage.options.size());
     std::ranges::transform(stage.options, known.begin(), &OptionDescription::name);
-    return "unknown option '" + name + "' of stage " + std::string(stage.id) + advice(name, known);
+    return "unknown option '" + name + "' of stage " + std::string(stage.id) + "; " + core::known_words_hint(name, known);
   }
   const std::string problem = check_value(*option, value);
   return problem.empty() ? problem : "option '" + name + "' of stage " + std::string(stage.id) + " " + problem;
@@ -109,7 +91,7 @@ std::vector<std::string> check_stage(const StageConfig& config) {
   if (found == nullptr) {
     std::vector<std::string_view> known(kStages.size());
     std::ranges::transform(kStages, known.begin(), [](const StageEntry& candidate) { return candidate.describe().id; });
-    return {"unknown stage '" + config.id + "'" + advice(config.id, known)};
+    return {"unknown stage '" + config.id + "'; " + core::known_words_hint(config.id, known)};
   }
   std::vector<std::string> problems;
   for (const auto& [name, value] : config.options) {
@@ -133,9 +115,9 @@ std::string stage_text(const StageConfig& config) {
 }
 
 core::Result<std::unique_ptr<Stage>> create_stage(const StageConfig& config, const StageContext& context) {
-  std::string text;
-  for (const std::string& problem : check_stage(config)) text += (text.empty() ? "" : "\n") + problem;
-  if (!text.empty()) return core::fail(core::ErrorCode::InvalidArgument, text);
+  if (const auto problems = check_stage(config); !problems.empty()) {
+    return core::fail(core::ErrorCode::InvalidArgument, core::join(problems, "\n"));
+  }
   const StageEntry& found = *find_stage(config.id);
   auto values = config.options;
   for (const OptionDescription& option : found.describe().options) values.try_emplace(std::string(option.name), default_of(option));

@@ -23,27 +23,27 @@ class SteadinessWindows {
  public:
   /// Thread: control (the one writer). Realtime-safe: yes.
   void open(std::uint32_t trial, std::uint32_t segment, core::ScanIndex first_scan, core::ScanIndex end_scan) noexcept {
-    tell({.trial = trial, .segment = segment, .first_scan = first_scan, .end_scan = end_scan});
+    publish({.trial = trial, .segment = segment, .first_scan = first_scan, .end_scan = end_scan});
   }
   /// Ends the open window at `end_scan`, because the trial is over; the stage reaches this scan later than the control thread. Thread:
   /// control.
   void end_at(std::uint32_t segment, core::ScanIndex end_scan) noexcept {
-    if (told_.trial == 0 || segment != told_.segment) return close();
-    open(told_.trial, told_.segment, told_.first_scan, end_scan);
+    if (newest_.trial == 0 || segment != newest_.segment) return close();
+    open(newest_.trial, newest_.segment, newest_.first_scan, end_scan);
   }
   /// Ends the window immediately: no trial is measured. Thread: control.
-  void close() noexcept { tell({}); }
+  void close() noexcept { publish({}); }
   /// Returns the newest window. Thread: pipeline (the one reader). Realtime-safe: yes.
   [[nodiscard]] const SteadinessWindow& latest() noexcept { return box_.load(); }
 
  private:
-  void tell(SteadinessWindow window) noexcept {
-    window.number = told_.number + 1;
-    told_ = window;
+  void publish(SteadinessWindow window) noexcept {
+    window.number = newest_.number + 1;
+    newest_ = window;
     box_.store(window);
   }
 
-  SteadinessWindow told_;
+  SteadinessWindow newest_;
   core::LatestValue<SteadinessWindow> box_;
 };
 

@@ -201,13 +201,13 @@ core::Status check(std::span<const double> t_s, std::span<const double> ml_mm, s
   }
   if (t_s.size() < 2) return invalid("a centre of pressure of " + std::to_string(t_s.size()) + " rows: at least two are needed");
   for (std::size_t i = 0; i < t_s.size(); ++i) {
-    if (!std::isfinite(t_s[i])) return invalid("the time of row " + std::to_string(i + 1) + " is no number");
+    if (!std::isfinite(t_s[i])) return invalid("the time of row " + std::to_string(i + 1) + " is not a number");
     if (i > 0 && t_s[i] <= t_s[i - 1]) {
       return invalid("the time of row " + std::to_string(i + 1) + " is not later than that of the row before");
     }
   }
   const double span_s = t_s.back() - t_s.front();
-  if (!std::isfinite(span_s) || span_s < std::numeric_limits<double>::min()) return invalid("times that are no times in seconds");
+  if (!std::isfinite(span_s) || span_s < std::numeric_limits<double>::min()) return invalid("the times are not valid times in seconds");
   return {};
 }
 
@@ -229,8 +229,8 @@ core::Result<CopSeries> even_series(std::span<const double> t_s, std::span<const
       (series.flags & sway_flag::kWindowAveraged) != 0 ? std::floor((t_s.back() - t_s.front()) * grid.rate_hz) + 1.0 : grid.samples();
   if (!std::isfinite(grid.rate_hz) || !(samples <= kSparseFactor * static_cast<double>(t_s.size()) + kSparseAllowance)) {
     return core::fail(ErrorCode::InvalidArgument,
-                      std::to_string(t_s.size()) + " rows over " + std::to_string(t_s.back() - t_s.front()) + " s: the holes are too long",
-                      "cut the file at its longest hole");
+                      std::to_string(t_s.size()) + " rows over " + std::to_string(t_s.back() - t_s.front()) + " s: the gaps are too long",
+                      "cut the file at its longest gap");
   }
   series.rate_hz = grid.rate_hz;
   const auto count = static_cast<std::size_t>(samples);

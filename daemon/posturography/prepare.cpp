@@ -48,12 +48,13 @@ core::Status check(const CopSeries& series, const Preparation& preparation) {
   if (!(series.rate_hz >= kLowestRateHz && series.rate_hz <= kHighestRateHz)) {
     return invalid("a centre of pressure sampled at " + hz(series.rate_hz), "rates of 10 to 100000 Hz can be analysed");
   }
-  if (preparation.profile != Profile::AsIs && preparation.profile != Profile::Lp10) return invalid("no such profile");
+  if (preparation.profile != Profile::AsIs && preparation.profile != Profile::Lp10) return invalid("unknown profile");
   if (preparation.profile == Profile::Lp10 && !(series.rate_hz > 2.0 * kLp10CutoffHz)) {
     return invalid("profile lp10 cannot filter " + hz(series.rate_hz) + " at 10 Hz", "use the profile asis");
   }
-  if (!(preparation.analysis_rate_hz >= 0.0) || !std::isfinite(preparation.analysis_rate_hz)) return invalid("no rate of analysis");
-  if (!(preparation.trim_s >= 0.0) || !std::isfinite(preparation.trim_s)) return invalid("no settling time");
+  if (!(preparation.analysis_rate_hz >= 0.0) || !std::isfinite(preparation.analysis_rate_hz))
+    return invalid("the rate of the analysis is not valid");
+  if (!(preparation.trim_s >= 0.0) || !std::isfinite(preparation.trim_s)) return invalid("the settling time is not valid");
   return {};
 }
 
@@ -133,11 +134,12 @@ double centre(std::vector<double>& values) noexcept {
 
 core::Status too_little(std::size_t samples, std::size_t needed, double rate_hz) {
   if (samples == 0)
-    return core::fail(ErrorCode::Failed, "there is no sample of the centre of pressure", "nobody stood there, or all samples are missing");
+    return core::fail(ErrorCode::Failed, "there is no sample of the centre of pressure",
+                      "check that a person stood on the plate and that samples were recorded");
   return core::fail(ErrorCode::Failed,
                     "only " + std::to_string(samples) + " samples (" + std::to_string(static_cast<double>(samples) / rate_hz) +
                         " s) are left of the centre of pressure, and " + std::to_string(needed) + " are needed",
-                    "samples are missing, or the settling time is too long");
+                    "record for longer, or shorten the settling time");
 }
 
 std::size_t decimation(const Preparation& preparation, double rate_hz) noexcept {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "record/losses.h"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <string_view>
 
@@ -18,21 +17,20 @@ GapReason reason_of(std::string_view word) {
   return GapReason::None;
 }
 
-std::uint64_t count_of(const RecordedEvent& event, const std::string& key) {
-  const auto found = std::ranges::find(event.values, key, &std::pair<std::string, EventValue>::first);
-  const auto* count = found != event.values.end() ? std::get_if<std::int64_t>(&found->second) : nullptr;
-  return count != nullptr && *count > 0 ? static_cast<std::uint64_t>(*count) : 0;
+/// Returns None for a number that this version does not know.
+GapReason reason_of(v1::GapReason number) {
+  return number >= 0 && static_cast<std::size_t>(number) < core::kGapReasons ? static_cast<GapReason>(number) : GapReason::None;
 }
 
 }  // namespace
 
-void LossCounter::take(const RecordedEvent& event) {
-  if (event.event == "loss") return losses_.add(GapReason::RingFull, {.gaps = 1, .scans = count_of(event, "scans")});
-  if (event.event != "segment") return;
+void LossCounter::take(const v1::Event& event) {
+  if (event.has_loss()) return losses_.add(GapReason::RingFull, {.gaps = 1, .scans = event.loss().scans()});
+  if (!event.has_segment_start()) return;
   const bool is_first = !has_begun_;
   has_begun_ = true;
   if (is_first) return;
-  losses_.add(reason_of(text_of(event, "reason")), {.gaps = 1, .scans = count_of(event, "missing_scans")});
+  losses_.add(reason_of(event.segment_start().reason()), {.gaps = 1, .scans = event.segment_start().missing_scans()});
 }
 
 std::string to_json(const core::Losses& losses) {

@@ -5,15 +5,15 @@
 #include <string>
 
 #include "core/losses.h"
-#include "record/event.h"
+#include "dts/v1/stream.pb.h"
 
 namespace dts::record {
 
-/// Adds up the scans that are missing between the first and the last scan of a recording. Reads its events "segment" and "loss" in file
+/// Adds up the scans that are missing between the first and the last scan of a recording. Reads its segment starts and losses in file
 /// order. Ignores the gap before the first segment, because it lies before the recording.
 class LossCounter {
  public:
-  void take(const RecordedEvent& event);
+  void take(const v1::Event& event);
   [[nodiscard]] const core::Losses& losses() const noexcept { return losses_; }
 
  private:

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <utility>
 
-#include "record/event.h"
 #include "record/losses.h"
+#include "record/old_event.h"
 #include "record/xdf/xdf_reader.h"
 
 namespace dts::record {
@@ -112,10 +112,10 @@ void Looker::take_time(double time_s, double scan_s, Traits& traits) {
 void Looker::take_events(const Samples& samples) {
   const std::size_t channels = samples.texts.size() / std::max<std::size_t>(samples.times_s.size(), 1);
   for (std::size_t text = 0; text < samples.texts.size(); ++text) {
-    const auto event = event_of_json(samples.texts[text]);
+    const auto event = event_of_text(samples.texts[text]);
     if (!event) continue;
     losses_.take(*event);
-    if (event->event == "segment") segment_events_.push_back({event->segment, event->scan, samples.times_s[text / channels]});
+    if (event->has_segment_start()) segment_events_.push_back({event->segment(), {event->scan()}, samples.times_s[text / channels]});
   }
 }
 

@@ -5,8 +5,10 @@
 #include <array>
 #include <charconv>
 #include <cstdlib>
+#include <variant>
 
-#include "record/reach_record.h"
+#include "dts/wire/event_json.h"
+#include "events/make.h"
 #include "record/xdf/recovery.h"
 
 namespace dts::record {
@@ -102,7 +104,9 @@ core::Status Recorder::take(const core::Frame& frame, std::span<const core::Even
   offset_ns_ = raw.host_time_ns - (origins_ns_[segment_] + rate_.time_ns(raw.first_scan));
   if (std::abs(offset_ns_) <= kRoundingNs) offset_ns_ = 0;
   take_quality(frame);
-  for (const core::Event& event : events) keep(event);
+  for (const core::Event& event : events) {
+    if (!std::holds_alternative<core::SwayEvent>(event)) keep(events::make(event, {}));  // preliminary values are not recorded
+  }
   next_raw_ = raw.first_scan + raw.count();
   for (Column& column : columns_) {
     if (auto taken = take_block(column, frame.streams[column.recorded.frame_index], raw); !taken) return taken;
@@ -119,21 +123,22 @@ core::Status Recorder::begin_segment(const core::Frame& frame) {
   origins_ns_[segment_] = raw.host_time_ns - offset_ns_ - rate_.time_ns(raw.first_scan);
   for (Column& column : columns_) column.has_origin = false;
   is_quality_due_ = true;
-  RecordedEvent event{.event = "segment", .segment = segment_, .scan = raw.first_scan};
-  event.values.emplace_back("host_time_ns", raw.host_time_ns);
-  if (gap_.reason != core::GapReason::None) {
-    event.values.emplace_back("reason", std::string(core::name(gap_.reason)));
-    event.values.emplace_back("missing_scans", static_cast<std::int64_t>(gap_.missing_scans));
-    event.values.emplace_back("is_exact", gap_.is_exact);
-  }
+  v1::Event event;
+  event.set_segment(segment_);
+  event.set_scan(raw.first_scan.value);
+  event.set_host_time_ns(raw.host_time_ns);
+  v1::SegmentStart& start = *event.mutable_segment_start();
+  start.set_reason(static_cast<v1::GapReason>(gap_.reason));
+  start.set_missing_scans(gap_.missing_scans);
+  start.set_is_exact(gap_.is_exact);
   losses_.take(event);
   gap_ = {};
   next_raw_ = raw.first_scan;
   if (auto taken = take(event); !taken) return taken;
-  for (RecordedEvent& waiting : std::exchange(waiting_events_, {})) {
-    if (waiting.segment < segment_) {  // its segment was never recorded
-      waiting.segment = segment_;
-      waiting.scan = raw.first_scan;
+  for (v1::Event& waiting : std::exchange(waiting_events_, {})) {
+    if (waiting.segment() < segment_) {  // its segment was never recorded
+      waiting.set_segment(segment_);
+      waiting.set_scan(raw.first_scan.value);
     }
     if (auto taken = take(waiting); !taken) return taken;
   }
@@ -149,8 +154,10 @@ void Recorder::note_jump(const core::Block& raw) {
 
 void Recorder::note_loss(std::uint64_t scans) {
   lost_scans_ += scans;
-  RecordedEvent event{.event = "loss", .segment = segment_, .scan = next_raw_};
-  event.values.emplace_back("scans", static_cast<std::int64_t>(scans));
+  v1::Event event;
+  event.set_segment(segment_);
+  event.set_scan(next_raw_.value);
+  event.mutable_loss()->set_scans(scans);
   losses_.take(event);
   keep(event);
   is_quality_due_ = true;
@@ -197,23 +204,13 @@ void Recorder::take_quality(const core::Frame& frame) {
   }
 }
 
-void Recorder::keep(const core::Event& event) {
-  if (const auto* trigger = std::get_if<core::TriggerEvent>(&event)) {
-    RecordedEvent edge{.event = "trigger", .segment = trigger->segment, .scan = trigger->scan};
-    edge.values.emplace_back("edge", std::string(trigger->is_rising ? "rising" : "falling"));
-    keep(edge);
-  }
-  if (const auto* reach = std::get_if<core::ReachEvent>(&event)) keep(to_record(*reach));
-  if (const auto* movement = std::get_if<core::ClassEvent>(&event)) keep(to_record(*movement));
+void Recorder::keep(const v1::Event& event) {
+  if (const auto at_s = time_s(event.segment(), {event.scan()})) events_.emplace_back(*at_s, wire::to_json(event));
 }
 
-void Recorder::keep(const RecordedEvent& event) {
-  if (const auto at_s = time_s(event.segment, event.scan)) events_.emplace_back(*at_s, to_json(event));
-}
-
-core::Status Recorder::take(const RecordedEvent& event) {
-  if (const auto at_s = time_s(event.segment, event.scan)) {
-    events_.emplace_back(*at_s, to_json(event));
+core::Status Recorder::take(const v1::Event& event) {
+  if (const auto at_s = time_s(event.segment(), {event.scan()})) {
+    events_.emplace_back(*at_s, wire::to_json(event));
   } else if (waiting_events_.size() < kMostWaitingEvents) {
     waiting_events_.push_back(event);
   }
@@ -281,14 +278,15 @@ core::Status Recorder::flush() {
 /// reason why the recording is incomplete.
 core::Status Recorder::write_waiting() {
   const double at_s = time_s(segment_, next_raw_).value_or(created_at_s_);
-  for (const RecordedEvent& waiting : std::exchange(waiting_events_, {})) events_.emplace_back(at_s, to_json(waiting));
+  for (const v1::Event& waiting : std::exchange(waiting_events_, {})) events_.emplace_back(at_s, wire::to_json(waiting));
   return write_events();
 }
 
 core::Result<XdfWriter::Closed> Recorder::close(const std::string& incomplete) {
   const auto told = write_waiting();
   if (!incomplete.empty()) return writer_->close_incomplete(incomplete);
-  if (lost_scans_ > 0) return writer_->close_incomplete(std::to_string(lost_scans_) + " scans found no room on the way to the file");
+  if (lost_scans_ > 0)
+    return writer_->close_incomplete(std::to_string(lost_scans_) + " scans were dropped: the queue to the recorder was full");
   if (!told) return tl::make_unexpected(told.error());
   return writer_->close();
 }

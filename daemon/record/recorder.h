@@ -13,7 +13,7 @@
 #include "core/event.h"
 #include "core/frame.h"
 #include "core/rate.h"
-#include "record/event.h"
+#include "dts/v1/stream.pb.h"
 #include "record/losses.h"
 #include "record/session_facts.h"
 #include "record/stream_info.h"
@@ -43,10 +43,10 @@ class Recorder {
   /// Sets the state of the stages before the first frame. Call it before the first `take`.
   void set_stage_state(std::span<const double> state);
   /// Buffers a frame and the events found in it; writes every chunk that is full.
-  [[nodiscard]] core::Status take(const core::Frame& frame, std::span<const core::Event> events = {});
+  [[nodiscard]] core::Status take(const core::Frame& frame, std::span<const core::Event> events);
   /// Buffers an event. If no frame of its segment was recorded yet, the event waits for the first one. If that segment is never recorded,
   /// the event moves to the start of the next segment, or to the end of the recording.
-  [[nodiscard]] core::Status take(const RecordedEvent& event);
+  [[nodiscard]] core::Status take(const v1::Event& event);
   /// Writes everything that is buffered.
   [[nodiscard]] core::Status flush();
   [[nodiscard]] core::Status synchronise() { return writer_->synchronise(); }
@@ -84,8 +84,7 @@ class Recorder {
   void note_jump(const core::Block& raw);
   core::Status take_block(Column& column, const core::Block& block, const core::Block& raw);
   void take_quality(const core::Frame& frame);
-  void keep(const core::Event& event);
-  void keep(const RecordedEvent& event);
+  void keep(const v1::Event& event);
   core::Status write_pending(Column& column);
   core::Status write_events();
   core::Status write_quality();
@@ -114,7 +113,7 @@ class Recorder {
   double begin_s_ = 0.0;  ///< Begin and end of the written raw stream, in stream time.
   double end_s_ = 0.0;
 
-  std::vector<RecordedEvent> waiting_events_;  ///< Events of segments without a recorded frame.
+  std::vector<v1::Event> waiting_events_;  ///< Events of segments without a recorded frame.
   std::vector<std::pair<double, std::string>> events_;
   std::vector<double> quality_times_s_;
   std::vector<double> quality_values_;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <variant>
 
+#include "dts/wire/event_json.h"
+#include "record/old_event.h"
 #include "record/overview.h"
 #include "record/utf8_text.h"
 #include "record/xdf/xdf_reader.h"
@@ -146,10 +148,14 @@ TimedEvent FileRecording::next_event(std::size_t channels) {
   const std::string& text = samples_.texts[taken_];
   const double time_s = samples_.times_s[taken_ / channels];
   ++taken_;
-  if (auto event = event_of_json(text)) return {.time_s = time_s, .event = std::move(*event)};
+  if (auto event = wire::event_of_json(text)) return {.time_s = time_s, .event = std::move(*event)};
+  if (auto event = old_event_of(text)) return {.time_s = time_s, .event = std::move(*event), .old_text = text};
   const auto place = reference_place(time_s);
-  return {.time_s = time_s,
-          .event = {.event = "marker", .segment = place.segment, .scan = place.scan, .values = {{"text", clean_text(text)}}}};
+  v1::Event marker;
+  marker.set_segment(place.segment);
+  marker.set_scan(place.scan.value);
+  marker.mutable_marker()->set_text(clean_text(text));
+  return {.time_s = time_s, .event = std::move(marker)};
 }
 
 }  // namespace
@@ -169,7 +175,7 @@ core::Result<SessionFacts> read_session_facts(const std::string& file) {
   if (!chunk) return tl::make_unexpected(chunk.error());
   const auto* header = *chunk ? std::get_if<FileHeader>(&(*chunk)->content) : nullptr;
   if (header == nullptr) return core::fail(core::ErrorCode::DataDamaged, "it has no file header");
-  if (fact(header->facts, "session_id").empty()) return core::fail(core::ErrorCode::Unsupported, "it is no recording of dtsd");
+  if (fact(header->facts, "session_id").empty()) return core::fail(core::ErrorCode::Unsupported, "it is not a recording of dtsd");
   return session_facts(header->facts);
 }
 

@@ -12,7 +12,7 @@
 #include "core/losses.h"
 #include "core/result.h"
 #include "core/units.h"
-#include "record/event.h"
+#include "dts/v1/stream.pb.h"
 #include "record/session_facts.h"
 #include "record/stream_info.h"
 
@@ -37,7 +37,8 @@ struct RecordedChange {
 };
 struct TimedEvent {
   double time_s = 0.0;
-  RecordedEvent event;
+  v1::Event event;
+  std::string old_text{};  ///< The event as dtsd 0.1 recorded it, for exports; empty if it has the present form.
 };
 struct RecordedOffset {
   double time_s = 0.0;

@@ -45,8 +45,7 @@ core::Status read_number(const Facts& facts, const char* name, Number& number) {
   if (text.empty()) return {};
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error == std::errc{} && end == text.data() + text.size()) return {};
-  return core::fail(core::ErrorCode::DataDamaged,
-                    std::string("the fact ") + name + " is no number that fits: '" + text.substr(0, 40) + "'");
+  return core::fail(core::ErrorCode::DataDamaged, std::string("the fact ") + name + " is not a valid number: '" + text.substr(0, 40) + "'");
 }
 
 std::string shortest(double value) {
@@ -59,14 +58,13 @@ core::Status read_version(const Facts& facts) {
   if (auto status = read_number(facts, kVersion, version); !status) return status;
   if (version == kFormatVersion) return {};
   return core::fail(core::ErrorCode::DataDamaged, std::string("the fact ") + kVersion + " is '" + fact(facts, kVersion).substr(0, 40) +
-                                                      "', only " + std::to_string(kFormatVersion) + " is known");
+                                                      "', only " + std::to_string(kFormatVersion) + " is supported");
 }
 
 core::Status read_stages(const Facts& facts, SessionFacts& session) {
   std::uint64_t count = 0;
   if (auto status = read_number(facts, "stages", count); !status) return status;
-  if (count > kMaxListed)
-    return core::fail(core::ErrorCode::DataDamaged, "the fact stages says " + std::to_string(count) + ", at most 256");
+  if (count > kMaxListed) return core::fail(core::ErrorCode::DataDamaged, "the fact stages is " + std::to_string(count) + ", at most 256");
   for (std::uint64_t stage = 1; stage <= count; ++stage) session.stages.push_back(fact(facts, "stage." + std::to_string(stage)));
   return {};
 }

@@ -6,9 +6,8 @@
 
 namespace dts::record {
 
-/// Returns the text in a form that XML 1.0 and JSON allow. Replaces by U+FFFD each byte that is not UTF-8, and each byte of a character
-/// that XML forbids (control characters except tab and line ends, U+FFFE, U+FFFF). Needed because users and files of other programs supply
-/// texts.
+/// Returns the text in a form that XML 1.0 and JSON allow. Replaces by U+FFFD each byte that is not UTF-8, and each character that XML
+/// forbids (control characters except tab and line ends, U+FFFE, U+FFFF). Needed because users and files of other programs supply texts.
 [[nodiscard]] std::string clean_text(std::string_view text);
 
 }  // namespace dts::record

@@ -20,11 +20,11 @@ constexpr std::int64_t kSilenceNs = 1000 * kNanosecondsPerMillisecond;
 
 std::string_view restart_message(core::GapReason reason) noexcept {
   switch (reason) {
-    case core::GapReason::Overrun: return "the device's buffer overran; its scan is started again";
-    case core::GapReason::Silence: return "the device fell silent; its scan is started again";
-    case core::GapReason::Stall: return "the device halted its data endpoint; its scan is started again";
-    case core::GapReason::Integrity: return "the device's data failed a check (see dtsctl device test); its scan is started again";
-    default: return "the device's stream broke; its scan is started again";
+    case core::GapReason::Overrun: return "the device's buffer was full; dtsd restarts the scan";
+    case core::GapReason::Silence: return "the device stopped sending; dtsd restarts the scan";
+    case core::GapReason::Stall: return "the device halted its data endpoint; dtsd restarts the scan";
+    case core::GapReason::Integrity: return "the device's data failed a check (see dtsctl device test); dtsd restarts the scan";
+    default: return "the device's stream ended unexpectedly; dtsd restarts the scan";
   }
 }
 
@@ -49,19 +49,19 @@ void Acquisition::request_stop() noexcept {
 }
 
 void Acquisition::run() noexcept {
+  bool may_retry_at_once = true;  // once after the first start, after a stream that lasted and after a return
   while (!stop_requested_.load(std::memory_order_acquire)) {
     scans_since_start_ = 0;
     const bool was_away = was_lost_;
     if (bring_up()) stream();
-    if (scans_since_start_ >= wanted_rate_.scans_in_ms(kProvenMs)) {
+    const bool has_lasted = scans_since_start_ >= wanted_rate_.scans_in_ms(kProvenMs);
+    const bool has_returned = was_away && !was_lost_ && scans_since_start_ > 0;
+    if (has_lasted || has_returned) {
       retry_pause_ns_ = 0;
-      has_retried_at_once_ = true;
-    } else if (was_away && !was_lost_ && scans_since_start_ > 0) {
-      retry_pause_ns_ = 0;  // the device has returned: forget the pauses of its absence
-      has_retried_at_once_ = true;
-    } else if (scans_since_start_ == 0 || std::exchange(has_retried_at_once_, true)) {
-      wait_before_retry();  // absent, or connected without scans, or broken repeatedly
+      may_retry_at_once = true;
     }
+    if (scans_since_start_ > 0 && std::exchange(may_retry_at_once, false)) continue;
+    wait_before_retry();  // absent, or connected without scans, or broken repeatedly
   }
   device_.close();
   report_.device = device::DeviceState::Closed;
@@ -143,7 +143,7 @@ void Acquisition::stream() noexcept {
         note_gap(result.gap.reason == core::GapReason::None ? core::Gap{.reason = core::GapReason::Unplugged} : result.gap);
         was_lost_ = true;
         report_.device = device::DeviceState::Gone;
-        report_.set_message("device lost; plug it in again, it is opened by itself");
+        report_.set_message("device disconnected; plug it in again: dtsd opens it by itself");
         publish_report();
         return;
       case device::ReadOutcome::NotStreaming: return;
@@ -200,7 +200,7 @@ void Acquisition::note_timeout(std::int64_t now_ns, std::int64_t deadline_ns) no
   const bool is_silent = now_ns - quiet_since_ns_ > kSilenceNs;
   if (!is_silent || report_.is_silent) return;
   report_.is_silent = true;
-  report_.set_message("device is present but delivers nothing; check its cable and power");
+  report_.set_message("device is connected but delivers no scans; check its cable and power");
   publish_report();
 }
 

@@ -102,7 +102,6 @@ class Acquisition {
   std::int64_t suspended_at_last_scan_ns_ = 0;
   std::int64_t quiet_since_ns_ = 0;  ///< Time of the last scan or of the last start, whichever is later.
   std::int64_t retry_pause_ns_ = 0;
-  bool has_retried_at_once_ = false;  ///< Retried without a pause since a stream last lasted 1 s.
 };
 
 }  // namespace dts::session

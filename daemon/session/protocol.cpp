@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <locale>
-#include <sstream>
 #include <string_view>
 
+#include "core/join.h"
+#include "core/number_text.h"
 #include "core/suggest.h"
 
 namespace dts::session {
@@ -32,19 +32,6 @@ std::optional<double> number_of(const std::string& text) {
   return value;
 }
 
-std::string shown(double value) {
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text << value;
-  return text.str();
-}
-
-std::string listed(const std::vector<std::string>& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
-  return text;
-}
-
 /// Errors of fields, each with the field's name.
 using FieldErrors = std::vector<std::pair<std::string, core::Error>>;
 
@@ -63,13 +50,11 @@ core::Status all_of(const FieldErrors& errors) {
 core::Status check_known(const Protocol& protocol, const Fields& fields) {
   std::vector<std::string> names;
   for (const ProtocolField& field : protocol.fields) names.push_back(field.name);
-  const std::vector<std::string_view> known(names.begin(), names.end());
   for (std::size_t index = 0; index < fields.size(); ++index) {
     if (std::ranges::find(names, fields[index].first) != names.end()) continue;
-    const std::string near = core::suggest(fields[index].first, known);
-    return wrong("field " + std::to_string(index + 1) + " of " + std::to_string(fields.size()) + " is none that protocol '" +
-                     protocol.name + "' asks for",
-                 names.empty() ? "it asks for none" : (near.empty() ? "known: " + listed(names) : "did you mean '" + near + "'?"));
+    return wrong("field " + std::to_string(index + 1) + " of " + std::to_string(fields.size()) + " is not a field of protocol '" +
+                     protocol.name + "'",
+                 names.empty() ? "remove it: this protocol has no fields" : core::known_words_hint(fields[index].first, names));
   }
   return {};
 }
@@ -77,12 +62,13 @@ core::Status check_known(const Protocol& protocol, const Fields& fields) {
 core::Status check_value(const ProtocolField& field, const std::string& value) {
   if (!field.choices.empty()) {
     if (std::ranges::find(field.choices, value) != field.choices.end()) return {};
-    return wrong("field '" + field.name + "' is none of its choices", "choices: " + listed(field.choices));
+    return wrong("field '" + field.name + "' is not one of its choices", "choices: " + core::join(field.choices));
   }
   const auto number = number_of(value);
-  if (!number) return wrong("field '" + field.name + "' is no number", "write it as 65.5, without a unit");
+  if (!number) return wrong("field '" + field.name + "' is not a number", "write it as 65.5, without a unit");
   if (*number >= field.minimum && *number <= field.maximum) return {};
-  return wrong("field '" + field.name + "' is out of range", "allowed: " + shown(field.minimum) + " .. " + shown(field.maximum));
+  return wrong("field '" + field.name + "' is out of range",
+               "allowed: " + core::number_text(field.minimum) + " .. " + core::number_text(field.maximum));
 }
 
 /// Returns the options for all required fields that are missing: "--field sex=female|male --field age_years=1..120".
@@ -91,9 +77,8 @@ std::string missing(const Protocol& protocol, const Fields& fields) {
   for (const ProtocolField& field : protocol.fields) {
     const bool is_given = std::ranges::any_of(fields, [&field](const auto& given) { return given.first == field.name; });
     if (is_given || !field.is_required) continue;
-    std::string allowed;
-    for (const std::string& choice : field.choices) allowed += (allowed.empty() ? "" : "|") + choice;
-    if (field.choices.empty()) allowed = shown(field.minimum) + ".." + shown(field.maximum);
+    std::string allowed = core::join(field.choices, "|");
+    if (field.choices.empty()) allowed = core::number_text(field.minimum) + ".." + core::number_text(field.maximum);
     options += (options.empty() ? "" : " ") + ("--field " + field.name) + "=" + allowed;
   }
   return options;
@@ -109,7 +94,7 @@ core::Status check_field(const ProtocolField& field, const Fields& fields) {
 
 core::Status check_target(const Condition& condition, const Fields& fields) {
   const auto needs = [&](const char* field) {
-    return wrong("field '" + std::string(field) + "' is missing: target '" + condition.name + "' depends on it", "measure it, in cm");
+    return wrong("field '" + std::string(field) + "' is missing: target '" + condition.name + "' needs it", "measure it and add it, in cm");
   };
   const auto maximum_reach_cm = field_number(fields, kMaximumReach);
   if (condition.is_maximum_reach) {
@@ -120,9 +105,9 @@ core::Status check_target(const Condition& condition, const Fields& fields) {
   const auto distance_cm = target_cm(condition, fields);
   if (!distance_cm) return needs(kArmLength);
   if (!maximum_reach_cm || *distance_cm <= *maximum_reach_cm + kReachToleranceCm) return {};
-  return wrong("target '" + condition.name + "' stands at " + shown(*distance_cm) + " cm, beyond the subject's maximum reach of " +
-                   shown(*maximum_reach_cm) + " cm",
-               "use a protocol without this target: copy the file and take the condition out");
+  return wrong("target '" + condition.name + "' is at " + core::number_text(*distance_cm) +
+                   " cm, beyond the subject's maximum reach of " + core::number_text(*maximum_reach_cm) + " cm",
+               "use a protocol without this target: copy the file and remove the condition");
 }
 
 }  // namespace
@@ -142,7 +127,7 @@ core::Status check_fields(const Protocol& protocol, const Fields& fields) {
   collect({}, check_known(protocol, fields));
   for (const ProtocolField& field : protocol.fields) collect(field.name, check_field(field, fields));
   if (const std::string options = missing(protocol, fields); !options.empty()) {
-    collect({}, wrong("protocol '" + protocol.name + "' asks for more about the subject", "add " + options));
+    collect({}, wrong("protocol '" + protocol.name + "' needs more fields about the subject", "add " + options));
   }
   if (!errors.empty()) return all_of(errors);
   if (!protocol.trials) return {};

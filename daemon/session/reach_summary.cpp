@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/join.h"
 #include "session/json_object.h"
 
 namespace dts::session {
@@ -221,10 +222,8 @@ std::vector<SessionFigure> summarize(std::span<const ReachTrialResult> results, 
     if (result.reach) sparc.add(result.reach->features.smoothness);
   }
   if (sparc.mean()) figures.push_back({"sparc_mean", *sparc.mean(), "1", {}});
-  std::string list;
-  for (const Target& target : targets) list += (list.empty() ? "" : ",") + json_of(target);
   JsonObject details;
-  details.add_json("targets", "[" + list + "]");
+  details.add_json("targets", "[" + core::join(targets, ",", json_of) + "]");
   figures.push_back({"targets", static_cast<double>(targets.size()), "1", details.text()});
   return figures;
 }

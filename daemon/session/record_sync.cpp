@@ -75,7 +75,7 @@ void RecordSync::remove(const std::string& rig) {
 core::Status RecordSync::request(const std::string& rig, std::int64_t taken_ns) {
   const std::lock_guard lock(mutex_);
   const auto found = files_.find(rig);
-  if (found == files_.end()) return core::fail(core::ErrorCode::WrongState, "nobody synchronises the recording of rig '" + rig + "'");
+  if (found == files_.end()) return core::fail(core::ErrorCode::WrongState, "no thread synchronises the recording of rig '" + rig + "'");
   if (found->second->error) return tl::make_unexpected(*found->second->error);
   found->second->is_due = true;
   found->second->asked_ns = taken_ns;

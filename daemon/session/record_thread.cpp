@@ -21,7 +21,8 @@ constexpr std::size_t kSlotsPerTurn = 256;  // after that, the other rigs have t
 /// Fails with NotFound if the file was deleted: later writes would vanish when it is closed.
 core::Status check_there(const std::string& file) {
   if (::access(file.c_str(), F_OK) == 0 || errno != ENOENT) return {};
-  return core::fail(core::ErrorCode::NotFound, file + " is gone", "somebody removed or moved it while it was written");
+  return core::fail(core::ErrorCode::NotFound, file + " was deleted or moved during the recording",
+                    "start a new session; do not touch a file while dtsd records into it");
 }
 
 /// Closes a recording. If a complete recording cannot be closed as complete, stores the error in `reason` and tries again with this reason
@@ -67,7 +68,7 @@ void RecordThread::begin(const std::string& rig, std::unique_ptr<record::Recorde
   line.safe_until_ns = clock_.now_ns();
 }
 
-void RecordThread::post(const std::string& rig, record::RecordedEvent event) {
+void RecordThread::post(const std::string& rig, v1::Event event) {
   const std::lock_guard lock(mutex_);
   Line& line = lines_.at(rig);
   if (line.view.is_recording) line.events.push_back(std::move(event));
@@ -114,13 +115,13 @@ void RecordThread::serve_rest(const std::string& rig, Line& line) {
 void RecordThread::receive(const std::string& rig, Line& line) {
   const auto events = take_orders(rig, line);
   if (std::exchange(line.is_new, false)) line.is_synced_aside = sync_.add(rig, line.file).has_value();
-  for (const record::RecordedEvent& event : events) {
+  for (const v1::Event& event : events) {
     if (!line.recorder) return;
     if (auto taken = line.recorder->take(event); !taken) finish(rig, line, core::to_string(taken.error()));
   }
 }
 
-std::vector<record::RecordedEvent> RecordThread::take_orders(const std::string& rig, Line& line) {
+std::vector<v1::Event> RecordThread::take_orders(const std::string& rig, Line& line) {
   const std::lock_guard lock(mutex_);
   if (line.next_recorder) {
     line.recorder = std::move(line.next_recorder);
@@ -207,8 +208,9 @@ void RecordThread::finish(const std::string& rig, Line& line, const std::string&
   const auto flushed = recorder->flush();
   if (reason.empty() && !flushed) reason = core::to_string(flushed.error());
   const std::uint64_t lost_scans = recorder->lost_scans();
-  if (reason.empty() && lost_scans > 0) reason = std::to_string(lost_scans) + " scans found no room on the way to the file";
-  if (reason.empty() && line.lost_events > 0) reason = std::to_string(line.lost_events) + " events found no room on the way to the file";
+  if (reason.empty() && lost_scans > 0) reason = std::to_string(lost_scans) + " scans were dropped: the queue to the recorder was full";
+  if (reason.empty() && line.lost_events > 0)
+    reason = std::to_string(line.lost_events) + " events were dropped: the queue to the recorder was full";
   if (reason.empty()) {
     const std::lock_guard lock(mutex_);
     reason = line.view.problem;

@@ -63,7 +63,7 @@ class RecordThread {
   /// Starts a recording of the frames of `take`; call it before that take is opened. Thread: control.
   void begin(const std::string& rig, std::unique_ptr<record::Recorder> recorder, std::string file, std::uint64_t take);
   /// Adds an event to the recording. Thread: control.
-  void post(const std::string& rig, record::RecordedEvent event);
+  void post(const std::string& rig, v1::Event event);
   /// Marks the current recording as incomplete for a reason that its frames do not show. Thread: control.
   void mark_incomplete(const std::string& rig, std::string reason);
   /// Thread: control.
@@ -93,13 +93,13 @@ class RecordThread {
     std::unique_ptr<record::Recorder> next_recorder;
     std::string next_file;
     std::uint64_t next_take = 0;
-    std::vector<record::RecordedEvent> events;
+    std::vector<v1::Event> events;
     RecordingView view;
     std::int64_t safe_until_ns = 0;  ///< Data received up to then are on the disk.
   };
   void run(const std::stop_token& stop);
   void receive(const std::string& rig, Line& line);
-  [[nodiscard]] std::vector<record::RecordedEvent> take_orders(const std::string& rig, Line& line);
+  [[nodiscard]] std::vector<v1::Event> take_orders(const std::string& rig, Line& line);
   [[nodiscard]] bool serve(const std::string& rig, Line& line);
   void serve_rest(const std::string& rig, Line& line);
   [[nodiscard]] bool drain(const std::string& rig, Line& line);

@@ -6,8 +6,7 @@
 #include <map>
 
 #include "session/cop_trace.h"
-#include "session/sway_record.h"
-#include "session/trial_record.h"
+#include "session/session_events.h"
 
 namespace dts::session {
 namespace {
@@ -32,7 +31,8 @@ struct CopColumns {
 
 core::Result<CopColumns> find_cop(const record::Recording& recording) {
   const auto refuse = [](const std::string& what) {
-    return core::fail(core::ErrorCode::NotFound, what, "steadiness is measured on a floor platform; dtslab replay tells what is recorded");
+    return core::fail(core::ErrorCode::NotFound, what,
+                      "choose a recording of a floor platform; dtslab replay shows what a recording contains");
   };
   const auto stream = recording.find_stream("cop");
   if (!stream || !recording.streams()[*stream].rate) return refuse("the recording has no stream \"cop\"");
@@ -71,10 +71,10 @@ core::Status for_each(record::Recording& recording, double from, const std::func
 class TrialSteps {
  public:
   core::Status take(const record::TimedEvent& timed) {
-    const record::RecordedEvent& event = timed.event;
-    if (event.event == "trial") return take_step(event, timed.time_s);
-    if (event.event == "sway") return take_told(event);
-    if (event.event == "figure") take_figure(event);
+    const v1::Event& event = timed.event;
+    if (event.has_trial()) return take_step(event, timed.time_s);
+    if (event.has_sway()) return take_told(event);
+    if (event.has_figure()) take_figure(event.figure());
     return {};
   }
   /// Returns the trials in the order of their beginning, without those that were never measured.
@@ -94,7 +94,7 @@ class TrialSteps {
   [[nodiscard]] bool empty() const noexcept { return trials_.empty(); }
 
  private:
-  core::Status take_step(const record::RecordedEvent& event, double time_s) {
+  core::Status take_step(const v1::Event& event, double time_s) {
     const auto step = trial_of(event);
     if (!step) return tl::make_unexpected(step.error());
     const Key key{step->trial, step->attempt};
@@ -107,34 +107,29 @@ class TrialSteps {
                .block = step->block,
                .condition = step->condition,
                .labels = step->labels,
-               .segment = event.segment,
-               .first_scan = event.scan,
-               .end_scan = event.scan,
-               .end_segment = event.segment,
+               .segment = event.segment(),
+               .first_scan = {event.scan()},
+               .end_scan = {event.scan()},
+               .end_segment = event.segment(),
                .begin_s = time_s};
     } else if (step->kind == Done || step->kind == Redone || step->kind == Rejected || step->kind == Aborted) {
       if (trial.outcome.empty()) {
-        trial.end_scan = event.scan;
-        trial.end_segment = event.segment;
+        trial.end_scan = {event.scan()};
+        trial.end_segment = event.segment();
       }
       trial.outcome = name(step->kind);
     }
     return {};
   }
-  core::Status take_told(const record::RecordedEvent& event) {
+  core::Status take_told(const v1::Event& event) {
     auto told = sway_of(event);
     if (!told) return tl::make_unexpected(told.error());
     if (const auto trial = trials_.find({told->trial, told->attempt}); trial != trials_.end()) trial->second.told = std::move(*told);
     return {};
   }
-  void take_figure(const record::RecordedEvent& event) {
-    const auto value = std::ranges::find(event.values, "value", &std::pair<std::string, record::EventValue>::first);
-    const auto* number = value != event.values.end() ? std::get_if<double>(&value->second) : nullptr;
-    if (number == nullptr || !std::isfinite(*number) || figures_.size() >= kMostFigures) return;
-    figures_.push_back({.name = record::text_of(event, "name"),
-                        .value = *number,
-                        .unit = record::text_of(event, "unit"),
-                        .details = record::text_of(event, "details")});
+  void take_figure(const v1::SessionResult& figure) {
+    if (!std::isfinite(figure.value()) || figures_.size() >= kMostFigures) return;
+    figures_.push_back({.name = figure.name(), .value = figure.value(), .unit = figure.unit(), .details = figure.details()});
   }
 
   static constexpr std::size_t kMostFigures = 10'000;
@@ -226,7 +221,7 @@ class FreeStanding {
       append(current_, scans, i, cop_);
       if (++samples_ > kMostStandingSamples) {
         return core::fail(core::ErrorCode::Unsupported, "more than " + std::to_string(kMostStandingSamples) + " samples of standing",
-                          "record trials, or shorter");
+                          "record trials, or a shorter session");
       }
     }
     return {};

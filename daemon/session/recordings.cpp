@@ -70,7 +70,7 @@ core::Result<std::unique_ptr<Recordings>> Recordings::open_catalogue(const Stora
 core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& config, core::Clock& clock, core::Log log) {
   if (auto prepared = prepare_storage(config); !prepared) return tl::make_unexpected(prepared.error());
   const std::string file = catalogue_of(config);
-  std::string damage = is_half_set_aside(file) ? file + " is gone, but files of it are there" : "";
+  std::string damage = is_half_set_aside(file) ? file + " is missing, but files that belong to it exist" : "";
   core::Result<std::unique_ptr<Recordings>> opened;
   if (damage.empty()) opened = open_catalogue(config, clock, log);
   if (!opened && opened.error().code == core::ErrorCode::DataDamaged) damage = opened.error().what;
@@ -79,7 +79,7 @@ core::Result<std::unique_ptr<Recordings>> Recordings::open(const StorageConfig& 
     if (!aside) return tl::make_unexpected(aside.error());
     opened = open_catalogue(config, clock, log);
     if (!opened) return opened;
-    (*opened)->notice_ = damage + "; it is kept as " + *aside + ", and was made anew from the recordings, all but the audit trail";
+    (*opened)->notice_ = damage + "; dtsd kept it as " + *aside + " and rebuilt the catalogue from the recordings, except the audit trail";
     (*opened)->audit("catalogue_rebuilt", *aside, "ok");
   }
   if (!opened) return opened;
@@ -96,12 +96,12 @@ core::Status Recordings::enter_interrupted() {
   for (record::PartRow& part : *unfinished) {
     if (const auto closed = closed_already(part); closed && enter(*closed)) continue;
     part.state = record::PartState::Interrupted;
-    part.reason = "the daemon or the power ended while it was written";
+    part.reason = "the daemon or the power failed during the recording";
     if (auto updated = catalogue_->update_part(part); !updated) return updated;
   }
   const auto rebuilt = record::rebuild(*catalogue_, sessions_directory(config_));
   if (!rebuilt) return tl::make_unexpected(rebuilt.error());
-  for (const std::string& problem : rebuilt->unreadable) log_.warning("recording not entered into the catalogue: " + problem);
+  for (const std::string& problem : rebuilt->unreadable) log_.warning("cannot enter a recording into the catalogue: " + problem);
   if (rebuilt->added > 0) log_.info(std::to_string(rebuilt->added) + " recordings entered into the catalogue");
   if (rebuilt->read_again > 0) log_.info(std::to_string(rebuilt->read_again) + " recordings read again for their lost scans");
   auto sessions = catalogue_->sessions({.limit = 10'000});
@@ -131,7 +131,7 @@ core::Status Recordings::enter(const record::FoundRecording& found) {
 void Recordings::end_left_running(record::SessionRow& session) {
   if (session.state != "running") return;
   session.state = "interrupted";
-  std::string message = "the daemon or the power ended";
+  std::string message = "the daemon or the power failed";
   std::int64_t ended_utc_ns = session.started_utc_ns;
   if (!session.parts.empty()) {
     const record::PartRow& part = session.parts.back();
@@ -163,8 +163,8 @@ void Recordings::find_resumable(const std::vector<record::SessionRow>& sessions)
   for (const auto& [rig, session] : last) {
     if (session->state != "interrupted" || !is_recent(session->parts.back())) continue;
     if (is_suspicious(*session)) {
-      log_.error("session " + session->id + " was interrupted again and again and does not go on by itself: dtsctl session resume " +
-                 session->id);
+      log_.error("session " + session->id +
+                 " was interrupted too often, so dtsd does not resume it by itself; resume it: dtsctl session resume " + session->id);
     } else {
       resumable_.push_back(session->id);
     }
@@ -209,7 +209,7 @@ void Recordings::start() {
   audit("start", "", "ok");
   is_started_ = true;
   if (interrupted_.empty()) return;
-  log_.warning(std::to_string(interrupted_.size()) + " interrupted recording(s) found; repaired copies are being made");
+  log_.warning(std::to_string(interrupted_.size()) + " interrupted recording(s) found; dtsd makes repaired copies");
   recovery_thread_ = std::jthread([this](const std::stop_token& stop) {
     static_cast<void>(core::configure_this_thread("recover", {}));  // default policy, cannot be refused
     recover_all(stop);
@@ -236,7 +236,7 @@ std::string Recordings::lacks_room(const record::PartRow& part) const {
   const DiskView view = disk();
   const double left = static_cast<double>(view.free_bytes) - (unknown ? 0.0 : static_cast<double>(size));
   if (left >= config_.stop_below_mib * 1024.0 * 1024.0 + config_.refuse_below_min * 60.0 * bytes_per_s_) return {};
-  return "no room for a repaired copy on the disk of " + view.directory + "; tried again at the next start";
+  return "no room for a repaired copy on the disk of " + view.directory + "; make room: dtsd retries when it starts again";
 }
 
 /// Thread: recovery. Copying hours of data is slow, and the daemon must start without a delay.
@@ -310,7 +310,7 @@ core::Status Recordings::begin(Rig& rig, record::SessionFacts facts) {
 void Recordings::end(Rig& rig) {
   const AcquisitionReport& report = rig.acquisition();
   if (report.device != device::DeviceState::Streaming && report.scans_total > 0) {
-    thread_.mark_incomplete(rig.config().name, "the device was away when the session ended: " + std::string(report.text()));
+    thread_.mark_incomplete(rig.config().name, "the device was not connected when the session ended: " + std::string(report.text()));
   }
   rig.tap().close();
 }

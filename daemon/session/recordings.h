@@ -50,7 +50,7 @@ class Recordings {
   /// Ends the recording: queued data are written, then the file is closed. The recording is incomplete if the device is away at this
   /// moment.
   void end(Rig& rig);
-  void note(const std::string& rig, record::RecordedEvent event) { thread_.post(rig, std::move(event)); }
+  void note(const std::string& rig, v1::Event event) { thread_.post(rig, std::move(event)); }
 
   /// Enters a row into the catalogue. If the catalogue fails, the error is logged and the entry is retried about every second. The
   /// recording has the same content.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <future>
 
+#include "core/join.h"
 #include "device/registry.h"
 
 namespace dts::session {
@@ -25,10 +26,8 @@ core::Status check_streams(const pipeline::RigConfig& config, const pipeline::Pi
   for (const std::string& stream : wanted) {
     if (std::ranges::find(pipeline.formats(), stream, &core::StreamFormat::name) != pipeline.formats().end()) continue;
     if (stream == "aux") continue;  // a device without further channels has an empty stream "aux"
-    std::string known;
-    for (const core::StreamFormat& format : pipeline.formats()) known += (known.empty() ? "" : ", ") + format.name;
     return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "' has no stream '" + stream + "' to " + verb,
-                      "it has: " + known);
+                      "it has: " + core::join(pipeline.formats(), ", ", &core::StreamFormat::name));
   }
   return {};
 }
@@ -66,7 +65,8 @@ core::Status check_sync(const pipeline::RigConfig& config, const device::DeviceD
     return core::fail(core::ErrorCode::InvalidArgument, "rig '" + config.name + "': " + what, hint);
   };
   if (config.sync_pulse_ms > 0.0 && !device.has_sync_output) {
-    return refuse("[session] sync_pulse_ms needs a device with a sync output", "for MCC devices: sync_output_bit=0 in the device address");
+    return refuse("[session] sync_pulse_ms needs a device with a sync output",
+                  "for an MCC device, add sync_output_bit=0 to the device address");
   }
   if (!config.trigger || config.trigger->channel >= device.channels.size()) return {};  // the pipeline rejects a missing channel
   const device::ChannelDescription& channel = device.channels[config.trigger->channel];

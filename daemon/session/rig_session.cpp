@@ -7,9 +7,11 @@
 #include <filesystem>
 #include <ranges>
 
+#include "core/suggest.h"
 #include "record/recording.h"
 #include "record/sha256.h"
-#include "session/trial_record.h"
+#include "record/utf8_text.h"
+#include "session/session_events.h"
 
 namespace dts::session {
 namespace {
@@ -28,7 +30,7 @@ std::uint64_t seed_of(const std::string& id) {
 
 /// Reads the facts of the session from its newest readable part; all parts agree on the facts used here, and unreadable parts are skipped.
 core::Result<record::SessionFacts> facts_of(const record::SessionRow& row) {
-  core::Result<record::SessionFacts> facts = core::fail(ErrorCode::NotFound, "session " + row.id + " has no recording to go on from");
+  core::Result<record::SessionFacts> facts = core::fail(ErrorCode::NotFound, "session " + row.id + " has no recording to continue");
   for (const record::PartRow& part : std::views::reverse(row.parts)) {
     auto read = record::read_session_facts(part.file);
     if (read) return read;
@@ -70,12 +72,18 @@ std::vector<std::uint32_t> places_done(const record::SessionRow& row) {
 
 }  // namespace
 
+void place(v1::Event& event, const DataPosition& at) {
+  event.set_segment(at.segment);
+  event.set_scan(at.scan.value);
+  if (at.host_time_ns != 0) event.set_host_time_ns(at.host_time_ns);
+}
+
 core::Result<const Protocol*> RigSession::find_protocol(const std::string& wanted) const {
   const auto found = std::ranges::find(services_.protocols, wanted, &Protocol::name);
   if (found != services_.protocols.end()) return &*found;
-  std::string known;
-  for (const Protocol& protocol : services_.protocols) known += (known.empty() ? "" : ", ") + protocol.name;
-  return core::fail(ErrorCode::InvalidArgument, "unknown protocol '" + wanted.substr(0, 64) + "'", "known: " + known);
+  std::vector<std::string> known;
+  for (const Protocol& protocol : services_.protocols) known.push_back(protocol.name);
+  return core::fail(ErrorCode::InvalidArgument, "unknown protocol '" + wanted.substr(0, 64) + "'", core::known_words_hint(wanted, known));
 }
 
 record::SessionFacts RigSession::facts(const std::string& id, const SessionRequest& request, const Protocol& protocol,
@@ -138,15 +146,18 @@ core::Status RigSession::resume(const record::SessionRow& row, const Moment& mom
   if (auto checked = check(request); !checked) return checked;
   if (auto checked = check_fields(**protocol, request.fields); !checked) return checked;
   const std::vector<std::uint32_t> done = places_done(row);
-  const bool has_open_trials = (*protocol)->trials && done.size() < make_plan(*(*protocol)->trials, earlier->plan_seed).size();
-  if (row.state == "complete" && row.message.empty() && !has_open_trials) {  // a message: the session ended early
-    return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: there is nothing to resume", "start a new one");
+  const std::size_t planned = (*protocol)->trials ? make_plan(*(*protocol)->trials, earlier->plan_seed).size() : 0;
+  // Without trials, only a message shows a session that ended early.
+  if (row.state == "complete" && done.size() >= planned && (planned > 0 || row.message.empty())) {
+    const std::string trials = planned > 0 ? "all " + std::to_string(planned) + " trials are done, " : "";
+    return core::fail(ErrorCode::WrongState, "session " + row.id + " is complete: " + trials + "there is nothing to resume",
+                      "start a new session: dtsctl session start --rig " + row.rig);
   }
   // The requested duration, or the protocol's, less what is already recorded.
   if (const double whole_s = earlier->duration_s > 0.0 ? earlier->duration_s : (*protocol)->duration_s; whole_s > 0.0) {
     request.duration_s = whole_s - recorded_s(row, earlier->settle_s > 0.0 ? earlier->settle_s : (*protocol)->settle_s);
     if (request.duration_s < 1.0) {
-      return core::fail(ErrorCode::WrongState, "session " + row.id + " was over but for its last second: there is nothing to resume",
+      return core::fail(ErrorCode::WrongState, "session " + row.id + " has less than 1 s left: there is nothing to resume",
                         "start a new one");
     }
   }
@@ -207,7 +218,10 @@ void RigSession::end_recording_if_judged(const Moment& moment) {
   is_awaiting_results_ = false;
   conclude(moment.at);
   if (is_aborted_) {  // in the recording too, because the catalogue may be rebuilt from it
-    note({.event = "session", .values = {{"state", std::string("aborted")}, {"message", end_reason_}}}, moment.at);
+    v1::Event aborted = to_event(session_.view(moment.now_ns));
+    aborted.mutable_session()->set_is_aborted(true);
+    aborted.mutable_session()->set_message(record::clean_text(end_reason_));
+    note(std::move(aborted), moment.at);
   }
   services_.recordings.end(rig_);
 }
@@ -272,26 +286,26 @@ void RigSession::recording_finished(const FinishedRecording& finished, const Mom
   enter_end(finished, moment.now_ns);
 }
 
-void RigSession::note(record::RecordedEvent event, const DataPosition& at) {
+void RigSession::note(v1::Event event, const DataPosition& at) {
   if (!is_recording_) return;
-  event.segment = at.segment;
-  event.scan = at.scan;
+  place(event, at);
+  if (event.has_session()) {  // both are in the file's header; exports of the events must not name them
+    event.mutable_session()->clear_subject();
+    event.mutable_session()->clear_label();
+  }
   services_.recordings.note(rig_.config().name, std::move(event));
 }
 
 /// Writes the changes of the state machines to the recording and the catalogue, and keeps them for the bus.
 void RigSession::collect(const DataPosition& at) {
   for (SessionView& change : session_.take_changes()) {
-    record::RecordedEvent event{.event = "session"};
-    event.values.emplace_back("state", std::string(name(change.state)));
-    if (!change.message.empty()) event.values.emplace_back("message", change.message);
-    note(std::move(event), at);
+    note(to_event(change), at);
     changes_.push_back({.view = std::move(change), .at = at});
   }
   if (!trials_) return;
   for (TrialEvent& event : trials_->take_events()) {
     const DataPosition due = position_at(event.at_ns, at);
-    note(to_record(event), due);
+    note(to_event(event, session_.view(0).id), due);
     enter_trial(event, due);
     if (reaches_) reaches_->take(event, due.segment, due.scan);
     if (sways_) sways_->take(event, due.segment, due.scan);

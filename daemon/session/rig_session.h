@@ -30,6 +30,9 @@ struct DataPosition {
   std::int64_t host_time_ns = 0;
 };
 
+/// Writes the position of an event into it. The host time is unknown before the first scan.
+void place(v1::Event& event, const DataPosition& at);
+
 /// The current time and the newest scan.
 struct Moment {
   std::int64_t now_ns = 0;
@@ -90,7 +93,7 @@ class RigSession {
   /// Ends the session if the rig's recording ended for any reason.
   void recording_finished(const FinishedRecording& finished, const Moment& moment);
   /// Writes an event of the rig to the recording.
-  void note(record::RecordedEvent event, const DataPosition& at);
+  void note(v1::Event event, const DataPosition& at);
 
   [[nodiscard]] bool is_under_way() const noexcept { return session_.is_under_way(); }
   [[nodiscard]] SessionView view(std::int64_t now_ns) const { return session_.view(now_ns); }
@@ -119,7 +122,7 @@ class RigSession {
   void drain();
   void follow(const DataPosition& at);
   void open_window(const TrialEvent& event, const DataPosition& at);
-  void enter_result(record::RecordedEvent event, std::uint32_t trial, std::uint32_t attempt, const DataPosition& at);
+  void enter_result(v1::Event event, std::uint32_t trial, std::uint32_t attempt, const DataPosition& at);
   void tell_outcomes(const DataPosition& at);
   void conclude(const DataPosition& at);
   void enter_figures(const std::vector<SessionFigure>& figures, const DataPosition& at);

@@ -5,34 +5,11 @@
 #include <limits>
 #include <utility>
 
+#include "dts/wire/event_json.h"
 #include "session/rig_session.h"
-#include "session/sway_record.h"
+#include "session/session_events.h"
 
 namespace dts::session {
-namespace {
-
-record::RecordedEvent recorded(const ReachTrialResult& result) {
-  record::RecordedEvent out{.event = "result"};
-  out.values.emplace_back("trial", std::int64_t{result.trial});
-  out.values.emplace_back("attempt", std::int64_t{result.attempt});
-  out.values.emplace_back("condition", result.condition);
-  if (result.target_cm) out.values.emplace_back("target_cm", *result.target_cm);
-  if (result.expected) out.values.emplace_back("expected_class", std::int64_t{static_cast<std::int8_t>(*result.expected)});
-  if (result.reach) {
-    out.values.emplace_back("number", std::int64_t{result.reach->number});
-    out.values.emplace_back("flags", std::int64_t{result.reach->flags});
-  }
-  if (!result.movement) return out;
-  out.values.emplace_back("class", std::int64_t{static_cast<std::int8_t>(result.movement->trunk_class)});
-  out.values.emplace_back("trunk_deg", result.movement->trunk_deg);
-  out.values.emplace_back("trunk_lo_deg", result.movement->trunk_lo_deg);
-  out.values.emplace_back("trunk_hi_deg", result.movement->trunk_hi_deg);
-  out.values.emplace_back("reasons", std::int64_t{result.movement->reasons});
-  return out;
-}
-
-}  // namespace
-
 void RigSession::give_cue(const TrialEvent& event) {
   if (event.kind != TrialEventKind::Ready && event.kind != TrialEventKind::Go) return;
   rig_.hear({.is_go = event.kind == TrialEventKind::Go, .at_ns = event.at_ns, .target_cm = event.target_cm.value_or(0.0)});
@@ -95,11 +72,10 @@ void RigSession::open_window(const TrialEvent& event, const DataPosition& at) {
 }
 
 /// Writes a result to the recording, and to its trial in the catalogue.
-void RigSession::enter_result(record::RecordedEvent event, std::uint32_t trial, std::uint32_t attempt, const DataPosition& at) {
-  event.segment = at.segment;
-  event.scan = at.scan;
+void RigSession::enter_result(v1::Event event, std::uint32_t trial, std::uint32_t attempt, const DataPosition& at) {
+  place(event, at);
   if (const auto row = trial_rows_.find({trial, attempt}); row != trial_rows_.end()) {
-    row->second.result = record::to_json(event);
+    row->second.result = wire::to_json(event);
     put_trial(row->second);
   }
   note(std::move(event), at);
@@ -108,13 +84,13 @@ void RigSession::enter_result(record::RecordedEvent event, std::uint32_t trial, 
 void RigSession::tell_outcomes(const DataPosition& at) {
   if (reaches_) {
     for (ReachTrialResult& result : reaches_->take_decided()) {
-      enter_result(recorded(result), result.trial, result.attempt, at);
+      enter_result(to_event(result, session_.view(0).id), result.trial, result.attempt, at);
       outcomes_.push_back({.result = std::move(result), .at = at});
     }
   }
   if (sways_) {
     for (SwayTrialResult& result : sways_->take_decided()) {
-      enter_result(to_record(result, services_.software), result.trial, result.attempt, at);
+      enter_result(to_event(result, session_.view(0).id, services_.software), result.trial, result.attempt, at);
       outcomes_.push_back({.result = std::move(result), .at = at});
     }
   }
@@ -127,8 +103,8 @@ void RigSession::conclude(const DataPosition& at) {
   std::vector<SessionFigure> figures;
   if (reaches_) {
     for (const ReachTrialResult& result : reaches_->results()) {
-      record::RecordedEvent event = recorded(result);
-      event.values.emplace_back("is_at_end", true);
+      v1::Event event = to_event(result, session_.view(0).id);
+      event.mutable_trial_result()->set_is_at_end(true);
       enter_result(std::move(event), result.trial, result.attempt, at);
     }
     figures = reaches_->summary();
@@ -148,7 +124,7 @@ void RigSession::enter_figures(const std::vector<SessionFigure>& figures, const 
                                 .value = figure.value,
                                 .unit = figure.unit,
                                 .details = figure.details};
-    note({.event = "figure", .values = {{"name", row.name}, {"value", row.value}, {"unit", row.unit}, {"details", row.details}}}, at);
+    note(to_event(SessionFigure{.name = row.name, .value = row.value, .unit = row.unit, .details = row.details}), at);
     services_.recordings.enter_result(row);
   }
 }

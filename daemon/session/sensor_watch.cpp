@@ -12,9 +12,8 @@ namespace quality = core::quality;
 
 constexpr std::uint8_t kAll = 0xFF;
 /// In order of priority; only the first match of a sensor is reported. A sensor at 10 V, for example, is also outside its curve.
-constexpr std::array<std::pair<std::uint8_t, std::string_view>, 3> kProblems{{{quality::kStuck, "unchanged"},
-                                                                              {quality::kRail, "at the end of the range"},
-                                                                              {quality::kOutOfRange, "outside of the calibration curve"}}};
+constexpr std::array<std::pair<std::uint8_t, std::string_view>, 3> kProblems{
+    {{quality::kStuck, "unchanged"}, {quality::kRail, "at the end of the range"}, {quality::kOutOfRange, "outside the calibration curve"}}};
 
 }  // namespace
 

@@ -36,8 +36,8 @@ std::string_view name(SessionState state) noexcept {
 core::Status check(const SessionRequest& request) {
   using core::ErrorCode;
   if (request.subject.size() > kLongestSubject || !is_word(request.subject)) {
-    return core::fail(ErrorCode::InvalidArgument, "subject is not a pseudonym of up to 64 letters, digits, '_', '.' or '-'",
-                      "use the clinic's pseudonym, never a name");
+    return core::fail(ErrorCode::InvalidArgument, "the subject ID must have at most 64 letters, digits, '_', '.' or '-'",
+                      "use the clinic's subject ID, never a name");
   }
   if (request.label.size() > kLongestText) return core::fail(ErrorCode::InvalidArgument, "label is longer than 200 bytes");
   if (!std::isfinite(request.duration_s) || request.duration_s < 0 || request.duration_s > kLongestDurationS) {

@@ -41,7 +41,7 @@ core::Result<std::string> set_aside(const std::string& catalogue, std::int64_t u
     std::filesystem::rename(catalogue + ending, aside + ending, error);
     if (error)
       return core::fail_errno(error.value(), "the damaged catalogue " + catalogue + " cannot be renamed",
-                              "move it away with all files beside it");
+                              "move it and all files beside it to another folder");
   }
   return aside;
 }

@@ -67,7 +67,7 @@ DiskView look_at_disk(const StorageConfig& config, double bytes_per_s) {
     // Without rigs, nothing is recorded and any disk is large enough.
   } else if (view.recordable_s < config.refuse_below_min * 60.0) {
     view.state = DiskState::Full;
-    view.problem = view.directory + " has room for " + minutes(view.recordable_s) + " of recording; sessions start from " +
+    view.problem = view.directory + " has room for " + minutes(view.recordable_s) + " of recording; a session needs at least " +
                    minutes(config.refuse_below_min * 60.0) + "; " + kHint;
   } else if (view.recordable_s < config.warn_below_min * 60.0) {
     view.state = DiskState::Low;

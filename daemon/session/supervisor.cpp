@@ -9,8 +9,10 @@
 #include <limits>
 #include <utility>
 
+#include "core/suggest.h"
 #include "device/registry.h"
 #include "session/device_state_name.h"
+#include "session/session_events.h"
 
 namespace dts::session {
 namespace {
@@ -81,9 +83,9 @@ std::vector<Rig*> Supervisor::rigs() {
 
 core::Result<Supervisor::Entry*> Supervisor::find(const std::string& name) {
   if (const auto found = entries_.find(name); found != entries_.end()) return &found->second;
-  std::string known;
-  for (const auto& [rig_name, entry] : entries_) known += (known.empty() ? "" : ", ") + rig_name;
-  return core::fail(core::ErrorCode::NotFound, "no rig named '" + name.substr(0, kLongestMark) + "'", "known rigs: " + known);
+  std::vector<std::string> known;
+  for (const auto& [rig_name, entry] : entries_) known.push_back(rig_name);
+  return core::fail(core::ErrorCode::NotFound, "no rig named '" + name.substr(0, kLongestMark) + "'", core::known_words_hint(name, known));
 }
 
 std::string Supervisor::new_session_id(const std::string& rig) {
@@ -106,12 +108,12 @@ core::Status Supervisor::check_startable(Entry& entry) {
   const AcquisitionReport& acquisition = entry.rig->acquisition();
   if (acquisition.device != device::DeviceState::Streaming && !acquisition.text().empty()) {
     return core::fail(core::ErrorCode::WrongState, where + "delivers nothing: " + std::string(acquisition.text()),
-                      "mend that first; see dtsctl status");
+                      "fix this first: dtsctl status");
   }
   const pipeline::TareReport& tare = entry.rig->tare().latest();
   const bool is_taring = tare.request < entry.tare_request || tare.outcome == pipeline::TareOutcome::Running;
   if (entry.tare_request == 0 || !is_taring) return {};
-  return core::fail(core::ErrorCode::WrongState, where + "is being tared", "wait for its answer");
+  return core::fail(core::ErrorCode::WrongState, where + "is being tared", "wait until the tare ends");
 }
 
 core::Result<SessionView> Supervisor::begun(Entry& entry, const core::Status& status) {
@@ -149,7 +151,8 @@ core::Result<Supervisor::Entry*> Supervisor::find_with_session(const std::string
   Entry* only = nullptr;
   for (auto& [rig_name, entry] : entries_) {
     if (!entry.session.is_under_way()) continue;
-    if (only != nullptr) return core::fail(core::ErrorCode::InvalidArgument, "several rigs have a session", "say which: --rig " + rig_name);
+    if (only != nullptr)
+      return core::fail(core::ErrorCode::InvalidArgument, "several rigs have a session", "choose one: --rig " + rig_name);
     only = &entry;
   }
   if (only == nullptr) return core::fail(core::ErrorCode::WrongState, "no rig has a session");
@@ -207,14 +210,14 @@ core::Result<std::vector<std::pair<std::string, DataPosition>>> Supervisor::mark
     const AcquisitionReport& report = (*entry)->rig->acquisition();
     if (report.device != device::DeviceState::Streaming || report.scans_total == 0) {
       if (rig.empty()) continue;
-      return core::fail(core::ErrorCode::WrongState, "rig '" + rig_name + "' delivers no scans that could be marked", "see dtsctl status");
+      return core::fail(core::ErrorCode::WrongState, "rig '" + rig_name + "' delivers no scans to mark", "see dtsctl status");
     }
     marks.emplace_back(rig_name, position(**entry));
   }
-  if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans that could be marked", "see dtsctl status");
+  if (marks.empty()) return core::fail(core::ErrorCode::WrongState, "no rig delivers scans to mark", "see dtsctl status");
   for (const auto& [rig_name, at] : marks) {
-    notices_.push_back({.rig = rig_name, .at = at, .body = MarkerNotice{text}});
-    find(rig_name).value()->session.note({.event = "marker", .values = {{"text", text}}}, at);
+    tell(rig_name, at, marker_event(text));
+    find(rig_name).value()->session.note(marker_event(text), at);
   }
   return marks;
 }
@@ -226,8 +229,8 @@ core::Result<std::uint64_t> Supervisor::tare(const std::string& rig) {
     return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' is not streaming", "see dtsctl status");
   }
   if ((*entry)->session.is_under_way()) {
-    return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has a session: a tare would change what its figures mean",
-                      "tare before it starts, or after dtsctl session stop --rig " + rig);
+    return core::fail(core::ErrorCode::WrongState, "rig '" + rig + "' has a session: a tare would change the meaning of its results",
+                      "tare before the next session, or stop this one first: dtsctl session stop --rig " + rig);
   }
   const auto formats = (*entry)->rig->formats();
   if (std::ranges::find(formats, "deflection", &core::StreamFormat::name) == formats.end()) {
@@ -284,24 +287,19 @@ DataPosition Supervisor::position(Entry& entry) {
   return {.segment = report.segment, .scan = {report.next_scan > 0 ? report.next_scan - 1 : 0}, .host_time_ns = report.last_scan_host_ns};
 }
 
+void Supervisor::tell(const std::string& rig, const DataPosition& at, v1::Event event) {
+  place(event, at);
+  notices_.push_back({.rig = rig, .event = std::move(event)});
+}
+
 void Supervisor::collect_session_changes(Entry& entry) {
   const std::string& rig = entry.rig->config().name;
-  for (SessionChange& change : entry.session.take_changes()) {
-    notices_.push_back({.rig = rig, .at = change.at, .body = std::move(change.view)});
-  }
-  for (TrialChange& change : entry.session.take_trial_changes()) {
-    notices_.push_back({.rig = rig,
-                        .at = change.at,
-                        .body = TrialNotice{.session_id = entry.session.view(clock_.now_ns()).id, .event = std::move(change.event)}});
-  }
-  for (TrialOutcome& outcome : entry.session.take_outcomes()) {
-    const std::string id = entry.session.view(clock_.now_ns()).id;
-    if (auto* reach = std::get_if<ReachTrialResult>(&outcome.result)) {
-      notices_.push_back({.rig = rig, .at = outcome.at, .body = TrialResultNotice{.session_id = id, .result = std::move(*reach)}});
-    } else if (auto* sway = std::get_if<SwayTrialResult>(&outcome.result)) {
-      notices_.push_back(
-          {.rig = rig, .at = outcome.at, .body = SwayNotice{.session_id = id, .software = services_.software, .result = std::move(*sway)}});
-    }
+  const std::string id = entry.session.view(clock_.now_ns()).id;
+  for (const SessionChange& change : entry.session.take_changes()) tell(rig, change.at, to_event(change.view));
+  for (const TrialChange& change : entry.session.take_trial_changes()) tell(rig, change.at, to_event(change.event, id));
+  for (const TrialOutcome& outcome : entry.session.take_outcomes()) {
+    if (const auto* reach = std::get_if<ReachTrialResult>(&outcome.result)) tell(rig, outcome.at, to_event(*reach, id));
+    if (const auto* sway = std::get_if<SwayTrialResult>(&outcome.result)) tell(rig, outcome.at, to_event(*sway, id, services_.software));
   }
 }
 
@@ -316,11 +314,9 @@ void Supervisor::notice_device_change(Entry& entry, const AcquisitionReport& rep
   } else {
     log_.warning(line);
   }
-  notices_.push_back({.rig = entry.rig->config().name,
-                      .at = position(entry),
-                      .body = DeviceNotice{.state = report.device, .uri = entry.rig->config().device_uri, .message = entry.told_message}});
-  entry.session.note({.event = "device", .values = {{"state", std::string(name(report.device))}, {"message", entry.told_message}}},
-                     position(entry));
+  const v1::Event event = device_event(report.device, entry.rig->config().device_uri, entry.told_message);
+  tell(entry.rig->config().name, position(entry), event);
+  entry.session.note(event, position(entry));
 }
 
 void Supervisor::measure_rate(Entry& entry, const AcquisitionReport& report, std::int64_t now_ns) {

@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <variant>
 #include <vector>
 
 #include "core/clock.h"
@@ -23,36 +22,10 @@ struct DeviceTest {
   std::string problem;  ///< Why the device is not streaming; empty while it streams.
 };
 
-struct MarkerNotice {
-  std::string text;
-};
-struct DeviceNotice {
-  device::DeviceState state = device::DeviceState::Closed;
-  std::string uri;
-  std::string message;
-};
-
-struct TrialNotice {
-  std::string session_id;
-  TrialEvent event;
-};
-
-struct TrialResultNotice {
-  std::string session_id;
-  ReachTrialResult result;
-};
-
-struct SwayNotice {
-  std::string session_id;
-  std::string software;  ///< The software that computed the result.
-  SwayTrialResult result;
-};
-
-/// A message from the control thread to the bus.
+/// An event from the control thread to the bus.
 struct Notice {
   std::string rig;
-  DataPosition at;
-  std::variant<MarkerNotice, DeviceNotice, SessionView, TrialNotice, TrialResultNotice, SwayNotice> body;
+  v1::Event event;
 };
 
 /// The state of one rig for status answers. References are valid until the supervisor's next call.
@@ -153,6 +126,8 @@ class Supervisor {
     return {.now_ns = clock_.now_ns(), .utc_minus_monotonic_ns = clock_.utc_minus_monotonic_ns(), .at = position(entry)};
   }
   [[nodiscard]] core::Result<SessionView> begun(Entry& entry, const core::Status& status);
+  /// Keeps an event for the bus.
+  void tell(const std::string& rig, const DataPosition& at, v1::Event event);
   void finish_recordings();
   void log_gaps(Entry& entry, const AcquisitionReport& report);
   void collect_session_changes(Entry& entry);

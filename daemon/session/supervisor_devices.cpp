@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "device/registry.h"
+#include "session/session_events.h"
 #include "session/supervisor.h"
 
 namespace dts::session {
@@ -51,9 +52,7 @@ void Supervisor::begin_sync_pulse(Entry& entry, std::int64_t now_ns) {
   if (auto risen = entry.rig->set_sync_output(true); !risen) {
     const std::string message = "no sync pulse: " + core::to_string(risen.error());
     log_.warning("rig '" + config.name + "': " + message);
-    notices_.push_back({.rig = config.name,
-                        .at = position(entry),
-                        .body = DeviceNotice{.state = entry.told_state, .uri = config.device_uri, .message = message}});
+    tell(config.name, position(entry), device_event(entry.told_state, config.device_uri, message));
     return;
   }
   entry.sync_low_at_ns = now_ns + static_cast<std::int64_t>(config.sync_pulse_ms * core::kNanosecondsPerMillisecond);

@@ -39,14 +39,14 @@ void Supervisor::try_resumes(std::int64_t now_ns) {
     if (waits_for_device(id, now_ns)) continue;
     const auto resumed = resume_session(id);
     if (resumed) {
-      log_.warning("session " + id + " was interrupted and goes on");
+      log_.warning("session " + id + " was interrupted; dtsd resumed it");
       services_.recordings.enter_audit(
           {.utc_ns = now_ns + clock_.utc_minus_monotonic_ns(), .who = "dtsd", .what = "resume_session", .target = id, .result = "ok"});
       continue;
     }
     const bool may_work_later = resumed.error().code == core::ErrorCode::WrongState && now_ns < resume_until_ns_;
     if (may_work_later) continue;
-    log_.error("session " + id + " was interrupted and cannot go on by itself: " + core::to_string(resumed.error()));
+    log_.error("session " + id + " was interrupted, and dtsd cannot resume it: " + core::to_string(resumed.error()));
     std::erase(resumable_, id);
   }
 }

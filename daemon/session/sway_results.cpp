@@ -16,9 +16,9 @@ TracePlace end_of(const SwayTrialResult& result) { return {.segment = result.end
 
 /// Returns why a trial cannot be cut from the trace.
 std::string why_not(const SwayTrialResult& result, const CopTrace& trace) {
-  if (result.end_segment == result.segment && result.end_scan <= result.first_scan) return "no samples came while it was measured";
-  if (!trace.reaches(end_of(result))) return "the session ended before its last samples came";
-  return "samples were lost on the way to the analysis: dtslab sway measures it from the recording";
+  if (result.end_segment == result.segment && result.end_scan <= result.first_scan) return "no samples arrived during the measurement";
+  if (!trace.reaches(end_of(result))) return "the session ended before the last samples of the trial arrived";
+  return "samples were dropped before the analysis: analyse the recording with dtslab sway";
 }
 
 /// Returns the samples of a trial, or nothing and sets `result.problem`.
@@ -28,7 +28,7 @@ std::optional<CopCut> samples_of(SwayTrialResult& result, const CopTrace& trace,
   const bool is_divided = result.end_segment != result.segment;
   const double scans = static_cast<double>(result.end_scan.value) - static_cast<double>(result.first_scan.value);
   if (is_too_long(samples ? samples->duration_s() : 0.0) || (!is_divided && is_too_long(scans / raw_rate.hz()))) {
-    result.problem = "longer than 10 min: dtslab sway measures it from the recording";
+    result.problem = "longer than 10 min: analyse the recording with dtslab sway";
     return std::nullopt;
   }
   if (!samples) result.problem = why_not(result, trace);
@@ -39,7 +39,7 @@ core::Result<posturography::Analysis> analyse(const CopCut& samples) {
   try {
     return posturography::analyse(samples.series(), {.preparation = posturography::kReportPreparation});
   } catch (const std::bad_alloc&) {
-    return core::fail(core::ErrorCode::LimitExceeded, "too little memory: dtslab sway measures it from the recording");
+    return core::fail(core::ErrorCode::LimitExceeded, "too little memory: analyse the recording with dtslab sway");
   }
 }
 

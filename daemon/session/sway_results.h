@@ -41,6 +41,14 @@ struct SwayTrialResult {
 /// conditions for the same other labels, there is no quotient: the choice between them would be arbitrary.
 [[nodiscard]] std::vector<SessionFigure> sway_summary(const std::vector<SwayTrialResult>& trials);
 
+struct MissingQuotient {
+  std::string stance;  ///< "feet=two"; may be empty.
+  std::string reason;
+};
+/// Returns the stances that have trials with eyes open and with eyes closed, but no Romberg quotient. `trials`: all, also those that do not
+/// count, without their analysis.
+[[nodiscard]] std::vector<MissingQuotient> missing_quotients(const std::vector<SwayTrialResult>& trials);
+
 /// Computes results from the centre of pressure and the events of a protocol, with the report's definition (lp10, 100 Hz). Depends only on
 /// its inputs, so that daemon, report and laboratory agree on the same recording. Memory is bounded: keeps at most `CopTrace::kMostSamples`
 /// samples. Thread: one at a time; the analyses, which need up to 0.5 s each, run on the worker.

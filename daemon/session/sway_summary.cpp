@@ -3,7 +3,10 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 
+#include "core/join.h"
+#include "core/number_text.h"
 #include "session/json_object.h"
 #include "session/sway_results.h"
 
@@ -27,9 +30,7 @@ struct StandingCondition {
     auto others = labels;
     std::erase_if(others, [](const auto& label) { return label.first == "eyes"; });
     std::ranges::sort(others);
-    std::string text;
-    for (const auto& [label, word] : others) text += (text.empty() ? "" : ",") + label + "=" + word;
-    return text;
+    return core::join(others, ",", [](const auto& label) { return label.first + "=" + label.second; });
   }
 };
 
@@ -110,11 +111,21 @@ void add_means(const StandingCondition& condition, std::vector<SessionFigure>& f
   }
 }
 
-/// Eyes closed divided by eyes open, only for equal stance, surface and duration (posturography sheet section 6).
-void add_romberg(const StandingCondition& open, const StandingCondition& closed, std::vector<SessionFigure>& figures) {
+/// Returns an empty text if all trials of both conditions are equally long.
+std::string why_durations_differ(const StandingCondition& open, const StandingCondition& closed) {
   const auto open_s = common_duration_s(open);
   const auto closed_s = common_duration_s(closed);
-  if (!open_s || !closed_s || std::abs(*open_s - *closed_s) > kSameDurationS) return;
+  if (!open_s) return "the trials with eyes open are not equally long";
+  if (!closed_s) return "the trials with eyes closed are not equally long";
+  if (std::abs(*open_s - *closed_s) <= kSameDurationS) return "";
+  const auto tenths = [](double time_s) { return core::number_text(std::round(10.0 * time_s) / 10.0) + " s"; };
+  return "the trials with eyes open last " + tenths(*open_s) + ", those with eyes closed " + tenths(*closed_s);
+}
+
+/// Eyes closed divided by eyes open, only for equal stance, surface and duration (posturography sheet section 6).
+void add_romberg(const StandingCondition& open, const StandingCondition& closed, std::vector<SessionFigure>& figures) {
+  if (!why_durations_differ(open, closed).empty()) return;
+  const auto open_s = common_duration_s(open);
   for (const Measure measure : core_measures()) {
     const posturography::MeasureInfo& about = posturography::info(measure);
     const Spread with = spread_of(open, measure);
@@ -145,7 +156,33 @@ const StandingCondition* only_one(const std::vector<StandingCondition>& conditio
   return std::ranges::count_if(conditions, is_wanted) == 1 ? &*found : nullptr;
 }
 
+std::string why_not_one(const std::vector<StandingCondition>& conditions, const std::string& eyes, const std::string& stance) {
+  const bool is_there = std::ranges::any_of(
+      conditions, [&](const StandingCondition& condition) { return condition.label("eyes") == eyes && condition.stance() == stance; });
+  return is_there ? "there are several conditions with eyes " + eyes : "no trial with eyes " + eyes + " counts";
+}
+
 }  // namespace
+
+std::vector<MissingQuotient> missing_quotients(const std::vector<SwayTrialResult>& trials) {
+  std::map<std::string, std::set<std::string>> eyes_by_stance;
+  for (const SwayTrialResult& trial : trials) {
+    const StandingCondition condition{.name = trial.condition, .labels = trial.labels, .trials = {}};
+    eyes_by_stance[condition.stance()].insert(condition.label("eyes"));
+  }
+  const std::vector<StandingCondition> conditions = by_condition(trials);
+  std::vector<MissingQuotient> missing;
+  for (const auto& [stance, eyes] : eyes_by_stance) {
+    if (!eyes.contains("open") || !eyes.contains("closed")) continue;
+    const StandingCondition* const open = only_one(conditions, "open", stance);
+    const StandingCondition* const closed = only_one(conditions, "closed", stance);
+    const std::string reason = open == nullptr     ? why_not_one(conditions, "open", stance)
+                               : closed == nullptr ? why_not_one(conditions, "closed", stance)
+                                                   : why_durations_differ(*open, *closed);
+    if (!reason.empty()) missing.push_back({stance, reason});
+  }
+  return missing;
+}
 
 std::vector<SessionFigure> sway_summary(const std::vector<SwayTrialResult>& trials) {
   const std::vector<StandingCondition> conditions = by_condition(trials);

@@ -148,7 +148,7 @@ core::Status TrialRun::next(std::int64_t now_ns) {
     go_on(now_ns);
   } else {
     return wrong_state("trial " + std::to_string(places_[*current_].trial) + " is under way (" + std::string(name(phase_)) + ")",
-                       "it ends by itself; redo or reject it when it went wrong");
+                       "wait until it ends; if it went wrong: dtsctl session trial redo or reject");
   }
   return {};
 }
@@ -209,7 +209,7 @@ core::Status TrialRun::check_voidable() const {
   if (has_ended_) return wrong_state("the session has ended");
   if (!current_) return wrong_state("no trial has been started in this part of the session", "start one: dtsctl session trial next");
   if (!is_void_) return {};
-  return wrong_state("trial " + std::to_string(places_[*current_].trial) + " is rejected already", "go on: dtsctl session trial next");
+  return wrong_state("trial " + std::to_string(places_[*current_].trial) + " is rejected already", "continue: dtsctl session trial next");
 }
 
 std::size_t TrialRun::first_open_from(std::size_t place) const noexcept {

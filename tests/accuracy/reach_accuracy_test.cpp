@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "accuracy/reach_scores.h"
-#include "lab/csv.h"
+#include "lab/base/csv.h"
 #include "lab/reach/trial_pipeline.h"
 #include "lab/reach/volts_file.h"
 #include "pipeline/main_reach.h"

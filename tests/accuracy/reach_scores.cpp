@@ -6,7 +6,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "lab/csv.h"
+#include "lab/base/csv.h"
 
 namespace dts::accuracy {
 namespace {

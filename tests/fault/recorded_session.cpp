@@ -86,7 +86,7 @@ bool has_interrupted(const record::Catalogue& catalogue) {
 RecordedSession::RecordedSession(core::Clock& clock, std::unique_ptr<session::Recordings> recordings)
     : clock_(clock),
       recordings_(std::move(recordings)),
-      supervisor_(clock, core::Log(), nullptr, {.recordings = recordings_.get(), .software = "fault test", .boot_id = "none"}) {}
+      supervisor_(clock, core::Log(), nullptr, {.recordings = *recordings_, .worker = worker_, .software = "fault test", .boot_id = "none"}) {}
 
 RecordedSession::~RecordedSession() { supervisor_.stop(); }
 

@@ -7,6 +7,7 @@
 
 #include "core/clock.h"
 #include "core/doorbell.h"
+#include "core/worker.h"
 #include "fault/reference.h"
 #include "pipeline/rig_config.h"
 #include "session/recordings.h"
@@ -46,6 +47,7 @@ class RecordedSession {
 
   core::Clock& clock_;
   core::Doorbell bell_;
+  core::Worker worker_{"analyse"};
   std::unique_ptr<session::Recordings> recordings_;
   session::Supervisor supervisor_;
 };

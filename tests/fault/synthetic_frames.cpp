@@ -80,7 +80,7 @@ VirtualRecording::VirtualRecording(const std::string& file, double synchronise_s
 void VirtualRecording::record(double seconds) {
   const std::int64_t until_ns = frames_.now_ns() + static_cast<std::int64_t>(seconds * 1e9);
   while (frames_.now_ns() < until_ns) {
-    require(recorder_->take(frames_.next()));
+    require(recorder_->take(frames_.next(), {}));
     const std::int64_t now_ns = frames_.now_ns();
     if (now_ns - flushed_ns_ >= kFlushNs) {
       flushed_ns_ = now_ns;

@@ -4,6 +4,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/beast/http/parser.hpp>
 
+#include "core/utf8.h"
 #include "fuzz/fuzz_support.h"
 #include "gateway/archive/archive_path.h"
 #include "gateway/http/request_check.h"
@@ -14,7 +15,6 @@
 namespace dts::fuzz::http {
 namespace {
 
-
 namespace http = boost::beast::http;
 
 bool has_control(std::string_view text) {
@@ -22,7 +22,7 @@ bool has_control(std::string_view text) {
 }
 
 void check_path(const std::string& path) {
-  promise(path.starts_with('/') && gateway::is_utf8(path) && !has_control(path), "a path is a text");
+  promise(path.starts_with('/') && core::is_utf8(path) && !has_control(path), "a path is a text");
   promise(path.find('\\') == std::string::npos, "a path has no backslash");
   const std::string closed = path + "/";
   promise(closed.find("/../") == std::string::npos && closed.find("/./") == std::string::npos, "a path leads down");
@@ -43,7 +43,7 @@ void check_target(std::string_view text) {
   check_path(target->path);
   check_archive(target->path);
   for (const auto& [key, value] : target->query) {
-    promise(gateway::is_utf8(key) && gateway::is_utf8(value) && !has_control(key) && !has_control(value), "a query is text");
+    promise(core::is_utf8(key) && core::is_utf8(value) && !has_control(key) && !has_control(value), "a query is text");
   }
 }
 

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "record/event.h"
 #include "record/session_facts.h"
 #include "record/xdf/byte_codec.h"
 #include "record/xdf/recovery.h"
@@ -39,8 +38,8 @@ std::unique_ptr<XdfWriter> session(const fs::path& file) {
   const auto raw = writer->add_stream(stream("floor/raw", ValueType::Float32, true));
   const auto events = writer->add_stream(stream("floor/events", ValueType::Text, false));
   const auto quality = writer->add_stream(stream("floor/quality", ValueType::Int8, false));
-  const std::vector<std::pair<double, std::string>> first = {{9.0, to_json({.event = "segment", .segment = 0, .scan = {7}})}};
-  const std::vector<std::pair<double, std::string>> second = {{19.0, to_json({.event = "segment", .segment = 1})}, {19.5, "press"}};
+  const std::vector<std::pair<double, std::string>> first = {{9.0, R"({"scan":"7","segment_start":{}})"}};
+  const std::vector<std::pair<double, std::string>> second = {{19.0, R"({"segment":1,"segment_start":{}})"}, {19.5, "press"}};
   const std::vector<double> times_s = {9.01};
   const std::vector<double> bits = {3};
   const bool is_written = writer->write_texts(events, first, {}) && writer->write_samples(raw, 9.0, kValues, {}) &&

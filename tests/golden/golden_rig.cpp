@@ -3,10 +3,12 @@
 
 #include <google/protobuf/text_format.h>
 #include <poll.h>
+#include <stdlib.h>
 
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <sstream>
@@ -14,9 +16,11 @@
 #include <thread>
 #include <utility>
 
+#include "core/worker.h"
 #include "golden/golden_text.h"
 #include "ipc/command_handler.h"
 #include "ipc/publish_thread.h"
+#include "session/recordings.h"
 #include "session/supervisor.h"
 #include "support/test_device.h"
 
@@ -164,13 +168,37 @@ class CollectingSocket final : public ipc::DataSocket {
   Sent& sent_;
 };
 
+/// A folder for the recordings, which nobody reads.
+class Folder {
+ public:
+  Folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "dts-golden-XXXXXX").string();
+    if (::mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for the recordings");
+    path_ = name;
+  }
+  ~Folder() { std::filesystem::remove_all(path_); }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  [[nodiscard]] const std::string& path() const noexcept { return path_; }
+
+ private:
+  std::string path_;
+};
+
+std::unique_ptr<session::Recordings> open_recordings(const std::string& folder, core::Clock& clock) {
+  auto recordings = session::Recordings::open(
+      {.directory = folder, .refuse_below_min = 0.0, .warn_below_min = 0.0, .stop_below_mib = 0.0}, clock, core::Log());
+  if (!recordings) throw std::runtime_error(core::to_string(recordings.error()));
+  return std::move(*recordings);
+}
+
 class Runner {
  public:
   Runner(const Case& golden, const Scans& scans)
       : golden_(golden),
         scans_(scans),
         supervisor_(clock_, core::Log(), nullptr,
-                    {.recordings = nullptr, .protocols = golden.protocols, .software = "dtsd 0", .boot_id = "boot"}),
+                    {.recordings = *recordings_, .worker = worker_, .protocols = golden.protocols, .software = "dtsd 0", .boot_id = "boot"}),
         handler_(supervisor_, clock_, {.instance_id = kInstance, .version = "0", .boot_id = "boot", .started_ns = kStartNs}, {},
                  ipc::KeyCommands(nullptr, clock_, {})) {
     auto device = std::make_unique<PlayedDevice>(golden.rig.device_uri, scans.channels);
@@ -271,9 +299,20 @@ class Runner {
     wait_for_pipeline();
     pass_barrier();
     supervisor_.tick();
+    finish_pending();
     publish_notices();
     answer_waiting();
     pass_barrier();
+  }
+
+  /// Waits for the other threads of the control thread: the recorder, and the worker with the analyses that the last tick began.
+  void finish_pending() {
+    while (rig_->tap().waiting() > rig_->tap().capacity() / 2) std::this_thread::sleep_for(std::chrono::microseconds(50));
+    worker_.run([] {}).wait();
+    supervisor_.tick();
+    if (supervisor_.states().front().session.state != session::SessionState::Stopping) return;
+    recordings_->wait_until_closed(kPatience);
+    supervisor_.tick();
   }
 
   void wait_for_pipeline() {
@@ -297,7 +336,7 @@ class Runner {
   }
 
   void publish_notices() {
-    for (const session::Notice& notice : supervisor_.take_notices()) publisher_->post(notice.rig, ipc::notice_event(kInstance, notice));
+    for (session::Notice& notice : supervisor_.take_notices()) publisher_->post(notice.rig, std::move(notice.event));
   }
 
   void post_status() {
@@ -314,7 +353,9 @@ class Runner {
     } else {
       sent_.add_line(line_of("", answer.response));
     }
+    finish_pending();
     publish_notices();
+    answer_waiting();
     pass_barrier();
   }
 
@@ -331,6 +372,10 @@ class Runner {
   GoldenClock clock_;
   core::Doorbell bell_;
   Sent sent_;
+  Folder folder_;
+  core::SystemClock disk_clock_;
+  core::Worker worker_{"analyse"};
+  std::unique_ptr<session::Recordings> recordings_ = open_recordings(folder_.path(), disk_clock_);
   session::Supervisor supervisor_;
   ipc::CommandHandler handler_;
   std::unique_ptr<ipc::PublishThread> publisher_;

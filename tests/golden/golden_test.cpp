@@ -65,7 +65,9 @@ TEST(GoldenCases, EveryKindOfMessage_IsInOne) {
     }
   }
   // Played scans wait for the pipeline: its ring is never full. Without recordings no session fails. A cancelled reach has no case yet.
-  const std::vector<std::string> impossible = {"=GAP_REASON_RING_FULL", "=SESSION_STATE_FAILED", "=REACH_STEP_CANCELLED"};
+  // Three bodies are only recorded.
+  const std::vector<std::string> impossible = {
+      "=GAP_REASON_RING_FULL", "=SESSION_STATE_FAILED", "=REACH_STEP_CANCELLED", " segment_start.", " loss.", " figure."};
   for (const std::string& word : wanted) {
     if (std::ranges::find(impossible, word) != impossible.end()) continue;
     EXPECT_NE(text.find(word), std::string::npos) << "in no case:" << word;

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
+#include <string_view>
 
 #include "dts/v1/stream.pb.h"
 
@@ -37,8 +38,11 @@ std::string number(const char* format, double value) {
   return result;
 }
 
-/// What depends on how the threads of a run took turns, and not on its data.
-bool is_of_this_run(const FieldDescriptor& field) { return field.name() == "ring_fill"; }
+/// What depends on how the threads of a run took turns and on this machine's disk, and not on the data.
+bool is_of_this_run(const FieldDescriptor& field) {
+  constexpr std::array<std::string_view, 4> kNames = {"ring_fill", "disk", "recording", "record_lag_s"};
+  return std::ranges::find(kNames, field.name()) != kNames.end();
+}
 
 /// `index` -1: the field is not repeated.
 std::string value_text(const Message& message, const FieldDescriptor& field, int index) {
@@ -78,7 +82,8 @@ void add_fields(const Message& message, const std::string& prefix, std::string& 
     const std::string key = prefix + std::string(field.name());
     if (field.is_repeated()) {
       add_repeated(message, field, key, out);
-    } else if (field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE || message.GetReflection()->HasField(message, &field)) {
+    } else if ((!field.has_presence() && field.cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) ||
+               message.GetReflection()->HasField(message, &field)) {
       // A number of 0 is no field: written all the same, or 1e-17 would be a field too many.
       if (field.cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
         add_fields(message.GetReflection()->GetMessage(message, &field), key + ".", out);

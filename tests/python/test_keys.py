@@ -54,10 +54,10 @@ class KeyTest(unittest.TestCase):
         with self.assertRaises(dts.Unreachable):
             dts.connect(key=file, timeout=1)
 
-    def test_what_is_no_key_file_is_told(self) -> None:
+    def test_what_is_no_key_file_is_reported(self) -> None:
         file = self.new_key("bad", "viewer")
         text = file.read_text()
-        with self.assertRaisesRegex(dts.InvalidArgument, "no key of 40 characters"):
+        with self.assertRaisesRegex(dts.InvalidArgument, "not a key of 40 characters"):
             file.write_text(text.replace("secret_key = \"", "secret_key = \"x"))
             dts.read_key(file)
         with self.assertRaisesRegex(dts.InvalidArgument, "at line 1"):
@@ -70,7 +70,7 @@ class KeyTest(unittest.TestCase):
         with self.assertRaises(dts.InvalidArgument):
             dts.read_key(self.folder / "nowhere.key")
         os.mkfifo(self.folder / "pipe.key", 0o600)
-        with self.assertRaisesRegex(dts.InvalidArgument, "no regular file"):
+        with self.assertRaisesRegex(dts.InvalidArgument, "not a regular file"):
             dts.read_key(self.folder / "pipe.key")
 
     def test_no_secret_is_shown(self) -> None:

@@ -129,7 +129,7 @@ class Commands(WithDaemon):
             (dts.NotFound, "floor/cop", lambda: self.daemon.stream("floor/copp")),
             (dts.NotFound, "floor/cop", lambda: self.daemon.stream()),
             (dts.NotFound, "floor/marker", lambda: self.daemon.events("flor/")),
-            (dts.NotFound, "ceiling'\n  known rigs", lambda: self.daemon.tare("ceiling")),
+            (dts.NotFound, "ceiling'\n  known: ", lambda: self.daemon.tare("ceiling")),
             (dts.NotFound, "20000101T000000Z-floor-1", lambda: self.daemon.session("20000101T000000Z-floor-1")),
             (dts.InvalidArgument, "quiet-standing", lambda: self.daemon.start_session("floor", "quiet-standing", fields={"shoe_size": 43})),
             (dts.InvalidArgument, "text", lambda: self.daemon.mark("")),
@@ -177,7 +177,7 @@ class Restart(unittest.TestCase):
                 with self.assertRaises(dts.Unreachable):
                     for _ in stream:
                         pass
-                with self.assertRaisesRegex(dts.Unreachable, "nobody listens"):
+                with self.assertRaisesRegex(dts.Unreachable, "no program listens"):
                     daemon.status()
             finally:
                 self.process.start()

@@ -79,7 +79,7 @@ class Sessions(WithDaemon):
             status = session.trial("next")
             told = next(events)
             session.trial("reject")
-            rejected = next(event for event in events if event.fields["kind"] == "rejected")
+            rejected = next(event for event in events if event.fields["step"] == "rejected")
 
         self.assertEqual(status.of, 12)
         self.assertEqual((told.kind, told.fields["trial"]), ("trial", 1))

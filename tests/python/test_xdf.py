@@ -294,6 +294,34 @@ class Foreign(unittest.TestCase):
         event = self.load(facts_file(utc_minus_monotonic_ns="7") + event_file((2.0, '{"event":"own","value":null}'))).events[0]
         self.assertEqual((event.utc, event.fields["value"] != event.fields["value"]), (np.datetime64(2_000_000_007, "ns"), True))
 
+    def test_EventsOfBothFormsAreRead(self) -> None:
+        new = '{"segment":1,"scan":"3","reach":{"step":"REACH_STEP_P1","number":2,"p1":{"scan":"12","value_mm":3.5},"later":[1]}}'
+        result = '{"trial_result":{"trial":4,"movement":{"trunk_class":2,"probability":[0,1,0],"reasons":16}}}'
+        bad = ['{"reach":{"flags":-1}}', '{"scan":"4611686018427387904","reach":{}}', '{"reach":3}', '{"later":{}}', '{"reach":' * 7000]
+
+        events = self.load(foreign_file() + event_file(*((float(i), text) for i, text in enumerate([new, result, *bad])))).events
+
+        self.assertEqual([event.kind for event in events], ["reach", "result"] + ["marker"] * len(bad))
+        reach, told = events[:2]
+        self.assertEqual((reach.segment, reach.scan, reach.fields["step"], reach.fields["p1"]), (1, 3, "p1", {"scan": 12, "value_mm": 3.5}))
+        self.assertNotIn("p2", reach.fields)
+        self.assertTrue(np.isnan(reach.fields["d1_mm"]))
+        self.assertIsNone(told.fields["expected_class"])
+        self.assertEqual(told.fields["movement"]["reasons"], ["calibrated"])
+        assert reach.message is not None
+        self.assertEqual(reach.message.reach.number, 2)
+
+    def test_RecordingsOf0_1_0AreRead(self) -> None:
+        folder = Path(__file__).resolve().parent.parent / "unit" / "record" / "recordings_0_1"
+        standing = dts.load(folder / "standing.xdf")
+        self.assertEqual([(loss.reason, loss.gaps, loss.scans) for loss in standing.losses], [("unplugged", 1, 38)])
+        self.assertEqual([event.fields["measures"]["MVELO"]["unit"] for event in standing.events_of("sway")], ["mm/s"] * 2)
+        self.assertEqual(standing.events_of("trial")[0].fields["phase"], "ready")
+        reaching = dts.load(folder / "reaching.xdf")
+        self.assertEqual(len(reaching.events_of("class")), 6)
+        self.assertEqual([event.fields["class"] for event in reaching.events_of("result")][-4:], [3, 3, 3, 1])
+        self.assertEqual([event.fields["text"] for event in dts.load(folder / "free.xdf").events_of("marker")], ['coughed; "twice"'])
+
     def test_TextsThatAreNoEventsOfOursAreMarkers(self) -> None:
         def long(size: int) -> str:
             return '{"event":"own","text":"' + "x" * (size - 25) + '"}'
@@ -326,7 +354,7 @@ class Foreign(unittest.TestCase):
             "without a tag": b"\x01\x01\x05",
             "at most 64 MiB": b"\x04" + struct.pack("<I", (64 << 20) + 1),
             "file header damaged": chunk(1, b"<info><version>1.0</version></info>"),
-            "a second one of stream 9": chunk(2, struct.pack("<I", 9) + b"<info/>"),
+            "a second header of stream 9": chunk(2, struct.pack("<I", 9) + b"<info/>"),
             "no stream number": chunk(3, b"\x09\0\0"),
             "stream 8 has no header": chunk(3, struct.pack("<I", 8)),
             "not two numbers": chunk(4, struct.pack("<Id", 9, 1.0)),
@@ -339,7 +367,7 @@ class Foreign(unittest.TestCase):
 
     def test_WhatIsNoXdfIsSaidSo(self) -> None:
         bomb = b"<!DOCTYPE x [<!ENTITY a 'aaaa'><!ENTITY b '&a;&a;'>]><info><version>1.0</version></info>"
-        for content, problem in ((b"RIFF", "is no XDF file"), (b"XDF:", "ends before"), (b"XDF:" + chunk(5, b""), "starts with a file header"), (b"XDF:" + chunk(1, bomb), "document type")):
+        for content, problem in ((b"RIFF", "is not an XDF file"), (b"XDF:", "ends before"), (b"XDF:" + chunk(5, b""), "starts with a file header"), (b"XDF:" + chunk(1, bomb), "document type")):
             with self.assertRaisesRegex(dts.DataDamaged, problem):
                 self.load(content)
         with self.assertRaises(dts.NotFound):

@@ -134,11 +134,7 @@ std::vector<std::string> recorded(const std::string& file) {
     if (!item) return events;
     const auto* timed = std::get_if<record::TimedEvent>(&*item);
     if (timed == nullptr) continue;
-    const record::RecordedEvent& event = timed->event;
-    const std::string at = " at " + std::to_string(event.segment) + ":" + std::to_string(event.scan.value);
-    const std::string number = record::text_of(event, "number");
-    if (event.event == "reach" && record::text_of(event, "step") == "final") events.push_back("reach " + number + at);
-    if (event.event == "class") events.push_back("class " + record::text_of(event, "class") + " of " + number + at);
+    if (!told(timed->event).empty()) events.push_back(told(timed->event));
   }
 }
 

@@ -65,7 +65,7 @@ TEST_F(KeysTest, WithoutAKeyOfItsOwn_NobodyGetsIn) {
   ASSERT_TRUE(client::write_new_key(bad, forged));
   const Finished refused = remote(bad, {"status"}, "2");
   EXPECT_EQ(refused.status, kUnreachable);
-  EXPECT_THAT(refused.err, HasSubstr("does it know the key 'eve'"));
+  EXPECT_THAT(refused.err, HasSubstr("that it has the key 'eve'"));
 }
 
 TEST_F(KeysTest, Revoked_LosesItsRunningSubscription_OthersComeBack) {

@@ -46,7 +46,7 @@ TEST_F(ResumeTest, AfterACrash_TheSessionGoesOnAsItsNextPart_WithWhatIsLeft) {
   EXPECT_EQ(daemon_.control().show_session(id)->parts_size(), 2);
   EXPECT_LT(session().duration_s(), 599.0);
   EXPECT_GT(session().duration_s(), 500.0);
-  EXPECT_THAT(daemon_.log(), HasSubstr("was interrupted and goes on"));
+  EXPECT_THAT(daemon_.log(), HasSubstr("was interrupted; dtsd resumed it"));
 }
 
 TEST_F(ResumeTest, WhatWasStoppedStaysStopped) {

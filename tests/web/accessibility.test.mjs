@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Every page in both themes under axe-core, and by keyboard alone.
+// Checks every page in both themes with axe-core, and by keyboard alone.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { after, before, describe, test } from 'node:test';
@@ -9,7 +9,7 @@ import { axeFile, Bench, by, goTo, textOf, waitForText } from './support_browser
 
 const shorter = { 'settle_s = 5': 'settle_s = 1', 'duration_s = 20': 'duration_s = 3' };
 
-/** What axe finds that is serious or critical: one line each. */
+/** Returns the serious and critical findings of axe, one line each. */
 const findings = (page) =>
   page.evaluate(async () => {
     const { violations } = await window.axe.run(document, { resultTypes: ['violations'] });
@@ -23,7 +23,7 @@ describe('accessibility', () => {
   let page;
   const ids = [];
   before(async () => {
-    // The policy allows no script but the dashboard's own: only here is it put aside, to get axe in.
+    // The Content-Security-Policy allows only the dashboard's own scripts. It is bypassed here alone, to load axe.
     bench = await Bench.opened({ daemon: { protocols: (folder) => alteredProtocol(folder, 'quiet-standing', shorter) }, tabs: { bypassCSP: true } });
     ({ daemon } = bench);
     page = await bench.tabs.open('floor');
@@ -41,7 +41,7 @@ describe('accessibility', () => {
     chair: async () => void (await by(page, 'prompt').waitFor()),
     sessions: async () => void (await by(page, 'session-row').first().waitFor()),
     'sessions/ID': async () => void (await by(page, 'report-frame').waitFor()),
-    'compare/ID/ID': async () => void (await by(page, 'figure-table').waitFor()),
+    'compare/ID/ID': async () => void (await by(page, 'comparison-table').waitFor()),
     health: async () => void (await waitForText(page, 'volts-floor-w4', /\d/)),
   };
   const show = async (name) => {
@@ -67,6 +67,11 @@ describe('accessibility', () => {
     await by(page, 'open-start').click();
     await by(page, 'start-protocol').selectOption('quiet-standing');
     assert.deepEqual(await findings(page), []);
+    await by(page, 'show-keys').click();
+    await by(page, 'key-help').waitFor();
+    await page.keyboard.press('Escape');
+    await by(page, 'key-help').waitFor({ state: 'detached' });
+    assert.equal(await by(page, 'start-session').count(), 1, 'Escape closes the list of keys first');
     await by(page, 'start-session-close').click();
     await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'quiet-standing');
     await by(page, 'stop-session').waitFor();
@@ -121,5 +126,5 @@ describe('accessibility', () => {
     }
   });
 
-  test('nothing was asked of another host', () => bench.tabs.close());
+  test('no request went to another host', () => bench.tabs.close());
 });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chromium over its debugging pipe, for measurements: Playwright would have every WebSocket frame of a page reported to itself, at the
-// expense of the page's main thread. Drawing is done in software (--disable-gpu): a machine with a graphics card is faster.
+// Chromium over its debugging pipe, for measurements. Playwright would have every WebSocket frame reported to itself, which costs the page's main
+// thread. Chromium draws in software (--disable-gpu): a machine with a graphics card is faster.
 import assert from 'node:assert/strict';
 import { spawn } from 'node:child_process';
 import { EventEmitter, once } from 'node:events';
@@ -10,7 +10,7 @@ import { chromiumSwitches, patienceMs, waitFor } from './support.mjs';
 
 const switches = ['--headless', '--remote-debugging-pipe', '--lang=en-GB', ...chromiumSwitches];
 
-/** One window with one page. Events of the protocol are emitted by their names. */
+/** One window with one page. Emits the events of the debugging protocol under their names. */
 export class Page extends EventEmitter {
   constructor(browser, session, target) {
     super();
@@ -21,7 +21,7 @@ export class Page extends EventEmitter {
     return this.browser.send(method, parameters, this.session);
   }
 
-  /** What a function of the page's own world gives, called with `words`. */
+  /** Runs a function in the page with `words` and returns its result. */
   async evaluate(task, ...words) {
     const expression = `(${task})(...${JSON.stringify(words)})`;
     const { result, exceptionDetails } = await this.send('Runtime.evaluate', { expression, returnByValue: true, awaitPromise: true });
@@ -46,7 +46,7 @@ export class Browser extends EventEmitter {
     const program = [process.env.DTS_CHROMIUM ?? '/usr/bin/chromium', ...switches, `--user-data-dir=${browser.folder}`];
     const stdio = ['ignore', 'ignore', 'ignore', 'pipe', 'pipe'];
     browser.child = spawn('setpriv', ['--pdeathsig', 'KILL', ...program], { stdio });
-    browser.child.stdio[4].on('data', (bytes) => browser.#hear(bytes));
+    browser.child.stdio[4].on('data', (bytes) => browser.#receive(bytes));
     await browser.send('Browser.getVersion');
     return browser;
   }
@@ -57,7 +57,7 @@ export class Browser extends EventEmitter {
     return new Promise((resolve, reject) => this.#asked.set(id, { resolve, reject }));
   }
 
-  /** A window of its own: a page behind another one in a window is hidden, and paints nothing. */
+  /** Opens a page in a separate window: a page behind another in the same window is hidden and paints nothing. */
   async open(url, { width = 1280, height = 800 } = {}) {
     const { targetId } = await this.send('Target.createTarget', { url: 'about:blank', newWindow: true });
     const { sessionId } = await this.send('Target.attachToTarget', { targetId, flatten: true });
@@ -69,7 +69,7 @@ export class Browser extends EventEmitter {
     return page;
   }
 
-  /** Process id of the renderer that has worked most, which with one page is that page's. */
+  /** Returns the process id of the renderer with the most CPU time; with one page it is that page's. */
   async rendererId() {
     const { processInfo } = await this.send('SystemInfo.getProcessInfo');
     const renderers = processInfo.filter(({ type }) => type === 'renderer').sort((one, other) => other.cpuTime - one.cpuTime);
@@ -83,7 +83,7 @@ export class Browser extends EventEmitter {
     await waitFor(() => this.#isFolderGone(), `${this.folder} can be removed`);
   }
 
-  /** Its processes end after it, and write until then. */
+  /** Removes the folder. Fails while Chromium's child processes still write to it. */
   #isFolderGone() {
     try {
       rmSync(this.folder, { recursive: true, force: true });
@@ -93,16 +93,16 @@ export class Browser extends EventEmitter {
     }
   }
 
-  #hear(bytes) {
+  #receive(bytes) {
     let start = 0;
     for (let end = bytes.indexOf(0); end >= 0; start = end + 1, end = bytes.indexOf(0, start)) {
-      this.#take(JSON.parse(Buffer.concat([...this.#unread, bytes.subarray(start, end)]).toString()));
+      this.#dispatch(JSON.parse(Buffer.concat([...this.#unread, bytes.subarray(start, end)]).toString()));
       this.#unread = [];
     }
     this.#unread.push(bytes.subarray(start));
   }
 
-  #take({ id, method, params, result, error, sessionId }) {
+  #dispatch({ id, method, params, result, error, sessionId }) {
     if (id === undefined) return void (this.#pages.get(sessionId) ?? this).emit(method, params);
     const asked = this.#asked.get(id);
     this.#asked.delete(id);
@@ -111,7 +111,7 @@ export class Browser extends EventEmitter {
   }
 }
 
-/** A page of the dashboard that measures itself and shows live data. */
+/** Opens a page of the dashboard that measures itself, and waits until it shows live data. */
 export const openLive = async (browser, url, name) => {
   const page = await browser.open(`${url}/?measure#/${name}`);
   const isLive = () => (window.dtsMeasure?.().length ?? 0) > 100 && document.visibilityState === 'visible';
@@ -124,15 +124,15 @@ export const quantile = (values, share) => {
   return sorted[Math.floor(share * (sorted.length - 1))] ?? NaN;
 };
 
-/** "12.3 / 45.6": median and 95th percentile. */
+/** Returns "12.3 / 45.6": median and 95th percentile. */
 export const spread = (values) => `${quantile(values, 0.5).toFixed(1)} / ${quantile(values, 0.95).toFixed(1)}`;
 
 export const loadAverage = () => readFileSync('/proc/loadavg', 'utf8').split(' ').slice(0, 2).join(' ');
 
-/** Seconds on a core, user and system, of all threads of a process; exact, where /proc/PID/stat counts in steps of 10 ms. */
+/** Returns the CPU seconds (user and system) of all threads of a process. More exact than /proc/PID/stat, which counts in steps of 10 ms. */
 export const cpuSeconds = (pid) => {
   const ofThread = (thread) => Number(readFileSync(`/proc/${pid}/task/${thread}/schedstat`, 'utf8').split(' ')[0]) / 1e9;
   return readdirSync(`/proc/${pid}/task`).reduce((sum, thread) => sum + ofThread(thread), 0);
 };
 
-export const tell = (...cells) => console.log(`| ${cells.join(' | ')} |`);
+export const printRow = (...cells) => console.log(`| ${cells.join(' | ')} |`);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// How old a scan is when it is seen, what a picture costs the page, and what a tab costs the gateway:
+// Measures the age of a scan when it is painted, the cost of a picture in the page, and the cost of a tab in the gateway:
 //   node tests/web/bench_latency.mjs [--blocks 1000] [--seconds 20]
-// Prints tables and judges nothing: status 1 only when it could not measure. The figures depend on what else the machine does: look at its load.
+// Prints tables without a limit; exit status 1 means that it could not measure. The numbers depend on the load of the machine, which is printed.
 import { cpus } from 'node:os';
 import { parseArgs } from 'node:util';
 
-import { Browser, cpuSeconds, loadAverage, openLive, quantile, spread, tell } from './bench_browser.mjs';
+import { Browser, cpuSeconds, loadAverage, openLive, printRow, quantile, spread } from './bench_browser.mjs';
 import { measurePixels, stepsDevice } from './bench_pixels.mjs';
 import { openSockets } from './bench_sockets.mjs';
 import { mainThreadOfFrames } from './bench_trace.mjs';
@@ -15,7 +15,7 @@ const { values: options } = parseArgs({ options: { blocks: { type: 'string', def
 const blocks = Number(options.blocks);
 const seconds = Number(options.seconds);
 
-/** Frames of the page's own measurement since `fromMs`, of performance.now() there. */
+/** Returns the frames that the page measured since `fromMs` of its performance.now(). */
 const framesSince = (page, fromMs) => page.evaluate((from) => window.dtsMeasure().filter(({ paintedMs }) => paintedMs > from), fromMs);
 const nowIn = (page) => page.evaluate(() => performance.now());
 
@@ -35,7 +35,7 @@ const collectFrames = async (page, enough) => {
   return frames;
 };
 
-/** NaN does not travel in JSON: a frame without a scan of the floor says null. */
+/** Returns the ages of frames with a scan of the floor; the others have null, because JSON has no NaN. */
 const agesOf = (frames) => frames.filter(({ newestMs }) => newestMs !== null).map(({ newestMs, paintedMs }) => paintedMs - newestMs);
 
 const measurePage = async (browser, gateway, name, enough) => {
@@ -47,7 +47,7 @@ const measurePage = async (browser, gateway, name, enough) => {
   const fromMs = await nowIn(page);
   const traced = await mainThreadOfFrames(browser, 10_000);
   const meanwhile = await framesSince(page, fromMs);
-  tell(
+  printRow(
     name,
     frames.length,
     perSecond.toFixed(0),
@@ -64,21 +64,21 @@ const measurePage = async (browser, gateway, name, enough) => {
 
 const measurePages = async (browser, gateway) => {
   console.log('\n## A page alone: median / 95th percentile, ms\n');
-  tell('page', 'frames', 'per s', 'blocks: age of newest scan when painted', 'script', 'main thread', 'the same while traced', 'traced, wall', 'traced, CPU', 'load');
-  tell('---', '---', '---', '---', '---', '---', '---', '---', '---', '---');
+  printRow('page', 'frames', 'per s', 'blocks: age of newest scan when painted', 'script', 'main thread', 'the same while traced', 'traced, wall', 'traced, CPU', 'load');
+  printRow('---', '---', '---', '---', '---', '---', '---', '---', '---', '---');
   await measurePage(browser, gateway, 'floor', (frames) => agesOf(frames).length >= blocks);
   await measurePage(browser, gateway, 'chair', (frames) => frames.length >= blocks);
 };
 
-const tellCpu = async (what, count, gateway, framesPerSecond) => {
+const printCpu = async (what, count, gateway, framesPerSecond) => {
   await pause(2000);
   const [cpuS, begunMs] = [cpuSeconds(gateway.child.pid), performance.now()];
   const rate = await framesPerSecond();
   const percent = (100 * (cpuSeconds(gateway.child.pid) - cpuS)) / ((performance.now() - begunMs) / 1000);
-  tell(what, count, rate.toFixed(0), percent.toFixed(2), count > 0 ? (percent / count).toFixed(2) : '-', loadAverage());
+  printRow(what, count, rate.toFixed(0), percent.toFixed(2), count > 0 ? (percent / count).toFixed(2) : '-', loadAverage());
 };
 
-/** Of all these pages together, within `seconds`. */
+/** Returns the mean frames per second of these pages, over `seconds`. */
 const rateOf = async (pages) => {
   const fromMs = await Promise.all(pages.map(nowIn));
   await pause(1000 * seconds);
@@ -89,14 +89,14 @@ const rateOf = async (pages) => {
 const measureTabs = async (browser, gateway, name, count) => {
   const pages = [];
   for (let tab = 0; tab < count; tab += 1) pages.push(await openLive(browser, gateway.url, name));
-  await tellCpu(`Live ${name}`, count, gateway, () => rateOf(pages));
+  await printCpu(`Live ${name}`, count, gateway, () => rateOf(pages));
   for (const page of pages) await page.close();
 };
 
 const measureSockets = async (browser, gateway, topics, count) => {
   const page = await browser.open(`${gateway.url}/icon.svg`);
   const framesSoFar = await openSockets(page, topics, count);
-  await tellCpu(`socket ${topics.join(' ')}`, count, gateway, async () => {
+  await printCpu(`socket ${topics.join(' ')}`, count, gateway, async () => {
     const before = await framesSoFar();
     await pause(1000 * seconds);
     return ((await framesSoFar()) - before) / count / seconds;
@@ -107,9 +107,9 @@ const measureSockets = async (browser, gateway, topics, count) => {
 const measureGateway = async (browser, gateway) => {
   console.log('\n## The gateway: % of a core\n');
   console.log('Tabs that draw in software share these cores, get fewer frames than they want and so cost less; sockets acknowledge at once.\n');
-  tell('what', 'how many', 'frames/s each', 'all', 'each', 'load');
-  tell('---', '---', '---', '---', '---', '---');
-  await tellCpu('nobody', 0, gateway, async () => (await pause(1000 * seconds), 0));
+  printRow('what', 'how many', 'frames/s each', 'all', 'each', 'load');
+  printRow('---', '---', '---', '---', '---', '---');
+  await printCpu('no tab', 0, gateway, async () => (await pause(1000 * seconds), 0));
   for (const count of [1, 8]) await measureTabs(browser, gateway, 'floor', count);
   await measureTabs(browser, gateway, 'chair', 1);
   for (const topic of ['floor/', 'chair/']) await measureSockets(browser, gateway, [topic], 8);
@@ -124,9 +124,9 @@ const measureSight = async (browser) => {
     const seen = await measurePixels(daemon, page, 60);
     const ages = agesOf(await framesSince(page, fromMs));
     console.log('\n## From outside: the dot on the plate jumps, and frames of the screen show where it is\n');
-    tell('jumps', 'seen', 'ms from newest scan of the block to the browser having the frame', 'to this program having it', 'frames/s of the screen', 'meanwhile by the page itself', 'load');
-    tell('---', '---', '---', '---', '---', '---', '---');
-    tell(seen.jumps, seen.shownMs.length, spread(seen.shownMs), spread(seen.heldMs), seen.framesPerSecond.toFixed(0), spread(ages), loadAverage());
+    printRow('jumps', 'seen', 'ms from newest scan of the block to the browser having the frame', 'to this program having it', 'frames/s of the screen', 'meanwhile by the page itself', 'load');
+    printRow('---', '---', '---', '---', '---', '---', '---');
+    printRow(seen.jumps, seen.shownMs.length, spread(seen.shownMs), spread(seen.heldMs), seen.framesPerSecond.toFixed(0), spread(ages), loadAverage());
     await gateway.close();
   } finally {
     await daemon.close();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From outside: somebody on the plate jumps from foot to foot, the daemon says when (dtsctl, CLOCK_MONOTONIC), and the frames of the screen
-// show when the dot has jumped. Nothing of what the page says of itself is used.
+// Measures latency from outside: a simulated person jumps from foot to foot, dtsctl gives the time of each jump (CLOCK_MONOTONIC), and frames of the
+// screen show when the dot has jumped. The page's own measurement is not used.
 import assert from 'node:assert/strict';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -8,10 +8,10 @@ import path from 'node:path';
 import { pause, waitFor } from './support.mjs';
 
 const halfMm = 8;
-const restS = 0.83; // no multiple of a block or a frame
+const restS = 0.83; // not a multiple of a block or a frame
 const jumps = 100;
 
-/** A device on which the centre of pressure jumps between two places. */
+/** Returns the address of a device whose centre of pressure jumps between two places. */
 export const stepsDevice = () => {
   const rows = Array.from({ length: jumps }, (_, jump) => {
     const [from, x] = [jump * restS, jump % 2 === 0 ? -halfMm : halfMm];
@@ -24,7 +24,7 @@ export const stepsDevice = () => {
   return `sim:floor?seed=7&cop=${file}&loop=1`;
 };
 
-/** CLOCK_REALTIME minus CLOCK_MONOTONIC, ms. */
+/** Returns CLOCK_REALTIME minus CLOCK_MONOTONIC in ms. */
 const realtimeOffsetMs = () => {
   const before = Date.now();
   let now = before;
@@ -32,7 +32,7 @@ const realtimeOffsetMs = () => {
   return now - Number(process.hrtime.bigint()) / 1e6;
 };
 
-/** Host times, in ms, of the newest scan of each block in which the dot has crossed over, and where to. */
+/** Returns, for each block in which the centre of pressure changed sides, the host time of its newest scan in ms and the new side. */
 const jumpsIn = (blocks) => {
   const found = [];
   let side = 0;
@@ -45,7 +45,7 @@ const jumpsIn = (blocks) => {
   return found;
 };
 
-/** Runs in a page: where the vermillion dot is in each picture, as x; null: not there. The dot of the inset is a tenth of it. */
+/** Runs in a page. Returns the x of the vermillion dot in each picture, or null without a dot. The dot of the inset is a tenth of its size. */
 const findDots = async (pictures) => {
   const canvas = document.createElement('canvas');
   const context = canvas.getContext('2d', { willReadFrequently: true });
@@ -78,7 +78,7 @@ const recordScreen = async (page, forMs) => {
   return frames;
 };
 
-/** For each jump, the first frame of the half second after it that shows the dot on the new side. */
+/** Finds for each jump the first frame within half a second that shows the dot on the new side. */
 const match = (found, frames, middle) => {
   const result = { shownMs: [], heldMs: [] };
   for (const { timeMs, side } of found) {
@@ -91,11 +91,11 @@ const match = (found, frames, middle) => {
   return result;
 };
 
-/** Latencies of the jumps of `seconds`, by the browser's stamp of the frame and by its arrival here. */
+/** Measures the latencies of all jumps in `seconds`, by the browser's time of the frame and by its arrival here. */
 export const measurePixels = async (daemon, page, seconds) => {
   await pause(25_000); // the picture's zoom follows the ellipse of 20 s
   const watch = daemon.watch('floor/cop');
-  await waitFor(() => watch.seen.length > 0, 'dtsctl hears the plate');
+  await waitFor(() => watch.seen.length > 0, 'dtsctl receives data of the plate');
   const offsetMs = realtimeOffsetMs();
   const frames = await recordScreen(page, 1000 * seconds);
   await watch.close();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sockets without a picture, that acknowledge each frame as soon as it comes: what a gateway has to do at most.
+// Sockets without a picture that confirm each frame at once: the largest load for a gateway.
 
-/** Runs in the page. Bytes by hand: field numbers are those of gateway.proto. */
+/** Runs in the page. Writes the bytes itself; field numbers are those of gateway.proto. */
 const openInPage = (topics, count) => {
   const lengthDelimited = (field, bytes) => [(field << 3) | 2, bytes.length, ...bytes];
   const subscribe = lengthDelimited(1, topics.flatMap((topic) => lengthDelimited(1, [...new TextEncoder().encode(topic)])));
@@ -24,7 +24,7 @@ const openInPage = (topics, count) => {
   }
 };
 
-/** Gives how to ask for the number of frames that came so far to all of them. */
+/** Opens the sockets. Returns a function that returns the number of frames received so far by all of them. */
 export const openSockets = async (page, topics, count) => {
   await page.evaluate(openInPage, topics, count);
   return () => page.evaluate(() => window.framesSoFar);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What frames cost a page's main thread by Chromium's own trace: everything it ran, not only what the page knows of.
+// The cost of frames for a page's main thread, from Chromium's own trace: it contains everything that ran, not only what the page measures.
 import assert from 'node:assert/strict';
 import { once } from 'node:events';
 
@@ -21,7 +21,7 @@ const traceFor = async (browser, durationMs) => {
 
 const threadOf = ({ pid, tid }) => `${pid}/${tid}`;
 
-/** Events of the thread that fired most animation frames: the page's main thread. */
+/** Returns the events of the page's main thread: the thread with the most animation frames. */
 const mainThread = (events) => {
   const frames = new Map();
   for (const event of events) if (event.name === 'FireAnimationFrame') frames.set(threadOf(event), (frames.get(threadOf(event)) ?? 0) + 1);
@@ -31,8 +31,8 @@ const mainThread = (events) => {
 };
 
 /**
- * Per animation frame, in ms: the tasks from the frame before up to and with the one that fired it. `wallMs` counts waiting for a core too,
- * `cpuMs` does not.
+ * Returns the time per animation frame in ms: all tasks after the previous frame, up to and including the task that ran it. `wallMs` includes waiting
+ * for a core, `cpuMs` does not.
  */
 export const mainThreadOfFrames = async (browser, durationMs) => {
   const events = mainThread(await traceFor(browser, durationMs));
@@ -45,7 +45,7 @@ export const mainThreadOfFrames = async (browser, durationMs) => {
     wall += dur / 1000;
     cpu += (tdur ?? NaN) / 1000;
     if (frame >= frames.length || frames[frame] > ts + dur) continue;
-    if (frame > 0) result.wallMs.push(wall), result.cpuMs.push(cpu); // what came before the first is not known
+    if (frame > 0) result.wallMs.push(wall), result.cpuMs.push(cpu); // the time before the first frame is unknown
     while (frames[frame] <= ts + dur) frame += 1;
     [wall, cpu] = [0, 0];
   }

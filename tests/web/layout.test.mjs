@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// On a tablet and on a large screen: nothing is cut off, nothing lies on anything else, and live pages do not scroll.
+// Layout on a tablet and on a large screen: nothing is cut off, nothing overlaps, and live pages do not scroll.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
@@ -13,14 +13,14 @@ const sizes = [
 const shorter = { 'settle_s = 5': 'settle_s = 1', 'duration_s = 20': 'duration_s = 3' };
 const largestTarget = 48;
 
-/** Whether the page is wider or higher than its window, in pixels too many. */
+/** Returns by how many pixels the page is wider and higher than its window. */
 const excess = (page) =>
   page.evaluate(() => {
     const { scrollWidth, scrollHeight, clientWidth, clientHeight } = document.documentElement;
     return { across: scrollWidth - clientWidth, down: scrollHeight - clientHeight };
   });
 
-/** Named elements that lie partly on each other, neither inside the other; and those that reach out of the window. */
+/** Returns named elements that overlap without one being inside the other, and those that extend beyond the window. */
 const collisions = (page) =>
   page.evaluate(() => {
     const isAbove = (element) => getComputedStyle(element).position === 'absolute' || element.closest('.plate-corner, .live-age, .live-band, .floor-notices, .chair-notices, .shell-over') !== null;
@@ -39,7 +39,7 @@ const collisions = (page) =>
     return found;
   });
 
-/** Buttons lower or narrower than a finger. */
+/** Returns controls that are lower than a finger needs. */
 const smallTargets = (page, least) =>
   page.evaluate(
     (pixels) =>
@@ -70,7 +70,7 @@ describe('layout', () => {
       await page.setViewportSize(size);
       const where = `${name} at ${size.width} x ${size.height}`;
       let now;
-      // A resized page has its final form after a frame or two.
+      // A resized page has its final layout after a frame or two.
       await waitFor(
         async () => {
           const { across, down } = await excess(page);
@@ -115,7 +115,7 @@ describe('layout', () => {
     await by(page, 'export-bids').waitFor();
     await check('a session', true);
     await goTo(page, `compare/${id}/${id}`);
-    await by(page, 'figure-table').waitFor();
+    await by(page, 'comparison-table').waitFor();
     await check('comparison', true);
   });
 
@@ -137,5 +137,5 @@ describe('layout', () => {
     }
   });
 
-  test('nothing was asked of another host, nothing broke the policy', () => bench.tabs.close());
+  test('no request went to another host, and nothing violated the policy', () => bench.tabs.close());
 });

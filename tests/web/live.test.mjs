@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the dashboard shows is what the daemon says: every number is compared with dtsctl's.
+// Compares every number on the live pages with dtsctl.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
@@ -9,7 +9,7 @@ import { Bench, by, fixed, shownRecentScan, textOf, waitForText } from './suppor
 const gravity = 9.80665;
 const swayTiles = { MVELO: 1, PEA95_F: 0, RANGE_AP: 1, RANGE_ML: 1 };
 
-/** Texts of several elements at the same instant; an absent one is null. */
+/** Returns the texts of several elements at the same instant; null for an absent one. */
 const textsOf = (page, testIds) =>
   page.evaluate((ids) => Object.fromEntries(ids.map((id) => [id, document.querySelector(`[data-testid="${id}"]`)?.textContent ?? null])), testIds);
 
@@ -53,7 +53,7 @@ describe('live pages', () => {
     await waitFor(
       async () => {
         shown = await textsOf(page, ids);
-        expected = watch.seen.slice(-60).map(wordsOf); // half a minute of them: the page may be late
+        expected = watch.seen.slice(-60).map(wordsOf); // the last half minute, because the page may be late
         return expected.some((words) => ids.every((id) => words[id] === shown[id]));
       },
       () => `shown ${JSON.stringify(shown)}, events ${JSON.stringify(expected)}`,
@@ -69,7 +69,7 @@ describe('live pages', () => {
     const watch = daemon.watch('chair/reach', 'chair/class');
     const page = await tabs.open('chair');
     const classes = ['none', 'minor', 'moderate', 'maximum'];
-    /** What the page must say of the newest reach that is final and judged. */
+    /** Returns what the page must show for the newest final reach with a trunk class. */
     const expectation = () => {
       const judged = watch.seen.filter(({ event }) => event.kind === 'class').at(-1)?.event;
       const reach = watch.seen.filter(({ event }) => event.kind === 'reach' && event.number === judged?.number && event.step === 'final').at(-1)?.event;
@@ -78,7 +78,7 @@ describe('live pages', () => {
       const word = judged.trunk_class < 0 ? 'uncertain' : judged.trunk_class === 1 && isMinor ? 'none or minor' : classes[judged.trunk_class];
       return {
         word,
-        // The angle of a reach without a class would be a guess.
+        // Without a class the angle would be a guess.
         deg: judged.trunk_class < 0 ? '–' : fixed(judged.trunk_deg, 1),
         interval: judged.trunk_class < 0 ? '' : `${fixed(judged.trunk_lo_deg, 0)} to ${fixed(judged.trunk_hi_deg, 0)}° (90 %)`,
         share: judged.probability.map((share) => `${fixed(100 * share, 0)} %`),
@@ -114,7 +114,7 @@ describe('live pages', () => {
     await waitForText(page, 'volts-floor-w4', /\d/);
     const earlier = await daemon.json('status');
     const ids = ['scans-floor', 'scans-chair', 'lost-floor', 'lost-chair', 'rate-floor', 'daemon-version', 'device-state-chair', 'volts-floor-w1', 'disk-state'];
-    // Status comes once a second: only what came after the earlier one can lie between the two.
+    // A status arrives once a second. The page must show one that is later than the first, to lie between both.
     const scansOf = (status, name) => status.rigs.find(({ rig }) => rig.name === name).scans_total;
     const numberOf = (text) => Number(text.replaceAll(',', ''));
     const shown = await waitFor(async () => {
@@ -129,7 +129,7 @@ describe('live pages', () => {
       assert.equal(numberOf(shown[`lost-${name}`].replace('! ', '')), later.rigs.find(({ rig }) => rig.name === name).lost_scans_total);
     }
     assert.match(shown['rate-floor'], /^\d+\.\d\d \/ 100\.00 Hz$/);
-    // Measured anew with every status: the page has one of a second ago, and a busy machine's rates vary.
+    // The rate is measured for every status. The page may show the previous one, and rates vary on a busy machine.
     let rates;
     await waitFor(
       async () => {
@@ -148,5 +148,5 @@ describe('live pages', () => {
     await page.close();
   });
 
-  test('nothing was asked of another host, nothing broke the policy', () => tabs.close());
+  test('no request went to another host, and nothing violated the policy', () => tabs.close());
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A reaching examination of six trials from start to stop with the keys A, R and X alone.
+// A session of the reaching task with six trials, run only with the keys A, R and X.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
@@ -17,16 +17,17 @@ const sixTrials = {
 const subject = { age_years: '52', weight_kg: '70', height_cm: '175', arm_length_cm: '68', max_reach_cm: '125' };
 const classes = ['none', 'minor', 'moderate', 'maximum'];
 
-/** A row of the page's table, from a trial of `dtsctl session show`; why it is uncertain is not compared. */
+/** Returns the expected row of the page's table for a trial of `dtsctl session show`. Reasons for "uncertain" are not compared. */
 const rowOf = ({ trial, attempt, condition, outcome, result }) => {
+  const target = result?.target_cm > 0 ? `${condition}, ${fixed(result.target_cm, 0)}\u00a0cm` : condition;
   const movement = result?.movement;
   const isMinor = movement?.reasons.includes('minor') && movement.trunk_class === 1;
   const word = movement === undefined ? 'no reach' : isMinor ? 'none or minor' : (classes[movement.trunk_class] ?? 'uncertain');
-  const deg = movement?.trunk_class >= 0 ? movement.trunk_deg : null; // without a class the angle is not shown either
-  return [attempt > 1 ? `${trial}.${attempt}` : `${trial}`, condition, outcome, word, deg === null ? '–' : fixed(deg, 1)];
+  const deg = movement?.trunk_class >= 0 ? movement.trunk_deg : null; // without a class no angle is shown
+  return [attempt > 1 ? `${trial}.${attempt}` : `${trial}`, target, outcome, word, deg === null ? '–' : fixed(deg, 1)];
 };
 
-describe('a reaching examination', () => {
+describe('a session of the reaching task', () => {
   let bench;
   let daemon;
   let gateway;
@@ -42,7 +43,7 @@ describe('a reaching examination', () => {
 
   const isStep = (step) => by(page, 'prompt').and(page.locator(`[data-step="${step}"]`));
 
-  test('asks for the measures that the protocol needs', async () => {
+  test('asks for the fields that the protocol requires', async () => {
     await by(page, 'open-start').click();
     await by(page, 'start-protocol').selectOption('reaching-short');
     await by(page, 'start-subject').fill('P6');
@@ -58,10 +59,10 @@ describe('a reaching examination', () => {
     await by(page, 'start-submit').click();
 
     await isStep('waiting').waitFor();
-    assert.equal(await textOf(page, 'trial-counter'), 'Trial 0 of 6');
+    assert.equal(await textOf(page, 'trial-counter'), 'Ready for trial 1 of 6');
   });
 
-  test('runs by keys; each prompt comes in its turn', { timeout: 600_000 }, async () => {
+  test('runs by keys, with each prompt in order', { timeout: 600_000 }, async () => {
     const trialWatch = daemon.watch('chair/trial');
     await remember(page, 'prompt', 'data-step');
     const stepsOf = async (value) => (await rememberedOf(page, 'prompt')).filter((one) => one.value === value).length;
@@ -76,7 +77,7 @@ describe('a reaching examination', () => {
     const rowSays = (words) => by(page, 'trial-table').locator('tr').filter({ hasText: words }).waitFor();
     await runTrial(1, 'a');
     await runTrial(2, 'a');
-    await runTrial(2, 'r'); // it is void and comes again at once
+    await runTrial(2, 'r'); // it is void and starts again at once
     await rowSays('redone');
     assert.match(await textOf(page, 'trial-counter'), /attempt 2$/);
     await runTrial(3, 'a');
@@ -90,10 +91,10 @@ describe('a reaching examination', () => {
     assert.equal(words.match(/ready/g).length, starts);
     assert.ok(words.match(/back/g).length >= 5, `a reach is found in nearly every trial: ${words}`);
     assert.deepEqual([...new Set(prompts.map(({ value, text }) => `${value}: ${text}`))].sort(), ['back: Back', 'finished: Done', 'go: GO', 'ready: Ready', 'waiting: Wait']);
-    // By the daemon's times: what the page needs to draw depends on the machine.
-    const timesOf = (kind) => trialWatch.seen.filter(({ event }) => event.kind === kind).map(({ host_time_ns }) => host_time_ns);
-    await waitFor(() => trialWatch.seen.some(({ event }) => event.kind === 'go' && event.trial === 6), 'dtsctl shows the last start');
-    // The first events may come before dtsctl has subscribed: a "Go" without its "Ready" is the first one.
+    // By the daemon's times, because the time for drawing depends on the machine.
+    const timesOf = (step) => trialWatch.seen.filter(({ event }) => event.kind === 'trial' && event.step === step).map(({ host_time_ns }) => host_time_ns);
+    await waitFor(() => trialWatch.seen.some(({ event }) => event.step === 'go' && event.trial === 6), 'dtsctl shows the last start');
+    // dtsctl may subscribe after the first events: a Go without its Ready is the first one.
     const readyBefore = (go) => timesOf('ready').findLast((ready) => ready < go);
     const delaysS = timesOf('go').filter(readyBefore).map((go) => (go - readyBefore(go)) / 1e9);
     assert.ok(delaysS.length >= starts - 1, `${delaysS.length} of ${starts} starts were seen`);
@@ -130,8 +131,8 @@ describe('a reaching examination', () => {
     const expected = session.trials.map(rowOf).reverse();
     assert.deepEqual(onChair, expected);
     assert.deepEqual(onSession, expected);
-    for (const { name, value } of session.results) assert.equal(await textOf(page, `result-${name}`), fixed(value, 3));
+    for (const { name, value } of session.results) assert.equal(await textOf(page, `result-${name}`), fixed(value, ['trials', 'targets'].includes(name) ? 0 : 3));
   });
 
-  test('nothing was asked of another host, nothing broke the policy', () => tabs.close());
+  test('no request went to another host, and nothing violated the policy', () => tabs.close());
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who may do what: a viewer looks and cannot act, not even around the page; a login is needed where users are.
+// Roles: a viewer can look and cannot act, not even with forged messages; with users, a login is required.
 import assert from 'node:assert/strict';
 import path from 'node:path';
 import { after, before, describe, test } from 'node:test';
@@ -10,10 +10,10 @@ import { Bench, by, goTo, Tabs, textOf, waitForText } from './support_browser.mj
 const password = 'correct horse battery';
 const notAllowed = 4; // ErrorCode of control.proto
 
-// As much of protobuf as a forged request takes: fields of length below 128.
+// Enough of protobuf for a forged request: fields shorter than 128 bytes.
 const field = (number, bytes) => [(number << 3) | 2, bytes.length, ...bytes];
 const text = (words) => [...Buffer.from(words)];
-/** FromBrowser.request of a command: its field's number in Request, and its own content. */
+/** Returns FromBrowser.request with a command: its field number in Request, and its content. */
 const forged = (requestId, command, content) => field(4, [...field(1, text(requestId)), ...field(command, content)]);
 const commands = {
   startSession: [4, field(1, text('floor'))],
@@ -36,19 +36,19 @@ const keepSockets = () => {
   };
 };
 
-/** Sends bytes over the page's own connection; the next FromGateway.response, as text of its bytes. */
+/** Sends bytes over the page's own connection. Returns the bytes of the next FromGateway.response as text. */
 const answerTo = (page, bytes) =>
   page.evaluate(
     (sent) =>
       new Promise((resolve, reject) => {
         const socket = window.sockets.at(-1);
-        const hear = ({ data }) => {
-          const heard = new Uint8Array(data);
-          if (heard[0] !== 0x22) return; // field 4: a response
-          socket.removeEventListener('message', hear);
-          resolve(String.fromCharCode(...heard));
+        const receive = ({ data }) => {
+          const received = new Uint8Array(data);
+          if (received[0] !== 0x22) return; // field 4: a response
+          socket.removeEventListener('message', receive);
+          resolve(String.fromCharCode(...received));
         };
-        socket.addEventListener('message', hear);
+        socket.addEventListener('message', receive);
         setTimeout(() => reject(new Error('no answer')), 60_000);
         socket.send(new Uint8Array(sent));
       }),
@@ -77,19 +77,19 @@ describe('roles', () => {
     const page = await tabs.open('floor');
     await by(page, 'load-kg').filter({ hasText: /^(6|7)\d$/ }).waitFor();
     assert.equal(await textOf(page, 'who'), 'local, viewer');
-    for (const name of ['open-start', 'tare']) await isDisabled(page, name, 'Needs the role operator');
+    for (const name of ['open-start', 'tare']) await isDisabled(page, name, 'Requires the role operator');
     assert.equal(await by(page, 'start-session').count(), 0);
     await goTo(page, 'chair');
-    for (const name of ['open-start', 'tare']) await isDisabled(page, name, 'Needs the role operator');
+    for (const name of ['open-start', 'tare']) await isDisabled(page, name, 'Requires the role operator');
     await goTo(page, 'health');
-    await isDisabled(page, 'test-device-floor', 'Needs the role engineer');
-    await isDisabled(page, 'tare-floor', 'Needs the role operator');
+    await isDisabled(page, 'test-device-floor', 'Requires the role engineer');
+    await isDisabled(page, 'tare-floor', 'Requires the role operator');
     await waitForText(page, 'volts-floor-w1', /\d/);
 
     const id = (await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'quiet-standing', '--subject', 'V1')).trim();
     const markers = daemon.watch('floor/marker');
     await goTo(page, 'floor');
-    for (const name of ['trial-next', 'trial-redo', 'trial-reject', 'stop-session', 'mark']) await isDisabled(page, name, 'Needs the role operator');
+    for (const name of ['trial-next', 'trial-redo', 'trial-reject', 'stop-session', 'mark']) await isDisabled(page, name, 'Requires the role operator');
     await page.locator('h1').click();
     for (const key of ['a', 'r', 'x', 'Space']) await page.keyboard.press(key);
     await goTo(page, `sessions/${id}`);
@@ -99,12 +99,12 @@ describe('roles', () => {
     assert.equal(session.trial.phase, 'waiting');
     assert.equal(session.trial.trial, 0);
     await daemon.ctl('session', 'stop');
-    await waitFor(() => markers.seen.length > 0, 'dtsctl shows the marker'); // events come in order: an earlier one is there by now
+    await waitFor(() => markers.seen.length > 0, 'dtsctl shows the marker'); // events arrive in order, so an earlier one would be here by now
     assert.deepEqual(markers.seen.map(({ event }) => event.text), ['the end']);
     await page.close();
   });
 
-  test('commands forged over the connection of the page are refused', async () => {
+  test('forged commands over the connection of the page are rejected', async () => {
     const before = (await daemon.json('session', 'list')).sessions.length;
     const page = await tabs.context.newPage();
     await page.addInitScript(keepSockets);
@@ -118,18 +118,18 @@ describe('roles', () => {
       const at = answer.indexOf(Buffer.from(field(1, id)));
       assert.ok(at > 0, `${name} is answered`);
       const error = answer.subarray(at + 2 + id.length);
-      assert.equal(error[0], 0x12, `${name} is refused`);
+      assert.equal(error[0], 0x12, `${name} is rejected`);
       assert.ok(error.indexOf(Buffer.from([0x08, notAllowed])) > 0, `${name} is not allowed`);
     }
 
     assert.equal((await daemon.json('session', 'list')).sessions.length, before);
-    await waitForText(page, 'status-line', '2 rigs run'); // the connection is as good as before
+    await waitForText(page, 'status-line', '2 rigs OK'); // the connection still works
     await page.close();
   });
 
-  test('nothing was asked of another host, nothing broke the policy', () => tabs.close());
+  test('no request went to another host, and nothing violated the policy', () => tabs.close());
 
-  test('with users there is a login, which a logout ends', async () => {
+  test('with users a login is required, and a logout ends it', async () => {
     const users = path.join(daemon.folder, 'users');
     await Gateway.addUser(users, 'anna', 'operator', password);
     const gateway = await Gateway.started(daemon, '--users', users);
@@ -169,7 +169,7 @@ describe('roles', () => {
   });
 });
 
-/** After a wrong password the gateway may want some seconds of patience. */
+/** Logs in. After a wrong password the gateway may require some seconds of waiting. */
 const waitForLogin = async (page, logIn) => {
   for (let tries = 0; tries < 60; tries += 1) {
     await logIn(password);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of the running dashboard for README.md: node tests/web/screenshots.mjs FOLDER. `scripts/screenshots` builds first.
+// Makes the pictures of the dashboard for README.md: node tests/web/screenshots.mjs FOLDER. `scripts/screenshots` builds first.
 import assert from 'node:assert/strict';
 import { mkdirSync, statSync } from 'node:fs';
 import path from 'node:path';
@@ -10,11 +10,11 @@ import { pause, waitFor } from './support.mjs';
 const folder = process.argv[2];
 if (folder === undefined) throw new Error('usage: node tests/web/screenshots.mjs FOLDER');
 
-const minutesMs = 240_000; // what takes a minute by itself, on a busy machine
+const minutesMs = 240_000; // for steps of a minute, on a busy machine
 const subject = { sex: 'female', age_years: 52, weight_kg: 68, height_cm: 175, side: 'right', arm_length_cm: 67, max_reach_cm: 124 };
 const fields = Object.entries(subject).flatMap(([name, value]) => ['--field', `${name}=${value}`]);
 
-/** Nothing of the pointer; and a picture of old data, of a machine that was too busy, is none to show. */
+/** Takes a picture without the pointer. Fails if the page shows old data, because the machine was too busy. */
 const shoot = async (page, name) => {
   const file = path.join(folder, `${name}.png`);
   await page.mouse.move(0, 0);
@@ -25,11 +25,11 @@ const shoot = async (page, name) => {
 
 const startTrial = (daemon, rig) => waitFor(() => daemon.ctl('session', 'trial', 'next', '--rig', rig).then(() => true, () => false), `a first trial on ${rig}`);
 
-/** Somebody has stood for twenty seconds of a trial. Gives the session's name, with the trial in it. */
+/** Takes a picture after twenty seconds of a trial. Returns the ID of the session with that trial. */
 const pictureFloor = async ({ daemon, tabs }) => {
   const page = await tabs.open('floor');
   const results = daemon.watch('floor/sway');
-  await waitFor(() => results.seen.length > 0, 'somebody stands there');
+  await waitFor(() => results.seen.length > 0, 'a person stands on the plate');
   const id = (await daemon.ctl('session', 'start', '--rig', 'floor', '--protocol', 'romberg', '--subject', 'P017')).trim();
   await startTrial(daemon, 'floor');
   await page.locator('[data-testid="guidance"][data-state="measuring"]').waitFor();
@@ -41,13 +41,13 @@ const pictureFloor = async ({ daemon, tabs }) => {
   return id;
 };
 
-/** The third reach to the farthest target: the two before lie behind it. */
+/** Takes a picture of the third reach to the farthest target, with the two earlier ones behind it. */
 const pictureChair = async ({ daemon, tabs }) => {
   const page = await tabs.open('chair');
   await daemon.ctl('session', 'start', '--rig', 'chair', '--protocol', 'reaching-short', '--subject', 'P021', ...fields);
   await startTrial(daemon, 'chair');
   await page.locator('.chair-prompt-back', { hasText: /max.*Trial [789] of 9/s }).waitFor();
-  await page.getByText('Trunk movement', { exact: true }).waitFor(); // and no longer of the trial before
+  await page.getByRole('heading', { name: 'Trunk class', exact: true }).waitFor(); // and not "Trunk class, last trial"
   await shoot(page, 'live-chair');
   await waitFor(async () => /"phase": *"finished"/.test(await daemon.ctl('status', '--json')), 'all reaches are done', minutesMs);
   await daemon.ctl('session', 'stop', '--rig', 'chair');

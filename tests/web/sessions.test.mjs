@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A session from the start form to report, export and comparison: the browser's doing and dtsctl's view of it agree.
+// A session from the start form to report, export and comparison; everything is compared with dtsctl.
 import assert from 'node:assert/strict';
 import { readFileSync, statSync } from 'node:fs';
 import path from 'node:path';
@@ -8,9 +8,10 @@ import { after, before, describe, test } from 'node:test';
 import { alteredProtocol, filesBelow, waitFor } from './support.mjs';
 import { Bench, by, fixed, remember, rememberedOf, textOf, waitForText } from './support_browser.mjs';
 
+const protocolNames = { free: 'Free recording', 'quiet-standing': 'Quiet standing' };
 const shorter = { 'settle_s = 5': 'settle_s = 1', 'duration_s = 20': 'duration_s = 4' };
 
-/** "12.4 MB", as the dashboard writes sizes. */
+/** Returns "12.4 MB", like the dashboard. */
 const sizeText = (count) => {
   const power = count < 999.5 ? 0 : count < 999_500 ? 1 : 2;
   const value = count / 1000 ** power;
@@ -22,7 +23,7 @@ describe('sessions', () => {
   let daemon;
   let gateway;
   let tabs;
-  const ids = []; // of the two sessions, oldest first
+  const ids = []; // of the two sessions with results, oldest first
   before(async () => {
     bench = await Bench.opened({ daemon: { protocols: (folder) => alteredProtocol(folder, 'quiet-standing', shorter) }, tabs: { acceptDownloads: true } });
     ({ daemon, gateway, tabs } = bench);
@@ -34,6 +35,11 @@ describe('sessions', () => {
     const page = await tabs.open('floor');
     await by(page, 'guidance').and(page.locator('[data-state="standing"]')).waitFor();
     await by(page, 'open-start').click();
+    assert.equal(await page.evaluate(() => document.activeElement.dataset.testid), 'start-protocol');
+    await page.keyboard.press('Escape');
+    await by(page, 'start-session').waitFor({ state: 'detached' });
+    await by(page, 'open-start').click();
+    assert.equal(await by(page, 'start-protocol').inputValue(), '', 'no protocol is preselected on a rig without sessions');
     await by(page, 'start-protocol').selectOption('quiet-standing');
     await by(page, 'start-subject').fill('P017');
     await by(page, 'start-label').fill('from the browser');
@@ -47,21 +53,24 @@ describe('sessions', () => {
     await page.keyboard.press('a');
     await by(page, 'mark-text').fill('by button');
     await by(page, 'mark').click();
-    await waitForText(page, 'marked', 'Marked "by button" at scan');
+    await waitForText(page, 'marked', 'Marker "by button" set at scan');
     await by(page, 'mark-text').fill('by key');
-    await page.locator('h1').click(); // out of the text field, in which a space is a space
+    await page.locator('h1').click(); // leave the text field, where Space types a space
     await page.keyboard.press('Space');
-    await waitForText(page, 'marked', 'Marked "by key" at scan');
-    const told = await textOf(page, 'marked');
+    await waitForText(page, 'marked', 'Marker "by key" set at scan');
+    const marked = await textOf(page, 'marked');
     await by(page, 'guidance').and(page.locator('[data-state="done"]')).waitFor();
     const states = (await rememberedOf(page, 'guidance')).map(({ value }) => value);
-    // A page that waits for a core may never show the second of settling; what it shows comes in its order, and once.
+    // On a busy machine the page may never show the second of settling. All other states appear once and in order.
     assert.deepEqual(states.filter((state) => state !== 'settling'), ['first', 'measuring', 'done']);
     assert.ok(!states.includes('settling') || states.indexOf('settling') === 1, states.join());
     assert.deepEqual((await rememberedOf(page, 'countdown')).map(({ value }) => value), ['', 'timer', '']);
     await waitForText(page, 'sway-note', 'final, trial 1');
     const velocity = await textOf(page, 'sway-MVELO');
     await by(page, 'stop-session').click();
+    await by(page, 'open-start').click();
+    await waitFor(async () => (await by(page, 'start-protocol').inputValue()) === 'quiet-standing', 'the last protocol of the rig is preselected');
+    await page.keyboard.press('Escape');
     await by(page, 'open-start').waitFor();
 
     const { sessions } = await daemon.json('session', 'list');
@@ -75,7 +84,7 @@ describe('sessions', () => {
     assert.equal(velocity, fixed(session.trials[0].sway.measures.find(({ symbol }) => symbol === 'MVELO').value, 1));
     await waitFor(() => markers.seen.length >= 2, 'dtsctl shows both markers');
     assert.deepEqual(markers.seen.map(({ event }) => event.text), ['by button', 'by key']);
-    assert.equal(told.replaceAll(',', ''), `Marked "by key" at scan ${markers.seen[1].first_scan}`);
+    assert.equal(marked.replaceAll(',', ''), `Marker "by key" set at scan ${markers.seen[1].first_scan}`);
     const tables = path.join(daemon.folder, 'csv');
     await daemon.ctl('session', 'export', id, '--format', 'csv', '--out', tables);
     const events = readFileSync(filesBelow(tables).find((file) => file.endsWith('_events.csv')), 'utf8').split('\n').map((line) => line.split(','));
@@ -93,7 +102,7 @@ describe('sessions', () => {
     await waitForText(page, 'session-count', '3 sessions');
     await by(page, 'session-row').filter({ hasText: 'running' }).waitFor();
     await daemon.ctl('session', 'abort', '--reason', 'a test');
-    await by(page, 'session-row').filter({ hasText: 'aborted' }).waitFor(); // by itself
+    await by(page, 'session-row').filter({ hasText: 'aborted' }).waitFor(); // the list updates by itself
 
     const { sessions } = await daemon.json('session', 'list');
     const rows = await by(page, 'session-row').all();
@@ -104,8 +113,9 @@ describe('sessions', () => {
       const started = new Date(Number(BigInt(session.started_utc_ns) / 1_000_000n));
       assert.equal(await rows[index].getAttribute('data-session'), session.session_id);
       assert.equal(cells[1], started.toLocaleString('en-GB', { dateStyle: 'short', timeStyle: 'short', timeZone: 'UTC' }));
-      assert.deepEqual(cells.slice(2, 6), [session.subject, session.protocol, session.rig, `${fixed(lengthS, 1)} s`]);
-      assert.match(cells[6], new RegExp(`${session.state}$`));
+      assert.deepEqual(cells.slice(2, 6), [session.subject, protocolNames[session.protocol], session.rig, `${fixed(lengthS, 1)} s`]);
+      const trials = session.planned_trials > 0 && session.state !== 'running' ? `\\n.*${session.valid_trials} of ${session.planned_trials} valid` : '';
+      assert.match(cells[6], new RegExp(`^. ${session.state}${trials}$`));
       assert.equal(cells[7], session.label ?? '');
     }
     await by(page, 'filter-subject').fill('p0');
@@ -126,7 +136,9 @@ describe('sessions', () => {
     await frame.waitFor();
 
     const facts = await textOf(page, 'session-facts');
-    for (const fact of ['complete', 'P017', 'quiet-standing', 'floor', 'from the browser']) assert.ok(facts.includes(fact), `${fact} in ${facts}`);
+    for (const fact of ['complete', '1 of 12 valid', 'P017', 'Quiet standing', 'floor', 'from the browser']) assert.ok(facts.includes(fact), `${fact} in ${facts}`);
+    assert.match(await page.locator('h1').innerText(), /^P017, Quiet standing, \d/);
+    assert.equal(await textOf(page, 'session-id'), `Session ID ${id}`);
     for (const { name, value } of session.results) assert.equal(await textOf(page, `result-${name}`), fixed(value, 3));
     assert.ok(session.results.length > 0);
     const parts = await textOf(page, 'part-table');
@@ -144,7 +156,7 @@ describe('sessions', () => {
     await page.close();
   });
 
-  test('an export button says the size of what it gives', async () => {
+  test('an export button shows the size of its file', async () => {
     const [id] = ids;
     const page = await tabs.open(`sessions/${id}`);
     const { parts } = await daemon.session(id);
@@ -170,12 +182,11 @@ describe('sessions', () => {
     const page = await tabs.open('sessions');
     for (const id of [one, other]) await page.locator(`[data-session="${id}"] input`).check();
     await by(page, 'compare-two').click();
-    await by(page, 'figure-table').waitFor();
+    await by(page, 'comparison-table').waitFor();
 
     const shown = await page.evaluate(() =>
-      [...document.querySelectorAll('[data-testid="figure-row"]')].map((row) =>
-        // A figure's name, without what it means; then its values.
-        [row.children[0].firstChild, ...[...row.children].slice(1)].map((cell) => cell.textContent),
+      [...document.querySelectorAll('[data-testid="comparison-row"]')].map((row) =>
+        [row.dataset.result, ...[...row.children].slice(1).map((cell) => cell.textContent)],
       ),
     );
     const signed = (value, digits) => (Number(value.toFixed(digits)) > 0 ? '+' : '') + fixed(value, digits);
@@ -183,7 +194,7 @@ describe('sessions', () => {
     const expected = figures.map(({ name, unit, values, differences, percent }) => [
       name,
       ...values.map((value) => fixed(value, 3)),
-      unit,
+      unit.replace('mm2', 'mm²'),
       signed(differences[0], 3),
       percent[0] === null ? '' : `${percent[0] > 0 ? '+' : ''}${fixed(percent[0], 0)} %`,
     ]);
@@ -195,5 +206,5 @@ describe('sessions', () => {
     await page.close();
   });
 
-  test('nothing was asked of another host, nothing broke the policy', () => tabs.close());
+  test('no request went to another host, and nothing violated the policy', () => tabs.close());
 });

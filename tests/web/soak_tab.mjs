@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether a tab that stays open for hours grows: node tests/web/soak_tab.mjs [--minutes 30]
-// Half the time on Live floor, half on Live chair, each in a tab of its own. A line each minute; then how fast each figure rose.
+// Measures whether a tab that stays open for hours needs more memory: node tests/web/soak_tab.mjs [--minutes 30]
+// Half the time on Live floor, half on Live chair, each in a separate tab. Prints a line per minute, then the slope of each value.
 import { readdirSync, readFileSync } from 'node:fs';
 import { parseArgs } from 'node:util';
 
-import { Browser, loadAverage, openLive, tell } from './bench_browser.mjs';
+import { Browser, loadAverage, openLive, printRow } from './bench_browser.mjs';
 import { Daemon, Gateway, pause } from './support.mjs';
 
 const { values: options } = parseArgs({ options: { minutes: { type: 'string', default: '30' } } });
 
 const residentMib = (pid) => Number(/^VmRSS:\s+(\d+) kB/m.exec(readFileSync(`/proc/${pid}/status`, 'utf8'))[1]) / 1024;
 
-/** After a forced collection: what is left is in use. */
+/** Returns sizes after a forced garbage collection, so that only memory in use counts. */
 const look = async (page, renderer, gateway) => {
   await page.send('HeapProfiler.collectGarbage');
   const { metrics } = await page.send('Performance.getMetrics');
@@ -26,7 +26,7 @@ const look = async (page, renderer, gateway) => {
   };
 };
 
-/** Least squares, per hour. */
+/** Returns the slope per hour by least squares. */
 const slope = (values, minutes) => {
   const mean = (numbers) => numbers.reduce((sum, number) => sum + number, 0) / numbers.length;
   const [middle, average] = [mean(minutes), mean(values)];
@@ -36,7 +36,7 @@ const slope = (values, minutes) => {
 
 const number = (value) => (Number.isInteger(value) ? String(value) : value.toFixed(2));
 
-/** What is not warm yet rises: its caches and its rings of 20 s fill. */
+/** Returns the minutes to skip at the start, while caches and rings fill. */
 const warmUpMinutes = (minutes) => Math.min(3, Math.floor(minutes / 3));
 
 const soak = async (browser, gateway, name, minutes) => {
@@ -48,9 +48,9 @@ const soak = async (browser, gateway, name, minutes) => {
   console.log(`\n## Live ${name}\n`);
   for (let minute = 0; minute <= minutes; minute += 1) {
     const row = await look(page, renderer, gateway);
-    if (minute === 0) tell('minute', ...Object.keys(row), 'load');
-    if (minute === 0) tell('---', ...Object.keys(row).map(() => '---'), '---');
-    tell(minute, ...Object.values(row).map(number), loadAverage());
+    if (minute === 0) printRow('minute', ...Object.keys(row), 'load');
+    if (minute === 0) printRow('---', ...Object.keys(row).map(() => '---'), '---');
+    printRow(minute, ...Object.values(row).map(number), loadAverage());
     rows.push({ minute, ...row });
     if (minute < minutes) await pause(60_000);
   }
@@ -58,7 +58,7 @@ const soak = async (browser, gateway, name, minutes) => {
   const warm = rows.slice(warmUpMinutes(minutes));
   if (warm.length < 3) return;
   const perHour = Object.keys(rows[0]).slice(1).map((name) => slope(warm.map((row) => row[name]), warm.map(({ minute }) => minute)).toFixed(2));
-  tell(`per hour, from minute ${warm[0].minute}`, ...perHour, '');
+  printRow(`per hour, from minute ${warm[0].minute}`, ...perHour, '');
 };
 
 const main = async () => {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The real programs as child processes, each daemon with folders of its own. Whatever was started ends with this process, even when that is
-// killed. Waiting is on conditions with a deadline.
+// Starts the real programs as child processes, each daemon with its own folders. All of them end with this process, even if it is killed. Waiting is
+// for conditions, with a deadline.
 import assert from 'node:assert/strict';
 import { execFile, spawn } from 'node:child_process';
 import { appendFileSync, cpSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -13,9 +13,9 @@ export const source = path.resolve(path.dirname(fileURLToPath(import.meta.url)),
 const build = path.join(source, 'build/release');
 const programs = process.env.DTS_BIN_DIR ?? path.join(build, 'bin');
 const webRoot = process.env.DTS_WEB_ROOT ?? path.join(build, 'share/dts-gateway/web');
-export const patienceMs = 60_000; // two busy cores
+export const patienceMs = 60_000; // for two busy cores
 
-/** A browser that draws in software, asks nobody on its own, and needs no sandbox of its own. */
+/** A browser that draws in software, sends no requests of its own, and needs no sandbox. */
 export const chromiumSwitches = [
   '--no-sandbox',
   '--disable-gpu',
@@ -28,7 +28,7 @@ export const chromiumSwitches = [
 
 export const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
-/** What `condition` gives as soon as it is truthy. `what` may be a function, to tell what was seen last. */
+/** Returns the value of `condition` as soon as it is truthy. `what` is a text for the error, or a function that returns one. */
 export const waitFor = async (condition, what, timeoutMs = patienceMs) => {
   const deadline = performance.now() + timeoutMs;
   for (;;) {
@@ -40,8 +40,8 @@ export const waitFor = async (condition, what, timeoutMs = patienceMs) => {
 };
 
 /**
- * Measures by how much a timer of 100 ms comes too late, for as long as the process lives. Runs in this process, or in a page by page.evaluate():
- * it uses nothing from outside.
+ * Measures by how much a timer of 100 ms is late, for as long as the process lives. Runs in this process, or in a page by page.evaluate(); therefore it
+ * uses nothing from outside.
  */
 export const measureLateness = () => {
   const periodMs = 100;
@@ -52,12 +52,12 @@ export const measureLateness = () => {
     turns.push(present());
     lastMs = turns.at(-1).atMs;
   }, periodMs);
-  timer.unref?.(); // node ends without waiting for it
-  /** The largest lateness from an instant of Date.now() until now; that of the present turn counts. */
+  timer.unref?.(); // node must not wait for it
+  /** Returns the largest lateness from an instant of Date.now() until now, including the present turn. */
   globalThis.worstLatenessMs = (sinceMs) => Math.max(0, present().lateMs, ...turns.filter(({ atMs }) => atMs >= sinceMs).map(({ lateMs }) => lateMs));
 };
 
-/** With a daemon's folders in place of what the surroundings say. */
+/** Returns the environment with a daemon's folders in place of others. */
 const environmentOf = (folder) => ({
   ...Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith('DTSD_'))),
   DTSD_RUNTIME_DIR: folder,
@@ -69,7 +69,7 @@ process.on('exit', () => {
   for (const child of running) child.kill('SIGKILL');
 });
 
-/** A child that the kernel ends when this process is gone. */
+/** Starts a child that the kernel ends together with this process. */
 const start = (name, words, options) => {
   const child = spawn('setpriv', ['--pdeathsig', 'KILL', path.join(programs, name), ...words], { stdio: ['ignore', 'pipe', 'pipe'], ...options });
   running.add(child);
@@ -86,7 +86,7 @@ const stop = async (child, signal = 'SIGTERM') => {
   await over;
 };
 
-/** Objects of `dtsctl watch --jsonl`, as they come. */
+/** Collects the objects of `dtsctl watch --jsonl`. */
 class Watch {
   constructor(child) {
     this.seen = [];
@@ -100,10 +100,10 @@ class Watch {
   }
 }
 
-/** dtsd with the rigs of config/dtsd.toml. `devices` replaces their addresses, `protocols` is called with the folder of protocols. */
+/** dtsd with the rigs of config/dtsd.toml. `devices` replaces their addresses; `protocols` is called with the folder of protocols. */
 export class Daemon {
   constructor({ devices = {}, protocols } = {}) {
-    this.folder = mkdtempSync('/tmp/dts-web-'); // short: a socket path has 107 bytes
+    this.folder = mkdtempSync('/tmp/dts-web-'); // short, because a socket path has at most 107 bytes
     this.environment = environmentOf(this.folder);
     this.config = path.join(this.folder, 'config');
     this.watches = [];
@@ -112,7 +112,7 @@ export class Daemon {
     this.changeDevices(devices);
   }
 
-  /** From the next start on. */
+  /** Replaces addresses of devices, from the next start on. */
   changeDevices(devices) {
     const file = path.join(this.config, 'dtsd.toml');
     writeFileSync(file, replaced(readFileSync(file, 'utf8'), devices));
@@ -139,7 +139,7 @@ export class Daemon {
     }, 'dtsd answers');
   }
 
-  /** What dtsctl prints; fails with what it says on its error output. */
+  /** Returns what dtsctl prints. Fails with its error output. */
   ctl(...words) {
     const patient = words[0] === '--timeout' ? words : ['--timeout', `${patienceMs / 1000}`, ...words];
     return new Promise((resolve, reject) => {
@@ -156,14 +156,14 @@ export class Daemon {
     return this.json('session', 'show', id);
   }
 
-  /** What became of a session, once its recording is closed. */
+  /** Returns a session once its recording is closed. */
   async endedSession(id) {
     let session;
     await waitFor(async () => (session = await this.session(id)).state !== 'running', 'the recording is closed');
     return session;
   }
 
-  /** Starts a session of quiet standing and measures its first trial; gives the session's id. It still runs. */
+  /** Starts a session of quiet standing and measures its first trial. Returns the ID of the session, which still runs. */
   async measuredStanding(subject) {
     const id = (await this.ctl('session', 'start', '--rig', 'floor', '--protocol', 'quiet-standing', '--subject', subject)).trim();
     await this.ctl('session', 'trial', 'next');
@@ -188,14 +188,14 @@ export class Daemon {
   }
 }
 
-/** A text with all `changes` made, each of which must find its place. */
+/** Returns the text with all `changes`. Fails if one of them does not apply. */
 export const replaced = (text, changes) =>
   Object.entries(changes).reduce((changed, [before, after]) => {
-    assert.ok(changed.includes(before), `nothing says: ${before}`);
+    assert.ok(changed.includes(before), `the text does not contain: ${before}`);
     return changed.replace(before, after);
   }, text);
 
-/** Writes a protocol that is a shipped one with `changes`. */
+/** Changes a shipped protocol. */
 export const alteredProtocol = (folder, name, changes) => {
   const file = path.join(folder, `${name}.toml`);
   writeFileSync(file, replaced(readFileSync(file, 'utf8'), changes));
@@ -212,18 +212,18 @@ export class Gateway {
 
   async start(listen, ...words) {
     this.words = words;
-    let told = '';
+    let output = '';
     const serve = ['serve', '--listen', listen, '--web-root', webRoot, ...words];
     this.child = start('dts-gateway', serve, { env: { ...this.daemon.environment, XDG_CACHE_HOME: path.join(this.daemon.folder, 'cache') } });
     this.child.stdout.resume();
-    this.child.stderr.on('data', (bytes) => (told = (told + bytes).slice(-10_000)));
+    this.child.stderr.on('data', (bytes) => (output = (output + bytes).slice(-10_000)));
     this.url = await waitFor(() => {
-      if (isOver(this.child)) assert.fail(`dts-gateway ended: ${told}`);
-      return /^listening on (http:\/\/\S+)\/\n/m.exec(told)?.[1];
-    }, () => `dts-gateway says where it listens: ${told}`);
+      if (isOver(this.child)) assert.fail(`dts-gateway ended: ${output}`);
+      return /^listening on (http:\/\/\S+)\/\n/m.exec(output)?.[1];
+    }, () => `dts-gateway says where it listens: ${output}`);
   }
 
-  /** The same again at the same address. */
+  /** Starts the gateway again with the same options and address. */
   restart() {
     return this.start(new URL(this.url).host, ...this.words);
   }
@@ -236,14 +236,14 @@ export class Gateway {
     await stop(this.child);
   }
 
-  /** Adds a user to a file, who logs in with `password`. */
+  /** Adds a user with `password` to a file. */
   static async addUser(file, name, role, password) {
     const child = start('dts-gateway', ['user', 'add', name, '--role', role, '--users', file], { stdio: ['pipe', 'ignore', 'pipe'] });
-    let told = '';
-    child.stderr.on('data', (bytes) => (told += bytes));
+    let output = '';
+    child.stderr.on('data', (bytes) => (output += bytes));
     child.stdin.end(`${password}\n`);
     const [status] = await once(child, 'exit');
-    assert.equal(status, 0, told);
+    assert.equal(status, 0, output);
   }
 }
 

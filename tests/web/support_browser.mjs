@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Chromium without a screen, and what every page must never do: ask another host, break its Content-Security-Policy, throw.
+// Chromium without a screen. Every page is watched: a request to another host, a violation of the Content-Security-Policy or an exception is a fault.
 import assert from 'node:assert/strict';
 import { createRequire } from 'node:module';
 import path from 'node:path';
@@ -17,7 +17,7 @@ const rememberViolations = () => {
   document.addEventListener('securitypolicyviolation', (event) => window.violations.push(`${event.violatedDirective}: ${event.blockedURI}`));
 };
 
-/** A window of its own on a gateway's dashboard. What a page must never do is collected, and told by close(). */
+/** A browser context on a gateway's dashboard. Collects faults of all its pages; close() fails if there are any. */
 export class Tabs {
   constructor(context, url) {
     this.context = context;
@@ -36,7 +36,7 @@ export class Tabs {
   #watch(page) {
     page.on('request', (request) => {
       const { origin, protocol } = new URL(request.url());
-      if (origin !== this.url && protocol !== 'about:') this.faults.push(`asks ${request.url()}`);
+      if (origin !== this.url && protocol !== 'about:') this.faults.push(`requests ${request.url()}`);
     });
     page.on('websocket', (socket) => {
       if (new URL(socket.url()).host !== new URL(this.url).host) this.faults.push(`connects to ${socket.url()}`);
@@ -47,7 +47,7 @@ export class Tabs {
     page.on('pageerror', (error) => this.faults.push(String(error.stack)));
   }
 
-  /** `page`: "floor", "sessions/ID". */
+  /** Opens a page: "floor", "sessions/ID". */
   async open(page) {
     const tab = await this.context.newPage();
     await tab.goto(`${this.url}/#/${page}`);
@@ -61,7 +61,7 @@ export class Tabs {
   }
 }
 
-/** Everything that a file of tests shares; what was opened is closed when the rest cannot be. */
+/** Everything that the tests of one file share. If one part cannot be opened, the others are closed. */
 export class Bench {
   static async opened({ daemon = {}, gateway = () => [], browser = {}, tabs = {} } = {}) {
     const bench = new Bench();
@@ -90,8 +90,8 @@ export const by = (page, testId) => page.getByTestId(testId);
 export const textOf = async (page, testId) => (await by(page, testId).innerText()).trim();
 
 /**
- * The scan of `watch` (of floor/cop) that the page shows, and the numbers as it shows them, both read at the same moment. Either may be late
- * on a busy machine: a scan is searched for among all that came.
+ * Returns the scan of `watch` (of floor/cop) that the page shows, with the shown numbers, all read at the same moment. Page or watch may be late on a
+ * busy machine, so the scan is searched among all received ones.
  */
 const shownScan = async (page, watch, timeoutMs) => {
   const shown = await waitFor(
@@ -111,7 +111,7 @@ const shownScan = async (page, watch, timeoutMs) => {
   return { ...found, shown, newest };
 };
 
-/** The same, once the page shows a scan of the last second: a busy machine, and a page that was hidden, need a while. */
+/** Waits until the page shows a scan of the last second, and returns it. A busy machine and a page that was hidden need some time. */
 export const shownRecentScan = async (page, watch) => {
   const triedMs = 3000;
   let last;
@@ -127,10 +127,10 @@ export const shownRecentScan = async (page, watch) => {
   );
 };
 
-/** Goes to another page of the dashboard without loading it anew. */
+/** Goes to another page of the dashboard without a reload. */
 export const goTo = (page, hash) => page.evaluate((to) => void (location.hash = `#/${to}`), hash);
 
-/** Keeps every value of an attribute from now on, however short it lasts; told by rememberedOf(). */
+/** Records every value of an attribute from now on, however short it lasts; rememberedOf() returns them. */
 export const remember = (page, testId, attribute) =>
   page.evaluate(
     ([id, name]) => {
@@ -148,7 +148,7 @@ export const remember = (page, testId, attribute) =>
   );
 export const rememberedOf = (page, testId) => page.evaluate((id) => window.remembered[id], testId);
 
-/** Waits for that text in the element of that name. */
+/** Waits until an element contains a text. */
 export const waitForText = (page, testId, pattern, timeoutMs = patienceMs) =>
   by(page, testId)
     .filter({ hasText: pattern })
@@ -159,7 +159,7 @@ export const waitForText = (page, testId, pattern, timeoutMs = patienceMs) =>
       throw new Error(`"${testId}" never said ${pattern}; it says: ${JSON.stringify(now)}`, { cause: problem });
     });
 
-/** Numbers in en-GB, as the dashboard's fixed() writes them. */
+/** Formats a number in en-GB, like fixed() of the dashboard. */
 export const fixed = (value, digits) => {
   const rounded = Number(value.toFixed(digits));
   return (rounded === 0 ? 0 : rounded).toLocaleString('en-GB', { minimumFractionDigits: digits, maximumFractionDigits: digits });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Many tabs, and tabs that nobody looks at: each comes back to now, and nothing waits for it in the gateway.
+// Many tabs and hidden tabs: each shows present data again, and what the gateway keeps for a tab is bounded.
 import assert from 'node:assert/strict';
 import { after, before, describe, test } from 'node:test';
 
@@ -10,23 +10,23 @@ const hiddenMs = 8_000;
 const stuckMs = 12_000;
 const mostTabs = 8;
 
-/** Counts what comes over the page's connections. */
+/** Counts messages and bytes that the page receives. */
 const countMessages = () => {
-  window.heard = { messages: 0, bytes: 0 };
+  window.received = { messages: 0, bytes: 0 };
   window.sockets = [];
   window.WebSocket = class extends WebSocket {
     constructor(...words) {
       super(...words);
       window.sockets.push(this);
       this.addEventListener('message', ({ data }) => {
-        window.heard.messages += 1;
-        window.heard.bytes += data.byteLength;
+        window.received.messages += 1;
+        window.received.bytes += data.byteLength;
       });
     }
   };
 };
 
-/** Age in ms of the newest scan that was painted, now. */
+/** Returns the present age in ms of the newest painted scan. */
 const ageOf = (page) =>
   page.evaluate(() => {
     const painted = window.dtsMeasure().filter(({ newestMs }) => Number.isFinite(newestMs));
@@ -51,7 +51,7 @@ describe('tabs', () => {
     return page;
   };
 
-  /** As a browser does it with a tab behind another: no frames are painted, and the page is told that it is hidden. */
+  /** Acts like a browser with a tab behind another: no frames are painted, and the page gets the event that it is hidden. */
   const setHidden = (page, isHidden) =>
     page.evaluate((hidden) => {
       window.paintFrame ??= window.requestAnimationFrame;
@@ -63,14 +63,14 @@ describe('tabs', () => {
       if (!hidden) window.waiting.splice(0).forEach((callback) => window.paintFrame(callback));
     }, isHidden);
 
-  test('a hidden tab comes back to now, and nothing was sent to it meanwhile', async () => {
+  test('a hidden tab shows present data again, and received nothing meanwhile', async () => {
     const page = await openMeasured();
     await setHidden(page, true);
-    await pause(1000); // what was under way
-    const before = await page.evaluate(() => ({ ...window.heard }));
+    await pause(1000); // messages that were already sent
+    const before = await page.evaluate(() => ({ ...window.received }));
     const hiddenFromMs = performance.now();
-    await pause(hiddenMs); // the time itself is what is tested
-    const after = await page.evaluate(() => ({ ...window.heard, frames: window.dtsMeasure().length }));
+    await pause(hiddenMs); // the test needs this time
+    const after = await page.evaluate(() => ({ ...window.received, frames: window.dtsMeasure().length }));
     const hiddenS = (performance.now() - hiddenFromMs) / 1000;
     const watch = daemon.watch('floor/cop');
     await waitFor(() => watch.seen.length > 50, 'dtsctl shows a second of scans');
@@ -94,24 +94,24 @@ describe('tabs', () => {
     await page.close();
   });
 
-  test('a tab that stands still without a word loses what it could not show, is told how much, and is at now again', async (context) => {
+  test('a stuck tab loses scans, shows how many, and then shows present data again', async (context) => {
     const page = await openMeasured();
-    // A page that wants every stream, and whose frames stop while it thinks it is seen: what a busy machine does to it.
+    // The page subscribes to every stream, and its frames stop although it is not hidden, as on a busy machine.
     await page.evaluate(() => {
       window.sockets.at(-1).send(new Uint8Array([0x0a, 0x02, 0x0a, 0x00])); // FromBrowser.subscribe of the prefix ""
       window.paintFrame = window.requestAnimationFrame;
       window.waiting = [];
       window.requestAnimationFrame = (callback) => window.waiting.push(callback);
     });
-    const before = await page.evaluate(() => ({ ...window.heard }));
+    const before = await page.evaluate(() => ({ ...window.received }));
     await pause(stuckMs);
-    const during = await page.evaluate(() => ({ ...window.heard }));
+    const during = await page.evaluate(() => ({ ...window.received }));
     await page.evaluate(() => {
       window.requestAnimationFrame = window.paintFrame;
       window.waiting.splice(0).forEach((callback) => window.paintFrame(callback));
     });
 
-    // The message goes away after some seconds: it is read when it is seen.
+    // The message disappears after some seconds, so it is read as soon as it appears.
     const shown = await waitFor(async () => /too slow: ([\d,]+) scans not shown/.exec(await textOf(page, 'status-line')), 'the page says what it could not show');
     const dropped = Number(shown[1].replaceAll(',', ''));
     await waitFor(async () => (await ageOf(page)) < 1000, 'the newest scan painted is younger than a second');
@@ -125,7 +125,7 @@ describe('tabs', () => {
     const pages = [];
     for (let count = 0; count < mostTabs; count += 1) pages.push(await openMeasured());
 
-    // A machine that draws eight screens on one core may be late with any of them for a moment: each is asked until it is in time.
+    // A machine that draws eight screens on one core may be late with any of them for a moment: each is checked until it is in time.
     const least = pages.map(() => Infinity);
     await waitFor(
       async () => {
@@ -143,5 +143,5 @@ describe('tabs', () => {
     for (const page of pages) await page.close();
   });
 
-  test('nothing was asked of another host, nothing broke the policy', () => tabs.close());
+  test('no request went to another host, and nothing violated the policy', () => tabs.close());
 });

@@ -80,10 +80,10 @@ Result<CalibrateArguments> completed(const Arguments& arguments) {
 
 Result<void> check_loads(CopMethod method, const std::vector<double>& loads_n) {
   if (std::set<double>(loads_n.begin(), loads_n.end()).size() < loads_n.size()) {
-    return client::fail(ErrorCode::InvalidArgument, "--loads names a load twice", "name each load once");
+    return client::fail(ErrorCode::InvalidArgument, "--loads has the same load twice", "give each load once");
   }
   if (method == CopMethod::Thesis && loads_n.size() != 1) {
-    return client::fail(ErrorCode::InvalidArgument, "the estimator thesis takes exactly one load, not " + std::to_string(loads_n.size()),
+    return client::fail(ErrorCode::InvalidArgument, "the estimator thesis needs exactly one load, not " + std::to_string(loads_n.size()),
                         "--loads 490");
   }
   return {};
@@ -94,25 +94,27 @@ void warn(const Job& job, cli::Console& console) {
   if (job.method != CopMethod::Poly3) return;
   const auto [least, most] = std::ranges::minmax(job.loads_n);
   if (most < kLeastRatio * least) {
-    console.talk << "warning: poly3 learns the influence of the load best from loads that differ by a factor of "
-                 << cli::decimal(kLeastRatio, 0) << " or more; these are " << cli::decimal(least, 0) << " .. " << cli::decimal(most, 0)
-                 << " N" << std::endl;
+    console.talk << "warning: poly3 needs loads that differ by a factor of " << cli::decimal(kLeastRatio, 0)
+                 << " or more to correct for the load; these are " << cli::decimal(least, 0) << " .. " << cli::decimal(most, 0) << " N"
+                 << std::endl;
   }
   if (job.grid < kGoodGrid) {
-    console.talk << "warning: 6 x 6 places are about ten times better than " << job.grid << " x " << job.grid << ": --grid 6" << std::endl;
+    console.talk << "warning: 6 x 6 positions give errors about ten times smaller than " << job.grid << " x " << job.grid
+                 << ": use --grid 6" << std::endl;
   }
 }
 
 /// Returns the cause of a quality bit of a deflection, and what to do at the plate.
 std::string deflection_advice(const std::string& label, std::uint8_t quality) {
-  if ((quality & v1::QUALITY_UNTARED) != 0) return "the zero of the plate is lost; quit and begin again with --resume";
-  if ((quality & v1::QUALITY_RAIL) != 0) return "the converter is at its end; use a lighter weight or a wider input range";
+  if ((quality & v1::QUALITY_UNTARED) != 0) return "the plate has lost its tare; quit, then continue with --resume";
+  if ((quality & v1::QUALITY_RAIL) != 0)
+    return "the voltage is at the limit of the input range; use a lighter weight or a wider input range";
   if ((quality & v1::QUALITY_OUT_OF_RANGE) != 0) {
     return "the curve of " + label +
            " ends before this deflection; measure it at smaller gaps (dtsctl calibrate sensor) or use a lighter weight";
   }
-  if ((quality & v1::QUALITY_STUCK) != 0) return "the voltage of " + label + " does not move at all; look at its cable and supply";
-  return "the channels may be rotated; look at the marker channel, dtsctl doctor";
+  if ((quality & v1::QUALITY_STUCK) != 0) return "the voltage of " + label + " does not change; check its cable and supply";
+  return "the channels may be in the wrong order; check the marker channel: dtsctl doctor";
 }
 
 Result<Job> plan(const Arguments& arguments, const CalibrateArguments& wishes, client::ControlClient& dts) {
@@ -129,8 +131,8 @@ Result<Job> plan(const Arguments& arguments, const CalibrateArguments& wishes, c
   if (job.plate.labels.size() != physics::kFloorSensors) {
     return client::fail(ErrorCode::Unsupported,
                         "rig '" + arguments.rig + "' has " + std::to_string(job.plate.labels.size()) + " sensors; " + estimator +
-                            " is for floor platforms of four",
-                        "more sensors are calibrated on the plate model: estimator = \"moment\"");
+                            " is only for floor platforms with four sensors",
+                        "for more sensors, use the plate model: estimator = \"moment\" in the rig file");
   }
   const auto rate_hz = job.facts.rate_hz("deflection");
   if (!rate_hz) return tl::make_unexpected(rate_hz.error());
@@ -173,7 +175,7 @@ Result<ProgressFile> open_progress(const CalibrateArguments& wishes, const Job& 
   if (!wishes.is_fresh && std::filesystem::exists(file, error)) {
     return client::fail(ErrorCode::WrongState,
                         "a calibration of rig '" + job.facts.rig.name() + "' was interrupted; its points are in " + file.string(),
-                        "go on with --resume, or begin anew with --fresh");
+                        "continue with --resume, or start again with --fresh");
   }
   return ProgressFile::create(file, identity(job));
 }
@@ -181,8 +183,8 @@ Result<ProgressFile> open_progress(const CalibrateArguments& wishes, const Job& 
 /// Tares the empty plate. Returns false if the person quit.
 Result<bool> tare(client::ControlClient& dts, const std::string& rig, const Prompt* prompt, cli::Console& console) {
   while (true) {
-    console.talk << "Zero of the empty plate: nothing and nobody on it." << std::endl;
-    if (prompt != nullptr && prompt->ask("  Is it empty?", Prompt::kPlain) == Answer::Quit) return false;
+    console.talk << "Clear the plate: no weight and no person may be on it." << std::endl;
+    if (prompt != nullptr && prompt->ask("  Is the plate empty?", Prompt::kPlain) == Answer::Quit) return false;
     const auto tared = dts.tare(rig);
     if (tared) return true;
     if (prompt == nullptr || tared.error().code != ErrorCode::WrongState) return tl::make_unexpected(tared.error());
@@ -206,7 +208,8 @@ Result<physics::CopCalibration> fit_and_write(const Job& job, const ProgressFile
       {.created_utc = utc_now(), .rig = job.facts.rig.name(), .daq_model = job.facts.daq_model, .daq_serial = job.facts.daq_serial});
   if (!calibration) {
     core::Error error = calibration.error();
-    error.hint += std::string(error.hint.empty() ? "" : "; ") + "the points are kept: --resume; to measure them anew: --fresh";
+    error.hint +=
+        std::string(error.hint.empty() ? "" : "; ") + "the points are kept: continue with --resume, or measure again with --fresh";
     return as_client_error(error);
   }
   if (auto written = files::write_cop_calibration(job.file, *calibration); !written) return as_client_error(written.error());
@@ -230,8 +233,8 @@ int finish(const Job& job, ProgressFile& progress, const physics::CopCalibration
 
 int say_kept(const ProgressFile& progress, const Job& job, cli::Console& console) {
   const auto measured = std::ranges::count(progress.points(), true, &std::optional<SteadyReading>::has_value);
-  console.talk << measured << " of " << job.points.size() << " points are kept in " << progress.path().string() << "; go on with --resume"
-               << std::endl;
+  console.talk << measured << " of " << job.points.size() << " points are kept in " << progress.path().string()
+               << "; continue with --resume" << std::endl;
   return cli::kInterrupted;
 }
 
@@ -294,7 +297,7 @@ int work(const Arguments& arguments, client::ControlClient& dts, const Job& job,
   if (!*measured) return say_kept(progress, job, console);
   const auto calibration = fit_and_write(job, progress);
   if (!calibration) return cli::fail_with(console, calibration.error());
-  if (progress.next() < job.points.size()) say("Fitted and written. Now points that the fit has not seen, to verify it.");
+  if (progress.next() < job.points.size()) say("The calibration is written. The next points only verify it.");
   const auto verified = guide.measure_until(job.points.size());  // the calibration exists even if the person quits here
   if (!verified) cli::print_error(console, verified.error().what, "the calibration is written; only its verification is incomplete");
   return finish(job, progress, *calibration, arguments.is_json, console);
@@ -320,8 +323,8 @@ int run_calibrate_cop(const Arguments& arguments, cli::Console& console) {
   auto progress = open_progress(arguments.calibrate, *job);
   if (!progress) return cli::fail_with(console, progress.error());
   warn(*job, console);
-  const InterruptNote note("Interrupted. The points measured so far are kept in " + cli::printable(progress->path().string()) +
-                           "; go on: dtsctl calibrate cop --rig " + cli::printable(arguments.rig) + " --resume");
+  const InterruptNote note("Interrupted. The measured points are kept in " + cli::printable(progress->path().string()) +
+                           "; continue: dtsctl calibrate cop --rig " + cli::printable(arguments.rig) + " --resume");
   std::optional<LiveFeed> loads;  // only with a person: a script can change the load before the estimate arrives
   if (is_guided(arguments) && job->facts.rate_hz("cop")) {
     if (auto opened = LiveFeed::open(*where, arguments.rig, "cop", {"load_n"})) loads = std::move(*opened);

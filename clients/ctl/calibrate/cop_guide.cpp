@@ -49,7 +49,7 @@ bool is_loaded(std::span<const double> deflection_mm) noexcept {
 
 std::string load_text(std::span<const double> deflection_mm) {
   const double sum_mm = std::accumulate(deflection_mm.begin(), deflection_mm.end(), 0.0);
-  return std::string(is_loaded(deflection_mm) ? "something lies on the plate" : "the plate looks empty") + ": the deflections' sum is " +
+  return std::string(is_loaded(deflection_mm) ? "the plate is loaded" : "the plate is empty") + ": sum of deflections " +
          decimal(sum_mm, 2) + " mm";
 }
 
@@ -64,7 +64,7 @@ Result<bool> CopGuide::measure_until(std::size_t end) {
     const std::size_t index = next();
     announce(index);
     if (parts_.prompt != nullptr) {
-      const Reply reply = parts_.prompt->ask("  Is it there?", Prompt::kWithAll);
+      const Reply reply = parts_.prompt->ask("  Is the weight in place?", Prompt::kWithAll);
       if (reply == Answer::Quit) return false;
       const auto goes_on = go_on(reply, index);
       if (!goes_on) return goes_on;
@@ -99,7 +99,7 @@ Result<void> CopGuide::forget(std::optional<std::size_t> number) {
     is_skipped_[index] = false;
     return parts_.progress.forget(index);
   }
-  parts_.say(number ? "  point " + std::to_string(*number) + " is none of those measured here" : "  nothing was measured yet");
+  parts_.say(number ? "  point " + std::to_string(*number) + " has not been measured in this run" : "  no point has been measured yet");
   return {};
 }
 
@@ -116,7 +116,7 @@ Result<Answer> CopGuide::measure(std::size_t index) {
   const PlannedPoint& point = parts_.points[index];
   if (is_on_the_other_side(parts_.plate.sensor_x_mm, reading.mean, point.x_mm) ||
       is_on_the_other_side(parts_.plate.sensor_y_mm, reading.mean, point.y_mm)) {
-    parts_.say("  not recorded: the plate bends on the other side. Is the weight at the right place, are the sensors in the rig's order?");
+    parts_.say("  not recorded: the plate bends on the other side. Check the position of the weight and the order of the sensors.");
     return Answer::Go;
   }
   if (auto recorded = parts_.progress.record(index, reading); !recorded) return tl::make_unexpected(recorded.error());
@@ -129,13 +129,13 @@ void CopGuide::doubt_weight(double load_n) {
   const auto found_n = parts_.estimated_load_n ? parts_.estimated_load_n() : std::nullopt;
   if (!found_n || !(*found_n > 0.0) || std::max(*found_n / load_n, load_n / *found_n) < kWrongWeightRatio) return;
   if (!doubted_loads_n_.insert(load_n).second) return;
-  parts_.say("  warning: the rig as it is now takes this weight for " + decimal(*found_n, 0) + " N, not " + decimal(load_n, 0) +
-             " N. Is it the right one, and in newtons (1 kg is 9.81 N)?");
+  parts_.say("  warning: the present calibration of the rig shows " + decimal(*found_n, 0) + " N for this weight of " + decimal(load_n, 0) +
+             " N. Check the weight and its unit (1 kg weighs 9.81 N).");
 }
 
 void CopGuide::announce(std::size_t index) const {
   const PlannedPoint& point = parts_.points[index];
-  parts_.say("Point " + std::to_string(index + 1) + " of " + std::to_string(parts_.points.size()) + ": put " + decimal(point.load_n, 0) +
+  parts_.say("Point " + std::to_string(index + 1) + " of " + std::to_string(parts_.points.size()) + ": place " + decimal(point.load_n, 0) +
              " N at " + place_text(parts_.plate, point));
   if (!parts_.draws) return;
   std::string picture = spot_picture(parts_.plate, point);
@@ -151,8 +151,8 @@ void CopGuide::report(std::size_t index, const SteadyReading& reading) const {
     noise_mm = std::max(noise_mm, reading.noise[i]);
   }
   const bool is_last = index + 1 == parts_.points.size();
-  parts_.say(text + " mm; noise to " + decimal(noise_mm, 4) + " mm over " + std::to_string(reading.scans) + " scans" +
-             (is_last ? "" : "; take it off"));
+  parts_.say(text + " mm; noise up to " + decimal(noise_mm, 4) + " mm over " + std::to_string(reading.scans) + " scans" +
+             (is_last ? "" : "; remove the weight"));
 }
 
 }  // namespace dts::ctl

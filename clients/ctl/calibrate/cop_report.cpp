@@ -90,7 +90,7 @@ void print(cli::Console& console, const CopReport& report) {
   console.out << "Residuals at the calibration's own points:\n" << error_map(errors);
   console.out << figures_text(summary(errors)) << '\n';
   if (const auto& unseen = report.calibration.cross_validated) {  // each point is estimated by a fit without it
-    console.out << "each left out in turn: total " << decimal(unseen->rms_total_mm, 2) << " mm, load "
+    console.out << "cross-validation, each point left out in turn: total " << decimal(unseen->rms_total_mm, 2) << " mm, load "
                 << decimal(unseen->load_rms_percent, 2) << " % rms\n";
   }
   if (!report.verification.empty()) {
@@ -99,9 +99,9 @@ void print(cli::Console& console, const CopReport& report) {
   }
   const auto& valid_n = report.calibration.estimator.validity().load_n;
   console.out << "\nvalid for loads of " << decimal(valid_n.lowest, 0) << " .. " << decimal(valid_n.highest, 0)
-              << " N: lighter and heavier people are marked as uncalibrated";
+              << " N; values of lighter and heavier people are flagged as uncalibrated";
   console.out << "\nwritten to " << cli::printable(report.file) << " as " << report.calibration.id
-              << "\nto use it, write at the top of the rig's file, and take any other estimator out of its cop stage:\n    "
+              << "\nto use it, add this line at the top of the rig file, and remove any other estimator from its stage cop:\n    "
               << cli::printable(rig_line(report.file)) << std::endl;
 }
 

@@ -16,8 +16,8 @@ constexpr std::chrono::milliseconds kFeedLook{100};
 constexpr std::chrono::seconds kFeedSilence{10};
 
 tl::unexpected<client::Error> restarted() {
-  return client::fail(ErrorCode::WrongState, "the daemon was restarted during the calibration: the zero of the plate is lost",
-                      "begin again; points already recorded are kept: --resume");
+  return client::fail(ErrorCode::WrongState, "the daemon was restarted during the calibration: the plate has lost its tare",
+                      "continue with --resume; the recorded points are kept");
 }
 
 }  // namespace

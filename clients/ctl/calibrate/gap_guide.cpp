@@ -30,23 +30,23 @@ void report(const GapGuideParts& parts, const SteadyReading& reading) {
     text += "  " + decimal(reading.mean[i], 4);
     noise_v = std::max(noise_v, reading.noise[i]);
   }
-  parts.say(text + " V; noise to " + decimal(1e3 * noise_v, 1) + " mV over " + std::to_string(reading.scans) + " scans");
+  parts.say(text + " V; noise up to " + decimal(1e3 * noise_v, 1) + " mV over " + std::to_string(reading.scans) + " scans");
 }
 
 /// Reports sensors whose voltage does not change: one such sensor blocks the gap for all.
 void say_stuck(const GapGuideParts& parts, const SteadyReading& now, const SteadyReading& last) {
-  std::string stuck;
+  std::vector<std::string> stuck;
   bool has_mover = false;
   for (std::size_t i = 0; i < now.mean.size() && i < parts.labels.size(); ++i) {
     if (std::abs(now.mean[i] - last.mean[i]) > kNewLevelV) {
       has_mover = true;
     } else {
-      stuck += (stuck.empty() ? "" : ", ") + parts.labels[i];
+      stuck.push_back(parts.labels[i]);
     }
   }
   if (!has_mover || stuck.empty()) return;
-  parts.say("  still waiting: " + stuck + " changed by less than " + decimal(1e3 * kNewLevelV, 0) +
-            " mV, the others by more. Is the spacer there, is the sensor connected? One sensor alone: --sensor LABEL");
+  parts.say("  still waiting: " + cli::join(stuck) + " changed by less than " + decimal(1e3 * kNewLevelV, 0) +
+            " mV, other sensors by more. Check the spacer and the cable. To measure one sensor only: --sensor LABEL");
 }
 
 std::string request(const GapGuideParts& parts, std::size_t index) {
@@ -57,7 +57,7 @@ std::string request(const GapGuideParts& parts, std::size_t index) {
 Result<std::vector<SteadyReading>> measure_guided(const GapGuideParts& parts) {
   std::vector<SteadyReading> readings;
   while (readings.size() < parts.gaps_mm.size()) {
-    const Reply answer = parts.prompt->ask(request(parts, readings.size()) + ". Is the spacer in?", Prompt::kWithRedo);
+    const Reply answer = parts.prompt->ask(request(parts, readings.size()) + ". Is the spacer in place?", Prompt::kWithRedo);
     if (answer == Answer::Quit) return readings;
     if (answer == Answer::Redo) {
       if (!readings.empty()) readings.pop_back();
@@ -74,7 +74,7 @@ Result<std::vector<SteadyReading>> measure_guided(const GapGuideParts& parts) {
 }
 
 Result<std::vector<SteadyReading>> measure_alone(const GapGuideParts& parts) {
-  parts.say("Nothing before the sensors, please");
+  parts.say("Clear the space in front of the sensors");
   auto open = parts.measurer.measure(always);
   if (!open) return tl::make_unexpected(open.error());
   std::vector<SteadyReading> readings;

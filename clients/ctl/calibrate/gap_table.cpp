@@ -37,7 +37,7 @@ client::Result<std::vector<physics::GapReading>> read_gap_table(const std::strin
   for (std::size_t row = 1; std::getline(stream, line); ++row) {
     const auto wrong = [&](std::size_t column, const std::string& why) {
       return client::fail(ErrorCode::InvalidArgument, file + ":" + std::to_string(row) + ":" + std::to_string(column) + ": " + why,
-                          "the file is CSV with the header " + std::string(kHeader));
+                          "write a CSV file with the header " + std::string(kHeader));
     };
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.size() > kMaxLineLength || row > kMaxLines) return wrong(1, "too long");

@@ -16,8 +16,8 @@ Result<std::size_t> hold_scans(double hold_s, double rate_hz) {
   if (scans >= kLeastWindowScans) return scans;
   return client::fail(client::ErrorCode::InvalidArgument,
                       "a hold of " + cli::decimal(hold_s, 3) + " s has " + std::to_string(scans) + " scans at " + cli::decimal(rate_hz, 1) +
-                          " Hz; at least " + std::to_string(kLeastWindowScans) + " are needed",
-                      "hold longer: --hold " + cli::decimal(static_cast<double>(kLeastWindowScans) / rate_hz + 0.005, 2));
+                          " Hz; required: at least " + std::to_string(kLeastWindowScans),
+                      "average for longer: --hold " + cli::decimal(static_cast<double>(kLeastWindowScans) / rate_hz + 0.005, 2));
 }
 
 Measurer::Measurer(Feed& feed, MeasureOptions options)
@@ -26,7 +26,7 @@ Measurer::Measurer(Feed& feed, MeasureOptions options)
 Result<std::optional<SteadyReading>> Measurer::measure(const Test& is_there) {
   detector_.reset();
   has_begun_ = false;
-  told_.clear();
+  reported_.clear();
   doubt_.clear();
   doubted_.clear();
   waited_scans_ = 0;
@@ -54,14 +54,14 @@ void Measurer::take(const FeedBlock& block, const Test& is_there) {
       detector_.add(scan_);
       has_begun_ = true;
     } else if (has_begun_) {
-      spoil("taken away before it was measured: put it back");
+      spoil("removed too early: put it back");
     }
   }
 }
 
 void Measurer::spoil(const std::string& why) {
-  if (has_begun_ && why != told_) options_.say("  the hold begins anew: " + why);
-  if (has_begun_) told_ = why;
+  if (has_begun_ && why != reported_) options_.say("  the reading starts again: " + why);
+  if (has_begun_) reported_ = why;
   detector_.reset();
   has_begun_ = false;
 }
@@ -70,7 +70,7 @@ std::string Measurer::doubts(const FeedBlock& block) {
   for (std::size_t channel = 0; channel < block.quality.size(); ++channel) {
     const auto bits = static_cast<std::uint8_t>(block.quality[channel] & options_.refused_quality);
     if (bits == 0) continue;
-    std::string words = options_.labels[channel] + " is marked";
+    std::string words = options_.labels[channel] + " is flagged";
     for (const std::string& word : quality_words(bits)) words += " " + word;
     advice_ = options_.advise ? options_.advise(options_.labels[channel], bits) : std::string();
     return words;
@@ -82,7 +82,7 @@ void Measurer::count_doubt(const std::string& doubt) {
   constexpr std::size_t kEnoughHolds = 3;
   doubted_holds_ = doubt == doubted_ ? doubted_holds_ + 1 : 1;
   doubted_ = doubt;
-  if (doubted_holds_ % kEnoughHolds == 0 && !advice_.empty()) options_.say("  again and again " + doubt + ": " + advice_);
+  if (doubted_holds_ % kEnoughHolds == 0 && !advice_.empty()) options_.say("  repeated problem: " + doubt + ": " + advice_);
 }
 
 bool Measurer::is_patience_over(std::size_t scans) {
@@ -99,9 +99,9 @@ std::string Measurer::seen(const std::string& otherwise) const {
 
 void Measurer::say_unrest(std::size_t scans) {
   if (!is_patience_over(scans)) return;
-  if (!has_begun_) return options_.say("  still waiting: " + seen("nothing is there"));
+  if (!has_begun_) return options_.say("  still waiting: " + seen("no load found"));
   if (const auto unrest = detector_.unrest()) {
-    options_.say("  waiting for rest: " + options_.labels[unrest->channel] + " " + unrest->text + " " + options_.unit);
+    options_.say("  waiting until the reading is steady: " + options_.labels[unrest->channel] + " " + unrest->text + " " + options_.unit);
   }
 }
 
@@ -121,7 +121,7 @@ Result<void> Measurer::wait_until(const Test& is_gone) {
       const bool is_known = std::ranges::all_of(scan_, [](double value) { return std::isfinite(value); });
       gone = is_known && is_gone(scan_) ? gone + 1 : 0;
     }
-    if (gone < kEnoughScans && is_patience_over(scans)) options_.say("  still waiting for it to be taken off: " + seen("it is there"));
+    if (gone < kEnoughScans && is_patience_over(scans)) options_.say("  still waiting: remove the weight: " + seen("it is still there"));
   }
   return {};
 }

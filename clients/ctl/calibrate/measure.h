@@ -64,7 +64,7 @@ class Measurer {
   SteadyDetector detector_;
   std::vector<double> scan_;
   bool has_begun_ = false;  ///< A hold is in progress.
-  std::string told_;        ///< The last reason printed; a repeated reason is not printed again.
+  std::string reported_;    ///< The last reason printed; a repeated reason is not printed again.
   std::size_t waited_scans_ = 0;
   std::string doubt_;              ///< Quality problem of the last block; empty: none.
   std::string advice_;             ///< What to do about `doubt_`.

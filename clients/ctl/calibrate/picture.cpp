@@ -22,7 +22,7 @@ struct Shade {
   char symbol;
 };
 constexpr std::array kShades{Shade{0.1, '.'}, Shade{0.3, 'o'}, Shade{1.0, 'O'}, Shade{INFINITY, '#'}};
-constexpr const char* kLegend = ". to 0.1 mm   o to 0.3 mm   O to 1 mm   # more";
+constexpr const char* kLegend = "error: . up to 0.1 mm   o up to 0.3 mm   O up to 1 mm   # more";
 
 char symbol(double error_mm) {
   for (const Shade& shade : kShades) {

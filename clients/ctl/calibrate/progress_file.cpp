@@ -19,16 +19,17 @@ using cli::Json;
 using client::ErrorCode;
 using client::Result;
 
-constexpr const char* kFresh = "begin anew: --fresh";
-constexpr const char* kOther = "--resume without other options takes those of the file; begin anew: --fresh";
+constexpr const char* kFresh = "start again with --fresh";
+constexpr const char* kOther = "use --resume without other options: it uses those of the file; or start again with --fresh";
 constexpr std::size_t kShownBytes = 60;
 
 tl::unexpected<client::Error> failed(const std::filesystem::path& path, int error) {
-  return client::fail(ErrorCode::Failed, path.string() + ": " + std::strerror(error), "is there room, may you write there?");
+  return client::fail(ErrorCode::Failed, path.string() + ": " + std::strerror(error), "check free space and write permission");
 }
 
 tl::unexpected<client::Error> damaged_head(const std::filesystem::path& path) {
-  return client::fail(ErrorCode::DataDamaged, path.string() + ":1: is damaged: it does not say which calibration it belongs to", kFresh);
+  return client::fail(ErrorCode::DataDamaged, path.string() + ":1: damaged: the line with the properties of the calibration is missing",
+                      kFresh);
 }
 
 tl::unexpected<client::Error> nothing_to_resume(const std::filesystem::path& path) {
@@ -64,7 +65,7 @@ Result<std::filesystem::path> state_folder(const client::Environment& environmen
   if (state != nullptr && *state == '/') return std::filesystem::path(state) / "dts";
   const char* home = environment("HOME");
   if (home != nullptr && *home == '/') return std::filesystem::path(home) / ".local" / "state" / "dts";
-  return client::fail(ErrorCode::Failed, "no place to keep the progress in: neither XDG_STATE_HOME nor HOME is set");
+  return client::fail(ErrorCode::Failed, "cannot save the progress: neither XDG_STATE_HOME nor HOME is set");
 }
 
 void ProgressFile::Closer::operator()(const int* descriptor) const noexcept {
@@ -81,8 +82,8 @@ Result<ProgressFile> ProgressFile::open(const std::filesystem::path& file, int f
   if (descriptor < 0) return failed(file, errno);
   progress.descriptor_ = Descriptor(new int(descriptor));
   if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
-    return client::fail(ErrorCode::WrongState, file.string() + " is in use: another calibration of this rig is under way",
-                        "end that one first");
+    return client::fail(ErrorCode::WrongState, file.string() + " is in use: another calibration of this rig is running",
+                        "end the other calibration first");
   }
   return progress;
 }
@@ -133,8 +134,8 @@ Result<void> ProgressFile::read(const Json& calibration, std::size_t channel_cou
       const Json then = line.is_object() ? line.value("calibration", Json()) : Json();
       if (!then.is_object()) return damaged_head(path_);
       if (then != calibration) {
-        return client::fail(ErrorCode::WrongState,
-                            path_.string() + " is the progress of another calibration: " + difference(then, calibration), kOther);
+        return client::fail(ErrorCode::WrongState, path_.string() + " belongs to another calibration: " + difference(then, calibration),
+                            kOther);
       }
     } else if (auto taken = take(line, number, channel_count); !taken) {
       return taken;

@@ -35,7 +35,7 @@ Reply Prompt::ask(const std::string& question, std::string_view choices) const {
     if (const auto number = redo_number(*line); number && has_all) return {Answer::Redo, number};
     if (*line == "s" && has_all) return {Answer::Skip};
     if (*line == "q") return {Answer::Quit};
-    talk_ << "  '" << (line->size() < 20 ? *line : line->substr(0, 20)) << "' means nothing here\n";
+    talk_ << "  '" << (line->size() < 20 ? *line : line->substr(0, 20)) << "' is not an answer here\n";
   }
 }
 

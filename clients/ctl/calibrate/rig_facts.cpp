@@ -22,14 +22,14 @@ Result<double> RigFacts::rate_hz(const std::string& stream) const {
   const bool is_published = std::ranges::find(rig.published(), stream) != rig.published().end();
   if (found == rig.streams().end() || !is_published) {
     return client::fail(ErrorCode::NotFound, "rig '" + rig.name() + "' does not publish its stream '" + stream + "'",
-                        "add it to [publish] streams of the rig's file and restart dtsd");
+                        "add it to streams in [publish] of the rig file and restart dtsd");
   }
   return static_cast<double>(found->rate().numerator()) / static_cast<double>(found->rate().denominator());
 }
 
 Result<void> RigFacts::check_idle() const {
   if (session_id.empty()) return {};
-  return client::fail(ErrorCode::WrongState, "rig '" + rig.name() + "' has a session under way: " + session_id,
+  return client::fail(ErrorCode::WrongState, "rig '" + rig.name() + "' has a running session: " + session_id,
                       "dtsctl session stop --rig " + rig.name());
 }
 
@@ -76,18 +76,18 @@ Result<std::string> free_file(const std::string& wanted) {
   const std::filesystem::path folder = parent.empty() ? "." : parent;
   if (!std::filesystem::is_directory(folder, error)) {
     return client::fail(ErrorCode::InvalidArgument, "cannot write " + wanted + ": there is no folder " + folder.string(),
-                        "mkdir, or --out");
+                        "create the folder, or give another file with --out");
   }
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    return client::fail(ErrorCode::InvalidArgument, "cannot write " + wanted + ": you may not write to the folder " + folder.string(),
-                        "name another place with --out");
+    return client::fail(ErrorCode::InvalidArgument, "cannot write " + wanted + ": no permission to write to the folder " + folder.string(),
+                        "give another file with --out");
   }
   if (std::filesystem::is_directory(wanted, error)) {
-    return client::fail(ErrorCode::InvalidArgument, wanted + " is a folder", "name a file in it with --out");
+    return client::fail(ErrorCode::InvalidArgument, wanted + " is a folder", "give a file in it with --out");
   }
   if (!std::filesystem::exists(wanted, error)) return wanted;
-  return client::fail(ErrorCode::InvalidArgument, wanted + " exists already: a calibration is never overwritten",
-                      "name another file with --out, or move it away");
+  return client::fail(ErrorCode::InvalidArgument, wanted + " already exists: a calibration is never overwritten",
+                      "give another file with --out, or move the old one away");
 }
 
 }  // namespace dts::ctl

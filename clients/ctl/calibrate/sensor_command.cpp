@@ -53,8 +53,8 @@ Result<std::string> file_for(const Arguments& arguments, const std::string& labe
   const CalibrateArguments& wishes = arguments.calibrate;
   if (label.find_first_of("/\\") != std::string::npos || label != cli::printable(label) || label.empty()) {
     return client::fail(ErrorCode::InvalidArgument,
-                        "'" + cli::printable(label) + "' is no label of a sensor: it becomes part of a file's name",
-                        "--sensor LABEL without / and control characters");
+                        "'" + cli::printable(label) + "' cannot be a sensor label: the label becomes part of a file name",
+                        "give --sensor a label without / and control characters");
   }
   const std::string name = default_name(arguments.rig, label);
   if (wishes.out.empty()) return free_file(name);
@@ -74,14 +74,15 @@ Result<std::vector<SensorJob>> choose_sensors(const Arguments& arguments, const 
   }
   if (!jobs.empty()) return jobs;
   return client::fail(ErrorCode::NotFound, "rig '" + arguments.rig + "' has no sensor '" + cli::printable(wanted) + "'",
-                      "there are: " + known + "; or: all");
+                      "the sensors are: " + known + "; or give all");
 }
 
 /// Returns the cause of a quality bit of a voltage, and what to do at the sensor.
 std::string voltage_advice(const std::string& label, std::uint8_t quality) {
-  if ((quality & v1::QUALITY_RAIL) != 0) return "the converter is at its end; leave this gap out (--gaps) or use a wider input range";
-  if ((quality & v1::QUALITY_STUCK) != 0) return "the voltage of " + label + " does not move at all; look at its cable and supply";
-  return "the channels may be rotated; look at the marker channel, dtsctl doctor";
+  if ((quality & v1::QUALITY_RAIL) != 0)
+    return "the voltage is at the limit of the input range; leave this gap out (--gaps) or use a wider input range";
+  if ((quality & v1::QUALITY_STUCK) != 0) return "the voltage of " + label + " does not change; check its cable and supply";
+  return "the channels may be in the wrong order; check the marker channel: dtsctl doctor";
 }
 
 Result<std::vector<SteadyReading>> measure(const Arguments& arguments, const std::vector<SensorJob>& jobs, double rate_hz, Feed& feed,
@@ -186,7 +187,7 @@ void warn_of_range(const SensorJob& job, const Finished& finished, cli::Console&
   const double largest_mm = finished.calibration.points.back().gap.value;
   if (!(unloaded_mm + kMarginMm > largest_mm)) return;
   console.talk << "warning: sensor " << cli::printable(finished.facts.sensor) << " has an unloaded gap of " << cli::decimal(unloaded_mm, 2)
-               << " mm, its curve ends at " << cli::decimal(largest_mm, 2) << " mm: measure larger gaps too" << std::endl;
+               << " mm, but its curve ends at " << cli::decimal(largest_mm, 2) << " mm: measure larger gaps, too" << std::endl;
 }
 
 void print(cli::Console& console, const std::vector<Finished>& all) {
@@ -197,9 +198,10 @@ void print(cli::Console& console, const std::vector<Finished>& all) {
       table.add({{cli::decimal(point.gap.value, 3)}, {cli::decimal(point.volts.value, 4)}});
     }
     table.print(console);
-    console.out << "about a smooth curve: " << cli::decimal(finished.facts.residual_mv, 2) << " mV rms";
-    if (finished.facts.repeat_mv) console.out << "; repeated: " << cli::decimal(*finished.facts.repeat_mv, 2) << " mV rms";
-    console.out << "\nwritten to " << cli::printable(finished.file) << "\nto use it, write into the rig's file, under [[sensor]] label = "
+    console.out << "scatter around a smooth curve: " << cli::decimal(finished.facts.residual_mv, 2) << " mV rms";
+    if (finished.facts.repeat_mv) console.out << "; between repeated gaps: " << cli::decimal(*finished.facts.repeat_mv, 2) << " mV rms";
+    console.out << "\nwritten to " << cli::printable(finished.file)
+                << "\nto use it, add this line to the rig file, under [[sensor]] with label = "
                 << cli::printable(files::toml_quoted(finished.facts.sensor))
                 << ":\n    curve = " << cli::printable(files::toml_quoted(std::filesystem::absolute(finished.file).string())) << "\n";
   }
@@ -219,17 +221,17 @@ Result<std::vector<SensorJob>> offline_job(const Arguments& arguments) {
 core::Status check(const Arguments& arguments) {
   const bool is_offline = !arguments.calibrate.points_file.empty();
   if (arguments.rig.empty() && !is_offline) {
-    return core::fail(core::ErrorCode::InvalidArgument, "measuring needs a rig", "--rig RIG, or --points FILE");
+    return core::fail(core::ErrorCode::InvalidArgument, "measuring needs a rig", "give --rig RIG, or read points with --points FILE");
   }
   if (is_offline && arguments.calibrate.sensor == kAll) {
-    return core::fail(core::ErrorCode::InvalidArgument, "one file of points is one sensor, not all", "--sensor LABEL");
+    return core::fail(core::ErrorCode::InvalidArgument, "a file of points is for one sensor, not for all", "give --sensor LABEL");
   }
   const auto& gaps_mm = arguments.calibrate.gaps_mm;
   const std::size_t different = std::set<double>(gaps_mm.begin(), gaps_mm.end()).size();
   if (!is_offline && different < physics::kLeastGaps) {
     return core::fail(
         core::ErrorCode::InvalidArgument,
-        "--gaps names " + std::to_string(different) + " different gaps, at least " + std::to_string(physics::kLeastGaps) + " are needed",
+        "--gaps names " + std::to_string(different) + " different gaps; required: at least " + std::to_string(physics::kLeastGaps),
         "--gaps 12.5,12,11,10,9,8,7,6.5");
   }
   return {};
@@ -273,7 +275,7 @@ int refuse(const Arguments& arguments, const SensorJob& job, const client::Error
   if (!arguments.calibrate.points_file.empty()) return cli::fail_with(console, error);
   const int status = cli::fail_with(console, error);
   if (const auto file = rescue(job)) {
-    console.talk << "  what was measured is in " << cli::printable(*file) << "; mend it and: dtsctl calibrate sensor --sensor "
+    console.talk << "  the readings are saved in " << cli::printable(*file) << "; correct the file, then: dtsctl calibrate sensor --sensor "
                  << cli::printable(job.sensor.label()) << " --points FILE" << std::endl;
   }
   return arguments.calibrate.sensor == kAll ? cli::kFailed : status;

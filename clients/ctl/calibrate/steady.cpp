@@ -80,7 +80,7 @@ std::optional<SteadyDetector::Unrest> SteadyDetector::unrest() const {
     const double drift_part = judgement.drift / judgement.drift_limit;
     if (std::max(noise_part, drift_part) <= worst_part) continue;
     worst_part = std::max(noise_part, drift_part);
-    worst = Unrest{channel, noise_part > drift_part ? "scatters by " + cli::decimal(judgement.noise, 4) + " rms"
+    worst = Unrest{channel, noise_part > drift_part ? "varies by " + cli::decimal(judgement.noise, 4) + " rms"
                                                     : "drifts by " + cli::decimal(judgement.drift, 4)};
   }
   return worst;

@@ -23,16 +23,16 @@ core::Result<record::Exported> export_one(const RecordedFile& file, const Sessio
   if ((*recording)->damage().empty()) {
     // Wrong values look plausible; only the checksums reveal them. A table must not have values from a damaged file.
     if (const auto verified = record::verify(file.path); !verified) {
-      return core::fail(verified.error().code, verified.error().what, "keep what is whole: dtsctl session recover " + file.path);
+      return core::fail(verified.error().code, verified.error().what, "copy the undamaged part: dtsctl session recover " + file.path);
     }
   } else {
     damaged.push_back({{"file", file.path}, {"damage", (*recording)->damage()}});
-    console.talk << console.program << ": " << cli::printable(file.path + ": " + (*recording)->damage()) << "; what is whole is exported"
-                 << std::endl;
+    console.talk << console.program << ": " << cli::printable(file.path + ": " + (*recording)->damage())
+                 << "; only the undamaged part is exported" << std::endl;
   }
   if (const std::string lost = to_text((*recording)->losses()); !lost.empty()) {
     losses.push_back({{"file", file.path}, {"losses", lost}});
-    console.talk << console.program << ": " << cli::printable(file.path) << ": " << lost << "; the events say where" << std::endl;
+    console.talk << console.program << ": " << cli::printable(file.path) << ": " << lost << "; the events show where" << std::endl;
   }
   if (wishes.format == "csv") return record::export_csv(**recording, wishes.out.empty() ? "." : wishes.out, work.progress());
   return record::export_bids(**recording, wishes.out.empty() ? "bids" : wishes.out, work.progress());
@@ -51,7 +51,7 @@ int run_session_export(const Arguments& arguments, cli::Console& console) {
     auto exported = export_one(file, arguments.session, console, work, damaged, losses);
     if (!exported) {
       const int status = cli::fail_with(console, exported.error());
-      for (const std::string& name : all.files) console.talk << "  exported before: " << cli::printable(name) << std::endl;
+      for (const std::string& name : all.files) console.talk << "  already exported: " << cli::printable(name) << std::endl;
       return work.is_interrupted() ? cli::kInterrupted : status;
     }
     std::ranges::move(exported->files, std::back_inserter(all.files));

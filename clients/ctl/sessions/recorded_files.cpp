@@ -20,21 +20,22 @@ using client::Result;
 Result<RecordedFile> file_of(const v1::SessionRecord& session, const v1::SessionPart& part) {
   const std::string what = "part " + std::to_string(part.part()) + " of session '" + session.session_id() + "'";
   if (part.state() == v1::PART_STATE_RECORDING) {
-    return client::fail(
-        ErrorCode::WrongState, what + " is still being recorded",
-        "dtsctl session stop --rig " + session.rig() + " once it is over; or name the file: dtsctl session show " + session.session_id());
+    return client::fail(ErrorCode::WrongState, what + " is still being recorded",
+                        "stop the session first: dtsctl session stop --rig " + session.rig() +
+                            "; to use the file as it is now, give its name: dtsctl session show " + session.session_id());
   }
   if (part.state() == v1::PART_STATE_MISSING || part.file().empty()) {
-    return client::fail(ErrorCode::DataDamaged, what + " is gone: there is no file '" + part.file() + "'", "restore it from a backup");
+    return client::fail(ErrorCode::DataDamaged, what + " is missing: there is no file '" + part.file() + "'", "restore it from a backup");
   }
   if (::access(part.file().c_str(), R_OK) == 0) {
     return RecordedFile{.path = part.file(), .session_id = session.session_id(), .part = part.part(), .sha256 = part.sha256()};
   }
   if (errno == EACCES) {
-    return client::fail(ErrorCode::NotAllowed, "'" + part.file() + "' may not be read by this user", "be a member of the group dtsd");
+    return client::fail(ErrorCode::NotAllowed, "'" + part.file() + "': no permission to read",
+                        "join the group dtsd: usermod -aG dtsd $USER, then log in again");
   }
-  return client::fail(ErrorCode::Failed, "'" + part.file() + "' cannot be read here: it lies on the daemon's host",
-                      "run dtsctl there, or copy the file and give its name");
+  return client::fail(ErrorCode::Failed, "'" + part.file() + "' cannot be read here: it is on the daemon's machine",
+                      "run dtsctl there, or copy the file here and give its name");
 }
 
 }  // namespace
@@ -50,15 +51,18 @@ Result<void> check_recording(const std::string& path) {
   const std::string what = "'" + path + "'";
   std::error_code none;
   if (!std::filesystem::exists(path, none)) {
-    return client::fail(ErrorCode::InvalidArgument, "there is no file " + what, "dtsctl session list");
+    return client::fail(ErrorCode::InvalidArgument, "no file " + what, "check the name; to list sessions: dtsctl session list");
   }
   if (!std::filesystem::is_regular_file(path, none)) return client::fail(ErrorCode::InvalidArgument, what + " is not a file");
-  if (::access(path.c_str(), R_OK) != 0) return client::fail(ErrorCode::NotAllowed, what + " may not be read by this user");
+  if (::access(path.c_str(), R_OK) != 0)
+    return client::fail(ErrorCode::NotAllowed, what + ": no permission to read",
+                        "join the group dtsd: usermod -aG dtsd $USER, then log in again");
   std::array<char, kMagic.size()> begin{};
   std::ifstream file(path, std::ios::binary);
   file.read(begin.data(), begin.size());
   if (file && std::string_view(begin.data(), begin.size()) == kMagic) return {};
-  return client::fail(ErrorCode::InvalidArgument, what + " is no recording: it does not begin as XDF does");
+  return client::fail(ErrorCode::InvalidArgument, what + " is not a recording: it does not start like an XDF file",
+                      "give a file with the ending .xdf or .xdf.part");
 }
 
 Result<std::vector<RecordedFile>> find_recordings(const Arguments& arguments) {

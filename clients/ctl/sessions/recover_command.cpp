@@ -29,10 +29,10 @@ void print_recovery(cli::Console& console, const record::Recovery& recovery) {
   console.out << cli::printable(recovery.file) << ": " << cli::duration(recovery.duration_s) << " kept, " << bytes_text(recovery.kept_bytes)
               << " in " << recovery.chunks << " chunks\n"
               << cli::styled(console, cli::Style::Bad,
-                             "at most " + cli::decimal(recovery.lost_s_at_most, 2) + " s are lost: " + cli::printable(recovery.reason) +
-                                 ", " + bytes_text(recovery.dropped_bytes) + " dropped")
+                             "at most " + cli::decimal(recovery.lost_s_at_most, 2) + " s lost: " + cli::printable(recovery.reason) + ", " +
+                                 bytes_text(recovery.dropped_bytes) + " dropped")
               << '\n';
-  cli::print_hint(console, "look at it: dtsctl session verify " + cli::printable(recovery.file));
+  cli::print_hint(console, "check it: dtsctl session verify " + cli::printable(recovery.file));
 }
 
 }  // namespace

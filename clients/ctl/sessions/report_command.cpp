@@ -34,7 +34,7 @@ core::Status check_is_ours(const std::string& path) {
   file.read(begin.data(), begin.size());
   const std::string_view text(begin.data(), static_cast<std::size_t>(std::max<std::streamsize>(file.gcount(), 0)));
   if (text.find(report::kPageMark) != std::string_view::npos) return {};
-  return core::fail(core::ErrorCode::WrongState, "'" + path + "' exists and is no page of a report: it is not replaced",
+  return core::fail(core::ErrorCode::WrongState, "'" + path + "' exists and is not a report page: it is not replaced",
                     "move it away, or choose another folder with --out");
 }
 

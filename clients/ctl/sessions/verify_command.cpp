@@ -64,7 +64,7 @@ Verified verify(const RecordedFile& file, cli::Console& console) {
   if (!file.sha256.empty() && file.sha256 != verified.found.sha256) {
     verified.problem =
         core::Error{core::ErrorCode::DataDamaged,
-                    "it is not the file that was recorded: SHA-256 " + verified.found.sha256 + ", in the catalogue " + file.sha256,
+                    "it differs from the recorded file: SHA-256 " + verified.found.sha256 + ", in the catalogue " + file.sha256,
                     "restore it from a backup"};
   }
   return verified;
@@ -121,7 +121,7 @@ void print_verified(cli::Console& console, const Verified& verified) {
   const std::string losses = to_text(verified.losses);
   std::string facts = cli::duration(found.duration_s) + ", " + std::to_string(found.scans) + " scans, " + bytes_text(found.bytes);
   facts += ", " + std::to_string(found.chunks) +
-           (found.has_index ? " chunks as the index has them" : " chunks; no .idx beside it: the values were not checked");
+           (found.has_index ? " chunks, all checksums match" : " chunks; no .idx file beside it: the values were not checked");
   const std::string trials = trials_text(verified.counts.valid_trials, verified.counts.planned_trials);
   if (!trials.empty()) facts += ", " + trials;
   if (!losses.empty()) facts += ", " + cli::styled(console, cli::Style::Warning, losses);
@@ -130,8 +130,8 @@ void print_verified(cli::Console& console, const Verified& verified) {
                 << '\n';
   } else {
     std::ranges::transform(word, word.begin(), [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
-    const std::string lost = found.lost_s_at_most > 0.0 ? "; at most " + cli::decimal(found.lost_s_at_most, 2) + " s are lost" : "";
-    console.out << cli::styled(console, cli::Style::Bad, word) << "  " << name << ": sound as far as it goes, but "
+    const std::string lost = found.lost_s_at_most > 0.0 ? "; at most " + cli::decimal(found.lost_s_at_most, 2) + " s lost" : "";
+    console.out << cli::styled(console, cli::Style::Bad, word) << "  " << name << ": undamaged up to its end, but "
                 << cli::printable(reason_of(verified)) << lost << "; " << facts << '\n';
   }
   console.out << cli::styled(console, cli::Style::Faint, "SHA-256 " + cli::printable(found.sha256)) << '\n';

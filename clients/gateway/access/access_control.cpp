@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/token_bucket.h"
 #include "gateway/access/back_off.h"
 #include "gateway/access/login_request.h"
 #include "gateway/access/password_thread.h"
@@ -17,7 +18,6 @@
 #include "gateway/access/visitor.h"
 #include "gateway/http/connection_limits.h"
 #include "gateway/http/json_answer.h"
-#include "gateway/http/token_bucket.h"
 
 namespace dts::gateway {
 namespace {
@@ -44,17 +44,17 @@ constexpr double kNotesAtOnce = 20.0;
 
 /// Lets some items pass and counts the others.
 struct Thinned {
-  TokenBucket bucket;
+  core::TokenBucket bucket;
   std::uint64_t others = 0;
 
   /// Returns how many items were held back since the last one that passed; nothing if this item is held back too.
-  [[nodiscard]] std::optional<std::uint64_t> pass(TokenBucket::Time now) noexcept {
+  [[nodiscard]] std::optional<std::uint64_t> pass(core::TokenBucket::Time now) noexcept {
     if (bucket.take(now)) return std::exchange(others, 0);
     ++others;
     return std::nullopt;
   }
   /// Returns true if the newest item held back may pass now; `others` then counts those before it.
-  [[nodiscard]] bool follows(TokenBucket::Time now, bool is_end) noexcept {
+  [[nodiscard]] bool follows(core::TokenBucket::Time now, bool is_end) noexcept {
     if (others == 0 || !(is_end || bucket.take(now))) return false;
     --others;
     return true;
@@ -64,7 +64,7 @@ struct Thinned {
 /// What is reported about logins of one kind.
 struct Told {
   Thinned lines;
-  Thinned notes{.bucket = TokenBucket(kNotesPerSecond, kNotesAtOnce)};
+  Thinned notes{.bucket = core::TokenBucket(kNotesPerSecond, kNotesAtOnce)};
   std::string newest_line{};
   LoginNote newest_note{};
 };
@@ -94,7 +94,7 @@ std::string cookie_text(std::string_view value, seconds life, bool is_secure) {
 std::string pair_of(const std::string& name, const Stranger& stranger) { return name + " " + stranger.counted_as; }
 
 HttpResponse come_later(seconds wait) {
-  HttpResponse answer = error_answer(429, "too many logins failed or wait", "try again in " + std::to_string(wait.count()) + " s");
+  HttpResponse answer = error_answer(429, "too many failed or waiting logins", "try again in " + std::to_string(wait.count()) + " s");
   answer.headers.emplace_back("Retry-After", std::to_string(wait.count()));
   return answer;
 }
@@ -102,9 +102,10 @@ HttpResponse come_later(seconds wait) {
 /// Returns nothing if the request is acceptable. Another page in the same browser cannot send our Origin, nor this content type without a
 /// CORS permission.
 std::optional<HttpResponse> refuse_foreign(const HttpRequest& request) {
-  if (!request.is_same_origin) return error_answer(403, "this came from a page that is not ours", "log in at the dashboard itself");
+  if (!request.is_same_origin)
+    return error_answer(403, "rejected: the request comes from a page of another site", "log in on the dashboard's own page");
   const std::string type = request.header("content-type");
-  if (type.substr(0, type.find(';')) != "application/json") return error_answer(415, "this must be application/json");
+  if (type.substr(0, type.find(';')) != "application/json") return error_answer(415, "the Content-Type must be application/json");
   return std::nullopt;
 }
 
@@ -131,7 +132,8 @@ class AccessControlImpl final : public AccessControl {
     if (auto refused = refuse_foreign(request)) return respond(std::move(*refused));
     auto login = read_login(request.body);
     if (!login) return respond(error_answer(login.error()));
-    if (options_.users_file.empty()) return respond(error_answer(403, "nobody can log in here", "give the gateway a users file"));
+    if (options_.users_file.empty())
+      return respond(error_answer(403, "no login is set up on this gateway", "start the gateway with --users FILE"));
     if (waiting_.size() == kMostWaiting) {
       note_refusal(login->user, stranger_of(request));
       return respond(come_later(kQueueIsShorterIn));
@@ -184,7 +186,7 @@ class AccessControlImpl final : public AccessControl {
         note_refusal(attempt.login.user, attempt.stranger);
         attempt.respond(come_later(wait));
       } else if (!refresh()) {
-        attempt.respond(error_answer(503, "the list of users cannot be read", "dts-gateway user list says why"));
+        attempt.respond(error_answer(503, "cannot read the list of users", "see the reason: dts-gateway user list"));
       } else {
         compare(std::move(attempt));
       }
@@ -264,8 +266,8 @@ class AccessControlImpl final : public AccessControl {
   std::deque<Attempt> waiting_;
   bool is_comparing_ = false;
   std::uint64_t refused_logins_total_ = 0;
-  Told logins_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kLoginLinesAtOnce)}};
-  Told refusals_{.lines = {.bucket = TokenBucket(kLinesPerSecond, kRefusedLinesAtOnce)}};
+  Told logins_{.lines = {.bucket = core::TokenBucket(kLinesPerSecond, kLoginLinesAtOnce)}};
+  Told refusals_{.lines = {.bucket = core::TokenBucket(kLinesPerSecond, kRefusedLinesAtOnce)}};
   PasswordThread passwords_;  // last: its thread ends before the other members are destroyed
 };
 

@@ -69,7 +69,7 @@ Result<Secret> read_line(int descriptor, const std::function<bool()>& is_interru
 Result<Secret> ask_password(int descriptor, cli::Console& console) {
   if (::isatty(descriptor) == 0) return read_line(descriptor, [] { return false; });
   const Silence silence(descriptor);
-  if (!silence) return client::fail(ErrorCode::Failed, "the terminal cannot be kept from showing the password");
+  if (!silence) return client::fail(ErrorCode::Failed, "cannot hide the password on this terminal");
   const auto is_interrupted = [&silence] { return silence.is_interrupted(); };
   console.talk << "Password: " << std::flush;
   auto password = read_line(descriptor, is_interrupted);
@@ -78,7 +78,7 @@ Result<Secret> ask_password(int descriptor, cli::Console& console) {
   const auto again = read_line(descriptor, is_interrupted);
   if (!again) return tl::make_unexpected(again.error());
   if (again->text() == password->text()) return password;
-  return client::fail(ErrorCode::InvalidArgument, "the two are not the same");
+  return client::fail(ErrorCode::InvalidArgument, "the two passwords differ");
 }
 
 }  // namespace dts::gateway

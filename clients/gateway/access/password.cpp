@@ -3,8 +3,9 @@
 
 #include <sodium.h>
 
-#include <algorithm>
 #include <array>
+
+#include "core/utf8.h"
 
 namespace dts::gateway {
 namespace {
@@ -12,15 +13,12 @@ namespace {
 constexpr auto kOperations = crypto_pwhash_argon2id_OPSLIMIT_INTERACTIVE;
 constexpr auto kMemoryBytes = crypto_pwhash_argon2id_MEMLIMIT_INTERACTIVE;
 
-bool is_utf8_continuation(char byte) noexcept { return (static_cast<unsigned char>(byte) & 0xC0U) == 0x80U; }
-
 }  // namespace
 
 client::Result<void> check_new_password(const Secret& password) {
   const auto text = password.text();
-  const auto characters = text.size() - static_cast<std::size_t>(std::ranges::count_if(text, is_utf8_continuation));
-  if (characters < kFewestPasswordCharacters) {
-    return client::fail(client::ErrorCode::InvalidArgument, "a password has at least 10 characters", "a sentence is easy to keep in mind");
+  if (core::character_count(text) < kFewestPasswordCharacters) {
+    return client::fail(client::ErrorCode::InvalidArgument, "a password has at least 10 characters", "use a short sentence");
   }
   if (text.size() > kMostPasswordBytes) {
     return client::fail(client::ErrorCode::InvalidArgument, "a password has at most 200 bytes");

@@ -39,7 +39,7 @@ client::Result<void> list(const UserArguments& arguments, cli::Console& console)
   for (const User& user : read->users) table.add({{user.name}, {std::string(role_name(user.role))}});
   table.print(console);
   if (read->users.empty())
-    cli::print_hint(console, "nobody yet: dts-gateway user add NAME --role engineer --users " + arguments.users_file);
+    cli::print_hint(console, "no users yet: dts-gateway user add NAME --role engineer --users " + arguments.users_file);
   return {};
 }
 
@@ -55,7 +55,7 @@ CLI::Validator user_name() {
 
 CLI::Validator role() {
   const auto check = [](std::string& text) -> std::string {
-    return role_of(text) ? "" : "'" + text + "' is none of viewer, operator, engineer";
+    return role_of(text) ? "" : "'" + text + "' is not viewer, operator or engineer";
   };
   return {check, "", "role"};
 }
@@ -77,7 +77,7 @@ void add_user_commands(cli::CommandLine& line, AskPassword ask) {
   CLI::App* user = cli::add_group(line.app, "user", "Who may log in", "dts-gateway user list --users users | names and roles\n");
   CLI::App* added =
       cli::add_command(line, *user, "add", "Add a user; asks for the password, or reads a line from the standard input",
-                       "dts-gateway user add anna --role operator --users users | anna may run sessions from now on\n",
+                       "dts-gateway user add anna --role operator --users users | anna can run sessions\n",
                        [arguments, ask = std::move(ask)](cli::Console& console) { return end(console, add(*arguments, ask, console)); });
   add_name(*added, arguments);
   added->add_option("--role", arguments->role, "viewer: look; operator: run sessions; engineer: everything")
@@ -86,7 +86,7 @@ void add_user_commands(cli::CommandLine& line, AskPassword ask) {
       ->check(role());
   add_file(*added, arguments);
   CLI::App* removed = cli::add_command(line, *user, "remove", "Remove a user, who is logged out at once",
-                                       "dts-gateway user remove anna --users users | anna is gone\n",
+                                       "dts-gateway user remove anna --users users | anna is removed\n",
                                        [arguments](cli::Console& console) { return end(console, remove(*arguments)); });
   add_name(*removed, arguments);
   add_file(*removed, arguments);

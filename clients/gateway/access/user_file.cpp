@@ -40,8 +40,8 @@ std::string read_line(std::string_view line, User& user) {
   const std::string_view role = line.substr(first + 1, second - first - 1);
   const auto maybe_role = role_of(role);
   if (std::string problem = problem_with_name(user.name); !problem.empty()) return problem;
-  if (!maybe_role) return "the role of '" + user.name + "' is none of viewer, operator, engineer";
-  if (!is_password_hash(user.password_hash)) return "the hash of '" + user.name + "' is none that `dts-gateway user add` makes";
+  if (!maybe_role) return "the role of '" + user.name + "' is not viewer, operator or engineer";
+  if (!is_password_hash(user.password_hash)) return "the hash of '" + user.name + "' was not made by `dts-gateway user add`";
   user.role = *maybe_role;
   return {};
 }
@@ -49,7 +49,7 @@ std::string read_line(std::string_view line, User& user) {
 Result<void> check_mode(const std::string& file, const struct stat& facts) {
   if (!S_ISREG(facts.st_mode)) return client::fail(ErrorCode::InvalidArgument, "'" + file + "' is not a file");
   if ((facts.st_mode & kForbidden) == 0) return {};
-  return client::fail(ErrorCode::InvalidArgument, "'" + file + "': others may read it, or somebody but its owner may write it",
+  return client::fail(ErrorCode::InvalidArgument, "'" + file + "': other users can read it, or users other than the owner can write it",
                       "chmod 640 '" + file + "'");
 }
 
@@ -73,7 +73,7 @@ bool is_user_name(std::string_view name) noexcept {
 
 std::string problem_with_name(std::string_view name) {
   if (!is_user_name(name)) return "a name is 1 to 32 of a-z, 0-9, '.', '_', '-'";
-  if (name == kLocalUser) return "'local' is what those without a login are called: take another name";
+  if (name == kLocalUser) return "'local' is the name of users without a login: choose another name";
   return {};
 }
 
@@ -97,7 +97,7 @@ Result<std::vector<User>> parse_users(std::string_view text, const std::string& 
     if (line.empty() || line.starts_with('#')) continue;
     User user;
     std::string wrong = read_line(line, user);
-    if (wrong.empty() && !names.insert(user.name).second) wrong = "'" + user.name + "' stands above already";
+    if (wrong.empty() && !names.insert(user.name).second) wrong = "'" + user.name + "' appears twice";
     if (wrong.empty() && users.size() == kMostUsers) wrong = "more than 1000 users";
     if (!wrong.empty()) return client::fail(ErrorCode::InvalidArgument, file + ":" + std::to_string(number) + ": " + wrong);
     users.push_back(std::move(user));

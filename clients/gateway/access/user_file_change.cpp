@@ -100,7 +100,7 @@ bool has(const std::vector<User>& users, const std::string& name) { return std::
 Result<void> add_user(const std::string& file, const User& user) {
   return change_file(file, true, [&](const std::vector<User>& users, std::string& text) -> Result<void> {
     if (has(users, user.name)) {
-      return client::fail(ErrorCode::WrongState, "there is a user '" + user.name + "' already",
+      return client::fail(ErrorCode::WrongState, "user '" + user.name + "' exists already",
                           "dts-gateway user remove " + user.name + " --users " + file);
     }
     text += user.name + ":" + std::string(role_name(user.role)) + ":" + user.password_hash + "\n";
@@ -110,8 +110,7 @@ Result<void> add_user(const std::string& file, const User& user) {
 
 Result<void> remove_user(const std::string& file, const std::string& name) {
   return change_file(file, false, [&](const std::vector<User>& users, std::string& text) -> Result<void> {
-    if (!has(users, name))
-      return client::fail(ErrorCode::NotFound, "there is no user '" + name + "'", "dts-gateway user list --users " + file);
+    if (!has(users, name)) return client::fail(ErrorCode::NotFound, "no user '" + name + "'", "dts-gateway user list --users " + file);
     const std::string begin = name + ":";
     const std::size_t at = text.starts_with(begin) ? 0 : text.find("\n" + begin) + 1;
     text.erase(at, text.find('\n', at) + 1 - at);

@@ -25,7 +25,7 @@ constexpr std::string_view kPagePolicy =
     "default-src 'none'; style-src 'unsafe-inline'; img-src data:; frame-ancestors 'self'; sandbox allow-same-origin";
 
 HttpResponse busy() {
-  HttpResponse answer = error_answer(503, "too many reports and exports are being made", "try again in a moment");
+  HttpResponse answer = error_answer(503, "too many reports and exports are being prepared", "try again in a moment");
   answer.headers.emplace_back("Retry-After", "5");
   return answer;
 }
@@ -55,7 +55,7 @@ HttpResponse list_pages(const report::Report& made) {
 
 HttpResponse show_page(const report::Report& made, const std::string& name) {
   const auto page = std::ranges::find(made.pages, name, &report::Page::file);
-  if (page == made.pages.end()) return not_found("this report has no such page");
+  if (page == made.pages.end()) return not_found("the report has no such page");
   return {.content_type = name.ends_with(".svg") ? "image/svg+xml" : "text/html; charset=utf-8",
           .body = page->text,
           .headers = {
@@ -68,7 +68,7 @@ core::Result<ReportPointer> make_pages(const std::vector<std::string>& files, co
   auto made = report::make_report(source, [&stop](double) { return !stop.stop_requested(); });
   if (made) return std::make_shared<const report::Report>(std::move(*made));
   if (made.error().code != core::ErrorCode::NotFound) return tl::make_unexpected(made.error());
-  return core::fail(core::ErrorCode::NotFound, "no report page for chair sessions yet", "export CSV");
+  return core::fail(core::ErrorCode::NotFound, "no report for sessions of a chair yet", "export the tables (CSV) instead");
 }
 
 struct MadeExport {
@@ -92,16 +92,16 @@ class ArchiveImpl final : public Archive {
 
   void handle(HttpRequest request, Respond respond) override {
     if (request.method != "GET" && request.method != "HEAD") {
-      return respond({.status = 405, .body = "not that way\n", .headers = {{"Allow", "GET, HEAD"}}});
+      return respond({.status = 405, .body = "this path accepts only GET and HEAD\n", .headers = {{"Allow", "GET, HEAD"}}});
     }
     auto path = read_archive_path(request.path);
-    if (!path) return respond(not_found("there is nothing of that name"));
+    if (!path) return respond(not_found("nothing with that name"));
     const std::string session_id = path->session_id;
     find_session_(session_id, [this, is_alive = std::weak_ptr<bool>(is_alive_), path = std::move(*path),
                                respond = std::move(respond)](const client::Result<v1::SessionRecord>& session) {
       if (is_alive.expired()) return;
       if (!session) return respond(error_answer(session.error()));
-      if (session->session_id() != path.session_id) return respond(error_answer(500, "the daemon told of another session"));
+      if (session->session_id() != path.session_id) return respond(error_answer(500, "the daemon answered with another session"));
       answer(path, *session, respond);
     });
   }

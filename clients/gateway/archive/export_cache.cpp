@@ -16,7 +16,7 @@ client::Result<std::unique_ptr<ExportCache>> ExportCache::open(const fs::path& f
   if (!failed) fs::permissions(folder, fs::perms::owner_all, failed);
   if (!failed) return std::unique_ptr<ExportCache>(new ExportCache(folder, most_bytes));
   return client::fail(client::ErrorCode::Failed, "cannot use the cache directory '" + folder.string() + "': " + failed.message(),
-                      "give the gateway a directory that it may write");
+                      "give a writable directory: --cache DIR");
 }
 
 ExportCache::~ExportCache() {

@@ -50,7 +50,7 @@ core::Status export_parts(const ExportOrder& order, const fs::path& data, const 
   std::string damage;
   for (const std::string& file : order.files) {
     const auto exported = export_part(order, file, folder, progress, damage);
-    if (stop.stop_requested()) return core::fail(core::ErrorCode::Failed, "the gateway stops: nothing was exported");
+    if (stop.stop_requested()) return core::fail(core::ErrorCode::Failed, "the gateway is stopping: nothing was exported");
     if (fits) fits = check_size(order, bytes_below(data));  // small recordings report no progress, so the size is checked here
     if (!fits) return fits;
     if (!exported) return exported;

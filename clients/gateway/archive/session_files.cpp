@@ -25,10 +25,11 @@ Result<void> check_recording(const std::string& path, const std::string& what) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (!file && errno == EACCES) {
     return client::fail(ErrorCode::NotAllowed, what + " may not be read by the gateway",
-                        "the gateway's user must be in the group of the recordings");
+                        "add the gateway's user to the group of the recordings");
   }
   if (!file) {
-    return client::fail(ErrorCode::Failed, what + " cannot be read by the gateway", "it must run on the daemon's host and see its files");
+    return client::fail(ErrorCode::Failed, what + " cannot be read by the gateway",
+                        "run the gateway on the daemon's host, with access to its files");
   }
   struct stat facts {};
   std::array<char, kMagic.size()> begin{};

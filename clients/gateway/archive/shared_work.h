@@ -46,7 +46,7 @@ class SharedWork {
     try {
       return make(stop);
     } catch (const std::exception& problem) {
-      return core::fail(core::ErrorCode::Failed, std::string("this cannot be made: ") + problem.what());
+      return core::fail(core::ErrorCode::Failed, std::string("cannot prepare this: ") + problem.what());
     }
   }
 

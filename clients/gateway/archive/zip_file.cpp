@@ -29,7 +29,7 @@ using EntryPointer = std::unique_ptr<struct archive_entry, decltype(&archive_ent
 auto fail_with(struct archive* zip) {
   const char* why = archive_error_string(zip);
   return core::fail(core::ErrorCode::Failed, std::string("cannot write the zip file: ") + (why == nullptr ? "unknown" : why),
-                    "is there room in the cache directory?");
+                    "free space in the cache directory");
 }
 
 class ZipWriter {
@@ -72,7 +72,7 @@ class ZipWriter {
 
  private:
   [[nodiscard]] core::Status check() const {
-    if (!is_wanted_()) return core::fail(core::ErrorCode::Failed, "the export was stopped");
+    if (!is_wanted_()) return core::fail(core::ErrorCode::Failed, "the export was cancelled");
     if (static_cast<std::uint64_t>(archive_filter_bytes(zip_.get(), -1)) <= most_bytes_) return {};
     return core::fail(core::ErrorCode::LimitExceeded, "the export is too large for the gateway's cache");
   }

@@ -119,7 +119,7 @@ void BusReader::Loop::turn() {
   const auto message = subscriber_->receive(kTurn);
   if (!message) return give_up(message.error());
   if (*message) return pass_on(**message);
-  if (is_up_ && Clock::now() - heard_ > kSilence) tell(false, "the daemon is silent");
+  if (is_up_ && Clock::now() - heard_ > kSilence) tell(false, "the daemon does not answer");
 }
 
 void BusReader::Loop::pass_on(const client::Message& message) {

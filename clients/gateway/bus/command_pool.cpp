@@ -23,7 +23,7 @@ CommandPool::~CommandPool() {
 void CommandPool::submit(v1::Request request, Answered answered) {
   Lane& lane = wire::rules_of(request).role() == v1::ROLE_VIEWER ? looking_ : doing_;
   if (lane.taken == kMostWaiting) {
-    answered(client::fail(client::ErrorCode::LimitExceeded, "too many commands wait for the daemon", "try again in a moment"));
+    answered(client::fail(client::ErrorCode::LimitExceeded, "too many commands are waiting for the daemon", "try again in a moment"));
     return;
   }
   ++lane.taken;

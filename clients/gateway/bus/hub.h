@@ -12,13 +12,13 @@
 #include <string>
 #include <vector>
 
+#include "core/token_bucket.h"
 #include "gateway/access/identity.h"
 #include "gateway/bus/bus_reader.h"
 #include "gateway/bus/carried.h"
 #include "gateway/bus/command_pool.h"
 #include "gateway/bus/tab_queue.h"
 #include "gateway/http/tab.h"
-#include "gateway/http/token_bucket.h"
 
 namespace dts::gateway {
 
@@ -60,7 +60,7 @@ class Hub {
   std::string version_;
   v1::Link link_;
   boost::asio::steady_timer timer_;  ///< Runs while changed topics wait to be passed to the reader.
-  TokenBucket tellings_{kTellings_hz};
+  core::TokenBucket tellings_{kTellings_hz};
   bool is_telling_later_ = false;
   std::set<HubTab*> tabs_;
   TabQueue::Dropped dropped_for_closed_;  ///< Of tabs that are closed.

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <utility>
 
+#include "core/utf8.h"
 #include "dts/wire/options.h"
 #include "gateway/access/command_id.h"
 #include "gateway/bus/hub.h"
@@ -29,7 +30,7 @@ client::Error refusal(client::ErrorCode code, std::string what, std::string hint
 /// Cuts only between characters: half a character would make the message unreadable.
 std::string short_id(const std::string& id) {
   std::size_t length = std::min(id.size(), kLongestRequestId);
-  while (length > 0 && length < id.size() && (static_cast<unsigned char>(id[length]) & 0xC0U) == 0x80) --length;
+  while (length > 0 && length < id.size() && !core::starts_character(id[length])) --length;
   return id.substr(0, length);
 }
 
@@ -63,7 +64,7 @@ void HubTab::tell(const v1::Link& link) {
 
 void HubTab::push(const CarriedPointer& message) {
   // The status arrives every second: often enough to detect that a login has ended.
-  if (message->kind == Carried::Kind::Status && !identity_.holds()) return connection_.close(kLoggedOut, "the login has ended");
+  if (message->kind == Carried::Kind::Status && !identity_.holds()) return connection_.close(kLoggedOut, "the login has expired");
   queue_.push(message, Clock::now());
   arm();
 }
@@ -76,7 +77,7 @@ void HubTab::on_message(std::string_view bytes) {
   switch (message.body_case()) {
     case v1::FromBrowser::kSubscribe: return on_subscribe(std::move(*message.mutable_subscribe()));
     case v1::FromBrowser::kPainted:
-      if (!queue_.painted(message.painted().frame())) return connection_.close(kPolicyViolation, "painted a frame that was not sent");
+      if (!queue_.painted(message.painted().frame())) return connection_.close(kPolicyViolation, "confirmed a frame that was not sent");
       return arm();
     case v1::FromBrowser::kClockProbe: return answer_clock(message.clock_probe());
     case v1::FromBrowser::kRequest: return on_request(std::move(*message.mutable_request()));
@@ -104,15 +105,16 @@ void HubTab::on_request(v1::Request&& request) {
   const v1::Role needed = wire::rules_of(request).role();
   const std::string id = request.request_id();
   if (id.empty() || id.size() > kLongestRequestId || needed == v1::ROLE_UNSPECIFIED || request.has_note_login()) {
-    return refuse(id, refusal(client::ErrorCode::InvalidArgument, "not a command that this version knows", "reload the page"));
+    return refuse(id, refusal(client::ErrorCode::InvalidArgument, "unknown command for this version of the gateway", "reload the page"));
   }
-  if (!identity_.holds()) return connection_.close(kLoggedOut, "the login has ended");
+  if (!identity_.holds()) return connection_.close(kLoggedOut, "the login has expired");
   if (!may(identity_, needed)) {
     const std::string role = needed == v1::ROLE_ENGINEER ? "engineer" : "operator";
-    return refuse(id, refusal(client::ErrorCode::NotAllowed, "this needs the role of an " + role, "log in as somebody who has it"));
+    return refuse(id, refusal(client::ErrorCode::NotAllowed, "this command requires the role " + role, "log in as a user with this role"));
   }
   if (commands_under_way_ == kMostCommandsUnderWay) {
-    return refuse(id, refusal(client::ErrorCode::LimitExceeded, "too many commands at once", "wait for the answers to those before"));
+    return refuse(id,
+                  refusal(client::ErrorCode::LimitExceeded, "too many commands at once", "wait for the pending answers, then try again"));
   }
   ++commands_under_way_;
   request.set_request_id(command_id(identity_.user, id));

@@ -13,12 +13,12 @@
 #include <string_view>
 #include <utility>
 
+#include "core/token_bucket.h"
 #include "gateway/http/body_source.h"
 #include "gateway/http/json_answer.h"
 #include "gateway/http/peer_stream.h"
 #include "gateway/http/request_check.h"
 #include "gateway/http/response_head.h"
-#include "gateway/http/token_bucket.h"
 #include "gateway/http/websocket_session.h"
 
 namespace dts::gateway {
@@ -74,7 +74,7 @@ class HttpSession : public Connection, public std::enable_shared_from_this<HttpS
   PeerStream stream_;
   beast::flat_buffer buffer_{16384};  // holds a whole header, and pipelined requests until they are handled
   std::optional<http::request_parser<http::string_body>> parser_;
-  TokenBucket requests_;
+  core::TokenBucket requests_;
   std::uint64_t request_number_ = 0;
   std::uint64_t answered_number_ = 0;
   bool is_over_ = false;
@@ -157,14 +157,14 @@ void HttpSession::route(HttpRequest request) {
     self->answer(number, std::move(response));
   };
   if (!returns([&] { server_->hooks.handle(std::move(request), respond); })) {
-    respond(error_answer(500, "the gateway made a mistake", "see its log"));
+    respond(error_answer(500, "internal error of the gateway", "read its log: journalctl -u dts-gateway"));
   }
 }
 
 void HttpSession::upgrade(RawRequest raw, const HttpRequest& request) {
   if (auto refused = refuse_upgrade(raw, request)) return refuse(std::move(*refused));
   // A browser sends data only after the answer; earlier bytes would be parsed as a request, or lost.
-  if (buffer_.size() > 0) return refuse(error_answer(400, "bytes before the answer to an upgrade", "wait for it"));
+  if (buffer_.size() > 0) return refuse(error_answer(400, "data before the answer to the upgrade", "wait for it"));
   auto identity = identify(request);
   if (!identity) return refuse(error_answer(401, "not logged in", "log in first"));
   if (!seat_.belongs_to(identity->user)) {
@@ -188,7 +188,7 @@ void HttpSession::answer(std::uint64_t number, HttpResponse response) {
   answered_number_ = number;
   body_.emplace(std::move(response.body));
   if (!body_->is_good()) {
-    response = error_answer(404, "the file is gone", "ask for it again");
+    response = error_answer(404, "the file no longer exists", "request it again");
     body_.emplace(response.body);
   }
   ++server_->statistics.answers_total[response.status];

@@ -25,14 +25,12 @@ constexpr std::array kOnlyOnce{http::field::host,   http::field::content_length,
 
 std::string text_of(boost::beast::string_view text) { return {text.data(), text.size()}; }
 
-HttpResponse no_request(std::string_view what) {
-  return error_answer(400, what, "only browsers and simple HTTP clients are understood here");
-}
+HttpResponse no_request(std::string_view what) { return error_answer(400, what, "unsupported HTTP request"); }
 
 std::optional<HttpResponse> refuse_method(http::verb method) {
   if (method == http::verb::get || method == http::verb::head || method == http::verb::post) return std::nullopt;
-  if (method == http::verb::unknown) return error_answer(501, "no such method", "use GET, HEAD or POST");
-  auto response = error_answer(405, "not with that method", "use GET, HEAD or POST");
+  if (method == http::verb::unknown) return error_answer(501, "unknown method", "use GET, HEAD or POST");
+  auto response = error_answer(405, "this path does not accept this method", "use GET, HEAD or POST");
   response.headers.emplace_back("Allow", "GET, HEAD, POST");
   return response;
 }
@@ -40,16 +38,16 @@ std::optional<HttpResponse> refuse_method(http::verb method) {
 /// Rejects a body where none is allowed, or with two different lengths: attackers hide a second request this way (RFC 9112, 11.2).
 std::optional<HttpResponse> refuse_framing(const RawRequest& raw) {
   for (const http::field name : kOnlyOnce) {
-    if (raw.count(name) > 1) return no_request("a header that may be there once is there twice");
+    if (raw.count(name) > 1) return no_request("a header appears twice that may appear once");
   }
   const bool is_chunked = raw.count(http::field::transfer_encoding) > 0;
-  if (is_chunked && raw.count(http::field::content_length) > 0) return no_request("two lengths of one body");
+  if (is_chunked && raw.count(http::field::content_length) > 0) return no_request("two lengths for one body");
   if (is_chunked && !boost::beast::iequals(raw[http::field::transfer_encoding], "chunked")) {
     return error_answer(501, "an unknown transfer encoding", "use a Content-Length");
   }
   const auto length = raw[http::field::content_length];
   if (raw.method() != http::verb::post && (is_chunked || !raw.body().empty() || !(length.empty() || length == "0"))) {
-    return no_request("a body where none belongs");
+    return no_request("a body is not allowed here");
   }
   return std::nullopt;
 }
@@ -81,7 +79,8 @@ tl::expected<HttpRequest, HttpResponse> check_request(RawRequest raw, const Peer
   const auto host = parse_authority(text_of(raw[http::field::host]));
   if (!host) return tl::make_unexpected(no_request("no usable Host header"));
   if (!hosts.is_ours(*host, peer.local_address)) {
-    return tl::make_unexpected(error_answer(421, "not a name of this gateway", "add the name to the gateway's host names if it is one"));
+    return tl::make_unexpected(error_answer(421, "the address does not contain a name of this gateway",
+                                            "if the name is right, add it: dts-gateway serve --host-name NAME"));
   }
   if (auto refused = refuse_method(raw.method())) return tl::make_unexpected(std::move(*refused));
   auto target = parse_target(text_of(raw.target()));
@@ -99,34 +98,36 @@ tl::expected<HttpRequest, HttpResponse> check_request(RawRequest raw, const Peer
   request.is_same_origin = is_same_origin(request.header("origin"), *host, is_secure);
   const bool has_origin = request.headers.contains("origin");
   if (request.method == "POST" && has_origin && !request.is_same_origin) {
-    return tl::make_unexpected(error_answer(403, "from a page of somebody else", "open the dashboard itself"));
+    return tl::make_unexpected(
+        error_answer(403, "rejected: the request comes from a page of another site", "open the dashboard at the address of the gateway"));
   }
   return request;
 }
 
 std::optional<HttpResponse> refuse_upgrade(const RawRequest& raw, const HttpRequest& request) {
-  if (request.path != "/ws") return error_answer(404, "no WebSocket here", "it is at /ws");
-  if (!request.is_same_origin) return error_answer(403, "from a page of somebody else", "open the dashboard itself");
+  if (request.path != "/ws") return error_answer(404, "this path has no WebSocket", "connect to /ws");
+  if (!request.is_same_origin)
+    return error_answer(403, "rejected: the request comes from a page of another site", "open the dashboard at the address of the gateway");
   if (raw[http::field::sec_websocket_version] != "13") {
-    auto response = error_answer(426, "not this version of WebSocket", "use version 13");
+    auto response = error_answer(426, "unsupported version of WebSocket", "use version 13");
     response.headers.emplace_back("Sec-WebSocket-Version", "13");
     return response;
   }
   if (!is_websocket_key(text_of(raw[http::field::sec_websocket_key]))) {
-    return error_answer(400, "no usable Sec-WebSocket-Key", "it is 16 bytes in base64");
+    return error_answer(400, "no usable Sec-WebSocket-Key", "send 16 bytes in base64");
   }
   if (!http::token_list(raw[http::field::sec_websocket_protocol]).exists("dts.v1")) {
-    return error_answer(400, "not this subprotocol", "ask for dts.v1");
+    return error_answer(400, "unsupported subprotocol", "request dts.v1");
   }
   return std::nullopt;
 }
 
 std::optional<HttpResponse> refuse_unreadable(const boost::system::error_code& error) {
   if (error == http::error::header_limit || error == http::error::buffer_overflow) {
-    return error_answer(431, "the header is too large", "forget the cookies of this address");
+    return error_answer(431, "the header is too large", "delete the cookies of this site in the browser");
   }
   if (error == http::error::body_limit) return error_answer(413, "the body is too large", "send less");
-  if (error == http::error::bad_version) return error_answer(505, "not this version of HTTP", "use HTTP/1.1");
+  if (error == http::error::bad_version) return error_answer(505, "unsupported version of HTTP", "use HTTP/1.1");
   const bool is_broken_off = error == http::error::end_of_stream || error == http::error::partial_message;
   if (is_broken_off || error.category() != http::make_error_code(http::error::bad_method).category()) return std::nullopt;
   return no_request("not HTTP");

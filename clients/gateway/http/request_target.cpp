@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <utility>
+
+#include "core/utf8.h"
 
 namespace dts::gateway {
 namespace {
@@ -16,22 +17,12 @@ int hex_value(char digit) noexcept {
   return -1;
 }
 
-/// Returns the length of the sequence that starts with `first`, and the smallest code point that needs this length; {0, 0} if none starts
-/// with it.
-std::pair<std::size_t, std::uint32_t> sequence_of(unsigned char first) noexcept {
-  if (first < 0x80) return {1, 0};
-  if ((first & 0xE0U) == 0xC0) return {2, 0x80};
-  if ((first & 0xF0U) == 0xE0) return {3, 0x800};
-  if ((first & 0xF8U) == 0xF0) return {4, 0x10000};
-  return {0, 0};
-}
-
 bool has_control_character(std::string_view text) noexcept {
   return std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; });
 }
 
 bool is_harmless_path(std::string_view path) noexcept {
-  if (path.empty() || path.front() != '/' || !is_utf8(path) || has_control_character(path)) return false;
+  if (path.empty() || path.front() != '/' || !core::is_utf8(path) || has_control_character(path)) return false;
   if (path.find('\\') != std::string_view::npos) return false;
   for (std::size_t at = 0; at != std::string_view::npos;) {
     const std::size_t end = path.find('/', at + 1);
@@ -51,7 +42,7 @@ std::optional<std::map<std::string, std::string>> parse_query(std::string_view t
     const std::size_t equals = std::min(pair.find('='), pair.size());
     auto key = percent_decoded(pair.substr(0, equals), true);
     auto value = percent_decoded(pair.substr(std::min(pair.size(), equals + 1)), true);
-    if (!key || !value || !is_utf8(*key) || !is_utf8(*value)) return std::nullopt;
+    if (!key || !value || !core::is_utf8(*key) || !core::is_utf8(*value)) return std::nullopt;
     if (has_control_character(*key) || has_control_character(*value)) return std::nullopt;
     if (!query.emplace(std::move(*key), std::move(*value)).second) return std::nullopt;
   }
@@ -59,23 +50,6 @@ std::optional<std::map<std::string, std::string>> parse_query(std::string_view t
 }
 
 }  // namespace
-
-bool is_utf8(std::string_view text) noexcept {
-  for (std::size_t at = 0; at < text.size();) {
-    const auto first = static_cast<unsigned char>(text[at]);
-    const auto [length, least] = sequence_of(first);
-    if (length == 0 || length > text.size() - at) return false;
-    std::uint32_t code = length == 1 ? first : first & (0xFFU >> (length + 1));
-    for (std::size_t i = 1; i < length; ++i) {
-      const auto next = static_cast<unsigned char>(text[at + i]);
-      if ((next & 0xC0U) != 0x80) return false;
-      code = (code << 6U) | (next & 0x3FU);
-    }
-    if (code < least || code > 0x10FFFF || (code >= 0xD800 && code <= 0xDFFF)) return false;
-    at += length;
-  }
-  return true;
-}
 
 std::optional<std::string> percent_decoded(std::string_view text, bool plus_is_space) {
   std::string decoded;

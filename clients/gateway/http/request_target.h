@@ -22,7 +22,4 @@ struct RequestTarget {
 /// Returns nothing for an invalid escape.
 [[nodiscard]] std::optional<std::string> percent_decoded(std::string_view text, bool plus_is_space = false);
 
-/// Returns true for complete, shortest-form UTF-8 without surrogates (RFC 3629): an overlong "/" is not a "/".
-[[nodiscard]] bool is_utf8(std::string_view text) noexcept;
-
 }  // namespace dts::gateway

@@ -110,15 +110,15 @@ Result<StaticFiles> StaticFiles::load(const fs::path& root) {
     return client::fail(ErrorCode::Failed, "cannot read the folder '" + root.string() + "': " + failed.message());
   }
   if (!all.files_.contains(std::string(kIndex))) {
-    return client::fail(ErrorCode::InvalidArgument, "there is no dashboard in '" + root.string() + "': no index.html",
-                        "give the folder that the dashboard was built into");
+    return client::fail(ErrorCode::InvalidArgument, "no dashboard in '" + root.string() + "': no index.html",
+                        "give the folder with the built dashboard: --web-root DIR");
   }
   return all;
 }
 
 void StaticFiles::serve(const HttpRequest& request, const Respond& respond) const {
   if (request.method != "GET" && request.method != "HEAD") {
-    return respond({.status = 405, .body = "not that way\n", .headers = {{"Allow", "GET, HEAD"}}});
+    return respond({.status = 405, .body = "this path accepts only GET and HEAD\n", .headers = {{"Allow", "GET, HEAD"}}});
   }
   const auto found = files_.find(request.path == "/" ? std::string(kIndex) : request.path);
   if (found == files_.end()) return respond({.status = 404, .body = "no such page\n"});

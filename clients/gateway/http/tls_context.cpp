@@ -22,11 +22,11 @@ tl::unexpected<client::Error> unusable(const std::string& file, const std::strin
 }  // namespace
 
 client::Result<std::unique_ptr<ssl::context>> open_tls(const std::string& certificate_file, const std::string& key_file) {
-  if (certificate_file.empty()) return unusable(key_file, "a key without a certificate");
-  if (key_file.empty()) return unusable(certificate_file, "a certificate without a key");
+  if (certificate_file.empty()) return unusable(key_file, "key without a certificate");
+  if (key_file.empty()) return unusable(certificate_file, "certificate without a key");
   for (const std::string& file : {certificate_file, key_file}) {
     std::error_code unknown;
-    if (!std::filesystem::is_regular_file(file, unknown)) return unusable(file, "is no file that can be read");  // a pipe would block
+    if (!std::filesystem::is_regular_file(file, unknown)) return unusable(file, "is not a readable file");  // a pipe would block
   }
   auto context = std::make_unique<ssl::context>(ssl::context::tls_server);
   SSL_CTX* const raw = context->native_handle();

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <utility>
 
-#include "gateway/http/token_bucket.h"
+#include "core/token_bucket.h"
 
 namespace dts::gateway {
 namespace {
@@ -47,7 +47,7 @@ class WebSocketSession : public Connection, public TabConnection, public std::en
   void send(std::string message) override;
   [[nodiscard]] std::size_t unsent_bytes() const noexcept override { return unsent_bytes_; }
   void close(unsigned code, std::string reason) override;
-  void go_away() override { give_up(websocket::close_code::going_away, "the gateway stops"); }
+  void go_away() override { give_up(websocket::close_code::going_away, "the gateway is stopping"); }
   void drop() override { end(); }
 
  private:
@@ -66,7 +66,7 @@ class WebSocketSession : public Connection, public TabConnection, public std::en
   Identity identity_;
   websocket::stream<PeerStream, false> socket_;  // false: compiled without permessage-deflate
   asio::steady_timer watch_;
-  TokenBucket messages_;
+  core::TokenBucket messages_;
   beast::flat_buffer incoming_;
   std::deque<std::string> outgoing_;
   std::size_t unsent_bytes_ = 0;
@@ -106,7 +106,7 @@ void WebSocketSession::open() {
   ++server_->statistics.tabs;
   socket_.next_layer().read_budget().allow(server_->limits.websocket_message_bytes + kMessageOverheadBytes);
   if (!returns([&] { tab_ = server_->hooks.open_tab(identity_, *this); }) || !tab_) {
-    close(websocket::close_code::internal_error, "the gateway made a mistake");
+    close(websocket::close_code::internal_error, "internal error of the gateway");
   }
   watch();
   read();
@@ -129,7 +129,7 @@ void WebSocketSession::on_message() {
     } else if (!messages_.take(Clock::now())) {
       give_up(websocket::close_code::policy_error, "too many messages");
     } else if (!returns([&] { tab_->on_message(message); })) {
-      give_up(websocket::close_code::internal_error, "the gateway made a mistake");
+      give_up(websocket::close_code::internal_error, "internal error of the gateway");
     }
   }
   incoming_.clear();
@@ -147,7 +147,7 @@ void WebSocketSession::on_control(websocket::frame_type kind, std::size_t payloa
 void WebSocketSession::send(std::string message) {
   if (!is_open_ || is_over_ || closes_since_) return;
   if (unsent_bytes_ + message.size() > server_->limits.unsent_bytes) {
-    return give_up(websocket::close_code::policy_error, "messages are not being read");
+    return give_up(websocket::close_code::policy_error, "the browser does not read its messages");
   }
   unsent_bytes_ += message.size();
   outgoing_.push_back(std::move(message));

@@ -48,24 +48,23 @@ void add_losses(const v1::RigStatus& rig, const std::string& name, Exposition& o
     const MetricLabels labels{{"rig", name}, {"cause", word(*causes.value(index))}};
     out.counter({"dts_lost_scans_total", "Scans lost before the pipeline, by cause."},
                 has_happened ? number(counted->lost_scans_total()) : 0.0, labels);
-    out.counter({"dts_gaps_total", "Holes in the data, by cause."}, has_happened ? number(counted->gaps_total()) : 0.0, labels);
+    out.counter({"dts_gaps_total", "Gaps in the data, by cause."}, has_happened ? number(counted->gaps_total()) : 0.0, labels);
   }
 }
 
 void add_device(const v1::RigStatus& rig, const MetricLabels& labels, Exposition& out) {
-  add_states({"dts_device_state", "1 for the state in which the rig's device is."}, *v1::DeviceState_descriptor(), rig.device(), labels,
+  add_states({"dts_device_state", "1 for the present state of the rig's device."}, *v1::DeviceState_descriptor(), rig.device(), labels,
              out);
-  out.counter({"dts_scans_total", "Scans taken from the device; those that found the ring full are among the lost."},
+  out.counter({"dts_scans_total", "Scans read from the device, including scans then lost because a queue was full."},
               number(rig.scans_total()), labels);
-  out.counter({"dts_reconnects_total", "Times that a lost device came back."}, number(rig.reconnects_total()), labels);
-  out.counter({"dts_device_restarts_total", "Times that the scan of a present device had to be started again."},
-              number(rig.restarts_total()), labels);
-  out.gauge({"dts_nominal_rate_hertz", "Scans per second as the device promised them."}, rig.nominal_rate_hz(), labels);
-  out.gauge({"dts_measured_rate_hertz", "Scans per second over the last seconds by the host's clock; 0: silent, or not known yet."},
-            rig.measured_rate_hz(), labels);
-  out.gauge({"dts_clock_drift_ratio", "How much faster than nominal the device's clock runs; 0 while unknown."},
+  out.counter({"dts_reconnects_total", "Reconnections of a lost device."}, number(rig.reconnects_total()), labels);
+  out.counter({"dts_device_restarts_total", "Restarts of the scan of a connected device."}, number(rig.restarts_total()), labels);
+  out.gauge({"dts_nominal_rate_hertz", "Nominal rate of the device."}, rig.nominal_rate_hz(), labels);
+  out.gauge({"dts_measured_rate_hertz", "Rate over the last seconds by the host's clock; 0: no data, or unknown."}, rig.measured_rate_hz(),
+            labels);
+  out.gauge({"dts_clock_drift_ratio", "Drift of the device's clock: positive if fast; 0 while unknown."},
             rig.clock_drift_ppm() / kPartsPerMillion, labels);
-  out.gauge({"dts_host_time_uncertainty_seconds", "How far the host time of the newest block may be off."},
+  out.gauge({"dts_host_time_uncertainty_seconds", "Uncertainty of the host time of the newest block."},
             static_cast<double>(rig.host_time_uncertainty_ns()) / kNanosecondsPerSecond, labels);
 }
 
@@ -80,38 +79,38 @@ prometheus::ClientMetric::Histogram latency_of(const v1::LatencyHistogram& laten
 }
 
 void add_flow(const v1::RigStatus& rig, const std::string& name, const MetricLabels& labels, Exposition& out) {
-  out.gauge({"dts_pipeline_seconds_per_scan", "Time spent in the stages, moving mean."},
+  out.gauge({"dts_pipeline_seconds_per_scan", "Processing time per scan, moving mean."},
             rig.pipeline_us_per_scan() / kMicrosecondsPerSecond, labels);
   const v1::RingFill& fill = rig.ring_fill();
   for (const auto& [ring, percent] :
        {std::pair{"scans", fill.scans_percent()}, {"frames", fill.frames_percent()}, {"record", fill.record_percent()}}) {
-    out.gauge({"dts_ring_fill_ratio", "How full a queue was at its fullest within the last half minute; 1: something was lost, or nearly."},
-              percent / kPercent, {{"rig", name}, {"ring", ring}});
+    out.gauge({"dts_ring_fill_ratio", "Largest fill of a queue within the last 30 s; at 1 data are dropped."}, percent / kPercent,
+              {{"rig", name}, {"ring", ring}});
   }
-  out.counter({"dts_dropped_blocks_total", "Blocks that found the publisher's queue full."}, number(rig.dropped_blocks_total()), labels);
-  out.counter({"dts_lost_events_total", "Triggers, reaches and classes that found no room in a queue."}, number(rig.lost_events_total()),
+  out.counter({"dts_dropped_blocks_total", "Blocks dropped because the publisher's queue was full."}, number(rig.dropped_blocks_total()),
               labels);
-  out.histogram({"dts_block_latency_seconds", "From the instant of a block's newest scan until it was handed to the data socket."},
-                latency_of(rig.latency()), labels);
+  out.counter({"dts_lost_events_total", "Triggers, reaches and classes lost because a queue was full."}, number(rig.lost_events_total()),
+              labels);
+  out.histogram({"dts_block_latency_seconds", "Time from a block's newest scan to the data socket."}, latency_of(rig.latency()), labels);
 }
 
 void add_session(const v1::RigStatus& rig, const MetricLabels& labels, Exposition& out) {
   const v1::SessionInfo& session = rig.session();
-  add_states({"dts_session_state", "1 for the state in which the rig's session is, or its last one ended."}, *v1::SessionState_descriptor(),
+  add_states({"dts_session_state", "1 for the state of the rig's session, or of its last one."}, *v1::SessionState_descriptor(),
              session.state(), labels, out);
-  out.gauge({"dts_recording_active", "1 while a recording is under way."}, session.recording().is_recording() ? 1.0 : 0.0, labels);
-  out.gauge({"dts_recording_bytes", "Size of the recording under way, or of the last."}, number(session.recording().bytes()), labels);
-  out.gauge({"dts_recording_lost_scans", "Scans that the recording under way, or the last, lacks."},
+  out.gauge({"dts_recording_active", "1 while a recording runs."}, session.recording().is_recording() ? 1.0 : 0.0, labels);
+  out.gauge({"dts_recording_bytes", "Size of the present recording, or of the last one."}, number(session.recording().bytes()), labels);
+  out.gauge({"dts_recording_lost_scans", "Scans lost from the present recording, or from the last one."},
             number(session.recording().lost_scans_total()), labels);
-  out.gauge({"dts_recording_lag_seconds", "What a power cut now would take from the recording under way."}, rig.record_lag_s(), labels);
+  out.gauge({"dts_recording_lag_seconds", "Length of the recording that a power cut now would lose."}, rig.record_lag_s(), labels);
 }
 
 void add_disk(const v1::DiskStatus& disk, Exposition& out) {
   if (disk.state() == v1::DISK_STATE_UNSPECIFIED) return;
-  add_states({"dts_disk_state", "1 for the state in which the disk of the recordings is."}, *v1::DiskState_descriptor(), disk.state(), {},
+  add_states({"dts_disk_state", "1 for the present state of the disk of the recordings."}, *v1::DiskState_descriptor(), disk.state(), {},
              out);
-  out.gauge({"dts_disk_free_bytes", "Room on the disk of the recordings."}, number(disk.free_bytes()));
-  out.gauge({"dts_disk_recordable_seconds", "How long there is room with every rig recording."}, disk.recordable_s());
+  out.gauge({"dts_disk_free_bytes", "Free space on the disk of the recordings."}, number(disk.free_bytes()));
+  out.gauge({"dts_disk_recordable_seconds", "Recording time left with all rigs recording."}, disk.recordable_s());
 }
 
 }  // namespace
@@ -119,11 +118,10 @@ void add_disk(const v1::DiskStatus& disk, Exposition& out) {
 void add_daemon(const v1::StatusSnapshot& status, Exposition& out) {
   out.gauge({"dts_daemon_info", "Version of the daemon, as a label."}, 1.0, {{"version", status.version()}});
   out.gauge({"dts_daemon_uptime_seconds", "Time since the daemon started."}, status.uptime_s());
-  out.gauge({"dts_daemon_notices", "Complaints in the daemon's status: dtsctl status shows them."}, status.notices_size());
+  out.gauge({"dts_daemon_notices", "Notices in the daemon's status; dtsctl status shows them."}, status.notices_size());
   out.counter({"dts_rejected_requests_total", "Malformed or oversized control messages."}, number(status.rejected_requests_total()));
-  out.counter({"dts_accepted_handshakes_total", "Connections of clients with keys that were let in."},
-              number(status.accepted_handshakes_total()));
-  out.counter({"dts_refused_handshakes_total", "Connections from other machines that were refused: no key, or too many at a time."},
+  out.counter({"dts_accepted_handshakes_total", "Accepted connections of clients with keys."}, number(status.accepted_handshakes_total()));
+  out.counter({"dts_refused_handshakes_total", "Rejected connections from other machines: no key, or too many at once."},
               number(status.refused_handshakes_total()));
   add_disk(status.disk(), out);
   for (const v1::RigStatus& rig : status.rigs()) {

@@ -8,14 +8,22 @@
 #include "cli/exit_status.h"
 #include "cli/json.h"
 #include "cli/progress.h"
-#include "lab/gnuplot.h"
-#include "lab/problems.h"
+#include "lab/base/command.h"
+#include "lab/base/gnuplot.h"
+#include "lab/base/problems.h"
 #include "lab/reach/predictions.h"
 #include "lab/reach/reach_plot.h"
 #include "lab/reach/trial_set.h"
 
 namespace dts::lab::reach {
 namespace {
+
+struct EventsArguments {
+  std::string folder;
+  std::string out;
+  std::string plot;  ///< Output file for a picture; empty: none.
+  bool is_json = false;
+};
 
 using Reaches = std::vector<std::optional<core::ReachEvent>>;
 
@@ -42,7 +50,7 @@ std::size_t count_with(const Reaches& reaches, unsigned flags) {
       std::ranges::count_if(reaches, [flags](const auto& reach) { return reach && (reach->flags & flags) != 0; }));
 }
 
-void print_summary(const Reaches& reaches, const Arguments& arguments, cli::Console& console) {
+void print_summary(const Reaches& reaches, const EventsArguments& arguments, cli::Console& console) {
   constexpr unsigned kDoubts = core::reach_flag::kBaselineUncertain | core::reach_flag::kTimeout | core::reach_flag::kSubstituted |
                                core::reach_flag::kSaturated | core::reach_flag::kImplausible | core::reach_flag::kStoodUp |
                                core::reach_flag::kUntared;
@@ -58,9 +66,7 @@ void print_summary(const Reaches& reaches, const Arguments& arguments, cli::Cons
               << doubtful << " doubtful\n";
 }
 
-}  // namespace
-
-int run_events(const Arguments& arguments, cli::Console& console) {
+int run_events(const EventsArguments& arguments, cli::Console& console) {
   if (!arguments.plot.empty()) {
     if (const auto status = check_plot_name(arguments.plot); !status) return fail_with(console, status.error());
   }
@@ -77,6 +83,31 @@ int run_events(const Arguments& arguments, cli::Console& console) {
   }
   print_summary(reaches, arguments, console);
   return cli::kOk;
+}
+
+}  // namespace
+
+CLI::Option* add_folder(CLI::App& command, std::string& folder) {
+  return command.add_option("DIR", folder, "Folder of trials: subjects.csv, trials.csv, sensors.csv, calibration.csv and the files with volts")
+      ->option_text(" ");
+}
+
+CLI::App& add_commands(cli::CommandLine& line) {
+  CLI::App* reach = cli::add_group(line.app, "reach", "Find and classify reaches on the chair",
+                                   "dtslab reach events trials/ --out pred.csv | P1, P2 and P3 of each trial\n"
+                                   "dtslab reach train trials/ --out model.toml | a model of trunk movement\n");
+  const auto [command, arguments] =
+      add_command(line, *reach, "events", "Find the reach of each trial: the points P1, P2 and P3 of its transient",
+                  "dtslab reach events trials/ --out pred.csv | times in s from each trial's first sample\n"
+                  "dtslab reach events trials/ --out pred.csv --plot reaches.svg | also draw one trial per condition\n",
+                  run_events);
+  add_folder(command, arguments.folder)->required();
+  command.add_option("--out", arguments.out, "CSV file to write; the columns of class and trunk stay empty")
+      ->option_text("PRED.csv")
+      ->required();
+  add_plot(command, arguments.plot, "Draw the first trial of each condition");
+  add_json(command, arguments.is_json);
+  return *reach;
 }
 
 }  // namespace dts::lab::reach

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "cli/console.h"
-#include "lab/arguments.h"
+#include <string>
+
+#include "cli/command_line.h"
 
 namespace dts::lab::reach {
 
-/// `dtslab reach events`.
-[[nodiscard]] int run_events(const Arguments& arguments, cli::Console& console);
+/// Adds the group `dtslab reach` with `reach events`; other rooms add the other commands of the group.
+CLI::App& add_commands(cli::CommandLine& line);
+
+/// Adds the argument DIR, which may be missing: a folder of trials.
+CLI::Option* add_folder(CLI::App& command, std::string& folder);
 
 }  // namespace dts::lab::reach

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <set>
 
-#include "lab/plot.h"
+#include "lab/base/plot.h"
 #include "lab/reach/trial_pipeline.h"
 
 namespace dts::lab::reach {

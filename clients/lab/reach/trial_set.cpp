@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "lab/csv.h"
+#include "lab/base/csv.h"
 #include "lab/reach/volts_file.h"
 
 namespace dts::lab::reach {
@@ -41,7 +41,7 @@ std::vector<SensorRow> read_sensors(const std::string& file, files::Problems& pr
   const CsvTable table = CsvTable::read(file, columns, problems);
   if (problems.size() != before) return {};
   if (table.row_count() != kSensors) {
-    report(problems, file, 0, "has " + std::to_string(table.row_count()) + " sensors; a transient takes " + std::to_string(kSensors));
+    report(problems, file, 0, "has " + std::to_string(table.row_count()) + " sensors; the transient requires " + std::to_string(kSensors));
     return {};
   }
   std::vector<SensorRow> sensors(kSensors);
@@ -81,7 +81,7 @@ physics::RigModel read_rig(const std::string& folder, files::Problems& problems)
       continue;
     }
     const core::Volts tare{sensors[k].tare_v};
-    if (!curve->contains(tare)) report(problems, path_of(folder, "sensors.csv"), k + 2, "tare_v lies outside the sensor's calibration");
+    if (!curve->contains(tare)) report(problems, path_of(folder, "sensors.csv"), k + 2, "tare_v is outside the sensor's calibration");
     const core::Millimetres gap = curve->gap(tare);
     rig.sensors.push_back(
         {.label = "w" + std::to_string(k + 1), .position = sensors[k].position, .curve = std::move(*curve), .unloaded_gap = gap});
@@ -103,7 +103,7 @@ std::vector<Subject> read_subjects(const std::string& file, files::Problems& pro
   for (std::size_t row = 0; row < table.row_count(); ++row) {
     const std::string& name = table.texts("subject")[row];
     if (name.empty() || std::ranges::find(subjects, name, &Subject::name) != subjects.end()) {
-      report(problems, file, CsvTable::line_of_row(row), name.empty() ? "a subject without a name" : "subject '" + name + "' stands twice");
+      report(problems, file, CsvTable::line_of_row(row), name.empty() ? "a subject without a name" : "subject '" + name + "' occurs twice");
     }
     const std::string& group = table.texts("group")[row];
     if (group != "healthy" && group != "stroke") {
@@ -156,10 +156,11 @@ class TrialReader {
     if (found == set_.subjects.end()) return report(problems_, file_, line, "subject '" + subject + "' is not in subjects.csv");
     const std::string& condition = table.texts("condition")[row];
     if (!condition.empty() && !target_cm(found->person, condition)) {
-      report(problems_, file_, line, "condition '" + condition + "' is no target: write max, percent of the arm's length, or nothing");
+      report(problems_, file_, line,
+             "condition '" + condition + "' is not a target: write max, a percentage of the arm length, or nothing");
     }
     const double number = table.numbers("trial")[row];
-    if (number != std::floor(number)) return report(problems_, file_, line, "the number of a trial must be a whole one");
+    if (number != std::floor(number)) return report(problems_, file_, line, "the trial number must be a whole number");
     Trial trial{.subject = static_cast<std::size_t>(found - set_.subjects.begin()),
                 .number = static_cast<std::uint32_t>(number),
                 .condition = condition,
@@ -169,7 +170,8 @@ class TrialReader {
     if (!rate) return report(problems_, file_, line, rate.error().what);
     trial.rate = *rate;
     const std::string name = volts_file(folder_, table, row);
-    if (!is_plain_name(name)) return report(problems_, file_, line, "file '" + name + "' is not a name in this folder");
+    if (!is_plain_name(name))
+      return report(problems_, file_, line, "file '" + name + "' is not a plain file name; the file must be in this folder");
     const auto* volts = file_of(name).find(trial.number);
     if (volts != nullptr) {
       trial.volts = *volts;

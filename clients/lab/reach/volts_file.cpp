@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "lab/csv.h"
+#include "lab/base/csv.h"
 
 namespace dts::lab::reach {
 
@@ -21,7 +21,7 @@ VoltsFile VoltsFile::read(const std::string& file, files::Problems& problems) {
     const bool is_new = row == 0 || numbers[row] != numbers[row - 1];
     if (numbers[row] != std::floor(numbers[row]) || (is_new && result.trials_.contains(trial))) {
       problems.push_back({file, static_cast<std::uint32_t>(CsvTable::line_of_row(row)), 1,
-                          "trials must be whole numbers, and the rows of one must stand together"});
+                          "trial must be a whole number, and the rows of a trial must follow each other"});
       return result;
     }
     result.trials_[trial].push_back(

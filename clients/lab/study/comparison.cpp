@@ -23,16 +23,16 @@ constexpr std::nullopt_t kNone = std::nullopt;
 
 const std::vector<Line>& lines() {
   static const std::vector<Line> all{
-      {"nn1_own_r", "NN1, taught by A to C: R on its own reaches", 0, 1.0, [](const Draw& d) { return d.nn1.own_r; }},
+      {"nn1_own_r", "NN1, trained on A to C: R on its own reaches", 0, 1.0, [](const Draw& d) { return d.nn1.own_r; }},
       {"nn1_teachers_correct", "NN1 on A to C", 135, kNone, [](const Draw& d) { return correct(d.nn1.teachers); }},
       {"nn1_healthy_correct", "NN1 on H1 to H10", 450, 424.0, [](const Draw& d) { return correct(d.nn1.healthy); }},
       {"nn1_stroke_correct", "NN1 on S1 to S5, critical boundary", 75, 70.0, [](const Draw& d) { return correct(d.nn1.stroke); }},
-      {"nn2_own_r", "NN2, taught by the body model at four paces: R", 0, 1.0, [](const Draw& d) { return d.nn2.own_r; }},
-      {"nn2_one_pace_teachers_correct", "NN2 of the thesis's one pace on A to C", 135, 134.0,
+      {"nn2_own_r", "NN2, trained on the body model at four paces: R", 0, 1.0, [](const Draw& d) { return d.nn2.own_r; }},
+      {"nn2_one_pace_teachers_correct", "NN2 with the single pace of the thesis, on A to C", 135, 134.0,
        [](const Draw& d) { return correct(d.nn2_one_pace.teachers); }},
-      {"nn2_teachers_correct", "NN2 of four paces on A to C", 135, 134.0, [](const Draw& d) { return correct(d.nn2.teachers); }},
-      {"nn2_healthy_correct", "NN2 of four paces on H1 to H10", 450, 438.0, [](const Draw& d) { return correct(d.nn2.healthy); }},
-      {"nn2_stroke_correct", "NN2 of four paces on S1 to S5, critical boundary", 75, 71.0,
+      {"nn2_teachers_correct", "NN2 with four paces, on A to C", 135, 134.0, [](const Draw& d) { return correct(d.nn2.teachers); }},
+      {"nn2_healthy_correct", "NN2 with four paces, on H1 to H10", 450, 438.0, [](const Draw& d) { return correct(d.nn2.healthy); }},
+      {"nn2_stroke_correct", "NN2 with four paces, on S1 to S5, critical boundary", 75, 71.0,
        [](const Draw& d) { return correct(d.nn2.stroke); }},
       {"recommended_accuracy", "Recommended model, each of 13 left out: correct", 0, kNone,
        [](const Draw& d) { return sum(d.recommended.general.answers).of_trunk().accuracy(); }},
@@ -126,11 +126,11 @@ std::vector<ComparedFigure> compare(const std::vector<Draw>& draws) {
 
 std::vector<std::string> study_notes() {
   return {
-      "All reaches are simulated: synthetic, no clinical claim. Each draw is other people of the same measures, so that the spread "
-      "between draws is that of the study repeated with other volunteers.",
-      "Table 6.2 prints 416 and 439 of 450 as totals; its own rows sum to 424 and 438, which stand here.",
-      "R on a network's own reaches says nothing about other people: it is 1 whenever the training worked.",
-      "Errors come by person: one person's bias shifts a whole block of fifteen reaches."};
+      "All reaches are simulated: synthetic, no clinical claim. Each draw has other people with the same body measures: the "
+      "spread between draws shows how much a repeated study with other volunteers would vary.",
+      "Table 6.2 prints 416 and 439 of 450 as totals; its own rows sum to 424 and 438, which are used here.",
+      "R on a network's own reaches does not show how it performs on other people: it is 1 after every successful training.",
+      "Errors belong to persons: the bias of one person shifts all fifteen reaches of a block."};
 }
 
 }  // namespace dts::lab::study

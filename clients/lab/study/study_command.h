@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "cli/console.h"
-#include "lab/arguments.h"
+#include "cli/command_line.h"
 
-namespace dts::lab {
+namespace dts::lab::study {
 
-/// `dtslab reach study`. Returns the exit status.
-[[nodiscard]] int run_reach_study(const Arguments& arguments, cli::Console& console);
+/// Adds `reach study` to the group `reach`.
+void add_commands(cli::CommandLine& line, CLI::App& reach);
 
-}  // namespace dts::lab
+}  // namespace dts::lab::study

@@ -3,7 +3,7 @@
 
 #include <sstream>
 
-#include "lab/gnuplot.h"
+#include "lab/base/gnuplot.h"
 #include "lab/study/angle_windows.h"
 
 namespace dts::lab::study {

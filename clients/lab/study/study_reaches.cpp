@@ -5,8 +5,8 @@
 #include <cmath>
 #include <tuple>
 
+#include "lab/reach/simulated_trials.h"
 #include "lab/reach/trial_set.h"
-#include "lab/study/simulated_trials.h"
 #include "lab/training/random.h"
 
 namespace dts::lab::study {
@@ -39,7 +39,7 @@ TrunkClass wanted_of(const reach::Trial& trial, const Volunteer& volunteer) {
 }
 
 /// Runs the daemon's stages on simulated volts.
-StudyGroup found(std::span<const Volunteer> volunteers, const SimulatedTrials& simulated, const Progress& progress) {
+StudyGroup found(std::span<const Volunteer> volunteers, const reach::SimulatedTrials& simulated, const Progress& progress) {
   StudyGroup group{.volunteers = {volunteers.begin(), volunteers.end()}, .reaches = {}};
   const auto reaches = reach::find_reaches(simulated.set, progress);
   for (std::size_t k = 0; k < reaches.size(); ++k) {
@@ -53,8 +53,8 @@ StudyGroup found(std::span<const Volunteer> volunteers, const SimulatedTrials& s
   return group;
 }
 
-core::Result<StudyGroup> simulate(std::span<const Volunteer> volunteers, const TrialPlan& plan, const Progress& progress) {
-  const auto simulated = simulate_trials(subjects_of(volunteers), plan, [&](double done) { progress(kSimulationPart * done); });
+core::Result<StudyGroup> simulate(std::span<const Volunteer> volunteers, const reach::TrialPlan& plan, const Progress& progress) {
+  const auto simulated = reach::simulate_trials(subjects_of(volunteers), plan, [&](double done) { progress(kSimulationPart * done); });
   if (!simulated) return tl::make_unexpected(simulated.error());
   return found(volunteers, *simulated, [&](double done) { progress(kSimulationPart + (1.0 - kSimulationPart) * done); });
 }
@@ -62,9 +62,9 @@ core::Result<StudyGroup> simulate(std::span<const Volunteer> volunteers, const T
 /// Returns the mean flexion in `trials` reaches to each target; targets in percent of the arm.
 core::Result<std::vector<double>> probe_deg(const reach::Subject& subject, const std::vector<int>& percents, int trials,
                                             std::uint64_t seed) {
-  TrialPlan plan{.conditions = {}, .trials_per_condition = trials, .seed = seed, .has_volts = false};
+  reach::TrialPlan plan{.conditions = {}, .trials_per_condition = trials, .seed = seed, .has_volts = false};
   for (const int percent : percents) plan.conditions.push_back(std::to_string(percent));
-  const auto probes = simulate_trials({subject}, plan, [](double) {});
+  const auto probes = reach::simulate_trials({subject}, plan, [](double) {});
   if (!probes) return tl::make_unexpected(probes.error());
   std::vector<double> means(percents.size());
   for (std::size_t k = 0; k < probes->trunk_deg.size(); ++k) {
@@ -114,7 +114,7 @@ training::TrainingSet training_set(const std::vector<const StudyGroup*>& groups)
 core::Result<StudyGroup> natural_reaches(std::span<const Volunteer> volunteers, Targets targets, std::uint64_t seed,
                                          const Progress& progress) {
   // The targets within reach are last, so that the other trials are the same with and without them.
-  TrialPlan plan{.conditions = {"120", "150", "max"}, .trials_per_condition = kTrialsPerTarget};
+  reach::TrialPlan plan{.conditions = {"120", "150", "max"}, .trials_per_condition = kTrialsPerTarget};
   if (targets == Targets::All) plan.conditions.insert(plan.conditions.end(), {"80", "100"});
   plan.seed = seed_of(volunteers.front(), seed);
   return simulate(volunteers, plan, progress);
@@ -122,15 +122,15 @@ core::Result<StudyGroup> natural_reaches(std::span<const Volunteer> volunteers, 
 
 core::Result<StudyGroup> boundary_reaches(std::span<const Volunteer> volunteers, std::uint64_t seed, const Progress& progress) {
   std::vector<reach::Subject> subjects = subjects_of(volunteers);
-  SimulatedTrials all;
+  reach::SimulatedTrials all;
   for (std::size_t place = 0; place < subjects.size(); ++place) {
     reach::Subject& subject = subjects[place];
     subject.person.max_reach_cm = 2.0 * subject.person.arm_length_cm;  // limit of the probes, not of the volunteer
     const std::uint64_t own_seed = training::derived_seed(seed_of(volunteers[place], seed), place);
     const auto boundary = boundary_of(subject, volunteers[place].boundary_deg.value_or(0.0), own_seed);
     if (!boundary) return tl::make_unexpected(boundary.error());
-    const TrialPlan plan{.conditions = {*boundary}, .trials_per_condition = kTrialsPerTarget, .seed = own_seed};
-    auto one = simulate_trials({subject}, plan, [](double) {});
+    const reach::TrialPlan plan{.conditions = {*boundary}, .trials_per_condition = kTrialsPerTarget, .seed = own_seed};
+    auto one = reach::simulate_trials({subject}, plan, [](double) {});
     if (!one) return tl::make_unexpected(one.error());
     all.set.rig = std::move(one->set.rig);
     for (std::size_t k = 0; k < one->set.trials.size(); ++k) {
@@ -145,9 +145,9 @@ core::Result<StudyGroup> boundary_reaches(std::span<const Volunteer> volunteers,
 }
 
 core::Result<StudyGroup> ideal_reaches(std::span<const Volunteer> volunteers, std::span<const double> paces_s, int repetitions) {
-  const TrialPlan plan{.trials_per_condition = repetitions * static_cast<int>(paces_s.size()),
-                       .paces_s = {paces_s.begin(), paces_s.end()},
-                       .is_ideal = true};
+  const reach::TrialPlan plan{.trials_per_condition = repetitions * static_cast<int>(paces_s.size()),
+                              .paces_s = {paces_s.begin(), paces_s.end()},
+                              .is_ideal = true};
   return simulate(volunteers, plan, [](double) {});
 }
 

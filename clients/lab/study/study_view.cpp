@@ -92,8 +92,7 @@ void print_comparison(const std::vector<Draw>& draws, cli::Console& console) {
 
 void print_volunteers(const Draw& draw, cli::Console& console) {
   console.out << '\n'
-              << cli::styled(console, cli::Style::Bold, "Correct of 15, the draw in the middle (seed " + std::to_string(draw.seed) + ")")
-              << "\n\n";
+              << cli::styled(console, cli::Style::Bold, "Correct of 15, median draw (seed " + std::to_string(draw.seed) + ")") << "\n\n";
   cli::Table table({"VOLUNTEER", "120 % NN1", "NN2", "150 % NN1", "NN2", "MAXIMUM NN1", "NN2"});
   const auto add = [&](std::string_view name, const Confusion& nn1, const Confusion& nn2) {
     std::vector<cli::Cell> cells{{std::string(name)}};

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <utility>
 
-#include "lab/csv.h"
-#include "lab/position_columns.h"
+#include "lab/base/csv.h"
+#include "lab/base/position_columns.h"
 #include "record/recording.h"
 #include "session/recorded_sway.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using posturography::Analysis;
@@ -23,7 +23,7 @@ constexpr double kSameDigits = 1e-9;  ///< Relative: rounding by other compilers
 bool check_times(const std::string& file, const std::vector<double>& t_s, files::Problems& problems) {
   for (std::size_t row = 1; row < t_s.size(); ++row) {
     if (t_s[row] > t_s[row - 1]) continue;
-    problems.push_back({file, static_cast<std::uint32_t>(CsvTable::line_of_row(row)), 1, "t_s does not rise"});
+    problems.push_back({file, static_cast<std::uint32_t>(CsvTable::line_of_row(row)), 1, "t_s does not increase"});
     return false;  // one report is enough: later rows have the same fault
   }
   return true;
@@ -158,4 +158,4 @@ bool is_same(const Analysis& a, const Analysis& b) {
   return true;
 }
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

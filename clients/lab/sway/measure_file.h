@@ -12,7 +12,7 @@
 #include "lab/sway/sway_arguments.h"
 #include "lab/sway/sway_inputs.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 
 /// The result of one file. With problems or an error there are no trials.
 struct MeasuredFile {
@@ -32,4 +32,4 @@ struct MeasuredFile {
 /// Returns whether two analyses of one trial are equal, except for the last digits, which another machine may round differently.
 [[nodiscard]] bool is_same(const posturography::Analysis& a, const posturography::Analysis& b);
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 
 std::string MeasuredTrial::label(const std::string& name) const {
   const auto found = std::ranges::find(labels, name, &std::pair<std::string, std::string>::first);
@@ -21,4 +21,4 @@ std::string MeasuredTrial::title() const {
   return details.empty() ? text : text + " (" + details + ")";
 }
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -9,7 +9,7 @@
 
 #include "posturography/analysis.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 
 using Labels = std::vector<std::pair<std::string, std::string>>;  ///< eyes=open, surface=firm
 
@@ -34,4 +34,4 @@ struct MeasuredTrial {
   [[nodiscard]] std::string title() const;
 };
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

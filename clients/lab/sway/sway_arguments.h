@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 
 /// Arguments of `dtslab sway`.
 struct SwayArguments {
@@ -20,15 +20,7 @@ struct SwayArguments {
   bool is_all = false;                ///< Includes redone and rejected trials.
   bool is_comparing = false;
   std::string table;  ///< CSV to write; empty: none.
+  bool is_json = false;
 };
 
-/// Arguments of `dtslab steadiness`.
-struct SteadinessArguments {
-  std::string table;  ///< Written by `dtslab sway --table`.
-  std::string label;  ///< The column to predict from measures.
-  std::vector<std::string> measures;
-  std::string model;
-  std::string out;
-};
-
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -8,7 +8,7 @@
 #include "cli/table.h"
 #include "lab/sway/sway_view.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using posturography::Analysis;
@@ -54,10 +54,10 @@ std::vector<std::string> warnings_of(const MeasuredTrial& a, const MeasuredTrial
   }
   if (!is_equal_rate(*a.analysis, *b.analysis)) {
     warnings.push_back("rates differ (" + significant(a.analysis->rate_hz) + " and " + significant(b.analysis->rate_hz) +
-                       " Hz): path, velocity and direction depend on it; --rate makes them equal");
+                       " Hz): path, velocity and direction depend on it; use --rate to make them equal");
   }
   if (a.analysis->profile != b.analysis->profile) warnings.emplace_back("profiles differ: path and velocity depend on the filter");
-  if (is_other_person(a, b)) warnings.emplace_back("two different people");
+  if (is_other_person(a, b)) warnings.emplace_back("the trials are from different people");
   return warnings;
 }
 
@@ -120,8 +120,8 @@ void print(const Comparison& comparison, const MeasuredTrial& first, const Measu
   }
   table.print(console);
   if (comparison.has_romberg) {
-    console.out << "ROMBERG: eyes closed / eyes open, of each measure. A quotient below 1 is common and no error.\n";
+    console.out << "ROMBERG: eyes closed / eyes open, for each measure. A quotient below 1 is common and not an error.\n";
   }
 }
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

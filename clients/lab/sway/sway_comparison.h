@@ -9,7 +9,7 @@
 #include "cli/json.h"
 #include "lab/sway/measured_trial.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 
 /// One core measure in two trials.
 struct ComparedMeasure {
@@ -34,4 +34,4 @@ struct Comparison {
 [[nodiscard]] cli::Json to_json(const Comparison& comparison);
 void print(const Comparison& comparison, const MeasuredTrial& first, const MeasuredTrial& second, cli::Console& console);
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -8,7 +8,7 @@
 #include "lab/sway/sway_table.h"
 #include "record/xdf/recovery.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 namespace fs = std::filesystem;
@@ -35,12 +35,13 @@ core::Result<Label> label_of(const std::string& text, std::size_t inputs) {
     at = end + 1;
   }
   const bool is_identity = label.name == "subject" || label.name == "session" || label.name == "condition";
-  if (!is_identity && is_column_of_table(label.name)) return wrong("tables have a column of that name", "another name");
+  if (!is_identity && is_column_of_table(label.name)) return wrong("tables already have a column with this name", "choose another name");
   if (std::ranges::any_of(text, [](char letter) { return static_cast<unsigned char>(letter) < 0x20U; })) {
     return wrong("has control characters", "letters and digits");
   }
   if (label.values.size() != 1 && label.values.size() != inputs) {
-    return wrong(std::to_string(label.values.size()) + " values for " + std::to_string(inputs) + " files", "one value, or one for each");
+    return wrong(std::to_string(label.values.size()) + " values for " + std::to_string(inputs) + " files",
+                 "give one value, or one value per file");
   }
   return label;
 }
@@ -68,9 +69,9 @@ core::Result<std::vector<std::string>> files_below(const std::string& folder, co
     files.push_back(place->path().string());
     if (files.size() > kMostFiles) break;  // the caller reports this
   }
-  if (error) return core::fail(core::ErrorCode::Failed, folder + " cannot be read: " + error.message(), "another folder");
+  if (error) return core::fail(core::ErrorCode::Failed, folder + " cannot be read: " + error.message(), "give another folder");
   if (files.empty()) {
-    return core::fail(core::ErrorCode::InvalidArgument, folder + " has no .csv and no .xdf files", "a folder of recordings");
+    return core::fail(core::ErrorCode::InvalidArgument, folder + " has no .csv and no .xdf files", "give a folder of recordings");
   }
   leave_out_repaired(files);
   std::ranges::sort(files);
@@ -110,7 +111,8 @@ core::Result<std::vector<SwayInput>> sway_inputs(const SwayArguments& arguments)
       files = std::move(*found);
     }
     if (inputs.size() + files.size() > kMostFiles) {
-      return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostFiles) + " files", "a folder at a time");
+      return core::fail(core::ErrorCode::LimitExceeded, "more than " + std::to_string(kMostFiles) + " files",
+                        "process one folder at a time");
     }
     for (std::string& file : files) {
       inputs.push_back({.file = std::move(file)});
@@ -120,4 +122,4 @@ core::Result<std::vector<SwayInput>> sway_inputs(const SwayArguments& arguments)
   return inputs;
 }
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -8,7 +8,7 @@
 #include "lab/sway/measured_trial.h"
 #include "lab/sway/sway_arguments.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 
 inline constexpr std::size_t kMostFiles = 100'000;
 
@@ -29,4 +29,4 @@ struct SwayInput {
 /// `kMostFiles`.
 [[nodiscard]] core::Result<std::vector<SwayInput>> sway_inputs(const SwayArguments& arguments);
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

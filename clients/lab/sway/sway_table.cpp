@@ -10,7 +10,7 @@
 
 #include "core/cell_text.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using posturography::Measure;
@@ -85,4 +85,4 @@ std::string table_text(std::span<const MeasuredTrial> trials) {
   return text;
 }
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -7,7 +7,7 @@
 
 #include "lab/sway/measured_trial.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 
 /// Returns many trials as one CSV text, one row per trial. Columns: file, session, subject, trial, attempt, condition, one for each label's
 /// name, profile, fs_hz, n, duration_s, flags (joined by a bar), then every measure by its symbol. Unknown values are empty.
@@ -21,4 +21,4 @@ namespace dts::lab::steadiness {
 /// Returns as many digits as are needed to read back the same number.
 [[nodiscard]] std::string number_text(double value);
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -9,7 +9,7 @@
 
 #include "cli/table.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using posturography::Analysis;
@@ -68,7 +68,7 @@ void print_flags(const Analysis& analysis, cli::Console& console) {
     console.out << cli::styled(console, style_of(bit), flag) << ": " << posturography::sentence_of(bit) << '\n';
   }
   if (!analysis.is_valid()) {
-    console.out << cli::styled(console, cli::Style::Bad, "This trial is not valid: its values say nothing about steadiness.") << '\n';
+    console.out << cli::styled(console, cli::Style::Bad, "This trial is not valid: do not use its values to judge steadiness.") << '\n';
   }
 }
 
@@ -90,6 +90,42 @@ std::vector<cli::Cell> overview_row(const MeasuredTrial& trial) {
     flags += (flags.empty() ? "" : " ") + std::string(flag);
   row.push_back({flags, style_of(trial.analysis->flags)});
   return row;
+}
+
+/// Returns the settings of sample entropy and heading change: without them, these values are meaningless.
+cli::Json settings(const Analysis& analysis, const SwayArguments& arguments) {
+  cli::Json json = cli::Json::object();
+  if (arguments.trim_s > 0.0) json["trim_s"] = arguments.trim_s;
+  if (arguments.foot_length_mm) json["foot_length_mm"] = *arguments.foot_length_mm;
+  const auto every = [&](double rate_hz) { return std::max(1.0, std::round(analysis.rate_hz / rate_hz)); };
+  if (analysis.measures.has(Measure::SampenAp) || analysis.measures.has(Measure::SampenMl)) {
+    const double step = every(20.0);
+    const auto kept = static_cast<std::uint64_t>(std::ceil(static_cast<double>(analysis.samples) / step));
+    json["sample_entropy"] = {{"m", 2}, {"r", 0.2}, {"rate_hz", analysis.rate_hz / step}, {"n", kept}};
+  }
+  if (analysis.measures.has(Measure::HcMeanabs)) json["heading"] = {{"rate_hz", analysis.rate_hz / every(25.0)}};
+  return json;
+}
+
+void add_analysis(const Analysis& analysis, const SwayArguments& arguments, cli::Json& json) {
+  json["profile"] = posturography::name(analysis.profile);
+  cli::set_number(json, "fs_hz", analysis.rate_hz);
+  json["n"] = analysis.samples;
+  cli::set_number(json, "duration_s", analysis.duration_s);
+  json["flags"] = cli::Json::array();
+  for (const std::string_view flag : posturography::names_of(analysis.flags)) json["flags"].push_back(flag);
+  json["valid"] = analysis.is_valid();
+  json["missing"] = analysis.missing;
+  json["interpolated"] = analysis.interpolated;
+  json["estimator"] = "MT8";
+  json["settings"] = settings(analysis, arguments);
+  json["measures"] = cli::Json::object();
+  for (std::size_t k = 0; k < posturography::kMeasureCount; ++k) {
+    const auto value = analysis.measures.get(static_cast<Measure>(k));
+    if (!value) continue;
+    const auto& about = posturography::info(static_cast<Measure>(k));
+    json["measures"][std::string(about.symbol)] = {{"value", *value}, {"unit", about.unit}};
+  }
 }
 
 }  // namespace
@@ -132,9 +168,29 @@ void print_told(std::span<const MeasuredTrial> trials, cli::Console& console) {
   const auto told = std::ranges::count_if(trials, [](const MeasuredTrial& trial) { return trial.is_as_told.has_value(); });
   const auto differing = std::ranges::count_if(trials, [](const MeasuredTrial& trial) { return !trial.is_as_told.value_or(true); });
   if (told == 0) return;
-  const std::string verdict = differing == 0 ? "all as computed here" : std::to_string(differing) + " differ from what is computed here";
-  console.out << told << " results were recorded when they were told: "
-              << cli::styled(console, differing == 0 ? cli::Style::Good : cli::Style::Bad, verdict) << '\n';
+  const std::string verdict =
+      differing == 0 ? "live and recomputed values match" : std::to_string(differing) + " differ from the recomputed values";
+  console.out << told
+              << " live results in the recording: " << cli::styled(console, differing == 0 ? cli::Style::Good : cli::Style::Bad, verdict)
+              << '\n';
 }
 
-}  // namespace dts::lab::steadiness
+cli::Json to_json(const MeasuredTrial& trial, const SwayArguments& arguments) {
+  cli::Json json{{"file", trial.file}};
+  if (!trial.session.empty()) json["session"] = trial.session;
+  if (!trial.subject.empty()) json["subject"] = trial.subject;
+  if (trial.trial > 0) json["trial"] = trial.trial;
+  if (trial.trial > 0) json["attempt"] = trial.attempt;
+  if (trial.stretch > 0) json["stretch"] = trial.stretch;
+  if (!trial.condition.empty()) json["condition"] = trial.condition;
+  if (!trial.outcome.empty()) json["outcome"] = trial.outcome;
+  if (!trial.labels.empty()) {
+    for (const auto& [name, value] : trial.labels) json["labels"][name] = value;
+  }
+  if (trial.analysis) add_analysis(*trial.analysis, arguments, json);
+  if (!trial.problem.empty()) json["problem"] = trial.problem;
+  if (trial.is_as_told) json["as_recorded"] = *trial.is_as_told;
+  return json;
+}
+
+}  // namespace dts::lab::sway

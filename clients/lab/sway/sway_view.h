@@ -9,7 +9,7 @@
 #include "lab/sway/measured_trial.h"
 #include "lab/sway/sway_arguments.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 
 /// Formats a number for people with `digits` significant digits: "8.0696".
 [[nodiscard]] std::string significant(double value, int digits = 5);
@@ -24,4 +24,4 @@ void print_overview(std::span<const MeasuredTrial> trials, cli::Console& console
 /// Prints how many of the results that dtsd recorded differ from those computed here; nothing if dtsd recorded none.
 void print_told(std::span<const MeasuredTrial> trials, cli::Console& console);
 
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -9,13 +9,24 @@
 #include "cli/json.h"
 #include "cli/progress.h"
 #include "files/trunk_model_file.h"
-#include "lab/problems.h"
+#include "lab/base/command.h"
+#include "lab/base/problems.h"
+#include "lab/reach/events_command.h"
 #include "lab/reach/predictions.h"
 #include "lab/reach/trial_set.h"
 #include "lab/training/training_commands.h"
 
 namespace dts::lab::training {
 namespace {
+
+struct ClassifyArguments {
+  std::string model;
+  std::string folder;
+  std::string out;
+  bool is_rejecting = true;  ///< Doubtful reaches are rejected.
+  std::string calibrate;     ///< "max:3": use each subject's first three trials at that target; empty: none.
+  bool is_json = false;
+};
 
 using classifier::SubjectCalibration;
 using Reaches = std::vector<std::optional<core::ReachEvent>>;
@@ -34,7 +45,7 @@ core::Result<std::optional<OwnScale>> own_scale_of(const std::string& text) {
   const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), own.count);
   const bool is_number = error == std::errc() && end == number.data() + number.size() && !number.empty();
   if (own.condition == "max" && is_number && own.count >= classifier::kCalibrationReaches && own.count <= 1000) return own;
-  return core::fail(core::ErrorCode::InvalidArgument, "--calibrate " + text + " is not known", "--calibrate max:3");
+  return core::fail(core::ErrorCode::InvalidArgument, "--calibrate " + text + " is unknown", "use --calibrate max:3");
 }
 
 /// Returns one calibration per subject; none for a subject without usable maximum reaches.
@@ -51,19 +62,20 @@ std::vector<std::optional<SubjectCalibration>> calibrations_of(const reach::Tria
   for (std::size_t subject = 0; subject < set.subjects.size(); ++subject) {
     const physics::Person& person = set.subjects[subject].person;
     if (!set.subjects[subject].is_healthy) {
-      warn(console, "subject " + set.subjects[subject].name + " without own scale: after a stroke, distance says little about flexion");
+      warn(console,
+           "subject " + set.subjects[subject].name + " has no personal scale: after a stroke, the distance does not predict trunk flexion");
       calibrations.emplace_back();
       continue;
     }
     const auto calibration = classifier::calibrate_subject(maximum[subject], physics::trunk_flexion_deg(person, person.max_reach_cm));
     if (!calibration)
-      warn(console, "subject " + set.subjects[subject].name + " without own scale: " + core::to_string(calibration.error()));
+      warn(console, "subject " + set.subjects[subject].name + " has no personal scale: " + core::to_string(calibration.error()));
     calibrations.push_back(calibration ? std::optional(*calibration) : std::nullopt);
   }
   return calibrations;
 }
 
-void print_counts(const std::vector<reach::Prediction>& predictions, const Arguments& arguments, cli::Console& console) {
+void print_counts(const std::vector<reach::Prediction>& predictions, const ClassifyArguments& arguments, cli::Console& console) {
   std::map<int, std::size_t> counts;
   std::size_t missing = 0;
   for (const reach::Prediction& prediction : predictions) {
@@ -86,9 +98,7 @@ void print_counts(const std::vector<reach::Prediction>& predictions, const Argum
   console.out << text << counts[-1] << " rejected, " << missing << " without a reach\n";
 }
 
-}  // namespace
-
-int run_reach_classify(const Arguments& arguments, cli::Console& console) {
+int run_reach_classify(const ClassifyArguments& arguments, cli::Console& console) {
   const auto own = own_scale_of(arguments.calibrate);
   if (!own) return fail_with(console, own.error());
   if (const auto free = check_out(arguments.out, {arguments.folder, arguments.model}); !free) return fail_with(console, free.error());
@@ -118,6 +128,24 @@ int run_reach_classify(const Arguments& arguments, cli::Console& console) {
   if (const auto written = reach::write_predictions(predictions, arguments.out); !written) return fail_with(console, written.error());
   print_counts(predictions, arguments, console);
   return cli::kOk;
+}
+
+}  // namespace
+
+void add_classify(cli::CommandLine& line, CLI::App& reach) {
+  const auto [command, arguments] =
+      add_command(line, reach, "classify", "Classify the trunk movement of each trial",
+                  "dtslab reach classify model.toml trials/ --out pred.csv | class, probability, trunk angle\n"
+                  "dtslab reach classify model.toml trials/ --out pred.csv --calibrate max:3 | with the scale of each person\n",
+                  run_reach_classify);
+  command.add_option("MODEL", arguments.model, "Made by dtslab reach train")->required()->option_text(" ");
+  reach::add_folder(command, arguments.folder)->required();
+  command.add_option("--out", arguments.out, "File to write")->option_text("PRED.csv")->required();
+  command.add_flag("!--no-reject", arguments.is_rejecting, "Always give the most probable class, never reject");
+  command
+      .add_option("--calibrate", arguments.calibrate, "max:3: adapt the model to each person with the first three trials at target max")
+      ->option_text("max:N");
+  add_json(command, arguments.is_json);
 }
 
 }  // namespace dts::lab::training

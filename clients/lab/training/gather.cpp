@@ -14,11 +14,11 @@ core::Status check_names(const reach::TrialSet& set, const std::vector<std::stri
     const auto found =
         std::find_if(set.subjects.begin(), set.subjects.end(), [&](const reach::Subject& subject) { return subject.name == name; });
     if (found == set.subjects.end())
-      return core::fail(core::ErrorCode::InvalidArgument, "there is no subject " + name, "a name of subjects.csv");
+      return core::fail(core::ErrorCode::InvalidArgument, "no subject " + name, "give a name from subjects.csv");
     if (!found->is_healthy) {
       return core::fail(core::ErrorCode::InvalidArgument,
-                        "subject " + name + " is not healthy: the target does not tell what the trunk did",
-                        "train on healthy people alone");
+                        "subject " + name + " is not healthy: the target does not predict the trunk movement",
+                        "train only on healthy people");
     }
   }
   return {};
@@ -52,7 +52,7 @@ core::Result<TrainingSet> gather(const reach::TrialSet& set, ReachSpan reaches, 
   }
   if (!result.reaches.empty()) return result;
   return core::fail(core::ErrorCode::InvalidArgument, "no reach of a healthy person to a known target was found",
-                    "trials at 80, 100, 120, 150 and max of healthy subjects");
+                    "add trials of healthy subjects at 80, 100, 120, 150 and max");
 }
 
 }  // namespace dts::lab::training

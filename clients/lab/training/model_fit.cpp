@@ -55,7 +55,7 @@ core::Result<std::vector<FeatureRange>> ranges_of(const std::array<ReachFeature,
     const auto skipped = static_cast<std::size_t>(tail * static_cast<double>(values.size()));
     if (values.empty() || !(values[skipped] < values[values.size() - 1 - skipped])) {
       return core::fail(core::ErrorCode::InvalidArgument, "training: " + std::string(name_of(feature)) + " is the same in all reaches",
-                        "reaches of several people to several targets");
+                        "use reaches of several people to several targets");
     }
     ranges.push_back({feature, values[skipped], values[values.size() - 1 - skipped]});
   }

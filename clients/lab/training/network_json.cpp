@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "cli/json.h"
-#include "lab/training/small_file.h"
+#include "lab/base/small_file.h"
 
 namespace dts::lab::training {
 namespace {
@@ -19,7 +19,7 @@ using classifier::Network;
 using classifier::ReachFeature;
 
 core::Error wrong(const std::string& file, const std::string& what) {
-  return {core::ErrorCode::InvalidArgument, file + ": " + what, "a network of layers n-h-3 with W1, b1, W2, b2"};
+  return {core::ErrorCode::InvalidArgument, file + ": " + what, "use a network of layers n-h-3 with W1, b1, W2, b2"};
 }
 
 /// Returns the numbers of a list; nothing if it is not a list of `count` finite numbers.
@@ -70,7 +70,7 @@ core::Result<std::vector<FeatureRange>> inputs_of(const cli::Json& json, const s
   }
   for (std::size_t k = 0; k < count; ++k) {
     const auto feature = (*names)[k].is_string() ? feature_of((*names)[k].get<std::string>()) : std::nullopt;
-    if (!feature) return tl::make_unexpected(wrong(file, "input " + std::to_string(k + 1) + " is no feature that is known"));
+    if (!feature) return tl::make_unexpected(wrong(file, "input " + std::to_string(k + 1) + " is not a known feature"));
     inputs.push_back({*feature, (*lowest)[k], (*highest)[k]});
   }
   return inputs;
@@ -85,8 +85,8 @@ std::string text_of(const cli::Json& json, std::string_view key) {
 
 core::Result<Network> network_of(const Layer& hidden, const Layer& output, classifier::OutputKind kind) {
   if (hidden.outputs != output.inputs || output.outputs != classifier::kClasses) {
-    return core::fail(core::ErrorCode::InvalidArgument, "network: its layers do not fit together, or it has not three outputs",
-                      "a network of layers n-h-3");
+    return core::fail(core::ErrorCode::InvalidArgument, "network: its layers do not match, or it does not have three outputs",
+                      "use a network of layers n-h-3");
   }
   std::vector<double> weights;
   for (const auto* values : {&hidden.weights, &hidden.biases, &output.weights, &output.biases}) {
@@ -111,8 +111,8 @@ core::Result<ForeignNetworks> read_network_json(const std::string& file) {
   const auto hidden = static_cast<std::size_t>((*layers)[1]);
   const auto first = layer_of(json, "1", inputs, hidden);
   const auto second = layer_of(json, "2", hidden, static_cast<std::size_t>((*layers)[2]));
-  if (!first) return tl::make_unexpected(wrong(file, "W1 or b1 is not what layers says, or not finite"));
-  if (!second) return tl::make_unexpected(wrong(file, "W2 or b2 is not what layers says, or not finite"));
+  if (!first) return tl::make_unexpected(wrong(file, "W1 or b1 does not match layers, or is not finite"));
+  if (!second) return tl::make_unexpected(wrong(file, "W2 or b2 does not match layers, or is not finite"));
   auto network = network_of(*first, *second, output == "softmax" ? classifier::OutputKind::Softmax : classifier::OutputKind::Logistic);
   if (!network) return tl::make_unexpected(wrong(file, network.error().what));
   auto ranges = inputs_of(json, file, inputs);

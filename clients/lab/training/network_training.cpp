@@ -50,7 +50,7 @@ core::Result<TrainedNetwork> train_network(const Batch& batch, const NetworkOpti
   if (batch.size() < kLeastRows) {
     return core::fail(core::ErrorCode::InvalidArgument,
                       "training: " + std::to_string(batch.size()) + " reaches of class 1 to 3 are too few",
-                      "at least " + std::to_string(kLeastRows) + ", of several healthy people");
+                      "use at least " + std::to_string(kLeastRows) + " reaches of several healthy people");
   }
   Random random(seed);
   const auto order = random.shuffled(batch.size());
@@ -88,9 +88,9 @@ core::Result<std::vector<TrainedNetwork>> train_networks(const Batch& batch, con
   if (networks.size() == count) return networks;
   return core::fail(core::ErrorCode::Failed,
                     "training: only " + std::to_string(networks.size()) + " of " + std::to_string(kTriesPerNetwork * count) +
-                        " networks learned their task; the best was right in " + std::to_string(static_cast<int>(100.0 * best)) +
+                        " networks could be trained; the best was correct for " + std::to_string(static_cast<int>(100.0 * best)) +
                         " % of its validation reaches",
-                    "are the conditions of the trials those that were reached to?");
+                    "check that the conditions of the trials are the targets that the people reached for");
 }
 
 }  // namespace dts::lab::training

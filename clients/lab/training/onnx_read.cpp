@@ -5,9 +5,9 @@
 #include <optional>
 #include <utility>
 
+#include "lab/base/small_file.h"
 #include "lab/training/onnx_file.h"
 #include "lab/training/onnx_schema.h"
-#include "lab/training/small_file.h"
 
 namespace dts::lab::training {
 namespace {
@@ -159,7 +159,8 @@ class Reader {
 
 core::Result<ForeignNetworks> read_onnx(const std::string& file) {
   const auto refused = [&](const std::string& what) {
-    return core::fail(core::ErrorCode::InvalidArgument, file + ": " + what, "a network of layers n-h-3 as dtslab reach export writes it");
+    return core::fail(core::ErrorCode::InvalidArgument, file + ": " + what,
+                      "use a network of layers n-h-3, as dtslab reach export writes it");
   };
   const auto text = read_small_file(file);
   if (!text) return tl::make_unexpected(text.error());

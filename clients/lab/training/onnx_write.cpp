@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/join.h"
 #include "lab/training/onnx_file.h"
 #include "lab/training/onnx_schema.h"
 
@@ -96,13 +97,11 @@ class Graph {
 void add_scaling(Graph& graph, const classifier::TrunkModelForm& form) {
   std::vector<double> factors;
   std::vector<double> offsets;
-  std::string names;
   for (const auto& input : form.general.inputs) {
     factors.push_back(2.0 / (input.maximum - input.minimum));
     offsets.push_back(-1.0 - factors.back() * input.minimum);
-    names += (names.empty() ? "" : ",") + std::string(name_of(input.feature));
   }
-  graph.note("features", names);
+  graph.note("features", core::join(form.general.inputs, ",", [](const auto& input) { return name_of(input.feature); }));
   const auto count = static_cast<std::int64_t>(factors.size());
   graph.node("Mul", {"features", graph.constant("factor", {count}, factors)}, "multiplied");
   const bool is_clipped = form.kind == classifier::ModelKind::Recommended;

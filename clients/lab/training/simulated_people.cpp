@@ -5,7 +5,7 @@
 #include <numbers>
 #include <string>
 
-#include "lab/study/simulated_trials.h"
+#include "lab/reach/simulated_trials.h"
 #include "lab/training/random.h"
 
 namespace dts::lab::training {
@@ -54,8 +54,8 @@ core::Result<TrainingSet> simulated_people(std::size_t count, int trials, std::u
     if (progress) progress(part);
   };
   const auto people = invent_people(count, seed);
-  const study::TrialPlan plan{.conditions = {"80", "100", "120", "150", "max"}, .trials_per_condition = trials, .seed = seed};
-  const auto simulated = study::simulate_trials(people, plan, [&](double part) { report(part / 2.0); });
+  const reach::TrialPlan plan{.conditions = {"80", "100", "120", "150", "max"}, .trials_per_condition = trials, .seed = seed};
+  const auto simulated = reach::simulate_trials(people, plan, [&](double part) { report(part / 2.0); });
   if (!simulated) return tl::make_unexpected(simulated.error());
   const auto reaches = reach::find_reaches(simulated->set, [&](double part) { report(0.5 + part / 2.0); });
   TrainingSet result;

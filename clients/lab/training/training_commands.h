@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "cli/console.h"
-#include "lab/arguments.h"
+#include "cli/command_line.h"
 
 namespace dts::lab::training {
 
-/// `dtslab reach train | classify | export | import`. Each returns the exit status.
-[[nodiscard]] int run_reach_train(const Arguments& arguments, cli::Console& console);
-[[nodiscard]] int run_reach_classify(const Arguments& arguments, cli::Console& console);
-[[nodiscard]] int run_reach_export(const Arguments& arguments, cli::Console& console);
-[[nodiscard]] int run_reach_import(const Arguments& arguments, cli::Console& console);
+/// Adds `reach train`, `reach classify`, `reach export` and `reach import` to the group `reach`.
+void add_commands(cli::CommandLine& line, CLI::App& reach);
+
+// One function per file.
+void add_train(cli::CommandLine& line, CLI::App& reach);
+void add_classify(cli::CommandLine& line, CLI::App& reach);
+void add_exchange(cli::CommandLine& line, CLI::App& reach);
 
 }  // namespace dts::lab::training

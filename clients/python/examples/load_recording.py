@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# What is in a recording: python3 clients/python/examples/load_recording.py FILE.xdf
+# Prints the content of a recording: python3 clients/python/examples/load_recording.py FILE.xdf
 
 # %%
 import sys
@@ -17,9 +17,9 @@ for name, stream in recording.streams.items():
         continue
     for channel, unit, values in zip(stream.channels, stream.units, stream.values.T, strict=True):
         known = values[~np.isnan(values)]
-        text = f"mean {known.mean():10.4f}  deviation {known.std():8.4f} {unit}" if len(known) else "nobody there"
+        text = f"mean {known.mean():10.4f}  deviation {known.std():8.4f} {unit}" if len(known) else "no values"
         print(f"{name:18} {channel:12} {text}")
 
-# %% Events stand at their scans; between two of them, rows are found by time.
+# %% Events have a segment, a scan and a time; use the time to find the rows between two events.
 for event in recording.events:
     print(f"{event.utc}  {event}")

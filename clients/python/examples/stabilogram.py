@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-# How somebody stands: records the centre of pressure, measures it, draws the stabilogram. In another terminal: scripts/demo, then here
+# Records the centre of pressure of a standing person, measures the sway and draws the stabilogram. Start scripts/demo in another terminal,
+# then run here:
 #
 #     export DTSD_RUNTIME_DIR=...                   # the line that the demo prints
 #     PYTHONPATH=clients/python/src python3 clients/python/examples/stabilogram.py stabilogram.png
 #
-# Each `# %%` begins a cell, for editors that know them.
+# Each `# %%` begins a cell, for editors that support cells.
 
 # %%
 import os
@@ -25,7 +26,7 @@ import dts
 picture = Path(sys.argv[1] if len(sys.argv) > 1 else "stabilogram.png")
 seconds = float(sys.argv[2] if len(sys.argv) > 2 else 20.0)
 
-# %% Wait until somebody stands on the plate, then record. The daemon's own figures come as events beside.
+# %% Wait until a person is on the plate, then record. The daemon publishes its own measures as events at the same time.
 with dts.connect() as daemon:
     for block in daemon.stream("floor/cop", timeout=10):
         if np.nanmean(block["load_n"]) > 50 and not np.isnan(block["ml_mm"]).any():
@@ -36,9 +37,9 @@ with dts.connect() as daemon:
 print(cop)
 
 
-# %% The same measures as the daemon's. It smooths at 10 Hz before it measures: the noise of a sensor would lengthen every path.
+# %% Compute the same measures as the daemon. The daemon filters at 10 Hz first, because sensor noise would lengthen the path.
 def smoothed(position_mm: NDArray[np.float64], rate_hz: float, limit_hz: float = 10.0) -> NDArray[np.float64]:
-    """Low-passed in the frequency domain; mirrored at its ends, so that no step stands there."""
+    """Returns the position after a low-pass in the frequency domain. The signal is mirrored at its ends to avoid steps."""
     mirrored = np.r_[2 * position_mm[0] - position_mm[:0:-1], position_mm, 2 * position_mm[-1] - position_mm[-2::-1]]
     trend = np.linspace(mirrored[0], mirrored[-1], len(mirrored))
     spectrum = np.fft.rfft(mirrored - trend)
@@ -49,7 +50,7 @@ def smoothed(position_mm: NDArray[np.float64], rate_hz: float, limit_hz: float =
 
 
 if cop.gaps or np.isnan(cop["ml_mm"]).any():
-    sys.exit("scans are missing, or nobody stood there all the time: record again")
+    sys.exit("scans are missing, or the person left the plate: record again")
 rate_hz = float(cop.rate or 0)
 ml_mm = smoothed(cop["ml_mm"].astype(float), rate_hz)
 ap_mm = smoothed(cop["ap_mm"].astype(float), rate_hz)
@@ -63,12 +64,12 @@ f_95 = (n - 2) / 2 * (0.05 ** (-2 / (n - 2)) - 1)
 half_axes_mm = np.sqrt(2 * (n - 1) * (n + 1) / (n * (n - 2)) * f_95 * variances)
 area_mm2 = np.pi * half_axes_mm.prod()
 
-told = {symbol: measure["value"] for symbol, measure in sway.fields["measures"].items()}
+daemon_values = {symbol: measure["value"] for symbol, measure in sway.fields["measures"].items()}
 print(f"                          here, {n / rate_hz:4.1f} s   daemon, {sway.fields['duration_s']:5.1f} s so far")
-print(f"mean velocity (mm/s)      {velocity_mm_s:12.2f}   {told['MVELO']:12.2f}")
-print(f"95 % ellipse area (mm2)   {area_mm2:12.1f}   {told['PEA95_F']:12.1f}")
+print(f"mean velocity (mm/s)      {velocity_mm_s:12.2f}   {daemon_values['MVELO']:12.2f}")
+print(f"95 % ellipse area (mm2)   {area_mm2:12.1f}   {daemon_values['PEA95_F']:12.1f}")
 
-# %% The stabilogram, with both axes on one scale: forward is up, the subject's right is right.
+# %% Draw the stabilogram with the same scale on both axes: front is at the top, the subject's right is at the right.
 figure, plots = plt.subplot_mosaic([["map", "ap"], ["map", "ml"]], figsize=(11, 5.5), width_ratios=(1, 1.2), layout="constrained")
 blue, orange = "#0072B2", "#D55E00"  # told apart by the colour-blind too (Okabe & Ito)
 middle = (ml_mm.mean(), ap_mm.mean())

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The TypeScript of the .proto files, into src/generated (not committed: it is made by every build).
+// Generates TypeScript from the .proto files into src/generated. It is not committed: every build makes it.
 import { spawnSync } from 'node:child_process';
 import { mkdirSync, renameSync, rmSync } from 'node:fs';
 import { dirname, resolve } from 'node:path';
@@ -8,7 +8,7 @@ import { fileURLToPath } from 'node:url';
 const web = resolve(dirname(fileURLToPath(import.meta.url)), '..');
 const proto = resolve(web, '../../proto');
 const out = resolve(web, 'src/generated');
-const fresh = `${out}.${process.pid}`; // a build beside this one always finds all files
+const fresh = `${out}.${process.pid}`; // so that another build at the same time always finds all files
 mkdirSync(fresh, { recursive: true });
 const result = spawnSync(
   'protoc',

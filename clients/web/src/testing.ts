@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// For tests: a link that delivers what a test wants, and hooks without a document.
+// For tests: a link that delivers what a test gives it, and hooks without a document.
 import { create } from '@bufbuild/protobuf';
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import { signal } from '@preact/signals';
@@ -43,7 +43,7 @@ export const fakeLink = (rigs: MessageInitShape<typeof StatusSnapshotSchema>['ri
   };
 };
 
-/** Runs a hook in a component that draws nothing. `draw` renders what changed and runs the effects, unless the page is never painted. */
+/** Runs a hook in an empty component. `draw` renders changes and runs the effects; with isPainted false, effects never run. */
 export const runHook = <Result>(hook: () => Result, isPainted = true): { now: () => Result; draw: () => void } => {
   let result: Result | undefined;
   let rerender = (): void => undefined;

@@ -53,7 +53,7 @@ core::Status drain(usb::UsbPort& port) {
       return tl::make_unexpected(usb::to_error(cleared.error(), "LabJack U6: stream data"));
     }
   }
-  return core::fail(ErrorCode::Failed, "LabJack U6: it does not stop sending stream data", "unplug it and plug it in again");
+  return core::fail(ErrorCode::Failed, "LabJack U6: the unit does not stop sending stream data", "unplug it and plug it in again");
 }
 
 std::size_t transfers_for(std::int64_t time_ns, std::int64_t period_ns, std::size_t least, std::size_t most) noexcept {
@@ -114,7 +114,8 @@ core::Status U6::end_earlier_stream(usb::UsbPort& port, std::vector<DeviceCheck>
   const auto stopped = exchange(port, stop_stream());
   if (!stopped) return tl::make_unexpected(stopped.error());
   if (stopped->error != 0 && stopped->error != kErrorStreamNotRunning) return tl::make_unexpected(refused("StreamStop", stopped->error));
-  if (stopped->error == 0) checks.push_back({"no scan was running", Outcome::Warning, "one of an earlier program was, and was ended"});
+  if (stopped->error == 0)
+    checks.push_back({"no scan was running", Outcome::Warning, "a scan of an earlier program was running; dtsd stopped it"});
   return {};  // `configure` discards its data in the stream endpoint
 }
 
@@ -145,7 +146,7 @@ core::Status U6::read_constants(usb::UsbPort& port, std::vector<DeviceCheck>& ch
   const auto parsed = Calibration::parse(blocks, in_use);
   if (!parsed) return tl::make_unexpected(parsed.error());
   calibration_ = *parsed;
-  checks.push_back({"the calibration is believable", Outcome::Passed, "read from the unit"});
+  checks.push_back({"the calibration is plausible", Outcome::Passed, "read from the unit"});
   return {};
 }
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "device/device_entry.h"
 #include "device/labjack/u6_calibration.h"
 #include "device/labjack/u6_stream.h"
-#include "device/registry.h"
 #include "device/usb/daq_driver.h"
 #include "device/usb/daq_options.h"
 

@@ -52,10 +52,10 @@ core::Result<Calibration> Calibration::parse(std::span<const std::uint8_t> block
                                is_near(found.center, kNominalCenter, kCenterTolerance);
     if (is_believable) continue;
     return core::fail(core::ErrorCode::DataDamaged,
-                      "LabJack U6: the calibration of the range +-" + std::to_string(kRangesV[gain]) + " V is not believable: slopes " +
+                      "LabJack U6: the calibration of the range +-" + std::to_string(kRangesV[gain]) + " V is implausible: slopes " +
                           std::to_string(found.positive_slope_v * 1e6) + " and " + std::to_string(found.negative_slope_v * 1e6) +
                           " uV, centre " + std::to_string(found.center),
-                      "compare with another program; the vendor's tools can restore the constants");
+                      "compare with another program; restore the constants with the vendor's tools");
   }
   return result;
 }

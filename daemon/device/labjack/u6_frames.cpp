@@ -64,7 +64,7 @@ tl::unexpected<core::Error> damaged(const Command& command, const std::string& w
 }
 
 core::Result<Reply> judge(const Command& command, std::span<const std::uint8_t> reply) {
-  if (is_not_understood(reply)) return damaged(command, "says that the command arrived with a wrong checksum");
+  if (is_not_understood(reply)) return damaged(command, "reports that the command arrived with a wrong checksum");
   // A reply with an error number may be short; a good reply must be complete.
   if (reply.size() != command.reply_bytes) {
     return damaged(command, "has " + std::to_string(reply.size()) + " bytes, not " + std::to_string(command.reply_bytes));

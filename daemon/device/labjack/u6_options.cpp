@@ -39,13 +39,12 @@ core::Result<usb::DaqOptions> read_u6_options(const DeviceUri& uri) {
   const usb::DaqLimits limits{.inputs = kInputs,
                               .max_scan_length = kMaximumSamplesPerPacket - 1,  // one place is for the digital word
                               .must_ascend = false,
-                              .may_repeat = false,
                               .ranges_v = kRangesV};
   auto options = usb::read_daq_options(complete, *given, limits);
   if (!options) return options;
   if (std::ranges::find(options->channels, kThermometer) != options->channels.end()) {
     return core::fail(ErrorCode::InvalidArgument, "device \"" + uri.text + "\": input 14 is the thermometer inside the U6",
-                      "inputs are 0 to 13, and 15 for ground");
+                      "choose inputs 0 to 13, or 15 for ground");
   }
   if (given->number("digital") > 0) add_digital_word(*options);
   return options;

@@ -22,17 +22,16 @@ float read_float(std::span<const std::uint8_t> bytes) noexcept {
 core::Result<Calibration> decode_calibration(std::span<const std::uint8_t> record, unsigned bits, const std::string& where) {
   const auto damaged = [&](const std::string& why) {
     return core::fail(core::ErrorCode::DataDamaged, where + ": " + why,
-                      "the unit's calibration memory is blank or damaged: let MCC's InstaCal or the factory calibrate it again");
+                      "the unit's calibration memory is blank or damaged: calibrate it again with MCC's InstaCal or at the factory");
   };
   if (record.size() < kCalibrationRecordBytes) return damaged("the record is cut short");
   const Calibration found{.slope = read_float(record), .offset = read_float(record.subspan(4))};
   if (!std::isfinite(found.slope) || !std::isfinite(found.offset)) return damaged("slope or offset is not a number");
   const std::string values = "slope " + std::to_string(found.slope) + ", offset " + std::to_string(found.offset) + " codes";
-  if (std::abs(found.slope - 1.0) > kLargestSlopeError) return damaged(values + " is not believable");
+  if (std::abs(found.slope - 1.0) > kLargestSlopeError) return damaged(values + " is implausible");
   const double full_scale = std::ldexp(1.0, static_cast<int>(bits));
   const double middle = full_scale / 2.0;
-  if (std::abs(found.slope * middle + found.offset - middle) > full_scale * kLargestMiddleError)
-    return damaged(values + " is not believable");
+  if (std::abs(found.slope * middle + found.offset - middle) > full_scale * kLargestMiddleError) return damaged(values + " is implausible");
   return found;
 }
 

@@ -17,7 +17,7 @@ constexpr int kMostEndRequests = 10;              // one or two frames each
 constexpr std::size_t kDrainPackets = 64;         // per read: the largest FIFO needs a few reads
 constexpr std::uint8_t kDigitalDirection = 0x00;  // 1: input
 constexpr std::uint8_t kDigitalLatch = 0x02;
-constexpr char kUnplugHint[] = "unplug the device, plug it in again, and try another port or cable when that does not help";
+constexpr char kUnplugHint[] = "unplug the device and plug it in again; if that does not help, try another port or cable";
 
 /// Reads the register, changes one bit, writes it back.
 core::Status change_bit(usb::UsbPort& port, std::uint8_t request, unsigned bit, bool is_set, const std::string& what, int timeout_ms) {
@@ -42,7 +42,8 @@ core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, std::sp
   if (!sent) return tl::make_unexpected(usb::to_error(sent.error(), what, kUnplugHint));
   if (*sent == bytes.size()) return {};
   return core::fail(core::ErrorCode::Failed,
-                    what + ": the device took " + std::to_string(*sent) + " of " + std::to_string(bytes.size()) + " bytes", kUnplugHint);
+                    what + ": the device accepted " + std::to_string(*sent) + " of " + std::to_string(bytes.size()) + " bytes",
+                    kUnplugHint);
 }
 
 core::Status put(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what, int timeout_ms) {
@@ -56,7 +57,7 @@ core::Result<std::vector<std::uint8_t>> get(usb::UsbPort& port, const usb::Contr
   if (!received) return tl::make_unexpected(usb::to_error(received.error(), what, kUnplugHint));
   if (*received == count) return bytes;
   return core::fail(core::ErrorCode::DataDamaged,
-                    what + ": the device gave " + std::to_string(*received) + " of " + std::to_string(count) + " bytes", kUnplugHint);
+                    what + ": the device sent " + std::to_string(*received) + " of " + std::to_string(count) + " bytes", kUnplugHint);
 }
 
 core::Result<std::uint16_t> get_word(usb::UsbPort& port, const usb::ControlRequest& request, const std::string& what, int timeout_ms) {
@@ -80,7 +81,7 @@ core::Status empty_endpoint(usb::UsbPort& port, std::uint8_t endpoint) {
     if (received.error() != UsbStatus::Stall) continue;
     if (auto again = clear_halt(port, endpoint); !again) return again;
   }
-  return core::fail(core::ErrorCode::Failed, "emptying the data endpoint: the device goes on sending after its scan was stopped",
+  return core::fail(core::ErrorCode::Failed, "emptying the data endpoint: the device still sends data after its scan was stopped",
                     kUnplugHint);
 }
 
@@ -90,7 +91,7 @@ core::Status await_end(usb::DaqDriver& driver, usb::UsbPort& port) {
     if (!found) return tl::make_unexpected(found.error());
     if (!found->is_running) return {};
   }
-  return core::fail(core::ErrorCode::Failed, driver.describe().uri + " goes on scanning after it was stopped", kUnplugHint);
+  return core::fail(core::ErrorCode::Failed, driver.describe().uri + " still scans after it was stopped", kUnplugHint);
 }
 
 void append_u32(std::vector<std::uint8_t>& bytes, std::uint32_t value) {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "device/registry.h"
+#include "device/device_entry.h"
 
 namespace dts::device::mcc {
 

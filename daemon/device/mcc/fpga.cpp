@@ -25,8 +25,8 @@ constexpr std::size_t kRevision1Bytes = 73'829;
 constexpr std::size_t kRevision2Bytes = 73'722;
 
 constexpr char kSourceHint[] =
-    "the image belongs to MCC and comes with its library uldaq (1.2.1: the array in src/usb/fw/Usb1608gFpga.c, or Usb1608g2Fpga.c "
-    "for hardware revision 2): write the array's bytes to a file and name it with fpga=FILE";
+    "take the image from MCC's library uldaq (1.2.1: the array in src/usb/fw/Usb1608gFpga.c, or Usb1608g2Fpga.c for hardware revision 2): "
+    "write the array's bytes to a file and add fpga=FILE to the device address";
 
 core::Result<std::uintmax_t> length_of(const std::string& path) {
   std::error_code error;
@@ -63,10 +63,10 @@ core::Result<std::vector<std::uint8_t>> read_fpga_image(const std::string& path,
   if (!size) return tl::make_unexpected(size.error());
   const std::size_t expected = fpga_image_bytes(product);
   if (*size != expected) {
-    return core::fail(ErrorCode::InvalidArgument,
-                      "FPGA image " + path + " has " + std::to_string(*size) + " bytes; this unit's hardware revision takes one of " +
-                          std::to_string(expected),
-                      kSourceHint);
+    return core::fail(
+        ErrorCode::InvalidArgument,
+        "FPGA image " + path + " has " + std::to_string(*size) + " bytes; this unit's hardware revision needs " + std::to_string(expected),
+        kSourceHint);
   }
   std::vector<std::uint8_t> image(expected);
   std::ifstream file(path, std::ios::binary);

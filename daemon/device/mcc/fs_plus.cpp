@@ -30,7 +30,7 @@ constexpr unsigned kScanRunning = 1U << 1;
 constexpr unsigned kScanOverrun = 1U << 2;
 
 constexpr std::size_t kMemoryPieceBytes = 256;  // as uldaq
-constexpr char kOtherProgramHint[] = "is another program using the device?";
+constexpr char kOtherProgramHint[] = "close any other program that uses the device";
 
 std::uint8_t mask_of(std::span<const std::size_t> channels) {
   unsigned mask = 0;
@@ -61,7 +61,7 @@ core::Result<core::Rate> FsPlus::exact_rate(core::Rate wanted) const {
 core::Status FsPlus::connect(usb::UsbPort& port, std::vector<DeviceCheck>& checks) {
   if (auto stopped = put(port, {.request = kScanStop}, "stopping an earlier scan"); !stopped) return stopped;
   if (auto read = read_calibration(port); !read) return read;
-  checks.push_back({.name = "calibration", .outcome = DeviceCheck::Outcome::Passed, .detail = "read from the device, believable"});
+  checks.push_back({.name = "calibration", .outcome = DeviceCheck::Outcome::Passed, .detail = "read from the device, plausible"});
   is_first_scan_ = true;
   if (!settings_.sync_output_bit) return {};
   return prepare_line(port, *settings_.sync_output_bit, model_.line_direction);
@@ -106,7 +106,7 @@ core::Status FsPlus::set_ranges(usb::UsbPort& port) {
   const auto found = get(port, {.request = kRangeList}, codes.size(), "reading the ranges back");
   if (!found) return tl::make_unexpected(found.error());
   if (*found == codes) return {};
-  return core::fail(ErrorCode::DataDamaged, description_.uri + " did not take the ranges that it was given", kOtherProgramHint);
+  return core::fail(ErrorCode::DataDamaged, description_.uri + " did not accept its ranges", kOtherProgramHint);
 }
 
 core::Result<usb::ScanPlan> FsPlus::configure(usb::UsbPort& port, const usb::ScanRequest& request) {
@@ -176,7 +176,7 @@ bool FsPlus::waits_for_trigger() const noexcept { return command_.trigger != Tri
 core::Status FsPlus::set_sync_output(usb::UsbPort& port, bool is_high) {
   if (settings_.sync_output_bit) return drive_line(port, *settings_.sync_output_bit, is_high);
   return core::fail(ErrorCode::Unsupported, description_.uri + " has no digital line chosen for the sync pulse",
-                    "add sync_output_bit=0 to the device's URI and wire digital line 0");
+                    "add sync_output_bit=0 to the device address and wire digital line 0");
 }
 
 usb::Unpacked FsPlus::unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> codes) noexcept {

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
+#include "device/device_entry.h"
 #include "device/mcc/calibration.h"
 #include "device/mcc/description.h"
 #include "device/mcc/fs_plus_models.h"
-#include "device/registry.h"
 #include "device/usb/daq_driver.h"
 #include "device/usb/daq_options.h"
 

@@ -7,7 +7,7 @@
 namespace dts::device::mcc {
 
 usb::DaqLimits limits_of(const FsPlusModel& model) {
-  return {.inputs = kFsPlusInputs, .max_scan_length = kFsPlusInputs, .must_ascend = true, .may_repeat = false, .ranges_v = model.ranges_v};
+  return {.inputs = kFsPlusInputs, .max_scan_length = kFsPlusInputs, .must_ascend = true, .ranges_v = model.ranges_v};
 }
 
 std::vector<UriOption> fs_plus_options(const FsPlusModel& model) {

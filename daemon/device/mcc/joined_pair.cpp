@@ -24,9 +24,9 @@ constexpr std::int64_t kFrameNs = core::kNanosecondsPerMillisecond;  // packets 
 constexpr std::int64_t kTransferNs = 10 * core::kNanosecondsPerMillisecond;
 
 tl::unexpected<core::Error> pass_on(const core::Error& error, const char* which) {
-  core::Error told = error;
-  told.what = std::string(which) + " unit of the pair: " + told.what;
-  return tl::make_unexpected(told);
+  core::Error named = error;
+  named.what = std::string(which) + " unit of the pair: " + named.what;
+  return tl::make_unexpected(named);
 }
 
 void copy_columns(const core::Block& from, core::Block& to, std::size_t first_channel, std::size_t scans) noexcept {
@@ -64,7 +64,7 @@ DeviceReport JoinedPair::report() const {
   for (DeviceCheck& check : first.checks) both.checks.push_back({"first unit: " + check.name, check.outcome, check.detail});
   for (DeviceCheck& check : second.checks) both.checks.push_back({"second unit: " + check.name, check.outcome, check.detail});
   if (has_missed_pulses_.load(std::memory_order_acquire)) {  // pairs with cause_of
-    both.checks.push_back({"the second unit hears SYNC", DeviceCheck::Outcome::Failed, "no pulses: is the SYNC wire connected?"});
+    both.checks.push_back({"the second unit receives SYNC", DeviceCheck::Outcome::Failed, "no pulses: check the SYNC wire"});
   }
   return both;
 }

@@ -9,7 +9,7 @@
 
 #include "core/clock.h"
 #include "device/device.h"
-#include "device/registry.h"
+#include "device/device_entry.h"
 
 namespace dts::device::mcc {
 

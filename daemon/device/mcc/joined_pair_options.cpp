@@ -77,8 +77,8 @@ core::Result<std::unique_ptr<Device>> create_pair(const DeviceUri& uri, const De
   const std::string& first_serial = first->options.serial;
   if (first_serial.empty() || second->options.serial.empty() || first_serial == second->options.serial) {
     return core::fail(core::ErrorCode::InvalidArgument,
-                      "device \"" + uri.text + "\": a pair needs serial and second_serial, two different ones",
-                      "serial is the unit that drives the SYNC wire; dtsctl device list shows what is plugged in");
+                      "device \"" + uri.text + "\": a pair needs two different serial numbers: serial and second_serial",
+                      "set serial to the unit that drives the SYNC wire; dtsctl device list shows the units that are plugged in");
   }
   const FsPlusModel& model = usb_1608fs_plus();
   auto master = std::make_unique<usb::UsbDaq>(std::make_unique<FsPlus>(model, *first), first->options, *context.usb, context.clock);

@@ -24,7 +24,7 @@ UriOption trigger_option() {
           .choices = "none|rising|falling|high|low",
           .sentence =
               "What the trigger input must do before the first scan. It is armed once, for the first scan after dtsd starts; after a "
-              "fault or a replug the scan goes on without it."};
+              "fault or a replug the scan continues without it."};
 }
 
 Trigger read_trigger(const UriOptions& options) {
@@ -51,7 +51,7 @@ std::optional<unsigned> read_sync_output_bit(const UriOptions& options) {
 
 core::Error no_usb(const DeviceUri& uri) {
   return {core::ErrorCode::Unsupported, "device \"" + uri.text + "\" is on a USB cable, and this program has no access to USB",
-          "run it in dtsd, or take a device of the \"sim:\" kind"};
+          "run it in dtsd, or use a \"sim:\" device"};
 }
 
 }  // namespace dts::device::mcc

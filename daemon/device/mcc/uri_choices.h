@@ -3,8 +3,8 @@
 
 #include <optional>
 
+#include "device/device_entry.h"
 #include "device/mcc/fs_plus_models.h"
-#include "device/registry.h"
 #include "device/uri_options.h"
 
 namespace dts::device::mcc {

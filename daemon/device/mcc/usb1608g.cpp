@@ -83,7 +83,7 @@ core::Status Usb1608g::connect(usb::UsbPort& port, std::vector<DeviceCheck>& che
   checks.push_back({.name = "FPGA image", .outcome = DeviceCheck::Outcome::Passed, .detail = *loaded ? "loaded" : "was there already"});
   if (auto stopped = put(port, {.request = kGScanStop}, "stopping an earlier scan"); !stopped) return stopped;
   if (auto read = read_calibration(port); !read) return read;
-  checks.push_back({.name = "calibration", .outcome = DeviceCheck::Outcome::Passed, .detail = "read from the device, believable"});
+  checks.push_back({.name = "calibration", .outcome = DeviceCheck::Outcome::Passed, .detail = "read from the device, plausible"});
   if (!settings_.sync_output_bit) return {};
   return prepare_line(port, *settings_.sync_output_bit, LineDirection::PerLine);
 }
@@ -137,8 +137,8 @@ core::Status Usb1608g::set_scan_list(usb::UsbPort& port) {
   const auto found = get(port, {.request = kScanList}, list.size(), "reading the scan list back");
   if (!found) return tl::make_unexpected(found.error());
   if (std::equal(found->begin(), found->end(), list.begin(), list.end())) return {};
-  return core::fail(ErrorCode::DataDamaged, description_.uri + " did not take the scan list that it was given",
-                    "is another program using the device?");
+  return core::fail(ErrorCode::DataDamaged, description_.uri + " did not accept its scan list",
+                    "close any other program that uses the device");
 }
 
 core::Result<usb::ScanPlan> Usb1608g::configure(usb::UsbPort& port, const usb::ScanRequest& request) {
@@ -207,7 +207,7 @@ core::Result<usb::ScanHealth> Usb1608g::health(usb::UsbPort& port) {
 core::Status Usb1608g::set_sync_output(usb::UsbPort& port, bool is_high) {
   if (settings_.sync_output_bit) return drive_line(port, *settings_.sync_output_bit, is_high);
   return core::fail(ErrorCode::Unsupported, description_.uri + " has no digital line chosen for the sync pulse",
-                    "add sync_output_bit=0 to the device's URI and wire digital line 0");
+                    "add sync_output_bit=0 to the device address and wire digital line 0");
 }
 
 usb::Unpacked Usb1608g::unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t> codes) noexcept {

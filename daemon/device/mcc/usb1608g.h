@@ -10,12 +10,12 @@
 #include <string_view>
 #include <vector>
 
+#include "device/device_entry.h"
 #include "device/mcc/calibration.h"
 #include "device/mcc/description.h"
 #include "device/mcc/fpga.h"
 #include "device/mcc/fs_plus_models.h"
 #include "device/mcc/transfer_choice.h"
-#include "device/registry.h"
 #include "device/usb/daq_driver.h"
 #include "device/usb/daq_options.h"
 

@@ -64,15 +64,14 @@ core::Result<std::unique_ptr<Device>> create_usb_1608g(const Usb1608gModel& mode
   const std::vector<UriOption> table = usb_1608g_options();
   const auto options = UriOptions::read(uri, table);
   if (!options) return tl::make_unexpected(options.error());
-  const usb::DaqLimits limits{
-      .inputs = kInputs, .max_scan_length = kScanListBytes, .must_ascend = false, .may_repeat = false, .ranges_v = kRangesV};
+  const usb::DaqLimits limits{.inputs = kInputs, .max_scan_length = kScanListBytes, .must_ascend = false, .ranges_v = kRangesV};
   auto common = usb::read_daq_options(uri, *options, limits);
   if (!common) return tl::make_unexpected(common.error());
   if (options->is_given("fpga")) {  // so that --check-config reports a wrong file
     if (!std::filesystem::path(options->text("fpga")).is_absolute()) {
       return core::fail(core::ErrorCode::InvalidArgument,
-                        "device \"" + uri.text + "\": fpga = \"" + options->text("fpga") + "\" is not a whole path",
-                        "write it from the root, as in fpga=/etc/dtsd/usb1608g.bit: the daemon may be started in any folder");
+                        "device \"" + uri.text + "\": fpga = \"" + options->text("fpga") + "\" is not an absolute path",
+                        "write an absolute path, for example fpga=/etc/dtsd/usb1608g.bit: dtsd may start in any folder");
     }
     if (auto checked = check_fpga_file(options->text("fpga")); !checked) {
       core::Error error = checked.error();

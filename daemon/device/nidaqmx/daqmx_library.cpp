@@ -39,8 +39,8 @@ core::Result<std::unique_ptr<const DaqmxLibrary>> DaqmxLibrary::load(const std::
   void* const library = dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
   if (library == nullptr) {
     return core::fail(ErrorCode::Unsupported, "NI-DAQmx is not installed on this computer: " + loader_says(),
-                      "install NI's Linux Device Drivers for this distribution, if NI lists the device for it; otherwise another "
-                      "DAQ is needed: see the README of daemon/device/nidaqmx");
+                      "install NI's Linux Device Drivers for this distribution, if NI lists the device for it; otherwise use another DAQ: "
+                      "see the README of daemon/device/nidaqmx");
   }
   auto loaded = std::unique_ptr<DaqmxLibrary>(new DaqmxLibrary);
   std::string missing;
@@ -70,7 +70,7 @@ core::Error DaqmxLibrary::error(std::int32_t status, const std::string& what) co
   core::Error error;
   error.code = status == api::kInvalidDeviceId ? ErrorCode::NotFound : is_gone(status) ? ErrorCode::DeviceGone : ErrorCode::Failed;
   error.what = what + ": NI-DAQmx error " + std::to_string(status) + ": " + text.data();
-  if (status == api::kInvalidDeviceId) error.hint = "write the device as NI's tools name it, for example ni:Dev1";
+  if (status == api::kInvalidDeviceId) error.hint = "write the name that NI's tools show, for example ni:Dev1";
   return error;
 }
 

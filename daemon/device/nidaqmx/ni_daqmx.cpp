@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "core/join.h"
 #include "device/device_checks.h"
 
 namespace dts::device::nidaqmx {
@@ -106,10 +107,8 @@ core::Status NiDaqmx::create_task() {
     task_ = nullptr;
     return failed(status, "DAQmxCreateTask");
   }
-  std::string inputs;
-  for (const std::size_t channel : options_.channels) {
-    inputs += (inputs.empty() ? "" : ", ") + options_.name + "/ai" + std::to_string(channel);
-  }
+  const std::string inputs =
+      core::join(options_.channels, ", ", [this](std::size_t channel) { return options_.name + "/ai" + std::to_string(channel); });
   const std::int32_t status = library_->create_ai_voltage_chan(task_, inputs.c_str(), "", options_.terminal, -options_.range_v,
                                                                options_.range_v, api::kVolts, nullptr);
   return status < 0 ? failed(status, "DAQmxCreateAIVoltageChan") : core::Status{};
@@ -179,13 +178,13 @@ ReadResult NiDaqmx::read(core::Block& block, std::int64_t deadline_ns) noexcept 
   if (now != DeviceState::Streaming) return {};
   // A block of the wrong size is a mistake of the caller; it must not cause writes beyond a column.
   if (block.capacity() == 0 || block.channel_count() != options_.channels.size()) return {ReadOutcome::Timeout, {}};
-  if (trouble_.outcome != ReadOutcome::Scans) return tell();
+  if (trouble_.outcome != ReadOutcome::Scans) return report_trouble();
   const std::size_t count = fetch(std::min(block.capacity(), max_block_scans_), deadline_ns);
   if (count > 0) {
     fill(block, count);
     return {ReadOutcome::Scans, {}};
   }
-  if (trouble_.outcome != ReadOutcome::Scans) return tell();
+  if (trouble_.outcome != ReadOutcome::Scans) return report_trouble();
   return {waits_for_trigger() ? ReadOutcome::Armed : ReadOutcome::Timeout, {}};
 }
 
@@ -226,7 +225,7 @@ void NiDaqmx::note_error(std::int32_t status) noexcept {
   }
 }
 
-ReadResult NiDaqmx::tell() noexcept {
+ReadResult NiDaqmx::report_trouble() noexcept {
   if (trouble_.outcome == ReadOutcome::Gone) move_to(DeviceState::Gone);
   return trouble_;
 }

@@ -12,8 +12,8 @@
 #include "core/clock.h"
 #include "core/host_time.h"
 #include "device/device.h"
+#include "device/device_entry.h"
 #include "device/nidaqmx/daqmx_library.h"
-#include "device/registry.h"
 
 namespace dts::device::nidaqmx {
 
@@ -61,7 +61,7 @@ class NiDaqmx final : public Device {
   void note_error(std::int32_t status) noexcept;
   void fill(core::Block& block, std::size_t count) noexcept;
   [[nodiscard]] bool waits_for_trigger() const noexcept { return !options_.trigger.empty() && !has_ever_scanned_; }
-  [[nodiscard]] ReadResult tell() noexcept;
+  [[nodiscard]] ReadResult report_trouble() noexcept;
 
   NiOptions options_;
   core::Clock& clock_;

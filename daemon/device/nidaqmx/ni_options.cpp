@@ -17,14 +17,13 @@ constexpr std::array kTerminals = {std::pair{"rse", api::kTerminalRse}, std::pai
                                    std::pair{"differential", api::kTerminalDifferential}, std::pair{"default", api::kTerminalDefault}};
 
 constexpr std::array kOptions = {
-    UriOption{"channels", Numbers, "", 0, 255, "", "Analogue inputs in scan order; without it 0,1,2,3."},
-    UriOption{"terminal", Word, "rse", 0, 0, "rse|nrse|differential|default",
-              "How the inputs are wired; default: as NI-DAQmx thinks best."},
-    UriOption{"range_v", Number, "10", 0.001, 100, "", "Range to both sides of 0 V; the device takes the next larger one that it has."},
+    UriOption{"channels", Numbers, "", 0, 255, "", "Analogue inputs in scan order; default: 0,1,2,3."},
+    UriOption{"terminal", Word, "rse", 0, 0, "rse|nrse|differential|default", "How the inputs are wired; default: NI-DAQmx chooses."},
+    UriOption{"range_v", Number, "10", 0.001, 100, "", "Range to both sides of 0 V; the device uses the next larger range that it has."},
     UriOption{"trigger", Word, "none", 0, 0, "none|pfi0|pfi1|pfi2|pfi3|pfi4|pfi5|pfi6|pfi7",
               "The first scan after dtsd starts begins with a rising edge at this terminal; after a fault or a replug the scan goes on "
               "without it."},
-    UriOption{"library", File, "", 0, 0, "", "NI-DAQmx, when it is not where the system finds it."},
+    UriOption{"library", File, "", 0, 0, "", "Path of the NI-DAQmx library; needed if the system does not find it."},
 };
 
 tl::unexpected<core::Error> refuse(const DeviceUri& uri, ErrorCode code, const std::string& why, std::string hint = {}) {
@@ -37,9 +36,9 @@ core::Status take_channels(const DeviceUri& uri, const std::vector<double>& give
   }
   for (const double number : given) {
     const auto channel = static_cast<std::size_t>(number);
-    if (static_cast<double>(channel) != number) return refuse(uri, ErrorCode::InvalidArgument, "channels are whole numbers");
+    if (static_cast<double>(channel) != number) return refuse(uri, ErrorCode::InvalidArgument, "channels must be whole numbers");
     if (std::ranges::find(options.channels, channel) != options.channels.end()) {
-      return refuse(uri, ErrorCode::InvalidArgument, "input " + std::to_string(channel) + " stands twice in channels");
+      return refuse(uri, ErrorCode::InvalidArgument, "input " + std::to_string(channel) + " is listed twice in channels");
     }
     options.channels.push_back(channel);
   }
@@ -56,7 +55,8 @@ core::Result<NiOptions> read_ni_options(const DeviceUri& uri) {
   options.name = uri.name;
   // These characters separate names in NI's lists of channels.
   if (options.name.empty() || options.name.find_first_of("/,: ") != std::string::npos) {
-    return refuse(uri, ErrorCode::InvalidArgument, "\"" + uri.name + "\" is no name of a device", "as NI's tools name it: ni:Dev1");
+    return refuse(uri, ErrorCode::InvalidArgument, "\"" + uri.name + "\" is not a name of a device",
+                  "write the name that NI's tools show: ni:Dev1");
   }
   const std::vector<double> channels = given->is_given("channels") ? given->numbers("channels") : std::vector<double>{0, 1, 2, 3};
   if (auto taken = take_channels(uri, channels, options); !taken) return tl::make_unexpected(taken.error());

@@ -77,7 +77,7 @@ void PlayQueue::run(const std::stop_token& stop, bool loops) {
     const std::uint64_t before = handed_over_;
     if (const auto played = play_once(stop); !played) return end(core::to_string(played.error()), stop);
     if (!loops) return end("", stop);
-    if (handed_over_ == before) return end("it has no scan that could be played again and again", stop);
+    if (handed_over_ == before) return end("it has no scan to repeat", stop);
     if (const auto rewound = recording_.rewind(); !rewound) return end(core::to_string(rewound.error()), stop);
     PlayedItem* again = slot(stop);
     if (again == nullptr) return;

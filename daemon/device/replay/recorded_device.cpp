@@ -16,7 +16,7 @@ constexpr std::size_t kMostNumbers = 1U << 24U;
 
 tl::unexpected<core::Error> refuse(const std::string& uri, const std::string& why) {
   return core::fail(core::ErrorCode::InvalidArgument, uri + " cannot be replayed: " + why,
-                    "only recordings of dtsd say where the device had its channels");
+                    "choose a recording of dtsd: only these contain the channel numbers of the device");
 }
 
 ChannelDescription describe(const record::ChannelInfo& channel, bool is_raw) {
@@ -35,7 +35,7 @@ std::string place(const record::StreamInfo& stream, bool is_raw, DeviceDescripti
   for (const record::ChannelInfo& channel : stream.channels) {
     if (channel.device_channel < 0) return "channel " + channel.label + " of stream " + stream.name + " has no device channel";
     const auto at = static_cast<std::size_t>(channel.device_channel);
-    if (at >= device.channels.size()) return "channel " + std::to_string(at) + " is recorded, but not all below it are";
+    if (at >= device.channels.size()) return "channel " + std::to_string(at) + " is recorded, but a channel below it is not";
     if (!device.channels[at].name.empty()) return "device channel " + std::to_string(at) + " is recorded twice";
     device.channels[at] = describe(channel, is_raw);
     if (device.channels[at].name.empty()) device.channels[at].name = "ch" + std::to_string(at);
@@ -78,7 +78,7 @@ core::Result<std::vector<double>> parse_state(const std::string& text) {
     const auto [stopped_at, error] = std::from_chars(at, end, value);
     if (error != std::errc{} || (stopped_at != end && *stopped_at != ' ') || numbers.size() == kMostNumbers) {
       return core::fail(core::ErrorCode::DataDamaged,
-                        "the recorded state of the stages is no list of numbers: number " + std::to_string(numbers.size() + 1));
+                        "the recorded state of the stages is not a list of numbers: wrong at number " + std::to_string(numbers.size() + 1));
     }
     numbers.push_back(value);
     at = stopped_at;
@@ -101,7 +101,7 @@ core::Result<RecordedDevice> find_device(const record::Recording& recording, con
   found.quality_stream = recording.find_stream("quality");
   const std::size_t channels = found.description.channels.size();
   if (found.quality_stream && recording.streams()[*found.quality_stream].channels.size() != channels) {
-    return refuse(uri, "its stream \"quality\" is not about the channels of \"raw\" and \"aux\"");
+    return refuse(uri, "its stream \"quality\" does not have the channels of \"raw\" and \"aux\"");
   }
   name_device(recording, found.description);
   found.description.uri = uri;

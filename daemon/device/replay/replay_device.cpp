@@ -26,7 +26,8 @@ ReplayDevice::~ReplayDevice() { queue_.stop(); }
 core::Result<core::Rate> ReplayDevice::exact_rate(core::Rate wanted) const {
   const auto checked = check_rate(recorded_.description, wanted);
   if (checked) return recorded_.rate;
-  return core::fail(checked.error().code, checked.error().what, "it was recorded at " + std::to_string(recorded_.rate.hz()) + " Hz");
+  return core::fail(checked.error().code, checked.error().what,
+                    "use the rate at which it was recorded: " + std::to_string(recorded_.rate.hz()) + " Hz");
 }
 
 DeviceReport ReplayDevice::report() const {
@@ -49,7 +50,7 @@ core::Status ReplayDevice::open() {
     const std::string fault = fault_.data();
     return core::fail(ErrorCode::NotFound,
                       recorded_.description.uri + (fault.empty() ? " has been played to its end" : " stopped playing: " + fault),
-                      "loop=1 plays it again and again");
+                      "add loop=1 to repeat it forever");
   }
   move_to(DeviceState::Open);
   return {};

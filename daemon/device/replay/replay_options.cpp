@@ -16,8 +16,8 @@ constexpr std::array<UriOption, 2> kOptions{{
     {.name = "speed",
      .kind = OptionKind::Text,
      .default_text = "1",
-     .sentence = "0.1 to 100 times as fast as it was; max: as fast as it can be processed."},
-    {.name = "loop", .kind = OptionKind::Word, .default_text = "0", .choices = "0|1", .sentence = "1: again and again."},
+     .sentence = "0.1 to 100 times the recorded speed; max: as fast as dtsd can process it."},
+    {.name = "loop", .kind = OptionKind::Word, .default_text = "0", .choices = "0|1", .sentence = "1: repeat forever; 0: play once."},
 }};
 
 core::Result<std::optional<double>> parse_speed(const DeviceUri& uri, const std::string& text) {
@@ -27,7 +27,7 @@ core::Result<std::optional<double>> parse_speed(const DeviceUri& uri, const std:
   const bool is_number = error == std::errc{} && stopped_at == text.data() + text.size();
   if (is_number && speed >= kSlowest && speed <= kFastest) return std::optional(speed);
   return core::fail(core::ErrorCode::InvalidArgument,
-                    "device \"" + uri.text + "\": speed = \"" + text + "\" is not allowed; it takes 0.1..100 or max");
+                    "device \"" + uri.text + "\": speed = \"" + text + "\" is not allowed; allowed: 0.1..100 or max");
 }
 
 }  // namespace
@@ -38,7 +38,8 @@ core::Result<std::unique_ptr<Device>> create_replay(const DeviceUri& uri, const 
   const auto speed = parse_speed(uri, options->text("speed"));
   if (!speed) return tl::make_unexpected(speed.error());
   if (uri.name.empty()) {
-    return core::fail(core::ErrorCode::InvalidArgument, "device \"" + uri.text + "\": which file?", "replay:/path/to/recording.xdf");
+    return core::fail(core::ErrorCode::InvalidArgument, "device \"" + uri.text + "\": the file is missing",
+                      "write replay:/path/to/recording.xdf");
   }
   auto recording = record::Recording::open(uri.name);
   if (!recording) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 
 namespace dts::device::replay {
@@ -16,21 +15,6 @@ constexpr std::size_t kMostWaitingEvents = 1'000'000;
 constexpr std::uint64_t kMostMissingScans = 1'000'000'000'000'000;
 
 core::Status damaged(std::string what) { return core::fail(core::ErrorCode::DataDamaged, std::move(what)); }
-
-core::GapReason reason_of(const std::string& word) {
-  using enum core::GapReason;
-  for (const core::GapReason reason : {Overrun, Unplugged, Silence, RingFull, Integrity}) {
-    if (core::name(reason) == word) return reason;
-  }
-  return None;
-}
-
-std::uint64_t count_of(const record::RecordedEvent& event, const std::string& key) {
-  const std::string text = record::text_of(event, key);
-  std::uint64_t count = 0;
-  const auto end = std::from_chars(text.data(), text.data() + text.size(), count);
-  return end.ec == std::errc{} ? count : 0;
-}
 
 }  // namespace
 
@@ -48,7 +32,7 @@ core::Status ScanMerger::add(const record::RecordedItem& item) {
   } else if (const auto* change = std::get_if<record::RecordedChange>(&item)) {
     if (device_.quality_stream && change->stream == *device_.quality_stream) return add_change(*change);
   } else if (const auto* event = std::get_if<record::TimedEvent>(&item)) {
-    if (event->event.event == "segment") add_segment(event->event);
+    if (event->event.has_segment_start()) add_segment(event->event);
   }
   return {};
 }
@@ -56,12 +40,12 @@ core::Status ScanMerger::add(const record::RecordedItem& item) {
 core::Status ScanMerger::add_scans(const record::RecordedScans& scans, Column& column) {
   if (scans.count == 0) return {};
   if (scans.values.size() != scans.count * column.channels.size())
-    return damaged("a chunk of samples has not as many values as its stream");
+    return damaged("the number of values in a chunk of samples does not fit its stream");
   const Place first{scans.segment, scans.first_scan.value};
   if (!column.runs.empty()) {
     const Run& last = column.runs.back();
     if (first < Place{last.first.segment, last.first.scan + last.count}) {
-      return damaged("scan " + std::to_string(first.scan) + " of segment " + std::to_string(first.segment) + " stands twice");
+      return damaged("scan " + std::to_string(first.scan) + " of segment " + std::to_string(first.segment) + " appears twice");
     }
   }
   column.runs.push_back(
@@ -95,9 +79,9 @@ core::Status ScanMerger::align_aux() {
 
 core::Status ScanMerger::add_change(const record::RecordedChange& change) {
   const Place at{change.segment, change.scan.value};
-  if (change.values.size() != bits_.size()) return damaged("a quality sample has not as many values as there are channels");
+  if (change.values.size() != bits_.size()) return damaged("the number of values in a quality sample does not fit the channels");
   if (expected_ && at < *expected_) {
-    return damaged("the quality of scan " + std::to_string(at.scan) + " stands more than a second after it");
+    return damaged("the quality of scan " + std::to_string(at.scan) + " appears more than a second after it");
   }
   if (changes_.size() >= kMostWaitingEvents) return damaged("more quality samples than scans");
   Change kept{.at = at, .bits = std::vector<std::uint8_t>(bits_.size())};
@@ -112,12 +96,13 @@ core::Status ScanMerger::add_change(const record::RecordedChange& change) {
   return {};
 }
 
-void ScanMerger::add_segment(const record::RecordedEvent& event) {
-  const core::GapReason reason = reason_of(record::text_of(event, "reason"));
-  if (reason == core::GapReason::None || gaps_.size() >= kMostWaitingEvents) return;
-  gaps_[event.segment] = {.reason = reason,
-                          .missing_scans = std::min(count_of(event, "missing_scans"), kMostMissingScans),
-                          .is_exact = record::text_of(event, "is_exact") == "true"};
+void ScanMerger::add_segment(const v1::Event& event) {
+  const v1::SegmentStart& start = event.segment_start();
+  const bool is_known = start.reason() > 0 && static_cast<std::size_t>(start.reason()) < core::kGapReasons;
+  if (!is_known || gaps_.size() >= kMostWaitingEvents) return;
+  gaps_[event.segment()] = {.reason = static_cast<core::GapReason>(start.reason()),
+                            .missing_scans = std::min(start.missing_scans(), kMostMissingScans),
+                            .is_exact = start.is_exact()};
 }
 
 /// Returns how many scans `take` may return: scans of the first raw run that the aux stream also has.
@@ -141,7 +126,7 @@ core::Gap ScanMerger::gap_before(const Run& run) const {
     return {
         .reason = core::GapReason::RingFull, .missing_scans = std::min(next.scan - expected_->scan, kMostMissingScans), .is_exact = true};
   }
-  if (const auto told = gaps_.find(next.segment); told != gaps_.end()) return told->second;
+  if (const auto reported = gaps_.find(next.segment); reported != gaps_.end()) return reported->second;
   const double hole_scans = std::round((run.first_time_s - next_time_s_) * device_.rate.hz());
   const bool is_forward = hole_scans > 0.0 && hole_scans < 1e15;
   return {.reason = core::GapReason::Silence, .missing_scans = is_forward ? static_cast<std::uint64_t>(hole_scans) : 0, .is_exact = false};

@@ -71,7 +71,7 @@ class ScanMerger {
   core::Status align_aux();
   [[nodiscard]] bool is_too_much() const noexcept;
   core::Status add_change(const record::RecordedChange& change);
-  void add_segment(const record::RecordedEvent& event);
+  void add_segment(const v1::Event& event);
   [[nodiscard]] std::size_t ready_scans() const noexcept;
   [[nodiscard]] bool is_gap_ahead(const Run& run) const noexcept;
   [[nodiscard]] core::Gap gap_before(const Run& run) const;

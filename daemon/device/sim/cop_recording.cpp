@@ -15,7 +15,7 @@ constexpr CsvForm kCopForm{.subject = "recording",
                            .max_rows = CopRecording::kMaxRows,
                            .min_rows = 2};
 
-physics::CopPosition between(physics::CopPosition a, physics::CopPosition b, double part) noexcept {
+dts::sim::CopPosition between(dts::sim::CopPosition a, dts::sim::CopPosition b, double part) noexcept {
   return {a.ml_mm + part * (b.ml_mm - a.ml_mm), a.ap_mm + part * (b.ap_mm - a.ap_mm)};
 }
 
@@ -38,22 +38,23 @@ core::Status CopRecording::append(std::span<const double> row, const std::string
   }
   if (times_s_.empty()) first_time_s_ = time_s;
   const double since_first_s = time_s - first_time_s_;
-  if (!times_s_.empty() && !(since_first_s > times_s_.back())) return refuse_row(kCopForm, place, "the time does not rise");
+  if (!times_s_.empty() && !(since_first_s > times_s_.back()))
+    return refuse_row(kCopForm, place, "the time is not later than in the row before");
   times_s_.push_back(since_first_s);
   positions_.push_back({ml_mm, ap_mm});
   return {};
 }
 
 void CopRecording::subtract_mean() noexcept {
-  physics::CopPosition sum;
-  for (const physics::CopPosition& position : positions_) sum = {sum.ml_mm + position.ml_mm, sum.ap_mm + position.ap_mm};
+  dts::sim::CopPosition sum;
+  for (const dts::sim::CopPosition& position : positions_) sum = {sum.ml_mm + position.ml_mm, sum.ap_mm + position.ap_mm};
   const auto count = static_cast<double>(positions_.size());
-  for (physics::CopPosition& position : positions_) {
+  for (dts::sim::CopPosition& position : positions_) {
     position = {position.ml_mm - sum.ml_mm / count, position.ap_mm - sum.ap_mm / count};
   }
 }
 
-physics::CopPosition CopRecording::at(double time_s) const noexcept {
+dts::sim::CopPosition CopRecording::at(double time_s) const noexcept {
   const auto later = std::upper_bound(times_s_.begin(), times_s_.end(), time_s);
   if (later == times_s_.begin()) return positions_.front();
   if (later == times_s_.end()) return positions_.back();
@@ -62,7 +63,7 @@ physics::CopPosition CopRecording::at(double time_s) const noexcept {
   return between(positions_[after - 1], positions_[after], part);
 }
 
-physics::CopPosition CopRecording::repeated_at(double time_s) const noexcept {
+dts::sim::CopPosition CopRecording::repeated_at(double time_s) const noexcept {
   if (time_s <= 0.0) return positions_.front();
   const double in_round_s = std::fmod(time_s, duration_s() + kBridgeS);
   if (in_round_s <= duration_s()) return at(in_round_s);

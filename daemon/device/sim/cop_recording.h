@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/result.h"
-#include "physics/cop_position.h"
+#include "sim/cop_position.h"
 
 namespace dts::device::sim {
 
@@ -24,9 +24,9 @@ class CopRecording {
 
   [[nodiscard]] double duration_s() const noexcept { return times_s_.back(); }
   /// Returns the position at `time_s`, linear between the rows; before the first and after the last row, that row. Realtime-safe: yes.
-  [[nodiscard]] physics::CopPosition at(double time_s) const noexcept;
+  [[nodiscard]] dts::sim::CopPosition at(double time_s) const noexcept;
   /// Returns the position of the endlessly repeated recording. Realtime-safe: yes.
-  [[nodiscard]] physics::CopPosition repeated_at(double time_s) const noexcept;
+  [[nodiscard]] dts::sim::CopPosition repeated_at(double time_s) const noexcept;
 
  private:
   CopRecording() = default;
@@ -34,7 +34,7 @@ class CopRecording {
   void subtract_mean() noexcept;
 
   std::vector<double> times_s_;  ///< Times since the first row.
-  std::vector<physics::CopPosition> positions_;
+  std::vector<dts::sim::CopPosition> positions_;
   double first_time_s_ = 0.0;
 };
 

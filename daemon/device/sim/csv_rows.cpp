@@ -32,7 +32,7 @@ core::Status check_file(const std::string& path, const CsvForm& form) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     return core::fail(ErrorCode::NotFound, std::string(form.subject) + " " + path + ": no such file",
-                      "give the path from the daemon's folder or from /");
+                      "write the path relative to the daemon's folder, or from /");
   }
   const std::uintmax_t most_bytes = kMaxCsvLineLength * (form.max_rows + 1);
   if (std::filesystem::file_size(path, error) > most_bytes || error) return refuse_row(form, path, "too large");

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kLargestFloorLoadN = 2100.0;  // largest body weight of the option table, plus its fluctuation
 
-DeviceDescription describe(const DeviceUri& uri, const FloorOptions& options, const Daq& daq, const physics::Plate& plate) {
+DeviceDescription describe(const DeviceUri& uri, const FloorOptions& options, const dts::sim::Daq& daq, const physics::Plate& plate) {
   DeviceDescription description;
   description.uri = uri.text;
   description.model = "Simulated floor platform";
@@ -58,7 +58,7 @@ core::Result<std::unique_ptr<Device>> create_floor(const DeviceUri& uri, const D
   if (!options) return tl::make_unexpected(options.error());
   auto scene = create_scene(uri, *options, context.rig);
   if (!scene) return tl::make_unexpected(scene.error());
-  const Daq daq(options->daq);
+  const dts::sim::Daq daq(options->daq);
   SimParts parts{.description = describe(uri, *options, daq, context.rig.plate),
                  .converted_channels = options->converted_channels(),
                  .daq = daq,
@@ -73,7 +73,7 @@ core::Result<FloorScene> floor_scene(const DeviceUri& uri, const physics::RigMod
   if (!options) return tl::make_unexpected(options.error());
   auto scene = create_scene(uri, *options, rig);
   if (!scene) return tl::make_unexpected(scene.error());
-  const Daq daq(options->daq);
+  const dts::sim::Daq daq(options->daq);
   return FloorScene{std::move(*scene), options->sensors, describe(uri, *options, daq, rig.plate).channels.size()};
 }
 

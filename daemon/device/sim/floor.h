@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/result.h"
-#include "device/registry.h"
+#include "device/device_entry.h"
 #include "device/sim/scene.h"
 
 namespace dts::device::sim {

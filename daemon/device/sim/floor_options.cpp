@@ -20,16 +20,17 @@ constexpr std::array kFloorTable = {
     UriOption{"load_n", Number, "490", 1, 2000, "", "Load of the weight (contact=point)."},
     UriOption{"x_mm", Number, "0", -1000, 1000, "", "ML position of the weight or of the stance, from the plate's centre."},
     UriOption{"y_mm", Number, "0", -1000, 1000, "", "AP position of the weight or of the stance, from the plate's centre."},
-    UriOption{"stance_width_mm", Number, "200", 50, 600, "", "Between the middle lines of the feet."},
-    UriOption{"step_on_s", Number, "2.5", 0, 86400, "", "First touch; the plate is empty before, so that it can be tared."},
-    UriOption{"step_off_s", Number, "never", 0, kNever, "", "Begins to leave (contact=feet|point)."},
+    UriOption{"stance_width_mm", Number, "200", 50, 600, "", "Distance between the middle lines of the feet."},
+    UriOption{"step_on_s", Number, "2.5", 0, 86400, "",
+              "When the person first touches the plate; it is empty before, so that it can be tared."},
+    UriOption{"step_off_s", Number, "never", 0, kNever, "", "When the person or weight begins to leave (contact=feet|point)."},
     UriOption{"cop", File, "", 0, 0, "", "Recorded COP to repeat (CSV t_s,x_mm,y_mm) instead of synthetic sway."},
     UriOption{"weights", File, "", 0, 0, "", "Weights to put down in turn (CSV x_mm,y_mm,load_n; contact=weights)."},
     UriOption{"gaps_mm", Numbers, "", 0.1, 1000, "", "Gaps that every sensor sees in turn (contact=gaps)."},
-    UriOption{"hold_s", Number, "3", 0, 86400, "", "How long each weight or spacer rests."},
-    UriOption{"pause_s", Number, "1", 0, 86400, "", "How long nothing is there between two of them."},
-    UriOption{"ramp_s", Number, "0.5", 0, 60, "", "How long putting down takes, and taking away."},
-    UriOption{"loop", Integer, "0", 0, 1, "", "1: repeat recording, weights or gaps for ever; 0: leave at the end."},
+    UriOption{"hold_s", Number, "3", 0, 86400, "", "How long each weight or spacer stays."},
+    UriOption{"pause_s", Number, "1", 0, 86400, "", "How long the plate is empty between two of them."},
+    UriOption{"ramp_s", Number, "0.5", 0, 60, "", "How long it takes to put one down, and to remove it."},
+    UriOption{"loop", Integer, "0", 0, 1, "", "1: repeat the recording, weights or gaps forever; 0: leave at the end."},
     UriOption{"plate", Word, "nonlinear", 0, 0, "nonlinear|linear",
               "A plate that stiffens under body weight, or Kirchhoff's (not contact=gaps)."},
     UriOption{"noise_mv", Number, "3", 0, 1000, "", "White noise of every sensor and extra channel, rms."},
@@ -74,7 +75,7 @@ core::Status check_contact(const DeviceUri& uri, const UriOptions& options) {
   }
   const bool has_end = !options.text("cop").empty() || is_one_of("weights|gaps", contact);
   if (options.is_given("loop") && !has_end) {
-    return refuse(uri, ErrorCode::InvalidArgument, "loop has a meaning only with cop=FILE or contact=weights|gaps");
+    return refuse(uri, ErrorCode::InvalidArgument, "loop has an effect only with cop=FILE or contact=weights|gaps");
   }
   return {};
 }

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "core/result.h"
-#include "device/sim/daq.h"
 #include "device/sim/fault.h"
 #include "device/sim/placement.h"
 #include "device/uri_options.h"
-#include "physics/standing_person.h"
+#include "physics/stance.h"
+#include "sim/daq.h"
 
 namespace dts::device::sim {
 
@@ -34,7 +34,7 @@ struct FloorOptions {
   PlacementTimes placement;         ///< For Weights and Gaps.
   bool is_repeated = false;         ///< Repeats the recording, weights or gaps endlessly.
   bool is_plate_stiffening = true;  ///< true: von Karman's plate; false: the linear plate.
-  DaqParameters daq;
+  dts::sim::DaqParameters daq;
   double clock_error_ppm = 0.0;
   double gain_spread = 0.0;     ///< Sensor gains are uniformly distributed in 1 - spread .. 1 + spread.
   double gap_spread_mm = 0.02;  ///< Unloaded gaps are uniformly distributed in nominal +- this.

@@ -3,14 +3,18 @@
 
 #include <cstdint>
 
-#include "device/sim/counter_random.h"
+#include "sim/counter_random.h"
 
 namespace dts::device::sim {
 
 /// Returns the random numbers for gains and gaps of the sensors; they must differ from the numbers of the noise with the same seed.
-[[nodiscard]] inline CounterRandom mounting_random(std::uint64_t seed) noexcept { return CounterRandom(seed ^ 0x6d6f756e74ULL); }
+[[nodiscard]] inline dts::sim::CounterRandom mounting_random(std::uint64_t seed) noexcept {
+  return dts::sim::CounterRandom(seed ^ 0x6d6f756e74ULL);
+}
 
 /// Returns a number that is uniformly distributed in -1 .. 1.
-[[nodiscard]] inline double either_side(const CounterRandom& random, std::uint64_t n) noexcept { return 2.0 * random.uniform(n) - 1.0; }
+[[nodiscard]] inline double either_side(const dts::sim::CounterRandom& random, std::uint64_t n) noexcept {
+  return 2.0 * random.uniform(n) - 1.0;
+}
 
 }  // namespace dts::device::sim

@@ -27,7 +27,7 @@ core::Status check_dependencies(const DeviceUri& uri, const UriOptions& options,
   for (const auto& [option, needs, values] : dependencies) {
     if (!options.is_given(option) || is_one_of(values, options.text(needs))) continue;
     return refuse(uri, ErrorCode::InvalidArgument,
-                  std::string(option) + " has a meaning only with " + std::string(needs) + "=" + std::string(values));
+                  std::string(option) + " has an effect only with " + std::string(needs) + "=" + std::string(values));
   }
   return {};
 }
@@ -35,7 +35,7 @@ core::Status check_dependencies(const DeviceUri& uri, const UriOptions& options,
 core::Result<Fault> read_fault(const DeviceUri& uri, const UriOptions& options, std::size_t converted_channels) {
   for (const std::string_view option : {"fault_at_s", "fault_for_s"}) {
     if (!options.is_given(option) || options.text("fault") != "none") continue;
-    return refuse(uri, ErrorCode::InvalidArgument, std::string(option) + " has a meaning only with fault=...");
+    return refuse(uri, ErrorCode::InvalidArgument, std::string(option) + " has an effect only with fault=...");
   }
   const Fault fault{fault_kind(options.text("fault")), options.number("fault_at_s"), options.number("fault_for_s"),
                     static_cast<std::size_t>(options.number("fault_channel"))};

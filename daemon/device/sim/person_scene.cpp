@@ -7,7 +7,7 @@ namespace dts::device::sim {
 namespace {
 
 double playing_from_s(const physics::Stance& stance) noexcept {
-  return stance.step_on_s + physics::StandingPerson::kLoadingS + physics::StandingPerson::kShiftS + PersonScene::kSettleS;
+  return stance.step_on_s + dts::sim::StandingPerson::kLoadingS + dts::sim::StandingPerson::kShiftS + PersonScene::kSettleS;
 }
 
 }  // namespace
@@ -17,7 +17,7 @@ core::Result<std::unique_ptr<Scene>> PersonScene::create(const FloorOptions& opt
     const auto recording = CopRecording::load(options.cop_file);
     if (!recording) return tl::make_unexpected(recording.error());
   }
-  auto person = physics::StandingPerson::create(options.stance, rig.plate);
+  auto person = dts::sim::StandingPerson::create(options.stance, rig.plate);
   if (!person) return tl::make_unexpected(person.error());
   auto plate = LoadedPlate::create(options, rig, person->patches());
   if (!plate) return tl::make_unexpected(plate.error());
@@ -30,7 +30,7 @@ core::Status PersonScene::load() {
   if (!recording) return tl::make_unexpected(recording.error());
   physics::Stance stance = options_.stance;
   if (!options_.is_repeated) stance.step_off_s = std::min(stance.step_off_s, playing_from_s(stance) + recording->duration_s());
-  auto person = physics::StandingPerson::create(stance, rig_.plate);
+  auto person = dts::sim::StandingPerson::create(stance, rig_.plate);
   if (!person) return tl::make_unexpected(person.error());
   recording_ = std::move(*recording);
   person_ = *person;
@@ -42,14 +42,14 @@ void PersonScene::restart() {
   sway_.emplace(options_.seed);
 }
 
-physics::CopPosition PersonScene::wanted_cop(double time_s) noexcept {
+dts::sim::CopPosition PersonScene::wanted_cop(double time_s) noexcept {
   if (!recording_) return sway_->at(time_s);
   const double since_first_row_s = time_s - playing_from_s(options_.stance);
   return options_.is_repeated ? recording_->repeated_at(since_first_row_s) : recording_->at(since_first_row_s);
 }
 
 void PersonScene::evaluate(double time_s, std::span<double> values) noexcept {
-  const physics::Contact contact = person_.at(time_s, wanted_cop(time_s));
+  const dts::sim::Contact contact = person_.at(time_s, wanted_cop(time_s));
   const auto deflection_mm = plate_.bend(0, {contact.force_n.data(), person_.patches().size()});
   sensors_.write_deflected(deflection_mm, {contact.cop.ml_mm, contact.cop.ap_mm, contact.load_n}, values);
 }

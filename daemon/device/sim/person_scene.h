@@ -10,8 +10,8 @@
 #include "device/sim/loaded_plate.h"
 #include "device/sim/scene.h"
 #include "device/sim/sensor_bank.h"
-#include "physics/standing_person.h"
-#include "physics/sway.h"
+#include "sim/standing_person.h"
+#include "sim/sway.h"
 
 namespace dts::device::sim {
 
@@ -32,18 +32,18 @@ class PersonScene final : public Scene {
   void evaluate(double time_s, std::span<double> values) noexcept override;
 
  private:
-  PersonScene(const FloorOptions& options, const physics::RigModel& rig, const physics::StandingPerson& person, LoadedPlate plate)
+  PersonScene(const FloorOptions& options, const physics::RigModel& rig, const dts::sim::StandingPerson& person, LoadedPlate plate)
       : options_(options), rig_(rig), person_(person), plate_(std::move(plate)), sensors_(options, rig) {}
 
-  [[nodiscard]] physics::CopPosition wanted_cop(double time_s) noexcept;
+  [[nodiscard]] dts::sim::CopPosition wanted_cop(double time_s) noexcept;
 
   FloorOptions options_;
   const physics::RigModel& rig_;
-  physics::StandingPerson person_;
+  dts::sim::StandingPerson person_;
   LoadedPlate plate_;
   SensorBank sensors_;
   std::optional<CopRecording> recording_;
-  std::optional<physics::Sway> sway_;
+  std::optional<dts::sim::Sway> sway_;
 };
 
 }  // namespace dts::device::sim

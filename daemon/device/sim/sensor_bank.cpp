@@ -11,7 +11,7 @@ constexpr double kExtraChannelV = 1.0;  // about the voltage of a sensor without
 }  // namespace
 
 SensorBank::SensorBank(const FloorOptions& options, const physics::RigModel& rig) : extra_(options.extra), has_truth_(options.has_truth) {
-  const CounterRandom mounting = mounting_random(options.seed);
+  const dts::sim::CounterRandom mounting = mounting_random(options.seed);
   for (std::size_t i = 0; i < options.sensors; ++i) {
     sensors_.push_back({.curve = &rig.sensors[i].curve,
                         .unloaded_gap_mm = rig.sensors[i].unloaded_gap.value + options.gap_spread_mm * either_side(mounting, 2 * i + 1),

@@ -31,7 +31,8 @@ core::Status SimDevice::open() {
   }
   if (now != DeviceState::Closed) return {};
   if (was_unplugged_ && clock_.now_ns() < plugged_in_at_ns_) {
-    return core::fail(ErrorCode::NotFound, "cannot open " + parts_.description.uri + ": not plugged in", "it comes back by itself");
+    return core::fail(ErrorCode::NotFound, "cannot open " + parts_.description.uri + ": not plugged in",
+                      "wait: the simulated device is plugged in again by itself");
   }
   if (auto loaded = parts_.scene->load(); !loaded) return loaded;
   move_to(DeviceState::Open);

@@ -9,10 +9,10 @@
 #include "core/clock.h"
 #include "core/spsc_ring.h"
 #include "device/device.h"
-#include "device/sim/daq.h"
 #include "device/sim/fault.h"
 #include "device/sim/pacer.h"
 #include "device/sim/scene.h"
+#include "sim/daq.h"
 
 namespace dts::device::sim {
 
@@ -23,7 +23,7 @@ inline constexpr double kMaximumRateHz = 20'000.0;
 struct SimParts {
   DeviceDescription description;
   std::size_t converted_channels = 0;  ///< The first channels pass the converter, the others are exact.
-  Daq daq;
+  dts::sim::Daq daq;
   double clock_error_ppm = 0.0;
   Fault fault;
   std::unique_ptr<Scene> scene;

@@ -22,11 +22,11 @@ core::Result<std::vector<Weight>> load_weights(const std::string& path, const ph
     const bool is_on_plate = position.x.value >= 0.0 && position.x <= plate.a && position.y.value >= 0.0 && position.y <= plate.b;
     if (!is_on_plate) {
       return refuse_row(kWeightForm, place,
-                        "beside the plate; x_mm takes " + std::to_string(-plate.a.value / 2.0) + " .. " +
+                        "not on the plate; allowed: x_mm " + std::to_string(-plate.a.value / 2.0) + " .. " +
                             std::to_string(plate.a.value / 2.0) + ", y_mm " + std::to_string(-plate.b.value / 2.0) + " .. " +
                             std::to_string(plate.b.value / 2.0));
     }
-    if (row[2] < kLeastN || row[2] > kMostN) return refuse_row(kWeightForm, place, "load_n takes 1 .. 2000");
+    if (row[2] < kLeastN || row[2] > kMostN) return refuse_row(kWeightForm, place, "load_n is out of range; allowed: 1 .. 2000");
     weights.push_back({position, row[2]});
     return {};
   };

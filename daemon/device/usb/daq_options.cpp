@@ -51,19 +51,19 @@ core::Status check_inputs(const DeviceUri& uri, const DaqLimits& limits, std::sp
     const bool is_input = input >= 0 && input < static_cast<double>(limits.inputs) && input == std::floor(input);
     if (is_input) continue;
     return refuse(uri, ErrorCode::InvalidArgument, "there is no input " + input_text(input),
-                  "inputs are numbered 0 to " + std::to_string(limits.inputs - 1));
+                  "choose inputs 0 to " + std::to_string(limits.inputs - 1));
   }
   for (std::size_t i = 1; i < inputs.size(); ++i) {
     const bool is_repeated = std::find(inputs.begin(), inputs.begin() + static_cast<std::ptrdiff_t>(i), inputs[i]) !=
                              inputs.begin() + static_cast<std::ptrdiff_t>(i);
-    if (is_repeated && !limits.may_repeat) {
-      return refuse(uri, ErrorCode::InvalidArgument, "input " + input_text(inputs[i]) + " stands twice in channels");
+    if (is_repeated) {
+      return refuse(uri, ErrorCode::InvalidArgument, "input " + input_text(inputs[i]) + " is listed twice in channels");
     }
     if (limits.must_ascend && inputs[i] < inputs[i - 1]) {
       return refuse(uri, ErrorCode::InvalidArgument,
-                    "input " + input_text(inputs[i]) + " stands behind " + input_text(inputs[i - 1]) +
+                    "input " + input_text(inputs[i]) + " is listed after " + input_text(inputs[i - 1]) +
                         ", but this device scans its inputs in ascending order",
-                    "list channels ascending; a marker is the last of them, so wire it to the highest input");
+                    "list channels in ascending order; the marker must be the last, so wire it to the highest input");
     }
   }
   return {};
@@ -85,7 +85,7 @@ core::Status read_ranges(const DeviceUri& uri, const UriOptions& options, const 
                                     [wanted](double range) { return std::abs(range - wanted) <= kRangeMatch * range; });
     if (found == limits.ranges_v.end()) {
       return refuse(uri, ErrorCode::InvalidArgument, "there is no range of +-" + input_text(wanted) + " V",
-                    "range_v takes " + list_of(limits.ranges_v));
+                    "allowed: range_v = " + list_of(limits.ranges_v));
     }
     result.ranges_v[i] = *found;
   }
@@ -94,7 +94,7 @@ core::Status read_ranges(const DeviceUri& uri, const UriOptions& options, const 
 
 core::Status read_marker(const DeviceUri& uri, const UriOptions& options, DaqOptions& result) {
   const Marker marker{result.channels.size() - 1, options.number("marker_v"), options.number("marker_tolerance_v")};
-  if (result.channels.size() < 2) return refuse(uri, ErrorCode::InvalidArgument, "nothing but the marker is scanned");
+  if (result.channels.size() < 2) return refuse(uri, ErrorCode::InvalidArgument, "the marker is the only input in channels");
   const double range_v = result.ranges_v[marker.position];
   if (std::abs(marker.volts) + marker.tolerance_v > range_v) {
     return refuse(uri, ErrorCode::InvalidArgument,
@@ -108,11 +108,11 @@ core::Status check_dependencies(const DeviceUri& uri, const UriOptions& options)
   const bool has_marker = options.number("marker") >= 0;
   for (const std::string_view option : {"marker_v", "marker_tolerance_v"}) {
     if (!options.is_given(option) || has_marker) continue;
-    return refuse(uri, ErrorCode::InvalidArgument, std::string(option) + " has a meaning only with marker=INPUT");
+    return refuse(uri, ErrorCode::InvalidArgument, std::string(option) + " has an effect only with marker=INPUT");
   }
   if (!has_marker || options.is_given("marker_v")) return {};
   return refuse(uri, ErrorCode::InvalidArgument, "marker=" + input_text(options.number("marker")) + " needs marker_v=...",
-                "write the voltage that this input is wired to; it must differ from what the other inputs can have");
+                "write the voltage that this input is wired to; it must differ from every voltage that the other inputs can have");
 }
 
 }  // namespace
@@ -120,11 +120,11 @@ core::Status check_dependencies(const DeviceUri& uri, const UriOptions& options)
 std::vector<UriOption> common_daq_options() {
   return {
       {"serial", Text, "", 0, 0, "", "Serial number of the unit; needed when several are plugged in."},
-      {"channels", Numbers, "", 0, 255, "", "Inputs to scan, in this order; without it all that a scan can hold."},
+      {"channels", Numbers, "", 0, 255, "", "Inputs to scan, in this order; default: all that a scan can hold."},
       {"range_v", Numbers, "", 0.001, 100, "", "Range to both sides of 0 V: one for all channels, or one for each."},
       {"marker", Integer, "-1", -1, 255, "",
-       "Input wired to a known voltage, the last of every scan: shows at once when a sample was lost. -1: none."},
-      {"marker_v", Number, "0", -100, 100, "", "The voltage at the marker."},
+       "Input wired to a known voltage, the last of every scan: it shows immediately when a sample was lost. -1: none."},
+      {"marker_v", Number, "0", -100, 100, "", "Voltage at the marker."},
       {"marker_tolerance_v", Number, "0.1", 0.001, 10, "", "How far a marker may be off."},
   };
 }

@@ -33,7 +33,6 @@ struct DaqLimits {
   std::size_t inputs = 8;
   std::size_t max_scan_length = 8;
   bool must_ascend = true;           ///< The device scans its inputs in ascending order only.
-  bool may_repeat = false;           ///< An input may occur twice in the scan.
   std::span<const double> ranges_v;  ///< Allowed ranges, the default first.
 };
 

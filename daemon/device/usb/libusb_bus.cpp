@@ -111,14 +111,14 @@ core::Status LibusbBus::State::begin() {
   if (const int error = libusb_init(&context); error != 0) {
     context = nullptr;
     return core::fail(ErrorCode::Failed, std::string("cannot use USB: ") + libusb_strerror(error),
-                      "is /dev/bus/usb there, and may this process use netlink sockets?");
+                      "check that /dev/bus/usb exists and that this process may use netlink sockets");
   }
   // `units` lists the devices that are already plugged in; the callback counts new ones.
   if (const int error =
           libusb_hotplug_register_callback(context, LIBUSB_HOTPLUG_EVENT_DEVICE_ARRIVED, 0, LIBUSB_HOTPLUG_MATCH_ANY,
                                            LIBUSB_HOTPLUG_MATCH_ANY, LIBUSB_HOTPLUG_MATCH_ANY, &State::on_arrival, this, nullptr);
       error != 0) {
-    log.warning(std::string("USB devices that are plugged in are not noticed at once: ") + libusb_strerror(error));
+    log.warning(std::string("dtsd notices newly plugged-in USB devices only after a delay: ") + libusb_strerror(error));
   }
   event_thread = std::thread([this] { handle_events(); });
   return {};
@@ -126,13 +126,13 @@ core::Status LibusbBus::State::begin() {
 
 void LibusbBus::State::handle_events() {
   for (const std::string& refused : core::configure_this_thread("usb-events", policy)) log.warning(refused);
-  int told = 0;                                         // a lasting error is logged once
+  int logged = 0;                                       // a lasting error is logged once
   while (!is_ending.load(std::memory_order_acquire)) {  // pairs with ~LibusbBus
     timeval longest{.tv_sec = 60, .tv_usec = 0};        // only an upper limit: events and ~LibusbBus wake libusb earlier
     const int error = libusb_handle_events_timeout_completed(context, &longest, nullptr);
     if (error == LIBUSB_ERROR_INTERRUPTED) continue;
-    if (error != 0 && error != told) log.error(std::string("USB events: ") + libusb_strerror(error));
-    told = error;
+    if (error != 0 && error != logged) log.error(std::string("cannot process USB events: ") + libusb_strerror(error));
+    logged = error;
     if (error == 0) continue;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));  // a lasting error must not load a whole core
   }

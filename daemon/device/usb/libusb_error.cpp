@@ -14,12 +14,12 @@ namespace {
 using core::ErrorCode;
 
 constexpr const char* kRuleHint =
-    "is the udev rule in place? 70-dtsd.rules comes with the package dtsd; from the sources copy config/udev/70-dtsd.rules to "
+    "check the udev rule 70-dtsd.rules: the package dtsd installs it; from the sources, copy config/udev/70-dtsd.rules to "
     "/etc/udev/rules.d and run \"udevadm control --reload && udevadm trigger\"; then plug the device in again, and run dtsd as a member "
     "of the group dtsd";
 constexpr const char* kPolicyHint =
-    "the service's device policy forbids it: its unit needs DeviceAllow=char-usb_device rw and Wants= and "
-    "After=modprobe@usbcore.service; then restart the service";
+    "allow it in the unit of the service: DeviceAllow=char-usb_device rw, and Wants= and After=modprobe@usbcore.service; then restart the "
+    "service";
 constexpr const char* kBusyHint = "close the other program, or the other rig, that uses it";
 
 }  // namespace

@@ -82,7 +82,7 @@ core::Result<std::size_t> LibusbPort::max_packet_bytes(std::uint8_t endpoint) co
     }
   }
   return core::fail(ErrorCode::NotFound, name_of(unit_) + " has no endpoint " + std::to_string(endpoint) + " in its interface 0",
-                    "is it the product that its numbers say?");
+                    "check that the device is the product that its USB IDs name");
 }
 
 bool LibusbPort::is_high_speed() const noexcept { return libusb_get_device_speed(device_) >= LIBUSB_SPEED_HIGH; }
@@ -162,7 +162,7 @@ void LibusbPort::release_transfers() noexcept {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   if (!are_all_over()) {
-    log_.error(name_of(unit_) + ": transfers are still in flight; their memory is given up");
+    log_.error(name_of(unit_) + ": some transfers never ended; their memory is not freed");
     for (auto& prepared : prepared_) static_cast<void>(prepared.release());
   }
   prepared_.clear();

@@ -38,11 +38,11 @@ DeviceCheck describe_rate(double error, double drift_ppm) {
   using enum DeviceCheck::Outcome;
   std::array<char, 96> text{};
   if (!(std::abs(error) <= kLargestRateError) || std::abs(drift_ppm) <= core::HostTime::kCrystalPpm) {
-    std::snprintf(text.data(), text.size(), "off by %.2f %%, apart from what lateness can feign", std::abs(error) * 100.0);
+    std::snprintf(text.data(), text.size(), "off by %.2f %% beyond what arrival jitter explains", std::abs(error) * 100.0);
     return {kRateCheck, std::abs(error) <= kLargestRateError ? Passed : Failed, text.data()};
   }
   const char* const direction = drift_ppm > 0.0 ? "fast" : "slow";
-  std::snprintf(text.data(), text.size(), "its clock is %.0f ppm %s; no crystal is that far off", std::abs(drift_ppm), direction);
+  std::snprintf(text.data(), text.size(), "its clock is %.0f ppm %s: more than any crystal oscillator", std::abs(drift_ppm), direction);
   return {kRateCheck, Warning, text.data()};
 }
 
@@ -50,7 +50,7 @@ DeviceCheck describe_loss(std::int64_t missing_ns, std::int64_t limit_ns) {
   using enum DeviceCheck::Outcome;
   std::array<char, 192> text{};
   std::snprintf(text.data(), text.size(),
-                "the newest scans come %.1f ms later than those before; above %.1f ms some are missing (or its clock is far too slow)",
+                "the newest scans arrive %.1f ms later than those before; above %.1f ms scans are missing, or its clock is far too slow",
                 static_cast<double>(missing_ns) * 1e-6, static_cast<double>(limit_ns) * 1e-6);
   return {kLossCheck, missing_ns <= limit_ns ? Passed : Failed, text.data()};
 }
@@ -61,7 +61,7 @@ ScanReader::ScanReader(const Tools& tools, ScanSetup setup)
     : use_(tools),
       setup_(std::move(setup)),
       channels_(tools.driver.describe().channels.size()),
-      heard_ns_(tools.clock.now_ns()),
+      newest_data_ns_(tools.clock.now_ns()),
       published_ns_(std::numeric_limits<std::int64_t>::min()),
       held_scans_(setup_.single_v.size() == channels_ ? setup_.rate.scans_in_ms(kHeldBackMs) : 0),
       mean_v_(channels_),
@@ -85,9 +85,9 @@ ReadResult ScanReader::read(core::Block& block, std::int64_t deadline_ns) noexce
       deliver(block, wanted);
       if (block.count() > 0) return {ReadOutcome::Scans, {}};
     }
-    if (has_trouble()) return tell_trouble();
+    if (has_trouble()) return report_trouble();
     if (is_over) return {nothing(), {}};
-    const std::int64_t silent_at_ns = std::max(heard_ns_, asked_ns_) + silence_limit_ns();
+    const std::int64_t silent_at_ns = std::max(newest_data_ns_, asked_ns_) + silence_limit_ns();
     if (now_ns >= silent_at_ns && nothing() != ReadOutcome::Armed) {
       ask_silent_device(now_ns);
       continue;
@@ -118,7 +118,7 @@ void ScanReader::take_chunks(std::size_t wanted_scans) noexcept {
       return;
     }
     const UsbStatus status = chunk->status;
-    if (chunk->length > 0) heard_ns_ = std::max(heard_ns_, core::monotonic_of_raw_ns(use_.clock, chunk->stamp_ns));
+    if (chunk->length > 0) newest_data_ns_ = std::max(newest_data_ns_, core::monotonic_of_raw_ns(use_.clock, chunk->stamp_ns));
     const bool has_believable_bytes = status != UsbStatus::Overflow && status != UsbStatus::Failed;
     if (has_believable_bytes && !take_bytes(*chunk)) return;
     note_arrival(chunk->stamp_ns);
@@ -190,14 +190,14 @@ void ScanReader::ask_silent_device(std::int64_t now_ns) noexcept {
   const Chunk* const chunk = use_.stream.front();
   if (chunk != nullptr &&
       (chunk->length > 0 || chunk->status != UsbStatus::Completed)) {  // only the host was late, the device was not silent
-    heard_ns_ = now_ns;
+    newest_data_ns_ = now_ns;
     return;
   }
   if (!asked && asked.error().code == core::ErrorCode::DeviceGone) return set_trouble(ReadOutcome::Gone, GapReason::Unplugged);
   if (asked && asked->is_overrun) return set_trouble(ReadOutcome::Broken, GapReason::Overrun);
   // After the first request the scan continues if the device runs: if the host itself was stopped, late data may still arrive.
-  const bool is_first_question = asked_ns_ <= heard_ns_;
-  const bool is_silent_for_long = now_ns - heard_ns_ >= std::max(kRunningSilenceNs, 2 * silence_limit_ns());
+  const bool is_first_question = asked_ns_ <= newest_data_ns_;
+  const bool is_silent_for_long = now_ns - newest_data_ns_ >= std::max(kRunningSilenceNs, 2 * silence_limit_ns());
   const bool may_go_on = asked && asked->is_running && (is_first_question || !is_silent_for_long);
   if (may_go_on) {
     asked_ns_ = now_ns;
@@ -268,7 +268,7 @@ void ScanReader::doubt_the_rest() noexcept {
 }
 
 /// Returns the trouble. Broken and Gone are repeated; a Gap is reported once, and the stream continues after it.
-ReadResult ScanReader::tell_trouble() noexcept {
+ReadResult ScanReader::report_trouble() noexcept {
   if (trouble_.outcome != ReadOutcome::Gap) return trouble_;
   arrived_ = 0;
   timed_ = 0;

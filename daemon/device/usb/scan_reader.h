@@ -79,7 +79,7 @@ class ScanReader {
   void doubt_the_rest() noexcept;
   [[nodiscard]] std::int64_t host_time_ns() noexcept;
   [[nodiscard]] bool is_marker_right(std::size_t scan) noexcept;
-  [[nodiscard]] ReadResult tell_trouble() noexcept;
+  [[nodiscard]] ReadResult report_trouble() noexcept;
   [[nodiscard]] ReadOutcome nothing() const noexcept;
   void ask_silent_device(std::int64_t now_ns) noexcept;
   [[nodiscard]] core::Result<ScanHealth> health() noexcept;
@@ -89,14 +89,14 @@ class ScanReader {
   ScanSetup setup_;
   std::size_t channels_;
   ScanBuffer scans_;
-  std::size_t chunk_used_ = 0;   ///< Number of unpacked bytes of the oldest chunk.
-  std::uint64_t arrived_ = 0;    ///< Whole scans of this segment, delivered or waiting.
-  std::uint64_t timed_ = 0;      ///< Scans of this segment that were added to `host_time`.
-  std::uint64_t delivered_ = 0;  ///< Delivered scans of this segment.
-  bool has_scanned_ = false;     ///< A scan has arrived since the start.
-  std::int64_t heard_ns_ = 0;    ///< Time of the start or of the newest chunk, by `now_ns`, as everything in the silence watch.
-  std::int64_t asked_ns_ = 0;    ///< When the silent device last reported that it runs.
-  std::int64_t published_ns_;    ///< Host time of the newest block; ensures that slewing never makes times decrease.
+  std::size_t chunk_used_ = 0;       ///< Number of unpacked bytes of the oldest chunk.
+  std::uint64_t arrived_ = 0;        ///< Whole scans of this segment, delivered or waiting.
+  std::uint64_t timed_ = 0;          ///< Scans of this segment that were added to `host_time`.
+  std::uint64_t delivered_ = 0;      ///< Delivered scans of this segment.
+  bool has_scanned_ = false;         ///< A scan has arrived since the start.
+  std::int64_t newest_data_ns_ = 0;  ///< Time of the start or of the newest chunk, by `now_ns`, as everything in the silence watch.
+  std::int64_t asked_ns_ = 0;        ///< When the silent device last reported that it runs.
+  std::int64_t published_ns_;        ///< Host time of the newest block; ensures that slewing never makes times decrease.
   ReadResult trouble_{ReadOutcome::Scans, {}};
 
   std::size_t held_scans_ = 0;  ///< Number of scans that the start check needs before the first delivery; 0: the start check is done.

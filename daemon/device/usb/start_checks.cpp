@@ -54,7 +54,7 @@ DeviceCheck describe_agreement(const Agreement& agreement, const DeviceDescripti
     check.detail = "the channels are rotated by " + std::to_string(agreement.rotation) + "; " + check.detail;
   } else if (agreement.is_different) {
     check.outcome = DeviceCheck::Outcome::Warning;
-    check.detail += ": did something move meanwhile?";
+    check.detail += ": check whether something moved meanwhile";
   }
   return check;
 }

@@ -49,8 +49,8 @@ std::string list_of(std::span<const UsbUnit> units, std::span<const UsbModel> mo
 
 const char* reason_text(core::GapReason reason) {
   switch (reason) {
-    case core::GapReason::Overrun: return "overrun: data came faster than they were taken";
-    case core::GapReason::Silence: return "silence: the device stopped delivering";
+    case core::GapReason::Overrun: return "overrun: the device sent data faster than dtsd read them";
+    case core::GapReason::Silence: return "silence: the device stopped sending";
     case core::GapReason::Stall: return "stall: the device halted its data endpoint";
     case core::GapReason::Integrity: return "integrity: the data failed a check";
     default: return "unknown";
@@ -131,14 +131,14 @@ core::Result<std::vector<UsbUnit>> UsbDaq::candidates() {
                       found->empty() ? what_is_there_instead() : list_of(*found, driver_->models()));
   }
   if (wanted.size() == 1 || !options_.serial.empty()) return wanted;
-  return core::fail(ErrorCode::InvalidArgument, what + ": " + std::to_string(wanted.size()) + " units fit it",
+  return core::fail(ErrorCode::InvalidArgument, what + ": " + std::to_string(wanted.size()) + " units match",
                     "choose one by its serial number; " + list_of(wanted, driver_->models()));
 }
 
 std::string UsbDaq::what_is_there_instead() {
   const std::vector<UsbModel> relatives = driver_->relatives();
   const auto others = bus_.units(relatives);
-  if (!others || others->empty()) return "check its cable and power; it is opened as soon as it is there";
+  if (!others || others->empty()) return "check its cable and power; dtsd opens it as soon as it is plugged in";
   return list_of(*others, relatives);
 }
 
@@ -162,7 +162,7 @@ core::Status UsbDaq::open() {
 
 core::Status UsbDaq::open_unit(const UsbUnit& unit) {
   if (is_abandoned(unit)) {
-    return core::fail(ErrorCode::WrongState, "cannot open " + describe().uri + ": transfers of the last scan have not come back yet",
+    return core::fail(ErrorCode::WrongState, "cannot open " + describe().uri + ": transfers of the last scan have not ended yet",
                       "wait a moment; if that does not help, unplug it and plug it in again");
   }
   auto port = bus_.open(unit);
@@ -175,7 +175,7 @@ core::Status UsbDaq::open_unit(const UsbUnit& unit) {
   if (!options_.serial.empty() && who.serial != options_.serial) {
     return core::fail(ErrorCode::NotFound,
                       "cannot open " + describe().uri + ": no unit with serial number " + options_.serial + " is plugged in",
-                      who.serial.empty() ? "" : "there is one with " + who.serial);
+                      who.serial.empty() ? "" : "plugged in: a unit with serial number " + who.serial);
   }
 
   const std::scoped_lock lock(request_mutex_, report_mutex_);
@@ -268,7 +268,7 @@ core::Status UsbDaq::launch(const StreamShape& shape, core::Rate rate) {
   const auto health = driver_->health(*port_);
   if (!health) return pass_on(health.error());
   if (health->is_running || health->is_overrun) return {};  // the reader reports an overrun; the next start then uses large packets
-  return core::fail(ErrorCode::Failed, what + ": the device took the command but does not scan", "unplug it and plug it in again");
+  return core::fail(ErrorCode::Failed, what + ": the device accepted the command but does not scan", "unplug it and plug it in again");
 }
 
 /// Called right before the start request: no scan is older than now. With a trigger the start time is unknown.
@@ -313,10 +313,10 @@ core::Status UsbDaq::stop() {
 }
 
 core::Status UsbDaq::end_scan() noexcept {
-  core::Status told = driver_->end(*port_);
-  if (!told && told.error().code == ErrorCode::DeviceGone) told = {};  // an unplugged device does not scan
+  core::Status stopped = driver_->end(*port_);
+  if (!stopped && stopped.error().code == ErrorCode::DeviceGone) stopped = {};  // an unplugged device does not scan
   core::Status ended = end_stream();
-  return ended ? told : ended;
+  return ended ? stopped : ended;
 }
 
 core::Status UsbDaq::confirm_stopped() {
@@ -354,7 +354,7 @@ core::Status UsbDaq::end_stream() noexcept {
     stream_.reset();
     return {};
   }
-  const std::string detail = std::to_string(stream_->in_flight()) + " transfers did not come back; their memory is kept";
+  const std::string detail = std::to_string(stream_->in_flight()) + " transfers did not end; dtsd keeps their memory";
   add_check({"transfers end when they are cancelled", DeviceCheck::Outcome::Failed, detail});
   {
     const std::lock_guard lock(report_mutex_);

@@ -8,9 +8,9 @@ namespace dts::device::usb {
 std::string to_string(UsbStatus status) {
   switch (status) {
     case UsbStatus::Completed: return "completed";
-    case UsbStatus::Stall: return "device refused it (stall)";
+    case UsbStatus::Stall: return "device rejected it (stall)";
     case UsbStatus::NoDevice: return "device is gone";
-    case UsbStatus::Overflow: return "device sent more than there was room for";
+    case UsbStatus::Overflow: return "device sent more data than the buffer holds";
     case UsbStatus::TimedOut: return "device did not answer in time";
     case UsbStatus::Cancelled: return "cancelled";
     case UsbStatus::NoMemory: return "the kernel has no memory left for USB transfers";

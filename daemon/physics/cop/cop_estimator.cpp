@@ -127,7 +127,7 @@ const ThesisRatios& ratios_of(CopMethod method) noexcept {
 core::Result<CopMethod> parse_cop_method(std::string_view name) {
   const auto found = std::ranges::find(kMethodNames, name);
   if (found != kMethodNames.end()) return static_cast<CopMethod>(found - kMethodNames.begin());
-  return core::fail(core::ErrorCode::InvalidArgument, "no centre-of-pressure method '" + std::string(name) + "'",
+  return core::fail(core::ErrorCode::InvalidArgument, "unknown centre-of-pressure method '" + std::string(name) + "'",
                     "use poly3, thesis, thesis_per_pair, moment or model");
 }
 

@@ -64,7 +64,7 @@ class NoisySensors {
 core::Result<CopNoise> parse_cop_noise(std::string_view name) {
   if (name == "none") return CopNoise::None;
   if (name == "realistic") return CopNoise::Realistic;
-  return core::fail(core::ErrorCode::InvalidArgument, "no sensor noise '" + std::string(name) + "'", "use none or realistic");
+  return core::fail(core::ErrorCode::InvalidArgument, "unknown sensor noise '" + std::string(name) + "'", "use none or realistic");
 }
 
 core::Result<CopEvaluation> evaluate_cop(const RigModel& rig, const CopEstimator& estimator, std::span<const CopTrial> trials,

@@ -18,11 +18,13 @@ core::Status check_sample(const CopSample& sample, const std::string& name) {
   const bool is_finite = std::isfinite(position.x.value) && std::isfinite(position.y.value) && std::isfinite(load.value) &&
                          std::ranges::all_of(w, [](double value) { return std::isfinite(value); });
   if (!is_finite) return refuse_calibration(name + " has a value that is not finite");
-  if (!(load.value > 0.0)) return refuse_calibration("the load of " + name + " is " + std::to_string(load.value) + " N, must be positive");
+  if (!(load.value > 0.0))
+    return refuse_calibration("the load of " + name + " is " + std::to_string(load.value) + " N; it must be positive");
   const bool presses_each_pair =
       w.size() == kFloorSensors ? w[0] + w[2] > 0.0 && w[1] + w[3] > 0.0 && w[0] + w[1] > 0.0 && w[2] + w[3] > 0.0 : sum_of(sample) > 0.0;
   if (presses_each_pair) return {};
-  return refuse_calibration(name + " does not press every pair of sensors down", "deflections count positive towards the sensors");
+  return refuse_calibration(name + " does not press every pair of sensors down",
+                            "check the signs: deflections towards the sensors are positive");
 }
 
 core::Status check_sensor_count(CopMethod method, std::size_t count) {
@@ -39,11 +41,11 @@ core::Status check_sensor_count(CopMethod method, std::size_t count) {
 
 core::Status check_samples(CopMethod method, std::span<const CopSample> samples) {
   if (method == CopMethod::Model) {
-    return refuse_calibration("model has nothing to fit to samples", "it is the rig's own plate: calibrate another method");
+    return refuse_calibration("the method model has no coefficients to fit", "it uses the rig's plate model: choose another method");
   }
   if (samples.empty()) return refuse_calibration("there are no samples");
   if (samples.size() > kMaxSamples) {
-    return refuse_calibration(std::to_string(samples.size()) + " samples, at most " + std::to_string(kMaxSamples) + " are taken",
+    return refuse_calibration(std::to_string(samples.size()) + " samples, at most " + std::to_string(kMaxSamples) + " are allowed",
                               "average the scans of each position");
   }
   const std::size_t sensor_count = samples.front().deflection_mm.size();

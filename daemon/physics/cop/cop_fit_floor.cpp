@@ -223,7 +223,7 @@ core::Status check_line(const Line& line) {
   constexpr std::size_t kNeeded = std::tuple_size_v<decltype(RatioFit::quartic)>;
   if (const auto count = count_distinct(line.position_mm); count < kNeeded) {
     return refuse_calibration("the mid-line along " + line.axis + " has " + std::to_string(count) +
-                              " positions, the thesis method needs 5");
+                              " positions; the thesis method needs 5");
   }
   for (std::size_t k = 0; k < line.ratio.size(); ++k) {
     if (!std::isfinite(line.ratio[k]) || line.ratio[k] <= 0.0) {

@@ -77,9 +77,9 @@ core::Result<std::size_t> check_form(CopMethod method, const CopForm& form, cons
   const std::string name(to_string(method));
   if (form.index() != form_of(method)) return refuse_calibration("the coefficients are not those of " + name);
   if (!is_good(validity.x_mm) || !is_good(validity.y_mm)) return refuse_calibration("the calibrated area is empty or not finite");
-  if (!is_good(validity.load_n) || validity.load_n.lowest < 0.0) return refuse_calibration("the calibrated load range makes no sense");
+  if (!is_good(validity.load_n) || validity.load_n.lowest < 0.0) return refuse_calibration("the calibrated load range is not valid");
   const std::size_t sensors = std::visit([method](const auto& one) { return sensors_of(one, method); }, form);
-  if (sensors == 0) return refuse_calibration("a number, a range or a count among the coefficients of " + name + " makes no sense");
+  if (sensors == 0) return refuse_calibration("a number, a range or a count among the coefficients of " + name + " is not valid");
   return sensors;
 }
 

@@ -31,7 +31,7 @@ core::Status check_floor_sensors(const RigModel& rig) {
     if (fits) continue;
     return core::fail(core::ErrorCode::InvalidArgument,
                       "sensor " + std::to_string(k + 1) + " ('" + label + "') at (" + std::to_string(position.x.value) + ", " +
-                          std::to_string(position.y.value) + ") mm is not " + (is_right ? "right" : "left") +
+                          std::to_string(position.y.value) + ") mm is not " + (is_right ? "correct" : "left") +
                           (is_front ? " front" : " back") + " of the sensors' centre",
                       kHint);
   }

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <random>
 
-#include "physics/standing_person.h"
+#include "physics/stance.h"
 
 namespace dts::physics {
 namespace {
@@ -111,9 +111,9 @@ std::vector<CopTrial> foot_trials(const Plate& plate, std::size_t feet, std::siz
     stance.foot_length = {uniform(kShortestFootMm, kLongestFootMm)};
     const double forefoot = uniform(0.5 - kLean, 0.5 + kLean);
     const double right = feet == 1 ? 0.0 : uniform(0.5 - kLean, 0.5 + kLean);
-    const auto person = StandingPerson::create(stance, plate);
-    if (!person) continue;  // does not fit on the plate
-    const auto patches = person->patches();
+    const auto placed = place_stance(stance, plate);
+    if (!placed) continue;  // does not fit on the plate
+    const auto patches = placed->used();
     CopTrial trial;
     for (std::size_t k = 0; k < patches.size(); ++k) {
       const double part = (k < 2 ? 1.0 - right : right) * (k % 2 == 0 ? 1.0 - forefoot : forefoot);

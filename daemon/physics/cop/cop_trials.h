@@ -38,9 +38,9 @@ struct SensorRectangle {
 
 /// Returns a point load at every position with every load, load by load.
 [[nodiscard]] std::vector<CopTrial> point_trials(std::span<const Point> positions, std::span<const double> loads_n);
-/// Returns `count` random stances on `feet` (1 or 2) feet, with heel and forefoot patches as in StandingPerson, random shares of the
-/// weight, and loads uniform in `load_n`. The same seed gives the same stances. Returns fewer than `count` if the plate is too small for
-/// most stances.
+/// Returns `count` random stances on `feet` (1 or 2) feet, with heel and forefoot patches as `place_stance` places them, random shares of
+/// the weight, and loads uniform in `load_n`. The same seed gives the same stances. Returns fewer than `count` if the plate is too small
+/// for most stances.
 [[nodiscard]] std::vector<CopTrial> foot_trials(const Plate& plate, std::size_t feet, std::size_t count, Interval load_n,
                                                 std::uint64_t seed);
 

@@ -16,7 +16,7 @@ core::Result<InfluenceTable> InfluenceTable::create(const Plate& plate, const Su
        {check_plate(plate), check_support(plate, support), check_divisions(divisions, Grid::kMinDivisions, Grid::kMaxDivisions)}) {
     if (!status) return tl::make_unexpected(status.error());
   }
-  if (probes.empty()) return core::fail(core::ErrorCode::InvalidArgument, "there is no probe", "name at least one sensor position");
+  if (probes.empty()) return core::fail(core::ErrorCode::InvalidArgument, "there is no probe", "add at least one sensor position");
   for (std::size_t k = 0; k < probes.size(); ++k) {
     if (const auto status = check_on_plate(plate, probes[k], "probe " + std::to_string(k)); !status) {
       return tl::make_unexpected(status.error());

@@ -234,7 +234,7 @@ core::Result<KarmanState> bend_and_stretch(const SupportedPlate& supported, cons
     if (step < kSmallestStep) {
       return core::fail(core::ErrorCode::Failed,
                         "the non-linear solution does not converge beyond " + std::to_string(100.0 * done) + " % of the load",
-                        "the load is far beyond what this plate bears, or use more divisions");
+                        "lower the load, or use more divisions");
     }
   }
   state.newton_iterations = newton.iterations();

@@ -46,8 +46,8 @@ core::Status check_load(const Plate& plate, const PlateLoad& load, const std::st
     if (auto on_plate = check_on_plate(plate, {centre.x + width * sign, centre.y + height * sign}, name); !on_plate) return on_plate;
   }
   if (std::abs(load.force.value) <= kLargestForceN && load.force.value != 0.0) return {};
-  return core::fail(core::ErrorCode::InvalidArgument,
-                    name + ": a force of " + std::to_string(load.force.value) + " N, must be other than 0 and at most 1000000 N");
+  return core::fail(core::ErrorCode::InvalidArgument, name + ": a force of " + std::to_string(load.force.value) +
+                                                          " N is not allowed: it must be other than 0 and at most 1000000 N");
 }
 
 /// Solves on one grid, without error estimates.
@@ -90,7 +90,7 @@ core::Result<PlateSolution> solve_on(const PlateCase& plate_case, PlateMethod me
 core::Result<PlateMethod> parse_plate_method(std::string_view name) {
   if (name == "fdm") return PlateMethod::Fdm;
   if (name == "fem") return PlateMethod::Fem;
-  return core::fail(core::ErrorCode::InvalidArgument, "no plate method '" + std::string(name) + "'", "use fdm or fem");
+  return core::fail(core::ErrorCode::InvalidArgument, "unknown plate method '" + std::string(name) + "'", "use fdm or fem");
 }
 
 int default_divisions(PlateMethod method, bool is_nonlinear) noexcept {
@@ -104,10 +104,10 @@ core::Status check(const PlateCase& plate_case, PlateMethod method, const SolveO
   const int most = options.is_nonlinear ? kMostNonlinearDivisions : Grid::kMaxDivisions;
   if (auto status = check_divisions(options.divisions, Grid::kMinDivisions, most); !status) return status;
   if (method == PlateMethod::Fem && options.spreads_point_loads) {
-    return core::fail(core::ErrorCode::InvalidArgument, "Simpson's load of thesis eq. 3.13 belongs to the finite differences",
+    return core::fail(core::ErrorCode::InvalidArgument, "Simpson's load of thesis eq. 3.13 works only with the finite differences",
                       "use method fdm, or a patch load");
   }
-  if (plate_case.loads.empty()) return core::fail(core::ErrorCode::InvalidArgument, "there is no load", "name at least one");
+  if (plate_case.loads.empty()) return core::fail(core::ErrorCode::InvalidArgument, "there is no load", "add at least one load");
   for (std::size_t k = 0; k < plate_case.loads.size(); ++k) {
     if (auto status = check_load(plate_case.plate, plate_case.loads[k], "load " + std::to_string(k + 1)); !status) return status;
   }

@@ -62,7 +62,7 @@ void ReachMachine::enter(State state) noexcept {
   if (state == State::Settle) rest_.restart(state_ == State::Absent);
   state_ = state;
   below_ = above_ = back_ = light_ = 0;
-  is_told_ = false;
+  is_reported_ = false;
   is_between_ = false;
 }
 
@@ -137,7 +137,7 @@ void ReachMachine::open_again(Events& events, const ReachSample& sample) noexcep
   reach_.p1_tick =
       has_dip ? find_onset(history_, lowest.tick, lowest.tick > back ? lowest.tick - back : 1, reach_.rest_mm, limit_mm) : lowest.tick;
   reach_.lowest = has_dip ? lowest : TickPoint{.tick = lowest.tick, .mm = reach_.rest_mm};
-  tell(core::ReachStep::P1, events);
+  report(core::ReachStep::P1, events);
   begin_rise(sample, events);
 }
 
@@ -163,7 +163,7 @@ void ReachMachine::open(const ReachSample& sample, bool is_falling, Events& even
   const std::uint64_t back = ticks(kOnsetBackS);
   reach_.p1_tick = find_onset(history_, now(), now() > back ? now() - back : 1, reach_.rest_mm, limit_mm);
   reach_.lowest = {.tick = reach_.p1_tick, .mm = reach_.rest_mm};
-  tell(core::ReachStep::P1, events);
+  report(core::ReachStep::P1, events);
   enter(State::Ris);
   if (is_falling) {
     reach_.lowest = {.tick = now(), .mm = sample.mm};
@@ -186,14 +186,14 @@ void ReachMachine::find_lowest(const ReachSample& sample, Events& events) noexce
     return rest_anew(sample);
   }
   const bool has_stopped = now() - reach_.lowest.tick == ticks(kStoppedS) && reach_.dip_mm() > reach_.threshold_mm;
-  if (!has_stopped || (is_told_ && told_mm_ - reach_.lowest.mm < 0.3 * reach_.threshold_mm)) return;
-  is_told_ = true;
-  told_mm_ = reach_.lowest.mm;
-  tell(core::ReachStep::P2, events);
+  if (!has_stopped || (is_reported_ && reported_mm_ - reach_.lowest.mm < 0.3 * reach_.threshold_mm)) return;
+  is_reported_ = true;
+  reported_mm_ = reach_.lowest.mm;
+  report(core::ReachStep::P2, events);
 }
 
 void ReachMachine::begin_rise(const ReachSample& sample, Events& events) noexcept {
-  if (!is_told_ || told_mm_ != reach_.lowest.mm) tell(core::ReachStep::P2, events);
+  if (!is_reported_ || reported_mm_ != reach_.lowest.mm) report(core::ReachStep::P2, events);
   reach_.highest = {.tick = now(), .mm = sample.mm};
   reach_.ratio_at_highest = sample.ratio;
   enter(State::Rise);
@@ -212,10 +212,10 @@ void ReachMachine::find_highest(const ReachSample& sample, Events& events) noexc
   }
   const bool has_stopped = now() - reach_.highest.tick == ticks(kStoppedS);
   const double least_mm = std::max(0.1 * reach_.threshold_mm, kTellPart * reach_.swing_mm());
-  if (!has_stopped || (is_told_ && reach_.highest.mm - told_mm_ < least_mm)) return;
-  is_told_ = true;
-  told_mm_ = reach_.highest.mm;
-  tell(core::ReachStep::P3, events);
+  if (!has_stopped || (is_reported_ && reach_.highest.mm - reported_mm_ < least_mm)) return;
+  is_reported_ = true;
+  reported_mm_ = reach_.highest.mm;
+  report(core::ReachStep::P3, events);
 }
 
 /// Returns whether the rise is no reach: a small rise that falls below rest is a wobble before the initiation stage (reach-model section
@@ -229,7 +229,7 @@ bool ReachMachine::is_false_rise(const ReachSample& sample, Events& events) noex
     reach_.flags &= static_cast<std::uint16_t>(~flag::kNoInitiation);
     reach_.lowest = {.tick = now(), .mm = sample.mm};
     started_ = now();
-    tell(core::ReachStep::P1, events);
+    report(core::ReachStep::P1, events);
     enter(State::Ris);
     return true;
   }
@@ -309,7 +309,7 @@ bool ReachMachine::is_back(const ReachSample& sample, double limit_mm, double se
 }
 
 void ReachMachine::cancel(Events& events) noexcept {
-  tell(core::ReachStep::Cancelled, events);
+  report(core::ReachStep::Cancelled, events);
   enter(State::Quiet);
 }
 
@@ -322,10 +322,10 @@ void ReachMachine::finish(std::uint16_t flags, Events& events) noexcept {
   refine_onset(reach_, history_, rate_hz_);
   if (!is_final_) rest_.remember();
   is_final_ = true;
-  tell(core::ReachStep::Final, events);
+  report(core::ReachStep::Final, events);
 }
 
-void ReachMachine::tell(core::ReachStep step, Events& events) const noexcept {
+void ReachMachine::report(core::ReachStep step, Events& events) const noexcept {
   core::ReachEvent event{.step = step, .number = number_, .flags = reach_.flags, .resumed = reach_.resumed};
   event.scan = core::ScanIndex{now()};
   event.p1 = {.scan = core::ScanIndex{reach_.p1_tick}, .value_mm = reach_.rest_mm};
@@ -351,10 +351,10 @@ void ReachMachine::reset() noexcept {
   reach_ = {};
   state_ = State::Absent;
   number_ = 0;
-  is_final_ = is_told_ = is_untared_ = is_between_ = false;
+  is_final_ = is_reported_ = is_untared_ = is_between_ = false;
   between_ = {};
   below_ = above_ = back_ = light_ = started_ = substituted_ = at_end_ = 0;
-  told_mm_ = 0.0;
+  reported_mm_ = 0.0;
 }
 
 template <class Self, class Archive>
@@ -370,8 +370,8 @@ void ReachMachine::exchange(Self& self, Archive& archive) noexcept {
   archive.count(self.back_, kMostScans);
   archive.count(self.light_, kMostScans);
   archive.count(self.started_, kMostScans);
-  archive.number(self.told_mm_, -kMostStateMm, kMostStateMm);
-  archive.flag(self.is_told_);
+  archive.number(self.reported_mm_, -kMostStateMm, kMostStateMm);
+  archive.flag(self.is_reported_);
   archive.count(self.substituted_, kMostScans);
   archive.count(self.at_end_, kMostScans);
   archive.flag(self.is_untared_);

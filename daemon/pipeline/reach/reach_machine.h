@@ -63,7 +63,7 @@ class ReachMachine {
 
   void cancel(Events& events) noexcept;
   void finish(std::uint16_t flags, Events& events) noexcept;
-  void tell(core::ReachStep step, Events& events) const noexcept;
+  void report(core::ReachStep step, Events& events) const noexcept;
   template <class Self, class Archive>
   static void exchange(Self& self, Archive& archive) noexcept;
 
@@ -82,8 +82,8 @@ class ReachMachine {
   std::uint64_t back_ = 0;     ///< ... and back at rest.
   std::uint64_t light_ = 0;    ///< Samples in a row with nearly nothing on the seat.
   std::uint64_t started_ = 0;  ///< Tick at which the reach, or its continuation, was detected.
-  double told_mm_ = 0.0;       ///< The extreme that was reported last.
-  bool is_told_ = false;
+  double reported_mm_ = 0.0;   ///< The extreme that was reported last.
+  bool is_reported_ = false;
   std::uint64_t substituted_ = 0;  ///< Number of samples, in the reach and the rest before it, with a replaced sensor ...
   std::uint64_t at_end_ = 0;       ///< ... or with a sensor at the end of its range.
   bool is_untared_ = false;

@@ -9,7 +9,7 @@ Classify::Classify(const StageOptions& /*options*/, const StageContext& context)
 
 const StageDescription& Classify::description() {
   static const StageDescription kDescription{.id = "classify",
-                                             .sentence = "Tells the degree of trunk bending of every reach by the rig's model.",
+                                             .sentence = "Classifies the trunk bending of every reach with the rig's model.",
                                              .output_stream = "",
                                              .options = {}};
   return kDescription;
@@ -18,8 +18,8 @@ const StageDescription& Classify::description() {
 core::Result<core::StreamFormat> Classify::prepare(const core::StreamFormat& input, std::size_t max_scans) {
   if (auto checked = check_input("classify", input, max_scans, ""); !checked) return tl::make_unexpected(checked.error());
   if (model_ != nullptr) return input;
-  return core::fail(core::ErrorCode::InvalidArgument, "stage 'classify' needs a model of trunk movement, and the rig names none",
-                    "add model = \"FILE.toml\" to the rig file, see dtslab reach train; or take the stage out");
+  return core::fail(core::ErrorCode::InvalidArgument, "stage 'classify' needs a model of trunk movement, but the rig has none",
+                    "add model = \"FILE.toml\" to the rig file, see dtslab reach train; or remove the stage");
 }
 
 void Classify::process(const core::Block& /*in*/, core::Block& /*out*/) noexcept {}

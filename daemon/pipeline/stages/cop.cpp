@@ -35,7 +35,7 @@ const StageDescription& Cop::description() {
                                "moment: for more than four sensors; model: the plate model inverted, a diagnostic.",
                    .choices = {"poly3", "thesis", "thesis_per_pair", "moment", "model"}},
                   {.name = "contact_threshold_n",
-                   .sentence = "Load from which somebody counts as standing on the plate, until it falls below 80 % of it.",
+                   .sentence = "Load from which a person counts as standing on the plate, until it falls below 80 % of this load.",
                    .default_value = 50.0,
                    .minimum = 1.0,
                    .maximum = 2000.0}}};
@@ -48,7 +48,7 @@ core::Result<core::StreamFormat> Cop::prepare(const core::StreamFormat& input, s
   if (!estimator) return core::fail(estimator.error().code, "stage cop: " + estimator.error().what, estimator.error().hint);
   if (input.channels.size() != estimator->sensor_count()) {
     return core::fail(core::ErrorCode::InvalidArgument, "stage cop: " + std::to_string(input.channels.size()) +
-                                                            " channels come in; estimator " + method_ + " is made for " +
+                                                            " channels arrive; estimator " + method_ + " is made for " +
                                                             std::to_string(estimator->sensor_count()) + " sensors");
   }
   estimator_ = std::move(*estimator);

@@ -62,7 +62,7 @@ core::Result<core::StreamFormat> Guard::prepare(const core::StreamFormat& input,
   const std::size_t channels = input.channels.size();
   if (ranges_.empty() || ranges_.size() > channels) {
     return core::fail(core::ErrorCode::InvalidArgument, "stage guard: " + std::to_string(ranges_.size()) + " sensors have a range, but " +
-                                                            std::to_string(channels) + " channels come in");
+                                                            std::to_string(channels) + " channels arrive");
   }
   const std::size_t aux_channels = channels - ranges_.size();
   if (marker_channel_ >= static_cast<int>(aux_channels)) {

@@ -41,7 +41,7 @@ Linearise::Linearise(const StageOptions& options, const StageContext& context)
 const StageDescription& Linearise::description() {
   static const StageDescription described{
       .id = "linearise",
-      .sentence = "Turns volts into deflection by each sensor's curve and takes the empty plate as zero.",
+      .sentence = "Turns volts into deflection by each sensor's curve and uses the empty plate as zero.",
       .output_stream = "deflection",
       .options = {
           {.name = "tare_ms", .sentence = "How long a tare averages.", .default_value = 1000.0, .minimum = 10.0, .maximum = 5'000.0},
@@ -59,7 +59,7 @@ const StageDescription& Linearise::description() {
            .sentence = "Whether a segment that begins with an empty plate tares it, unless a tare is in use.",
            .choices = {"if_empty", "no"}},
           {.name = "baseline",
-           .sentence = "What counts as unloaded before any tare: nothing, or the rig's unloaded gaps, measured on this very plate.",
+           .sentence = "Zero before the first tare: none, or the rig's unloaded gaps, which must be measured on this plate.",
            .choices = {"tare", "nominal"}}}};
   return described;
 }
@@ -68,7 +68,7 @@ core::Result<core::StreamFormat> Linearise::prepare(const core::StreamFormat& in
   if (auto checked = check_input("linearise", input, max_scans, "V"); !checked) return tl::make_unexpected(checked.error());
   if (input.channels.size() != rig_->sensors.size()) {
     return core::fail(core::ErrorCode::InvalidArgument, "stage linearise: " + std::to_string(input.channels.size()) +
-                                                            " channels come in, but the rig has " + std::to_string(rig_->sensors.size()) +
+                                                            " channels arrive, but the rig has " + std::to_string(rig_->sensors.size()) +
                                                             " sensors");
   }
   tare_scans_ = input.rate.scans_in_ms(tare_ms_);

@@ -33,15 +33,15 @@ Steadiness::Steadiness(const StageOptions& options, const StageContext& context)
 const StageDescription& Steadiness::description() {
   static const StageDescription described{
       .id = "steadiness",
-      .sentence = "Tells running measures of quiet standing from the centre of pressure.",
+      .sentence = "Publishes running measures of quiet standing, from the centre of pressure.",
       .output_stream = "",
       .options = {{.name = "every_ms",
-                   .sentence = "How often running values are told.",
+                   .sentence = "Time between two publications of the running measures.",
                    .default_value = 500.0,
                    .minimum = 100.0,
                    .maximum = 10'000.0},
                   {.name = "settle_ms",
-                   .sentence = "Without a trial: how long somebody must have stood before values count.",
+                   .sentence = "Without a trial: how long a person must stand before the measurement begins.",
                    .default_value = 1000.0,
                    .minimum = 0.0,
                    .maximum = 60'000.0}}};

@@ -60,11 +60,12 @@ const StageDescription& Transient::description() {
       .id = "transient",
       .sentence = "How far a chair's seat bends, and where: mean, front to rear and twist of four sensors, bad ones replaced.",
       .output_stream = "transient",
-      .options = {{.name = "noise_mv",
-                   .sentence = "Noise of a sensor, rms: one that stands still for longer than this allows is bad; 0: none is.",
-                   .default_value = 3.0,
-                   .minimum = 0.0,
-                   .maximum = 100.0}}};
+      .options = {
+          {.name = "noise_mv",
+           .sentence = "Noise of a sensor, rms. A sensor that is constant for longer than this noise allows is bad; 0: not checked.",
+           .default_value = 3.0,
+           .minimum = 0.0,
+           .maximum = 100.0}}};
   return described;
 }
 
@@ -74,7 +75,7 @@ core::Result<core::StreamFormat> Transient::prepare(const core::StreamFormat& in
   if (!chosen) {
     return core::fail(
         core::ErrorCode::InvalidArgument,
-        "stage transient: the rig has " + std::to_string(rig_->sensors.size()) + " sensors and does not say which four it uses",
+        "stage transient: the rig has " + std::to_string(rig_->sensors.size()) + " sensors, but does not name the four to use",
         "name two rear and two front sensors in the rig's file");
   }
   columns_ = {chosen->rear[0], chosen->rear[1], chosen->front[0], chosen->front[1]};
@@ -82,7 +83,7 @@ core::Result<core::StreamFormat> Transient::prepare(const core::StreamFormat& in
   std::ranges::sort(sorted);
   if (sorted.back() >= input.channels.size()) {
     return core::fail(core::ErrorCode::InvalidArgument, "stage transient: the rig names sensor " + std::to_string(sorted.back() + 1) +
-                                                            ", but only " + std::to_string(input.channels.size()) + " channels come in");
+                                                            ", but only " + std::to_string(input.channels.size()) + " channels arrive");
   }
   if (const auto twice = std::ranges::adjacent_find(sorted); twice != sorted.end()) {
     return core::fail(core::ErrorCode::InvalidArgument, "stage transient: the rig names sensor " + std::to_string(*twice + 1) + " twice");

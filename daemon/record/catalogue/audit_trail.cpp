@@ -11,6 +11,7 @@
 #include <charconv>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 namespace dts::record {
@@ -51,6 +52,15 @@ AuditEntry read_entry(Statement& row) {
   return entry;
 }
 
+/// Returns no value if a column has the wrong type or is out of range.
+std::optional<AuditEntry> read_sound(Statement& row) {
+  try {
+    return read_entry(row);
+  } catch (const SQLite::Exception&) {
+    return std::nullopt;
+  }
+}
+
 tl::unexpected<core::Error> broken(std::uint64_t number, const std::string& why) {
   return core::fail(core::ErrorCode::DataDamaged, "audit trail: entry " + std::to_string(number) + " " + why,
                     "somebody changed the catalogue, or its disk did, or a catalogue that was made again stands beside an older "
@@ -74,30 +84,23 @@ std::string audit_hash(const std::string& before, const AuditEntry& entry) {
   return letters.data();
 }
 
-core::Result<AuditEntry> AuditTrail::last() const {
-  auto row = database_->prepare(std::string(kColumns) + "ORDER BY number DESC LIMIT 1");
-  if (!row) return tl::make_unexpected(row.error());
-  const auto found = row->step();
-  if (!found) return tl::make_unexpected(found.error());
-  if (!*found) return AuditEntry{.hash = first_hash()};
-  AuditEntry entry = read_entry(*row);
-  if (auto sound = row->sound(); !sound) return tl::make_unexpected(sound.error());
-  return entry;
+AuditEntry AuditTrail::last() const {
+  auto row = database_->query(std::string(kColumns) + "ORDER BY number DESC LIMIT 1");
+  return row.step() ? read_entry(row) : AuditEntry{.hash = first_hash()};
 }
 
-core::Status AuditTrail::append(AuditEntry entry) const {
+core::Status AuditTrail::append(AuditEntry entry) const try {
   for (std::string* text : {&entry.who, &entry.what, &entry.target, &entry.result}) text->resize(std::min(text->size(), kLongestText));
-  auto transaction = Transaction::begin(*database_);
-  if (!transaction) return tl::make_unexpected(transaction.error());
+  Transaction transaction(*database_);
   const auto before = last();
-  if (!before) return tl::make_unexpected(before.error());
-  entry.number = before->number + 1;
-  entry.hash = audit_hash(before->hash, entry);
-  auto written = database_->run("INSERT INTO audit (number, utc_ns, who, what, target, result, hash) VALUES (?, ?, ?, ?, ?, ?, ?)",
-                                entry.number, entry.utc_ns, entry.who, entry.what, entry.target, entry.result, entry.hash);
-  if (!written) return written;
-  if (auto committed = transaction->commit(); !committed) return committed;
+  entry.number = before.number + 1;
+  entry.hash = audit_hash(before.hash, entry);
+  database_->run("INSERT INTO audit (number, utc_ns, who, what, target, result, hash) VALUES (?, ?, ?, ?, ?, ?, ?)", entry.number,
+                 entry.utc_ns, entry.who, entry.what, entry.target, entry.result, entry.hash);
+  transaction.commit();
   return append_second(entry);  // after the commit: a line without its entry would look like a removed entry
+} catch (const SQLite::Exception& exception) {
+  return database_->failure(exception);
 }
 
 core::Status AuditTrail::append_second(const AuditEntry& entry) const {
@@ -112,39 +115,32 @@ core::Status AuditTrail::append_second(const AuditEntry& entry) const {
                           "make room, or make the file writable for dtsd");
 }
 
-core::Result<std::vector<AuditEntry>> AuditTrail::newest(std::size_t count) const {
+core::Result<std::vector<AuditEntry>> AuditTrail::newest(std::size_t count) const try {
   auto row = database_->query(std::string(kColumns) + "ORDER BY number DESC LIMIT ?", std::min(count, kMostEntries));
-  if (!row) return tl::make_unexpected(row.error());
   std::vector<AuditEntry> entries;
-  while (true) {
-    const auto found = row->step();
-    if (!found) return tl::make_unexpected(found.error());
-    if (!*found) break;
-    entries.push_back(read_entry(*row));
-    if (auto sound = row->sound(); !sound) return tl::make_unexpected(sound.error());
-  }
+  while (row.step()) entries.push_back(read_entry(row));
   std::ranges::reverse(entries);
   return entries;
+} catch (const SQLite::Exception& exception) {
+  return database_->failure(exception);
 }
 
-core::Result<std::uint64_t> AuditTrail::verify() const {
-  auto row = database_->prepare(std::string(kColumns) + "ORDER BY number");
-  if (!row) return tl::make_unexpected(row.error());
+core::Result<std::uint64_t> AuditTrail::verify() const try {
+  auto row = database_->query(std::string(kColumns) + "ORDER BY number");
   std::uint64_t entries = 0;
   std::string before = first_hash();
-  while (true) {
-    const auto found = row->step();
-    if (!found) return tl::make_unexpected(found.error());
-    if (!*found) break;
-    const AuditEntry entry = read_entry(*row);
-    if (auto sound = row->sound(); !sound) return broken(entries + 1, "cannot be read");
-    if (entry.number != entries + 1) return broken(entries + 1, "is missing");
-    if (entry.hash != audit_hash(before, entry)) return broken(entry.number, "does not fit: it or the one before it was changed");
-    before = entry.hash;
+  while (row.step()) {
+    const auto entry = read_sound(row);
+    if (!entry) return broken(entries + 1, "cannot be read");
+    if (entry->number != entries + 1) return broken(entries + 1, "is missing");
+    if (entry->hash != audit_hash(before, *entry)) return broken(entry->number, "does not fit: it or the one before it was changed");
+    before = entry->hash;
     ++entries;
   }
   if (auto agrees = verify_second(entries); !agrees) return tl::make_unexpected(agrees.error());
   return entries;
+} catch (const SQLite::Exception& exception) {
+  return database_->failure(exception);
 }
 
 core::Status AuditTrail::verify_second(std::uint64_t entries) const {
@@ -153,14 +149,13 @@ core::Status AuditTrail::verify_second(std::uint64_t entries) const {
     if (entries == 0) return {};
     return broken(entries, "may not be the last: the second trail " + second_file_ + " is gone");
   }
-  auto find = database_->prepare("SELECT hash FROM audit WHERE number = ?");
-  if (!find) return tl::make_unexpected(find.error());
+  auto find = database_->query("SELECT hash FROM audit WHERE number = ?");
   std::array<char, 128> buffer{};  // our lines have at most 85 characters
   while (file.getline(buffer.data(), buffer.size()) || (file.gcount() > 0 && !file.eof())) {
     const bool is_cut = file.fail();
     file.clear(file.rdstate() & ~std::ios::failbit);
     if (is_cut) continue;
-    if (auto agrees = verify_line(*find, buffer.data()); !agrees) return agrees;
+    if (auto agrees = verify_line(find, buffer.data()); !agrees) return agrees;
   }
   return {};
 }
@@ -171,10 +166,8 @@ core::Status AuditTrail::verify_line(Statement& find, const std::string& line) c
   const auto [stop, error] = std::from_chars(line.data(), line.data() + line.size(), number);
   const auto digits = static_cast<std::size_t>(stop - line.data());
   if (error != std::errc() || number > kLargestNumber || line.size() != digits + 1 + kHashLetters || line[digits] != ' ') return {};
-  find.reset();
-  const auto found = find.bind(number).step();
-  if (!found) return tl::make_unexpected(found.error());
-  if (!*found) return broken(number, "was cut off: the second trail " + second_file_ + " knows it");
+  find.bind(number);
+  if (!find.step()) return broken(number, "was cut off: the second trail " + second_file_ + " knows it");
   if (find.text(0) == line.substr(digits + 1)) return {};
   return broken(number, "is another than in the second trail " + second_file_);
 }

@@ -44,7 +44,7 @@ class AuditTrail {
   [[nodiscard]] core::Result<std::uint64_t> verify() const;
 
  private:
-  [[nodiscard]] core::Result<AuditEntry> last() const;
+  [[nodiscard]] AuditEntry last() const;
   [[nodiscard]] core::Status append_second(const AuditEntry& entry) const;
   [[nodiscard]] core::Status verify_second(std::uint64_t entries) const;
   [[nodiscard]] core::Status verify_line(Statement& find, const std::string& line) const;

@@ -48,12 +48,6 @@ core::Status check_facts(const SessionFacts& facts) {
 /// Rounds to 1 us: the writer of a file and its readers compute the same duration with smaller rounding differences.
 double whole_microseconds(double time_s) noexcept { return std::round(time_s * 1e6) / 1e6; }
 
-/// Returns true if the query finds a row; fails if the query fails.
-core::Result<bool> has_row(core::Result<Statement> rows) {
-  if (!rows) return tl::make_unexpected(rows.error());
-  return rows->step();
-}
-
 }  // namespace
 
 std::string_view name(PartState state) noexcept {
@@ -73,11 +67,12 @@ class Catalogue::Implementation {
   explicit Implementation(Database opened) : database(std::move(opened)), audit(database) {}
 
   [[nodiscard]] core::Status enter_session(const SessionFacts& facts) const;
-  [[nodiscard]] core::Status enter_part(const SessionFacts& facts, const std::string& file) const;
-  [[nodiscard]] core::Status put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
-                                             const std::string& text) const;
-  [[nodiscard]] core::Result<bool> has_part(const std::string& id, std::uint32_t part) const;
-  [[nodiscard]] core::Result<std::vector<PartRow>> parts_of(const std::string& id) const {
+  void enter_part(const SessionFacts& facts, const std::string& file) const;
+  void put_calibration(const std::string& id, const std::string& rig, const std::string& kind, const std::string& text) const;
+  [[nodiscard]] bool has_part(const std::string& id, std::uint32_t part) const {
+    return database.query("SELECT 1 FROM parts WHERE session_id = ? AND part = ?", id, part).step();
+  }
+  [[nodiscard]] std::vector<PartRow> parts_of(const std::string& id) const {
     return rows_of(database.query(std::string(kPartColumns) + "WHERE session_id = ? ORDER BY part", id), read_part);
   }
 
@@ -88,39 +83,33 @@ class Catalogue::Implementation {
 /// Adds the protocol and the subject, then adds the session or sets a known one to "running".
 core::Status Catalogue::Implementation::enter_session(const SessionFacts& facts) const {
   const std::string protocol_sha256 = sha256_of(facts.protocol_definition);
-  auto entered = database.run("INSERT OR IGNORE INTO protocols (name, sha256, definition) VALUES (?, ?, ?)", facts.protocol,
-                              protocol_sha256, facts.protocol_definition);
-  if (entered && !facts.subject.empty()) entered = database.run("INSERT OR IGNORE INTO subjects (pseudonym) VALUES (?)", facts.subject);
-  if (!entered) return entered;
+  database.run("INSERT OR IGNORE INTO protocols (name, sha256, definition) VALUES (?, ?, ?)", facts.protocol, protocol_sha256,
+               facts.protocol_definition);
+  if (!facts.subject.empty()) database.run("INSERT OR IGNORE INTO subjects (pseudonym) VALUES (?)", facts.subject);
   const auto known = rows_of(database.query(std::string(kSessionColumns) + "WHERE sessions.id = ?", facts.session_id), read_session);
-  if (!known) return tl::make_unexpected(known.error());
-  if (known->empty()) {
-    return database.run(
+  if (known.empty()) {
+    database.run(
         "INSERT INTO sessions (id, rig, protocol_id, subject_id, label, state, message, started_utc_ns, ended_utc_ns) VALUES (?, ?,"
         " (SELECT id FROM protocols WHERE name = ? AND sha256 = ?), (SELECT id FROM subjects WHERE pseudonym = ?), ?, 'running', '', ?, 0)",
         facts.session_id, facts.rig, facts.protocol, protocol_sha256, facts.subject, facts.label, facts.started_utc_ns);
+    return {};
   }
-  const SessionRow& session = known->front();
+  const SessionRow& session = known.front();
   if (session.rig != facts.rig || session.protocol != facts.protocol || session.subject != facts.subject) {
     return core::fail(ErrorCode::WrongState, "session " + facts.session_id + " is known with another rig, protocol or subject");
   }
-  return database.run(
+  database.run(
       "UPDATE sessions SET state = 'running', message = '', ended_utc_ns = 0, started_utc_ns = min(started_utc_ns, ?) WHERE id = ?",
       facts.started_utc_ns, facts.session_id);
+  return {};
 }
 
-core::Status Catalogue::Implementation::enter_part(const SessionFacts& facts, const std::string& file) const {
-  if (!facts.calibration_id.empty()) {
-    if (auto put = put_calibration(facts.calibration_id, facts.rig, "cop", facts.rig_definition); !put) return put;
-  }
-  return database.run(
+void Catalogue::Implementation::enter_part(const SessionFacts& facts, const std::string& file) const {
+  if (!facts.calibration_id.empty()) put_calibration(facts.calibration_id, facts.rig, "cop", facts.rig_definition);
+  database.run(
       "INSERT INTO parts (session_id, part, file, state, sha256, bytes, scans, duration_s, lost_s_at_most, reason, started_utc_ns,"
       " calibration_id, losses) VALUES (?, ?, ?, ?, '', 0, 0, 0, 0, '', ?, ?, '')",
       facts.session_id, facts.part, file, static_cast<int>(PartState::Recording), facts.started_utc_ns, facts.calibration_id);
-}
-
-core::Result<bool> Catalogue::Implementation::has_part(const std::string& id, std::uint32_t part) const {
-  return has_row(database.query("SELECT 1 FROM parts WHERE session_id = ? AND part = ?", id, part));
 }
 
 Catalogue::Catalogue(std::unique_ptr<Implementation> implementation) : implementation_(std::move(implementation)) {}
@@ -131,100 +120,109 @@ core::Result<std::unique_ptr<Catalogue>> Catalogue::open(const std::string& file
   if (!database) return tl::make_unexpected(database.error());
   if (auto migrated = migrate(*database, catalogue_migrations()); !migrated) return tl::make_unexpected(migrated.error());
   // After the migration, so that a database of another program is not changed.
-  if (auto logged = database->execute("PRAGMA journal_mode = WAL"); !logged) return tl::make_unexpected(logged.error());
+  try {
+    database->execute("PRAGMA journal_mode = WAL");
+  } catch (const SQLite::Exception& exception) {
+    return database->failure(exception);
+  }
   return std::unique_ptr<Catalogue>(new Catalogue(std::make_unique<Implementation>(std::move(*database))));
 }
 
-core::Status Catalogue::begin_part(const SessionFacts& facts, const std::string& file) {
+core::Status Catalogue::begin_part(const SessionFacts& facts, const std::string& file) try {
   if (auto good = check_facts(facts); !good) return good;
-  auto transaction = Transaction::begin(implementation_->database);
-  if (!transaction) return tl::make_unexpected(transaction.error());
-  const auto is_known = implementation_->has_part(facts.session_id, facts.part);
-  if (!is_known) return tl::make_unexpected(is_known.error());
-  if (*is_known) {
+  Transaction transaction(implementation_->database);
+  if (implementation_->has_part(facts.session_id, facts.part)) {
     return core::fail(ErrorCode::WrongState,
                       "part " + std::to_string(facts.part) + " of session " + facts.session_id + " is known already");
   }
   if (auto entered = implementation_->enter_session(facts); !entered) return entered;
-  if (auto entered = implementation_->enter_part(facts, file); !entered) return entered;
-  return transaction->commit();
+  implementation_->enter_part(facts, file);
+  transaction.commit();
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Status Catalogue::update_part(const PartRow& part) {
+core::Status Catalogue::update_part(const PartRow& part) try {
   if (!std::isfinite(part.duration_s) || !std::isfinite(part.lost_s_at_most)) {
     return core::fail(ErrorCode::InvalidArgument, "duration or loss of a recording is no number");
   }
-  auto updated = implementation_->database.run(
+  implementation_->database.run(
       "UPDATE parts SET file = ?, state = ?, sha256 = ?, bytes = ?, scans = ?, duration_s = ?, lost_s_at_most = ?, reason = ?, losses = ?"
       " WHERE session_id = ? AND part = ?",
       part.file, static_cast<int>(part.state), part.sha256, part.bytes, part.scans, whole_microseconds(part.duration_s),
       part.lost_s_at_most, part.reason, part.losses ? to_json(*part.losses) : std::string(), part.session_id, part.part);
-  if (updated && implementation_->database.changes() == 0) return no_part(part.session_id, part.part);
-  return updated;
+  if (implementation_->database.changes() == 0) return no_part(part.session_id, part.part);
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Status Catalogue::end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns) {
+core::Status Catalogue::end_session(const std::string& id, const std::string& state, const std::string& message, std::int64_t utc_ns) try {
   if (std::ranges::find(kEndStates, state) == kEndStates.end()) {
     return core::fail(ErrorCode::InvalidArgument, "a session cannot end as '" + state.substr(0, kLongestId) + "'");
   }
-  auto updated = implementation_->database.run("UPDATE sessions SET state = ?, message = ?, ended_utc_ns = ? WHERE id = ?", state, message,
-                                               utc_ns, id);
-  if (updated && implementation_->database.changes() == 0) return no_session(id);
-  return updated;
+  implementation_->database.run("UPDATE sessions SET state = ?, message = ?, ended_utc_ns = ? WHERE id = ?", state, message, utc_ns, id);
+  if (implementation_->database.changes() == 0) return no_session(id);
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Status Catalogue::put_trial(const TrialRow& trial) {
+core::Status Catalogue::put_trial(const TrialRow& trial) try {
   if (std::ranges::find(kOutcomes, trial.outcome) == kOutcomes.end() || trial.trial == 0 || trial.attempt == 0) {
     return core::fail(ErrorCode::InvalidArgument,
                       "a trial has a number, an attempt and one of the outcomes done, redone, rejected, aborted");
   }
-  auto transaction = Transaction::begin(implementation_->database);
-  if (!transaction) return tl::make_unexpected(transaction.error());
-  const auto is_known = implementation_->has_part(trial.session_id, trial.part);
-  if (!is_known) return tl::make_unexpected(is_known.error());
-  if (!*is_known) return no_part(trial.session_id, trial.part);
-  auto put = implementation_->database.run(
+  Transaction transaction(implementation_->database);
+  if (!implementation_->has_part(trial.session_id, trial.part)) return no_part(trial.session_id, trial.part);
+  implementation_->database.run(
       "INSERT OR REPLACE INTO trials (session_id, part, trial, attempt, block, condition, outcome, segment, first_scan, last_scan,"
       " last_segment, result, is_valid) VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
       trial.session_id, trial.part, trial.trial, trial.attempt, trial.block, trial.condition, trial.outcome, trial.segment,
       trial.first_scan, trial.last_scan, std::max(trial.segment, trial.last_segment), trial.result, is_valid(trial) ? 1 : 0);
-  return put ? transaction->commit() : put;
+  transaction.commit();
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Status Catalogue::put_calibration(const std::string& id, const std::string& rig, const std::string& kind, const std::string& text) {
-  return implementation_->put_calibration(id, rig, kind, text);
+core::Status Catalogue::put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
+                                        const std::string& text) try {
+  implementation_->put_calibration(id, rig, kind, text);
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Status Catalogue::Implementation::put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
-                                                        const std::string& text) const {
-  return database.run("INSERT OR REPLACE INTO calibrations (id, rig, kind, definition) VALUES (?, ?, ?, ?)", id, rig, kind, text);
+void Catalogue::Implementation::put_calibration(const std::string& id, const std::string& rig, const std::string& kind,
+                                                const std::string& text) const {
+  database.run("INSERT OR REPLACE INTO calibrations (id, rig, kind, definition) VALUES (?, ?, ?, ?)", id, rig, kind, text);
 }
 
-core::Status Catalogue::put_result(const ResultRow& result) {
+core::Status Catalogue::put_result(const ResultRow& result) try {
   if (!std::isfinite(result.value)) return core::fail(ErrorCode::InvalidArgument, "result '" + result.name + "' is no number");
-  auto transaction = Transaction::begin(implementation_->database);
-  if (!transaction) return tl::make_unexpected(transaction.error());
-  const auto is_known = has_row(implementation_->database.query("SELECT 1 FROM sessions WHERE id = ?", result.session_id));
-  if (!is_known) return tl::make_unexpected(is_known.error());
-  if (!*is_known) return no_session(result.session_id);
-  auto put = implementation_->database.run("INSERT OR REPLACE INTO results (session_id, name, value, unit, details) VALUES (?, ?, ?, ?, ?)",
-                                           result.session_id, result.name, result.value, result.unit, result.details);
-  return put ? transaction->commit() : put;
+  const Database& database = implementation_->database;
+  Transaction transaction(database);
+  if (!database.query("SELECT 1 FROM sessions WHERE id = ?", result.session_id).step()) return no_session(result.session_id);
+  database.run("INSERT OR REPLACE INTO results (session_id, name, value, unit, details) VALUES (?, ?, ?, ?, ?)", result.session_id,
+               result.name, result.value, result.unit, result.details);
+  transaction.commit();
+  return {};
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Status Catalogue::enter(const FoundRecording& found) {
-  auto transaction = Transaction::begin(implementation_->database);
-  if (!transaction) return tl::make_unexpected(transaction.error());
+core::Status Catalogue::enter(const FoundRecording& found) try {
+  Transaction transaction(implementation_->database);
   const auto before = session(found.facts.session_id);
   if (!before && before.error().code != ErrorCode::NotFound) return tl::make_unexpected(before.error());
   const bool is_newest = !before || before->parts.empty() || before->parts.back().part < found.facts.part;
-  const auto is_known = implementation_->has_part(found.facts.session_id, found.facts.part);
-  if (!is_known) return tl::make_unexpected(is_known.error());
   core::Status done;
-  if (!*is_known) done = begin_part(found.facts, found.part.file);
+  if (!implementation_->has_part(found.facts.session_id, found.facts.part)) done = begin_part(found.facts, found.part.file);
   if (done) done = update_part(found.part);
   if (done) {
-    done = implementation_->database.run("DELETE FROM trials WHERE session_id = ? AND part = ?", found.part.session_id, found.part.part);
+    implementation_->database.run("DELETE FROM trials WHERE session_id = ? AND part = ?", found.part.session_id, found.part.part);
   }
   for (const TrialRow& trial : found.trials) {
     if (done) done = put_trial(trial);
@@ -237,54 +235,57 @@ core::Status Catalogue::enter(const FoundRecording& found) {
   } else if (done && before->state != "running") {  // an older part was added: `begin_part` set the state to "running"
     done = end_session(before->id, before->state, before->message, before->ended_utc_ns);
   }
-  return done ? transaction->commit() : done;
+  if (done) transaction.commit();
+  return done;
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Result<std::vector<SessionRow>> Catalogue::sessions(const SessionFilter& filter) const {
+core::Result<std::vector<SessionRow>> Catalogue::sessions(const SessionFilter& filter) const try {
   auto found = rows_of(implementation_->database.query(
                            std::string(kSessionColumns) +
                                "WHERE (?1 = '' OR sessions.rig = ?1) AND (?2 = '' OR subjects.pseudonym = ?2) AND"
                                " (?3 = '' OR protocols.name = ?3) ORDER BY sessions.started_utc_ns DESC, sessions.id DESC LIMIT ?4",
                            filter.rig, filter.subject, filter.protocol, std::min(filter.limit, kMostSessions)),
                        read_session);
-  if (!found) return found;
-  for (SessionRow& session : *found) {
-    auto parts = implementation_->parts_of(session.id);
-    if (!parts) return tl::make_unexpected(parts.error());
-    session.parts = std::move(*parts);
-  }
+  for (SessionRow& session : found) session.parts = implementation_->parts_of(session.id);
   return found;
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Result<SessionRow> Catalogue::session(const std::string& id) const {
+core::Result<SessionRow> Catalogue::session(const std::string& id) const try {
   auto found = rows_of(implementation_->database.query(std::string(kSessionColumns) + "WHERE sessions.id = ?", id), read_session);
-  if (!found) return tl::make_unexpected(found.error());
-  if (found->empty()) return no_session(id);
-  SessionRow session = std::move(found->front());
-  auto parts = implementation_->parts_of(id);
-  if (!parts) return tl::make_unexpected(parts.error());
-  session.parts = std::move(*parts);
-  auto trials = rows_of(
+  if (found.empty()) return no_session(id);
+  SessionRow session = std::move(found.front());
+  session.parts = implementation_->parts_of(id);
+  session.trials = rows_of(
       implementation_->database.query(std::string(kTrialColumns) + "WHERE session_id = ? ORDER BY part, trial, attempt", id), read_trial);
-  if (!trials) return tl::make_unexpected(trials.error());
-  session.trials = std::move(*trials);
   return session;
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Result<std::vector<ResultRow>> Catalogue::results(const std::string& session_id) const {
+core::Result<std::vector<ResultRow>> Catalogue::results(const std::string& session_id) const try {
   return rows_of(implementation_->database.query(
                      "SELECT session_id, name, value, unit, details FROM results WHERE session_id = ? ORDER BY name", session_id),
                  read_result);
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Result<std::vector<PartRow>> Catalogue::unfinished_parts() const {
+core::Result<std::vector<PartRow>> Catalogue::unfinished_parts() const try {
   return rows_of(implementation_->database.query(std::string(kPartColumns) + "WHERE state = ? ORDER BY session_id, part",
                                                  static_cast<int>(PartState::Recording)),
                  read_part);
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
-core::Result<std::vector<PartRow>> Catalogue::parts() const {
+core::Result<std::vector<PartRow>> Catalogue::parts() const try {
   return rows_of(implementation_->database.query(std::string(kPartColumns) + "ORDER BY session_id, part"), read_part);
+} catch (const SQLite::Exception& exception) {
+  return implementation_->database.failure(exception);
 }
 
 core::Status Catalogue::append_audit(AuditEntry entry) { return implementation_->audit.append(std::move(entry)); }

@@ -58,7 +58,7 @@ struct TrialRow {
   std::uint64_t first_scan = 0;  ///< First measured scan; if the trial ended before it was measured, the scan of its latest phase.
   std::uint64_t last_scan = 0;
   std::uint32_t last_segment = 0;  ///< Of `last_scan`. If less than `segment`, stored as `segment`; if greater, the trial has a gap.
-  std::string result{};            ///< The event "result" or "sway" as JSON; empty: no result.
+  std::string result{};            ///< The event with the trial's result as JSON, see `event_of_text`; empty: no result.
 
   friend bool operator==(const TrialRow&, const TrialRow&) = default;
 };

@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <string_view>
 
-#include "record/event.h"
 #include "record/losses.h"
+#include "record/old_event.h"
 
 namespace dts::record {
 
 bool is_valid(const TrialRow& trial) {
   if (trial.outcome != "done") return false;
-  const auto result = event_of_json(trial.result);
-  return !result || result->event != "sway" || text_of(*result, "is_valid") == "true";
+  const auto result = event_of_text(trial.result);
+  return !result || !result->has_sway() || result->sway().is_valid();
 }
 
 std::string state_of(const SessionRow& session) {

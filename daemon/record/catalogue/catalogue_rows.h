@@ -12,16 +12,10 @@ namespace dts::record {
 
 /// Returns all rows; `read` converts each row to a value.
 template <class Read>
-[[nodiscard]] auto rows_of(core::Result<Statement> rows, const Read& read) -> core::Result<std::vector<decltype(read(*rows))>> {
-  std::vector<decltype(read(*rows))> all;
-  while (rows) {
-    const auto found = rows->step();
-    if (!found) return tl::make_unexpected(found.error());
-    if (!*found) return all;
-    all.push_back(read(*rows));
-    if (auto sound = rows->sound(); !sound) return tl::make_unexpected(sound.error());
-  }
-  return tl::make_unexpected(rows.error());
+[[nodiscard]] auto rows_of(Statement rows, const Read& read) {
+  std::vector<decltype(read(rows))> all;
+  while (rows.step()) all.push_back(read(rows));
+  return all;
 }
 
 inline constexpr const char* kSessionColumns =

@@ -48,7 +48,8 @@ core::Result<std::vector<std::string>> recordings_in(const std::string& folder) 
     const bool is_named_so = file.ends_with(".xdf") || file.ends_with(".xdf.part");
     if (is_named_so && entry->is_regular_file(unknown)) files.push_back(file);  // opening a pipe would block
   }
-  if (error) return core::fail_errno(error.value(), "cannot look for recordings in " + folder, "is the disk with the recordings mounted?");
+  if (error)
+    return core::fail_errno(error.value(), "cannot look for recordings in " + folder, "check that the disk with the recordings is mounted");
   std::ranges::sort(files, {}, [](const std::string& file) { return std::pair{rank(file), file}; });
   return files;
 }
@@ -98,7 +99,7 @@ core::Result<FoundRecording> read_whole(const std::string& file, const SessionFa
     if (!item || !*item) break;  // `verify` reports what cannot be read
     trials.take(**item);
     const auto* timed = std::get_if<TimedEvent>(&**item);
-    if (timed != nullptr && timed->event.event == "session") is_aborted = text_of(timed->event, "state") == "aborted";
+    if (timed != nullptr && timed->event.has_session()) is_aborted = timed->event.session().is_aborted();
   }
   FoundRecording found;
   found.facts = facts;
@@ -213,7 +214,7 @@ core::Status Rebuild::mark_missing() {
     ++result_.missing;
     if (part.state == PartState::Missing) continue;
     part.state = PartState::Missing;
-    part.reason = "the file is gone";
+    part.reason = "the file is missing";
     if (auto updated = catalogue_.update_part(part); !updated) return updated;
   }
   return {};
@@ -230,9 +231,9 @@ PartState state_of(const Verification& verified, const std::string& file) {
 
 std::string reason_of(const Verification& verified, const std::string& file) {
   const PartState state = state_of(verified, file);
-  if (state == PartState::Interrupted) return "it was not closed: the daemon or the power ended while it was written";
+  if (state == PartState::Interrupted) return "it was not closed: the daemon or the power failed during the recording";
   if (!verified.incomplete.empty() || state == PartState::Complete) return verified.incomplete;
-  return state == PartState::Recovered ? "interrupted; this is the repaired copy" : "it holds no scan";
+  return state == PartState::Recovered ? "interrupted; this is the repaired copy" : "it contains no scan";
 }
 
 core::Result<FoundRecording> read_recording(const std::string& file) {

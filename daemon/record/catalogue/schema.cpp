@@ -118,48 +118,45 @@ UPDATE trials SET is_valid = 1 WHERE outcome = 'done' AND
 /// `rebuild` reads these files again.
 constexpr const char* kVersion5 = "UPDATE parts SET losses = '' WHERE losses = '{}';";
 
-constexpr std::array<const char*, 5> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5};
+/// New rows hold the result of a trial as JSON of `dts.v1.Event`. Earlier rows stay as they are: `event_of_text` reads both. The version
+/// keeps an older dtsd, which would show no result, from opening this catalogue.
+constexpr const char* kVersion6 = "SELECT 1;";
+
+constexpr std::array<const char*, 6> kMigrations{kVersion1, kVersion2, kVersion3, kVersion4, kVersion5, kVersion6};
 
 core::Status check_owner(const Database& database, std::int64_t version) {
   const auto mark = database.number("PRAGMA application_id");
-  if (!mark) return tl::make_unexpected(mark.error());
-  if (*mark == kCatalogueMark) return {};
-  const auto tables = database.number("SELECT count(*) FROM sqlite_schema");
-  if (!tables) return tl::make_unexpected(tables.error());
-  if (*mark == 0 && version == 0 && *tables == 0) return {};  // a new file
+  if (mark == kCatalogueMark) return {};
+  if (mark == 0 && version == 0 && database.number("SELECT count(*) FROM sqlite_schema") == 0) return {};  // a new file
   return core::fail(core::ErrorCode::WrongState, database.file() + " is no catalogue of dtsd but a database of another program",
                     "move it away, or choose another folder: directory under [storage] in dtsd.toml");
 }
 
-core::Status apply(const Database& database, const char* migration, std::size_t version) {
-  auto transaction = Transaction::begin(database);
-  if (!transaction) return tl::make_unexpected(transaction.error());
-  if (auto applied = database.execute(migration); !applied) return applied;
+void apply(const Database& database, const char* migration, std::size_t version) {
+  Transaction transaction(database);
+  database.execute(migration);
   // PRAGMA statements cannot have bound values. The numbers are safe: they are from this program, not from a caller.
-  const std::string marks =
-      "PRAGMA application_id = " + std::to_string(kCatalogueMark) + "; PRAGMA user_version = " + std::to_string(version);
-  if (auto marked = database.execute(marks); !marked) return marked;
-  return transaction->commit();
+  database.execute("PRAGMA application_id = " + std::to_string(kCatalogueMark) + "; PRAGMA user_version = " + std::to_string(version));
+  transaction.commit();
 }
 
 }  // namespace
 
 std::span<const char* const> catalogue_migrations() noexcept { return kMigrations; }
 
-core::Status migrate(const Database& database, std::span<const char* const> migrations) {
+core::Status migrate(const Database& database, std::span<const char* const> migrations) try {
   const auto version = database.number("PRAGMA user_version");
-  if (!version) return tl::make_unexpected(version.error());
-  if (auto ours = check_owner(database, *version); !ours) return ours;
-  if (*version < 0 || static_cast<std::uint64_t>(*version) > migrations.size()) {
+  if (auto ours = check_owner(database, version); !ours) return ours;
+  if (version < 0 || static_cast<std::uint64_t>(version) > migrations.size()) {
     return core::fail(core::ErrorCode::Unsupported,
-                      "the catalogue " + database.file() + " has version " + std::to_string(*version) + ", this dtsd knows up to " +
+                      "the catalogue " + database.file() + " has version " + std::to_string(version) + ", this dtsd knows up to " +
                           std::to_string(migrations.size()),
                       "install the newer dtsd again; it is not changed by this one");
   }
-  for (auto done = static_cast<std::size_t>(*version); done < migrations.size(); ++done) {
-    if (auto applied = apply(database, migrations[done], done + 1); !applied) return applied;
-  }
+  for (auto done = static_cast<std::size_t>(version); done < migrations.size(); ++done) apply(database, migrations[done], done + 1);
   return {};
+} catch (const SQLite::Exception& exception) {
+  return database.failure(exception);
 }
 
 }  // namespace dts::record

@@ -3,27 +3,45 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
-#include <string_view>
 #include <variant>
+
+#include "dts/wire/event_json.h"
+#include "dts/wire/options.h"
 
 namespace dts::record {
 namespace {
 
 constexpr std::size_t kMostTrials = 100'000;
-constexpr std::int64_t kLargestTrialNumber = 1'000'000;
+constexpr std::uint32_t kLargestTrialNumber = 1'000'000;
 constexpr std::size_t kMostFigures = 10'000;
 constexpr std::size_t kLongestCondition = 64;
 
-std::optional<std::uint32_t> event_number(const RecordedEvent& event, std::string_view key) {
-  const auto found = std::ranges::find_if(event.values, [key](const auto& value) { return value.first == key; });
-  if (found == event.values.end()) return std::nullopt;
-  const auto* number = std::get_if<std::int64_t>(&found->second);
-  if (number == nullptr || *number < 1 || *number > kLargestTrialNumber) return std::nullopt;
-  return static_cast<std::uint32_t>(*number);
+bool is_number(std::uint32_t number) { return number >= 1 && number <= kLargestTrialNumber; }
+
+bool is_start(v1::TrialEventKind step) {
+  return step == v1::TRIAL_EVENT_KIND_READY || step == v1::TRIAL_EVENT_KIND_GO || step == v1::TRIAL_EVENT_KIND_MEASURE;
+}
+bool is_end(v1::TrialEventKind step) {
+  return step == v1::TRIAL_EVENT_KIND_DONE || step == v1::TRIAL_EVENT_KIND_REDONE || step == v1::TRIAL_EVENT_KIND_REJECTED ||
+         step == v1::TRIAL_EVENT_KIND_ABORTED;
 }
 
-bool is_end(std::string_view phase) { return phase == "done" || phase == "redone" || phase == "rejected" || phase == "aborted"; }
+/// Sets the start of the trial. Called for ready, go and measure, so that the last of them is the start.
+void begin(const v1::Event& event, TrialRow& row) {
+  row.block = is_number(event.trial().block()) ? event.trial().block() : 1;
+  row.condition = event.trial().condition().substr(0, kLongestCondition);
+  row.segment = event.segment();
+  row.first_scan = event.scan();
+}
+
+/// Sets the outcome. A trial that was done and later rejected or redone keeps its end.
+void end(const v1::Event& event, TrialRow& row) {
+  if (row.outcome.empty()) {
+    row.last_segment = event.segment();
+    row.last_scan = event.scan();
+  }
+  row.outcome = wire::enumerator_word(*v1::TrialEventKind_descriptor(), event.trial().step());
+}
 
 }  // namespace
 
@@ -33,67 +51,49 @@ void TrialCollector::take(const RecordedItem& item) {
       newest_ = std::max(newest_, Place{scans->segment, scans->first_scan.value + (scans->count - 1)});
     }
   } else if (const auto* timed = std::get_if<TimedEvent>(&item)) {
-    newest_ = std::max(newest_, Place{timed->event.segment, timed->event.scan.value});
-    if (timed->event.event == "trial") take_event(timed->event);
-    if (timed->event.event == "result" || timed->event.event == "sway") take_result(timed->event);
-    if (timed->event.event == "figure") take_figure(timed->event);
+    newest_ = std::max(newest_, Place{timed->event.segment(), timed->event.scan()});
+    take(timed->event);
   }
 }
 
-void TrialCollector::take_event(const RecordedEvent& event) {
-  const std::string phase = text_of(event, "phase");
-  const auto trial = event_number(event, "trial");
-  const auto attempt = event_number(event, "attempt");
-  const bool is_start = phase == "ready" || phase == "go" || phase == "measure";
-  if (!trial || !attempt || !(is_start || is_end(phase))) return;
-  if (rows_.size() >= kMostTrials && !rows_.contains({*trial, *attempt})) return;
-  TrialRow& row = rows_[{*trial, *attempt}];
-  if (row.trial == 0) {  // the first event of this trial, of any phase
-    row.trial = *trial;
-    row.attempt = *attempt;
+void TrialCollector::take(const v1::Event& event) {
+  if (event.has_trial()) take_step(event);
+  if (event.has_trial_result()) take_result(event, event.trial_result().trial(), event.trial_result().attempt());
+  if (event.has_sway() && !event.sway().is_preliminary()) take_result(event, event.sway().trial(), event.sway().attempt());
+  if (event.has_figure()) take_figure(event.figure());
+}
+
+void TrialCollector::take_step(const v1::Event& event) {
+  const v1::TrialChange& told = event.trial();
+  if (!is_number(told.trial()) || !is_number(told.attempt()) || !(is_start(told.step()) || is_end(told.step()))) return;
+  if (rows_.size() >= kMostTrials && !rows_.contains({told.trial(), told.attempt()})) return;
+  TrialRow& row = rows_[{told.trial(), told.attempt()}];
+  if (row.trial == 0) {  // the first event of this trial, of any step
+    row.trial = told.trial();
+    row.attempt = told.attempt();
     begin(event, row);
   }
-  if (is_start) {
-    if (row.outcome.empty()) begin(event, row);
-  } else {
-    end(phase, event, row);
+  if (is_end(told.step())) {
+    end(event, row);
+  } else if (row.outcome.empty()) {
+    begin(event, row);
   }
 }
 
-void TrialCollector::take_result(const RecordedEvent& event) {
-  const auto row = rows_.find({event_number(event, "trial").value_or(0), event_number(event, "attempt").value_or(0)});
-  if (row != rows_.end()) row->second.result = to_json(event);
+void TrialCollector::take_result(const v1::Event& event, std::uint32_t trial, std::uint32_t attempt) {
+  if (const auto row = rows_.find({trial, attempt}); row != rows_.end()) row->second.result = wire::to_json(event);
 }
 
-void TrialCollector::take_figure(const RecordedEvent& event) {
-  const auto value = std::ranges::find_if(event.values, [](const auto& held) { return held.first == "value"; });
-  const auto* number = value != event.values.end() ? std::get_if<double>(&value->second) : nullptr;
-  const std::string name = text_of(event, "name");
-  if (number == nullptr || !std::isfinite(*number) || name.empty() || figures_.size() >= kMostFigures) return;
-  figures_[name] = {.session_id = {}, .name = name, .value = *number, .unit = text_of(event, "unit"), .details = text_of(event, "details")};
+void TrialCollector::take_figure(const v1::SessionResult& figure) {
+  if (!std::isfinite(figure.value()) || figure.name().empty() || figures_.size() >= kMostFigures) return;
+  figures_[figure.name()] = {
+      .session_id = {}, .name = figure.name(), .value = figure.value(), .unit = figure.unit(), .details = figure.details()};
 }
 
 std::vector<ResultRow> TrialCollector::figures() const {
   std::vector<ResultRow> rows;
   for (const auto& [name, row] : figures_) rows.push_back(row);
   return rows;
-}
-
-/// Sets the start of the trial. Called for ready, go and measure, so that the last of them is the start.
-void TrialCollector::begin(const RecordedEvent& event, TrialRow& row) const {
-  row.block = event_number(event, "block").value_or(1);
-  row.condition = text_of(event, "condition").substr(0, kLongestCondition);
-  row.segment = event.segment;
-  row.first_scan = event.scan.value;
-}
-
-/// Sets the outcome. A trial that was done and later rejected or redone keeps its end.
-void TrialCollector::end(const std::string& phase, const RecordedEvent& event, TrialRow& row) const {
-  if (row.outcome.empty()) {
-    row.last_segment = event.segment;
-    row.last_scan = event.scan.value;
-  }
-  row.outcome = phase;
 }
 
 std::vector<TrialRow> TrialCollector::rows() const {

@@ -9,14 +9,13 @@
 #include <vector>
 
 #include "record/catalogue/catalogue.h"
-#include "record/event.h"
 #include "record/recording.h"
 
 namespace dts::record {
 
-/// Makes trial rows from the events of a recording. The rows equal those that the daemon stored during the recording. Uses the events
-/// "trial" with phase (ready, go, measure, done, redone, rejected, aborted), trial, attempt, block and condition. Skips invalid events. If
-/// the recording ends during a trial, the trial counts as aborted there.
+/// Makes trial rows from the events of a recording. The rows equal those that the daemon stored during the recording. Uses the
+/// steps of trials, their results and the figures of the session. Skips invalid events. If the recording ends during a trial, the trial
+/// counts as aborted there.
 class TrialCollector {
  public:
   /// `raw`: index of the stream whose scans the events count; absent: the end of the recording is the place of its last event.
@@ -30,11 +29,10 @@ class TrialCollector {
 
  private:
   using Place = std::pair<std::uint32_t, std::uint64_t>;  ///< Segment, scan.
-  void take_event(const RecordedEvent& event);
-  void take_result(const RecordedEvent& event);
-  void take_figure(const RecordedEvent& event);
-  void begin(const RecordedEvent& event, TrialRow& row) const;
-  void end(const std::string& phase, const RecordedEvent& event, TrialRow& row) const;
+  void take(const v1::Event& event);
+  void take_step(const v1::Event& event);
+  void take_result(const v1::Event& event, std::uint32_t trial, std::uint32_t attempt);
+  void take_figure(const v1::SessionResult& figure);
 
   std::optional<std::size_t> raw_;
   Place newest_;

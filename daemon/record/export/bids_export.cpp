@@ -90,8 +90,7 @@ core::Status BidsSink::create_events() {
     if (owner == nullptr || is_cop) owner = &motion;
   }
   if (owner == nullptr) {
-    return core::fail(core::ErrorCode::InvalidArgument, "the recording has no scans: there is nothing that BIDS could hold",
-                      "export it as CSV");
+    return core::fail(core::ErrorCode::InvalidArgument, "the recording has no scans: BIDS needs scans", "export it as CSV");
   }
   auto file = files_.create(names_.path(owner->facts.tracking_system, "events.tsv"));
   if (!file) return tl::make_unexpected(file.error());
@@ -123,12 +122,12 @@ core::Status BidsSink::take(const RecordedScans& scans) {
 }
 
 core::Status BidsSink::take(const TimedEvent& timed) {
-  const RecordedEvent& event = timed.event;
-  const bool is_moment = event.event == "marker" || event.event == "trigger";
+  const EventCells cells = cells_of(timed);
+  const bool is_moment = timed.event.has_marker() || timed.event.has_trigger();
   events_->advance(put_microseconds(events_->reserve(kLongestNumber), to_ns(timed.time_s - origin_s_)));
   std::string row = is_moment ? "\t0" : "\tn/a";
-  for (const std::string& cell : {event.event, main_text(event), value_text(event, "condition"), std::to_string(event.segment),
-                                  std::to_string(event.scan.value), further_details(event)}) {
+  for (const std::string& cell : {cells.kind, cells.text, cells.condition, std::to_string(timed.event.segment()),
+                                  std::to_string(timed.event.scan()), cells.details}) {
     row += "\t" + tsv_cell(cell);
   }
   events_->append(row + "\n");
@@ -145,7 +144,7 @@ core::Result<std::string> read_list(const std::string& file, std::string_view he
   if (none || !stream || bytes > kLargestList) return core::fail(core::ErrorCode::Failed, "cannot read '" + file + "'");
   std::string text{std::istreambuf_iterator<char>(stream), {}};
   if (!text.starts_with(header)) {
-    return core::fail(core::ErrorCode::WrongState, "'" + file + "' has other columns than ours: it was changed since",
+    return core::fail(core::ErrorCode::WrongState, "'" + file + "' has other columns than dtsd writes: another program changed it",
                       "export into a new folder");
   }
   return text.ends_with('\n') ? text : text + "\n";
@@ -164,8 +163,8 @@ core::Status BidsSink::add_participant() {
   if (list->find("\n" + row) != std::string::npos) return {};
   if (lower_case(*list).find("\n" + lower_case(names_.subject()) + "\t") != std::string::npos) {
     return core::fail(core::ErrorCode::WrongState,
-                      "another pseudonym of this dataset is " + names_.subject() +
-                          " too: BIDS leaves only letters and digits, and many disks do not tell upper from lower case",
+                      "another subject ID of this data set becomes " + names_.subject() +
+                          " too: BIDS allows only letters and digits, and many disks ignore the difference of upper and lower case",
                       "export into a new folder");
   }
   return files_.replace("participants.tsv", *list + row);
@@ -216,11 +215,12 @@ core::Status prepare_dataset(const Recording& recording, OutputFiles& files) {
     stream.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(stream.gcount()));
     if (is_our_dataset(text)) return {};
-    return core::fail(core::ErrorCode::WrongState, "'" + description + "' is of a dataset that is not ours", "choose another folder");
+    return core::fail(core::ErrorCode::WrongState, "'" + description + "' belongs to a data set that dtsd did not write",
+                      "choose another folder");
   }
   const fs::path folder = fs::path(description).parent_path();
   if (fs::exists(folder, none) && !fs::is_empty(folder, none)) {
-    return core::fail(core::ErrorCode::WrongState, "'" + folder.string() + "' holds something that is no BIDS dataset",
+    return core::fail(core::ErrorCode::WrongState, "'" + folder.string() + "' contains files that are not a BIDS data set",
                       "choose a new folder, or an empty one");
   }
   return files.put("dataset_description.json", dataset_description(recording.session().value_or(SessionFacts{}).software))

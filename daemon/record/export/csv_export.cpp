@@ -130,10 +130,10 @@ core::Status CsvSink::take(const RecordedChange& change) {
 
 core::Status CsvSink::take(const TimedEvent& timed) {
   trials_.take(timed);
-  const RecordedEvent& event = timed.event;
+  const EventCells cells = cells_of(timed);
   char* at = events_->reserve(longest_row(0));
-  events_->advance(put_place(at, to_ns(timed.time_s - origin_s_), event.segment, event.scan.value));
-  events_->append("," + csv_cell(event.event) + "," + csv_cell(main_text(event)) + "," + csv_cell(further_details(event)) + "\n");
+  events_->advance(put_place(at, to_ns(timed.time_s - origin_s_), timed.event.segment(), timed.event.scan()));
+  events_->append("," + csv_cell(cells.kind) + "," + csv_cell(cells.text) + "," + csv_cell(cells.details) + "\n");
   ++rows_;
   return events_->status();
 }

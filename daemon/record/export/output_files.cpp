@@ -19,7 +19,7 @@ constexpr mode_t kFolderMode = 0750;
 constexpr const char* kOtherFolder = "choose a folder that you may write into";
 
 core::Status already_there(const std::string& path) {
-  return core::fail(core::ErrorCode::WrongState, "'" + path + "' exists already, and nothing is overwritten",
+  return core::fail(core::ErrorCode::WrongState, "'" + path + "' exists already: an export never overwrites a file",
                     "choose another folder, or move it away");
 }
 
@@ -112,8 +112,8 @@ core::Result<OutputFile*> OutputFiles::open(const std::string& name, bool may_re
   const std::string temporary = temporary_name(full);
   const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kFileMode);
   if (descriptor < 0 && errno == EEXIST) {
-    return core::fail(core::ErrorCode::WrongState, "'" + temporary + "' exists: another export is under way, or one was killed",
-                      "when none is running, remove that file");
+    return core::fail(core::ErrorCode::WrongState, "'" + temporary + "' exists: another export is running, or one was killed",
+                      "if no other export is running, delete that file");
   }
   if (descriptor < 0) return core::fail_errno(errno, "cannot create '" + full + "'", kOtherFolder);
   files_.push_back(std::unique_ptr<OutputFile>(new OutputFile(full, temporary, descriptor, may_replace)));
@@ -130,9 +130,9 @@ core::Status OutputFiles::make_folder(const std::string& path) {
   if (errno == EEXIST && ::stat(path.c_str(), &there) == 0 && S_ISDIR(there.st_mode)) return {};
   const int why = errno;
   const std::size_t slash = path.rfind('/');
-  if (why != ENOENT || slash == std::string::npos) return core::fail_errno(why, "cannot make the folder '" + path + "'", kOtherFolder);
+  if (why != ENOENT || slash == std::string::npos) return core::fail_errno(why, "cannot create the folder '" + path + "'", kOtherFolder);
   if (auto above = make_folder(path.substr(0, slash)); !above) return above;
-  if (::mkdir(path.c_str(), kFolderMode) != 0) return core::fail_errno(errno, "cannot make the folder '" + path + "'", kOtherFolder);
+  if (::mkdir(path.c_str(), kFolderMode) != 0) return core::fail_errno(errno, "cannot create the folder '" + path + "'", kOtherFolder);
   made_folders_.push_back(path);
   return {};
 }
@@ -152,7 +152,7 @@ core::Result<OutputFiles::Written> OutputFiles::commit() {
     if (failed != 0) {
       for (const std::string& made : new_files) ::unlink(made.c_str());
       if (failed == EEXIST) return tl::make_unexpected(already_there(file->name_).error());
-      return core::fail_errno(failed, "cannot give '" + file->name_ + "' its name");
+      return core::fail_errno(failed, "cannot give '" + file->name_ + "' its final name");
     }
     file->temporary_.clear();
     if (!file->may_replace_) new_files.push_back(file->name_);

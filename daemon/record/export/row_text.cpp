@@ -6,6 +6,10 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
+#include <memory>
+
+#include "dts/wire/event_json.h"
+#include "dts/wire/options.h"
 
 namespace dts::record {
 namespace {
@@ -13,18 +17,8 @@ namespace {
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 /// Greater than the rounding error of a time stamp as large as Unix time (0.24 us), smaller than any scan.
 constexpr std::int64_t kStampToleranceNs = 1'000;
-/// Keys of an event's main text. The first key that the event has is used.
-constexpr std::array<std::string_view, 5> kMainKeys{"text", "phase", "state", "edge", "reason"};
-
-using Values = std::vector<std::pair<std::string, EventValue>>;
-
-Values::const_iterator find_main(const RecordedEvent& event) {
-  for (const std::string_view key : kMainKeys) {
-    const auto found = std::ranges::find(event.values, key, &Values::value_type::first);
-    if (found != event.values.end()) return found;
-  }
-  return event.values.end();
-}
+/// Fields of an event's main text. The first field that the message has is used.
+constexpr std::array<const char*, 5> kMainFields{"text", "step", "state", "edge", "reason"};
 
 template <class Number>
 char* put_shortest(char* at, Number value) noexcept {
@@ -94,19 +88,34 @@ std::string tsv_cell(std::string_view text) {
   return cell;
 }
 
-std::string main_text(const RecordedEvent& event) {
-  const auto found = find_main(event);
-  return found != event.values.end() ? text_of(found->second) : std::string();
-}
-
-std::string further_details(const RecordedEvent& event) {
-  const auto main = find_main(event);
-  return values_json(event, main != event.values.end() ? main->first : std::string());
-}
-
-std::string value_text(const RecordedEvent& event, std::string_view key) {
-  const auto found = std::ranges::find(event.values, key, &Values::value_type::first);
-  return found != event.values.end() ? text_of(found->second) : std::string();
+EventCells cells_of(const TimedEvent& timed) {
+  if (!timed.old_text.empty()) return old_cells_of(timed.old_text);
+  EventCells cells{.kind = wire::kind_of(timed.event), .text = {}};
+  const google::protobuf::Message* const body = wire::body_of(timed.event);
+  if (body == nullptr) return cells;
+  const google::protobuf::Descriptor& type = *body->GetDescriptor();
+  const auto text_of = [body](const google::protobuf::FieldDescriptor& field) {
+    if (field.enum_type() == nullptr) return body->GetReflection()->GetString(*body, &field);
+    const int number = body->GetReflection()->GetEnumValue(*body, &field);
+    return number == 0 ? std::string() : wire::enumerator_word(*field.enum_type(), number);
+  };
+  if (const auto* condition = type.FindFieldByName("condition")) cells.condition = text_of(*condition);
+  const std::unique_ptr<google::protobuf::Message> rest(body->New());
+  rest->CopyFrom(*body);
+  for (const char* const name : kMainFields) {
+    const auto* field = type.FindFieldByName(name);
+    if (field == nullptr) continue;
+    cells.text = text_of(*field);
+    rest->GetReflection()->ClearField(rest.get(), field);
+    break;
+  }
+  cells.details = wire::to_json(*rest);
+  if (timed.event.has_segment_start() && timed.event.has_host_time_ns()) {  // ties the recording to the host's clock
+    const std::string host_time = "{\"host_time_ns\":\"" + std::to_string(timed.event.host_time_ns()) + "\"";
+    cells.details = host_time + (cells.details == "{}" ? "" : ",") + cells.details.substr(1);
+  }
+  if (cells.details == "{}") cells.details.clear();
+  return cells;
 }
 
 std::int64_t to_ns(double seconds) noexcept {

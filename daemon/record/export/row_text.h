@@ -11,7 +11,7 @@
 
 #include "core/cell_text.h"
 #include "core/rate.h"
-#include "record/event.h"
+#include "record/old_event.h"
 #include "record/recording.h"
 #include "record/stream_info.h"
 
@@ -35,12 +35,9 @@ using core::csv_cell;
 /// Returns a cell of a BIDS table, which has no quotes: `core::as_cell` without tabs and line ends; "n/a" for an empty text.
 [[nodiscard]] std::string tsv_cell(std::string_view text);
 
-/// Returns the main text of an event: a marker's text, a trial's phase, a state, an edge or a reason.
-[[nodiscard]] std::string main_text(const RecordedEvent& event);
-/// Returns all other values of an event as a JSON object; empty if there are none.
-[[nodiscard]] std::string further_details(const RecordedEvent& event);
-/// Returns the value of a key as text; empty if the key is absent.
-[[nodiscard]] std::string value_text(const RecordedEvent& event, std::string_view key);
+/// Returns the cells of an event; `details` is the JSON of the rest of its message. An event that dtsd 0.1 recorded gets the cells that
+/// dtsd 0.1 wrote.
+[[nodiscard]] EventCells cells_of(const TimedEvent& timed);
 
 /// Converts seconds to whole nanoseconds. Limits values outside the range of 64 bits to the nearest one inside.
 [[nodiscard]] std::int64_t to_ns(double seconds) noexcept;

@@ -64,7 +64,7 @@ core::Status ChunkDecoder::decode_file_header(std::string_view xml, Chunk& chunk
 }
 
 core::Status ChunkDecoder::decode_stream_header(std::uint32_t number, std::string_view xml, Chunk& chunk) {
-  if (streams_.contains(number)) return core::fail(kDamaged, "a second one of stream " + std::to_string(number));
+  if (streams_.contains(number)) return core::fail(kDamaged, "a second header of stream " + std::to_string(number));
   header_bytes_ += xml.size();
   if (header_bytes_ > kMaxHeaderBytes || streams_.size() >= kMaxStreams) return core::fail(kDamaged, "too many streams");
   auto info = stream_info_of_xml(xml);

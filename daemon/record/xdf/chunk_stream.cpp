@@ -25,9 +25,9 @@ core::Result<std::unique_ptr<ChunkStream>> ChunkStream::open(const std::string& 
   struct stat there {};
   const bool is_file = ::fstat(descriptor, &there) == 0 && S_ISREG(there.st_mode);
   std::unique_ptr<ChunkStream> stream(new ChunkStream(descriptor, is_file ? static_cast<std::uint64_t>(there.st_size) : 0));
-  if (!is_file) return core::fail(core::ErrorCode::Failed, file + " is no file that can be read");
+  if (!is_file) return core::fail(core::ErrorCode::Failed, file + " is not a readable file");
   if (auto status = stream->append_bytes(kMagic.size()); !status || stream->chunk_ != kMagic)
-    return core::fail(kDamaged, file + " is no XDF file", "XDF files start with 'XDF:'");
+    return core::fail(kDamaged, file + " is not an XDF file", "choose an XDF file: it starts with 'XDF:'");
   stream->offset_ = kMagic.size();
   return stream;
 }
@@ -48,7 +48,7 @@ core::Status ChunkStream::append_bytes(std::size_t count) {
       while (received < 0 && errno == EINTR) received = ::read(descriptor_, buffer_.data(), buffer_.size());
       const int error = errno;
       buffer_.resize(static_cast<std::size_t>(std::max<ssize_t>(received, 0)));
-      if (received < 0) return core::fail_errno(error, "cannot read on at byte " + std::to_string(offset_));
+      if (received < 0) return core::fail_errno(error, "cannot continue reading at byte " + std::to_string(offset_));
       if (received == 0) return damaged("chunk torn");
     }
     const std::size_t taken = std::min(count, buffer_.size() - buffer_used_);
@@ -68,7 +68,7 @@ core::Result<std::uint64_t> ChunkStream::read_length() {
   if (auto status = append_bytes(length_bytes); !status) return tl::make_unexpected(status.error());
   std::uint64_t length = 0;
   if (!ByteCursor(chunk_).take_length(length) || length < sizeof(std::uint16_t)) return damaged("chunk without a tag");
-  if (length > kMaxChunkBytes) return damaged("chunk of " + std::to_string(length) + " bytes, at most 64 MiB are read,");
+  if (length > kMaxChunkBytes) return damaged("chunk of " + std::to_string(length) + " bytes (at most 64 MiB are allowed)");
   if (length > size_ - offset_ - chunk_.size()) return damaged("chunk torn");
   return length;
 }

@@ -17,7 +17,7 @@ namespace {
 
 constexpr mode_t kGrowing = 0640;
 constexpr mode_t kClosed = 0440;
-constexpr const char* kRoomHint = "is there room on the disk, and may you write there?";
+constexpr const char* kRoomHint = "check that the disk has room and that you may write there";
 
 /// Writes all bytes; returns 0 or the errno. Loops because a write may be short (for example on a full disk).
 int write_all(int descriptor, std::string_view bytes) noexcept {
@@ -36,7 +36,8 @@ int create_new(const std::string& path) noexcept {
 }
 
 core::Status refuse_existing(int error, const std::string& path) {
-  if (error == EEXIST) return core::fail(core::ErrorCode::WrongState, path + " exists already", "recordings are never overwritten");
+  if (error == EEXIST)
+    return core::fail(core::ErrorCode::WrongState, path + " exists already", "choose another name: dtsd never overwrites a recording");
   return core::fail_errno(error, "cannot create " + path, kRoomHint);
 }
 

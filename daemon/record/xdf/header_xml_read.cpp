@@ -32,12 +32,12 @@ core::Status read_number(pugi::xml_node node, const char* name, std::optional<Nu
   const std::string_view text = trimmed(node.child(name).text().get());
   if (text.empty()) return {};
   number = number_of<Number>(text);
-  if (!number) return core::fail(kDamaged, std::string("<") + name + "> is no number: '" + clean_text(text.substr(0, 40)) + "'");
+  if (!number) return core::fail(kDamaged, std::string("<") + name + "> is not a number: '" + clean_text(text.substr(0, 40)) + "'");
   return {};
 }
 
 core::Result<pugi::xml_node> parse(pugi::xml_document& document, std::string_view xml) {
-  if (xml.size() > kMaxXmlBytes) return core::fail(kDamaged, "XML of " + std::to_string(xml.size()) + " bytes, at most 8 MiB are read");
+  if (xml.size() > kMaxXmlBytes) return core::fail(kDamaged, "XML of " + std::to_string(xml.size()) + " bytes; at most 8 MiB are allowed");
   constexpr unsigned kOptions = pugi::parse_default | pugi::parse_ws_pcdata_single;  // a fact may be a single space
   const auto result = document.load_buffer(xml.data(), xml.size(), kOptions, pugi::encoding_utf8);
   if (!result) return core::fail(kDamaged, std::string("not XML: ") + result.description());
@@ -126,7 +126,7 @@ core::Result<FileHeader> file_header_of_xml(std::string_view xml) {
   if (!info) return tl::make_unexpected(info.error());
   const std::string_view version = trimmed(info->child("version").text().get());
   if (version != "1" && !version.starts_with("1."))
-    return core::fail(core::ErrorCode::Unsupported, "XDF version '" + clean_text(version.substr(0, 40)) + "', only 1.x is known");
+    return core::fail(core::ErrorCode::Unsupported, "XDF version '" + clean_text(version.substr(0, 40)) + "'; only 1.x is supported");
   return FileHeader{.facts = facts_of(info->child("desc"))};
 }
 

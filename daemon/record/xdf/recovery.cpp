@@ -161,7 +161,7 @@ core::Status check_recoverable(const std::string& file, const Survey& found) {
     return core::fail(why.code, file + " cannot be recovered: " + why.what, why.hint);
   }
   if (!found.is_closed() || file.ends_with(kPart)) return {};
-  return core::fail(core::ErrorCode::WrongState, file + " is whole and closed", "there is nothing to recover");
+  return core::fail(core::ErrorCode::WrongState, file + " is complete and closed", "there is nothing to recover");
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ core::Status check_count(std::uint64_t count, std::size_t bytes_left, const Layo
   const std::uint64_t sample_bytes = 1 + channels * layout.value_bytes;
   if (count > bytes_left / sample_bytes)
     return core::fail(kDamaged,
-                      std::to_string(count) + " samples declared, there is room for " + std::to_string(bytes_left / sample_bytes));
+                      std::to_string(count) + " samples declared, but the chunk has room for " + std::to_string(bytes_left / sample_bytes));
   if (count * (sizeof(double) + channels * layout.decoded_bytes) > kMaxDecodedBytes)
     return core::fail(kDamaged, std::to_string(count) + " samples in one chunk are too many to hold");
   return {};

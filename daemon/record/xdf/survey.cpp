@@ -110,7 +110,8 @@ void Surveyor::finish_index() {
     survey_.indexed_end = std::min(survey_.indexed_end, survey_.size);  // the file is being written
   const bool is_longer = survey_.indexed_end > survey_.size;
   if (is_longer && !survey_.fault)
-    survey_.index_fault = damaged("the index tells of " + std::to_string(survey_.indexed_end - survey_.size) + " bytes more", survey_.size);
+    survey_.index_fault =
+        damaged("the index lists " + std::to_string(survey_.indexed_end - survey_.size) + " bytes more than the file has", survey_.size);
 }
 
 void Surveyor::take(const Chunk& chunk) {

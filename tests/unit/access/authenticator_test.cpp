@@ -135,7 +135,7 @@ TEST_F(AuthenticatorTest, Questions_AndTheirAnswers) {
     return count;
   };
   EXPECT_EQ(accepted(), 49) << "50 at once";
-  EXPECT_EQ(answer_to(rows[0].question), "1.0|id|300|too often, come again||");
+  EXPECT_EQ(answer_to(rows[0].question), "1.0|id|300|too many attempts, try again later||");
   clock_.advance_ns(core::kNanosecondsPerSecond);
   EXPECT_EQ(accepted(), 5) << "and 5 a second";
 }

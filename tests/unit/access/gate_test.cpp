@@ -67,7 +67,8 @@ TEST_F(GateTest, ARevokedKey_LosesItsRightsAtOnce_AlsoWhenAnotherHasItsName) {
   ASSERT_TRUE(store_->add(key_for("otto", v1::ROLE_ENGINEER)));
 
   EXPECT_EQ(core::to_string(Gate::check(peer(otto_), mark).error()),
-            "this needs the role operator; revoked key has none (an engineer can make another: dtsctl key new NAME --role operator)");
+            "this command needs the role operator; revoked key has none (ask an engineer for a key with this role: dtsctl key new NAME "
+            "--role operator)");
 }
 
 TEST_F(GateTest, TooManyCommands_AreRefusedForThatKeyOnly) {

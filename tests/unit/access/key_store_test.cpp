@@ -63,7 +63,7 @@ TEST_F(KeyStoreTest, WhatCannotBeAKeyIsRefused) {
   for (const std::string& key :
        {std::string(), std::string(39, 'a'), std::string(40, '"'), std::string(40, '\0'), std::string(1000, 'a')}) {
     EXPECT_EQ(core::to_string(store_->add(key_for("anna", v1::ROLE_VIEWER, {key, ""})).error()),
-              "the public key is none (dtsctl key new makes a pair)");
+              "the public key is not valid (make a new pair: dtsctl key new)");
   }
   EXPECT_TRUE(store_->keys().empty());
   EXPECT_TRUE(store_->add(key_for("0123456789abcdefghijklmnopqrst.-", v1::ROLE_VIEWER)));
@@ -138,7 +138,7 @@ TEST_F(KeyStoreTest, AFileThatIsWrong_SaysWhereAndWhat) {
       {"[[client]]\nname = \"anna\"\nrole = \"viewer\"\npublic_key = \"x\"\n", ":4:", "a public key has 40 characters"},
       {anna + "colour = 1\n", ":5:", "colour"},
       {"colour = 1\n" + anna, ":1:", "colour"},
-      {anna + "[[client]]\nname = \"bert\"\nrole = \"viewer\"\n" + key, ":8:", "another client has the same key"},
+      {anna + "[[client]]\nname = \"bert\"\nrole = \"viewer\"\n" + key, ":8:", "another client has the same public key"},
       {anna + "[[client]]\nname = \"anna\"\nrole = \"viewer\"\npublic_key = \"" + std::string(40, 'b') + "\"\n",
        ":6:", "another client is named 'anna'"},
   };
@@ -179,10 +179,10 @@ TEST_F(KeyStoreTest, AFolderOfOthersOrOpenToThemIsRefused) {
   ASSERT_EQ(::chmod(directory().c_str(), 0750), 0);
 
   EXPECT_EQ(core::to_string(KeyStore::open(directory()).error()),
-            "key folder " + directory() + " is open to others (chmod 0700 " + directory() + ")");
+            "key folder " + directory() + " is accessible to other users (chmod 0700 " + directory() + ")");
   if (::geteuid() != 0 || ::chown(directory().c_str(), 65534, 65534) != 0) return;
   EXPECT_EQ(core::to_string(KeyStore::open(directory()).error()),
-            "key folder " + directory() + " belongs to another user (chown it to the user of dtsd)");
+            "key folder " + directory() + " belongs to another user (change its owner with chown to the user that runs dtsd)");
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
 constexpr const char* kSensorFile = "name = \"test\"\n[[point]]\ngap_mm = 7.0\nvolts = 4.0\n[[point]]\ngap_mm = 12.0\nvolts = 0.9\n";
-constexpr const char* kPlate = "[plate]\na_mm = 430.0\nb_mm = 430.0\nh_mm = 3.0\ne_pa = 198.7e9\nnu = 0.27\n";
+constexpr const char* kPlate = "[plate]\na_mm = 430.0\nb_mm = 430.0\nh_mm = 3.0\ne_pa = 198.7e9\nnu = 0.27\n[support]\nkind = \"corner\"\n";
 constexpr const char* kSensor = "[[sensor]]\nlabel = \"w1\"\nx_mm = 86.0\ny_mm = 86.0\ncurve = \"sensor.toml\"\n";
 constexpr const char* kStage = "[[stage]]\nid = \"guard\"\n";
 
@@ -131,7 +131,7 @@ TEST_F(ConfigFiles, MissingSensorFile_IsNamedWhereTheRigNamesIt) {
 
 TEST_F(ConfigFiles, MisspeltTable_IsOneProblemAndNotOneForEachOfItsKeys) {
   EXPECT_THAT(
-      problems_of_rig(std::string("kind = \"floor\"\n[plat]\na_mm = 430.0\n") + kSensor + kStage),
+      problems_of_rig(std::string("kind = \"floor\"\n[plat]\na_mm = 430.0\n[support]\nkind = \"corner\"\n") + kSensor + kStage),
       ElementsAre(std::string("rig.toml: [plate] is missing"), std::string("rig.toml:2:2: unknown key 'plat'; did you mean 'plate'?")));
 }
 

@@ -109,7 +109,7 @@ TEST_F(ProgressWatchTest, AnAcquireThreadThatHangsDuringAnotherRigsSession_IsSai
   };
   EXPECT_EQ(after(100, live), "");
   ASSERT_EQ(said.size(), 1U);
-  EXPECT_TRUE(said.front().starts_with("rig 'chair': its device does not open")) << said.front();
+  EXPECT_TRUE(said.front().starts_with("rig 'chair': opening the device has not finished")) << said.front();
 
   rig().session.state = session::SessionState::Idle;
   EXPECT_EQ(after(1, live), "the acquire thread of rig 'chair', which opens its device,");

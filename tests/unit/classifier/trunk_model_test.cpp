@@ -228,41 +228,41 @@ void widen_own(TrunkModelForm& form, std::size_t count) {
 
 TEST(TrunkModelForm, PartsThatDoNotFit_RefusedByName) {
   const std::vector<FormRow> rows{
-      {"unknown kind", [](auto& form) { form.kind = ModelKind{}; }},
+      {"its kind is unknown", [](auto& form) { form.kind = ModelKind{}; }},
       {"general has 0 features", [](auto& form) { form.general.inputs.clear(); }},
       {"own has 13 features", [](auto& form) { widen_own(form, 13); }},
       {"general has 0 networks", [](auto& form) { form.general.networks.clear(); }},
       {"general has 65 networks", [](auto& form) { form.general.networks.assign(65, thirds(1)); }},
-      {"not as many inputs",
+      {"the number of a network's inputs",
        [](auto& form) {
          form.general.inputs.push_back({ReachFeature::D1, 0.0, 1.0});
        }},
       {"has d2_of_p1 twice", [](auto& form) { form.general.inputs.push_back(form.general.inputs[0]); }},
       {"range of d2_of_p1 is empty", [](auto& form) { form.general.inputs[0].maximum = form.general.inputs[0].minimum; }},
-      {"cannot know d2_of_own_max", [](auto& form) { form.general.inputs[0].feature = ReachFeature::OwnD2; }},
-      {"cannot know d2_of_own_max", [](auto& form) { form.angle->sine.inputs[0].feature = ReachFeature::OwnD2; }},
-      {"arm_alone cannot know d2_of_own_max", [](auto& form) { form.arm_alone->logit.inputs[0].feature = ReachFeature::OwnD2; }},
+      {"must not use d2_of_own_max", [](auto& form) { form.general.inputs[0].feature = ReachFeature::OwnD2; }},
+      {"must not use d2_of_own_max", [](auto& form) { form.angle->sine.inputs[0].feature = ReachFeature::OwnD2; }},
+      {"arm_alone must not use d2_of_own_max", [](auto& form) { form.arm_alone->logit.inputs[0].feature = ReachFeature::OwnD2; }},
       {"temperature", [](auto& form) { form.general.temperature = 0.049; }},
       {"temperature", [](auto& form) { form.own->temperature = 20.1; }},
-      {"angle has a wrong count", [](auto& form) { form.angle->sine.coefficients.push_back(0.0); }},
+      {"angle has a wrong number", [](auto& form) { form.angle->sine.coefficients.push_back(0.0); }},
       {"not finite", [](auto& form) { form.angle->sine.coefficients[1] = std::numeric_limits<double>::infinity(); }},
       {"own_angle: a residual", [](auto& form) { form.own_angle->residual_deg[2] = 0.0; }},
       {"angle: a residual", [](auto& form) { form.angle->residual_deg[0] = 90.1; }},
-      {"none_from", [](auto& form) { form.arm_alone->none_from = 0.5; }},
+      {"none_from", [](auto& form) { form.arm_alone->none_from = 0.499; }},
       {"none_from", [](auto& form) { form.arm_alone->none_from = 1.01; }},
       {"reject_below", [](auto& form) { form.reject_below = -0.01; }},
       {"reject_below", [](auto& form) { form.reject_below = 1.01; }},
       {"range of P1", [](auto& form) { form.p1_minimum_mm = 0.0; }},
       {"range of P1", [](auto& form) { form.p1_minimum_mm = form.p1_maximum_mm; }},
-      {"range of P1", [](auto& form) { form.p1_maximum_mm = 1e3; }},
+      {"range of P1", [](auto& form) { form.p1_maximum_mm = 1000.1; }},
       {"below 0.9: the training failed", [](auto& form) { form.figures.validation_accuracy = 0.899; }},
       {"the training failed", [](auto& form) { form.figures.validation_accuracy = 1.01; }},
       {"the training failed", [](auto& form) { form.figures.validation_accuracy = ModelFigures::kUnknown; }},
-      {"raw5 looks at", [](auto& form) { form.kind = ModelKind::Raw5; }},
-      {"raw5 looks at", [](auto& form) { form = raw5_form(), std::swap(form.general.inputs[3], form.general.inputs[4]); }},
-      {"raw5 is one network", [](auto& form) { form = raw5_form(), form.general.networks.push_back(thirds(5)); }},
-      {"nothing else", [](auto& form) { form = raw5_form(), form.angle = hand_made_form().angle; }},
-      {"nothing else", [](auto& form) { form = raw5_form(), form.arm_alone = hand_made_form().arm_alone; }}};
+      {"raw5 must have the features", [](auto& form) { form.kind = ModelKind::Raw5; }},
+      {"raw5 must have the features", [](auto& form) { form = raw5_form(), std::swap(form.general.inputs[3], form.general.inputs[4]); }},
+      {"raw5 must have exactly one network", [](auto& form) { form = raw5_form(), form.general.networks.push_back(thirds(5)); }},
+      {"raw5 must have only a network", [](auto& form) { form = raw5_form(), form.angle = hand_made_form().angle; }},
+      {"raw5 must have only a network", [](auto& form) { form = raw5_form(), form.arm_alone = hand_made_form().arm_alone; }}};
   for (const FormRow& row : rows) {
     auto form = hand_made_form();
     row.change(form);

@@ -100,8 +100,8 @@ TEST_F(RunTest, WrongUsage_SaysWhatIsWrongAndWhatToTry) {
   };
   const std::string boil = "kettle water boil --help";
   const std::vector<Row> rows{
-      {{}, "a command is missing", "one of: water, completion, man; kettle --help"},
-      {{"water"}, "water: a command is missing", "one of: boil, spill; kettle water --help"},
+      {{}, "a command is missing", "give one of: water, completion, man; kettle --help"},
+      {{"water"}, "water: a command is missing", "give one of: boil, spill; kettle water --help"},
       {{"help"}, "unexpected command 'help'", "kettle --help"},
       {{"water", "help"}, "water: unexpected command 'help'", "kettle water --help"},
       {{"water", "boli"}, "water: unexpected command 'boli'", "did you mean boil? kettle water --help"},
@@ -167,10 +167,10 @@ TEST(Validators, CountAndText_AtTheirLimits) {
   EXPECT_EQ(said(count_from_one(), "1"), "");
   EXPECT_EQ(said(count_from_one(), "18446744073709551615"), "");
   for (const std::string wrong : {"0", "-1", "1.5", "18446744073709551616", "", "1 "}) {
-    EXPECT_EQ(said(count_from_one(), wrong), "'" + wrong + "' is not a whole number from 1");
+    EXPECT_EQ(said(count_from_one(), wrong), "'" + wrong + "' is not a whole number of at least 1");
   }
   for (const std::string text : {"", "1", "22", "333", "4444"}) {
-    EXPECT_EQ(said(text_of(1, 3), text), text.empty() || text.size() > 3 ? "a text of 1 to 3 bytes is needed" : "");
+    EXPECT_EQ(said(text_of(1, 3), text), text.empty() || text.size() > 3 ? "the text must have 1 to 3 bytes" : "");
   }
 }
 

@@ -118,9 +118,22 @@ TEST(Decimal, Numbers_FixedPlacesAndADashForTheUndefined) {
   EXPECT_EQ(decimal(std::numeric_limits<double>::max(), 3).size(), 313U);
 }
 
+TEST(WrappedAt, OnATerminal_WordsStayWholeAndLinesGoOnAtTheColumn) {
+  std::ostringstream out;
+  Console console{.out = out, .talk = out, .columns = 30};
+  const std::string text = "is the machine overloaded? see dtsctl status";
+  EXPECT_EQ(wrapped_at(console, 7, text), text);
+  console.is_out_terminal = true;
+  EXPECT_EQ(wrapped_at(console, 7, text), "is the machine\n       overloaded? see dtsctl\n       status");
+  console.columns = 26;
+  EXPECT_EQ(wrapped_at(console, 7, text), text) << "too narrow";
+}
+
 TEST(Duration, Seconds_InTheTwoLargestUnits) {
   const std::vector<std::pair<double, std::string>> rows{{0.0, "0.0 s"},
                                                          {59.94, "59.9 s"},
+                                                         {59.95, "1 min 0 s"},
+                                                         {59.99, "1 min 0 s"},
                                                          {1e12, "11574074 d 1 h"},
                                                          {60.0, "1 min 0 s"},
                                                          {3599.4, "59 min 59 s"},

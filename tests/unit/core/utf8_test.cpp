@@ -6,6 +6,20 @@
 namespace dts::core {
 namespace {
 
+TEST(Utf8, ShortestFormsOnly) {
+  EXPECT_TRUE(is_utf8("plain \xc3\xa9 \xe2\x82\xac \xf0\x9f\x98\x80 \xf4\x8f\xbf\xbf"));
+  EXPECT_FALSE(is_utf8("\xc0\xaf"));
+  EXPECT_FALSE(is_utf8("\xe2\x82"));
+  EXPECT_FALSE(is_utf8("\xf8\x88\x80\x80\x80"));
+}
+
+TEST(Utf8, Characters_AreCountedAndFound) {
+  EXPECT_EQ(character_count(""), 0U);
+  EXPECT_EQ(character_count("F\u00FC\u00DFe \U0001F9E6"), 6U);
+  EXPECT_TRUE(starts_character('a') && starts_character('\xC3'));
+  EXPECT_FALSE(starts_character('\xBC'));
+}
+
 TEST(Printable, ControlCharactersAndDirections_BecomeSpaces) {
   EXPECT_EQ(printable("a\x1b[2Jb\n\tc\x7f"), "a [2Jb  c ");
   EXPECT_EQ(printable("a\xC2\x9B"

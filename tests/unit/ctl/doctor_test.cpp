@@ -26,21 +26,36 @@ TEST(DoctorWithoutDaemon, MachineIsJudgedByWhatThisUserMayDo) {
     facts.clock_source = source;
     EXPECT_EQ(text_of(check_system(facts, std::nullopt)), good + "good clock source: " + source + "; \n");
   }
-  EXPECT_EQ(text_of(check_system({.may_use_fifo = false, .lockable_bytes = (3U << 20U) - 1, .clock_source = ""}, std::nullopt)),
-            "good scheduling: SCHED_FIFO is not allowed for this user; run dtsd by its systemd unit, or add 'USER - rtprio 60' to "
-            "/etc/security/limits.d/dtsd.conf and log in again\n"
-            "good locked memory: at most 2 MiB for this user; run dtsd by its systemd unit, or add 'USER - memlock unlimited' to "
-            "/etc/security/limits.d/dtsd.conf and log in again\n"
-            "good clock source: unknown; echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; look for 'tsc' in "
-            "dmesg\n");
+  EXPECT_EQ(
+      text_of(check_system({.may_use_fifo = false, .lockable_bytes = (3U << 20U) - 1, .clock_source = ""}, std::nullopt)),
+      "good scheduling: SCHED_FIFO is not allowed for this user; run dtsd by its systemd unit, or add 'USER - rtprio 60' to "
+      "/etc/security/limits.d/dtsd.conf and log in again\n"
+      "good locked memory: at most 2 MiB for this user; run dtsd by its systemd unit, or add 'USER - memlock unlimited' to "
+      "/etc/security/limits.d/dtsd.conf and log in again\n"
+      "good clock source: unknown; select a faster clock: echo tsc > /sys/devices/system/clocksource/clocksource0/current_clocksource; "
+      "if that fails, search dmesg for 'tsc'\n");
 }
 
 TEST(DoctorRate, ThatIsNoNumber_IsNotKnown) {
   v1::RigStatus rig = testing::floor_status().rigs(0);
   for (const double rate_hz : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
     rig.set_measured_rate_hz(rate_hz);
-    EXPECT_EQ(text_of({check_rig(rig).at(2)}), "bad floor rate: not known yet; wait some seconds, then ask again\n");
+    EXPECT_EQ(text_of({check_rig(rig).at(2)}), "bad floor rate: not measured yet; wait 10 s, then run dtsctl doctor again\n");
   }
+}
+
+TEST(DoctorSessions, InterruptedOnes_AreNamedAndAreNoFault) {
+  v1::ListSessionsResponse sessions;
+  EXPECT_EQ(text_of({check_sessions(sessions)}), "good sessions: none is interrupted; \n");
+  for (const char* id : {"a", "b", "c", "d"}) {
+    v1::SessionRecord& session = *sessions.add_sessions();
+    session.set_session_id(id);
+    session.set_state(id == std::string("b") ? "complete" : "interrupted");
+  }
+  const std::string fix = "; see dtsctl session show ID; to go on: dtsctl session resume ID\n";
+  EXPECT_EQ(text_of({check_sessions(sessions)}), "good sessions: 3 sessions are interrupted: a, c, d" + fix);
+  sessions.mutable_sessions(1)->set_state("interrupted");
+  EXPECT_EQ(text_of({check_sessions(sessions)}), "good sessions: 4 sessions are interrupted: a, b, c, ..." + fix);
 }
 
 TEST(SystemFacts, OfThisMachine_AreWhatAThreadFinds) {

@@ -77,7 +77,7 @@ TEST_F(DocumentsTest, ZshCompletion_QuotesDescriptions) {
   const std::string script = cli::zsh_completion(line());
 
   EXPECT_THAT(script, ::testing::StartsWith("#compdef dtsctl\n"));
-  EXPECT_THAT(script, HasSubstr("'session:Start and stop sessions, look after their recordings'"));
+  EXPECT_THAT(script, HasSubstr("'session:Start and stop sessions, and manage their recordings'"));
   EXPECT_THAT(script, HasSubstr("a rig'\\''s device"));
 }
 

@@ -43,7 +43,7 @@ TEST_F(KeyNewTest, File_HasWhatTheOtherMachineNeeds) {
     std::filesystem::remove(file_);
     EXPECT_EQ(make_key(word, {"--host", "dts.clinic"}), cli::kOk);
     EXPECT_EQ(out(), file_ + "\n");
-    EXPECT_EQ(talk(), "carry it to the other machine, delete it here, and there: dtsctl --key " + file_ + " status\n");
+    EXPECT_EQ(talk(), "copy it to the other machine, delete it here, then run on the other machine: dtsctl --key " + file_ + " status\n");
     const auto key = client::read_key(file_);
     ASSERT_TRUE(key) << key.error().what;
     EXPECT_EQ(key->name, "ward-3");

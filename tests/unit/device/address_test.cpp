@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "physics/body/chair_rig.h"
+#include "sim/chair_rig.h"
 #include "support/committed_text.h"
 #include "unit/device/description_text.h"
 #include "unit/device/sim_rig.h"
@@ -32,7 +32,7 @@ TEST_P(Address, EachOfTheFile_IsDescribedOrRefusedAsItSays) {
     if (line.empty() || line.starts_with("#")) continue;
     core::VirtualClock clock;
     emulator::FakeBus bus(clock);
-    const physics::RigModel rig = line.starts_with("sim:chair") ? physics::chair_rig() : test::floor_rig();
+    const physics::RigModel rig = line.starts_with("sim:chair") ? dts::sim::chair_rig() : test::floor_rig();
     const auto created = create_device(line, {clock, rig, has_usb ? &bus : nullptr});
     found += created ? test::text_of((*created)->describe(), "    ")
                      : "    " + std::string(core::name(created.error().code)) + ": " + indented(core::to_string(created.error())) + "\n";

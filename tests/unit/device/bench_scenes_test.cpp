@@ -78,11 +78,11 @@ TEST(SimWeights, Resting_BendsAsTheSamePointContact) {
 }
 
 TEST(SimWeights, BadRow_RefusedWithFileAndLine) {
-  for (const auto& [rows, answer] : {std::pair{"0,0,100\n216,0,100\n", ":3: beside the plate"},
-                                     {"0,0,100\n0,-215.001,100\n", ":3: beside the plate"},
+  for (const auto& [rows, answer] : {std::pair{"0,0,100\n216,0,100\n", ":3: not on the plate"},
+                                     {"0,0,100\n0,-215.001,100\n", ":3: not on the plate"},
                                      {"215,-215,1\n-215,215,2000\n", ""},
-                                     {"0,0,2000.1\n", ":2: load_n takes 1 .. 2000"},
-                                     {"0,0,0.999\n", ":2: load_n takes 1 .. 2000"},
+                                     {"0,0,2000.1\n", ":2: load_n is out of range; allowed: 1 .. 2000"},
+                                     {"0,0,0.999\n", ":2: load_n is out of range; allowed: 1 .. 2000"},
                                      {"0,0\n", ":2: \"0,0\" is not 3 numbers"},
                                      {"", "too few rows, at least 1 needed"}}) {
     const std::string refusal = bench_refusal(WeightFile(rows).uri(""));

@@ -40,9 +40,9 @@ TEST(CopRecording, TwoRows_InterpolatedCentredAndRepeatedAfterABridge) {
 
   ASSERT_TRUE(recording.has_value());
   EXPECT_EQ(recording->duration_s(), 1.0);
-  EXPECT_EQ(recording->at(0.0), (physics::CopPosition{-5.0, -1.0}));
-  EXPECT_EQ(recording->at(0.5), (physics::CopPosition{0.0, 0.0}));
-  EXPECT_EQ(recording->at(1.0), (physics::CopPosition{5.0, 1.0}));
+  EXPECT_EQ(recording->at(0.0), (dts::sim::CopPosition{-5.0, -1.0}));
+  EXPECT_EQ(recording->at(0.5), (dts::sim::CopPosition{0.0, 0.0}));
+  EXPECT_EQ(recording->at(1.0), (dts::sim::CopPosition{5.0, 1.0}));
   EXPECT_EQ(recording->at(-3.0).ml_mm, -5.0) << "the nearest row";
   EXPECT_EQ(recording->at(3.0).ml_mm, 5.0);
   EXPECT_EQ(recording->repeated_at(-1.0).ml_mm, -5.0);
@@ -65,7 +65,7 @@ TEST(CopRecording, WrongFile_RefusedWithItsLine) {
   const std::string head = "t_s,x_mm,y_mm\n";
   for (const auto& [content, refusal] : {std::pair{std::string("t_s,y_mm,x_mm\n0,1,1\n"), ":1: the header"},
                                          {"", ":1: the header"},
-                                         {head + "0,1,1\n1,1,1\n1,1,1\n", ":4: the time does not rise"},
+                                         {head + "0,1,1\n1,1,1\n1,1,1\n", ":4: the time is not later than in the row before"},
                                          {head + "0,1,1\n1,1001,1\n", ":3: a position"},
                                          {head + "0,1," + std::string(253, '0') + "\n1,1,1\n", ":2: longer"},
                                          {head, ": too few rows, at least 2 needed"},

@@ -29,7 +29,7 @@ TEST(DeviceUri, SchemeNameAndOptions_TakenAsTheyAre) {
 
 // Other addresses that are none are in addresses.txt.
 TEST(DeviceUri, TooLongOrWithAControlCharacter_RefusedWithoutRepeatingIt) {
-  const std::string form = " (a device is named as scheme:name?key=value&key=value, for example sim:floor?seed=7)";
+  const std::string form = " (write a device as scheme:name?key=value&key=value, for example sim:floor?seed=7)";
   const auto refusal = [](const std::string& text) { return core::to_string(DeviceUri::parse(text).error()); };
   for (const char* bad : {"\n", "\x1f", "\x7f"})
     EXPECT_EQ(refusal(std::string("sim:") + bad), "device URI: contains a control character" + form);

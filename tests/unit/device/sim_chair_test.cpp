@@ -10,7 +10,7 @@
 
 #include "device/sim/chair/emg.h"
 #include "device/sim/pacer.h"
-#include "physics/body/chair_rig.h"
+#include "sim/chair_rig.h"
 #include "support/allocation_counter.h"
 #include "unit/device/sim_rig.h"
 
@@ -58,7 +58,7 @@ struct Chair {
   }
 
   core::VirtualClock clock{1'000'000'000'000};
-  physics::RigModel rig = physics::chair_rig();
+  physics::RigModel rig = dts::sim::chair_rig();
   std::unique_ptr<Device> device;
 };
 

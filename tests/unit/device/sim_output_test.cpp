@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-#include "physics/body/chair_rig.h"
+#include "sim/chair_rig.h"
 #include "support/committed_text.h"
 #include "unit/device/sim_rig.h"
 
@@ -87,7 +87,7 @@ TEST_P(SimOutput, EachAddressOfTheFile_GivesItsValues) {
       if (const std::size_t at = uri.find(word); at != std::string::npos) uri.replace(at + 1, std::string(word).size() - 1, path);
     }
     core::VirtualClock clock{1'000'000'000'000};
-    const physics::RigModel rig = uri.starts_with("sim:chair") ? physics::chair_rig() : test::floor_rig();
+    const physics::RigModel rig = uri.starts_with("sim:chair") ? dts::sim::chair_rig() : test::floor_rig();
     const auto device = create_device(uri, {clock, rig});
     ASSERT_TRUE(device.has_value()) << core::to_string(device.error());
     found += line + "\n" + output_of(**device, clock, rate_hz, scans);

@@ -55,7 +55,7 @@ TEST(UriOptions, NumbersSeparatedByCommasAndAnyTextButNone) {
   std::string many = "a:b?steps_mm=1";
   for (int i = 1; i < 256; ++i) many += ",1";
   EXPECT_EQ(read(many)->numbers("steps_mm").size(), 256U);
-  EXPECT_EQ(read(many + ",1").error().hint, "numbers separated by commas, at most 256");
+  EXPECT_EQ(read(many + ",1").error().hint, "write numbers separated by commas, at most 256");
 }
 
 TEST(UriOptions, Described_OneEntryPerOption) {

@@ -108,13 +108,13 @@ TEST_F(CopCalibrationFile, Limits_AreReportedWithPlaceAndRange) {
           {"method", "method = \"model\"",
            "cop:12:10: method = \"model\" is not known; known: \"poly3\", \"thesis\", \"thesis_per_pair\", \"moment\""},
           {"x_mm", "x_mm = [-1e5, 1e5]", ""},
-          {"x_mm", "x_mm = [-1.1e5, 1e5]", "cop:16:8: x_mm: number 1 of the list is not a finite number of at most 1e+05 in size"},
+          {"x_mm", "x_mm = [-1.1e5, 1e5]", "cop:16:8: x_mm: number 1 of the list is not a finite number of at most 100000 in size"},
           {"x_mm", "x_mm = [1.0, 1.0]", ""},
-          {"x_mm", "x_mm = [1.1, 1.0]", "cop:16:8: x_mm: the lowest value of a range comes first"},
-          {"y_mm", "y_mm = [0.0, 1.1e5]", "cop:17:8: y_mm: number 2 of the list is not a finite number of at most 1e+05 in size"},
+          {"x_mm", "x_mm = [1.1, 1.0]", "cop:16:8: x_mm: write the lowest value of a range first"},
+          {"y_mm", "y_mm = [0.0, 1.1e5]", "cop:17:8: y_mm: number 2 of the list is not a finite number of at most 100000 in size"},
           {"load_n", "load_n = [0.0, 1e6]", ""},
-          {"load_n", "load_n = [0.0, 1.1e6]", "cop:18:10: load_n: number 2 of the list is not a finite number of at most 1e+06 in size"},
-          {"load_n", "load_n = [-5.0, 1.0]", "cop:12:10: centre-of-pressure calibration: the calibrated load range makes no sense"},
+          {"load_n", "load_n = [0.0, 1.1e6]", "cop:18:10: load_n: number 2 of the list is not a finite number of at most 1000000 in size"},
+          {"load_n", "load_n = [-5.0, 1.0]", "cop:12:10: centre-of-pressure calibration: the calibrated load range is not valid"},
           {"load_n", "load_n = [0.0, 1.0]\nload_kg = 1", "cop:19:1: unknown key 'load_kg' in [valid]; did you mean 'load_n'?"},
           {"rms_x_mm", "rms_x_mm = 1.1e30\nrms = 2",
            "cop:22:12: [residuals] rms_x_mm = 1.1e+30 is out of range; allowed: 0 .. 1e+30\n"
@@ -146,7 +146,7 @@ TEST_F(CopCalibrationFile, Limits_AreReportedWithPlaceAndRange) {
           {"  [", row + "0.0],\n" + row + "0.0],", "cop:45:8: x_mm must be a list of 1 to 3 lists"},
           {"[[point]]", "[[point]]\nx = 1", "cop:63:1: unknown key 'x' in [[point]]"},
           {"w_mm", "w_mm = [1e3, -1e3, 0, 0]", ""},
-          {"w_mm", "w_mm = [1.1e3, -1e3, 0, 0]", "cop:66:8: w_mm: number 1 of the list is not a finite number of at most 1000.0 in size"},
+          {"w_mm", "w_mm = [1.1e3, -1e3, 0, 0]", "cop:66:8: w_mm: number 1 of the list is not a finite number of at most 1000 in size"},
           {"w_mm", "w_mm = [1, 2, 3]", "cop:66:8: w_mm must be a list of 4 numbers"},
           {"load_error_percent", "", ""},
           {"load_n = 1e6", "", "cop:62:1: [[point]] load_n is missing"},
@@ -160,7 +160,7 @@ TEST_F(CopCalibrationFile, Limits_AreReportedWithPlaceAndRange) {
                     {"x_error_mm", "[[point]]", "-1e+30", "1e+30", "-1.1e+30", "1.1e+30"},
                     {"y_error_mm", "[[point]]", "-1e+30", "1e+30", "-1.1e+30", "1.1e+30"},
                     {"load_error_percent", "[[point]]", "-1e+30", "1e+30", "-1.1e+30", "1.1e+30"},
-                    {"load_n = 1e6", "[[point]]", "1e-09", "1e+06", "9e-10", "1.1e+06"},
+                    {"load_n = 1e6", "[[point]]", "1e-09", "1000000", "9e-10", "1100000"},
                     {"x_mm = 1e5", "[[point]]", "-100000", "100000", "-110000", "110000"},
                     {"y_mm = -1e5", "[[point]]", "-100000", "100000", "-110000", "110000"},
                 },
@@ -168,20 +168,20 @@ TEST_F(CopCalibrationFile, Limits_AreReportedWithPlaceAndRange) {
   std::string many;
   for (int count = 0; count < 10'000; ++count) many += point;
   expect_problems(head + many,
-                  {{"[[point]]", "[[point]]", ""}, {"[[point]]", point + "[[point]]", "cop:62:1: 10001 points; at most 10000 are taken"}},
+                  {{"[[point]]", "[[point]]", ""}, {"[[point]]", point + "[[point]]", "cop:62:1: 10001 points; at most 10000 are allowed"}},
                   read);
 }
 
 TEST_F(CopCalibrationFile, FormsOfOtherMethods_AreRefusedAtTheirPlace) {
   expect_problems(without_points(CopMethod::Thesis),
                   {{"method", "method = \"thesis_per_pair\"",
-                    "cop:31:1: [[x_ratio]] must be there twice for this method\n"
-                    "cop:34:1: [[y_ratio]] must be there twice for this method"},
+                    "cop:31:1: [[x_ratio]] must appear twice for this method\n"
+                    "cop:34:1: [[y_ratio]] must appear twice for this method"},
                    {"[[x_ratio]]", "[[z_ratio]]",
-                    "cop:1:1: [[x_ratio]] must be there once for this method\n"
+                    "cop:1:1: [[x_ratio]] must appear once for this method\n"
                     "cop:31:3: unknown key 'z_ratio'; did you mean 'x_ratio'?"},
                    {"ratio", "ratio = [2.0, 1.0]\nfit = 3",
-                    "cop:32:9: ratio: the lowest value of a range comes first\n"
+                    "cop:32:9: ratio: write the lowest value of a range first\n"
                     "cop:33:1: unknown key 'fit' in [[x_ratio]]"},
                    {"quartic", "quartic = [1, 2, 3, 4]", "cop:33:11: quartic must be a list of 5 numbers"},
                    {"quartic", "quartic = [1, 2, 3, 4, 1.1e30]",
@@ -190,8 +190,8 @@ TEST_F(CopCalibrationFile, FormsOfOtherMethods_AreRefusedAtTheirPlace) {
                   read);
   expect_problems(without_points(CopMethod::ThesisPerPair),
                   {{"method", "method = \"thesis\"",
-                    "cop:31:1: [[x_ratio]] must be there once for this method\n"
-                    "cop:37:1: [[y_ratio]] must be there once for this method"}},
+                    "cop:31:1: [[x_ratio]] must appear once for this method\n"
+                    "cop:37:1: [[y_ratio]] must appear once for this method"}},
                   read);
   std::string shares = "[1.0, 0.0]";
   for (int count = 1; count < 16; ++count) shares += ", [0.0, 1.0]";
@@ -228,7 +228,7 @@ TEST_F(CopCalibrationFile, FormsOfOtherMethods_AreRefusedAtTheirPlace) {
        {"y_quadratic_mm", "y_quadratic_mm = [1]", "cop:46:18: y_quadratic_mm must be a list of 136 numbers"},
        {"share", "share = [[0.0, 1.0]]", "cop:47:9: share must be a list of 16 ranges"},
        {"share", "share = 1", "cop:47:9: share must be a list of 16 ranges"},
-       {"share", "share = [" + shares + "]", "cop:47:9: share: the lowest value of a range comes first"}},
+       {"share", "share = [" + shares + "]", "cop:47:9: share: write the lowest value of a range first"}},
       read);
   expect_problems(edited(moment, "x_quadratic_mm", ""), {{"y_quadratic_mm", "", ""}}, read);
 }

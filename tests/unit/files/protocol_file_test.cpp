@@ -180,7 +180,7 @@ TEST_F(ProtocolFiles, Folders_AreReadWhateverStandsInThem) {
             "b.toml: name = \"x\" is taken by a.toml\n"
             "d.toml:2:14: duration_s = -1 is out of range; allowed: 0 .. 604800\n"
             "folder.toml: cannot be read\n"
-            "larger.toml: is larger than 256 KiB: that is no protocol\n"
+            "larger.toml: is larger than 256 KiB: this is not a protocol file\n"
             "pipe.toml: cannot be read\n"
             "c.txt: cannot be read: Not a directory");
 }
@@ -219,12 +219,12 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
           {"sentence", "sentence = \"" + std::string(201, 's') + "\"", "p:2:12: sentence must be one line of at most 200 bytes"},
           {"rig_kind", "rig_kind = \"bed\"", "p:3:12: rig_kind = \"bed\" is not known; known: \"floor\", \"chair\""},
           {"rig_kind", "rig_kin = \"floor\"", "p:3:1: unknown key 'rig_kin'"},
-          {"rig_kind", "settle_s = 1", "p:3:12: settle_s is a matter of each trial here: write it below [trials]"},
-          {"rig_kind", "duration_s = 1", "p:3:14: duration_s is a matter of each trial here: write it below [trials]"},
+          {"rig_kind", "settle_s = 1", "p:3:12: settle_s is set for each trial in this protocol: write it below [trials]"},
+          {"rig_kind", "duration_s = 1", "p:3:14: duration_s is set for each trial in this protocol: write it below [trials]"},
           {"[[field]]", fields(29) + "[[field]]", ""},
           {"[[field]]", fields(30) + "[[field]]", "p:4:1: more than 32 fields"},
           {"name = \"arm", "name = \"max_reach_cm\"",
-           "p:11:8: 'max_reach_cm' stands twice\n"
+           "p:11:8: 'max_reach_cm' is listed twice\n"
            "p:17:1: a target_percent needs a [[field]] named arm_length_cm, in centimetres"},
           {"name = \"arm", "name = \"arm-length\"",
            "p:5:8: name must be 1 to 32 of the characters a-z, 0-9 and _\n"
@@ -244,7 +244,7 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
           {"choices", "choices = [\"one\"]", "p:16:11: choices must be 2 to 32 words"},
           {"choices", "choices = [" + words(32) + "]", ""},
           {"choices", "choices = [" + words(33) + "]", "p:16:11: choices must be 2 to 32 words"},
-          {"choices", "choices = [\"one\", \"one\"]", "p:16:11: 'one' stands twice"},
+          {"choices", "choices = [\"one\", \"one\"]", "p:16:11: 'one' is listed twice"},
           {"choices", "choices = [\"one\", \"Two\"]", "p:16:11: a choice must be 1 to 32 of the characters a-z, 0-9 and -"},
           {"choices", "choices = [\"one\", \"two\"]\nminimum = 1", "p:17:1: unknown key 'minimum' in [[field]]"},
           {"[trials]", "[trails]", "p:17:2: unknown key 'trails'; did you mean 'trials'?"},
@@ -260,8 +260,8 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
           {"[[trials.condition]]", conditions(30) + "[[trials.condition]]", ""},
           {"[[trials.condition]]", conditions(31) + "[[trials.condition]]",
            "p:17:1: [trials] needs 1 to 32 conditions: [[trials.condition]]"},
-          {"name = \"a\"", "name = \"b\"", "p:33:8: 'b' stands twice"},
-          {"labels", "labels = { phase = \"x\" }", "p:30:20: label 'phase' has a meaning already"},
+          {"name = \"a\"", "name = \"b\"", "p:33:8: 'b' is listed twice"},
+          {"labels", "labels = { phase = \"x\" }", "p:30:20: label 'phase' is reserved"},
           {"labels", "labels = { eyes = \"Wide Open\" }", "p:30:19: a label must be 1 to 32 of the characters a-z, 0-9 and -"},
           {"labels", "labels = { Eyes = \"open\" }", "p:30:19: a label's name must be 1 to 32 of the characters a-z, 0-9 and _"},
           {"labels", "labels = { " + labels(7), ""},
@@ -271,13 +271,13 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
            "p:31:18: [[condition]] target_percent = 301 is out of range; allowed: 1 .. 300\n"
            "p:32:1: unknown key 'target_procent' in [[condition]]; did you mean 'target_percent'?"},
           {"target_percent", "target_percent = 80\nmaximum_reach = true",
-           "p:32:17: a target stands at maximum_reach or at target_percent, not at both"},
+           "p:32:17: a target has maximum_reach or target_percent, not both"},
       },
       read);
   expect_ranges(kTrials,
                 {
-                    {"minimum", "[[field]]", "-1e+06", "1e+06", "-1.1e+06", "1.1e+06"},
-                    {"maximum", "[[field]]", "-1e+06", "1e+06", "-1.1e+06", "1.1e+06"},
+                    {"minimum", "[[field]]", "-1000000", "1000000", "-1100000", "1100000"},
+                    {"maximum", "[[field]]", "-1000000", "1000000", "-1100000", "1100000"},
                     {"trials_per_block", "[trials]", "1", "200", "0", "201"},
                     {"blocks", "[trials]", "1", "50", "0", "51"},
                     {"cue_delay_min_s", "[trials]", "0", "3600", "-0.1", "3960"},
@@ -291,7 +291,7 @@ TEST_F(ProtocolFiles, Limits_AreReportedWithPlaceAndRange) {
   expect_problems(kSession,
                   {{"duration_s", "[trials]",
                     "p:3:1: [trials] needs 1 to 32 conditions: [[trials.condition]]\n"
-                    "p:2:12: settle_s is a matter of each trial here: write it below [trials]"}},
+                    "p:2:12: settle_s is set for each trial in this protocol: write it below [trials]"}},
                   read);
   expect_ranges(kSession,
                 {

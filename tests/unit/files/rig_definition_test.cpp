@@ -83,11 +83,11 @@ TEST_F(Definition, TextThatNamesFiles_IsRefusedWithoutReadingThem) {
   Problems problems;
   (void)read_rig_text("calibration = \"/etc/passwd\"\n" + shipped_, "definition", problems);
   EXPECT_EQ(text_of(problems),
-            "definition:27:9: [[sensor]] curve names a file, but a definition has none beside it: it must be a table\n"
-            "definition:35:9: [[sensor]] curve names a file, but a definition has none beside it: it must be a table\n"
-            "definition:41:9: [[sensor]] curve names a file, but a definition has none beside it: it must be a table\n"
-            "definition:47:9: [[sensor]] curve names a file, but a definition has none beside it: it must be a table\n"
-            "definition:1:15: calibration names a file, but a definition has none beside it: it must be a table");
+            "definition:27:9: [[sensor]] curve names a file, but a recorded definition must contain the table itself\n"
+            "definition:35:9: [[sensor]] curve names a file, but a recorded definition must contain the table itself\n"
+            "definition:41:9: [[sensor]] curve names a file, but a recorded definition must contain the table itself\n"
+            "definition:47:9: [[sensor]] curve names a file, but a recorded definition must contain the table itself\n"
+            "definition:1:15: calibration names a file, but a recorded definition must contain the table itself");
 }
 
 TEST_F(Definition, RigThatHasNone_SaysWhy) {
@@ -100,9 +100,11 @@ TEST_F(Definition, RigThatHasNone_SaysWhy) {
   EXPECT_EQ(refusal("", streams(room)), "1048576");
   EXPECT_EQ(refusal("", streams(room + 1)),
             "the rig in rigs/floor.toml is too large to be recorded with a session: 1048577 bytes of at most 1048576");
-  EXPECT_EQ(refusal("no_such_key = 1\n"), "no definition of the rig in rigs/floor.toml: rigs/floor.toml:1:1: unknown key 'no_such_key'");
+  EXPECT_EQ(refusal("no_such_key = 1\n"),
+            "cannot write the definition of the rig in rigs/floor.toml: rigs/floor.toml:1:1: unknown key 'no_such_key'");
   EXPECT_EQ(refusal("", "[record]\nstreams = []\n"),
-            "no definition of the rig in rigs/floor.toml: rigs/floor.toml:70:11: [record] streams is empty; leave it out to record all "
+            "cannot write the definition of the rig in rigs/floor.toml: rigs/floor.toml:70:11: [record] streams is empty; leave it out to "
+            "record all "
             "streams of the rig");
   EXPECT_EQ(rig_definition(path("none.toml")).error().code, core::ErrorCode::InvalidArgument);
 }

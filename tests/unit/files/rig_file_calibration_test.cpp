@@ -51,8 +51,7 @@ TEST_F(RigWithCalibration, WhatDoesNotFit_IsReportedAtItsPlace) {
       rig,
       {{"id = \"cop\"", "id = \"cop\"\nestimator = \"poly3\"",
         "rigs/floor.toml:60:13: the rig's calibration '" + calibration_.id +
-            "' is for estimator \"thesis\"; leave estimator out or "
-            "say the same"},
+            "' is for estimator \"thesis\"; leave estimator out, or set it to the same method"},
        {"id = \"cop\"", "id = \"guard\"", "rigs/floor.toml:4:15: the rig has no [[stage]] \"cop\" that could use its calibration"},
        {"calibration", "calibration = \"../none.toml\"", "rigs/floor.toml:4:15: none.toml cannot be read: No such file or directory"},
        {"calibration", "calibration = 3", "rigs/floor.toml:4:15: calibration must be a text in quotes"}},

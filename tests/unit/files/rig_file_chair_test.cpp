@@ -41,11 +41,19 @@ TEST_F(ChairFile, Shipped_NamesItsSensorsAndItsModelAndItsDefinitionCarriesIt) {
   EXPECT_EQ(text_of(problems), "");
 }
 
+TEST_F(ChairFile, WithoutASupport_IsReported) {
+  expect_problems(shipped_,
+                  {{"[support]", "[supports]",
+                    "rigs/chair.toml: [support] is missing\n"
+                    "rigs/chair.toml:15:2: unknown key 'supports'; did you mean 'support'?"}},
+                  [this](const std::string& text, Problems& problems) { (void)read(text, problems); });
+}
+
 TEST_F(ChairFile, ModelAndClassify_NeedEachOther) {
   expect_problems(
       shipped_,
       {{"model", "", "rigs/chair.toml:1:1: [[stage]] \"classify\" needs a model: add model = \"FILE.toml\", see dtslab reach train"},
-       {"model", "model = \"\"", ""},
+       {"model", "model = \"\"", "rigs/chair.toml:6:9: model is empty: name a file, or remove the line"},
        {"id = \"classify\"", "id = \"guard\"", "rigs/chair.toml:6:9: the rig has no [[stage]] \"classify\" that could use its model"},
        {"model", "model = \"nowhere.toml\"", "rigs/chair.toml:6:9: rigs/nowhere.toml cannot be read: No such file or directory"}},
       [this](const std::string& text, Problems& problems) { (void)read(text, problems); });

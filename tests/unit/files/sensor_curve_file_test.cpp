@@ -113,16 +113,16 @@ TEST_F(SensorCurveFiles, Limits_AreReportedWithPlaceAndRange) {
           {"id", "serial = \"x\"", "curve:4:1: unknown key 'serial' in [calibration]"},
           {"id", "id = 3", "curve:4:6: [calibration] id must be a text in quotes"},
           {"gap_mm = 12", "gap_mm = 1000",
-           "curve:1:1: sensor curve 'floor-w1' is nearly flat somewhere: gap to volts and back is off by 0.00129516 mm, above 0.0001 "
+           "curve:1:1: sensor curve 'floor-w1' is nearly flat somewhere: gap to volts and back is off by 0.00129516 mm, above 5e-05 mm "
            "(leave out the flat end of the curve)"},
           {"gap_mm", "", "curve:17:1: [[point]] gap_mm is missing"},
           {"gap_mm", "gap_mm = 7\ngap = 7", "curve:19:1: unknown key 'gap' in [[point]]"},
           {"volts", "volts = 100.0",
-           "curve:1:1: sensor curve 'floor-w1' is nearly flat somewhere: gap to volts and back is off by 5.48133e-05 mm, above 0.0001 "
+           "curve:1:1: sensor curve 'floor-w1' is nearly flat somewhere: gap to volts and back is off by 5.48133e-05 mm, above 5e-05 mm "
            "(leave out the flat end of the curve)"},
           {"volts", "", "curve:17:1: [[point]] volts is missing"},
           {"volts = 0.1", "volts = -100.0",
-           "curve:1:1: sensor curve 'floor-w1' is nearly flat somewhere: gap to volts and back is off by 0.000371607 mm, above 0.0001 "
+           "curve:1:1: sensor curve 'floor-w1' is nearly flat somewhere: gap to volts and back is off by 0.000371607 mm, above 5e-05 mm "
            "(leave out the flat end of the curve)"},
           {"volts = 0.1", "volts = 1.1",
            "curve:1:1: sensor curve 'floor-w1', point 2 (12 mm, 1.1 V): the volts must keep rising or keep falling, so that a voltage "
@@ -132,8 +132,8 @@ TEST_F(SensorCurveFiles, Limits_AreReportedWithPlaceAndRange) {
   expect_ranges(std::string(kFacts) + kPointsText,
                 {
                     {"range_v", "[calibration]", "0.001", "1000", "0.0009", "1000.1"},
-                    {"residual_mv", "[calibration]", "0", "1e+06", "-0.1", "1.1e+06"},
-                    {"repeat_mv", "[calibration]", "0", "1e+06", "-0.1", "1.1e+06"},
+                    {"residual_mv", "[calibration]", "0", "1000000", "-0.1", "1100000"},
+                    {"repeat_mv", "[calibration]", "0", "1000000", "-0.1", "1100000"},
                     {"readings_per_gap", "[calibration]", "1", "1000000000", "0", "1000000001"},
                     {"samples_per_point", "[calibration]", "1", "1000000000", "0", "1000000001"},
                     {"gap_mm", "[[point]]", "0", "1000", "-0.1", "1000.1"},

@@ -55,7 +55,7 @@ TEST_F(TomlText, DotsElsewhere_AreNoParts) {
 TEST_F(TomlText, WhatIsNoTomlFile_IsAProblem) {
   constexpr std::size_t kMost = std::size_t{4} << 20U;
   EXPECT_EQ(problem_with("#" + std::string(kMost - 1, ' ')), "");
-  EXPECT_EQ(problem_with("#" + std::string(kMost, ' ')), "file: is larger than 4 MiB: that is no file of dtsd");
+  EXPECT_EQ(problem_with("#" + std::string(kMost, ' ')), "file: is larger than 4 MiB: this is not a file of dtsd");
   EXPECT_EQ(problem_with("a = 1\nb = x\n"), "file:2:5: Error while parsing value: could not determine value type");
   Problems problems;
   (void)parse_toml(folder_.string() + "/", problems);
@@ -64,7 +64,7 @@ TEST_F(TomlText, WhatIsNoTomlFile_IsAProblem) {
   (void)parse_toml(path("none"), problems);
   EXPECT_EQ(text_of(problems),
             ": is a folder, not a file\n"
-            "huge: is larger than 4 MiB: that is no file of dtsd\n"
+            "huge: is larger than 4 MiB: this is not a file of dtsd\n"
             "none: cannot be read: No such file or directory");
 }
 
@@ -137,11 +137,10 @@ TEST_F(TomlValues, EachKind_ReadsOrReportsItsPlace) {
            {"list = [1, 2, 3, 4]", "9 9 1 none 0 one x | file:1:8: list must be a list of 2 to 3 numbers"},
            {"list = [1]", "9 9 1 none 0 one x | file:1:8: list must be a list of 2 to 3 numbers"},
            {"list = 1", "9 9 1 none 0 one x | file:1:8: list must be a list of 2 to 3 numbers"},
-           {"list = [1, 10.1]", "9 9 1 none 0 one x | file:1:8: list: number 2 of the list is not a finite number of at most 10.0 in size"},
-           {"list = [-10.1, 1]",
-            "9 9 1 none 0 one x | file:1:8: list: number 1 of the list is not a finite number of at most 10.0 in size"},
-           {"list = [nan, 1]", "9 9 1 none 0 one x | file:1:8: list: number 1 of the list is not a finite number of at most 10.0 in size"},
-           {"list = ['1', 1]", "9 9 1 none 0 one x | file:1:8: list: number 1 of the list is not a finite number of at most 10.0 in size"},
+           {"list = [1, 10.1]", "9 9 1 none 0 one x | file:1:8: list: number 2 of the list is not a finite number of at most 10 in size"},
+           {"list = [-10.1, 1]", "9 9 1 none 0 one x | file:1:8: list: number 1 of the list is not a finite number of at most 10 in size"},
+           {"list = [nan, 1]", "9 9 1 none 0 one x | file:1:8: list: number 1 of the list is not a finite number of at most 10 in size"},
+           {"list = ['1', 1]", "9 9 1 none 0 one x | file:1:8: list: number 1 of the list is not a finite number of at most 10 in size"},
            {"pair = [1]", "9 9 1 none 0 one x | file:1:8: pair must be a list of 2 numbers"},
            {"[[entry]]\nname = 1\nsize = 2\n[[entry]]\nname = 10\n",
             "9 9 1 none 0 one x e1 e0 | file:3:1: unknown key 'size' in [[entry]]\n"

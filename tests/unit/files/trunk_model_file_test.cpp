@@ -79,13 +79,11 @@ TEST_F(TrunkModelFile, Limits_AreReportedWithPlaceAndRange) {
            "model:12:16: reject_below = 1.1 is out of range; allowed: 0 .. 1\n"
            "model:13:1: unknown key 'reject_above'"},
           {"reject_below", "", "model:1:1: reject_below is missing"},
-          {"p1_minimum_mm", "p1_minimum_mm = 0.0",
-           "model:11:8: trunk model: the range of P1 is empty (a model that dtslab reach train wrote, unchanged)"},
+          {"p1_minimum_mm", "p1_minimum_mm = 0.0", "model:13:17: p1_minimum_mm = 0 is out of range; allowed: 0.001 .. 1000"},
           {"p1_minimum_mm", "p1_minimum_mm = 5.0",
-           "model:11:8: trunk model: the range of P1 is empty (a model that dtslab reach train wrote, unchanged)"},
-          {"p1_maximum_mm", "p1_maximum_mm = 999", ""},
-          {"p1_maximum_mm", "p1_maximum_mm = 1000",
-           "model:11:8: trunk model: the range of P1 is empty (a model that dtslab reach train wrote, unchanged)"},
+           "model:11:8: trunk model: the range of P1 is empty (use an unchanged model file that dtslab reach train wrote)"},
+          {"p1_maximum_mm", "p1_maximum_mm = 1000", ""},
+          {"p1_maximum_mm", "p1_maximum_mm = 1000.5", "model:14:17: p1_maximum_mm = 1000.5 is out of range; allowed: 0.001 .. 1000"},
           {"[training]", "[trainin]",
            "model:1:1: training is missing\n"
            "model: [training] is missing\n"
@@ -109,7 +107,7 @@ TEST_F(TrunkModelFile, Limits_AreReportedWithPlaceAndRange) {
            "model:23:1: unknown key 'hardware' in [training]"},
           {"created_utc", "created_utc = 1", "model:23:15: [training] created_utc must be a text in quotes"},
           {"validation_accuracy", "validation_accuracy = 0.89",
-           "model:27:23: validation_accuracy is below 0.9: the training failed, this model is not to be used"},
+           "model:27:23: validation_accuracy is below 0.9: the training failed, do not use this model"},
           {"validation_accuracy", "validation_accuracy = 0.9", ""},
           {"validation_accuracy", "", "model:26:1: [figures] validation_accuracy is missing"},
           {"expected_calibration_error", "expected_calibration_error = 1.1\nerror = 1",
@@ -144,13 +142,13 @@ TEST_F(TrunkModelFile, Limits_AreReportedWithPlaceAndRange) {
            "model:40:16: coefficients: number 1 of the list is not a finite number of at most 1e+30 in size"},
           {"coefficients", "coefficients = [0, 0]", "model:40:16: coefficients must be a list of 3 numbers"},
           {"residual_deg", "residual_deg = [3.0, 6.0, -9.0]",
-           "model:11:8: trunk model: angle: a residual is not in 0 to 90 degrees (a model that dtslab reach train wrote, unchanged)"},
+           "model:11:8: trunk model: angle: a residual is outside 0 to 90 degrees (use an unchanged model file that dtslab reach train "
+           "wrote)"},
           {"residual_deg", "residual_deg = [3.0, 6.0]\nresidual = 1",
            "model:41:16: residual_deg must be a list of 3 numbers\n"
            "model:42:1: unknown key 'residual' in [angle]"},
-          {"none_from", "none_from = 0.5",
-           "model:11:8: trunk model: arm_alone: none_from is not in 0.5 to 1 (a model that dtslab reach train wrote, unchanged)"},
-          {"none_from", "none_from = 0.501", ""},
+          {"none_from", "none_from = 0.49", "model:56:13: [arm_alone] none_from = 0.49 is out of range; allowed: 0.5 .. 1"},
+          {"none_from", "none_from = 0.5", ""},
           {"none_from", "none_from = 1.1\nnone_to = 1.0",
            "model:56:13: [arm_alone] none_from = 1.1 is out of range; allowed: 0.5 .. 1\n"
            "model:57:1: unknown key 'none_to' in [arm_alone]"},
@@ -188,8 +186,8 @@ TEST_F(TrunkModelFile, Limits_AreReportedWithPlaceAndRange) {
   expect_ranges(edited(trunk_model_text(model()), "sha256", ""),
                 {
                     {"reject_below", "", "0", "1", "-0.1", "1.1"},
-                    {"p1_minimum_mm", "", "0", "1000", "-0.1", "1001"},
-                    {"p1_maximum_mm", "", "0", "1000", "-1", "1001"},
+                    {"p1_minimum_mm", "", "0.001", "1000", "-0.1", "1001"},
+                    {"p1_maximum_mm", "", "0.001", "1000", "-1", "1001"},
                     {"simulated_subjects", "[training]", "0", "2147483647", "-1", "2147483648"},
                     {"trials", "[training]", "1", "100000000", "0", "100000001"},
                     {"validation_accuracy", "[figures]", "0", "1", "-0.1", "1.1"},

@@ -71,12 +71,12 @@ TEST_F(WholeFile, ReadingWhatIsNoFileOrTooLong_IsRefusedAndDoesNotWait) {
   constexpr std::size_t kMost = std::size_t{1} << 20U;
   const std::string text(kMost, 'x');
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
-  EXPECT_EQ(read_whole_file(path("pipe"), kMost).error().what, "is no regular file");
-  EXPECT_EQ(read_whole_file("/dev/zero", kMost).error().what, "is no regular file");
+  EXPECT_EQ(read_whole_file(path("pipe"), kMost).error().what, "is not a regular file");
+  EXPECT_EQ(read_whole_file("/dev/zero", kMost).error().what, "is not a regular file");
   EXPECT_EQ(read_whole_file("/", kMost).error().what, "is a folder, not a file");
   EXPECT_EQ(read_whole_file("/no/such/file", kMost).error().what, "cannot be read: No such file or directory");
   EXPECT_EQ(read_whole_file(write("file", text), kMost).value(), text);
-  EXPECT_EQ(read_whole_file(write("file", text + "x"), kMost).error().what, "is larger than 1 MiB: that is no file of dtsd");
+  EXPECT_EQ(read_whole_file(write("file", text + "x"), kMost).error().what, "is larger than 1 MiB: this is not a file of dtsd");
 }
 
 }  // namespace

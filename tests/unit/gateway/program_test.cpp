@@ -60,7 +60,7 @@ TEST_F(ProgramTest, PipeFolderAndDeviceAsConfiguration_AreRefusedAtOnce) {
   for (const std::string& file : {pipe, directory_.path().string(), std::string("/dev/zero")}) {
     cli::Console console{.out = out_, .talk = talk_};
     EXPECT_EQ(run({"--config", file, "serve"}, console), cli::kUsage);
-    EXPECT_THAT(talk_.str(), HasSubstr(file + " is no file that can be read"));
+    EXPECT_THAT(talk_.str(), HasSubstr(file + " is not a readable file"));
   }
 }
 

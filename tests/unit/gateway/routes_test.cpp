@@ -50,10 +50,10 @@ TEST_F(RoutesTest, EveryPath_IsForItsPartAndForWhoMay) {
   }
   EXPECT_EQ(header_of(answer(request("POST", "/")), "Allow"), "GET, HEAD");
   for (const auto& [asked, what, hint] :
-       {std::tuple(request("POST", "/api/me"), "this path cannot be changed", ""),
-        {request("GET", "/api/nothing"), "there is nothing at this path", ""},
-        {request("GET", "/api/sessions/s1/report"), "nobody is logged in", "log in first"},
-        {request("GET", "/metrics"), "nobody is logged in", "let a monitor on the gateway's own machine read this"}}) {
+       {std::tuple(request("POST", "/api/me"), "this path accepts only GET and HEAD", ""),
+        {request("GET", "/api/nothing"), "nothing at this path", ""},
+        {request("GET", "/api/sessions/s1/report"), "not logged in", "log in first"},
+        {request("GET", "/metrics"), "not logged in", "log in, or read the metrics from the gateway's own machine"}}) {
     EXPECT_EQ(json_of(answer(asked)), (nlohmann::json{{"what", what}, {"hint", hint}}));
   }
   EXPECT_EQ(text_of(answer(request("GET", "/"))), "the dashboard");
@@ -78,9 +78,9 @@ TEST(Options, Roles_AreThoseThatExistAndSomebodyCanUseTheGateway) {
   EXPECT_EQ(access_options({.users_file = "users"})->local_role, v1::ROLE_UNSPECIFIED);
   EXPECT_EQ(access_options({.local_role = "viewer"})->local_role, v1::ROLE_VIEWER);
   EXPECT_EQ(access_options({.local_role = "admin"}).error(),
-            (client::Error{client::ErrorCode::InvalidArgument, "there is no role 'admin'", "viewer, operator, engineer or none"}));
+            (client::Error{client::ErrorCode::InvalidArgument, "unknown role 'admin'", "viewer, operator, engineer or none"}));
   EXPECT_EQ(access_options({.local_role = "none"}).error(),
-            (client::Error{client::ErrorCode::InvalidArgument, "nobody could use this: no users and no local role",
+            (client::Error{client::ErrorCode::InvalidArgument, "no user could log in: no users file and no local role",
                            "give --users or --local-role"}));
   EXPECT_EQ(access_options({.users_file = "users"})->users_file, "users");
 }
@@ -95,13 +95,13 @@ TEST(Options, Listen_IsLoopbackOrHasTlsAndUsers) {
   EXPECT_EQ(server_options({.listen = "[::1]:65535"})->port, 65535U);
   for (const Options& half :
        {Options{.listen = "127.0.0.1:0", .key_file = "k"}, Options{.listen = "127.0.0.1:0", .certificate_file = "c"}}) {
-    EXPECT_EQ(server_options(half).error(), (client::Error{client::ErrorCode::InvalidArgument, "TLS needs a certificate and its key",
+    EXPECT_EQ(server_options(half).error(), (client::Error{client::ErrorCode::InvalidArgument, "TLS requires a certificate and its key",
                                                            "give --tls-certificate and --tls-key"}));
   }
   for (const Options& open :
        {Options{.listen = "0.0.0.0:80", .certificate_file = "c", .key_file = "k"}, Options{.listen = "0.0.0.0:80", .users_file = "u"}}) {
     EXPECT_EQ(server_options(open).error(), (client::Error{client::ErrorCode::InvalidArgument,
-                                                           "'0.0.0.0:80' can be reached from other machines: that needs TLS and users",
+                                                           "'0.0.0.0:80' can be reached from other machines: this requires TLS and users",
                                                            "give --tls-certificate, --tls-key and --users, or listen on 127.0.0.1"}));
   }
   const auto complete =

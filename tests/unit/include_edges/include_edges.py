@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Walks the #include lines of daemon/ and clients/ and fails on every edge that HOUSE does not allow.
 
-    include_edges.py edges ROOT     the walk
-    include_edges.py rules ROOT     what else is true of every file: length, licence line, README
+    include_edges.py edges ROOT     the walk; HOUSE has no arrow up; daemon/README.md and clients/README.md say the same
+    include_edges.py rules ROOT     what else is true of every file: licence line, README
+    include_edges.py table ROOT     prints the rooms and their edges as the READMEs must have them
 
 Each finding is one line: file:line: what is wrong. Exit status 0: nothing found, 1: findings, 2: wrong use.
 """
@@ -13,58 +14,87 @@ import re
 import sys
 
 # The architecture. A row says what files below its path may include: rooms of ours (always also their own), and headers
-# of third parties, by prefix. Rows add up: daemon/device/sim may do what daemon/device may, and more. A new edge or a new
-# third party is a decision: it needs a line here and one in the README of the room saying why.
+# of third parties, by prefix. Rows go from the bottom of the house to its top: a row may name only rooms of rows above it,
+# so that no include points up. A new edge or a new third party is a decision: it needs a line here and one in the README of
+# the room saying why.
+#
+# Rows add up: daemon/core/log.cpp may do what daemon/core may, and more. The exception are the rooms of DIVIDED, whose
+# rows with one more part are rooms of their own: daemon/device/sim is the room "device/sim". It has only its own row, and
+# "device" means the files of daemon/device that belong to no such room.
+DIVIDED = {"device", "lab"}
 #
 #    path                        rooms                                                    third party
 HOUSE = [
     ("daemon/core",              [],                                                      []),
     ("daemon/core/log.cpp",      [],                                                      ["spdlog/"]),
+    ("daemon/core/utf8.cpp",     [],                                                      ["utf8cpp/"]),
     ("daemon/core/result.h",     [],                                                      ["tl/expected.hpp"]),
     ("daemon/physics",           ["core"],                                                ["Eigen/"]),
+    ("daemon/sim",               ["core", "physics"],                                     []),
     ("daemon/classifier",        ["core"],                                                []),
     ("daemon/posturography",     ["core"],                                                []),
+    ("daemon/events",            ["core", "posturography", "proto"],                      ["google/protobuf/"]),
     ("daemon/posturography/fourier", [],                                                  ["kissfft/"]),
-    ("daemon/files",             ["core", "physics", "classifier", "pipeline"],                         ["toml++/"]),
-    ("daemon/files/protocol_file", ["session"],                                           []),
-    ("daemon/files/trunk_model_text", ["record"],                                         []),
-    ("daemon/device",            ["core"],                                                []),
-    ("daemon/device/registry",   ["physics"],                                             []),
-    ("daemon/device/sim",        ["physics"],                                             []),
-    ("daemon/device/replay",     ["record"],                                              []),
-    ("daemon/device/usb",        [],                                                      ["libusb-1.0/"]),
     ("daemon/pipeline",          ["core", "physics", "classifier", "posturography"],      []),
-    ("daemon/record",            ["core", "posturography"],                               ["nlohmann/"]),
+    ("daemon/record",            ["core", "events", "proto"],                             ["nlohmann/"]),
     ("daemon/record/sha256.cpp", [],                                                      ["sodium.h"]),
     ("daemon/record/xdf",        [],                                                      ["boost/crc.hpp", "pugixml.hpp", "sodium.h"]),
-    ("daemon/record/catalogue",  [],                                                      ["sodium.h", "sqlite3.h"]),
-    ("daemon/session",           ["core", "device", "pipeline", "classifier", "record",
-                                  "physics", "posturography"],                                          []),
+    ("daemon/record/catalogue",  [],                                                      ["sodium.h", "sqlite3.h", "SQLiteCpp/"]),
+    ("daemon/device",            ["core"],                                                []),
+    ("daemon/device/usb",        ["core", "device"],                                      ["libusb-1.0/"]),
+    ("daemon/device/device_entry", ["core", "device", "device/usb"],                      []),
+    ("daemon/device/mcc",        ["core", "device", "device/usb", "device/device_entry"], []),
+    ("daemon/device/labjack",    ["core", "device", "device/usb", "device/device_entry"], []),
+    ("daemon/device/nidaqmx",    ["core", "device", "device/device_entry"],               []),
+    ("daemon/device/replay",     ["core", "record", "proto", "device", "device/device_entry"], []),
+    ("daemon/device/sim",        ["core", "physics", "sim", "device", "device/device_entry"], []),
+    ("daemon/device/registry",   ["core", "device/device_entry", "device/mcc", "device/labjack", "device/nidaqmx", "device/replay",
+                                  "device/sim"],                                          []),
+    ("daemon/device/found_units", ["core", "device/usb", "device/registry"], []),
+    ("daemon/session",           ["core", "device", "device/usb", "device/registry", "device/found_units", "pipeline",
+                                  "classifier", "record", "physics", "posturography", "events", "proto"], ["google/protobuf/"]),
+    ("daemon/files",             ["core", "physics", "classifier", "pipeline"],           ["toml++/"]),
+    ("daemon/files/protocol_file", ["session"],                                           []),
+    ("daemon/files/trunk_model_text", ["record"],                                         []),
     ("daemon/access",            ["core", "files", "proto"],                              ["zmq.h", "zmq.hpp"]),
-    ("daemon/ipc",               ["core", "access", "posturography", "session", "record", "proto"], ["zmq.h", "zmq.hpp", "google/protobuf/"]),
-    ("daemon/app",               ["core", "physics", "files", "classifier", "device", "pipeline",
-                                  "record", "session", "access", "ipc", "proto"],         ["toml++/", "systemd/"]),
+    ("daemon/ipc",               ["core", "access", "events", "session", "record", "proto"], ["zmq.h", "zmq.hpp", "google/protobuf/"]),
+    ("daemon/app",               ["core", "physics", "files", "classifier", "device", "device/usb", "device/registry",
+                                  "pipeline", "record", "session", "access", "ipc", "proto"], ["toml++/", "systemd/"]),
     ("daemon/app/daemon.cpp",    [],                                                      ["zmq.hpp"]),
     ("daemon/app/sockets",       [],                                                      ["zmq.hpp"]),
     ("daemon/app/main.cpp",      [],                                                      ["CLI/", "google/protobuf/"]),
     ("clients/libdts",           ["proto"],                                               ["zmq.h", "zmq.hpp", "google/protobuf/",
                                                                                            "tl/expected.hpp"]),
     ("clients/libdts/key.cpp",   [],                                                      ["toml++/"]),
-    ("clients/cli",              ["core"],                                                  ["CLI/", "nlohmann/"]),
+    ("clients/cli",              ["core"],                                                ["CLI/", "nlohmann/"]),
+    ("clients/report",           ["core", "posturography", "record", "session"],          ["kainjow/", "pugixml.hpp"]),
+    ("clients/report/recorded_definitions", ["files"],                                    []),
     ("clients/ctl",              ["cli", "libdts", "proto"],                              ["CLI/", "google/protobuf/"]),
     ("clients/ctl/system_facts", ["core"],                                                []),
     ("clients/ctl/calibrate",    ["core", "physics", "files"],                            []),
     ("clients/ctl/sessions",     ["core", "record", "report"],                            []),
-    ("clients/report",           ["core", "posturography", "record", "session"],          ["kainjow/", "pugixml.hpp"]),
-    ("clients/report/recorded_definitions", ["files"],                                    []),
-    ("clients/lab",              ["cli", "core", "physics", "files", "classifier",
-                                  "pipeline", "posturography", "record", "device",
-                                  "session"],                                            ["CLI/", "Eigen/"]),
-    ("clients/lab/training/onnx_schema.h", [],                                             ["onnx/"]),
-    ("clients/gateway",          ["cli", "libdts", "proto"],                              ["boost/", "google/protobuf/", "CLI/"]),
-    ("clients/gateway/gateway.cpp", [],                                                    ["systemd/"]),
+    ("clients/lab/base",         ["cli", "core", "physics", "files", "pipeline", "record"], ["CLI/"]),
+    ("clients/lab/plate",        ["cli", "physics", "files", "lab/base"],         ["CLI/"]),
+    ("clients/lab/cop",          ["cli", "core", "physics", "files", "lab/base"],         ["CLI/"]),
+    ("clients/lab/place",        ["cli", "core", "physics", "lab/base"],                  ["CLI/", "Eigen/"]),
+    ("clients/lab/compare",      ["cli", "core", "files", "record", "lab/base"],          ["CLI/", "Eigen/"]),
+    ("clients/lab/replay",       ["cli", "core", "files", "pipeline", "record", "session", "events", "proto", "device/replay", "lab/base"], ["CLI/"]),
+    ("clients/lab/simulate",     ["cli", "core", "sim", "files", "pipeline", "record", "session", "device/registry",
+                                  "device/sim", "lab/base"],                              ["CLI/"]),
+    ("clients/lab/sway",         ["cli", "core", "files", "posturography", "record", "session", "lab/base"], ["CLI/"]),
+    ("clients/lab/steadiness",   ["cli", "core", "files", "posturography", "lab/base", "lab/sway"], ["CLI/", "Eigen/"]),
+    ("clients/lab/results",      ["cli", "core", "physics", "classifier", "record", "session", "events", "lab/base"], ["CLI/"]),
+    ("clients/lab/reach",        ["cli", "core", "physics", "sim", "files", "pipeline", "lab/base"], ["CLI/"]),
+    ("clients/lab/training",     ["cli", "core", "files", "classifier", "record", "lab/base", "lab/reach"], ["CLI/", "Eigen/"]),
+    ("clients/lab/training/onnx_schema.h", [],                                            ["onnx/"]),
+    ("clients/lab/study",        ["cli", "core", "physics", "classifier", "lab/base", "lab/reach", "lab/training"], ["CLI/"]),
+    ("clients/lab/thesis",       ["cli", "core", "physics", "lab/base", "lab/study"],     ["CLI/"]),
+    ("clients/lab",              ["cli", "lab/plate", "lab/cop", "lab/place", "lab/compare", "lab/replay", "lab/simulate", "lab/sway",
+                                  "lab/steadiness", "lab/results", "lab/reach", "lab/training", "lab/study", "lab/thesis"], ["CLI/"]),
+    ("clients/gateway",          ["core", "cli", "libdts", "proto"],                              ["boost/", "google/protobuf/", "CLI/"]),
+    ("clients/gateway/gateway.cpp", [],                                                   ["systemd/"]),
     ("clients/gateway/access",   [],                                                      ["sodium.h", "nlohmann/"]),
-    ("clients/gateway/archive",  ["core", "record", "report"],                            ["archive.h", "archive_entry.h"]),
+    ("clients/gateway/archive",  ["record", "report"],                                    ["archive.h", "archive_entry.h"]),
     ("clients/gateway/metrics",  [],                                                      ["prometheus/"]),
 ]
 
@@ -81,7 +111,6 @@ CODE = {".h", ".hpp", ".cpp", ".cc", ".c"}
 WITH_LICENCE = CODE | {".py", ".proto", ".cmake", ".sh"}
 SKIPPED_FOLDERS = {"build", "dist", "node_modules", "__pycache__", ".git"}
 GENERATED = "_pb2.py"  # by protoc, not committed
-MAX_FILE_LINES = 400
 INCLUDE = re.compile(r"\s*#\s*include\b\s*(.*)")
 HEADER = re.compile(r'[<"]([^>"]+)[>"]')
 
@@ -104,25 +133,41 @@ def lines_of(path):
     return path.read_text(encoding="utf-8", errors="replace").splitlines()
 
 
-def room_of(relative):
-    """daemon/device/sim/x.cpp lives in the room "device"."""
-    return relative.parts[1]
-
-
-def known_rooms():
-    return {path.split("/")[1] for path, _, _ in HOUSE} | {"proto"}
-
-
 def applies(row_path, relative):
     """A row is meant for a folder, for one file, or for the files of one name (registry: registry.h, registry.cpp)."""
     name = relative.as_posix()
     return name == row_path or name.startswith(row_path + "/") or name.startswith(row_path + ".")
 
 
+def is_room(row_path):
+    """daemon/device and daemon/device/sim are rooms, because "device" is divided; daemon/core/log.cpp is not."""
+    parts = row_path.split("/")
+    return len(parts) == 2 or (len(parts) == 3 and parts[1] in DIVIDED)
+
+
+def name_of_row(row_path):
+    """The name of the room that a row describes or belongs to."""
+    parts = row_path.split("/")
+    return "/".join(parts[1:3] if len(parts) > 2 and parts[1] in DIVIDED else parts[1:2])
+
+
+ROOM_PATHS = {name_of_row(path): path for path, _, _ in HOUSE if is_room(path)}
+
+
+def room_of(relative):
+    """daemon/device/sim/x.cpp lives in the room "device/sim", daemon/record/xdf/x.cpp in "record"."""
+    within = [room for room, path in ROOM_PATHS.items() if path.count("/") == 2 and applies(path, relative)]
+    if within:
+        return within[0]
+    is_in_unlisted_room = relative.parts[1] in DIVIDED and len(relative.parts) > 3
+    return "/".join(relative.parts[1:3]) if is_in_unlisted_room else relative.parts[1]
+
+
 def allowed_by_house(relative):
-    rooms, third_party, is_listed = {room_of(relative)}, [], False
+    own = room_of(relative)
+    rooms, third_party, is_listed = {own}, [], False
     for row_path, row_rooms, row_third_party in HOUSE:
-        if applies(row_path, relative):
+        if applies(row_path, relative) and name_of_row(row_path) == own:
             is_listed = True
             rooms.update(row_rooms)
             third_party.extend(row_third_party)
@@ -136,11 +181,29 @@ def target_room(root, relative, header):
         return "proto"
     if first == "dts":
         return "libdts"
-    if "/" in header and first in known_rooms():
-        return first
+    if "/" in header and first in ROOM_PATHS:
+        return room_of(pathlib.PurePosixPath(ROOM_PATHS[first]).parent / header)
     if (root / relative.parent / header).is_file():
-        return room_of(relative)
+        return room_of(relative.parent / header)
     return None
+
+
+def edges_of_rooms():
+    """Every room with the rooms that it may include, as all its rows allow, from the bottom to the top."""
+    edges = {}
+    for row_path, rooms, _ in HOUSE:
+        own = edges.setdefault(name_of_row(row_path), [])
+        own.extend(room for room in rooms if room not in own)
+    return edges
+
+
+def arrows_up(_root):
+    """What is wrong with HOUSE itself: an edge to a room that is not below."""
+    findings, below = [], {"proto"}
+    for row_path, rooms, _ in HOUSE:
+        findings.extend(f"HOUSE: {row_path} may not include {room}, which is not below it" for room in rooms if room not in below)
+        below.add(name_of_row(row_path))
+    return findings
 
 
 def is_allowed_outside(header, third_party):
@@ -182,28 +245,58 @@ def forbidden_edges(root):
     return findings
 
 
+def rooms_of(folder):
+    return [room for room, path in ROOM_PATHS.items() if path.startswith(folder + "/")]
+
+
+def edges_text(rooms):
+    return ", ".join(f"`{room}`" for room in rooms) or "nothing of ours"
+
+
+ROOM_ROW = re.compile(r"\| `([a-z_/]+)` \| (.+) \| ([^|]+) \|$")
+
+
+def faults_of_room_tables(root):
+    """daemon/README.md and clients/README.md have one row for each room: | `room` | what it is for | `may`, `include` |."""
+    findings, edges = [], edges_of_rooms()
+    for folder in ROOTS:
+        readme = root / folder / "README.md"
+        told = {match.group(1): match.group(3) for match in map(ROOM_ROW.match, lines_of(readme) if readme.is_file() else []) if match}
+        for room in rooms_of(folder):
+            if room not in told:
+                findings.append(f"{folder}/README.md:1: no row for the room `{room}`")
+            elif told[room] != edges_text(edges[room]):
+                findings.append(f"{folder}/README.md:1: `{room}` may include {edges_text(edges[room])}, not {told[room]}")
+        findings.extend(f"{folder}/README.md:1: there is no room `{room}`" for room in told if room not in rooms_of(folder))
+    return findings
+
+
 def faults_of_files(root):
     findings = []
     for relative in files_below(root, (*ROOTS, "proto", "tests", "cmake", "scripts"), WITH_LICENCE):
-        lines = lines_of(root / relative)
-        if len(lines) > MAX_FILE_LINES:
-            findings.append(f"{relative}:{MAX_FILE_LINES + 1}: {len(lines)} lines, allowed are {MAX_FILE_LINES}: split it by subject")
-        if not any("SPDX-License-Identifier: Apache-2.0" in line for line in lines[:2]):
+        if not any("SPDX-License-Identifier: Apache-2.0" in line for line in lines_of(root / relative)[:2]):
             findings.append(f"{relative}:1: no SPDX-License-Identifier: Apache-2.0 at the top")
     return findings
 
 
 def faults_of_readmes(root):
-    findings = []
-    for room in sorted({pathlib.Path(*file.parts[:2]) for file in files_below(root, ROOTS, CODE) if len(file.parts) > 2}):
-        readme = root / room / "README.md"
-        if not readme.is_file():
-            findings.append(f"{room}:1: no README.md")
-    return findings
+    rooms = sorted({pathlib.Path(*file.parts[:2]) for file in files_below(root, ROOTS, CODE) if len(file.parts) > 2})
+    return [f"{room}:1: no README.md" for room in rooms if not (root / room / "README.md").is_file()]
+
+
+def print_table():
+    for room, rooms in edges_of_rooms().items():
+        print(f"| `{room}` | ? | {edges_text(rooms)} |")
 
 
 def main(arguments):
-    checks = {"edges": [forbidden_edges], "rules": [faults_of_files, faults_of_readmes]}
+    checks = {
+        "edges": [forbidden_edges, arrows_up, faults_of_room_tables],
+        "rules": [faults_of_files, faults_of_readmes],
+    }
+    if len(arguments) == 2 and arguments[0] == "table":
+        print_table()
+        return 0
     if len(arguments) != 2 or arguments[0] not in checks:
         print(__doc__, file=sys.stderr)
         return 2

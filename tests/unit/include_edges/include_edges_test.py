@@ -7,6 +7,7 @@ import io
 import pathlib
 import tempfile
 import unittest
+import unittest.mock
 
 import include_edges
 
@@ -85,16 +86,31 @@ class EdgesTest(TreeTest):
         self.assert_forbidden("daemon/core/result.hpp", "<tl/expected.hpp>")
 
     def test_subfolder_may_more_than_its_room(self):
-        self.assert_allowed("daemon/device/sim/a.cpp", '"physics/plate/plate.h"', '"core/rate.h"')
-        self.assert_forbidden("daemon/device/a.cpp", '"physics/plate/plate.h"')
+        self.assert_allowed("daemon/record/xdf/a.cpp", "<pugixml.hpp>", "<nlohmann/json.hpp>")
+        self.assert_forbidden("daemon/record/a.cpp", "<pugixml.hpp>")
 
-    def test_subfolder_may_not_more_than_its_own_row(self):
+    def test_room_within_a_divided_room_has_only_its_own_row(self):
+        self.assert_allowed("daemon/device/sim/a.cpp", '"sim/daq.h"', '"device/device.h"', '"device/sim/scene.h"')
+        self.assert_forbidden("daemon/device/a.cpp", '"physics/plate/plate.h"')
         self.assert_forbidden("daemon/device/sim/a.cpp", "<libusb-1.0/libusb.h>")
 
+    def test_arrow_up_within_a_divided_room_is_found(self):
+        self.assert_forbidden("daemon/device/device.h", '"device/usb/usb_bus.h"')
+        self.assert_forbidden("daemon/device/sim/a.cpp", '"device/registry.h"')
+        self.assert_forbidden("clients/lab/reach/a.cpp", '"lab/command_tree.h"')
+        self.assert_forbidden("clients/lab/base/a.cpp", '"lab/reach/trial_set.h"')
+
+    def test_arrow_between_rooms_side_by_side_is_found(self):
+        self.assert_forbidden("daemon/device/mcc/a.cpp", '"device/labjack/u6.h"')
+        self.assert_forbidden("clients/lab/cop/a.cpp", '"lab/plate/plate_case.h"')
+
+    def test_unlisted_room_within_a_divided_room_is_found(self):
+        self.assert_forbidden("clients/lab/new/a.cpp", '"lab/base/csv.h"')
+
     def test_row_of_a_name_covers_header_and_source(self):
-        self.assert_allowed("daemon/device/registry.cpp", '"physics/rig_model.h"')
-        self.assert_allowed("daemon/device/registry.h", '"physics/rig_model.h"')
-        self.assert_forbidden("daemon/device/registry_other.h", '"physics/rig_model.h"')
+        self.assert_allowed("daemon/device/registry.cpp", '"device/mcc/entries.h"')
+        self.assert_allowed("daemon/device/registry.h", '"device/mcc/entries.h"')
+        self.assert_forbidden("daemon/device/registry_other.h", '"device/mcc/entries.h"')
 
     def test_clients_see_the_library_but_not_the_daemon(self):
         self.assert_allowed("clients/ctl/a.cpp", "<dts/client.h>", "<CLI/CLI.hpp>", '"dts/v1/control.pb.h"')
@@ -120,12 +136,6 @@ class EdgesTest(TreeTest):
 
 
 class RulesTest(TreeTest):
-    def test_file_of_400_lines_is_allowed_and_401_is_not(self):
-        self.write("daemon/core/a.cpp", LICENCE + "\n" * 399)
-        self.assertEqual(include_edges.faults_of_files(self.root), [])
-        self.write("daemon/core/a.cpp", LICENCE + "\n" * 400)
-        self.assertEqual(len(include_edges.faults_of_files(self.root)), 1)
-
     def test_missing_licence_line_is_found(self):
         self.write("daemon/core/CMakeLists.txt", "dts_library(core)\n")
         self.write("proto/dts/v1/a.proto", 'syntax = "proto3";\n')
@@ -142,13 +152,44 @@ class RulesTest(TreeTest):
         self.assertEqual(include_edges.faults_of_readmes(self.root), [])
 
 
-class MainTest(TreeTest):
+class TableTest(TreeTest):
+    def write_tables(self):
+        for folder in ("daemon", "clients"):
+            rooms = include_edges.rooms_of(folder)
+            edges = include_edges.edges_of_rooms()
+            rows = [f"| `{room}` | what it is for | {include_edges.edges_text(edges[room])} |" for room in rooms]
+            self.write(f"{folder}/README.md", "\n".join(rows) + "\n")
+
+
+class HouseTest(TableTest):
+    def test_house_has_no_arrow_up(self):
+        self.assertEqual(include_edges.arrows_up(self.root), [])
+
+    def test_arrow_up_in_house_is_found(self):
+        rows = [("daemon/core", ["physics"], []), ("daemon/physics", ["core"], [])]
+        with unittest.mock.patch.object(include_edges, "HOUSE", rows):
+            self.assertEqual(include_edges.arrows_up(self.root), ["HOUSE: daemon/core may not include physics, which is not below it"])
+
+    def test_table_in_a_readme_says_what_house_says(self):
+        self.write_tables()
+        self.assertEqual(include_edges.faults_of_room_tables(self.root), [])
+        text = (self.root / "daemon/README.md").read_text(encoding="utf-8")
+        self.write("daemon/README.md", text.replace("| `core`, `physics` |", "| `core` |"))
+        self.assertEqual(include_edges.faults_of_room_tables(self.root), ["daemon/README.md:1: `sim` may include `core`, `physics`, not `core`"])
+        self.write("daemon/README.md", text + "| `util` | what it is for | nothing of ours |\n")
+        self.assertEqual(include_edges.faults_of_room_tables(self.root), ["daemon/README.md:1: there is no room `util`"])
+        self.write("daemon/README.md", "")
+        self.assertIn("daemon/README.md:1: no row for the room `core`", include_edges.faults_of_room_tables(self.root))
+
+
+class MainTest(TableTest):
     def run_main(self, *arguments):
         output = io.StringIO()
         with contextlib.redirect_stdout(output), contextlib.redirect_stderr(io.StringIO()):
             return include_edges.main(list(arguments)), output.getvalue()
 
     def test_exit_status_tells_the_outcome(self):
+        self.write_tables()
         self.write("daemon/core/a.h", LICENCE + "#include <vector>\n")
         self.assertEqual(self.run_main("edges", str(self.root)), (0, ""))
         self.write("daemon/core/a.h", LICENCE + '#include "app/config.h"\n')

@@ -56,7 +56,7 @@ class ControlTest : public session::RecordingsTest {
                                                 KeyCommands{keys_.get(), time_, {}}, authenticator_.get());
     server_ = std::make_unique<ControlServer>(
         std::move(sockets), access::Gate(keys_.get()), *supervisor_, *handler_, *publisher_, time_,
-        core::Log(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_))), 7);
+        core::Log(std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(log_))));
   }
   ~ControlTest() override {
     data_->end();
@@ -132,9 +132,9 @@ class ControlTest : public session::RecordingsTest {
 TEST_F(ControlTest, WhatIsNoRequest_IsAnsweredCountedAndOneLineOfTheLogASecond) {
   const std::string status = request("request_id: 'q' status {}");
   const std::string id64 = std::string(64, 'i');
-  const std::string hint = "\" hint: \"client and daemon may differ in version\" }";
+  const std::string hint = "\" hint: \"compare the versions of client and daemon: dtsctl doctor\" }";
   const std::string frames =
-      "error { code: ERROR_CODE_INVALID_ARGUMENT what: \"a request is one frame, or an empty one and then one" + hint;
+      "error { code: ERROR_CODE_INVALID_ARGUMENT what: \"a request must be one frame, or an empty frame and then one frame" + hint;
   const std::string id = "error { code: ERROR_CODE_INVALID_ARGUMENT what: \"request_id must have 1..64 bytes" + hint;
   const struct {
     std::vector<std::string> frames;
@@ -152,7 +152,7 @@ TEST_F(ControlTest, WhatIsNoRequest_IsAnsweredCountedAndOneLineOfTheLogASecond) 
       {{request("request_id: '" + id64 + "' status {}")}, "request_id: \"" + id64 + "\" status {", false},
       {{request("request_id: '" + id64 + "i' status {}")}, id, true},
       {{request("request_id: 'q'")},
-       "request_id: \"q\" error { code: ERROR_CODE_INVALID_ARGUMENT what: \"the request holds no command",
+       "request_id: \"q\" error { code: ERROR_CODE_INVALID_ARGUMENT what: \"the request contains no command",
        false},
   };
   zmq::socket_t local = client();
@@ -209,12 +209,12 @@ TEST_F(ControlTest, RemoteKey_MayWhatItsRoleMay_AndNotTooOften) {
   zmq::socket_t eve = client(&eve_);
   zmq::socket_t local = client();
   const std::string refused =
-      "request_id: \"q\" error { code: ERROR_CODE_NOT_ALLOWED what: \"this needs the role operator; key:eve has viewer\"";
+      "request_id: \"q\" error { code: ERROR_CODE_NOT_ALLOWED what: \"this command needs the role operator; key:eve has viewer\"";
   EXPECT_EQ(ask(eve, "request_id: 'q' mark { text: 'x' }").substr(0, refused.size()), refused);
   EXPECT_EQ(entries(), (std::vector<std::string>{"key:eve mark  not_allowed"}));
 
   const std::string status = "request_id: 'q' status {}";
-  const std::string too_many = "error { code: ERROR_CODE_LIMIT_EXCEEDED what: \"more than 50 commands a second by key:eve\"";
+  const std::string too_many = "error { code: ERROR_CODE_LIMIT_EXCEEDED what: \"more than 50 commands per second from key:eve\"";
   int admitted = 1;
   std::string got = ask(eve, status);
   for (; got.starts_with("request_id: \"q\" status {") && admitted < 1000; got = ask(eve, status)) ++admitted;
@@ -353,7 +353,7 @@ TEST_F(SilentControlTest, PendingCommand_IsAnsweredToTheNewestAsker_AndWithdrawn
 
   for (int number = 0; number < 64; ++number) send(first, {request("request_id: 'n" + std::to_string(number) + "' tare { rig: 'floor' }")});
   send(first, {request("request_id: 'n64' tare { rig: 'floor' }")});
-  EXPECT_TRUE(answer(first).starts_with("error { code: ERROR_CODE_INVALID_ARGUMENT what: \"too many commands are being waited for"));
+  EXPECT_TRUE(answer(first).starts_with("error { code: ERROR_CODE_INVALID_ARGUMENT what: \"too many commands wait for their answers"));
   time_.advance_s(11);
   for (int number = 0; number < 64; ++number)
     EXPECT_TRUE(answer(first).starts_with("request_id: \"n" + std::to_string(number) + "\" error")) << number;

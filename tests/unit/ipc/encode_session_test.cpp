@@ -4,10 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "dts/wire/event_json.h"
 #include "ipc/command_handler.h"
-#include "ipc/encode_sway.h"
-#include "record/event.h"
-#include "session/sway_record.h"
 #include "unit/ipc/message_text.h"
 
 namespace dts::ipc {
@@ -80,45 +78,32 @@ std::string of_stored(const std::string& event) {
   return text(trial);
 }
 
-TEST(EncodeSession, StoredResult_OfAReachingTrial) {
-  const std::string trial = "result { trial: 4 attempt: 2 condition: " + kClean + " ";
-  const std::string at = R"({"event":"result","segment":0,"scan":0)";
-  const struct {
-    std::string event, expected;
-  } rows[]{
-      {at +
-           R"(,"target_cm":80.5,"expected_class":3,"number":"7","flags":17,"class":2,"trunk_deg":30,"trunk_lo_deg":22.5,"trunk_hi_deg":38,"reasons":16})",
-       "target_cm: 80.5 reach { flags: 17 } movement { trunk_class: 2 trunk_deg: 30 trunk_lo_deg: 22.5 trunk_hi_deg: 38 reasons: 16 } "
-       "expected_class: 3 }"},
-      {at + "}", "expected_class: -1 }"},
-      {at + R"(,"number":7,"class":"-1"})",
-       "reach { } movement { trunk_class: -1 trunk_deg: nan trunk_lo_deg: nan trunk_hi_deg: nan } expected_class: -1 }"},
-      // A file may hold anything.
-      {at + R"(,"number":1,"flags":65535.9,"class":3,"reasons":-1,"expected_class":-1.5})",
-       "reach { flags: 65535 } movement { trunk_class: 3 trunk_deg: nan trunk_lo_deg: nan trunk_hi_deg: nan } expected_class: -1 }"},
-      {at + R"(,"number":1,"flags":65537,"class":3.5,"expected_class":0})",
-       "reach { flags: 65535 } movement { trunk_class: -1 trunk_deg: nan trunk_lo_deg: nan trunk_hi_deg: nan } }"},
-  };
-  for (const auto& row : rows) EXPECT_EQ(of_stored(row.event), trial + row.expected) << row.event;
-  for (const char* none : {"", "{", R"({"event":"reach","segment":0,"scan":0,"number":1})"}) EXPECT_EQ(of_stored(none), "") << none;
+TEST(EncodeSession, StoredResult_IsShownWhole) {
+  const std::string reaching =
+      "result { session_id: \"s1\" trial: 4 attempt: 2 condition: \"150\" target_cm: 80.5 reach { step: REACH_STEP_FINAL number: 3 p1 { "
+      "scan: 600 value_mm: 3.5 } p2 { scan: 650 value_mm: 2.75 } p3 { scan: 800 value_mm: 5 } d1_mm: 0.75 flags: 16 } movement { number: 3 "
+      "trunk_class: 2 probability: [0.125, 0.625, 0.25] trunk_deg: 30 trunk_lo_deg: 22 trunk_hi_deg: 38 reasons: 16 } expected_class: 3 "
+      "is_at_end: true }";
+  const std::string standing =
+      "sway { session_id: \"s1\" trial: 4 attempt: 2 condition: \"eyes-open\" first_scan: 100 end_scan: 2100 rate_hz: 100 is_valid: true "
+      "measures { symbol: \"MVELO_AP\" value: 5.25 unit: \"mm/s\" } }";
+  EXPECT_EQ(of_stored(wire::to_json(message_of<v1::Event>("trial_" + reaching))), reaching);
+  EXPECT_EQ(of_stored(wire::to_json(message_of<v1::Event>(standing))), standing);
 }
 
-TEST(EncodeSession, StoredSway_IsTheLiveOne) {
-  session::SwayTrialResult live{.trial = 4,
-                                .attempt = 2,
-                                .condition = "eyes-open",
-                                .labels = {{"eyes", "open"}},
-                                .segment = 1,
-                                .first_scan = {100},
-                                .end_scan = {2100},
-                                .analysis = posturography::Analysis{}};
-  live.analysis->rate_hz = 100;
-  live.analysis->samples = 2000;
-  live.analysis->duration_s = 20;
-  live.analysis->measures.set(posturography::Measure::MveloAp, 5.25);
-
-  EXPECT_EQ(of_stored(record::to_json(session::to_record(live, "dtsd 1.0"))), "sway { " + text(sway(live, "s1", "dtsd 1.0")) + " }");
-  EXPECT_EQ(of_stored(R"({"event":"sway","segment":0,"scan":0,"trial":4})"), "") << "damaged";
+TEST(EncodeSession, StoredResult_OfAnOlderCatalogueOrOfAStranger) {
+  EXPECT_EQ(
+      of_stored(R"({"event":"result","segment":0,"scan":0,"trial":4,"attempt":2,"condition":"150","target_cm":80.5,"expected_class":3,)"
+                R"("number":7,"flags":17,"class":2,"trunk_deg":30,"trunk_lo_deg":22.5,"trunk_hi_deg":38,"reasons":16})"),
+      "result { session_id: \"s1\" trial: 4 attempt: 2 condition: \"150\" target_cm: 80.5 reach { number: 7 flags: 17 } movement { number: "
+      "7 trunk_class: 2 "
+      "trunk_deg: 30 trunk_lo_deg: 22.5 trunk_hi_deg: 38 reasons: 16 } expected_class: 3 }");
+  EXPECT_EQ(of_stored(R"({"event":"sway","segment":0,"scan":0,"trial":4,"is_valid":false})"),
+            "sway { session_id: \"s1\" trial: 4 is_valid: false }");
+  for (const char* none : {"", "{", R"({"event":"reach","segment":0,"scan":0,"step":"p1","number":1})",
+                           R"({"event":"result","segment":0,"scan":0,"number":1,"flags":-1})", R"({"trial_result":{"reach":7}})"}) {
+    EXPECT_EQ(of_stored(none), "") << none;
+  }
 }
 
 TEST(EncodeSession, RowsBesideTheSession) {

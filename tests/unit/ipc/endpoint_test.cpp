@@ -28,7 +28,7 @@ TEST(Endpoint, LocalAndRemoteOnes_AreToldApartAndRefusedWithAReason) {
   const std::string relative = ": the socket path must be absolute";
   const std::string no_tcp = " is not tcp:// (write tcp://*:5555, or one address of this machine)";
   const std::string no_address =
-      " names no address of this machine (write tcp://*:5555, or the IPv4 address in digits: a name could come to mean another)";
+      " names no address of this machine (write tcp://*:5555, or the IPv4 address in digits: the address of a name can change)";
   const std::string longest = "ipc:///" + std::string(106, 'a');
   const struct {
     std::string endpoint, local, remote;  // what is said of it, "" if it is accepted

@@ -25,7 +25,7 @@ TEST_F(RunTest, WrongUsage_ExitsWithTwoAndSaysWhatWasMeant) {
                                  {{"plate", "solve", "x.toml", "--divisions", "1"}, "from 4 to 200"},
                                  {{"plate", "solve", "x.toml", "--divisions", "5000"}, "from 4 to 200"},
                                  {{"plate", "solve", "x.toml", "--divisions", "40.5"}, "from 4 to 200"},
-                                 {{"plate", "solve", "x.toml", "--plot", "x.pdf"}, "only .svg and .png"},
+                                 {{"plate", "solve", "x.toml", "--plot", "x.pdf"}, "ends in .svg or .png"},
                                  {{"thesis"}, "TABLE is required"},
                                  {{"thesis", "6.5"}, "one of 3.2, 3.3, 3.4, 3.5, 3.6, 4.1, 5.2, 6.2, 6.3, 6.4, or all"},
                                  {{"sway"}, "FILE is required"},
@@ -42,7 +42,7 @@ TEST_F(RunTest, WrongUsage_ExitsWithTwoAndSaysWhatWasMeant) {
 TEST_F(RunTest, EveryCommand_HasHelpWithExamplesBeforeOptions) {
   const auto tree = make_command_tree();
 
-  for (const CLI::App* command : cli::commands_of(tree->line.app)) {
+  for (const CLI::App* command : cli::commands_of(tree->app)) {
     std::vector<std::string> words = cli::shell_words(cli::full_name(*command));
     words.erase(words.begin());
     words.push_back("--help");
@@ -72,13 +72,13 @@ TEST_F(RunTest, HelpAndManualOfSway_NameEveryMeasureWithItsUnitAndEveryFlag) {
 TEST(Examples, OfEveryCommand_AreUnderstood) {
   const auto tree = make_command_tree();
 
-  for (const CLI::App* command : cli::commands_of(tree->line.app)) {
+  for (const CLI::App* command : cli::commands_of(tree->app)) {
     ASSERT_FALSE(cli::examples(*command).empty()) << cli::full_name(*command);
     for (const cli::Example& example : cli::examples(*command)) {
       std::vector<std::string> words = cli::shell_words(example.command);
       ASSERT_EQ(words.front(), "dtslab");
       const auto fresh = make_command_tree();
-      EXPECT_NO_THROW(fresh->line.app.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1))) << example.command;
+      EXPECT_NO_THROW(fresh->app.parse(std::vector<std::string>(words.rbegin(), words.rend() - 1))) << example.command;
     }
   }
 }
@@ -87,7 +87,7 @@ TEST_F(RunTest, Manual_NamesEveryCommandAndHasNoEmptyLine) {
   EXPECT_EQ(run_with({"man"}), cli::kOk);
 
   const auto tree = make_command_tree();
-  for (const CLI::App* command : cli::commands_of(tree->line.app)) {
+  for (const CLI::App* command : cli::commands_of(tree->app)) {
     if (!cli::subcommands(*command).empty()) continue;
     EXPECT_THAT(out(), HasSubstr(".SS " + cli::full_name(*command)));
   }

@@ -111,13 +111,13 @@ TEST_F(ControlClientTest, OnlyGarbage_ErrorSaysThatSomethingElseListens) {
   // The client waits to the end: longer where the fake daemon did not get its turn.
   auto status = client(std::chrono::milliseconds(600)).status();
   for (auto timeout = std::chrono::milliseconds(2000); !status && timeout < testing::kDeadline; timeout *= 4) {
-    if (status.error().what.find("no proper answer") != std::string::npos) break;
+    if (status.error().what.find("no valid answer") != std::string::npos) break;
     status = client(timeout).status();
   }
 
   ASSERT_FALSE(status.has_value());
   EXPECT_EQ(status.error().code, ErrorCode::Unreachable);
-  EXPECT_NE(status.error().what.find("no proper answer"), std::string::npos);
+  EXPECT_NE(status.error().what.find("no valid answer"), std::string::npos);
 }
 
 TEST_F(ControlClientTest, OversizedReply_IsIgnoredAndTheLargestArrives) {
@@ -173,7 +173,8 @@ TEST_F(ControlClientTest, DaemonRefusesWithUnknownCodeOrEndlessText_FailedAndCut
   });
   ControlClient dts = client();
 
-  EXPECT_EQ(dts.stop_session("floor").error(), (Error{ErrorCode::Failed, "the daemon refused and gave no reason", std::string(2000, 'y')}));
+  EXPECT_EQ(dts.stop_session("floor").error(),
+            (Error{ErrorCode::Failed, "the daemon rejected the command and gave no reason", std::string(2000, 'y')}));
   EXPECT_EQ(dts.stop_session("floor").error().what, std::string(2000, 'x'));
 }
 
@@ -269,7 +270,7 @@ TEST_F(ControlClientTest, EveryCommand_CarriesItsArgumentsAndReturnsItsAnswer) {
   for (const Command& command : commands()) {
     SCOPED_TRACE(command.request);
     const std::string other = command.request.starts_with("status") ? "mark { }" : "status { instance_id: 7 }";
-    const std::string wrong = "the daemon's answer does not belong to the command";
+    const std::string wrong = "the answer of the daemon does not match the command";
     play(command.answer);
     if (command.call) {
       EXPECT_EQ(command.answer, command.answer.substr(0, command.answer.find('{') + 2) + command.call(dts) + "}");
@@ -287,10 +288,10 @@ TEST_F(ControlClientTest, EveryCommand_CarriesItsArgumentsAndReturnsItsAnswer) {
     EXPECT_EQ(text_of(dts.forward(testing::from_text<v1::Request>(command.request))), wrong);
   }
   play("session { }");
-  const std::string senseless = "the daemon's answer makes no sense: a session without an id";
+  const std::string senseless = "invalid answer of the daemon: a session has no ID";
   EXPECT_EQ(text_of(dts.stop_session("floor")), senseless);
   EXPECT_EQ(text_of(dts.forward(testing::from_text<v1::Request>("stop_session { }"))), senseless);
-  EXPECT_EQ(text_of(dts.forward({})), "a request without a command, or with one that this version does not know");
+  EXPECT_EQ(text_of(dts.forward({})), "the request has no command that this version knows");
 }
 
 TEST_F(ControlClientTest, TextThatIsNotUtf8_InvalidArgumentAndNothingIsSent) {
@@ -320,21 +321,21 @@ TEST_F(ControlClientTest, Call_TakesAnyCommandWithItsAnswer) {
 
   EXPECT_EQ(dts.call<v1::StatusSnapshot>(v1::StatusRequest())->instance_id(), testing::floor_status().instance_id());
   EXPECT_EQ(dts.call<v1::TareResponse>(v1::StatusRequest()).error().what,
-            "dts.v1.StatusRequest is no command that dts.v1.TareResponse answers");
+            "dts.v1.StatusRequest is not a command with the answer dts.v1.TareResponse");
   EXPECT_EQ(dts.call<v1::TareResponse>(v1::TareResponse()).error().code, ErrorCode::InvalidArgument);
 }
 
 TEST(ControlOptions, AtTheirLimits_AreAcceptedAndNotBeyond) {
   using std::chrono::milliseconds;
   const milliseconds longest = std::chrono::hours(24);
-  const std::string time_out = "a time-out must be between 0.03 and 86400 seconds";
-  const std::vector<std::pair<ControlOptions, std::string>> rows{{{.endpoint = ""}, "the daemon's control address is not known"},
+  const std::string time_out = "the timeout must be from 0.03 s to 86400 s";
+  const std::vector<std::pair<ControlOptions, std::string>> rows{{{.endpoint = ""}, "the control address of the daemon is not known"},
                                                                  {{.timeout = milliseconds(30), .tries = 1}, ""},
                                                                  {{.timeout = longest, .tries = 10}, ""},
                                                                  {{.timeout = milliseconds(29)}, time_out},
                                                                  {{.timeout = longest + milliseconds(1)}, time_out},
-                                                                 {{.tries = 0}, "tries must be 1..10"},
-                                                                 {{.tries = 11}, "tries must be 1..10"}};
+                                                                 {{.tries = 0}, "tries must be from 1 to 10"},
+                                                                 {{.tries = 11}, "tries must be from 1 to 10"}};
   for (auto [options, what] : rows) {
     if (what.find("address") == std::string::npos) options.endpoint = "ipc:///x";
     const auto opened = ControlClient::open(options);

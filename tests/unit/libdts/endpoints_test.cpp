@@ -62,7 +62,7 @@ TEST(Endpoints, ImpossibleAddresses_AreRefusedWithTheReason) {
   const Error none{ErrorCode::InvalidArgument, "", ""};
   const Error no_address{ErrorCode::InvalidArgument, " is not an address", "write ipc:///path/control.sock or tcp://host:port"};
   const Error relative{ErrorCode::InvalidArgument, ": the socket path must be absolute", "write ipc:///run/dtsd/control.sock"};
-  const Error too_long{ErrorCode::InvalidArgument, ": a socket path has at most 107 bytes", "choose a shorter runtime directory"};
+  const Error too_long{ErrorCode::InvalidArgument, ": the socket path is longer than 107 bytes", "choose a shorter runtime directory"};
   const std::vector<std::pair<std::string, Error>> rows{{"ipc://@abstract", none},
                                                         {"tcp://h:1", none},
                                                         {"ipc://" + at_limit, none},
@@ -89,7 +89,7 @@ TEST(Probe, EachStateOfASocket_IsSaid) {
   const testing::TemporaryDirectory directory;
   const std::string endpoint = directory.endpoint("control.sock");
   const Error missing{ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket does not exist",
-                      "start it: systemctl start dtsd, or dtsd --config FILE; is it elsewhere, as that of scripts/demo? set "
+                      "start it: systemctl start dtsd, or dtsd --config FILE; if it uses another directory (scripts/demo prints it), set "
                       "DTSD_RUNTIME_DIR or give --endpoint"};
   EXPECT_EQ(probe(endpoint).error(), missing);
   std::ofstream(directory.path() / "file") << "";
@@ -100,8 +100,8 @@ TEST(Probe, EachStateOfASocket_IsSaid) {
   }
   std::ofstream(directory.path() / "control.sock") << "";
   EXPECT_EQ(probe(endpoint).error(),
-            (Error{ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket is a leftover, nobody listens",
-                   "start it: systemctl start dtsd; see why it ended: journalctl -u dtsd"}));
+            (Error{ErrorCode::Unreachable, "no daemon at " + endpoint + ": the socket exists, but no program listens on it",
+                   "start it: systemctl start dtsd; find out why it ended: journalctl -u dtsd"}));
   for (const std::string other : {"tcp://127.0.0.1:1", "ipc://", "ipc://@abstract"}) EXPECT_TRUE(probe(other)) << other;
   EXPECT_FALSE(probe("ipc:///" + std::string(106, 'x')));
   EXPECT_TRUE(probe("ipc:///" + std::string(107, 'x'))) << "libzmq refuses it";

@@ -200,7 +200,7 @@ TEST_F(InboxTest, RetainedEventSentAgainForAnotherSubscriber_IsHandedOutOnce) {
   EXPECT_EQ(told_of("floor/device", device), 0U);
   EXPECT_EQ(told_of("floor/session", changed), 1U);
   EXPECT_EQ(told_of("floor/session", session), 1U);
-  const auto step = from_text<v1::Event>("instance_id: 7 trial { kind: TRIAL_EVENT_KIND_GO }");
+  const auto step = from_text<v1::Event>("instance_id: 7 trial { step: TRIAL_EVENT_KIND_GO }");
   for (int time = 0; time < 2; ++time) EXPECT_EQ(told_of("floor/trial", step), 1U) << "a step of a trial may come twice";
   give(all, "dtsd/status", floor_status(8));
   EXPECT_EQ(told(all), Lines{"restart 7 8"});

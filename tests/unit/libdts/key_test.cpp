@@ -43,7 +43,7 @@ TEST_F(KeyFile, Written_ReadsBackAndIsForItsOwnerOnlyAndNeverReplaced) {
   EXPECT_NE(key_.public_key, new_key("ward-3")->public_key);
   EXPECT_EQ(fs::status(file_).permissions(), fs::perms(0600));
   EXPECT_EQ(write_new_key(file_, *new_key("other")).error(),
-            (Error{ErrorCode::WrongState, file_ + " exists already", "give another name: --out FILE"}));
+            (Error{ErrorCode::WrongState, file_ + " already exists", "give another name: --out FILE"}));
   EXPECT_EQ(read_key(file_)->secret_key, key_.secret_key);
   const auto nowhere = write_new_key("/nonexistent/a.key", key_);
   EXPECT_EQ(nowhere.error().code, ErrorCode::Failed);
@@ -54,7 +54,8 @@ TEST_F(KeyFile, OpenToOthers_IsRefused) {
   for (const unsigned mode : {0610U, 0604U, 0640U, 0620U, 0601U}) {
     write(key_text(key_), fs::perms(mode));
     EXPECT_EQ(read_key(file_).error(),
-              (Error{ErrorCode::NotAllowed, "key file " + file_ + " is open to others: its secret is none", "chmod 0600 " + file_}))
+              (Error{ErrorCode::NotAllowed, "key file " + file_ + " is readable or writable by other users: its secret is not protected",
+                     "chmod 0600 " + file_}))
         << mode;
   }
 }
@@ -68,21 +69,21 @@ TEST_F(KeyFile, ThatIsNone_IsRefusedWithTheReason) {
   no_z85.secret_key[7] = '~';
   Key short_key = key_;
   short_key.server_public_key.pop_back();
-  const std::string hint = "take the file as dtsctl key new wrote it";
-  for (const auto& [text, what, try_this] : {std::tuple(longest + "x", "key file " + file_ + " is too large to be one", std::string()),
-                                             {"", "key file " + file_ + " cannot be read, or is empty", ""},
-                                             {"name = \"a\"\nb = = 1\n", file_ + ":2:5: is no key file", hint},
-                                             {"name = 1\n", file_ + ": public_key is no key of 40 characters", hint},
-                                             {key_text(no_z85), file_ + ": secret_key is no key of 40 characters", hint},
-                                             {key_text(short_key), file_ + ": server_public_key is no key of 40 characters", hint}}) {
+  const std::string hint = "use an unchanged file from dtsctl key new";
+  for (const auto& [text, what, try_this] : {std::tuple(longest + "x", "key file " + file_ + " is too large for a key file", std::string()),
+                                             {"", "key file " + file_ + " is empty or cannot be read", ""},
+                                             {"name = \"a\"\nb = = 1\n", file_ + ":2:5: not a key file", hint},
+                                             {"name = 1\n", file_ + ": public_key is not a key of 40 characters", hint},
+                                             {key_text(no_z85), file_ + ": secret_key is not a key of 40 characters", hint},
+                                             {key_text(short_key), file_ + ": server_public_key is not a key of 40 characters", hint}}) {
     write(text);
     EXPECT_EQ(read_key(file_).error(), (Error{ErrorCode::InvalidArgument, what, try_this}));
   }
   fs::remove(file_);
   EXPECT_EQ(read_key(file_).error(), (Error{ErrorCode::InvalidArgument, "key file " + file_ + ": No such file or directory",
-                                            "dtsctl key new makes one, on the daemon's machine"}));
+                                            "make a key on the daemon's machine: dtsctl key new"}));
   ASSERT_EQ(::mkfifo(file_.c_str(), 0600), 0);
-  EXPECT_EQ(read_key(file_).error().what, "key file " + file_ + " is no regular file") << "a pipe would be waited for";
+  EXPECT_EQ(read_key(file_).error().what, "key file " + file_ + " is not a regular file") << "a pipe would be waited for";
 }
 
 }  // namespace

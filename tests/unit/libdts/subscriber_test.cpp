@@ -182,17 +182,19 @@ TEST(SubscriberReconnect, DaemonComesBackAtTheSameAddress_BlocksArriveAgain) {
 TEST(SubscriberOptions, AtTheirLimits_AreAcceptedAndNotBeyond) {
   const std::string endpoint = "ipc:///tmp/dts-nobody/data.sock";
   const std::string longest(200, 'x');
-  const std::string too_long = "a topic prefix has at most 200 bytes";
+  const std::string too_long = "a topic prefix is longer than 200 bytes";
   const std::vector<std::pair<SubscriberOptions, Error>> rows{
       {{.endpoint = endpoint, .topics = {longest}, .queue_messages = 1, .reconnect_after = 10ms}, {}},
       {{.endpoint = endpoint, .topics = {""}, .queue_messages = 1'000'000}, {}},
       {{.endpoint = "", .topics = {""}},
-       {ErrorCode::InvalidArgument, "the daemon's data address is not known", "give it: --data URI or DTSD_DATA"}},
-      {{.endpoint = endpoint, .topics = {}}, {ErrorCode::InvalidArgument, "no topic to subscribe to", "\"\" means everything"}},
+       {ErrorCode::InvalidArgument, "the data address of the daemon is not known", "give it with --data URI or DTSD_DATA"}},
+      {{.endpoint = endpoint, .topics = {}},
+       {ErrorCode::InvalidArgument, "no topic to subscribe to", "give a topic prefix; \"\" means every topic"}},
       {{.endpoint = endpoint, .topics = {"", longest + "x"}}, {ErrorCode::InvalidArgument, too_long, ""}},
-      {{.endpoint = endpoint, .topics = {""}, .queue_messages = 0}, {ErrorCode::InvalidArgument, "queue_messages must be 1..1000000", ""}},
+      {{.endpoint = endpoint, .topics = {""}, .queue_messages = 0},
+       {ErrorCode::InvalidArgument, "queue_messages must be from 1 to 1000000", ""}},
       {{.endpoint = endpoint, .topics = {""}, .queue_messages = 1'000'001},
-       {ErrorCode::InvalidArgument, "queue_messages must be 1..1000000", ""}},
+       {ErrorCode::InvalidArgument, "queue_messages must be from 1 to 1000000", ""}},
       {{.endpoint = endpoint, .topics = {""}, .reconnect_after = 9ms},
        {ErrorCode::InvalidArgument, "reconnect_after must be at least 10 ms", ""}},
       {{.endpoint = "pigeon://x", .topics = {""}},

@@ -12,10 +12,10 @@ namespace {
 std::string fault_of(const std::string& answer) {
   const auto checked = check(testing::from_text<v1::Response>(answer));
   if (checked) return "";
-  const std::string begin = "the daemon's answer makes no sense: ";
+  const std::string begin = "invalid answer of the daemon: ";
   EXPECT_EQ(checked.error().code, ErrorCode::DataDamaged);
   EXPECT_EQ(checked.error().what.substr(0, begin.size()), begin);
-  EXPECT_EQ(checked.error().hint, "are dtsd and this program of the same version?");
+  EXPECT_EQ(checked.error().hint, "check that dtsd and this program have the same version");
   return checked.error().what.substr(begin.size());
 }
 
@@ -58,7 +58,7 @@ TEST(WireCheck, ListOfTheGreatestLength_IsAcceptedAndALongerOneIsRefused) {
     for (int count = 0; count < row.most; ++count) elements += row.element;
     EXPECT_EQ(fault_of(row.before + elements + row.after), "");
     EXPECT_EQ(fault_of(row.before + elements + row.element + row.after),
-              std::to_string(row.most + 1) + " " + row.what + ", at most " + std::to_string(row.most) + " are possible");
+              std::to_string(row.most + 1) + " " + row.what + ", more than the limit of " + std::to_string(row.most));
   }
 }
 
@@ -73,46 +73,46 @@ TEST(WireCheck, EachValue_IsAcceptedOrRefusedWithTheReason) {
   const std::vector<std::pair<std::string, std::string>> rows{
       {"error { }", ""},
       {"note_login { }", ""},
-      {"status { }", "no instance id"},
+      {"status { }", "the instance ID is missing"},
       {"status { instance_id: 1 }", ""},
       {"status { instance_id: 1 rigs { rig { name: 'floor' } session { } } }", ""},
-      {"status { instance_id: 1 rigs { } }", "a rig without a proper name"},
+      {"status { instance_id: 1 rigs { } }", "a rig has no valid name"},
       {"rigs { rigs { name: '" + longest + "' } }", ""},
-      {"rigs { rigs { name: '" + longest + "x' } }", "a rig without a proper name"},
-      {"rigs { rigs { name: 'floor' } rigs { name: 'a/b' } }", "a rig without a proper name"},
-      {"rigs { rigs { name: 'floor' streams { " + rate + "channels { } } } }", "a stream without a proper name"},
-      {rig + "channels { } } } }", "stream 'cop' has an impossible rate"},
+      {"rigs { rigs { name: '" + longest + "x' } }", "a rig has no valid name"},
+      {"rigs { rigs { name: 'floor' } rigs { name: 'a/b' } }", "a rig has no valid name"},
+      {"rigs { rigs { name: 'floor' streams { " + rate + "channels { } } } }", "a stream has no valid name"},
+      {rig + "channels { } } } }", "stream 'cop' has an invalid rate"},
       {rig + rate + "} } }", "stream 'cop' has no channels"},
       {disk + "state: 4 recordable_s: 0 } }", ""},
-      {disk + "state: 99 } }", "a disk in an unknown state"},
+      {disk + "state: 99 } }", "the state of the disk is unknown"},
       {disk + "recordable_s: -1 } }", "the recordable time is -1.000000"},
       {disk + "recordable_s: nan } }", "the recordable time is nan"},
       {disk + "recordable_s: inf } }", "the recordable time is inf"},
       {trial + "phase: 6 } } } }", ""},
-      {trial + "phase: 7 } } } }", "a trial in an unknown phase"},
-      {"trial { phase: 7 }", "a trial in an unknown phase"},
+      {trial + "phase: 7 } } } }", "the phase of a trial is unknown"},
+      {"trial { phase: 7 }", "the phase of a trial is unknown"},
       {"trial { next_target_cm: -1 }", "a trial's target is -1.000000"},
       {"trial { remaining_s: -1 }", "a trial's time is -1.000000"},
-      {"session { }", "a session without an id"},
+      {"session { }", "a session has no ID"},
       {"session { session_id: 's' }", ""},
-      {"session { session_id: 's' trial { phase: 7 } }", "a trial in an unknown phase"},
-      {"session_record { }", "a session without an id"},
-      {"sessions { sessions { session_id: 's' } sessions { } sessions { session_id: 's' } }", "a session without an id"},
-      {part + "} }", "a recording in an unknown state"},
-      {part + "state: -1 } }", "a recording in an unknown state"},
-      {part + "state: 7 } }", "a recording in an unknown state"},
+      {"session { session_id: 's' trial { phase: 7 } }", "the phase of a trial is unknown"},
+      {"session_record { }", "a session has no ID"},
+      {"sessions { sessions { session_id: 's' } sessions { } sessions { session_id: 's' } }", "a session has no ID"},
+      {part + "} }", "the state of a recording is unknown"},
+      {part + "state: -1 } }", "the state of a recording is unknown"},
+      {part + "state: 7 } }", "the state of a recording is unknown"},
       {part + "state: 6 } }", ""},
-      {part + "state: 6 } parts { } parts { state: 6 } }", "a recording in an unknown state"},
-      {part + "state: 6 duration_s: nan } }", "the length of a recording is nan"},
-      {part + "state: 6 lost_s_at_most: -1 } }", "what a recording lost is -1.000000"},
-      {"protocols { protocols { } protocols { name: 'free' } }", "a protocol without a proper name"},
+      {part + "state: 6 } parts { } parts { state: 6 } }", "the state of a recording is unknown"},
+      {part + "state: 6 duration_s: nan } }", "the duration of a recording is nan"},
+      {part + "state: 6 lost_s_at_most: -1 } }", "the lost time of a recording is -1.000000"},
+      {"protocols { protocols { } protocols { name: 'free' } }", "a protocol has no valid name"},
       {protocol + "settle_s: -1 } protocols { name: 'b' } }", "the settling time of protocol 'free' is -1.000000"},
-      {protocol + "duration_s: inf } }", "the length of protocol 'free' is inf"},
+      {protocol + "duration_s: inf } }", "the duration of protocol 'free' is inf"},
       {protocol + "settle_s: 1 duration_s: 1 fields { minimum: -1 maximum: -1 } } }", ""},
-      {protocol + "fields { } fields { name: 'age' minimum: 2 maximum: 1.9 } fields { } } }", "field 'age' without a range"},
-      {protocol + "fields { name: 'age' minimum: nan } } }", "field 'age' without a range"},
-      {protocol + "fields { name: 'age' minimum: -inf } } }", "field 'age' without a range"},
-      {protocol + "fields { name: 'age' maximum: inf } } }", "field 'age' without a range"}};
+      {protocol + "fields { } fields { name: 'age' minimum: 2 maximum: 1.9 } fields { } } }", "field 'age' has no valid range"},
+      {protocol + "fields { name: 'age' minimum: nan } } }", "field 'age' has no valid range"},
+      {protocol + "fields { name: 'age' minimum: -inf } } }", "field 'age' has no valid range"},
+      {protocol + "fields { name: 'age' maximum: inf } } }", "field 'age' has no valid range"}};
   for (const auto& [answer, fault] : rows) EXPECT_EQ(fault_of(answer), fault) << answer;
 }
 

@@ -124,7 +124,7 @@ TEST(SensorCurveInput, WhatIsNoCurve_IsRefusedWithThePoint) {
     expect_curve_refused({{{4.0}, {3.0}}, {{bad}, {2.0}}}, "point 1", "finite");
     expect_curve_refused({{{4.0}, {bad}}, {{5.0}, {2.0}}}, "point 0", "finite");
   }
-  expect_curve_refused({{{4.0}, {3.0}}, {{5.0}, {3.0 - 1e-9}}, {{6.0}, {1.0}}}, "nearly flat", "above 0.0001");
+  expect_curve_refused({{{4.0}, {3.0}}, {{5.0}, {3.0 - 1e-9}}, {{6.0}, {1.0}}}, "nearly flat", "above 5e-05 mm");
   expect_curve_refused({{{-1e308}, {3.0}}, {{1e308}, {2.0}}}, "mm", "");
   expect_curve_refused({{{4.0}, {-1e308}}, {{5.0}, {0.0}}, {{6.0}, {1e308}}}, "mm", "");
 }

@@ -127,7 +127,7 @@ TEST(PipelineState, ImpossibleNumber_NamesTheStageAndLeavesAFreshPipeline) {
   const auto restored = damaged->restore(state, 0, {300});
 
   ASSERT_FALSE(restored);
-  EXPECT_THAT(restored.error().what, HasSubstr("state of stage cop is impossible"));
+  EXPECT_THAT(restored.error().what, HasSubstr("state of stage cop is not valid"));
   EXPECT_EQ(damaged.run(0, 30), expected);
   state = original.save();
   state.front() = std::numeric_limits<double>::quiet_NaN();

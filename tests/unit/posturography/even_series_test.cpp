@@ -251,13 +251,13 @@ TEST(EvenSeries, WhatIsNoSeriesIsRefused) {
   EXPECT_EQ(refusal(three, 3, 3, 2), uneven);
   EXPECT_EQ(refusal({1.0, 2.0, 2.0}, 3, 3), "the time of row 3 is not later than that of the row before");
   EXPECT_EQ(refusal({1.0, 0.5, 2.0}, 3, 3), "the time of row 2 is not later than that of the row before");
-  EXPECT_EQ(refusal({1.0, kNaN, 2.0}, 3, 3), "the time of row 2 is no number");
-  EXPECT_EQ(refusal({0.0, 1.0, kInfinity}, 3, 3), "the time of row 3 is no number");
-  EXPECT_EQ(refusal({-1.7e308, 0.0, 1.7e308}, 3, 3), "times that are no times in seconds");
-  EXPECT_EQ(refusal({0.0, 5e-324, 1e-323}, 3, 3), "times that are no times in seconds");
+  EXPECT_EQ(refusal({1.0, kNaN, 2.0}, 3, 3), "the time of row 2 is not a number");
+  EXPECT_EQ(refusal({0.0, 1.0, kInfinity}, 3, 3), "the time of row 3 is not a number");
+  EXPECT_EQ(refusal({-1.7e308, 0.0, 1.7e308}, 3, 3), "the times are not valid times in seconds");
+  EXPECT_EQ(refusal({0.0, 5e-324, 1e-323}, 3, 3), "the times are not valid times in seconds");
   for (const double hole_s : {1e5, 1e9, 1e30, 1e300})
     EXPECT_EQ(refusal({0.0, 0.001, 0.002, 0.003, 0.004, hole_s}, 6, 6),
-              "6 rows over " + std::to_string(hole_s) + " s: the holes are too long; cut the file at its longest hole")
+              "6 rows over " + std::to_string(hole_s) + " s: the gaps are too long; cut the file at its longest gap")
         << hole_s;
 }
 

@@ -195,9 +195,9 @@ TEST(Prepare, WhatCannotBeAnalysedIsRefused) {
             "only 1 samples (0.010000 s) are left of the centre of pressure, and 2 are needed");
   EXPECT_EQ(refusal(ramp(), {.profile = Profile::AsIs, .trim_s = 9.98}), "");
   EXPECT_EQ(refusal(ramp(), {.profile = Profile::AsIs, .trim_s = 1e300}), "there is no sample of the centre of pressure");
-  EXPECT_EQ(refusal(ramp(), {.profile = Profile::AsIs, .trim_s = kNaN}), "no settling time");
-  EXPECT_EQ(refusal(ramp(), {.analysis_rate_hz = -1.0}), "no rate of analysis");
-  EXPECT_EQ(refusal(ramp(), {.profile = static_cast<Profile>(9)}), "no such profile");
+  EXPECT_EQ(refusal(ramp(), {.profile = Profile::AsIs, .trim_s = kNaN}), "the settling time is not valid");
+  EXPECT_EQ(refusal(ramp(), {.analysis_rate_hz = -1.0}), "the rate of the analysis is not valid");
+  EXPECT_EQ(refusal(ramp(), {.profile = static_cast<Profile>(9)}), "unknown profile");
 }
 
 TEST(Prepare, LoadThatGoesAway_IsSteppingOff) {

@@ -3,22 +3,27 @@
 
 #include <gtest/gtest.h>
 
+#include "support/event_text.h"
+
 namespace dts::record {
 namespace {
 
 using core::GapReason;
 
-RecordedEvent segment(std::uint32_t number, const std::string& reason, std::int64_t missing) {
-  return {.event = "segment", .segment = number, .values = {{"reason", reason}, {"missing_scans", missing}}};
+using test::event_of;
+
+v1::Event segment(std::uint32_t number, const std::string& reason, std::uint64_t missing) {
+  return event_of("segment: " + std::to_string(number) + " segment_start { reason: " + reason +
+                  " missing_scans: " + std::to_string(missing) + " }");
 }
 
 TEST(LossCounter, CountsSegmentsAfterAGapAndWhatTheRecorderLost_NotWhatWasBeforeTheRecording) {
   LossCounter counter;
-  counter.take(segment(3, "unplugged", 900));  // the recording begins here
-  counter.take(segment(4, "overrun", 500));
-  counter.take({.event = "loss", .segment = 4, .values = {{"scans", std::int64_t{60}}}});
-  counter.take({.event = "marker", .segment = 4, .values = {{"missing_scans", std::int64_t{7}}}});
-  counter.take(segment(5, "overrun", 20));
+  counter.take(segment(3, "GAP_REASON_UNPLUGGED", 900));  // the recording begins here
+  counter.take(segment(4, "GAP_REASON_OVERRUN", 500));
+  counter.take(event_of("segment: 4 loss { scans: 60 }"));
+  counter.take(event_of("segment: 4 gap { missing_scans: 7 }"));
+  counter.take(segment(5, "GAP_REASON_OVERRUN", 20));
 
   EXPECT_EQ(counter.losses().of(GapReason::Overrun), (core::LossCount{.gaps = 2, .scans = 520}));
   EXPECT_EQ(counter.losses().of(GapReason::RingFull), (core::LossCount{.gaps = 1, .scans = 60}));
@@ -27,8 +32,8 @@ TEST(LossCounter, CountsSegmentsAfterAGapAndWhatTheRecorderLost_NotWhatWasBefore
 
 TEST(LossCounter, WhatAFileSaysWrongly_CountsAsAGapOfUnknownReasonAndLength) {
   LossCounter counter;
-  counter.take({.event = "segment"});
-  counter.take(segment(1, "magic", -5));
+  counter.take(event_of("segment_start {}"));
+  counter.take(event_of("segment_start { reason: 99 }"));
   EXPECT_EQ(counter.losses().of(GapReason::None), (core::LossCount{.gaps = 1, .scans = 0}));
 }
 

@@ -13,6 +13,7 @@
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "record/xdf/xdf_reader.h"
+#include "support/event_text.h"
 #include "unit/record/recording_text.h"
 
 namespace dts::record {
@@ -118,7 +119,7 @@ class RecorderTest : public testing::Test {
 
 TEST_F(RecorderTest, Frames_EveryScanComesBackAtItsPlaceWithItsValue) {
   auto recorder = this->recorder();
-  for (std::uint64_t first = 100; first < 1100; first += 20) ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first))));
+  for (std::uint64_t first = 100; first < 1100; first += 20) ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first)), {}));
 
   const auto recording = Recording::open(close(*recorder)).value();
 
@@ -142,7 +143,7 @@ TEST_F(RecorderTest, DriftingClock_TimeAxisHasNoJitterAndOffsetsTellTheDrift) {
   auto recorder = this->recorder();
   for (std::uint64_t first = 0; first < 12'000; first += 20) {
     const auto drift_ns = static_cast<std::int64_t>(first) * 50;  // 50 ppm, with jitter of the host's estimate
-    ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first) + drift_ns + static_cast<std::int64_t>(first % 7) * 1000)));
+    ASSERT_TRUE(recorder->take(frame(0, first, 20, host_ns(first) + drift_ns + static_cast<std::int64_t>(first % 7) * 1000), {}));
   }
 
   const std::string file = close(*recorder);
@@ -174,21 +175,21 @@ TEST_F(RecorderTest, DriftingClock_TimeAxisHasNoJitterAndOffsetsTellTheDrift) {
 
 TEST_F(RecorderTest, Gap_StartsASegmentWhoseEventSaysWhy) {
   auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take(frame(0, 0, 4, host_ns(0))));
+  ASSERT_TRUE(recorder->take(frame(0, 0, 4, host_ns(0)), {}));
   core::Frame& after = frame(1, 0, 4, host_ns(540));
   after.gap_before = {.reason = core::GapReason::Overrun, .missing_scans = 500, .is_exact = true};
   after.streams[kCop].column(0)[1] = std::numeric_limits<double>::quiet_NaN();
-  ASSERT_TRUE(recorder->take(after));
+  ASSERT_TRUE(recorder->take(after, {}));
 
   EXPECT_EQ(text(*recorder),
-            "event @8000.000000123 {\"event\":\"segment\",\"segment\":0,\"scan\":0,\"host_time_ns\":8000000000123}\n"
+            "event @8000.000000123 {\"host_time_ns\":\"8000000000123\",\"segment_start\":{}}\n"
             "raw 0:0 @8000.000000123 0 100 0.0009765625 100.0009765625 0.001953125 100.001953125 0.0029296875 100.0029296875\n"
             "quality 0:0 @8000.000000123 0 0 0\n"
             "cop 0:0 @8000.000000123 1000 1000.000976562\n"
             "aux 0:0 @8000.000000123 2000 2000.000976562 2000.001953125 2000.002929688\n"
             "event @8000.540000123 "
-            "{\"event\":\"segment\",\"segment\":1,\"scan\":0,\"host_time_ns\":8000540000123,\"reason\":\"overrun\",\"missing_scans\":500,"
-            "\"is_exact\":true}\n"
+            "{\"segment\":1,\"host_time_ns\":\"8000540000123\",\"segment_start\":{\"reason\":\"GAP_REASON_OVERRUN\","
+            "\"missing_scans\":\"500\",\"is_exact\":true}}\n"
             "offset @8000.540000123 raw 0\n"
             "offset @8000.540000123 cop 0\n"
             "offset @8000.540000123 aux 0\n"
@@ -204,13 +205,13 @@ TEST_F(RecorderTest, Gap_IsALossThatWriterAndReadersTellAlike) {
   auto recorder = this->recorder();
   core::Frame& first = frame(2, 0, 40, host_ns(0));
   first.gap_before = {.reason = core::GapReason::Unplugged, .missing_scans = 9, .is_exact = true};  // before the recording
-  ASSERT_TRUE(recorder->take(first));
+  ASSERT_TRUE(recorder->take(first, {}));
   core::Frame& after = frame(3, 0, 40, host_ns(540));
   after.gap_before = {.reason = core::GapReason::Overrun, .missing_scans = 500, .is_exact = true};
-  ASSERT_TRUE(recorder->take(after));
+  ASSERT_TRUE(recorder->take(after, {}));
   after.gap_before = {};
-  ASSERT_TRUE(recorder->take(frame(3, 50, 10, host_ns(590))));  // the recorder was too slow for ten scans
-  recorder->note_loss(5);                                       // and for five at the end
+  ASSERT_TRUE(recorder->take(frame(3, 50, 10, host_ns(590)), {}));  // the recorder was too slow for ten scans
+  recorder->note_loss(5);                                           // and for five at the end
   ASSERT_TRUE(recorder->flush());
 
   core::Losses expected;
@@ -226,14 +227,12 @@ TEST_F(RecorderTest, Gap_IsALossThatWriterAndReadersTellAlike) {
   EXPECT_NEAR(verify(file).value().duration_s, 0.6, 1e-9);
 }
 
-RecordedEvent event(const std::string& kind, std::uint32_t segment, std::uint64_t scan, const std::string& text) {
-  return {.event = kind, .segment = segment, .scan = {scan}, .values = {{"text", text}}};
-}
+using test::event_of;
 
 TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScanInTheirOrder) {
   auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take(event("marker", 0, 15, "before anything was recorded")));
-  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
+  ASSERT_TRUE(recorder->take(event_of("scan: 15 marker { text: 'before anything was recorded' }")));
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0)), {}));
   const std::vector<core::Event> events{
       core::TriggerEvent{.segment = 0, .scan = {47}, .is_rising = true},
       core::ReachEvent{.step = core::ReachStep::P3, .number = 2, .scan = {50}},
@@ -242,37 +241,31 @@ TEST_F(RecorderTest, Events_StandOnTheTimeOfTheirScanInTheirOrder) {
   ASSERT_TRUE(recorder->take(frame(0, 40, 20, host_ns(40)), events));
 
   EXPECT_EQ(text(*recorder, "event"),
-            "event @8000.000000123 {\"event\":\"segment\",\"segment\":0,\"scan\":0,\"host_time_ns\":8000000000123}\n"
-            "event @8000.015000123 {\"event\":\"marker\",\"segment\":0,\"scan\":15,\"text\":\"before anything was recorded\"}\n"
-            "event @8000.047000123 {\"event\":\"trigger\",\"segment\":0,\"scan\":47,\"edge\":\"rising\"}\n"
-            "event @8000.050000123 "
-            "{\"event\":\"reach\",\"segment\":0,\"scan\":50,\"step\":\"p3\",\"number\":2,\"p1_scan\":0,\"p1_mm\":null,\"p2_scan\":0,\"p2_"
-            "mm\":null,\"p3_scan\":0,\"p3_mm\":null,\"hold_mm\":null,\"rise_s\":null,\"rest_ratio\":null,\"ratio_change\":null,\"twist\":"
-            "null,\"smoothness\":null,\"flags\":0,\"resumed\":0}\n"
-            "event @8000.058000123 "
-            "{\"event\":\"reach\",\"segment\":0,\"scan\":58,\"step\":\"final\",\"number\":2,\"p1_scan\":0,\"p1_mm\":null,\"p2_scan\":0,"
-            "\"p2_mm\":null,\"p3_scan\":0,\"p3_mm\":null,\"hold_mm\":null,\"rise_s\":null,\"rest_ratio\":null,\"ratio_change\":null,"
-            "\"twist\":null,\"smoothness\":null,\"flags\":0,\"resumed\":0}\n"
-            "event @8000.058000123 "
-            "{\"event\":\"class\",\"segment\":0,\"scan\":58,\"number\":2,\"class\":2,\"p_1\":0.0,\"p_2\":0.0,\"p_3\":0.0,\"trunk_deg\":"
-            "null,\"trunk_lo_deg\":null,\"trunk_hi_deg\":null,\"reasons\":0}\n");
+            R"(event @8000.000000123 {"host_time_ns":"8000000000123","segment_start":{}}
+event @8000.015000123 {"scan":"15","marker":{"text":"before anything was recorded"}}
+event @8000.047000123 {"scan":"47","trigger":{"edge":"TRIGGER_EDGE_RISING"}}
+event @8000.050000123 {"scan":"50","reach":{"step":"REACH_STEP_P3","number":2}}
+event @8000.058000123 {"scan":"58","reach":{"step":"REACH_STEP_FINAL","number":2}}
+event @8000.058000123 {"scan":"58","movement":{"number":2,"trunk_class":2,"probability":[0,0,0]}}
+)");
 }
 
 TEST_F(RecorderTest, EventsOfOtherSegments_StandAtTheFirstOrTheLastScan) {
   auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take(event("session", 3, 900, "before the recording")));
-  ASSERT_TRUE(recorder->take(frame(4, 20, 40, host_ns(20))));
-  ASSERT_TRUE(recorder->take(event("device", 5, 0, "never came")));
+  ASSERT_TRUE(recorder->take(event_of("segment: 3 scan: 900 session { message: 'before the recording' }")));
+  ASSERT_TRUE(recorder->take(frame(4, 20, 40, host_ns(20)), {}));
+  ASSERT_TRUE(recorder->take(event_of("segment: 5 device { message: 'never came' }")));
 
   EXPECT_EQ(text(*recorder, "event"),
-            "event @8000.020000123 {\"event\":\"segment\",\"segment\":4,\"scan\":20,\"host_time_ns\":8000020000123}\n"
-            "event @8000.020000123 {\"event\":\"session\",\"segment\":4,\"scan\":20,\"text\":\"before the recording\"}\n"
-            "event @8000.060000123 {\"event\":\"device\",\"segment\":5,\"scan\":0,\"text\":\"never came\"}\n");
+            R"(event @8000.020000123 {"segment":4,"scan":"20","host_time_ns":"8000020000123","segment_start":{}}
+event @8000.020000123 {"segment":4,"scan":"20","session":{"message":"before the recording"}}
+event @8000.060000123 {"segment":5,"device":{"message":"never came"}}
+)");
 }
 
 TEST_F(RecorderTest, NoScanAtAll_TheFileSaysSoWithItsEvents) {
   auto recorder = Recorder::create(file_, {.session_id = "s", .rig = "floor", .started_utc_ns = 9'000'000'000}, streams()).value();
-  ASSERT_TRUE(recorder->take({.event = "session", .segment = 0, .scan = {0}, .values = {{"state", std::string("starting")}}}));
+  ASSERT_TRUE(recorder->take(event_of("session { state: SESSION_STATE_STARTING }")));
   ASSERT_TRUE(recorder->flush());
   ASSERT_TRUE(recorder->close("the device delivered no scan"));
 
@@ -288,7 +281,7 @@ TEST_F(RecorderTest, Quality_StandsInTheFileWhereverItChanges) {
   core::Frame& bad = frame(0, 0, 40, host_ns(0));
   for (std::size_t i = 10; i < 13; ++i) bad.streams[kRaw].quality(1)[i] = core::quality::kRail;
   bad.streams[kAux].quality(0)[39] = core::quality::kNoContact;
-  ASSERT_TRUE(recorder->take(bad));
+  ASSERT_TRUE(recorder->take(bad, {}));
 
   EXPECT_EQ(text(*recorder, "quality"),
             "quality 0:0 @8000.000000123 0 0 0\n"
@@ -299,20 +292,20 @@ TEST_F(RecorderTest, Quality_StandsInTheFileWhereverItChanges) {
 
 TEST_F(RecorderTest, FramesThatNeverCame_AreALossThatTheFileTells) {
   auto recorder = this->recorder();
-  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
-  ASSERT_TRUE(recorder->take(frame(0, 41, 40, host_ns(41))));
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0)), {}));
+  ASSERT_TRUE(recorder->take(frame(0, 41, 40, host_ns(41)), {}));
   ASSERT_TRUE(recorder->flush());
 
   EXPECT_EQ(recorder->lost_scans(), 1U);
   const std::string file = recorder->close("").value().file;
 
-  EXPECT_EQ(verify(file).value().incomplete, "1 scans found no room on the way to the file");
+  EXPECT_EQ(verify(file).value().incomplete, "1 scans were dropped: the queue to the recorder was full");
 }
 
 TEST_F(RecorderTest, StageState_StandsInTheRawStreamsHeader) {
   auto recorder = this->recorder();
   recorder->set_stage_state(std::array{0.1, -3.0, std::numeric_limits<double>::quiet_NaN()});
-  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0))));
+  ASSERT_TRUE(recorder->take(frame(0, 0, 40, host_ns(0)), {}));
 
   const auto recording = Recording::open(close(*recorder)).value();
 

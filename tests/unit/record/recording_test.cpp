@@ -42,13 +42,13 @@ TEST(Recording, Overview_KnowsStreamsSessionAndCounts) {
 
 /// The small recording without its last chunk. It starts at raw scan 40; cop, of half the rate, counts its own: 20.
 const std::string kSmallItems =  // NOLINT(cert-err58-cpp)
-    "event @1000 {\"event\":\"segment\",\"segment\":0,\"scan\":40}\n"
+    "event @1000 {\"scan\":\"40\",\"segment_start\":{}}\n"
     "raw 0:40 @1000 1 -1 2 -2 3 -3 4 -4\n"
     "cop 0:20 @1000 0.5 0.25\n"
     "quality 0:42 @1000.02 3\n"
     "raw 0:44 @1000.04 1 -1 2 -2 3 -3 4 -4\n"
     "offset @1000.05 raw -1.5e-06\n"
-    "event @1000.5 {\"event\":\"segment\",\"segment\":1,\"scan\":0}\n"
+    "event @1000.5 {\"segment\":1,\"segment_start\":{}}\n"
     "raw 1:0 @1000.5 1 -1 2 -2 3 -3 4 -4\n";
 
 TEST(Recording, Items_ComeAsTheyWereWrittenAndAgainAfterRewind) {
@@ -112,7 +112,7 @@ TEST(Recording, FactsOfANewerFormat_AreToldNotBelieved) {
   const auto recording = open(folder / "a.xdf");
 
   EXPECT_FALSE(recording->session());
-  EXPECT_EQ(recording->damage(), "the fact format_version is '2', only 1 is known");
+  EXPECT_EQ(recording->damage(), "the fact format_version is '2', only 1 is supported");
 }
 
 std::string foreign_samples(std::uint32_t stream, const std::vector<double>& times_s) {
@@ -146,8 +146,8 @@ TEST(Recording, ForeignFile_StampsOffTheGridStartSegments) {
             "EEG 1:0 @7 7 7.099999904633\n"
             "EEG 1:2 @7.2 7.199999809265 7.300000190735\n"
             "EEG 2:0 @6 6\n"
-            "event @7.19 {\"event\":\"marker\",\"segment\":1,\"scan\":2,\"text\":\"press\xEF\xBF\xBD\"}\n"
-            "event @5.1 {\"event\":\"trigger\",\"segment\":0,\"scan\":9}\n");
+            "event @7.19 {\"segment\":1,\"scan\":\"2\",\"marker\":{\"text\":\"press\xEF\xBF\xBD\"}}\n"
+            "event @5.1 {\"scan\":\"9\",\"trigger\":{}}\n");
 }
 
 /// As LabRecorder writes: pretty-printed XML, headers first, a boundary, clock offsets per stream, chunks whose first sample alone has a
@@ -197,7 +197,7 @@ TEST(Recording, FileOfLabRecorder_IsReadAndVerified) {
             "offset @100 ActiChamp-0 0.25\n"
             "ActiChamp-0 0:3 @100.03 0 1 2\n"
             "offset @100.03 ActiChamp-0 0.25\n"
-            "event @100.02 {\"event\":\"marker\",\"segment\":0,\"scan\":2,\"text\":\"SPACE pressed\"}\n");
+            "event @100.02 {\"scan\":\"2\",\"marker\":{\"text\":\"SPACE pressed\"}}\n");
   const auto checked = verify(folder / "a.xdf");
   ASSERT_TRUE(checked) << checked.error().what;
   EXPECT_TRUE(checked->is_closed);
@@ -220,7 +220,7 @@ TEST(Recording, MarkersOnly_OpenWithoutARate) {
   put_file(folder / "a.xdf",
            file_start() + header_chunk(2, "string", "0", "1", "events") + foreign_marker(2, 7.0, R"({"event":"segment","segment":1})"));
 
-  EXPECT_EQ(items_text(*open(folder / "a.xdf")), "event @7 {\"event\":\"segment\",\"segment\":1,\"scan\":0}\n");
+  EXPECT_EQ(items_text(*open(folder / "a.xdf")), "event @7 {\"segment\":1,\"segment_start\":{}}\n");
 }
 
 TEST(Recording, NotEvenAFileHeader_Fails) {

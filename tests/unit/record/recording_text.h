@@ -8,6 +8,7 @@
 #include <sstream>
 #include <string>
 
+#include "dts/wire/event_json.h"
 #include "record/recording.h"
 
 namespace dts::record {
@@ -33,7 +34,7 @@ inline std::string items_text(Recording& recording, const std::string& only = ""
     if (const auto* change = std::get_if<RecordedChange>(&**item)) {
       put(change->stream, change->segment, change->scan, change->time_s, change->values);
     }
-    if (const auto* event = std::get_if<TimedEvent>(&**item)) text << "event @" << event->time_s << ' ' << to_json(event->event);
+    if (const auto* event = std::get_if<TimedEvent>(&**item)) text << "event @" << event->time_s << ' ' << wire::to_json(event->event);
     if (const auto* offset = std::get_if<RecordedOffset>(&**item)) {
       text << "offset @" << offset->time_s << ' ' << short_name(recording.streams().at(offset->stream).name) << ' ' << offset->offset_s;
     }

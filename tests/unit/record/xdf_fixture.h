@@ -16,7 +16,6 @@
 #include <variant>
 #include <vector>
 
-#include "record/event.h"
 #include "record/session_facts.h"
 #include "record/xdf/byte_codec.h"
 #include "record/xdf/xdf_reader.h"
@@ -47,8 +46,8 @@ class Folder {
   std::filesystem::path path_;
 };
 
-/// Tests of damage at every byte of a file take every fifth under sanitizers: numbers have 2, 4 and 8 bytes, so that each of a number's bytes
-/// gets its turn.
+/// Tests of damage at every byte of a file take every fifth under sanitizers: numbers have 2, 4 and 8 bytes, so that each of a number's
+/// bytes gets its turn.
 inline constexpr std::size_t kByteStep = dts::test::kIsSanitized ? 5 : 1;
 
 inline std::string bytes_of(const std::string& file) {
@@ -101,8 +100,10 @@ inline std::unique_ptr<XdfWriter> small_recording(const std::string& name, doubl
   const std::vector<double> four_scans = {1, -1, 2, -2, 3, -3, 4, -4};
   const std::vector<double> two_values = {0.5, 0.25};
   const auto segment = [&](std::uint32_t number, std::uint64_t first_scan, double time_s) {
-    const RecordedEvent event{.event = "segment", .segment = number, .scan = {first_scan}};
-    const std::vector<std::pair<double, std::string>> texts = {{time_s, to_json(event)}};
+    // As dtsd 0.1 recorded it: tests know the length of the file to the byte.
+    const std::string event =
+        "{\"event\":\"segment\",\"segment\":" + std::to_string(number) + ",\"scan\":" + std::to_string(first_scan) + "}";
+    const std::vector<std::pair<double, std::string>> texts = {{time_s, event}};
     return file.write_texts(events, texts, {.segment = number, .first_scan = {first_scan}});
   };
   const std::vector<double> quality_times_s = {start_s + 0.02};

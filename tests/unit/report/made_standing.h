@@ -6,12 +6,13 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "record/event.h"
+#include "dts/wire/event_json.h"
 #include "record/session_facts.h"
 #include "record/xdf/xdf_writer.h"
 
@@ -56,7 +57,7 @@ struct MadeStanding {
   std::function<double(double)> ml_mm = [](double t_s) { return 12.0 + made_sway(t_s, 0.3, 0.7); };
   std::function<double(double)> ap_mm = [](double t_s) { return -20.0 + made_sway(t_s, 0.8); };
   std::vector<MadeStep> steps{};
-  std::vector<record::RecordedEvent> events{};  ///< As they are, at their scans.
+  std::vector<v1::Event> events{};  ///< As they are, at their scans.
   bool has_cop = true;
 };
 
@@ -69,14 +70,21 @@ inline void add_trial(MadeStanding& made, std::uint32_t trial, double from_s, do
   }
 }
 
-inline record::RecordedEvent event_of(const MadeStep& step, std::uint64_t scan) {
-  record::RecordedEvent event{.event = "trial", .scan = {scan}};
-  event.values = {{"phase", step.phase},
-                  {"trial", std::int64_t{step.trial}},
-                  {"attempt", std::int64_t{step.attempt}},
-                  {"block", std::int64_t{1}},
-                  {"condition", step.condition}};
-  for (const auto& [name, value] : step.labels) event.values.emplace_back(name, value);
+inline v1::Event event_of(const MadeStep& step, std::uint64_t scan) {
+  static const std::map<std::string, v1::TrialEventKind> steps{{"measure", v1::TRIAL_EVENT_KIND_MEASURE},
+                                                               {"done", v1::TRIAL_EVENT_KIND_DONE},
+                                                               {"redone", v1::TRIAL_EVENT_KIND_REDONE},
+                                                               {"rejected", v1::TRIAL_EVENT_KIND_REJECTED},
+                                                               {"aborted", v1::TRIAL_EVENT_KIND_ABORTED}};
+  v1::Event event;
+  event.set_scan(scan);
+  v1::TrialChange& trial = *event.mutable_trial();
+  trial.set_step(steps.at(step.phase));
+  trial.set_trial(step.trial);
+  trial.set_attempt(step.attempt);
+  trial.set_block(1);
+  trial.set_condition(step.condition);
+  for (const auto& [name, value] : step.labels) (*trial.mutable_labels())[name] = value;
   return event;
 }
 
@@ -92,12 +100,15 @@ inline std::string write_standing(const std::string& name, const MadeStanding& m
        .value_type = record::ValueType::Float32,
        .rate = *core::Rate::create(static_cast<std::uint64_t>(made.rate_hz), 1),
        .channels = {{.label = "ml_mm", .unit = "mm"}, {.label = "ap_mm", .unit = "mm"}, {.label = "load_n", .unit = "N"}}});
-  const auto tell = [&](const record::RecordedEvent& event) {
-    const double time_s = kOrigin_s + static_cast<double>(event.scan.value) / made.rate_hz;
-    const std::vector<std::pair<double, std::string>> texts{{time_s, record::to_json(event)}};
+  const auto tell = [&](const v1::Event& event) {
+    const double time_s = kOrigin_s + static_cast<double>(event.scan()) / made.rate_hz;
+    const std::vector<std::pair<double, std::string>> texts{{time_s, wire::to_json(event)}};
     EXPECT_TRUE(writer->write_texts(events, texts, {}).has_value());
   };
-  tell({.event = "segment", .values = {{"host_time_ns", std::int64_t{10'000'000'000}}}});
+  v1::Event begin;
+  begin.set_host_time_ns(10'000'000'000);
+  static_cast<void>(begin.mutable_segment_start());
+  tell(begin);
   const auto scans = static_cast<std::uint64_t>(made.length_s * made.rate_hz);
   const auto block = static_cast<std::uint64_t>(made.rate_hz);
   for (std::uint64_t first = 0; first < scans; first += block) {
@@ -110,7 +121,7 @@ inline std::string write_standing(const std::string& name, const MadeStanding& m
         writer->write_samples(cop, kOrigin_s + static_cast<double>(first) / made.rate_hz, values, {.first_scan = {first}}).has_value());
   }
   for (const MadeStep& step : made.steps) tell(event_of(step, static_cast<std::uint64_t>(std::llround(step.at_s * made.rate_hz))));
-  for (const record::RecordedEvent& event : made.events) tell(event);
+  for (const v1::Event& event : made.events) tell(event);
   EXPECT_TRUE(writer->synchronise().has_value());
   const auto closed = writer->close();
   EXPECT_TRUE(closed.has_value());

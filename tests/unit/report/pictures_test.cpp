@@ -118,7 +118,7 @@ TEST(Stabilogram, Inset_ShowsThePlateOnlyWhenItIsKnown) {
   const auto without = drawn([&](Canvas& canvas) { draw_stabilogram(canvas, 92.5, 80.0, prepared, std::nullopt); });
 
   EXPECT_NE(with.find("plate, 430 x"), std::string::npos);
-  EXPECT_EQ(without.find("picture on the"), std::string::npos);
+  EXPECT_EQ(without.find("drawn area on"), std::string::npos);
 }
 
 TEST(SwaySeries, AGap_BreaksTheLine) {

@@ -116,11 +116,11 @@ TEST_F(ReportTest, ValuesOfAPage_AreThoseOfTheAnalysis) {
   };
   using posturography::Measure;
   EXPECT_EQ(value_beside("Mean velocity", 2), significant(*again->measures.get(Measure::Mvelo)));
-  EXPECT_EQ(value_beside("MVELO, mean velocity", 3), significant(*again->measures.get(Measure::MveloAp)));
-  EXPECT_EQ(value_beside("RANGE, largest between two points", 4), significant(*again->measures.get(Measure::RangeMl)));
-  EXPECT_EQ(value_beside("PEA95-F, 95 % prediction ellipse", 2), significant(*again->measures.get(Measure::Pea95F)));
-  EXPECT_EQ(value_beside("PF50, median frequency", 3), significant(*again->measures.get(Measure::Pf50Ap)));
-  EXPECT_EQ(value_beside("SampEn, m = 2, r = 0.2, 20 Hz", 4), significant(*again->measures.get(Measure::SampenMl)));
+  EXPECT_EQ(value_beside("Mean velocity (MVELO)", 3), significant(*again->measures.get(Measure::MveloAp)));
+  EXPECT_EQ(value_beside("Range between two points (RANGE)", 4), significant(*again->measures.get(Measure::RangeMl)));
+  EXPECT_EQ(value_beside("95 % prediction ellipse (PEA95-F)", 2), significant(*again->measures.get(Measure::Pea95F)));
+  EXPECT_EQ(value_beside("Median frequency (PF50)", 3), significant(*again->measures.get(Measure::Pf50Ap)));
+  EXPECT_EQ(value_beside("Sample entropy, m = 2, r = 0.2, 20 Hz", 4), significant(*again->measures.get(Measure::SampenMl)));
 }
 
 TEST_F(ReportTest, EveryMeasure_HasItsPlaceInTheTable) {
@@ -145,7 +145,7 @@ TEST_F(ReportTest, Page_SaysWhoWhenAndWhereFrom) {
                           HasSubstr("dtsd 0.1.0; computed by test 1"), HasSubstr("USB-6008, serial 0123"),
                           HasSubstr("a.xdf, complete, SHA-256 "), HasSubstr("window_filter window_scans=3")));
   EXPECT_THAT(text, HasSubstr("2026-11-21 14:45:50 UTC")) << "25 s after the segment began";
-  EXPECT_THAT(text, HasSubstr("1.05 mm (RMSE)"));
+  EXPECT_THAT(text, HasSubstr("1.05 mm (RMSE; "));
   EXPECT_THAT(text, AllOf(Not(HasSubstr("abnormal")), Not(HasSubstr("Synthetic"))));
   EXPECT_THAT(text, Not(HasSubstr(std::filesystem::path(directory_ / "x").parent_path().string()))) << "folders are of one machine";
 }
@@ -175,8 +175,8 @@ TEST_F(ReportTest, References_AreShownOnlyWhereTheLabelsMatch) {
   add_trial(made, 4, 75.0, 20.0, "d", {});
   const Report report = report_of(write(made));
 
-  EXPECT_THAT(page(report, "trial-01.html"), AllOf(HasSubstr("Ref. 1"), HasSubstr("Santos"), HasSubstr("a firm one is assumed"),
-                                                   HasSubstr("The reference ranges are of trials of 60 s, this trial has 20.0 s")));
+  EXPECT_THAT(page(report, "trial-01.html"), AllOf(HasSubstr("Ref. 1"), HasSubstr("Santos"), HasSubstr("a firm surface is assumed"),
+                                                   HasSubstr("The reference ranges are from trials of 60 s; this trial has 20.0 s")));
   for (const char* name : {"trial-02.html", "trial-03.html", "trial-04.html"})
     EXPECT_THAT(page(report, name), Not(HasSubstr("Ref. 1"))) << name;
 }
@@ -221,11 +221,19 @@ TEST_F(ReportTest, SessionPage_HasMeansQuotientsAndWhatWasLeftOut) {
   add_trial(made, 4, 75.0, 20.0, "eyes-open", kOpen, "redone");
   const std::string text = page(report_of(write(made)), "session.html");
 
-  EXPECT_THAT(text, AllOf(HasSubstr("Romberg quotient"), HasSubstr("1.11 (0.80-1.32)"), HasSubstr("below 1 is common and no error"),
-                          HasSubstr("These trials last 20.0 s.")));
-  EXPECT_THAT(text, AllOf(HasSubstr("Trial 3: rejected: does not count."), HasSubstr("Trial 4: redone: does not count.")));
+  EXPECT_THAT(text, AllOf(HasSubstr("Romberg quotient"), HasSubstr("1.11 (0.80-1.32)"), HasSubstr("below 1 is common and not an error"),
+                          HasSubstr("The duration of these trials is 20.0 s.")));
+  EXPECT_THAT(text, AllOf(HasSubstr("Trial 3: rejected: not valid."), HasSubstr("Trial 4: redone: not valid.")));
   EXPECT_THAT(text, AllOf(HasSubstr("eyes-open (n = 1)"), HasSubstr(">feet two</th>")));
   EXPECT_THAT(text, HasSubstr("href=\"trial-03.html\""));
+}
+
+TEST_F(ReportTest, MissingQuotient_HasAReason) {
+  MadeStanding made{.length_s = 50.0};
+  add_trial(made, 1, 2.0, 20.0, "eyes-open", kOpen);
+  add_trial(made, 2, 25.0, 20.0, "eyes-closed", {{"eyes", "closed"}, {"feet", "two"}}, "rejected");
+  EXPECT_THAT(page(report_of(write(made)), "session.html"),
+              HasSubstr("No Romberg quotient for feet two: no trial with eyes closed counts."));
 }
 
 TEST_F(ReportTest, Quotient_IsThatOfTheMeans) {
@@ -238,7 +246,7 @@ TEST_F(ReportTest, Quotient_IsThatOfTheMeans) {
 
   pugi::xml_document document;
   ASSERT_TRUE(document.load_string(page(report_of(file), "session.html").c_str()));
-  const auto cells = document.select_nodes("//tr[td[1]='MVELO']/td[2]");
+  const auto cells = document.select_nodes("//tr[td[1]='Mean velocity (MVELO)']/td[2]");
   ASSERT_EQ(cells.size(), 2U);
   EXPECT_STREQ(cells[1].node().text().as_string(), significant(closed / open).c_str());
 }
@@ -297,11 +305,12 @@ TEST_F(ReportTest, OddTrials_DoNotBreakAPage) {
 
   expect_well_formed(report);
   EXPECT_THAT(page(report, "trial-01.html"), HasSubstr("not defined: the COP does not move"));
-  EXPECT_THAT(page(report, "trial-02.html"), HasSubstr("Nothing could be computed"));
+  EXPECT_THAT(page(report, "trial-02.html"), HasSubstr("No values: "));
   EXPECT_THAT(page(report, "trial-03.html"), HasSubstr("no spectrum: needs 10 s and 200 samples"));
   EXPECT_THAT(page(report, "trial-04.html"), HasSubstr("cut_at_gap"));
-  EXPECT_THAT(page(report, "session.html"),
-              HasSubstr("Trial 4: samples are missing, only its longest clean stretch of 19.0 s was analysed. It is in a mean only"));
+  EXPECT_THAT(
+      page(report, "session.html"),
+      HasSubstr("Trial 4: samples are missing; only the longest part without a gap was analysed: 19.0 s. The trial is in a mean only"));
   EXPECT_THAT(page(report, "trial-05.html"), HasSubstr("no sample of the centre of pressure"));
 }
 
@@ -316,7 +325,7 @@ TEST_F(ReportTest, RecordingOfAChair_IsRefusedWithAWord) {
 
   ASSERT_FALSE(report.has_value());
   EXPECT_EQ(report.error().code, core::ErrorCode::NotFound);
-  EXPECT_THAT(report.error().what, HasSubstr("floor platform so far"));
+  EXPECT_THAT(report.error().what, HasSubstr("only for the floor platform"));
 }
 
 TEST_F(ReportTest, WhoeverNoLongerWaits_IsObeyed) {
@@ -334,7 +343,7 @@ TEST_F(ReportTest, RigDefinition_GivesThePlateUnlessItIsBroken) {
   made.facts.rig_definition = files::rig_definition(std::string(DTS_SOURCE_DIR) + "/config/rigs/floor-sim.toml").value_or("");
   EXPECT_THAT(page(report_of(write(made)), "trial-01.svg"), HasSubstr("plate, 430 x"));
   made.facts.rig_definition = "this is no TOML [";
-  EXPECT_THAT(page(report_of(write(made, "b.xdf")), "trial-01.svg"), Not(HasSubstr("picture on the")));
+  EXPECT_THAT(page(report_of(write(made, "b.xdf")), "trial-01.svg"), Not(HasSubstr("drawn area on")));
 }
 
 }  // namespace

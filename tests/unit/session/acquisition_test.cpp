@@ -170,6 +170,19 @@ TEST(Acquisition, StreamThatBreaksRightAfterItsReturn_IsStartedAgainAtOnce) {
   EXPECT_EQ(run.clock.now_ns(), 3'750'000'000 + 250'000'000) << "while it was away; nothing after the first break, then gently";
 }
 
+TEST(Acquisition, DeviceLostAfterEachLongStream_IsOpenedAgainAtOnceEachTime) {
+  std::deque<ScriptedDevice::Step> script;
+  for (int loss = 0; loss < 3; ++loss) {
+    script.insert(script.end(), 130, {.scans = 8});
+    script.push_back({.outcome = ReadOutcome::Gone});
+  }
+  script.push_back({.scans = 8});
+  const Playback run(script, 512);
+
+  EXPECT_EQ(run.clock.now_ns(), 0);
+  EXPECT_EQ(run.report.reconnects_total, 3U);
+}
+
 TEST(Acquisition, FirstBreakOfAll_IsStartedAgainAtOnce) {
   const Playback run({{.scans = 8}, {.outcome = ReadOutcome::Broken}, {.scans = 8}});
 
@@ -240,7 +253,7 @@ std::string report_after_reads_that_took(std::int64_t read_ns, int reads) {
 }
 
 TEST(Acquisition, DeviceThatDeliversNothing_IsToldAfterASecond) {
-  EXPECT_EQ(report_after_reads_that_took(200'000'000, 8), "device is present but delivers nothing; check its cable and power");
+  EXPECT_EQ(report_after_reads_that_took(200'000'000, 8), "device is connected but delivers no scans; check its cable and power");
 }
 
 TEST(Acquisition, ProcessThatStoodStill_IsNoNewsOfTheDevice) { EXPECT_EQ(report_after_reads_that_took(5'000'000'000, 1), ""); }

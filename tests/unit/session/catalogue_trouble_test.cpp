@@ -36,7 +36,7 @@ TEST_F(CatalogueTroubleTest, DamagedCatalogue_IsSetAsideAndMadeAnewFromTheRecord
 
   EXPECT_EQ(row(id).state, "complete");
   EXPECT_EQ(row(id).subject, "P017");
-  EXPECT_THAT(recordings_->notice(), HasSubstr("made anew from the recordings, all but the audit trail"));
+  EXPECT_THAT(recordings_->notice(), HasSubstr("rebuilt the catalogue from the recordings, except the audit trail"));
   const auto trail = recordings_->catalogue().audit(10).value();
   ASSERT_EQ(trail.size(), 2U) << "and the start";
   EXPECT_EQ(trail[0].what, "catalogue_rebuilt");
@@ -85,7 +85,7 @@ TEST_F(CatalogueTroubleTest, PowerCutWhileACatalogueIsSetAside_LosesNoneOfItsFil
   }
   EXPECT_EQ(kept, 2U);
   EXPECT_EQ(recordings->catalogue().audit(1).value().at(0).what, "catalogue_rebuilt");
-  EXPECT_THAT(recordings->notice(), HasSubstr("catalogue.sqlite is gone, but files of it are there; it is kept as"));
+  EXPECT_THAT(recordings->notice(), HasSubstr("catalogue.sqlite is missing, but files that belong to it exist; dtsd kept it as"));
   EXPECT_TRUE(recordings->catalogue().verify_audit());
 }
 

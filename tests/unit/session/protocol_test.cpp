@@ -59,9 +59,9 @@ TEST(ProtocolFields, WhatDoesNotFit_IsToldAndNotRepeated) {
     EXPECT_THAT(refusal(reaching(), fields), testing::AllOf(HasSubstr(message), Not(HasSubstr("Jane")), Not(HasSubstr("Baker"))));
   }
   for (const char* text : {"", "tall", "65,5", "65 cm", " 65", "65x", "nan", "inf", "1e999", "0x41", "+65"}) {
-    EXPECT_THAT(refusal(reaching(), {{"side", "left"}, {"arm_length_cm", text}}), HasSubstr("'arm_length_cm' is no number")) << text;
+    EXPECT_THAT(refusal(reaching(), {{"side", "left"}, {"arm_length_cm", text}}), HasSubstr("'arm_length_cm' is not a number")) << text;
   }
-  EXPECT_THAT(refusal(free_protocol(), {{"age_years", "30"}}), HasSubstr("it asks for none"));
+  EXPECT_THAT(refusal(free_protocol(), {{"age_years", "30"}}), HasSubstr("remove it: this protocol has no fields"));
 }
 
 TEST(ProtocolFields, SeveralWrongOrMissing_AreToldTogether) {
@@ -69,8 +69,8 @@ TEST(ProtocolFields, SeveralWrongOrMissing_AreToldTogether) {
   protocol.fields.push_back({.name = "weight_kg", .is_required = true, .minimum = 20.0, .maximum = 250.0});
   const std::string message = refusal(protocol, {{"age_years", "500"}, {"arm_length_cm", "tall"}, {"hat", "red"}});
 
-  for (const char* part : {"field 3 of 3", "'age_years' is out of range", "age_years: allowed: 3 .. 120", "'arm_length_cm' is no number",
-                           "asks for more", "add --field side=left|right --field weight_kg=20..250"}) {
+  for (const char* part : {"field 3 of 3", "'age_years' is out of range", "age_years: allowed: 3 .. 120", "'arm_length_cm' is not a number",
+                           "needs more fields", "add --field side=left|right --field weight_kg=20..250"}) {
     EXPECT_THAT(message, HasSubstr(part));
   }
 }
@@ -91,7 +91,7 @@ TEST(ProtocolFields, TargetBeyondTheMaximumReach_IsRefusedAsInTheThesis) {
   const auto protocol = reaching({{.name = "80", .target_percent = 80}, {.name = "max", .is_maximum_reach = true}});
   // Table 6.1: S1 reaches 43 cm with an arm of 68 cm, H1 132 cm with 71 cm.
   EXPECT_THAT(refusal(protocol, {{"side", "right"}, {"arm_length_cm", "68"}, {"max_reach_cm", "43"}}),
-              HasSubstr("target '80' stands at 54.4 cm, beyond the subject's maximum reach of 43 cm"));
+              HasSubstr("target '80' is at 54.4 cm, beyond the subject's maximum reach of 43 cm"));
   EXPECT_EQ(refusal(protocol, {{"side", "right"}, {"arm_length_cm", "71"}, {"max_reach_cm", "132"}}), "");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The way from the pipeline thread to the file, with frames made by hand: what is lost on it, and what happens to the file meanwhile.
 #include "session/record_thread.h"
+#include "support/event_text.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -91,7 +92,7 @@ TEST_F(RecordThreadTest, EndThatFoundNoRoom_IsALossAlthoughNoScanFollows) {
   while (thread.view("floor").is_recording) tap.follow();  // as the pipeline thread does: the end mark goes when there is room
   const FinishedRecording finished = wait(thread);
 
-  EXPECT_EQ(finished.incomplete, "60 scans found no room on the way to the file");
+  EXPECT_EQ(finished.incomplete, "60 scans were dropped: the queue to the recorder was full");
   EXPECT_EQ(thread.view("floor").lost_scans, 60U);
   EXPECT_EQ(record::verify(finished.file).value().incomplete, finished.incomplete);
 }
@@ -109,16 +110,16 @@ TEST_F(RecordThreadTest, EndOfASegmentThatFoundNoRoom_IsALossWhereItWasLost_Alth
   while (thread.view("floor").is_recording) tap.follow();
   const FinishedRecording finished = wait(thread);
 
-  EXPECT_EQ(finished.incomplete, "30 scans found no room on the way to the file");
+  EXPECT_EQ(finished.incomplete, "30 scans were dropped: the queue to the recorder was full");
   const auto recording = record::Recording::open(finished.file).value();
-  std::vector<record::RecordedEvent> losses;
+  std::vector<v1::Event> losses;
   while (const auto item = recording->next().value()) {
     const auto* timed = std::get_if<record::TimedEvent>(&*item);
-    if (timed != nullptr && timed->event.event == "loss") losses.push_back(timed->event);
+    if (timed != nullptr && timed->event.has_loss()) losses.push_back(timed->event);
   }
   ASSERT_EQ(losses.size(), 1U);
-  EXPECT_EQ(losses[0].segment, 1U);
-  EXPECT_EQ(losses[0].scan.value, 4 * kBlockScans);
+  EXPECT_EQ(losses[0].segment(), 1U);
+  EXPECT_EQ(losses[0].scan(), 4 * kBlockScans);
 }
 
 /// Time that passes only when the record thread sleeps: `on_turn` runs in it, once a turn, for as many turns as wanted.
@@ -194,7 +195,7 @@ TEST_F(RecordThreadTest, Lag_GrowsUntilWhatWasTakenIsOnTheDisk) {
   clock.advance_ns(700'000'000);
   EXPECT_DOUBLE_EQ(thread.view("floor").lag_s, 0.7);
   thread.mark_incomplete("floor", "as marked");
-  thread.post("floor", {.event = "marker"});
+  thread.post("floor", test::event_of("marker {}"));
   tap.offer(at(frame_, 1, 0));
   tap.close();
   tap.follow();
@@ -264,7 +265,7 @@ TEST_F(RecordThreadTest, EventsThatFoundNoRoom_MakeTheRecordingIncomplete) {
   tap.follow();
   thread.start();
 
-  EXPECT_EQ(wait(thread).incomplete, "16 events found no room on the way to the file");
+  EXPECT_EQ(wait(thread).incomplete, "16 events were dropped: the queue to the recorder was full");
 }
 
 TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {
@@ -279,7 +280,7 @@ TEST_F(RecordThreadTest, RecordingWhoseFileIsRemoved_EndsAtOnce) {
   const FinishedRecording finished = wait(thread);  // nobody has ended the take
 
   EXPECT_FALSE(finished.is_closed);
-  EXPECT_THAT(finished.incomplete, HasSubstr("is gone"));
+  EXPECT_THAT(finished.incomplete, HasSubstr("was deleted or moved"));
 }
 
 TEST_F(RecordThreadTest, NameTakenMeanwhile_WhatStaysSaysThatItIsIncomplete) {

@@ -7,19 +7,20 @@
 #include <cmath>
 #include <numeric>
 
-#include "session/sway_record.h"
-#include "session/trial_record.h"
+#include "dts/wire/event_json.h"
+#include "session/session_events.h"
+#include "support/event_text.h"
 #include "unit/record/xdf_fixture.h"
 
 namespace dts::session {
 namespace {
 
-using record::RecordedEvent;
+using test::event_of;
 using ::testing::HasSubstr;
 
-RecordedEvent step_at(TrialEventKind kind, std::uint32_t trial, std::uint64_t scan) {
-  RecordedEvent event = to_record(TrialEvent{.kind = kind, .trial = trial, .condition = "eyes-open"});
-  event.scan = {scan};
+v1::Event step_at(TrialEventKind kind, std::uint32_t trial, std::uint64_t scan) {
+  v1::Event event = to_event(TrialEvent{.kind = kind, .trial = trial, .condition = "eyes-open"}, "s1");
+  event.set_scan(scan);
   return event;
 }
 
@@ -31,10 +32,10 @@ class Standing {
     cop_ = writer_->add_stream(record::xdf_test::regular_stream("floor/cop", {"load_n", "ap_mm", "ml_mm"}, record::xdf_test::rate_of(100)));
     events_ = writer_->add_stream(record::xdf_test::events_stream());
   }
-  void event(std::uint32_t segment, double time_s, RecordedEvent event) {
-    event.segment = segment;
-    const std::vector<std::pair<double, std::string>> texts{{time_s, record::to_json(event)}};
-    EXPECT_TRUE(writer_->write_texts(events_, texts, {.segment = segment, .first_scan = event.scan}));
+  void event(std::uint32_t segment, double time_s, v1::Event event) {
+    event.set_segment(segment);
+    const std::vector<std::pair<double, std::string>> texts{{time_s, wire::to_json(event)}};
+    EXPECT_TRUE(writer_->write_texts(events_, texts, {.segment = segment, .first_scan = {event.scan()}}));
   }
   /// `is_there` says of each sample whether anybody stands.
   void samples(std::uint32_t segment, std::uint64_t first, double time_s, const std::vector<bool>& is_there) {
@@ -84,7 +85,7 @@ std::vector<double> counted(double first, std::size_t count) {
 TEST(RecordedStanding, TrialsHaveTheirSamplesAndWhatWasToldOfThem) {
   using enum TrialEventKind;
   Standing file;
-  file.event(0, 1000.0, {.event = "segment"});
+  file.event(0, 1000.0, event_of("segment_start {}"));
   file.event(0, 1001.002, step_at(Measure, 7, 1500));  // an event's time is that of a raw scan
   file.event(0, 1003.0, step_at(Done, 7, 4501));       // sample 300 is the last
   file.event(0, 1003.5, step_at(Rejected, 7, 5250));   // void later, as long as it was
@@ -93,17 +94,15 @@ TEST(RecordedStanding, TrialsHaveTheirSamplesAndWhatWasToldOfThem) {
   file.event(0, 1004.0, step_at(Measure, 2, 6000));
   file.samples(0, 5, 1000.05, std::vector<bool>(200, true));
   file.samples(0, 205, 1002.05, std::vector<bool>(295, true));  // up to 500
-  file.event(1, 1007.0, {.event = "segment"});
+  file.event(1, 1007.0, event_of("segment_start {}"));
   file.event(1, 1007.5, step_at(Done, 2, 750));
   SwayTrialResult published{.trial = 2, .condition = "eyes-open", .analysis = posturography::Analysis{}};
   published.analysis->rate_hz = published.analysis->duration_s = 100.0;
   published.analysis->samples = 100;
   published.analysis->flags = posturography::sway_flag::kDoubtful | posturography::sway_flag::kCutAtGap;
-  file.event(1, 1007.6, to_record(published, "dtsd"));
-  file.event(1, 1007.7,
-             {.event = "figure",
-              .values = {{"name", std::string("a/RDIST")}, {"value", 2.5}, {"unit", std::string("mm")}, {"details", std::string("{}")}}});
-  file.event(1, 1007.8, {.event = "figure", .values = {{"name", std::string("none")}, {"value", std::string("text")}}});
+  file.event(1, 1007.6, to_event(published, "s1", "dtsd"));
+  file.event(1, 1007.7, to_event(SessionFigure{.name = "a/RDIST", .value = 2.5, .unit = "mm", .details = "{}"}));
+  file.event(1, 1007.8, event_of("figure { name: 'none' value: nan }"));
   file.samples(1, 0, 1007.0, std::vector<bool>(100, true));
 
   const RecordedStanding standing = file.read();
@@ -156,11 +155,11 @@ TEST(RecordedStanding, WithoutTrials_EachStretchOf10SecondsIsOne) {
   add(20, false);
   add(500, true);
   Standing file;
-  file.event(0, 1000.0, {.event = "segment"});
+  file.event(0, 1000.0, event_of("segment_start {}"));
   file.samples(0, 7, 1000.07, there);
   const std::uint64_t next = 7 + there.size();
   file.samples(0, next, 1000.0 + 0.01 * static_cast<double>(next), std::vector<bool>(649, true));  // 500 + 649: one too few
-  file.event(1, 1200.0, {.event = "segment"});
+  file.event(1, 1200.0, event_of("segment_start {}"));
   file.samples(1, 0, 1200.0, std::vector<bool>(1160, true));
 
   const RecordedStanding standing = file.read();
@@ -190,19 +189,19 @@ TEST(RecordedStanding, TrialWithAnOutageOfDays_HasAProblemOfItsOwn) {
   auto writer = record::XdfWriter::create(folder / "a.xdf", to_facts(floor_session())).value();
   const auto cop = writer->add_stream(regular_stream("floor/cop", {"ml_mm", "ap_mm"}, rate_of(100)));
   const auto events = writer->add_stream(events_stream());
-  const auto write = [&](std::uint32_t segment, double begin_s, std::vector<RecordedEvent> all) {
+  const auto write = [&](std::uint32_t segment, double begin_s, std::vector<v1::Event> all) {
     std::vector<std::pair<double, std::string>> texts;
-    for (RecordedEvent& event : all) {
-      event.segment = segment;
-      texts.emplace_back(begin_s + 0.01 * static_cast<double>(event.scan.value), record::to_json(event));
+    for (v1::Event& event : all) {
+      event.set_segment(segment);
+      texts.emplace_back(begin_s + 0.01 * static_cast<double>(event.scan()), wire::to_json(event));
     }
     const record::XdfWriter::Position start{.segment = segment, .first_scan = {0}};
     EXPECT_TRUE(writer->write_texts(events, texts, start));
     EXPECT_TRUE(writer->write_samples(cop, begin_s, std::vector<double>(2000, 1.0), start));
   };
   using enum TrialEventKind;
-  write(0, 1000.0, {{.event = "segment"}, step_at(Measure, 1, 100), step_at(Done, 1, 300), step_at(Measure, 2, 400)});
-  write(1, 1'000'000.0, {{.event = "segment"}, step_at(Done, 2, 200), step_at(Measure, 3, 500), step_at(Done, 3, 800)});
+  write(0, 1000.0, {event_of("segment_start {}"), step_at(Measure, 1, 100), step_at(Done, 1, 300), step_at(Measure, 2, 400)});
+  write(1, 1'000'000.0, {event_of("segment_start {}"), step_at(Done, 2, 200), step_at(Measure, 3, 500), step_at(Done, 3, 800)});
   ASSERT_TRUE(writer->close());
 
   const auto recording = record::Recording::open(folder / "a.xdf").value();

@@ -13,6 +13,7 @@
 #include <fstream>
 #include <utility>
 
+#include "dts/wire/options.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "recordings_fixture.h"
@@ -67,7 +68,7 @@ TEST_F(RecordingsTest, StoppedSessionWhoseFileIsStillOpen_IsListedAsRunning) {
 
 TEST_F(RecordingsTest, MarksAndStates_StandInTheFile) {
   start();
-  const std::string id = record(200);
+  const std::string id = record(200, {.subject = "P017", .label = "Jane Doe"});
   const auto marks = supervisor_->mark("floor", "eyes closed").value();
   ASSERT_TRUE(stop());
 
@@ -80,14 +81,18 @@ TEST_F(RecordingsTest, MarksAndStates_StandInTheFile) {
       first_s = scans->first_time_s - static_cast<double>(scans->first_scan.value) / 1500.0;
     }
     auto* event = std::get_if<record::TimedEvent>(&*item);
-    if (event != nullptr && event->event.event == "session") states.push_back(text_of(event->event, "state"));
-    if (event != nullptr && event->event.event == "marker") mark = *event;
+    if (event != nullptr && event->event.has_session()) {
+      const v1::SessionChange& change = event->event.session();
+      states.push_back(wire::enumerator_word(*v1::SessionState_descriptor(), change.state()));
+      EXPECT_EQ(change.subject() + change.label(), "") << "exports of the events must not name the person";
+    }
+    if (event != nullptr && event->event.has_marker()) mark = *event;
   }
 
   EXPECT_THAT(states, ElementsAre("starting", "settling", "running", "stopping"));
   ASSERT_TRUE(mark);
-  EXPECT_EQ(mark->event.scan, marks[0].second.scan);
-  EXPECT_NEAR(mark->time_s, first_s + static_cast<double>(mark->event.scan.value) / 1500.0, 1e-8);
+  EXPECT_EQ(mark->event.scan(), marks[0].second.scan.value);
+  EXPECT_NEAR(mark->time_s, first_s + static_cast<double>(mark->event.scan()) / 1500.0, 1e-8);
 }
 
 TEST_F(RecordingsTest, DaemonDies_TheNextOneListsAndRecoversWhatItWrote) {
@@ -143,7 +148,7 @@ TEST_F(RecordingsTest, TrialWhoseEndWasLost_DoesNotCountAfterRecovery) {
   const std::string part = (folder_ / "sessions" / (id + ".xdf.part")).string();
   ASSERT_TRUE(eventually([&] {
     std::ifstream file(part, std::ios::binary);
-    return std::string(std::istreambuf_iterator<char>(file), {}).find("\"measure\"") != std::string::npos;
+    return std::string(std::istreambuf_iterator<char>(file), {}).find("TRIAL_EVENT_KIND_MEASURE") != std::string::npos;
   }));
   const auto kept = std::filesystem::file_size(part);
   ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));  // done: the catalogue knows at once, the file a moment later

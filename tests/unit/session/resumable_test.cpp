@@ -80,7 +80,7 @@ TEST_F(ResumableTest, RigThatHasNotDeliveredYet_IsWaitedFor) {
   const auto newest = recordings_->catalogue().audit(1).value().at(0);
   EXPECT_EQ(newest.who + " " + newest.what + " " + newest.target + " " + newest.result, "dtsd resume_session " + id + " ok");
   EXPECT_NEAR(static_cast<double>(newest.utc_ns - clock_.now_ns() - clock_.utc_minus_monotonic_ns()), 0.0, 60e9);
-  EXPECT_THAT(said_.str(), testing::HasSubstr("session " + id + " was interrupted and goes on"));
+  EXPECT_THAT(said_.str(), testing::HasSubstr("session " + id + " was interrupted; dtsd resumed it"));
 }
 
 TEST_F(ResumableTest, DeviceThatStaysAway_IsWaitedForAMinute_WithATryEverySecond) {
@@ -91,7 +91,7 @@ TEST_F(ResumableTest, DeviceThatStaysAway_IsWaitedForAMinute_WithATryEverySecond
   while (rig().acquisition().text().empty()) std::this_thread::yield();
   supervisor_->resume_interrupted();
   const auto given_up = [&] {
-    return said_.str().find("session " + id + " was interrupted and cannot go on by itself: ") != std::string::npos;
+    return said_.str().find("session " + id + " was interrupted, and dtsd cannot resume it: ") != std::string::npos;
   };
 
   for (int second = 0; second < 60; ++second) {

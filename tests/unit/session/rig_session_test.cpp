@@ -85,22 +85,25 @@ TEST_F(RigSessionTest, Trials_BeginAtTheirScansHoweverLateTheyAreNoticed) {
   ASSERT_TRUE(supervisor_->start_session("floor", {.protocol = "standing"}));
   EXPECT_TRUE(supervisor_->trial("", TrialAction::Next)) << "counts as soon as the session runs";
   EXPECT_THAT(why_refused(supervisor_->trial("", TrialAction::Redo)), HasSubstr("the session is starting, not running"));
-  static_cast<void>(taken_notices<TrialNotice>());
+  static_cast<void>(taken_events(v1::Event::kTrial));
   pass(0.3, 0.3);
   pass(0.3, 0.3);
-  auto events = taken_notices<TrialNotice>();
+  const auto events = taken_events(v1::Event::kTrial);
   std::vector<std::pair<TrialEventKind, std::uint64_t>> steps;
-  for (const auto& [at, notice] : events) steps.emplace_back(notice.event.kind, at.scan.value);
+  const auto add = [&steps](const v1::Event& event) {
+    steps.emplace_back(static_cast<TrialEventKind>(event.trial().step()), event.scan());
+  };
+  std::ranges::for_each(events, add);
   using enum TrialEventKind;
   ASSERT_FALSE(steps.empty());
   const std::uint64_t go = steps[0].second;
   EXPECT_EQ(go, kBlock + 900) << "when a tick saw that it runs";
   pass(0.5, 0.3);
   pass(11.0, 0.7);
-  for (const auto& [at, notice] : taken_notices<TrialNotice>()) steps.emplace_back(notice.event.kind, at.scan.value);
+  std::ranges::for_each(taken_events(v1::Event::kTrial), add);
   EXPECT_THAT(steps, ElementsAre(std::pair{Ready, go}, std::pair{Go, go}, std::pair{Measure, go + 750}, std::pair{Done, go + 17'250},
                                  std::pair{Rest, go + 17'250}));
-  EXPECT_EQ(events[0].second.session_id, now().session.id);
+  EXPECT_EQ(events[0].trial().session_id(), now().session.id);
   EXPECT_EQ(now().trial->trial, 1U);
   ASSERT_EQ(device_->cues.size(), 2U);
   EXPECT_FALSE(device_->cues[0].is_go);
@@ -108,11 +111,11 @@ TEST_F(RigSessionTest, Trials_BeginAtTheirScansHoweverLateTheyAreNoticed) {
 
   pass(1.5);
   ASSERT_TRUE(supervisor_->trial("floor", TrialAction::Next));
-  static_cast<void>(taken_notices<TrialNotice>());
+  static_cast<void>(taken_events(v1::Event::kTrial));
   pass(2.1, 2.1);  // so late that nobody knows what came in between
-  const auto late = taken_notices<TrialNotice>();
+  const auto late = taken_events(v1::Event::kTrial);
   ASSERT_EQ(late.size(), 1U);
-  EXPECT_EQ(late[0].first.scan.value, rig().acquisition().next_scan - 1);
+  EXPECT_EQ(late[0].scan(), rig().acquisition().next_scan - 1);
 }
 
 TEST_F(RigSessionTest, SessionStoppedDuringAnAnalysis_EndsWithTheResult) {
@@ -137,7 +140,7 @@ TEST_F(RigSessionTest, SessionStoppedDuringAnAnalysis_EndsWithTheResult) {
     EXPECT_EQ(row(id).state, "complete");
     EXPECT_THAT(row(id).trials.at(0).result, HasSubstr("MVELO"));
     EXPECT_FALSE(recordings_->catalogue().results(id).value().empty());
-    EXPECT_EQ(taken_notices<SwayNotice>().size(), 1U);
+    EXPECT_EQ(taken_events(v1::Event::kSway).size(), 1U);
     if (!is_daemon_ending) end();
   }
 }
@@ -149,13 +152,13 @@ TEST_F(RigSessionTest, StandingTrials_HaveResultsInTheCatalogueAndFiguresAtTheEn
     ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
     pass(13.0);
   }
-  auto sways = taken_notices<SwayNotice>();
+  auto sways = taken_events(v1::Event::kSway);
   ASSERT_TRUE(eventually([&] {  // the worker may need longer than the two trials did
-    for (auto& sway : taken_notices<SwayNotice>()) sways.push_back(std::move(sway));
+    for (auto& sway : taken_events(v1::Event::kSway)) sways.push_back(std::move(sway));
     return sways.size() == 2;
   }));
-  EXPECT_EQ(sways[0].second.session_id + " " + sways[0].second.software, id + " dtsd test");
-  EXPECT_EQ(sways[1].second.result.condition, "closed");
+  EXPECT_EQ(sways[0].sway().session_id() + " " + sways[0].sway().software(), id + " dtsd test");
+  EXPECT_EQ(sways[1].sway().condition(), "closed");
   ASSERT_TRUE(stop());
 
   const auto trials = row(id).trials;
@@ -164,7 +167,7 @@ TEST_F(RigSessionTest, StandingTrials_HaveResultsInTheCatalogueAndFiguresAtTheEn
     EXPECT_EQ(trial.outcome, "done");
     EXPECT_EQ(trial.part, 1U);
     EXPECT_EQ(trial.last_scan - trial.first_scan, 16'500U);
-    EXPECT_THAT(trial.result, HasSubstr("\"event\":\"sway\""));
+    EXPECT_THAT(trial.result, HasSubstr("\"sway\":{"));
   }
   const auto results = recordings_->catalogue().results(id).value();
   std::set<std::string> names;
@@ -174,7 +177,7 @@ TEST_F(RigSessionTest, StandingTrials_HaveResultsInTheCatalogueAndFiguresAtTheEn
   std::size_t figures = 0;
   while (const auto item = recording->next().value()) {
     const auto* event = std::get_if<record::TimedEvent>(&*item);
-    figures += event != nullptr && event->event.event == "figure" ? 1 : 0;
+    figures += event != nullptr && event->event.has_figure() ? 1 : 0;
   }
   EXPECT_EQ(figures, results.size());
   EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("there is nothing to resume"));
@@ -204,6 +207,19 @@ TEST_F(RigSessionTest, ResumedTrials_GoOnBehindThoseThatAreDone) {
   EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("there is nothing to resume"));
 }
 
+TEST_F(RigSessionTest, CompleteSessionThatWasStoppedWithAReason_IsNotResumed) {
+  start({standing()});
+  const std::string id = record(kBlock, {.protocol = "standing"});
+  for (int trial = 0; trial < 2; ++trial) {
+    ASSERT_TRUE(supervisor_->trial("", TrialAction::Next));
+    pass(13.0);
+  }
+  ASSERT_TRUE(stop(false, "the daemon was stopped"));
+  EXPECT_EQ(row(id).state + " " + row(id).message, "complete the daemon was stopped");
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)),
+              AllOf(HasSubstr("session " + id + " is complete: all 2 trials are done"), HasSubstr("dtsctl session start --rig floor")));
+}
+
 TEST_F(RigSessionTest, ResumedSessionWithADuration_LastsForTheRestOfIt) {
   Protocol timed{.name = "timed", .settle_s = 1.0, .duration_s = 10.0, .definition = "v1"};
   start({Protocol{}, timed});
@@ -218,7 +234,7 @@ TEST_F(RigSessionTest, ResumedSessionWithADuration_LastsForTheRestOfIt) {
   EXPECT_EQ(resumed->second.request.settle_s, 1.0);
   pass(6.5);
   ASSERT_TRUE(stop(true));
-  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("was over but for its last second"));
+  EXPECT_THAT(why_refused(supervisor_->resume_session(id)), HasSubstr("has less than 1 s left"));
   end();
   timed.definition = "v2";
   start({Protocol{}, timed});
@@ -234,7 +250,7 @@ TEST_F(RigSessionTest, RecordingThatBreaks_EndsItsSessionAndTheTrialInIt) {
 
   ASSERT_TRUE(is_in(SessionState::Failed));
 
-  EXPECT_THAT(now().session.message, AllOf(HasSubstr("the recording stopped: "), HasSubstr("is gone")));
+  EXPECT_THAT(now().session.message, AllOf(HasSubstr("the recording stopped: "), HasSubstr("was deleted or moved")));
   EXPECT_EQ(row(id).state, "incomplete");
   EXPECT_EQ(row(id).trials.at(0).outcome, "aborted");
   EXPECT_THAT(log(), HasSubstr("is incomplete: "));
@@ -251,7 +267,7 @@ TEST_F(RigSessionTest, DeviceAwayAtTheEnd_LeavesTheRecordingIncomplete) {
   ASSERT_TRUE(stop());
 
   EXPECT_EQ(row(id).state, "incomplete");
-  EXPECT_THAT(row(id).parts.at(0).reason, HasSubstr("the device was away when the session ended: "));
+  EXPECT_THAT(row(id).parts.at(0).reason, HasSubstr("the device was not connected when the session ended: "));
 }
 
 }  // namespace

@@ -80,12 +80,12 @@ TEST(Rig, ConfigurationsThatDoNotFitTheDevice_AreRefusedWithTheirReason) {
   EXPECT_EQ(refusal("sim:floor?truth=0", [](auto& config) { config.sensor_channels[3] = 9; }),
             "rig 'floor': a sensor is on channel 9, but sim:floor?truth=0 has 4 channels");
   EXPECT_EQ(refusal("sim:floor", [](auto& config) { config.rate = core::Rate::create(500'000, 1).value(); }),
-            "rig 'floor': sim:floor cannot run at 500000.000000 Hz (it takes 1.000000 to 20000.000000 Hz)");
+            "rig 'floor': sim:floor cannot run at 500000.000000 Hz (choose 1.000000 to 20000.000000 Hz)");
   EXPECT_EQ(refusal("sim:floor?extra=1", [](auto& config) { config.trigger = pipeline::TriggerInput{.channel = 4, .level = 25.0}; }),
             "rig 'floor': [trigger] level and hysteresis lie outside what channel extra0 can measure, -5.000000 .. 4.995117 V");
-  EXPECT_EQ(
-      refusal("sim:floor", [](auto& config) { config.sync_pulse_ms = 100.0; }),
-      "rig 'floor': [session] sync_pulse_ms needs a device with a sync output (for MCC devices: sync_output_bit=0 in the device address)");
+  EXPECT_EQ(refusal("sim:floor", [](auto& config) { config.sync_pulse_ms = 100.0; }),
+            "rig 'floor': [session] sync_pulse_ms needs a device with a sync output (for an MCC device, add sync_output_bit=0 to the "
+            "device address)");
   EXPECT_EQ(refusal("sim:floor", [](auto& config) { config.published = {"copp"}; }),
             "rig 'floor' has no stream 'copp' to publish (it has: raw, filtered, deflection, cop, aux)");
 }

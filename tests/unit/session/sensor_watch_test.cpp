@@ -57,7 +57,7 @@ TEST(SensorProblems, EachSensorIsNamedOnceWithItsReason) {
                             .bits = {quality::kStuck | quality::kOutOfRange, quality::kOutOfRange, quality::kRail | quality::kOutOfRange,
                                      quality::kStuck | quality::kRail}};
   EXPECT_EQ(sensor_problems(doubts, {"ch0", "ch1", "ch2", "ch3"}),
-            "sensors that do not measure: ch0, ch3 (unchanged); ch2 (at the end of the range); ch1 (outside of the calibration curve): "
+            "sensors that do not measure: ch0, ch3 (unchanged); ch2 (at the end of the range); ch1 (outside the calibration curve): "
             "check plug, supply and distance to the plate");
 }
 

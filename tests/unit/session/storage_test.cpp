@@ -47,7 +47,7 @@ TEST_F(StorageTest, Room_IsJudgedByHowLongOneCanRecord) {
   EXPECT_EQ(with_room_for(11.0).state, DiskState::Low);
   const DiskView full = with_room_for(8.0);
   EXPECT_EQ(full.state, DiskState::Full);
-  EXPECT_THAT(full.problem, AllOf(testing::ContainsRegex("room for [789] min of recording"), HasSubstr("sessions start from 10 min")));
+  EXPECT_THAT(full.problem, AllOf(testing::ContainsRegex("room for [789] min of recording"), HasSubstr("a session needs at least 10 min")));
   EXPECT_EQ(look_at_disk(config_, 0.0).state, DiskState::Fine) << "without a rig nothing is recorded";
 }
 

@@ -45,11 +45,10 @@ class SupervisorTest : public RecordingsTest {
   }
   RigState now() { return supervisor_->states().at(0); }
   void give(const HandFedDevice::Given& given) { device_->give(given); }
-  template <class Body>
-  std::vector<std::pair<DataPosition, Body>> taken_notices() {
-    std::vector<std::pair<DataPosition, Body>> all;
+  std::vector<v1::Event> taken_events(v1::Event::BodyCase body) {
+    std::vector<v1::Event> all;
     for (Notice& notice : supervisor_->take_notices()) {
-      if (auto* body = std::get_if<Body>(&notice.body)) all.emplace_back(notice.at, std::move(*body));
+      if (notice.event.body_case() == body) all.push_back(std::move(notice.event));
     }
     return all;
   }

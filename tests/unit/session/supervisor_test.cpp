@@ -25,21 +25,20 @@ TEST_F(SupervisorTest, Marker_HasOneTo200BytesAndStandsAtTheNewestScan) {
     EXPECT_THAT(why_refused(supervisor_->mark("", std::string(size, 'x')), ErrorCode::InvalidArgument),
                 HasSubstr("this one " + std::to_string(size)));
   }
-  EXPECT_THAT(why_refused(supervisor_->mark("chair", "x"), ErrorCode::NotFound),
-              AllOf(HasSubstr("'chair'"), HasSubstr("known rigs: floor")));
-  EXPECT_THAT(taken_notices<MarkerNotice>(), IsEmpty());
+  EXPECT_THAT(why_refused(supervisor_->mark("chair", "x"), ErrorCode::NotFound), AllOf(HasSubstr("'chair'"), HasSubstr("known: floor")));
+  EXPECT_THAT(taken_events(v1::Event::kMarker), IsEmpty());
 
   for (const char* rig : {"", "floor"}) {
     const auto marks = supervisor_->mark(rig, std::string(200, 'x'));
     ASSERT_TRUE(marks);
     ASSERT_EQ(marks->size(), 1U);
     EXPECT_EQ(marks->at(0).first, "floor");
-    const auto notices = taken_notices<MarkerNotice>();
+    const auto notices = taken_events(v1::Event::kMarker);
     ASSERT_EQ(notices.size(), 1U);
-    EXPECT_EQ(notices[0].second.text, std::string(200, 'x'));
-    EXPECT_EQ(notices[0].first.segment, 0U);
-    EXPECT_EQ(notices[0].first.scan.value, 2 * kBlock - 1);
-    EXPECT_NEAR(static_cast<double>(clock_.now_ns() - notices[0].first.host_time_ns), 1e9 / 1500.0, 2.0);
+    EXPECT_EQ(notices[0].marker().text(), std::string(200, 'x'));
+    EXPECT_EQ(notices[0].segment(), 0U);
+    EXPECT_EQ(notices[0].scan(), 2 * kBlock - 1);
+    EXPECT_NEAR(static_cast<double>(clock_.now_ns() - notices[0].host_time_ns()), 1e9 / 1500.0, 2.0);
   }
 }
 
@@ -56,12 +55,12 @@ TEST_F(SupervisorTest, SeveralRigs_ASessionIsNamedByItsRig) {
     ASSERT_TRUE(supervisor_->add(Rig::create(config_, std::make_unique<HandFedDevice>(4), clock_, bell_).value()));
   }
   run();
-  EXPECT_THAT(why_refused(supervisor_->session("no"), ErrorCode::NotFound), HasSubstr("known rigs: chair, floor, wall"));
+  EXPECT_THAT(why_refused(supervisor_->session("no"), ErrorCode::NotFound), HasSubstr("known: chair, floor, wall"));
   EXPECT_THAT(why_refused(supervisor_->stop_session("")), HasSubstr("no rig has a session"));
   ASSERT_TRUE(supervisor_->start_session("wall", {}));
   EXPECT_THAT(why_refused(supervisor_->trial("", TrialAction::Next)), HasSubstr("rig 'wall' has no session with trials"));
   ASSERT_TRUE(supervisor_->start_session("floor", {}));
-  EXPECT_THAT(why_refused(supervisor_->stop_session(""), ErrorCode::InvalidArgument), HasSubstr("say which: --rig wall"));
+  EXPECT_THAT(why_refused(supervisor_->stop_session(""), ErrorCode::InvalidArgument), HasSubstr("choose one: --rig wall"));
   EXPECT_TRUE(supervisor_->stop_session("floor"));
   EXPECT_EQ(supervisor_->session("wall")->state, SessionState::Starting);
 }
@@ -73,10 +72,10 @@ TEST_F(SupervisorTest, DeviceAndItsGaps_AreToldOnce) {
   while (rig().acquisition().text().empty()) std::this_thread::yield();
   supervisor_->tick();
   supervisor_->tick();
-  auto notices = taken_notices<DeviceNotice>();
+  auto notices = taken_events(v1::Event::kDevice);
   ASSERT_EQ(notices.size(), 1U);
-  EXPECT_THAT(notices[0].second.message, HasSubstr("not plugged in"));
-  EXPECT_EQ(notices[0].first.scan.value, 0U);
+  EXPECT_THAT(notices[0].device().message(), HasSubstr("not plugged in"));
+  EXPECT_EQ(notices[0].scan(), 0U);
   EXPECT_THAT(log(), AllOf(HasSubstr("rig 'floor': Hand-fed device (hand:fed)"), HasSubstr("[warning]"), HasSubstr("not plugged in")));
   EXPECT_THAT(why_refused(supervisor_->start_session("floor", {})), HasSubstr("delivers nothing: "));
   EXPECT_THAT(why_refused(supervisor_->tare("floor")), HasSubstr("is not streaming"));
@@ -86,11 +85,11 @@ TEST_F(SupervisorTest, DeviceAndItsGaps_AreToldOnce) {
   feed(kBlock);
   supervisor_->tick();
   supervisor_->tick();
-  notices = taken_notices<DeviceNotice>();
+  notices = taken_events(v1::Event::kDevice);
   ASSERT_EQ(notices.size(), 1U);
-  EXPECT_EQ(notices[0].second.state, device::DeviceState::Streaming);
-  EXPECT_EQ(notices[0].second.uri, "hand:fed");
-  EXPECT_EQ(notices[0].second.message, "");
+  EXPECT_EQ(notices[0].device().state(), v1::DEVICE_STATE_STREAMING);
+  EXPECT_EQ(notices[0].device().uri(), "hand:fed");
+  EXPECT_EQ(notices[0].device().message(), "");
   EXPECT_THAT(log(), AllOf(HasSubstr("[info] rig 'floor': device streaming\n"), testing::Not(HasSubstr("missing"))));
 
   const auto gap = [](core::GapReason reason, std::uint64_t scans, bool is_exact) {
@@ -219,15 +218,15 @@ TEST_F(SupervisorTest, SyncPulse_RisesWithTheFirstScanOfASessionAndFallsAfterIts
 
   ASSERT_TRUE(stop());
   device_->sync_outputs.clear();
-  static_cast<void>(taken_notices<DeviceNotice>());
+  static_cast<void>(taken_events(v1::Event::kDevice));
   device_->sync_answer = core::fail(ErrorCode::DeviceGone, "away");
   static_cast<void>(record(kBlock));
   pass(0.5);
   EXPECT_THAT(device_->sync_outputs, ElementsAre(true)) << "what did not rise does not fall";
-  const auto notices = taken_notices<DeviceNotice>();
+  const auto notices = taken_events(v1::Event::kDevice);
   ASSERT_EQ(notices.size(), 1U);
-  EXPECT_THAT(notices[0].second.message, HasSubstr("no sync pulse: away"));
-  EXPECT_EQ(notices[0].second.state, device::DeviceState::Streaming);
+  EXPECT_THAT(notices[0].device().message(), HasSubstr("no sync pulse: away"));
+  EXPECT_EQ(notices[0].device().state(), v1::DEVICE_STATE_STREAMING);
 
   ASSERT_TRUE(stop());
   device_->sync_answer = {};

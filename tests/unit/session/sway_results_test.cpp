@@ -12,8 +12,10 @@
 #include <string>
 #include <tuple>
 
+#include "core/join.h"
+#include "dts/wire/event_json.h"
 #include "session/json_object.h"
-#include "session/sway_record.h"
+#include "session/session_events.h"
 #include "sway_signal.h"
 
 namespace dts::session {
@@ -138,16 +140,16 @@ TEST(SwayResults, OfATrial_AreThoseOfItsLongestStretchOrSayWhyThereAreNone) {
             {{900, 2900}}},
            {"the session ends before its samples come",
             {samples(cop_block(0, 500)), standing(Measure, 2, 400), standing(Done, 2, 2400), end_of_session},
-            "2 0:400 to 0:2400: the session ended before its last samples came; "},
+            "2 0:400 to 0:2400: the session ended before the last samples of the trial arrived; "},
            {"no samples: the device was silent",
             {samples(cop_block(0, 1000)), standing(Measure, 1, 1000), standing(Done, 1, 1000), end_of_session},
-            "1 0:1000 to 0:1000: no samples came while it was measured; "},
+            "1 0:1000 to 0:1000: no samples arrived during the measurement; "},
            {"too many",
             {standing(Measure, 2, 1000), samples(cop_block(kEnd - 100, 100)), standing(Done, 2, kEnd), end_of_session},
-            "2 0:1000 to 0:5002000: longer than 10 min: dtslab sway measures it from the recording; "},
+            "2 0:1000 to 0:5002000: longer than 10 min: analyse the recording with dtslab sway; "},
            {"one sample did not come; in the recording it stands",
             {standing(Measure, 1, 0), samples(cop_block(0, 500)), samples(cop_block(501, 1600)), standing(Done, 1, 2000)},
-            "1 0:0 to 0:2000: samples were lost on the way to the analysis: dtslab sway measures it from the recording; "},
+            "1 0:0 to 0:2000: samples were dropped before the analysis: analyse the recording with dtslab sway; "},
            {"redone", {standing(Measure, 1, 0), samples(cop_block(0, 2040)), standing(Done, 1, 2000), standing(Redone, 1, 2100)}, ""},
        }) {
     SCOPED_TRACE(why);
@@ -240,6 +242,10 @@ std::string number(double value) {
   return json.text().substr(4, json.text().size() - 5);
 }
 
+std::string missing(const std::vector<SwayTrialResult>& trials) {
+  return core::join(missing_quotients(trials), "; ", [](const MissingQuotient& each) { return each.stance + ": " + each.reason; });
+}
+
 TEST(SwaySummary, HasMeansByConditionAndRombergQuotients) {
   SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 1, 0, "eyes-open-two-feet", 1.0);
@@ -274,6 +280,7 @@ TEST(SwaySummary, NoQuotientOfTrialsOfDifferentLengthStanceOrEyesAlone) {
     return std::ranges::any_of(figures, [](const SessionFigure& each) { return each.name.starts_with("romberg/"); });
   };
   EXPECT_FALSE(has_quotient(trials));  // 20 s against 30 s
+  EXPECT_EQ(missing(trials), "feet=two: the trials with eyes open last 20 s, those with eyes closed 30 s");
   trials[1].analysis->duration_s = trials[0].analysis->duration_s - 0.09;
   EXPECT_TRUE(has_quotient(trials));
   trials[1].analysis->duration_s -= 0.02;
@@ -282,8 +289,13 @@ TEST(SwaySummary, NoQuotientOfTrialsOfDifferentLengthStanceOrEyesAlone) {
   trials[0].analysis->measures.set(posturography::Measure::Rdist, 0.0);
   EXPECT_TRUE(has_quotient(trials));
   EXPECT_EQ(figure(sway_summary(trials), "romberg/feet=two/RDIST"), -1.0);
+  EXPECT_EQ(missing(trials), "");
   trials[1].labels[1].second = "one";
   EXPECT_FALSE(has_quotient(trials));
+  EXPECT_EQ(missing(trials), "") << "no stance has both";
+  trials[1].labels[1].second = "two";
+  trials[1].analysis.reset();
+  EXPECT_EQ(missing(trials), "feet=two: no trial with eyes closed counts");
 }
 
 TEST(SwaySummary, NoQuotientOfConditionsThatAreTwiceThere) {
@@ -298,6 +310,7 @@ TEST(SwaySummary, NoQuotientOfConditionsThatAreTwiceThere) {
     EXPECT_TRUE(names.insert(each.name).second) << each.name << " twice";
     EXPECT_FALSE(each.name.starts_with("romberg/")) << each.name << ": of which of the two?";
   }
+  EXPECT_EQ(missing(trials), "feet=two: there are several conditions with eyes open");
   trials.pop_back();
   EXPECT_GT(figure(sway_summary(trials), "romberg/feet=two/RDIST"), 0.0);
 }
@@ -327,11 +340,10 @@ TEST(SwayRecord, ReadsBackAsItWasWritten) {
   SwayResults results(rate_100(), rate_100(), worker());
   measure(results, 7, 0);
   const SwayTrialResult result = decided_of(results).at(0);
-  const std::string json = record::to_json(to_record(result, "dtsd 1.2.3"));
-  const auto event = record::event_of_json(json);
+  const std::string json = wire::to_json(to_event(result, "s1", "dtsd 1.2.3"));
+  const auto event = wire::event_of_json(json);
   ASSERT_TRUE(event);
-  EXPECT_EQ(record::text_of(*event, "software"), "dtsd 1.2.3");
-  EXPECT_EQ(record::to_json(*event), json);  // the catalogue keeps what was read
+  EXPECT_EQ(event->sway().software(), "dtsd 1.2.3");
   const auto back = sway_of(*event);
   ASSERT_TRUE(back) << back.error().what;
   EXPECT_EQ(back->trial, 7U);
@@ -339,25 +351,6 @@ TEST(SwayRecord, ReadsBackAsItWasWritten) {
   EXPECT_EQ(back->end_scan, result.end_scan);
   EXPECT_EQ(back->analysis->measures, result.analysis->measures);  // to the bit
   EXPECT_EQ(back->analysis->flags, result.analysis->flags);
-  EXPECT_EQ(json.find("null"), std::string::npos);
-}
-
-TEST(SwayRecord, RefusesWhatIsMissingOrImpossible) {
-  SwayResults results(rate_100(), rate_100(), worker());
-  measure(results, 1, 0);
-  const record::RecordedEvent good = to_record(decided_of(results).at(0), "dtsd");
-  for (const std::string key : {"trial", "condition", "labels", "profile", "rate_hz", "duration_s", "flags", "measures", "first_scan"}) {
-    record::RecordedEvent bad = good;
-    std::erase_if(bad.values, [&](const auto& value) { return value.first == key; });
-    const auto read = sway_of(bad);
-    ASSERT_FALSE(read) << key;
-    EXPECT_NE(read.error().what.find(key), std::string::npos) << read.error().what;
-  }
-  record::RecordedEvent bad = good;
-  for (auto& [key, value] : bad.values) {
-    if (key == "rate_hz") value = -1.0;
-  }
-  EXPECT_FALSE(sway_of(bad));
 }
 
 }  // namespace

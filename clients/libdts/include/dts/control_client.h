@@ -17,13 +17,14 @@
 
 namespace dts::client {
 
+/// Options of `ControlClient::open`.
 struct ControlOptions {
   std::string endpoint;  ///< `Endpoints::control`
   /// Time limit for a whole command, over all tries (30 ms..1 day). Default: 3 s, or the longer limit that the protocol sets for the
   /// command: 15 s for `tare`, which the daemon answers when its average is complete, and 20 s for `stop_session`, which the daemon answers
   /// when the recording is closed.
   std::optional<std::chrono::milliseconds> timeout;
-  int tries = 3;           ///< 1..10
+  int tries = 3;           ///< How often a request is sent before it fails with Unreachable: 1..10.
   std::optional<Key> key;  ///< For a daemon on another machine.
 };
 
@@ -55,14 +56,19 @@ class ControlClient {
     return std::move(static_cast<Answer&>(**answer));
   }
 
+  /// Returns the present state of the daemon, its rigs, devices and sessions.
   [[nodiscard]] Result<v1::StatusSnapshot> status();
+  /// Returns the rigs with plate, sensors, streams and stages.
   [[nodiscard]] Result<v1::ListRigsResponse> list_rigs();
+  /// Returns the connected devices, and the kinds of device that a rig can use.
   [[nodiscard]] Result<v1::GetDevicesResponse> devices();
-  /// Returns statistics of the rig's device channels over the last second.
+  /// Returns statistics of each channel of the rig's device over the last second. Fails with NotFound for an unknown rig.
   [[nodiscard]] Result<v1::TestDeviceResponse> test_device(const std::string& rig);
-  /// Starts a session. Fails with WrongState if the rig already has a session.
+  /// Starts a session and its recording. Fails with NotFound for an unknown rig, with InvalidArgument for an unknown protocol or an invalid
+  /// value, and with WrongState if the rig already has a session.
   [[nodiscard]] Result<v1::SessionInfo> start_session(const v1::StartSessionRequest& request);
-  /// Ends a session and waits until its recording is closed. An empty rig means the only rig that has a session.
+  /// Stops a session and waits until its recording is closed. An empty rig means the only rig that has a session. Fails with WrongState if
+  /// there is no session.
   [[nodiscard]] Result<v1::SessionInfo> stop_session(const std::string& rig);
   /// The same with all fields of the request: also aborts a session, with a reason.
   [[nodiscard]] Result<v1::SessionInfo> stop_session(const v1::StopSessionRequest& request);
@@ -72,19 +78,25 @@ class ControlClient {
   [[nodiscard]] Result<v1::TrialStatus> trial(v1::TrialAction action, const std::string& rig);
   /// Returns sessions of the catalogue, newest first, with their parts and without their trials.
   [[nodiscard]] Result<v1::ListSessionsResponse> list_sessions(const v1::ListSessionsRequest& request = {});
+  /// Returns one session of the catalogue with its parts, trials and results. Fails with NotFound for an unknown ID.
   [[nodiscard]] Result<v1::SessionRecord> show_session(const std::string& session_id);
+  /// Returns the protocols with their conditions and required fields.
   [[nodiscard]] Result<v1::ListProtocolsResponse> list_protocols();
   /// Returns the newest entries of the audit trail (0: the newest 100). A broken chain is not an error here: see `problem` in the answer.
   [[nodiscard]] Result<v1::GetAuditResponse> audit(std::uint32_t limit = 0);
   /// Marks the newest scan of a rig, or of every rig if `rig` is empty. `text` has 1..200 bytes.
   [[nodiscard]] Result<v1::MarkResponse> mark(const std::string& text, const std::string& rig);
-  /// Tares the rig: the present deflections become zero.
+  /// Tares the rig: the present deflections become zero. The plate or chair must be empty. Returns the baseline of each sensor (mm).
+  /// Fails with WrongState if the device does not stream, if the rig has a session, or if the deflections are not steady or show a load,
+  /// and with Unsupported if the rig has no stage that tares.
   [[nodiscard]] Result<v1::TareResponse> tare(const std::string& rig);
 
   /// Returns the keys of clients on other machines. `list_keys`, `add_key` and `revoke_key` need the role engineer; the last two return the
   /// changed list.
   [[nodiscard]] Result<v1::ListKeysResponse> list_keys();
+  /// Adds the public key of a client with a name and a role. Fails with WrongState if the name or the key is already in the list.
   [[nodiscard]] Result<v1::ListKeysResponse> add_key(const v1::AddKeyRequest& request);
+  /// Removes a key and closes its connections. Fails with NotFound for an unknown name.
   [[nodiscard]] Result<v1::ListKeysResponse> revoke_key(const std::string& name);
 
   /// Sends any command on behalf of another program's user (for example in a gateway) and returns the whole answer, checked like the other

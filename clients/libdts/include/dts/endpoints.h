@@ -11,8 +11,9 @@ namespace dts::client {
 
 /// Where a daemon listens, as ZeroMQ addresses: "ipc:///run/dtsd/control.sock" or "tcp://127.0.0.1:5555".
 struct Endpoints {
-  std::string control;
-  std::string data;    ///< Empty if only a TCP control address is known: the port of the data socket cannot be guessed.
+  std::string control;  ///< Address of the control socket, for `ControlClient`.
+  std::string data;    ///< Address of the data socket, for `Subscriber`. Empty if only a TCP control address is known: the port of the data
+                       ///< socket cannot be guessed.
   std::string origin;  ///< What decided the addresses, for messages: "--endpoint", "DTSD_CONTROL", "DTSD_RUNTIME_DIR", "/run/dtsd", ...
 };
 
@@ -24,6 +25,7 @@ struct EndpointWishes {
 
 /// Returns the value of an environment variable, or nullptr.
 using Environment = std::function<const char*(const char* name)>;
+/// Returns the value of a variable of this process, or nullptr. Thread: any, while no thread changes the environment.
 [[nodiscard]] const char* process_environment(const char* name) noexcept;
 
 /// Finds the daemon by the same rule that dtsd follows. The first match wins:

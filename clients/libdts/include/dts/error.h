@@ -37,9 +37,11 @@ struct Error {
   friend bool operator==(const Error&, const Error&) = default;
 };
 
+/// A value, or the reason why there is none.
 template <class T>
 using Result = tl::expected<T, Error>;
 
+/// Returns an error that converts to every Result.
 [[nodiscard]] inline tl::unexpected<Error> fail(ErrorCode code, std::string what, std::string hint = {}) {
   return tl::make_unexpected(Error{code, std::move(what), std::move(hint)});
 }

@@ -20,10 +20,12 @@ struct Rate {
   std::int64_t numerator = 1;    ///< 1..1e12
   std::int64_t denominator = 1;  ///< 1..1e12
 
+  /// Returns scans per second, rounded to a double.
   [[nodiscard]] double hz() const noexcept { return static_cast<double>(numerator) / static_cast<double>(denominator); }
   friend bool operator==(const Rate&, const Rate&) = default;
 };
 
+/// Name and unit of one channel.
 struct ChannelFormat {
   std::string name;  ///< "ml_mm"
   std::string unit;  ///< "mm"
@@ -65,8 +67,9 @@ struct Block {
   std::span<const std::uint8_t> quality;         ///< Per channel: bits of `v1::Quality`, combined with OR over the scans.
   const v1::StreamBlock* body = nullptr;         ///< The received message itself, for forwarding.
 
+  /// Returns the number of channels: columns of `values`.
   [[nodiscard]] std::size_t channel_count() const noexcept { return quality.size(); }
-  /// `channel` must be below `channel_count()`.
+  /// Returns the values of one channel, one per scan. `channel` must be below `channel_count()`.
   [[nodiscard]] std::span<const float> column(std::size_t channel) const noexcept {
     return values.subspan(channel * scan_count, scan_count);
   }
@@ -91,6 +94,7 @@ struct Restart {
   std::uint64_t new_instance_id = 0;
 };
 
+/// One item of `Subscriber::receive`.
 using Message = std::variant<Block, Event, Status, Restart>;
 
 }  // namespace dts::client

@@ -50,8 +50,8 @@ struct SubscriberStatistics {
 /// Thread: one at a time.
 class Subscriber {
  public:
-  /// Fails with InvalidArgument for invalid options. A daemon that does not run yet is not an error: it may start later. A local daemon
-  /// that runs knows the topics when this returns, and publishes everything from then on.
+  /// Fails with InvalidArgument for invalid options. A daemon that does not run yet is not an error: it may start later, and is connected in
+  /// the background. A local daemon that runs knows the topics when this returns, and publishes everything from then on.
   [[nodiscard]] static Result<Subscriber> open(const SubscriberOptions& options);
   ~Subscriber();
   Subscriber(Subscriber&&) noexcept;
@@ -70,6 +70,7 @@ class Subscriber {
 
   /// Returns the newest status received, or nullptr. Valid until the next `receive`.
   [[nodiscard]] const v1::StatusSnapshot* status() const noexcept;
+  /// Returns the counters since `open`. Valid as long as this subscriber exists.
   [[nodiscard]] const SubscriberStatistics& statistics() const noexcept;
 
  private:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Client of dtsd, the distributive tactile sensing daemon.
+"""Python client of dtsd, the distributive tactile sensing daemon: live data, sessions and recordings as NumPy arrays.
 
     import dts
 

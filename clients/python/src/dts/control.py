@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The control socket: sends commands and waits for their answers."""
+"""The control socket: sends commands and waits for the answers."""
 import secrets
 import threading
 import time
@@ -18,15 +18,17 @@ _TIMEOUT_S = 3.0
 
 
 class ControlClient:
-    """A request that is not answered in time is sent again over a new socket with the same request id; the daemon executes it once
-    (the "Lazy Pirate" of the ZeroMQ guide, chapter 4). Any thread; one command at a time.
+    """Sends commands to a daemon and waits for the answers.
+
+    If no answer arrives in time, the client sends the request again over a new socket with the same request ID. The daemon executes the
+    request only once (the "Lazy Pirate" of the ZeroMQ guide, chapter 4). Thread: any; one command at a time.
     """
 
     def __init__(self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, timeout_s: float | None = None, tries: int = 3) -> None:
         if not endpoint:
-            raise InvalidArgument("the daemon's control address is not known", "give it: dts.connect(control=...) or DTSD_CONTROL")
+            raise InvalidArgument("the control address of the daemon is not known", "give it with dts.connect(control=...) or DTSD_CONTROL")
         if timeout_s is not None and not 0.03 <= timeout_s <= 86400.0:
-            raise InvalidArgument("a timeout must be between 0.03 and 86400 seconds")
+            raise InvalidArgument("the timeout must be from 0.03 s to 86400 s")
         self._context = context
         self._endpoint = endpoint
         self._timeout_s = timeout_s
@@ -36,25 +38,32 @@ class ControlClient:
         self._ignored = 0
 
     def call(self, request: control_pb2.Request) -> control_pb2.Response:
-        """Fills in the request id, sends, waits; the answer is checked and is the one that belongs to the command."""
+        """Sends a command and returns its checked answer. Fills in the request ID.
+
+        Raises Unreachable if no answer arrives in time, DataDamaged if the answer contradicts itself or does not match the command, and
+        otherwise the error that the daemon sent.
+        """
         command = request.WhichOneof("command") or ""
         with self._lock:
             response = self._exchange(request, self._timeout_of(command))
         if response.HasField("error"):
             error = response.error
-            what = error.what[:_LONGEST_TEXT] or "the daemon refused and gave no reason"
+            what = error.what[:_LONGEST_TEXT] or "the daemon rejected the command and gave no reason"
             raise error_of(error.code, what, error.hint[:_LONGEST_TEXT])
         if response.WhichOneof("result") != COMMANDS[command].answer:
-            raise DataDamaged("the daemon's answer does not belong to the command", "are dtsd and this package of the same version?")
+            raise DataDamaged(
+                "the answer of the daemon does not match the command", "check that dtsd and this package have the same version"
+            )
         check_answer(response)
         return response
 
     def close(self) -> None:
+        """Closes the socket. A later `call` opens a new one."""
         with self._lock:
             self._close_socket()
 
     def _timeout_of(self, command: str) -> float:
-        """What was given; otherwise 3 s, or as long as the protocol says that the command may take."""
+        """Returns the timeout of the caller in seconds; otherwise 3 s, or the longer limit that the protocol sets for the command."""
         return max(_TIMEOUT_S, COMMANDS[command].timeout_s) if self._timeout_s is None else self._timeout_s
 
     def _exchange(self, request: control_pb2.Request, timeout_s: float) -> control_pb2.Response:
@@ -107,10 +116,10 @@ class ControlClient:
         where = f"{self._endpoint} within {timeout_s:.1f} s ({self._tries} tries)"
         if self._ignored > 0:
             return Unreachable(
-                f"no proper answer from {where}; {self._ignored} messages came that are none",
-                "is it dtsd that listens there? check the address; compare the versions",
+                f"no valid answer from {where}; {self._ignored} other messages arrived",
+                "check that dtsd listens at this address and has the same version",
             )
-        return Unreachable(f"no answer from {where}", "is dtsd running? systemctl status dtsd; is the address right?")
+        return Unreachable(f"no answer from {where}", "check that dtsd runs: systemctl status dtsd; check the address")
 
 
 def _response_of(frames: list[bytes]) -> control_pb2.Response | None:

@@ -27,11 +27,15 @@ _OVER = (stream_pb2.SESSION_STATE_UNSPECIFIED, stream_pb2.SESSION_STATE_IDLE, st
 
 
 def connect(control: str = "", data: str = "", timeout: float | None = None, key: str | os.PathLike[str] = "") -> "Daemon":
-    """Finds a daemon (see `find_endpoints`) and asks for its status: who is not there is `Unreachable` at once.
+    """Connects to a daemon and returns it. Raises `Unreachable` at once if no daemon answers.
 
-    `key` is a file of `dtsctl key new`, for a daemon on another machine; it knows the addresses. Without it DTSD_KEY is looked at.
+    `control` and `data` are ZeroMQ addresses; empty ones are looked up, see `find_endpoints`.
 
-    `timeout` is that of a command in seconds, all tries together: 3 s unless given, 15 s for `tare`, 20 s for the end of a session.
+    `timeout` is the time limit of a command in seconds, over all tries (0.03 to 86400). Default: 3 s, but 15 s for `tare` and 20 s for the
+    end of a session.
+
+    `key` is the key file for a daemon on another machine (`dtsctl key new` makes it); it contains the addresses. Default: the file in the
+    environment variable DTSD_KEY, if set. Raises `InvalidArgument` or `NotAllowed` if the file is not usable.
     """
     file = key or os.environ.get("DTSD_KEY", "")
     found = read_key(file) if file else None
@@ -47,9 +51,12 @@ def connect(control: str = "", data: str = "", timeout: float | None = None, key
 
 
 class Daemon:
-    """Made by `connect`. Commands may come from any thread, one is sent at a time; a stream belongs to the thread that iterates it.
+    """A running dtsd. `connect` returns it; use it in a `with`, or call `close`.
 
-    Commands return the messages of dts.v1, where every field is explained (proto/dts/v1/*.proto).
+    Threads: any thread may send commands; one command is sent at a time. Only one thread may iterate a stream.
+
+    Commands return messages of dts.v1; proto/dts/v1/*.proto explains every field. Every command raises `Unreachable` if no answer arrives
+    in time, `DataDamaged` if the answer contradicts itself, and otherwise the error that the daemon sent.
     """
 
     def __init__(self, endpoints: Endpoints, timeout: float | None = None, key: Key | None = None) -> None:
@@ -60,7 +67,7 @@ class Daemon:
         self._control = ControlClient(self._context, endpoints.control, timeout)
 
     def close(self) -> None:
-        """Ends all streams too."""
+        """Closes the connection and all streams. The daemon object cannot be used afterwards."""
         self._control.close()
         self._context.destroy(linger=0)
 
@@ -73,22 +80,34 @@ class Daemon:
     # Live data
 
     def stream(self, *topics: str, timeout: float = 5.0) -> Stream:
-        """The blocks of one or more streams ("floor/cop") from now on; `Timeout` when none comes for `timeout` seconds."""
+        """Returns an iterator over the blocks of one or more streams ("floor/cop"), from now on.
+
+        The iterator raises `Timeout` if no block arrives for `timeout` seconds (0 to 86400), and `Unreachable` if the daemon sends nothing
+        at all; iterate again to wait longer. Raises `NotFound` if the daemon does not publish a stream.
+        """
         check_timeout(timeout)
         self._check_streams(topics)
         return Stream(self._subscribe(topics), f"block of {' or '.join(topics)}", timeout)
 
     def events(self, *prefixes: str, timeout: float = 60.0) -> EventStream:
-        """Events from now on: of everything, or of what the prefixes cover: "floor/", "chair/reach"."""
+        """Returns an iterator over events, from now on: all events, or those of topics that begin with a prefix: "floor/", "chair/reach".
+
+        The iterator raises `Timeout` if no event arrives for `timeout` seconds (0 to 86400), and `Unreachable` if the daemon sends nothing
+        at all; iterate again to wait longer. Raises `NotFound` if no event topic begins with a prefix.
+        """
         check_timeout(timeout)
         known = [f"{rig}/{name}" for rig in self.rigs for name in sorted(EVENT_TOPICS)]
         topics = [topic for topic in known if topic.startswith(prefixes or "")]
         if not topics:
-            raise NotFound(f"no events begin with {' or '.join(prefixes)}", f"there are {', '.join(known)}")
+            raise NotFound(f"no events begin with {' or '.join(prefixes)}", f"the event topics are {', '.join(known)}")
         return EventStream(self._subscribe(topics), f"event of {' or '.join(prefixes) or 'any rig'}", timeout)
 
     def record(self, topic: str, seconds: float, timeout: float = 5.0) -> Samples:
-        """The next `seconds` of a stream in one piece, with what is missing in between; `Timeout` when the stream pauses for longer."""
+        """Receives the next `seconds` of a stream and returns them as one object, with a list of its gaps.
+
+        Raises `Timeout` if no block arrives for `timeout` seconds, `Unreachable` if the daemon sends nothing at all, `NotFound` if the
+        daemon does not publish the stream, and `InvalidArgument` if `seconds` is not positive.
+        """
         collector = Collector(seconds)
         self._check_streams((topic,))
         subscriber = self._subscribe((topic, f"{topic.partition('/')[0]}/gap"))
@@ -105,19 +124,21 @@ class Daemon:
     # State
 
     def status(self) -> control_pb2.StatusSnapshot:
+        """Returns the present state of the daemon, its rigs, devices and sessions."""
         return self._control.call(control_pb2.Request(status=control_pb2.StatusRequest())).status
 
     @property
     def rigs(self) -> dict[str, control_pb2.RigInfo]:
-        """By name: plate, sensors, streams, stages."""
+        """The rigs by name, with plate, sensors, streams and stages. Every access asks the daemon."""
         response = self._control.call(control_pb2.Request(list_rigs=control_pb2.ListRigsRequest()))
         return {rig.name: rig for rig in response.rigs.rigs}
 
     def devices(self) -> control_pb2.GetDevicesResponse:
+        """Returns the connected devices, and the kinds of device that a rig can use."""
         return self._control.call(control_pb2.Request(get_devices=control_pb2.GetDevicesRequest())).devices
 
     def test_device(self, rig: str) -> control_pb2.TestDeviceResponse:
-        """Statistics of the rig's device channels over the last second."""
+        """Returns statistics of each channel of the rig's device over the last second. Raises `NotFound` for an unknown rig."""
         return self._control.call(control_pb2.Request(test_device=control_pb2.TestDeviceRequest(rig=rig))).device_test
 
     # Sessions
@@ -132,7 +153,16 @@ class Daemon:
         settle_s: float = 0.0,
         fields: Mapping[str, object] | None = None,
     ) -> "Session":
-        """Starts and records a session; `subject` is a pseudonym, `fields` what the protocol asks for (see `protocols`)."""
+        """Starts a session and its recording, and returns the session.
+
+        `protocol` is a name from `protocols`; empty means "free". `subject` is the subject ID, never a name. `label` is a note, never a
+        name. `duration_s` stops the session automatically; 0 means the duration of the protocol, or no limit. `settle_s` is the settling
+        time before the measurement; 0 means the time of the protocol. Both are in seconds. `fields` are the values that the protocol
+        requires.
+
+        Raises `NotFound` for an unknown rig, `InvalidArgument` for an unknown protocol or an invalid value, and `WrongState` if the rig has
+        a session.
+        """
         wanted = control_pb2.StartSessionRequest(
             rig=rig,
             protocol=protocol,
@@ -145,21 +175,32 @@ class Daemon:
         return Session(self, self._control.call(control_pb2.Request(start_session=wanted)).session)
 
     def resume_session(self, session_id: str) -> "Session":
-        """Goes on with an interrupted session as a new part of its recording."""
+        """Resumes an interrupted session as a new part of its recording. Raises `NotFound` for an unknown ID."""
         wanted = sessions_pb2.ResumeSessionRequest(session_id=session_id)
         return Session(self, self._control.call(control_pb2.Request(resume_session=wanted)).session)
 
     def stop_session(self, rig: str = "", is_abort: bool = False, reason: str = "") -> control_pb2.SessionInfo:
-        """Answered when the recording is closed. Without `rig`: the only one with a session."""
+        """Stops a session, waits until its recording is closed, and returns its state.
+
+        An empty `rig` means the only rig that has a session. `is_abort` lists the session as aborted, with `reason` (never a name). Raises
+        `WrongState` if there is no session.
+        """
         wanted = control_pb2.StopSessionRequest(rig=rig, is_abort=is_abort, reason=reason)
         return self._control.call(control_pb2.Request(stop_session=wanted)).session
 
     def mark(self, text: str, rig: str = "") -> list[control_pb2.MarkResponse.At]:
-        """Marks the newest scan of a rig, or of every rig."""
+        """Puts a marker at the newest scan of a rig, or of every rig if `rig` is empty. Returns the marked scans. `text` has 1 to 200
+        bytes.
+        """
         return list(self._control.call(control_pb2.Request(mark=control_pb2.MarkRequest(text=text, rig=rig))).mark.marks)
 
     def trial(self, action: TrialAction, rig: str = "") -> sessions_pb2.TrialStatus:
-        """One step of the protocol's trials. Without `rig`: of the only one with a session."""
+        """Executes one step of the protocol's trials and returns the state of the trials.
+
+        "next" starts the next trial, or ends a trial without a fixed duration; "redo" discards the present or last trial and repeats it;
+        "reject" discards it and continues without it. An empty `rig` means the only rig that has a session. Raises `WrongState` if the rig
+        has no session with trials.
+        """
         actions = {
             "next": sessions_pb2.TRIAL_ACTION_NEXT,
             "redo": sessions_pb2.TRIAL_ACTION_REDO,
@@ -168,33 +209,46 @@ class Daemon:
         return self._control.call(control_pb2.Request(trial=sessions_pb2.TrialRequest(rig=rig, action=actions[action]))).trial
 
     def tare(self, rig: str) -> NDArray[np.float64]:
-        """Takes the present deflections as zero; the baseline of each sensor in mm."""
+        """Tares a rig: the present deflections become zero. Returns the baseline of each sensor in mm.
+
+        The plate or chair must be empty. Raises `WrongState` if the device does not stream, if the rig has a session, or if the
+        deflections are not steady or show a load.
+        """
         return np.array(self._control.call(control_pb2.Request(tare=control_pb2.TareRequest(rig=rig))).tare.baseline_mm)
 
     def protocols(self) -> dict[str, sessions_pb2.ProtocolInfo]:
+        """Returns the protocols by name, with their conditions and required fields."""
         response = self._control.call(control_pb2.Request(list_protocols=sessions_pb2.ListProtocolsRequest()))
         return {protocol.name: protocol for protocol in response.protocols.protocols}
 
     def sessions(self, rig: str = "", subject: str = "", protocol: str = "", limit: int = 0) -> list[sessions_pb2.SessionRecord]:
-        """What the catalogue holds, newest first, without trials; at most `limit`, 0 is 100."""
+        """Returns sessions of the catalogue, newest first, with their parts and without their trials.
+
+        `rig`, `subject` (subject ID) and `protocol` select; empty means all. At most `limit` sessions; 0 means 100.
+        """
         wanted = sessions_pb2.ListSessionsRequest(rig=rig, subject=subject, protocol=protocol, limit=limit)
         return list(self._control.call(control_pb2.Request(list_sessions=wanted)).sessions.sessions)
 
     def session(self, session_id: str) -> sessions_pb2.SessionRecord:
-        """A session of the catalogue with its trials and results; its recordings are the files of `.parts`, on the daemon's host."""
+        """Returns one session of the catalogue with its parts, trials and results. Raises `NotFound` for an unknown ID.
+
+        `.parts` has the files of the recordings, on the daemon's machine.
+        """
         wanted = sessions_pb2.ShowSessionRequest(session_id=session_id)
         return self._control.call(control_pb2.Request(show_session=wanted)).session_record
 
     def audit(self, limit: int = 0) -> sessions_pb2.GetAuditResponse:
-        """The newest entries of the audit trail, 0 is 100. That its chain is broken is no error here: see `problem`."""
+        """Returns the newest entries of the audit trail; a `limit` of 0 means 100. A broken chain raises nothing: see `problem` in the
+        answer.
+        """
         return self._control.call(control_pb2.Request(get_audit=sessions_pb2.GetAuditRequest(limit=limit))).audit
 
     def _check_streams(self, topics: tuple[str, ...]) -> None:
         known = [f"{rig.name}/{name}" for rig in self.rigs.values() for name in rig.published]
         for topic in topics or ("",):
             if topic not in known:
-                hint = "a stream that the rig file does not publish is in recordings only ([publish] streams)"
-                raise NotFound(f"no stream '{topic}'; there are {', '.join(known)}", hint)
+                hint = "to publish a stream, add it to streams in [publish] of the rig file"
+                raise NotFound(f"no stream '{topic}'; the streams are {', '.join(known)}", hint)
 
     def _subscribe(self, topics: tuple[str, ...] | list[str]) -> Subscriber:
         subscriber = Subscriber(self._context, self.endpoints.data, topics, frozenset(topics).__contains__)
@@ -207,7 +261,10 @@ class Daemon:
 
 
 class Session:
-    """A session under way. In a `with` it is stopped at the end, and aborted when an exception ends it."""
+    """A running session. `Daemon.start_session` returns it.
+
+    At the end of a `with`, the session is stopped. If an exception ends the `with`, the session is aborted; its recording stays.
+    """
 
     def __init__(self, daemon: Daemon, info: control_pb2.SessionInfo) -> None:
         self._daemon = daemon
@@ -215,15 +272,16 @@ class Session:
         self.rig = info.rig
 
     def info(self) -> control_pb2.SessionInfo:
-        """Its present state; raises WrongState when it is over."""
+        """Returns the present state. Raises `WrongState` if the session has ended."""
         for rig in self._daemon.status().rigs:
             session: control_pb2.SessionInfo = rig.session
             if session.session_id == self.id and session.state not in _OVER:
                 return session
-        raise WrongState(f"session {self.id} is over", f"its result: daemon.session('{self.id}')")
+        raise WrongState(f"session {self.id} has ended", f"read its results: daemon.session('{self.id}')")
 
     @property
     def is_running(self) -> bool:
+        """True until the session has ended. Every access asks the daemon."""
         try:
             self.info()
         except WrongState:
@@ -231,7 +289,10 @@ class Session:
         return True
 
     def wait(self, timeout: float) -> sessions_pb2.SessionRecord:
-        """Until a session with a duration is over by itself and its recording is closed; `Timeout` after `timeout` seconds."""
+        """Waits until a session with a duration ends and its recording is closed; returns the session with its results.
+
+        Raises `Timeout` after `timeout` seconds (0 to 86400).
+        """
         deadline_s = time.monotonic() + check_timeout(timeout)
         while True:
             if not self.is_running:
@@ -239,22 +300,24 @@ class Session:
                 if record.state != "running":  # as it stays until the file is closed
                     return record
             if time.monotonic() > deadline_s:
-                raise Timeout(f"session {self.id} is not over after {timeout:g} s", "session.stop() ends it")
+                raise Timeout(f"session {self.id} has not ended after {timeout:g} s", "wait longer, or stop it: session.stop()")
             time.sleep(0.1)
 
     def mark(self, text: str) -> control_pb2.MarkResponse.At:
+        """Puts a marker at the newest scan of the rig and returns the scan. `text` has 1 to 200 bytes."""
         return self._daemon.mark(text, self.rig)[0]
 
     def trial(self, action: TrialAction) -> sessions_pb2.TrialStatus:
+        """Executes one step of the protocol's trials: see `Daemon.trial`."""
         return self._daemon.trial(action, self.rig)
 
     def stop(self) -> sessions_pb2.SessionRecord:
-        """Ends it; returns when the recording is closed, with what came out of it."""
+        """Stops the session, waits until its recording is closed, and returns the session with its results."""
         self._daemon.stop_session(self.rig)
         return self._daemon.session(self.id)
 
     def abort(self, reason: str) -> sessions_pb2.SessionRecord:
-        """It did not go as it should: listed as aborted. Its recording stays."""
+        """Aborts the session and returns it. It is listed as aborted, with `reason` (never a name); its recording stays."""
         self._daemon.stop_session(self.rig, is_abort=True, reason=reason)
         return self._daemon.session(self.id)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Where a daemon listens: the rule of dtsd itself and of clients/libdts (dts/endpoints.h)."""
+"""Finds the addresses of a daemon by the same rule as dtsd and clients/libdts (dts/endpoints.h)."""
 import dataclasses
 import errno
 import os
@@ -16,21 +16,22 @@ _LONGEST_PATH_BYTES = 107  # sizeof sockaddr_un::sun_path, less its end
 
 @dataclasses.dataclass(frozen=True)
 class Endpoints:
-    """ZeroMQ addresses: "ipc:///run/dtsd/control.sock" or "tcp://127.0.0.1:5555"."""
+    """Where a daemon listens, as ZeroMQ addresses: "ipc:///run/dtsd/control.sock" or "tcp://127.0.0.1:5555"."""
 
     control: str
-    data: str  # empty when only a TCP control address is known: the other port cannot be guessed
-    origin: str  # what decided it, for messages: "DTSD_CONTROL", "/run/dtsd", ...
+    data: str  # empty if only a TCP control address is known: the port of the data socket cannot be guessed
+    origin: str  # what decided the addresses, for messages: "DTSD_CONTROL", "/run/dtsd", ...
 
 
 def find_endpoints(
     control: str = "", data: str = "", environment: Mapping[str, str] = os.environ, system_directory: str = "/run/dtsd"
 ) -> Endpoints:
-    """Finds the daemon; contacts nobody. The first that is given wins:
+    """Finds the addresses of the daemon; does not connect. The first match wins:
 
     arguments > DTSD_CONTROL, DTSD_DATA > DTSD_RUNTIME_DIR > /run/dtsd if its sockets exist > XDG_RUNTIME_DIR/dtsd > /tmp/dtsd-<uid>
 
-    One address of ".../control.sock" and ".../data.sock" decides the other, so that two daemons never mix.
+    One address in the form ".../control.sock" or ".../data.sock" decides the other one, so that addresses of two daemons never mix. Raises
+    `InvalidArgument` for an address that no daemon can have, and `NotAllowed` if the directory below /tmp belongs to another user.
     """
     from_control = environment.get("DTSD_CONTROL", "")
     from_data = environment.get("DTSD_DATA", "")
@@ -40,7 +41,7 @@ def find_endpoints(
         found = _completed(from_control, from_data, "DTSD_CONTROL" if from_control else "DTSD_DATA")
     else:
         found = _by_directory(environment, system_directory)
-    # A TCP address tells nothing about its sibling: the environment may.
+    # A TCP address does not decide the other address; the environment may.
     found = dataclasses.replace(found, control=found.control or from_control, data=found.data or from_data)
     for address in (found.control, found.data):
         if address:
@@ -49,7 +50,7 @@ def find_endpoints(
 
 
 def probe(endpoint: str) -> None:
-    """Connects to an ipc address and hangs up again: tells at once, and with the reason, that nobody listens."""
+    """Connects to an ipc address and disconnects again. Raises `Unreachable` or `NotAllowed` at once if no daemon can be reached there."""
     path = endpoint.removeprefix(_IPC)
     if path == endpoint or not path.startswith("/"):
         return
@@ -59,12 +60,12 @@ def probe(endpoint: str) -> None:
     if outcome in (errno.ENOENT, errno.ENOTDIR):
         raise Unreachable(
             f"no daemon at {endpoint}: the socket does not exist",
-            "start it: systemctl start dtsd, or dtsd --config FILE; is it elsewhere? set DTSD_RUNTIME_DIR or give control=",
+            "start it: systemctl start dtsd, or dtsd --config FILE; if it uses another directory, set DTSD_RUNTIME_DIR or give control=",
         )
     if outcome == errno.ECONNREFUSED:
         raise Unreachable(
-            f"no daemon at {endpoint}: the socket is a leftover, nobody listens",
-            "start it: systemctl start dtsd; see why it ended: journalctl -u dtsd",
+            f"no daemon at {endpoint}: the socket exists, but no program listens on it",
+            "start it: systemctl start dtsd; find out why it ended: journalctl -u dtsd",
         )
     if outcome in (errno.EACCES, errno.EPERM):
         raise NotAllowed(
@@ -93,7 +94,7 @@ def _by_directory(environment: Mapping[str, str], system_directory: str) -> Endp
         return _in_directory(given.removesuffix("/"), "DTSD_RUNTIME_DIR")
     try:
         is_there = Path(system_directory, "control.sock").exists()
-    except PermissionError:  # a directory that we may not look into is the daemon's all the same: probe() tells what is missing
+    except PermissionError:  # an unreadable directory is still the daemon's: probe() reports the missing permission
         is_there = True
     if is_there:
         return _in_directory(system_directory, system_directory)
@@ -104,14 +105,14 @@ def _by_directory(environment: Mapping[str, str], system_directory: str) -> Endp
 
 
 def _in_tmp() -> Endpoints:
-    """Anybody may create a directory in /tmp: one that is not ours could be a trap for commands."""
+    """Rejects a directory of another user: anyone may create a directory in /tmp to intercept commands."""
     directory = f"/tmp/dtsd-{os.geteuid()}"
     try:
         owner = os.stat(directory).st_uid
     except OSError:
         owner = os.geteuid()
     if owner not in (os.geteuid(), 0):
-        raise NotAllowed(f"{directory} belongs to another user", "remove it, or name the daemon's directory in DTSD_RUNTIME_DIR")
+        raise NotAllowed(f"{directory} belongs to another user", "remove it, or set DTSD_RUNTIME_DIR to the directory of the daemon")
     return _in_directory(directory, directory)
 
 
@@ -123,7 +124,7 @@ def _check_address(endpoint: str, origin: str) -> None:
             raise InvalidArgument(f"{subject}: the socket path must be absolute", "write ipc:///run/dtsd/control.sock")
         if len(os.fsencode(path)) > _LONGEST_PATH_BYTES:
             raise InvalidArgument(
-                f"{subject}: a socket path has at most {_LONGEST_PATH_BYTES} bytes", "choose a shorter runtime directory"
+                f"{subject}: the socket path is longer than {_LONGEST_PATH_BYTES} bytes", "choose a shorter runtime directory"
             )
         return
     host, _, port = endpoint.removeprefix(_TCP).rpartition(":")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What can go wrong: one exception class per code of dts.v1.ErrorCode, all of them `Error`."""
+"""The exceptions of this package: one class per code of dts.v1.ErrorCode, all derived from `Error`."""
 import enum
 import re
 
@@ -29,7 +29,9 @@ class ErrorCode(enum.IntEnum):
 
 
 class Error(Exception):
-    """What failed, on what and why (`what`), and what to try (`hint`, may be empty)."""
+    """Base class of all errors. `what`: what failed, on which thing, and why. `hint`: what to try; may be empty. `code`: see
+    `ErrorCode`.
+    """
 
     code = ErrorCode.FAILED
 
@@ -43,7 +45,7 @@ class Error(Exception):
 
 
 class Failed(Error):
-    """The operation failed for a reason of the world."""
+    """The operation failed for a reason outside the program."""
 
 
 class InvalidArgument(Error):
@@ -53,7 +55,7 @@ class InvalidArgument(Error):
 
 
 class Unreachable(Error):
-    """Nobody answers at the endpoint."""
+    """No daemon answers at the endpoint."""
 
     code = ErrorCode.UNREACHABLE
 
@@ -71,13 +73,13 @@ class NotFound(Error):
 
 
 class WrongState(Error):
-    """Legal, but not now."""
+    """The operation is valid, but not in the present state."""
 
     code = ErrorCode.WRONG_STATE
 
 
 class DataDamaged(Error):
-    """Received data, or a file, contradict themselves."""
+    """Received data or a file contradict themselves."""
 
     code = ErrorCode.DATA_DAMAGED
 
@@ -116,5 +118,5 @@ _CLASSES: dict[int, type[Error]] = {cls.code: cls for cls in Error.__subclasses_
 
 
 def error_of(code: int, what: str, hint: str = "") -> Error:
-    """The exception of a code; `Failed` for codes of later versions."""
+    """Returns the exception for a code; `Failed` for codes of later versions."""
     return _CLASSES.get(code, Failed)(what, hint)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Something that happened at one scan: the same class for what the daemon publishes and for what a recording holds."""
+"""Events at a scan: one class for published events and for events in recordings."""
 import dataclasses
 from typing import Any
 
@@ -7,35 +7,30 @@ import numpy as np
 from google.protobuf.descriptor import EnumDescriptor, FieldDescriptor
 from google.protobuf.message import Message
 
-from .options import bits_of, topic_of
+from .options import bits_of
 from .v1 import stream_pb2
 
 
 @dataclasses.dataclass(frozen=True)
 class Event:
-    """Something that happened at one scan of a rig."""
+    """An event at one scan of a rig, for example a marker, a gap or a reach."""
 
     rig: str
-    kind: str  # "marker", "gap", "device", "session", "trigger", "trial", "result", "reach", "class", "sway"; recordings have more
+    kind: str  # "marker", "gap", "device", "session", "trigger", "trial", "result", "reach", "class", "sway"; recordings have more kinds
     segment: int
     scan: int  # of the raw stream
-    time_s: float  # CLOCK_MONOTONIC of the daemon's host; NaN: before the first scan there is no instant to speak of
-    utc: np.datetime64
-    fields: dict[str, Any]  # enumerators and bits as words; what is not known yet is NaN
-    message: stream_pb2.Event | None = dataclasses.field(default=None, repr=False)  # as published; of a recorded event there is none
+    time_s: float  # CLOCK_MONOTONIC of the daemon's host; NaN for an event before the first scan
+    utc: np.datetime64  # NaT for an event before the first scan
+    fields: dict[str, Any]  # enumerators and bits as words; what is not known is NaN, or None if it is no float, or absent
+    message: stream_pb2.Event | None = dataclasses.field(default=None, repr=False)  # None: recorded by dtsd 0.1 or another program
 
     def __str__(self) -> str:
         values = "  ".join(f"{name} {value}" for name, value in self.fields.items() if not isinstance(value, dict | list))
         return f"{self.rig}  scan {self.scan}  {self.kind}  {values}"
 
 
-def kind_of(message: stream_pb2.Event) -> str:
-    """The kind of a published event; empty when this version does not know it."""
-    return "result" if message.HasField("trial_result") else topic_of(message).name
-
-
 def fields_of(message: Message) -> dict[str, Any]:
-    """A message as a dictionary: submessages that are absent and enumerators that say nothing are left out."""
+    """Returns a message as a dictionary. Omits absent submessages and unspecified enumerators."""
     fields: dict[str, Any] = {}
     for field in message.DESCRIPTOR.fields:
         value = getattr(message, field.name)
@@ -49,6 +44,8 @@ def fields_of(message: Message) -> dict[str, Any]:
             if not message.HasField(field.name):
                 continue
             value = fields_of(value)
+        elif field.has_presence and not message.HasField(field.name):
+            value = float("nan") if field.type == FieldDescriptor.TYPE_DOUBLE else None
         elif (enum := bits_of(field)) is not None:
             value = words_of_bits(enum, value)
         elif field.enum_type is not None:
@@ -60,12 +57,12 @@ def fields_of(message: Message) -> dict[str, Any]:
 
 
 def words_of_bits(enum: EnumDescriptor, bits: int) -> list[str]:
-    """The words of the bits that are set: ["resumed", "untared"]."""
+    """Returns the words of the bits that are set: ["resumed", "untared"]."""
     return [word_of(enum, 1 << bit) for bit in range(bits.bit_length()) if bits >> bit & 1]
 
 
 def word_of(enum: EnumDescriptor, number: int) -> str:
-    """DEVICE_STATE_STREAMING of DeviceState is "streaming"; "unknown" for what a later version added."""
+    """Returns an enumerator as a word: DEVICE_STATE_STREAMING is "streaming". Returns "unknown" for enumerators of later versions."""
     value = enum.values_by_number.get(number)
     if value is None:
         return "unknown"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The subscriber without its socket: decodes, checks, counts what is missing."""
+"""The subscriber without its socket: decodes and checks messages, and counts missing scans."""
 import collections
 import dataclasses
 from collections.abc import Callable
@@ -9,9 +9,9 @@ import numpy as np
 from google.protobuf.message import DecodeError
 
 from .errors import DataDamaged
-from .events import Event, fields_of, kind_of
+from .events import Event, fields_of
 from .loss import LossTracker, Position
-from .options import EVENT_TOPICS, topic_of
+from .options import EVENT_TOPICS, kind_of, topic_of
 from .streams import Block, StreamFormat
 from .v1 import control_pb2, stream_pb2
 from .wire_check import MAX_MESSAGE_BYTES, check_status, is_block
@@ -23,20 +23,20 @@ _MAX_WAITING_BYTES = 32 << 20
 
 @dataclasses.dataclass
 class Statistics:
-    """Counters since the subscription was made."""
+    """Counters since the subscription."""
 
-    messages: int = 0  # well-formed ones
-    malformed: int = 0  # ignored: not what the protocol allows
-    unknown_topics: int = 0  # ignored: topics that this version or the daemon's status does not know
-    inconsistent: int = 0  # blocks whose position goes backwards; delivered, loss unknown
-    dropped_events: int = 0  # found no room while the daemon's status had not come yet
-    restarts: int = 0  # of the daemon
+    messages: int = 0  # valid messages
+    malformed: int = 0  # ignored: messages that the protocol does not allow
+    unknown_topics: int = 0  # ignored: topics that neither this version nor the daemon's status knows
+    inconsistent: int = 0  # blocks whose position goes backwards; they are delivered, their loss is unknown
+    dropped_events: int = 0  # events dropped because the queue was full before the daemon's status arrived
+    restarts: int = 0  # restarts of the daemon
 
 
 @dataclasses.dataclass
 class _Topic:
     tracker: LossTracker = dataclasses.field(default_factory=LossTracker)
-    lost_scans: int = 0  # not told to the caller yet
+    lost_scans: int = 0  # not yet delivered to the caller
     is_loss_exact: bool = True
     is_restart: bool = False
     last_retained: bytes = b""
@@ -50,7 +50,7 @@ class _Waiting:
 
 
 class Inbox:
-    """Everything waits until the daemon's status has told formats and the way to UTC; that takes a second at most.
+    """Holds all messages until the daemon's status arrives, which has the formats and the offset to UTC: 1 s at most.
 
         accept --decode, check--> [waiting] --next: format, LossTracker--> Block | Event
     """
@@ -70,7 +70,7 @@ class Inbox:
         return self._formats is not None
 
     def accept(self, frames: list[bytes]) -> None:
-        """Takes one message from the wire; call `next` until it has nothing before accepting more."""
+        """Processes one message from the wire. Call `next` until it returns None before the next call."""
         if len(frames) != 2 or len(frames[1]) > MAX_MESSAGE_BYTES:
             self.statistics.malformed += 1
             return
@@ -84,6 +84,7 @@ class Inbox:
             self.statistics.malformed += 1
 
     def next(self) -> Block | Event | None:
+        """Returns the next block or event, or None if none is ready."""
         while self._formats is not None and self._waiting:
             waiting = self._waiting.popleft()
             self._waiting_bytes -= waiting.size
@@ -117,7 +118,7 @@ class Inbox:
             return
         self._note_instance(message.instance_id)
         self.statistics.messages += 1
-        if isinstance(message, stream_pb2.Event) and topic_of(message).is_retained:  # sent again for every new subscriber
+        if isinstance(message, stream_pb2.Event) and topic_of(message).is_retained:  # the daemon sends it again for every new subscriber
             if self._topics[topic].last_retained == body:
                 return
             self._topics[topic].last_retained = body
@@ -187,7 +188,7 @@ class Inbox:
         return made
 
     def _to_event(self, topic: str, event: stream_pb2.Event) -> Event:
-        has_time = event.host_time_ns != 0
+        has_time = event.HasField("host_time_ns")
         body = getattr(event, str(event.WhichOneof("body")))
         return Event(
             rig=topic.partition("/")[0],
@@ -202,7 +203,7 @@ class Inbox:
 
 
 def formats_of(status: control_pb2.StatusSnapshot) -> dict[str, StreamFormat]:
-    """The streams of a checked status by topic."""
+    """Returns the streams of a checked status by topic."""
     return {
         f"{rig.rig.name}/{stream.name}": StreamFormat(
             topic=f"{rig.rig.name}/{stream.name}",

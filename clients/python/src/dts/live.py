@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `daemon.stream`, `daemon.events` and `daemon.record` hand out."""
+"""The results of `Daemon.stream`, `Daemon.events` and `Daemon.record`."""
 import dataclasses
 import math
 from types import TracebackType
@@ -18,20 +18,20 @@ _SILENCE_S = 3.0  # the daemon's status comes every second: after this nobody is
 
 
 def no_news(subscriber: Subscriber, of_what: str, timeout_s: float) -> Timeout | Unreachable:
-    """Why nothing came in time."""
+    """Returns the reason why no block or event arrived in time."""
     silence_s = subscriber.silence_s()
     if silence_s > _SILENCE_S:
         return Unreachable(
-            f"no {of_what}: the daemon has not been heard for {silence_s:.1f} s",
-            "is it running? systemctl status dtsd; iterating on waits for its return",
+            f"no {of_what}: the daemon has sent nothing for {silence_s:.1f} s",
+            "check that dtsd runs: systemctl status dtsd; iterate again to wait for its return",
         )
-    return Timeout(f"no {of_what} within {timeout_s:g} s", "does the device stream? daemon.status(); or give a longer timeout")
+    return Timeout(f"no {of_what} within {timeout_s:g} s", "check that the device streams: daemon.status(); or give a longer timeout")
 
 
 class _Live(Generic[_Item]):
-    """An endless iterator. After a Timeout or Unreachable it may be iterated on: the connection comes back by itself.
+    """An endless iterator. After `Timeout` or `Unreachable`, iterate again: the client reconnects automatically.
 
-    One thread at a time. Leave it with `break`, and `close` it, or use it in a `with`.
+    Thread: one at a time. Leave the loop with `break`, then call `close`; or use the iterator in a `with`.
     """
 
     _type: type[_Item]
@@ -43,15 +43,18 @@ class _Live(Generic[_Item]):
 
     @property
     def statistics(self) -> Statistics:
+        """Counters since the subscription."""
         return self._subscriber.statistics
 
     def close(self) -> None:
+        """Ends the subscription."""
         self._subscriber.close()
 
     def __iter__(self) -> Self:
         return self
 
     def __next__(self) -> _Item:
+        """Waits for the next item. Raises `Timeout` if none arrives in time, and `Unreachable` if the daemon sends nothing at all."""
         item = self._subscriber.receive(self._timeout_s)
         if isinstance(item, self._type):
             return item
@@ -65,13 +68,15 @@ class _Live(Generic[_Item]):
 
 
 class Stream(_Live[Block]):
-    """The blocks of some streams, from when it was made. What a slow reader leaves is kept for 8192 messages, then lost and counted."""
+    """The blocks of streams since the subscription. Keeps up to 8192 messages for a slow reader, then drops blocks; `Block.lost_scans`
+    counts them.
+    """
 
     _type = Block
 
 
 class EventStream(_Live[Event]):
-    """The events of some rigs, from when it was made; the latest device and session event of each rig come first."""
+    """The events of rigs since the subscription. The latest device and session event of each rig arrive first."""
 
     _type = Event
 
@@ -86,15 +91,15 @@ class _Seam:
 
 
 class Collector:
-    """Puts blocks together until they span some time of the stream, gaps included."""
+    """Joins blocks until they cover a given time of the stream, gaps included."""
 
     def __init__(self, seconds: float) -> None:
         if not (math.isfinite(seconds) and seconds > 0.0):
-            raise InvalidArgument(f"{seconds} s cannot be recorded")
+            raise InvalidArgument(f"cannot record {seconds} s: give a positive number of seconds")
         self._seconds = seconds
         self._blocks: list[Block] = []
         self._seams: list[_Seam] = []
-        self._told: dict[tuple[int, int], Event] = {}  # gap events by daemon and segment
+        self._gap_events: dict[tuple[int, int], Event] = {}  # gap events by daemon and segment
         self._scans = 0
         self._missing = 0
 
@@ -105,7 +110,7 @@ class Collector:
     def take(self, item: Block | Event) -> None:
         if isinstance(item, Event):
             if item.message is not None and item.kind == "gap":
-                self._told[item.message.instance_id, item.segment] = item
+                self._gap_events[item.message.instance_id, item.segment] = item
                 self._missing += item.fields["missing_scans"] if self._blocks else 0
             return
         if self._blocks:
@@ -139,13 +144,13 @@ class Collector:
         return max(round(self._seconds * self._blocks[0].rate), 1)
 
     def _missing_at(self, seam: _Seam) -> Missing:
-        """What the device lost is told by events, what was lost on the way by the blocks."""
+        """Events report scans that the device lost; blocks report scans lost in transit."""
         after = seam.after
         if after.is_restart:
             return Missing(seam.index, 0, False, "restart")
         first = max(seam.before.segment + 1, after.segment - _MOST_SEGMENTS)
-        told = [self._told.get((after.instance_id, segment)) for segment in range(first, after.segment + 1)]
-        heard = [event for event in told if event is not None]
-        scans = after.lost_scans + sum(event.fields["missing_scans"] for event in heard)
-        is_exact = after.is_loss_exact and len(heard) == len(told) and all(event.fields["is_exact"] for event in heard)
-        return Missing(seam.index, scans, is_exact, heard[-1].fields.get("reason", "unknown") if heard else "lost")
+        expected = [self._gap_events.get((after.instance_id, segment)) for segment in range(first, after.segment + 1)]
+        known = [event for event in expected if event is not None]
+        scans = after.lost_scans + sum(event.fields["missing_scans"] for event in known)
+        is_exact = after.is_loss_exact and len(known) == len(expected) and all(event.fields["is_exact"] for event in known)
+        return Missing(seam.index, scans, is_exact, known[-1].fields.get("reason", "unknown") if known else "lost")

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 
 class Position(NamedTuple):
-    """Where a block stands in its stream."""
+    """Position of a block in its stream."""
 
     segment: int
     first_scan: int
@@ -13,26 +13,26 @@ class Position(NamedTuple):
 
 
 class Hole(NamedTuple):
-    """What is missing between two blocks."""
+    """Scans missing between two blocks."""
 
     scans: int = 0
     is_exact: bool = True
-    is_consistent: bool = True  # False: the position went backwards, which no loss explains
+    is_consistent: bool = True  # False: the position went backwards, which no loss can explain
 
 
 class LossTracker:
     """
     same segment             exact from the scan indices:   [0..9] [10..19]  (20..39 missing)  [40..49]   20
     next segment, and the
-      sequence has no hole   none: the segment ended where the last block did
-      sequence has a hole    the end of the old segment is unknown: at least the new segment's missing head
+      sequence has no hole   no loss: the old segment ended with the last block
+      sequence has a hole    the end of the old segment is unknown: at least the missing start of the new segment
     """
 
     def __init__(self) -> None:
         self._last: Position | None = None
 
     def advance(self, position: Position) -> Hole:
-        """The hole before `position`; none before the first block."""
+        """Returns the hole before `position`; an empty one before the first block."""
         last, self._last = self._last, position
         if last is None:
             return Hole()

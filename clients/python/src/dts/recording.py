@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Recordings: XDF files as scans, segments and events; daemon/record/recording.h says the same for C++."""
+"""Recordings: XDF files as scans, segments and events, like daemon/record/recording.h in C++."""
 import dataclasses
 import json
 import os
@@ -7,11 +7,14 @@ import re
 from typing import Any
 
 import numpy as np
+from google.protobuf import json_format
 from numpy.typing import NDArray
 
 from .errors import DataDamaged
-from .events import Event
+from .events import Event, fields_of
+from .options import kind_of
 from .streams import Missing, Samples, to_utc
+from .v1 import stream_pb2
 from .xdf import XdfFile, XdfStream, read_xdf
 
 _FORMAT_VERSION = "1"
@@ -21,7 +24,7 @@ _MAX_EVENT_KEYS = 64
 
 @dataclasses.dataclass(frozen=True)
 class SessionFacts:
-    """What a recording of dtsd says of its session; nothing in it names a person."""
+    """Properties of the session in a recording of dtsd. They never contain the name of a person."""
 
     session_id: str
     part: int
@@ -34,60 +37,66 @@ class SessionFacts:
     device_uri: str
     calibration_id: str
     started_utc: np.datetime64
-    fields: dict[str, str]  # what the protocol asked about the subject
+    fields: dict[str, str]  # the protocol's fields about the subject
     stages: tuple[str, ...]
-    all: dict[str, str] = dataclasses.field(repr=False)  # the above and all others: "device_serial", "boot_id", "rig_definition", ...
+    all: dict[str, str] = dataclasses.field(repr=False)  # all properties, also "device_serial", "boot_id", "rig_definition", ...
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class RecordedStream(Samples):
-    """A stream of a recording. `time_s` has the clock offsets in it, which XDF keeps apart from the stamps."""
+    """A stream of a recording. `time_s` includes the clock offsets, which XDF stores separately from the stamps."""
 
-    content: str  # "DTS", "Quality", "Markers"; other programs have others
-    stamps_s: NDArray[np.float64]  # as in the file: of the device's clock, without any jitter
-    clock_offsets: NDArray[np.float64]  # n x 2: stamp, what is to be added to it there
+    content: str  # type in XDF: "DTS", "Quality", "Markers"; other programs use other types
+    stamps_s: NDArray[np.float64]  # as in the file: time of the device's clock in seconds, without jitter
+    clock_offsets: NDArray[np.float64]  # n x 2, in seconds: stamp, and the offset to add at this stamp
     facts: dict[str, str]
 
 
 @dataclasses.dataclass(frozen=True)
 class Loss:
-    """What a recording lacks between its first scan and its last, for one reason: as `dtsctl session show` counts it."""
+    """Scans missing between the first and the last scan of a recording, for one reason; `dtsctl session show` counts the same way."""
 
-    reason: str  # "overrun", "unplugged", "ring_full", ...; "none": nobody gave one, the time stamps have a hole
+    reason: str  # "overrun", "unplugged", "ring_full", ...; "none": no reason recorded, but the time stamps have a hole
     gaps: int
-    scans: int  # of the rig's raw stream; where the length of a gap is not known exactly, by the time between the scans around it
+    scans: int  # of the rig's raw stream; a gap of unknown length counts by the time between the scans around it
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Recording:
-    file: str
+    """A recording: its session, streams and events. `load` returns it."""
+
+    file: str  # path as given to `load`
     session: SessionFacts | None  # None: a file of another program
-    streams: dict[str, RecordedStream]  # by name, "floor/cop"; the second of a name is "name-2"
-    events: tuple[Event, ...]  # in order of time; texts of other programs are markers
-    damage: str  # why the file is not whole, and where; empty: nothing is wrong
-    losses: tuple[Loss, ...]  # by reason, in the order in which they occurred first; empty: no scan is missing
+    streams: dict[str, RecordedStream]  # by name, "floor/cop"; a second stream with the same name is "name-2"
+    events: tuple[Event, ...]  # in order of time; texts of other programs become markers
+    damage: str  # why the file is damaged or incomplete, and where; empty: no damage
+    losses: tuple[Loss, ...]  # by reason, in order of first occurrence; empty: no scan is missing
 
     @property
     def lost_scans(self) -> int:
+        """Number of missing scans, over all reasons."""
         return sum(loss.scans for loss in self.losses)
 
     @property
     def lost_in_gaps(self) -> int:
+        """Number of gaps, over all reasons."""
         return sum(loss.gaps for loss in self.losses)
 
     def __getitem__(self, name: str) -> RecordedStream:
-        """A stream by its name, or by the second half of it: recording["cop"]."""
+        """Returns a stream by its full name or by the part after "/": recording["cop"]. Raises KeyError for an unknown name."""
         if name in self.streams:
             return self.streams[name]
         for full, stream in self.streams.items():
             if full.rpartition("/")[2] == name:
                 return stream
-        raise KeyError(f"no stream '{name}'; there are {', '.join(self.streams)}")
+        raise KeyError(f"no stream '{name}'; the streams are {', '.join(self.streams)}")
 
     def __contains__(self, name: str) -> bool:
+        """Returns whether `recording[name]` finds a stream."""
         return name in self.streams or any(full.rpartition("/")[2] == name for full in self.streams)
 
     def events_of(self, kind: str) -> list[Event]:
+        """Returns the events of one kind in order of time: "marker", "gap", "trial", ..."""
         return [event for event in self.events if event.kind == kind]
 
     def __str__(self) -> str:
@@ -100,7 +109,10 @@ class Recording:
 
 
 def load(path: str | os.PathLike[str]) -> Recording:
-    """Reads a recording, or the XDF file of any program. What is torn is read up to there, see `Recording.damage`."""
+    """Reads a recording of dtsd, or an XDF file of another program. A damaged file is read up to the damage: see `Recording.damage`.
+
+    Raises `NotFound`, `NotAllowed` or `Failed` if the file cannot be read, and `DataDamaged` if it is not an XDF file.
+    """
     file = read_xdf(path)
     problems = [file.damage] if file.damage else _problems_of_footers(file)
     session = None
@@ -123,9 +135,12 @@ def load(path: str | os.PathLike[str]) -> Recording:
 
 
 def _losses_of(events: list[Event], table: "_SegmentTable", reference: XdfStream | None) -> tuple[Loss, ...]:
-    """The rules of daemon/record/losses: the first segment begins the recording, each other one stands behind a gap; a "loss" is what the
-    recorder had no room for. Without segment events, as in files of other programs, the stamps of the reference stream are counted."""
-    if not table.is_told:
+    """Returns losses by the rules of daemon/record/losses.
+
+    The first segment begins the recording; every other segment follows a gap. A "loss" counts scans that the recorder dropped. Files of
+    other programs have no segment events; the stamps of the reference stream then show the gaps.
+    """
+    if not table.has_segment_events:
         return _losses_by_stamps(reference)
     counts: dict[str, list[int]] = {}
     has_begun = False
@@ -144,7 +159,7 @@ def _losses_of(events: list[Event], table: "_SegmentTable", reference: XdfStream
 
 
 def _losses_by_stamps(reference: XdfStream | None) -> tuple[Loss, ...]:
-    """The rules of daemon/record/overview."""
+    """Returns losses by the time stamps alone, by the rules of daemon/record/overview."""
     if reference is None or not reference.header.rate:
         return ()
     rate_hz = float(reference.header.rate)
@@ -159,30 +174,30 @@ def _losses_by_stamps(reference: XdfStream | None) -> tuple[Loss, ...]:
 
 def _problems_of_footers(file: XdfFile) -> list[str]:
     footers = [stream.footer for stream in file.streams.values()]
-    problems = [] if all(footers) else ["no footer: it was never closed"]
+    problems = [] if all(footers) else ["no footer: the file was not closed"]
     facts = {name: text for footer in footers if footer for name, text in footer.facts.items()}
     if "incomplete" in facts:
         problems.append(f"incomplete: {facts['incomplete']}")
     if "recovered" in facts:
-        problems.append(f"recovered, at most {facts.get('lost_s_at_most', '?')} s are lost")
+        problems.append(f"recovered, at most {facts.get('lost_s_at_most', '?')} s lost")
     return problems
 
 
 def _whole(facts: dict[str, str], name: str) -> int:
     text = facts.get(name, "0")
     if not re.fullmatch("-?[0-9]{1,19}", text) or not -(2**63) <= int(text) < 2**63:
-        raise DataDamaged(f"the fact {name} is no number that fits: '{text[:40]}'")
+        raise DataDamaged(f"the fact {name} is not a valid number: '{text[:40]}'")
     return int(text)
 
 
 def _session_of(facts: dict[str, str]) -> SessionFacts:
     if facts["format_version"] != _FORMAT_VERSION:
-        raise DataDamaged(f"the fact format_version is '{facts['format_version'][:40]}', only {_FORMAT_VERSION} is known")
+        raise DataDamaged(f"the fact format_version is '{facts['format_version'][:40]}'; supported: {_FORMAT_VERSION}")
     names = ("session_id", "rig", "kind", "protocol", "subject", "label", "software", "device_uri", "calibration_id")
     _whole(facts, "utc_minus_monotonic_ns")
     stages = _whole(facts, "stages")
     if not 0 <= stages <= 256:
-        raise DataDamaged(f"the fact stages says {stages}, at most 256")
+        raise DataDamaged(f"the fact stages is {stages}; the limit is 256")
     return SessionFacts(
         **{name: facts.get(name, "") for name in names},
         part=_whole(facts, "part"),
@@ -197,22 +212,45 @@ def _session_of(facts: dict[str, str]) -> SessionFacts:
 class _ParsedEvent:
     stream: XdfStream
     stamp_s: float
-    values: dict[str, Any] | None  # None: no event of ours
+    values: dict[str, Any] | None  # "event", "segment", "scan" and the fields; None: not an event of dtsd
+    message: stream_pb2.Event | None  # None: recorded by dtsd 0.1 or another program
     text: str
 
 
 def _as_list(values: NDArray[Any]) -> list[Any]:
-    """Returns an array as a list of Python's own values: numpy's types do not say how deep `tolist` nests."""
+    """Returns an array as a list of Python values: the types of NumPy do not tell how deep `tolist` nests."""
     rows: Any = values.tolist()
     return list(rows)
 
 
 def _parsed_events(stream: XdfStream) -> list[_ParsedEvent]:
     rows = zip(_as_list(stream.times_s), _as_list(stream.values), strict=True)
-    return [_ParsedEvent(stream, stamp_s, _event_of_json(text), text) for stamp_s, texts in rows for text in texts]
+    return [_parsed_event(stream, stamp_s, text) for stamp_s, texts in rows for text in texts]
 
 
-def _event_of_json(text: str) -> dict[str, Any] | None:
+def _parsed_event(stream: XdfStream, stamp_s: float, text: str) -> _ParsedEvent:
+    message = _event_of_json(text)
+    if message is None:
+        return _ParsedEvent(stream, stamp_s, _old_event_of_json(text), None, text)
+    body = getattr(message, str(message.WhichOneof("body")))
+    values = {"event": kind_of(message), "segment": message.segment, "scan": message.scan, **fields_of(body)}
+    return _ParsedEvent(stream, stamp_s, values, message, text)
+
+
+def _event_of_json(text: str) -> stream_pb2.Event | None:
+    """An event as dtsd records it: protobuf's JSON of dts.v1.Event."""
+    if len(text) > _MAX_EVENT_BYTES:
+        return None
+    message = stream_pb2.Event()
+    try:
+        json_format.Parse(text, message, ignore_unknown_fields=True)
+    except (json_format.ParseError, ValueError, TypeError, AttributeError, RecursionError):
+        return None
+    return message if message.WhichOneof("body") and message.scan < 2**62 else None
+
+
+def _old_event_of_json(text: str) -> dict[str, Any] | None:
+    """An event of dtsd 0.1: one flat object, {"event":"marker","segment":0,"scan":1250,"text":"eyes closed"}."""
     if len(text) > _MAX_EVENT_BYTES:
         return None
     try:
@@ -226,7 +264,7 @@ def _event_of_json(text: str) -> dict[str, Any] | None:
 
 
 def _reference(file: XdfFile) -> XdfStream | None:
-    """Events count in scans of the raw stream; where that is not recorded, in those of the fastest one."""
+    """Returns the stream whose scans number the events: the raw stream, or the fastest stream if raw is not recorded."""
     regular = [stream for stream in file.streams.values() if stream.header.rate and stream.header.dtype != object]
     raw = [stream for stream in regular if stream.header.name.rpartition("/")[2] == "raw"]
     by_rate = sorted(regular, key=lambda stream: stream.header.rate or 0, reverse=True)
@@ -234,7 +272,7 @@ def _reference(file: XdfFile) -> XdfStream | None:
 
 
 class _SegmentTable:
-    """Which segment a stamp belongs to, and which scan of it: from dtsd's events, else from the stamps of the reference stream.
+    """Finds the segment and the scan of a stamp: from the events of dtsd, otherwise from the stamps of the reference stream.
 
         segment   0                      gap   1
         stamp   --|=======================|    |==================>
@@ -244,9 +282,9 @@ class _SegmentTable:
     def __init__(self, events: list[_ParsedEvent], reference: XdfStream | None) -> None:
         self.rate_hz = float(reference.header.rate) if reference and reference.header.rate else 0.0
         ours = [(row.stamp_s, row.values) for row in events if row.values and row.values["event"] == "segment"]
-        self.is_told = bool(ours) and self.rate_hz > 0.0
+        self.has_segment_events = bool(ours) and self.rate_hz > 0.0
         self.gaps = {values.get("segment", 0): values for _, values in ours}
-        if self.is_told:
+        if self.has_segment_events:
             starts = [(at, values.get("segment", 0), at - values.get("scan", 0) / self.rate_hz) for at, values in ours]
         elif reference is not None:
             stamps = reference.times_s
@@ -260,7 +298,7 @@ class _SegmentTable:
         self._zeros_s = np.array([start[2] for start in starts])
 
     def places(self, stamps_s: NDArray[np.float64], rate_hz: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Segment and scan of each stamp; 0 and 0 where nothing is known."""
+        """Returns the segment and the scan of each stamp; 0 and 0 if unknown."""
         if not len(self._starts_s) or rate_hz == 0.0:
             return np.zeros(len(stamps_s), np.int64), np.zeros(len(stamps_s), np.int64)
         at = np.maximum(np.searchsorted(self._starts_s, stamps_s + 0.5 / rate_hz, side="right") - 1, 0)
@@ -269,14 +307,16 @@ class _SegmentTable:
 
 
 def _continues(stamps_s: NDArray[np.float64], rate_hz: float) -> NDArray[np.bool_]:
-    """Whether each sample but the first follows the one before: off by half a scan at most. From the one before, not from a grid that
-    is hours old: a clock that is 50 ppm off makes no gap."""
+    """Returns whether each sample after the first follows the previous one within half a scan.
+
+    Compares neighbours, not a fixed grid: a clock that is off by 50 ppm must not look like a gap after hours.
+    """
     with np.errstate(invalid="ignore"):
         return np.asarray(np.abs(np.diff(stamps_s) - 1.0 / rate_hz) <= 0.5 / rate_hz)
 
 
 def _own_places(stamps_s: NDArray[np.float64], rate_hz: float) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The same by the stream's own stamps alone."""
+    """Returns segment and scan of each stamp from the stamps of the stream alone."""
     breaks = np.r_[False, ~_continues(stamps_s, rate_hz)]
     segments = np.cumsum(breaks)
     index = np.arange(len(stamps_s))
@@ -286,7 +326,7 @@ def _own_places(stamps_s: NDArray[np.float64], rate_hz: float) -> tuple[NDArray[
 def _to_stream(name: str, stream: XdfStream, table: _SegmentTable, utc_minus_monotonic_ns: int) -> RecordedStream:
     header = stream.header
     stamps_s = stream.times_s
-    if header.rate and not table.is_told and len(stamps_s):
+    if header.rate and not table.has_segment_events and len(stamps_s):
         segments, scans = _own_places(stamps_s, float(header.rate))
     else:
         segments, scans = table.places(stamps_s, float(header.rate or table.rate_hz))
@@ -312,18 +352,18 @@ def _to_stream(name: str, stream: XdfStream, table: _SegmentTable, utc_minus_mon
 def _gaps_of(segments: NDArray[np.int64], scans: NDArray[np.int64], table: _SegmentTable) -> tuple[Missing, ...]:
     found = []
     for index in _as_list(np.flatnonzero((np.diff(segments) != 0) | (np.diff(scans) != 1)) + 1):
-        told = table.gaps.get(int(segments[index]), {})
+        event = table.gaps.get(int(segments[index]), {})
         if segments[index] == segments[index - 1]:
             found.append(Missing(index, max(int(scans[index] - scans[index - 1]) - 1, 0), True, "lost"))
         else:
-            missing = told.get("missing_scans")
-            is_exact = type(missing) is int and told.get("is_exact") is True
-            found.append(Missing(index, missing if type(missing) is int else 0, is_exact, str(told.get("reason", "unknown"))))
+            missing = event.get("missing_scans")
+            is_exact = type(missing) is int and event.get("is_exact") is True
+            found.append(Missing(index, missing if type(missing) is int else 0, is_exact, str(event.get("reason", "unknown"))))
     return tuple(found)
 
 
 def _on_host(stamps_s: NDArray[np.float64], offsets: list[tuple[float, float]]) -> NDArray[np.float64]:
-    """Stamps mapped to the host's clock: offsets are measured every 5 s, in between they change evenly."""
+    """Maps stamps to the clock of the host. dtsd measures offsets every 5 s; between them, this function interpolates."""
     known: NDArray[np.float64] = np.array([offset for offset in offsets if np.isfinite(offset).all()]).reshape(-1, 2)
     if not len(known):
         return stamps_s
@@ -346,15 +386,17 @@ def _to_event(row: _ParsedEvent, table: _SegmentTable, utc_minus_monotonic_ns: i
         time_s=float(time_s[0]),
         utc=to_utc(np.rint(time_s * 1e9), utc_minus_monotonic_ns)[0],
         fields={
-            name: float("nan") if value is None else value  # JSON has no other way to write an undefined number
+            # The JSON of dtsd 0.1 had no other way to write an undefined number.
+            name: float("nan") if value is None and row.message is None else value
             for name, value in values.items()
             if name not in ("event", "segment", "scan")
         },
+        message=row.message,
     )
 
 
 def _unused_name(name: str, taken: dict[str, RecordedStream]) -> str:
-    """Files of other programs may hold streams of the same name."""
+    """Returns a name that is not taken: files of other programs may have several streams with the same name."""
     unused, number = name, 2
     while unused in taken:
         unused, number = f"{name}-{number}", number + 1

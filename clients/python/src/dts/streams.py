@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Samples in memory: a block as it comes, and any number of scans in one piece."""
+"""Samples in memory: one block as received, or any number of scans in one object."""
 import dataclasses
 from fractions import Fraction
 from typing import TypeVar
@@ -13,7 +13,7 @@ _Scalar = TypeVar("_Scalar", bound=np.generic)
 
 @dataclasses.dataclass(frozen=True)
 class StreamFormat:
-    """What is constant about a stream while the daemon runs."""
+    """Properties of a stream that stay constant while the daemon runs."""
 
     topic: str  # "floor/cop"
     channels: tuple[str, ...]  # ("ml_mm", "ap_mm", "load_n")
@@ -27,36 +27,40 @@ class Block:
     """Consecutive scans of one stream, as the daemon published them."""
 
     format: StreamFormat
-    segment: int  # counts up at every gap of the device; scan indices restart
+    segment: int  # increases by 1 at every gap of the device; scan indices then restart
     first_scan: int  # index within the segment
     rate: Fraction
     values: NDArray[np.float32]  # scans x channels; NaN where undefined
-    quality: NDArray[np.uint8]  # per channel: bits of dts.Quality, or-ed over the scans
+    quality: NDArray[np.uint8]  # per channel: bits of dts.Quality, combined with OR over the scans
     host_time_ns: int  # CLOCK_MONOTONIC of the daemon's host at the first scan's instant
-    host_time_uncertainty_ns: int  # how far that may be off; 0: simulated, exact
+    host_time_uncertainty_ns: int  # largest error of host_time_ns; 0: exact (simulated)
     utc_minus_monotonic_ns: int
-    sequence: int  # blocks of this stream so far
-    # Scans missing between the block delivered before and this one, lost on the way or dropped by a full queue. Gaps of the device are
-    # not in it: events tell of those.
+    sequence: int  # blocks of this stream since the daemon started
+    # Scans missing between the previously delivered block and this one: lost in transit, or dropped by a full queue. Scans that the device
+    # lost are not counted here; gap events report them.
     lost_scans: int
-    is_loss_exact: bool  # False: how long the old segment became is unknown, lost_scans is the least it can be
+    is_loss_exact: bool  # False: the length of the old segment is unknown, and lost_scans is a lower limit
     instance_id: int  # changes when the daemon restarts
-    is_restart: bool  # the daemon was restarted before this block: segments and scans start anew, what was lost is unknown
+    is_restart: bool  # the daemon was restarted before this block: segments and scans start again; the loss is unknown
 
     @property
     def topic(self) -> str:
+        """Topic of the stream: "floor/cop"."""
         return self.format.topic
 
     @property
     def rig(self) -> str:
+        """Name of the rig: "floor"."""
         return self.format.topic.partition("/")[0]
 
     @property
     def channels(self) -> tuple[str, ...]:
+        """Names of the columns of `values`."""
         return self.format.channels
 
     @property
     def units(self) -> tuple[str, ...]:
+        """Units of the columns of `values`."""
         return self.format.units
 
     @property
@@ -66,18 +70,19 @@ class Block:
 
     @property
     def time_s(self) -> NDArray[np.float64]:
-        """CLOCK_MONOTONIC of the daemon's host: compares with time.monotonic() there."""
+        """Time of each scan in seconds: CLOCK_MONOTONIC of the daemon's host, comparable with time.monotonic() on that host."""
         return (self.host_time_ns + self._since_first_ns()) * 1e-9
 
     @property
     def utc(self) -> Times:
+        """Time of each scan in UTC; NaT for times that 64 bits cannot hold."""
         return to_utc(self._since_first_ns().astype(np.int64), self.host_time_ns + self.utc_minus_monotonic_ns)
 
     def __len__(self) -> int:
         return len(self.values)
 
     def __getitem__(self, channel: str) -> NDArray[np.float32]:
-        """A channel by its name: block["ap_mm"]."""
+        """Returns a channel by its name: block["ap_mm"]. Raises KeyError for an unknown name."""
         return column(self.values, self.channels, channel)
 
     def _since_first_ns(self) -> NDArray[np.float64]:
@@ -87,17 +92,17 @@ class Block:
 
 @dataclasses.dataclass(frozen=True)
 class Missing:
-    """Scans that are not there, before row `index` of the arrays."""
+    """Scans that are missing before row `index` of the arrays."""
 
     index: int
-    scans: int  # at least, if not exact
+    scans: int  # a lower limit if not exact
     is_exact: bool
-    reason: str  # "overrun", "unplugged", ...: of the device; "lost": on the way here; "restart": of the daemon, no number is known
+    reason: str  # "overrun", "unplugged", ...: lost by the device; "lost": in transit; "restart": the daemon was restarted, number unknown
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Samples:
-    """Scans of one stream in one piece; `daemon.record` and `dts.load` make the same."""
+    """Scans of one stream in one object; `Daemon.record` and `dts.load` return it."""
 
     name: str  # "floor/cop"
     channels: tuple[str, ...]
@@ -113,18 +118,19 @@ class Samples:
 
     @property
     def utc(self) -> Times:
+        """Time of each scan in UTC; NaT for times that 64 bits cannot hold."""
         return to_utc(np.rint(self.time_s * 1e9), self.utc_minus_monotonic_ns)
 
     @property
     def duration_s(self) -> float:
-        """From the first to the last scan."""
+        """Time from the first to the last scan, in seconds; 0 without scans."""
         return float(self.time_s[-1] - self.time_s[0]) if len(self) else 0.0
 
     def __len__(self) -> int:
         return len(self.values)
 
     def __getitem__(self, channel: str) -> NDArray[np.generic]:
-        """A channel by its name: samples["ap_mm"]."""
+        """Returns a channel by its name: samples["ap_mm"]. Raises KeyError for an unknown name."""
         return column(self.values, self.channels, channel)
 
     def __str__(self) -> str:
@@ -133,14 +139,15 @@ class Samples:
 
 
 def column(values: NDArray[_Scalar], channels: tuple[str, ...], channel: str) -> NDArray[_Scalar]:
+    """Returns the column of a channel. Raises KeyError for an unknown name."""
     try:
         return values[:, channels.index(channel)]
     except ValueError:
-        raise KeyError(f"no channel '{channel}'; there are {', '.join(channels)}") from None
+        raise KeyError(f"no channel '{channel}'; the channels are {', '.join(channels)}") from None
 
 
 def to_utc(time_ns: NDArray[np.float64] | NDArray[np.int64], offset_ns: int) -> Times:
-    """Times beyond what 64 bits hold come from a damaged peer or file: they are undefined, not wrapped."""
+    """Returns times in UTC. Times that 64 bits cannot hold come from a damaged peer or file; they become NaT."""
     times = np.asarray(time_ns, dtype=np.float64) + offset_ns
     is_known = (np.abs(times) < 9.2e18) & (abs(offset_ns) < 2**63)
     whole = np.where(is_known, time_ns, 0).astype(np.int64) + np.int64(offset_ns if abs(offset_ns) < 2**63 else 0)

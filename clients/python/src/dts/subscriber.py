@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The data socket: connects in the background, and again after an interruption."""
+"""The data socket: connects in the background, and reconnects after an interruption."""
 import time
 from collections.abc import Callable, Sequence
 
@@ -15,28 +15,29 @@ __all__ = ["Statistics", "Subscriber", "check_timeout"]
 
 _RECONNECT_AFTER_S = 5.0
 _LOOKS_PER_SILENCE = 8
-_MESSAGES_PER_CALL = 256  # handled even if the deadline has passed, so that polling with timeout 0 gets somewhere
+_MESSAGES_PER_CALL = 256  # processed even after the deadline, so that polling with timeout 0 makes progress
 _LONGEST_WAIT_S = 86400.0
 _LONGEST_PREFIX_BYTES = 200  # the daemon hangs up on subscriptions beyond 512
 
 
 def check_timeout(timeout: float) -> float:
+    """Returns the timeout in seconds. Raises `InvalidArgument` unless it is from 0 to 86400."""
     if not 0.0 <= timeout <= _LONGEST_WAIT_S:
-        raise InvalidArgument(f"a timeout of {timeout} s: it must be between 0 and 86400")
+        raise InvalidArgument(f"the timeout {timeout} s is not from 0 s to 86400 s")
     return timeout
 
 
 class Subscriber:
-    """Receives the blocks and events of some topics. One thread at a time."""
+    """Receives the blocks and events of topics. Thread: one at a time."""
 
     def __init__(
         self, context: "zmq.Context[zmq.Socket[bytes]]", endpoint: str, topics: Sequence[str], is_wanted: Callable[[str], bool]
     ) -> None:
         self._socket: "zmq.Socket[bytes] | None" = None
         if not endpoint:
-            raise InvalidArgument("the daemon's data address is not known", "give it: dts.connect(data=...) or DTSD_DATA")
+            raise InvalidArgument("the data address of the daemon is not known", "give it with dts.connect(data=...) or DTSD_DATA")
         if any(len(topic.encode()) > _LONGEST_PREFIX_BYTES for topic in topics):
-            raise InvalidArgument(f"a topic has at most {_LONGEST_PREFIX_BYTES} bytes")
+            raise InvalidArgument(f"a topic is longer than {_LONGEST_PREFIX_BYTES} bytes")
         self._context = context
         self._endpoint = endpoint
         self._topics = topics
@@ -45,27 +46,29 @@ class Subscriber:
 
     @property
     def statistics(self) -> Statistics:
+        """Counters since the subscription."""
         return self._inbox.statistics
 
     def silence_s(self) -> float:
-        """How long nothing at all has been heard of the daemon."""
+        """Returns the seconds since the last message of the daemon."""
         return time.monotonic() - self._heard_s
 
     def wait_until_subscribed(self, timeout_s: float) -> None:
-        """Returns when the daemon knows what is wanted: nothing that is published from now on is missed.
+        """Waits until the daemon has processed the subscriptions: nothing that it publishes later is missed.
 
-        The daemon answers every subscription with its status and takes them in order; that to the status is the last.
+        The daemon processes subscriptions in order and answers each one with its status; the subscription to the status is the last one.
+        Raises `Unreachable` after `timeout_s` seconds.
         """
         deadline_s = time.monotonic() + timeout_s
         while not self._inbox.has_status:
             if not self._take_one() and not self._wait(deadline_s):
                 raise Unreachable(
-                    f"nothing is heard from {self._endpoint} for {timeout_s:g} s",
-                    "does the daemon run, and is this its data address? give dts.connect(data=...) or set DTSD_DATA",
+                    f"no data from {self._endpoint} for {timeout_s:g} s",
+                    "check that dtsd runs and that this is its data address; to give another one: dts.connect(data=...) or DTSD_DATA",
                 )
 
     def receive(self, timeout_s: float) -> Block | Event | None:
-        """The next block or event; None when `timeout_s` passes first."""
+        """Returns the next block or event; None if `timeout_s` seconds pass first."""
         deadline_s = time.monotonic() + timeout_s
         taken = 0
         while True:
@@ -79,19 +82,20 @@ class Subscriber:
                 return None
 
     def close(self) -> None:
+        """Closes the socket. Later calls of `receive` raise `InvalidArgument`."""
         if self._socket is not None:
             self._socket.close(linger=0)
             self._socket = None
 
     def __del__(self) -> None:
-        self.close()  # who leaves a loop over a stream need not think of it
+        self.close()  # so that leaving a loop with `break` also closes the socket
 
     def _connect(self) -> None:
         self.close()
         socket = self._context.socket(zmq.SUB)
         socket.setsockopt(zmq.LINGER, 0)
         socket.setsockopt(zmq.RCVHWM, 8192)
-        # A guard against a peer that announces gigabytes; what is merely too large for us is counted by the inbox.
+        # Protects against a peer that announces gigabytes. Smaller messages above our limit reach the inbox, which counts them.
         socket.setsockopt(zmq.MAXMSGSIZE, 4 * MAX_MESSAGE_BYTES)
         socket.setsockopt(zmq.HEARTBEAT_IVL, 1000)
         socket.setsockopt(zmq.HEARTBEAT_TIMEOUT, 5000)
@@ -110,11 +114,11 @@ class Subscriber:
 
     def _open_socket(self) -> "zmq.Socket[bytes]":
         if self._socket is None:
-            raise InvalidArgument("this stream was closed")
+            raise InvalidArgument("this stream is closed", "subscribe again: Daemon.stream or Daemon.events")
         return self._socket
 
     def _take_one(self) -> bool:
-        """False when the socket has nothing at the moment."""
+        """Processes one message. Returns False if the socket has none at the moment."""
         try:
             frames = self._open_socket().recv_multipart(zmq.NOBLOCK)
         except zmq.Again:
@@ -125,11 +129,11 @@ class Subscriber:
         return True
 
     def _wait(self, deadline_s: float) -> bool:
-        """True when it is worth looking into the socket, False at the deadline.
+        """Waits for a message. Returns True if the socket may have one, False at the deadline.
 
-        libzmq gives a peer up for good after a violation of its protocol, a message beyond its limit for one. A status comes every
-        second, so silence means that nobody is connected. Only silence that was listened to counts: who did not iterate for a while
-        must first read what has piled up.
+        libzmq drops a peer for ever after a protocol violation, for example a message above its limit. The daemon sends a status every
+        second, so silence means that the connection is lost, and this function connects again. Only time spent waiting counts as silence:
+        after a pause, the caller must first read the queued messages.
         """
         slice_s = _RECONNECT_AFTER_S / _LOOKS_PER_SILENCE
         left_s = max(deadline_s - time.monotonic(), 0.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The daemon is checked like any other peer: everything that is used as a size, a divisor or a name must make sense.
+"""Checks of the daemon's answers: every value used as a size, a divisor or a name must be valid.
 
 The limits are those of clients/libdts/wire_check.cpp.
 """
@@ -27,11 +27,12 @@ _MAX_SCAN = 2**62  # scan indices are signed 64 bits in NumPy
 
 
 def is_rate(rate: stream_pb2.Rate) -> bool:
+    """Checks for a positive rate with both terms within the limits."""
     return 0 < rate.numerator <= _MAX_RATE_TERM and 0 < rate.denominator <= _MAX_RATE_TERM
 
 
 def is_block(block: stream_pb2.StreamBlock) -> bool:
-    """No text: this one runs for every block."""
+    """Checks a block. Returns no error text, because it runs for every block."""
     scans, channels = block.scan_count, block.channel_count
     return (
         block.instance_id != 0
@@ -45,7 +46,7 @@ def is_block(block: stream_pb2.StreamBlock) -> bool:
 
 
 def check_answer(response: control_pb2.Response) -> None:
-    """Whatever it answers; raises DataDamaged."""
+    """Checks the answer to any command. Raises `DataDamaged` with the reason."""
     result = response.WhichOneof("result")
     check = _CHECKS.get(result) if result else None
     if check is not None:
@@ -53,8 +54,9 @@ def check_answer(response: control_pb2.Response) -> None:
 
 
 def check_status(status: control_pb2.StatusSnapshot) -> None:
+    """Checks a status of the daemon. Raises `DataDamaged` with the reason."""
     if status.instance_id == 0:
-        raise _damaged("no instance id")
+        raise _damaged("the instance ID is missing")
     _check_count(status.rigs, _MAX_RIGS, "rigs")
     _check_count(status.notices, _MAX_TEXTS, "notices")
     for rig in status.rigs:
@@ -62,17 +64,17 @@ def check_status(status: control_pb2.StatusSnapshot) -> None:
         if rig.session.HasField("trial"):
             _check_trial(rig.session.trial)
     if status.disk.state not in sessions_pb2.DiskState.values():
-        raise _damaged("a disk in an unknown state")
+        raise _damaged("the state of the disk is unknown")
     _check_amount(status.disk.recordable_s, "the recordable time")
 
 
 def _damaged(what: str) -> DataDamaged:
-    return DataDamaged(f"the daemon's answer makes no sense: {what}", "are dtsd and this package of the same version?")
+    return DataDamaged(f"invalid answer of the daemon: {what}", "check that dtsd and this package have the same version")
 
 
 def _check_count(items: Sequence[Any], limit: int, of_what: str) -> None:
     if len(items) > limit:
-        raise _damaged(f"{len(items)} {of_what}, at most {limit} are possible")
+        raise _damaged(f"{len(items)} {of_what}, more than the limit of {limit}")
 
 
 def _check_amount(value: float, of_what: str) -> None:
@@ -87,14 +89,14 @@ def _is_name(text: str) -> bool:
 
 def _check_rig(rig: control_pb2.RigInfo) -> None:
     if not _is_name(rig.name):
-        raise _damaged("a rig without a proper name")
+        raise _damaged("a rig has no valid name")
     _check_count(rig.sensors, _MAX_CHANNELS, "sensors")
     _check_count(rig.streams, _MAX_STREAMS, "streams")
     for stream in rig.streams:
         if not _is_name(stream.name):
-            raise _damaged("a stream without a proper name")
+            raise _damaged("a stream has no valid name")
         if not is_rate(stream.rate):
-            raise _damaged(f"stream '{stream.name}' has an impossible rate")
+            raise _damaged(f"stream '{stream.name}' has an invalid rate")
         if not stream.channels:
             raise _damaged(f"stream '{stream.name}' has no channels")
         _check_count(stream.channels, _MAX_CHANNELS, "channels")
@@ -118,29 +120,29 @@ def _check_device_test(test: control_pb2.TestDeviceResponse) -> None:
 
 def _check_session(session: control_pb2.SessionInfo) -> None:
     if not session.session_id:
-        raise _damaged("a session without an id")
+        raise _damaged("a session has no ID")
     if session.HasField("trial"):
         _check_trial(session.trial)
 
 
 def _check_trial(trial: sessions_pb2.TrialStatus) -> None:
     if trial.phase not in sessions_pb2.TrialPhase.values():
-        raise _damaged("a trial in an unknown phase")
+        raise _damaged("the phase of a trial is unknown")
     _check_amount(trial.next_target_cm, "a trial's target")
     _check_amount(trial.remaining_s, "a trial's time")
 
 
 def _check_part(part: sessions_pb2.SessionPart) -> None:
     if part.state == sessions_pb2.PART_STATE_UNSPECIFIED or part.state not in sessions_pb2.PartState.values():
-        raise _damaged("a recording in an unknown state")
+        raise _damaged("the state of a recording is unknown")
     _check_count(part.losses, _MAX_TEXTS, "causes of losses")
-    _check_amount(part.duration_s, "the length of a recording")
-    _check_amount(part.lost_s_at_most, "what a recording lost")
+    _check_amount(part.duration_s, "the duration of a recording")
+    _check_amount(part.lost_s_at_most, "the lost time of a recording")
 
 
 def _check_record(session: sessions_pb2.SessionRecord) -> None:
     if not session.session_id:
-        raise _damaged("a session without an id")
+        raise _damaged("a session has no ID")
     _check_count(session.parts, _MAX_PARTS, "parts")
     _check_count(session.trials, _MAX_TRIALS, "trials")
     for part in session.parts:
@@ -155,14 +157,14 @@ def _check_sessions(sessions: sessions_pb2.ListSessionsResponse) -> None:
 
 def _check_protocol(protocol: sessions_pb2.ProtocolInfo) -> None:
     if not _is_name(protocol.name):
-        raise _damaged("a protocol without a proper name")
+        raise _damaged("a protocol has no valid name")
     _check_count(protocol.conditions, _MAX_TEXTS, "conditions")
     _check_count(protocol.fields, _MAX_TEXTS, "fields")
     _check_amount(protocol.settle_s, "a protocol's settling time")
-    _check_amount(protocol.duration_s, "a protocol's length")
+    _check_amount(protocol.duration_s, "a protocol's duration")
     for field in protocol.fields:
         if not (math.isfinite(field.minimum) and math.isfinite(field.maximum) and field.minimum <= field.maximum):
-            raise _damaged(f"field '{field.name}' without a range")
+            raise _damaged(f"field '{field.name}' has no valid range")
         _check_count(field.choices, _MAX_TEXTS, "choices")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Reads XDF 1.0 (github.com/sccn/xdf/wiki/Specifications) into arrays: files of any program, damaged ones up to the damage.
+"""Reads XDF 1.0 (github.com/sccn/xdf/wiki/Specifications) into arrays: files of any program; a damaged file is read up to the damage.
 
     file:    "XDF:" chunk chunk ...
     chunk:   [bytes of length: 1, 4, 8][length of tag and content][tag, u16][content]
@@ -30,7 +30,7 @@ _TEXT_SAMPLE_BYTES = 2  # at least: a text of length 0
 
 @dataclasses.dataclass
 class XdfStream:
-    """A stream as it stands in the file."""
+    """A stream with the values and time stamps of the file."""
 
     header: StreamHeader
     footer: StreamFooter | None = None
@@ -50,7 +50,7 @@ class XdfStream:
         return np.concatenate(self._values) if self._values else empty
 
     def add(self, stamps_s: NDArray[np.float64], values: NDArray[np.generic]) -> None:
-        """Samples without a stamp (NaN) count on from the last that there was, over all chunks."""
+        """Appends samples. A sample without a stamp (NaN) gets its time from the last stamp and the rate, also across chunks."""
         self._times.append(self._count_on(stamps_s))
         self._values.append(values)
 
@@ -72,13 +72,18 @@ class XdfStream:
 
 @dataclasses.dataclass
 class XdfFile:
+    """The content of an XDF file."""
+
     header: FileHeader
     streams: dict[int, XdfStream]
-    damage: str  # what cannot be read, and where; what stands before it is here. Empty: nothing is wrong
+    damage: str  # what cannot be read, and where; everything before it was read. Empty: no damage
 
 
 def read_xdf(path: str | os.PathLike[str]) -> XdfFile:
-    """Raises NotFound, NotAllowed or Failed (cannot be read) and DataDamaged (is no XDF, or has not even a header)."""
+    """Reads an XDF file, up to the damage if there is any.
+
+    Raises `NotFound`, `NotAllowed` or `Failed` if the file cannot be read, and `DataDamaged` if it is not XDF or has no file header.
+    """
     try:
         with Path(path).open("rb") as file:
             return _Reader(file, str(path)).read()
@@ -101,7 +106,7 @@ class _Reader:
 
     def read(self) -> XdfFile:
         if self._file.read(len(_MAGIC)) != _MAGIC:
-            raise DataDamaged(f"{self._name} is no XDF file", "XDF files start with 'XDF:'")
+            raise DataDamaged(f"{self._name} is not an XDF file", "XDF files start with 'XDF:'")
         damage = ""
         try:
             for offset, tag, content in self._chunks():
@@ -116,7 +121,7 @@ class _Reader:
         return XdfFile(self._header, self._streams, damage)
 
     def _chunks(self) -> Iterator[tuple[int, int, bytes]]:
-        """Offset, tag and content of each."""
+        """Yields the offset (bytes), the tag and the content of each chunk."""
         while (offset := self._file.tell()) < self._size:
             width = self._file.read(1)[0]
             if width not in _LENGTHS:
@@ -136,7 +141,7 @@ class _Reader:
 
     def _take(self, tag: int, content: bytes) -> None:
         if (self._header is None) != (tag == 1):
-            raise DataDamaged("a file starts with a file header" if self._header is None else "a second one")
+            raise DataDamaged("a file starts with a file header" if self._header is None else "a second file header")
         if tag == 1:
             self._header = file_header(content)
         elif tag in _OF_STREAM:
@@ -162,7 +167,7 @@ class _Reader:
 
     def _take_stream_header(self, number: int, content: bytes) -> None:
         if number in self._streams:
-            raise DataDamaged(f"a second one of stream {number}")
+            raise DataDamaged(f"a second header of stream {number}")
         self._header_bytes += len(content)
         if self._header_bytes > _MAX_HEADER_BYTES or len(self._streams) >= _MAX_STREAMS:
             raise DataDamaged("too many streams")
@@ -174,7 +179,7 @@ _OF_STREAM = (2, 3, 4, 6)
 
 
 def samples(content: bytes, header: StreamHeader) -> tuple[NDArray[np.float64], NDArray[np.generic]]:
-    """Time stamps (NaN where there is none) and values of a samples chunk, what follows the stream's number."""
+    """Returns time stamps (NaN if absent) and values of a samples chunk. `content` begins after the stream number."""
     count, start = _take_length(content, 0, "no count of samples")
     value_bytes = header.channel_count * (header.dtype.itemsize if header.dtype != object else _TEXT_SAMPLE_BYTES)
     room = (len(content) - start) // (1 + value_bytes)
@@ -191,7 +196,7 @@ def samples(content: bytes, header: StreamHeader) -> tuple[NDArray[np.float64], 
 def _evenly_stamped(
     content: bytes, start: int, count: int, header: StreamHeader
 ) -> tuple[NDArray[np.float64], NDArray[np.generic]] | None:
-    """As nearly all programs write: every sample has a stamp, or only the first has one, or none. Then an array can be laid over it."""
+    """Handles the common layouts: every sample has a stamp, or only the first one, or none. An array can then view the bytes directly."""
     if count == 0:
         return None
     has_first = content[start] == 8
@@ -255,7 +260,7 @@ def _take_texts(content: bytes, at: int, header: StreamHeader) -> tuple[NDArray[
 
 
 def _take_length(content: bytes, at: int, problem: str) -> tuple[int, int]:
-    """A length with the number of its own bytes before it, and where what follows begins."""
+    """Returns a length field, whose own size precedes it, and the position after it."""
     width = content[at] if at < len(content) else 0
     if width not in _LENGTHS or len(content) < at + 1 + width:
         raise DataDamaged(problem)

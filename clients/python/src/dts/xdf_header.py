@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The XML in XDF files: what programs say of a file and its streams, in the form that dtsd and that others give it."""
+"""The XML in XDF files: descriptions of the file and its streams, as dtsd and other programs write them."""
 import dataclasses
 import math
 import xml.etree.ElementTree as ElementTree
@@ -102,7 +102,7 @@ def _whole(node: ElementTree.Element, path: str) -> int | None:
     if not text:
         return None
     if not text.lstrip("-").isdecimal() or len(text) > 20:
-        raise DataDamaged(f"<{path}> is no number: '{text[:40]}'")
+        raise DataDamaged(f"<{path}> is not a number: '{text[:40]}'")
     return int(text)
 
 
@@ -113,12 +113,12 @@ def _facts(info: ElementTree.Element) -> dict[str, str]:
 
 
 def _rate(info: ElementTree.Element) -> Fraction | None:
-    """Files of other programs have nominal_srate only; dtsd's have the exact fraction beside it."""
+    """Returns the rate. Files of other programs have only nominal_srate; files of dtsd also have the exact fraction."""
     text = _text(info, "nominal_srate")
     try:
         nominal_hz = float(text or 0)
     except ValueError:
-        raise DataDamaged(f"<nominal_srate> is no number: '{text[:40]}'") from None
+        raise DataDamaged(f"<nominal_srate> is not a number: '{text[:40]}'") from None
     if nominal_hz == 0.0:
         return None
     if not (math.isfinite(nominal_hz) and 1e-6 <= nominal_hz <= 1e6):
@@ -128,7 +128,7 @@ def _rate(info: ElementTree.Element) -> Fraction | None:
         return Fraction(round(nominal_hz * 1e6), 10**6)
     terms = [exact.get(name, "") for name in ("numerator", "denominator")]
     if not all(term.isdecimal() and len(term) <= 13 and 0 < int(term) <= _MAX_RATE_TERM for term in terms):
-        raise DataDamaged("an exact rate that is no positive fraction")
+        raise DataDamaged("the exact rate is not a positive fraction")
     rate = Fraction(int(terms[0]), int(terms[1]))
     if not abs(float(rate) - nominal_hz) <= _RATE_TOLERANCE * nominal_hz:
         raise DataDamaged(f"the exact rate contradicts nominal_srate {nominal_hz}")

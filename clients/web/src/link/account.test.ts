@@ -20,8 +20,8 @@ test.each<[string, typeof fetch, object]>([
   ['no gateway', unreachable, { code: ErrorCode.UNREACHABLE }],
   ['wrong password', answering(401), { code: ErrorCode.NOT_ALLOWED }],
   ['too many tries', answering(429, '', { 'Retry-After': '12' }), { code: ErrorCode.LIMIT_EXCEEDED, message: expect.stringContaining('12') }],
-  ['another refusal', answering(500, '{"what": "the disk is full", "hint": "free it"}'), { code: ErrorCode.FAILED, message: 'the disk is full', hint: 'free it' }],
-  ['nonsense', answering(500, '<'), { code: ErrorCode.FAILED, message: expect.stringMatching(/./), hint: '' }],
+  ['another error', answering(500, '{"what": "the disk is full", "hint": "free it"}'), { code: ErrorCode.FAILED, message: 'The disk is full', hint: 'Free it' }],
+  ['invalid answer', answering(500, '<'), { code: ErrorCode.FAILED, message: expect.stringMatching(/./), hint: '' }],
 ])('logIn.Fails by %s', async (_, fetchIt, expected) => {
   await expect(logIn(fetchIt, 'anna', 'x')).rejects.toMatchObject(expected);
 });

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Who looks: the gateway's /api/me, /api/login and /api/logout.
+// The user: the gateway's /api/me, /api/login and /api/logout.
 import { ErrorCode } from '../generated/dts/v1/control_pb';
 import { Role } from '../generated/dts/v1/options_pb';
+import { asSentence } from '../parts/names';
 import { fixed } from '../parts/numbers';
 import { strings } from '../strings';
 import type { Me } from './types';
@@ -14,7 +15,7 @@ export const nobody: Me = { user: '', role: Role.UNSPECIFIED, canLogIn: true };
 
 const textOf = (value: unknown): string => (typeof value === 'string' ? value : '');
 
-/** Fails when the gateway cannot be reached or answers nonsense. */
+/** Returns the user. Fails if the gateway cannot be reached or sends an invalid answer. */
 export const askWho = async (fetchIt: typeof fetch): Promise<Me> => {
   const response = await fetchIt('/api/me', { cache: 'no-store', signal: AbortSignal.timeout(patienceMs) });
   if (response.status === 401) return nobody;
@@ -41,12 +42,12 @@ export const logIn = async (fetchIt: typeof fetch, user: string, password: strin
     const seconds = Number(response.headers.get('Retry-After') ?? NaN);
     throw new CommandError(ErrorCode.LIMIT_EXCEEDED, words.tooMany(fixed(seconds, 0)), words.tooManyHint);
   }
-  const told = (await response.json().catch(() => ({}))) as { what?: unknown; hint?: unknown };
-  throw new CommandError(ErrorCode.FAILED, textOf(told.what) || words.failed, textOf(told.hint));
+  const problem = (await response.json().catch(() => ({}))) as { what?: unknown; hint?: unknown };
+  throw new CommandError(ErrorCode.FAILED, asSentence(textOf(problem.what)) || words.failed, asSentence(textOf(problem.hint)));
 };
 
 export const logOut = async (fetchIt: typeof fetch): Promise<void> => {
-  // Without this type the gateway refuses it: a foreign page could ask the same.
+  // The gateway rejects a request without this type, because a foreign page could send it.
   const response = await fetchIt('/api/logout', { method: 'POST', headers: { 'Content-Type': 'application/json' } });
   if (!response.ok) throw new Error(`/api/logout: ${response.status}`);
 };

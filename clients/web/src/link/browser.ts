@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Surroundings } from './gateway_link';
 
-/** The real thing: the gateway that this page came from. */
+/** Returns the real browser, connected to the gateway that served this page. */
 export const thisBrowser = (): Surroundings => ({
   openSocket: () => new WebSocket(`${location.protocol === 'https:' ? 'wss' : 'ws'}://${location.host}/ws`, 'dts.v1'),
   fetch: (...request) => fetch(...request),

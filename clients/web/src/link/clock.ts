@@ -6,8 +6,8 @@ interface Answer {
 }
 
 /**
- * Maps times of the daemon's host to this browser's performance.now(), as NTP does it: the host read its clock somewhere between our question
- * and its answer, so the shortest of the last few round trips knows best, to half its length. "The last few", since the two clocks may drift.
+ * Converts times of the daemon's host to this browser's performance.now(), like NTP: the host read its clock between our request and its answer, so
+ * the shortest round trip is the most exact, to half its length. Only the last few round trips count, because the two clocks drift.
  */
 export class HostClock {
   static readonly #kept = 8;
@@ -18,12 +18,12 @@ export class HostClock {
     return this.#best !== undefined;
   }
 
-  /** NaN while unknown. */
+  /** NaN while the offset is unknown. */
   get errorMs(): number {
     return this.#best === undefined ? NaN : this.#best.roundTripMs / 2;
   }
 
-  /** False: the answer makes no sense and changed nothing. */
+  /** Adds an answer. Returns false and changes nothing if its times are impossible. */
   answered(askedMs: number, hostTimeNs: bigint, nowMs: number): boolean {
     const roundTripMs = nowMs - askedMs;
     if (!(roundTripMs >= 0) || hostTimeNs <= 0n) return false;
@@ -33,7 +33,7 @@ export class HostClock {
     return true;
   }
 
-  /** NaN while unknown. */
+  /** Returns a host time in ms of performance.now(), or NaN while the offset is unknown. */
   toBrowserMs(hostTimeNs: bigint): number {
     return this.#best === undefined ? NaN : Number(hostTimeNs) / 1e6 - this.#best.offsetMs;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { Response } from '../generated/dts/v1/control_pb';
 import { ErrorCode } from '../generated/dts/v1/control_pb';
+import { asSentence } from '../parts/names';
 import { whole } from '../parts/numbers';
 import { strings } from '../strings';
 import type { Answer } from './types';
@@ -13,14 +14,14 @@ interface Waiting {
 }
 
 const newId = (): string =>
-  // Not crypto.randomUUID: that one is missing on pages that come by plain HTTP from another computer.
+  // Not crypto.randomUUID: it is missing on pages served by plain HTTP from another computer.
   Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, '0')).join('');
 
-/** Commands that wait for their answers. */
+/** Commands that wait for their answer. */
 export class PendingCommands {
   #waiting = new Map<string, Waiting>();
 
-  /** `post` sends the request of that id. */
+  /** Sends a command: `post` sends the request with the given id. Fails if no answer arrives within `timeoutMs`. */
   send(post: (requestId: string) => void, timeoutMs: number): Promise<Answer> {
     const requestId = newId();
     return new Promise((resolve, reject) => {
@@ -40,11 +41,11 @@ export class PendingCommands {
     this.#waiting.delete(response.requestId);
     clearTimeout(waiting.timer);
     const result = response.result;
-    if (result.case === 'error') waiting.reject(new CommandError(result.value.code, result.value.what, result.value.hint));
+    if (result.case === 'error') waiting.reject(new CommandError(result.value.code, asSentence(result.value.what), asSentence(result.value.hint)));
     else waiting.resolve(result);
   }
 
-  /** Not sent again: whether the daemon heard them is not known, and the person may decide otherwise meanwhile. */
+  /** Fails all pending commands. They are not sent again: the daemon may have received them, and the user may have changed their mind. */
   connectionLost(): void {
     const { connectionLost, connectionLostHint } = strings.common.command;
     for (const waiting of this.#waiting.values()) {

@@ -5,37 +5,37 @@ import type { ReadonlySignal } from '@preact/signals';
 import type { Dropped } from './types';
 
 const nothing: Dropped = { blocks: 0, scans: 0, events: 0, scansLately: 0 };
-/** So long after the last drop a tab is no longer called slow: a notice that stays is not looked at any more. */
+/** A tab counts as slow for this long after its last drop. A notice that stays longer is no longer read. */
 export const slowForMs = 10_000;
 
-/** What this tab did not get because it was too slow; the gateway counts it from the tab's connection on. */
+/** What the gateway dropped because this tab was too slow, counted since the tab connected. */
 export class Drops {
-  readonly #told = signal(nothing);
-  #scansBefore = 0; // of former times when it was slow
+  readonly #current = signal(nothing);
+  #scansBefore = 0; // dropped in earlier slow periods
   #lastMs = 0;
 
-  get told(): ReadonlySignal<Dropped> {
-    return this.#told;
+  get current(): ReadonlySignal<Dropped> {
+    return this.#current;
   }
 
-  /** The gateway's totals. */
+  /** Takes the gateway's totals. */
   count(blocks: number, scans: number, events: number, nowMs: number): void {
-    const known = this.#told.peek();
+    const known = this.#current.peek();
     if (blocks === known.blocks && events === known.events) return;
     this.#lastMs = nowMs;
-    this.#told.value = { blocks, scans, events, scansLately: scans - this.#scansBefore };
+    this.#current.value = { blocks, scans, events, scansLately: scans - this.#scansBefore };
   }
 
   tick(nowMs: number): void {
-    const known = this.#told.peek();
+    const known = this.#current.peek();
     if (known.scansLately === 0 || nowMs - this.#lastMs < slowForMs) return;
     this.#scansBefore = known.scans;
-    this.#told.value = { ...known, scansLately: 0 };
+    this.#current.value = { ...known, scansLately: 0 };
   }
 
-  /** A new connection counts from 0. */
+  /** Starts again from 0 for a new connection. */
   forget(): void {
     this.#scansBefore = 0;
-    this.#told.value = nothing;
+    this.#current.value = nothing;
   }
 }

@@ -13,33 +13,33 @@ import type { Block } from './types';
 
 type Body = NonNullable<MessageInitShape<typeof FromGatewaySchema>['body']>;
 
-/** The gateway's end of a connection. */
+/** The gateway's side of a connection. */
 class FakeSocket {
   binaryType = '';
   readyState = 0;
   onopen?: () => void;
   onclose?: () => void;
   onmessage?: (message: { data: unknown }) => void;
-  readonly heard: FromBrowser['body'][] = [];
+  readonly received: FromBrowser['body'][] = [];
   send(bytes: Uint8Array): void {
     const { body } = fromBinary(FromBrowserSchema, bytes);
-    this.heard.push(body);
-    if (body.case === 'clockProbe' && answersProbes) this.tell({ case: 'clockAnswer', value: { browserMs: body.value.browserMs, hostTimeNs: hostNs() } });
+    this.received.push(body);
+    if (body.case === 'clockProbe' && answersProbes) this.deliver({ case: 'clockAnswer', value: { browserMs: body.value.browserMs, hostTimeNs: hostNs() } });
   }
   close(): void {
     this.readyState = 3;
   }
-  tell(body: Body): void {
+  deliver(body: Body): void {
     const bytes = toBinary(FromGatewaySchema, create(FromGatewaySchema, { body }));
     this.onmessage?.({ data: bytes.buffer.slice(bytes.byteOffset, bytes.byteOffset + bytes.byteLength) });
   }
   open(isUp = true): void {
     this.readyState = 1;
     this.onopen?.();
-    this.tell({ case: 'welcome', value: { user: 'local', role: Role.OPERATOR, version: '1', link: { isUp } } });
+    this.deliver({ case: 'welcome', value: { user: 'local', role: Role.OPERATOR, version: '1', link: { isUp } } });
   }
   all<Case extends NonNullable<FromBrowser['body']['case']>>(name: Case) {
-    return this.heard.filter((body) => body.case === name).map((body) => body.value) as Extract<FromBrowser['body'], { case: Case }>['value'][];
+    return this.received.filter((body) => body.case === name).map((body) => body.value) as Extract<FromBrowser['body'], { case: Case }>['value'][];
   }
 }
 
@@ -48,7 +48,7 @@ let sockets: FakeSocket[];
 let answersProbes: boolean;
 let role: string;
 let isHidden: boolean;
-let tellVisibility: () => void;
+let reportVisibility: () => void;
 let frames: (() => void)[];
 
 const makeLink = (): GatewayLink =>
@@ -61,7 +61,7 @@ const makeLink = (): GatewayLink =>
     fetch: async () => ({ ok: true, status: 200, json: async () => ({ user: 'local', role, can_log_in: true }) }) as unknown as Response,
     requestFrame: (callback) => void frames.push(callback),
     isHidden: () => isHidden,
-    onVisibility: (handler) => (tellVisibility = handler),
+    onVisibility: (handler) => (reportVisibility = handler),
   });
 
 const paint = (): void => frames.splice(0).forEach((frame) => frame());
@@ -105,7 +105,7 @@ afterEach(() => {
   vi.unstubAllGlobals();
 });
 
-test('GatewayLink.Nobody may look: asks for a login and opens nothing', async () => {
+test('GatewayLink.WithoutRole asks for a login and opens no socket', async () => {
   role = 'none';
 
   const link = makeLink();
@@ -115,7 +115,7 @@ test('GatewayLink.Nobody may look: asks for a login and opens nothing', async ()
   expect(sockets).toHaveLength(0);
 });
 
-test('GatewayLink.Subscribes once the clock is known, with all wishes together', async () => {
+test('GatewayLink.Subscribes once the clock is known, to all topics together', async () => {
   answersProbes = false;
   const link = makeLink();
   link.subscribe(['floor/cop']);
@@ -126,7 +126,7 @@ test('GatewayLink.Subscribes once the clock is known, with all wishes together',
   await settle();
   const before = socket.all('subscribe').length;
 
-  socket.tell({ case: 'clockAnswer', value: { browserMs: performance.now(), hostTimeNs: hostNs() } });
+  socket.deliver({ case: 'clockAnswer', value: { browserMs: performance.now(), hostTimeNs: hostNs() } });
 
   expect(before).toBe(0);
   expect(socket.all('subscribe').map(({ topics }) => topics)).toEqual([['floor/cop', 'floor/sway']]);
@@ -142,7 +142,7 @@ test('GatewayLink.Block arrives with its time and is painted once', async () => 
   paintings = 0;
 
   const messages = [status, copBlock(0n), copBlock(1n)].map((message, index) => ({ topic: index === 0 ? 'dtsd/status' : 'floor/cop', message }));
-  socket.tell({ case: 'frame', value: { number: 1n, messages } });
+  socket.deliver({ case: 'frame', value: { number: 1n, messages } });
   const paintedBefore = socket.all('painted').length;
   paint();
 
@@ -153,30 +153,30 @@ test('GatewayLink.Block arrives with its time and is painted once', async () => 
   expect(socket.all('painted').map(({ frame }) => frame)).toEqual([1n]);
 });
 
-test('GatewayLink.HandlerThatFails spoils nothing', async () => {
+test('GatewayLink.HandlerThatFails disturbs neither other handlers nor the connection', async () => {
   const { link, socket } = await connected();
-  let heard = 0;
+  let received = 0;
   link.onEvent('floor/', () => {
     throw new Error('of a page');
   });
-  link.onEvent('floor/', () => (heard += 1));
+  link.onEvent('floor/', () => (received += 1));
 
   const message = toBinary(EventSchema, create(EventSchema, { body: { case: 'marker', value: { text: 'x' } } }));
-  socket.tell({ case: 'frame', value: { number: 1n, messages: [{ topic: 'floor/marker', message }] } });
+  socket.deliver({ case: 'frame', value: { number: 1n, messages: [{ topic: 'floor/marker', message }] } });
 
-  expect(heard).toBe(1);
+  expect(received).toBe(1);
   expect(link.state.value).toBe('up');
 });
 
-test('GatewayLink.SilenceOfTwoSeconds is told and a new connection made', async () => {
+test('GatewayLink.SilenceOfTwoSeconds is reported, and a new connection made', async () => {
   const { link, socket } = await connected();
   answersProbes = false;
 
   await vi.advanceTimersByTimeAsync(2250);
-  const told = link.state.value;
+  const reported = link.state.value;
   await vi.advanceTimersByTimeAsync(500);
 
-  expect(told).toBe('no-gateway');
+  expect(reported).toBe('no-gateway');
   expect(socket.readyState).toBe(3);
   expect(sockets).toHaveLength(2);
 });
@@ -206,64 +206,64 @@ test('GatewayLink.Retries slow down to two seconds', async () => {
   expect(waits).toEqual([250, 500, 1000, 2000, 2000]);
 });
 
-test('GatewayLink.DaemonGone is not gateway gone', async () => {
+test('GatewayLink.DaemonGone differs from gateway gone', async () => {
   const { link, socket } = await connected();
 
-  socket.tell({ case: 'link', value: { isUp: false } });
+  socket.deliver({ case: 'link', value: { isUp: false } });
   const down = link.state.value;
-  socket.tell({ case: 'link', value: { isUp: true } });
+  socket.deliver({ case: 'link', value: { isUp: true } });
 
   expect([down, link.state.value]).toEqual(['no-daemon', 'up']);
 });
 
-test('GatewayLink.HiddenTab wants no streams and answers no frame; shown again it wants them anew', async () => {
+test('GatewayLink.HiddenTab subscribes to no streams; shown again it subscribes to them again', async () => {
   const { link, socket } = await connected();
   link.subscribe(['floor/cop']);
   await settle();
   const subscriptions = (): string[][] => socket.all('subscribe').map(({ topics }) => topics);
 
   isHidden = true;
-  tellVisibility();
+  reportVisibility();
   await vi.advanceTimersByTimeAsync(600_000);
   const whileHidden = [subscriptions().at(-1), sockets.length];
   isHidden = false;
-  tellVisibility();
+  reportVisibility();
 
   expect(whileHidden).toEqual([[], 1]);
   expect(subscriptions().at(-1)).toEqual(['floor/cop']);
   expect(link.state.value).toBe('up');
 });
 
-test('GatewayLink.Blocks that were on their way when the tab was hidden are not taken', async () => {
+test('GatewayLink.Blocks that arrive when the tab is hidden are skipped', async () => {
   const { link, socket } = await connected();
-  socket.tell({ case: 'frame', value: { number: 1n, messages: [{ topic: 'dtsd/status', message: status }] } });
+  socket.deliver({ case: 'frame', value: { number: 1n, messages: [{ topic: 'dtsd/status', message: status }] } });
   const scans: number[] = [];
   link.onBlock('floor/cop', (block) => scans.push(block.firstScan));
-  const tellBlock = (scan: bigint): void => socket.tell({ case: 'frame', value: { number: scan, messages: [{ topic: 'floor/cop', message: copBlock(scan) }] } });
+  const deliverBlock = (scan: bigint): void => socket.deliver({ case: 'frame', value: { number: scan, messages: [{ topic: 'floor/cop', message: copBlock(scan) }] } });
 
   isHidden = true;
-  tellBlock(5n);
+  deliverBlock(5n);
   isHidden = false;
-  tellBlock(9n);
+  deliverBlock(9n);
 
   expect(scans).toEqual([9]);
 });
 
 test('GatewayLink.Ticks come without a frame, after what waited behind them, and not in a hidden tab', async () => {
   const { link, socket } = await connected();
-  socket.tell({ case: 'frame', value: { number: 1n, messages: [{ topic: 'dtsd/status', message: status }] } });
+  socket.deliver({ case: 'frame', value: { number: 1n, messages: [{ topic: 'dtsd/status', message: status }] } });
   const ages: number[] = [];
   link.onTick(() => ages.push(Date.now() - link.lastBlockAt('floor')));
-  const tellBlock = (scan: bigint): void => socket.tell({ case: 'frame', value: { number: scan, messages: [{ topic: 'floor/cop', message: copBlock(scan) }] } });
+  const deliverBlock = (scan: bigint): void => socket.deliver({ case: 'frame', value: { number: scan, messages: [{ topic: 'floor/cop', message: copBlock(scan) }] } });
 
-  tellBlock(0n);
+  deliverBlock(0n);
   await vi.advanceTimersByTimeAsync(2000);
   const unpainted = [...ages];
   vi.setSystemTime(Date.now() + 5000); // the tab stands still ...
   vi.spyOn(performance, 'now').mockReturnValue(performance.now() + 5000);
   vi.advanceTimersToNextTimer();
   const beforeMessages = ages.length;
-  tellBlock(1n); // ... and this one waited behind its tick
+  deliverBlock(1n); // ... and this block waited behind the tick
   await vi.advanceTimersByTimeAsync(1);
   const afterStandstill = ages.slice(beforeMessages);
   vi.restoreAllMocks();
@@ -283,10 +283,10 @@ test('GatewayLink.Command gets its own answer, or its error with a hint', async 
   const good = link.send({ case: 'tare', value: { rig: 'floor' } });
   const bad = link.send({ case: 'mark', value: { text: 'x', rig: '' } });
   const [first, second] = socket.all('request').map(({ requestId }) => requestId);
-  socket.tell({ case: 'response', value: { requestId: second!, result: { case: 'error', value: { code: ErrorCode.WRONG_STATE, what: 'no', hint: 'so' } } } });
-  socket.tell({ case: 'response', value: { requestId: first!, result: { case: 'tare', value: { baselineMm: [1] } } } });
+  socket.deliver({ case: 'response', value: { requestId: second!, result: { case: 'error', value: { code: ErrorCode.WRONG_STATE, what: 'no', hint: 'so' } } } });
+  socket.deliver({ case: 'response', value: { requestId: first!, result: { case: 'tare', value: { baselineMm: [1] } } } });
 
-  await expect(bad).rejects.toMatchObject({ code: ErrorCode.WRONG_STATE, message: 'no', hint: 'so' });
+  await expect(bad).rejects.toMatchObject({ code: ErrorCode.WRONG_STATE, message: 'No', hint: 'So' });
   expect((await good).case).toBe('tare');
 });
 
@@ -297,7 +297,7 @@ test('GatewayLink.CommandWithoutAnswer fails by time or with the connection', as
 
   for (let second = 0; second < 10; second += 1) {
     await vi.advanceTimersByTimeAsync(1000);
-    socket.tell({ case: 'link', value: { isUp: true } }); // the gateway is alive
+    socket.deliver({ case: 'link', value: { isUp: true } }); // the gateway is alive
   }
   socket.onclose?.();
 
@@ -306,7 +306,7 @@ test('GatewayLink.CommandWithoutAnswer fails by time or with the connection', as
   await expect(link.send({ case: 'status', value: {} })).rejects.toMatchObject({ code: ErrorCode.UNREACHABLE });
 });
 
-test('GatewayLink.Nonsense ends the connection instead of being guessed at', async () => {
+test('GatewayLink.InvalidMessage ends the connection', async () => {
   const { link, socket } = await connected();
 
   socket.onmessage?.({ data: new Uint8Array([255, 255, 255]).buffer });
@@ -314,17 +314,17 @@ test('GatewayLink.Nonsense ends the connection instead of being guessed at', asy
   expect(link.state.value).toBe('no-gateway');
 });
 
-test('GatewayLink.Snapshot that an answer overtook does not replace it; one of another daemon does', async () => {
+test('GatewayLink.OlderSnapshot does not replace a newer answer; one of another daemon does', async () => {
   const { link, socket } = await connected();
-  const tell = (number: bigint, instanceId: bigint, hostTimeNs: bigint): void => {
+  const deliverStatus = (number: bigint, instanceId: bigint, hostTimeNs: bigint): void => {
     const message = toBinary(StatusSnapshotSchema, create(StatusSnapshotSchema, { instanceId, hostTimeNs }));
-    socket.tell({ case: 'frame', value: { number, messages: [{ topic: 'dtsd/status', message }] } });
+    socket.deliver({ case: 'frame', value: { number, messages: [{ topic: 'dtsd/status', message }] } });
   };
-  tell(1n, 1n, 2000n);
+  deliverStatus(1n, 1n, 2000n);
 
-  tell(2n, 1n, 1000n);
+  deliverStatus(2n, 1n, 1000n);
   const afterOlder = link.status.value?.hostTimeNs;
-  tell(3n, 2n, 500n);
+  deliverStatus(3n, 2n, 500n);
 
   expect(afterOlder).toBe(2000n);
   expect(link.status.value?.hostTimeNs).toBe(500n);

@@ -28,7 +28,7 @@ import { splitTopic, Streams } from './streams';
 import type { Answer, Block, Command, Link, LinkState, LiveEvent, Me } from './types';
 import { CommandError } from './types';
 
-/** The browser, as far as the link needs it; tests have another one. */
+/** What the link needs of the browser; tests replace it. */
 export interface Surroundings {
   openSocket(): WebSocket;
   fetch: typeof fetch;
@@ -38,22 +38,22 @@ export interface Surroundings {
 }
 
 const tickMs = 250;
-const silenceMs = 2000; // the promise of the screens: gone is told within two seconds
-const askAfterMs = 1000; // of silence; the answer shows that somebody is there
+const silenceMs = 2000; // the page must show a lost connection within two seconds
+const askAfterMs = 1000; // of silence; an answer shows that the gateway is alive
 const probeEveryMs = 5000;
 const shortestWaitMs = 250;
 const longestWaitMs = 2000;
 const statusTopic = 'dtsd/status';
 const tickTopic = 'tick';
-// After these the status is another one: it is asked for at once, instead of waiting for the next second.
+// These events change the status: the link asks for it at once and does not wait for the next one.
 const changingNames = new Set(['session', 'trial', 'device']);
-// The daemon's time for the command, and ten seconds for the way.
+// The time that the daemon may take for the command, plus ten seconds for transfer.
 const timeoutMs = ({ case: name }: Command): number => {
   const field = RequestSchema.fields.find(({ localName }) => localName === name);
   return 10_000 + 1000 * (field === undefined ? 0 : getOption(field, rules).timeoutS);
 };
-// Topics "<rig>/..." that carry an Event; everything else is a stream.
-const eventNames = new Set(EventSchema.oneofs[0]?.fields.map((field) => getOption(field, topicOption).name));
+// Names in "<rig>/..." that carry an Event; all others are streams.
+const eventNames = new Set(EventSchema.oneofs[0]?.fields.map((field) => getOption(field, topicOption).name).filter((name) => name !== ''));
 
 export class GatewayLink implements Link {
   readonly state = signal<LinkState>('connecting');
@@ -62,7 +62,7 @@ export class GatewayLink implements Link {
   readonly status = signal<StatusSnapshot | undefined>(undefined);
   readonly clockErrorMs = signal(NaN);
   readonly #drops = new Drops();
-  readonly dropped = this.#drops.told;
+  readonly dropped = this.#drops.current;
 
   readonly #around: Surroundings;
   readonly #observer: PaintObserver | undefined;
@@ -73,17 +73,17 @@ export class GatewayLink implements Link {
   #blockHandlers = new Handlers<Block>();
   #eventHandlers = new Handlers<LiveEvent>();
   #tickHandlers = new Handlers<number>();
-  #wishes = new Set<{ readonly topics: readonly string[] }>();
+  #wanted = new Set<{ readonly topics: readonly string[] }>();
   #lastBlocks = new Map<string, { atMs: number; readonly shown: ReturnType<typeof signal<number>> }>();
 
   #socket: WebSocket | undefined;
-  #attempt = 0; // whatever belongs to an earlier one is ignored
+  #attempt = 0; // results of earlier attempts are ignored
   #waitMs = shortestWaitMs;
-  #heardMs = 0;
+  #receivedMs = 0;
   #probedMs = 0;
   #tickedMs = 0;
   #isWelcome = false;
-  #isWishSent = false;
+  #isSubscribed = false;
   #isStatusAsked = false;
   #newestFrame = 0n;
   #paintedFrame = 0n;
@@ -102,11 +102,11 @@ export class GatewayLink implements Link {
   }
 
   subscribe(topics: readonly string[]): () => void {
-    const wish = { topics: [...topics] };
-    this.#wishes.add(wish);
-    this.#wishChanged();
+    const entry = { topics: [...topics] };
+    this.#wanted.add(entry);
+    this.#topicsChanged();
     return () => {
-      if (this.#wishes.delete(wish)) this.#wishChanged();
+      if (this.#wanted.delete(entry)) this.#topicsChanged();
     };
   }
 
@@ -170,18 +170,18 @@ export class GatewayLink implements Link {
     socket.binaryType = 'arraybuffer';
     socket.onopen = ifPresent(() => this.#probe());
     socket.onclose = ifPresent(() => this.#gone());
-    socket.onmessage = (message) => ifPresent(() => this.#hear(message.data))();
-    this.#heardMs = performance.now();
+    socket.onmessage = (message) => ifPresent(() => this.#receive(message.data))();
+    this.#receivedMs = performance.now();
     this.#socket = socket;
   }
 
-  /** Lets go of a connection, without a word to the pages. */
+  /** Closes the connection without changing the state that pages see. */
   #drop(): void {
     this.#attempt += 1;
     this.#socket?.close();
     this.#socket = undefined;
     this.#isWelcome = false;
-    this.#isWishSent = false;
+    this.#isSubscribed = false;
     this.#newestFrame = 0n;
     this.#paintedFrame = 0n;
     this.#clock.forget();
@@ -209,7 +209,7 @@ export class GatewayLink implements Link {
   }
 
   #post(body: NonNullable<MessageInitShape<typeof FromBrowserSchema>['body']>): void {
-    if (this.#socket?.readyState !== WebSocket.OPEN) return; // its end is told by onclose
+    if (this.#socket?.readyState !== WebSocket.OPEN) return; // onclose reports the end
     this.#socket.send(toBinary(FromBrowserSchema, create(FromBrowserSchema, { body })));
   }
 
@@ -220,81 +220,81 @@ export class GatewayLink implements Link {
 
   #tick(): void {
     const nowMs = performance.now();
-    // When this tab itself stood still, messages wait behind this tick: the silence was ours.
+    // If this tab itself was stopped, messages wait behind this tick: the silence came from the tab.
     const isLate = nowMs - this.#tickedMs > 2 * tickMs;
-    if (isLate) this.#heardMs = Math.max(this.#heardMs, nowMs - askAfterMs);
+    if (isLate) this.#receivedMs = Math.max(this.#receivedMs, nowMs - askAfterMs);
     this.#tickedMs = nowMs;
-    if (isLate) setTimeout(() => this.#tellTick()); // whoever judges ages hears them first
-    else this.#tellTick();
-    // A hidden tab's timers and frames run when the browser likes: there is nothing to be judged from them.
+    if (isLate) setTimeout(() => this.#runTick()); // after those messages, so that ages are right
+    else this.#runTick();
+    // The browser delays timers and frames of a hidden tab: they say nothing about the connection.
     if (this.#around.isHidden()) return;
     this.#painter.ask();
     if (this.#socket === undefined) return;
-    const isQuiet = nowMs - this.#heardMs >= askAfterMs;
-    if (nowMs - this.#heardMs >= silenceMs) this.#gone();
+    const isQuiet = nowMs - this.#receivedMs >= askAfterMs;
+    if (nowMs - this.#receivedMs >= silenceMs) this.#gone();
     else if (nowMs - this.#probedMs >= (isQuiet ? askAfterMs : probeEveryMs)) this.#probe();
   }
 
-  #tellTick(): void {
+  #runTick(): void {
     const nowMs = performance.now();
     for (const { atMs, shown } of this.#lastBlocks.values()) shown.value = atMs;
     this.#drops.tick(nowMs);
-    if (!this.#around.isHidden()) this.#tickHandlers.tell(tickTopic, nowMs);
+    if (!this.#around.isHidden()) this.#tickHandlers.deliver(tickTopic, nowMs);
   }
 
-  // What is wanted.
+  // Subscriptions.
 
-  #wishChanged(): void {
-    if (!this.#isWishSent) return;
-    this.#isWishSent = false;
-    queueMicrotask(() => this.#sendWish()); // a page's several wishes, or one page's after another's, in one message
+  #topicsChanged(): void {
+    if (!this.#isSubscribed) return;
+    this.#isSubscribed = false;
+    queueMicrotask(() => this.#subscribe()); // several changes of one or two pages become one message
   }
 
-  /** Not before the clock is known: every block has a time then. */
-  #sendWish(): void {
-    if (!this.#isWelcome || !this.#clock.isKnown || this.#isWishSent) return;
-    this.#isWishSent = true;
-    const topics = this.#around.isHidden() ? [] : [...new Set([...this.#wishes].flatMap((wish) => wish.topics))];
+  /** Subscribes once the clock offset is known, so that every block has a time. */
+  #subscribe(): void {
+    if (!this.#isWelcome || !this.#clock.isKnown || this.#isSubscribed) return;
+    this.#isSubscribed = true;
+    const topics = this.#around.isHidden() ? [] : [...new Set([...this.#wanted].flatMap((one) => one.topics))];
     this.#post({ case: 'subscribe', value: { topics } });
   }
 
   #visibilityChanged(): void {
     this.#streams.forget();
-    this.#isWishSent = false;
-    this.#sendWish();
+    this.#isSubscribed = false;
+    this.#subscribe();
     if (this.#around.isHidden()) return;
-    this.#heardMs = performance.now();
+    this.#receivedMs = performance.now();
     this.#probe();
     this.#painter.ask();
   }
 
-  // What comes.
+  // Messages.
 
-  #hear(data: unknown): void {
+  #receive(data: unknown): void {
     const startedMs = performance.now();
-    this.#heardMs = startedMs;
+    this.#receivedMs = startedMs;
     let message: FromGateway;
     try {
       if (!(data instanceof ArrayBuffer)) throw new TypeError('a text message');
       message = fromBinary(FromGatewaySchema, new Uint8Array(data));
-      this.#take(message, startedMs);
+      this.#read(message, startedMs);
     } catch (problem) {
-      reportError(problem); // not of our protocol: begin anew rather than guess
+      reportError(problem); // not a message of the protocol: reconnect
       this.#gone();
       return;
     }
     this.#observer?.onWork(performance.now() - startedMs);
   }
 
-  #take({ body }: FromGateway, nowMs: number): void {
+  #read({ body }: FromGateway, nowMs: number): void {
     switch (body.case) {
       case 'welcome':
         return this.#welcomed(body.value);
       case 'frame':
-        return this.#takeFrame(body.value);
+        return this.#readFrame(body.value);
       case 'clockAnswer':
         if (this.#clock.answered(body.value.browserMs, body.value.hostTimeNs, nowMs)) this.clockErrorMs.value = this.#clock.errorMs;
-        return this.#sendWish();
+        return this.#subscribe();
       case 'response':
         return this.#commands.answered(body.value);
       case 'link':
@@ -308,7 +308,7 @@ export class GatewayLink implements Link {
     this.me.value = { ...this.me.value, user: welcome.user, role: welcome.role };
     this.#drops.forget();
     this.#daemonIs(welcome.link?.isUp ?? false);
-    this.#sendWish();
+    this.#subscribe();
   }
 
   #daemonIs(isUp: boolean): void {
@@ -316,32 +316,32 @@ export class GatewayLink implements Link {
     this.#enter(isUp ? 'up' : 'no-daemon');
   }
 
-  #takeFrame(frame: Frame): void {
+  #readFrame(frame: Frame): void {
     this.#newestFrame = frame.number;
     this.#drops.count(Number(frame.droppedBlocksTotal), Number(frame.droppedScansTotal), Number(frame.droppedEventsTotal), performance.now());
-    for (const { topic, message } of frame.messages) this.#takeMessage(topic, message);
+    for (const { topic, message } of frame.messages) this.#readMessage(topic, message);
     this.#painter.ask();
   }
 
-  #takeMessage(topic: string, bytes: Uint8Array): void {
+  #readMessage(topic: string, bytes: Uint8Array): void {
     if (topic === statusTopic) return this.#learn(fromBinary(StatusSnapshotSchema, bytes));
     const parts = splitTopic(topic);
     if (parts === undefined) return;
     if (eventNames.has(parts.name)) {
       const event = fromBinary(EventSchema, bytes);
-      const timeMs = this.#clock.toBrowserMs(event.hostTimeNs);
-      this.#eventHandlers.tell(topic, { topic, rig: parts.rig, kind: parts.name, timeMs, event });
+      const timeMs = this.#clock.toBrowserMs(event.hostTimeNs ?? 0n);
+      this.#eventHandlers.deliver(topic, { topic, rig: parts.rig, kind: parts.name, timeMs, event });
       if (changingNames.has(parts.name)) void this.#askStatus();
       return;
     }
-    if (this.#around.isHidden()) return; // on its way when the tab was hidden; painted when it is seen again, it would be old
+    if (this.#around.isHidden()) return; // painted when the tab is shown again, the block would be old
     const block = this.#streams.take(topic, fromBinary(StreamBlockSchema, bytes));
     if (block === undefined) return;
     this.#lastBlockOf(block.rig).atMs = Date.now();
-    this.#blockHandlers.tell(topic, block);
+    this.#blockHandlers.deliver(topic, block);
   }
 
-  /** The answer to a command may overtake a snapshot that waits in a frame: what is older does not replace it. */
+  /** Takes a status unless it is older than the present one: an answer to a command may arrive before an older snapshot. */
   #learn(status: StatusSnapshot): void {
     const known = this.status.peek();
     if (known?.instanceId === status.instanceId && status.hostTimeNs < known.hostTimeNs) return;
@@ -352,7 +352,7 @@ export class GatewayLink implements Link {
   async #askStatus(): Promise<void> {
     if (this.#isStatusAsked) return;
     this.#isStatusAsked = true;
-    const answer = await this.send({ case: 'status', value: {} }).catch(() => undefined); // else the next second brings it
+    const answer = await this.send({ case: 'status', value: {} }).catch(() => undefined); // the next status arrives within a second
     this.#isStatusAsked = false;
     if (answer?.case === 'status') this.#learn(answer.value);
   }

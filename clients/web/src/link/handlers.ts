@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/** Who wants to hear of which topic: exact ("floor/cop"), or everything of a rig ("floor/"). */
+/** Handlers by topic: exact ("floor/cop"), or everything of a rig ("floor/"). */
 export class Handlers<Message> {
   #byTopic = new Map<string, Set<(message: Message) => void>>();
 
   add(topic: string, handler: (message: Message) => void): () => void {
     const handlers = this.#byTopic.get(topic) ?? new Set();
     this.#byTopic.set(topic, handlers);
-    // An entry of its own, so that the same function may be added twice.
+    // A new function, so that the same handler can be added twice.
     const entry = (message: Message): void => handler(message);
     handlers.add(entry);
     return () => {
@@ -16,13 +16,13 @@ export class Handlers<Message> {
     };
   }
 
-  tell(topic: string, message: Message): void {
-    this.#tellOf(topic, message);
-    this.#tellOf(topic.slice(0, topic.indexOf('/') + 1), message);
+  deliver(topic: string, message: Message): void {
+    this.#deliverTo(topic, message);
+    this.#deliverTo(topic.slice(0, topic.indexOf('/') + 1), message);
   }
 
-  // A handler that fails spoils neither the other ones nor the connection.
-  #tellOf(topic: string, message: Message): void {
+  // A handler that throws must disturb neither other handlers nor the connection.
+  #deliverTo(topic: string, message: Message): void {
     for (const handler of this.#byTopic.get(topic) ?? []) {
       try {
         handler(message);

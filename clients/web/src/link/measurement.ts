@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Only with "?measure" in the address: how old the newest COP is when it is on the screen, and what a frame costs the main thread.
+// Measures the age of the newest COP on the screen and the time of the main thread per frame. Active only with "?measure" in the address.
 import type { PaintObserver } from './painter';
 import type { Link } from './types';
 
 export interface MeasuredFrame {
-  /** Newest scan of floor/cop in it, in ms of performance.now(); NaN: the frame brought none. */
+  /** Newest scan of floor/cop in the frame, in ms of performance.now(); NaN if the frame has none. */
   readonly newestMs: number;
-  /** When the browser had rendered it: the first task after the frame. */
+  /** When the browser had rendered the frame: the first task after it. */
   readonly paintedMs: number;
-  /** Decoding since the frame before, and all painting of this one. */
+  /** Decoding since the previous frame, plus all painting of this one. */
   readonly scriptMs: number;
   /** From the first painter to the task after style, layout and paint, plus the decoding. */
   readonly mainThreadMs: number;
@@ -27,7 +27,7 @@ export const openMeasurement = (): PaintObserver & { watch(link: Link): void } =
   const frames: MeasuredFrame[] = [];
   let newestMs = NaN;
   let decodingMs = 0;
-  // A message posted in a frame's callback arrives right after that frame's style, layout and paint.
+  // A message posted in a frame's callback arrives right after style, layout and paint of that frame.
   const afterFrame = new MessageChannel();
   let finish: ((paintedMs: number) => void) | undefined;
   afterFrame.port1.onmessage = () => finish?.(performance.now());

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
-/** Watches the painting for measurements. */
+/** Observes painting for measurements. */
 export interface PaintObserver {
-  /** Main-thread time spent on a message before painting. */
+  /** Receives the main-thread time of one message before painting. */
   onWork(milliseconds: number): void;
-  /** All handlers of a frame have painted; `startedMs` is when the first began. */
+  /** Called when all handlers of a frame have painted; `startedMs` is the start of the first one. */
   onPainted(startedMs: number): void;
 }
 
-/** The one requestAnimationFrame loop: runs only when something is to be painted. */
+/** The only requestAnimationFrame loop. It runs only when there is something to paint. */
 export class Painter {
   readonly #requestFrame: (callback: () => void) => void;
   readonly #afterPaint: (startedMs: number) => void;

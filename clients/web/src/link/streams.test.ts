@@ -62,7 +62,7 @@ test.each<[string, Change, boolean, readonly [number, boolean] | undefined]>([
   expect(taken && [taken.missingScans, taken.isNewSegment]).toEqual(expected);
 });
 
-test('Streams.UnknownStream or other number of channels is refused', () => {
+test('Streams.UnknownStream or other number of channels is rejected', () => {
   const unknown = streams.take('floor/raw', block());
   const other = streams.take('floor/cop', block({ channelCount: 1, values: [1, 2], quality: new Uint8Array(1) }));
 

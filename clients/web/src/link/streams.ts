@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a StreamBlock off the wire to a Block that pages may trust.
+// From a received StreamBlock to a checked Block for pages.
 import type { StatusSnapshot } from '../generated/dts/v1/control_pb';
 import type { Rate, StreamBlock, StreamFormat } from '../generated/dts/v1/stream_pb';
 import type { HostClock } from './clock';
 import type { Block } from './types';
 
-// As libdts has them: what is beyond cannot have been meant.
+// The limits of libdts; larger values are errors.
 const mostScans = 65536;
 const mostChannels = 256;
 const largestRateTerm = 1_000_000_000_000n;
@@ -13,10 +13,10 @@ const largestRateTerm = 1_000_000_000_000n;
 interface Place {
   readonly instance: bigint;
   readonly segment: number;
-  readonly nextScan: bigint | undefined; // undefined: what came since is not known
+  readonly nextScan: bigint | undefined; // undefined after a pause of the subscription
 }
 
-/** "floor/cop" in two; nothing, if it is no topic. */
+/** Splits "floor/cop" into rig and name. Returns nothing if it is not a topic. */
 export const splitTopic = (topic: string): { rig: string; name: string } | undefined => {
   const slash = topic.indexOf('/');
   if (slash <= 0 || slash === topic.length - 1 || topic.indexOf('/', slash + 1) >= 0) return undefined;
@@ -30,7 +30,7 @@ const isProper = (rate: Rate | undefined): rate is Rate =>
   rate.denominator > 0n &&
   rate.denominator <= largestRateTerm;
 
-/** Every count agrees with what is there: the peer is not believed, even our own one. */
+/** Checks that all counts match the data: even our own gateway is not trusted. */
 export const isWellFormed = (block: StreamBlock): boolean =>
   block.instanceId !== 0n &&
   isProper(block.rate) &&
@@ -52,7 +52,7 @@ const columnsOf = (block: StreamBlock): Float32Array[] => {
   return columns;
 };
 
-/** Checks blocks, gives them times and formats, and knows per stream what is missing. */
+/** Checks blocks, adds times and formats, and counts missing scans per stream. */
 export class Streams {
   readonly #clock: HostClock;
   #formats = new Map<string, StreamFormat>();
@@ -62,7 +62,7 @@ export class Streams {
     this.#clock = clock;
   }
 
-  /** Formats come with the status; a block of a stream that it does not name is refused. */
+  /** Takes the formats of all streams from a status. Blocks of other streams are rejected. */
   learn(status: StatusSnapshot): void {
     this.#formats = new Map();
     for (const rig of status.rigs) {
@@ -71,14 +71,14 @@ export class Streams {
   }
 
   /**
-   * What comes next counts as the first after a subscription: nothing is missing before it. Where it belongs is remembered, or curves would be
+   * Treats the next block as the first after a subscription, with no missing scans before it. Instance and segment are kept: otherwise curves would be
    * joined across a restart of the daemon.
    */
   forget(): void {
     for (const [topic, place] of this.#places) this.#places.set(topic, { ...place, nextScan: undefined });
   }
 
-  /** Nothing: malformed, of an unknown stream, or a repetition. */
+  /** Returns the checked block, or nothing if it is malformed, repeated or of an unknown stream. */
   take(topic: string, block: StreamBlock): Block | undefined {
     const parts = splitTopic(topic);
     const format = this.#formats.get(topic);
@@ -108,7 +108,7 @@ export class Streams {
       newestMs: timeMs + (1000 * (block.scanCount - 1)) / rateHz,
       columns: columnsOf(block),
       quality: block.quality,
-      // How long the segment before became is not known here: of a new one, what is missing is at least its own beginning.
+      // The length of the previous segment is unknown here; at least the beginning of the new one is missing.
       missingScans: before?.nextScan === undefined || dueScan === undefined ? 0 : Number(block.firstScan - dueScan),
       isNewSegment: before !== undefined && !isSameSegment,
     };

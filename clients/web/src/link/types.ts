@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What pages see of the daemon. Everything live comes from here; nothing else in the dashboard knows a socket.
+// What pages see of the daemon. All live data come through this interface; no other part of the dashboard uses a socket.
 import type { MessageInitShape } from '@bufbuild/protobuf';
 import type { ReadonlySignal } from '@preact/signals';
 
@@ -7,7 +7,7 @@ import type { RequestSchema, Response, RigStatus, StatusSnapshot } from '../gene
 import type { Role } from '../generated/dts/v1/options_pb';
 import type { Event, StreamFormat } from '../generated/dts/v1/stream_pb';
 
-/** Consecutive scans of one stream, checked: `columns.length === quality.length`, every column has `scanCount` values (NaN: undefined). */
+/** Consecutive scans of one stream. Checked: `columns.length === quality.length`, and every column has `scanCount` values (NaN: undefined). */
 export interface Block {
   readonly topic: string; // "floor/cop"
   readonly rig: string;
@@ -17,15 +17,15 @@ export interface Block {
   readonly firstScan: number;
   readonly scanCount: number;
   readonly rateHz: number;
-  /** Of the first scan, in ms of this browser's performance.now(); the offset is measured, see Link.clockErrorMs. */
+  /** Time of the first scan in ms of this browser's performance.now(); exact to Link.clockErrorMs. */
   readonly timeMs: number;
-  /** Of the newest scan. */
+  /** Time of the newest scan. */
   readonly newestMs: number;
   readonly columns: readonly Float32Array[];
   readonly quality: Uint8Array; // bits of Quality per channel
-  /** Scans of this stream missing before this block; 0 for the first one after a subscription. A gap is drawn as a gap. */
+  /** Scans missing before this block; 0 for the first block after a subscription. */
   readonly missingScans: number;
-  /** A new segment of the device began, or the daemon was restarted. */
+  /** A new segment of the device began, or the daemon restarted. */
   readonly isNewSegment: boolean;
 }
 
@@ -45,12 +45,12 @@ export interface Me {
   readonly canLogIn: boolean;
 }
 
-/** What a tab did not get because it was too slow, since it connected. */
+/** What was dropped because the tab was too slow, since it connected. */
 export interface Dropped {
   readonly blocks: number;
   readonly scans: number;
   readonly events: number;
-  /** Of the scans, those of the slowness that goes on or just ended; 0: it is over. */
+  /** Scans of the present slow period, or of one that ended within the last seconds; else 0. */
   readonly scansLately: number;
 }
 
@@ -64,35 +64,35 @@ export class CommandError extends Error {
   }
 }
 
-/** The command of a Request, as `create` takes it: { case: 'mark', value: { text, rig } } with init-shaped values. */
+/** The command of a Request in the form that `create` takes: { case: 'mark', value: { text, rig } }. */
 export type Command = NonNullable<MessageInitShape<typeof RequestSchema>['command']>;
 export type Answer = Response['result'];
 
 export interface Link {
   readonly state: ReadonlySignal<LinkState>;
-  /** When the state was entered, Date.now() ms. */
+  /** When the state began, in ms of Date.now(). */
   readonly since: ReadonlySignal<number>;
   readonly me: ReadonlySignal<Me>;
   readonly status: ReadonlySignal<StatusSnapshot | undefined>;
   readonly dropped: ReadonlySignal<Dropped>;
-  /** Half the round trip of the best clock probe: ages are exact to this. */
+  /** Half the round trip of the best clock probe: the error of all ages. */
   readonly clockErrorMs: ReadonlySignal<number>;
-  /** When anything of that rig's streams last came, Date.now() ms; 0: never. Changes at most 4 times a second. */
+  /** When a block of that rig last arrived, in ms of Date.now(); 0 if never. Changes at most 4 times a second. */
   lastBlockAt(rig: string): number;
 
-  /** Topic prefixes this page wants, until the returned function is called. Prefixes of all pages add up; status always comes. */
+  /** Subscribes to topic prefixes until the returned function is called. Prefixes of all pages add up; the status always arrives. */
   subscribe(topics: readonly string[]): () => void;
-  /** Called for every block or event of a topic (exact) or topic prefix ending in '/', as it arrives. Returns how to stop. */
+  /** Calls `handler` for every block of a topic (exact) or a prefix that ends in '/'. Returns a function that stops it. */
   onBlock(topic: string, handler: (block: Block) => void): () => void;
   onEvent(topic: string, handler: (event: LiveEvent) => void): () => void;
-  /** Called once per animation frame in which something new came (and at least 4 times a second, while frames come): the only place to paint. */
+  /** Calls `handler` once per animation frame with new data, and at least 4 times a second while the browser paints frames. Paint only here. */
   onPaint(handler: (nowMs: number) => void): () => void;
-  /** Called 4 times a second while the tab is shown, also when no frame is painted: the place to judge ages. */
+  /** Calls `handler` 4 times a second while the tab is shown, even if no frame is painted. Check ages here. */
   onTick(handler: (nowMs: number) => void): () => void;
 
-  /** Sends a command; rejects with CommandError: what the daemon or gateway says, or that no answer came within the time that the protocol allows. */
+  /** Sends a command. Fails with CommandError: the error of daemon or gateway, or no answer in time. */
   send(command: Command): Promise<Answer>;
-  logIn(user: string, password: string): Promise<void>; // rejects with CommandError
+  logIn(user: string, password: string): Promise<void>; // fails with CommandError
   logOut(): Promise<void>;
 }
 

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// A canvas as sharp as the screen, that knows its size in CSS pixels and the theme's colours.
+// Canvases at the resolution of the screen, sized in CSS pixels, and the colours of the theme.
 import { signal } from '@preact/signals';
 import type { ReadonlySignal } from '@preact/signals';
 
-/** Okabe-Ito colours and greys of the theme (theme.css), for whoever draws. */
+/** Okabe-Ito colours and greys of the theme (theme.css), for canvases. */
 export interface Colours {
   readonly paper: string;
   readonly raised: string;
   readonly ink: string;
-  readonly quiet: string; // text of less weight; contrast still >= 4.5
+  readonly quiet: string; // for secondary text; contrast >= 4.5
   readonly line: string;
   readonly grid: string;
   readonly blue: string;
@@ -40,12 +40,12 @@ const read = (): Colours => {
 
 let present: ReturnType<typeof signal<Colours>> | undefined;
 
-/** The theme's colours; the signal changes when the theme does (then everything is drawn anew). */
+/** Returns the colours of the theme. The signal changes with the theme; all pictures must then be redrawn. */
 export const colours = (): ReadonlySignal<Colours> => {
   present ??= signal(read());
   return present as ReadonlySignal<Colours>;
 };
-/** After the theme changed. */
+/** Reads the colours again. Call it after the theme changed. */
 export const readColours = (): void => {
   if (present !== undefined) present.value = read();
 };
@@ -54,13 +54,13 @@ export const fontFamily = 'system-ui, sans-serif';
 
 export interface Surface {
   readonly context: CanvasRenderingContext2D;
-  /** In CSS pixels; 0 while it is not shown. */
+  /** In CSS pixels; 0 while the canvas is not shown. */
   width: number;
   height: number;
   release(): void;
 }
 
-/** Keeps the bitmap at the device's resolution. `onResize` is called after each change, also at first: a resized canvas is empty. */
+/** Keeps the bitmap at the resolution of the screen. Calls `onResize` at the start and after each change, because a resized canvas is empty. */
 export const openSurface = (canvas: HTMLCanvasElement, onResize: () => void): Surface => {
   const context = canvas.getContext('2d');
   if (context === null) throw new Error('this browser has no canvas');
@@ -79,7 +79,7 @@ export const openSurface = (canvas: HTMLCanvasElement, onResize: () => void): Su
   return surface;
 };
 
-/** "10 mm" of a scale bar: the largest 1, 2 or 5 times a power of ten that is at most `longest`. */
+/** Returns the length for a scale bar: the largest 1, 2 or 5 times a power of ten that is at most `longest`. */
 export const roundLength = (longest: number): number => {
   if (!(longest > 0)) return 0;
   const power = 10 ** Math.floor(Math.log10(longest));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Buttons, tiles, panels and messages of all pages.
+// Buttons, tiles, panels and notices of all pages.
 import type { ReadonlySignal } from '@preact/signals';
 import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
@@ -14,19 +14,19 @@ export interface ButtonProps {
   label: string;
   onClick: () => void;
   testId: string;
-  /** Not empty: the button is disabled, and this says why, in sight. */
+  /** If not empty, the button is disabled and shows this reason. */
   whyNot?: string | undefined;
-  /** The same reason stands once beside a group of buttons: here it is only told to those who cannot see it. */
+  /** The page shows the reason once beside a group of buttons; here only screen readers get it. */
   isReasonNearby?: boolean;
-  /** Key that does the same: "A". */
+  /** The key that does the same: "A". */
   keyName?: string | undefined;
   kind?: 'main' | 'plain' | 'danger';
   isPressed?: boolean | undefined;
 }
 
 /**
- * A disabled button keeps its place in the Tab order: who cannot see it hears why. One that was clicked lets go of the focus: Space, pressed next
- * to set a marker, would press it again, and redo a trial. Pressed by a key (detail 0) it keeps the focus.
+ * A disabled button stays in the Tab order, so that a screen reader can read the reason. A clicked button gives up the focus: otherwise Space,
+ * meant to set a marker, would press it again and redo a trial. A button pressed by a key (detail 0) keeps the focus.
  */
 export const Button = ({ label, onClick, testId, whyNot = '', isReasonNearby = false, keyName, kind = 'plain', isPressed }: ButtonProps): JSX.Element => {
   const reasonId = useId();
@@ -62,10 +62,10 @@ export interface TileProps {
   value: string;
   unit?: string;
   testId: string;
-  /** Running or provisional: grey, and in words. */
+  /** "preliminary" and the like; the value is then grey. */
   note?: string | undefined;
   isLarge?: boolean;
-  children?: ComponentChildren; // a thin spark-line
+  children?: ComponentChildren; // a spark line
 }
 
 export const Tile = ({ label, value, unit = '', testId, note, isLarge = false, children }: TileProps): JSX.Element => (
@@ -89,7 +89,7 @@ export interface NoticeProps {
 
 const signs = { error: '✕', warning: '!', good: '✓', plain: 'i' } as const;
 
-/** Something to be read, near what it is about; never in the way. */
+/** A message beside the thing it is about. It never covers other content by itself. */
 export const Notice = ({ kind, what, hint = '', testId, onDismiss }: NoticeProps): JSX.Element => (
   <div class={`notice notice-${kind}`} role={kind === 'error' ? 'alert' : 'status'} data-testid={testId}>
     <span class="notice-sign" aria-hidden="true">
@@ -103,14 +103,14 @@ export const Notice = ({ kind, what, hint = '', testId, onDismiss }: NoticeProps
   </div>
 );
 
-/** A notice that stands until it is dismissed or says something else. */
+/** A notice that stays until it is dismissed; a new text shows it again. */
 export const PassingNotice = (props: Omit<NoticeProps, 'onDismiss'>): JSX.Element | null => {
   const dismissed = useSignal<string | undefined>(undefined);
-  const said = `${props.what} ${props.hint ?? ''}`;
-  return dismissed.value === said ? null : <Notice {...props} onDismiss={() => (dismissed.value = said)} />;
+  const text = `${props.what} ${props.hint ?? ''}`;
+  return dismissed.value === text ? null : <Notice {...props} onDismiss={() => (dismissed.value = text)} />;
 };
 
-/** A part of the page with a heading, that can be closed; not modal. */
+/** A part of the page with a heading; can have a Close button. Not modal. */
 export const Panel = (props: { title: string; testId: string; onClose?: () => void; children: ComponentChildren }): JSX.Element => {
   const headingId = useId();
   return (
@@ -124,7 +124,7 @@ export const Panel = (props: { title: string; testId: string; onClose?: () => vo
   );
 };
 
-/** A labelled input; `children` is the input and gets the id. */
+/** A labelled input; `children` returns the input with the given id. */
 export const Field = (props: { label: string; hint?: string; children: (id: string) => JSX.Element }): JSX.Element => {
   const id = useId();
   return (
@@ -137,15 +137,14 @@ export const Field = (props: { label: string; hint?: string; children: (id: stri
 };
 
 export interface Commands {
-  /** The answer, or nothing: then `error` says why. One at a time: while one is under way, further ones are ignored. */
+  /** Returns the answer, or nothing if it failed: see `error`. Ignores further commands while one is pending. */
   run(command: Command): Promise<Answer | undefined>;
   readonly isBusy: ReadonlySignal<boolean>;
   readonly error: ReadonlySignal<CommandError | undefined>;
   dismiss(): void;
 }
 
-
-/** Commands of one place on a page; their error is shown there with <CommandNotice>. */
+/** Commands of one place on a page; <CommandNotice> shows their error there. */
 export const useCommands = (link: Link): Commands => {
   const isBusy = useSignal(false);
   const error = useSignal<CommandError | undefined>(undefined);
@@ -170,7 +169,7 @@ export const CommandNotice = ({ commands, testId }: { commands: Commands; testId
     <Notice kind="error" what={commands.error.value.message} hint={commands.error.value.hint} testId={testId} onDismiss={commands.dismiss} />
   );
 
-/** Why a control that runs sessions is disabled; empty: it is not. Reads signals: call it while rendering. */
+/** Returns why a control that runs sessions is disabled, or "" if it is enabled. Reads signals: call it while rendering. */
 export const whyNotOperate = (link: Link): string => {
   if (link.state.value !== 'up') return strings.common.command.needsConnection;
   return link.me.value.role < Role.OPERATOR ? strings.common.command.needsOperator : '';

@@ -6,7 +6,7 @@ import { oldAfterMs, watchOld } from './live';
 beforeEach(() => vi.useFakeTimers());
 afterEach(() => vi.useRealTimers());
 
-/** A link that ticks as the real one does, and never paints. */
+/** A link that ticks like the real one and never paints. */
 const ticking = (lastBlockAt: () => number) => ({
   lastBlockAt,
   onTick: (handler: (nowMs: number) => void): (() => void) => {
@@ -15,13 +15,13 @@ const ticking = (lastBlockAt: () => number) => ({
   },
 });
 
-test.each([0, 100, 240])('watchOld.Silence that begins %i ms after a tick is told within two seconds, without a frame', (afterTickMs) => {
+test.each([0, 100, 240])('watchOld.Silence that begins %i ms after a tick is reported within two seconds, without a frame', (afterTickMs) => {
   vi.setSystemTime(1_000_000);
   let lastMs = 0;
   let isOld = false;
-  const told: number[] = [];
+  const reported: number[] = [];
   const stop = watchOld(ticking(() => lastMs), 'floor', (is) => {
-    if (is && !isOld) told.push(Date.now() - lastMs);
+    if (is && !isOld) reported.push(Date.now() - lastMs);
     isOld = is;
   });
   vi.advanceTimersByTime(250 + afterTickMs);
@@ -32,19 +32,19 @@ test.each([0, 100, 240])('watchOld.Silence that begins %i ms after a tick is tol
   vi.advanceTimersByTime(250);
   stop();
 
-  expect(told).toHaveLength(1);
-  expect(told[0]).toBeGreaterThan(oldAfterMs);
-  expect(told[0]).toBeLessThanOrEqual(1750);
+  expect(reported).toHaveLength(1);
+  expect(reported[0]).toBeGreaterThan(oldAfterMs);
+  expect(reported[0]).toBeLessThanOrEqual(1750);
   expect(isOld).toBe(false);
 });
 
-test('watchOld.PageThatJustOpened waits for its first data before it complains', () => {
+test('watchOld.PageThatJustOpened waits for its first data before it reports old data', () => {
   vi.setSystemTime(1_000_000);
-  const told: boolean[] = [];
-  const stop = watchOld(ticking(() => 0), 'floor', (is) => told.push(is));
+  const reported: boolean[] = [];
+  const stop = watchOld(ticking(() => 0), 'floor', (is) => reported.push(is));
 
   vi.advanceTimersByTime(2000);
   stop();
 
-  expect(told).toEqual([false, false, false, false, false, false, true, true]);
+  expect(reported).toEqual([false, false, false, false, false, false, true, true]);
 });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Around every live picture: a frozen one must never look alive.
+// Wraps every live picture: a frozen picture must never look alive.
 import type { ReadonlySignal } from '@preact/signals';
 import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
@@ -9,20 +9,20 @@ import type { Link } from '../link/types';
 import { strings } from '../strings';
 import { clockTime, fixed, whole } from './numbers';
 
-/** The promise is two seconds. Looked at four times a second, it is told after at most 1.75 s; the rest is for a computer that is busy. */
+/** Old data must be reported within 2 s. With four checks a second the report comes after at most 1.75 s; the rest is spare for a busy computer. */
 export const oldAfterMs = 1500;
 const ageShownFromMs = 250;
 
 /**
- * Tells whether a rig's data are old, until the returned function is called. By the clock, not in onPaint: on a busy computer frames may not come
- * for seconds, and just then a picture is frozen.
+ * Reports whether a rig's data are old, until the returned function is called. Uses the clock and not onPaint: on a busy computer the browser may
+ * paint no frame for seconds, and then the picture is frozen.
  */
-export const watchOld = (link: Pick<Link, 'lastBlockAt' | 'onTick'>, rig: string, tell: (isOld: boolean) => void): (() => void) => {
-  const openedMs = Date.now(); // a page that just opened waits for its first data before it complains
-  return link.onTick(() => tell(Date.now() - Math.max(link.lastBlockAt(rig), openedMs) > oldAfterMs));
+export const watchOld = (link: Pick<Link, 'lastBlockAt' | 'onTick'>, rig: string, report: (isOld: boolean) => void): (() => void) => {
+  const openedMs = Date.now(); // a page that was just opened gets the same time for its first data
+  return link.onTick(() => report(Date.now() - Math.max(link.lastBlockAt(rig), openedMs) > oldAfterMs));
 };
 
-/** Whether a rig's data are old: true within two seconds after the last ones. */
+/** Returns whether a rig's data are old: true within two seconds after the last data. */
 export const useIsOld = (link: Link, rig: string): ReadonlySignal<boolean> => {
   const isOld = useSignal(false);
   useEffect(() => watchOld(link, rig, (is) => (isOld.value = is)), [link, rig]);
@@ -54,7 +54,7 @@ const useAge = (link: Link, rig: string): ReadonlySignal<number> => {
   return ageMs;
 };
 
-/** Dims its children and says "no data since" when the rig's data are old; shows their age when it is worth knowing. */
+/** Dims its children and shows "No data since" when the rig's data are old; shows the age of data that are late. */
 export const Live = ({ link, rig, children }: { link: Link; rig: string; children: ComponentChildren }): JSX.Element => {
   const isOld = useIsOld(link, rig).value;
   const ageMs = useAge(link, rig).value;

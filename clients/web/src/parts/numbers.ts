@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers and times as the reader writes them: the browser's locale decides on the decimal sign, never on units.
+// Numbers and times in the reader's format: the browser's locale sets the decimal sign, never the units.
 import { strings } from '../strings';
 
 const formats = new Map<string, Intl.NumberFormat>();
@@ -13,21 +13,21 @@ const format = (digits: number, sign: 'auto' | 'exceptZero'): Intl.NumberFormat 
   return made;
 };
 
-/** "12.3"; an undefined value is a dash, never 0. */
+/** Returns "12.3", or a dash for an undefined value, never 0. */
 export const fixed = (value: number | undefined, digits: number): string => {
   if (value === undefined || !Number.isFinite(value)) return strings.common.undefinedValue;
   const rounded = Number(value.toFixed(digits));
   return format(digits, 'auto').format(rounded === 0 ? 0 : rounded); // never "-0.0"
 };
 
-/** "+12.3", "-0.4", "0.0": for differences. */
+/** Formats a difference: "+12.3", "-0.4", "0.0". */
 export const signed = (value: number | undefined, digits: number): string => {
   if (value === undefined || !Number.isFinite(value)) return strings.common.undefinedValue;
   const rounded = Number(value.toFixed(digits));
   return format(digits, 'exceptZero').format(rounded === 0 ? 0 : rounded);
 };
 
-/** As many digits as make `significant` of them count, e.g. for measures of any size: 0.0123, 1.23, 123. */
+/** Formats with `significant` digits, for measures of any size: 0.0123, 1.23, 123. */
 export const measured = (value: number | undefined, significant = 3): string => {
   if (value === undefined || !Number.isFinite(value)) return strings.common.undefinedValue;
   const size = value === 0 ? 0 : Math.floor(Math.log10(Math.abs(value)));
@@ -37,10 +37,10 @@ export const measured = (value: number | undefined, significant = 3): string => 
 export const whole = (value: number | bigint | undefined): string =>
   value === undefined ? strings.common.undefinedValue : format(0, 'auto').format(value);
 
-/** A share of 1 as percent, without the sign "%". */
+/** Formats a share of 1 as percent, without the sign "%". */
 export const percent = (share: number | undefined, digits = 0): string => fixed(share === undefined ? undefined : 100 * share, digits);
 
-/** "12.4 MB": powers of 1000, as file managers and disks count. */
+/** Returns "12.4 MB", in powers of 1000 as file managers and disks do. */
 export const bytes = (count: number | bigint | undefined): string => {
   if (count === undefined) return strings.common.undefinedValue;
   let value = Number(count);
@@ -54,7 +54,7 @@ export const bytes = (count: number | bigint | undefined): string => {
   return `${fixed(value, unit === 0 || value >= 99.95 ? 0 : 1)} ${units[unit]}`;
 };
 
-/** "8.0 s", "2:05 min", "3:20 h". */
+/** Returns "8.0 s", "2:05 min" or "3:20 h". */
 export const duration = (seconds: number | undefined): string => {
   if (seconds === undefined || !Number.isFinite(seconds) || seconds < 0) return strings.common.undefinedValue;
   if (seconds < 99.95) return `${fixed(seconds, 1)} s`;
@@ -65,8 +65,18 @@ export const duration = (seconds: number | undefined): string => {
 const time = new Intl.DateTimeFormat(undefined, { hour: '2-digit', minute: '2-digit', second: '2-digit' });
 const dateAndTime = new Intl.DateTimeFormat(undefined, { year: 'numeric', month: '2-digit', day: '2-digit', hour: '2-digit', minute: '2-digit' });
 
-/** "12:03:07" of a Date.now(). */
+/** Returns "12:03:07" for a Date.now(). */
 export const clockTime = (dateMs: number): string => (dateMs > 0 ? time.format(dateMs) : strings.common.undefinedValue);
-/** Date and minute of a UTC time in ns; 0: none. */
+/** Returns date and minute of a UTC time in ns, or a dash for 0. */
 export const dateTime = (utcNs: bigint): string =>
   utcNs > 0n ? dateAndTime.format(Number(utcNs / 1_000_000n)) : strings.common.undefinedValue;
+
+const dayAndMonth = new Intl.DateTimeFormat(undefined, { day: 'numeric', month: 'short' });
+const dayOfYear = new Intl.DateTimeFormat(undefined, { day: 'numeric', month: 'short', year: 'numeric' });
+
+/** Returns "23 Nov" for a UTC time in ns, with the year unless it is the present one. */
+export const day = (utcNs: bigint): string => {
+  if (utcNs <= 0n) return strings.common.undefinedValue;
+  const date = new Date(Number(utcNs / 1_000_000n));
+  return (date.getFullYear() === new Date().getFullYear() ? dayAndMonth : dayOfYear).format(date);
+};

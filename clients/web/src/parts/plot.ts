@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// uPlot in the theme's colours and at the size of its place. Data are drawn when asked, never by a timer.
+// uPlot in the colours of the theme, as large as its container. It draws when a page calls draw(), never by a timer.
 import { effect } from '@preact/signals';
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
@@ -8,14 +8,14 @@ import type { Colours } from './canvas';
 import { colours, fontFamily } from './canvas';
 
 export interface Plot {
-  /** Points and ranges; null in the data breaks a line. */
+  /** Draws points within the given ranges; null in the data breaks a line. */
   draw(data: uPlot.AlignedData, x: readonly [number, number], y: readonly [number, number]): void;
-  /** Width of the drawing in CSS pixels: what decimation counts on. */
+  /** Returns the width of the drawing in CSS pixels, for decimation. */
   width(): number;
   release(): void;
 }
 
-/** An axis with letters large enough. */
+/** Returns an axis with labels of 16 px. */
 export const axis = (present: Colours, more: uPlot.Axis = {}): uPlot.Axis => ({
   stroke: present.quiet,
   font: `16px ${fontFamily}`,
@@ -27,7 +27,7 @@ export const axis = (present: Colours, more: uPlot.Axis = {}): uPlot.Axis => ({
 
 export type PlotOptions = Omit<uPlot.Options, 'width' | 'height'>;
 
-/** `optionsIn` makes the options in given colours; it is called anew when the theme changes. */
+/** Opens a plot in `place`. `optionsIn` returns the options for given colours; it is called again when the theme changes. */
 export const openPlot = (place: HTMLElement, optionsIn: (present: Colours) => PlotOptions): Plot => {
   let plot: uPlot | undefined;
   const size = (): { width: number; height: number } => ({ width: Math.max(50, place.clientWidth), height: Math.max(40, place.clientHeight) });

@@ -5,7 +5,7 @@ import type { Block } from '../link/types';
 import type { Line } from './scan_ring';
 import { decimate, ScanRing } from './scan_ring';
 
-/** 100 scans a second; the value is the scan's number unless given. */
+/** A block at 100 Hz; the value is the number of the scan unless given. */
 const block = (firstScan: number, scanCount: number, change: Partial<Block> = {}, values?: readonly number[]): Block =>
   ({
     firstScan,
@@ -36,7 +36,7 @@ test.each([
   ['missing scans', block(9, 1, { missingScans: 7 })],
   ['a new segment', block(2, 1, { segment: 1, isNewSegment: true })],
   ['a pause of the subscription', block(100, 1)],
-])('ScanRing.After %s stands a gap', (_name, next) => {
+])('ScanRing.After %s there is a gap', (_name, next) => {
   const ring = new ScanRing(1, 10);
   ring.push(block(0, 2), [0]);
 
@@ -46,7 +46,7 @@ test.each([
   expect(ring.length).toBe(4);
 });
 
-test.each([-40, 600])('ScanRing.ClockMeasuredAnew by %s ms moves what is there, without a gap', (byMs) => {
+test.each([-40, 600])('ScanRing.ClockMeasuredAgain by %s ms shifts the stored scans, without a gap', (byMs) => {
   const ring = new ScanRing(1, 10);
   ring.push(block(0, 3), [0]);
 
@@ -56,7 +56,7 @@ test.each([-40, 600])('ScanRing.ClockMeasuredAnew by %s ms moves what is there, 
   expect([0, 1, 2, 3].map((index) => ring.timeMs(index))).toEqual([0, 10, 20, 30].map((time) => time + byMs));
 });
 
-test('ScanRing.TimesThatGoBack after a gap begin anew', () => {
+test('ScanRing.TimesThatGoBack after a gap start again', () => {
   const ring = new ScanRing(1, 10);
   ring.push(block(50, 3), [0]);
 

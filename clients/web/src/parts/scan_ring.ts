@@ -2,8 +2,7 @@
 import type { Block } from '../link/types';
 
 /**
- * The newest scans of one stream, with their times: bounded, allocated once. Where scans are missing stands one NaN, so that whoever draws
- * lines breaks them there.
+ * The newest scans of one stream with their times. Memory is bounded and allocated once. One NaN marks missing scans, so that a line breaks there.
  */
 export class ScanRing {
   readonly capacity: number;
@@ -26,12 +25,12 @@ export class ScanRing {
     return this.#length;
   }
 
-  /** How many came before the one at index 0. */
+  /** Number of scans that were pushed before the one at index 0. */
   get firstNumber(): number {
     return this.#total - this.#length;
   }
 
-  /** NaN: empty. */
+  /** NaN if the ring is empty. */
   get newestMs(): number {
     return this.#newestMs;
   }
@@ -41,17 +40,17 @@ export class ScanRing {
     this.#newestMs = NaN;
   }
 
-  /** `channels[i]` of the block is column i here. */
+  /** Appends a block; column i of the ring is channel `channels[i]` of the block. */
   push(block: Block, channels: readonly number[]): void {
     const periodMs = 1000 / block.rateHz;
     const dueMs = this.#newestMs + periodMs;
     if (!block.isNewSegment && block.segment === this.#segment && block.firstScan === this.#nextScan) {
-      // It follows the one before: when the times say otherwise, the offset between the clocks has been measured better since.
+      // The block follows the previous one. If its time does not, the clock offset has been measured better since: shift the stored times.
       if (Math.abs(block.timeMs - dueMs) > periodMs / 2) this.#shiftTimes(block.timeMs - dueMs);
     } else if (block.timeMs > this.#newestMs) {
       this.#append(dueMs, undefined, channels, 0);
     } else {
-      this.clear(); // times that go back cannot be drawn beside the ones before
+      this.clear(); // times went back: old and new scans cannot share one time axis
     }
     for (let scan = 0; scan < block.scanCount; scan += 1) this.#append(block.timeMs + scan * periodMs, block, channels, scan);
     this.#newestMs = block.newestMs;
@@ -59,7 +58,7 @@ export class ScanRing {
     this.#nextScan = block.firstScan + block.scanCount;
   }
 
-  /** Index 0 is the oldest. */
+  /** Returns the time of a scan; index 0 is the oldest. */
   timeMs(index: number): number {
     return this.#times[this.#slot(index)]!;
   }
@@ -68,7 +67,7 @@ export class ScanRing {
     return this.#columns[channel]![this.#slot(index)]!;
   }
 
-  /** First index whose time is not before `timeMs`; `length`: none. */
+  /** Returns the first index whose time is not before `timeMs`, or `length` if there is none. */
   indexAt(timeMs: number): number {
     let [low, high] = [0, this.#length];
     while (low < high) {
@@ -98,15 +97,15 @@ export class ScanRing {
   }
 }
 
-/** What a plot of one channel takes: x and y of equal length; null breaks the line. */
+/** The points of one channel for a plot: x and y of equal length; null breaks the line. */
 export interface Line {
   readonly x: number[];
   readonly y: (number | null)[];
 }
 
 /**
- * Points of a channel from `fromMs` on, at most about four per pixel: else the least and the greatest of each pixel, in their order, so that no
- * peak gets lost. x is seconds before `nowMs`. Fills `line` anew, without allocating when it has been as long before.
+ * Fills `line` with the points of a channel from `fromMs` on. With more than four points per pixel, keeps only the lowest and highest of each pixel,
+ * in their order, so that no peak is lost. x is in seconds relative to `nowMs`. Allocates only if `line` has never been this long.
  */
 export const decimate = (ring: ScanRing, channel: number, fromMs: number, nowMs: number, pixels: number, line: Line): void => {
   line.x.length = 0;
@@ -122,7 +121,7 @@ export const decimate = (ring: ScanRing, channel: number, fromMs: number, nowMs:
     for (let index = first; index < ring.length; index += 1) put(index);
     return;
   }
-  // Groups begin at multiples of their size since the beginning of all, or peaks would dance from group to group as the picture moves.
+  // Groups begin at multiples of their size, counted from the first scan ever; otherwise peaks would jump between groups as the picture moves.
   let end = first + perPixel - (ring.firstNumber + first) % perPixel;
   for (let start = first; start < ring.length; start = end, end += perPixel) putGroup(ring, channel, start, Math.min(end, ring.length), put);
 };

@@ -6,7 +6,7 @@ import type { FormState, StartForm } from './start_form';
 import { formAfter, useStartForm } from './start_form';
 
 test.each<[string, FormState, boolean, FormState]>([
-  ['OpenForm closes when somebody else starts a session', 'open', true, 'taken'],
+  ['OpenForm closes when another client starts a session', 'open', true, 'taken'],
   ['SentForm waits for its answer: the session is its own', 'sending', true, 'sending'],
   ['OpenForm without a session stays', 'open', false, 'open'],
   ['TakenForm says so while that session goes on', 'taken', true, 'taken'],
@@ -20,7 +20,7 @@ test.each<[string, readonly (keyof StartForm & ('open' | 'send' | 'close'))[], b
   ['OpenAndSent is shown', ['open', 'send'], true],
   ['AnswerBeforeThePaint closes it for good', ['open', 'send', 'close'], false],
 ])('StartForm.%s', (_name, steps, isShown) => {
-  const form = runHook(() => useStartForm(false), false); // never paints: what it does after a paint is late
+  const form = runHook(() => useStartForm(false), false); // never paints: effects after a paint would be late
 
   for (const step of steps) {
     form.now()[step]();

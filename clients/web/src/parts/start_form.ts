@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whether the form that starts a session is in sight.
+// The state of the form that starts a session: shown or not, and why not.
 import type { ReadonlySignal } from '@preact/signals';
 import { useSignal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 
-/** `sending`: the daemon was asked; a session that begins now is this form's. `taken`: it closed, since a session began that is not. */
+/** `sending`: the command was sent, a session that begins now belongs to this form. `taken`: the form closed because another session began. */
 export type FormState = 'closed' | 'open' | 'sending' | 'taken';
 
-/** What becomes of it when the rig has a session, or none. */
+/** Returns the next state for a rig that has a session, or has none. */
 export const formAfter = (state: FormState, hasSession: boolean): FormState => {
   if (state === 'open' && hasSession) return 'taken';
   if (state === 'taken' && !hasSession) return 'closed';
@@ -20,14 +20,14 @@ export interface StartForm {
   open(): void;
   close(): void;
   send(): void;
-  /** Nothing was started: it can be tried again. */
+  /** No session was started; the form stays open for another attempt. */
   failed(): void;
 }
 
 export const useStartForm = (hasSession: boolean): StartForm => {
   const state = useSignal<FormState>('closed');
   const present = formAfter(state.value, hasSession);
-  // Effects run late: the answer may have closed the form since it was drawn, so `present` is not what to keep.
+  // Effects run late: the answer may have closed the form since it was drawn. Therefore `present` is not stored.
   useEffect(() => void (state.value = formAfter(state.peek(), hasSession)), [state.value, hasSession]);
   return {
     state,

@@ -1,20 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a session needs to know before it starts: a protocol, whom, and what that protocol asks about them.
+// The form that starts a session: protocol, subject ID, and the fields that the protocol asks for.
 import type { ReadonlySignal } from '@preact/signals';
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
-import { useEffect } from 'preact/hooks';
+import { useEffect, useRef } from 'preact/hooks';
 
 import type { ProtocolField, ProtocolInfo } from '../generated/dts/v1/sessions_pb';
 import type { Link } from '../link/types';
 import { strings } from '../strings';
 import { CommandNotice, Field, Notice, Panel, useCommands } from './controls';
+import { useKeys } from './keys';
+import { protocolName } from './names';
 import { fixed, whole } from './numbers';
 import type { StartForm } from './start_form';
 
 const words = strings.common.start;
 
-/** All protocols, once there is a connection, and again after each new one: the daemon may have others after a restart. */
+/** Returns all protocols. Asks again after each new connection: a restarted daemon may have others. */
 export const useProtocols = (link: Link): ReadonlySignal<readonly ProtocolInfo[]> => {
   const protocols = useSignal<readonly ProtocolInfo[]>([]);
   const state = link.state.value;
@@ -30,12 +32,27 @@ export const useProtocols = (link: Link): ReadonlySignal<readonly ProtocolInfo[]
   return protocols;
 };
 
+/** Returns the protocol of the newest session of a rig, or "" if it has none. */
+export const askLastProtocol = async (link: Link, rig: string): Promise<string> => {
+  const answer = await link.send({ case: 'listSessions', value: { rig, limit: 1 } }).catch(() => undefined); // then the user has to choose
+  return answer?.case === 'sessions' ? (answer.value.sessions[0]?.protocol ?? '') : '';
+};
+
+/** Returns the unit at the end of a field's name: "kg" for "weight_kg", "" for "sex" and for a label that has the unit already. */
+export const unitOfField = ({ name, sentence }: Pick<ProtocolField, 'name' | 'sentence'>): string => {
+  const suffix = name.slice(name.lastIndexOf('_') + 1);
+  if (suffix === name || !Object.hasOwn(words.units, suffix)) return '';
+  const unit = words.units[suffix] ?? '';
+  return sentence.split(' ').at(-1) === unit ? '' : unit;
+};
+
 const FieldInput = (props: { field: ProtocolField; value: string; onInput: (value: string) => void }): JSX.Element => {
   const { name, sentence, isRequired, minimum, maximum, choices } = props.field;
   const needed = isRequired ? words.required : words.optional;
-  const hint = choices.length > 0 ? needed : `${words.range(fixed(minimum, 0), fixed(maximum, 0))}, ${needed}`;
+  const unit = choices.length > 0 ? '' : unitOfField(props.field);
+  const hint = choices.length > 0 ? needed : `${words.range(fixed(minimum, 0), fixed(maximum, 0), unit)}, ${needed}`;
   return (
-    <Field label={sentence} hint={hint}>
+    <Field label={unit === '' ? sentence : words.withUnit(sentence, unit)} hint={hint}>
       {(id) =>
         choices.length > 0 ? (
           <select id={id} data-testid={`field-${name}`} required={isRequired} value={props.value} onChange={(event) => props.onInput(event.currentTarget.value)}>
@@ -79,8 +96,8 @@ const TextInput = (props: { label: string; hint?: string; testId: string; value:
   </Field>
 );
 
-const aboutOf = ({ sentence, trials, settleS, durationS }: ProtocolInfo): string =>
-  trials > 0 && durationS > 0 ? `${sentence}. ${words.about(whole(trials), whole(settleS), whole(durationS))}` : sentence;
+const aboutOf = ({ sentence, trials, settleS, durationS = 0 }: ProtocolInfo): string =>
+  trials === 0 ? sentence : `${sentence}. ${durationS > 0 ? words.about(whole(trials), whole(settleS), whole(durationS)) : words.trials(whole(trials))}.`;
 
 export interface StartSessionProps {
   link: Link;
@@ -89,35 +106,42 @@ export interface StartSessionProps {
   form: StartForm;
 }
 
-/** Why the form is gone. */
+/** Says that the form closed because another session started. */
 export const StartTaken = ({ form, protocol }: { form: StartForm; protocol: string }): JSX.Element | null =>
   form.state.value === 'taken' ? (
-    <Notice kind="warning" what={words.taken(protocol)} hint={words.takenHint} testId="start-taken" onDismiss={form.close} />
+    <Notice kind="warning" what={words.taken(protocolName(protocol))} hint={words.takenHint} testId="start-taken" onDismiss={form.close} />
   ) : null;
 
 export const StartSession = ({ link, rig, protocols, form }: StartSessionProps): JSX.Element => {
-  const protocol = useSignal('free');
+  const typed = useSignal<string | undefined>(undefined);
+  const lastUsed = useSignal('');
   const subject = useSignal('');
   const label = useSignal('');
-  const durationS = useSignal('0');
+  const durationS = useSignal('');
+  const first = useRef<HTMLSelectElement>(null);
   const fields = useSignal<Readonly<Record<string, string>>>({});
   const commands = useCommands(link);
   const kind = link.status.value?.rigs.find((state) => state.rig?.name === rig)?.rig?.kind;
   const fitting = protocols.filter(({ rigKind }) => rigKind === '' || rigKind === kind);
-  const chosen = fitting.find(({ name }) => name === protocol.value);
+  const chosen = fitting.find(({ name }) => name === (typed.value ?? lastUsed.value));
+  useEffect(() => {
+    first.current?.focus();
+    void askLastProtocol(link, rig).then((name) => (lastUsed.value = name));
+  }, [link, rig]);
+  useKeys({ Escape: form.close });
   const submit = async (event: Event): Promise<void> => {
     event.preventDefault();
-    if (commands.isBusy.value) return;
+    if (commands.isBusy.value || chosen === undefined) return;
     form.send();
-    const asked = (chosen?.fields ?? []).map(({ name }) => [name, fields.value[name] ?? ''] as const).filter(([, value]) => value !== '');
+    const asked = chosen.fields.map(({ name }) => [name, fields.value[name] ?? ''] as const).filter(([, value]) => value !== '');
     const answer = await commands.run({
       case: 'startSession',
       value: {
         rig,
-        protocol: protocol.value,
+        protocol: chosen.name,
         subject: subject.value.trim(),
         label: label.value.trim(),
-        durationS: (chosen?.trials ?? 0) > 0 ? 0 : Number(durationS.value),
+        durationS: chosen.trials > 0 ? 0 : Number(durationS.value), // 0: until it is stopped
         fields: Object.fromEntries(asked),
       },
     });
@@ -127,29 +151,36 @@ export const StartSession = ({ link, rig, protocols, form }: StartSessionProps):
   return (
     <Panel title={words.title} testId="start-session" onClose={form.close}>
       <form class="column" onSubmit={(event) => void submit(event)}>
-        <Field label={words.protocol} hint={chosen === undefined ? '' : aboutOf(chosen)}>
+        <Field label={words.protocol} hint={chosen === undefined ? words.protocolHint : aboutOf(chosen)}>
           {(id) => (
-            <select id={id} data-testid="start-protocol" value={protocol.value} onChange={(event) => (protocol.value = event.currentTarget.value)}>
+            <select
+              id={id}
+              ref={first}
+              data-testid="start-protocol"
+              required
+              value={chosen?.name ?? ''}
+              onChange={(event) => (typed.value = event.currentTarget.value)}
+            >
+              <option value="">{words.chooseProtocol}</option>
               {fitting.map(({ name }) => (
                 <option key={name} value={name}>
-                  {name}
+                  {protocolName(name)}
                 </option>
               ))}
             </select>
           )}
         </Field>
         <TextInput label={words.subject} hint={words.subjectHint} testId="start-subject" value={subject.value} onInput={(value) => (subject.value = value)} />
-        <TextInput label={words.label} testId="start-label" value={label.value} onInput={(value) => (label.value = value)} />
-        {(chosen?.trials ?? 0) === 0 && (
-          <Field label={words.duration}>
+        <TextInput label={words.label} hint={words.labelHint} testId="start-label" value={label.value} onInput={(value) => (label.value = value)} />
+        {chosen?.trials === 0 && (
+          <Field label={chosen.durationS > 0 ? words.durationOr(fixed(chosen.durationS, 0)) : words.duration}>
             {(id) => (
               <input
                 id={id}
                 data-testid="start-duration"
-                type="number" // "60 s" is refused: as no number it would mean until stopped
+                type="number" // the browser rejects "60 s"; read as text it would mean manual stop
                 step="any"
                 min={0}
-                required
                 value={durationS.value}
                 onInput={(event) => (durationS.value = event.currentTarget.value)}
               />

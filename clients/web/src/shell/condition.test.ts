@@ -23,13 +23,13 @@ test.each<[string, Parameters<typeof conditionOf>, object]>([
   ['DiskThatFills', ['up', 1, status(well, DiskState.LOW), nothingDropped], { kind: 'warning' }],
   ['FullDisk', ['up', 1, status(well, DiskState.FULL), nothingDropped], { kind: 'error' }],
   ['UnusableDisk', ['up', 1, status(well, DiskState.UNUSABLE), nothingDropped], { kind: 'error' }],
-  ['SlowTab says how much it did not show', ['up', 1, status(well), slow(64)], { kind: 'warning', text: expect.stringContaining('64') }],
+  ['SlowTab says how many scans it did not show', ['up', 1, status(well), slow(64)], { kind: 'warning', text: expect.stringContaining('64') }],
   ['TabThatWasSlow is quiet', ['up', 1, status(well), slow(0)], { kind: 'good' }],
 ])('conditionOf.%s', (_, given, expected) => {
   expect(conditionOf(...given)).toMatchObject(expected);
 });
 
-test('conditionOf.GoneGateway and silent daemon are different errors', () => {
+test('conditionOf.GatewayLost and silent daemon are different errors', () => {
   const [gateway, daemon] = (['no-gateway', 'no-daemon'] as const).map((state) => conditionOf(state, 1, undefined, nothingDropped));
 
   expect([gateway!.kind, daemon!.kind]).toEqual(['error', 'error']);

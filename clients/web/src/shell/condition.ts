@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// "Is it working?", in one line: quiet when all is well, else the worst that is wrong.
+// The status line: "2 rigs OK", or the worst problem.
 import type { RigStatus, StatusSnapshot } from '../generated/dts/v1/control_pb';
 import { DiskState } from '../generated/dts/v1/sessions_pb';
 import { DeviceState } from '../generated/dts/v1/stream_pb';
@@ -43,9 +43,9 @@ const ofStatus = (status: StatusSnapshot, dropped: Dropped): Condition => {
   const found = [...status.rigs.map(ofRig), ofDisk(status)].filter((one) => one !== undefined);
   const worst = found.find(({ kind }) => kind === 'error') ?? found[0];
   if (worst !== undefined) return worst;
-  if (dropped.scansLately > 0) return { kind: 'warning', text: words.tabSlow(whole(dropped.scansLately)), hint: '' };
+  if (dropped.scansLately > 0) return { kind: 'warning', text: words.tabSlow(whole(dropped.scansLately)), hint: words.tabSlowHint };
   if (status.rigs.length === 0) return { kind: 'warning', text: words.noRig, hint: '' };
-  return { kind: 'good', text: status.rigs.length === 1 ? words.oneRigRuns : words.rigsRun(whole(status.rigs.length)), hint: '' };
+  return { kind: 'good', text: status.rigs.length === 1 ? words.oneRigOk : words.rigsOk(whole(status.rigs.length)), hint: '' };
 };
 
 export const conditionOf = (state: LinkState, since: number, status: StatusSnapshot | undefined, dropped: Dropped): Condition => {

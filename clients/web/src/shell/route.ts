@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The page is in the address's hash, so that a reload and a bookmark come back to it: "#/sessions/20261121T144525Z-floor-1".
+// The hash of the address names the page, so that reload and bookmarks work: "#/sessions/20261121T144525Z-floor-1".
 import { signal } from '@preact/signals';
 import type { ReadonlySignal } from '@preact/signals';
 
@@ -12,7 +12,7 @@ export const pathOf = (hash: string): string[] =>
       try {
         return decodeURIComponent(part);
       } catch {
-        return part; // a lone "%" is somebody's typing, not an escape
+        return part; // a "%" that was typed, not an escape
       }
     });
 

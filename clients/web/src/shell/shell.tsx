@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is around every page: its tabs, one line that says whether all is well, who looks, colours, keys.
+// The frame of every page: tabs, status line, user, theme, list of keys.
 import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
 import { useEffect, useRef } from 'preact/hooks';
@@ -16,7 +16,7 @@ import { themeChoice, themeChoices } from './theme';
 
 const words = strings.common;
 const pages = ['floor', 'chair', 'sessions', 'health'] as const;
-const readPages = new Set(['sessions', 'compare', 'health']); // the others are looked at
+const readPages = new Set(['sessions', 'compare', 'health']); // here a notice may push the page down; on live pages it must not
 const signs = { good: '●', plain: '○', warning: '▲', error: '✕' } as const;
 
 const Tabs = (): JSX.Element => {
@@ -100,12 +100,12 @@ const KeyHelp = ({ onClose }: { onClose: () => void }): JSX.Element => (
 export const Shell = ({ link, children }: { link: Link; children: ComponentChildren }): JSX.Element => {
   const isHelpOpen = useSignal(false);
   const page = useRef<HTMLElement>(null);
-  useEffect(() => page.current?.scrollTo(0, 0), [path.value]); // a page begins at its top, however far the one before was read
+  useEffect(() => page.current?.scrollTo(0, 0), [path.value]); // every page opens at its top
   const { kind, text, hint } = conditionOf(link.state.value, link.since.value, link.status.value, link.dropped.value);
   const goTo = (name: string) => () => (location.hash = `#/${name}`);
   useKeys({
     '?': () => (isHelpOpen.value = !isHelpOpen.value),
-    Escape: () => (isHelpOpen.value = false),
+    ...(isHelpOpen.value ? { Escape: () => (isHelpOpen.value = false) } : {}), // otherwise Esc closes the form of the page
     ...Object.fromEntries(pages.map((name, index) => [String(index + 1), goTo(name)])),
   });
   return (

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light for daylight rooms, dark on request, or as the system has it; remembered in this browser.
+// The theme: light, dark, or as the system. The browser remembers the choice.
 import { effect, signal } from '@preact/signals';
 
 import { readColours } from '../parts/canvas';
@@ -15,7 +15,7 @@ const stored = (): ThemeChoice => {
 
 export const themeChoice = signal<ThemeChoice>('auto');
 
-/** Once, before the first page is drawn. */
+/** Call it once, before the first page is drawn. */
 export const startTheme = (): void => {
   themeChoice.value = stored();
   const system = matchMedia('(prefers-color-scheme: dark)');

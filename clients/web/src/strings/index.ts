@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Everything the dashboard says in English, a file for each page. A translation is this folder in another language: sentences with numbers are
-// functions that take them as text already in the reader's format (parts/numbers.ts), so that only words and their order live here. Units are
-// not translated.
+// All English texts of the dashboard, one file per page. To translate, translate this folder. Sentences with numbers are functions; they receive
+// each number as text in the reader's format (parts/numbers.ts). Units are not translated.
 import { chair } from './chair';
 import { common } from './common';
 import { floor } from './floor';

@@ -15,7 +15,7 @@ namespace {
 constexpr double kLargestFlexionDeg = 120.0;
 constexpr double kLargestSeatLoadN = 10'000.0;  // above the load of the heaviest person in the fastest movement
 
-DeviceDescription describe(const DeviceUri& uri, const ChairOptions& options, const Daq& daq, const physics::Plate& plate) {
+DeviceDescription describe(const DeviceUri& uri, const ChairOptions& options, const dts::sim::Daq& daq, const physics::Plate& plate) {
   DeviceDescription description;
   description.uri = uri.text;
   description.model = "Simulated chair";
@@ -45,7 +45,7 @@ core::Result<std::unique_ptr<Device>> create_chair(const DeviceUri& uri, const D
     error.what = "device \"" + uri.text + "\": " + error.what;
     return tl::make_unexpected(error);
   }
-  const Daq daq(options->daq);
+  const dts::sim::Daq daq(options->daq);
   SimParts parts{.description = describe(uri, *options, daq, context.rig.plate),
                  .converted_channels = options->converted_channels(),
                  .daq = daq,
@@ -55,7 +55,7 @@ core::Result<std::unique_ptr<Device>> create_chair(const DeviceUri& uri, const D
   return std::make_unique<SimDevice>(std::move(parts), context.clock);
 }
 
-core::Result<physics::SeatedPersonOptions> chair_person(const DeviceUri& uri, const physics::RigModel& rig) {
+core::Result<dts::sim::SeatedPersonOptions> chair_person(const DeviceUri& uri, const physics::RigModel& rig) {
   const auto options = read_chair_options(uri, rig.sensors.size());
   if (!options) return tl::make_unexpected(options.error());
   return options->person;

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "core/result.h"
-#include "device/registry.h"
-#include "physics/body/seated_person.h"
+#include "device/device_entry.h"
+#include "sim/seated_person.h"
 
 namespace dts::device::sim {
 
@@ -14,6 +14,6 @@ namespace dts::device::sim {
 [[nodiscard]] core::Result<std::unique_ptr<Device>> create_chair(const DeviceUri& uri, const DeviceContext& context);
 
 /// Returns the person that the options of a `sim:chair` URI describe, to predict the reaches. Fails as `create_chair`.
-[[nodiscard]] core::Result<physics::SeatedPersonOptions> chair_person(const DeviceUri& uri, const physics::RigModel& rig);
+[[nodiscard]] core::Result<dts::sim::SeatedPersonOptions> chair_person(const DeviceUri& uri, const physics::RigModel& rig);
 
 }  // namespace dts::device::sim

@@ -23,12 +23,14 @@ constexpr std::array kChairTable = {
     UriOption{"max_reach_cm", Number, "125", 20, 220, "",
               "From the acromion to the farthest target reached without lifting from the seat."},
     UriOption{"group", Word, "healthy", 0, 0, "healthy|stroke", "After a stroke: slower, jerky, the trunk helps within the arm's reach."},
-    UriOption{"people_spread", Number, "1", 0, 1, "", "How much the habits of two seeds differ; 0: everybody is the same."},
-    UriOption{"reaches", Word, "auto", 0, 0, "auto|cued|none", "By itself until the first cue, on cues only, or never."},
-    UriOption{"pace_s", Number, "0", 0, 10, "", "Duration of one phase, there or back; 0: as it comes naturally."},
+    UriOption{"people_spread", Number, "1", 0, 1, "", "How much the habits of two seeds differ; 0: all people are the same."},
+    UriOption{"reaches", Word, "auto", 0, 0, "auto|cued|none",
+              "When the person reaches: by itself until the first cue, on cues only, or never."},
+    UriOption{"pace_s", Number, "0", 0, 10, "", "Duration of one phase, there or back; 0: the person's own pace."},
     UriOption{"double_reach", Integer, "0", 0, 1, "", "1: every reach goes most of the way back and out again."},
-    UriOption{"sit_down_s", Number, "2.5", 0, 86400, "", "First touch; the chair is empty before, so that it can be tared."},
-    UriOption{"stand_up_s", Number, "never", 0, kNever, "", "Begins to leave, whatever it is doing."},
+    UriOption{"sit_down_s", Number, "2.5", 0, 86400, "",
+              "When the person first touches the chair; it is empty before, so that it can be tared."},
+    UriOption{"stand_up_s", Number, "never", 0, kNever, "", "When the person begins to stand up, also in the middle of a reach."},
     UriOption{"fidgets", Integer, "1", 0, 1, "", "1: now and then the person fidgets or shifts."},
     UriOption{"back_rest", Integer, "1", 0, 1, "", "0: the person sits upright and leans on nothing."},
     UriOption{"load_model", Word, "cop", 0, 0, "cop|thesis", "How the body loads the seat (reach-model section 4)."},
@@ -44,7 +46,7 @@ constexpr std::array kChairTable = {
     UriOption{"truth", Integer, "1", 0, 1, "", "1: auxiliary channels true_trunk_deg, true_y_mm and true_load_n."},
     UriOption{"dead", Numbers, "", 0, 31, "", "Sensors, counted from 0, that give 0 V."},
     UriOption{"saturated", Numbers, "", 0, 31, "", "Sensors, counted from 0, at the end of the converter's range."},
-    UriOption{"sensor_fault_at_s", Number, "0", 0, 1e6, "", "From when they are dead or saturated."},
+    UriOption{"sensor_fault_at_s", Number, "0", 0, 1e6, "", "Device time since start from which they are dead or saturated."},
     UriOption{"swapped", Text, "", 0, 0, "", "Two sensors, counted from 0, whose cables are exchanged: I:J."},
     shared_option::kFault,
     shared_option::kFaultAt,
@@ -59,20 +61,20 @@ constexpr std::array kChairDependencies = {
     shared_option::kFaultChannelNeeds,
 };
 
-physics::ReachMode reach_mode(const std::string& word) {
-  if (word == "cued") return physics::ReachMode::Cued;
-  return word == "none" ? physics::ReachMode::Never : physics::ReachMode::Auto;
+dts::sim::ReachMode reach_mode(const std::string& word) {
+  if (word == "cued") return dts::sim::ReachMode::Cued;
+  return word == "none" ? dts::sim::ReachMode::Never : dts::sim::ReachMode::Auto;
 }
 
-physics::SeatedPersonOptions person(const UriOptions& options, std::uint64_t seed) {
-  physics::SeatedPersonOptions result;
+dts::sim::SeatedPersonOptions person(const UriOptions& options, std::uint64_t seed) {
+  dts::sim::SeatedPersonOptions result;
   result.person = {.weight_kg = options.number("weight_kg"),
                    .height_cm = options.number("height_cm"),
                    .arm_length_cm = options.number("arm_length_cm"),
                    .max_reach_cm = options.number("max_reach_cm")};
   const bool is_thesis = options.text("load_model") == "thesis";
-  const auto model = is_thesis ? physics::SeatLoadModel::Thesis : physics::SeatLoadModel::Cop;
-  result.habits = physics::natural_habits(result.person, options.text("group") == "healthy", model, seed, options.number("people_spread"));
+  const auto model = is_thesis ? dts::sim::SeatLoadModel::Thesis : dts::sim::SeatLoadModel::Cop;
+  result.habits = dts::sim::natural_habits(result.person, options.text("group") == "healthy", model, seed, options.number("people_spread"));
   if (options.number("pace_s") > 0.0) {
     result.habits.phase_s = options.number("pace_s");
     result.habits.phase_growth_per_deg = 0.0;
@@ -94,7 +96,7 @@ core::Result<std::vector<std::size_t>> channel_list(const DeviceUri& uri, const 
   if (!options.is_given(name)) return channels;
   for (const double number : options.numbers(name)) {
     if (number != std::floor(number) || number >= static_cast<double>(sensors)) {
-      return refuse(uri, ErrorCode::InvalidArgument, name + " takes whole numbers 0 .. " + std::to_string(sensors - 1));
+      return refuse(uri, ErrorCode::InvalidArgument, name + " must have whole numbers 0 .. " + std::to_string(sensors - 1));
     }
     channels.push_back(static_cast<std::size_t>(number));
   }
@@ -110,7 +112,7 @@ core::Result<std::pair<std::size_t, std::size_t>> channel_pair(const DeviceUri& 
   const bool is_pair = has_colon && second.ec == std::errc() && second.ptr == end;
   if (is_pair && pair.first < sensors && pair.second < sensors && pair.first != pair.second) return pair;
   return refuse(uri, ErrorCode::InvalidArgument,
-                "swapped = " + text + "; it takes two different sensors I:J, 0 .. " + std::to_string(sensors - 1));
+                "swapped = " + text + " is not allowed; write two different sensors as I:J, each 0 .. " + std::to_string(sensors - 1));
 }
 
 core::Result<SensorFaults> sensor_faults(const DeviceUri& uri, const UriOptions& options, std::size_t sensors) {
@@ -121,7 +123,7 @@ core::Result<SensorFaults> sensor_faults(const DeviceUri& uri, const UriOptions&
     *list = std::move(*channels);
   }
   if (options.is_given("sensor_fault_at_s") && faults.dead.empty() && faults.saturated.empty()) {
-    return refuse(uri, ErrorCode::InvalidArgument, "sensor_fault_at_s has a meaning only with dead=... or saturated=...");
+    return refuse(uri, ErrorCode::InvalidArgument, "sensor_fault_at_s has an effect only with dead=... or saturated=...");
   }
   if (!options.is_given("swapped")) return faults;
   auto pair = channel_pair(uri, options.text("swapped"), sensors);
@@ -141,8 +143,8 @@ core::Status check_channels(const DeviceUri& uri, const ChairOptions& options, s
                 std::to_string(channels) + " channels with sensors, aux and truth; at most " + std::to_string(core::kMaxChannels));
 }
 
-core::Status check_stay(const DeviceUri& uri, const physics::SeatedPersonOptions& person) {
-  if (person.stand_up_s >= person.sit_down_s + physics::SeatedPerson::kSettlingS) return {};
+core::Status check_stay(const DeviceUri& uri, const dts::sim::SeatedPersonOptions& person) {
+  if (person.stand_up_s >= person.sit_down_s + dts::sim::SeatedPerson::kSettlingS) return {};
   return refuse(uri, ErrorCode::InvalidArgument, "stand_up_s is less than 2 s after sit_down_s");
 }
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "core/result.h"
-#include "device/sim/daq.h"
 #include "device/sim/fault.h"
 #include "device/uri_options.h"
-#include "physics/body/seated_person.h"
+#include "sim/daq.h"
+#include "sim/seated_person.h"
 
 namespace dts::device::sim {
 
@@ -27,9 +27,9 @@ struct SensorFaults {
 
 /// The options of a simulated chair.
 struct ChairOptions {
-  physics::SeatedPersonOptions person;
+  dts::sim::SeatedPersonOptions person;
   std::uint64_t seed = 1;
-  DaqParameters daq;
+  dts::sim::DaqParameters daq;
   double clock_error_ppm = 0.0;
   double gain_spread = 0.0;
   double gap_spread_mm = 0.1;

@@ -19,14 +19,14 @@ constexpr double kBeyondAnyRangeV = 100.0;
 core::Result<std::unique_ptr<Scene>> ChairScene::create(const ChairOptions& options, const physics::RigModel& rig) {
   std::vector<physics::Point> probes;
   for (std::size_t i = 0; i < options.sensors; ++i) probes.push_back(rig.sensors[i].position);
-  auto plate = physics::SeatPlate::create(rig.plate, rig.support, probes, options.person.habits.contact);
+  auto plate = dts::sim::SeatPlate::create(rig.plate, rig.support, probes, options.person.habits.contact);
   if (!plate) return tl::make_unexpected(plate.error());
   return std::unique_ptr<Scene>(new ChairScene(options, rig, std::move(*plate)));
 }
 
-ChairScene::ChairScene(const ChairOptions& options, const physics::RigModel& rig, physics::SeatPlate plate)
+ChairScene::ChairScene(const ChairOptions& options, const physics::RigModel& rig, dts::sim::SeatPlate plate)
     : options_(options), depth_mm_(rig.plate.b.value), plate_(std::move(plate)), deflection_mm_(options.sensors), emg_(options.seed) {
-  const CounterRandom mounting = mounting_random(options.seed);
+  const dts::sim::CounterRandom mounting = mounting_random(options.seed);
   for (std::size_t i = 0; i < options.sensors; ++i) {
     sensors_.push_back({.curve = &rig.sensors[i].curve,
                         .unloaded_gap_mm = rig.sensors[i].unloaded_gap.value + options.gap_spread_mm * either_side(mounting, 3 * i),
@@ -59,7 +59,7 @@ void ChairScene::break_sensors(double time_s, std::span<double> values) const no
 
 void ChairScene::evaluate(double time_s, std::span<double> values) noexcept {
   if (!person_) person_.emplace(options_.person);
-  const physics::SeatedState state = person_->at(time_s);
+  const dts::sim::SeatedState state = person_->at(time_s);
   if (state.is_there) {
     plate_.deflect(state.load, deflection_mm_);
   } else {

@@ -9,8 +9,8 @@
 #include "device/sim/chair/chair_options.h"
 #include "device/sim/chair/emg.h"
 #include "device/sim/scene.h"
-#include "physics/body/seat_plate.h"
 #include "physics/rig_model.h"
+#include "sim/seat_plate.h"
 
 namespace dts::device::sim {
 
@@ -36,17 +36,17 @@ class ChairScene final : public Scene {
     double drift_per_s = 0.0;
   };
 
-  ChairScene(const ChairOptions& options, const physics::RigModel& rig, physics::SeatPlate plate);
+  ChairScene(const ChairOptions& options, const physics::RigModel& rig, dts::sim::SeatPlate plate);
   void write_sensors(double time_s, std::span<double> values) const noexcept;
   void break_sensors(double time_s, std::span<double> values) const noexcept;
 
   ChairOptions options_;
   double depth_mm_;
-  physics::SeatPlate plate_;
+  dts::sim::SeatPlate plate_;
   std::vector<Sensor> sensors_;
   std::vector<double> deflection_mm_;
   Emg emg_;
-  std::optional<physics::SeatedPerson> person_;
+  std::optional<dts::sim::SeatedPerson> person_;
 };
 
 }  // namespace dts::device::sim

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "device/sim/counter_random.h"
+#include "sim/counter_random.h"
 
 namespace dts::device::sim {
 namespace {
@@ -24,13 +24,13 @@ enum Muscle : std::size_t { kTriceps, kBiceps, kAnteriorDeltoid, kPosteriorDelto
 
 /// Returns 1 between `from_s` and `to_s`, 0 outside, with ramps.
 double burst(double time_s, double from_s, double to_s) noexcept {
-  return physics::smooth_step((time_s - from_s) / kRampS) * (1.0 - physics::smooth_step((time_s - to_s) / kRampS));
+  return dts::sim::smooth_step((time_s - from_s) / kRampS) * (1.0 - dts::sim::smooth_step((time_s - to_s) / kRampS));
 }
 
 using Envelopes = std::array<double, kEmgChannels>;
 
 /// Returns the activity of each muscle, as a part of full activity.
-Envelopes activity(double time_s, const physics::ReachPlan& reach) noexcept {
+Envelopes activity(double time_s, const dts::sim::ReachPlan& reach) noexcept {
   const double on_s = reach.on_s - kLeadS;
   const double stretch_s = reach.on_s + 0.5 * (reach.hit_s - reach.on_s);
   const double lifting = burst(time_s, on_s, reach.hit_s);
@@ -51,7 +51,7 @@ Envelopes activity(double time_s, const physics::ReachPlan& reach) noexcept {
 }  // namespace
 
 Emg::Emg(std::uint64_t seed) noexcept {
-  const CounterRandom random(seed ^ kEmgSeed);
+  const dts::sim::CounterRandom random(seed ^ kEmgSeed);
   std::uint64_t next = 0;
   for (auto& channel : waves_) {
     for (Wave& wave : channel) {
@@ -61,7 +61,7 @@ Emg::Emg(std::uint64_t seed) noexcept {
   }
 }
 
-void Emg::write(double time_s, bool is_there, const physics::ReachPlan* reach, std::span<double> values) const noexcept {
+void Emg::write(double time_s, bool is_there, const dts::sim::ReachPlan* reach, std::span<double> values) const noexcept {
   const Envelopes envelopes = is_there && reach != nullptr ? activity(time_s, *reach) : Envelopes{};
   for (std::size_t channel = 0; channel < std::min(values.size(), waves_.size()); ++channel) {
     double sum = 0.0;

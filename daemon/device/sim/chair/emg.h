@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "device/sim/chair/chair_options.h"
-#include "physics/body/reach_plan.h"
+#include "sim/reach_plan.h"
 
 namespace dts::device::sim {
 
@@ -23,7 +23,7 @@ class Emg {
   explicit Emg(std::uint64_t seed) noexcept;
 
   /// Writes the voltage of every channel, V, to `values`. `reach`: the current or next reach; nullptr: none.
-  void write(double time_s, bool is_there, const physics::ReachPlan* reach, std::span<double> values) const noexcept;
+  void write(double time_s, bool is_there, const dts::sim::ReachPlan* reach, std::span<double> values) const noexcept;
 
  private:
   static constexpr std::size_t kWaves = 10;

@@ -121,7 +121,7 @@ TEST_F(CopGuideTest, WeightThatTheDaemonTakesForAnother_IsDoubtedOncePerLoad) {
     ASSERT_TRUE(guide(false, 2));
 
     const bool is_doubted = estimated_n < 100.0;
-    EXPECT_EQ(said_.find("takes this weight for 70 N, not 490 N") != std::string::npos, is_doubted) << estimated_n;
+    EXPECT_EQ(said_.find("shows 70 N for this weight of 490 N") != std::string::npos, is_doubted) << estimated_n;
     EXPECT_EQ(said_.find("warning"), said_.rfind("warning")) << "once for 490 N";
   }
 }
@@ -264,7 +264,7 @@ TEST(HoldScans, TooFew_RefusedWithTheLeastTime) {
   EXPECT_EQ(hold_scans(0.08, 100.0).value(), 8U);
   const auto refused = hold_scans(0.07, 100.0);
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().what, HasSubstr("0.070 s has 7 scans at 100.0 Hz; at least 8"));
+  EXPECT_THAT(refused.error().what, HasSubstr("0.070 s has 7 scans at 100.0 Hz; required: at least 8"));
 }
 
 TEST_F(CopGuideTest, WeightOnTheOtherSide_IsNotRecorded) {

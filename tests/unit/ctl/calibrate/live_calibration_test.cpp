@@ -73,11 +73,11 @@ class LiveCalibrationTest : public RunTest {
     })};
   }
   void act(const std::string& line) {
-    static const std::regex point(R"(Point (\d+) of \d+: put (\d+) N at x ([\d.]+), y ([\d.]+)[^]*)");
+    static const std::regex point(R"(Point (\d+) of \d+: place (\d+) N at x ([\d.]+), y ([\d.]+)[^]*)");
     static const std::regex gap(R"(Gap (\d+) of \d+: ([\d.]+) mm\n)");
     std::smatch found;
-    if (line.starts_with("Zero of") || line.starts_with("Nothing before")) {
-      const std::string topic = line.starts_with("Zero of") ? "floor/deflection" : "floor/raw";
+    if (line.starts_with("Clear the plate") || line.starts_with("Clear the space")) {
+      const std::string topic = line.starts_with("Clear the plate") ? "floor/deflection" : "floor/raw";
       EXPECT_TRUE(daemon_->wait_for_subscription(topic));
       daemon_->send("dtsd/status", status_);
       if (topic == "floor/raw") send("raw", {0.6, 0.6, 0.6, 0.6});
@@ -188,7 +188,7 @@ TEST_F(LiveCalibrationTest, Sensors_EachHasItsOwnCurveAndFile) {
 
 TEST_F(LiveCalibrationTest, WhatCannotBeCalibrated_IsRefusedBeforeAnythingIsMeasured) {
   EXPECT_EQ(calibrate({"sensor", "--sensor", "w9", "--gaps", "12,11,10,9,8,7"}), 5);
-  EXPECT_THAT(said(), HasSubstr("rig 'floor' has no sensor 'w9'\n  try: there are: w1, w2, w3, w4; or: all\n"));
+  EXPECT_THAT(said(), HasSubstr("rig 'floor' has no sensor 'w9'\n  try: the sensors are: w1, w2, w3, w4; or give all\n"));
   EXPECT_EQ(calibrate({"cop", "--loads", "300,300"}), cli::kUsage);
   EXPECT_EQ(calibrate({"cop", "--estimator", "thesis", "--loads", "300,400"}), cli::kUsage);
   status_.mutable_rigs(0)->mutable_session()->set_session_id("s1");

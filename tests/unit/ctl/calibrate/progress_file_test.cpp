@@ -107,9 +107,9 @@ TEST_F(ProgressFiles, OtherRig_RefusedSayingWhatDiffers) {
 
   const auto progress = resume("other");
 
-  EXPECT_EQ(progress.error(), (Error{ErrorCode::WrongState,
-                                     path().string() + " is the progress of another calibration: rig was \"floor\", now it is \"other\"",
-                                     "--resume without other options takes those of the file; begin anew: --fresh"}));
+  EXPECT_EQ(progress.error(),
+            (Error{ErrorCode::WrongState, path().string() + " belongs to another calibration: rig was \"floor\", now it is \"other\"",
+                   "use --resume without other options: it uses those of the file; or start again with --fresh"}));
 }
 
 TEST_F(ProgressFiles, NothingThere_WrongState) {
@@ -122,8 +122,8 @@ TEST_F(ProgressFiles, DamagedHead_IsCalledDamaged) {
   std::filesystem::create_directories(path().parent_path());
   append("{\"calib\n");
 
-  const Error damaged{ErrorCode::DataDamaged, path().string() + ":1: is damaged: it does not say which calibration it belongs to",
-                      "begin anew: --fresh"};
+  const Error damaged{ErrorCode::DataDamaged, path().string() + ":1: damaged: the line with the properties of the calibration is missing",
+                      "start again with --fresh"};
   EXPECT_EQ(resume().error(), damaged);
   EXPECT_EQ(ProgressFile::calibration_in(path()).error(), damaged);
 }
@@ -146,7 +146,7 @@ TEST_F(ProgressFiles, DamagedInTheMiddle_RefusedWithItsLine) {
     const auto progress = resume();
 
     ASSERT_FALSE(progress) << line;
-    EXPECT_EQ(progress.error(), (Error{ErrorCode::DataDamaged, path().string() + ":3: not a point", "begin anew: --fresh"})) << line;
+    EXPECT_EQ(progress.error(), (Error{ErrorCode::DataDamaged, path().string() + ":3: not a point", "start again with --fresh"})) << line;
   }
 }
 
@@ -161,8 +161,8 @@ TEST_F(ProgressFiles, InUse_TheSecondIsRefused) {
   const auto first = ProgressFile::create(path(), calibration());
   ASSERT_TRUE(first);
 
-  const Error in_use{ErrorCode::WrongState, path().string() + " is in use: another calibration of this rig is under way",
-                     "end that one first"};
+  const Error in_use{ErrorCode::WrongState, path().string() + " is in use: another calibration of this rig is running",
+                     "end the other calibration first"};
   EXPECT_EQ(resume().error(), in_use);
   EXPECT_EQ(ProgressFile::create(path(), calibration()).error(), in_use);
 }

@@ -81,7 +81,7 @@ TEST(SteadyDetector, Shaking_IsNoRest) {
 
   EXPECT_FALSE(detector.reading());
   ASSERT_TRUE(detector.unrest());
-  EXPECT_EQ(detector.unrest()->text.rfind("scatters by 0.2", 0), 0U) << detector.unrest()->text;
+  EXPECT_EQ(detector.unrest()->text.rfind("varies by 0.2", 0), 0U) << detector.unrest()->text;
 }
 
 TEST(SteadyDetector, OneChannelMoves_NamedAndNoReading) {

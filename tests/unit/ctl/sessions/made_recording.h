@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "record/event.h"
 #include "record/session_facts.h"
 #include "record/xdf/xdf_writer.h"
 
@@ -33,25 +32,21 @@ inline std::string make_recording(const std::string& name, Ending ending = Endin
                                                 .content = "DTS",
                                                 .rate = *core::Rate::create(100, 1),
                                                 .channels = {{.label = "w1_v", .unit = "V"}, {.label = "w2_v", .unit = "V"}}});
-  const auto tell = [&](double time_s, const record::RecordedEvent& event) {
-    const std::vector<std::pair<double, std::string>> texts{{time_s, record::to_json(event)}};
+  const auto tell = [&](double time_s, const std::string& event) {
+    const std::vector<std::pair<double, std::string>> texts{{time_s, event}};
     EXPECT_TRUE(writer->write_texts(events, texts, {}).has_value());
   };
-  tell(10.0, {.event = "segment", .values = {{"host_time_ns", std::int64_t{10'000'000'000}}}});
+  tell(10.0, R"({"host_time_ns":"10000000000","segment_start":{}})");
   for (std::uint64_t block = 0; block < 5; ++block) {
     const std::vector<double> values(100, static_cast<double>(block) + 0.5);
     EXPECT_TRUE(writer->write_samples(raw, 10.0 + 0.5 * static_cast<double>(block), values, {.first_scan = {block * 50}}).has_value());
   }
-  for (const char* phase : {"measure", "done"}) {
-    tell(11.0,
-         {.event = "trial",
-          .scan = {100},
-          .values = {
-              {"phase", std::string(phase)}, {"trial", std::int64_t{1}}, {"attempt", std::int64_t{1}}, {"condition", std::string("a")}}});
+  for (const std::string step : {"MEASURE", "DONE"}) {
+    tell(11.0, R"({"scan":"100","trial":{"step":"TRIAL_EVENT_KIND_)" + step + R"(","trial":1,"attempt":1,"condition":"a"}})");
   }
-  tell(12.0, {.event = "marker", .scan = {200}, .values = {{"text", std::string("eyes closed")}}});
+  tell(12.0, R"({"scan":"200","marker":{"text":"eyes closed"}})");
   if (has_gap) {
-    tell(12.2, {.event = "segment", .segment = 1, .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{7}}}});
+    tell(12.2, R"({"segment":1,"segment_start":{"reason":"GAP_REASON_OVERRUN","missing_scans":"7"}})");
   }
   EXPECT_TRUE(writer->synchronise().has_value());
   if (ending == Ending::Killed) {

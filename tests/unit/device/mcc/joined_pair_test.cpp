@@ -27,7 +27,7 @@ using test::Wired;
 bool hears_sync(const Device& pair) {
   const std::vector<DeviceCheck> checks = pair.report().checks;
   return std::none_of(checks.begin(), checks.end(), [](const DeviceCheck& check) {
-    return check.name == "the second unit hears SYNC" && check.outcome == DeviceCheck::Outcome::Failed;
+    return check.name == "the second unit receives SYNC" && check.outcome == DeviceCheck::Outcome::Failed;
   });
 }
 

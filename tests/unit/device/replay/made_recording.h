@@ -111,7 +111,7 @@ inline std::string make_recording(const MadeRecording& made, const std::string& 
       }
       n += frame.streams.front().count();
       if (segment == 0 && made.lost_at > 0 && scan == made.lost_at) continue;
-      EXPECT_TRUE((*recorder)->take(frame));
+      EXPECT_TRUE((*recorder)->take(frame, {}));
     }
   }
   EXPECT_TRUE((*recorder)->flush());

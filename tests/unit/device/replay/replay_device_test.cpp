@@ -92,7 +92,7 @@ TEST_F(ReplayDevice, Description_PutsTheColumnsWhereTheDeviceHadThem) {
   EXPECT_EQ((*device)->exact_rate(test::rate_of(1500.5)).value(), test::rate_of(1500.0)) << "its DAQ may have been a little off";
   const auto other = (*device)->exact_rate(test::rate_of(100.0));
   ASSERT_FALSE(other);
-  EXPECT_THAT(other.error().hint, HasSubstr("recorded at 1500"));
+  EXPECT_THAT(other.error().hint, HasSubstr("recorded: 1500"));
 }
 
 TEST_F(ReplayDevice, Max_GivesEveryValueAndBitAndThenIsGone) {

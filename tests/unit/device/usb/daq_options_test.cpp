@@ -13,8 +13,8 @@ namespace dts::device::usb {
 namespace {
 
 constexpr std::array kRanges = {10.0, 5.0, 2.0, 1.0};
-constexpr DaqLimits kLimits{.inputs = 8, .max_scan_length = 8, .must_ascend = true, .may_repeat = false, .ranges_v = kRanges};
-constexpr DaqLimits kFree{.inputs = 16, .max_scan_length = 25, .must_ascend = false, .may_repeat = true, .ranges_v = kRanges};
+constexpr DaqLimits kLimits{.inputs = 8, .max_scan_length = 8, .must_ascend = true, .ranges_v = kRanges};
+constexpr DaqLimits kFree{.inputs = 16, .max_scan_length = 25, .must_ascend = false, .ranges_v = kRanges};
 
 core::Result<DaqOptions> read(const std::string& query, const DaqLimits& limits = kLimits) {
   const DeviceUri uri = *DeviceUri::parse("toy:daq" + query);

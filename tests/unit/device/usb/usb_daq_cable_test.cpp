@@ -107,7 +107,7 @@ TEST(UsbDaqCable, CancelThatNeverReturns_MemoryIsGivenUpAndSaidSo) {
   const core::Status stopped = bench.daq->stop();
 
   ASSERT_FALSE(stopped.has_value());
-  EXPECT_NE(stopped.error().what.find("did not come back"), std::string::npos);
+  EXPECT_NE(stopped.error().what.find("did not end"), std::string::npos);
   EXPECT_LE(bench.host.clock.now_ns(), before_ns + 250 * kMillisecond);
   EXPECT_EQ(bench.host.bus.open_ports(), 1);
   EXPECT_EQ(bench.daq->state(), DeviceState::Gone);
@@ -134,7 +134,7 @@ TEST(UsbDaqCable, CancelThatReturnsLate_OpenAndStartSayBothAndSucceedAfterIt) {
   bench.host.bus.run_until(bench.host.clock.now_ns() + 2 * kSecond);
 
   ASSERT_FALSE(early.has_value());
-  EXPECT_NE(early.error().what.find("have not come back yet"), std::string::npos) << early.error().what;
+  EXPECT_NE(early.error().what.find("have not ended yet"), std::string::npos) << early.error().what;
   EXPECT_NE(early.error().hint.find("unplug"), std::string::npos);
 
   ASSERT_TRUE(bench.daq->open().has_value());
@@ -142,7 +142,7 @@ TEST(UsbDaqCable, CancelThatReturnsLate_OpenAndStartSayBothAndSucceedAfterIt) {
   const auto started = bench.start(1500);
   ASSERT_FALSE(started.has_value());
   EXPECT_NE(started.error().what.find("does not scan"), std::string::npos) << started.error().what;
-  EXPECT_NE(started.error().what.find("did not come back"), std::string::npos) << started.error().what;
+  EXPECT_NE(started.error().what.find("did not end"), std::string::npos) << started.error().what;
   EXPECT_EQ(bench.daq->state(), DeviceState::Gone);
   bench.host.bus.run_until(bench.host.clock.now_ns() + 2 * kSecond);
   bench.host.bus.cancel_ns = 0;

@@ -220,7 +220,7 @@ TEST(UsbDaqFaults, TransfersThatFail_AreCountedInTheReport) {
     ASSERT_TRUE(bench.start(1500).has_value());
   }
 
-  EXPECT_EQ(said(*bench.daq), "1 x device refused it (stall); 2 x transfer failed on the bus (cable, hub or host controller)");
+  EXPECT_EQ(said(*bench.daq), "1 x device rejected it (stall); 2 x transfer failed on the bus (cable, hub or host controller)");
 }
 
 TEST(UsbDaqFaults, OverrunWithoutStall_FoundByAsking) {

@@ -16,9 +16,9 @@ TEST(UsbStatus, EachStatus_HasItsWordsAndItsError) {
   const std::string memory = "write a larger number to /sys/module/usbcore/parameters/usbfs_memory_mb";
   for (const auto& [status, code, words, hint] :
        {std::tuple{UsbStatus::Completed, Failed, "completed", ""},
-        {UsbStatus::Stall, Failed, "device refused it (stall)", ""},
+        {UsbStatus::Stall, Failed, "device rejected it (stall)", ""},
         {UsbStatus::NoDevice, DeviceGone, "device is gone", ""},
-        {UsbStatus::Overflow, Failed, "device sent more than there was room for", ""},
+        {UsbStatus::Overflow, Failed, "device sent more data than the buffer holds", ""},
         {UsbStatus::TimedOut, Timeout, "device did not answer in time", ""},
         {UsbStatus::Cancelled, Failed, "cancelled", ""},
         {UsbStatus::NoMemory, Failed, "the kernel has no memory left for USB transfers", memory.c_str()},

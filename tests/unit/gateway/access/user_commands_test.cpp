@@ -76,8 +76,8 @@ TEST_F(UserCommandsTest, WrongNameRoleOrFile_IsWrongUse) {
        {std::pair(std::vector<std::string>{"add", "Anna", "--role", "viewer", "--users", file_},
                   "NAME: 'Anna': a name is 1 to 32 of a-z, 0-9, '.', '_', '-'"),
         {{"add", "local", "--role", "viewer", "--users", file_},
-         "NAME: 'local': 'local' is what those without a login are called: take another name"},
-        {{"add", "anna", "--role", "none", "--users", file_}, "--role: 'none' is none of viewer, operator, engineer"},
+         "NAME: 'local': 'local' is the name of users without a login: choose another name"},
+        {{"add", "anna", "--role", "none", "--users", file_}, "--role: 'none' is not viewer, operator or engineer"},
         {{"add", "anna", "--users", file_}, "--role is required"},
         {{"add", "anna", "--role", "viewer"}, "--users is required"},
         {{"list"}, "--users is required"}}) {
@@ -181,7 +181,7 @@ TEST_F(TerminalTest, TwoThatDiffer_AreRefused) {
   const auto password = asked.get();
 
   ASSERT_FALSE(password.has_value());
-  EXPECT_EQ(password.error().what, "the two are not the same");
+  EXPECT_EQ(password.error().what, "the two passwords differ");
 }
 
 TEST_F(TerminalTest, Interrupted_GivesTheEchoBack) {

@@ -34,7 +34,7 @@ TEST(Users, NamesRolesAndCommentsAreRead) {
 
 TEST(Users, WhatIsNoUserIsRefusedWithItsLine) {
   const std::string name = "a name is 1 to 32 of a-z, 0-9, '.', '_', '-'";
-  const std::string hash = "the hash of 'anna' is none that `dts-gateway user add` makes";
+  const std::string hash = "the hash of 'anna' was not made by `dts-gateway user add`";
   const std::string weak = "$argon2id$v=19$m=1024,t=2,p=1" + kHash.substr(kHash.find("$c29"));
   for (const auto& [text, problem] :
        {std::pair("# one\n" + line_of("anna") + "anna\n", std::string("3: expected NAME:ROLE:HASH")),
@@ -44,9 +44,9 @@ TEST(Users, WhatIsNoUserIsRefusedWithItsLine) {
         {line_of(std::string(33, 'a')), "1: " + name},
         {line_of(std::string(32, 'a')), ""},
         {line_of("local2"), ""},
-        {line_of("anna") + line_of("local"), "2: 'local' is what those without a login are called: take another name"},
-        {line_of("anna", "none"), "1: the role of 'anna' is none of viewer, operator, engineer"},
-        {line_of("anna") + line_of("anna"), "2: 'anna' stands above already"},
+        {line_of("anna") + line_of("local"), "2: 'local' is the name of users without a login: choose another name"},
+        {line_of("anna", "none"), "1: the role of 'anna' is not viewer, operator or engineer"},
+        {line_of("anna") + line_of("anna"), "2: 'anna' appears twice"},
         {"anna:viewer:secret\n", "1: " + hash},
         {"anna:viewer:\n", "1: " + hash},
         {"anna:viewer:$2b$12$abcdefghijklmnopqrstuv\n", "1: " + hash},
@@ -90,7 +90,8 @@ TEST_F(UserFileTest, ThatOthersMayReadOrChange_IsRefused) {
     write(line_of("anna"), fs::perms(mode));
     EXPECT_EQ(read_users(file_).error(),
               (client::Error{client::ErrorCode::InvalidArgument,
-                             "'" + file_ + "': others may read it, or somebody but its owner may write it", "chmod 640 '" + file_ + "'"}))
+                             "'" + file_ + "': other users can read it, or users other than the owner can write it",
+                             "chmod 640 '" + file_ + "'"}))
         << mode;
   }
   for (const unsigned mode : {0640U, 0600U, 0400U}) {

@@ -82,7 +82,8 @@ TEST_F(ArchiveTest, ReportOfAChairSession_SaysThatThereIsNone) {
   const HttpResponse answer = get("report");
 
   EXPECT_EQ(answer.status, 404U);
-  EXPECT_EQ(json_of(answer), (nlohmann::json{{"what", "no report page for chair sessions yet"}, {"hint", "export CSV"}}));
+  EXPECT_EQ(json_of(answer),
+            (nlohmann::json{{"what", "no report for sessions of a chair yet"}, {"hint", "export the tables (CSV) instead"}}));
 }
 
 TEST_F(ArchiveTest, Recording_IsTheFileItself) {

@@ -147,11 +147,11 @@ TEST_F(HubTest, ACommandThatIsNotForItIsRefusedAndGoesNowhere) {
   nothing.mutable_request()->set_request_id("r1");
   std::string umlauts = "a";
   for (int count = 0; count < 40; ++count) umlauts += "\u00e4";  // two bytes each: byte 64 is the first half of one
-  const std::string unknown = "not a command that this version knows; reload the page";
+  const std::string unknown = "unknown command for this version of the gateway; reload the page";
   for (const auto& [message, role, id, says] :
        {std::tuple(start, v1::ROLE_VIEWER, std::string("r1"),
-                   std::string("this needs the role of an operator; log in as somebody who has it")),
-        {audit, v1::ROLE_OPERATOR, "r1", "this needs the role of an engineer; log in as somebody who has it"},
+                   std::string("this command requires the role operator; log in as a user with this role")),
+        {audit, v1::ROLE_OPERATOR, "r1", "this command requires the role engineer; log in as a user with this role"},
         {note, v1::ROLE_ENGINEER, "r1", unknown},
         {nothing, v1::ROLE_ENGINEER, "r1", unknown},
         {status_request(""), v1::ROLE_ENGINEER, "", unknown},
@@ -188,7 +188,7 @@ TEST_F(HubTest, WhatIsNoMessageOfTheProtocolEndsTheConnection) {
   mad_rate.mutable_subscribe()->set_frames_per_second(1e9);
   for (const auto& [bytes, reason] : {std::pair(std::string("\xff\xff\xff"), "not a message of dts.v1"),
                                       {"", "an empty message"},
-                                      {unsent_frame.SerializeAsString(), "painted a frame that was not sent"},
+                                      {unsent_frame.SerializeAsString(), "confirmed a frame that was not sent"},
                                       {mad_rate.SerializeAsString(), "too many or too long topics, or an impossible rate"}}) {
     const auto tab = open();
     connection_.closed_with.reset();
@@ -221,7 +221,7 @@ TEST_F(HubTest, ATabWhoseLoginHasEndedIsClosedByTheNextCommandOrStatus) {
   EXPECT_EQ(std::exchange(connection_.closed_with, std::nullopt), 4401U);
   say(*tab, status_request("r1"));
   EXPECT_EQ(connection_.closed_with, 4401U);
-  EXPECT_EQ(connection_.close_reason, "the login has ended");
+  EXPECT_EQ(connection_.close_reason, "the login has expired");
 }
 
 TEST_F(HubTest, AnAnswerForATabThatIsGoneIsForgotten) {

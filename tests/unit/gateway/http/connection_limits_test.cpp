@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "gateway/http/token_bucket.h"
-
 namespace dts::gateway {
 namespace {
 
@@ -99,22 +97,6 @@ TEST(CountedAs, AnAddressAsTextCountsAsTheAddress) {
   }
   EXPECT_EQ(counted_as(std::string("::ffff:192.0.2.7")), "192.0.2.7");
   EXPECT_EQ(counted_as(std::string("nonsense")), "nonsense");
-}
-
-TEST(TokenBucket, ABurstIsFourSecondsWorthAndSilenceSavesUpNoMore) {
-  TokenBucket bucket(10.0);
-  const TokenBucket::Time start{seconds(1000)};
-
-  int taken = 0;
-  while (bucket.take(start)) ++taken;
-
-  EXPECT_EQ(taken, 40);
-  EXPECT_FALSE(bucket.take(start + milliseconds(50)));
-  EXPECT_TRUE(bucket.take(start + milliseconds(150)));
-  EXPECT_FALSE(bucket.take(start + milliseconds(150)));
-  taken = 0;
-  while (bucket.take(start + seconds(3600))) ++taken;
-  EXPECT_EQ(taken, 40);
 }
 
 }  // namespace

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "session/sway_record.h"
-#include "session/trial_record.h"
+#include "dts/wire/event_json.h"
+#include "session/session_events.h"
+#include "support/event_text.h"
 #include "unit/lab/sway/sway_files.h"
 #include "unit/record/xdf_fixture.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
-using record::RecordedEvent;
 using session::TrialEvent;
 using session::TrialEventKind;
+using test::event_of;
 using ::testing::HasSubstr;
 
 constexpr std::uint64_t kScans = 4000;
@@ -21,14 +22,14 @@ double ap_mm(std::uint64_t scan) {
   return 4.0 * std::sin(0.023 * static_cast<double>(scan)) + std::cos(0.0071 * static_cast<double>(scan));
 }
 
-RecordedEvent step(TrialEventKind kind, std::uint32_t trial, const std::string& eyes, std::uint64_t scan) {
-  RecordedEvent event = to_record(TrialEvent{.kind = kind, .trial = trial, .condition = "eyes-" + eyes, .labels = {{"eyes", eyes}}});
-  event.scan = {scan};
+v1::Event step(TrialEventKind kind, std::uint32_t trial, const std::string& eyes, std::uint64_t scan) {
+  v1::Event event = to_event(TrialEvent{.kind = kind, .trial = trial, .condition = "eyes-" + eyes, .labels = {{"eyes", eyes}}}, "s1");
+  event.set_scan(scan);
   return event;
 }
 
 /// As dtsd tells it, with a wrong mean velocity if asked for.
-RecordedEvent told(std::uint32_t trial, const std::string& eyes, std::uint64_t first, std::uint64_t end, double wrong_by) {
+v1::Event told(std::uint32_t trial, const std::string& eyes, std::uint64_t first, std::uint64_t end, double wrong_by) {
   posturography::CopSeries series{.rate_hz = 100.0, .ml_mm = {}, .ap_mm = {}};
   for (std::uint64_t scan = first; scan < end; ++scan) {
     series.ml_mm.push_back(ml_mm(scan));
@@ -40,8 +41,8 @@ RecordedEvent told(std::uint32_t trial, const std::string& eyes, std::uint64_t f
   result.analysis = posturography::analyse(series, {.preparation = posturography::kReportPreparation}).value();
   const double velocity = result.analysis->measures.get(posturography::Measure::Mvelo).value_or(0.0);
   result.analysis->measures.set(posturography::Measure::Mvelo, velocity + wrong_by);
-  RecordedEvent event = to_record(result, "dtsd test");
-  event.scan = {end};
+  v1::Event event = to_event(result, "s1", "dtsd test");
+  event.set_scan(end);
   return event;
 }
 
@@ -58,14 +59,17 @@ class RecordedTrialsTest : public RunTest {
     std::vector<double> values;
     for (std::uint64_t scan = 0; scan < kScans; ++scan) values.insert(values.end(), {ml_mm(scan), ap_mm(scan)});
     const record::XdfWriter::Position start{.segment = 0, .first_scan = {0}};
-    const std::vector<RecordedEvent> all{{.event = "segment", .segment = 0, .scan = {0}},  step(TrialEventKind::Measure, 1, "open", 100),
-                                         step(TrialEventKind::Done, 1, "open", 1300),      told(1, "open", 100, 1300, 0.0),
-                                         step(TrialEventKind::Measure, 2, "closed", 1400), step(TrialEventKind::Done, 2, "closed", 2600),
-                                         told(2, "closed", 1400, 2600, wrong_by),          step(TrialEventKind::Measure, 3, "open", 2700),
-                                         step(TrialEventKind::Aborted, 3, "open", 3900)};
+    const std::vector<v1::Event> all{event_of("segment_start {}"),
+                                     step(TrialEventKind::Measure, 1, "open", 100),
+                                     step(TrialEventKind::Done, 1, "open", 1300),
+                                     told(1, "open", 100, 1300, 0.0),
+                                     step(TrialEventKind::Measure, 2, "closed", 1400),
+                                     step(TrialEventKind::Done, 2, "closed", 2600),
+                                     told(2, "closed", 1400, 2600, wrong_by),
+                                     step(TrialEventKind::Measure, 3, "open", 2700),
+                                     step(TrialEventKind::Aborted, 3, "open", 3900)};
     std::vector<std::pair<double, std::string>> texts;
-    for (const RecordedEvent& event : all)
-      texts.emplace_back(1000.0 + 0.01 * static_cast<double>(event.scan.value), record::to_json(event));
+    for (const v1::Event& event : all) texts.emplace_back(1000.0 + 0.01 * static_cast<double>(event.scan()), wire::to_json(event));
     EXPECT_TRUE(writer->write_texts(events, std::span(texts).first(1), start));
     EXPECT_TRUE(writer->write_samples(raw, 1000.0, std::vector<double>(kScans, 0.0), start));
     EXPECT_TRUE(writer->write_samples(cop, 1000.0, values, start));
@@ -107,23 +111,23 @@ TEST_F(RecordedTrialsTest, TrialThatAGapDivides_IsMeasuredInItsLongestStretch) {
   const auto raw = writer->add_stream(regular_stream("floor/raw", {"w1_v"}, rate_of(100)));
   const auto cop = writer->add_stream(regular_stream("floor/cop", {"ml_mm", "ap_mm"}, rate_of(100)));
   const auto events = writer->add_stream(events_stream());
-  const auto write = [&](std::uint32_t segment, std::uint64_t origin, std::uint64_t scans, std::vector<RecordedEvent> all) {
+  const auto write = [&](std::uint32_t segment, std::uint64_t origin, std::uint64_t scans, std::vector<v1::Event> all) {
     std::vector<double> values;
     for (std::uint64_t scan = origin; scan < origin + scans; ++scan) values.insert(values.end(), {ml_mm(scan), ap_mm(scan)});
     const double begin_s = 1000.0 + 0.01 * static_cast<double>(origin);
     std::vector<std::pair<double, std::string>> texts;
-    for (RecordedEvent& event : all) {
-      event.segment = segment;
-      texts.emplace_back(begin_s + 0.01 * static_cast<double>(event.scan.value), record::to_json(event));
+    for (v1::Event& event : all) {
+      event.set_segment(segment);
+      texts.emplace_back(begin_s + 0.01 * static_cast<double>(event.scan()), wire::to_json(event));
     }
     const record::XdfWriter::Position start{.segment = segment, .first_scan = {0}};
     EXPECT_TRUE(writer->write_texts(events, texts, start));
     EXPECT_TRUE(writer->write_samples(raw, begin_s, std::vector<double>(scans, 0.0), start));
     EXPECT_TRUE(writer->write_samples(cop, begin_s, values, start));
   };
-  write(0, 0, 300, {{.event = "segment"}, step(TrialEventKind::Measure, 1, "open", 100)});
-  write(1, 500, 2500, {{.event = "segment", .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{200}}}},
-                       step(TrialEventKind::Done, 1, "open", 2400)});
+  write(0, 0, 300, {event_of("segment_start {}"), step(TrialEventKind::Measure, 1, "open", 100)});
+  write(1, 500, 2500,
+        {event_of("segment_start { reason: GAP_REASON_OVERRUN missing_scans: 200 }"), step(TrialEventKind::Done, 1, "open", 2400)});
   ASSERT_TRUE(writer->close());
 
   ASSERT_EQ(run_with({"sway", path("divided.xdf"), "--json"}), cli::kOk) << talk();
@@ -134,7 +138,7 @@ TEST_F(RecordedTrialsTest, TrialThatAGapDivides_IsMeasuredInItsLongestStretch) {
 
 TEST_F(RecordedTrialsTest, ResultThatIsNotWhatIsComputed_ExitsWithOne) {
   EXPECT_EQ(run_with({"sway", recording(0.01)}), cli::kFailed) << talk();
-  EXPECT_THAT(out(), HasSubstr("2 results were recorded when they were told: 1 differ from what is computed here"));
+  EXPECT_THAT(out(), HasSubstr("2 live results in the recording: 1 differ from the recomputed values"));
 }
 
 TEST_F(RecordedTrialsTest, TwoTrialsOfOneRecording_MakeARombergTest) {
@@ -145,4 +149,4 @@ TEST_F(RecordedTrialsTest, TwoTrialsOfOneRecording_MakeARombergTest) {
 }
 
 }  // namespace
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -3,7 +3,7 @@
 #include "posturography/measure.h"
 #include "unit/lab/sway/sway_files.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using ::testing::HasSubstr;
@@ -95,7 +95,7 @@ TEST_F(SwayTest, BadFiles_ExitWithTwoAndPlace) {
                                    {head, ": has no rows"},
                                    {head + "0,1,2\n", ": a centre of pressure of 1 rows: at least two are needed"},
                                    {head + "0,1,2\n0.01,nan,2\n", ":3:6: x_mm: 'nan' is not a finite number"},
-                                   {head + "0,1,2\n0.01,1,2\n0.01,1,2\n", ":4:1: t_s does not rise"},
+                                   {head + "0,1,2\n0.01,1,2\n0.01,1,2\n", ":4:1: t_s does not increase"},
                                    {head + "0,1,2\n0.01,1\n", ":3:1: 2 cells, the header has 3"}}) {
     const std::string file = write("bad.csv", text);
     EXPECT_EQ(refusal_of({"sway", file, "--json"}), "bad.csv" + std::string(says) + "\n");
@@ -103,7 +103,7 @@ TEST_F(SwayTest, BadFiles_ExitWithTwoAndPlace) {
   }
   EXPECT_EQ(refusal_of({"sway", path("none.csv")}), "none.csv: no such file\n");
   EXPECT_EQ(run_with({"sway", write("bad.xdf", "this is no recording")}), cli::exit_status(core::ErrorCode::DataDamaged));
-  EXPECT_EQ(talk(), "dtslab: " + path("bad.xdf") + " is no XDF file\n  try: XDF files start with 'XDF:'\n");
+  EXPECT_EQ(talk(), "dtslab: " + path("bad.xdf") + " is not an XDF file\n  try: choose an XDF file: it starts with 'XDF:'\n");
 }
 
 TEST_F(SwayTest, OneBadFileOfMany_IsToldAndTheOthersGoOn) {
@@ -168,12 +168,14 @@ TEST_F(SwayTest, WrongUsage_SaysWhatIsMeant) {
         {{"--label", "=open"}, "dtslab: --label =open: is not NAME=VALUE\n  try: --label eyes=open\n"},
         {{"--label", "eyes="}, "dtslab: --label eyes=: is not NAME=VALUE\n  try: --label eyes=open\n"},
         {{"--label", longest + "x"}, "dtslab: --label " + longest + "x: is too long\n  try: at most 200 bytes\n"},
-        {{"--label", "MVELO=3"}, "dtslab: --label MVELO=3: tables have a column of that name\n  try: another name\n"},
+        {{"--label", "MVELO=3"}, "dtslab: --label MVELO=3: tables already have a column with this name\n  try: choose another name\n"},
         {{"--label", "eyes=o\x1fn"}, "dtslab: --label eyes=o n: has control characters\n  try: letters and digits\n"},
-        {{"--label", "eyes=open,closed"}, "dtslab: --label eyes=open,closed: 2 values for 1 files\n  try: one value, or one for each\n"},
+        {{"--label", "eyes=open,closed"},
+         "dtslab: --label eyes=open,closed: 2 values for 1 files\n  try: give one value, or one value per file\n"},
         {{"--rate", "nan"}, "dtslab: sway: --rate: 'nan' is not a number of hertz from 10 to 100000\n  try: dtslab sway --help\n"},
         {{"--compare"},
-         "dtslab: --compare is about two measured trials; there are 1\n  try: two files, or two trials of a recording: --trials 1,2\n"},
+         "dtslab: --compare needs exactly two measured trials, not 1\n  try: give two files, or select two trials of a recording: --trials "
+         "1,2\n"},
         {{"--table", file}, "dtslab: circle.csv is the input file circle.csv\n  try: write to another file\n"}}) {
     std::vector<std::string> all{"sway", file};
     all.insert(all.end(), words.begin(), words.end());
@@ -200,4 +202,4 @@ TEST_F(SwayTest, RealRecording_HasThePublishedFigures) {
 }
 
 }  // namespace
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -3,7 +3,7 @@
 
 #include "unit/lab/sway/sway_files.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using ::testing::HasSubstr;
@@ -71,4 +71,4 @@ TEST(SwayComparison, PercentOfZeroIsNotDefined) {
 }
 
 }  // namespace
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -9,7 +9,7 @@
 
 #include "unit/lab/run_fixture.h"
 
-namespace dts::lab::steadiness::made {
+namespace dts::lab::sway::made {
 
 /// A CSV of 100 Hz with `count` rows of what the two functions say at a time in s, to the last digit.
 inline std::string csv(int count, const std::function<double(double)>& ml_mm, const std::function<double(double)>& ap_mm) {
@@ -41,4 +41,4 @@ inline std::string swaying(int count, double size_mm, double seed) {
       count, [=](double t_s) { return wave(t_s, seed); }, [=](double t_s) { return 1.6 * wave(t_s, seed + 0.5); });
 }
 
-}  // namespace dts::lab::steadiness::made
+}  // namespace dts::lab::sway::made

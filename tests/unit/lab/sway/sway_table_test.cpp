@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "lab/sway/sway_table.h"
 
-#include "lab/csv.h"
+#include "lab/base/csv.h"
+#include "lab/steadiness/steadiness_rows.h"
 #include "lab/sway/measure_file.h"
-#include "lab/sway/steadiness_rows.h"
 #include "unit/lab/sway/sway_files.h"
 
-namespace dts::lab::steadiness {
+namespace dts::lab::sway {
 namespace {
 
 using posturography::Measure;
@@ -30,7 +30,7 @@ TEST(SwayTable, Text_IsReadBackDigitForDigit) {
   std::ofstream(file) << table_text(std::vector{first, second});
 
   files::Problems problems;
-  const auto rows = read_rows(file, "eyes", problems);
+  const auto rows = steadiness::read_rows(file, "eyes", problems);
   const auto labels = CsvTable::read(file, {{.name = "label_MVELO", .is_text = true}}, problems).texts("label_MVELO");
   std::filesystem::remove(file);
 
@@ -58,7 +58,7 @@ TEST(SwayTable, NamesThatASpreadsheetWouldCompute_AreTextThereAndThemselvesHere)
   std::ofstream(file) << text;
 
   files::Problems problems;
-  const auto rows = read_rows(file, "@eyes", problems);
+  const auto rows = steadiness::read_rows(file, "@eyes", problems);
   std::filesystem::remove(file);
 
   EXPECT_THAT(text, ::testing::HasSubstr("condition,'@eyes,profile"));
@@ -83,12 +83,13 @@ TEST(SwayTable, TrialWithoutAnalysis_HasEmptyCells) {
 }
 
 TEST(SwayTable, Differences_AreNamed) {
-  std::vector<SteadinessRow> rows(2);
-  for (SteadinessRow& row : rows) row = {.profile = "lp10", .rate_hz = 100.0, .duration_s = 30.0};
-  EXPECT_TRUE(differences_of(rows).empty());
+  std::vector<steadiness::SteadinessRow> rows(2);
+  for (steadiness::SteadinessRow& row : rows) row = {.profile = "lp10", .rate_hz = 100.0, .duration_s = 30.0};
+  EXPECT_TRUE(steadiness::differences_of(rows).empty());
 
   rows[1] = {.profile = "asis", .rate_hz = 1000.0, .duration_s = 60.0};
-  EXPECT_THAT(differences_of(rows), ::testing::ElementsAre("profiles asis, lp10", "duration from 30 to 60 s", "rate from 100 to 1000 Hz"));
+  EXPECT_THAT(steadiness::differences_of(rows),
+              ::testing::ElementsAre("profiles asis, lp10", "duration from 30 to 60 s", "rate from 100 to 1000 Hz"));
 }
 
 TEST(SameAnalysis, DiffersByValueAndPresence) {
@@ -107,4 +108,4 @@ TEST(SameAnalysis, DiffersByValueAndPresence) {
 }
 
 }  // namespace
-}  // namespace dts::lab::steadiness
+}  // namespace dts::lab::sway

@@ -9,7 +9,7 @@
 #include <string>
 #include <utility>
 
-#include "lab/csv.h"
+#include "lab/base/csv.h"
 #include "lab/training/gather.h"
 #include "lab/training/model_training.h"
 #include "lab/training/simulated_people.h"

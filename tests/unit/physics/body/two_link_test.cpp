@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "physics/body/reach_motion.h"
+#include "sim/reach_motion.h"
 #include "unit/physics/body/reference_rows.h"
 
 namespace dts::physics {
@@ -19,10 +19,10 @@ BodySegments volunteer_a() { return body_segments(68.0, 175.0); }
 
 /// There and back between upright with the hand on the thigh and `flexion_deg` with a horizontal arm.
 JointMotion reach(double time_s, double phase_s, double flexion_deg) {
-  const Travel part = there_and_back(time_s, phase_s);
-  const Travel theta1 = Travel{.position = 90.0 * kDegree} + -flexion_deg * kDegree * part;
-  const Travel arm = Travel{.position = -50.0 * kDegree} + 50.0 * kDegree * part;
-  const Travel theta2 = arm + -1.0 * theta1;
+  const sim::Travel part = sim::there_and_back(time_s, phase_s);
+  const sim::Travel theta1 = sim::Travel{.position = 90.0 * kDegree} + -flexion_deg * kDegree * part;
+  const sim::Travel arm = sim::Travel{.position = -50.0 * kDegree} + 50.0 * kDegree * part;
+  const sim::Travel theta2 = arm + -1.0 * theta1;
   return {theta1.position, theta2.position, theta1.rate, theta2.rate, theta1.acceleration, theta2.acceleration};
 }
 

@@ -212,7 +212,7 @@ TEST(CopEstimatorFit, PositionsThatDetermineNothing_AreRefusedWithTheirNumber) {
   expect_refused(CopMethod::Thesis, linear_samples(no_middle), "mid-line along y has 4 positions");
   expect_refused(CopMethod::Thesis, linear_samples(test::sensor_square(4)), "mid-line along x has 0 positions");
   expect_refused(CopMethod::Poly3, std::vector<CopSample>(10'001), "10001 samples, at most 10000");
-  expect_refused(CopMethod::Model, linear_samples(test::sensor_square(7)), "model has nothing to fit");
+  expect_refused(CopMethod::Model, linear_samples(test::sensor_square(7)), "model has no coefficients to fit");
 }
 
 TEST(CopEstimatorFit, SwappedSensors_AreRefusedWithAHint) {

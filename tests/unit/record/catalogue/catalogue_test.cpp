@@ -52,16 +52,17 @@ TEST_F(CatalogueSessions, NoSubjectNoProtocol_IsEnteredToo) {
 TEST_F(CatalogueSessions, BadFacts_AreRefusedWithTheirReason) {
   auto huge = facts();
   huge.protocol_definition = std::string(5U << 20U, 'x');
-  for (const auto& [session, expected] : {std::pair{facts(""), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
-                                          {facts("a/b"), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
-                                          {facts("../x"), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
-                                          {facts("a b"), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
-                                          {facts("\xc3\xa4"), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
-                                          {facts(std::string(128, 'x')), ""},
-                                          {facts(std::string(129, 'x')), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
-                                          {facts("s", 0), "session s names no rig, or part 0"},
-                                          {SessionFacts{.session_id = "s"}, "session s names no rig, or part 0"},
-                                          {huge, "value 3 or one before it is too large for the catalogue"}}) {
+  for (const auto& [session, expected] :
+       {std::pair<SessionFacts, std::string>{facts(""), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
+        {facts("a/b"), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
+        {facts("../x"), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
+        {facts("a b"), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
+        {facts("\xc3\xa4"), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
+        {facts(std::string(128, 'x')), ""},
+        {facts(std::string(129, 'x')), "a session's id is not 1 to 128 letters, digits, '_', '.' or '-'"},
+        {facts("s", 0), "session s names no rig, or part 0"},
+        {SessionFacts{.session_id = "s"}, "session s names no rig, or part 0"},
+        {huge, "the catalogue (" + path() + "): value 3 is too large"}}) {
     EXPECT_EQ(what(catalogue().begin_part(session, "f")), expected);
   }
   EXPECT_THAT(ids({}), ElementsAre(std::string(128, 'x')));
@@ -118,7 +119,7 @@ TEST_F(CatalogueSessions, WrongCalls_AreRefusedAndChangeNothing) {
   EXPECT_EQ(what(catalogue().update_part({.session_id = "s1", .part = 2})), "no part 2 of session s1");
   EXPECT_EQ(what(catalogue().update_part({.session_id = "s2"})), "no part 1 of session s2");
   EXPECT_EQ(what(catalogue().update_part({.session_id = "s1", .scans = std::numeric_limits<std::uint64_t>::max()})),
-            "value 11 or one before it is too large for the catalogue");
+            "the catalogue (" + path() + "): value 5 is too large");
   EXPECT_EQ(what(catalogue().update_part({.session_id = "s1", .duration_s = std::nan("")})),
             "duration or loss of a recording is no number");
   EXPECT_FALSE(catalogue().update_part({.session_id = "s1", .state = static_cast<PartState>(77)}));

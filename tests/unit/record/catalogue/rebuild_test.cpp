@@ -4,9 +4,11 @@
 
 #include <fstream>
 
+#include "dts/wire/event_json.h"
 #include "record/recording.h"
 #include "record/xdf/recovery.h"
 #include "record/xdf/xdf_writer.h"
+#include "support/event_text.h"
 #include "unit/record/catalogue/catalogue_fixture.h"
 
 namespace dts::record {
@@ -35,25 +37,22 @@ class CatalogueRebuild : public catalogue_test::CatalogueFixture {
     const auto raw = xdf.add_stream({.name = "floor/raw", .content = "DTS", .rate = rate, .channels = {{.label = "w1_v", .unit = "V"}}});
     const auto events =
         xdf.add_stream({.name = "floor/events", .content = "Markers", .value_type = ValueType::Text, .channels = {{.label = "event"}}});
-    const auto tell = [&](double time_s, const RecordedEvent& event) {
-      const std::vector<std::pair<double, std::string>> texts{{time_s, to_json(event)}};
-      ASSERT_TRUE(xdf.write_texts(events, texts, {.segment = event.segment, .first_scan = event.scan}));
+    const auto tell = [&](double time_s, const std::string& text) {
+      const v1::Event event = test::event_of(text);
+      const std::vector<std::pair<double, std::string>> texts{{time_s, wire::to_json(event)}};
+      ASSERT_TRUE(xdf.write_texts(events, texts, {.segment = event.segment(), .first_scan = {event.scan()}}));
     };
-    const auto step = [&](const char* phase, std::int64_t trial, std::uint64_t scan) {
-      tell(1000.0 + static_cast<double>(scan) / 100.0, {.event = "trial",
-                                                        .scan = {scan},
-                                                        .values = {{"phase", phase},
-                                                                   {"trial", trial},
-                                                                   {"attempt", std::int64_t{1}},
-                                                                   {"block", std::int64_t{1}},
-                                                                   {"condition", std::string("a")}}});
+    const auto step = [&](const std::string& step_of_trial, int trial, int scan) {
+      tell(1000.0 + static_cast<double>(scan) / 100.0, "scan: " + std::to_string(scan) + " trial { step: TRIAL_EVENT_KIND_" +
+                                                           step_of_trial + " trial: " + std::to_string(trial) +
+                                                           " attempt: 1 block: 1 condition: 'a' }");
     };
-    tell(1000.0, {.event = "segment"});
+    tell(1000.0, "segment_start {}");
     ASSERT_TRUE(xdf.write_samples(raw, 1000.0, std::vector<double>(200, 1.5), {}));
-    step("measure", 1, 20);
-    step("done", 1, 80);
-    step("measure", 2, 120);
-    tell(1006.0, {.event = "segment", .segment = 1, .values = {{"reason", std::string("overrun")}, {"missing_scans", std::int64_t{400}}}});
+    step("MEASURE", 1, 20);
+    step("DONE", 1, 80);
+    step("MEASURE", 2, 120);
+    tell(1006.0, "segment: 1 segment_start { reason: GAP_REASON_OVERRUN missing_scans: 400 }");
     ASSERT_TRUE(xdf.write_samples(raw, 1006.0, std::vector<double>(100, 1.5), {.segment = 1}));
     const bool is_closed = end == End::Closed ? xdf.close().has_value() : end == End::Incomplete && xdf.close_incomplete("disk full");
     ASSERT_EQ(is_closed, end != End::Abandoned);
@@ -119,23 +118,23 @@ TEST_F(CatalogueRebuild, EachWayOfEnding_IsEnteredWithAllThatTheFileSays) {
       "  part 1 sessions/incomplete.xdf incomplete 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s: disk full\n"
       "  trial 1.1.1 a done 0:20 to 0:80\n"
       "  trial 1.2.1 a aborted 0:120 to 1:99\n"
-      "s3 floor free P017 interrupted from 1699999999999999998 to 1700000006999999998: it was not closed: the daemon or the power ended "
-      "while it was written\n"
+      "s3 floor free P017 interrupted from 1699999999999999998 to 1700000006999999998: it was not closed: the daemon or the power failed "
+      "during the recording\n"
       "  part 1 sessions/abandoned.xdf.part interrupted 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s: it was "
-      "not closed: the daemon or the power ended while it was written\n"
+      "not closed: the daemon or the power failed during the recording\n"
       "  trial 1.1.1 a done 0:20 to 0:80\n"
       "  trial 1.2.1 a aborted 0:120 to 1:99\n"
-      "s4 floor free P017 interrupted from 1699999999999999997 to 1700000006999999997: /sessions/torn.xdf.part: chunk of 1852993396 bytes, "
-      "at most 64 MiB are read, at byte 4727\n"
+      "s4 floor free P017 interrupted from 1699999999999999997 to 1700000006999999997: /sessions/torn.xdf.part: chunk of 1852993396 bytes "
+      "(at most 64 MiB are allowed) at byte 4727\n"
       "  part 1 sessions/torn.xdf.part interrupted 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s: "
-      "/sessions/torn.xdf.part: chunk of 1852993396 bytes, at most 64 MiB are read, at byte 4727\n"
+      "/sessions/torn.xdf.part: chunk of 1852993396 bytes (at most 64 MiB are allowed) at byte 4727\n"
       "  trial 1.1.1 a done 0:20 to 0:80\n"
       "  trial 1.2.1 a aborted 0:120 to 1:99\n"
-      "s5 floor free P017 incomplete from 1699999999999999996 to 1699999999999999996: it holds no scan\n"
-      "  part 1 sessions/empty.xdf incomplete 0 scans 0 s, 0 valid, lost {} 0 s: it holds no scan\n"
+      "s5 floor free P017 incomplete from 1699999999999999996 to 1699999999999999996: it contains no scan\n"
+      "  part 1 sessions/empty.xdf incomplete 0 scans 0 s, 0 valid, lost {} 0 s: it contains no scan\n"
       "s6 floor free P017 incomplete from 1699999999999999995 to 1700000006999999995: /sessions/rotten.xdf: chunk torn at byte 4915\n"
       "  part 1 sessions/rotten.xdf incomplete 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s: "
-      "/sessions/rotten.xdf: chunk torn at byte 4915\n"
+      "/sessions/rotten.xdf: chunk torn at byte 4899\n"
       "  trial 1.1.1 a done 0:20 to 0:80\n"
       "  trial 1.2.1 a aborted 0:120 to 1:99\n"
       "s7 floor free P017 interrupted from 1699999999999999994 to 1700000006999999994: no footer\n"
@@ -207,7 +206,7 @@ TEST_F(CatalogueRebuild, RepairedCopyOfAKnownInterruptedOne_TakesItsPlaceOnceItI
   EXPECT_EQ(rebuilt(), "1 found again ");
   EXPECT_EQ(
       sessions_text(),
-      "s1 floor free P017 interrupted from 1000 to 7000001000: it was not closed: the daemon or the power ended while it was written\n"
+      "s1 floor free P017 interrupted from 1000 to 7000001000: it was not closed: the daemon or the power failed during the recording\n"
       "  part 1 sessions/a.recovered.xdf recovered 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0.75 s: no "
       "footer\n"
       "  trial 1.1.1 a done 0:20 to 0:80\n"
@@ -224,8 +223,9 @@ TEST_F(CatalogueRebuild, FileGoneMovedOrCopied_IsStillTheSamePart) {
   EXPECT_EQ(rebuilt(), "1 missing ");
   EXPECT_EQ(rebuilt(), "1 missing ") << "still";
   std::string missing = before;
-  EXPECT_EQ(sessions_text(),
-            missing.replace(missing.find("xdf complete") + 4, 8, "missing").replace(missing.find(" 0 s\n") + 4, 0, ": the file is gone"));
+  EXPECT_EQ(
+      sessions_text(),
+      missing.replace(missing.find("xdf complete") + 4, 8, "missing").replace(missing.find(" 0 s\n") + 4, 0, ": the file is missing"));
   std::filesystem::rename(path("elsewhere"), file("a.xdf"));
   EXPECT_EQ(rebuilt(), "1 found again ");
   EXPECT_EQ(sessions_text(), before);
@@ -252,7 +252,7 @@ TEST_F(CatalogueRebuild, SeveralParts_MakeOneSessionThatEndedAsItsNewest) {
             "  trial 2.2.1 a aborted 0:120 to 1:99\n"
             "s2 floor free P017 running from 1000 to 0\n"
             "  part 1 sessions/b.xdf complete 300 scans 7 s, 1 valid, lost {\"overrun\":{\"gaps\":1,\"scans\":400}} 0 s\n"
-            "  part 2 now missing 0 scans 0 s, 0 valid, lost unknown 0 s: the file is gone\n"
+            "  part 2 now missing 0 scans 0 s, 0 valid, lost unknown 0 s: the file is missing\n"
             "  trial 1.1.1 a done 0:20 to 0:80\n"
             "  trial 1.2.1 a aborted 0:120 to 1:99\n");
 }
@@ -272,12 +272,12 @@ TEST_F(CatalogueRebuild, WhatIsNoRecordingOfOursOrHostile_IsToldAndLeftOut) {
   record("g.xdf", other);
   EXPECT_EQ(rebuilt(),
             "1 added \n"
-            "/sessions/a.xdf: /sessions/a.xdf is no XDF file\n"
-            "/sessions/c.xdf: it is no recording of dtsd\n"
+            "/sessions/a.xdf: /sessions/a.xdf is not an XDF file\n"
+            "/sessions/c.xdf: it is not a recording of dtsd\n"
             "/sessions/d.xdf: a session's id is not 1 to 128 letters, digits, '_', '.' or '-'\n"
             "/sessions/e.xdf: session s2 names no rig, or part 0\n"
             "/sessions/g.xdf: session s3 is known with another rig, protocol or subject\n"
-            "/sessions/b.xdf.part: /sessions/b.xdf.part is no XDF file");
+            "/sessions/b.xdf.part: /sessions/b.xdf.part is not an XDF file");
   EXPECT_EQ(catalogue().parts()->size(), 1U);
 }
 

@@ -4,17 +4,24 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
+#include <algorithm>
+
+#include "dts/wire/event_json.h"
+#include "support/event_text.h"
 
 namespace dts::record {
 namespace {
 
 using testing::ElementsAre;
 
-TimedEvent event(const std::string& phase, std::int64_t trial, std::int64_t attempt, std::uint64_t scan, std::uint32_t segment = 0) {
-  RecordedEvent told{.event = "trial", .segment = segment, .scan = {scan}};
-  told.values = {{"phase", phase}, {"trial", trial}, {"attempt", attempt}, {"block", std::int64_t{2}}, {"condition", std::string("120")}};
-  return {.event = told};
+using test::event_of;
+
+TimedEvent event(const std::string& step, std::uint32_t trial, std::uint32_t attempt, std::uint64_t scan, std::uint32_t segment = 0) {
+  std::string name = step;
+  std::ranges::transform(name, name.begin(), [](char letter) { return static_cast<char>(letter - 'a' + 'A'); });
+  return {.event = event_of("segment: " + std::to_string(segment) + " scan: " + std::to_string(scan) + " trial { step: TRIAL_EVENT_KIND_" +
+                            name + " trial: " + std::to_string(trial) + " attempt: " + std::to_string(attempt) +
+                            " block: 2 condition: '120' }")};
 }
 RecordedScans scans(std::size_t stream, std::uint32_t segment, std::uint64_t first_scan, std::size_t count) {
   return {.stream = stream, .segment = segment, .first_scan = {first_scan}, .count = count};
@@ -34,7 +41,7 @@ std::vector<std::string> collected(const std::vector<RecordedItem>& items) {
 }
 
 TEST(TrialCollector, NoTrials_HasNoRows) {
-  EXPECT_THAT(collected({scans(0, 0, 0, 10), TimedEvent{.event = {.event = "marker"}}}), ElementsAre());
+  EXPECT_THAT(collected({scans(0, 0, 0, 10), TimedEvent{.event = event_of("marker {}")}}), ElementsAre());
 }
 
 TEST(TrialCollector, Done_CountsFromMeasure) {
@@ -80,33 +87,27 @@ TEST(TrialCollector, StartOfATrialThatIsOver_DoesNotMoveIt) {
 }
 
 TEST(TrialCollector, NonsenseOfAStranger_IsPassedOver) {
-  TimedEvent texts = event("ready", 1, 1, 0);
-  texts.event.values[1].second = std::string("1");
-  EXPECT_THAT(collected({event("ready", 0, 1, 1), event("ready", -5, 1, 1), event("ready", 1, 0, 1), event("ready", 1LL << 40, 1, 1),
-                         event("dance", 1, 1, 1), texts, TimedEvent{.event = {.event = "trial"}}}),
+  EXPECT_THAT(collected({event("ready", 0, 1, 1), event("ready", 1, 0, 1), event("ready", 4'000'000'000, 1, 1),
+                         TimedEvent{.event = event_of("trial { step: 99 trial: 1 attempt: 1 }")}, TimedEvent{.event = event_of("trial {}")},
+                         TimedEvent{}}),
               ElementsAre());
 }
 
 TEST(TrialCollector, ResultAndFigures_AreKeptAsTold) {
   TrialCollector trials(0);
-  RecordedEvent result{.event = "result", .scan = {120}};
-  result.values = {{"trial", std::int64_t{1}}, {"attempt", std::int64_t{1}}, {"class", std::int64_t{2}}};
-  RecordedEvent stray = result;
-  stray.values[0].second = std::int64_t{9};
-  RecordedEvent figure{.event = "figure", .scan = {130}};
-  figure.values = {{"name", std::string("rejected_share")}, {"value", 0.25}, {"unit", std::string("1")}, {"details", std::string()}};
-  RecordedEvent undefined = figure;
-  undefined.values[0].second = std::string("other");
-  undefined.values[1].second = std::numeric_limits<double>::quiet_NaN();
-  RecordedEvent nameless = figure;
-  nameless.values[0].second = std::string();
+  const v1::Event result = event_of("scan: 120 trial_result { trial: 1 attempt: 1 movement { trunk_class: 2 } }");
+  const v1::Event stray = event_of("scan: 120 trial_result { trial: 9 attempt: 1 }");
+  const v1::Event running = event_of("scan: 125 sway { trial: 1 attempt: 1 is_preliminary: true }");
+  const v1::Event figure = event_of("scan: 130 figure { name: 'rejected_share' value: 0.25 unit: '1' }");
+  const v1::Event undefined = event_of("scan: 130 figure { name: 'other' value: nan }");
+  const v1::Event nameless = event_of("scan: 130 figure { value: 1 }");
 
   trials.take(event("measure", 1, 1, 20));
   trials.take(event("done", 1, 1, 99));
-  for (const RecordedEvent& told : {result, stray, figure, undefined, nameless}) trials.take(TimedEvent{.event = told});
+  for (const v1::Event& told : {result, stray, running, figure, undefined, nameless}) trials.take(TimedEvent{.event = told});
 
   ASSERT_EQ(trials.rows().size(), 1U);
-  EXPECT_EQ(trials.rows()[0].result, to_json(result));
+  EXPECT_EQ(trials.rows()[0].result, wire::to_json(result));
   ASSERT_EQ(trials.figures().size(), 1U);
   EXPECT_EQ(trials.figures()[0].name, "rejected_share");
   EXPECT_EQ(trials.figures()[0].value, 0.25);

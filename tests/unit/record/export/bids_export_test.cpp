@@ -93,15 +93,15 @@ TEST_F(BidsExportTest, Sidecar_HasTheRequiredFieldsAndCountsOfEveryType) {
 
 TEST_F(BidsExportTest, Events_HaveOnsetDurationAndType) {
   recording_.items.emplace_back(
-      TimedEvent{.time_s = 8123.261,
-                 .event = {.event = "trial", .scan = {1}, .values = {{"phase", std::string("go")}, {"condition", std::string("120\t%")}}}});
+      TimedEvent{.time_s = 8123.261, .event = test::event_of("scan: 1 trial { step: TRIAL_EVENT_KIND_GO condition: '120\\t%' }")});
   ASSERT_TRUE(run().has_value());
 
-  EXPECT_THAT(lines(kStem + "floorcop_events.tsv"), ElementsAre("onset\tduration\ttrial_type\tvalue\tcondition\tsegment\tscan\tdetails",
-                                                                "0.000000\tn/a\tsegment\tn/a\tn/a\t0\t0\t{\"host_time_ns\":8123251000000}",
-                                                                "0.020000\t0\tmarker\teyes \"closed\", now\tn/a\t0\t2\tn/a",
-                                                                "1.050000\tn/a\tsegment\tunplugged\tn/a\t1\t0\t{\"missing_scans\":100}",
-                                                                "0.010000\tn/a\ttrial\tgo\t120 %\t0\t1\t{\"condition\":\"120\\t%\"}"));
+  EXPECT_THAT(lines(kStem + "floorcop_events.tsv"),
+              ElementsAre("onset\tduration\ttrial_type\tvalue\tcondition\tsegment\tscan\tdetails",
+                          "0.000000\tn/a\tsegment\tn/a\tn/a\t0\t0\t{\"host_time_ns\":\"8123251000000\"}",
+                          "0.020000\t0\tmarker\teyes \"closed\", now\tn/a\t0\t2\tn/a",
+                          "1.050000\tn/a\tsegment\tunplugged\tn/a\t1\t0\t{\"missing_scans\":\"100\"}",
+                          "0.010000\tn/a\ttrial\tgo\t120 %\t0\t1\t{\"condition\":\"120\\t%\"}"));
 }
 
 TEST_F(BidsExportTest, Scans_SayWhenTheRecordingBegan) {
@@ -147,8 +147,8 @@ TEST_F(BidsExportTest, TheSameAgain_WrongStateAndTheDatasetStaysAsItWas) {
 
   EXPECT_EQ(refusal(run()),
             "'/out/sub-P017/ses-20261121T144525Zfloor1/motion/"
-            "sub-P017_ses-20261121T144525Zfloor1_task-quietstanding_tracksys-floorraw_motion.tsv' exists already, and nothing is "
-            "overwritten (choose another folder, or move it away)");
+            "sub-P017_ses-20261121T144525Zfloor1_task-quietstanding_tracksys-floorraw_motion.tsv' exists already: an export never "
+            "overwrites a file (choose another folder, or move it away)");
   EXPECT_EQ(files(), before);
   EXPECT_EQ(lines("participants.tsv").size(), 2U);
 }
@@ -159,8 +159,8 @@ TEST_F(BidsExportTest, PseudonymsThatBecomeOneLabel_AreToldNotMixed) {
   recording_.facts->session_id = "another";
 
   EXPECT_EQ(refusal(run()),
-            "another pseudonym of this dataset is sub-P017 too: BIDS leaves only letters and digits, and many disks do not tell upper from "
-            "lower case (export into a new folder)");
+            "another subject ID of this data set becomes sub-P017 too: BIDS allows only letters and digits, and many disks ignore the "
+            "difference of upper and lower case (export into a new folder)");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "sub-P017/ses-another"));
 }
 
@@ -171,18 +171,18 @@ TEST_F(BidsExportTest, SubjectsThatDifferOnlyInCase_AreToldNotMixed) {
   recording_.facts->session_id = "another";
 
   EXPECT_EQ(refusal(run()),
-            "another pseudonym of this dataset is sub-p1 too: BIDS leaves only letters and digits, and many disks do not tell upper from "
-            "lower case (export into a new folder)");
+            "another subject ID of this data set becomes sub-p1 too: BIDS allows only letters and digits, and many disks ignore the "
+            "difference of upper and lower case (export into a new folder)");
   EXPECT_FALSE(std::filesystem::exists(folder_ / "sub-p1"));
 }
 
 TEST_F(BidsExportTest, FolderOfSomethingElse_IsLeftAlone) {
   write("holiday.txt", "mine");
-  EXPECT_EQ(refusal(run()), "'/out' holds something that is no BIDS dataset (choose a new folder, or an empty one)");
+  EXPECT_EQ(refusal(run()), "'/out' contains files that are not a BIDS data set (choose a new folder, or an empty one)");
   EXPECT_THAT(files(), ElementsAre("holiday.txt"));
 
   write("dataset_description.json", R"({"Name": "of somebody else", "BIDSVersion": "1.9.0"})");
-  EXPECT_EQ(refusal(run()), "'/out/dataset_description.json' is of a dataset that is not ours (choose another folder)");
+  EXPECT_EQ(refusal(run()), "'/out/dataset_description.json' belongs to a data set that dtsd did not write (choose another folder)");
   EXPECT_THAT(files(), ElementsAre("dataset_description.json", "holiday.txt"));
 }
 
@@ -204,7 +204,7 @@ TEST_F(BidsExportTest, NoSubjectAndForeignFile_HaveLabelsAllTheSame) {
 TEST_F(BidsExportTest, RecordingWithoutScans_SaysSo) {
   recording_.items.resize(1);
 
-  EXPECT_EQ(refusal(run()), "the recording has no scans: there is nothing that BIDS could hold (export it as CSV)");
+  EXPECT_EQ(refusal(run()), "the recording has no scans: BIDS needs scans (export it as CSV)");
   EXPECT_FALSE(std::filesystem::exists(folder_));
 }
 

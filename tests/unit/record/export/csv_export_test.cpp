@@ -79,9 +79,9 @@ TEST_F(CsvExportTest, Session_OneFilePerStreamAndTheEvents) {
             "1.06,1,1,8\n");
   EXPECT_EQ(text("20261121T144525Z-floor-1_events.csv"),
             "t_s,segment,scan,event,text,details\n"
-            "0,0,0,segment,,\"{\"\"host_time_ns\"\":8123251000000}\"\n"
+            "0,0,0,segment,,\"{\"\"host_time_ns\"\":\"\"8123251000000\"\"}\"\n"
             "0.02,0,2,marker,\"eyes \"\"closed\"\", now\",\n"
-            "1.05,1,0,segment,unplugged,\"{\"\"missing_scans\"\":100}\"\n")
+            "1.05,1,0,segment,unplugged,\"{\"\"missing_scans\"\":\"\"100\"\"}\"\n")
       << "text and details are quoted as CSV asks for";
 }
 
@@ -103,15 +103,13 @@ TEST_F(CsvExportTest, RecordingDocument_SaysWhatIsMissingAndWhatWasAskedAboutThe
 }
 
 TEST_F(CsvExportTest, Trials_HaveATableOfTheirOwn) {
-  const auto step = [](const std::string& phase, std::int64_t trial, std::uint32_t segment, std::uint64_t scan) {
+  const auto step = [](const std::string& position, const std::string& step_of_trial) {
     return TimedEvent{
         .time_s = 0.0,
-        .event = {.event = "trial",
-                  .segment = segment,
-                  .scan = {scan},
-                  .values = {{"phase", phase}, {"trial", trial}, {"attempt", std::int64_t{1}}, {"condition", std::string("=eyes")}}}};
+        .event = test::event_of(position + " trial { step: TRIAL_EVENT_KIND_" + step_of_trial + " attempt: 1 condition: '=eyes' }")};
   };
-  for (const TimedEvent& event : {step("measure", 1, 0, 1), step("done", 1, 0, 3), step("measure", 2, 1, 0)})
+  for (const TimedEvent& event :
+       {step("scan: 1", "MEASURE trial: 1"), step("scan: 3", "DONE trial: 1"), step("segment: 1", "MEASURE trial: 2")})
     recording_.items.emplace_back(event);
   ASSERT_TRUE(run().has_value());
 
@@ -224,9 +222,9 @@ TEST_F(CsvExportTest, ForeignRecordingWithEqualStreamNames_NothingIsLost) {
 TEST_F(CsvExportTest, FileThatExists_WrongStateAndNothingIsTouched) {
   write("20261121T144525Z-floor-1_events.csv", "mine");
 
-  EXPECT_EQ(
-      refusal(run()),
-      "'/out/20261121T144525Z-floor-1_events.csv' exists already, and nothing is overwritten (choose another folder, or move it away)");
+  EXPECT_EQ(refusal(run()),
+            "'/out/20261121T144525Z-floor-1_events.csv' exists already: an export never overwrites a file (choose another folder, or move "
+            "it away)");
   EXPECT_THAT(files(), ElementsAre("20261121T144525Z-floor-1_events.csv"));
   EXPECT_EQ(text("20261121T144525Z-floor-1_events.csv"), "mine");
 }
@@ -237,8 +235,9 @@ TEST_F(CsvExportTest, FileThatAppearsMeanwhile_IsNotOverwritten) {
     return true;
   };
 
-  EXPECT_EQ(refusal(run(intrude)),
-            "'/out/20261121T144525Z-floor-1_raw.csv' exists already, and nothing is overwritten (choose another folder, or move it away)");
+  EXPECT_EQ(
+      refusal(run(intrude)),
+      "'/out/20261121T144525Z-floor-1_raw.csv' exists already: an export never overwrites a file (choose another folder, or move it away)");
   EXPECT_EQ(text("20261121T144525Z-floor-1_raw.csv"), "mine");
   EXPECT_THAT(files(), ElementsAre("20261121T144525Z-floor-1_raw.csv"));
 }
@@ -267,8 +266,8 @@ TEST_F(CsvExportTest, AnotherExportUnderWay_WrongStateAndSaysWhatToDo) {
   write(".20261121T144525Z-floor-1_raw.csv.part", "half");
 
   EXPECT_EQ(refusal(run()),
-            "'/out/.20261121T144525Z-floor-1_raw.csv.part' exists: another export is under way, or one was killed (when none is running, "
-            "remove that file)");
+            "'/out/.20261121T144525Z-floor-1_raw.csv.part' exists: another export is running, or one was killed (if no other export is "
+            "running, delete that file)");
   EXPECT_THAT(files(), ElementsAre(".20261121T144525Z-floor-1_raw.csv.part"));
 }
 
@@ -321,7 +320,7 @@ TEST_F(CsvExportTest, FolderThatCannotBeMade_FailsAndSaysWhich) {
   std::ofstream(base_ / "file") << "x";
 
   EXPECT_EQ(refusal(export_csv(recording_, (base_ / "file" / "below").string())),
-            "cannot make the folder '/file/below': Not a directory (choose a folder that you may write into)");
+            "cannot create the folder '/file/below': Not a directory (choose a folder that you may write into)");
 }
 
 TEST_F(CsvExportTest, LongRecording_EveryRowIsThereInOrder) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "record/recording.h"
+#include "support/event_text.h"
 
 namespace dts::record {
 
@@ -94,19 +95,16 @@ inline FakeRecording floor_recording() {
     }
     return made_scans;
   };
-  const auto event = [](double time_s, std::uint32_t segment, std::uint64_t scan, const std::string& what,
-                        std::vector<std::pair<std::string, EventValue>> values) {
-    return TimedEvent{.time_s = time_s, .event = {.event = what, .segment = segment, .scan = {scan}, .values = std::move(values)}};
-  };
+  const auto event = [](double time_s, const std::string& text) { return TimedEvent{.time_s = time_s, .event = test::event_of(text)}; };
   constexpr double kStart = 8123.251;
-  made.items = {event(kStart, 0, 0, "segment", {{"host_time_ns", std::int64_t{8'123'251'000'000}}}),
+  made.items = {event(kStart, "host_time_ns: 8123251000000 segment_start {}"),
                 RecordedChange{.stream = 3, .segment = 0, .scan = {0}, .time_s = kStart, .values = {0.0}},
                 scans(0, 0, 0, kStart, 3, 2),
                 scans(1, 0, 0, kStart, 3, 3),
-                event(kStart + 0.02, 0, 2, "marker", {{"text", std::string("eyes \"closed\", now")}}),
+                event(kStart + 0.02, "scan: 2 marker { text: 'eyes \"closed\", now' }"),
                 scans(0, 0, 3, kStart + 0.03, 2, 2),
                 scans(1, 0, 3, kStart + 0.03, 2, 3),
-                event(kStart + 1.05, 1, 0, "segment", {{"reason", std::string("unplugged")}, {"missing_scans", std::int64_t{100}}}),
+                event(kStart + 1.05, "segment: 1 segment_start { reason: GAP_REASON_UNPLUGGED missing_scans: 100 }"),
                 scans(0, 1, 0, kStart + 1.05, 2, 2),
                 scans(1, 1, 0, kStart + 1.05, 2, 3),
                 RecordedChange{.stream = 3, .segment = 1, .scan = {1}, .time_s = kStart + 1.06, .values = {8.0}}};

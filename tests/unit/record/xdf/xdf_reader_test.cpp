@@ -149,7 +149,7 @@ std::vector<Hostile> hostile_tails() {
       {"count of 3 bytes", good + raw_chunk(3, number_bytes(1) + std::string("\x03\x01\x00\x00", 4))},
       {"count of 2^63", good + raw_chunk(3, number_bytes(1) + "\x08" + std::string(7, '\0') + "\x80" + std::string(64, '\0'))},
       {"one sample too many", good + raw_chunk(3, samples_content(1, std::string(16, '\0'), 2, 1.0).replace(5, 1, "\x03")),
-       "3 samples declared, there is room for 2"},
+       "3 samples declared, but the chunk has room for 2"},
       {"one sample too few", good + raw_chunk(3, samples_content(1, std::string(16, '\0'), 2, 1.0).replace(5, 1, "\x01"))},
       {"stamp of 7 bytes", good + raw_chunk(3, samples_content(1, std::string(16, '\0'), 1, 1.0).replace(6, 1, "\x07")),
        "a time stamp of neither 0 nor 8 bytes"},
@@ -157,7 +157,7 @@ std::vector<Hostile> hostile_tails() {
        "a time stamp of neither 0 nor 8 bytes"},
       {"stamp that is no number", good + raw_chunk(3, nan_stamp)},
       {"footer with a word for a count", good + raw_chunk(6, number_bytes(1) + "<info><sample_count>many</sample_count></info>"),
-       "<sample_count> is no number: 'many'"},
+       "<sample_count> is not a number: 'many'"},
       {"text longer than its chunk",
        header_chunk(1, "string", "0", "1") + raw_chunk(3, samples_content(1, std::string("\x01\xFF", 2) + "ab", 1, 1.0))},
       {"text length of 2^64 - 1",
@@ -188,7 +188,8 @@ TEST(XdfReader, MoreSamplesThanTheBytesCanHold_AreRefusedBeforeAnyIsRead) {
   for (const auto& [format, bytes] : formats) {
     const std::string content = samples_content(1, std::string(20 * bytes, '\x01'), 10, 1.0).replace(5, 1, "\x0B");
     const auto read = read_bytes(file_start() + header_chunk(1, format, "0", "20") + raw_chunk(3, content));
-    EXPECT_NE(read.error.what.find("11 samples declared, there is room for 10"), std::string::npos) << format << ": " << read.error.what;
+    EXPECT_NE(read.error.what.find("11 samples declared, but the chunk has room for 10"), std::string::npos)
+        << format << ": " << read.error.what;
   }
 }
 

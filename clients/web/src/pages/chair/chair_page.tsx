@@ -14,7 +14,7 @@ import { Prompt } from './prompt';
 import { Legend, TransientView } from './transient_view';
 import { StartControls, TrialControls } from './trial_controls';
 import { Trials } from './trial_tables';
-import { AngleGauge, ClassVerdict } from './verdict';
+import { AngleGauge, ClassResult } from './trunk_result';
 
 const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
   const { ring, ghosts, examination, trials, restS } = useFollowed(link, rig);
@@ -41,7 +41,7 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
       </div>
       <div class="chair-below">
         <Prompt examination={shown} restS={restS} />
-        <ClassVerdict
+        <ClassResult
           movement={shown.movement}
           reach={shown.reach}
           expectedClass={shown.expectedClass}
@@ -62,7 +62,7 @@ const Chair = ({ link, rig }: { link: Link; rig: string }): JSX.Element => {
   );
 };
 
-/** The live page of the chair: the first rig of that kind. */
+/** The live page of the chair; shows the first rig of that kind. */
 export const ChairPage = ({ link }: { link: Link }): JSX.Element => {
   const status = link.status.value;
   const rig = rigOf(status, 'chair')?.rig?.name;

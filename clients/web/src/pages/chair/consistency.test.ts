@@ -19,7 +19,7 @@ describe('ByTarget', () => {
     expect(summaries[0]?.sdDeg).toBeNaN();
   });
 
-  it.each(['redone', 'rejected', 'aborted'])('TrialThatWas %s.IsInNoFigure', (outcome) => {
+  it.each(['redone', 'rejected', 'aborted'])('TrialThatWas %s.IsInNoResult', (outcome) => {
     expect(byTarget([trial('120', 80, 3, 1, 1, outcome)])).toEqual([]);
   });
 

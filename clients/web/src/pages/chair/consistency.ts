@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// How alike the reaches to one target were, and where the trunk's angles lie beside those of the thesis.
+// Consistency: the spread of the trunk angle per target, and the thesis's range beside it.
 import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import type { TrunkMovement } from '../../generated/dts/v1/stream_pb';
 
-/** Trunk flexion of ten healthy volunteers in reaches of which the trunk's class is known: thesis Table 6.3, lowest, mean and highest. */
+/** Trunk flexion of ten healthy volunteers per trunk class (lowest, mean, highest): thesis Table 6.3. */
 export const thesisWindows = [
   { trunkClass: 1, lowDeg: 0.4, meanDeg: 4.1, highDeg: 9.9 },
   { trunkClass: 2, lowDeg: 20.6, meanDeg: 29.2, highDeg: 36.4 },
@@ -16,26 +16,26 @@ export const windowOf = (expectedClass: number): ThesisWindow | undefined => the
 export interface TargetSummary {
   readonly condition: string;
   readonly targetCm: number;
-  readonly trials: number; // that count
+  readonly trials: number; // with outcome "done"
   readonly withAngle: number;
-  readonly meanDeg: number; // NaN: no angle
-  readonly sdDeg: number; // NaN: fewer than two
+  readonly meanDeg: number; // NaN without an angle
+  readonly sdDeg: number; // NaN with fewer than two angles
   readonly window: ThesisWindow | undefined;
 }
 
 export const mean = (values: readonly number[]): number => values.reduce((sum, value) => sum + value, 0) / values.length;
 
-/** Of a sample: divided by n - 1. */
+/** Returns the standard deviation of a sample (divided by n - 1), or NaN for fewer than two values. */
 export const standardDeviation = (values: readonly number[]): number => {
   if (values.length < 2) return Number.NaN;
   const centre = mean(values);
   return Math.sqrt(values.reduce((sum, value) => sum + (value - centre) ** 2, 0) / (values.length - 1));
 };
 
-/** A trial that was redone, rejected or broken off is in the record, and in no figure. */
+/** Returns whether a trial counts. Redone, rejected and aborted trials stay in the record but are in no result. */
 export const counts = (trial: TrialRecord): boolean => trial.outcome === 'done';
 
-/** An angle the reach stands for: of a rejected one it would be a guess. */
+/** Returns the trunk angle, or nothing if the class was rejected: the angle would be a guess. */
 export const angleIn = (movement: TrunkMovement | undefined): number | undefined =>
   movement !== undefined && movement.trunkClass >= 0 && Number.isFinite(movement.trunkDeg) ? movement.trunkDeg : undefined;
 export const angleOf = (trial: TrialRecord): number | undefined => angleIn(trial.result?.movement);
@@ -50,11 +50,11 @@ const summarise = (condition: string, trials: readonly TrialRecord[]): TargetSum
     withAngle: angles.length,
     meanDeg: mean(angles),
     sdDeg: standardDeviation(angles),
-    window: windowOf(results.find((result) => result.expectedClass > 0)?.expectedClass ?? -1),
+    window: windowOf(results.find((result) => (result.expectedClass ?? -1) > 0)?.expectedClass ?? -1),
   };
 };
 
-/** By target, the nearest first. */
+/** Returns one summary per target, the nearest first. */
 export const byTarget = (trials: readonly TrialRecord[]): TargetSummary[] => {
   const groups = new Map<string, TrialRecord[]>();
   for (const trial of trials.filter(counts)) groups.set(trial.condition, [...(groups.get(trial.condition) ?? []), trial]);

@@ -8,7 +8,7 @@ import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { EventSchema, ReachStep, SessionState, TrialEventKind } from '../../generated/dts/v1/stream_pb';
 import type { LiveEvent } from '../../link/types';
 import type { Examination } from './examination';
-import { noExamination, seen, targetPercent, told } from './examination';
+import { afterEvent, afterStatus, noExamination, targetPercent } from './examination';
 
 type Body = NonNullable<MessageInitShape<typeof EventSchema>['body']>;
 
@@ -22,13 +22,13 @@ const event = (body: Body, scan = 0, timeMs = 0, segment = 0): LiveEvent => ({
 
 const trial = (kind: TrialEventKind, more: { scan?: number; trial?: number; condition?: string; targetCm?: number; restS?: number } = {}): LiveEvent => {
   const { scan = 0, ...fields } = more;
-  return event({ case: 'trial', value: { sessionId: 's1', kind, trial: 1, attempt: 1, condition: '120', targetCm: 84, ...fields } }, scan, 1000);
+  return event({ case: 'trial', value: { sessionId: 's1', step: kind, trial: 1, attempt: 1, condition: '120', targetCm: 84, ...fields } }, scan, 1000);
 };
 
 const reach = (step: ReachStep, p1Scan: number, number = 1, segment = 0): LiveEvent =>
   event({ case: 'reach', value: { step, number, p1: { scan: BigInt(p1Scan), valueMm: 3.7 } } }, p1Scan + 100, 0, segment);
 
-const after = (...events: readonly LiveEvent[]): Examination => events.reduce(told, noExamination);
+const after = (...events: readonly LiveEvent[]): Examination => events.reduce(afterEvent, noExamination);
 
 const { READY, GO, MEASURE, DONE, REST, FINISHED, REDONE } = TrialEventKind;
 const { P1, FINAL, CANCELLED } = ReachStep;
@@ -42,9 +42,9 @@ test.each<[string, readonly LiveEvent[], object]>([
   ['FinalReachAfterGo sends the hand back', [...going, reach(P1, 5200), reach(FINAL, 5200)], { step: 'back', reach: { step: FINAL } }],
   ['MeasureWithTheHandOnItsWayBack leaves it there', [...reached, trial(MEASURE)], { step: 'back' }],
   ['ReachAtGo is the trial\'s', [...going, reach(P1, 5000)], { step: 'go', reach: { number: 1 } }],
-  ['ReachThatBeganBeforeGo is none of the trial', [...going, reach(FINAL, 4990)], { step: 'go', reach: undefined }],
-  ['ReachOfAnotherSegment is none of the trial', [...going, reach(FINAL, 5200, 1, 1)], { step: 'go', reach: undefined }],
-  ['ReachAfterTheTrial is none of it', [...going, trial(DONE), reach(P1, 5200)], { step: 'waiting', reach: undefined }],
+  ['ReachThatBeganBeforeGo does not belong to the trial', [...going, reach(FINAL, 4990)], { step: 'go', reach: undefined }],
+  ['ReachOfAnotherSegment does not belong to the trial', [...going, reach(FINAL, 5200, 1, 1)], { step: 'go', reach: undefined }],
+  ['ReachAfterTheTrial does not belong to it', [...going, trial(DONE), reach(P1, 5200)], { step: 'waiting', reach: undefined }],
   ['SecondReach does not replace a final one', [...going, reach(FINAL, 5200, 7), reach(P1, 9000, 8)], { reach: { number: 7 } }],
   ['SecondReach replaces one that is under way', [...going, reach(P1, 5200, 7), movement(7), reach(P1, 9000, 8)], { reach: { number: 8 }, movement: undefined }],
   ['EndOfThePlan leaves the last trial and its reach in sight', [...reached, trial(DONE), trial(FINISHED, { trial: 0, condition: '', targetCm: 0 })],
@@ -62,21 +62,21 @@ test.each<[string, readonly LiveEvent[], object]>([
   expect(after(...events)).toMatchObject(expected);
 });
 
-test('Examination.GoToldAgain keeps what was found since', () => {
-  expect(told(after(...reached), trial(GO, { scan: 5000 }))).toEqual(after(...reached));
+test('Examination.RepeatedGo keeps what was found since', () => {
+  expect(afterEvent(after(...reached), trial(GO, { scan: 5000 }))).toEqual(after(...reached));
 });
 
-test('Examination.NextTrial leaves the verdict in sight until go', () => {
+test('Examination.NextTrial leaves the result in sight until go', () => {
   const ready = { ...after(...reached, trial(DONE), trial(READY, { trial: 2 })), expectedClass: 2 };
 
   expect(ready.reach).toBeDefined();
-  expect(told(ready, trial(GO, { trial: 2, scan: 9000 }))).toMatchObject({ reach: undefined, movement: undefined, expectedClass: -1, isWithoutReach: false });
+  expect(afterEvent(ready, trial(GO, { trial: 2, scan: 9000 }))).toMatchObject({ reach: undefined, movement: undefined, expectedClass: -1, isWithoutReach: false });
 });
 
-test.each([DONE, REDONE, FINISHED, REST])('Examination.TrialEvent %i makes the list of trials asked for anew', (kind) => {
+test.each([DONE, REDONE, FINISHED, REST])('Examination.TrialEvent %i reloads the list of trials', (kind) => {
   const before = after(...going);
 
-  expect(told(before, trial(kind)).changes).toBeGreaterThan(before.changes);
+  expect(afterEvent(before, trial(kind)).changes).toBeGreaterThan(before.changes);
 });
 
 test('targetPercent.Is of the arm, if that is known', () => {
@@ -90,7 +90,7 @@ const status = (state: SessionState, phase: TrialPhase, sessionId = 's1', trial 
 const { RUNNING, IDLE } = SessionState;
 const { WAITING, RESTING, MEASURING } = TrialPhase;
 const atOnce = 0n;
-const later = 1_500_000_000n; // a second and more after all events
+const later = 1_500_000_000n; // more than a second after all events
 
 test.each<[string, readonly LiveEvent[], ReturnType<typeof status>, bigint, object]>([
   ['OfATabThatCameLate reports the step', [], status(RUNNING, RESTING), atOnce, { sessionId: 's1', step: 'resting', trial: 2, of: 9, nextCondition: '150', nextTargetCm: 105 }],
@@ -101,38 +101,38 @@ test.each<[string, readonly LiveEvent[], ReturnType<typeof status>, bigint, obje
   ['OfTheSameTrial leaves the hand on its way back', reached, status(RUNNING, MEASURING, 's1', 1), later, { step: 'back', changes: after(...reached).changes, goAt: { scan: 5000 } }],
   ['AfterARestThatWaitsForACommand waits', [...going, trial(REST)], status(RUNNING, WAITING, 's1', 1), atOnce, { step: 'waiting' }],
   ['OfASessionThatIsOver leaves the trials listed', going, status(IDLE, TrialPhase.FINISHED), atOnce, { step: 'free', sessionId: 's1', goAt: undefined }],
-])('seen.Status %s', (_, events, said, madeNs, expected) => {
-  expect(seen(after(...events), said, madeNs)).toMatchObject(expected);
+])('afterStatus.Status %s', (_, events, said, madeNs, expected) => {
+  expect(afterStatus(after(...events), said, madeNs)).toMatchObject(expected);
 });
 
 test.each([
   [WAITING, 'waiting'],
   [RESTING, 'resting'],
   [TrialPhase.FINISHED, 'finished'],
-])('seen.Phase %i of a later status ends a trial whose end got lost', (phase, step) => {
+])('afterStatus.Phase %i of a later status ends a trial whose end got lost', (phase, step) => {
   const before = after(...reached);
 
-  const [early, late] = [atOnce, later].map((madeNs) => seen(before, status(RUNNING, phase, 's1', 1), madeNs));
+  const [early, late] = [atOnce, later].map((madeNs) => afterStatus(before, status(RUNNING, phase, 's1', 1), madeNs));
 
   expect(early!.step).toBe('back');
   expect(late).toMatchObject({ step, trial: 1, reach: before.reach });
   expect(late!.changes).toBeGreaterThan(before.changes);
 });
 
-test('seen.NewSessionWithoutTrials leaves nothing of the one before', () => {
+test('afterStatus.NewSessionWithoutTrials leaves nothing of the one before', () => {
   const before = after(...reached);
   const withoutTrials = create(RigStatusSchema, { session: { sessionId: 's2', state: RUNNING } });
 
-  const examination = seen(before, withoutTrials, atOnce);
+  const examination = afterStatus(before, withoutTrials, atOnce);
 
   expect(examination).toEqual({ ...noExamination, sessionId: 's2', changes: before.changes + 1 });
-  expect(seen(examination, withoutTrials, later)).toBe(examination);
+  expect(afterStatus(examination, withoutTrials, later)).toBe(examination);
 });
 
-test('seen.StatusOfTheSessionBefore changes nothing until it is later', () => {
+test('afterStatus.StatusOfTheSessionBefore changes nothing until it is later', () => {
   const before = after(trial(READY));
   const idle = status(IDLE, TrialPhase.FINISHED, 's0');
 
-  expect(seen(before, idle, atOnce)).toBe(before);
-  expect(seen(before, idle, later).step).toBe('free');
+  expect(afterStatus(before, idle, atOnce)).toBe(before);
+  expect(afterStatus(before, idle, later).step).toBe('free');
 });

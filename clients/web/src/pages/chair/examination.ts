@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where an examination of the reaching task stands, folded from the rig's events (at once) and its status (once a second): pure functions over
-// one value, so that what the therapist is told can be tested without a screen.
+// The state of a session of the reaching task, computed from the rig's events (immediate) and its status (once a second). Pure functions over one
+// value, so that tests need no screen.
 import { SessionState, ReachStep, TrialEventKind } from '../../generated/dts/v1/stream_pb';
 import type { Reach, TrialChange, TrialResult, TrunkMovement } from '../../generated/dts/v1/stream_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
@@ -8,7 +8,7 @@ import type { TrialStatus } from '../../generated/dts/v1/sessions_pb';
 import type { RigStatus, SessionInfo } from '../../generated/dts/v1/control_pb';
 import type { LiveEvent } from '../../link/types';
 
-/** What the subject is to do, or waits for. `back`: the reach is final, the hand goes back; `free`: no examination, reaches are shown as they come. */
+/** What the subject should do now. `back`: the reach is final, the hand returns. `free`: no trials, reaches are shown as they are found. */
 export type Step = 'free' | 'waiting' | 'ready' | 'go' | 'back' | 'resting' | 'finished';
 
 /** A scan of the rig. */
@@ -24,23 +24,23 @@ export interface Examination {
   readonly attempt: number;
   readonly of: number;
   readonly condition: string;
-  readonly targetCm: number; // 0: none
+  readonly targetCm: number; // 0 without a target
   readonly nextCondition: string;
   readonly nextTargetCm: number;
-  /** Of the subject, by the session's fields; undefined until the status told them. */
+  /** Of the subject, from the session's fields; undefined until a status arrived. */
   readonly armLengthCm: number | undefined;
   readonly goAt: At | undefined;
   readonly restEndsMs: number | undefined;
-  /** Of the trial shown, or without an examination the newest one. */
+  /** The reach of the shown trial; without trials, the newest reach. */
   readonly reach: Reach | undefined;
   readonly movement: TrunkMovement | undefined;
-  readonly expectedClass: number; // -1: not known
-  /** Its result came and had no reach. */
+  readonly expectedClass: number; // -1 if unknown
+  /** The trial's result arrived and has no reach. */
   readonly isWithoutReach: boolean;
-  /** Counts what changes the record of the session: whoever lists its trials asks again. */
+  /** Counts changes of the session's record; the list of trials is loaded again after each. */
   readonly changes: number;
-  /** When the last event of a trial happened, by the host's clock. */
-  readonly toldNs: bigint;
+  /** Host time of the last event of a trial. */
+  readonly lastEventNs: bigint;
 }
 
 export const noExamination: Examination = {
@@ -61,10 +61,10 @@ export const noExamination: Examination = {
   expectedClass: -1,
   isWithoutReach: false,
   changes: 0,
-  toldNs: 0n,
+  lastEventNs: 0n,
 };
 
-/** The target's distance in percent of the arm length. */
+/** Returns the target's distance in percent of the arm length, or nothing if one of them is unknown. */
 export const targetPercent = (examination: Examination, targetCm: number): number | undefined =>
   examination.armLengthCm !== undefined && targetCm > 0 ? (100 * targetCm) / examination.armLengthCm : undefined;
 
@@ -77,34 +77,33 @@ const newTrial = (examination: Examination, change: TrialChange): Examination =>
   trial: change.trial,
   attempt: change.attempt,
   condition: change.condition,
-  targetCm: change.targetCm,
+  targetCm: change.targetCm ?? 0,
   goAt: undefined,
   restEndsMs: undefined,
 });
 
-/** What came of the trial before stays to be read until now. */
+/** Clears the result of the trial before; it stays on the screen until the next Go. */
 const newReach = { reach: undefined, movement: undefined, expectedClass: -1, isWithoutReach: false } as const;
 
 const afterTrialChange = (examination: Examination, change: TrialChange, event: LiveEvent): Examination => {
   const known = inSession(examination, change.sessionId);
-  // A tab opened in the middle of a trial is told its last event only, which names the trial as well.
-  // The end of the plan names none.
+  // A tab opened during a trial receives only its last event, which also names the trial. The end of the plan (FINISHED) names none.
   const isSame = change.trial === 0 || (known.trial === change.trial && known.attempt === change.attempt);
   const named = isSame ? known : newTrial(known, change);
   const recorded = { ...named, changes: named.changes + 1 };
-  switch (change.kind) {
+  switch (change.step) {
     case TrialEventKind.READY:
       return newTrial(known, change);
     case TrialEventKind.GO: {
       const goAt = { segment: event.event.segment, scan: Number(event.event.scan) };
-      // The latest event comes again when the tab subscribes anew: what was found since is not lost.
+      // A new subscription repeats the latest event: keep what was found since.
       const isRepeated = isSame && known.goAt?.segment === goAt.segment && known.goAt.scan === goAt.scan;
       return isRepeated ? known : { ...named, ...newReach, step: 'go', goAt };
     }
     case TrialEventKind.MEASURE:
       return { ...named, step: named.step === 'back' ? 'back' : 'go' };
     case TrialEventKind.REST:
-      return { ...recorded, step: 'resting', restEndsMs: event.timeMs + 1000 * change.restS };
+      return { ...recorded, step: 'resting', restEndsMs: event.timeMs + 1000 * (change.restS ?? 0) };
     case TrialEventKind.FINISHED:
       return { ...recorded, step: 'finished', restEndsMs: undefined };
     case TrialEventKind.DONE:
@@ -117,7 +116,7 @@ const afterTrialChange = (examination: Examination, change: TrialChange, event: 
   }
 };
 
-/** A reach that began before "Go" is none of the trial's. */
+/** Returns whether a reach belongs to the trial: it must not begin before Go. */
 const isOfTrial = (examination: Examination, reach: Reach, segment: number): boolean => {
   if (examination.step === 'free') return true;
   if (examination.goAt === undefined || reach.p1 === undefined) return false;
@@ -132,7 +131,7 @@ const afterReach = (examination: Examination, reach: Reach, segment: number): Ex
   const isWatched = examination.step === 'free' || examination.step === 'go' || examination.step === 'back';
   if (!isWatched) return examination;
   const isReplaced = examination.reach !== undefined && examination.reach.number !== reach.number;
-  // The first reach after "Go" is the answer to it; what follows (the hand going back, a fidget) is the trial result's to judge.
+  // The first reach after Go is the trial's. Later ones (the hand returning, small movements) are left to the trial's result.
   if (isReplaced && examination.step !== 'free' && examination.reach?.step === ReachStep.FINAL) return examination;
   const step = examination.step === 'go' && reach.step === ReachStep.FINAL ? 'back' : examination.step;
   return { ...examination, step, reach, movement: isReplaced ? undefined : examination.movement };
@@ -142,19 +141,19 @@ const afterResult = (examination: Examination, result: TrialResult): Examination
   const known = inSession(examination, result.sessionId);
   const changed = { ...known, changes: known.changes + 1 };
   if (known.trial !== result.trial || known.attempt !== result.attempt) return changed;
-  const { reach, movement, expectedClass } = result;
+  const { reach, movement, expectedClass = -1 } = result;
   return { ...changed, reach, movement, expectedClass, isWithoutReach: reach === undefined };
 };
 
 const notBefore = (examination: Examination, ns: bigint): Examination =>
-  examination.toldNs >= ns ? examination : { ...examination, toldNs: ns };
+  examination.lastEventNs >= ns ? examination : { ...examination, lastEventNs: ns };
 
-/** What an event of the rig makes of it. */
-export const told = (examination: Examination, event: LiveEvent): Examination => {
+/** Returns the state after an event of the rig. */
+export const afterEvent = (examination: Examination, event: LiveEvent): Examination => {
   const { body, segment, hostTimeNs } = event.event;
   switch (body.case) {
     case 'trial':
-      return notBefore(afterTrialChange(examination, body.value, event), hostTimeNs);
+      return notBefore(afterTrialChange(examination, body.value, event), hostTimeNs ?? 0n);
     case 'reach':
       return afterReach(examination, body.value, segment);
     case 'movement':
@@ -182,48 +181,48 @@ const stepOf: Partial<Record<TrialPhase, Step>> = {
 
 const isDuringTrial = (step: Step): boolean => step === 'ready' || step === 'go' || step === 'back';
 
-// A status may have been made just before an event that came before it. One this much younger than the last event knows of it: what it says
-// then and nobody told is an event that got lost.
+// A status may be made just before an event and arrive after it. A status that is at least this much later than the last event includes it; if it
+// differs then, an event was lost.
 const statusLagNs = 1_000_000_000n;
 
-const afterSession = (examination: Examination, session: SessionInfo | undefined, isYoung: boolean): Examination => {
+const afterSession = (examination: Examination, session: SessionInfo | undefined, isLater: boolean): Examination => {
   const isAnother = session !== undefined && session.sessionId !== '' && session.sessionId !== examination.sessionId;
-  if (examination.step === 'free' || (isAnother && !isYoung)) return examination;
-  // The trials stay listed until the next examination.
+  if (examination.step === 'free' || (isAnother && !isLater)) return examination;
+  // The trials stay listed until the next session.
   return { ...examination, step: 'free', goAt: undefined, restEndsMs: undefined, changes: examination.changes + 1 };
 };
 
-/** As the status has it: for a tab that came late, or was too slow for an event. */
+/** Takes the state from the status, for a tab that was opened late or was too slow for an event. */
 const caughtUp = (examination: Examination, status: TrialStatus): Examination => {
   const { step, trial, attempt } = examination;
   const isSame = trial === status.trial && attempt === status.attempt;
-  const told = stepOf[status.phase] ?? step;
-  // A status does not know that the reach is final.
-  if (isSame && (told === step || (told === 'go' && step === 'back'))) return examination;
-  const caught = { ...examination, step: told, restEndsMs: undefined, changes: examination.changes + 1 };
-  if (isSame) return { ...caught, ...(told === 'go' ? newReach : {}) };
+  const reported = stepOf[status.phase] ?? step;
+  // A status does not say that the reach is final.
+  if (isSame && (reported === step || (reported === 'go' && step === 'back'))) return examination;
+  const caught = { ...examination, step: reported, restEndsMs: undefined, changes: examination.changes + 1 };
+  if (isSame) return { ...caught, ...(reported === 'go' ? newReach : {}) };
   const { condition } = status;
-  const isStillRead = told === 'ready'; // what came of the trial before
-  return { ...caught, ...(isStillRead ? {} : newReach), trial: status.trial, attempt: status.attempt, condition, targetCm: 0, goAt: undefined };
+  const isResultShown = reported === 'ready'; // the result of the trial before
+  return { ...caught, ...(isResultShown ? {} : newReach), trial: status.trial, attempt: status.attempt, condition, targetCm: 0, goAt: undefined };
 };
 
-/** What the status, made at `madeNs` of the host's clock, adds: counts and the next target, what no event told, and the end of the session. */
-export const seen = (examination: Examination, status: RigStatus | undefined, madeNs: bigint): Examination => {
+/** Returns the state after a status of host time `madeNs`: number of trials, next target, the end of the session, and what a lost event would have said. */
+export const afterStatus = (examination: Examination, status: RigStatus | undefined, madeNs: bigint): Examination => {
   const session = status?.session;
-  const isYoung = madeNs - examination.toldNs > statusLagNs;
-  if (session === undefined || !isRunning(status)) return afterSession(examination, session, isYoung);
+  const isLater = madeNs - examination.lastEventNs > statusLagNs;
+  if (session === undefined || !isRunning(status)) return afterSession(examination, session, isLater);
   const known = inSession(examination, session.sessionId);
   const { trial } = session;
   if (trial === undefined) return known;
-  const told = stepOf[trial.phase] ?? known.step;
-  // The end of a rest that waits for a command has no event of its own.
-  const waits = (known.step === 'resting' || known.step === 'waiting') && !isDuringTrial(told);
-  const isCatchingUp = known.step === 'free' || madeNs - known.toldNs > statusLagNs;
+  const reported = stepOf[trial.phase] ?? known.step;
+  // The end of a rest that waits for a command has no event.
+  const waits = (known.step === 'resting' || known.step === 'waiting') && !isDuringTrial(reported);
+  const isCatchingUp = known.step === 'free' || madeNs - known.lastEventNs > statusLagNs;
   return {
-    ...(isCatchingUp ? caughtUp(known, trial) : waits ? { ...known, step: told } : known),
+    ...(isCatchingUp ? caughtUp(known, trial) : waits ? { ...known, step: reported } : known),
     of: trial.of,
     nextCondition: trial.nextCondition,
-    nextTargetCm: trial.nextTargetCm,
+    nextTargetCm: trial.nextTargetCm ?? 0,
     armLengthCm: Number(session.fields['arm_length_cm']) || undefined,
   };
 };

@@ -15,7 +15,7 @@ const openChair = () => {
   const { now, draw } = runHook(() => useFollowed(fake.link, 'chair'));
   fake.block('chair/transient', [Array.from({ length: 400 }, (_, scan) => scan)]);
   const trial = (kind: TrialEventKind, number = 1, sessionId = 's1'): void => {
-    fake.event('chair/trial', { scan: 200n, body: { case: 'trial', value: { sessionId, kind, trial: number, attempt: 1, condition: '120', restS: 5 } } }, 1000);
+    fake.event('chair/trial', { scan: 200n, body: { case: 'trial', value: { sessionId, step: kind, trial: number, attempt: 1, condition: '120', restS: 5 } } }, 1000);
     draw();
   };
   const lines = (): number[] => now().ghosts.of('120').map((ghost) => ghost.trial);
@@ -37,7 +37,7 @@ test.each([
   expect(lines()).toEqual(expected);
 });
 
-test('useFollowed.Another session forgets the lines, and its trials are asked for', async () => {
+test('useFollowed.Another session forgets the lines and loads its own trials', async () => {
   const { now, trial, lines } = openChair();
   [READY, GO, DONE].forEach((kind) => trial(kind));
   await answered();

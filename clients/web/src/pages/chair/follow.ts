@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The examination of a chair as it goes on: everything the page shows, kept up to date.
+// Keeps everything that the page of the chair shows up to date.
 import type { ReadonlySignal } from '@preact/signals';
 import { useComputed, useSignal, useSignalEffect } from '@preact/signals';
 import { useEffect, useMemo } from 'preact/hooks';
@@ -9,34 +9,34 @@ import { TrialEventKind } from '../../generated/dts/v1/stream_pb';
 import type { Link, LiveEvent } from '../../link/types';
 import { rigOf } from '../../link/types';
 import type { Examination } from './examination';
-import { noExamination, seen, told } from './examination';
+import { afterEvent, afterStatus, noExamination } from './examination';
 import { Ghosts } from './ghosts';
 import { TransientRing } from './transient_ring';
 
-const ringScans = 32_768; // 22 s at 1500 Hz: the longest trial shown, and the rest before it
+const ringScans = 32_768; // 22 s at 1500 Hz: the longest trial and the rest before it
 
 export interface Followed {
   readonly ring: TransientRing;
   readonly ghosts: Ghosts;
   readonly examination: ReadonlySignal<Examination>;
-  /** Of the session shown, as the catalogue has them. */
+  /** Trials of the shown session, from the catalogue. */
   readonly trials: ReadonlySignal<readonly TrialRecord[]>;
-  /** Whole seconds of rest that are left. */
+  /** Whole seconds of rest left. */
   readonly restS: ReadonlySignal<number>;
 }
 
-/** A trial that is over becomes a line behind the next ones, one that is void does not. */
+/** Keeps the line of a done trial behind the next trials; drops that of a redone or rejected one. */
 const keepLines = (ghosts: Ghosts, ring: TransientRing, before: Examination, { event }: LiveEvent): void => {
   if (event.body.case !== 'trial') return;
-  const { kind, sessionId, trial, condition } = event.body.value;
+  const { step, sessionId, trial, condition } = event.body.value;
   ghosts.begin(sessionId);
-  if (kind === TrialEventKind.DONE && before.goAt !== undefined && before.trial === trial) ghosts.keep(trial, condition, before.goAt, ring);
-  if (kind === TrialEventKind.REDONE || kind === TrialEventKind.REJECTED) ghosts.drop(trial);
+  if (step === TrialEventKind.DONE && before.goAt !== undefined && before.trial === trial) ghosts.keep(trial, condition, before.goAt, ring);
+  if (step === TrialEventKind.REDONE || step === TrialEventKind.REJECTED) ghosts.drop(trial);
 };
 
 const none: readonly TrialRecord[] = [];
 
-/** The catalogue is asked again whenever a trial changed: what a tab saw itself would lack what was before it. */
+/** Loads the trials from the catalogue after each change: the tab itself may have missed earlier ones. */
 const useTrials = (link: Link, examination: ReadonlySignal<Examination>): ReadonlySignal<readonly TrialRecord[]> => {
   const answered = useSignal<{ readonly sessionId: string; readonly trials: readonly TrialRecord[] }>({ sessionId: '', trials: [] });
   const sessionId = useComputed(() => examination.value.sessionId);
@@ -50,13 +50,13 @@ const useTrials = (link: Link, examination: ReadonlySignal<Examination>): Readon
       (answer) => {
         if (isWanted && answer.case === 'sessionRecord') answered.value = { sessionId: asked, trials: answer.value.trials };
       },
-      () => undefined, // it is asked again after the next trial; the status line tells of a lost connection
+      () => undefined, // asked again after the next trial; the status line shows a lost connection
     );
     return () => {
       isWanted = false;
     };
   });
-  // Until the catalogue answered, a new examination has none: those of the one before are not its own.
+  // Until the catalogue answers, a new session shows no trials: those of the session before are not its own.
   return useComputed(() => (answered.value.sessionId === sessionId.value ? answered.value.trials : none));
 };
 
@@ -72,7 +72,7 @@ export const useFollowed = (link: Link, rig: string): Followed => {
       link.onBlock(topic, (block) => ring.push(block)),
       link.onEvent(`${rig}/`, (event) => {
         keepLines(ghosts, ring, examination.peek(), event);
-        examination.value = told(examination.peek(), event);
+        examination.value = afterEvent(examination.peek(), event);
       }),
       link.onPaint((nowMs) => {
         const endsMs = examination.peek().restEndsMs;
@@ -83,7 +83,7 @@ export const useFollowed = (link: Link, rig: string): Followed => {
   }, [link, rig]);
   useSignalEffect(() => {
     const status = link.status.value;
-    examination.value = seen(examination.peek(), rigOf(status, 'chair'), status?.hostTimeNs ?? 0n);
+    examination.value = afterStatus(examination.peek(), rigOf(status, 'chair'), status?.hostTimeNs ?? 0n);
   });
   return { ring, ghosts, examination, trials: useTrials(link, examination), restS };
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the subject is to do now, readable from two metres, and to which target.
+// What the subject should do now, readable from two metres, and the target.
 import type { ReadonlySignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
@@ -13,7 +13,7 @@ interface Target {
   cm: number;
 }
 
-/** While it waits or rests, the target to be put up is the next one. */
+/** Returns the target to show: during a wait or rest it is the next one, which has to be placed. */
 const targetOf = (examination: Examination): Target => {
   const isNext = examination.step === 'waiting' || examination.step === 'resting';
   return isNext && examination.nextCondition !== ''
@@ -22,7 +22,7 @@ const targetOf = (examination: Examination): Target => {
 };
 
 const TargetLine = ({ examination }: { examination: Examination }): JSX.Element => {
-  const { target, nextTarget } = strings.chair.prompt;
+  const { target, nextTarget, ofArm } = strings.chair.prompt;
   const { condition, cm } = targetOf(examination);
   const share = targetPercent(examination, cm);
   const isNext = examination.step === 'waiting' || examination.step === 'resting';
@@ -35,7 +35,7 @@ const TargetLine = ({ examination }: { examination: Examination }): JSX.Element 
         {share !== undefined && (
           <span>
             {whole(Math.round(share))}
-            <span class="unit"> %</span>
+            <span class="unit"> {ofArm}</span>
           </span>
         )}
         {cm > 0 && (
@@ -49,9 +49,9 @@ const TargetLine = ({ examination }: { examination: Examination }): JSX.Element 
   );
 };
 
-/** `restS`: what is left of the rest, whole seconds. */
+/** `restS`: whole seconds of rest left. */
 export const Prompt = ({ examination, restS }: { examination: Examination; restS: ReadonlySignal<number> }): JSX.Element => {
-  const { words, hints, trialOf, attempt, rest } = strings.chair.prompt;
+  const { words, hints, readyForTrial, trialOf, attempt, rest } = strings.chair.prompt;
   const { step, trial, of } = examination;
   return (
     <section class={`chair-prompt chair-prompt-${step}`} aria-labelledby="chair-prompt-head">
@@ -67,7 +67,7 @@ export const Prompt = ({ examination, restS }: { examination: Examination; restS
         <>
           <TargetLine examination={examination} />
           <div class="chair-counter" data-testid="trial-counter">
-            {trialOf(whole(trial), whole(of))}
+            {trial === 0 ? readyForTrial(whole(1), whole(of)) : trialOf(whole(trial), whole(of))}
             {examination.attempt > 1 && `, ${attempt(whole(examination.attempt))}`}
           </div>
           <p class="chair-sentence" data-testid="prompt-hint">

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The transient of the seat with P1, P2, P3, the rest before it, the dip and the earlier reaches to the same target. Two canvases: what changes
-// from trial to trial lies below what changes from frame to frame.
+// The transient of the seat with P1, P2, P3, the rest before it, the dip and the earlier reaches to the same target. Two canvases: the lower one
+// changes per trial, the upper one per frame.
 import type { Reach, ReachPoint } from '../../generated/dts/v1/stream_pb';
 import { ReachStep } from '../../generated/dts/v1/stream_pb';
 import type { Colours, Surface } from '../../parts/canvas';
@@ -20,7 +20,7 @@ const font = `16px ${fontFamily}`;
 const bandSigmas = 2;
 const leastBandMm = 0.05;
 
-/** Level and spread of the rest before "Go". */
+/** Level and spread of the rest before Go. */
 interface Rest {
   readonly mean: number;
   readonly half: number;
@@ -41,7 +41,7 @@ export const restBefore = (ring: TransientRing, goScan: number): Rest | undefine
   return { mean, half: Math.max(bandSigmas * sigma, leastBandMm) };
 };
 
-/** A picture that passes by moves by whole pixels, or its peaks would dance from pixel to pixel. */
+/** Moves a running picture by whole pixels; otherwise its peaks would jump between pixels. */
 const inSteps = (window: TimeWindow, rateHz: number, columns: number): TimeWindow => {
   const scansPerPixel = ((window.toS - window.fromS) * rateHz) / columns;
   if (window.isTrial || !(scansPerPixel > 0)) return window;
@@ -80,7 +80,7 @@ export class TransientPicture {
     if (examination.reach !== undefined) this.paintPoints(examination.reach, colours);
   }
 
-  /** The lower canvas is empty again, since its size changed. */
+  /** Makes the next paint redraw the lower canvas, which is empty after its size changed. */
   forget(): void {
     this.drawnBack = '';
   }
@@ -155,7 +155,7 @@ export class TransientPicture {
       context.fillText(fixed(s, 0), this.x(s), bottom + 4);
     }
     context.textAlign = 'right';
-    context.fillText(isTrial ? strings.chair.picture.fromGo : strings.chair.picture.ago, margin.left + this.width(), bottom + 26);
+    context.fillText(isTrial ? strings.chair.picture.afterGo : strings.chair.picture.ago, margin.left + this.width(), bottom + 26);
     context.textAlign = 'left';
     context.fillText(strings.chair.picture.transient, margin.left, bottom + 26);
   }
@@ -202,7 +202,7 @@ export class TransientPicture {
     context.fillText(strings.chair.picture.rest, margin.left + this.width() - 4, top - 2);
   }
 
-  /** Between the level of P1 and the line, from P1 to P2: the trunk lets go of the back rest. */
+  /** Shades the area between the level of P1 and the line, from P1 to P2: the trunk leaves the back rest. */
   private paintDip(reach: Reach, colours: Colours): void {
     if (reach.p1 === undefined || !Number.isFinite(reach.p1.valueMm)) return;
     const level = this.y(reach.p1.valueMm);
@@ -224,7 +224,7 @@ export class TransientPicture {
     context.globalAlpha = 1;
   }
 
-  /** A bar per column of pixels, as far as its neighbour's. Without a graphics card a stroked path of so many points takes ten times as long. */
+  /** Draws one bar per pixel column, joined to its neighbour. Without a graphics card a stroked path of so many points takes ten times as long. */
   private paintLine(colours: Colours): void {
     const { context } = this.front;
     const { low, high } = this.envelope;
@@ -266,6 +266,6 @@ export class TransientPicture {
     const labelY = y + side * 12;
     const isOutside = labelY - 20 < 0;
     if (isOutside) context.textAlign = 'left';
-    context.fillText(`${name} ${fixed(point.valueMm, 2)}`, isOutside ? x + 14 : x, isOutside ? y + 20 : labelY);
+    context.fillText(strings.chair.picture.mm(name, fixed(point.valueMm, 2)), isOutside ? x + 14 : x, isOutside ? y + 20 : labelY);
   }
 }

@@ -43,10 +43,10 @@ test.each<[string, number, readonly Block[], readonly number[], number, number]>
   ['HoleOverOldScans is one', 4, [block(0, ramp(0, 4)), block(6, [6])], [NaN, NaN, NaN, 3, NaN, NaN, 6], 6, 7],
   ['HoleAsLongAsItself is kept', 4, [block(0, [0]), block(5, [5])], [NaN, NaN, NaN, NaN, NaN, 5], 5, 6],
   ['Full forgets the oldest', 4, [block(0, ramp(0, 3)), block(3, ramp(3, 3))], [NaN, NaN, 2, 3, 4, 5], 5, 6],
-  ['NewSegment begins anew', 64, [block(0, ramp(0, 8)), block(9, [7], { segment: 1 })], [NaN, NaN], 7, 10],
-  ['RestartedDaemon begins anew', 64, [block(0, ramp(0, 8)), block(9, [7], { isNewSegment: true })], [NaN, NaN], 7, 10],
-  ['ScansThatGoBack begin anew', 64, [block(0, ramp(0, 8)), block(0, [7])], [7, NaN], 7, 1],
-  ['BlockWithoutColumns is none', 64, [block(0, [1]), block(1, [2], { columns: [] })], [1, NaN], 1, 1],
+  ['NewSegment starts again', 64, [block(0, ramp(0, 8)), block(9, [7], { segment: 1 })], [NaN, NaN], 7, 10],
+  ['RestartedDaemon starts again', 64, [block(0, ramp(0, 8)), block(9, [7], { isNewSegment: true })], [NaN, NaN], 7, 10],
+  ['ScansThatGoBack start again', 64, [block(0, ramp(0, 8)), block(0, [7])], [7, NaN], 7, 1],
+  ['BlockWithoutColumns is skipped', 64, [block(0, [1]), block(1, [2], { columns: [] })], [1, NaN], 1, 1],
 ])('TransientRing.%s', (_, capacity, blocks, values, newest, endScan) => {
   const ring = ringOf(capacity, ...blocks);
 

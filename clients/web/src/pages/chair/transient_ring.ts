@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// The last seconds of the seat's transient, by scan of one segment. Bounded; nothing is allocated while it runs.
+// The last seconds of the seat's transient, by scan of one segment. Memory is bounded; nothing is allocated while it runs.
 import type { Block } from '../../link/types';
 
-/** Lowest and highest value of each pixel column, NaN where nothing is: a line through them shows every peak, whatever the zoom. */
+/** Lowest and highest value of each pixel column, NaN without a value. A line through them shows every peak at any zoom. */
 export interface Envelope {
   readonly low: Float32Array;
   readonly high: Float32Array;
@@ -12,8 +12,8 @@ export const newEnvelope = (columns: number): Envelope => ({ low: new Float32Arr
 
 export class TransientRing {
   private readonly values: Float32Array;
-  private first = 0; // oldest scan that may be held
-  private end = 0; // one beyond the newest
+  private first = 0; // the oldest scan that may be stored
+  private end = 0; // one beyond the newest scan
   segment = -1;
   rateHz = 0;
 
@@ -30,7 +30,7 @@ export class TransientRing {
     return this.end > this.first ? (this.values[(this.end - 1) % this.capacity] ?? Number.NaN) : Number.NaN;
   }
 
-  /** Holes between blocks stay NaN: they are drawn as gaps. */
+  /** Appends a block. Scans missing before it become NaN and are drawn as gaps. */
   push(block: Block): void {
     const column = block.columns[0];
     if (column === undefined) return;
@@ -50,13 +50,13 @@ export class TransientRing {
     return scan >= this.first && scan < this.end ? (this.values[scan % this.capacity] ?? Number.NaN) : Number.NaN;
   }
 
-  /** Of `columns` equal parts of [fromScan, toScan). Scans before the ring or yet to come leave NaN. */
+  /** Fills `out` for `columns` equal parts of [fromScan, toScan). Parts without a stored scan become NaN. */
   decimate(fromScan: number, toScan: number, columns: number, out: Envelope): void {
     const scansPerColumn = (toScan - fromScan) / columns;
     for (let column = 0; column < columns; column += 1) {
       const begin = Math.floor(fromScan + column * scansPerColumn);
       const from = Math.max(this.first, begin);
-      // At least one scan, or a view finer than the data would have holes.
+      // At least one scan; otherwise a view finer than the data would have holes.
       const to = Math.min(this.end, Math.max(begin + 1, Math.floor(fromScan + (column + 1) * scansPerColumn)));
       let low = Number.NaN;
       let high = Number.NaN;
@@ -70,13 +70,13 @@ export class TransientRing {
     }
   }
 
-  /** Means over equal stretches of time, for a line that is kept: `count` of them from `fromScan`. */
+  /** Returns `count` means over `scansEach` scans each, from `fromScan`. */
   means(fromScan: number, scansEach: number, count: number): Float32Array {
     const out = new Float32Array(count);
     for (let i = 0; i < count; i += 1) {
       let sum = 0;
       for (let scan = fromScan + i * scansEach; scan < fromScan + (i + 1) * scansEach; scan += 1) sum += this.at(scan);
-      out[i] = sum / scansEach; // a hole makes NaN, and a gap in the line
+      out[i] = sum / scansEach; // NaN if scans are missing: a gap in the line
     }
     return out;
   }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// What part of time and of the transient a picture shows.
+// The ranges of time and of the transient that the picture shows.
 import type { Examination } from './examination';
 import { leadS } from './ghosts';
 import type { TransientRing } from './transient_ring';
 
 export interface TimeWindow {
-  readonly zeroScan: number; // where the axis says 0: "Go", or now
+  readonly zeroScan: number; // the scan at 0 of the axis: Go, or now
   readonly fromS: number;
   readonly toS: number;
   readonly isTrial: boolean;
@@ -13,9 +13,9 @@ export interface TimeWindow {
 
 const freeS = 10;
 const trialS = 6;
-const stepS = 2; // a trial that lasts longer widens the axis by this, so that it does not creep
+const stepS = 2; // a longer trial widens the axis in these steps, so that it does not creep
 
-/** During a trial time counts from "Go" and stands still; else the last ten seconds pass by. */
+/** During a trial the axis starts at Go and stays; otherwise it shows the last ten seconds and moves. */
 export const timeWindow = (examination: Examination, ring: TransientRing): TimeWindow => {
   const { step, goAt } = examination;
   if (goAt !== undefined && goAt.segment === ring.segment) {
@@ -34,9 +34,9 @@ export interface Range {
 }
 
 const roomMm = 0.5;
-const leastMm = 2; // or the noise of somebody who sits still would fill the screen
+const leastMm = 2; // otherwise the noise of a person who sits still would fill the screen
 
-/** Holds what is seen with some room; changes in steps, and shrinks only when most of it is empty: an axis that breathes looks like data. */
+/** Returns a range that holds the values with some room. It changes in steps and shrinks only if mostly empty: an axis that moves all the time looks like data. */
 export const fitRange = (present: Range, low: number, high: number): Range => {
   if (!(low <= high)) return present;
   const isInside = low >= present.low && high <= present.high;
@@ -47,7 +47,7 @@ export const fitRange = (present: Range, low: number, high: number): Range => {
   return { low: floor, high: Math.max(ceiling, floor + leastMm) };
 };
 
-/** Distance of the grid's lines: 1, 2 or 5 times a power of ten, `about` of them. */
+/** Returns the distance of about `about` grid lines: 1, 2 or 5 times a power of ten. */
 export const gridStep = (range: number, about: number): number => {
   const rough = range / about;
   const power = 10 ** Math.floor(Math.log10(rough));

@@ -26,7 +26,7 @@ const pointsInWords = (reach: Reach | undefined): string => {
   return found.map(({ name, mm }) => point(name, fixed(mm, 2), isFinal)).join('; ');
 };
 
-/** Outside of what is dimmed when data are old: words stay readable. */
+/** Outside <Live>, so that old data do not dim it. */
 export const Legend = (): JSX.Element => {
   const { legend } = strings.chair.picture;
   return (
@@ -34,6 +34,7 @@ export const Legend = (): JSX.Element => {
       <li class="chair-key-line">{legend.line}</li>
       <li class="chair-key-ghost">{legend.ghost}</li>
       <li class="chair-key-dip">{legend.dip}</li>
+      <li class="chair-key-points">{legend.points}</li>
       <li class="chair-key-provisional">{legend.provisional}</li>
       <li class="chair-key-final">{legend.final}</li>
     </ul>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the therapist decides: to start, and while an examination runs one key for each step.
+// Buttons and keys of the therapist: start and tare between sessions, one key per step during a session.
 import { useSignal } from '@preact/signals';
 import type { ComponentChildren, JSX } from 'preact';
 
@@ -18,11 +18,11 @@ interface ControlsProps {
   link: Link;
   rig: string;
   examination: Examination;
-  /** Notices more. */
+  /** More notices. */
   children: ComponentChildren;
 }
 
-/** A mark is about this instant: it never waits for another command. */
+/** A marker belongs to this instant, so it has its own commands and never waits for another one. */
 const Marking = ({ link, rig, commands }: { link: Link; rig: string; commands: Commands }): JSX.Element => {
   const markedAt = useSignal(0);
   const whyNot = whyNotOperate(link);
@@ -47,9 +47,9 @@ export const TrialControls = ({ link, rig, examination, children }: ControlsProp
   const commands = useCommands(link);
   const marking = useCommands(link);
   const { step, trial } = examination;
-  const isUnderWay = step === 'ready' || step === 'go' || step === 'back';
+  const isDuringTrial = step === 'ready' || step === 'go' || step === 'back';
   const whyNot = whyNotOperate(link) || (step === 'free' ? words.noTrials : '');
-  const whyNotNext = whyNot || (step === 'finished' ? words.allDone : isUnderWay ? words.underWay : '');
+  const whyNotNext = whyNot || (step === 'finished' ? words.allDone : isDuringTrial ? words.duringTrial : '');
   const whyNotVoid = whyNot || (trial === 0 ? words.needsTrial : '');
   const act = (action: TrialAction): void => void commands.run({ case: 'trial', value: { rig, action } });
   const next = (): void => act(TrialAction.NEXT);
@@ -79,7 +79,7 @@ export const TrialControls = ({ link, rig, examination, children }: ControlsProp
   );
 };
 
-/** Between sessions: the empty chair is what counts as zero, so it can be tared here as well. */
+/** Between sessions: start a session, or tare the empty chair. */
 export const StartControls = ({ link, rig, onStart }: { link: Link; rig: string; onStart: () => void }): JSX.Element => {
   const commands = useCommands(link);
   const isTared = useSignal(false);

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The trials of an examination, and how alike they are by target.
+// The trials of a session of the reaching task, and their consistency by target.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import { spoken } from '../../parts/names';
+import type { TrialResult, TrunkMovement } from '../../generated/dts/v1/stream_pb';
 import { fixed, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import type { TargetSummary } from './consistency';
@@ -13,12 +15,33 @@ import { classWord, doubts } from './words';
 const classText = (trial: TrialRecord): string => {
   const { result } = trial;
   if (result === undefined) return strings.common.undefinedValue;
-  if (result.movement === undefined) return strings.chair.verdict.noReach;
+  if (result.movement === undefined) return strings.chair.result.noReach;
   const why = result.movement.trunkClass < 0 ? doubts(result.movement, result.reach) : [];
   return classWord(result.movement) + (why.length > 0 ? ` (${why.join(', ')})` : '');
 };
 
-export const TrialTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element => {
+const targetText = (condition: string, cm: number): string => (cm > 0 ? strings.chair.table.target(spoken(condition), fixed(cm, 0)) : spoken(condition));
+
+const intervalText = ({ trunkLoDeg, trunkHiDeg }: Partial<TrunkMovement>): string =>
+  trunkLoDeg === undefined || trunkHiDeg === undefined
+    ? strings.common.undefinedValue
+    : strings.chair.table.window(fixed(trunkLoDeg, 1), fixed(trunkHiDeg, 1));
+
+/** The interval of the angle, P1, P2, P3, and the probabilities of the classes 1, 2, 3. */
+const Details = ({ result }: { result: TrialResult | undefined }): JSX.Element => (
+  <>
+    <td class="number">{intervalText(result?.movement ?? {})}</td>
+    {[result?.reach?.p1, result?.reach?.p2, result?.reach?.p3].map((point, index) => (
+      <td key={index} class="number">
+        {fixed(point?.valueMm, 2)}
+      </td>
+    ))}
+    <td class="number">{result?.movement?.probability.map((one) => fixed(one, 2)).join(' / ') ?? strings.common.undefinedValue}</td>
+  </>
+);
+
+/** `isWhole`: with everything that is known of each reach. */
+export const TrialTable = ({ trials, isWhole = false }: { trials: readonly TrialRecord[]; isWhole?: boolean }): JSX.Element => {
   const { heads, outcomes } = strings.chair.table;
   return (
     <table class="chair-table" data-testid="trial-table">
@@ -29,16 +52,18 @@ export const TrialTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.
           <th>{heads.outcome}</th>
           <th>{heads.trunk}</th>
           <th class="number">{heads.angle}</th>
+          {isWhole && heads.details.map((head) => <th key={head} class="number">{head}</th>)}
         </tr>
       </thead>
       <tbody>
         {[...trials].reverse().map((trial) => (
           <tr key={`${trial.part}/${trial.trial}/${trial.attempt}`} class={counts(trial) ? '' : 'chair-void'}>
             <td class="number">{trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}</td>
-            <td>{trial.condition}</td>
+            <td>{targetText(trial.condition, trial.result?.targetCm ?? 0)}</td>
             <td>{outcomes[trial.outcome] ?? trial.outcome}</td>
             <td>{classText(trial)}</td>
             <td class="number">{fixed(angleOf(trial), 1)}</td>
+            {isWhole && <Details result={trial.result} />}
           </tr>
         ))}
       </tbody>
@@ -79,7 +104,7 @@ export const TargetTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX
         <tbody>
           {byTarget(trials).map((summary) => (
             <tr key={summary.condition}>
-              <td>{summary.condition}</td>
+              <td>{targetText(summary.condition, summary.targetCm)}</td>
               <td class="number">{whole(summary.trials)}</td>
               <td class="number">{fixed(summary.meanDeg, 1)}</td>
               <td class="number">{fixed(summary.sdDeg, 1)}</td>
@@ -95,7 +120,7 @@ export const TargetTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX
 
 type View = 'trials' | 'targets';
 
-/** After the last trial the targets are what one wants to see, unless somebody chose otherwise. */
+/** Shows the trials during a session and the targets after it, unless the user chose one. */
 export const Trials = ({ trials, isOver }: { trials: readonly TrialRecord[]; isOver: boolean }): JSX.Element => {
   const chosen = useSignal<View | undefined>(undefined);
   const view = chosen.value ?? (isOver ? 'targets' : 'trials');
@@ -114,7 +139,7 @@ export const Trials = ({ trials, isOver }: { trials: readonly TrialRecord[]; isO
           {choice('targets', byTargets)}
         </span>
       </header>
-      {/* Scrolls by itself, also by keyboard: the page must not. */}
+      {/* This part scrolls, also by keyboard; the page must not. */}
       <div class="chair-trials-body" tabIndex={0} role="group" aria-labelledby="chair-trials-head">
         {trials.length === 0 ? <p class="empty">{none}</p> : view === 'trials' ? <TrialTable trials={trials} /> : <TargetTable trials={trials} />}
       </div>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A ring that fills while a trial runs: its settling part grey, what counts in colour.
+// A ring that fills while a trial runs: grey while settling, coloured while measuring.
 import type { ReadonlySignal } from '@preact/signals';
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
@@ -12,7 +12,7 @@ import type { Link } from '../../link/types';
 import { whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 
-/** Parts of the ring, of 1. */
+/** Parts of the ring, as shares of 1. */
 export interface Shares {
   readonly settle: number;
   readonly done: number;
@@ -21,14 +21,14 @@ export interface Shares {
 export interface Progress {
   readonly seconds: number;
   readonly words: string;
-  /** Nothing: how long it takes is not known, or until somebody stops it. */
+  /** Undefined if the duration is unknown, or there is none (manual stop). */
   readonly shares: Shares | undefined;
 }
 
-/** How long the phases of a session's trials are. Protocols do not tell: it is learned from those that began before this tab's eyes. */
+/** Durations of the phases of a session's trials. The status does not have them: they are learned from phases whose beginning this tab saw. */
 export interface PhaseLengths {
   readonly sessionId: string;
-  /** Of the status that was seen last. */
+  /** From the last status. */
   readonly elapsedS: number;
   readonly phase: TrialPhase;
   readonly attempt: string;
@@ -36,11 +36,11 @@ export interface PhaseLengths {
   readonly measureS: number | undefined;
 }
 
-// A status comes every second. When the one before is older, a phase may have begun long before it was seen.
+// A status arrives every second. If the previous one is older than this, the phase may have begun long before it was seen.
 const seenBeginningS = 1.5;
 
 export const learnLengths = (known: PhaseLengths | undefined, session: SessionInfo): PhaseLengths => {
-  const { sessionId, elapsedS, trial } = session;
+  const { sessionId, elapsedS = 0, trial } = session;
   const phase = trial?.phase ?? TrialPhase.UNSPECIFIED;
   const remainingS = trial?.remainingS ?? 0;
   const attempt = `${trial?.trial ?? 0}.${trial?.attempt ?? 0}`;
@@ -52,12 +52,12 @@ export const learnLengths = (known: PhaseLengths | undefined, session: SessionIn
   if (hasBegun && phase === TrialPhase.SETTLING) settleS = longest(settleS);
   if (hasBegun && phase === TrialPhase.MEASURING) {
     measureS = longest(measureS);
-    if (before.phase !== TrialPhase.SETTLING) settleS ??= 0; // too short to be seen
+    if (before.phase !== TrialPhase.SETTLING) settleS ??= 0; // the settling was too short to be seen
   }
   return { sessionId, elapsedS, phase, attempt, settleS, measureS };
 };
 
-const ofRecording = ({ settleS, durationS, elapsedS }: SessionInfo, sinceS: number): Progress => {
+const ofRecording = ({ settleS = 0, durationS = 0, elapsedS = 0 }: SessionInfo, sinceS: number): Progress => {
   const doneS = elapsedS + sinceS;
   if (durationS <= 0) return { seconds: Math.floor(doneS), words: strings.floor.elapsed, shares: undefined };
   const leftS = Math.max(0, durationS - doneS);
@@ -65,13 +65,14 @@ const ofRecording = ({ settleS, durationS, elapsedS }: SessionInfo, sinceS: numb
   return { seconds: Math.ceil(leftS), words: strings.floor.left, shares: { settle: settleS / totalS, done: 1 - leftS / totalS } };
 };
 
-/** Where a session is now, `sinceS` after its status was made; nothing: no time runs, or nobody knows how long. */
+/** Returns the progress of a session, `sinceS` after its status. Nothing if no time runs, or its length is unknown. */
 export const progressOf = (session: SessionInfo, { settleS, measureS }: PhaseLengths, sinceS: number): Progress | undefined => {
   const { trial, state } = session;
+  const remainingS = trial?.remainingS ?? 0;
   if (trial === undefined) return state === SessionState.RUNNING ? ofRecording(session, sinceS) : undefined;
   const isSettling = trial.phase === TrialPhase.SETTLING;
-  if ((!isSettling && trial.phase !== TrialPhase.MEASURING) || trial.remainingS <= 0) return undefined;
-  const leftS = Math.max(0, trial.remainingS - sinceS);
+  if ((!isSettling && trial.phase !== TrialPhase.MEASURING) || remainingS <= 0) return undefined;
+  const leftS = Math.max(0, remainingS - sinceS);
   const [seconds, words] = [Math.ceil(leftS), isSettling ? strings.floor.settleLeft : strings.floor.left];
   if (settleS === undefined || measureS === undefined) return { seconds, words, shares: undefined };
   const totalS = settleS + measureS;
@@ -102,11 +103,11 @@ const useSinceS = (link: Link): ReadonlySignal<number> => {
       atMs = performance.now();
       sinceS.value = 0;
     });
-    let toldMs = 0;
+    let updatedMs = 0;
     const stopPaint = link.onPaint((nowMs) => {
-      if (nowMs - toldMs < 200) return;
-      toldMs = nowMs;
-      // A status that does not come any more tells nothing about the time: the ring stops with the data.
+      if (nowMs - updatedMs < 200) return;
+      updatedMs = nowMs;
+      // Without a new status the ring stops, like the data.
       sinceS.value = Math.min(2, Math.max(0, (nowMs - atMs) / 1000));
     });
     return () => {

@@ -7,7 +7,7 @@ export interface Ellipse {
   /** Semi-axes in mm, the longer first. */
   readonly long: number;
   readonly short: number;
-  /** Of the long axis from x towards y. */
+  /** Angle of the long axis, from x towards y. */
   readonly angleRad: number;
   readonly samples: number;
 }
@@ -15,8 +15,8 @@ export interface Ellipse {
 const fewestSamples = 10;
 
 /**
- * The 95 % prediction ellipse of the points since `fromMs`, as PEA95_F of the reports has it:
- * semi-axis^2 = eigenvalue * (N^2 - 1) / N * (0.05^(-2 / (N - 2)) - 1). Here of the COP as it is published, there low-passed.
+ * Returns the 95 % prediction ellipse of the points since `fromMs`, by the formula of PEA95_F in the reports:
+ * semi-axis^2 = eigenvalue * (N^2 - 1) / N * (0.05^(-2 / (N - 2)) - 1). The reports use a low-passed COP, this function the published one.
  */
 export const ellipseOf = (ring: ScanRing, xChannel: number, yChannel: number, fromMs: number): Ellipse | undefined => {
   let [n, meanX, meanY, sumXx, sumXy, sumYy] = [0, 0, 0, 0, 0, 0];
@@ -24,7 +24,7 @@ export const ellipseOf = (ring: ScanRing, xChannel: number, yChannel: number, fr
     const x = ring.value(xChannel, index);
     const y = ring.value(yChannel, index);
     if (Number.isNaN(x) || Number.isNaN(y)) continue;
-    n += 1; // Welford's recurrence: no difference of large sums
+    n += 1; // Welford's recurrence avoids differences of large sums
     const [stepX, stepY] = [x - meanX, y - meanY];
     meanX += stepX / n;
     meanY += stepY / n;

@@ -44,7 +44,7 @@ test('ellipseOf.KnownPoints has the area that PEA95_F has', () => {
   expect(ellipse.long / ellipse.short).toBeCloseTo(3, 5);
 });
 
-test('ellipseOf.MissingScans are left out; too few make none', () => {
+test('ellipseOf.MissingScans are left out; too few scans give no ellipse', () => {
   const points = Array.from({ length: 12 }, (_, index) => (index < 3 ? ([NaN, NaN] as const) : ([index, index % 2] as const)));
 
   expect(ellipseOf(ringOf(points), 0, 1, 0)).toBeUndefined();
@@ -54,7 +54,7 @@ test('ellipseOf.MissingScans are left out; too few make none', () => {
 const whole: View = { x: 0, y: 0, spanMm: 464 };
 const ellipse = (centreX: number, long: number): Ellipse => ({ centreX, centreY: 0, long, short: long / 2, angleRad: 0, samples: 2000 });
 
-test('nextView.Nobody shows the whole plate', () => {
+test('nextView.EmptyPlate shows the whole plate', () => {
   expect(nextView({ x: 3, y: 3, spanMm: 40 }, undefined, whole)).toBe(whole);
 });
 
@@ -102,7 +102,7 @@ test.each([
   [SessionState.RUNNING, true],
   [SessionState.STOPPING, true],
   [SessionState.IDLE, false],
-  [SessionState.FAILED, false], // it is over: another can be started
+  [SessionState.FAILED, false], // another can be started
 ])('isActive.State %i: %s', (state, expected) => {
   expect(isActive(create(SessionInfoSchema, { sessionId: 's', state }))).toBe(expected);
 });
@@ -112,7 +112,7 @@ const inTrial = (phase: TrialPhase, remainingS: number, elapsedS = 0, trial = 1)
 const { READY, SETTLING, MEASURING, WAITING } = TrialPhase;
 const learned = (...seen: readonly SessionInfo[]): PhaseLengths => seen.reduce<PhaseLengths | undefined>(learnLengths, undefined)!;
 
-test('progressOf.Trial counts settling first, then what counts', () => {
+test('progressOf.Trial counts settling first, then the measurement', () => {
   const settling = inTrial(SETTLING, 5, 2);
   const measuring = inTrial(MEASURING, 30, 8);
   const lengths = learned(inTrial(READY, 1, 1), settling, inTrial(SETTLING, 0.2, 7), measuring);
@@ -123,7 +123,7 @@ test('progressOf.Trial counts settling first, then what counts', () => {
   expect(second).toMatchObject({ seconds: 20, shares: { settle: expect.closeTo(5 / 35, 9), done: expect.closeTo(15 / 35, 9) } });
 });
 
-test('progressOf.TabLoadedInATrial tells what is left and no share, until it has seen a whole one', () => {
+test('progressOf.TabLoadedInATrial shows the seconds left and no share, until it has seen a whole trial', () => {
   const middle = [inTrial(MEASURING, 12, 20), inTrial(MEASURING, 11, 21)];
   const next = [inTrial(WAITING, 0, 40), inTrial(READY, 1, 41, 2), inTrial(SETTLING, 5, 42, 2), inTrial(SETTLING, 0.5, 46.5, 2), inTrial(MEASURING, 20, 47, 2)];
 
@@ -135,9 +135,9 @@ test('progressOf.TabLoadedInATrial tells what is left and no share, until it has
 });
 
 test.each<[string, readonly SessionInfo[], readonly unknown[]]>([
-  ['PhaseThatBeganWhileNobodyLooked gives no cue', [inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20)], ['s', undefined, undefined]],
+  ['PhaseThatBeganUnseen teaches no length', [inTrial(WAITING, 0, 3), inTrial(MEASURING, 7, 20)], ['s', undefined, undefined]],
   ['SettlingTooShortToBeSeen takes no part of the ring', [inTrial(READY, 0.3, 3), inTrial(MEASURING, 20, 4)], ['s', 0, 20]],
-  ['OtherSession begins anew', [inTrial(READY, 1, 1), inTrial(MEASURING, 60, 2), create(SessionInfoSchema, { sessionId: 'other' })], ['other', undefined, undefined]],
+  ['OtherSession starts again', [inTrial(READY, 1, 1), inTrial(MEASURING, 60, 2), create(SessionInfoSchema, { sessionId: 'other' })], ['other', undefined, undefined]],
 ])('learnLengths.%s', (_, sessions, expected) => {
   const { sessionId, settleS, measureS } = learned(...sessions);
 

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// Live floor: the plate and the centre of pressure on it, what to do now, and how steadily somebody stands.
+// Live floor: the plate with the centre of pressure, what to do now, and steadiness.
 import type { JSX } from 'preact';
 import { useEffect, useMemo } from 'preact/hooks';
 
 import type { RigStatus } from '../../generated/dts/v1/control_pb';
-import type { ProtocolInfo } from '../../generated/dts/v1/sessions_pb';
+import type { ProtocolInfo, TrialStatus } from '../../generated/dts/v1/sessions_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
 import { SessionState } from '../../generated/dts/v1/stream_pb';
 import type { Link } from '../../link/types';
 import { CommandNotice, Notice, Tile, useCommands } from '../../parts/controls';
 import { Live, useIsOld } from '../../parts/live';
+import { capitalised, protocolName, spoken } from '../../parts/names';
 import { fixed, whole } from '../../parts/numbers';
 import { useStartForm } from '../../parts/start_form';
 import { StartSession, StartTaken, useProtocols } from '../../parts/start_session';
@@ -26,9 +27,6 @@ import { isActive, SessionControls } from './session_controls';
 import { SwayTiles } from './sway_tiles';
 
 const words = strings.floor;
-
-/** "eyes-closed-two-feet" as it is said. */
-export const spoken = (condition: string): string => condition.replaceAll('-', ' ');
 
 const Guidance = ({ link, status, floor }: { link: Link; status: RigStatus; floor: LiveFloor }): JSX.Element => {
   const rig = status.rig!;
@@ -53,23 +51,27 @@ const Guidance = ({ link, status, floor }: { link: Link; status: RigStatus; floo
   );
 };
 
+const trialTitle = ({ trial, of, condition }: TrialStatus): string =>
+  trial === 0 ? words.readyForTrial(whole(1), whole(of)) : words.trialOf(capitalised(spoken(condition)), whole(trial), whole(of));
+
 const TrialHead = ({ status }: { status: RigStatus }): JSX.Element => {
   const { session } = status;
   if (!isActive(session)) return <h1 data-testid="trial-head">{words.noSession}</h1>;
   const { trial } = session;
-  const title = trial === undefined || trial.trial === 0 ? session.protocol : words.trialOf(spoken(trial.condition), whole(trial.trial), whole(trial.of));
+  const protocol = protocolName(session.protocol);
+  const title = trial === undefined ? protocol : trialTitle(trial);
   const attempt = trial !== undefined && trial.attempt > 1 ? words.attempt(whole(trial.attempt)) : '';
   return (
     <div>
       <h1 data-testid="trial-head">{title}</h1>
       <p class="session-line" data-testid="session-id">
-        {[session.protocol, session.subject, session.label, attempt].filter((part) => part !== '').join(' · ')}
+        {[title === protocol ? '' : protocol, session.subject, session.label, attempt].filter((part) => part !== '').join(' · ')}
       </p>
     </div>
   );
 };
 
-/** A check that somebody stands there. */
+/** The load, to check that a person stands on the plate. */
 const Load = ({ floor }: { floor: LiveFloor }): JSX.Element => (
   <Tile label={words.load} value={fixed(floor.now.value.loadKg, 0)} unit="kg" testId="load-kg" />
 );
@@ -136,7 +138,7 @@ const Floor = ({ link, status }: { link: Link; status: RigStatus }): JSX.Element
   );
 };
 
-/** `rigName`: of several platforms, the one in the address "#/floor/NAME". */
+/** `rigName`: the platform that the address "#/floor/NAME" names, if there are several. */
 export const FloorPage = ({ link, rigName }: { link: Link; rigName: string | undefined }): JSX.Element => {
   const status = link.status.value;
   if (status === undefined) return <p class="empty">{words.waiting}</p>;

@@ -14,7 +14,7 @@ const openFloor = (state = SessionState.RUNNING) => {
     fake.block('floor/cop', values.map((value) => [value]), { format: { channels }, firstScan: timeMs / 10, timeMs, newestMs: timeMs, quality: Uint8Array.of(quality, 0, 0) });
   const sway = (trial: number, isPreliminary = false, value = 5): void =>
     fake.event('floor/sway', { body: { case: 'sway', value: { trial, isPreliminary, measures: [{ symbol: 'MVELO', value }, { symbol: 'RANGE_AP', value: NaN }] } } });
-  const trial = (kind: TrialEventKind, timeMs = 0): void => fake.event('floor/trial', { body: { case: 'trial', value: { kind } } }, timeMs);
+  const trial = (kind: TrialEventKind, timeMs = 0): void => fake.event('floor/trial', { body: { case: 'trial', value: { step: kind } } }, timeMs);
   const session = (next: SessionState): void => fake.event('floor/session', { body: { case: 'session', value: { state: next } } });
   return { fake, floor, stand, sway, trial, session };
 };
@@ -23,7 +23,7 @@ beforeEach(() => void vi.useFakeTimers({ now: 7000 }));
 afterEach(() => void vi.useRealTimers());
 
 test.each<[string, SessionState, number | undefined]>([
-  ['NextPersonAfterTheSession sees no result of the former one', SessionState.IDLE, undefined],
+  ['NextPersonAfterTheSession sees no result of the person before', SessionState.IDLE, undefined],
   ['SubjectBackOnThePlate within the session keeps the result', SessionState.RUNNING, 4],
 ])('LiveFloor.%s', (_, state, expected) => {
   const { floor, stand, sway } = openFloor(state);
@@ -57,7 +57,7 @@ test('LiveFloor.Values are those of the newest scan, updated four times a second
   expect(fake.topics()).toEqual([]);
 });
 
-test('LiveFloor.Ellipse is that of the last 20 s, in a trial of the trial, on an empty plate none', () => {
+test('LiveFloor.Ellipse covers the last 20 s, in a trial only the trial; an empty plate has none', () => {
   const { fake, floor, stand, trial } = openFloor();
   for (let timeMs = 0; timeMs <= 20_300; timeMs += 10) stand(0, [timeMs < 295 ? 500 : timeMs < 20_000 ? 0 : 9 + ((timeMs / 10) % 2), (timeMs / 10) % 3, 0], timeMs);
   const samplesAt = (nowMs: number): number | undefined => (fake.paint(nowMs), floor.now.value.ellipse?.samples);

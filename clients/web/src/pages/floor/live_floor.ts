@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the page knows of one platform: pictures read the rings as they paint, everything slow is a signal.
+// The state of one platform. Pictures read the ring when they paint; slow values are signals.
 import { batch, signal } from '@preact/signals';
 
 import { Quality, SessionState, SwayFlag, TrialEventKind } from '../../generated/dts/v1/stream_pb';
@@ -12,10 +12,10 @@ import { isActive } from './session_controls';
 
 export const windowS = 20;
 export const trailS = 5;
-const fastestHz = 2000; // a faster stream is not a platform's
+const fastestHz = 2000; // bounds the memory of the ring
 const slowEveryMs = 250;
-const gravity = 9.80665; // N of a kg, as scales are marked
-const sparkLength = 120; // a minute at two a second
+const gravity = 9.80665; // N per kg
+const sparkLength = 120; // one minute at two values per second
 
 /** Columns of the ring. */
 export const ml = 0;
@@ -26,7 +26,7 @@ export interface Steadiness {
   readonly values: ReadonlyMap<string, number>;
 }
 
-/** Values for text and tiles, at most four times a second. */
+/** Values for texts and tiles, updated at most four times a second. */
 export interface Now {
   readonly mlMm: number;
   readonly apMm: number;
@@ -37,7 +37,7 @@ export interface Now {
 
 const nothing: Now = { mlMm: NaN, apMm: NaN, loadKg: NaN, quality: Quality.UNSPECIFIED, ellipse: undefined };
 
-/** How long the stream was away, from the gap's own count. */
+/** A gap that ended; its length comes from the gap's own count of scans. */
 export interface Absence {
   readonly backAt: number; // Date.now()
   readonly seconds: number;
@@ -47,7 +47,7 @@ export class LiveFloor {
   readonly now = signal<Now>(nothing);
   readonly sway = signal<Steadiness | undefined>(undefined);
   readonly absence = signal<Absence | undefined>(undefined);
-  /** Markers of the window, for flags: bounded. */
+  /** The newest markers, for flags; at most 50. */
   readonly markers: { readonly timeMs: number; readonly text: string }[] = [];
   readonly sparks = new Map<string, number[]>();
 
@@ -57,12 +57,12 @@ export class LiveFloor {
   /** Newest deflection and quality of each sensor. */
   deflectionMm: number[] = [];
   sensorQuality: number[] = [];
-  /** When what counts of the trial under way began; NaN: no trial is measured. */
+  /** When the measurement of the running trial began; NaN while no trial is measured. */
   trialFromMs = NaN;
 
   #rateHz = 0;
   #loadN = NaN;
-  #toldMs = 0;
+  #updatedMs = 0;
   readonly #link: Link;
   readonly #rig: string;
   readonly #stops: (() => void)[];
@@ -71,10 +71,10 @@ export class LiveFloor {
     [this.#link, this.#rig] = [link, rig];
     const topics = ['cop', 'deflection', 'sway', 'gap', 'marker', 'trial', 'session'].map((name) => `${rig}/${name}`);
     this.#stops = [
-      link.onBlock(`${rig}/cop`, (block) => this.#takeCop(block)),
-      link.onBlock(`${rig}/deflection`, (block) => this.#takeDeflection(block)),
-      link.onEvent(`${rig}/`, (event) => this.#takeEvent(event)),
-      link.onPaint((nowMs) => this.#tellNow(nowMs)),
+      link.onBlock(`${rig}/cop`, (block) => this.#addCop(block)),
+      link.onBlock(`${rig}/deflection`, (block) => this.#addDeflection(block)),
+      link.onEvent(`${rig}/`, (event) => this.#addEvent(event)),
+      link.onPaint((nowMs) => this.#updateNow(nowMs)),
       link.subscribe(topics),
     ];
   }
@@ -83,12 +83,12 @@ export class LiveFloor {
     for (const stop of this.#stops) stop();
   }
 
-  /** A final result from the catalogue, as if it came just now. */
+  /** Shows a final result from the catalogue as if it had just arrived. */
   recall(sway: Sway): void {
-    this.#takeSway(sway);
+    this.#addSway(sway);
   }
 
-  #takeCop(block: Block): void {
+  #addCop(block: Block): void {
     const column = (name: string): number => block.format.channels.findIndex((channel) => channel.name === name);
     const [mlColumn, apColumn, loadColumn] = [column('ml_mm'), column('ap_mm'), column('load_n')];
     if (mlColumn < 0 || apColumn < 0) return;
@@ -100,31 +100,31 @@ export class LiveFloor {
     this.newestMs = block.newestMs;
     const wasEmpty = (this.quality & Quality.NO_CONTACT) !== 0;
     this.quality = (block.quality[mlColumn] ?? 0) | (block.quality[apColumn] ?? 0);
-    // Who steps on after a session may be another person: the former one's results are not theirs.
+    // A person who steps on after a session may be another one: the old results are not theirs.
     if (wasEmpty && (this.quality & Quality.NO_CONTACT) === 0 && !this.#isInSession()) this.sway.value = undefined;
     this.#loadN = block.columns[loadColumn]?.[block.scanCount - 1] ?? NaN;
   }
 
-  #takeDeflection(block: Block): void {
+  #addDeflection(block: Block): void {
     for (let sensor = 0; sensor < block.columns.length; sensor += 1) {
       this.deflectionMm[sensor] = block.columns[sensor]![block.scanCount - 1]!;
       this.sensorQuality[sensor] = block.quality[sensor]!;
     }
   }
 
-  #takeEvent({ timeMs, event }: LiveEvent): void {
+  #addEvent({ timeMs, event }: LiveEvent): void {
     const { body } = event;
     switch (body.case) {
       case 'sway':
-        return this.#takeSway(body.value);
+        return this.#addSway(body.value);
       case 'gap':
-        return this.#takeGap(body.value);
+        return this.#addGap(body.value);
       case 'marker':
         this.markers.push({ timeMs, text: body.value.text });
         if (this.markers.length > 50) this.markers.shift();
         return;
       case 'trial':
-        return this.#takeTrial(body.value.kind, timeMs);
+        return this.#addTrial(body.value.step, timeMs);
       case 'session':
         if (body.value.state === SessionState.IDLE || body.value.state === SessionState.STARTING) this.trialFromMs = NaN;
         if (body.value.state === SessionState.STARTING) this.sway.value = undefined;
@@ -132,15 +132,15 @@ export class LiveFloor {
     }
   }
 
-  #takeTrial(kind: TrialEventKind, timeMs: number): void {
+  #addTrial(kind: TrialEventKind, timeMs: number): void {
     if (kind === TrialEventKind.MEASURE) this.trialFromMs = timeMs;
     else this.trialFromMs = NaN;
     if (kind === TrialEventKind.READY || kind === TrialEventKind.GO) this.sway.value = undefined;
   }
 
-  #takeSway(sway: Sway): void {
+  #addSway(sway: Sway): void {
     const shown = this.sway.peek()?.sway;
-    // The result of a trial stands until the next one begins, or somebody steps on after the session.
+    // The result of a trial stays until the next trial begins, or until a person steps on after the session.
     if (sway.isPreliminary && sway.trial === 0 && shown !== undefined && !shown.isPreliminary) return;
     const values = new Map(sway.measures.filter(({ value }) => Number.isFinite(value)).map(({ symbol, value }) => [symbol, value]));
     this.sway.value = { sway, values };
@@ -154,13 +154,13 @@ export class LiveFloor {
     }
   }
 
-  #takeGap(gap: Gap): void {
+  #addGap(gap: Gap): void {
     if (this.#rateHz > 0) this.absence.value = { backAt: Date.now(), seconds: Number(gap.missingScans) / this.#rateHz };
   }
 
-  #tellNow(nowMs: number): void {
-    if (nowMs - this.#toldMs < slowEveryMs || this.ring === undefined) return;
-    this.#toldMs = nowMs;
+  #updateNow(nowMs: number): void {
+    if (nowMs - this.#updatedMs < slowEveryMs || this.ring === undefined) return;
+    this.#updatedMs = nowMs;
     const { ring } = this;
     const last = ring.length - 1;
     batch(() => {
@@ -178,7 +178,7 @@ export class LiveFloor {
     return isActive(this.#link.status.peek()?.rigs.find(({ rig }) => rig?.name === this.#rig)?.session);
   }
 
-  /** A trial's ellipse is of the trial alone. */
+  /** Returns where the ellipse begins: 20 s ago, or at the start of the trial, so that a trial's ellipse contains nothing else. */
   #ellipseFromMs(): number {
     const windowMs = this.newestMs - 1000 * windowS;
     return this.trialFromMs > windowMs ? this.trialFromMs : windowMs;

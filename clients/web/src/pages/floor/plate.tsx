@@ -10,6 +10,7 @@ import type { Colours } from '../../parts/canvas';
 import { colours, openSurface } from '../../parts/canvas';
 import { Button } from '../../parts/controls';
 import { fixed } from '../../parts/numbers';
+import { qualityWords } from '../../parts/quality';
 import { strings } from '../../strings';
 import type { Ellipse } from './ellipse';
 import type { LiveFloor, Now } from './live_floor';
@@ -30,34 +31,20 @@ const describe = ({ mlMm, apMm, loadKg }: Now): string => {
   return words.described(across, along, load);
 };
 
-export const qualityWords = (bits: number): string => {
-  const { quality } = strings.floor;
-  const named: readonly (readonly [number, string])[] = [
-    [Quality.RAIL, quality.rail],
-    [Quality.STUCK, quality.stuck],
-    [Quality.OUT_OF_RANGE, quality.outOfRange],
-    [Quality.ROTATION, quality.rotation],
-    [Quality.SUBSTITUTED, quality.substituted],
-    [Quality.UNTARED, quality.untared],
-  ];
-  return named
-    .filter(([bit]) => (bits & bit) !== 0)
-    .map(([, word]) => word)
-    .join(', ');
-};
+const ofSensor = Quality.RAIL | Quality.STUCK | Quality.OUT_OF_RANGE | Quality.ROTATION | Quality.SUBSTITUTED | Quality.UNTARED;
 
-/** The sensor within a finger's width of a point. */
+/** Returns the index of the sensor within 24 px (a finger's width) of a point, or -1. */
 const sensorAt = (frame: Frame, rig: RigInfo, x: number, y: number): number =>
   rig.sensors.findIndex((sensor) => Math.hypot(toX(frame, sensor.xMm - rig.plateAMm / 2) - x, toY(frame, sensor.yMm - rig.plateBMm / 2) - y) < 24);
 
 interface Canvases {
-  /** Plate, grid and words: drawn anew only when they change. */
+  /** Plate, grid and labels: redrawn only when they change. */
   readonly ground: HTMLCanvasElement;
-  /** What moves. */
+  /** Everything that moves. */
   readonly top: HTMLCanvasElement;
 }
 
-/** The part of the plate in the large picture, and where in it the person is. */
+/** Draws into the inset the part of the plate that the large picture shows, and the centre of the ellipse. */
 const drawInset = (context: CanvasRenderingContext2D, frame: Frame, view: View, ellipse: Ellipse, present: Colours): void => {
   const side = (view.spanMm / frame.view.spanMm) * frame.width;
   context.strokeStyle = present.ink;
@@ -69,7 +56,7 @@ const drawInset = (context: CanvasRenderingContext2D, frame: Frame, view: View, 
   context.fill();
 };
 
-/** Draws until released; `isZoomed` is asked each time. */
+/** Draws until it is released; calls `isZoomed` for every frame. */
 const openPicture = (canvases: Canvases, link: Link, rig: RigInfo, floor: LiveFloor, isZoomed: () => boolean) => {
   const whole: View = { x: 0, y: 0, spanMm: marginFactor * Math.max(rig.plateAMm, rig.plateBMm) };
   let view = whole;
@@ -128,7 +115,7 @@ export const Plate = ({ link, rig, floor }: { link: Link; rig: RigInfo; floor: L
   const point = (event: MouseEvent): void => {
     if (picture.current !== undefined) pointed.value = sensorAt(picture.current.frame(), rig, event.offsetX, event.offsetY);
   };
-  const now = floor.now.value; // renders anew four times a second, for the words
+  const now = floor.now.value; // renders four times a second, for the label
   const sensor = rig.sensors[pointed.value];
   return (
     <div class="plate">
@@ -147,13 +134,12 @@ export const Plate = ({ link, rig, floor }: { link: Link; rig: RigInfo; floor: L
         <Button
           label={isZoomed.value ? words.wholePlate : words.zoom}
           testId="zoom"
-          isPressed={!isZoomed.value}
           onClick={() => (isZoomed.value = !isZoomed.value)}
         />
       </div>
       {sensor !== undefined && (
         <div class="plate-sensor" data-testid="sensor-text">
-          {words.sensor(sensor.label, fixed(floor.deflectionMm[pointed.value], 3), qualityWords(floor.sensorQuality[pointed.value] ?? 0))}
+          {words.sensor(sensor.label, fixed(floor.deflectionMm[pointed.value], 3), qualityWords((floor.sensorQuality[pointed.value] ?? 0) & ofSensor).join(', '))}
         </div>
       )}
     </div>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Draws the plate, its sensors and the centre of pressure; 1 mm is 1 mm in both directions.
+// Draws the plate, its sensors and the centre of pressure, with the same scale in both directions.
 import { Quality } from '../../generated/dts/v1/stream_pb';
 import type { RigInfo } from '../../generated/dts/v1/control_pb';
 import type { Colours } from '../../parts/canvas';
@@ -13,7 +13,7 @@ import type { View } from './view';
 
 const words = strings.floor.picture;
 
-/** Where on the canvas a part of the plate is shown, in CSS pixels. */
+/** The area of the canvas that shows `view`, in CSS pixels. */
 export interface Frame {
   readonly left: number;
   readonly top: number;
@@ -42,7 +42,7 @@ const dot = (context: CanvasRenderingContext2D, x: number, y: number, radius: nu
 
 const badSensor = Quality.RAIL | Quality.STUCK | Quality.OUT_OF_RANGE | Quality.ROTATION | Quality.SUBSTITUTED;
 
-/** Sensors are small dots; a doubtful one has a thick ring and a cross: shape, not colour alone. */
+/** Draws sensors as small dots. A faulty one gets a thick ring and a cross, so that colour is not the only sign. */
 const drawSensors = (context: CanvasRenderingContext2D, frame: Frame, rig: RigInfo, floor: LiveFloor, colours: Colours): void => {
   rig.sensors.forEach((sensor, index) => {
     const [x, y] = [toX(frame, sensor.xMm - rig.plateAMm / 2), toY(frame, sensor.yMm - rig.plateBMm / 2)];
@@ -77,7 +77,7 @@ export const drawPlate = (context: CanvasRenderingContext2D, frame: Frame, rig: 
     drawSensors(context, frame, rig, floor, colours);
   });
 
-/** Lines every 1, 2 or 5 times ten mm, those through the plate's centre stronger. */
+/** Draws lines every 1, 2 or 5 times a power of ten mm; darker lines through the plate's centre. */
 export const drawGrid = (context: CanvasRenderingContext2D, frame: Frame, colours: Colours): void =>
   clipped(context, frame, () => {
     const step = roundLength(frame.view.spanMm / 4);
@@ -100,12 +100,12 @@ export const drawGrid = (context: CanvasRenderingContext2D, frame: Frame, colour
 
 const shades = 5;
 
-/** The last five seconds, a shade for each; broken where scans are missing. */
+/** Draws the last five seconds, one shade per second. The line breaks at missing scans. */
 const drawTrail = (context: CanvasRenderingContext2D, frame: Frame, floor: LiveFloor, colours: Colours): void => {
   const ring = floor.ring!;
   context.strokeStyle = colours.blue;
   context.lineWidth = 2.5;
-  context.lineJoin = 'bevel'; // seen no different from round joins, drawn in half their time
+  context.lineJoin = 'bevel'; // looks the same as round joins and takes half the time
   for (let shade = 0; shade < shades; shade += 1) {
     const from = ring.indexAt(floor.newestMs - (1000 * trailS * (shades - shade)) / shades);
     const to = Math.min(ring.indexAt(floor.newestMs - (1000 * trailS * (shades - shade - 1)) / shades) + 1, ring.length);
@@ -130,7 +130,7 @@ const drawEllipse = (context: CanvasRenderingContext2D, frame: Frame, ellipse: E
   const scale = scaleOf(frame);
   context.save();
   context.translate(toX(frame, ellipse.centreX), toY(frame, ellipse.centreY));
-  context.rotate(-ellipse.angleRad); // y is up on the plate, down on the canvas
+  context.rotate(-ellipse.angleRad); // y points up on the plate and down on the canvas
   context.strokeStyle = colours.orange;
   context.lineWidth = 2.5;
   context.beginPath();
@@ -158,7 +158,7 @@ const drawCross = (context: CanvasRenderingContext2D, x: number, y: number, colo
   context.stroke();
 };
 
-/** Trail, ellipse with its centre, and dot. */
+/** Draws trail, ellipse with its centre, and dot. */
 export const drawCop = (context: CanvasRenderingContext2D, frame: Frame, floor: LiveFloor, ellipse: Ellipse | undefined, colours: Colours): void => {
   const { ring } = floor;
   if (ring === undefined || ring.length === 0) return;
@@ -183,14 +183,14 @@ const label = (context: CanvasRenderingContext2D, text: string, x: number, y: nu
   context.font = `16px ${fontFamily}`;
   context.textAlign = align;
   context.lineWidth = 5;
-  context.strokeStyle = colours.paper; // a halo, so that lines do not run through letters
+  context.strokeStyle = colours.paper; // a halo, so that lines do not cross the letters
   context.lineJoin = 'round';
   context.strokeText(text, x, y);
   context.fillStyle = colours.ink;
   context.fillText(text, x, y);
 };
 
-/** Directions, scale bar and what the ellipse is. */
+/** Draws directions, scale bar and the name of the ellipse. */
 export const drawLabels = (context: CanvasRenderingContext2D, frame: Frame, hasEllipse: boolean, colours: Colours): void => {
   const [middleX, middleY] = [frame.left + frame.width / 2, frame.top + frame.height / 2];
   const [right, bottom] = [frame.left + frame.width, frame.top + frame.height];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Results that this tab did not hear itself: it was loaded anew, or hidden, while they came. The catalogue has them.
+// Results that this tab missed, because it was loaded later or was hidden. The catalogue has them.
 import type { SessionInfo } from '../../generated/dts/v1/control_pb';
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 import { TrialPhase } from '../../generated/dts/v1/sessions_pb';
@@ -10,7 +10,7 @@ import { askSession } from '../sessions/session_detail';
 import type { LiveFloor } from './live_floor';
 import { isActive } from './session_controls';
 
-/** An attempt at a trial of a session. */
+/** One attempt at a trial of a session. */
 export interface Attempt {
   readonly sessionId: string;
   readonly trial: number;
@@ -19,7 +19,7 @@ export interface Attempt {
 
 const afterTrial = new Set([TrialPhase.WAITING, TrialPhase.RESTING, TrialPhase.FINISHED]);
 
-/** Whose result should be in sight between trials, and is not. After the session nobody's: the next person on the plate may be another. */
+/** Returns the attempt whose result should be shown between trials and is not. None after the session: the next person may be another one. */
 export const missingResult = (session: SessionInfo | undefined, shown: Sway | undefined): Attempt | undefined => {
   if (!isActive(session) || session.trial === undefined || session.trial.trial === 0 || !afterTrial.has(session.trial.phase)) return undefined;
   const { sessionId } = session;
@@ -28,7 +28,7 @@ export const missingResult = (session: SessionInfo | undefined, shown: Sway | un
   return isOfTrial && !shown.isPreliminary ? undefined : { sessionId, trial, attempt };
 };
 
-/** Nothing: it has none, or the trial was rejected. */
+/** Returns the result of an attempt, or nothing if it has none or the trial was rejected. */
 export const resultOf = (record: SessionRecord, { trial, attempt }: Attempt): Sway | undefined =>
   record.trials.filter((one) => one.trial === trial && one.attempt === attempt && one.outcome === 'done').at(-1)?.sway;
 

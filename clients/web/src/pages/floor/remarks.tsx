@@ -11,22 +11,22 @@ import { invalidBecause } from './live_floor';
 const words = strings.floor;
 const absenceShownMs = 15_000;
 
-/** What is wrong with the session or its last result, and the length of a gap after it. */
+/** Problems of the session or of its last result, and the length of a gap that just ended. */
 export const Remarks = ({ floor, status }: { floor: LiveFloor; status: RigStatus }): JSX.Element => {
   const sway = floor.sway.value?.sway;
   const absence = floor.absence.value;
   const isFresh = absence !== undefined && Date.now() - absence.backAt < absenceShownMs;
-  void floor.now.value; // looks at the time again, four times a second
+  void floor.now.value; // renders four times a second, so that the notice of a gap goes away in time
   return (
     <>
       {status.session?.message !== undefined && status.session.message !== '' && (
         <PassingNotice kind="error" what={status.session.message} testId="session-message" />
       )}
-      {sway !== undefined && !sway.isPreliminary && !sway.isValid && sway.problem === '' && (
-        <PassingNotice kind="warning" what={words.resultInvalid} hint={words.resultInvalidHint(invalidBecause(sway.flags, words.invalidWhy))} testId="invalid" />
+      {sway !== undefined && !sway.isPreliminary && sway.isValid !== true && sway.problem === '' && (
+        <PassingNotice kind="warning" what={words.resultInvalid(invalidBecause(sway.flags ?? 0, words.invalidWhy))} hint={words.resultInvalidHint} testId="invalid" />
       )}
-      {sway !== undefined && sway.problem !== '' && <PassingNotice kind="warning" what={words.noResult(sway.problem)} testId="no-result" />}
-      {isFresh && <PassingNotice kind="warning" what={words.gapAfter(clockTime(absence.backAt), duration(absence.seconds))} testId="gap" />}
+      {sway !== undefined && sway.problem !== '' && <PassingNotice kind="warning" what={words.noResult(sway.problem)} hint={words.resultInvalidHint} testId="no-result" />}
+      {isFresh && <PassingNotice kind="warning" what={words.gapAfter(clockTime(absence.backAt), duration(absence.seconds))} hint={words.gapHint} testId="gap" />}
     </>
   );
 };

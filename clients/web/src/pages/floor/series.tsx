@@ -17,7 +17,7 @@ import type { LiveFloor } from './live_floor';
 import { ap, ml, windowS } from './live_floor';
 
 const words = strings.floor.series;
-// 20 s over some 800 pixels: more often than this the picture moves by less than two pixels.
+// 20 s over about 800 pixels: drawn more often, the picture would move by less than two pixels.
 const drawEveryMs = 50;
 const describeEveryMs = 1000;
 const spans = [10, 20, 50, 100, 200, 500] as const;
@@ -26,12 +26,12 @@ interface Curve {
   readonly channel: number;
   readonly line: Line;
   readonly plot: Plot;
-  /** Of the line in mm; low > high: it has no value. */
+  /** Range of the line in mm; low > high if it has no value. */
   low: number;
   high: number;
 }
 
-/** Markers as flags: a staff and the text. */
+/** Draws markers as flags: a vertical line and the text. */
 const drawFlags = (plot: uPlot, floor: LiveFloor, nowMs: number, present: Colours): void => {
   const { ctx, bbox } = plot;
   const scale = window.devicePixelRatio || 1;
@@ -64,7 +64,7 @@ const drawName = (plot: uPlot, name: string, present: Colours): void => {
   ctx.textBaseline = 'bottom';
   ctx.lineJoin = 'round';
   ctx.lineWidth = 5 * scale;
-  ctx.strokeStyle = present.paper; // a halo, so that the curve does not run through letters
+  ctx.strokeStyle = present.paper; // a halo, so that the curve does not cross the letters
   ctx.strokeText(name, bbox.left + 6 * scale, bbox.top + bbox.height - 2 * scale);
   ctx.fillStyle = present.ink;
   ctx.fillText(name, bbox.left + 6 * scale, bbox.top + bbox.height - 2 * scale);
@@ -73,7 +73,7 @@ const drawName = (plot: uPlot, name: string, present: Colours): void => {
 
 const pointsPerStroke = 64;
 
-/** Instead of uPlot's own path: without a graphics card one long stroke with round joins takes two and a half times as long as short ones. */
+/** Replaces uPlot's own path: without a graphics card one long stroke with round joins takes 2.5 times as long as many short ones. */
 const drawLine = (plot: uPlot, colour: string): void => {
   const { ctx, bbox, data, scales } = plot;
   const [x, y] = [data[0], data[1]!];
@@ -102,7 +102,7 @@ const drawLine = (plot: uPlot, colour: string): void => {
   ctx.restore();
 };
 
-/** Ranges as they are asked for, instead of rounded ones. */
+/** Keeps uPlot from rounding the ranges. */
 const exactly = (_plot: uPlot, min: number, max: number): [number, number] => [min, max];
 
 const optionsOf = (present: Colours, label: string, isLast: boolean, colour: string, flags: (plot: uPlot) => void): PlotOptions => ({
@@ -118,8 +118,8 @@ const optionsOf = (present: Colours, label: string, isLast: boolean, colour: str
 
 const spanOf = ({ low, high }: Curve): number => (high > low ? high - low : 0);
 
-/** Takes the last 20 s of all curves at the same instant. Answers their common range in mm: they are compared by eye. */
-const takeCurves = (curves: readonly Curve[], ring: ScanRing, nowMs: number): number => {
+/** Updates all curves to the last 20 s at the same instant. Returns one range in mm for all, so that the eye can compare them. */
+const updateCurves = (curves: readonly Curve[], ring: ScanRing, nowMs: number): number => {
   for (const curve of curves) {
     decimate(ring, curve.channel, nowMs - 1000 * windowS, nowMs, curve.plot.width(), curve.line);
     [curve.low, curve.high] = [Infinity, -Infinity];
@@ -134,7 +134,7 @@ const takeCurves = (curves: readonly Curve[], ring: ScanRing, nowMs: number): nu
 };
 
 const drawCurve = ({ line, plot, low, high }: Curve, spanMm: number): void => {
-  const step = spanMm / 10; // the middle moves in steps: a picture that creeps looks like sway
+  const step = spanMm / 10; // the middle moves in steps: a slow creep would look like sway
   const middle = high >= low ? Math.round((low + high) / 2 / step) * step : 0;
   plot.draw([line.x, line.y], [-windowS, 0], [middle - spanMm / 2, middle + spanMm / 2]);
 };
@@ -144,9 +144,9 @@ export const Series = ({ link, floor }: { link: Link; floor: LiveFloor }): JSX.E
   const mlPlace = useRef<HTMLDivElement>(null);
   const described = useSignal('');
   useEffect(() => {
-    let [takenMs, paintedMs, describedMs, spanMm] = [0, 0, 0, spans[0] as number];
+    let [updatedMs, paintedMs, describedMs, spanMm] = [0, 0, 0, spans[0] as number];
     let undrawn: Curve[] = [];
-    const flags = (plot: uPlot): void => drawFlags(plot, floor, takenMs, colours().peek());
+    const flags = (plot: uPlot): void => drawFlags(plot, floor, updatedMs, colours().peek());
     const open = (place: HTMLElement, channel: number, label: string, isLast: boolean, colour: keyof Colours): Curve => ({
       channel,
       line: { x: [], y: [] },
@@ -156,12 +156,12 @@ export const Series = ({ link, floor }: { link: Link; floor: LiveFloor }): JSX.E
     });
     const curves = [open(apPlace.current!, ap, words.ap, false, 'blue'), open(mlPlace.current!, ml, words.ml, true, 'vermillion')];
     const stop = link.onPaint((nowMs) => {
-      if (undrawn.length === 0 && nowMs - takenMs >= drawEveryMs && floor.ring !== undefined) {
-        takenMs = nowMs;
-        spanMm = takeCurves(curves, floor.ring, nowMs);
+      if (undrawn.length === 0 && nowMs - updatedMs >= drawEveryMs && floor.ring !== undefined) {
+        updatedMs = nowMs;
+        spanMm = updateCurves(curves, floor.ring, nowMs);
         undrawn = [...curves];
       }
-      // One in a frame: both would take the page too long at once. But not when frames are rare: curves would stand beside each other's past.
+      // One curve per frame keeps frames short. If frames are rare, both in one: otherwise they would show different instants.
       const atOnce = nowMs - paintedMs > 2 * drawEveryMs ? undrawn.length : 1;
       for (const curve of undrawn.splice(0, atOnce)) drawCurve(curve, spanMm);
       paintedMs = nowMs;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tare, start, stop, the trials' steps and markers. Everybody sees them; who may not use them reads why.
+// Tare, start, stop, the steps of trials, and markers. Everybody sees the buttons; a user without the role reads why they are disabled.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
@@ -17,17 +17,17 @@ const words = strings.floor.controls;
 
 const atRest = new Set([SessionState.UNSPECIFIED, SessionState.IDLE, SessionState.FAILED]);
 
-/** One that failed is over: there is nothing to stop, and another can be started. */
+/** Returns whether a session runs. A failed one does not: there is nothing to stop, and another can be started. */
 export const isActive = (session: SessionInfo | undefined): session is SessionInfo => session !== undefined && !atRest.has(session.state);
 
 const Marking = ({ rig, commands, whyNot }: { rig: string; commands: Commands; whyNot: string }): JSX.Element => {
   const text = useSignal<string>(words.markDefault);
-  const told = useSignal('');
+  const done = useSignal('');
   const mark = async (): Promise<void> => {
     if (whyNot !== '') return;
     const marked = text.value.trim() || words.markDefault;
     const answer = await commands.run({ case: 'mark', value: { text: marked, rig } });
-    if (answer?.case === 'mark') told.value = words.marked(marked, whole(answer.value.marks[0]?.scan));
+    if (answer?.case === 'mark') done.value = words.marked(marked, whole(answer.value.marks[0]?.scan));
   };
   useKeys({ ' ': () => void mark() });
   return (
@@ -43,7 +43,7 @@ const Marking = ({ rig, commands, whyNot }: { rig: string; commands: Commands; w
         <Button label={words.mark} keyName={words.spaceKey} testId="mark" onClick={() => void mark()} whyNot={whyNot} isReasonNearby />
       </div>
       <span role="status" class="marked" data-testid="marked">
-        {told.value}
+        {done.value}
       </span>
     </div>
   );
@@ -52,7 +52,7 @@ const Marking = ({ rig, commands, whyNot }: { rig: string; commands: Commands; w
 const TrialButtons = (props: { session: SessionInfo; whyNot: string; act: (action: TrialAction) => void }): JSX.Element => {
   const trial = props.session.trial!;
   const isWaiting = trial.phase === TrialPhase.WAITING || trial.phase === TrialPhase.RESTING;
-  const whyNotNext = props.whyNot || (isWaiting ? '' : words.notNow);
+  const whyNotNext = props.whyNot || (isWaiting ? '' : trial.phase === TrialPhase.FINISHED ? words.allDone : words.duringTrial);
   const whyNotVoid = props.whyNot || (trial.trial === 0 ? words.noTrialYet : '');
   const next = (): void => props.act(TrialAction.NEXT);
   const redo = (): void => props.act(TrialAction.REDO);
@@ -98,12 +98,12 @@ const DuringSession = ({ link, rig, session, commands, marking }: DuringProps): 
 };
 
 const BetweenSessions = (props: { link: Link; status: RigStatus; commands: Commands; onStart: () => void }): JSX.Element => {
-  const told = useSignal('');
+  const tared = useSignal('');
   const rig = props.status.rig?.name ?? '';
   const whyNot = whyNotOperate(props.link) || (props.status.device === DeviceState.STREAMING ? '' : words.needsDevice);
   const tare = async (): Promise<void> => {
-    told.value = '';
-    if ((await props.commands.run({ case: 'tare', value: { rig } })) !== undefined) told.value = words.tareDone;
+    tared.value = '';
+    if ((await props.commands.run({ case: 'tare', value: { rig } })) !== undefined) tared.value = words.tareDone;
   };
   return (
     <>
@@ -112,7 +112,7 @@ const BetweenSessions = (props: { link: Link; status: RigStatus; commands: Comma
         <Button label={words.tare} testId="tare" onClick={() => void tare()} whyNot={whyNot} isReasonNearby />
       </div>
       {whyNot !== '' && <p class="why-not">{whyNot}</p>}
-      {told.value !== '' && <Notice kind="good" what={told.value} testId="tared" onDismiss={() => (told.value = '')} />}
+      {tared.value !== '' && <Notice kind="good" what={tared.value} testId="tared" onDismiss={() => (tared.value = '')} />}
     </>
   );
 };
@@ -121,12 +121,12 @@ interface SessionControlsProps {
   link: Link;
   status: RigStatus;
   commands: Commands;
-  /** A mark is about this instant: it never waits for another command. */
+  /** Separate from `commands`: a marker belongs to this instant and must not wait for another command. */
   marking: Commands;
   onStart: () => void;
 }
 
-/** Whoever shows them shows the errors of the commands, where they move nothing. */
+/** The page that uses these controls shows the errors of `commands` and `marking`. */
 export const SessionControls = ({ link, status, commands, marking, onStart }: SessionControlsProps): JSX.Element => {
   const { session } = status;
   return (

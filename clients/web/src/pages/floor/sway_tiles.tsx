@@ -17,7 +17,7 @@ const tiles = [
   { symbol: 'RANGE_ML', label: words.tiles.rangeMl, unit: 'mm', digits: 1 },
 ] as const;
 
-/** The last minute as a thin line, from 0 up. Decoration: the numbers are beside it. */
+/** Draws the last minute as a thin line from 0 up. Decoration only: the number is beside it. */
 const Spark = ({ values, version }: { values: readonly number[]; version: unknown }): JSX.Element => {
   const canvas = useRef<HTMLCanvasElement>(null);
   const present = colours().value;
@@ -50,7 +50,9 @@ export const noteOf = (steadiness: Steadiness | undefined): string | undefined =
   return isValid ? note : `${note}, ${words.invalid}`;
 };
 
-/** `children` is a tile more, of what is not steadiness. */
+const noValues: readonly number[] = [];
+
+/** `children`: another tile, which is not a measure of steadiness. */
 export const SwayTiles = ({ floor, children }: { floor: LiveFloor; children: ComponentChildren }): JSX.Element => {
   const steadiness = floor.sway.value;
   const isFinal = steadiness !== undefined && !steadiness.sway.isPreliminary;
@@ -62,7 +64,7 @@ export const SwayTiles = ({ floor, children }: { floor: LiveFloor; children: Com
       {tiles.map(({ symbol, label, unit, digits }) => (
         <div key={symbol} class={isFinal ? 'tile-final' : 'tile-preliminary'}>
           <Tile label={label} value={fixed(steadiness?.values.get(symbol), digits)} unit={unit} testId={`sway-${symbol}`} isLarge={symbol === 'MVELO'}>
-            <Spark values={floor.sparks.get(symbol) ?? []} version={steadiness} />
+            <Spark values={(steadiness === undefined ? undefined : floor.sparks.get(symbol)) ?? noValues} version={steadiness} />
           </Tile>
         </div>
       ))}

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which part of the plate the large picture shows. It follows the ellipse in steps: a picture that breathes would look like sway.
+// The part of the plate that the large picture shows. It follows the ellipse in steps: a continuous zoom would look like sway.
 import type { Ellipse } from './ellipse';
 
-/** Centre and height in mm, from the plate's centre. */
+/** Centre and height of the shown part in mm, relative to the plate's centre. */
 export interface View {
   readonly x: number;
   readonly y: number;
@@ -14,10 +14,10 @@ const spans = [20, 40, 80, 160, 320] as const;
 const reachOf = (view: Pick<View, 'x' | 'y'>, ellipse: Ellipse): number =>
   Math.max(Math.abs(ellipse.centreX - view.x), Math.abs(ellipse.centreY - view.y)) + ellipse.long;
 
-/** `whole` shows the plate: itself the answer without an ellipse, or when that is too large. */
+/** Returns the next view. Returns `whole`, which shows the whole plate, if there is no ellipse or it is too large. */
 export const nextView = (view: View, ellipse: Ellipse | undefined, whole: View): View => {
   if (ellipse === undefined) return whole;
-  // It stays while the ellipse is inside and fills at least a fifth of it: between growing and shrinking there is room for a breath.
+  // The view stays while the ellipse is inside and fills at least a fifth: the margin keeps it from changing with every breath.
   const fills = (2 * reachOf(view, ellipse)) / view.spanMm;
   if (view !== whole && fills <= 0.95 && (fills >= 0.2 || view.spanMm === spans[0])) return view;
   const spanMm = spans.find((span) => span >= 2 * 1.4 * ellipse.long);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The device's own test, for engineers: statistics of every channel, also of streams that are not published, and the start checks.
+// The test of a device, for engineers: statistics of every channel, also of streams that are not published, and the start checks.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
@@ -24,7 +24,7 @@ const Channels = ({ test }: { test: TestDeviceResponse }): JSX.Element => {
           <th class="number">{heads.minimum}</th>
           <th class="number">{heads.maximum}</th>
           <th>{heads.unit}</th>
-          <th class="number">{heads.gap}</th>
+          <th class="number">{heads.distance}</th>
           <th>{heads.quality}</th>
         </tr>
       </thead>

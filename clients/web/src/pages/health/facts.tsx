@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 import type { JSX } from 'preact';
 
-/** A name and what is known; `testId` is for what a test compares with the command line. */
+/** A name and its value. Tests compare the value with dtsctl by `testId`. */
 export interface Fact {
   readonly name: string;
   readonly value: string;
   readonly testId?: string;
-  /** Worth a look: bold, and with a sign. */
+  /** Shown in bold with a sign, because it needs attention. */
   readonly isDoubtful?: boolean;
 }
 

@@ -5,10 +5,11 @@ import { afterEach, expect, test, vi } from 'vitest';
 import { SensorInfoSchema } from '../../generated/dts/v1/control_pb';
 import { Quality } from '../../generated/dts/v1/stream_pb';
 import type { Block } from '../../link/types';
+import { qualityWords } from '../../parts/quality';
 import { fakeLink, runHook } from '../../testing';
 import { barEndsMs, LatencyCounts } from './latency';
 import { SecondStatistics } from './second_statistics';
-import { qualityWords, sensorRows } from './sensors';
+import { sensorRows } from './sensors';
 import { useAges, useWatched } from './watch';
 
 const block = (values: readonly number[], quality = 0, more: Partial<Block> = {}): Block =>
@@ -19,7 +20,7 @@ test.each<[string, Block[], object[]]>([
   ['PartOfASecond gives no statistics', [block([1, 3])], []],
   ['MillivoltsOnVolts are not drowned', [block([4.9, 4.9002, 4.9, 4.9002])], [{ mean: expect.closeTo(4.9001, 6), noiseRms: expect.closeTo(0.0001, 6), quality: 0 }]],
   ['UndefinedValues are left out', [block([NaN, 2, 4, NaN])], [{ mean: 3, noiseRms: 1, quality: 0 }]],
-  ['NewSegment begins anew', [block([9, 9]), block([1, 1, 1, 1], 0, { isNewSegment: true })], [{ mean: 1, noiseRms: 0, quality: 0 }]],
+  ['NewSegment starts again', [block([9, 9]), block([1, 1, 1, 1], 0, { isNewSegment: true })], [{ mean: 1, noiseRms: 0, quality: 0 }]],
   ['EachSecond is reported by itself', [block([9, 9, 9, 9], Quality.RAIL), block([1, 1, 1, 1])], [{ mean: 1, noiseRms: 0, quality: 0 }]],
 ])('SecondStatistics.%s', (_, blocks, channels) => {
   const statistics = new SecondStatistics();
@@ -45,14 +46,14 @@ test.each<[string, readonly number[], readonly number[], readonly number[]]>([
   expect(bars).toHaveLength(barEndsMs.length + 1);
 });
 
-test('Sensors.PlateThatCameDown is nearer to the sensor; what is not heard yet is unknown', () => {
+test('Sensors.PlateThatCameDown is nearer to the sensor; without data the distance is unknown', () => {
   const sensor = create(SensorInfoSchema, { label: 'w1', unloadedGapMm: 12 });
   const second = (mean: number, quality = 0) => ({ mean, noiseRms: 0, quality });
 
-  const [heard, other] = [sensorRows([sensor], [second(4.5)], [second(1.5, Quality.STUCK | Quality.UNTARED)]), sensorRows([sensor], [], [])];
+  const [known, other] = [sensorRows([sensor], [second(4.5)], [second(1.5, Quality.STUCK | Quality.UNTARED)]), sensorRows([sensor], [], [])];
 
-  expect([heard[0]?.gapMm, heard[0]?.volts?.mean]).toEqual([10.5, 4.5]);
-  expect([other[0]?.gapMm, other[0]?.volts]).toEqual([NaN, undefined]);
+  expect([known[0]?.distanceMm, known[0]?.volts?.mean]).toEqual([10.5, 4.5]);
+  expect([other[0]?.distanceMm, other[0]?.volts]).toEqual([NaN, undefined]);
   expect([Quality.UNSPECIFIED, Quality.STUCK | Quality.UNTARED].map((quality) => qualityWords(quality).length)).toEqual([0, 2]);
 });
 

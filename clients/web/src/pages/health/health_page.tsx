@@ -16,7 +16,7 @@ const askDevices = async (link: Link): Promise<readonly DeviceInfo[]> => {
   return answer.case === 'devices' ? answer.value.devices : [];
 };
 
-/** Models and serial numbers may be others after a device or the daemon was gone. */
+/** Changes when a device or the daemon was gone: models and serial numbers may then be others. */
 const deviceKey = (link: Link, status: StatusSnapshot): string =>
   link.state.value !== 'up' ? '' : `${status.instanceId} ${status.rigs.map((rig) => `${rig.device} ${rig.reconnectsTotal}`).join()}`;
 

@@ -27,7 +27,7 @@ const Bar = ({ share, index }: { share: number; index: number }): JSX.Element =>
 
 const ageText = (ms: number): string => (ms === Number.POSITIVE_INFINITY ? `> ${whole(mostMs)} ms` : `${fixed(ms, 0)} ms`);
 
-/** From the newest scan of a block to its arrival in this tab; the picture follows with the next frame. */
+/** Latency from the newest scan of a block to its arrival in this tab; the picture follows with the next frame. */
 export const LatencyPanel = ({ link }: { link: Link }): JSX.Element => {
   const ages = useAges(link).value;
   const { latency } = strings.health;

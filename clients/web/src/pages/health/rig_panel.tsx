@@ -19,7 +19,7 @@ import { useWatched } from './watch';
 
 const deviceFacts = (status: RigStatus, device: DeviceInfo | undefined): Fact[] => {
   const { facts, deviceStates, tareStates } = strings.health;
-  const drift = status.clockDriftPpm === 0 ? facts.unknown : `${fixed(status.clockDriftPpm, 1)} ppm`;
+  const drift = status.clockDriftPpm === undefined ? facts.unknown : `${fixed(status.clockDriftPpm, 1)} ppm`;
   return [
     {
       name: facts.device,

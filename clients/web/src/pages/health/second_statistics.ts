@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Mean and noise of every channel of a stream, over one second after the other. Nothing is kept but sums.
+// Mean and noise of every channel of a stream, second by second. Only sums are stored.
 import type { Block } from '../../link/types';
 
 export interface ChannelSecond {
-  readonly mean: number; // NaN: no value in that second
+  readonly mean: number; // NaN without a value in that second
   readonly noiseRms: number; // about the mean
   readonly quality: number; // bits of Quality, or-ed
 }
 
 interface Sums {
-  origin: number; // taken off every value: squares of volts would drown millivolts
+  origin: number; // subtracted from every value: otherwise squares of volts would hide noise of millivolts
   sum: number;
   squares: number;
   count: number;
@@ -19,14 +19,14 @@ interface Sums {
 const empty = (): Sums => ({ origin: 0, sum: 0, squares: 0, count: 0, quality: 0 });
 
 const secondOf = ({ origin, sum, squares, count, quality }: Sums): ChannelSecond => {
-  const offset = sum / count; // NaN of 0 / 0
+  const offset = sum / count; // 0 / 0 is NaN
   return { mean: origin + offset, noiseRms: Math.sqrt(Math.max(0, squares / count - offset * offset)), quality };
 };
 
 export class SecondStatistics {
   private sums: Sums[] = [];
   private scans = 0;
-  /** Of the last whole second. */
+  /** Statistics of the last whole second. */
   channels: readonly ChannelSecond[] = [];
 
   push(block: Block): void {

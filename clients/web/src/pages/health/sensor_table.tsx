@@ -2,14 +2,14 @@
 import type { JSX } from 'preact';
 
 import { fixed, measured } from '../../parts/numbers';
+import { qualityWords } from '../../parts/quality';
 import { strings } from '../../strings';
 import type { SensorRow, WorkingRange } from './sensors';
-import { qualityWords } from './sensors';
 
-const barMm = 14; // a little more than any unloaded gap
+const barMm = 14; // a little more than the distance to any unloaded plate
 
-/** The gap in its working range: a mark on a ruler. */
-const GapBar = ({ mm, range }: { mm: number; range: WorkingRange | undefined }): JSX.Element => (
+/** The distance as a mark on a ruler that shows the working range. */
+const DistanceBar = ({ mm, range }: { mm: number; range: WorkingRange | undefined }): JSX.Element => (
   <svg class="gap-bar" viewBox={`0 0 ${barMm * 10} 20`} preserveAspectRatio="none" aria-hidden="true">
     <rect class="gap-bar-all" x="0" y="7" width={barMm * 10} height="6" />
     {range !== undefined && <rect class="gap-bar-range" x={range.lowMm * 10} y="4" width={(range.highMm - range.lowMm) * 10} height="12" />}
@@ -44,10 +44,10 @@ const Row = ({ row, range, rig }: { row: SensorRow; range: WorkingRange | undefi
       </td>
       <td class="number">{measured(volts === undefined ? undefined : 1000 * volts.noiseRms)}</td>
       <td class="number" data-testid={`gap-${rig}-${sensor.label}`}>
-        {fixed(row.gapMm, 2)}
+        {fixed(row.distanceMm, 2)}
       </td>
       <td>
-        <GapBar mm={row.gapMm} range={range} />
+        <DistanceBar mm={row.distanceMm} range={range} />
       </td>
       <td>
         {row.volts === undefined ? strings.common.undefinedValue : <QualityText bits={row.quality} />}
@@ -66,7 +66,7 @@ export const SensorTable = ({ rows, range, rig }: { rows: readonly SensorRow[]; 
           <th>{heads.place}</th>
           <th class="number">{heads.volts}</th>
           <th class="number">{heads.noise}</th>
-          <th class="number">{heads.gap}</th>
+          <th class="number">{heads.distance}</th>
           <th>{range === undefined ? heads.bar : rangeOf(fixed(range.lowMm, 0), fixed(range.highMm, 0))}</th>
           <th>{heads.quality}</th>
         </tr>

@@ -27,7 +27,7 @@ const Disk = ({ status }: { status: StatusSnapshot }): JSX.Element | null => {
   );
 };
 
-/** The daemon and its machine. */
+/** The daemon and its computer. */
 export const SystemPanel = ({ status }: { status: StatusSnapshot }): JSX.Element => {
   const { facts, system } = strings.health;
   const rejected = status.rejectedRequestsTotal;

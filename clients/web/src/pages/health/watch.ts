@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the page measures itself while it is open: sensors, ages, gaps.
+// What the page measures while it is open: sensors, ages, gaps.
 import type { ReadonlySignal } from '@preact/signals';
 import { useComputed, useSignal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
@@ -11,7 +11,7 @@ import { LatencyCounts } from './latency';
 import type { ChannelSecond } from './second_statistics';
 import { SecondStatistics } from './second_statistics';
 
-const toldEveryMs = 1000;
+const updateEveryMs = 1000;
 const mostGaps = 20;
 
 export interface SeenGap {
@@ -38,14 +38,14 @@ export interface Watched {
 
 const noSeconds: Seconds = { raw: [], deflection: [] };
 
-/** Sensors and gaps of one rig. */
+/** Returns sensor statistics and gaps of one rig. */
 export const useWatched = (link: Link, rig: string): Watched => {
   const seconds = useSignal(noSeconds);
   const gaps = useSignal<readonly SeenGap[]>([]);
   useEffect(() => {
     const raw = new SecondStatistics();
     const deflection = new SecondStatistics();
-    let toldMs = 0;
+    let updatedMs = 0;
     const stops = [
       link.subscribe([`${rig}/raw`, `${rig}/deflection`, `${rig}/gap`]),
       link.onBlock(`${rig}/raw`, (block) => raw.push(block)),
@@ -54,8 +54,8 @@ export const useWatched = (link: Link, rig: string): Watched => {
         if (event.body.case === 'gap') gaps.value = [{ atMs: Date.now(), gap: event.body.value }, ...gaps.peek()].slice(0, mostGaps);
       }),
       link.onPaint((nowMs) => {
-        if (nowMs - toldMs < toldEveryMs) return;
-        toldMs = nowMs;
+        if (nowMs - updatedMs < updateEveryMs) return;
+        updatedMs = nowMs;
         seconds.value = { raw: raw.channels, deflection: deflection.channels };
       }),
     ];
@@ -64,11 +64,11 @@ export const useWatched = (link: Link, rig: string): Watched => {
   return { seconds, gaps };
 };
 
-/** The stream that the live page of such a rig draws: its age is what a therapist sees. */
+/** Returns the stream that the live page of this rig draws: its age is what a therapist sees. */
 const liveStream = (rig: RigStatus): string | undefined =>
   ['cop', 'transient'].find((stream) => rig.rig?.published.includes(stream)) ?? rig.rig?.published[0];
 
-/** Ages of all rigs' live streams, from the moment the page was opened. */
+/** Returns the ages of all rigs' live streams since the page was opened. */
 export const useAges = (link: Link): ReadonlySignal<Ages> => {
   const ages = useSignal<Ages>({ blocks: 0, medianMs: Number.NaN, p95Ms: Number.NaN, bars: [] });
   const topics = useComputed(() =>
@@ -79,14 +79,14 @@ export const useAges = (link: Link): ReadonlySignal<Ages> => {
   ).value;
   useEffect(() => {
     const counts = new LatencyCounts();
-    let toldMs = 0;
+    let updatedMs = 0;
     const names = topics.split(' ').filter((topic) => topic !== '');
     const stops = [
       link.subscribe(names),
       ...names.map((topic) => link.onBlock(topic, (block) => counts.add(performance.now() - block.newestMs))),
       link.onPaint((nowMs) => {
-        if (nowMs - toldMs < toldEveryMs) return;
-        toldMs = nowMs;
+        if (nowMs - updatedMs < updateEveryMs) return;
+        updatedMs = nowMs;
         ages.value = { blocks: counts.total, medianMs: counts.quantileMs(0.5), p95Ms: counts.quantileMs(0.95), bars: counts.bars() };
       }),
     ];

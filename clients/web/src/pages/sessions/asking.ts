@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Questions to the daemon and to the gateway's archive, as pages use them.
+// Requests of pages to the daemon and to the gateway's archive.
 import type { ReadonlySignal } from '@preact/signals';
 import { useSignal } from '@preact/signals';
 import { useEffect } from 'preact/hooks';
 
 import { CommandError } from '../../link/types';
+import { asSentence } from '../../parts/names';
 
 export interface Asked<T> {
   readonly answer: T | undefined;
@@ -13,8 +14,8 @@ export interface Asked<T> {
 }
 
 /**
- * Asks when the page is shown and again whenever `key` changes; the former answer stays in sight meanwhile. An empty key: not now. What comes
- * after the page was left, or after another question, is ignored.
+ * Asks when the page is shown and again whenever `key` changes; the old answer stays on the page meanwhile. Does not ask for an empty key. Ignores
+ * answers that arrive after the page was left or after the next request.
  */
 export const useAsked = <T>(key: string, ask: (signal: AbortSignal) => Promise<T>): ReadonlySignal<Asked<T>> => {
   const asked = useSignal<Asked<T>>({ answer: undefined, error: undefined, isBusy: key !== '' });
@@ -40,10 +41,10 @@ const fieldOf = (json: unknown, name: string): string => {
   return typeof value === 'string' ? value : '';
 };
 
-/** What the archive says of an answer that is none. */
-export const refusal = async (response: Response): Promise<CommandError> => {
+/** Returns the archive's error of a failed response. */
+export const responseError = async (response: Response): Promise<CommandError> => {
   const json: unknown = await response.json().catch(() => undefined);
-  return new CommandError(0, fieldOf(json, 'what') || `${response.status} ${response.statusText}`, fieldOf(json, 'hint'));
+  return new CommandError(0, asSentence(fieldOf(json, 'what')) || `${response.status} ${response.statusText}`, asSentence(fieldOf(json, 'hint')));
 };
 
 export const archiveUrl = (sessionId: string, path: string): string => `/api/sessions/${encodeURIComponent(sessionId)}/${path}`;

@@ -1,21 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sessions side by side: every figure with its change, and two reports beside each other.
+// Sessions side by side: every result with its change, and two reports.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Field, Notice, Panel } from '../../parts/controls';
-import { dateTime, fixed, percent, signed } from '../../parts/numbers';
+import { capitalised, protocolName, sessionTitle, spoken } from '../../parts/names';
+import { dateTime, percent, signed } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from './asking';
-import type { Caution, Comparison, Figure } from './comparison';
+import type { Caution, ComparedResult, Comparison } from './comparison';
 import { comparable, compare, difference, mostCompared, shareOfChange } from './comparison';
 import { Report } from './report';
+import { resultName, resultValue, unitText } from './result_names';
 import { askSession } from './session_detail';
-import { FigureName, unitText } from './session_tables';
+import { ResultName } from './session_tables';
 
-/** What is compared: two sessions, or all of a subject that can be. */
+/** The sessions to compare: two by their IDs, or all comparable ones of a subject. */
 export type Compared = { readonly ids: readonly string[] } | { readonly subject: string };
 
 const askSessions = async (link: Link, compared: Compared): Promise<readonly SessionRecord[]> => {
@@ -32,11 +34,11 @@ const cautionText = (caution: Caution): string => {
     case 'subjects':
       return cautions.subjects;
     case 'unit':
-      return cautions.unit(caution.figure);
+      return cautions.unit(resultName(caution.result));
     case 'uneven':
-      return cautions.uneven(caution.condition);
+      return cautions.uneven(capitalised(spoken(caution.condition)));
     case 'analysis':
-      return cautions.analysis(caution.condition, analyses[caution.of] ?? caution.of, caution.one, caution.other);
+      return cautions.analysis(capitalised(spoken(caution.condition)), analyses[caution.of] ?? caution.of, caution.one, caution.other);
   }
 };
 
@@ -45,34 +47,34 @@ interface Pair {
   readonly other: number;
 }
 
-const FigureRow = ({ figure, pair }: { figure: Figure; pair: Pair }): JSX.Element => {
-  const change = difference(figure.values[pair.one], figure.values[pair.other]);
-  const share = shareOfChange(figure, pair.one, pair.other);
+const ResultRow = ({ result, pair }: { result: ComparedResult; pair: Pair }): JSX.Element => {
+  const change = difference(result.values[pair.one], result.values[pair.other]);
+  const share = shareOfChange(result, pair.one, pair.other);
   return (
-    <tr data-testid="figure-row">
+    <tr data-testid="comparison-row" data-result={result.name}>
       <th scope="row">
-        <FigureName name={figure.name} />
+        <ResultName name={result.name} />
       </th>
-      {figure.values.map((value, index) => (
+      {result.values.map((value, index) => (
         <td key={index} class="number">
-          {fixed(value, 3)}
+          {resultValue({ name: result.name, value })}
         </td>
       ))}
-      <td>{unitText(figure.unit)}</td>
+      <td>{unitText(result.unit)}</td>
       <td class="number">{signed(change, 3)}</td>
       <td class="number">{share === undefined ? '' : `${share > 0 ? '+' : ''}${percent(share)} %`}</td>
     </tr>
   );
 };
 
-const FigureTable = ({ comparison, pair }: { comparison: Comparison; pair: Pair }): JSX.Element => {
-  const { heads, one, other } = strings.sessions.compare;
+const ResultTable = ({ comparison, pair }: { comparison: Comparison; pair: Pair }): JSX.Element => {
+  const { heads, one, other, table } = strings.sessions.compare;
   return (
-    <div class="sessions-wide" tabIndex={0} role="region" aria-label={heads.figure}>
-      <table data-testid="figure-table">
+    <div class="sessions-wide" tabIndex={0} role="region" aria-label={table}>
+      <table data-testid="comparison-table">
         <thead>
           <tr>
-            <th>{heads.figure}</th>
+            <th>{heads.result}</th>
             {comparison.sessions.map((session, index) => (
               <th key={session.sessionId} class="number">
                 {index === pair.one && `${one}: `}
@@ -86,8 +88,8 @@ const FigureTable = ({ comparison, pair }: { comparison: Comparison; pair: Pair 
           </tr>
         </thead>
         <tbody>
-          {comparison.figures.map((figure) => (
-            <FigureRow key={figure.name} figure={figure} pair={pair} />
+          {comparison.results.map((result) => (
+            <ResultRow key={result.name} result={result} pair={pair} />
           ))}
         </tbody>
       </table>
@@ -101,7 +103,7 @@ const SessionChoice = (props: { label: string; sessions: readonly SessionRecord[
       <select id={id} value={String(props.index)} data-testid={props.testId} onChange={(event) => props.onChange(Number(event.currentTarget.value))}>
         {props.sessions.map((session, index) => (
           <option key={session.sessionId} value={String(index)}>
-            {`${dateTime(session.startedUtcNs)} · ${session.protocol}`}
+            {`${dateTime(session.startedUtcNs)}, ${protocolName(session.protocol)}`}
           </option>
         ))}
       </select>
@@ -112,7 +114,7 @@ const SessionChoice = (props: { label: string; sessions: readonly SessionRecord[
 const SideBySide = ({ sessions }: { sessions: readonly SessionRecord[] }): JSX.Element => (
   <div class="sessions-pair">
     {sessions.map((session, index) => (
-      <Panel key={session.sessionId} title={`${dateTime(session.startedUtcNs)} · ${session.subject}`} testId={`compared-${index + 1}`}>
+      <Panel key={session.sessionId} title={sessionTitle(session)} testId={`compared-${index + 1}`}>
         <a class="sessions-link" href={`#/sessions/${encodeURIComponent(session.sessionId)}`}>
           {session.sessionId}
         </a>
@@ -132,13 +134,13 @@ const Compare = ({ comparison }: { comparison: Comparison }): JSX.Element => {
   return (
     <>
       <div class="row">
-        <SessionChoice label={words.one} sessions={sessions} index={pair.one} testId="compare-one" onChange={(index) => (one.value = index)} />
-        <SessionChoice label={words.other} sessions={sessions} index={pair.other} testId="compare-other" onChange={(index) => (other.value = index)} />
+        <SessionChoice label={words.oneLabel} sessions={sessions} index={pair.one} testId="compare-one" onChange={(index) => (one.value = index)} />
+        <SessionChoice label={words.otherLabel} sessions={sessions} index={pair.other} testId="compare-other" onChange={(index) => (other.value = index)} />
       </div>
       {comparison.cautions.map((caution) => (
         <Notice key={JSON.stringify(caution)} kind="warning" what={cautionText(caution)} testId="compare-caution" />
       ))}
-      {comparison.figures.length === 0 ? <p>{words.noFigures}</p> : <FigureTable comparison={comparison} pair={pair} />}
+      {comparison.results.length === 0 ? <p>{words.noResults}</p> : <ResultTable comparison={comparison} pair={pair} />}
       <SideBySide sessions={shown} />
     </>
   );

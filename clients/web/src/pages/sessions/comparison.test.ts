@@ -22,10 +22,10 @@ const mvelo = (value: number): Result => ({ name: 'MVELO', value, unit: 'mm/s' }
 
 test.each<[string, SessionRecord[], readonly (readonly unknown[])[]]>([
   ['TwoSessions are oldest first', [session('new', 2, [mvelo(12)]), session('old', 1, [mvelo(8)])], [[8, 12]]],
-  ['FigureOfOneSession has no other', [session('a', 1, [{ name: 'MVELO', value: 8 }]), session('b', 2, [{ name: 'RDIST', value: 3 }])], [[8, undefined], [undefined, 3]]],
-  ['UndefinedValue is none', [session('a', 1, [{ name: 'x', value: NaN }]), session('b', 2, [{ name: 'x', value: 1 }])], [[undefined, 1]]],
+  ['ResultOfOneSession has no other', [session('a', 1, [{ name: 'MVELO', value: 8 }]), session('b', 2, [{ name: 'RDIST', value: 3 }])], [[8, undefined], [undefined, 3]]],
+  ['UndefinedValue is left out', [session('a', 1, [{ name: 'x', value: NaN }]), session('b', 2, [{ name: 'x', value: 1 }])], [[undefined, 1]]],
 ])('compare.%s', (_, sessions, values) => {
-  expect(compare(sessions).figures.map((figure) => figure.values)).toEqual(values);
+  expect(compare(sessions).results.map((result) => result.values)).toEqual(values);
 });
 
 test.each<[string, string, (number | undefined)[], number | undefined, number | undefined]>([
@@ -52,7 +52,7 @@ test('compare.Warns of another subject', () => {
   expect(compare([session('a', 1, []), session('b', 2, [], { subject: 'P018' })]).cautions).toMatchObject([{ kind: 'subjects' }]);
 });
 
-test('comparable.SessionsOfOtherRigs and without figures are left out', () => {
+test('comparable.SessionsOfOtherRigs and without results are left out', () => {
   const chair = { rig: 'chair' };
   const sessions = [session('empty', 4, []), session('newest', 3, [mvelo(1)], chair), session('floor', 2, [mvelo(1)]), session('oldest', 1, [mvelo(1)], chair)];
 

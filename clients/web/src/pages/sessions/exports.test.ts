@@ -5,7 +5,7 @@ import { askSize } from './exports';
 
 afterEach(() => vi.unstubAllGlobals());
 
-/** Answers in turn; tells which methods were asked for, and how many bodies were read to their end. */
+/** Serves answers in turn; records the requested methods and the bodies that were read. */
 const answering = (...answers: readonly { status: number; length?: string; body?: string }[]) => {
   const asked: string[] = [];
   const read: string[] = [];
@@ -40,14 +40,14 @@ test('askSize.HeadWithoutLength: no size, and nothing is downloaded', async () =
   expect(asked).toEqual(['HEAD']);
 });
 
-test('askSize.Refusal says what the archive says', async () => {
+test('askSize.Error is that of the archive', async () => {
   const { asked } = answering({ status: 409 }, { status: 409, body: '{"what": "it is recording", "hint": "stop it"}' });
 
-  await expect(ask()).rejects.toMatchObject({ message: 'it is recording', hint: 'stop it' });
+  await expect(ask()).rejects.toMatchObject({ message: 'It is recording', hint: 'Stop it' });
   expect(asked).toEqual(['HEAD', 'GET']);
 });
 
-test('askSize.RefusalThatIsOver: the export that comes after all is not read', async () => {
+test('askSize.ErrorThatIsOver: the export that is then sent is not read', async () => {
   const { read } = answering({ status: 503 }, { status: 200, length: '99', body: 'export' });
 
   expect(await ask()).toBe(99);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Downloads that say how large they are before somebody takes them.
+// Downloads that show their size before the user starts them.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
@@ -8,21 +8,21 @@ import { PartState } from '../../generated/dts/v1/sessions_pb';
 import { Button, Notice } from '../../parts/controls';
 import { bytes, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
-import { archiveUrl, refusal, useAsked } from './asking';
+import { archiveUrl, responseError, useAsked } from './asking';
 
-// An export has to be made before its size is known. Of a short recording that is a matter of a second; of hours only who wants it waits.
+// An export must be made before its size is known. That takes about a second for a short recording; a long one is made only on request.
 const madeUnaskedBytes = 100_000_000n;
 
 const sizeOf = (response: Response): number => Number(response.headers.get('Content-Length') ?? Number.NaN);
 
-/** In bytes; NaN: it can be had, and nobody says how large it is. Never takes the export itself. */
+/** Returns the size in bytes, or NaN if the gateway does not know it. Never downloads the export itself. */
 export const askSize = async (url: string, signal: AbortSignal): Promise<number> => {
   const head = await fetch(url, { method: 'HEAD', signal });
   if (head.ok) return sizeOf(head);
-  // An answer to HEAD has no body to say what is wrong.
+  // A response to HEAD has no body with the error.
   const response = await fetch(url, { signal });
-  if (!response.ok) throw await refusal(response);
-  await response.body?.cancel(); // it can be had after all
+  if (!response.ok) throw await responseError(response);
+  await response.body?.cancel(); // the export is available after all
   return sizeOf(response);
 };
 

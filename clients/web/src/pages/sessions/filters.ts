@@ -2,16 +2,16 @@
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 
 export interface Filters {
-  readonly subject: string; // part of the pseudonym
+  readonly subject: string; // part of the subject ID
   readonly protocol: string;
   readonly state: string;
-  readonly from: string; // "2026-01-31", of the reader's calendar; empty: any
+  readonly from: string; // "2026-01-31" in the reader's time zone; empty: any
   readonly to: string;
 }
 
 export const noFilters: Filters = { subject: '', protocol: '', state: '', from: '', to: '' };
 
-/** Midnight of a day in the reader's time zone. */
+/** Returns midnight of a day in the reader's time zone. */
 const dayStartMs = (day: string, plusDays: number): number => {
   const [year, month, date] = day.split('-').map(Number);
   return new Date(year ?? 0, (month ?? 1) - 1, (date ?? 1) + plusDays).getTime();
@@ -28,4 +28,5 @@ export const passes = (session: SessionRecord, filters: Filters): boolean => {
   );
 };
 
-export const lengthS = (session: SessionRecord): number => session.parts.reduce((sum, part) => sum + part.durationS, 0);
+/** Returns the duration of all parts in s. */
+export const durationS = (session: SessionRecord): number => session.parts.reduce((sum, part) => sum + part.durationS, 0);

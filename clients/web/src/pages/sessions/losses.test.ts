@@ -12,7 +12,7 @@ test.each([
   ['AllParts and reasons add up', [{ losses: [loss(1, 560, GapReason.RING_FULL)] }, { losses: [loss(2, 39), loss(0, 1)] }], '600 scans lost in 3 gaps'],
   ['GapWithoutLostScans is shown', [{ losses: [loss(1, 0)] }], '0 scans lost in 1 gap'],
   ['NothingLost says nothing', [{ losses: [] }, { losses: [] }], ''],
-  ['UnknownLosses are not none', [{ isLossUnknown: true }], 'losses not known'],
+  ['UnknownLosses are shown as unknown', [{ isLossUnknown: true }], 'losses unknown'],
   ['PartWhoseLossesAreUnknown is not called whole', [{ losses: [loss(1, 7)] }, { isLossUnknown: true }], 'at least 7 scans lost in 1 gap'],
 ])('lossOfSession.%s', (_, parts, expected) => {
   expect(lossOfSession(create(SessionRecordSchema, { parts }))).toBe(expected);
@@ -24,5 +24,5 @@ test('lossLine.EveryReason has its words, one of a later daemon is unknown', () 
 
   for (const line of lines) expect(line).toMatch(/^2 gaps: \w.*, 1 scan lost$/);
   expect(new Set(lines).size).toBe(reasons.length);
-  expect(lossLine(loss(1, 7, 99 as GapReason))).toBe('1 gap: reason unknown, 7 scans lost');
+  expect(lossLine(loss(1, 7, 99 as GapReason))).toBe('1 gap: unknown reason, 7 scans lost');
 });

@@ -7,8 +7,8 @@ import { strings } from '../../strings';
 const { lostScans, inGaps, gaps, lossesUnknown, atLeast } = strings.sessions.parts;
 
 /**
- * What all parts lost between their first scan and their last: "10600 scans lost in 3 gaps"; "losses not known" when dtsd does not know it
- * of a part. Empty when there is no gap.
+ * Returns the losses of all parts, each between its first and last scan: "10,600 scans lost in 3 gaps". Returns "losses unknown" if they are unknown
+ * for a part, and "" if there is no gap.
  */
 export const lossOfSession = (session: SessionRecord): string => {
   const losses = session.parts.flatMap((part) => part.losses);
@@ -20,7 +20,7 @@ export const lossOfSession = (session: SessionRecord): string => {
   return isUnknown ? atLeast(text) : text;
 };
 
-/** Of one part and reason: "2 gaps: unplugged, 40 scans lost". */
+/** Returns the losses of one part for one reason: "2 gaps: device unplugged, 40 scans lost". */
 export const lossLine = (loss: LossCount): string => {
   const { gapReasons } = strings.health;
   return `${gaps(whole(loss.gapsTotal), gapReasons[loss.reason] ?? gapReasons[0] ?? '')}, ${lostScans(whole(loss.lostScansTotal))}`;

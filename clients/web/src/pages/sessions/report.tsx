@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// The report of a session as the command line makes it: same pages, same bytes.
+// The report of a session: the same pages and bytes as from `dtsctl report`.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import { Notice } from '../../parts/controls';
 import { strings } from '../../strings';
-import { archiveUrl, refusal, useAsked } from './asking';
+import { archiveUrl, responseError, useAsked } from './asking';
 
 interface ReportIndex {
-  readonly pages: readonly string[]; // HTML only: the pictures are in them
+  readonly pages: readonly string[]; // HTML only; the pictures are inside
   readonly damage: readonly string[];
 }
 
@@ -16,7 +16,7 @@ const words = (value: unknown): string[] => (Array.isArray(value) ? value.filter
 
 const askReport = async (sessionId: string, signal: AbortSignal): Promise<ReportIndex> => {
   const response = await fetch(archiveUrl(sessionId, 'report'), { signal });
-  if (!response.ok) throw await refusal(response);
+  if (!response.ok) throw await responseError(response);
   const index = (await response.json()) as { pages?: unknown; damage?: unknown };
   return { pages: words(index.pages).filter((page) => page.endsWith('.html')), damage: words(index.damage) };
 };
@@ -31,7 +31,7 @@ export const Report = ({ sessionId, testId }: { sessionId: string; testId: strin
   const asked = useAsked(`report ${sessionId}`, (signal) => askReport(sessionId, signal)).value;
   const chosen = useSignal<string | undefined>(undefined);
   if (asked.error !== undefined) return <Notice kind="plain" what={asked.error.message} hint={asked.error.hint} testId={`${testId}-error`} />;
-  if (asked.answer === undefined) return <p data-testid={`${testId}-comes`}>{report.comes}</p>;
+  if (asked.answer === undefined) return <p data-testid={`${testId}-pending`}>{report.pending}</p>;
   const { pages, damage } = asked.answer;
   const page = chosen.value ?? pages[0];
   if (page === undefined) return <p>{report.none}</p>;
@@ -51,7 +51,7 @@ export const Report = ({ sessionId, testId }: { sessionId: string; testId: strin
           {report.print}
         </a>
       </div>
-      {/* No scripts in there. Same origin, since the pages it links to need the login's cookie. */}
+      {/* Without scripts. Same origin, because linked pages need the cookie of the login. */}
       <iframe class="report-frame" title={report.title(sessionId)} src={url} sandbox="allow-same-origin" data-testid={`${testId}-frame`} />
     </div>
   );

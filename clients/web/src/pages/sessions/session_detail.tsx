@@ -4,11 +4,12 @@ import type { JSX } from 'preact';
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Notice, Panel } from '../../parts/controls';
+import { protocolName, sessionTitle } from '../../parts/names';
 import { dateTime, duration } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from './asking';
 import { Exports } from './exports';
-import { lengthS } from './filters';
+import { durationS } from './filters';
 import { Report } from './report';
 import { PartTable, ResultTable, TrialsOfSession } from './session_tables';
 import { LostScans, StateMark } from './state_mark';
@@ -19,7 +20,7 @@ export const askSession = async (link: Link, sessionId: string): Promise<Session
   return answer.value;
 };
 
-/** While it runs its trials come one by one; when it ends it has figures. */
+/** Changes with every trial of a running session, and when the session ends and gets its results. */
 const detailKey = (link: Link, sessionId: string): string => {
   if (link.state.value !== 'up') return '';
   const running = link.status.value?.rigs.find((rig) => rig.session?.sessionId === sessionId)?.session;
@@ -31,11 +32,11 @@ const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
   const { facts } = strings.sessions;
   const entries: readonly (readonly [string, string])[] = [
     [heads.subject, session.subject],
-    [heads.protocol, session.protocol],
+    [heads.protocol, protocolName(session.protocol)],
     [heads.rig, session.rig],
     [heads.started, dateTime(session.startedUtcNs)],
-    [facts.ended, dateTime(session.endedUtcNs)],
-    [heads.length, duration(lengthS(session))],
+    [facts.ended, dateTime(session.endedUtcNs ?? 0n)],
+    [heads.duration, duration(durationS(session))],
     [heads.label, session.label],
     [facts.message, session.message],
   ];
@@ -43,7 +44,7 @@ const Facts = ({ session }: { session: SessionRecord }): JSX.Element => {
     <dl class="facts" data-testid="session-facts">
       <dt>{heads.state}</dt>
       <dd>
-        <StateMark state={session.state} />
+        <StateMark session={session} />
         <LostScans session={session} />
       </dd>
       {entries
@@ -75,7 +76,14 @@ export const SessionDetail = ({ link, sessionId }: { link: Link; sessionId: stri
           {back}
         </a>
       </p>
-      <h1>{sessionId}</h1>
+      <div>
+        <h1>{session === undefined ? sessionId : sessionTitle(session)}</h1>
+        {session !== undefined && (
+          <p class="sessions-note" data-testid="session-id">
+            {strings.sessions.id} {sessionId}
+          </p>
+        )}
+      </div>
       {asked.error !== undefined && <Notice kind="error" what={asked.error.message} hint={asked.error.hint} testId="session-error" />}
       {session !== undefined && (
         <>

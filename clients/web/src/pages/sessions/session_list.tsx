@@ -1,21 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// All sessions, newest first, with filters; two of them, or all of a subject, can be compared.
+// All sessions, newest first, with filters. Two sessions, or all of a subject, can be compared.
 import { useSignal } from '@preact/signals';
 import type { JSX } from 'preact';
 
 import type { SessionRecord } from '../../generated/dts/v1/sessions_pb';
 import type { Link } from '../../link/types';
 import { Field, Notice } from '../../parts/controls';
+import { protocolName, sessionTitle } from '../../parts/names';
 import { dateTime, duration, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { useAsked } from './asking';
 import type { Filters } from './filters';
-import { lengthS, noFilters, passes } from './filters';
+import { durationS, noFilters, passes } from './filters';
 import { LostScans, StateMark } from './state_mark';
 
 const mostListed = 500;
 
-/** Changes when a session begins, ends or is resumed anywhere: then the list is asked for again. */
+/** Changes when a session starts, ends or is resumed on any rig; the list is then loaded again. */
 const listKey = (link: Link): string =>
   link.state.value !== 'up'
     ? ''
@@ -26,14 +27,14 @@ const askList = async (link: Link): Promise<readonly SessionRecord[]> => {
   return answer.case === 'sessions' ? answer.value.sessions : [];
 };
 
-const Choice = (props: { label: string; value: string; values: readonly string[]; words?: Readonly<Record<string, string>>; testId: string; onChange: (value: string) => void }): JSX.Element => (
+const Choice = (props: { label: string; value: string; values: readonly string[]; word: (value: string) => string; testId: string; onChange: (value: string) => void }): JSX.Element => (
   <Field label={props.label}>
     {(id) => (
       <select id={id} value={props.value} data-testid={props.testId} onChange={(event) => props.onChange(event.currentTarget.value)}>
         <option value="">{strings.sessions.filters.all}</option>
         {props.values.map((value) => (
           <option key={value} value={value}>
-            {props.words?.[value] ?? value}
+            {props.word(value)}
           </option>
         ))}
       </select>
@@ -53,8 +54,8 @@ const FilterBar = (props: { filters: Filters; protocols: readonly string[]; onCh
   return (
     <div class="row" role="search">
       {input('subject', 'search')}
-      <Choice label={words.protocol} value={filters.protocol} values={props.protocols} testId="filter-protocol" onChange={(protocol) => set({ protocol })} />
-      <Choice label={words.state} value={filters.state} values={Object.keys(states)} words={states} testId="filter-state" onChange={(state) => set({ state })} />
+      <Choice label={words.protocol} value={filters.protocol} values={props.protocols} word={protocolName} testId="filter-protocol" onChange={(protocol) => set({ protocol })} />
+      <Choice label={words.state} value={filters.state} values={Object.keys(states)} word={(state) => states[state] ?? state} testId="filter-state" onChange={(state) => set({ state })} />
       {input('from', 'date')}
       {input('to', 'date')}
     </div>
@@ -68,7 +69,7 @@ const Row = (props: { session: SessionRecord; isChosen: boolean; onChoose: () =>
     <tr data-testid="session-row" data-session={session.sessionId}>
       <td>
         <label class="sessions-choose">
-          <input type="checkbox" checked={props.isChosen} onChange={props.onChoose} aria-label={choose(session.sessionId)} />
+          <input type="checkbox" checked={props.isChosen} onChange={props.onChoose} aria-label={choose(sessionTitle(session))} />
         </label>
       </td>
       <td>
@@ -85,11 +86,11 @@ const Row = (props: { session: SessionRecord; isChosen: boolean; onChoose: () =>
           </a>
         )}
       </td>
-      <td>{session.protocol}</td>
+      <td>{protocolName(session.protocol)}</td>
       <td>{session.rig}</td>
-      <td class="number">{session.state === 'running' ? underWay : duration(lengthS(session))}</td>
+      <td class="number">{session.state === 'running' ? underWay : duration(durationS(session))}</td>
       <td>
-        <StateMark state={session.state} />
+        <StateMark session={session} />
         <LostScans session={session} />
       </td>
       <td>{session.label}</td>
@@ -120,7 +121,7 @@ export const SessionList = ({ link }: { link: Link }): JSX.Element => {
   const chosen = useSignal<readonly string[]>([]);
   const all = asked.answer ?? [];
   const shown = all.filter((session) => passes(session, filters.value));
-  // The two chosen last: a third takes the place of the first.
+  // Keeps the two chosen last: a third replaces the first.
   const choose = (id: string): void => {
     const others = chosen.value.filter((one) => one !== id);
     chosen.value = others.length < chosen.value.length ? others : [...others, id].slice(-2);
@@ -157,7 +158,7 @@ const SessionTable = (props: { sessions: readonly SessionRecord[]; chosen: reado
           <th>{heads.subject}</th>
           <th>{heads.protocol}</th>
           <th>{heads.rig}</th>
-          <th class="number">{heads.length}</th>
+          <th class="number">{heads.duration}</th>
           <th>{heads.state}</th>
           <th>{heads.label}</th>
         </tr>

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parts, trials and figures of one session.
+// Parts, trials and results of one session.
 import type { JSX } from 'preact';
 
-import type { SessionRecord, SessionResult, TrialRecord } from '../../generated/dts/v1/sessions_pb';
+import type { SessionRecord, TrialRecord } from '../../generated/dts/v1/sessions_pb';
 import { PartState } from '../../generated/dts/v1/sessions_pb';
+import { spoken } from '../../parts/names';
+import type { SessionResult } from '../../generated/dts/v1/stream_pb';
 import { bytes, duration, fixed, measured, whole } from '../../parts/numbers';
 import { strings } from '../../strings';
 import { TargetTable, TrialTable } from '../chair/trial_tables';
-import { figureMeaning } from './figures';
 import { lossLine } from './losses';
-
-export const unitText = (unit: string): string => (unit === '1' ? '' : unit);
+import { resultName, resultValue, unitText } from './result_names';
 
 export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element => {
-  const { heads, states, lost, lossesUnknown } = strings.sessions.parts;
+  const { heads, states, checksum, lost, lossesUnknown } = strings.sessions.parts;
   return (
     <table data-testid="part-table">
       <thead>
         <tr>
           <th class="number">{heads.part}</th>
           <th>{heads.state}</th>
-          <th class="number">{heads.length}</th>
+          <th class="number">{heads.duration}</th>
           <th class="number">{heads.scans}</th>
           <th class="number">{heads.size}</th>
           <th>{heads.file}</th>
@@ -46,7 +46,7 @@ export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element 
             <td class="number">{bytes(part.bytes)}</td>
             <td class="sessions-file">
               {part.file}
-              <div class="sessions-note">SHA-256 {part.sha256}</div>
+              <div class="sessions-note">{checksum(part.sha256)}</div>
             </td>
           </tr>
         ))}
@@ -55,7 +55,7 @@ export const PartTable = ({ session }: { session: SessionRecord }): JSX.Element 
   );
 };
 
-/** The measures of a trial of quiet standing that fit a line; the report has all. */
+/** Measures of a trial of quiet standing that fit one line; the report has all. */
 const shownMeasures = ['MVELO', 'RDIST', 'PEA95_F'] as const;
 
 const SwayRow = ({ trial }: { trial: TrialRecord }): JSX.Element => {
@@ -63,7 +63,7 @@ const SwayRow = ({ trial }: { trial: TrialRecord }): JSX.Element => {
   return (
     <tr>
       <td class="number">{trial.attempt > 1 ? `${whole(trial.trial)}.${whole(trial.attempt)}` : whole(trial.trial)}</td>
-      <td>{trial.condition}</td>
+      <td>{spoken(trial.condition)}</td>
       <td>
         {strings.chair.table.outcomes[trial.outcome] ?? trial.outcome}
         {sway !== undefined && sway.problem !== '' && <div class="sessions-note">{sway.problem}</div>}
@@ -88,7 +88,7 @@ const SwayTable = ({ trials }: { trials: readonly TrialRecord[] }): JSX.Element 
           <th class="number">{heads.trial}</th>
           <th>{heads.condition}</th>
           <th>{heads.outcome}</th>
-          <th class="number">{heads.length}</th>
+          <th class="number">{heads.duration}</th>
           <th class="number">{heads.velocity}</th>
           <th class="number">{heads.distance}</th>
           <th class="number">{heads.ellipse}</th>
@@ -110,21 +110,18 @@ export const TrialsOfSession = ({ trials }: { trials: readonly TrialRecord[] }):
   return (
     <div class="column">
       <TargetTable trials={trials} />
-      <TrialTable trials={trials} />
+      <TrialTable trials={trials} isWhole />
     </div>
   );
 };
 
-/** A figure by its symbol, with what it means where that is known: "eyes-open/RANGE_AP". */
-export const FigureName = ({ name }: { name: string }): JSX.Element => {
-  const meaning = figureMeaning(name);
-  return (
-    <>
-      {name}
-      {meaning !== undefined && <div class="sessions-note">{meaning}</div>}
-    </>
-  );
-};
+/** The plain name of a result, with its key in exports ("eyes-open/RANGE_AP") below. */
+export const ResultName = ({ name }: { name: string }): JSX.Element => (
+  <>
+    {resultName(name)}
+    <div class="sessions-note">{name}</div>
+  </>
+);
 
 export const ResultTable = ({ results }: { results: readonly SessionResult[] }): JSX.Element => {
   const { heads, none } = strings.sessions.results;
@@ -133,7 +130,7 @@ export const ResultTable = ({ results }: { results: readonly SessionResult[] }):
     <table data-testid="result-table">
       <thead>
         <tr>
-          <th>{heads.figure}</th>
+          <th>{heads.result}</th>
           <th class="number">{heads.value}</th>
           <th>{heads.unit}</th>
         </tr>
@@ -142,10 +139,10 @@ export const ResultTable = ({ results }: { results: readonly SessionResult[] }):
         {results.map((result) => (
           <tr key={result.name}>
             <td>
-              <FigureName name={result.name} />
+              <ResultName name={result.name} />
             </td>
             <td class="number" data-testid={`result-${result.name}`}>
-              {fixed(result.value, 3)}
+              {resultValue(result)}
             </td>
             <td>{unitText(result.unit)}</td>
           </tr>

@@ -7,7 +7,7 @@ import { SessionDetail } from './session_detail';
 import { SessionList } from './session_list';
 import './sessions.css';
 
-/** `path`: ["sessions"], ["sessions", ID], ["compare", ID, ID] or ["compare", "subject", PSEUDONYM]. */
+/** `path`: ["sessions"], ["sessions", ID], ["compare", ID, ID] or ["compare", "subject", SUBJECT ID]. */
 export const SessionsPage = ({ link, path }: { link: Link; path: readonly string[] }): JSX.Element => {
   const [page, first, second] = path;
   if (page === 'compare' && first !== undefined && second !== undefined) {

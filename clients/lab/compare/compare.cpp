@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/compare/compare.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "lab/compare/paired.h"
+
+namespace dts::lab::compare {
+namespace {
+
+constexpr double kShortestOverlapS = 1.0;
+
+AxisDifference difference(const std::vector<double>& a, const std::vector<double>& b) {
+  const auto count = static_cast<double>(a.size());
+  double mean_a = 0.0;
+  double mean_b = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    mean_a += a[k] / count;
+    mean_b += b[k] / count;
+  }
+  AxisDifference result{.mean_difference_mm = mean_b - mean_a};
+  double aa = 0.0;
+  double bb = 0.0;
+  double ab = 0.0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const double raw = b[k] - a[k];
+    const double removed = raw - result.mean_difference_mm;
+    result.rmse_mm += raw * raw / count;
+    result.rmse_mean_removed_mm += removed * removed / count;
+    result.largest_mm = std::max(result.largest_mm, std::abs(raw));
+    result.largest_mean_removed_mm = std::max(result.largest_mean_removed_mm, std::abs(removed));
+    aa += (a[k] - mean_a) * (a[k] - mean_a);
+    bb += (b[k] - mean_b) * (b[k] - mean_b);
+    ab += (a[k] - mean_a) * (b[k] - mean_b);
+  }
+  result.rmse_mm = std::sqrt(result.rmse_mm);
+  result.rmse_mean_removed_mm = std::sqrt(result.rmse_mean_removed_mm);
+  result.correlation = ab / std::sqrt(aa * bb);
+  return result;
+}
+
+/// Converts times relative to the first scans to times of the clocks.
+Alignment on_clocks(Alignment alignment, const Recording& a, const Recording& b) {
+  alignment.offset_s += a.began_s - b.began_s;
+  alignment.reference_s += b.began_s;
+  return alignment;
+}
+
+}  // namespace
+
+core::Result<Comparison> compare(const Recording& a, const Recording& b) {
+  auto alignment = align(a, b);
+  if (!alignment) return tl::make_unexpected(alignment.error());
+  const Paired paired = pair_up(a, b, *alignment);
+  const double overlap_s = paired.t_a_s.empty() ? 0.0 : paired.t_a_s.back() - paired.t_a_s.front();
+  if (overlap_s < kShortestOverlapS) {
+    return core::fail(core::ErrorCode::Failed, "after alignment, the recordings overlap by less than 1 s",
+                      "check that both recordings are of the same trial and that trigger or marker mean the same in both");
+  }
+  Comparison comparison{.alignment = on_clocks(*alignment, a, b),
+                        .overlap_s = overlap_s,
+                        .scan_count = paired.t_a_s.size(),
+                        .correlation = correlation(paired),
+                        .x = difference(paired.a_x, paired.b_x),
+                        .y = difference(paired.a_y, paired.b_y)};
+  comparison.rmse_total_mm = std::hypot(comparison.x.rmse_mm, comparison.y.rmse_mm);
+  comparison.rmse_total_mean_removed_mm = std::hypot(comparison.x.rmse_mean_removed_mm, comparison.y.rmse_mean_removed_mm);
+  return comparison;
+}
+
+}  // namespace dts::lab::compare

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "cli/command_line.h"
+
+namespace dts::lab::compare {
+
+/// Adds `dtslab compare`.
+void add_commands(cli::CommandLine& line);
+
+}  // namespace dts::lab::compare

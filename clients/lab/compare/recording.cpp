@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "lab/compare/recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "lab/base/csv.h"
+#include "lab/base/position_columns.h"
+
+namespace dts::lab::compare {
+namespace {
+
+constexpr std::size_t kFewestScans = 20;
+constexpr double kShortestS = 2.0;
+constexpr double kHoleSteps = 3.5;  ///< Two missing samples are interpolated; three are a hole.
+
+double median_step(std::span<const double> t_s) {
+  if (t_s.size() < 2) return 0.0;
+  std::vector<double> steps;
+  for (std::size_t k = 1; k < t_s.size(); ++k) steps.push_back(t_s[k] - t_s[k - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::ranges::nth_element(steps, middle);
+  return *middle;
+}
+
+void check_times(const std::string& file, bool is_xdf, const Recording& recording, files::Problems& problems) {
+  const auto& t_s = recording.t_s;
+  for (std::size_t row = 1; row < t_s.size(); ++row) {
+    if (t_s[row] > t_s[row - 1]) continue;
+    problems.push_back({file, is_xdf ? 0U : static_cast<std::uint32_t>(CsvTable::line_of_row(row)), 1, "t_s does not increase"});
+    return;  // one report is enough: later rows have the same fault
+  }
+  if (t_s.size() >= kFewestScans && t_s.back() - t_s.front() >= kShortestS) return;
+  problems.push_back({file, 0, 0, "too short: a recording needs at least " + std::to_string(kFewestScans) + " scans over 2 s"});
+}
+
+Recording read_csv_recording(const std::string& file, files::Problems& problems) {
+  std::vector<CsvColumn> columns{{.name = "t_s", .minimum = -1e12, .maximum = 1e12},
+                                 {.name = "trigger", .is_required = false, .may_be_empty = true},
+                                 {.name = "marker", .is_required = false, .is_text = true}};
+  add_position_columns(columns);
+  const std::size_t before = problems.size();
+  const CsvTable table = CsvTable::read(file, columns, problems);
+  const auto position = problems.size() == before ? position_columns(file, table, problems) : std::nullopt;
+  if (!position) return {};
+  Recording recording{.t_s = table.numbers("t_s"),
+                      .x_mm = table.numbers(position->ml),
+                      .y_mm = table.numbers(position->ap),
+                      .trigger = table.numbers("trigger"),
+                      .marker = table.texts("marker")};
+  if (!recording.t_s.empty()) recording.began_s = recording.t_s.front();
+  for (double& t_s : recording.t_s) t_s -= recording.began_s;
+  return recording;
+}
+
+}  // namespace
+
+Recording read_recording(const std::string& file, files::Problems& problems) {
+  const std::size_t before = problems.size();
+  const bool is_xdf = file.ends_with(".xdf") || file.ends_with(".xdf.part");
+  Recording recording = is_xdf ? read_xdf_recording(file, problems) : read_csv_recording(file, problems);
+  if (problems.size() == before) check_times(file, is_xdf, recording, problems);
+  return recording;
+}
+
+double Recording::step_s() const { return median_step(t_s); }
+
+SmoothSeries::SmoothSeries(std::span<const double> t_s, std::span<const double> values) {
+  for (std::size_t k = 0; k < t_s.size(); ++k) {
+    if (!std::isfinite(values[k])) continue;
+    t_s_.push_back(t_s[k]);
+    values_.push_back(values[k]);
+  }
+  longest_step_s_ = kHoleSteps * median_step(t_s);
+  for (std::size_t k = 0; k < t_s_.size(); ++k) {
+    const std::size_t before = k == 0 ? 0 : k - 1;
+    const std::size_t after = std::min(k + 1, t_s_.size() - 1);
+    slopes_.push_back(after == before ? 0.0 : (values_[after] - values_[before]) / (t_s_[after] - t_s_[before]));
+  }
+}
+
+SmoothSeries::Value SmoothSeries::at(double t_s) const {
+  constexpr double kUndefined = std::numeric_limits<double>::quiet_NaN();
+  const auto next = std::ranges::upper_bound(t_s_, t_s);
+  if (next == t_s_.begin() || next == t_s_.end()) {
+    const bool is_last = !t_s_.empty() && t_s == t_s_.back();
+    return is_last ? Value{values_.back(), slopes_.back()} : Value{kUndefined, kUndefined};
+  }
+  const auto k = static_cast<std::size_t>(next - t_s_.begin()) - 1;
+  const double step_s = t_s_[k + 1] - t_s_[k];
+  if (step_s > longest_step_s_) return {kUndefined, kUndefined};
+  const double u = (t_s - t_s_[k]) / step_s;
+  const double rise = values_[k + 1] - values_[k];
+  // value = v0 + u (m0 + u (c2 + u c3)) with the slopes m0, m1 in units per step
+  const double m0 = slopes_[k] * step_s;
+  const double m1 = slopes_[k + 1] * step_s;
+  const double c2 = 3.0 * rise - 2.0 * m0 - m1;
+  const double c3 = m0 + m1 - 2.0 * rise;
+  return {values_[k] + u * (m0 + u * (c2 + u * c3)), (m0 + u * (2.0 * c2 + 3.0 * u * c3)) / step_s};
+}
+
+}  // namespace dts::lab::compare

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "files/toml_reader.h"
+
+namespace dts::lab::compare {
+
+/// A recorded centre of pressure. All columns are as long as `t_s`; NaN where a value is missing. Times rise strictly.
+struct Recording {
+  std::vector<double> t_s;  ///< Relative to `began_s`.
+  std::vector<double> x_mm;
+  std::vector<double> y_mm;
+  std::vector<double> trigger;      ///< Level; empty without this column.
+  std::vector<std::string> marker;  ///< Text at its scan; empty without this column.
+
+  /// On the recording's clock. Separate from `t_s`, because a double with a Unix time resolves only 0.2 us: too coarse for the alignment.
+  double began_s = 0.0;
+
+  /// Returns the median time between scans.
+  [[nodiscard]] double step_s() const;
+};
+
+/// Reads a recording: an XDF file if its name ends in .xdf or .xdf.part, else a CSV file with the columns `t_s,x_mm,y_mm` (or ml_mm,ap_mm)
+/// and optionally `trigger` and `marker`. Times become relative to the first. Adds every error to `problems`; times must rise, and there
+/// must be 20 scans over two seconds.
+[[nodiscard]] Recording read_recording(const std::string& file, files::Problems& problems);
+
+/// Reads the stream "cop" of an XDF recording: ml_mm as x, ap_mm as y, at the times that the values describe. Rising triggers and markers
+/// are from its events.
+[[nodiscard]] Recording read_xdf_recording(const std::string& file, files::Problems& problems);
+
+/// A smooth curve through samples at any times (cubic Hermite with the slopes of the neighbours), with holes where samples are missing.
+class SmoothSeries {
+ public:
+  SmoothSeries(std::span<const double> t_s, std::span<const double> values);
+
+  struct Value {
+    double value;
+    double slope_per_s;
+  };
+  /// Returns NaN outside the samples and in holes longer than three steps.
+  [[nodiscard]] Value at(double t_s) const;
+
+ private:
+  std::vector<double> t_s_;
+  std::vector<double> values_;
+  std::vector<double> slopes_;
+  double longest_step_s_ = 0.0;
+};
+
+}  // namespace dts::lab::compare

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <string>
+#include <vector>
+
+#include "cli/exit_status.h"
+#include "cli/json.h"
+#include "cli/table.h"
+#include "files/whole_file.h"
+#include "lab/base/command.h"
+#include "lab/base/problems.h"
+#include "lab/steadiness/steadiness_commands.h"
+#include "lab/steadiness/steadiness_model.h"
+#include "lab/steadiness/steadiness_rows.h"
+#include "lab/sway/sway_table.h"
+
+namespace dts::lab::steadiness {
+namespace {
+
+using sway::cell_text;
+
+struct ClassifyArguments {
+  std::string model;
+  std::string table;  ///< Written by `dtslab sway --table`.
+  std::string out;    ///< Empty: none.
+  bool is_json = false;
+};
+
+/// A row and the model's answer.
+struct Prediction {
+  SteadinessRow row;
+  Answer answer;
+};
+
+std::string outside_text(const Answer& answer, const std::string& separator) {
+  std::string text;
+  for (const auto measure : answer.outside) text += (text.empty() ? "" : separator) + std::string(posturography::info(measure).symbol);
+  return text;
+}
+
+std::string csv_text(const std::vector<Prediction>& predictions, const SteadinessModel& model) {
+  std::string text = "file,session,subject,trial,label";
+  for (const std::string& name : model.discriminant.classes) text += "," + cell_text("p_" + name);
+  text += ",outside\n";
+  for (const auto& [row, answer] : predictions) {
+    text += cell_text(row.file) + "," + cell_text(row.session) + "," + cell_text(row.subject) + "," + cell_text(row.trial) + ",";
+    if (answer.best) text += cell_text(model.discriminant.classes[*answer.best]);
+    for (std::size_t k = 0; k < model.discriminant.classes.size(); ++k) {
+      text += "," + (answer.best ? sway::number_text(answer.probabilities[k]) : std::string());
+    }
+    text += "," + outside_text(answer, "|") + "\n";
+  }
+  return text;
+}
+
+cli::Json to_json(const Prediction& prediction, const SteadinessModel& model) {
+  const auto& [row, answer] = prediction;
+  cli::Json json{{"line", row.line}};
+  if (!row.file.empty()) json["file"] = row.file;
+  if (!row.session.empty()) json["session"] = row.session;
+  if (!row.subject.empty()) json["subject"] = row.subject;
+  if (!row.trial.empty()) json["trial"] = row.trial;
+  if (answer.best) {
+    json["label"] = model.discriminant.classes[*answer.best];
+    for (std::size_t k = 0; k < answer.probabilities.size(); ++k)
+      json["probabilities"][model.discriminant.classes[k]] = answer.probabilities[k];
+  }
+  json["outside"] = cli::Json::array();
+  for (const auto measure : answer.outside) json["outside"].push_back(posturography::info(measure).symbol);
+  return json;
+}
+
+void print_predictions(const std::vector<Prediction>& predictions, const SteadinessModel& model, cli::Console& console) {
+  cli::Table table({"FILE", "SUBJECT", "TRIAL", "LABEL", ">PROBABILITY", "OUTSIDE OF TRAINING"});
+  for (const auto& [row, answer] : predictions) {
+    table.add({{row.file},
+               {row.subject},
+               {row.trial},
+               {answer.best ? model.discriminant.classes[*answer.best] : "-"},
+               {answer.best ? cli::decimal(answer.probabilities[*answer.best], 3) : "-"},
+               {outside_text(answer, " "), cli::Style::Warning}});
+  }
+  table.print(console);
+}
+
+void show(const std::vector<Prediction>& predictions, const SteadinessModel& model, const ClassifyArguments& arguments,
+          cli::Console& console) {
+  if (arguments.is_json) {
+    cli::Json json{{"model", arguments.model}, {"told", model.label}, {"predictions", cli::Json::array()}};
+    json["is_better_than_chance"] = model.is_better_than_chance;
+    for (const Prediction& prediction : predictions) json["predictions"].push_back(to_json(prediction, model));
+    console.out << cli::document(json);
+    return;
+  }
+  if (arguments.out.empty()) return print_predictions(predictions, model, console);
+  console.out << arguments.out << ": " << predictions.size() << " rows\n";
+}
+
+/// Prints reasons to doubt the answers.
+void tell_doubts(const std::vector<Prediction>& predictions, const SteadinessModel& model, cli::Console& console) {
+  std::size_t silent = 0;
+  std::size_t outside = 0;
+  std::size_t invalid = 0;
+  std::size_t differing = 0;
+  for (const auto& [row, answer] : predictions) {
+    if (!answer.best) ++silent;
+    if (!answer.outside.empty()) ++outside;
+    if (!row.is_valid) ++invalid;
+    if (!row.profile.empty() && !model.profile.empty() && row.profile != model.profile) ++differing;
+  }
+  const auto say = [&](std::size_t count, const std::string& text) {
+    if (count > 0) warn(console, std::to_string(count) + " of " + std::to_string(predictions.size()) + " rows " + text);
+  };
+  if (!model.is_better_than_chance) warn(console, "this model was no better than chance on people outside its training");
+  say(silent, "have no label: a measure that the model needs is missing or not above 0");
+  say(outside, "are outside the range of the training: their labels are guesses");
+  say(invalid, "are from subjects who stepped off or moved the feet");
+  say(differing, "were measured with another profile than '" + model.profile + "', with which the model was trained");
+}
+
+int run_classify(const ClassifyArguments& arguments, cli::Console& console) {
+  if (!arguments.out.empty()) {
+    if (const auto free = check_out(arguments.out, {arguments.table, arguments.model}); !free) return fail_with(console, free.error());
+  }
+  const auto model = read_model(arguments.model);
+  if (!model) return fail_with(console, model.error());
+  files::Problems problems;
+  std::vector<SteadinessRow> rows = read_rows(arguments.table, {}, problems);
+  if (!problems.empty()) return report_problems(console, problems);
+  std::vector<Prediction> predictions;
+  for (SteadinessRow& row : rows) {
+    Answer answer = classify(model->discriminant, row.measures);
+    predictions.push_back({std::move(row), std::move(answer)});
+  }
+  if (!arguments.out.empty()) {
+    if (const auto written = files::write_whole_file(arguments.out, csv_text(predictions, *model)); !written) {
+      return fail_with(console, written.error());
+    }
+  }
+  show(predictions, *model, arguments, console);
+  tell_doubts(predictions, *model, console);
+  return cli::kOk;
+}
+
+}  // namespace
+
+void add_classify(cli::CommandLine& line, CLI::App& steadiness) {
+  const auto [command, arguments] = add_command(line, steadiness, "classify", "Predict the label of each row of a table",
+                                                "dtslab steadiness classify eyes.json new.csv | a table\n"
+                                                "dtslab steadiness classify eyes.json new.csv --out pred.csv | write a file\n",
+                                                run_classify);
+  command.add_option("MODEL.json", arguments.model, "Made by dtslab steadiness train")->required()->option_text(" ");
+  command.add_option("TABLE.csv", arguments.table, "Table from dtslab sway --table, with the same profile and rate")
+      ->required()
+      ->option_text(" ");
+  command.add_option("--out", arguments.out, "File to write")->option_text("PRED.csv");
+  add_json(command, arguments.is_json);
+}
+
+}  // namespace dts::lab::steadiness

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Plain names of results and units.
+import { capitalised, spoken } from '../../parts/names';
+import { fixed } from '../../parts/numbers';
+import { strings } from '../../strings';
+
+const words = strings.sessions.resultNames;
+
+const wordOf = (key: string): string | undefined => (Object.hasOwn(words.words, key) ? words.words[key] : undefined);
+
+/** "range, front-back" for "RANGE_AP"; a symbol without a plain name is shown with spaces. */
+const measureName = (symbol: string): string => {
+  const axis = /_(AP|ML|RD|RES)(?=_|$)/.exec(symbol)?.[1];
+  const what = axis === undefined ? undefined : wordOf(symbol.replace(`_${axis}`, ''));
+  if (axis !== undefined && what !== undefined) return words.alongAxis(what, words.axes[axis] ?? axis);
+  return wordOf(symbol) ?? spoken(symbol);
+};
+
+/** "romberg/feet=two" and "eyes-open" in words. */
+const conditionName = (condition: string): string => {
+  const [first, ...stance] = condition.split('/');
+  return first === 'romberg' ? words.romberg(stance.join(', ').replaceAll('=', ' ').replaceAll(',', ', ')) : capitalised(spoken(condition));
+};
+
+/** Returns the plain name of a result: "Eyes open: range, front-back" for "eyes-open/RANGE_AP". */
+export const resultName = (name: string): string => {
+  const slash = name.lastIndexOf('/');
+  const measure = measureName(name.slice(slash + 1));
+  return slash < 0 ? capitalised(measure) : words.ofCondition(conditionName(name.slice(0, slash)), measure);
+};
+
+/** Returns the unit as people write it: "mm²" for "mm2", nothing for a plain number. */
+export const unitText = (unit: string): string => (Object.hasOwn(words.units, unit) ? (words.units[unit] ?? unit) : unit);
+
+const counted = new Set(['trials', 'targets']);
+
+/** Returns the value with three decimals, a count without. */
+export const resultValue = ({ name, value }: { readonly name: string; readonly value: number | undefined }): string => fixed(value, counted.has(name) ? 0 : 3);

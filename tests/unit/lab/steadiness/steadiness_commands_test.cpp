@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <random>
+
+#include "lab/sway/sway_table.h"
+#include "unit/lab/sway/sway_files.h"
+
+namespace dts::lab::steadiness {
+namespace {
+
+using posturography::Measure;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class SteadinessTest : public RunTest {
+ protected:
+  /// Trials of people with eyes open and closed; closed is `shift` standard deviations larger.
+  std::string table(const std::string& name, int people, double shift, bool has_subjects = true) {
+    std::mt19937_64 random(11);
+    std::normal_distribution<double> normal;
+    std::vector<sway::MeasuredTrial> trials;
+    for (int row = 0; row < 4 * people; ++row) {
+      const bool is_open = row % 2 == 0;
+      sway::MeasuredTrial trial{.file = "t" + std::to_string(row) + ".xdf"};
+      if (has_subjects) trial.subject = "S" + std::to_string(row / 4);
+      trial.labels = {{"eyes", is_open ? "open" : "closed"}};
+      trial.analysis = posturography::Analysis{.rate_hz = 100.0, .samples = 3000, .duration_s = 30.0};
+      for (const Measure measure : {Measure::Mvelo, Measure::Rdist, Measure::Pea95F}) {
+        trial.analysis->measures.set(measure, 8.0 * std::exp(0.2 * (normal(random) + (is_open ? 0.0 : shift))));
+      }
+      trials.push_back(std::move(trial));
+    }
+    trials.back().analysis->flags = posturography::sway_flag::kMoved;
+    return write(name, sway::table_text(trials));
+  }
+};
+
+TEST_F(SteadinessTest, SeparableLabels_AreLearntAndToldAgain) {
+  const std::string training = table("train.csv", 12, 6.0);
+
+  ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("eyes.json")}), cli::kOk) << talk();
+  EXPECT_THAT(out(), HasSubstr("Better than always predicting the most frequent label."));
+  EXPECT_THAT(out(), Not(HasSubstr("too few")));
+  EXPECT_THAT(talk(), HasSubstr("1 rows left out: the subject stepped off or moved the feet"));
+
+  ASSERT_EQ(run_with({"steadiness", "classify", path("eyes.json"), training, "--out", path("pred.csv")}), cli::kOk) << talk();
+  EXPECT_THAT(content("pred.csv"), ::testing::StartsWith("file,session,subject,trial,label,p_closed,p_open,outside\nt0.xdf,,S0,,open,"));
+  ASSERT_EQ(run_with({"steadiness", "classify", path("eyes.json"), training, "--json"}), cli::kOk);
+  ASSERT_EQ(json().at("predictions").size(), 48U);
+  EXPECT_EQ(json().at("predictions").at(1).at("label"), "closed");
+  ASSERT_EQ(run_with({"steadiness", "classify", path("eyes.json"), training}), cli::kOk);
+  EXPECT_THAT(out(), HasSubstr("PROBABILITY"));
+}
+
+TEST_F(SteadinessTest, RandomLabels_AreSaidToBeChance) {
+  ASSERT_EQ(run_with({"steadiness", "train", table("random.csv", 6, 0.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
+  EXPECT_THAT(out(), HasSubstr("No better than chance"));
+  EXPECT_THAT(out(), HasSubstr("Only 6 subjects: too few for any claim"));
+
+  ASSERT_EQ(run_with({"steadiness", "classify", path("m.json"), path("random.csv")}), cli::kOk);
+  EXPECT_THAT(talk(), HasSubstr("this model was no better than chance"));
+}
+
+TEST_F(SteadinessTest, RowsWithoutSubjects_AreSaidToFlatter) {
+  const std::string training = table("train.csv", 5, 6.0, false);
+
+  ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("m.json"), "--measures", "MVELO"}), cli::kOk)
+      << talk();
+  EXPECT_THAT(out(), HasSubstr("the results are too good"));
+  ASSERT_EQ(run_with({"steadiness", "train", training, "--label", "eyes", "--out", path("m.json"), "--json"}), cli::kOk);
+  EXPECT_EQ(json().at("rows_without_subject"), 19);
+  EXPECT_EQ(json().at("is_of_too_few_subjects"), true);
+  EXPECT_EQ(json().at("measures").size(), 3U);
+}
+
+TEST_F(SteadinessTest, RowsOutsideOfTraining_AreMarked) {
+  ASSERT_EQ(run_with({"steadiness", "train", table("train.csv", 10, 6.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
+  const std::string other = write("other.csv", "file,profile,MVELO,RDIST,PEA95_F\nfar.csv,asis,900,8,8\nholes.csv,lp10,8,,8\n");
+
+  ASSERT_EQ(run_with({"steadiness", "classify", path("m.json"), other, "--json"}), cli::kOk) << talk();
+
+  EXPECT_THAT(json().at("predictions").at(0).at("outside"), ::testing::ElementsAre("MVELO"));
+  EXPECT_FALSE(json().at("predictions").at(1).contains("label"));
+  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows are outside"));
+  EXPECT_THAT(talk(), HasSubstr("1 of 2 rows have no label"));
+  EXPECT_THAT(talk(), HasSubstr("another profile than 'lp10'"));
+}
+
+TEST_F(SteadinessTest, PredictionsForNamesOfFormulas_AreText) {
+  ASSERT_EQ(run_with({"steadiness", "train", table("train.csv", 10, 6.0), "--label", "eyes", "--out", path("m.json")}), cli::kOk) << talk();
+  const std::string other = write("other.csv", "file,subject,MVELO,RDIST,PEA95_F\n=far.csv,@S1,8,8,8\n");
+
+  ASSERT_EQ(run_with({"steadiness", "classify", path("m.json"), other, "--out", path("pred.csv")}), cli::kOk) << talk();
+
+  EXPECT_THAT(content("pred.csv"), HasSubstr("\n'=far.csv,,'@S1,,"));
+}
+
+TEST_F(SteadinessTest, BadInput_ExitsWithTwo) {
+  const std::string training = table("train.csv", 3, 1.0);
+  const std::string bad = write("bad.csv", "eyes,MVELO\nopen,fast\n");
+  const std::string model = write("m.json", "{\"kind\": 3}");
+  const std::string left_out = "warning: 1 rows left out: the subject stepped off or moved the feet\n";
+  const auto train = [](const std::string& from, const std::string& label, const std::string& out, const std::string& measures) {
+    return std::vector<std::string>{"steadiness", "train", from, "--label", label, "--out", out, "--measures", measures};
+  };
+  for (const auto& [words, says] :
+       {std::pair(train(training, "eye", path("n.json"), "MVELO"),
+                  std::string("train.csv:1:1: column 'eye' is missing; dtslab sway FILES --label eye=... adds it\n")),
+        {train(training, "eyes", path("n.json"), "SPEED"),
+         left_out + "dtslab: unknown measure 'SPEED'\n  try: write symbols such as MVELO,PEA95_F; dtslab sway --help lists them\n"},
+        {train(training, "eyes", path("n.json"), "MFREQ"),
+         left_out + "dtslab: MFREQ is missing in line 2\n  try: choose another measure, or remove the row\n"},
+        {train(training, "profile", path("n.json"), "MVELO"),
+         left_out + "dtslab: the column has fewer than two different labels\n  try: choose another column with --label\n"},
+        {train(training, "eyes", training, "MVELO"), "dtslab: train.csv is the input file train.csv\n  try: write to another file\n"},
+        {train(bad, "eyes", path("n.json"), "MVELO"), "bad.csv:2:6: MVELO: 'fast' is not a finite number\n"},
+        {{"steadiness", "classify", model, training},
+         "dtslab: m.json is not a model of dtslab steadiness train: 'kind' is not a text\n  try: train a new model: dtslab steadiness "
+         "train\n"},
+        {{"steadiness", "classify", path("none.json"), training}, "dtslab: none.json cannot be read\n  try: give an existing file\n"}}) {
+    EXPECT_EQ(refusal_of(words), says);
+  }
+  EXPECT_FALSE(std::filesystem::exists(path("n.json")));
+}
+
+}  // namespace
+}  // namespace dts::lab::steadiness

@@ -236,7 +236,7 @@ core::Status run_daemon(const DaemonConfig& config, std::vector<std::unique_ptr<
   zmq::context_t context(config.network ? 2 : 1);  // network threads: the second one serves other machines (ipc::bind_remote)
   // Not with [network]: the policy applies to all threads of libzmq, and work caused by remote clients must not delay the recorder.
   if (!config.network) schedule_zmq(context, config.realtime.policy(3));
-  auto sockets = Sockets::bind(context, config, keys, clock, subscriber_queue(supervisor.rigs()));
+  auto sockets = Sockets::bind(context, config, keys, clock, subscriber_queue(supervisor.rigs()), log);
   if (!sockets) return tl::make_unexpected(sockets.error());
   ipc::PublishThread publisher(std::move(sockets->data), bell, supervisor.rigs(), clock, identity.instance_id);
   for (std::string& refused : publisher.start(config.realtime.policy(2))) notices.push_back(std::move(refused));

@@ -4,10 +4,35 @@
 #include <optional>
 #include <utility>
 
+#include "ipc/local_publisher.h"
+#include "ipc/split_socket.h"
+#include "ipc/xpub_socket.h"
+
 namespace dts::app {
+namespace {
+
+/// Local subscribers connect to a publisher of our own, other machines to libzmq, which has CURVE. A local address that is no Unix socket
+/// (tcp://127.0.0.1) is libzmq's too.
+core::Result<std::unique_ptr<ipc::DataSocket>> bind_data(zmq::context_t& context, const std::string& endpoint,
+                                                         const std::optional<ipc::RemoteEndpoint>& remote, const core::Clock& clock,
+                                                         int queue_messages, const core::Log& log) {
+  if (!endpoint.starts_with("ipc://")) {
+    auto socket = ipc::XpubSocket::bind(context, endpoint, queue_messages, remote);
+    if (!socket) return tl::make_unexpected(socket.error());
+    return std::move(*socket);
+  }
+  auto local = ipc::LocalPublisher::bind(endpoint, clock, log);
+  if (!local) return tl::make_unexpected(local.error());
+  if (!remote) return std::move(*local);
+  auto socket = ipc::XpubSocket::bind(context, "", queue_messages, remote);
+  if (!socket) return tl::make_unexpected(socket.error());
+  return std::make_unique<ipc::SplitSocket>(std::move(*local), std::move(*socket));
+}
+
+}  // namespace
 
 core::Result<Sockets> Sockets::bind(zmq::context_t& context, const DaemonConfig& config, const access::KeyStore* keys, core::Clock& clock,
-                                    int queue_messages) {
+                                    int queue_messages, const core::Log& log) {
   Sockets sockets;
   std::optional<ipc::RemoteEndpoint> remote_data;
   if (config.network) {
@@ -16,7 +41,7 @@ core::Result<Sockets> Sockets::bind(zmq::context_t& context, const DaemonConfig&
     sockets.authenticator = std::move(*authenticator);
     remote_data = ipc::RemoteEndpoint{config.network->data_endpoint, keys->server()};
   }
-  auto data = ipc::XpubSocket::bind(context, config.data_endpoint, queue_messages, remote_data);
+  auto data = bind_data(context, config.data_endpoint, remote_data, clock, queue_messages, log);
   if (!data) return tl::make_unexpected(data.error());
   sockets.data = std::move(*data);
   auto local = ipc::ControlSocket::bind(context, config.control_endpoint);

@@ -9,7 +9,7 @@
 #include "app/config.h"
 #include "ipc/control_socket.h"
 #include "ipc/key_commands.h"
-#include "ipc/xpub_socket.h"
+#include "ipc/data_socket.h"
 
 namespace dts::app {
 
@@ -17,13 +17,13 @@ namespace dts::app {
 /// destroyed last, because libzmq accepts every client without it.
 struct Sockets {
   std::unique_ptr<access::Authenticator> authenticator;  ///< Only with [network].
-  std::unique_ptr<ipc::XpubSocket> data;
+  std::unique_ptr<ipc::DataSocket> data;
   std::vector<ipc::ControlSocket> control;
 
-  /// Binds all sockets, or fails with the one that cannot be bound. `queue_messages`: size of each subscriber's queue. `keys` (nullptr
-  /// without [network]) and `clock` must outlive the sockets.
+  /// Binds all sockets, or fails with the one that cannot be bound. `queue_messages`: size of the queue of each subscriber that libzmq serves.
+  /// `keys` (nullptr without [network]) and `clock` must outlive the sockets.
   [[nodiscard]] static core::Result<Sockets> bind(zmq::context_t& context, const DaemonConfig& config, const access::KeyStore* keys,
-                                                  core::Clock& clock, int queue_messages);
+                                                  core::Clock& clock, int queue_messages, const core::Log& log);
 };
 
 /// Returns the addresses to which clients with keys connect; empty without [network].

@@ -7,15 +7,15 @@
 
 namespace dts::ipc {
 
-/// The sending end of the data bus. libzmq's XPUB is the reference; a replacement must use the same topics.
-/// Thread: publish, for all functions.
+/// The sending end of the data bus, as a SUB socket of ZeroMQ sees it. Thread: publish, for all functions.
 class DataSocket {
  public:
   virtual ~DataSocket() = default;
 
-  /// Sends one message to every subscriber of a prefix of `topic`. Never blocks: drops the message for a subscriber whose queue is full,
-  /// and that subscriber sees the drop in the sequence numbers.
+  /// Sends one message to every subscriber of a prefix of `topic`, at the latest at the next `flush`. Never blocks: drops the message for a
+  /// subscriber whose queue is full, and that subscriber sees the drop in the sequence numbers.
   virtual void send(std::string_view topic, const google::protobuf::MessageLite& message) = 0;
+  virtual void flush() {}
   /// Sleeps until the descriptor `bell_fd` is readable, a subscriber's message arrives, or the timeout ends.
   virtual void wait(int bell_fd, int timeout_ms) = 0;
   /// Handles a bounded number of subscribers' messages if the last `wait` saw any. Returns true if there was a new subscription.

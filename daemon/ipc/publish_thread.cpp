@@ -89,7 +89,10 @@ void PublishThread::run(const std::stop_token& stop) {
     // Tries once per request. The control thread retries.
     if (is_drop_due_.exchange(false, std::memory_order_acq_rel))
       is_remote_down_.store(!socket_->drop_remote_peers(), std::memory_order_relaxed);
-    for (Source& source : sources_) publish(source);
+    for (Source& source : sources_) {
+      publish(source);
+      socket_->flush();
+    }
     send_outbox();
     is_retained_due_ = socket_->take_subscriptions() || is_retained_due_;
     if (is_retained_due_) send_retained();
@@ -161,6 +164,7 @@ void PublishThread::send_outbox() {
       retained_.push_back(std::move(outgoing));
     }
   }
+  socket_->flush();
 }
 
 void PublishThread::send_retained() {
@@ -169,6 +173,7 @@ void PublishThread::send_retained() {
   retained_sent_ns_ = now_ns;
   is_retained_due_ = false;
   for (const Outgoing& outgoing : retained_) socket_->send(outgoing.topic, *outgoing.message);
+  socket_->flush();
 }
 
 }  // namespace dts::ipc

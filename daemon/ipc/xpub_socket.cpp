@@ -19,8 +19,10 @@ constexpr int kSubscriptionsPerTurn = 64;
 
 core::Result<std::unique_ptr<XpubSocket>> XpubSocket::bind(zmq::context_t& context, const std::string& endpoint, int queue_messages,
                                                            const std::optional<RemoteEndpoint>& remote) {
-  if (auto valid = check_endpoint(endpoint); !valid) return tl::make_unexpected(valid.error());
-  if (auto free = check_not_in_use(endpoint); !free) return tl::make_unexpected(free.error());
+  if (!endpoint.empty()) {
+    if (auto valid = check_endpoint(endpoint); !valid) return tl::make_unexpected(valid.error());
+    if (auto free = check_not_in_use(endpoint); !free) return tl::make_unexpected(free.error());
+  }
   if (remote) {
     if (auto valid = check_remote_endpoint(remote->endpoint); !valid) return tl::make_unexpected(valid.error());
   }
@@ -33,7 +35,7 @@ core::Result<std::unique_ptr<XpubSocket>> XpubSocket::bind(zmq::context_t& conte
     socket.set(zmq::sockopt::xpub_verbose, true);  // reports every subscription, so that each subscriber gets the retained messages
     socket.set(zmq::sockopt::handshake_ivl, kHandshakeMs);
     use_local_thread(socket);
-    socket.bind(endpoint);
+    if (!endpoint.empty()) socket.bind(endpoint);
     std::string bound;
     if (remote) {
       trying = remote->endpoint;
@@ -66,8 +68,7 @@ bool XpubSocket::has_input() {
 // socket's descriptor is edge-triggered (zmq_getsockopt(3), ZMQ_FD), and a send may have consumed the edge: so check the socket before
 // sleeping.
 void XpubSocket::wait(int bell_fd, int timeout_ms) {
-  has_input_ = has_input();
-  if (has_input_) return;
+  if (look()) return;
   std::array<pollfd, 2> waited{{{.fd = socket_fd_, .events = POLLIN, .revents = 0}, {.fd = bell_fd, .events = POLLIN, .revents = 0}}};
   ::poll(waited.data(), waited.size(), timeout_ms);
   has_input_ = waited.front().revents != 0;

@@ -148,7 +148,7 @@ class Producer {
     rig_ = rig.get();
     need(supervisor_.add(std::move(rig)));
     schedule_zmq(context_, arguments, std::max(0, fifo_priority - 3));
-    auto xpub = need(ipc::XpubSocket::bind(context_, arguments.text("ep", kDefaultEndpoint), subscriber_queue()));
+    auto xpub = need(ipc::LocalPublisher::bind(arguments.text("ep", kDefaultEndpoint), clock_, core::Log()));
     auto timed = std::make_unique<TimedSocket>(std::move(xpub), plan.warm_scans(), config_.rate, clock_, figures_);
     publisher_.emplace(std::move(timed), bell_, supervisor_.rigs(), clock_, kInstance);
     for (const std::string& refused : publisher_->start(policy(arguments, fifo_priority, 2))) std::fprintf(stderr, "%s\n", refused.c_str());

@@ -33,6 +33,7 @@ class TimedSocket final : public ipc::DataSocket {
     figures_.send.add_ns(clock_.now_ns() - before_ns);
     figures_.age.add_ns(before_ns - block->host_time_ns() - rate_.time_ns({block->scan_count() - 1}));
   }
+  void flush() override { socket_->flush(); }
   void wait(int bell_fd, int timeout_ms) override { socket_->wait(bell_fd, timeout_ms); }
   [[nodiscard]] bool take_subscriptions() override { return socket_->take_subscriptions(); }
   [[nodiscard]] bool drop_remote_peers() noexcept override { return socket_->drop_remote_peers(); }

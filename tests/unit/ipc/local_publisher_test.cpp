@@ -1,0 +1,333 @@
+// SPDX-License-Identifier: Apache-2.0
+// The local data socket: with libzmq's SUB sockets, and with peers that a test scripts byte by byte.
+#include "ipc/local_publisher.h"
+
+#include <gmock/gmock.h>
+#include <poll.h>
+#include <spdlog/logger.h>
+#include <spdlog/sinks/ostream_sink.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <functional>
+#include <sstream>
+#include <string>
+#include <vector>
+#include <zmq.hpp>
+
+#include "core/doorbell.h"
+#include "dts/v1/stream.pb.h"
+#include "dts/zmtp/zmtp.h"
+#include "unit/record/xdf_fixture.h"
+
+namespace dts::ipc {
+namespace {
+
+using testing::HasSubstr;
+
+std::string frame(const std::string& body, bool has_more = false) {
+  std::string bytes;
+  zmtp::append_frame(bytes, body, has_more);
+  return bytes;
+}
+std::string command(const std::string& name, const std::string& data) {
+  std::string bytes;
+  zmtp::append_command(bytes, name, data);
+  return bytes;
+}
+std::string ready(const std::string& type) {
+  std::string bytes;
+  zmtp::append_ready(bytes, type);
+  return bytes;
+}
+dts::v1::Event event(std::uint64_t scan) {
+  dts::v1::Event made;
+  made.set_scan(scan);
+  return made;
+}
+std::string message(const std::string& topic, const dts::v1::Event& sent) { return frame(topic, true) + frame(sent.SerializeAsString()); }
+const std::string kOpening = zmtp::greeting() + ready("SUB");
+const std::string kAnswer = zmtp::greeting() + ready("XPUB");
+
+/// A connection that sends what a test wants.
+class RawPeer {
+ public:
+  explicit RawPeer(const std::string& path) : fd_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    EXPECT_EQ(::connect(fd_, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  }
+  ~RawPeer() { ::close(fd_); }
+  RawPeer(RawPeer&& other) noexcept : fd_(std::exchange(other.fd_, -1)) {}
+  RawPeer& operator=(RawPeer&&) = delete;
+
+  /// Returns false if the other side has closed the connection.
+  [[nodiscard]] bool send(const std::string& bytes) const {
+    return ::send(fd_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT) == static_cast<ssize_t>(bytes.size());
+  }
+  /// Returns what has arrived, without waiting.
+  std::string received() const {
+    std::string bytes(std::size_t{4} << 20U, '\0');
+    const ssize_t count = ::recv(fd_, bytes.data(), bytes.size(), MSG_DONTWAIT);
+    bytes.resize(static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    return bytes;
+  }
+  /// Returns everything until the other side closes or nothing more arrives.
+  std::string all_received() const {
+    std::string all;
+    for (std::string more = received(); !more.empty(); more = received()) all += more;
+    return all;
+  }
+  [[nodiscard]] bool is_closed() const {
+    pollfd waited{.fd = fd_, .events = POLLIN | POLLRDHUP, .revents = 0};
+    return ::poll(&waited, 1, 0) == 1 && (waited.revents & (POLLHUP | POLLRDHUP)) != 0;
+  }
+
+ private:
+  int fd_;
+};
+
+class LocalPublisherTest : public testing::Test {
+ protected:
+  /// Lets the publish thread take a turn; returns whether there was a new subscription.
+  bool turn(int timeout_ms = 0) {
+    publisher_->wait(bell_.fd(), timeout_ms);
+    return publisher_->take_subscriptions();
+  }
+  /// Turns until everything that peers have sent so far is processed.
+  bool turns(int count = 50) {
+    bool has_new = false;
+    for (int i = 0; i < count; ++i) has_new |= turn();
+    return has_new;
+  }
+  [[nodiscard]] bool turn_until(const std::function<bool()>& condition) {
+    for (int i = 0; i < 1000; ++i) {
+      if (condition()) return true;
+      turn(10);
+    }
+    return false;
+  }
+  void publish(const std::string& topic, const dts::v1::Event& sent) {
+    publisher_->send(topic, sent);
+    publisher_->flush();
+  }
+  RawPeer subscriber(const std::string& prefix) {
+    RawPeer peer(path_);
+    EXPECT_TRUE(peer.send(kOpening + frame("\1" + prefix)));
+    EXPECT_TRUE(turns());
+    EXPECT_EQ(peer.received(), kAnswer);
+    return peer;
+  }
+
+  record::xdf_test::Folder folder_;
+  std::string path_ = folder_ / "data";
+  core::VirtualClock clock_{1'000'000'000};
+  core::Doorbell bell_;
+  std::ostringstream said_;
+  core::Log log_{std::make_shared<spdlog::logger>("test", std::make_shared<spdlog::sinks::ostream_sink_mt>(said_))};
+  std::unique_ptr<LocalPublisher> publisher_ = LocalPublisher::bind("ipc://" + path_, clock_, log_).value();
+};
+
+TEST_F(LocalPublisherTest, SubSocketsOfLibzmq_AreServedWhatTheySubscribe) {
+  zmq::context_t context;
+  zmq::socket_t subscriber(context, zmq::socket_type::sub);
+  subscriber.set(zmq::sockopt::rcvtimeo, 10'000);
+  subscriber.set(zmq::sockopt::heartbeat_ivl, 10);
+  subscriber.set(zmq::sockopt::subscribe, "floor/");
+  subscriber.connect("ipc://" + path_);
+  bool has_new = false;
+  ASSERT_TRUE(turn_until([&] { return has_new |= turn(); }));
+  EXPECT_FALSE(turn()) << "once is enough";
+  const auto receives = [&](const std::string& topic, std::uint64_t scan) {
+    zmq::message_t parts[2];
+    for (auto& part : parts) ASSERT_TRUE(subscriber.recv(part));
+    EXPECT_EQ(parts[0].to_string(), topic);
+    EXPECT_EQ(parts[1].to_string(), event(scan).SerializeAsString());
+  };
+  publish("chair/gap", event(1));
+  publish("floor/gap", event(2));
+  receives("floor/gap", 2);
+
+  subscriber.set(zmq::sockopt::unsubscribe, "floor/");
+  subscriber.set(zmq::sockopt::subscribe, "chair/");
+  ASSERT_TRUE(turn_until([&] { return turn(); }));
+  publish("floor/gap", event(3));
+  publish("chair/gap", event(4));
+  receives("chair/gap", 4);
+
+  dts::v1::Event large;
+  large.mutable_marker()->set_text(std::string(1'000'000, 'x'));
+  publisher_->send("chair/marker", large);
+  publisher_->flush();
+  ASSERT_TRUE(turn_until([&] {
+    zmq::pollitem_t item{.socket = subscriber.handle(), .fd = 0, .events = ZMQ_POLLIN, .revents = 0};
+    return zmq::poll(&item, 1, std::chrono::milliseconds(0)) > 0;
+  }));
+  zmq::message_t parts[2];
+  for (auto& part : parts) ASSERT_TRUE(subscriber.recv(part));
+  EXPECT_EQ(parts[1].to_string(), large.SerializeAsString()) << "longer than a queue, but the queue was empty";
+
+  for (int i = 0; i < 20; ++i) turn(10);  // heartbeats are answered: the connection stays
+  EXPECT_EQ(publisher_->peers(), 1U);
+  subscriber.close();
+  EXPECT_TRUE(turn_until([&] { return publisher_->peers() == 0; }));
+}
+
+TEST_F(LocalPublisherTest, HandshakeByteByByte_IsUnderstood) {
+  const RawPeer peer(path_);
+  for (const char byte : kOpening + frame("\1a") + command("PING", std::string("\0\x0a", 2) + "now")) {
+    ASSERT_TRUE(peer.send(std::string(1, byte)));
+    turn();
+    turn();
+  }
+  publish("abc", event(7));
+  EXPECT_EQ(peer.all_received(), kAnswer + command("PONG", "now") + message("abc", event(7)));
+}
+
+TEST_F(LocalPublisherTest, Subscriptions_AreASetOfPrefixes) {
+  const RawPeer peer = subscriber("a");
+  const auto after = [&](const std::string& change, const std::string& topic) {
+    EXPECT_TRUE(peer.send(change));
+    turns();
+    publish(topic, event(1));
+    return !peer.all_received().empty();
+  };
+  EXPECT_TRUE(after(frame("\1a"), "a/b")) << "twice is once";
+  EXPECT_FALSE(after(frame(std::string("\0a", 2)), "a/b"));
+  EXPECT_FALSE(after(frame(std::string("\0never", 6)), "a/b"));
+  EXPECT_TRUE(after(frame("\1"), "a/b")) << "an empty prefix is everything";
+  EXPECT_FALSE(after(frame(std::string("\0", 1)), "a/b"));
+  EXPECT_TRUE(after(command("SUBSCRIBE", "a/"), "a/b")) << "as peers of ZMTP 3.1 do";
+  EXPECT_FALSE(after("", "a")) << "a longer prefix";
+  EXPECT_FALSE(after(command("CANCEL", "a/"), "a/b"));
+  EXPECT_FALSE(after(frame("\1a", true) + frame("rest"), "a/b")) << "a message of two frames is no subscription";
+  EXPECT_FALSE(after(frame("user message") + frame("") + command("OTHER", "x"), "a/b"));
+  EXPECT_TRUE(after(frame("\1a"), "a/b"));
+}
+
+TEST_F(LocalPublisherTest, PeerThatBreaksTheProtocol_IsDisconnectedAndOthersAreNot) {
+  const RawPeer good = subscriber("");
+  for (const std::string& broken : std::vector<std::string>{
+           "GET / HTTP/1.1\r\n\r\n", zmtp::greeting() + frame("no command"), zmtp::greeting() + ready("REQ"),
+           zmtp::greeting() + command("READY", "damaged"), zmtp::greeting() + std::string(1, '\4') + "\xff" + std::string(255, 'x'),
+           kOpening + frame("\1" + std::string(201, 'x')), kOpening + frame(std::string(600, 'x')), kOpening + std::string("\xf0\0", 2),
+           kOpening + command("ERROR", "bye"), kOpening + std::string("\x02\xff\xff\xff\xff\xff\xff\xff\xff", 9)}) {
+    const RawPeer bad(path_);
+    static_cast<void>(bad.send(broken));
+    turns(10);
+    EXPECT_EQ(publisher_->peers(), 1U) << broken;
+    EXPECT_FALSE(good.is_closed());
+  }
+  publish("a", event(1));
+  EXPECT_EQ(good.received(), message("a", event(1)));
+}
+
+TEST_F(LocalPublisherTest, FloodOfSubscriptions_EndsThePeerAndOthersMissNothing) {
+  const RawPeer good = subscriber("floor/");
+  std::string flood = kOpening;
+  for (std::size_t i = 0; i < LocalPublisher::kMostSubscriptions; ++i) flood += frame("\1" + std::to_string(i));
+  const RawPeer flooder(path_);
+  ASSERT_TRUE(flooder.send(flood));
+  std::string expected;
+  for (std::uint64_t scan = 0; scan < 20; ++scan) {
+    turn();
+    publish("floor/cop", event(scan));
+    expected += message("floor/cop", event(scan));
+  }
+  EXPECT_EQ(publisher_->peers(), 2U) << "as many as allowed";
+  EXPECT_EQ(said_.str(), "");
+  ASSERT_TRUE(flooder.send(frame("\1one too many")));
+  turns();
+  EXPECT_EQ(publisher_->peers(), 1U);
+  EXPECT_THAT(said_.str(), HasSubstr("a client of the data socket (process " + std::to_string(::getpid()) +
+                                     ") was disconnected: a client may have 256 subscriptions of up to 200 bytes"));
+  EXPECT_EQ(good.all_received(), expected);
+}
+
+TEST_F(LocalPublisherTest, SubscriberThatDoesNotRead_LosesWholeMessagesAndDelaysNobody) {
+  const RawPeer stopped = subscriber("a");
+  const RawPeer good = subscriber("a");
+  dts::v1::Event sent;
+  sent.mutable_marker()->set_text(std::string(10'000, 'x'));
+  std::string one;
+  for (std::uint64_t scan = 1; scan <= 200; ++scan) {
+    sent.set_scan(scan);
+    publish("a", sent);
+    turn();
+    one = message("a", sent);
+    EXPECT_EQ(good.received(), one) << scan;
+  }
+  const std::uint64_t dropped = publisher_->dropped();
+  EXPECT_GT(dropped, 100U);
+  // It reads again: what was queued arrives whole, as much as was not dropped.
+  std::string rest;
+  for (int i = 0; i < 1000; ++i) {
+    rest += stopped.all_received();
+    turn();
+  }
+  EXPECT_EQ(rest.size() / one.size(), 200U - dropped);
+  sent.set_scan(201);
+  publish("a", sent);
+  EXPECT_EQ(stopped.received(), message("a", sent));
+}
+
+TEST_F(LocalPublisherTest, PeerThatDoesNotFinishItsHandshake_IsLeft) {
+  const RawPeer good = subscriber("a");
+  const RawPeer silent(path_);
+  const RawPeer slow(path_);
+  ASSERT_TRUE(slow.send(zmtp::greeting()));
+  turns();
+  EXPECT_EQ(publisher_->peers(), 3U);
+  clock_.advance_ns(LocalPublisher::kHandshakeNs);
+  turn();
+  EXPECT_EQ(publisher_->peers(), 3U);
+  clock_.advance_ns(1);
+  turn();
+  EXPECT_EQ(publisher_->peers(), 1U);
+  clock_.advance_ns(100 * LocalPublisher::kHandshakeNs);
+  turn();
+  EXPECT_EQ(publisher_->peers(), 1U) << "an open connection has no time limit";
+}
+
+TEST_F(LocalPublisherTest, MoreConnectionsThanAProcessMayHave_AreClosedAndTheOthersServed) {
+  const RawPeer good = subscriber("a");
+  std::vector<RawPeer> many;
+  for (std::size_t i = 0; i < LocalPublisher::kMostPeersOfAProcess + 10; ++i) {
+    many.emplace_back(path_);
+    turn();
+  }
+  turns();
+  EXPECT_EQ(publisher_->peers(), LocalPublisher::kMostPeersOfAProcess);
+  EXPECT_TRUE(many.back().is_closed());
+  EXPECT_THAT(said_.str(), HasSubstr("the data socket rejects connections: it serves 256, and 64 of one process"));
+  publish("a", event(1));
+  EXPECT_EQ(good.received(), message("a", event(1)));
+  many.clear();
+  EXPECT_TRUE(turn_until([&] { return publisher_->peers() == 1; }));
+  const RawPeer later = subscriber("a");
+}
+
+TEST_F(LocalPublisherTest, AddressInUse_IsRefusedAndALeftOverFileIsReplaced) {
+  const auto second = LocalPublisher::bind("ipc://" + path_, clock_, log_);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().code, core::ErrorCode::WrongState);
+  publisher_.reset();
+  publisher_ = LocalPublisher::bind("ipc://" + path_, clock_, log_).value();
+  const RawPeer peer = subscriber("a");
+  EXPECT_FALSE(LocalPublisher::bind("tcp://0.0.0.0:5555", clock_, log_));
+  const auto nowhere = LocalPublisher::bind("ipc:///nonexistent-folder/data", clock_, log_);
+  ASSERT_FALSE(nowhere);
+  EXPECT_THAT(nowhere.error().what, HasSubstr("data socket ipc:///nonexistent-folder/data cannot be bound"));
+}
+
+TEST_F(LocalPublisherTest, Bell_EndsTheWait) {
+  bell_.ring();
+  publisher_->wait(bell_.fd(), 60'000);
+  EXPECT_FALSE(publisher_->take_subscriptions());
+  bell_.clear();
+}
+
+}  // namespace
+}  // namespace dts::ipc

@@ -5,6 +5,7 @@ A mutant is a piece of source text and what replaces it, such as "a < b" and "a 
 mutant compiles in nearly every case, and text in comments, strings, templates' arguments and constants of the type system is left alone.
 """
 import bisect
+import ctypes
 import re
 
 import clang.cindex as cindex
@@ -31,6 +32,16 @@ CONSTANT = {Kind.STATIC_ASSERT, Kind.ENUM_DECL, Kind.TEMPLATE_TYPE_PARAMETER, Ki
             Kind.PARM_DECL, Kind.FIELD_DECL}
 # Text that is not worth a test: what the log says.
 UNTESTED = re.compile(r"^(core::)?log\w*\s*[(.]|^(core::)?(info|warn|debug|error|critical)\(|spdlog::|\.(info|warn|debug|error|critical)\(")
+
+# An expression that begins with one of our macros: only what is written in its arguments is a place.
+MACRO = re.compile(rb"DTS_[A-Z_]+\(")
+
+
+def written_at(location) -> tuple[str | None, int]:
+    """The file, and the byte in it. For an argument of a macro, where the argument is written; `location.offset` is that of the macro."""
+    file, line, column, offset = cindex.c_object_p(), ctypes.c_uint(), ctypes.c_uint(), ctypes.c_uint()
+    cindex.conf.lib.clang_getFileLocation(location, *map(ctypes.byref, (file, line, column, offset)))
+    return cindex.File(file).name if file else None, offset.value
 
 
 class Finder:
@@ -125,12 +136,20 @@ class Finder:
     def visit_statement(self, cursor):
         while cursor.kind == Kind.UNEXPOSED_EXPR and len(list(cursor.get_children())) == 1:
             cursor = next(cursor.get_children())
+        if cursor.kind == Kind.DO_STMT:
+            self.visit_check(cursor)
         if cursor.kind in (Kind.CALL_EXPR, Kind.COMPOUND_ASSIGNMENT_OPERATOR, Kind.UNARY_OPERATOR) or (
                 cursor.kind == Kind.BINARY_OPERATOR and self.operator(cursor, list(cursor.get_children())) == "="):
             begin, end = self.extent(cursor)
             if begin < 0 or not self.text[end:end + 1] == b";" or UNTESTED.search(self.text[begin:end].decode()):
                 return
             self.add(cursor, "statement", "", "statement")
+
+    def visit_check(self, cursor):
+        """DTS_TRY(f());  The mutant does not call f."""
+        begin, end = written_at(cursor.extent.start)[1], written_at(cursor.extent.end)[1]
+        if self.text.startswith(b"DTS_TRY(", begin) and self.text[end - 1:end + 1] == b");":
+            self.found.append(Mutant(self.path, bisect.bisect(self.lines, begin), begin, end, "error check", "", "statement"))
 
     def visit_if(self, cursor, children):
         if self.text[self.extent(cursor)[0]:].startswith((b"if constexpr", b"if consteval")):
@@ -227,12 +246,10 @@ class Finder:
 
     def extent(self, cursor) -> tuple[int, int]:
         """In bytes; (-1, -1) for what a macro made."""
-        start, end = cursor.extent.start, cursor.extent.end
-        if start.file is None or end.file is None or start.file.name != self.absolute or end.file.name != self.absolute:
+        (start_file, begin), (end_file, end) = written_at(cursor.extent.start), written_at(cursor.extent.end)
+        if start_file != self.absolute or end_file != self.absolute or begin >= end or MACRO.match(self.text, begin):
             return -1, -1
-        if start.offset >= end.offset:
-            return -1, -1
-        return start.offset, end.offset
+        return begin, end
 
     def source(self, cursor) -> str:
         begin, end = self.extent(cursor)

@@ -6,7 +6,7 @@
 
 // The macros of the daemon's core/result.h, which a client must not include. Keep them equal.
 
-/// Evaluates the expression once. If it is an error, returns that error from the function; otherwise goes on. A value is dropped.
+/// Evaluates the expression once. If it is an error, returns that error from the function; otherwise continues. A value is dropped.
 ///
 ///     DTS_TRY(check(request));
 ///

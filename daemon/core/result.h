@@ -53,7 +53,7 @@ using Status = Result<void>;
 
 }  // namespace dts::core
 
-/// Evaluates the expression once. If it is an error, returns that error from the function; otherwise goes on. A value is dropped.
+/// Evaluates the expression once. If it is an error, returns that error from the function; otherwise continues. A value is dropped.
 ///
 ///     DTS_TRY(check(request));
 ///
